@@ -1,0 +1,471 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// sfdae for C++17 and later: a header-only wrapper of sfdae.h, which has the meaning of everything here.
+//
+//  - Failures are thrown as sfdae::Error, remarks (> 0) and SFDAE_OK are returned.
+//  - An exception thrown in a callback or in the monitor stops the call and leaves it unchanged.
+//  - Results are the structs of sfdae.h, already initialised; matrices are column-major, indices count from 0.
+//
+//     sfdae::LinearProblem problem(2, 2);
+//     problem.E = [](double t, int order, sfdae::MatrixRef E) { if (order == 0) E(1, 0) = 1, E(1, 1) = -t; ... };
+//     problem.A = ...;
+//     sfdae::Solver solver(problem);
+//     sfdae::Point point{0.0, {1.0, 1.0}, {}};
+//     solver.start(point, 10.0);
+//     solver.advance(10.0, point);
+#ifndef SFDAE_SFDAE_HPP
+#define SFDAE_SFDAE_HPP
+
+#include <sfdae/sfdae.h>
+
+#include <cstddef>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace sfdae {
+
+using Characteristics = sfdae_characteristics;
+using Decision = sfdae_decision;
+using Change = sfdae_change;
+using InitialReport = sfdae_initial_report;
+using Statistics = sfdae_statistics;
+using DerivativeCheck = sfdae_derivative_check;
+using Progress = sfdae_progress;
+
+/// Version of the library that is running.
+inline const char* version() noexcept { return sfdae_version(); }
+
+/// Name of a status, for example "SFDAE_STEP_TOO_SMALL".
+inline const char* status_name(int status) noexcept { return sfdae_status_name(status); }
+
+/// A failure of the library: status() < 0, what() says what, where and what to do next.
+class Error : public std::runtime_error {
+ public:
+  Error(int status, const std::string& message)
+      : std::runtime_error(message.empty() ? sfdae_status_name(status) : message), status_(status) {}
+  int status() const noexcept { return status_; }
+
+ private:
+  int status_;
+};
+
+/// Matrix that lives elsewhere; copies of the view show the same entries.
+class MatrixRef {
+ public:
+  MatrixRef(double* values, int rows, int columns) noexcept : values_(values), rows_(rows), columns_(columns) {}
+  double& operator()(int i, int j) const noexcept { return values_[i + std::ptrdiff_t{j} * rows_]; }
+  int rows() const noexcept { return rows_; }
+  int columns() const noexcept { return columns_; }
+  double* data() const noexcept { return values_; }
+
+ private:
+  double* values_;
+  int rows_, columns_;
+};
+
+/// Vector that lives elsewhere.
+class VectorRef {
+ public:
+  VectorRef(double* values, int size) noexcept : values_(values), size_(size) {}
+  double& operator[](int i) const noexcept { return values_[i]; }
+  int size() const noexcept { return size_; }
+  double* data() const noexcept { return values_; }
+  double* begin() const noexcept { return values_; }
+  double* end() const noexcept { return values_ + size_; }
+
+ private:
+  double* values_;
+  int size_;
+};
+
+/// Matrix that owns its entries.
+class Matrix {
+ public:
+  Matrix() = default;
+  Matrix(int rows, int columns)
+      : rows_(rows), columns_(columns), values_(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns)) {}
+  double& operator()(int i, int j) noexcept { return values_[index(i, j)]; }
+  double operator()(int i, int j) const noexcept { return values_[index(i, j)]; }
+  int rows() const noexcept { return rows_; }
+  int columns() const noexcept { return columns_; }
+  double* data() noexcept { return values_.data(); }
+  const double* data() const noexcept { return values_.data(); }
+
+ private:
+  std::size_t index(int i, int j) const noexcept {
+    return static_cast<std::size_t>(i) + static_cast<std::size_t>(j) * static_cast<std::size_t>(rows_);
+  }
+  int rows_ = 0, columns_ = 0;
+  std::vector<double> values_;
+};
+
+/// Function of time that writes its derivative of the given order into a view filled with zeros:
+///     [](double t, int order, sfdae::MatrixRef E) { ... }
+/// It returns nothing, or an int as in C: 0 ok, > 0 cannot evaluate here, < 0 stop, SFDAE_ORDER_NOT_AVAILABLE.
+template <class View>
+class TimeFunction {
+ public:
+  TimeFunction() = default;
+  TimeFunction(std::nullptr_t) {}
+
+  template <class F, class = std::enable_if_t<std::is_invocable_v<F&, double, int, View>>>
+  TimeFunction(F function) {
+    using Result = std::invoke_result_t<F&, double, int, View>;
+    static_assert(std::is_void_v<Result> || std::is_same_v<Result, int>, "return nothing, or an int as in C");
+    if constexpr (std::is_void_v<Result>) {
+      function_ = [f = std::move(function)](double t, int order, View view) mutable {
+        f(t, order, view);
+        return 0;
+      };
+    } else {
+      function_ = std::move(function);
+    }
+  }
+
+  explicit operator bool() const noexcept { return static_cast<bool>(function_); }
+  int call(double t, int order, View view) const { return function_(t, order, view); }
+
+ private:
+  std::function<int(double, int, View)> function_;
+};
+using MatrixFunction = TimeFunction<MatrixRef>;
+using VectorFunction = TimeFunction<VectorRef>;
+
+/// Called after every accepted step; true stops the call with SFDAE_STOPPED.
+using Monitor = std::function<bool(const Progress&)>;
+
+/// E(t) x' = A(t) x + f(t), see sfdae_linear_problem.
+struct LinearProblem {
+  LinearProblem(int equations, int unknowns) : num_equations(equations), num_unknowns(unknowns) {}
+
+  int num_equations;
+  int num_unknowns;
+  MatrixFunction E;
+  MatrixFunction A;
+  VectorFunction f;  ///< not given: f = 0
+  bool constant_E = false;
+  bool constant_A = false;
+  std::vector<int> prescribed;       ///< indices of the components that are prescribed, u > 0 only
+  VectorFunction prescribed_values;  ///< writes their values; order is 0
+};
+
+/// sfdae_options with its defaults. The members declared here replace those of the same name in C.
+struct Options : sfdae_options {
+  Options() : sfdae_options() { sfdae_options_init(this, sizeof(sfdae_options)); }
+
+  std::vector<double> rtol_vector;      ///< empty, or n values
+  std::vector<double> atol_vector;      ///< empty, or n values
+  std::vector<int> fixed;               ///< empty, or n flags
+  std::vector<double> initial_weights;  ///< empty, or n values
+  Monitor monitor;
+};
+
+/// A point of the solution.
+struct Point {
+  double t = 0;
+  std::vector<double> x;     ///< n values
+  std::vector<double> xdot;  ///< x'(t), resized to n by the solver
+};
+
+/// M y = N x + g, see sfdae_get_derivative_array.
+struct DerivativeArray {
+  Matrix M, N;
+  std::vector<double> g;
+};
+
+/// See sfdae_get_projectors.
+struct Projectors {
+  Matrix Z1, Z2, Z3, T2;
+};
+
+/// E1 x' = A1 x + f1, 0 = A2 x + f2, see sfdae_get_strangeness_free.
+struct StrangenessFreeSystem {
+  Matrix E1, A1;
+  std::vector<double> f1;
+  Matrix A2;
+  std::vector<double> f2;
+  double residual = 0;  ///< contradiction of redundant equations
+};
+
+/// Owns an sfdae_solver and the callbacks. Movable; a solver moved from can only be assigned to or destroyed.
+/// It must not be moved, assigned to or destroyed from within its own callbacks.
+class Solver {
+ public:
+  /// Copies what is given. Throws Error if it makes no sense.
+  explicit Solver(LinearProblem problem, const Options& options = {})
+      : state_(std::make_unique<State>(std::move(problem), options.monitor)) {
+    const sfdae_linear_problem c_problem = in_c(state_->problem, state_.get());
+    const sfdae_options c_options = in_c(options, state_->problem.num_unknowns, state_.get());
+    const int status = sfdae_create_linear(&state_->solver, &c_problem, &c_options);
+    if (status < 0) throw Error(status, complaint(c_problem, c_options));
+  }
+
+  /// What is wrong with a problem and its options, in words; "" if nothing is.
+  static std::string check(const LinearProblem& problem, const Options& options = {}) {
+    State state(problem, options.monitor);
+    return complaint(in_c(state.problem, &state), in_c(options, problem.num_unknowns, &state));
+  }
+
+  /// Replaces the options, the monitor included; the point reached stays. See sfdae_set_options for those that
+  /// make a new start necessary.
+  int set_options(const Options& options) {
+    Monitor monitor = options.monitor;
+    const sfdae_options c_options = in_c(options, num_unknowns(), state_.get());
+    const int status = checked(sfdae_set_options(get(), &c_options));
+    state_->monitor.swap(monitor);
+    return status;
+  }
+
+  /// What the last call had to say.
+  std::string message() const { return sfdae_message(get()); }
+
+  /// Stops the call that is running, or else the next one, with SFDAE_STOPPED. From any thread or signal handler.
+  void request_stop() noexcept { sfdae_request_stop(get()); }
+
+  /// Detects the strangeness index at t, forward or backward toward the given time.
+  int analyze(double t, double toward) { return checked(sfdae_analyze(get(), t, toward, nullptr)); }
+
+  /// The characteristic values in use.
+  Characteristics characteristics() const {
+    return filled(sfdae_characteristics_init, sfdae_get_characteristics);
+  }
+
+  /// The rank decisions of the last analysis.
+  std::vector<Decision> decisions() const {
+    int count = 0;
+    checked(sfdae_get_num_decisions(get(), &count));
+    std::vector<Decision> result(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) {
+      Decision& decision = result[static_cast<std::size_t>(i)];
+      sfdae_decision_init(&decision, sizeof(Decision));
+      checked(sfdae_get_decision(get(), i, &decision));
+    }
+    return result;
+  }
+
+  /// Where the characteristic values changed, after SFDAE_CHARACTERISTICS_CHANGED.
+  Change change() const { return filled(sfdae_change_init, sfdae_get_change); }
+
+  /// Makes point.x consistent at point.t and computes point.xdot. The point reached is unaffected.
+  int make_consistent(Point& point) {
+    double* const xdot = prepared(point);
+    return checked(sfdae_make_consistent(get(), point.t, point.x.data(), xdot));
+  }
+
+  /// What the last start or make_consistent did to the initial values.
+  InitialReport initial_report() const { return filled(sfdae_initial_report_init, sfdae_get_initial_report); }
+
+  /// Starts or restarts at point.t toward the given time: makes point.x consistent, computes point.xdot.
+  int start(Point& point, double toward) {
+    double* const xdot = prepared(point);
+    return checked(sfdae_start(get(), point.t, toward, point.x.data(), xdot));
+  }
+
+  /// Integrates to tout. Remarks and failures of the integration leave the last accepted point.
+  int advance(double tout, Point& point) {
+    point.x.resize(size(num_unknowns()));
+    double* const xdot = prepared(point);
+    return checked(sfdae_advance(get(), tout, &point.t, point.x.data(), xdot));
+  }
+
+  /// Takes one step toward tout: SFDAE_STEP_TAKEN, or SFDAE_OK at tout.
+  int step(double tout, Point& point) {
+    point.x.resize(size(num_unknowns()));
+    double* const xdot = prepared(point);
+    return checked(sfdae_step(get(), tout, &point.t, point.x.data(), xdot));
+  }
+
+  Statistics statistics() const { return filled(sfdae_statistics_init, sfdae_get_statistics); }
+
+  /// The diagnostics report.
+  std::string report() const {
+    std::size_t needed = 0;
+    checked(sfdae_report(get(), nullptr, 0, &needed));
+    std::string text(needed, '\0');
+    checked(sfdae_report(get(), text.data(), needed, &needed));
+    text.resize(needed - 1);
+    return text;
+  }
+
+  /// Classical derivative array of the given level at t.
+  DerivativeArray derivative_array(double t, int level) {
+    const int blocks = level < 0 ? 0 : level + 1;
+    const int rows = blocks * num_equations();
+    DerivativeArray array{{rows, blocks * num_unknowns()}, {rows, num_unknowns()}, std::vector<double>(size(rows))};
+    checked(sfdae_get_derivative_array(get(), t, level, array.M.data(), array.N.data(), array.g.data()));
+    return array;
+  }
+
+  /// Projectors at t for the classical array of level mu.
+  Projectors projectors(double t) {
+    const Characteristics c = characteristics();
+    const int rows = (c.strangeness_index + 1) * num_equations();
+    int vhat = 0;
+    checked(sfdae_get_projectors(get(), t, nullptr, nullptr, nullptr, nullptr, &vhat));
+    Projectors p{{num_equations(), c.differential},
+                 {rows, c.algebraic},
+                 {rows, vhat},
+                 {num_unknowns(), num_unknowns() - c.algebraic}};
+    checked(sfdae_get_projectors(get(), t, p.Z1.data(), p.Z2.data(), p.Z3.data(), p.T2.data(), &vhat));
+    return p;
+  }
+
+  /// Strangeness-free system at t.
+  StrangenessFreeSystem strangeness_free(double t) {
+    const Characteristics c = characteristics();
+    const int n = num_unknowns();
+    StrangenessFreeSystem s{{c.differential, n}, {c.differential, n}, std::vector<double>(size(c.differential)),
+                            {c.algebraic, n},    std::vector<double>(size(c.algebraic))};
+    checked(sfdae_get_strangeness_free(get(), t, s.E1.data(), s.A1.data(), s.f1.data(), s.A2.data(), s.f2.data(),
+                                       &s.residual));
+    return s;
+  }
+
+  /// Compares the derivatives that the callbacks supply near t with differences; returns the worst mismatch.
+  DerivativeCheck check_derivatives(double t, int max_order) {
+    DerivativeCheck result;
+    sfdae_derivative_check_init(&result, sizeof result);
+    checked(sfdae_check_derivatives(get(), t, max_order, &result));
+    return result;
+  }
+
+  int num_equations() const noexcept { return state_ ? state_->problem.num_equations : 0; }
+  int num_unknowns() const noexcept { return state_ ? state_->problem.num_unknowns : 0; }
+
+  /// The C handle; it stays with this object.
+  sfdae_solver* get() const noexcept { return state_ ? state_->solver : nullptr; }
+
+ private:
+  /// What the C callbacks get as `user`: on the heap, so that it stays in place when the Solver moves.
+  struct State {
+    State(LinearProblem p, Monitor m) : problem(std::move(p)), monitor(std::move(m)) {}
+    ~State() { sfdae_destroy(&solver); }
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+
+    /// No exception may cross the frames of the library: it waits here, the value returned stops the call.
+    template <class Call>
+    int guarded(Call call) noexcept {
+      try {
+        return call();
+      } catch (...) {
+        if (!exception) exception = std::current_exception();
+        return -1;
+      }
+    }
+
+    LinearProblem problem;
+    Monitor monitor;
+    std::exception_ptr exception;
+    sfdae_solver* solver = nullptr;
+  };
+
+  template <MatrixFunction LinearProblem::*function>
+  static int call_matrix(double t, int order, double* values, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    const LinearProblem& problem = state.problem;
+    return state.guarded([&] {
+      return (problem.*function).call(t, order, {values, problem.num_equations, problem.num_unknowns});
+    });
+  }
+
+  static int call_f(double t, int order, double* values, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    return state.guarded([&] { return state.problem.f.call(t, order, {values, state.problem.num_equations}); });
+  }
+
+  static int call_prescribed(double t, int order, double* values, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    const int count = static_cast<int>(state.problem.prescribed.size());
+    return state.guarded([&] { return state.problem.prescribed_values.call(t, order, {values, count}); });
+  }
+
+  static int call_monitor(const sfdae_progress* progress, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    return state.guarded([&] { return state.monitor(*progress) ? 1 : 0; });
+  }
+
+  static sfdae_linear_problem in_c(const LinearProblem& problem, State* user) {
+    sfdae_linear_problem c;
+    sfdae_linear_problem_init(&c, sizeof c);
+    c.num_equations = problem.num_equations;
+    c.num_unknowns = problem.num_unknowns;
+    c.E = problem.E ? call_matrix<&LinearProblem::E> : nullptr;
+    c.A = problem.A ? call_matrix<&LinearProblem::A> : nullptr;
+    c.f = problem.f ? call_f : nullptr;
+    c.constant_E = problem.constant_E ? 1 : 0;
+    c.constant_A = problem.constant_A ? 1 : 0;
+    c.num_prescribed = static_cast<int>(problem.prescribed.size());
+    c.prescribed = problem.prescribed.empty() ? nullptr : problem.prescribed.data();
+    c.prescribed_values = problem.prescribed_values ? call_prescribed : nullptr;
+    c.user = user;
+    return c;
+  }
+
+  /// The vectors are borrowed from `options`.
+  static sfdae_options in_c(const Options& options, int n, State* user) {
+    sfdae_options c = options;
+    c.rtol_vector = entries(options.rtol_vector, n, "rtol_vector");
+    c.atol_vector = entries(options.atol_vector, n, "atol_vector");
+    c.fixed = entries(options.fixed, n, "fixed");
+    c.initial_weights = entries(options.initial_weights, n, "initial_weights");
+    c.monitor = options.monitor ? call_monitor : nullptr;
+    c.monitor_user = user;
+    return c;
+  }
+
+  template <class T>
+  static const T* entries(const std::vector<T>& values, int n, const char* name) {
+    if (values.empty()) return nullptr;
+    require_size(values.size(), n, name);
+    return values.data();
+  }
+
+  static void require_size(std::size_t found, int n, const char* name) {
+    if (found == size(n)) return;
+    throw Error(SFDAE_ILLEGAL_ARGUMENT, std::string(name) + " has " + std::to_string(found) + " entries, not " +
+                                            std::to_string(n) + " as the problem has unknowns");
+  }
+
+  static std::size_t size(int count) noexcept { return count < 0 ? 0 : static_cast<std::size_t>(count); }
+
+  static std::string complaint(const sfdae_linear_problem& problem, const sfdae_options& options) {
+    char text[1024] = "";
+    const int status = sfdae_check_linear(&problem, &options, text, sizeof text);
+    return status < 0 && text[0] == '\0' ? sfdae_status_name(status) : text;
+  }
+
+  /// Where x'(t) goes; x has to have n entries already.
+  double* prepared(Point& point) const {
+    require_size(point.x.size(), num_unknowns(), "x");
+    point.xdot.resize(size(num_unknowns()));
+    return point.xdot.data();
+  }
+
+  template <class Result>
+  Result filled(int (*init)(Result*, std::size_t), int (*get_result)(const sfdae_solver*, Result*)) const {
+    Result result;
+    init(&result, sizeof result);
+    checked(get_result(get(), &result));
+    return result;
+  }
+
+  /// Passes on the status, unless the call failed or an exception waits.
+  int checked(int status) const {
+    if (state_ && state_->exception) std::rethrow_exception(std::exchange(state_->exception, nullptr));
+    if (status < 0) throw Error(status, sfdae_message(get()));
+    return status;
+  }
+
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sfdae
+
+#endif
