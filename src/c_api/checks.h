@@ -1,0 +1,15 @@
+// Checks of what users pass in.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "integrate/integration.h"
+#include "sfdae/sfdae.h"
+
+namespace sfdae::core {
+
+// SFDAE_OK, SFDAE_ILLEGAL_ARGUMENT or SFDAE_EMPTY_PROBLEM, and what is wrong.
+CallResult check_problem(const sfdae_linear_problem& problem);
+// n: number of unknowns, for the vectors.
+CallResult check_options(const sfdae_options& options, int n);
+
+}  // namespace sfdae::core

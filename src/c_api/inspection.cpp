@@ -1,0 +1,204 @@
+// Looking inside: the C API of reports, decisions, statistics, arrays, projectors.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "c_api/solver.h"
+#include "c_api/structs.h"
+#include "linalg/dense.h"
+#include "problem/derivative_check.h"
+#include "reduction/derivative_array.h"
+
+namespace sfdae::core {
+
+sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
+  const IndexAnalysis& analysis = solver.system->analysis();
+  const CharacteristicValues& values = analysis.values;
+  double smallest_gap = 1e300;
+  for (const RankDecision& decision : analysis.decisions)
+    if (decision.rank > 0) smallest_gap = std::min(smallest_gap, decision.gap);
+  return {sizeof(sfdae_characteristics), analysis.t, values.mu, values.d, values.a, values.u, values.v,
+          analysis.rank_E, static_cast<int>(solver.system->leading_term()), analysis.time_scale, smallest_gap};
+}
+
+sfdae_statistics statistics_of(const sfdae_solver& solver) {
+  sfdae_statistics s{};
+  s.size = sizeof s;
+  s.evaluations_E = solver.problem.evaluations('E');
+  s.evaluations_A = solver.problem.evaluations('A');
+  s.evaluations_f = solver.problem.evaluations('f');
+  if (!solver.integration) return s;
+  const IntegrationCounts& counts = solver.integration->counts();
+  const Bdf& bdf = solver.integration->bdf();
+  s.steps = counts.steps;
+  s.error_failures = counts.error_failures;
+  s.other_failures = counts.other_failures;
+  s.reductions = counts.reductions;
+  s.factorizations = counts.factorizations;
+  s.last_order = bdf.order();
+  s.next_order = bdf.next_order();
+  s.last_step = bdf.last_step();
+  s.next_step = bdf.next_step();
+  s.t_internal = bdf.t();
+  s.smallest_kept = counts.smallest_kept;
+  s.consistency = counts.inconsistency;
+  s.first_step = counts.first_step;
+  return s;
+}
+
+sfdae_decision public_decision(const RankDecision& decision) {
+  return {sizeof(sfdae_decision), decision.t, decision.level, decision.stage, static_cast<int>(decision.subject),
+          decision.rows, decision.cols, decision.rank, decision.kept, decision.dropped, decision.noise,
+          decision.threshold, decision.gap, static_cast<int>(decision.verdict)};
+}
+
+namespace {
+
+void copy_out(ConstView from, double* to) {
+  if (to == nullptr || from.rows == 0 || from.cols == 0) return;
+  copy(from, {to, from.rows, from.cols, from.rows});
+}
+
+CallResult no_struct() { return illegal_argument("the result is NULL or its size is not set: call its init function."); }
+
+// Read-only calls are allowed at any time from the thread that owns the solver, also from callbacks.
+template <class Body>
+int reading(const sfdae_solver* solver, Body body) noexcept {
+  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  try {
+    return body();
+  } catch (const std::bad_alloc&) {
+    return SFDAE_OUT_OF_MEMORY;
+  } catch (...) {
+    return SFDAE_INTERNAL;
+  }
+}
+
+}  // namespace
+
+}  // namespace sfdae::core
+
+using namespace sfdae::core;
+
+extern "C" {
+
+int sfdae_get_characteristics(const sfdae_solver* solver, sfdae_characteristics* result) {
+  return reading(solver, [&] {
+    if (result == nullptr || !is_plausible_size(result->size)) return SFDAE_ILLEGAL_ARGUMENT;
+    if (!solver->system) return SFDAE_NOT_STARTED;
+    fill_struct(result, characteristics_of(*solver));
+    return SFDAE_OK;
+  });
+}
+
+int sfdae_get_num_decisions(const sfdae_solver* solver, int* count) {
+  if (solver == nullptr || count == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  if (!solver->system) return SFDAE_NOT_STARTED;
+  *count = static_cast<int>(solver->system->analysis().decisions.size());
+  return SFDAE_OK;
+}
+
+int sfdae_get_decision(const sfdae_solver* solver, int index, sfdae_decision* result) {
+  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  if (!solver->system) return SFDAE_NOT_STARTED;
+  const auto& decisions = solver->system->analysis().decisions;
+  if (index < 0 || index >= static_cast<int>(decisions.size())) return SFDAE_ILLEGAL_ARGUMENT;
+  return fill_struct(result, public_decision(decisions[static_cast<std::size_t>(index)])) ? SFDAE_OK
+                                                                                         : SFDAE_ILLEGAL_ARGUMENT;
+}
+
+int sfdae_get_change(const sfdae_solver* solver, sfdae_change* result) {
+  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  if (!solver->integration || !solver->integration->change()) return SFDAE_NOT_STARTED;
+  const LocatedChange& change = *solver->integration->change();
+  const CharacteristicValues& was = solver->system->analysis().values;
+  const CharacteristicValues& is = change.new_values;
+  const sfdae_change filled{sizeof(sfdae_change), change.t, was.mu, was.d, was.a, was.u, was.v,
+                            is.mu, is.d, is.a, is.u, is.v};
+  return fill_struct(result, filled) ? SFDAE_OK : SFDAE_ILLEGAL_ARGUMENT;
+}
+
+int sfdae_get_initial_report(const sfdae_solver* solver, sfdae_initial_report* result) {
+  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  if (!solver->initial_report) return SFDAE_NOT_STARTED;
+  return fill_struct(result, *solver->initial_report) ? SFDAE_OK : SFDAE_ILLEGAL_ARGUMENT;
+}
+
+int sfdae_get_statistics(const sfdae_solver* solver, sfdae_statistics* result) {
+  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  return fill_struct(result, statistics_of(*solver)) ? SFDAE_OK : SFDAE_ILLEGAL_ARGUMENT;
+}
+
+int sfdae_report(const sfdae_solver* solver, char* text, size_t length, size_t* needed) {
+  if (text == nullptr && length > 0) return SFDAE_ILLEGAL_ARGUMENT;
+  return reading(solver, [&] {
+    const std::string report = report_of(*solver);
+    if (length > 0) std::snprintf(text, length, "%s", report.c_str());
+    if (needed != nullptr) *needed = report.size() + 1;
+    return SFDAE_OK;
+  });
+}
+
+int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double* M, double* N, double* g) {
+  return guarded(solver, [&]() -> CallResult {
+    if (!std::isfinite(t) || level < 0 || level > max_strangeness_index)
+      return illegal_argument(format("t = %g, level = %d: level must be 0 ... %d.", t, level, max_strangeness_index));
+    const DerivativeArray array = derivative_array(solver->problem, t, level);
+    copy_out(array.M, M);
+    copy_out(array.N, N);
+    if (g != nullptr) std::copy(array.g.begin(), array.g.end(), g);
+    return {};
+  });
+}
+
+int sfdae_get_projectors(sfdae_solver* solver, double t, double* Z1, double* Z2, double* Z3, double* T2, int* vhat) {
+  return guarded(solver, [&]() -> CallResult {
+    if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
+    if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze first."};
+    const Projectors found = projectors(*solver->system, t);
+    copy_out(found.Z1, Z1);
+    copy_out(found.Z2, Z2);
+    copy_out(found.Z3, Z3);
+    copy_out(found.T2, T2);
+    if (vhat != nullptr) *vhat = found.Z3.cols();
+    return {};
+  });
+}
+
+int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, double* A1, double* f1, double* A2,
+                               double* f2, double* residual) {
+  return guarded(solver, [&]() -> CallResult {
+    if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
+    if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze first."};
+    const Projectors found = projectors(*solver->system, t);
+    const DerivativeArray array = derivative_array(solver->problem, t, solver->system->analysis().values.mu);
+    const int m = solver->problem.m(), n = solver->problem.n(), rows = array.M.rows();
+    const ConstView g{array.g.data(), rows, 1, rows};
+    const ConstView E = array.M.view().block(0, 0, m, n), A = array.N.view().block(0, 0, m, n);
+    copy_out(transpose_product(found.Z1, E), E1);
+    copy_out(transpose_product(found.Z1, A), A1);
+    copy_out(transpose_product(found.Z1, g.block(0, 0, m, 1)), f1);
+    copy_out(transpose_product(found.Z2, array.N), A2);
+    copy_out(transpose_product(found.Z2, g), f2);
+    if (residual != nullptr) *residual = max_abs(transpose_product(found.Z3, g));
+    return {};
+  });
+}
+
+int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_order, sfdae_derivative_check* result) {
+  return guarded(solver, [&]() -> CallResult {
+    if (!std::isfinite(t) || max_order < 1 || max_order > max_derivative_order)
+      return illegal_argument(format("t = %g, max_order = %d: it must be 1 ... %d.", t, max_order, max_derivative_order));
+    if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
+    const DerivativeMismatch worst = check_derivatives(solver->problem, t, max_order);
+    fill_struct(result, {sizeof *result, worst.function, worst.order, worst.row, worst.column, worst.supplied,
+                         worst.difference, worst.error, worst.uncertainty, worst.suspicious() ? 1 : 0});
+    if (!worst.suspicious()) return {};
+    return {SFDAE_OK, format("derivative %d of %c differs from differences in row %d, column %d: %.10g supplied, %.10g "
+                             "by differences.",
+                             worst.order, worst.function, worst.row, worst.column, worst.supplied, worst.difference)};
+  });
+}
+
+}  // extern "C"

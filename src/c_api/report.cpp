@@ -1,0 +1,134 @@
+// The diagnostics report as text; names of statuses; version.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <string>
+
+#include "c_api/solver.h"
+#include "c_api/structs.h"
+
+namespace sfdae::core {
+
+namespace {
+
+const char* name_of(Verdict verdict) {
+  constexpr const char* names[] = {"clear", "confirmed", "UNCLEAR", "rank_tol"};
+  return names[static_cast<int>(verdict)];
+}
+
+std::string matrix_name(const RankDecision& decision) {
+  switch (decision.subject) {
+    case Subject::stage: return format("y_%d", decision.stage);
+    case Subject::constraints: return "A2";
+    case Subject::differential: return "E T2";
+    default: return "M";
+  }
+}
+
+std::string analysis_report(const sfdae_solver& solver) {
+  const IndexAnalysis& analysis = solver.system->analysis();
+  const CharacteristicValues& values = analysis.values;
+  std::string text = format("Index analysis at t = %.10g (m = %d equations, n = %d unknowns)\n", analysis.t,
+                            solver.problem.m(), solver.problem.n());
+  text += "  t             level  matrix  size       rank  smallest kept  largest dropped  decision\n";
+  double gap = 1e300;
+  bool all_safe = true;
+  for (const RankDecision& decision : analysis.decisions) {
+    text += format("  %-12.6g  %-5d  %-6s  %-9s  %-4d  %-13.1e  %-15.1e  %s\n", decision.t, decision.level,
+                   matrix_name(decision).c_str(), format("%dx%d", decision.rows, decision.cols).c_str(), decision.rank,
+                   decision.kept, decision.dropped, name_of(decision.verdict));
+    if (decision.rank > 0) gap = std::min(gap, decision.gap);
+    all_safe = all_safe && decision.verdict != Verdict::unclear;
+  }
+  const int u = values.u;
+  text += format("strangeness index %d", values.mu);
+  if (u == 0 && values.v == 0) text += format(" (differentiation index %d)", values.a > 0 ? values.mu + 1 : 0);
+  text += format(": d = %d, a = %d, u = %d, v = %d\n", values.d, values.a, u, values.v);
+  if (all_safe) text += gap < 1e300 ? format("every decision is safe: smallest gap %.0e\n", gap) : "every decision is safe\n";
+  constexpr const char* leading[] = {"", "W = E^+ E", "W = E", "W = I"};
+  text += format("time scale %.3g, leading term %s\n", analysis.time_scale,
+                 leading[static_cast<int>(solver.system->leading_term())]);
+  return text;
+}
+
+std::string initial_report(const sfdae_initial_report& report) {
+  std::string text = format("Initial values at t = %.10g: constraint residual was %.1e, now %.1e; ", report.t,
+                            report.residual_before, report.residual_after);
+  text += report.component < 0 ? std::string("nothing changed")
+                               : format("largest change %.4g in x[%d]", report.largest_change, report.component);
+  return text + (report.derivative_exact != 0 ? "\n" : "; algebraic part of x' by differences\n");
+}
+
+std::string integration_report(const sfdae_solver& solver) {
+  const sfdae_statistics s = statistics_of(solver);
+  std::string text = format("Integration to t = %.10g: %ld steps, %ld error test failures, %ld other failures\n",
+                            s.t_internal, s.steps, s.error_failures, s.other_failures);
+  text += format("  %ld reductions, %ld factorizations, %ld / %ld / %ld calls of E / A / f\n", s.reductions,
+                 s.factorizations, s.evaluations_E, s.evaluations_A, s.evaluations_f);
+  text += format("  last step %.3g of order %d, next %.3g; smallest kept value %.1e\n", s.last_step, s.last_order,
+                 s.next_step, s.smallest_kept);
+  if (solver.system->analysis().values.v > 0)
+    text += format("  largest relative residual of redundant equations %.1e\n", s.consistency);
+  return text;
+}
+
+}  // namespace
+
+std::string report_of(const sfdae_solver& solver) {
+  if (!solver.system) return format("no analysis yet (m = %d, n = %d)\n", solver.problem.m(), solver.problem.n());
+  std::string text = analysis_report(solver);
+  if (solver.initial_report) text += initial_report(*solver.initial_report);
+  if (solver.integration) text += integration_report(solver);
+  if (solver.message[0] != '\0') text += std::string("Last message: ") + solver.message + "\n";
+  return text;
+}
+
+}  // namespace sfdae::core
+
+extern "C" {
+
+const char* sfdae_status_name(int status) {
+#define SFDAE_NAME(name) \
+  case name:             \
+    return #name;
+  switch (status) {
+    SFDAE_NAME(SFDAE_OK)
+    SFDAE_NAME(SFDAE_STEP_TAKEN)
+    SFDAE_NAME(SFDAE_STOPPED)
+    SFDAE_NAME(SFDAE_NOT_UNIQUE)
+    SFDAE_NAME(SFDAE_INCONSISTENCY_IGNORED)
+    SFDAE_NAME(SFDAE_ILLEGAL_ARGUMENT)
+    SFDAE_NAME(SFDAE_OUT_OF_MEMORY)
+    SFDAE_NAME(SFDAE_BUSY)
+    SFDAE_NAME(SFDAE_EMPTY_PROBLEM)
+    SFDAE_NAME(SFDAE_NOT_STARTED)
+    SFDAE_NAME(SFDAE_CALLBACK_STOPPED)
+    SFDAE_NAME(SFDAE_CALLBACK_FAILED)
+    SFDAE_NAME(SFDAE_NOT_FINITE)
+    SFDAE_NAME(SFDAE_ORDER_MISSING)
+    SFDAE_NAME(SFDAE_INDEX_TOO_HIGH)
+    SFDAE_NAME(SFDAE_RANK_UNCLEAR)
+    SFDAE_NAME(SFDAE_CHARACTERISTICS_CHANGED)
+    SFDAE_NAME(SFDAE_PRESCRIPTION_SINGULAR)
+    SFDAE_NAME(SFDAE_INCONSISTENT_VALUES)
+    SFDAE_NAME(SFDAE_INCONSISTENT_EQUATIONS)
+    SFDAE_NAME(SFDAE_FIXED_VALUES)
+    SFDAE_NAME(SFDAE_MAX_STEPS)
+    SFDAE_NAME(SFDAE_STEP_TOO_SMALL)
+    SFDAE_NAME(SFDAE_SINGULAR)
+    SFDAE_NAME(SFDAE_TOLERANCE_TOO_SMALL)
+    SFDAE_NAME(SFDAE_INTERNAL)
+    default:
+      return "unknown status";
+  }
+#undef SFDAE_NAME
+}
+
+const char* sfdae_version(void) {
+#define SFDAE_TEXT(x) #x
+#define SFDAE_JOIN(a, b, c) SFDAE_TEXT(a) "." SFDAE_TEXT(b) "." SFDAE_TEXT(c)
+  return SFDAE_JOIN(SFDAE_VERSION_MAJOR, SFDAE_VERSION_MINOR, SFDAE_VERSION_PATCH);
+#undef SFDAE_JOIN
+#undef SFDAE_TEXT
+}
+
+}  // extern "C"

@@ -1,0 +1,88 @@
+// What stands behind the handle sfdae_solver.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <new>
+#include <optional>
+#include <vector>
+
+#include "c_api/checks.h"
+#include "integrate/integration.h"
+#include "problem/failure.h"
+#include "reduction/consistent_values.h"
+#include "sfdae/sfdae.h"
+
+namespace sfdae::core {
+
+// Options in the form that the core wants.
+struct SolverOptions {
+  explicit SolverOptions(const sfdae_options& options, int n);
+  AnalysisSettings analysis;
+  DifferenceOptions differences;
+  LeadingTerm leading;
+  ConsistencyRequest consistency;
+  IntegrationOptions integration;
+};
+
+}  // namespace sfdae::core
+
+struct sfdae_solver {
+  sfdae_solver(const sfdae_linear_problem& linear_problem, const sfdae_options& user_options)
+      : problem(linear_problem), options(user_options, linear_problem.num_unknowns) {}
+
+  sfdae::core::LinearProblem problem;
+  sfdae::core::SolverOptions options;
+  // After an analysis:
+  std::unique_ptr<sfdae::core::LinearSystem> system;
+  double direction = 1.0;  // of the nearby point of the analysis
+  // After a start:
+  std::unique_ptr<sfdae::core::Integration> integration;
+  std::optional<sfdae_initial_report> initial_report;
+
+  std::atomic<bool> busy{false};
+  char message[1536] = "";
+};
+
+namespace sfdae::core {
+
+// Runs the body of an API call: one at a time, exceptions to status and message.
+template <class Body>
+int guarded(sfdae_solver* solver, Body body) noexcept {
+  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  if (solver->busy.exchange(true)) return SFDAE_BUSY;
+  const auto say = [solver](int status, const char* text) {
+    std::snprintf(solver->message, sizeof solver->message, "%s", text);
+    return status;
+  };
+  int status = SFDAE_INTERNAL;
+  try {
+    const CallResult result = body();
+    status = say(result.status, result.message.c_str());
+  } catch (const Failure& failure) {
+    status = say(failure.status(), failure.what());
+  } catch (const std::bad_alloc&) {
+    status = say(SFDAE_OUT_OF_MEMORY, "out of memory.");
+  } catch (const std::exception& unexpected) {
+    status = say(SFDAE_INTERNAL, unexpected.what());
+  } catch (...) {
+    status = say(SFDAE_INTERNAL, "an exception came out of a callback.");
+  }
+  if (status == SFDAE_STOPPED) solver->problem.take_stop_request();
+  solver->busy.store(false);
+  return status;
+}
+
+inline CallResult illegal_argument(std::string message) { return {SFDAE_ILLEGAL_ARGUMENT, std::move(message)}; }
+
+// Index analysis; replaces system, forgets the integration.
+void analyze(sfdae_solver& solver, double t, double toward);
+sfdae_characteristics characteristics_of(const sfdae_solver& solver);
+sfdae_statistics statistics_of(const sfdae_solver& solver);
+sfdae_decision public_decision(const RankDecision& decision);
+std::string report_of(const sfdae_solver& solver);
+
+}  // namespace sfdae::core

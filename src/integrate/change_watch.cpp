@@ -1,0 +1,150 @@
+// Changes of the characteristic values along the way.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/change_watch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// A kept value that falls by this factor at a point inside a step has vanished there.
+constexpr double dip = 1e-3;
+
+// Would -next continue the line through older and last more smoothly than +next does?
+bool runs_through_zero(double t0, double k0, double t1, double k1, double t2, double k2) {
+  const double slope = (k1 - k0) / (t1 - t0);
+  const double kept = (k2 - k1) / (t2 - t1), flipped = (-k2 - k1) / (t2 - t1);
+  return std::fabs(flipped - slope) < std::fabs(kept - slope);
+}
+
+// Narrows changes down with a system of its own, so that the integration's points stay.
+class Probe {
+ public:
+  Probe(LinearSystem& system, double left, double right)
+      : system_(system.problem(), system.settings(), system.analysis(), system.leading_term()),
+        resolution_(std::max(1e-9 * std::fabs(right - left), 8.0 * unit_roundoff * std::max(std::fabs(left), std::fabs(right)))) {}
+
+  bool holds_at(double t) {
+    const PointStatus status = system_.move_to(t);
+    if (status == PointStatus::trouble && !system_.trouble().is_recoverable())
+      throw Failure(system_.trouble().status, system_.trouble().message());
+    return status == PointStatus::ok || status == PointStatus::leading_changed;
+  }
+  double kept() const { return std::min(system_.kept_constraints(), system_.kept_differential()); }
+  double kept_at(double t) { return holds_at(t) ? kept() : 0.0; }
+  bool is_resolved(double left, double right) const { return std::fabs(right - left) <= resolution_; }
+  LinearSystem& system() { return system_; }
+
+  // left holds, right does not.
+  LocatedChange bisect_failure(double left, double right) {
+    while (!is_resolved(left, right)) {
+      const double middle = left + 0.5 * (right - left);
+      (holds_at(middle) ? left : right) = middle;
+    }
+    Arena& arena = system_.arena();
+    return {left, right, find_local_values(system_.problem(), right, system_.settings(), arena)};
+  }
+
+  // Values at a point where kept() nearly vanishes: what vanishes there counts as zero.
+  LocatedChange isolated(double before, double t) {
+    AnalysisSettings settings = system_.settings();
+    settings.rank_tol = std::max(settings.rank_tol, std::min(30.0 * kept_at(t), 0.1));
+    return {before, t, find_local_values(system_.problem(), t, settings, system_.arena())};
+  }
+
+ private:
+  LinearSystem system_;
+  double resolution_;
+};
+
+std::optional<LocatedChange> follow_orientation(Probe& probe, double left, double right) {
+  if (!probe.holds_at(left)) return std::nullopt;
+  const double kept_left = probe.kept();
+  probe.system().accept();
+  while (!probe.is_resolved(left, right)) {
+    const double middle = left + 0.5 * (right - left);
+    if (!probe.holds_at(middle)) return probe.bisect_failure(left, middle);
+    if (!probe.system().orientation_kept()) {
+      right = middle;
+      continue;
+    }
+    probe.system().accept();
+    left = middle;
+    // Bases that turned far within a step feign a change; over shorter distances it disappears.
+    if (!probe.holds_at(right)) return probe.bisect_failure(left, right);
+    if (probe.system().orientation_kept()) return std::nullopt;
+  }
+  if (probe.kept_at(left) > dip * kept_left) return std::nullopt;
+  return probe.isolated(left, 0.5 * (left + right));
+}
+
+// Minimum of the smallest kept value by golden section.
+std::optional<LocatedChange> follow_dip(Probe& probe, double left, double right) {
+  const double kept_left = probe.kept_at(left), kept_right = probe.kept_at(right);
+  const double level = std::min(kept_left, kept_right);
+  const double crossing = left + (right - left) * kept_left / (kept_left + kept_right);
+  if (probe.kept_at(crossing) > 0.5 * level) return std::nullopt;
+  constexpr double golden = 0.6180339887498949;
+  double a = left, b = right;
+  double t1 = b - golden * (b - a), t2 = a + golden * (b - a);
+  double k1 = probe.kept_at(t1), k2 = probe.kept_at(t2);
+  while (!probe.is_resolved(a, b)) {
+    if (k1 < k2) {
+      b = t2, t2 = t1, k2 = k1;
+      k1 = probe.kept_at(t1 = b - golden * (b - a));
+    } else {
+      a = t1, t1 = t2, k1 = k2;
+      k2 = probe.kept_at(t2 = a + golden * (b - a));
+    }
+  }
+  if (std::min(k1, k2) > dip * level) return std::nullopt;
+  return probe.isolated(a, k1 < k2 ? t1 : t2);
+}
+
+}  // namespace
+
+void ChangeWatch::start(LinearSystem& system, double direction) {
+  has_older_ = false;
+  accept(system);
+  if (system.differential() > 0 || system.is_constant()) return;
+  // With d = 0 steps go anywhere at once: the trend at the start comes from a point beside it.
+  const double t = system.t();
+  const double distance = std::min(0.7e-3 * std::min(system.data().time_scale, 1.0),
+                                   system.problem().room(t, direction));
+  system.accept();
+  if (distance <= 0.0 || system.move_to(t + direction * distance) != PointStatus::ok) return;
+  accept(system);
+}
+
+bool ChangeWatch::is_suspicious(LinearSystem& system) const {
+  if (system.is_constant()) return false;
+  if (!system.orientation_kept()) return true;
+  if (!has_older_ || system.t() == last_.t || last_.t == older_.t) return false;
+  return runs_through_zero(older_.t, older_.constraints, last_.t, last_.constraints, system.t(),
+                           system.kept_constraints()) ||
+         runs_through_zero(older_.t, older_.differential, last_.t, last_.differential, system.t(),
+                           system.kept_differential());
+}
+
+void ChangeWatch::accept(const LinearSystem& system) {
+  older_ = last_;
+  has_older_ = last_.t != system.t() && last_.constraints > 0.0;
+  last_ = {system.t(), system.kept_constraints(), system.kept_differential()};
+}
+
+std::optional<LocatedChange> ChangeWatch::locate(LinearSystem& system, double left, double right, bool right_fails) {
+  Probe probe(system, left, right);
+  if (right_fails) {
+    if (probe.holds_at(right)) return std::nullopt;
+    return probe.bisect_failure(left, right);
+  }
+  // The orientation is that of the point accepted last, `left`.
+  if (auto change = follow_orientation(probe, left, right)) return change;
+  return follow_dip(probe, left, right);
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,40 @@
+// Changes of the characteristic values along the way: noticed between steps, located.
+//
+// A value that vanishes at an isolated point leaves two traces: the sign of det[E1; A2] (bases aligned from step to
+// step), or smallest kept values of the rank decisions that would run straight through zero if one of them had its
+// sign changed. Either is only a suspicion; locate() confirms it by narrowing the point down.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "reduction/linear_system.h"
+
+namespace sfdae::core {
+
+struct LocatedChange {
+  double t_before = 0.0;  // the values known still hold here
+  double t = 0.0;
+  CharacteristicValues new_values;
+};
+
+class ChangeWatch {
+ public:
+  // The current point of the system is the first one of an integration in the given direction.
+  void start(LinearSystem& system, double direction);
+  // Whether something may have changed between the point accepted last and the current one.
+  bool is_suspicious(LinearSystem& system) const;
+  // The current point of the system is accepted.
+  void accept(const LinearSystem& system);
+  // Looks for the change between left and right. right_fails: other values hold at right.
+  static std::optional<LocatedChange> locate(LinearSystem& system, double left, double right, bool right_fails);
+
+ private:
+  struct Sample {
+    double t, constraints, differential;
+  };
+  Sample older_{}, last_{};
+  bool has_older_ = false;
+};
+
+}  // namespace sfdae::core

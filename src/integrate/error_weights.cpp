@@ -1,0 +1,70 @@
+// Tolerances and the weighted norm of the error test.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/error_weights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/rank.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// 100 unit roundoffs have to fit into a tolerance.
+constexpr double rounding_safety = 100.0;
+// Stands for 1 / 0, so that any error is too large but nothing overflows.
+constexpr double no_tolerance = 1e200;
+
+double reduced(double tol) { return std::min(1.0, 4.0 * std::pow(tol, 1.0 / 6.0)); }
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+void ErrorWeights::set(const Tolerances& tolerances) {
+  rtol_ = tolerances.rtol;
+  atol_ = tolerances.atol;
+  inverse_.assign(rtol_.size(), 1.0);
+  reduction_.assign(rtol_.size(), 1.0);
+  for (std::size_t i = 0; i < rtol_.size(); ++i)
+    if (rtol_[i] > 0.0) reduction_[i] = reduced(rtol_[i]);
+}
+
+void ErrorWeights::update(const double* x) {
+  for (std::size_t i = 0; i < rtol_.size(); ++i) {
+    const double size = std::fabs(x[i]);
+    // Without rtol the tolerance is relative to the component itself.
+    const double reduction = rtol_[i] > 0.0 ? reduction_[i] : reduced(atol_[i] / std::max(size, atol_[i]));
+    const double weight = reduction * (rtol_[i] * size + atol_[i]);
+    inverse_[i] = weight > 1.0 / no_tolerance ? 1.0 / weight : no_tolerance;
+  }
+}
+
+double ErrorWeights::norm(const double* e) const {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < inverse_.size(); ++i) largest = std::max(largest, std::fabs(e[i]) * inverse_[i]);
+  return largest;
+}
+
+int ErrorWeights::worst(const double* e) const {
+  int result = 0;
+  for (int i = 1; i < static_cast<int>(inverse_.size()); ++i)
+    if (std::fabs(e[i]) * inverse_[index(i)] > std::fabs(e[result]) * inverse_[index(result)]) result = i;
+  return result;
+}
+
+double ErrorWeights::rounding(const double* x) const {
+  double largest = 0.0;
+  for (int i = 0; i < static_cast<int>(rtol_.size()); ++i) {
+    const double allowed = tolerance(i, x);
+    if (allowed > 0.0) largest = std::max(largest, rounding_safety * unit_roundoff * std::fabs(x[i]) / allowed);
+  }
+  return largest;
+}
+
+double ErrorWeights::tolerance(int i, const double* x) const {
+  return rtol_[index(i)] * std::fabs(x[i]) + atol_[index(i)];
+}
+
+}  // namespace sfdae::core

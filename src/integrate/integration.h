@@ -1,0 +1,88 @@
+// The driver: carries a solution from point to point, deals with everything that may happen in between.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "integrate/bdf.h"
+#include "integrate/change_watch.h"
+#include "integrate/error_weights.h"
+#include "reduction/linear_system.h"
+
+namespace sfdae::core {
+
+struct IntegrationOptions {
+  Tolerances tolerances;
+  int max_order = max_bdf_order;
+  double initial_step = 0.0;     // 0: chosen
+  double max_step = 0.0;         // 0: none
+  std::optional<double> stop_time;
+  long max_steps = 100000;
+  bool ignore_inconsistency = false;
+  double consistency_tol = 1e-8;
+  sfdae_monitor_function monitor = nullptr;
+  void* monitor_user = nullptr;
+};
+
+struct IntegrationCounts {
+  long steps = 0, error_failures = 0, other_failures = 0;
+  long reductions = 0, factorizations = 0;
+  double first_step = 0.0;
+  double smallest_kept = 1.0;
+  double inconsistency = 0.0;
+};
+
+// Status of a call and what sfdae_message says about it.
+struct CallResult {
+  int status = SFDAE_OK;
+  std::string message;
+};
+
+class Integration {
+ public:
+  // Starts at the consistent point (t, x) with derivative xdot, toward the given time; the system stands at t.
+  Integration(LinearSystem& system, const IntegrationOptions& options, double t, double toward,
+              const std::vector<double>& x, const std::vector<double>& xdot);
+
+  // To tout, or one step toward it. t, x, xdot: the point reached, whatever the status, unless the call itself is
+  // illegal (SFDAE_ILLEGAL_ARGUMENT).
+  CallResult advance(double tout, bool one_step, double& t, double* x, double* xdot);
+
+  void set_options(const IntegrationOptions& options);
+  IntegrationCounts counts() const;
+  const Bdf& bdf() const { return bdf_; }
+  double direction() const { return direction_; }
+  const std::optional<LocatedChange>& change() const { return change_; }
+
+ private:
+  CallResult run(double tout, bool one_step);
+  std::optional<CallResult> attempt_step(double tout);
+  std::optional<CallResult> accept_step(double h);
+  CallResult output(double tout, double& t, double* x, double* xdot);
+  void return_last_point(double& t, double* x, double* xdot);
+  double choose_step(double tout) const;
+  double smallest_step(double tout) const;
+  std::optional<double> limit() const;
+  void begin(double t, const std::vector<double>& x, const std::vector<double>& xdot, double h);
+  std::optional<CallResult> handle_failure(StepOutcome outcome, double h, double tout);
+  CallResult step_too_small(StepOutcome outcome);
+  CallResult changed_result() const;
+  bool has_passed(double t) const { return (bdf_.t() - t) * direction_ >= 0.0; }
+
+  LinearSystem& system_;
+  IntegrationOptions options_;
+  ErrorWeights weights_;
+  Bdf bdf_;
+  ChangeWatch watch_;
+  double direction_;
+  double last_returned_;
+  IntegrationCounts counts_;
+  long reductions_before_, factorizations_before_;  // of the system, before the start
+  std::optional<LocatedChange> change_;
+  bool inconsistent_ = false;   // seen in this call and ignored
+  std::vector<double> scratch_w_, scratch_x_;
+};
+
+}  // namespace sfdae::core

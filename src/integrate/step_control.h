@@ -1,0 +1,44 @@
+// Choice of order and step size for BDF, after DASSL.
+//
+// [BCP96] K. E. Brenan, S. L. Campbell, L. R. Petzold: Numerical Solution of Initial-Value Problems in
+//         Differential-Algebraic Equations. SIAM, 1996, chapter 5.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace sfdae::core {
+
+inline constexpr int max_bdf_order = 5;
+
+// Scaled norms of the local terms of the Taylor series: terms[q] ~ h^(q+1) |w^(q+1)|, q = order - 2 .. order + 1;
+// negative where unknown.
+struct LocalTerms {
+  double of_order[max_bdf_order + 2];
+};
+
+class StepControl {
+ public:
+  // start: the first step is of order 1, and order and step are raised with every step until terms stop falling.
+  void start(int max_order);
+
+  int order() const { return order_; }
+  // The next step size after an accepted step of size h.
+  double accepted(double h, const LocalTerms& terms);
+  // The next step size after a step of size h failed the error test.
+  double rejected(double h, const LocalTerms& terms, bool finite);
+  // The same after the point could not be evaluated or the matrix was singular.
+  double failed(double h);
+  // Orders above the number of points known are not possible.
+  void limit_order(int points) { order_ = order_ < points - 1 ? order_ : points - 1; }
+  int failures_in_a_row() const { return failures_; }
+
+ private:
+  int lower_order(const LocalTerms& terms) const;
+
+  int max_order_ = max_bdf_order;
+  int order_ = 1;
+  bool starting_ = true;
+  int steps_at_order_ = 0;
+  int failures_ = 0;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,81 @@
+// Scratch memory for numerical kernels: grows during the first calls, allocates nothing afterwards.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "linalg/matrix.h"
+
+namespace sfdae::core {
+
+// A stack of doubles in chunks. Pointers stay valid until the frame in which they were taken ends.
+class Arena {
+ public:
+  Arena() = default;
+  Arena(const Arena&) = delete;
+  Arena& operator=(const Arena&) = delete;
+
+  // Memory taken while a frame lives is given back when it ends.
+  class Frame {
+   public:
+    explicit Frame(Arena& arena) : arena_(arena), chunk_(arena.chunk_), used_(arena.used_) {}
+    ~Frame() {
+      arena_.chunk_ = chunk_;
+      arena_.used_ = used_;
+    }
+    Frame(const Frame&) = delete;
+    Frame& operator=(const Frame&) = delete;
+
+   private:
+    Arena& arena_;
+    std::size_t chunk_;
+    std::size_t used_;
+  };
+
+  // count uninitialized doubles.
+  double* take(std::size_t count) {
+    count = (count + 8) & ~std::size_t{7};
+    while (chunk_ < chunks_.size() && used_ + count > chunks_[chunk_].size) {
+      ++chunk_;
+      used_ = 0;
+    }
+    if (chunk_ == chunks_.size()) grow(count);
+    double* result = chunks_[chunk_].memory.get() + used_;
+    used_ += count;
+    return result;
+  }
+
+  double* zeros(std::size_t count) {
+    double* result = take(count);
+    std::fill_n(result, count, 0.0);
+    return result;
+  }
+
+  View matrix(int rows, int cols) {
+    const int ld = padded_rows(rows);
+    return {take(static_cast<std::size_t>(ld) * static_cast<std::size_t>(cols)), rows, cols, ld};
+  }
+
+  int* integers(int count) { return reinterpret_cast<int*>(take(static_cast<std::size_t>(count) / 2 + 1)); }
+
+ private:
+  struct Chunk {
+    std::unique_ptr<double[]> memory;
+    std::size_t size;
+  };
+
+  void grow(std::size_t count) {
+    const std::size_t size = std::max({count, std::size_t{4096}, chunks_.empty() ? 0 : 2 * chunks_.back().size});
+    chunks_.push_back({std::unique_ptr<double[]>(new double[size]), size});
+    used_ = 0;
+  }
+
+  std::vector<Chunk> chunks_;
+  std::size_t chunk_ = 0;
+  std::size_t used_ = 0;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,255 @@
+// Dense linear algebra of the core: small loops or LAPACK.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linalg/dense.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "linalg/lapack.h"
+#include "linalg/small_kernels.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Measured crossovers (OpenBLAS, one thread): loops win below these sizes.
+constexpr int small_qr_columns = 24;
+constexpr int small_lu_order = 16;
+constexpr double small_product_flops = 2.0 * 12 * 12 * 12;
+
+const double one = 1.0;
+const int unit_stride = 1;
+
+const char* letter(Op op) { return op == Op::plain ? "N" : "T"; }
+
+// Workspace that lets the blocked LAPACK routines run at full speed.
+int work_length(int rows, int cols) { return 64 * std::max({rows, cols, 1}) + 65 * 64; }
+
+bool is_small_qr(ConstView a) { return std::min(a.rows, a.cols) <= small_qr_columns && a.rows <= 2 * small_qr_columns; }
+
+void scale(View c, double beta) {
+  if (beta == 1.0) return;
+  for (int j = 0; j < c.cols; ++j) {
+    double* column = c.column(j);
+    if (beta == 0.0) std::fill_n(column, c.rows, 0.0);
+    else
+      for (int i = 0; i < c.rows; ++i) column[i] *= beta;
+  }
+}
+
+}  // namespace
+
+void multiply(double alpha, Op op_a, ConstView a, Op op_b, ConstView b, double beta, View c) {
+  if (c.rows == 0 || c.cols == 0) return;
+  const int inner = op_a == Op::plain ? a.cols : a.rows;
+  const double flops = 2.0 * c.rows * static_cast<double>(c.cols) * inner;
+  if (inner == 0 || flops <= small_product_flops) {
+    scale(c, beta);
+    if (inner == 0) return;
+    if (op_a == Op::plain) {
+      if (op_b == Op::plain) small::multiply_columns(alpha, a, c, [&](int k, int j) { return b(k, j); });
+      else small::multiply_columns(alpha, a, c, [&](int k, int j) { return b(j, k); });
+      return;
+    }
+    if (op_b == Op::plain) return small::multiply_transposed(alpha, a, b, c);
+    for (int j = 0; j < c.cols; ++j)
+      for (int k = 0; k < inner; ++k)
+        for (int i = 0; i < c.rows; ++i) c(i, j) += alpha * a(k, i) * b(j, k);
+    return;
+  }
+  dgemm_(letter(op_a), letter(op_b), &c.rows, &c.cols, &inner, &alpha, a.data, &a.ld, b.data, &b.ld, &beta, c.data,
+         &c.ld);
+}
+
+void multiply(double alpha, Op op_a, ConstView a, const double* x, double beta, double* y) {
+  const int length = op_a == Op::plain ? a.rows : a.cols;
+  const View result{y, length, 1, length > 0 ? length : 1};
+  if (a.rows == 0 || a.cols == 0) return scale(result, beta);
+  if (a.rows * a.cols > 32 * 32) {
+    dgemv_(letter(op_a), &a.rows, &a.cols, &alpha, a.data, &a.ld, x, &unit_stride, &beta, y, &unit_stride);
+    return;
+  }
+  scale(result, beta);
+  if (op_a == Op::plain) small::multiply_columns(alpha, a, result, [x](int k, int) { return x[k]; });
+  else
+    for (int i = 0; i < a.cols; ++i) y[i] += alpha * small::dot(a.rows, a.column(i), x);
+}
+
+Matrix product(ConstView a, ConstView b) {
+  Matrix c(a.rows, b.cols);
+  multiply(1.0, Op::plain, a, Op::plain, b, 0.0, c);
+  return c;
+}
+
+Matrix transpose_product(ConstView a, ConstView b) {
+  Matrix c(a.cols, b.cols);
+  multiply(1.0, Op::transposed, a, Op::plain, b, 0.0, c);
+  return c;
+}
+
+void factor_qr(View a, double* tau, Arena& arena) {
+  if (a.rows == 0 || a.cols == 0) return;
+  if (is_small_qr(a)) return small::factor_qr(a, tau);
+  const Arena::Frame frame(arena);
+  const int length = work_length(a.rows, a.cols);
+  int info = 0;
+  dgeqrf_(&a.rows, &a.cols, a.data, &a.ld, tau, arena.take(static_cast<std::size_t>(length)), &length, &info);
+}
+
+void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena) {
+  if (a.cols == 0) return;
+  const Arena::Frame frame(arena);
+  if (a.rows == 0 || is_small_qr(a))
+    return small::factor_qr_pivoted(a, pivots, tau, arena.take(2 * static_cast<std::size_t>(a.cols)));
+  const int length = work_length(a.rows, a.cols);
+  int info = 0;
+  std::fill_n(pivots, a.cols, 0);
+  dgeqp3_(&a.rows, &a.cols, a.data, &a.ld, pivots, tau, arena.take(static_cast<std::size_t>(length)), &length, &info);
+  for (int j = 0; j < a.cols; ++j) --pivots[j];
+}
+
+void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Arena& arena) {
+  if (c.rows == 0 || c.cols == 0 || count == 0) return;
+  const bool is_small = count <= small_qr_columns && c.rows <= 2 * small_qr_columns;
+  if (is_small || c.cols == 1) {
+    for (int step = 0; step < count; ++step) {
+      const int p = op == Op::transposed ? step : count - 1 - step;
+      small::apply_reflector(&factors(p, p), tau[p], c.block(p, 0, c.rows - p, c.cols));
+    }
+    return;
+  }
+  const Arena::Frame frame(arena);
+  const int length = work_length(c.rows, c.cols);
+  int info = 0;
+  dormqr_("L", letter(op), &c.rows, &c.cols, &count, factors.data, &factors.ld, tau, c.data, &c.ld,
+          arena.take(static_cast<std::size_t>(length)), &length, &info);
+}
+
+void form_q(ConstView factors, int count, const double* tau, View q, Arena& arena) {
+  if (q.rows == 0 || q.cols == 0) return;
+  fill(q, 0.0);
+  if (count <= small_qr_columns && q.rows <= 2 * small_qr_columns) {
+    for (int j = 0; j < q.cols; ++j) q(j, j) = 1.0;
+    // Reflection p leaves the first p columns of the identity alone.
+    for (int p = count - 1; p >= 0; --p)
+      small::apply_reflector(&factors(p, p), tau[p], q.block(p, p, q.rows - p, q.cols - p));
+    return;
+  }
+  for (int j = 0; j < count; ++j) std::copy_n(factors.column(j), q.rows, q.column(j));
+  const Arena::Frame frame(arena);
+  const int length = work_length(q.rows, q.cols);
+  int info = 0;
+  dorgqr_(&q.rows, &q.cols, &count, q.data, &q.ld, tau, arena.take(static_cast<std::size_t>(length)), &length, &info);
+}
+
+void solve_upper(Op op, ConstView r, View b) {
+  const int order = r.cols;
+  if (order == 0 || b.cols == 0) return;
+  if (order <= small_lu_order || b.cols == 1) {
+    for (int j = 0; j < b.cols; ++j) {
+      double* x = b.column(j);
+      if (op == Op::plain) {
+        for (int k = order - 1; k >= 0; --k) {
+          x[k] /= r(k, k);
+          small::add_scaled(k, -x[k], r.column(k), x);
+        }
+      } else {
+        for (int k = 0; k < order; ++k) x[k] = (x[k] - small::dot(k, r.column(k), x)) / r(k, k);
+      }
+    }
+    return;
+  }
+  dtrsm_("L", "U", letter(op), "N", &order, &b.cols, &one, r.data, &r.ld, b.data, &b.ld);
+}
+
+void solve_upper_right(ConstView r, View b) {
+  const int order = r.cols;
+  if (order == 0 || b.rows == 0) return;
+  if (order > small_lu_order) {
+    dtrsm_("R", "U", "N", "N", &b.rows, &order, &one, r.data, &r.ld, b.data, &b.ld);
+    return;
+  }
+  for (int k = 0; k < order; ++k) {
+    double* x = b.column(k);
+    for (int p = 0; p < k; ++p) small::add_scaled(b.rows, -r(p, k), b.column(p), x);
+    const double inverse = 1.0 / r(k, k);
+    for (int i = 0; i < b.rows; ++i) x[i] *= inverse;
+  }
+}
+
+bool factor_lu(View a, int* pivots) {
+  if (a.cols == 0) return true;
+  if (a.cols <= small_lu_order) return small::factor_lu(a, pivots);
+  int info = 0;
+  dgetrf_(&a.rows, &a.cols, a.data, &a.ld, pivots, &info);
+  return info == 0;
+}
+
+void solve_lu(ConstView lu, const int* pivots, double* x) {
+  const int order = lu.cols;
+  for (int k = 0; k < order; ++k) std::swap(x[k], x[pivots[k] - 1]);
+  for (int k = 0; k < order; ++k) small::add_scaled(order - k - 1, -x[k], lu.column(k) + k + 1, x + k + 1);
+  solve_upper(Op::plain, lu, {x, order, 1, std::max(order, 1)});
+}
+
+Svd svd(ConstView a) {
+  Svd result{identity(a.rows), {}, identity(a.cols)};
+  result.s.assign(static_cast<std::size_t>(std::min(a.rows, a.cols)), 0.0);
+  if (result.s.empty()) return result;
+  Matrix work = to_matrix(a);
+  Matrix vt(a.cols, a.cols);
+  const int length = 10 * std::max(a.rows, a.cols) + 64 * (a.rows + a.cols);
+  std::vector<double> scratch(static_cast<std::size_t>(length));
+  const int ld_u = a.rows, ld_vt = a.cols, ld_a = a.rows;
+  int info = 0;
+  dgesvd_("A", "A", &a.rows, &a.cols, work.data(), &ld_a, result.s.data(), result.U.data(), &ld_u, vt.data(), &ld_vt,
+          scratch.data(), &length, &info);
+  result.V = transpose(vt);
+  return result;
+}
+
+std::vector<double> singular_values(ConstView a) {
+  std::vector<double> s(static_cast<std::size_t>(std::min(a.rows, a.cols)), 0.0);
+  if (s.empty()) return s;
+  Matrix work = to_matrix(a);
+  const int length = 10 * std::max(a.rows, a.cols) + 64 * (a.rows + a.cols);
+  std::vector<double> scratch(static_cast<std::size_t>(length));
+  const int ld_a = a.rows, ld_none = 1;
+  int info = 0;
+  double none = 0.0;
+  dgesvd_("N", "N", &a.rows, &a.cols, work.data(), &ld_a, s.data(), &none, &ld_none, &none, &ld_none, scratch.data(),
+          &length, &info);
+  return s;
+}
+
+Matrix range_basis(ConstView a, int rank) {
+  const Svd decomposition = svd(a);
+  return to_matrix(decomposition.U.view().columns(0, rank));
+}
+
+std::vector<double> least_squares(ConstView a, const std::vector<double>& b, double threshold) {
+  const Svd decomposition = svd(a);
+  std::vector<double> x(static_cast<std::size_t>(a.cols), 0.0);
+  for (int k = 0; k < static_cast<int>(decomposition.s.size()); ++k) {
+    const double s = decomposition.s[static_cast<std::size_t>(k)];
+    if (s <= threshold) break;
+    const double coefficient = small::dot(a.rows, decomposition.U.view().column(k), b.data()) / s;
+    small::add_scaled(a.cols, coefficient, decomposition.V.view().column(k), x.data());
+  }
+  return x;
+}
+
+int determinant_sign(View a, Arena& arena) {
+  const Arena::Frame frame(arena);
+  int* pivots = arena.integers(a.cols);
+  if (!factor_lu(a, pivots)) return 0;
+  int sign = 1;
+  for (int k = 0; k < a.cols; ++k) {
+    if (pivots[k] != k + 1) sign = -sign;
+    if (a(k, k) < 0.0) sign = -sign;
+  }
+  return sign;
+}
+
+}  // namespace sfdae::core

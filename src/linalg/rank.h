@@ -1,0 +1,42 @@
+// Rank decisions: the one place where a number is declared to be zero.
+//
+// Every decision compares values (pivots or singular values, decreasing) with the noise that rounding errors, or
+// errors of the derivatives, may have left in them. The noise is propagated from the data through the elimination,
+// never taken from the matrix judged: a product such as E T2 may consist of nothing but rounding errors.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+namespace sfdae::core {
+
+enum class Subject { stage, constraints, differential, array };  // what was judged: S(:, y_j), A^, E T2, M
+enum class Verdict { clear, confirmed, unclear, user };
+
+struct RankDecision {
+  double t = 0.0;
+  int level = 0;
+  int stage = 0;
+  Subject subject = Subject::stage;
+  int rows = 0;
+  int cols = 0;
+  int rank = 0;
+  double kept = 0.0;       // smallest value kept, relative to the norm of the data, 0 if none is
+  double dropped = 0.0;    // largest value dropped, 0 if none is
+  double noise = 0.0;
+  double threshold = 0.0;
+  double gap = 0.0;        // kept / max(dropped, noise); nothing kept: threshold / dropped
+  Verdict verdict = Verdict::clear;
+};
+
+// A smaller gap does not separate a rank from rounding errors. Kept values of well-posed problems lie 1e6 and more
+// above the noise, accidental ones within a factor 1e2 of the threshold.
+inline constexpr double clear_gap = 1e3;
+inline constexpr double unit_roundoff = 1.1102230246251565e-16;
+
+// Judges `count` decreasing magnitudes values[0], values[stride], ... of a rows x cols matrix. All quantities are
+// absolute; norm is that of the data. rank_tol > 0 overrides the threshold: rank_tol * norm.
+RankDecision decide_rank(const double* values, int count, int stride, int rows, int cols, double noise, double norm,
+                         double rank_tol);
+
+}  // namespace sfdae::core

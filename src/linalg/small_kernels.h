@@ -1,0 +1,132 @@
+// Hand-written loops for small matrices: inner loops run down columns, so compilers vectorize them.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "linalg/matrix.h"
+
+namespace sfdae::core::small {
+
+// y += s x
+inline void add_scaled(int count, double s, const double* __restrict x, double* __restrict y) {
+  for (int i = 0; i < count; ++i) y[i] += s * x[i];
+}
+
+inline double dot(int count, const double* __restrict x, const double* __restrict y) {
+  double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0;
+  int i = 0;
+  for (; i + 4 <= count; i += 4) {
+    s0 += x[i] * y[i];
+    s1 += x[i + 1] * y[i + 1];
+    s2 += x[i + 2] * y[i + 2];
+    s3 += x[i + 3] * y[i + 3];
+  }
+  for (; i < count; ++i) s0 += x[i] * y[i];
+  return (s0 + s1) + (s2 + s3);
+}
+
+// C += alpha A op(B); four columns of A at a time, so that a column of C is read and written less often.
+template <class Entry>
+inline void multiply_columns(double alpha, ConstView a, View c, Entry b) {
+  for (int j = 0; j < c.cols; ++j) {
+    double* __restrict y = c.column(j);
+    int k = 0;
+    for (; k + 4 <= a.cols; k += 4) {
+      const double s0 = alpha * b(k, j), s1 = alpha * b(k + 1, j), s2 = alpha * b(k + 2, j), s3 = alpha * b(k + 3, j);
+      const double* __restrict x0 = a.column(k);
+      const double* __restrict x1 = a.column(k + 1);
+      const double* __restrict x2 = a.column(k + 2);
+      const double* __restrict x3 = a.column(k + 3);
+      for (int i = 0; i < c.rows; ++i) y[i] += (s0 * x0[i] + s1 * x1[i]) + (s2 * x2[i] + s3 * x3[i]);
+    }
+    for (; k < a.cols; ++k) add_scaled(c.rows, alpha * b(k, j), a.column(k), y);
+  }
+}
+
+// C += alpha A^T B
+inline void multiply_transposed(double alpha, ConstView a, ConstView b, View c) {
+  for (int j = 0; j < c.cols; ++j)
+    for (int i = 0; i < c.rows; ++i) c(i, j) += alpha * dot(a.rows, a.column(i), b.column(j));
+}
+
+// Householder reflection I - tau v v^T with v_0 = 1 that maps x to (beta, 0, ..., 0); x becomes (beta, v_1, ...).
+inline double reflector(int count, double* x) {
+  const double tail = dot(count - 1, x + 1, x + 1);
+  if (tail == 0.0) return 0.0;
+  const double norm = std::sqrt(x[0] * x[0] + tail);
+  const double beta = x[0] > 0.0 ? -norm : norm;
+  const double scale = 1.0 / (x[0] - beta);
+  const double tau = (beta - x[0]) / beta;
+  for (int i = 1; i < count; ++i) x[i] *= scale;
+  x[0] = beta;
+  return tau;
+}
+
+// C := (I - tau v v^T) C, v_0 = 1.
+inline void apply_reflector(const double* v, double tau, View c) {
+  if (tau == 0.0) return;
+  for (int j = 0; j < c.cols; ++j) {
+    double* column = c.column(j);
+    const double s = tau * (column[0] + dot(c.rows - 1, v + 1, column + 1));
+    column[0] -= s;
+    add_scaled(c.rows - 1, -s, v + 1, column + 1);
+  }
+}
+
+inline void factor_qr(View a, double* tau) {
+  const int steps = std::min(a.rows, a.cols);
+  for (int p = 0; p < steps; ++p) {
+    tau[p] = reflector(a.rows - p, &a(p, p));
+    if (p + 1 < a.cols) apply_reflector(&a(p, p), tau[p], a.block(p, p + 1, a.rows - p, a.cols - p - 1));
+  }
+}
+
+// norms: workspace of 2 a.cols.
+inline void factor_qr_pivoted(View a, int* pivots, double* tau, double* norms) {
+  double* reference = norms + a.cols;
+  for (int j = 0; j < a.cols; ++j) {
+    pivots[j] = j;
+    norms[j] = reference[j] = dot(a.rows, a.column(j), a.column(j));
+  }
+  const int steps = std::min(a.rows, a.cols);
+  for (int p = 0; p < steps; ++p) {
+    const int best = static_cast<int>(std::max_element(norms + p, norms + a.cols) - norms);
+    if (best != p) {
+      std::swap(pivots[best], pivots[p]);
+      std::swap_ranges(a.column(best), a.column(best) + a.rows, a.column(p));
+      norms[best] = norms[p];
+      reference[best] = reference[p];
+    }
+    tau[p] = reflector(a.rows - p, &a(p, p));
+    if (p + 1 == a.cols) break;
+    apply_reflector(&a(p, p), tau[p], a.block(p, p + 1, a.rows - p, a.cols - p - 1));
+    // Squared norms of what is left, updated; computed anew where cancellation has eaten half of the digits.
+    for (int j = p + 1; j < a.cols; ++j) {
+      norms[j] -= a(p, j) * a(p, j);
+      if (norms[j] < 1e-8 * reference[j])
+        norms[j] = reference[j] = p + 1 < a.rows ? dot(a.rows - p - 1, &a(p + 1, j), &a(p + 1, j)) : 0.0;
+    }
+  }
+}
+
+inline bool factor_lu(View a, int* pivots) {
+  for (int k = 0; k < a.cols; ++k) {
+    double* x = a.column(k);
+    int best = k;
+    for (int i = k + 1; i < a.rows; ++i)
+      if (std::fabs(x[i]) > std::fabs(x[best])) best = i;
+    pivots[k] = best + 1;
+    if (x[best] == 0.0) return false;
+    if (best != k)
+      for (int j = 0; j < a.cols; ++j) std::swap(a(k, j), a(best, j));
+    const double scale = 1.0 / x[k];
+    for (int i = k + 1; i < a.rows; ++i) x[i] *= scale;
+    for (int j = k + 1; j < a.cols; ++j) add_scaled(a.rows - k - 1, -a(k, j), x + k + 1, &a(k, j) + 1);
+  }
+  return true;
+}
+
+}  // namespace sfdae::core::small

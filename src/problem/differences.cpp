@@ -1,0 +1,65 @@
+// Derivatives by finite differences on equidistant points.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/differences.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "linalg/rank.h"
+
+namespace sfdae::core {
+
+std::vector<double> difference_weights(double at, const std::vector<double>& nodes, int highest) {
+  const int count = static_cast<int>(nodes.size());
+  std::vector<double> weights(nodes.size() * static_cast<std::size_t>(highest + 1), 0.0);
+  const auto w = [&](int k, int i) -> double& {
+    return weights[static_cast<std::size_t>(k) * nodes.size() + static_cast<std::size_t>(i)];
+  };
+  const auto x = [&](int i) { return nodes[static_cast<std::size_t>(i)]; };
+  w(0, 0) = 1.0;
+  double previous_product = 1.0;
+  for (int i = 1; i < count; ++i) {
+    double product = 1.0;
+    for (int j = 0; j < i; ++j) {
+      const double gap = x(i) - x(j);
+      product *= gap;
+      if (j == i - 1)
+        for (int k = std::min(i, highest); k >= 0; --k)
+          w(k, i) = previous_product / product * ((k > 0 ? k * w(k - 1, i - 1) : 0.0) - (x(i - 1) - at) * w(k, i - 1));
+      for (int k = std::min(i, highest); k >= 0; --k)
+        w(k, j) = ((x(i) - at) * w(k, j) - (k > 0 ? k * w(k - 1, j) : 0.0)) / gap;
+    }
+    previous_product = product;
+  }
+  return weights;
+}
+
+DifferenceFormula::DifferenceFormula(int shift, int highest) {
+  std::vector<double> nodes;
+  for (int i = 0; i < points; ++i) nodes.push_back(i - shift);
+  all_ = difference_weights(0.0, nodes, highest);
+  inner_ = difference_weights(0.0, {nodes.begin() + 1, nodes.end() - 1}, highest);
+}
+
+void DifferenceFormula::apply(int k, double step, const double* samples, int length, double* derivative,
+                              double* error) const {
+  const double* all = all_.data() + static_cast<std::ptrdiff_t>(k) * points;
+  const double* inner = inner_.data() + static_cast<std::ptrdiff_t>(k) * (points - 2);
+  const double scale = std::pow(step, -k);
+  double largest = 0.0;
+  for (int row = 0; row < length; ++row) {
+    double value = 0.0, coarse = 0.0, magnitude = 0.0;
+    for (int i = 0; i < points; ++i) {
+      const double s = samples[static_cast<std::ptrdiff_t>(i) * length + row];
+      value += all[i] * s;
+      magnitude += std::fabs(all[i] * s);
+      if (i > 0 && i < points - 1) coarse += inner[i - 1] * s;
+    }
+    derivative[row] = value * scale;
+    largest = std::max(largest, (std::fabs(value - coarse) + 4.0 * unit_roundoff * magnitude) * std::fabs(scale));
+  }
+  *error = largest;
+}
+
+}  // namespace sfdae::core

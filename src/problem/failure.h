@@ -1,0 +1,28 @@
+// The one exception inside: something that the user of the library can cause, with its public status.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <exception>
+#include <string>
+#include <utility>
+
+namespace sfdae::core {
+
+class Failure : public std::exception {
+ public:
+  Failure(int status, std::string message) : status_(status), message_(std::move(message)) {}
+  int status() const { return status_; }
+  const char* what() const noexcept override { return message_.c_str(); }
+
+ private:
+  int status_;
+  std::string message_;
+};
+
+// printf into a string.
+#if defined(__GNUC__)
+__attribute__((format(printf, 1, 2)))
+#endif
+std::string format(const char* pattern, ...);
+
+}  // namespace sfdae::core

@@ -1,0 +1,240 @@
+// The user's functions E, A, f of a linear problem.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/linear_problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/matrix.h"
+#include "problem/differences.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+double largest_entry(const double* values, int count) {
+  return max_abs({values, count, 1, std::max(count, 1)});
+}
+
+}  // namespace
+
+std::string Trouble::message() const {
+  switch (status) {
+    case SFDAE_CALLBACK_STOPPED:
+      return format("%s returned %d (stop) for derivative order %d at t = %.15g.", function, code, order, t);
+    case SFDAE_CALLBACK_FAILED:
+      return format("%s returned %d (cannot evaluate) for derivative order %d at t = %.15g.", function, code, order, t);
+    case SFDAE_NOT_FINITE:
+      if (row < 0) return format("the coefficients at t = %.15g differ so much in size that they overflow: rescale.", t);
+      return format("%s returned NaN, Inf or a number near overflow in row %d, column %d of derivative order %d at "
+                    "t = %.15g. Return 1 from the callback to have the step reduced.",
+                    function, row, column, order, t);
+    case SFDAE_ORDER_MISSING:
+      return format("%s does not provide derivative order %d, which is needed at t = %.15g. Provide it, or set the "
+                    "option difference_derivatives.",
+                    function, order, t);
+    case SFDAE_STOPPED:
+      return format("stopped on request at t = %.15g; the call can be repeated.", t);
+    default:
+      return "";
+  }
+}
+
+LinearProblem::LinearProblem(const sfdae_linear_problem& problem)
+    : problem_(problem),
+      prescribed_(problem.prescribed, problem.prescribed + (problem.prescribed ? problem.num_prescribed : 0)),
+      functions_{Function{'E', m(), n(), problem.constant_E != 0, 0, std::numeric_limits<int>::max(), 0.0, {}},
+                 Function{'A', m(), n(), problem.constant_A != 0, 0, std::numeric_limits<int>::max(), 0.0, {}},
+                 Function{'f', m(), 1, problem.f == nullptr, 0, std::numeric_limits<int>::max(), 0.0, {}}} {
+  problem_.prescribed = prescribed_.data();
+}
+
+void LinearProblem::set_differences(const DifferenceOptions& options) {
+  differences_ = options;
+  for (Function& function : functions_) function.difference_step = 0.0;
+}
+
+Trouble LinearProblem::call(char which, double t, int order, double* values) {
+  Function& function = functions_[slot(which)];
+  const int count = function.rows * function.columns;
+  std::fill_n(values, count, 0.0);
+  Trouble trouble;
+  trouble.function = function.name == 'E' ? "E" : function.name == 'A' ? "A" : "f";
+  trouble.order = order;
+  trouble.t = t;
+  if (stop_is_requested()) {
+    trouble.status = SFDAE_STOPPED;
+    return trouble;
+  }
+  if (which == 'f' && problem_.f == nullptr) return trouble;
+  ++function.calls;
+  trouble.code = which == 'E'   ? problem_.E(t, order, values, problem_.user)
+                 : which == 'A' ? problem_.A(t, order, values, problem_.user)
+                                : problem_.f(t, order, values, problem_.user);
+  if (trouble.code != 0) {
+    trouble.status = trouble.code < 0                           ? SFDAE_CALLBACK_STOPPED
+                     : trouble.code == SFDAE_ORDER_NOT_AVAILABLE ? SFDAE_ORDER_MISSING
+                                                                 : SFDAE_CALLBACK_FAILED;
+    return trouble;
+  }
+  if (!all_finite(values, static_cast<std::size_t>(count))) {
+    trouble.status = SFDAE_NOT_FINITE;
+    int first = 0;
+    while (all_finite(values + first, 1)) ++first;
+    trouble.row = first % function.rows;
+    trouble.column = first / function.rows;
+  }
+  return trouble;
+}
+
+// All orders 0..order of one function, errors[k] that of differences relative to the largest value of its order.
+Trouble LinearProblem::fill(Function& function, double t, int order, double* values, double* errors) {
+  const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(function.rows) * function.columns;
+  std::fill_n(errors, max_derivative_order + 1, 0.0);
+  if (function.constant) {
+    if (function.constant_value.empty()) {
+      std::vector<double> value(static_cast<std::size_t>(count));
+      const Trouble trouble = call(function.name, t, 0, value.data());
+      if (trouble.status != SFDAE_OK) return trouble;
+      function.constant_value = value;
+    }
+    std::copy(function.constant_value.begin(), function.constant_value.end(), values);
+    std::fill_n(values + count, count * order, 0.0);
+    return {};
+  }
+  for (int k = 0; k <= order; ++k) {
+    Trouble trouble;
+    if (k <= function.highest_order) {
+      trouble = call(function.name, t, k, values + count * k);
+      if (trouble.status == SFDAE_OK) continue;
+      if (trouble.status != SFDAE_ORDER_MISSING) return trouble;
+      if (k > 0) function.highest_order = k - 1;
+    }
+    if (!differences_.allowed || k == 0) {
+      if (trouble.status == SFDAE_OK) {
+        trouble.status = SFDAE_ORDER_MISSING;
+        trouble.function = function.name == 'E' ? "E" : function.name == 'A' ? "A" : "f";
+        trouble.order = k;
+        trouble.t = t;
+      }
+      return trouble;
+    }
+    return differentiate(function, t, k, order, values, errors);
+  }
+  return {};
+}
+
+Trouble LinearProblem::sample(Function& function, double t, double step, std::vector<double>& samples, int& shift) {
+  constexpr int points = DifferenceFormula::points;
+  const int count = function.rows * function.columns;
+  // Centred, or moved so that all points lie within the limits.
+  shift = points / 2;
+  while (shift < points - 1 && t + (points - 1 - shift) * step > highest_t_) ++shift;
+  while (shift > 0 && t - shift * step < lowest_t_) --shift;
+  samples.resize(static_cast<std::size_t>(points) * static_cast<std::size_t>(count));
+  for (int i = 0; i < points; ++i) {
+    const Trouble trouble = call(function.name, t + (i - shift) * step, 0,
+                                 samples.data() + static_cast<std::ptrdiff_t>(i) * count);
+    if (trouble.status != SFDAE_OK) return trouble;
+  }
+  return {};
+}
+
+// Halves the step while the worst relative error of the derivatives falls.
+Trouble LinearProblem::choose_difference_step(Function& function, double t, int last) {
+  if (differences_.step > 0.0) {
+    function.difference_step = differences_.step;
+    return {};
+  }
+  const int count = function.rows * function.columns;
+  std::vector<double> samples, derivative(static_cast<std::size_t>(count));
+  double best_error = std::numeric_limits<double>::infinity();
+  double step = differences_.span / 16.0;
+  Trouble trouble, last_trouble;
+  for (int attempt = 0; attempt < 24; ++attempt, step /= 2.0) {
+    int shift = 0;
+    trouble = sample(function, t, step, samples, shift);
+    if (trouble.status == SFDAE_CALLBACK_STOPPED || trouble.status == SFDAE_STOPPED) return trouble;
+    if (trouble.status != SFDAE_OK) {
+      last_trouble = trouble;
+      continue;  // the points reach out of the domain of the function
+    }
+    const DifferenceFormula formula(shift, last);
+    double worst = 0.0, size = largest_entry(samples.data(), DifferenceFormula::points * count);
+    if (size == 0.0) size = 1.0;
+    for (int k = 1; k <= last; ++k) {
+      double error = 0.0;
+      formula.apply(k, step, samples.data(), count, derivative.data(), &error);
+      worst = std::max(worst, error / std::max(size, largest_entry(derivative.data(), count)));
+    }
+    if (worst < best_error) {
+      best_error = worst;
+      function.difference_step = step;
+    }
+  }
+  return function.difference_step > 0.0 ? Trouble{} : last_trouble;
+}
+
+Trouble LinearProblem::differentiate(Function& function, double t, int first, int last, double* values,
+                                     double* errors) {
+  const int count = function.rows * function.columns;
+  if (function.difference_step == 0.0) {
+    const Trouble trouble = choose_difference_step(function, t, last);
+    if (trouble.status != SFDAE_OK) return trouble;
+  }
+  std::vector<double> samples;
+  int shift = 0;
+  const Trouble trouble = sample(function, t, function.difference_step, samples, shift);
+  if (trouble.status != SFDAE_OK) return trouble;
+  const DifferenceFormula formula(shift, last);
+  const double size = largest_entry(samples.data(), static_cast<int>(samples.size()));
+  for (int k = first; k <= last; ++k) {
+    double* derivative = values + static_cast<std::ptrdiff_t>(count) * k;
+    double error = 0.0;
+    formula.apply(k, function.difference_step, samples.data(), count, derivative, &error);
+    // Values below the error are none: a constant matrix keeps derivatives that are exactly zero.
+    for (int i = 0; i < count; ++i)
+      if (std::fabs(derivative[i]) <= error) derivative[i] = 0.0;
+    const double scale = std::max(size, largest_entry(derivative, count));
+    errors[k] = scale > 0.0 ? error / scale : 0.0;
+  }
+  return {};
+}
+
+Trouble LinearProblem::evaluate_plain(double t, Orders orders, TaylorData& data) {
+  data.resize(m(), n(), orders);
+  data.t = t;
+  Trouble trouble;
+  if (orders.E >= 0) trouble = fill(functions_[0], t, orders.E, data.E(0).data, data.error_E.data());
+  if (trouble.status == SFDAE_OK && orders.A >= 0)
+    trouble = fill(functions_[1], t, orders.A, data.A(0).data, data.error_A.data());
+  if (trouble.status == SFDAE_OK && orders.f >= 0)
+    trouble = fill(functions_[2], t, orders.f, data.f(0), data.error_f.data());
+  return trouble;
+}
+
+Trouble LinearProblem::evaluate(double t, Orders orders, double time_scale, TaylorData& data) {
+  Trouble trouble = evaluate_plain(t, orders, data);
+  if (trouble.status == SFDAE_OK && !data.scale(time_scale)) {
+    trouble.status = SFDAE_NOT_FINITE;
+    trouble.row = -1;
+    trouble.t = t;
+  }
+  return trouble;
+}
+
+Trouble LinearProblem::evaluate_prescribed(double t, double* values) {
+  const int count = problem_.num_prescribed;
+  Trouble trouble;
+  if (count == 0) return trouble;
+  std::fill_n(values, count, 0.0);
+  trouble.function = "prescribed_values";
+  trouble.t = t;
+  trouble.code = problem_.prescribed_values(t, 0, values, problem_.user);
+  if (trouble.code != 0) trouble.status = trouble.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
+  else if (!all_finite(values, static_cast<std::size_t>(count))) trouble.status = SFDAE_NOT_FINITE;
+  return trouble;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,177 @@
+// Taylor coefficients of a linear problem at one point: scaling.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/taylor_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "linalg/rank.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Products of a few scaled coefficients must stay finite.
+constexpr double largest_coefficient = 1e60;
+
+std::size_t index(int k) { return static_cast<std::size_t>(k); }
+
+void multiply_entries(double* values, std::size_t count, double factor) {
+  for (std::size_t i = 0; i < count; ++i) values[i] *= factor;
+}
+
+}  // namespace
+
+void TaylorData::resize(int rows, int cols, Orders held) {
+  m = rows;
+  n = cols;
+  orders = held;
+  const std::size_t size = static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
+  E_.resize(std::max(E_.size(), size * index(held.E + 1)));
+  A_.resize(std::max(A_.size(), size * index(held.A + 1)));
+  f_.resize(std::max(f_.size(), index(rows) * index(held.f + 1) + 1));
+  row_scale.resize(index(rows));
+}
+
+void TaylorData::choose_row_scale() {
+  std::fill(row_scale.begin(), row_scale.end(), 0.0);
+  const auto raise = [this](ConstView a) {
+    for (int j = 0; j < n; ++j) {
+      const double* column = a.column(j);
+      for (int i = 0; i < m; ++i) row_scale[index(i)] = std::max(row_scale[index(i)], std::fabs(column[i]));
+    }
+  };
+  raise(E(0));
+  raise(A(0));
+  // A row that vanishes at this point only is measured by its derivatives.
+  if (*std::min_element(row_scale.begin(), row_scale.end()) == 0.0) {
+    const std::vector<double> at_point = row_scale;
+    for (int k = 1; k <= orders.E; ++k) raise(E(k));
+    for (int k = 1; k <= orders.A; ++k) raise(A(k));
+    for (int i = 0; i < m; ++i)
+      if (at_point[index(i)] != 0.0) row_scale[index(i)] = at_point[index(i)];
+  }
+  for (double& size : row_scale)
+    size = size == 0.0 ? 1.0 : std::ldexp(1.0, std::clamp(-std::ilogb(size), -1020, 1020));
+}
+
+bool TaylorData::scale_rows_and_measure() {
+  double largest = 0.0;
+  const auto scale_rows = [this, &largest](double* values, int columns, double factor) {
+    double norm = 0.0;
+    for (int j = 0; j < columns; ++j) {
+      double* column = values + static_cast<std::ptrdiff_t>(j) * m;
+      for (int i = 0; i < m; ++i) {
+        column[i] *= row_scale[index(i)] * factor;
+        norm = std::max(norm, std::fabs(column[i]));
+      }
+    }
+    largest = std::max(largest, norm);
+    return norm;
+  };
+  double inverse_factorial = 1.0;
+  for (int k = 0; k <= max_derivative_order; ++k) {
+    if (k > 0) inverse_factorial /= k;
+    if (k <= orders.E) norm_E_[index(k)] = scale_rows(E(k).data, n, inverse_factorial);
+    if (k <= orders.A) norm_A_[index(k)] = scale_rows(A(k).data, n, inverse_factorial);
+    if (k <= orders.f) norm_f_[index(k)] = scale_rows(f(k), 1, inverse_factorial);
+  }
+  return largest <= largest_coefficient;
+}
+
+// Smallest time in which one of the coefficients grows as large as that of order 0.
+double TaylorData::choose_time_scale() const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const auto growth = [](const auto& norms, int order) {
+    double tau = infinity;
+    for (int k = 1; k <= order; ++k)
+      if (norms[index(k)] > 0.0 && norms[0] > 0.0)
+        tau = std::min(tau, std::pow(norms[0] / norms[index(k)], 1.0 / k));
+    return tau;
+  };
+  const double grown_A = growth(norm_A_, orders.A);
+  const double E0 = norm_E_[0], A0 = norm_A_[0];
+  if (E0 == 0.0 || A0 == 0.0) {
+    const double grown = E0 == 0.0 ? grown_A : growth(norm_E_, orders.E);
+    return grown < infinity ? grown : 1.0;
+  }
+  const double ratio = E0 / A0;
+  const double grown = std::min(growth(norm_E_, orders.E), grown_A);
+  return grown < infinity ? std::clamp(grown, 0.1 * ratio, 1e3 * ratio) : ratio;
+}
+
+bool TaylorData::scale(double tau) {
+  choose_row_scale();
+  time_scale = 1.0;
+  if (!scale_rows_and_measure()) return false;
+  if (tau == 0.0) tau = choose_time_scale();
+  // A power of two scales without rounding.
+  rescale_time(std::ldexp(1.0, std::clamp(static_cast<int>(std::lround(std::log2(tau))), -900, 900)));
+  const double largest = norm(std::max(orders.E, orders.A));
+  if (largest > largest_coefficient) return false;
+  // A tiny E with its small time scale: one more common factor keeps squares from underflow.
+  if (largest > 0.0 && largest < 0.125) multiply_all(std::ldexp(1.0, -std::ilogb(largest)));
+  return norm_f(orders.f) <= largest_coefficient;
+}
+
+void TaylorData::multiply_all(double factor) {
+  const std::size_t size = static_cast<std::size_t>(m) * static_cast<std::size_t>(n);
+  multiply_entries(E_.data(), size * index(orders.E + 1), factor);
+  multiply_entries(A_.data(), size * index(orders.A + 1), factor);
+  multiply_entries(f_.data(), index(m) * index(orders.f + 1), factor);
+  multiply_entries(row_scale.data(), index(m), factor);
+  multiply_entries(norm_E_.data(), index(orders.E + 1), factor);
+  multiply_entries(norm_A_.data(), index(orders.A + 1), factor);
+  multiply_entries(norm_f_.data(), index(orders.f + 1), factor);
+}
+
+void TaylorData::rescale_time(double factor) {
+  time_scale *= factor;
+  if (factor == 1.0) return;
+  const std::size_t size = static_cast<std::size_t>(m) * static_cast<std::size_t>(n);
+  double power = 1.0;
+  for (int k = 0; k <= max_derivative_order; ++k) {
+    if (k > 0) {
+      power *= factor;
+      if (k <= orders.E && norm_E_[index(k)] > 0.0) {
+        multiply_entries(E(k).data, size, power);
+        norm_E_[index(k)] *= power;
+      }
+    }
+    if (k <= orders.A && norm_A_[index(k)] > 0.0) {
+      multiply_entries(A(k).data, size, power * factor);
+      norm_A_[index(k)] *= power * factor;
+    }
+    if (k <= orders.f && norm_f_[index(k)] > 0.0) {
+      multiply_entries(f(k), index(m), power * factor);
+      norm_f_[index(k)] *= power * factor;
+    }
+  }
+}
+
+double TaylorData::norm(int level) const {
+  double largest = 0.0;
+  for (int k = 0; k <= std::min(level, orders.E); ++k) largest = std::max(largest, norm_E_[index(k)]);
+  return std::max(largest, norm_A(level));
+}
+
+double TaylorData::norm_A(int level) const {
+  double largest = 0.0;
+  for (int k = 0; k <= std::min(level, orders.A); ++k) largest = std::max(largest, norm_A_[index(k)]);
+  return largest;
+}
+
+double TaylorData::norm_f(int level) const {
+  double largest = 0.0;
+  for (int k = 0; k <= std::min(level, orders.f); ++k) largest = std::max(largest, norm_f_[index(k)]);
+  return largest;
+}
+
+double TaylorData::noise(int level) const {
+  double relative = unit_roundoff;
+  for (int k = 1; k <= level; ++k) relative = std::max({relative, error_E[index(k)], error_A[index(k)]});
+  return relative;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,84 @@
+// Taylor coefficients of a linear problem at one point, scaled for rank decisions.
+//
+// E(k) = D E^(k)(t) tau^k / k!,  A(k) = D A^(k)(t) tau^(k+1) / k!,  f(k) = D f^(k)(t) tau^(k+1) / k!
+//
+// D scales the rows by powers of two so that the largest entry of each row of [E A] lies in [1, 2): a constant row
+// factor at a point changes neither ranks nor solutions, but only the joint scaling tells a badly scaled equation
+// from a singular perturbation. tau is the unit of time in which derivatives are compared.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "linalg/matrix.h"
+
+namespace sfdae::core {
+
+inline constexpr int max_strangeness_index = 12;
+inline constexpr int max_derivative_order = max_strangeness_index + 1;
+
+// Highest orders held of each function, -1: none.
+struct Orders {
+  int E = -1;
+  int A = -1;
+  int f = -1;
+};
+
+class TaylorData {
+ public:
+  // Room for all orders up to `orders`.
+  void resize(int m, int n, Orders orders);
+
+  // The coefficients of order k; before scale(), plain derivatives.
+  View E(int k) { return block(E_, k); }
+  View A(int k) { return block(A_, k); }
+  double* f(int k) { return f_.data() + static_cast<std::ptrdiff_t>(k) * m; }
+  ConstView E(int k) const { return block(E_, k); }
+  ConstView A(int k) const { return block(A_, k); }
+  const double* f(int k) const { return f_.data() + static_cast<std::ptrdiff_t>(k) * m; }
+  // f(0), ..., f(order) one below the other.
+  ConstView f_stack(int order) const { return {f_.data(), m * (order + 1), 1, m * (order + 1)}; }
+
+  // Turns plain derivatives into scaled Taylor coefficients; tau = 0 chooses the time scale. False if entries are so
+  // large or differ so much that products would overflow.
+  bool scale(double tau);
+  // Multiplies the time scale by `factor` once more.
+  void rescale_time(double factor);
+
+  // Largest entry over all E(k), A(k) with k <= level.
+  double norm(int level) const;
+  double norm_A(int level) const;
+  double norm_f(int level) const;
+  bool is_zero_E(int k) const { return norm_E_[static_cast<std::size_t>(k)] == 0.0; }
+  bool is_zero_A(int k) const { return norm_A_[static_cast<std::size_t>(k)] == 0.0; }
+  double norm_E0() const { return norm_E_[0]; }
+  // Rounding errors of the data of level 0 and of derivatives, relative to norm().
+  double noise(int level) const;
+
+  int m = 0;
+  int n = 0;
+  Orders orders;
+  double t = 0.0;
+  double time_scale = 1.0;
+  std::vector<double> row_scale;  // diagonal of D
+  // Errors of difference derivatives relative to the largest coefficient of the same function; 0: exact.
+  std::array<double, max_derivative_order + 1> error_E{}, error_A{}, error_f{};
+
+ private:
+  View block(std::vector<double>& entries, int k) {
+    return {entries.data() + static_cast<std::ptrdiff_t>(k) * m * n, m, n, m};
+  }
+  ConstView block(const std::vector<double>& entries, int k) const {
+    return {entries.data() + static_cast<std::ptrdiff_t>(k) * m * n, m, n, m};
+  }
+  void choose_row_scale();
+  double choose_time_scale() const;
+  bool scale_rows_and_measure();
+  void multiply_all(double factor);
+
+  std::vector<double> E_, A_, f_;
+  std::array<double, max_derivative_order + 1> norm_E_{}, norm_A_{}, norm_f_{};
+};
+
+}  // namespace sfdae::core

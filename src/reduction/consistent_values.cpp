@@ -1,0 +1,135 @@
+// Consistent initial values of a linear problem. In null-space form every consistent x is xp + T2 z.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/consistent_values.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/dense.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+// Relative accuracy to which fixed components must fit the constraints.
+constexpr double fixed_tolerance = 1e-9;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// (I - T2 T2^T) x - xp: the violation of the constraints as a vector; its length is that of A2 x + f2.
+Vector violation(const NullSpaceForm& form, const Vector& x) {
+  Vector along(index(form.unknowns()) + 1), r(x);
+  multiply(1.0, Op::transposed, form.T2(), x.data(), 0.0, along.data());
+  multiply(-1.0, Op::plain, form.T2(), along.data(), 1.0, r.data());
+  for (int i = 0; i < form.n; ++i) r[index(i)] -= form.xp()[i];
+  return r;
+}
+
+double largest(const Vector& v) {
+  double result = 0.0;
+  for (double entry : v) result = std::max(result, std::fabs(entry));
+  return result;
+}
+
+// Minimizes || D^-1 (xp + T2 z - x) || over z = z0 + N y; rows of zero weight are left out.
+Vector nearest(const NullSpaceForm& form, const Vector& x, const Vector& inverse_weights, const Vector& z0,
+               const Matrix& N) {
+  const int n = form.n;
+  Matrix rows = product(form.T2(), N);
+  Vector target(x), base(form.xp(), form.xp() + n);
+  multiply(1.0, Op::plain, form.T2(), z0.data(), 1.0, base.data());
+  for (int i = 0; i < n; ++i) {
+    const double scale = inverse_weights[index(i)];
+    target[index(i)] = scale * (x[index(i)] - base[index(i)]);
+    for (int j = 0; j < rows.cols(); ++j) rows(i, j) *= scale;
+  }
+  const Vector y = least_squares(rows, target, n * unit_roundoff * max_abs(rows));
+  Vector z(z0), result(form.xp(), form.xp() + n);
+  multiply(1.0, Op::plain, N, y.data(), 1.0, z.data());
+  multiply(1.0, Op::plain, form.T2(), z.data(), 1.0, result.data());
+  return result;
+}
+
+// The fixed components alone: T2_J z = x_J - xp_J has to be solvable; N spans what they leave open.
+void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request, const Vector& x, double t, Vector& z0,
+                   Matrix& N) {
+  const int count = static_cast<int>(std::count(request.fixed.begin(), request.fixed.end(), 1));
+  Matrix J(count, form.unknowns());
+  Vector missing(index(count));
+  double scale = std::max(largest(x), largest(Vector(form.xp(), form.xp() + form.n)));
+  std::vector<int> components;
+  for (int i = 0, row = 0; i < form.n; ++i) {
+    if (request.fixed[index(i)] == 0) continue;
+    components.push_back(i);
+    for (int j = 0; j < J.cols(); ++j) J(row, j) = form.T2()(i, j);
+    missing[index(row++)] = x[index(i)] - form.xp()[i];
+  }
+  // T2 has orthonormal columns: singular values of its rows are cosines, 1e-9 is as good as none.
+  const Svd decomposition = svd(J);
+  int rank = 0;
+  for (double s : decomposition.s) rank += s > fixed_tolerance ? 1 : 0;
+  z0 = least_squares(J, missing, fixed_tolerance);
+  Vector residual(missing);
+  if (count > 0) multiply(-1.0, Op::plain, J, z0.data(), 1.0, residual.data());
+  for (int row = 0; row < count; ++row)
+    if (std::fabs(residual[index(row)]) > fixed_tolerance * std::max(scale, 1e-300))
+      throw Failure(SFDAE_FIXED_VALUES,
+                    format("the fixed components contradict the constraints at t = %.15g: x(%d) = %.6g would have to "
+                           "change by %.3g. Fix fewer components, or correct their values.",
+                           t, components[index(row)], x[index(components[index(row)])], -residual[index(row)]));
+  N = to_matrix(decomposition.V.view().columns(rank, form.unknowns() - rank));
+}
+
+}  // namespace
+
+ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, Vector& x) {
+  const NullSpaceForm& form = system.form();
+  const int n = form.n;
+  ConsistencyResult result;
+  result.residual_before = largest(violation(form, x));
+  Vector inverse_weights(index(n), 1.0);
+  for (int i = 0; i < n && !request.weights.empty(); ++i) inverse_weights[index(i)] = 1.0 / request.weights[index(i)];
+  Vector z0(index(form.unknowns()) + 1, 0.0);
+  Matrix N = identity(form.unknowns());
+  if (request.kind == InitialValues::fixed) satisfy_fixed(form, request, x, system.t(), z0, N);
+  Vector consistent(form.xp(), form.xp() + n);
+  if (request.weights.empty() && request.kind != InitialValues::fixed) {
+    // xp + T2 T2^T x
+    multiply(1.0, Op::transposed, form.T2(), x.data(), 0.0, z0.data());
+    multiply(1.0, Op::plain, form.T2(), z0.data(), 1.0, consistent.data());
+  } else {
+    consistent = nearest(form, x, inverse_weights, z0, N);
+  }
+  if (request.kind == InitialValues::fixed)
+    for (int i = 0; i < n; ++i)
+      if (request.fixed[index(i)] != 0) consistent[index(i)] = x[index(i)];
+  if (request.kind == InitialValues::accept) {
+    for (int i = 0; i < n; ++i) {
+      const double change = std::fabs(consistent[index(i)] - x[index(i)]);
+      if (change > request.tolerances[index(i)])
+        throw Failure(SFDAE_INCONSISTENT_VALUES,
+                      format("initial values violate the constraints at t = %.15g: residual %.3g, the nearest "
+                             "consistent point differs by %.3g in x(%d). Let them be made consistent, or correct x.",
+                             system.t(), result.residual_before, change, i));
+    }
+    result.residual_after = result.residual_before;
+    return result;
+  }
+  for (int i = 0; i < n; ++i) {
+    const double change = std::fabs(consistent[index(i)] - x[index(i)]);
+    if (change > result.largest_change) {
+      result.largest_change = change;
+      result.component = i;
+    }
+  }
+  if (!all_finite(consistent.data(), consistent.size()))
+    throw Failure(SFDAE_NOT_FINITE, format("consistent values at t = %.15g overflow: rescale the problem.", system.t()));
+  x = consistent;
+  result.residual_after = largest(violation(form, x));
+  return result;
+}
+
+}  // namespace sfdae::core

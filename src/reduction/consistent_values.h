@@ -1,0 +1,32 @@
+// Consistent initial values of a linear problem: A2 x + f2 = 0.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "reduction/linear_system.h"
+
+namespace sfdae::core {
+
+enum class InitialValues { nearest, fixed, accept };
+
+struct ConsistencyRequest {
+  InitialValues kind = InitialValues::nearest;
+  std::vector<char> fixed;      // kind fixed: n flags
+  std::vector<double> weights;  // empty or n positive weights
+  // accept: largest |change_i| to the nearest consistent point that passes.
+  std::vector<double> tolerances;
+};
+
+struct ConsistencyResult {
+  double residual_before = 0.0;  // max norm of A2 x + f2, rows of A2 orthonormal
+  double residual_after = 0.0;
+  double largest_change = 0.0;
+  int component = -1;            // of the largest change
+};
+
+// Makes x (n values) consistent at the point the system was moved to. Throws Failure SFDAE_INCONSISTENT_VALUES or
+// SFDAE_FIXED_VALUES and leaves x as it was then.
+ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, std::vector<double>& x);
+
+}  // namespace sfdae::core

@@ -1,0 +1,106 @@
+// The classical derivative array and its projectors.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/derivative_array.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/dense.h"
+#include "problem/failure.h"
+#include "reduction/elimination.h"
+
+namespace sfdae::core {
+
+namespace {
+
+void add_multiple(double s, ConstView from, View to) {
+  for (int j = 0; j < from.cols; ++j)
+    for (int i = 0; i < from.rows; ++i) to(i, j) += s * from(i, j);
+}
+
+double binomial(int n, int k) {
+  double result = 1.0;
+  for (int i = 1; i <= k; ++i) result = result * (n - k + i) / i;
+  return std::round(result);
+}
+
+// Orthonormal basis of the range of A, all columns independent; they may differ much in size.
+Matrix orthonormalized(Matrix a) {
+  Arena arena;
+  for (int j = 0; j < a.cols(); ++j) {
+    const double size = max_abs(a.view().columns(j, 1));
+    for (int i = 0; i < a.rows() && size > 0.0; ++i) a(i, j) /= size;
+  }
+  std::vector<double> tau(static_cast<std::size_t>(a.cols()) + 1);
+  std::vector<int> pivots(static_cast<std::size_t>(a.cols()) + 1);
+  factor_qr_pivoted(a, pivots.data(), tau.data(), arena);
+  Matrix q(a.rows(), a.cols());
+  form_q(a, std::min(a.rows(), a.cols()), tau.data(), q, arena);
+  return q;
+}
+
+}  // namespace
+
+DerivativeArray derivative_array(LinearProblem& problem, double t, int level) {
+  TaylorData data;
+  const Trouble trouble = problem.evaluate_plain(t, {level, level, level}, data);
+  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  const int m = problem.m(), n = problem.n();
+  DerivativeArray array{Matrix((level + 1) * m, (level + 1) * n), Matrix((level + 1) * m, n), {}};
+  for (int i = 0; i <= level; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      const View block = array.M.view().block(i * m, j * n, m, n);
+      add_multiple(binomial(i, j), data.E(i - j), block);
+      if (j < i) add_multiple(-binomial(i, j + 1), data.A(i - j - 1), block);
+    }
+    copy(data.A(i), array.N.view().block(i * m, 0, m, n));
+    array.g.insert(array.g.end(), data.f(i), data.f(i) + m);
+  }
+  return array;
+}
+
+Projectors projectors(LinearSystem& system, double t) {
+  LinearProblem& problem = system.problem();
+  const int mu = system.analysis().values.mu, a = system.analysis().values.a, d = system.analysis().values.d;
+  const int m = problem.m(), rows = (mu + 1) * m;
+  TaylorData data;
+  const Trouble trouble = problem.evaluate(t, {mu, mu, 0}, system.analysis().time_scale, data);
+  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+
+  // Carrying the identity along gives Z^T, the transformation itself, for the scaled array.
+  Judge::Settings settings{system.settings().rank_tol, system.settings().by_svd};
+  Judge judge(data, mu, settings, nullptr);
+  Arena& arena = system.arena();
+  const Arena::Frame frame(arena);
+  const Matrix unit = identity(rows);
+  const Carried carried = settings.by_singular_values ? eliminate_by_svd(data, mu, unit, judge, arena)
+                                                      : eliminate(data, mu, unit, 1, judge, arena);
+  // Row block i of the scaled array is D tau^(i+1) / i! times that of the classical one.
+  Matrix Z = transpose(carried.rhs);
+  double factor = 1.0;
+  for (int i = 0; i <= mu; ++i) {
+    factor *= data.time_scale / std::max(i, 1);
+    for (int row = 0; row < m; ++row)
+      for (int j = 0; j < Z.cols(); ++j) Z(i * m + row, j) *= factor * data.row_scale[static_cast<std::size_t>(row)];
+  }
+  Z = orthonormalized(std::move(Z));
+  // Within the left null space, Z2 is where N has its rank a, Z3 the rest.
+  TaylorData plain;
+  const Trouble again = problem.evaluate_plain(t, {0, mu, -1}, plain);
+  if (again.status != SFDAE_OK) throw Failure(again.status, again.message());
+  Matrix N(rows, problem.n());
+  for (int i = 0; i <= mu; ++i) copy(plain.A(i), N.view().block(i * m, 0, m, problem.n()));
+  const Svd split = svd(transpose_product(Z, N));
+  const int count = Z.cols();
+  if (count < a || count - a != system.analysis().v_hat)
+    throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                  format("the characteristic values known do not hold at t = %.15g.", t));
+  Projectors result;
+  result.Z2 = product(Z, split.U.view().columns(0, a));
+  result.Z3 = product(Z, split.U.view().columns(a, count - a));
+  result.T2 = to_matrix(split.V.view().columns(a, problem.n() - a));
+  result.Z1 = range_basis(product(plain.E(0), result.T2), d);
+  return result;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,33 @@
+// The classical derivative array and its projectors, for those who want to look inside.
+//
+//   M y = N x + g,   M_ij = C(i,j) E^(i-j) - C(i,j+1) A^(i-j-1),   N_i = A^(i),   g_i = f^(i),   y = (x', x'', ...)
+//
+// with plain derivatives, unscaled.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "reduction/linear_system.h"
+
+namespace sfdae::core {
+
+struct DerivativeArray {
+  Matrix M;               // (level+1)m x (level+1)n
+  Matrix N;               // (level+1)m x n
+  std::vector<double> g;  // (level+1)m
+};
+
+// Throws Failure if a callback fails.
+DerivativeArray derivative_array(LinearProblem& problem, double t, int level);
+
+// Orthonormal columns; for the array of level mu at the point that the system was moved to.
+struct Projectors {
+  Matrix Z1;  // m x d, range of E T2
+  Matrix Z2;  // (mu+1)m x a, Z2^T M = 0, Z2^T N of full rank
+  Matrix Z3;  // (mu+1)m x v^, Z3^T [M N] = 0
+  Matrix T2;  // n x (n-a), Z2^T N T2 = 0
+};
+Projectors projectors(LinearSystem& system, double t);
+
+}  // namespace sfdae::core

@@ -1,0 +1,227 @@
+// Strangeness index and characteristic values of a linear problem.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/index_analysis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "problem/failure.h"
+#include "reduction/elimination.h"
+#include "reduction/null_space_form.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// What level l of the array says at one point.
+struct LevelReading {
+  PointRanks ranks;
+  double time_scale = 1.0;
+  bool clear = true;
+  RankDecision doubtful;  // the first unclear decision
+};
+
+// A search up the levels at one point.
+struct Search {
+  CharacteristicValues values;
+  LevelReading last;
+  std::string levels;  // for messages: what each level said
+};
+
+class Searcher {
+ public:
+  Searcher(LinearProblem& problem, double t, const AnalysisSettings& settings, Arena& arena,
+           std::vector<RankDecision>* log)
+      : problem_(problem), t_(t), settings_(settings), arena_(arena), log_(log) {}
+
+  LevelReading read(int level, double time_scale) {
+    const Trouble trouble = problem_.evaluate(t_, {level, level, 0}, time_scale, data_);
+    if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+    std::vector<RankDecision> decisions;
+    const Judge::Settings judging{settings_.rank_tol, settings_.by_svd};
+    Judge judge(data_, level, judging, &decisions);
+    const Arena::Frame frame(arena_);
+    const Matrix no_rhs((level + 1) * problem_.m(), 1);
+    const Carried carried = settings_.by_svd ? eliminate_by_svd(data_, level, no_rhs, judge, arena_)
+                                             : eliminate(data_, level, no_rhs, 1, judge, arena_);
+    form_.resize(problem_.m(), problem_.n(), 0, carried.rows);
+    LevelReading reading;
+    reading.ranks = form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
+    reading.time_scale = data_.time_scale;
+    reading.clear = judge.all_clear();
+    for (const RankDecision& decision : decisions)
+      if (decision.verdict == Verdict::unclear && reading.doubtful.verdict == Verdict::clear)
+        reading.doubtful = decision;
+    latest_ = decisions;
+    return reading;
+  }
+
+  // A level whose decisions are clear, or confirmed with another time scale.
+  LevelReading read_confirmed(int level) {
+    LevelReading reading = read(level, settings_.time_scale);
+    std::vector<RankDecision> decisions = latest_;
+    if (!reading.clear) {
+      const LevelReading second = read(level, reading.time_scale / 8.0);
+      if (second.clear && second.ranks.a == reading.ranks.a && second.ranks.d == reading.ranks.d &&
+          second.ranks.v_hat == reading.ranks.v_hat) {
+        reading.clear = true;
+        for (RankDecision& decision : decisions)
+          if (decision.verdict == Verdict::unclear) decision.verdict = Verdict::confirmed;
+      }
+    }
+    if (log_ != nullptr) log_->insert(log_->end(), decisions.begin(), decisions.end());
+    return reading;
+  }
+
+  // Values at a level known to be mu; v^ of the level below is found on the way.
+  CharacteristicValues values_at(int level) {
+    const int below = level > 0 ? read_confirmed(level - 1).ranks.v_hat : 0;
+    return values_of(level, read_confirmed(level), below);
+  }
+
+  Search search(int max_index) {
+    Search result;
+    int v_hat_below = 0;
+    for (int level = 0; level <= max_index; ++level) {
+      result.last = read_confirmed(level);
+      if (!result.last.clear) return result;
+      const CharacteristicValues values = values_of(level, result.last, v_hat_below);
+      result.levels += format("%s level %d: a = %d, rank(E T2) = %d of %d;", level > 0 ? "" : "", level, values.a,
+                              result.last.ranks.d, problem_.m() - values.a - values.v);
+      if (values.mu >= 0) {
+        result.values = values;
+        return result;
+      }
+      v_hat_below = result.last.ranks.v_hat;
+    }
+    return result;
+  }
+
+ private:
+  CharacteristicValues values_of(int level, const LevelReading& reading, int v_hat_below) const {
+    const int a = reading.ranks.a, v = reading.ranks.v_hat - v_hat_below, d = problem_.m() - a - v;
+    return {reading.ranks.d == d ? level : -1, d, a, problem_.n() - a - d, v};
+  }
+
+  LinearProblem& problem_;
+  double t_;
+  const AnalysisSettings& settings_;
+  Arena& arena_;
+  std::vector<RankDecision>* log_;
+  TaylorData data_;
+  NullSpaceForm form_;
+  std::vector<RankDecision> latest_;
+};
+
+// What the analysis would say if the doubtful value were decided by rank_tol.
+std::string reading_with(LinearProblem& problem, double t, AnalysisSettings settings, double rank_tol, Arena& arena) {
+  settings.rank_tol = rank_tol;
+  const CharacteristicValues values = find_local_values(problem, t, settings, arena);
+  return values.mu >= 0 ? "the strangeness index is " + std::to_string(values.mu)
+                        : "no level up to max_index fulfils the hypothesis";
+}
+
+[[noreturn]] void report_unclear(LinearProblem& problem, double t, const AnalysisSettings& settings,
+                                 const RankDecision& decision, Arena& arena) {
+  const double below = std::max({decision.dropped, decision.noise, 1e-300});
+  const double keep_tol = std::min(std::sqrt(decision.kept * below), 0.5);
+  const double drop_tol = std::min(3.0 * decision.kept, 0.5);
+  const std::string kept = reading_with(problem, t, settings, keep_tol, arena);
+  const std::string dropped = reading_with(problem, t, settings, drop_tol, arena);
+  throw Failure(SFDAE_RANK_UNCLEAR,
+                describe(decision) + format(" is not clear. With rank %d ", decision.rank) + kept +
+                    format(", with rank %d ", decision.rank - 1) + dropped +
+                    format(". Try rank_tol = %.1e or %.1e, or scale the equations.", keep_tol, drop_tol));
+}
+
+IndexAnalysis search_at(LinearProblem& problem, double t, const AnalysisSettings& settings, Arena& arena,
+                        std::vector<RankDecision>& decisions) {
+  Searcher searcher(problem, t, settings, arena, &decisions);
+  const Search found = searcher.search(settings.max_index);
+  if (!found.last.clear) report_unclear(problem, t, settings, found.last.doubtful, arena);
+  if (found.values.mu < 0)
+    throw Failure(SFDAE_INDEX_TOO_HIGH,
+                  format("no strangeness index up to max_index = %d at t = %.15g:", settings.max_index, t) +
+                      found.levels + " raise max_index, or check that the problem is regular.");
+  IndexAnalysis analysis;
+  analysis.values = found.values;
+  analysis.t = t;
+  analysis.time_scale = found.last.time_scale;
+  analysis.v_hat = found.last.ranks.v_hat;
+  analysis.rank_E = found.last.ranks.rank_E;
+  return analysis;
+}
+
+// Far enough for a coefficient that vanishes at t to be seen, near enough to stay on the same smooth piece.
+double nearby_point(double t, double toward, double time_scale) {
+  const double distance = std::min(std::fabs(toward - t), time_scale) * 0.7e-3;
+  const double resolvable = 1e6 * unit_roundoff * std::fabs(t);
+  return t + std::copysign(std::min(std::max(distance, resolvable), std::fabs(toward - t)), toward - t);
+}
+
+}  // namespace
+
+std::string describe(const CharacteristicValues& values) {
+  if (values.mu < 0) return "undetermined";
+  return format("mu = %d, d = %d, a = %d, u = %d, v = %d", values.mu, values.d, values.a, values.u, values.v);
+}
+
+std::string describe(const RankDecision& decision) {
+  const char* subject = decision.subject == Subject::stage         ? "diagonal block"
+                        : decision.subject == Subject::constraints ? "constraints"
+                        : decision.subject == Subject::array       ? "derivative array"
+                                                                   : "E T2";
+  return format("rank decision at t = %.15g, level %d (%s, %d x %d): kept %.1e, dropped %.1e, noise %.1e (gap %.0f)",
+                decision.t, decision.level, subject, decision.rows, decision.cols, decision.kept, decision.dropped,
+                decision.noise, decision.gap);
+}
+
+CharacteristicValues find_local_values(LinearProblem& problem, double t, const AnalysisSettings& settings,
+                                       Arena& arena) {
+  try {
+    Searcher searcher(problem, t, settings, arena, nullptr);
+    const Search found = searcher.search(settings.max_index);
+    return found.last.clear ? found.values : CharacteristicValues{};
+  } catch (const Failure& failure) {
+    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    return {};
+  }
+}
+
+IndexAnalysis analyze_index(LinearProblem& problem, double t, double toward, const AnalysisSettings& settings,
+                            Arena& arena) {
+  std::vector<RankDecision> decisions;
+  IndexAnalysis here = search_at(problem, t, settings, arena, decisions);
+  if (!problem.is_constant()) {
+    const double nearby = nearby_point(t, toward, here.time_scale);
+    const IndexAnalysis there = search_at(problem, nearby, settings, arena, decisions);
+    here.rank_E_constant = here.rank_E == there.rank_E;
+    const int mu = std::max(here.values.mu, there.values.mu);
+    if (here.values.mu != there.values.mu) {
+      // At the level that counts both points must agree: E = [0 t; 0 0], A = I does at mu = 1.
+      const bool raise_here = here.values.mu < mu;
+      Searcher again(problem, raise_here ? t : nearby, settings, arena, &decisions);
+      const CharacteristicValues raised = again.values_at(mu);
+      if (raise_here) {
+        here.values = raised;
+        const LevelReading reading = again.read(mu, settings.time_scale);
+        here.time_scale = reading.time_scale;
+        here.v_hat = reading.ranks.v_hat;
+      }
+      const CharacteristicValues& other = raise_here ? there.values : raised;
+      if (!(here.values == other))
+        throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                      format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
+                          describe(other) + format(" at t = %.15g. Start beside it.", nearby));
+    } else if (!(here.values == there.values)) {
+      throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                    format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
+                        describe(there.values) + format(" at t = %.15g. Start beside it.", nearby));
+    }
+  }
+  here.decisions = std::move(decisions);
+  return here;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,59 @@
+// Strangeness index and characteristic values of a linear problem.
+//
+// Hypothesis [KM06]: there are mu, a, d, v such that, on the solution interval,
+//   1. the left null space of M_mu splits into Z2 (a columns, A2 = Z2^T N of full rank) and Z3 (Z3^T [M N] = 0),
+//   2. T2 spans ker A2,
+//   3. rank(E T2) = d = m - a - v, and Z1 spans the range of E T2.
+// v = v^_mu - v^_(mu-1) with v^_l the number of redundant rows of level l. mu is the smallest level at which this
+// holds, at t and at a nearby point: the larger level counts.
+//
+// [KM06] P. Kunkel, V. Mehrmann: Differential-Algebraic Equations: Analysis and Numerical Solution. EMS, 2006.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "linalg/arena.h"
+#include "problem/linear_problem.h"
+#include "reduction/judge.h"
+
+namespace sfdae::core {
+
+struct CharacteristicValues {
+  int mu = -1;  // -1: none found
+  int d = -1, a = -1, u = -1, v = -1;
+  bool operator==(const CharacteristicValues&) const = default;
+};
+
+std::string describe(const CharacteristicValues& values);  // "mu = 1, d = 0, a = 2, u = 0, v = 0"
+std::string describe(const RankDecision& decision);        // "rank decision at level 1 (...): kept ..., dropped ..."
+
+struct AnalysisSettings {
+  int max_index = 5;
+  bool by_svd = false;
+  double rank_tol = 0.0;
+  double time_scale = 0.0;
+};
+
+struct IndexAnalysis {
+  CharacteristicValues values;
+  double t = 0.0;
+  double time_scale = 1.0;
+  int v_hat = 0;               // redundant rows of level mu
+  int rank_E = 0;
+  bool rank_E_constant = true; // the same at the nearby point
+  std::vector<RankDecision> decisions;
+};
+
+// Analysis at t and at a nearby point toward `toward`. Throws Failure: trouble with callbacks, SFDAE_INDEX_TOO_HIGH,
+// SFDAE_RANK_UNCLEAR, SFDAE_CHARACTERISTICS_CHANGED if t itself is an exceptional point.
+IndexAnalysis analyze_index(LinearProblem& problem, double t, double toward, const AnalysisSettings& settings,
+                            Arena& arena);
+
+// The smallest level at t alone; never throws for structural reasons: mu = -1 if no level up to max_index holds or a
+// decision is unclear.
+CharacteristicValues find_local_values(LinearProblem& problem, double t, const AnalysisSettings& settings,
+                                       Arena& arena);
+
+}  // namespace sfdae::core

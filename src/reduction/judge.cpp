@@ -1,0 +1,67 @@
+// Rank decisions of one reduction.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/judge.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/dense.h"
+
+namespace sfdae::core {
+
+Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::vector<RankDecision>* log)
+    : settings_(settings),
+      log_(log),
+      t_(data.t),
+      level_(level),
+      norm_(data.norm(level)),
+      norm_A_(data.norm_A(level)),
+      norm_E0_(data.norm_E0()),
+      eps_(data.noise(level)) {}
+
+int Judge::record(RankDecision decision, Subject subject, int stage, double& kept) {
+  decision.t = t_;
+  decision.level = level_;
+  decision.stage = stage;
+  decision.subject = subject;
+  if (decision.rank > 0) kept = std::min(kept, decision.kept);
+  if (decision.verdict == Verdict::unclear) all_clear_ = false;
+  if (log_ != nullptr) log_->push_back(decision);
+  return decision.rank;
+}
+
+int Judge::decide(Subject subject, int stage, ConstView r, ConstView original, double noise, double norm,
+                  double& kept) {
+  const int count = std::min(r.rows, r.cols);
+  RankDecision decision = decide_rank(r.data, count, r.ld + 1, r.rows, r.cols, noise, norm, settings_.rank_tol);
+  const bool doubtful = decision.verdict == Verdict::unclear && log_ != nullptr;
+  if (original.data != nullptr && count > 0 && (doubtful || settings_.by_singular_values)) {
+    const std::vector<double> s = singular_values(original);
+    decision = decide_rank(s.data(), count, 1, r.rows, r.cols, noise, norm, settings_.rank_tol);
+    if (doubtful && decision.verdict == Verdict::clear) decision.verdict = Verdict::confirmed;
+  }
+  return record(decision, subject, stage, kept);
+}
+
+int Judge::decide_stage(int stage, ConstView r, ConstView original) {
+  // The diagonal block itself carries no derivatives: its noise is that of rounding alone.
+  const double eps = pivot_ == 1.0 && stage > level_ ? unit_roundoff : eps_;
+  return decide(Subject::stage, stage, r, original, eps * norm_ / pivot_, norm_, pivot_);
+}
+
+int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
+  const RankDecision decision = decide_rank(s.data(), static_cast<int>(s.size()), 1, rows, cols, eps_ * norm_, norm_,
+                                            settings_.rank_tol);
+  return record(decision, Subject::array, 0, pivot_);
+}
+
+int Judge::decide_constraints(ConstView r, ConstView original) {
+  return decide(Subject::constraints, 0, r, original, eps_ * norm_A_ / pivot_, norm_A_, kept_constraints_);
+}
+
+int Judge::decide_differential(ConstView r, ConstView original) {
+  const double noise = eps_ * norm_E0_ * std::max(1.0, 1.0 / (pivot_ * kept_constraints_));
+  return decide(Subject::differential, 0, r, original, noise, norm_E0_, kept_differential_);
+}
+
+}  // namespace sfdae::core

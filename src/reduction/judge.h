@@ -1,0 +1,59 @@
+// Rank decisions of one reduction: noise propagated from stage to stage, decisions recorded.
+//
+// eps is the unit roundoff, or the relative error of the derivatives if that is larger; p is the smallest pivot kept
+// so far, relative to the norm of the data. Rounding errors then amount to
+//   stage pivots   eps |data| / p       (a null vector of a matrix with pivot p is known to eps / p only)
+//   A^             eps |A| / p
+//   E T2           eps |E| max(1, |A| / (p sigma_a(A^)))
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/arena.h"
+#include "linalg/matrix.h"
+#include "linalg/rank.h"
+#include "problem/taylor_data.h"
+
+namespace sfdae::core {
+
+class Judge {
+ public:
+  struct Settings {
+    double rank_tol = 0.0;
+    bool by_singular_values = false;  // judge A^ and E T2 by singular values instead of pivots
+  };
+
+  // log: where decisions are recorded, and a sign that unclear ones are to be read again by singular values;
+  // nullptr in steps, where ranks are only compared with those known.
+  Judge(const TaylorData& data, int level, const Settings& settings, std::vector<RankDecision>* log);
+
+  // Rank from the diagonal of a pivoted QR factorization `r` of `original` (may be empty without log).
+  int decide_stage(int stage, ConstView r, ConstView original);
+  int decide_constraints(ConstView r, ConstView original);
+  int decide_differential(ConstView r, ConstView original);
+  // Rank of the whole array from its singular values.
+  int decide_array(const std::vector<double>& s, int rows, int cols);
+
+  bool keeps_originals() const { return log_ != nullptr || settings_.by_singular_values; }
+  bool all_clear() const { return all_clear_; }
+  double smallest_pivot() const { return pivot_; }       // p
+  double kept_constraints() const { return kept_constraints_; }    // sigma_a relative to |A|, 1 if a = 0
+  double kept_differential() const { return kept_differential_; }  // sigma_d relative to |E|, 1 if d = 0
+
+ private:
+  int decide(Subject subject, int stage, ConstView r, ConstView original, double noise, double norm, double& kept);
+  int record(RankDecision decision, Subject subject, int stage, double& kept);
+
+  const Settings& settings_;
+  std::vector<RankDecision>* log_;
+  double t_;
+  int level_;
+  double norm_, norm_A_, norm_E0_, eps_;
+  double pivot_ = 1.0;
+  double kept_constraints_ = 1.0;
+  double kept_differential_ = 1.0;
+  bool all_clear_ = true;
+};
+
+}  // namespace sfdae::core

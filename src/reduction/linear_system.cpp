@@ -1,0 +1,423 @@
+// The strangeness-free system of a linear problem, reduced anew at every point.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/linear_system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "linalg/dense.h"
+#include "linalg/small_kernels.h"
+#include "problem/failure.h"
+#include "reduction/elimination.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Points at which the derivative of the constraints is sampled, in units of the time scale.
+constexpr double difference_spacing = 2e-3;
+
+}  // namespace
+
+LinearSystem::LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, IndexAnalysis analysis,
+                           LeadingTerm leading)
+    : problem_(problem), settings_(settings), analysis_(std::move(analysis)), leading_(leading) {
+  const int n = problem_.n(), m = problem_.m();
+  const CharacteristicValues& values = analysis_.values;
+  if (undetermined() < 0)
+    throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
+                  format("%d components are prescribed, but only u = %d are free.",
+                         static_cast<int>(problem_.prescribed().size()), values.u));
+  for (Point& point : points_)
+    point.form.resize(m, n, static_cast<int>(problem_.prescribed().size()), values.a + analysis_.v_hat);
+  prescribed_values_.resize(problem_.prescribed().size() + 1);
+  const std::size_t order = static_cast<std::size_t>(n);
+  matrix_.resize(order * order + 1);
+  matrix_pivots_.resize(order + 1);
+  settle_leading_term();
+}
+
+void LinearSystem::settle_leading_term() {
+  if (leading_ == LeadingTerm::automatic)
+    leading_ = analysis_.rank_E_constant ? LeadingTerm::projector : LeadingTerm::matrix;
+  if (leading_ == LeadingTerm::projector && !analysis_.rank_E_constant) leading_ = LeadingTerm::matrix;
+  // P = I needs no derivative of E, nor does a constant E.
+  const bool wants_E1 = !problem_.is_constant_E() && leading_ != LeadingTerm::identity &&
+                        !(leading_ == LeadingTerm::projector && analysis_.rank_E == problem_.n());
+  needs_E1_ = wants_E1;
+  if (!wants_E1 || analysis_.values.mu >= 1) return;
+  // mu = 0 would not need derivatives otherwise: do without where there are none.
+  TaylorData data;
+  const Trouble trouble = problem_.evaluate_plain(analysis_.t, {1, -1, -1}, data);
+  if (trouble.status == SFDAE_ORDER_MISSING) {
+    leading_ = LeadingTerm::identity;
+    needs_E1_ = false;
+  } else if (trouble.status != SFDAE_OK) {
+    throw Failure(trouble.status, trouble.message());
+  }
+}
+
+void LinearSystem::give_up_projector() {
+  analysis_.rank_E_constant = false;
+  leading_ = LeadingTerm::automatic;
+  settle_leading_term();
+  constant_ready_ = false;
+}
+
+Orders LinearSystem::orders() const {
+  const int mu = analysis_.values.mu;
+  return {std::max(mu, needs_E1_ ? 1 : 0), mu, mu};
+}
+
+PointStatus LinearSystem::reduce(double t, double time_scale, Point& point) {
+  const int mu = analysis_.values.mu;
+  trouble_ = problem_.evaluate(t, orders(), time_scale, point.data);
+  if (trouble_.status == SFDAE_OK) trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
+  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  ++reductions_;
+  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd};
+  Judge judge(point.data, mu, judging, nullptr);
+  const Arena::Frame frame(arena_);
+  const bool keep_transformation = problem_.is_constant();
+  const ConstView f = point.data.f_stack(mu);
+  const Matrix unit = keep_transformation ? identity(f.rows) : Matrix();
+  const ConstView rhs = keep_transformation ? unit.view() : f;
+  Carried carried = settings_.by_svd ? eliminate_by_svd(point.data, mu, rhs, judge, arena_)
+                                     : eliminate(point.data, mu, rhs, 1, judge, arena_);
+  if (keep_transformation) {
+    Zt_ = to_matrix(carried.rhs);
+    const View f_hat = arena_.matrix(carried.rows, 1);
+    multiply(1.0, Op::plain, Zt_, f.data, 0.0, f_hat.data);
+    carried.rhs = f_hat;
+  }
+  const PointRanks ranks = point.form.build(point.data, carried, {&problem_.prescribed(), prescribed_values_.data()},
+                                            leading_, judge, arena_);
+  point.t = t;
+  point.kept_constraints = judge.kept_constraints();
+  point.kept_differential = judge.kept_differential();
+  point.pivot = judge.smallest_pivot();
+  const CharacteristicValues& values = analysis_.values;
+  if (ranks.a != values.a || ranks.v_hat != analysis_.v_hat) return PointStatus::changed;
+  if (!ranks.prescription_fits || (ranks.d != values.d && !problem_.prescribed().empty()))
+    throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
+                  format("the prescribed components do not determine the free part of the solution at t = %.15g: "
+                         "choose others.",
+                         t));
+  if (ranks.d != values.d) return PointStatus::changed;
+  if (leading_ == LeadingTerm::projector && ranks.rank_E != analysis_.rank_E) return PointStatus::leading_changed;
+  return PointStatus::ok;
+}
+
+// E and A stay; only f is read and transformed.
+PointStatus LinearSystem::reduce_constant(double t, Point& point) {
+  const int mu = analysis_.values.mu;
+  trouble_ = problem_.evaluate_plain(t, {-1, -1, mu}, rhs_);
+  if (trouble_.status == SFDAE_OK) trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
+  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  double factor = 1.0;
+  for (int k = 0; k <= mu; ++k) {
+    factor *= point.data.time_scale / std::max(k, 1);
+    for (int i = 0; i < problem_.m(); ++i)
+      point.data.f(k)[i] = rhs_.f(k)[i] * factor * point.data.row_scale[static_cast<std::size_t>(i)];
+  }
+  const Arena::Frame frame(arena_);
+  double* f_hat = arena_.take(static_cast<std::size_t>(Zt_.rows()) + 1);
+  multiply(1.0, Op::plain, Zt_, point.data.f(0), 0.0, f_hat);
+  point.form.replace_rhs(point.data, f_hat, {&problem_.prescribed(), prescribed_values_.data()}, arena_);
+  point.t = t;
+  return PointStatus::ok;
+}
+
+PointStatus LinearSystem::move_to(double t) {
+  if (constant_ready_) return reduce_constant(t, current());
+  if (accepted_) current_ = 1 - current_;
+  accepted_ = false;
+  matrix_valid_ = false;
+  PointStatus status = reduce(t, analysis_.time_scale, current());
+  // Data that have grown or shrunk may need another time scale before the values are declared to have changed.
+  for (double factor : {1.0, 0.125}) {
+    if (status != PointStatus::changed || settings_.time_scale > 0.0) break;
+    TaylorData& data = current().data;
+    trouble_ = problem_.evaluate(t, orders(), 0.0, data);
+    if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+    status = reduce(t, data.time_scale * factor, current());
+  }
+  if (status == PointStatus::ok) constant_ready_ = problem_.is_constant();
+  return status;
+}
+
+void LinearSystem::leading(const double* x, double* w) {
+  const Point& point = current();
+  if (leading_ == LeadingTerm::matrix) {
+    multiply(1.0, Op::plain, point.data.E(0), x, 0.0, w);
+    for (int i = 0; i < problem_.m(); ++i) w[i] /= point.data.row_scale[static_cast<std::size_t>(i)];
+    return;
+  }
+  std::copy_n(x, problem_.n(), w);
+  if (leading_ == LeadingTerm::projector) point.form.project(w, arena_);
+}
+
+namespace {
+
+// q := Z1^T E w, with w already multiplied by E (and unscaled) if W = E.
+void differential_rows(const TaylorData& data, const NullSpaceForm& form, bool w_is_Ex, const double* w, double* q,
+                       Arena& arena) {
+  const Arena::Frame frame(arena);
+  double* Ew = arena.take(static_cast<std::size_t>(data.m));
+  if (w_is_Ex)
+    for (int i = 0; i < data.m; ++i) Ew[i] = w[i] * data.row_scale[static_cast<std::size_t>(i)];
+  else
+    multiply(1.0, Op::plain, data.E(0), w, 0.0, Ew);
+  multiply(1.0, Op::transposed, form.Z1(), Ew, 0.0, q);
+}
+
+}  // namespace
+
+bool LinearSystem::solve(double c, const double* w_rest, const double* x_rest, double* x) {
+  const Point& point = current();
+  const NullSpaceForm& form = point.form;
+  const int size = form.unknowns(), d = form.d, n = problem_.n();
+  const double tau = point.data.time_scale;
+  const Arena::Frame frame(arena_);
+  const View M{matrix_.data(), size, size, std::max(size, 1)};
+  if (!(constant_ready_ && matrix_valid_ && matrix_c_ == c)) {
+    for (int j = 0; j < size; ++j) {
+      const double* G = form.G().column(j);
+      const double* B = form.B().column(j);
+      double* to = M.column(j);
+      for (int i = 0; i < d; ++i) to[i] = c * tau * G[i] - B[i];
+      for (int i = d; i < size; ++i) to[i] = c * tau * form.Uz()(j, i - d);
+    }
+    matrix_valid_ = factor_lu(M, matrix_pivots_.data());
+    matrix_c_ = c;
+    if (size > 0) ++factorizations_;
+    if (!matrix_valid_) return false;
+  }
+  double* z = arena_.take(static_cast<std::size_t>(size) + 1);
+  differential_rows(point.data, form, leading_ == LeadingTerm::matrix, w_rest, z, arena_);
+  for (int i = 0; i < d; ++i) z[i] = form.b()[i] - tau * (c * form.g0()[i] + z[i]);
+  if (form.u > 0) {
+    double* free_part = arena_.take(static_cast<std::size_t>(size));
+    multiply(1.0, Op::transposed, form.T2(), x_rest, 0.0, free_part);
+    multiply(-tau, Op::transposed, form.Uz(), free_part, 0.0, z + d);
+  }
+  solve_lu(M, matrix_pivots_.data(), z);
+  std::copy_n(form.xp(), n, x);
+  multiply(1.0, Op::plain, form.T2(), z, 1.0, x);
+  return true;
+}
+
+void LinearSystem::error_in_x(const double* dw, double* dx) {
+  const NullSpaceForm& form = current().form;
+  const Arena::Frame frame(arena_);
+  double* q = arena_.take(static_cast<std::size_t>(form.d) + 1);
+  double* z = arena_.take(static_cast<std::size_t>(form.unknowns()) + 1);
+  differential_rows(current().data, form, leading_ == LeadingTerm::matrix, dw, q, arena_);
+  form.solve_G(q, z, arena_);
+  multiply(1.0, Op::plain, form.T2(), z, 0.0, dx);
+}
+
+void LinearSystem::restore(const double* w, const double* x_free, double* x) {
+  const NullSpaceForm& form = current().form;
+  const int n = problem_.n(), size = form.unknowns();
+  const Arena::Frame frame(arena_);
+  double* q = arena_.take(static_cast<std::size_t>(form.d) + 1);
+  double* z = arena_.take(static_cast<std::size_t>(size) + 1);
+  differential_rows(current().data, form, leading_ == LeadingTerm::matrix, w, q, arena_);
+  for (int i = 0; i < form.d; ++i) q[i] -= form.g0()[i];
+  form.solve_G(q, z, arena_);
+  if (form.u > 0) {
+    double* along = arena_.take(static_cast<std::size_t>(size));
+    double* free_part = arena_.take(static_cast<std::size_t>(form.u));
+    multiply(1.0, Op::transposed, form.T2(), x_free, 0.0, along);
+    multiply(1.0, Op::transposed, form.Uz(), along, 0.0, free_part);
+    multiply(1.0, Op::plain, form.Uz(), free_part, 1.0, z);
+  }
+  std::copy_n(form.xp(), n, x);
+  multiply(1.0, Op::plain, form.T2(), z, 1.0, x);
+}
+
+void LinearSystem::correct_derivative(const double* x, double* xdot) {
+  const Point& point = current();
+  const NullSpaceForm& form = point.form;
+  const Arena::Frame frame(arena_);
+  double* h = arena_.take(static_cast<std::size_t>(problem_.m()));
+  double* q = arena_.take(static_cast<std::size_t>(form.d) + 1);
+  double* z = arena_.take(static_cast<std::size_t>(form.unknowns()) + 1);
+  // E x' = (A x + f) / tau, all in scaled data.
+  std::copy_n(point.data.f(0), problem_.m(), h);
+  multiply(1.0, Op::plain, point.data.A(0), x, 1.0, h);
+  const double per_tau = 1.0 / point.data.time_scale;
+  for (int i = 0; i < problem_.m(); ++i) h[i] *= per_tau;
+  multiply(-1.0, Op::plain, point.data.E(0), xdot, 1.0, h);
+  multiply(1.0, Op::transposed, form.Z1(), h, 0.0, q);
+  form.solve_G(q, z, arena_);
+  multiply(1.0, Op::plain, form.T2(), z, 1.0, xdot);
+}
+
+int LinearSystem::sign_of_G(const NullSpaceForm& form) {
+  const Arena::Frame frame(arena_);
+  const View G = arena_.matrix(form.d, form.d);
+  copy(form.G(), G);
+  return determinant_sign(G, arena_);
+}
+
+void LinearSystem::accept() {
+  if (constant_ready_) return;
+  current().det_sign = undetermined() == 0 ? sign_of_G(current().form) : 1;
+  accepted_ = true;
+}
+
+bool LinearSystem::orientation_kept() {
+  if (constant_ready_ || undetermined() > 0 || differential() == 0) return true;
+  const NullSpaceForm& now = current().form;
+  const NullSpaceForm& then = reference().form;
+  const Arena::Frame frame(arena_);
+  const View K = arena_.matrix(now.d, now.d), T = arena_.matrix(now.d, now.d);
+  multiply(1.0, Op::transposed, then.Z1(), Op::plain, now.Z1(), 0.0, K);
+  multiply(1.0, Op::transposed, then.T2(), Op::plain, now.T2(), 0.0, T);
+  const int aligned = determinant_sign(K, arena_) * determinant_sign(T, arena_) * sign_of_G(now);
+  return aligned == reference().det_sign;
+}
+
+bool LinearSystem::consistent_derivative(const double* x, double direction, double* xdot) {
+  const int n = problem_.n();
+  if (problem_.prescribed().empty() && derivative_from_array(x, xdot)) {
+    // Free directions: x' of smallest norm, as the free part is held.
+    const NullSpaceForm& form = current().form;
+    if (form.u > 0) {
+      const Arena::Frame frame(arena_);
+      double* along = arena_.take(static_cast<std::size_t>(form.unknowns()));
+      double* free_part = arena_.take(static_cast<std::size_t>(form.u));
+      multiply(1.0, Op::transposed, form.T2(), xdot, 0.0, along);
+      multiply(1.0, Op::transposed, form.Uz(), along, 0.0, free_part);
+      multiply(1.0, Op::plain, form.Uz(), free_part, 0.0, along);
+      multiply(-1.0, Op::plain, form.T2(), along, 1.0, xdot);
+    }
+    return true;
+  }
+  std::fill_n(xdot, n, 0.0);
+  derivative_from_differences(x, direction, xdot);
+  correct_derivative(x, xdot);
+  return false;
+}
+
+// The array of level mu + 1 determines y_1 = x' once x is known: stages mu+2, ..., 2 of the elimination leave
+// [E_0; Y] y_1 = [A_0; X] x + [f_0; g].
+bool LinearSystem::derivative_from_array(const double* x, double* xdot) {
+  const int level = analysis_.values.mu + 1, m = problem_.m(), n = problem_.n();
+  if (level > settings_.max_index && !problem_.is_constant()) return false;
+  TaylorData data;
+  const double t = current().t;
+  const Trouble trouble = problem_.evaluate(t, {level, level, level}, current().data.time_scale, data);
+  if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED)
+    throw Failure(trouble.status, trouble.message());
+  if (trouble.status != SFDAE_OK) return false;
+  const Judge::Settings judging{settings_.rank_tol, false};
+  Judge judge(data, level, judging, nullptr);
+  const Arena::Frame frame(arena_);
+  const Carried carried = eliminate(data, level, data.f_stack(level), 2, judge, arena_);
+  const int rows = m + carried.rows, rank = n - analysis_.values.u;
+  if (rows < rank) return false;
+  const View S = arena_.matrix(rows, n);
+  const View r = arena_.matrix(rows, 1);
+  copy(data.E(0), S.block(0, 0, m, n));
+  copy(carried.y, S.block(m, 0, carried.rows, n));
+  std::copy_n(data.f(0), m, r.data);
+  multiply(1.0, Op::plain, data.A(0), x, 1.0, r.data);
+  for (int i = 0; i < carried.rows; ++i) r(m + i, 0) = carried.rhs(i, 0);
+  multiply(1.0, Op::plain, carried.constraints, x, 1.0, r.data + m);
+  // Basic solution of the given rank, in the variables that pivoting picks.
+  int* pivots = arena_.integers(n);
+  double* tau = arena_.take(static_cast<std::size_t>(std::min(rows, n)) + 1);
+  factor_qr_pivoted(S, pivots, tau, arena_);
+  if (rank > 0 && std::fabs(S(rank - 1, rank - 1)) <= rows * unit_roundoff * std::fabs(S(0, 0))) return false;
+  apply_q(Op::transposed, S, rank, tau, r, arena_);
+  solve_upper(Op::plain, S.block(0, 0, rank, rank), {r.data, rank, 1, std::max(rank, 1)});
+  std::fill_n(xdot, n, 0.0);
+  for (int i = 0; i < rank; ++i) xdot[pivots[i]] = r(i, 0) / data.time_scale;
+  return true;
+}
+
+// The constraints say (I - T2 T2^T) x = xp at every t. Along the solution, with x frozen at its present value,
+// the derivative of psi(s) = xp(s) - (I - T2 T2^T)(s) x is the part of x' orthogonal to T2.
+void LinearSystem::derivative_from_differences(const double* x, double direction, double* xdot) {
+  const int n = problem_.n();
+  const double t = current().t;
+  // One-sided formula of order 4; a smaller step where the points cannot be reached.
+  constexpr double weights[] = {-25.0 / 12.0, 4.0, -3.0, 4.0 / 3.0, -0.25};
+  const double room = problem_.room(t, direction) / 4.0;
+  double step = direction * std::min(difference_spacing * std::min(1.0, current().data.time_scale), room);
+  std::vector<double> psi(static_cast<std::size_t>(n)), along(static_cast<std::size_t>(n) + 1);
+  accept();
+  for (int attempt = 0; attempt < 6; ++attempt, step /= 8.0) {
+    std::fill_n(xdot, n, 0.0);
+    int k = 0;
+    for (; k < 5; ++k) {
+      const PointStatus status = move_to(t + k * step);
+      if (status == PointStatus::trouble && !trouble_.is_recoverable())
+        throw Failure(trouble_.status, trouble_.message());
+      if (status != PointStatus::ok) break;
+      const NullSpaceForm& form = current().form;
+      multiply(1.0, Op::transposed, form.T2(), x, 0.0, along.data());
+      std::copy_n(form.xp(), n, psi.data());
+      multiply(1.0, Op::plain, form.T2(), along.data(), 1.0, psi.data());
+      for (int i = 0; i < n; ++i) xdot[i] += weights[k] / step * (psi[static_cast<std::size_t>(i)] - x[i]);
+    }
+    if (k == 5) break;
+    std::fill_n(xdot, n, 0.0);
+  }
+  if (constant_ready_) {
+    move_to(t);
+  } else {
+    current_ = 1 - current_;
+    accepted_ = true;
+  }
+}
+
+void LinearSystem::leading_derivative(const double* x, const double* xdot, double* wdot) {
+  const Point& point = current();
+  const int n = problem_.n(), m = problem_.m();
+  const double per_tau = 1.0 / point.data.time_scale;
+  const bool E_varies = needs_E1_ && !point.data.is_zero_E(1);
+  if (leading_ == LeadingTerm::matrix) {
+    // (E x)' = E x' + E' x
+    leading(xdot, wdot);
+    if (!E_varies) return;
+    std::vector<double> h(static_cast<std::size_t>(m));
+    multiply(per_tau, Op::plain, point.data.E(1), x, 0.0, h.data());
+    for (int i = 0; i < m; ++i) wdot[i] += h[static_cast<std::size_t>(i)] / point.data.row_scale[static_cast<std::size_t>(i)];
+    return;
+  }
+  leading(xdot, wdot);
+  if (leading_ == LeadingTerm::identity || !E_varies) return;
+  // P' = S + S^T with S = E^+ E' (I - P), for constant rank.
+  const Svd decomposition = svd(point.data.E(0));
+  std::vector<double> kernel_part(x, x + n), h(static_cast<std::size_t>(std::max(m, n))), s(static_cast<std::size_t>(n), 0.0);
+  std::vector<double> Px(x, x + n);
+  point.form.project(Px.data(), arena_);
+  for (int i = 0; i < n; ++i) kernel_part[static_cast<std::size_t>(i)] -= Px[static_cast<std::size_t>(i)];
+  multiply(per_tau, Op::plain, point.data.E(1), kernel_part.data(), 0.0, h.data());
+  const auto apply_pseudo_inverse = [&](bool transposed, const double* from, double* to, int from_size, int to_size) {
+    const ConstView left = transposed ? decomposition.V.view() : decomposition.U.view();
+    const ConstView right = transposed ? decomposition.U.view() : decomposition.V.view();
+    std::fill_n(to, to_size, 0.0);
+    for (int k = 0; k < analysis_.rank_E; ++k) {
+      const double c = small::dot(from_size, left.column(k), from) / decomposition.s[static_cast<std::size_t>(k)];
+      small::add_scaled(to_size, c, right.column(k), to);
+    }
+  };
+  apply_pseudo_inverse(false, h.data(), s.data(), m, n);
+  for (int i = 0; i < n; ++i) wdot[i] += s[static_cast<std::size_t>(i)];
+  // S^T x = (I - P) E'^T E^+^T x
+  std::vector<double> e(static_cast<std::size_t>(m)), back(static_cast<std::size_t>(n));
+  apply_pseudo_inverse(true, x, e.data(), n, m);
+  multiply(per_tau, Op::transposed, point.data.E(1), e.data(), 0.0, back.data());
+  std::vector<double> projected = back;
+  point.form.project(projected.data(), arena_);
+  for (int i = 0; i < n; ++i)
+    wdot[i] += back[static_cast<std::size_t>(i)] - projected[static_cast<std::size_t>(i)];
+}
+
+}  // namespace sfdae::core

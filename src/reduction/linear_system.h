@@ -1,0 +1,109 @@
+// The strangeness-free system of a linear problem, reduced anew at every point.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "problem/linear_problem.h"
+#include "reduction/index_analysis.h"
+#include "reduction/null_space_form.h"
+#include "reduction/strangeness_free_system.h"
+
+namespace sfdae::core {
+
+class LinearSystem final : public StrangenessFreeSystem {
+ public:
+  // The analysis holds from here on. Settles the leading term; throws Failure if the prescribed components do not fit
+  // or E'(t) is needed and missing.
+  LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, IndexAnalysis analysis, LeadingTerm leading);
+
+  int unknowns() const override { return problem_.n(); }
+  int differential() const override { return analysis_.values.d; }
+  int leading_size() const override { return leading_ == LeadingTerm::matrix ? problem_.m() : problem_.n(); }
+  int undetermined() const override { return analysis_.values.u - static_cast<int>(problem_.prescribed().size()); }
+  bool is_constant() const override { return problem_.is_constant(); }
+  PointStatus move_to(double t) override;
+  void accept() override;
+  void leading(const double* x, double* w) override;
+  bool solve(double c, const double* w_rest, const double* x_rest, double* x) override;
+  void error_in_x(const double* dw, double* dx) override;
+  void restore(const double* w, const double* x_free, double* x) override;
+  void correct_derivative(const double* x, double* xdot) override;
+
+  const IndexAnalysis& analysis() const { return analysis_; }
+  LeadingTerm leading_term() const { return leading_; }
+  // W = E (or I where E' is missing) from now on, as rank E has turned out not to be constant.
+  void give_up_projector();
+  const Trouble& trouble() const { return trouble_; }
+  LinearProblem& problem() { return problem_; }
+  const AnalysisSettings& settings() const { return settings_; }
+  Arena& arena() { return arena_; }
+
+  // The point moved to last.
+  const NullSpaceForm& form() const { return current().form; }
+  const TaylorData& data() const { return current().data; }
+  double t() const { return current().t; }
+  double inconsistency() const { return current().form.inconsistency(); }
+  // Smallest values kept in the decisions on A^ and E T2, relative; they dip where characteristic values change.
+  double kept_constraints() const { return current().kept_constraints; }
+  double kept_differential() const { return current().kept_differential; }
+  double smallest_pivot() const { return current().pivot; }
+
+  // False if the sign of det[E1; A2] changed from the point accepted last to the current one, bases aligned: a
+  // singular point lies between (or the bases turned too far to tell). Meaningful for u = 0 only, else true.
+  bool orientation_kept();
+  long reductions() const { return reductions_; }
+  long factorizations() const { return factorizations_; }
+
+  // x' of the solution through the consistent x at the current point, W' x included where wanted; true if it comes
+  // from the derivative array, false if the derivative of the constraints had to be computed by differences
+  // toward the given direction (+1 or -1). The current point is still the same afterwards.
+  bool consistent_derivative(const double* x, double direction, double* xdot);
+  // (W x)' given x and x' at the current point.
+  void leading_derivative(const double* x, const double* xdot, double* wdot);
+
+ private:
+  struct Point {
+    TaylorData data;
+    NullSpaceForm form;
+    double t = 0.0;
+    double kept_constraints = 1.0, kept_differential = 1.0, pivot = 1.0;
+    int det_sign = 1;
+  };
+
+  Point& current() { return points_[current_]; }
+  const Point& current() const { return points_[current_]; }
+  Point& reference() { return points_[1 - current_]; }
+  Orders orders() const;
+  PointStatus reduce(double t, double time_scale, Point& point);
+  PointStatus reduce_constant(double t, Point& point);
+  bool derivative_from_array(const double* x, double* xdot);
+  void derivative_from_differences(const double* x, double direction, double* xdot);
+  void settle_leading_term();
+  int sign_of_G(const NullSpaceForm& form);
+
+  LinearProblem& problem_;
+  AnalysisSettings settings_;
+  IndexAnalysis analysis_;
+  LeadingTerm leading_;
+  bool needs_E1_ = false;
+  Arena arena_;
+  Point points_[2];
+  int current_ = 0;
+  bool accepted_ = false;  // the current point is: move_to has to fill the other one
+  Trouble trouble_;
+  std::vector<double> prescribed_values_;
+  // Iteration matrix, factored; for constant problems it is kept as long as c stays.
+  std::vector<double> matrix_;
+  std::vector<int> matrix_pivots_;
+  double matrix_c_ = 0.0;
+  bool matrix_valid_ = false;
+  // Constant problems: f^ = Z^T (f_0, ..., f_mu).
+  Matrix Zt_;
+  TaylorData rhs_;
+  bool constant_ready_ = false;
+  long reductions_ = 0;
+  long factorizations_ = 0;
+};
+
+}  // namespace sfdae::core

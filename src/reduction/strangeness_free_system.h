@@ -1,0 +1,47 @@
+// What integrators see of a problem: its strangeness-free system.
+//
+//     F1(t, x, w') = 0   (d equations),   F2(t, x) = 0   (a equations),   w = W(t) x
+//
+// consistent at any t. Nothing here knows of indices or derivative arrays.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace sfdae::core {
+
+enum class PointStatus {
+  ok,
+  trouble,         // a callback failed; what(): trouble()
+  changed,         // the characteristic values differ from those known
+  leading_changed  // they hold, but rank E differs: W of the history does not fit this point
+};
+
+class StrangenessFreeSystem {
+ public:
+  virtual ~StrangenessFreeSystem() = default;
+
+  virtual int unknowns() const = 0;      // n
+  virtual int differential() const = 0;  // d
+  virtual int undetermined() const = 0;  // u, free components that remain
+  virtual int leading_size() const = 0;  // entries of w: n, or m where W = E
+  // True if the same matrices hold at every t, so that factorizations can be kept.
+  virtual bool is_constant() const = 0;
+
+  // Evaluates the system at t; the functions below refer to this point.
+  virtual PointStatus move_to(double t) = 0;
+  // Keeps the point as the last accepted one while move_to tries others.
+  virtual void accept() = 0;
+
+  // w := W x.
+  virtual void leading(const double* x, double* w) = 0;
+  // Solves F1(t, x, c W x + w_rest) = 0, F2(t, x) = 0 and U^T (c x + x_rest) = 0 for x, U an orthonormal basis of
+  // the free directions. False if singular.
+  virtual bool solve(double c, const double* w_rest, const double* x_rest, double* x) = 0;
+  // The change of x, with F2 kept, that belongs to a change dw of w; free directions have none.
+  virtual void error_in_x(const double* dw, double* dx) = 0;
+  // x with F2(t, x) = 0 whose w and whose free part are those given.
+  virtual void restore(const double* w, const double* x_free, double* x) = 0;
+  // Corrects xdot within the directions that F2 leaves open so that F1(t, x, .) = 0 holds for it.
+  virtual void correct_derivative(const double* x, double* xdot) = 0;
+};
+
+}  // namespace sfdae::core
