@@ -1,0 +1,69 @@
+# Install rules: headers, libraries, CMake package, pkg-config file, source of the Fortran module.
+
+include(CMakePackageConfigHelpers)
+set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/sfdae")
+set(fortran_dir "${CMAKE_INSTALL_DATADIR}/sfdae/fortran")
+
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/sfdae" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
+  FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+
+# Two export sets, because only the static library needs LAPACK where it is used.
+install(TARGETS sfdae EXPORT sfdae_shared)
+install(TARGETS sfdae_static EXPORT sfdae_static)
+install(EXPORT sfdae_shared NAMESPACE sfdae:: FILE sfdaeSharedTargets.cmake DESTINATION "${package_dir}")
+install(EXPORT sfdae_static NAMESPACE sfdae:: FILE sfdaeStaticTargets.cmake DESTINATION "${package_dir}")
+
+if(EXISTS "${PROJECT_SOURCE_DIR}/fortran_bindings/sfdae.f90")
+  install(FILES "${PROJECT_SOURCE_DIR}/fortran_bindings/sfdae.f90" DESTINATION "${fortran_dir}")
+  install(FILES "${PROJECT_SOURCE_DIR}/cmake/SfdaeFortran.cmake" DESTINATION "${package_dir}")
+endif()
+
+configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/sfdaeConfig.cmake.in"
+  "${PROJECT_BINARY_DIR}/sfdaeConfig.cmake"
+  INSTALL_DESTINATION "${package_dir}" PATH_VARS fortran_dir NO_CHECK_REQUIRED_COMPONENTS_MACRO)
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/sfdaeConfigVersion.cmake"
+  COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/sfdaeConfig.cmake" "${PROJECT_BINARY_DIR}/sfdaeConfigVersion.cmake"
+  DESTINATION "${package_dir}")
+
+# pkg-config. The prefix is found from where the file lies, so an installed tree can be moved.
+if(IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}")
+  set(pkgconfig_prefix "${CMAKE_INSTALL_PREFIX}")
+else()
+  file(RELATIVE_PATH to_prefix "/prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/prefix")
+  string(REGEX REPLACE "/$" "" to_prefix "${to_prefix}")
+  set(pkgconfig_prefix "\${pcfiledir}/${to_prefix}")
+endif()
+foreach(dir IN ITEMS LIBDIR INCLUDEDIR)
+  if(IS_ABSOLUTE "${CMAKE_INSTALL_${dir}}")
+    set(pkgconfig_${dir} "${CMAKE_INSTALL_${dir}}")
+  else()
+    set(pkgconfig_${dir} "\${prefix}/${CMAKE_INSTALL_${dir}}")
+  endif()
+endforeach()
+if(IS_ABSOLUTE "${fortran_dir}")
+  set(pkgconfig_fortrandir "${fortran_dir}")
+else()
+  set(pkgconfig_fortrandir "\${prefix}/${fortran_dir}")
+endif()
+
+# What the static library needs: LAPACK and the C++ runtime. Libraries in standard places are named by -l.
+set(pkgconfig_libs_private "")
+foreach(library IN LISTS LAPACK_LIBRARIES)
+  get_filename_component(dir "${library}" DIRECTORY)
+  get_filename_component(name "${library}" NAME_WE)
+  if(dir IN_LIST CMAKE_CXX_IMPLICIT_LINK_DIRECTORIES AND name MATCHES "^lib")
+    string(REGEX REPLACE "^lib" "-l" library "${name}")
+  endif()
+  list(APPEND pkgconfig_libs_private "${library}")
+endforeach()
+set(cxx_runtime ${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES})
+list(REMOVE_DUPLICATES cxx_runtime)
+list(REMOVE_ITEM cxx_runtime ${CMAKE_C_IMPLICIT_LINK_LIBRARIES})
+list(TRANSFORM cxx_runtime PREPEND "-l" REGEX "^[^-/]")
+list(APPEND pkgconfig_libs_private ${cxx_runtime})
+list(JOIN pkgconfig_libs_private " " pkgconfig_libs_private)
+
+configure_file("${PROJECT_SOURCE_DIR}/cmake/sfdae.pc.in" "${PROJECT_BINARY_DIR}/sfdae.pc" @ONLY)
+install(FILES "${PROJECT_BINARY_DIR}/sfdae.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")

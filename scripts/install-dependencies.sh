@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# Installs what is missing on Debian or Ubuntu:
+#
+#   scripts/install-dependencies.sh demo    to build the library and run the demonstration
+#   scripts/install-dependencies.sh test    to build and test everything (default)
+#
+# Where nothing is missing it says nothing and needs neither network nor root.
+set -euo pipefail
+
+demo=(build-essential g++ cmake pkg-config libopenblas-dev libblas-dev liblapack-dev gnuplot-nox)
+test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev valgrind)
+
+case "${1:-test}" in
+  demo) wanted=("${demo[@]}") ;;
+  test) wanted=("${test[@]}") ;;
+  *)
+    echo "usage: $0 [demo|test]" >&2
+    exit 2
+    ;;
+esac
+
+# A program counts as present wherever it comes from; a library if its package is installed.
+is_present() {
+  case "$1" in
+    g++ | cmake | pkg-config | gfortran | valgrind) command -v "$1" > /dev/null ;;
+    gnuplot-nox) command -v gnuplot > /dev/null ;;
+    *) [[ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2> /dev/null)" == installed ]] ;;
+  esac
+}
+
+missing=()
+if command -v dpkg-query > /dev/null; then
+  for package in "${wanted[@]}"; do
+    is_present "$package" || missing+=("$package")
+  done
+else
+  echo "This is neither Debian nor Ubuntu: make sure that there are a C++20 compiler, CMake and LAPACK." >&2
+fi
+if [[ ${#missing[@]} -eq 0 ]]; then
+  exit 0
+fi
+
+echo "Installing ${missing[*]}"
+as_root=()
+if [[ "$(id -u)" -ne 0 ]]; then
+  if ! command -v sudo > /dev/null; then
+    echo "Missing packages and neither root nor sudo: apt-get install ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+"${as_root[@]}" apt-get update
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"

@@ -1,0 +1,128 @@
+#!/usr/bin/env bash
+# Builds and tests everything:
+#
+#   release      OpenBLAS, all tests, packaging included
+#   traps        the C++ tests of the same build, small, floating-point exceptions end the program
+#   reference    the C++ tests of the same build, small, with the reference BLAS and LAPACK
+#   valgrind     some C programs
+#   asan         address and undefined behaviour sanitizers, small
+#
+# "Small": SFDAE_TEST_SCALE=0.05 reduces the number of random problems. SFDAE_WERROR=ON makes warnings errors.
+# The last line is "N passed, M failed".
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+root="$PWD"
+
+passed=0
+failed=0
+finish() {
+  local status=$?
+  # A script that ends early has failed, whatever the tests said.
+  if [[ $status -ne 0 && $failed -eq 0 ]]; then failed=1; fi
+  echo "$passed passed, $failed failed"
+  if [[ $failed -ne 0 && $status -eq 0 ]]; then status=1; fi
+  exit "$status"
+}
+trap finish EXIT
+
+heading() { printf '\n==== %s (%d s)\n' "$1" "$SECONDS"; }
+complain() {
+  echo "FAILED: $1"
+  failed=$((failed + 1))
+}
+
+# run_tests <name> <preset> [ctest options]: runs ctest and adds to the sums what its report says.
+run_tests() {
+  local name="$1" preset="$2"
+  shift 2
+  local report="$root/build/reports/$name.xml" status=0 header total lost skipped
+  rm -f "$report"
+  ctest --preset "$preset" --output-junit "$report" "$@" || status=$?
+  if [[ ! -s "$report" ]]; then
+    complain "$name: ctest wrote no report"
+    return
+  fi
+  header="$(tr '\n\t' '  ' < "$report" | grep -o '<testsuite [^>]*>')"
+  total="$(attribute tests "$header")"
+  lost="$(attribute failures "$header")"
+  skipped=$(($(attribute skipped "$header") + $(attribute disabled "$header")))
+  passed=$((passed + total - lost - skipped))
+  failed=$((failed + lost))
+  if [[ $status -ne 0 && $lost -eq 0 ]]; then complain "$name: ctest returned $status"; fi
+}
+attribute() { sed -E "s/.* $1=\"([0-9]+)\".*/\1/" <<< "$2"; }
+
+# Directories of the BLAS and LAPACK that the given packages contain, as a search path.
+library_path() {
+  local path='' library dir
+  for library in libblas.so.3 liblapack.so.3; do
+    dir="$(dpkg -L "$@" 2> /dev/null | grep -m 1 "/$library\$" | xargs -r dirname)"
+    [[ -n "$dir" ]] || return 1
+    path="$path${path:+:}$dir"
+  done
+  echo "$path"
+}
+openblas_packages() { dpkg-query -W -f '${db:Status-Status} ${Package}\n' 'libopenblas0-*' | sed -n 's/^installed //p'; }
+
+# check_loaded <binary> <search path>: true if BLAS and LAPACK come from exactly there.
+check_loaded() {
+  local library loaded dirs=":$2:"
+  for library in libblas.so.3 liblapack.so.3; do
+    loaded="$(LD_LIBRARY_PATH="$2" ldd "$1" | sed -n "s|.*$library => \([^ ]*\) .*|\1|p")"
+    if [[ -z "$loaded" || "$dirs" != *":$(dirname "$loaded"):"* ]]; then
+      echo "$1 loads $library from '$loaded', not from $2"
+      return 1
+    fi
+  done
+  echo "BLAS and LAPACK from $2"
+}
+
+scripts/install-dependencies.sh test
+if command -v ninja > /dev/null; then export CMAKE_GENERATOR="${CMAKE_GENERATOR:-Ninja}"; fi
+export OPENBLAS_NUM_THREADS=1
+unset SFDAE_TEST_SCALE SFDAE_TEST_FPE_TRAPS
+mkdir -p build/reports
+
+mapfile -t openblas_names < <(openblas_packages)
+openblas="$(library_path "${openblas_names[@]}")" || { echo "OpenBLAS was not found"; exit 1; }
+reference="$(library_path libblas3 liblapack3)" || { echo "The reference BLAS was not found"; exit 1; }
+
+heading "release: build"
+cmake --preset release -DSFDAE_WERROR="${SFDAE_WERROR:-OFF}" -DSFDAE_BUILD_BENCHMARKS=ON
+cmake --build --preset release
+
+heading "release: all tests, OpenBLAS"
+check_loaded build/release/src/libsfdae.so "$openblas" || complain "release: wrong BLAS"
+LD_LIBRARY_PATH="$openblas" run_tests release release
+
+heading "traps: C++ tests, floating-point exceptions"
+LD_LIBRARY_PATH="$openblas" SFDAE_TEST_FPE_TRAPS=1 SFDAE_TEST_SCALE=0.05 run_tests traps release -L '^unit$'
+
+heading "reference: C++ tests, reference BLAS"
+check_loaded build/release/src/libsfdae.so "$reference" || complain "reference: wrong BLAS"
+LD_LIBRARY_PATH="$reference" SFDAE_TEST_SCALE=0.05 run_tests reference release -L '^unit$'
+
+# The kernels of OpenBLAS read past the ends of arrays, harmlessly; the reference BLAS does not.
+heading "valgrind: C programs"
+if command -v valgrind > /dev/null; then
+  mkdir -p build/reports/valgrind
+  for program in gelda_document underdetermined; do
+    if (cd build/reports/valgrind && LD_LIBRARY_PATH="$reference" valgrind --quiet --leak-check=full \
+      --error-exitcode=99 "$root/build/release/examples/$program" > "$program.txt"); then
+      echo "$program: no errors, no leaks"
+      passed=$((passed + 1))
+    else
+      complain "valgrind $program"
+    fi
+  done
+else
+  echo "valgrind is not installed: skipped"
+fi
+
+heading "asan: build"
+cmake --preset asan
+cmake --build --preset asan
+
+heading "asan: tests"
+LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE=0.05 run_tests asan asan
+heading "done"

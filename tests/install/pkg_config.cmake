@@ -1,0 +1,41 @@
+# Compiles and runs a program of consumer/ by hand, with what pkg-config says about the installed tree.
+
+include("${SETTINGS}")
+set(root "${prefix}")
+set(static "")
+if(VARIANT STREQUAL "static")
+  # Where there is no shared library the linker takes the static one.
+  set(root "${work_dir}/${NAME}_prefix")
+  set(static --static)
+  file(REMOVE_RECURSE "${root}")
+  file(COPY "${prefix}/" DESTINATION "${root}")
+  file(GLOB shared_libraries "${root}/${libdir}/*.so*")
+  file(REMOVE ${shared_libraries})
+endif()
+
+set(ENV{PKG_CONFIG_PATH} "${root}/${libdir}/pkgconfig")
+function(ask result)
+  execute_process(COMMAND "${pkg_config}" ${ARGN} sfdae
+    OUTPUT_VARIABLE answer OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(answer UNIX_COMMAND "${answer}")
+  set(${result} ${answer} PARENT_SCOPE)
+endfunction()
+
+ask(cflags --cflags)
+ask(libs --libs ${static})
+ask(fortrandir --variable=fortrandir)
+
+set(build "${work_dir}/${NAME}")
+file(REMOVE_RECURSE "${build}")
+file(MAKE_DIRECTORY "${build}")
+if(LANGUAGE STREQUAL "Fortran")
+  set(sources "${fortrandir}/sfdae.f90" "${test_dir}/consumer/main.f90")
+elseif(LANGUAGE STREQUAL "CXX")
+  set(sources -std=c++17 "${test_dir}/consumer/main.cpp")
+else()
+  set(sources "${test_dir}/consumer/main.c")
+endif()
+execute_process(COMMAND "${${LANGUAGE}_compiler}" ${cflags} ${sources} ${libs} -lm -o consumer
+  WORKING_DIRECTORY "${build}" COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
+set(ENV{LD_LIBRARY_PATH} "${root}/${libdir}:$ENV{LD_LIBRARY_PATH}")
+run("${build}/consumer")
