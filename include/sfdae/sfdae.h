@@ -229,7 +229,7 @@ SFDAE_API int sfdae_destroy(sfdae_solver **solver);
 SFDAE_API int sfdae_set_options(sfdae_solver *solver, const sfdae_options *options);
 
 /* What the last call on this solver had to say: what, where, with which numbers, what to do next. "" after
- * SFDAE_OK. The text lives until the next call on the solver. NULL: "". */
+ * SFDAE_OK. Calls on a const solver leave the text alone unless they fail. It lives until the next call. NULL: "". */
 SFDAE_API const char *sfdae_message(const sfdae_solver *solver);
 
 /* Stops the call that is running, or else the next one, at its next callback or step: it returns SFDAE_STOPPED,
@@ -275,7 +275,7 @@ SFDAE_API int sfdae_get_characteristics(const sfdae_solver *solver, sfdae_charac
 #define SFDAE_VERDICT_UNCLEAR 2
 #define SFDAE_VERDICT_USER 3      /* decided by rank_tol */
 
-/* One rank decision of the last analysis. Values are relative to the norm of the data. */
+/* One rank decision of the last analysis, be it a failed one. Values are relative to the norm of the data. */
 typedef struct sfdae_decision {
   size_t size;
   double t;
@@ -288,7 +288,7 @@ typedef struct sfdae_decision {
   double dropped;     /* largest value dropped, 0 if the rank is full */
   double noise;       /* what rounding errors may amount to */
   double threshold;   /* values below count as zero */
-  double gap;         /* kept / max(dropped, noise); if nothing was kept: noise-limited threshold / dropped */
+  double gap;         /* kept / max(dropped, noise); 1e300 if nothing was kept */
   int verdict;        /* SFDAE_VERDICT_ ... */
 } sfdae_decision;
 SFDAE_API int sfdae_decision_init(sfdae_decision *decision, size_t size);
@@ -314,7 +314,8 @@ SFDAE_API int sfdae_get_change(const sfdae_solver *solver, sfdae_change *result)
 typedef struct sfdae_initial_report {
   size_t size;
   double t;
-  double residual_before;  /* max norm of A2 x + f2 for the values given, rows of A2 scaled to 2-norm 1 */
+  double residual_before;  /* 2-norm of A2 x + f2 for the values given, rows of A2 orthonormalized: the distance to
+                              the nearest consistent point */
   double residual_after;   /* and for the values returned */
   double largest_change;   /* max |change_i|, 0 if nothing changed */
   int component;           /* where it happened, -1 if nothing changed */
@@ -411,7 +412,8 @@ typedef struct sfdae_derivative_check {
 SFDAE_API int sfdae_derivative_check_init(sfdae_derivative_check *check, size_t size);
 
 /* Compares the derivatives of order 1 ... max_order (>= 1) that the callbacks supply near t with differences of
- * the order below, and reports the worst mismatch. Orders that are not available are passed over. */
+ * the order below, and reports the worst mismatch; sfdae_message says it in words if it is suspicious. Orders that
+ * are not available are passed over. */
 SFDAE_API int sfdae_check_derivatives(sfdae_solver *solver, double t, int max_order, sfdae_derivative_check *result);
 
 #ifdef __cplusplus

@@ -16,8 +16,7 @@ sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
   const IndexAnalysis& analysis = solver.system->analysis();
   const CharacteristicValues& values = analysis.values;
   double smallest_gap = 1e300;
-  for (const RankDecision& decision : analysis.decisions)
-    if (decision.rank > 0) smallest_gap = std::min(smallest_gap, decision.gap);
+  for (const RankDecision& decision : solver.decisions) smallest_gap = std::min(smallest_gap, decision.gap);
   return {sizeof(sfdae_characteristics), analysis.t, values.mu, values.d, values.a, values.u, values.v,
           analysis.rank_E, static_cast<int>(solver.system->leading_term()), analysis.time_scale, smallest_gap};
 }
@@ -62,12 +61,19 @@ void copy_out(ConstView from, double* to) {
 
 CallResult no_struct() { return illegal_argument("the result is NULL or its size is not set: call its init function."); }
 
-// Read-only calls are allowed at any time from the thread that owns the solver, also from callbacks.
+template <class Struct>
+bool is_usable(const Struct* result) {
+  return result != nullptr && is_plausible_size(result->size);
+}
+
+// Read-only calls are allowed from callbacks too. They leave the message alone unless they fail.
 template <class Body>
 int reading(const sfdae_solver* solver, Body body) noexcept {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
   try {
-    return body();
+    const CallResult result = body();
+    if (result.status < 0) std::snprintf(solver->message, sizeof solver->message, "%s", result.message.c_str());
+    return result.status;
   } catch (const std::bad_alloc&) {
     return SFDAE_OUT_OF_MEMORY;
   } catch (...) {
@@ -84,59 +90,72 @@ using namespace sfdae::core;
 extern "C" {
 
 int sfdae_get_characteristics(const sfdae_solver* solver, sfdae_characteristics* result) {
-  return reading(solver, [&] {
-    if (result == nullptr || !is_plausible_size(result->size)) return SFDAE_ILLEGAL_ARGUMENT;
-    if (!solver->system) return SFDAE_NOT_STARTED;
+  return reading(solver, [&]() -> CallResult {
+    if (!is_usable(result)) return no_struct();
+    if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
     fill_struct(result, characteristics_of(*solver));
-    return SFDAE_OK;
+    return {};
   });
 }
 
 int sfdae_get_num_decisions(const sfdae_solver* solver, int* count) {
-  if (solver == nullptr || count == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  if (!solver->system) return SFDAE_NOT_STARTED;
-  *count = static_cast<int>(solver->system->analysis().decisions.size());
-  return SFDAE_OK;
+  return reading(solver, [&]() -> CallResult {
+    if (count == nullptr) return illegal_argument("count is NULL.");
+    if (solver->decisions.empty()) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
+    *count = static_cast<int>(solver->decisions.size());
+    return {};
+  });
 }
 
 int sfdae_get_decision(const sfdae_solver* solver, int index, sfdae_decision* result) {
-  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  if (!solver->system) return SFDAE_NOT_STARTED;
-  const auto& decisions = solver->system->analysis().decisions;
-  if (index < 0 || index >= static_cast<int>(decisions.size())) return SFDAE_ILLEGAL_ARGUMENT;
-  return fill_struct(result, public_decision(decisions[static_cast<std::size_t>(index)])) ? SFDAE_OK
-                                                                                         : SFDAE_ILLEGAL_ARGUMENT;
+  return reading(solver, [&]() -> CallResult {
+    if (!is_usable(result)) return no_struct();
+    const int count = static_cast<int>(solver->decisions.size());
+    if (count == 0) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
+    if (index < 0 || index >= count) return illegal_argument(format("index %d; there are %d decisions.", index, count));
+    fill_struct(result, public_decision(solver->decisions[static_cast<std::size_t>(index)]));
+    return {};
+  });
 }
 
 int sfdae_get_change(const sfdae_solver* solver, sfdae_change* result) {
-  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  if (!solver->integration || !solver->integration->change()) return SFDAE_NOT_STARTED;
-  const LocatedChange& change = *solver->integration->change();
-  const CharacteristicValues& was = solver->system->analysis().values;
-  const CharacteristicValues& is = change.new_values;
-  const sfdae_change filled{sizeof(sfdae_change), change.t, was.mu, was.d, was.a, was.u, was.v,
-                            is.mu, is.d, is.a, is.u, is.v};
-  return fill_struct(result, filled) ? SFDAE_OK : SFDAE_ILLEGAL_ARGUMENT;
+  return reading(solver, [&]() -> CallResult {
+    if (!is_usable(result)) return no_struct();
+    if (!solver->integration || !solver->integration->change())
+      return {SFDAE_NOT_STARTED, "no change of characteristic values has been met."};
+    const LocatedChange& change = *solver->integration->change();
+    const CharacteristicValues& was = solver->system->analysis().values;
+    const CharacteristicValues& is = change.new_values;
+    fill_struct(result, sfdae_change{sizeof(sfdae_change), change.t, was.mu, was.d, was.a, was.u, was.v, is.mu, is.d,
+                                     is.a, is.u, is.v});
+    return {};
+  });
 }
 
 int sfdae_get_initial_report(const sfdae_solver* solver, sfdae_initial_report* result) {
-  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  if (!solver->initial_report) return SFDAE_NOT_STARTED;
-  return fill_struct(result, *solver->initial_report) ? SFDAE_OK : SFDAE_ILLEGAL_ARGUMENT;
+  return reading(solver, [&]() -> CallResult {
+    if (!is_usable(result)) return no_struct();
+    if (!solver->initial_report) return {SFDAE_NOT_STARTED, "call sfdae_start or sfdae_make_consistent first."};
+    fill_struct(result, *solver->initial_report);
+    return {};
+  });
 }
 
 int sfdae_get_statistics(const sfdae_solver* solver, sfdae_statistics* result) {
-  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  return fill_struct(result, statistics_of(*solver)) ? SFDAE_OK : SFDAE_ILLEGAL_ARGUMENT;
+  return reading(solver, [&]() -> CallResult {
+    if (!is_usable(result)) return no_struct();
+    fill_struct(result, statistics_of(*solver));
+    return {};
+  });
 }
 
 int sfdae_report(const sfdae_solver* solver, char* text, size_t length, size_t* needed) {
-  if (text == nullptr && length > 0) return SFDAE_ILLEGAL_ARGUMENT;
-  return reading(solver, [&] {
+  return reading(solver, [&]() -> CallResult {
+    if (text == nullptr && length > 0) return illegal_argument("text is NULL.");
     const std::string report = report_of(*solver);
     if (length > 0) std::snprintf(text, length, "%s", report.c_str());
     if (needed != nullptr) *needed = report.size() + 1;
-    return SFDAE_OK;
+    return {};
   });
 }
 

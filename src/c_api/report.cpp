@@ -24,26 +24,25 @@ std::string matrix_name(const RankDecision& decision) {
   }
 }
 
-std::string analysis_report(const sfdae_solver& solver) {
-  const IndexAnalysis& analysis = solver.system->analysis();
-  const CharacteristicValues& values = analysis.values;
-  std::string text = format("Index analysis at t = %.10g (m = %d equations, n = %d unknowns)\n", analysis.t,
-                            solver.problem.m(), solver.problem.n());
-  text += "  t             level  matrix  size       rank  smallest kept  largest dropped  decision\n";
-  double gap = 1e300;
-  bool all_safe = true;
-  for (const RankDecision& decision : analysis.decisions) {
+std::string decision_table(const std::vector<RankDecision>& decisions) {
+  std::string text = "  t             level  matrix  size       rank  smallest kept  largest dropped  decision\n";
+  for (const RankDecision& decision : decisions)
     text += format("  %-12.6g  %-5d  %-6s  %-9s  %-4d  %-13.1e  %-15.1e  %s\n", decision.t, decision.level,
                    matrix_name(decision).c_str(), format("%dx%d", decision.rows, decision.cols).c_str(), decision.rank,
                    decision.kept, decision.dropped, name_of(decision.verdict));
-    if (decision.rank > 0) gap = std::min(gap, decision.gap);
-    all_safe = all_safe && decision.verdict != Verdict::unclear;
-  }
-  const int u = values.u;
-  text += format("strangeness index %d", values.mu);
-  if (u == 0 && values.v == 0) text += format(" (differentiation index %d)", values.a > 0 ? values.mu + 1 : 0);
-  text += format(": d = %d, a = %d, u = %d, v = %d\n", values.d, values.a, u, values.v);
-  if (all_safe) text += gap < 1e300 ? format("every decision is safe: smallest gap %.0e\n", gap) : "every decision is safe\n";
+  return text;
+}
+
+std::string analysis_report(const sfdae_solver& solver) {
+  const IndexAnalysis& analysis = solver.system->analysis();
+  const CharacteristicValues& values = analysis.values;
+  std::string text = format("strangeness index %d", values.mu);
+  if (values.u == 0 && values.v == 0)
+    text += format(" (differentiation index %d)", values.a > 0 ? values.mu + 1 : 0);
+  text += format(": d = %d, a = %d, u = %d, v = %d\n", values.d, values.a, values.u, values.v);
+  double gap = 1e300;
+  for (const RankDecision& decision : solver.decisions) gap = std::min(gap, decision.gap);
+  text += gap < 1e300 ? format("every decision is safe: smallest gap %.0e\n", gap) : "every decision is safe\n";
   constexpr const char* leading[] = {"", "W = E^+ E", "W = E", "W = I"};
   text += format("time scale %.3g, leading term %s\n", analysis.time_scale,
                  leading[static_cast<int>(solver.system->leading_term())]);
@@ -74,8 +73,12 @@ std::string integration_report(const sfdae_solver& solver) {
 }  // namespace
 
 std::string report_of(const sfdae_solver& solver) {
-  if (!solver.system) return format("no analysis yet (m = %d, n = %d)\n", solver.problem.m(), solver.problem.n());
-  std::string text = analysis_report(solver);
+  const int m = solver.problem.m(), n = solver.problem.n();
+  if (solver.decisions.empty()) return format("no analysis yet (m = %d equations, n = %d unknowns)\n", m, n);
+  std::string text = format("Index analysis at t = %.10g (m = %d equations, n = %d unknowns)\n",
+                            solver.decisions.front().t, m, n);
+  text += decision_table(solver.decisions);
+  text += solver.system ? analysis_report(solver) : "the analysis failed\n";
   if (solver.initial_report) text += initial_report(*solver.initial_report);
   if (solver.integration) text += integration_report(solver);
   if (solver.message[0] != '\0') text += std::string("Last message: ") + solver.message + "\n";

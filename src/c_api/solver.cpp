@@ -126,11 +126,12 @@ void analyze(sfdae_solver& solver, double t, double toward) {
   differences.span = std::fabs(toward - t);
   solver.problem.set_differences(differences);
   Arena arena;
-  IndexAnalysis analysis = analyze_index(solver.problem, t, toward, solver.options.analysis, arena);
+  solver.integration.reset();
+  solver.system.reset();
+  solver.initial_report.reset();
+  IndexAnalysis analysis = analyze_index(solver.problem, t, toward, solver.options.analysis, arena, solver.decisions);
   auto system = std::make_unique<LinearSystem>(solver.problem, solver.options.analysis, std::move(analysis),
                                                solver.options.leading);
-  solver.integration.reset();
-  solver.initial_report.reset();
   solver.system = std::move(system);
   solver.direction = direction;
 }
@@ -178,6 +179,7 @@ CallResult check_point(double t, double toward, const double* x, int n) {
 extern "C" {
 
 int sfdae_check_linear(const sfdae_linear_problem* problem, const sfdae_options* options, char* text, size_t length) {
+  if (text == nullptr && length > 0) return SFDAE_ILLEGAL_ARGUMENT;
   CallResult result;
   try {
     sfdae_linear_problem problem_copy;

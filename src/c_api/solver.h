@@ -36,6 +36,7 @@ struct sfdae_solver {
 
   sfdae::core::LinearProblem problem;
   sfdae::core::SolverOptions options;
+  std::vector<sfdae::core::RankDecision> decisions;  // of the last analysis, failed or not
   // After an analysis:
   std::unique_ptr<sfdae::core::LinearSystem> system;
   double direction = 1.0;  // of the nearby point of the analysis
@@ -44,7 +45,7 @@ struct sfdae_solver {
   std::optional<sfdae_initial_report> initial_report;
 
   std::atomic<bool> busy{false};
-  char message[1536] = "";
+  mutable char message[1536] = "";  // the last call's; read-only calls may fail, too
 };
 
 namespace sfdae::core {

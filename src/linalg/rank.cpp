@@ -14,6 +14,8 @@ namespace {
 constexpr double safety = 10.0;
 // For large matrices, where the threshold itself is near clear_gap * noise.
 constexpr double clear_margin = 10.0;
+// Stands for an infinite gap.
+constexpr double largest_gap = 1e300;
 
 }  // namespace
 
@@ -33,9 +35,8 @@ RankDecision decide_rank(const double* values, int count, int stride, int rows, 
   decision.dropped = dropped / unit;
   decision.noise = noise / unit;
   decision.threshold = threshold / unit;
-  const double above = rank > 0 ? kept : std::max(threshold, noise);
-  const double below = rank > 0 ? std::max(dropped, noise) : std::max(dropped, unit * unit_roundoff * 1e-3);
-  decision.gap = below > 0.0 ? std::min(above / below, 1e300) : 1e300;
+  const double below = std::max(dropped, noise);
+  decision.gap = rank > 0 && below > 0.0 ? std::min(kept / below, largest_gap) : largest_gap;
   if (rank_tol > 0.0) decision.verdict = Verdict::user;
   else if (rank == 0) decision.verdict = Verdict::clear;
   else

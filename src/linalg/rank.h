@@ -25,7 +25,7 @@ struct RankDecision {
   double dropped = 0.0;    // largest value dropped, 0 if none is
   double noise = 0.0;
   double threshold = 0.0;
-  double gap = 0.0;        // kept / max(dropped, noise); nothing kept: threshold / dropped
+  double gap = 0.0;        // kept / max(dropped, noise); 1e300 if nothing was kept
   Verdict verdict = Verdict::clear;
 };
 

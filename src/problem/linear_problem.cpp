@@ -52,7 +52,10 @@ LinearProblem::LinearProblem(const sfdae_linear_problem& problem)
 
 void LinearProblem::set_differences(const DifferenceOptions& options) {
   differences_ = options;
-  for (Function& function : functions_) function.difference_step = 0.0;
+  for (Function& function : functions_) {
+    function.difference_step = 0.0;
+    function.highest_order = std::numeric_limits<int>::max();
+  }
 }
 
 Trouble LinearProblem::call(char which, double t, int order, double* values) {
@@ -109,7 +112,7 @@ Trouble LinearProblem::fill(Function& function, double t, int order, double* val
       trouble = call(function.name, t, k, values + count * k);
       if (trouble.status == SFDAE_OK) continue;
       if (trouble.status != SFDAE_ORDER_MISSING) return trouble;
-      if (k > 0) function.highest_order = k - 1;
+      if (k > 0 && differences_.allowed) function.highest_order = k - 1;
     }
     if (!differences_.allowed || k == 0) {
       if (trouble.status == SFDAE_OK) {

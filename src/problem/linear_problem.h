@@ -58,6 +58,7 @@ class LinearProblem {
   // One derivative straight from the callback: which = 'E', 'A' or 'f'. No differences.
   Trouble call(char which, double t, int order, double* values);
 
+  // Also forgets which orders were not available.
   void set_differences(const DifferenceOptions& options);
   // No callback is called outside of [lowest, highest].
   void set_limits(double lowest, double highest) {

@@ -28,6 +28,14 @@ Vector violation(const NullSpaceForm& form, const Vector& x) {
   return r;
 }
 
+double length(const Vector& v) {
+  double sum = 0.0;
+  const double scale = max_abs({v.data(), static_cast<int>(v.size()), 1, 1});
+  if (scale == 0.0) return 0.0;
+  for (double entry : v) sum += (entry / scale) * (entry / scale);
+  return scale * std::sqrt(sum);
+}
+
 double largest(const Vector& v) {
   double result = 0.0;
   for (double entry : v) result = std::max(result, std::fabs(entry));
@@ -89,7 +97,7 @@ ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest
   const NullSpaceForm& form = system.form();
   const int n = form.n;
   ConsistencyResult result;
-  result.residual_before = largest(violation(form, x));
+  result.residual_before = length(violation(form, x));
   Vector inverse_weights(index(n), 1.0);
   for (int i = 0; i < n && !request.weights.empty(); ++i) inverse_weights[index(i)] = 1.0 / request.weights[index(i)];
   Vector z0(index(form.unknowns()) + 1, 0.0);
@@ -128,7 +136,7 @@ ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest
   if (!all_finite(consistent.data(), consistent.size()))
     throw Failure(SFDAE_NOT_FINITE, format("consistent values at t = %.15g overflow: rescale the problem.", system.t()));
   x = consistent;
-  result.residual_after = largest(violation(form, x));
+  result.residual_after = length(violation(form, x));
   return result;
 }
 

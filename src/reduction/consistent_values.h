@@ -19,7 +19,7 @@ struct ConsistencyRequest {
 };
 
 struct ConsistencyResult {
-  double residual_before = 0.0;  // max norm of A2 x + f2, rows of A2 orthonormal
+  double residual_before = 0.0;  // 2-norm of A2 x + f2, rows of A2 orthonormal: distance to the constraints
   double residual_after = 0.0;
   double largest_change = 0.0;
   int component = -1;            // of the largest change

@@ -190,8 +190,8 @@ CharacteristicValues find_local_values(LinearProblem& problem, double t, const A
 }
 
 IndexAnalysis analyze_index(LinearProblem& problem, double t, double toward, const AnalysisSettings& settings,
-                            Arena& arena) {
-  std::vector<RankDecision> decisions;
+                            Arena& arena, std::vector<RankDecision>& decisions) {
+  decisions.clear();
   IndexAnalysis here = search_at(problem, t, settings, arena, decisions);
   if (!problem.is_constant()) {
     const double nearby = nearby_point(t, toward, here.time_scale);
@@ -220,7 +220,6 @@ IndexAnalysis analyze_index(LinearProblem& problem, double t, double toward, con
                         describe(there.values) + format(" at t = %.15g. Start beside it.", nearby));
     }
   }
-  here.decisions = std::move(decisions);
   return here;
 }
 

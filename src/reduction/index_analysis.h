@@ -43,13 +43,13 @@ struct IndexAnalysis {
   int v_hat = 0;               // redundant rows of level mu
   int rank_E = 0;
   bool rank_E_constant = true; // the same at the nearby point
-  std::vector<RankDecision> decisions;
 };
 
 // Analysis at t and at a nearby point toward `toward`. Throws Failure: trouble with callbacks, SFDAE_INDEX_TOO_HIGH,
 // SFDAE_RANK_UNCLEAR, SFDAE_CHARACTERISTICS_CHANGED if t itself is an exceptional point.
+// decisions: all that were made, also when it throws.
 IndexAnalysis analyze_index(LinearProblem& problem, double t, double toward, const AnalysisSettings& settings,
-                            Arena& arena);
+                            Arena& arena, std::vector<RankDecision>& decisions);
 
 // The smallest level at t alone; never throws for structural reasons: mu = -1 if no level up to max_index holds or a
 // decision is unclear.
