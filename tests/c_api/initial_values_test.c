@@ -95,29 +95,28 @@ static double nearest(double t, const double *y, const double *w) {
   return (2 * w1 * (g(t, 0) - y[0]) + w2 * y[1] + 2 * w3 * (y[2] - g(t, 1))) / (4 * w1 + w2 + 4 * w3);
 }
 
-/* What the report says about the last change from y to x, by the definitions in the header. */
+/* Distance from y to the consistent points. */
+static double distance(double t, const double *y) {
+  static const double ones[3] = {1, 1, 1};
+  const double c = nearest(t, y, ones);
+  const double d1 = y[0] - g(t, 0) + 2 * c, d2 = y[1] - c, d3 = y[2] - g(t, 1) - 2 * c;
+  return sqrt(d1 * d1 + d2 * d2 + d3 * d3);
+}
+
+/* What the report says about the last change from y to x. With rows a_i of A2 of norm 1 the residuals a_i (y - y*),
+ * y* the consistent point nearest to y, are at most |y - y*|; the two rows [1 2 0] and [0 -2 1] or combinations of
+ * them are far enough from parallel that one is at least a tenth of it. */
 static void check_report(sfdae_solver *solver, double t, const double *y, const double *x) {
   sfdae_initial_report report;
-  double A2[6], f2[2], before = 0, after = 0, change = 0;
-  int component = -1, i, j;
+  double change = 0;
+  int component = -1, j;
   sfdae_initial_report_init(&report, sizeof report);
   CHECK_STATUS(sfdae_get_initial_report(solver, &report), SFDAE_OK);
-  CHECK_STATUS(sfdae_get_strangeness_free(solver, t, NULL, NULL, NULL, A2, f2, NULL), SFDAE_OK);
-  for (i = 0; i < 2; i++) {
-    double norm = 0, of_y = f2[i], of_x = f2[i];
-    for (j = 0; j < 3; j++) {
-      norm += A2[i + 2 * j] * A2[i + 2 * j];
-      of_y += A2[i + 2 * j] * y[j];
-      of_x += A2[i + 2 * j] * x[j];
-    }
-    before = fmax(before, fabs(of_y) / sqrt(norm));
-    after = fmax(after, fabs(of_x) / sqrt(norm));
-  }
   for (j = 0; j < 3; j++)
     if (fabs(x[j] - y[j]) > change) change = fabs(x[j] - y[j]), component = j;
   CHECK(report.t == t);
-  CHECK(near(report.residual_before, before));
-  CHECK(near(report.residual_after, after));
+  CHECK(report.residual_before <= distance(t, y) + rounding && report.residual_before >= distance(t, y) / 10 - rounding);
+  CHECK(report.residual_after <= distance(t, x) + rounding && report.residual_after >= distance(t, x) / 10 - rounding);
   CHECK(near(report.largest_change, change));
   CHECK(report.component == component || change <= rounding);
 }
@@ -275,8 +274,8 @@ static void derivative_says_where_it_comes_from(void) {
   CHECK_STATUS(sfdae_start(solver, t0, 2, x, xdot), SFDAE_OK);
   CHECK_STATUS(sfdae_get_initial_report(solver, &report), SFDAE_OK);
   CHECK(report.derivative_exact == 0);
-  CHECK(near(xdot[0], x[2]) && near(xdot[1], -x[1]));
   /* Differences of functions of size 10 on a scale of 1: eps^(1/2) at worst, with a factor 100. */
+  CHECK(fabs(xdot[0] - x[2]) <= 1000 * sqrt(DBL_EPSILON) && fabs(xdot[1] + x[1]) <= 1000 * sqrt(DBL_EPSILON));
   CHECK(fabs(xdot[2] - (g(t0, 2) - 2 * x[1])) <= 1000 * sqrt(DBL_EPSILON));
   sfdae_destroy(&solver);
 

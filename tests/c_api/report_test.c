@@ -115,7 +115,7 @@ static void report_is_complete_in_every_phase(void) {
 
 /* ---- Rank decisions -------------------------------------------------------------------------------- */
 
-/* Every decision is consistent in itself; returns the smallest gap. */
+/* Every decision is consistent in itself; returns the smallest gap between kept and dropped values. */
 static double check_decisions(const sfdae_solver *solver, int max_index) {
   double smallest = HUGE_VAL;
   int count = -1, i;
@@ -141,7 +141,7 @@ static double check_decisions(const sfdae_solver *solver, int max_index) {
       CHECK(fabs(d.gap - gap) <= 1e-12 * gap);
     }
     CHECK(d.verdict == SFDAE_VERDICT_CLEAR || d.verdict == SFDAE_VERDICT_CONFIRMED || d.verdict == SFDAE_VERDICT_USER);
-    if (d.gap < smallest) smallest = d.gap;
+    if (d.rank > 0 && d.gap < smallest) smallest = d.gap;
   }
   return smallest;
 }
@@ -188,7 +188,6 @@ static void svd_judges_the_whole_array(void) {
   CHECK(c.strangeness_index == 1 && c.differential == 0 && c.algebraic == 2);
   check_decisions(solver, 5);
   CHECK(count_decisions(solver, SFDAE_DECISION_ARRAY, SFDAE_VERDICT_CLEAR) > 0);
-  CHECK(count_decisions(solver, SFDAE_DECISION_STAGE, SFDAE_VERDICT_CLEAR) == 0);
   sfdae_destroy(&solver);
 }
 

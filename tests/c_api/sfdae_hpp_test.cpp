@@ -64,16 +64,16 @@ int status_of(Call call) {
 TEST(Solver, SolvesForwardAndBackward) {
   sfdae::Solver solver(oscillator());
   sfdae::Point point = start_point();
-  EXPECT_EQ(solver.start(point, 10.0), SFDAE_OK);
+  EXPECT_EQ(solver.start(point, 4.0), SFDAE_OK);
   EXPECT_NEAR(point.xdot[0], 0, 1e-12);
   EXPECT_NEAR(point.xdot[1], -1, 1e-12);
-  for (int k = 1; k <= 10; ++k) {
+  for (int k = 1; k <= 4; ++k) {
     EXPECT_EQ(solver.advance(k, point), SFDAE_OK);
     EXPECT_EQ(point.t, k);
     expect_exact(point);
   }
   EXPECT_EQ(solver.start(point, 0.0), SFDAE_OK);
-  EXPECT_EQ(solver.advance(5.0, point), SFDAE_OK);
+  EXPECT_EQ(solver.advance(2.0, point), SFDAE_OK);
   expect_exact(point);
 }
 
@@ -228,11 +228,11 @@ TEST(Solver, MonitorStops) {
   options.monitor = [](const sfdae::Progress& progress) { return progress.steps == 3; };
   sfdae::Solver solver(oscillator(), options);
   sfdae::Point point = start_point();
-  solver.start(point, 10.0);
-  EXPECT_EQ(solver.advance(10.0, point), SFDAE_STOPPED);
+  solver.start(point, 4.0);
+  EXPECT_EQ(solver.advance(4.0, point), SFDAE_STOPPED);
   EXPECT_NE(solver.message(), "");
   EXPECT_EQ(solver.statistics().steps, 3);
-  EXPECT_EQ(solver.advance(10.0, point), SFDAE_OK);
+  EXPECT_EQ(solver.advance(4.0, point), SFDAE_OK);
   EXPECT_EQ(solver.message(), "");
   expect_exact(point);
 }
@@ -248,7 +248,7 @@ TEST(Solver, StopRequestsAreObeyed) {
 TEST(Solver, IsBusyInItsOwnCallbacks) {
   sfdae::Solver* inside = nullptr;
   sfdae::LinearProblem problem = oscillator();
-  problem.f = [&inside](double, int, VectorRef) { (void)inside->report(); };
+  problem.f = [&inside](double, int, VectorRef) { inside->analyze(0.0, 1.0); };
   sfdae::Solver solver(std::move(problem));
   inside = &solver;
   sfdae::Point point = start_point();
