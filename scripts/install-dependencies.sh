@@ -33,6 +33,8 @@ if command -v dpkg-query > /dev/null; then
   for package in "${wanted[@]}"; do
     is_present "$package" || missing+=("$package")
   done
+  # Valgrind needs the symbols of the C library.
+  if [[ " ${missing[*]} " == *" valgrind "* ]]; then missing+=(libc6-dbg); fi
 else
   echo "This is neither Debian nor Ubuntu: make sure that there are a C++20 compiler, CMake and LAPACK." >&2
 fi
