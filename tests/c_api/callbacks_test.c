@@ -3,8 +3,9 @@
  * Callbacks that fail, return NaN, use the solver or stop it, at every single call in every phase. The status is
  * the documented one and the solver works again once the fault is gone.
  *
- *     s x1' = s x2,   x2' = -x1,   x3' = x4,   0 = x3 - x1 - sin 2t,   s = 2 + sin t       mu = 1, d = 2, a = 2
- *     x = (cos t, -sin t, cos t + sin 2t, -sin t + 2 cos 2t)
+ *     s x1' = s x2,   x2' = x5 - x1 - cos t,   x3' = x4,   0 = x3 - x1 - sin 2t,   s = 2 + sin t
+ * mu = 1, d = 2, a = 2, u = 1; x5 is prescribed as cos t.
+ *     x = (cos t, -sin t, cos t + sin 2t, -sin t + 2 cos 2t, cos t)
  */
 #define _POSIX_C_SOURCE 200809L
 #include <limits.h>
@@ -38,19 +39,19 @@ static const char *const kind_names[KINDS] = {"1",   "INT_MAX", "-7",       "INT
 
 typedef struct {
   sfdae_solver *solver;
-  char function;    /* 'E', 'A', 'f', 'm' (monitor) or 0: none goes wrong */
+  char function;    /* 'E', 'A', 'f', 'p' (prescribed values), 'm' (monitor) or 0: none goes wrong */
   enum kind kind;
   long call;        /* the call that goes wrong, counted from 1; 0: those at t > after */
   double after;
   int no_orders;    /* 1: only order 0 can be provided */
   long calls;       /* of the function that goes wrong */
-  long calls_E;
   int order;        /* asked for in the call that went wrong */
   int highest_order;
   int inside;       /* in the callback: what to do with the solver */
 } plan;
 
 #define TOL 1e-4
+enum { M = 4, N = 5 };
 
 static void use_solver_from_inside(sfdae_solver *solver);
 
@@ -76,7 +77,7 @@ static int fault(plan *p, char function, double t, int order, double *values) {
     case NEGATIVE: return -7;
     case SMALLEST: return INT_MIN;
     case NOT_A_NUMBER: values[0] = NAN; return 0;
-    case INFINITE: values[3] = -INFINITY; return 0;
+    case INFINITE: values[0] = -INFINITY; return 0;
     case NO_ORDER: return SFDAE_ORDER_NOT_AVAILABLE;
     case STOP: CHECK(sfdae_request_stop(p->solver) == SFDAE_OK); return 0;
     default: return 0;
@@ -88,34 +89,41 @@ static double s(double t, int order) { return (order == 0 ? 2 : 0) + sin(t + ord
 static double sine(double w, double t, int order) { return pow(w, order) * sin(w * t + order * acos(0.0)); }
 
 static int E(double t, int order, double *matrix, void *user) {
-  expect_zeros(matrix, 16);
-  ((plan *)user)->calls_E++;
+  expect_zeros(matrix, M * N);
   matrix[0] = s(t, order);
   if (order == 0) matrix[5] = matrix[10] = 1;
   return fault((plan *)user, 'E', t, order, matrix);
 }
 
 static int A(double t, int order, double *matrix, void *user) {
-  expect_zeros(matrix, 16);
+  expect_zeros(matrix, M * N);
   matrix[0 + 4 * 1] = s(t, order);
   if (order == 0) {
     matrix[1 + 4 * 0] = -1;
     matrix[2 + 4 * 3] = 1;
     matrix[3 + 4 * 0] = -1;
     matrix[3 + 4 * 2] = 1;
+    matrix[1 + 4 * 4] = 1;
   }
   return fault((plan *)user, 'A', t, order, matrix);
 }
 
 static int f(double t, int order, double *vector, void *user) {
   expect_zeros(vector, 4);
+  vector[1] = -sine(1, t, order + 1);
   vector[3] = -sine(2, t, order);
   return fault((plan *)user, 'f', t, order, vector);
 }
 
+static int prescribed(double t, int order, double *values, void *user) {
+  CHECK(values[0] == 0 && order == 0);
+  values[0] = cos(t);
+  return fault((plan *)user, 'p', t, order, values);
+}
+
 static int monitor(const sfdae_progress *progress, void *user) {
   plan *p = (plan *)user;
-  double spoiled[4];
+  double spoiled[1];
   if (p->function != 'm') return 0;
   if (p->inside) use_solver_from_inside(p->solver);
   return fault(p, 'm', progress->t, 0, spoiled);
@@ -126,14 +134,15 @@ static void exact(double t, double *x) {
   x[1] = -sin(t);
   x[2] = cos(t) + sin(2 * t);
   x[3] = -sin(t) + 2 * cos(2 * t);
+  x[4] = cos(t);
 }
 
 /* The error stays below 10 times the tolerance. */
 static int accurate(double t, const double *x) {
-  double xe[4];
+  double xe[N];
   int i;
   exact(t, xe);
-  for (i = 0; i < 4; i++)
+  for (i = 0; i < N; i++)
     if (!(fabs(x[i] - xe[i]) <= 10 * (TOL * fabs(xe[i]) + TOL))) return 0;
   return 1;
 }
@@ -147,16 +156,26 @@ static sfdae_options loose_options(plan *p) {
   return options;
 }
 
-static sfdae_solver *create(plan *p) {
-  sfdae_options options = loose_options(p);
+static sfdae_linear_problem problem_with(plan *p) {
+  static const int last[1] = {N - 1};
   sfdae_linear_problem problem;
-  sfdae_solver *solver = NULL;
   sfdae_linear_problem_init(&problem, sizeof problem);
-  problem.num_equations = problem.num_unknowns = 4;
+  problem.num_equations = M;
+  problem.num_unknowns = N;
   problem.E = E;
   problem.A = A;
   problem.f = f;
+  problem.num_prescribed = 1;
+  problem.prescribed = last;
+  problem.prescribed_values = prescribed;
   problem.user = p;
+  return problem;
+}
+
+static sfdae_solver *create(plan *p) {
+  sfdae_options options = loose_options(p);
+  sfdae_linear_problem problem = problem_with(p);
+  sfdae_solver *solver = NULL;
   CHECK_STATUS(sfdae_create_linear(&solver, &problem, &options), SFDAE_OK);
   p->solver = solver;
   return solver;
@@ -169,7 +188,7 @@ static plan no_fault(void) {
 }
 
 static void works(sfdae_solver *solver) {
-  double t = -1, x[4];
+  double t = -1, x[N];
   exact(0, x);
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_advance(solver, 1, &t, x, NULL), SFDAE_OK);
@@ -193,7 +212,7 @@ static int run_analyze(sfdae_solver *solver) {
 }
 
 static int initial(sfdae_solver *solver, int start) {
-  double x[4], before[4], xdot[4] = {unset, unset, unset, unset};
+  double x[N], before[N], xdot[N] = {unset, unset, unset, unset, unset};
   int status;
   exact(0, x);
   memcpy(before, x, sizeof x);
@@ -208,7 +227,7 @@ static int run_make_consistent(sfdae_solver *solver) { return initial(solver, 0)
 
 /* Whatever happens on the way, the last accepted point is returned. */
 static int run_advance(sfdae_solver *solver) {
-  double t = unset, x[4] = {unset, unset, unset, unset}, xdot[4];
+  double t = unset, x[N] = {unset, unset, unset, unset, unset}, xdot[N];
   const int status = sfdae_advance(solver, 1, &t, x, xdot);
   CHECK(t >= 0 && t <= 1 && accurate(t, x));
   CHECK(status != SFDAE_OK || t == 1);
@@ -216,7 +235,7 @@ static int run_advance(sfdae_solver *solver) {
 }
 
 static int run_steps(sfdae_solver *solver) {
-  double t = unset, x[4] = {unset, unset, unset, unset}, before = 0;
+  double t = unset, x[N] = {unset, unset, unset, unset, unset}, before = 0;
   int status;
   do {
     status = sfdae_step(solver, 1, &t, x, NULL);
@@ -227,17 +246,17 @@ static int run_steps(sfdae_solver *solver) {
 }
 
 static int run_derivative_array(sfdae_solver *solver) {
-  double M[64], N[32], g[8];
+  double array[80], right[40], g[8];
   int status;
-  M[0] = N[0] = g[0] = unset;
-  status = sfdae_get_derivative_array(solver, 0.5, 1, M, N, g);
-  CHECK((status == SFDAE_OK) == (M[0] != unset) && (status == SFDAE_OK) == (N[0] != unset));
+  array[0] = right[0] = g[0] = unset;
+  status = sfdae_get_derivative_array(solver, 0.5, 1, array, right, g);
+  CHECK((status == SFDAE_OK) == (array[0] != unset) && (status == SFDAE_OK) == (right[0] != unset));
   CHECK((status == SFDAE_OK) == (g[0] != unset));
   return status;
 }
 
 static int run_projectors(sfdae_solver *solver) {
-  double Z1[8], Z2[16], T2[8];
+  double Z1[8], Z2[16], T2[15];
   int status, vhat = -1;
   Z1[0] = Z2[0] = T2[0] = unset;
   status = sfdae_get_projectors(solver, 0.5, Z1, Z2, NULL, T2, &vhat);
@@ -247,7 +266,7 @@ static int run_projectors(sfdae_solver *solver) {
 }
 
 static int run_strangeness_free(sfdae_solver *solver) {
-  double E1[8], A1[8], f1[2], A2[8], f2[2], residual = unset;
+  double E1[10], A1[10], f1[2], A2[10], f2[2], residual = unset;
   int status;
   E1[0] = A2[0] = unset;
   status = sfdae_get_strangeness_free(solver, 0.5, E1, A1, f1, A2, f2, &residual);
@@ -283,7 +302,7 @@ static const struct phase {
 enum { PHASES = sizeof phases / sizeof phases[0] };
 
 static void prepare(sfdae_solver *solver, enum preparation before) {
-  double x[4];
+  double x[N];
   exact(0, x);
   if (before == ANALYZED) CHECK_STATUS(sfdae_analyze(solver, 0, 1, NULL), SFDAE_OK);
   if (before == STARTED) CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
@@ -344,17 +363,17 @@ static int call_goes_wrong(const struct phase *phase, char function, enum kind k
 }
 
 static void every_call_may_go_wrong(void) {
-  static const char functions[] = {'E', 'A', 'f'};
+  static const char functions[] = {'E', 'A', 'f', 'p'};
   int phase, function, kind;
   for (phase = 0; phase < PHASES; phase++)
-    for (function = 0; function < 3; function++)
+    for (function = 0; function < 4; function++)
       for (kind = 0; kind < KINDS; kind++) {
         const int failures_before = failures;
         long call = 1;
         while (call_goes_wrong(&phases[phase], functions[function], (enum kind)kind, call) &&
                failures < failures_before + 3)
           call++;
-        CHECK(call > 1 || functions[function] == 'f'); /* ranks need no f */
+        CHECK(call > 1 || function >= 2); /* ranks need no f */
       }
 }
 
@@ -363,7 +382,7 @@ static void every_monitor_call_may_stop(void) {
   for (;; call++) {
     plan p = no_fault();
     sfdae_solver *solver = create(&p);
-    double t = unset, x[4];
+    double t = unset, x[N];
     int status;
     prepare(solver, STARTED);
     p.function = 'm';
@@ -391,13 +410,13 @@ static void functions_end_before_tout(void) {
     int status;
   } table[] = {{POSITIVE, SFDAE_CALLBACK_FAILED}, {NOT_A_NUMBER, SFDAE_NOT_FINITE}, {INFINITE, SFDAE_NOT_FINITE},
                {NEGATIVE, SFDAE_CALLBACK_STOPPED}};
-  static const char functions[] = {'E', 'A', 'f'};
+  static const char functions[] = {'E', 'A', 'f', 'p'};
   int i, k;
   for (i = 0; i < 4; i++)
-    for (k = 0; k < 3; k++) {
+    for (k = 0; k < 4; k++) {
       plan p = no_fault();
       sfdae_solver *solver = create(&p);
-      double t = unset, x[4];
+      double t = unset, x[N];
       p.function = functions[k];
       p.kind = table[i].kind;
       p.after = 0.9;
@@ -418,7 +437,7 @@ static void derivatives_that_are_missing_are_named_or_differenced(void) {
   plan p = no_fault();
   sfdae_solver *solver = create(&p);
   sfdae_options options = loose_options(&p);
-  double x[4];
+  double x[N];
   exact(0, x);
   p.no_orders = 1;
   CHECK_STATUS(sfdae_analyze(solver, 0, 1, NULL), SFDAE_ORDER_MISSING);
@@ -435,7 +454,7 @@ static void derivatives_that_are_missing_are_named_or_differenced(void) {
 static void no_order_is_asked_for_that_the_header_does_not_name(void) {
   plan p = no_fault();
   sfdae_solver *solver = create(&p);
-  double t, x[4];
+  double t, x[N];
   exact(0, x);
   CHECK_STATUS(sfdae_analyze(solver, 0, 1, NULL), SFDAE_OK);
   CHECK(p.highest_order <= 5); /* max_index */
@@ -471,7 +490,7 @@ static int constant_matrix(double t, int order, double *matrix, void *user) {
 static void constant_matrices_are_asked_for_once(void) {
   sfdae_linear_problem problem;
   sfdae_solver *solver = NULL;
-  double t, x[1] = {1}, E1[1], M[4];
+  double t, x[1] = {1}, E1[1], array[4];
   int calls = 0;
   sfdae_linear_problem_init(&problem, sizeof problem);
   problem.num_equations = problem.num_unknowns = 1;
@@ -483,7 +502,7 @@ static void constant_matrices_are_asked_for_once(void) {
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_advance(solver, 1, &t, x, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_get_strangeness_free(solver, 0.5, E1, NULL, NULL, NULL, NULL, NULL), SFDAE_OK);
-  CHECK_STATUS(sfdae_get_derivative_array(solver, 0.5, 1, M, NULL, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_derivative_array(solver, 0.5, 1, array, NULL, NULL), SFDAE_OK);
   CHECK(calls == 2); /* E once, A once */
   CHECK(fabs(x[0] - exp(1)) <= 10 * (1e-6 * exp(1) + 1e-6));
   sfdae_destroy(&solver);
@@ -502,7 +521,7 @@ static void use_solver_from_inside(sfdae_solver *solver) {
   sfdae_initial_report report;
   sfdae_statistics statistics;
   sfdae_derivative_check check;
-  double t = unset, x[4] = {unset, unset, unset, unset}, M[64];
+  double t = unset, x[N] = {unset, unset, unset, unset, unset}, matrix[80];
   char text[100];
   int count = -1;
   inside_uses++;
@@ -513,7 +532,7 @@ static void use_solver_from_inside(sfdae_solver *solver) {
   sfdae_initial_report_init(&report, sizeof report);
   sfdae_statistics_init(&statistics, sizeof statistics);
   sfdae_derivative_check_init(&check, sizeof check);
-  M[0] = unset;
+  matrix[0] = unset;
 
   CHECK_STATUS(sfdae_destroy(&copy), SFDAE_BUSY);
   CHECK(copy == solver);
@@ -523,12 +542,12 @@ static void use_solver_from_inside(sfdae_solver *solver) {
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, x), SFDAE_BUSY);
   CHECK_STATUS(sfdae_advance(solver, 1, &t, x, x), SFDAE_BUSY);
   CHECK_STATUS(sfdae_step(solver, 1, &t, x, x), SFDAE_BUSY);
-  CHECK_STATUS(sfdae_get_derivative_array(solver, 0, 1, M, NULL, NULL), SFDAE_BUSY);
-  CHECK_STATUS(sfdae_get_projectors(solver, 0, M, NULL, NULL, NULL, &count), SFDAE_BUSY);
-  CHECK_STATUS(sfdae_get_strangeness_free(solver, 0, M, NULL, NULL, NULL, NULL, &t), SFDAE_BUSY);
+  CHECK_STATUS(sfdae_get_derivative_array(solver, 0, 1, matrix, NULL, NULL), SFDAE_BUSY);
+  CHECK_STATUS(sfdae_get_projectors(solver, 0, matrix, NULL, NULL, NULL, &count), SFDAE_BUSY);
+  CHECK_STATUS(sfdae_get_strangeness_free(solver, 0, matrix, NULL, NULL, NULL, NULL, &t), SFDAE_BUSY);
   CHECK_STATUS(sfdae_check_derivatives(solver, 0, 1, &check), SFDAE_BUSY);
   CHECK(sfdae_message(solver) != NULL);
-  CHECK(t == unset && x[0] == unset && M[0] == unset && count == -1);
+  CHECK(t == unset && x[0] == unset && matrix[0] == unset && count == -1);
 
   /* Reading is harmless, whether it is refused or not. */
   CHECK(sfdae_get_characteristics(solver, &c) <= 0);
@@ -541,10 +560,10 @@ static void use_solver_from_inside(sfdae_solver *solver) {
 }
 
 static void solver_is_busy_in_its_own_callbacks(void) {
-  static const char functions[] = {'E', 'A', 'f', 'm'};
+  static const char functions[] = {'E', 'A', 'f', 'p', 'm'};
   int phase, function;
   for (phase = 0; phase < PHASES; phase++)
-    for (function = 0; function < 4; function++) {
+    for (function = 0; function < 5; function++) {
       plan p = no_fault();
       sfdae_solver *solver = create(&p);
       const int failures_before = failures;
@@ -560,7 +579,7 @@ static void solver_is_busy_in_its_own_callbacks(void) {
       inside_uses = 0;
       CHECK_STATUS(phases[phase].run(solver), SFDAE_OK);
       CHECK(strcmp(sfdae_message(solver), "") == 0);
-      CHECK(inside_uses > 0 || functions[function] == 'f');
+      CHECK(inside_uses > 0 || functions[function] == 'f' || functions[function] == 'p');
       p = no_fault();
       p.solver = solver;
       works(solver);
@@ -575,7 +594,7 @@ static void solver_is_busy_in_its_own_callbacks(void) {
 /* Other solvers are free: one problem may solve another one in its callback. */
 static sfdae_solver *other;
 static int f_solves_another(double t, int order, double *vector, void *user) {
-  double x[4], t_other;
+  double x[N], t_other;
   exact(0, x);
   CHECK_STATUS(sfdae_start(other, 0, 1, x, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_advance(other, 1, &t_other, x, NULL), SFDAE_OK);
@@ -584,16 +603,11 @@ static int f_solves_another(double t, int order, double *vector, void *user) {
 
 static void other_solvers_may_be_used_in_callbacks(void) {
   plan p = no_fault(), q = no_fault();
-  sfdae_linear_problem problem;
+  sfdae_linear_problem problem = problem_with(&p);
   sfdae_options options = loose_options(&p);
   sfdae_solver *solver = NULL;
   other = create(&q);
-  sfdae_linear_problem_init(&problem, sizeof problem);
-  problem.num_equations = problem.num_unknowns = 4;
-  problem.E = E;
-  problem.A = A;
   problem.f = f_solves_another;
-  problem.user = &p;
   CHECK_STATUS(sfdae_create_linear(&solver, &problem, &options), SFDAE_OK);
   works(solver);
   sfdae_destroy(&solver);
@@ -647,7 +661,7 @@ static void other_threads_may_stop(void) {
   plan p = no_fault();
   sfdae_solver *solver = endless(&p);
   pthread_t thread;
-  double t = unset, x[4];
+  double t = unset, x[N];
   CHECK(pthread_create(&thread, NULL, request_soon, solver) == 0);
   CHECK_STATUS(sfdae_advance(solver, 1000, &t, x, NULL), SFDAE_STOPPED);
   CHECK(pthread_join(thread, NULL) == 0);
@@ -660,7 +674,7 @@ static void other_threads_may_stop(void) {
 static void signal_handlers_may_stop(void) {
   plan p = no_fault();
   sfdae_solver *solver = endless(&p);
-  double t = unset, x[4];
+  double t = unset, x[N];
   solver_to_stop = solver;
   CHECK(signal(SIGALRM, on_signal) != SIG_ERR);
   alarm(1);
