@@ -10,22 +10,20 @@ namespace sfdae::core {
 
 namespace {
 
-// Threshold = safety * max(rows, cols) * noise. 400 random problems: no wrong index between 3 and 100.
+// Threshold = safety * dimension * noise. 400 random problems: no wrong index between 3 and 100.
 constexpr double safety = 10.0;
 // For large matrices, where the threshold itself is near clear_gap * noise.
-constexpr double clear_margin = 10.0;
+constexpr double clear_margin = 3.0;
 // Stands for an infinite gap.
 constexpr double largest_gap = 1e300;
 
 }  // namespace
 
-RankDecision decide_rank(const double* values, int count, int stride, int rows, int cols, double noise, double norm,
-                         double rank_tol) {
+RankDecision decide_rank(const double* values, int count, int stride, const RankScale& scale) {
   RankDecision decision;
-  decision.rows = rows;
-  decision.cols = cols;
-  const double unit = norm > 0.0 ? norm : 1.0;
-  const double threshold = rank_tol > 0.0 ? rank_tol * unit : safety * std::max(rows, cols) * noise;
+  const double unit = scale.norm > 0.0 ? scale.norm : 1.0;
+  const double noise = scale.noise;
+  const double threshold = scale.rank_tol > 0.0 ? scale.rank_tol * unit : safety * scale.dimension * noise;
   int rank = 0;
   while (rank < count && std::fabs(values[static_cast<std::ptrdiff_t>(rank) * stride]) > threshold) ++rank;
   const double kept = rank > 0 ? std::fabs(values[static_cast<std::ptrdiff_t>(rank - 1) * stride]) : 0.0;
@@ -37,7 +35,7 @@ RankDecision decide_rank(const double* values, int count, int stride, int rows, 
   decision.threshold = threshold / unit;
   const double below = std::max(dropped, noise);
   decision.gap = rank > 0 && below > 0.0 ? std::min(kept / below, largest_gap) : largest_gap;
-  if (rank_tol > 0.0) decision.verdict = Verdict::user;
+  if (scale.rank_tol > 0.0) decision.verdict = Verdict::user;
   else if (rank == 0) decision.verdict = Verdict::clear;
   else
     decision.verdict = decision.gap >= clear_gap && kept >= clear_margin * threshold ? Verdict::clear : Verdict::unclear;

@@ -34,9 +34,15 @@ struct RankDecision {
 inline constexpr double clear_gap = 1e3;
 inline constexpr double unit_roundoff = 1.1102230246251565e-16;
 
-// Judges `count` decreasing magnitudes values[0], values[stride], ... of a rows x cols matrix. All quantities are
-// absolute; norm is that of the data. rank_tol > 0 overrides the threshold: rank_tol * norm.
-RankDecision decide_rank(const double* values, int count, int stride, int rows, int cols, double noise, double norm,
-                         double rank_tol);
+// What a decision is measured by; absolute.
+struct RankScale {
+  double noise = 0.0;     // what rounding errors of single entries may amount to
+  double norm = 1.0;      // of the data
+  int dimension = 1;      // of the matrices that went into the one judged: errors of entries add up
+  double rank_tol = 0.0;  // > 0 overrides the threshold: rank_tol * norm
+};
+
+// Judges `count` decreasing magnitudes values[0], values[stride], ...
+RankDecision decide_rank(const double* values, int count, int stride, const RankScale& scale);
 
 }  // namespace sfdae::core

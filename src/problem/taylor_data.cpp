@@ -80,6 +80,11 @@ bool TaylorData::scale_rows_and_measure() {
   return largest <= largest_coefficient;
 }
 
+void TaylorData::measure() {
+  for (int k = 0; k <= orders.E; ++k) norm_E_[index(k)] = max_abs(E(k));
+  for (int k = 0; k <= orders.A; ++k) norm_A_[index(k)] = max_abs(A(k));
+}
+
 // Smallest time in which one of the coefficients grows as large as that of order 0.
 double TaylorData::choose_time_scale() const {
   constexpr double infinity = std::numeric_limits<double>::infinity();

@@ -46,6 +46,9 @@ class TaylorData {
   // Multiplies the time scale by `factor` once more.
   void rescale_time(double factor);
 
+  // Norms anew after entries have been changed.
+  void measure();
+
   // Largest entry over all E(k), A(k) with k <= level.
   double norm(int level) const;
   double norm_A(int level) const;

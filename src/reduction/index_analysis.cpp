@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "problem/failure.h"
 #include "reduction/elimination.h"
@@ -13,6 +14,9 @@
 namespace sfdae::core {
 
 namespace {
+
+// Amplitude of trial perturbations in units of the noise of the data.
+constexpr double perturbation_roundings = 4.0;
 
 // What level l of the array says at one point.
 struct LevelReading {
@@ -36,39 +40,18 @@ class Searcher {
       : problem_(problem), t_(t), settings_(settings), arena_(arena), log_(log) {}
 
   LevelReading read(int level, double time_scale) {
-    const Trouble trouble = problem_.evaluate(t_, {level, level, 0}, time_scale, data_);
-    if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
-    std::vector<RankDecision> decisions;
-    const Judge::Settings judging{settings_.rank_tol, settings_.by_svd};
-    Judge judge(data_, level, judging, &decisions);
-    const Arena::Frame frame(arena_);
-    const Matrix no_rhs((level + 1) * problem_.m(), 1);
-    const Carried carried = settings_.by_svd ? eliminate_by_svd(data_, level, no_rhs, judge, arena_)
-                                             : eliminate(data_, level, no_rhs, 1, judge, arena_);
-    form_.resize(problem_.m(), problem_.n(), 0, carried.rows);
-    LevelReading reading;
-    reading.ranks = form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
-    reading.time_scale = data_.time_scale;
-    reading.clear = judge.all_clear();
-    for (const RankDecision& decision : decisions)
-      if (decision.verdict == Verdict::unclear && reading.doubtful.verdict == Verdict::clear)
-        reading.doubtful = decision;
-    latest_ = decisions;
-    return reading;
+    evaluate(level, time_scale);
+    return judge_level(level);
   }
 
   // A level whose decisions are clear, or confirmed with another time scale.
   LevelReading read_confirmed(int level) {
     LevelReading reading = read(level, settings_.time_scale);
     std::vector<RankDecision> decisions = latest_;
-    if (!reading.clear) {
-      const LevelReading second = read(level, reading.time_scale / 8.0);
-      if (second.clear && second.ranks.a == reading.ranks.a && second.ranks.d == reading.ranks.d &&
-          second.ranks.v_hat == reading.ranks.v_hat) {
-        reading.clear = true;
-        for (RankDecision& decision : decisions)
-          if (decision.verdict == Verdict::unclear) decision.verdict = Verdict::confirmed;
-      }
+    if (!reading.clear && is_confirmed(level, reading, decisions)) {
+      reading.clear = true;
+      for (RankDecision& decision : decisions)
+        if (decision.verdict == Verdict::unclear) decision.verdict = Verdict::confirmed;
     }
     if (log_ != nullptr) log_->insert(log_->end(), decisions.begin(), decisions.end());
     return reading;
@@ -99,9 +82,76 @@ class Searcher {
   }
 
  private:
+  // Other time scales shift signal against noise: a reading is confirmed if one of them is clear and says the same,
+  // and none is clear and says otherwise. Failing that, the noise is measured.
+  bool is_confirmed(int level, const LevelReading& reading, const std::vector<RankDecision>& decisions) {
+    bool confirmed = false;
+    for (double factor : {1.0 / 8.0, 4.0}) {
+      const LevelReading other = read(level, reading.time_scale * factor);
+      if (!other.clear) continue;
+      if (other.ranks.a != reading.ranks.a || other.ranks.d != reading.ranks.d ||
+          other.ranks.v_hat != reading.ranks.v_hat)
+        return false;
+      confirmed = true;
+    }
+    return confirmed || survives_perturbations(level, reading.time_scale, decisions);
+  }
+
+  // The propagated noise is an upper bound, at times by far. Here the data are perturbed by a few roundings of their
+  // norm; values that stay put to 1 / clear_gap, next to dropped ones that stay that small, are no rounding errors.
+  bool survives_perturbations(int level, double time_scale, const std::vector<RankDecision>& decisions) {
+    std::minstd_rand generator(1);
+    for (int trial = 0; trial < 3; ++trial) {
+      evaluate(level, time_scale);
+      const double amplitude = perturbation_roundings * data_.noise(level) * data_.norm(level);
+      for (int k = 0; k <= level; ++k)
+        for (const View& block : {data_.E(k), data_.A(k)})
+          for (int j = 0; j < block.cols; ++j)
+            for (int i = 0; i < block.rows; ++i)
+              block(i, j) += amplitude * (2e-9 * static_cast<double>(generator() % 1000000001u) - 1.0);
+      data_.measure();
+      judge_level(level);
+      if (latest_.size() != decisions.size()) return false;
+      for (std::size_t q = 0; q < decisions.size(); ++q) {
+        const RankDecision& was = decisions[q];
+        const RankDecision& is = latest_[q];
+        if (is.rank != was.rank) return false;
+        if (was.verdict != Verdict::unclear) continue;
+        const double measured = std::max({std::fabs(is.kept - was.kept), is.dropped, was.dropped});
+        if (was.kept < clear_gap / perturbation_roundings * measured) return false;
+      }
+    }
+    return true;
+  }
+
   CharacteristicValues values_of(int level, const LevelReading& reading, int v_hat_below) const {
     const int a = reading.ranks.a, v = reading.ranks.v_hat - v_hat_below, d = problem_.m() - a - v;
     return {reading.ranks.d == d ? level : -1, d, a, problem_.n() - a - d, v};
+  }
+
+  void evaluate(int level, double time_scale) {
+    const Trouble trouble = problem_.evaluate(t_, {level, level, 0}, time_scale, data_);
+    if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  }
+
+  // Ranks of level `level` from the data evaluated; the decisions are left in latest_.
+  LevelReading judge_level(int level) {
+    latest_.clear();
+    const Judge::Settings judging{settings_.rank_tol, settings_.by_svd};
+    Judge judge(data_, level, judging, &latest_);
+    const Arena::Frame frame(arena_);
+    const Matrix no_rhs((level + 1) * problem_.m(), 1);
+    const Carried carried = settings_.by_svd ? eliminate_by_svd(data_, level, no_rhs, judge, arena_)
+                                             : eliminate(data_, level, no_rhs, 1, judge, arena_);
+    form_.resize(problem_.m(), problem_.n(), 0, carried.rows);
+    LevelReading reading;
+    reading.ranks = form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
+    reading.time_scale = data_.time_scale;
+    reading.clear = judge.all_clear();
+    for (const RankDecision& decision : latest_)
+      if (decision.verdict == Verdict::unclear && reading.doubtful.verdict == Verdict::clear)
+        reading.doubtful = decision;
+    return reading;
   }
 
   LinearProblem& problem_;

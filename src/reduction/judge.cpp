@@ -14,6 +14,7 @@ Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::v
       log_(log),
       t_(data.t),
       level_(level),
+      dimension_(std::max(data.m, data.n)),
       norm_(data.norm(level)),
       norm_A_(data.norm_A(level)),
       norm_E0_(data.norm_E0()),
@@ -33,25 +34,30 @@ int Judge::record(RankDecision decision, Subject subject, int stage, double& kep
 int Judge::decide(Subject subject, int stage, ConstView r, ConstView original, double noise, double norm,
                   double& kept) {
   const int count = std::min(r.rows, r.cols);
-  RankDecision decision = decide_rank(r.data, count, r.ld + 1, r.rows, r.cols, noise, norm, settings_.rank_tol);
+  const RankScale scale{noise, norm, std::max({r.rows, r.cols, dimension_}), settings_.rank_tol};
+  RankDecision decision = decide_rank(r.data, count, r.ld + 1, scale);
   const bool doubtful = decision.verdict == Verdict::unclear && log_ != nullptr;
   if (original.data != nullptr && count > 0 && (doubtful || settings_.by_singular_values)) {
     const std::vector<double> s = singular_values(original);
-    decision = decide_rank(s.data(), count, 1, r.rows, r.cols, noise, norm, settings_.rank_tol);
+    decision = decide_rank(s.data(), count, 1, scale);
     if (doubtful && decision.verdict == Verdict::clear) decision.verdict = Verdict::confirmed;
   }
+  decision.rows = r.rows;
+  decision.cols = r.cols;
   return record(decision, subject, stage, kept);
 }
 
 int Judge::decide_stage(int stage, ConstView r, ConstView original) {
   // The diagonal block itself carries no derivatives: its noise is that of rounding alone.
-  const double eps = pivot_ == 1.0 && stage > level_ ? unit_roundoff : eps_;
+  const double eps = stage > level_ ? unit_roundoff : eps_;
   return decide(Subject::stage, stage, r, original, eps * norm_ / pivot_, norm_, pivot_);
 }
 
 int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
-  const RankDecision decision = decide_rank(s.data(), static_cast<int>(s.size()), 1, rows, cols, eps_ * norm_, norm_,
-                                            settings_.rank_tol);
+  RankDecision decision = decide_rank(s.data(), static_cast<int>(s.size()), 1,
+                                      {eps_ * norm_, norm_, std::max(rows, cols), settings_.rank_tol});
+  decision.rows = rows;
+  decision.cols = cols;
   return record(decision, Subject::array, 0, pivot_);
 }
 

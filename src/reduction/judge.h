@@ -49,6 +49,7 @@ class Judge {
   std::vector<RankDecision>* log_;
   double t_;
   int level_;
+  int dimension_;
   double norm_, norm_A_, norm_E0_, eps_;
   double pivot_ = 1.0;
   double kept_constraints_ = 1.0;
