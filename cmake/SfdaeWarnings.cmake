@@ -3,8 +3,10 @@
 add_library(sfdae_warnings INTERFACE)
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   set(warnings -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+  # Fortran: overriding procedures have to accept arguments that they do not need.
+  set(fortran_warnings -Wall -Wextra -Wno-unused-dummy-argument -fimplicit-none)
   target_compile_options(sfdae_warnings INTERFACE
     "$<$<COMPILE_LANGUAGE:C,CXX>:${warnings}>"
-    "$<$<COMPILE_LANG_AND_ID:Fortran,GNU>:-Wall;-Wextra;-fimplicit-none>"
+    "$<$<COMPILE_LANG_AND_ID:Fortran,GNU>:${fortran_warnings}>"
     "$<$<BOOL:${SFDAE_WERROR}>:-Werror>")
 endif()
