@@ -158,9 +158,11 @@ static void plot(void) {
         "set output 'constrained_chain.svg'\nset datafile separator ','\nset multiplot\nset lmargin 10\n"
         "set rmargin 18\nset grid lc rgb '#dddddd'\nset key outside right top\nset border 3\nset tics nomirror\n"
         "data = 'constrained_chain.csv'\ncolors = '#1b6ca8 #57a0d3 #2e8b57 #8fbc5a #d95f02 #b03060'\n"
-        "set origin 0,0.35\nset size 1,0.65\nset format x ''\nset title 'Ten masses, two turning constraints'\n"
+        "set title 'Ten masses, two turning constraints'\n"
+        "set origin 0,0.35\nset size 1,0.65\nset yrange [-1.1:1.1]\nset format x ''\n"
         "plot for [i=2:7] data using 1:i with lines lw 2 lc rgb word(colors, i-1) title columnheader(i)\n"
-        "set origin 0,0\nset size 1,0.38\nset format x '%g'\nunset title\nset xlabel 't'\nset logscale y\n"
+        "unset title\nset xlabel 't'\nset logscale y\n"
+        "set origin 0,0\nset size 1,0.38\nset yrange [0.01:20]\nset format x '%g'\n"
         "plot data using 1:8 with lines lw 2 lc rgb '#444444' title columnheader(8)\n",
         script);
   fclose(script);
@@ -174,7 +176,7 @@ static void plot(void) {
 static int integrate(sfdae_solver *solver, double *x, FILE *csv, double worst[3]) {
   int k;
   puts("      t         q1         q5    lambda1   error/tol   A2 x + f2    G q + f3   (in roundings)");
-  if (csv) fputs("t,q1,q2,q5,q10,lambda1,lambda2,error / tolerance\n", csv);
+  if (csv) fputs("t,q1,q2,q5,q10,lambda1,lambda2,error/tol\n", csv);
   for (k = 0; k <= 500; k++) {
     double t;
     const int status = sfdae_advance(solver, t_end * k / 500, &t, x, NULL);
