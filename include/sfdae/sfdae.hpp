@@ -39,10 +39,14 @@ using DerivativeCheck = sfdae_derivative_check;
 using Progress = sfdae_progress;
 
 /// Version of the library that is running.
-inline const char* version() noexcept { return sfdae_version(); }
+inline const char* version() noexcept {
+  return sfdae_version();
+}
 
 /// Name of a status, for example "SFDAE_STEP_TOO_SMALL".
-inline const char* status_name(int status) noexcept { return sfdae_status_name(status); }
+inline const char* status_name(int status) noexcept {
+  return sfdae_status_name(status);
+}
 
 /// A failure of the library: status() < 0, what() says what, where and what to do next.
 class Error : public std::runtime_error {
@@ -232,9 +236,7 @@ class Solver {
   int analyze(double t, double toward) { return checked(sfdae_analyze(get(), t, toward, nullptr)); }
 
   /// The characteristic values in use.
-  Characteristics characteristics() const {
-    return filled(sfdae_characteristics_init, sfdae_get_characteristics);
-  }
+  Characteristics characteristics() const { return filled(sfdae_characteristics_init, sfdae_get_characteristics); }
 
   /// The rank decisions of the last analysis.
   std::vector<Decision> decisions() const {
@@ -320,8 +322,11 @@ class Solver {
   StrangenessFreeSystem strangeness_free(double t) {
     const Characteristics c = characteristics();
     const int n = num_unknowns();
-    StrangenessFreeSystem s{{c.differential, n}, {c.differential, n}, std::vector<double>(size(c.differential)),
-                            {c.algebraic, n},    std::vector<double>(size(c.algebraic))};
+    StrangenessFreeSystem s{{c.differential, n},
+                            {c.differential, n},
+                            std::vector<double>(size(c.differential)),
+                            {c.algebraic, n},
+                            std::vector<double>(size(c.algebraic))};
     checked(sfdae_get_strangeness_free(get(), t, s.E1.data(), s.A1.data(), s.f1.data(), s.A2.data(), s.f2.data(),
                                        &s.residual));
     return s;

@@ -22,7 +22,8 @@ using sfdae::MatrixRef;
 using sfdae::VectorRef;
 
 static_assert(!std::is_copy_constructible_v<sfdae::Solver> && !std::is_copy_assignable_v<sfdae::Solver>);
-static_assert(std::is_nothrow_move_constructible_v<sfdae::Solver> && std::is_nothrow_move_assignable_v<sfdae::Solver>);
+static_assert(std::is_nothrow_move_constructible_v<sfdae::Solver> &&
+              std::is_nothrow_move_assignable_v<sfdae::Solver>);
 static_assert(std::is_copy_constructible_v<sfdae::LinearProblem> && std::is_copy_constructible_v<sfdae::Options>);
 static_assert(!std::is_constructible_v<sfdae::MatrixFunction, int>);
 static_assert(!std::is_constructible_v<sfdae::MatrixFunction, void (*)(double)>);
@@ -41,7 +42,9 @@ sfdae::LinearProblem oscillator() {
   return problem;
 }
 
-sfdae::Point start_point() { return {0.0, {1.0, 0.0, 0.0}, {}}; }
+sfdae::Point start_point() {
+  return {0.0, {1.0, 0.0, 0.0}, {}};
+}
 
 // Within 10 times the default tolerances.
 void expect_exact(const sfdae::Point& point) {
