@@ -297,8 +297,8 @@ class Solver {
 
   /// Classical derivative array of the given level at t.
   DerivativeArray derivative_array(double t, int level) {
-    const int blocks = level < 0 ? 0 : level + 1;
-    const int rows = blocks * num_equations();
+    checked(sfdae_get_derivative_array(get(), t, level, nullptr, nullptr, nullptr));  // refuses impossible levels
+    const int blocks = level + 1, rows = blocks * num_equations();
     DerivativeArray array{{rows, blocks * num_unknowns()}, {rows, num_unknowns()}, std::vector<double>(size(rows))};
     checked(sfdae_get_derivative_array(get(), t, level, array.M.data(), array.N.data(), array.g.data()));
     return array;

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <type_traits>
@@ -394,8 +395,8 @@ TEST(Solver, LooksInside) {
   EXPECT_EQ(array.N(0, 1), 1);
   EXPECT_EQ(array.g[2], -0.5);
   EXPECT_EQ(array.g[5], -1);
-  EXPECT_EQ(status_of([&] { return static_cast<int>(solver.derivative_array(0.5, -1).g.size()); }),
-            SFDAE_ILLEGAL_ARGUMENT);
+  for (int level : {-1, std::numeric_limits<int>::max()})
+    EXPECT_EQ(status_of([&] { return solver.derivative_array(0.5, level).M.rows(); }), SFDAE_ILLEGAL_ARGUMENT);
 
   const sfdae::Projectors p = solver.projectors(0.5);
   EXPECT_EQ(p.Z1.rows(), 3);
