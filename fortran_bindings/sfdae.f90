@@ -1,0 +1,1603 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!
+! sfdae - initial value problems for differential-algebraic equations of arbitrary index.
+!
+!     E(t) x'(t) = A(t) x(t) + f(t),   m equations, n unknowns, any strangeness index.
+!
+! Extend `linear_dae`: its bindings evaluate E, A and f, its components are your data. Then
+!
+!     type(my_problem), target :: problem
+!     type(dae_solver) :: solver
+!     call solver%create(problem, status)
+!     call solver%start(t0, tend, x, status)
+!     call solver%advance(tend, t, x, status)
+!     call solver%destroy(status)
+!
+! Conventions
+!  - This is the C API of sfdae.h with Fortran's manners. Components, rows, columns and rank
+!    decisions count from 1. Constants and result types have the names they have in C.
+!  - status: sfdae_ok, a remark (> 0) or a failure (< 0); solver%message() explains the last one.
+!    After a failure output arguments keep their values, except where stated (advance, step).
+!  - The problem and the monitor are pointed to, not copied: declare them with `target`, and let
+!    them live, in place, as long as the solver. Their numbers of equations, unknowns and
+!    prescribed components are read by `create` and must not change afterwards.
+!  - A solver is not to be copied or assigned: both copies would own the same memory. Call
+!    `destroy` before it goes out of scope; there is no finalizer.
+!  - Different solvers are independent, in threads, too. A solver may not be used from within its
+!    own callbacks.
+!  - Kinds are c_int, c_long and c_double of iso_c_binding, whatever the default kinds are.
+module sfdae
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_funloc, &
+    c_funptr, c_int, c_loc, c_long, c_null_char, c_null_funptr, c_null_ptr, c_ptr, c_size_t, &
+    c_sizeof
+  implicit none
+  private
+
+  public :: linear_dae, dae_monitor, dae_options, dae_solver
+  public :: sfdae_check_linear, sfdae_status_name, sfdae_version
+  public :: sfdae_characteristics, sfdae_decision, sfdae_change, sfdae_initial_report
+  public :: sfdae_statistics, sfdae_derivative_check, sfdae_progress
+  public :: sfdae_linear_problem, sfdae_options ! mirrors of C, nothing that a program needs
+
+  ! ---- Version of the header that this module mirrors ---------------------------------------
+
+  integer(c_int), parameter, public :: sfdae_version_major = 0
+  integer(c_int), parameter, public :: sfdae_version_minor = 1
+  integer(c_int), parameter, public :: sfdae_version_patch = 0
+
+  ! ---- Status -------------------------------------------------------------------------------
+
+  integer(c_int), parameter, public :: sfdae_ok = 0
+
+  !> Remarks: the call did what it could, read on.
+  integer(c_int), parameter, public :: sfdae_step_taken = 1
+  integer(c_int), parameter, public :: sfdae_stopped = 2
+  integer(c_int), parameter, public :: sfdae_not_unique = 3
+  integer(c_int), parameter, public :: sfdae_inconsistency_ignored = 4
+
+  !> Failures: wrong use.
+  integer(c_int), parameter, public :: sfdae_illegal_argument = -1
+  integer(c_int), parameter, public :: sfdae_out_of_memory = -2
+  integer(c_int), parameter, public :: sfdae_busy = -3
+  integer(c_int), parameter, public :: sfdae_empty_problem = -4
+  integer(c_int), parameter, public :: sfdae_not_started = -5
+
+  !> Failures: the user's procedures.
+  integer(c_int), parameter, public :: sfdae_callback_stopped = -10
+  integer(c_int), parameter, public :: sfdae_callback_failed = -11
+  integer(c_int), parameter, public :: sfdae_not_finite = -12
+  integer(c_int), parameter, public :: sfdae_order_missing = -13
+
+  !> Failures: the structure of the problem.
+  integer(c_int), parameter, public :: sfdae_index_too_high = -20
+  integer(c_int), parameter, public :: sfdae_rank_unclear = -21
+  integer(c_int), parameter, public :: sfdae_characteristics_changed = -22
+  integer(c_int), parameter, public :: sfdae_prescription_singular = -23
+
+  !> Failures: values.
+  integer(c_int), parameter, public :: sfdae_inconsistent_values = -30
+  integer(c_int), parameter, public :: sfdae_inconsistent_equations = -31
+  integer(c_int), parameter, public :: sfdae_fixed_values = -32
+
+  !> Failures: the integration. The point reached is returned, advance may be called again.
+  integer(c_int), parameter, public :: sfdae_max_steps = -40
+  integer(c_int), parameter, public :: sfdae_step_too_small = -41
+  integer(c_int), parameter, public :: sfdae_singular = -42
+  integer(c_int), parameter, public :: sfdae_tolerance_too_small = -43
+
+  !> A defect of the library: please report it.
+  integer(c_int), parameter, public :: sfdae_internal = -99
+
+  !> Status of a callback that cannot provide the derivative order asked for.
+  integer(c_int), parameter, public :: sfdae_order_not_available = 1001
+
+  ! ---- Values of options and results --------------------------------------------------------
+
+  !> How the derivative array is reduced (dae_options%reduction).
+  integer(c_int), parameter, public :: sfdae_reduction_staged = 0
+  integer(c_int), parameter, public :: sfdae_reduction_svd = 1
+
+  !> How initial values become consistent (dae_options%initial_values).
+  integer(c_int), parameter, public :: sfdae_initial_nearest = 0
+  integer(c_int), parameter, public :: sfdae_initial_fixed = 1
+  integer(c_int), parameter, public :: sfdae_initial_accept = 2
+
+  !> The quantity W x that is differentiated by the integrator (dae_options%leading_term).
+  integer(c_int), parameter, public :: sfdae_leading_automatic = 0
+  integer(c_int), parameter, public :: sfdae_leading_projector = 1
+  integer(c_int), parameter, public :: sfdae_leading_matrix = 2
+  integer(c_int), parameter, public :: sfdae_leading_identity = 3
+
+  !> Which matrix a rank decision was about (sfdae_decision%what).
+  integer(c_int), parameter, public :: sfdae_decision_stage = 0
+  integer(c_int), parameter, public :: sfdae_decision_a2 = 1
+  integer(c_int), parameter, public :: sfdae_decision_et2 = 2
+  integer(c_int), parameter, public :: sfdae_decision_array = 3
+
+  !> Verdicts on rank decisions (sfdae_decision%verdict).
+  integer(c_int), parameter, public :: sfdae_verdict_clear = 0
+  integer(c_int), parameter, public :: sfdae_verdict_confirmed = 1
+  integer(c_int), parameter, public :: sfdae_verdict_unclear = 2
+  integer(c_int), parameter, public :: sfdae_verdict_user = 3
+
+  ! ---- Results: the C structs, member by member. `size` is the library's business -----------
+
+  !> Characteristic values: d + a + v = m, d + a + u = n.
+  type, bind(c) :: sfdae_characteristics
+    integer(c_size_t) :: size = 0
+    !> Where they were determined.
+    real(c_double) :: t = 0
+    !> mu; the differentiation index of a regular problem is mu + 1, or 0 if a = 0.
+    integer(c_int) :: strangeness_index = 0
+    !> d, the number of differential equations.
+    integer(c_int) :: differential = 0
+    !> a, the number of constraints, hidden ones included.
+    integer(c_int) :: algebraic = 0
+    !> u, the number of free components of the solution, before any are prescribed.
+    integer(c_int) :: undetermined = 0
+    !> v, the number of equations that follow from the others.
+    integer(c_int) :: redundant = 0
+    !> Rank of E(t).
+    integer(c_int) :: rank_e = 0
+    !> sfdae_leading_..., in use.
+    integer(c_int) :: leading_term = 0
+    !> Unit of time in which derivatives are compared, in use.
+    real(c_double) :: time_scale = 0
+    !> Smallest ratio of kept to dropped values of all rank decisions; >= 1e3 is clear.
+    real(c_double) :: smallest_gap = 0
+  end type sfdae_characteristics
+
+  !> One rank decision of the last analysis, be it a failed one. Values are relative to the norm
+  !> of the data.
+  type, bind(c) :: sfdae_decision
+    integer(c_size_t) :: size = 0
+    !> Where it was taken.
+    real(c_double) :: t = 0
+    !> Level of the derivative array, 0 ...
+    integer(c_int) :: level = 0
+    !> Block column, 1 ... level + 1, for sfdae_decision_stage, else 0.
+    integer(c_int) :: stage = 0
+    !> sfdae_decision_...
+    integer(c_int) :: what = 0
+    !> Rows of the matrix judged.
+    integer(c_int) :: rows = 0
+    !> Columns of the matrix judged.
+    integer(c_int) :: columns = 0
+    !> Rank found.
+    integer(c_int) :: rank = 0
+    !> Smallest value kept, 0 if rank = 0.
+    real(c_double) :: kept = 0
+    !> Largest value dropped, 0 if the rank is full.
+    real(c_double) :: dropped = 0
+    !> What rounding errors may amount to.
+    real(c_double) :: noise = 0
+    !> Values below count as zero.
+    real(c_double) :: threshold = 0
+    !> kept / max(dropped, noise); 1e300 if nothing was kept.
+    real(c_double) :: gap = 0
+    !> sfdae_verdict_...
+    integer(c_int) :: verdict = 0
+  end type sfdae_decision
+
+  !> Where the characteristic values changed, from what to what. New values are -1 if they could
+  !> not be determined.
+  type, bind(c) :: sfdae_change
+    integer(c_size_t) :: size = 0
+    !> Where, to about 1e-6 of the step or better.
+    real(c_double) :: t = 0
+    integer(c_int) :: old_strangeness_index = 0
+    integer(c_int) :: old_differential = 0
+    integer(c_int) :: old_algebraic = 0
+    integer(c_int) :: old_undetermined = 0
+    integer(c_int) :: old_redundant = 0
+    integer(c_int) :: new_strangeness_index = 0
+    integer(c_int) :: new_differential = 0
+    integer(c_int) :: new_algebraic = 0
+    integer(c_int) :: new_undetermined = 0
+    integer(c_int) :: new_redundant = 0
+  end type sfdae_change
+
+  !> What the last start or make_consistent did to the initial values.
+  type, bind(c) :: sfdae_initial_report
+    integer(c_size_t) :: size = 0
+    real(c_double) :: t = 0
+    !> Distance of the values given to the nearest consistent point: 2-norm of A2 x + f2, rows of
+    !> A2 orthonormalized.
+    real(c_double) :: residual_before = 0
+    !> And for the values returned.
+    real(c_double) :: residual_after = 0
+    !> Largest |change of x(i)|, 0 if nothing changed.
+    real(c_double) :: largest_change = 0
+    !> Component i where it happened, from 1; 0 if nothing changed.
+    integer(c_int) :: component = 0
+    !> 1: x' from the derivative array; 0: its algebraic part from differences.
+    integer(c_int) :: derivative_exact = 0
+  end type sfdae_initial_report
+
+  !> Counts since start, except where stated.
+  type, bind(c) :: sfdae_statistics
+    integer(c_size_t) :: size = 0
+    !> Accepted steps.
+    integer(c_long) :: steps = 0
+    !> Attempts rejected by the error test.
+    integer(c_long) :: error_failures = 0
+    !> Attempts rejected otherwise: callbacks, singular matrices.
+    integer(c_long) :: other_failures = 0
+    !> Strangeness-free systems computed.
+    integer(c_long) :: reductions = 0
+    !> LU factorizations of the step's matrix.
+    integer(c_long) :: factorizations = 0
+    !> Calls of eval_e since creation.
+    integer(c_long) :: evaluations_e = 0
+    !> Calls of eval_a since creation.
+    integer(c_long) :: evaluations_a = 0
+    !> Calls of eval_f since creation.
+    integer(c_long) :: evaluations_f = 0
+    !> Order of the last step, 0 before the first.
+    integer(c_int) :: last_order = 0
+    integer(c_int) :: next_order = 0
+    !> Signed size of the last step.
+    real(c_double) :: last_step = 0
+    real(c_double) :: next_step = 0
+    !> Farthest point reached, at or behind the last point returned.
+    real(c_double) :: t_internal = 0
+    !> Smallest value kept in any rank decision along the way, relative.
+    real(c_double) :: smallest_kept = 0
+    !> Largest relative residual of redundant equations along the way (v > 0).
+    real(c_double) :: consistency = 0
+    !> Signed size of the first accepted step.
+    real(c_double) :: first_step = 0
+  end type sfdae_statistics
+
+  !> Worst mismatch found by check_derivatives.
+  type, bind(c) :: sfdae_derivative_check
+    integer(c_size_t) :: size = 0
+    !> 'E', 'A' or 'f'; blank if nothing could be compared.
+    character(kind=c_char) :: function = ' '
+    !> Order of the derivative, >= 1.
+    integer(c_int) :: order = 0
+    !> Row of the entry, from 1.
+    integer(c_int) :: row = 0
+    !> Column of the entry, from 1; 1 for f.
+    integer(c_int) :: column = 0
+    !> Value supplied by the callback.
+    real(c_double) :: supplied = 0
+    !> Value by differences of order - 1.
+    real(c_double) :: difference = 0
+    !> |supplied - difference| relative to the size of the function's derivatives.
+    real(c_double) :: error = 0
+    !> Of the differences, likewise; an error far above is a mistake in the callback.
+    real(c_double) :: uncertainty = 0
+    !> 1 if error > 100 uncertainty.
+    integer(c_int) :: suspicious = 0
+  end type sfdae_derivative_check
+
+  !> What the monitor is told after every accepted step.
+  type, bind(c) :: sfdae_progress
+    integer(c_size_t) :: size = 0
+    !> Point reached.
+    real(c_double) :: t = 0
+    !> Step size that led there, negative when integrating backward.
+    real(c_double) :: step = 0
+    !> Order of that step.
+    integer(c_int) :: order = 0
+    !> Accepted steps since start.
+    integer(c_long) :: steps = 0
+    !> n.
+    integer(c_int) :: num_unknowns = 0
+    !> Address of the values; the monitor gets them as an array.
+    type(c_ptr) :: x = c_null_ptr
+  end type sfdae_progress
+
+  ! ---- Input: the C structs, filled from linear_dae and dae_options -------------------------
+
+  !> Mirror of the C problem; programs extend linear_dae instead.
+  type, bind(c) :: sfdae_linear_problem
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: num_equations = 0
+    integer(c_int) :: num_unknowns = 0
+    type(c_funptr) :: e = c_null_funptr
+    type(c_funptr) :: a = c_null_funptr
+    type(c_funptr) :: f = c_null_funptr
+    integer(c_int) :: constant_e = 0
+    integer(c_int) :: constant_a = 0
+    integer(c_int) :: num_prescribed = 0
+    type(c_ptr) :: prescribed = c_null_ptr
+    type(c_funptr) :: prescribed_values = c_null_funptr
+    type(c_ptr) :: user = c_null_ptr
+  end type sfdae_linear_problem
+
+  !> Mirror of the C options; programs use dae_options instead.
+  type, bind(c) :: sfdae_options
+    integer(c_size_t) :: size = 0
+    real(c_double) :: rtol = 0
+    real(c_double) :: atol = 0
+    type(c_ptr) :: rtol_vector = c_null_ptr
+    type(c_ptr) :: atol_vector = c_null_ptr
+    integer(c_int) :: max_index = 0
+    integer(c_int) :: reduction = 0
+    real(c_double) :: rank_tol = 0
+    real(c_double) :: time_scale = 0
+    integer(c_int) :: difference_derivatives = 0
+    real(c_double) :: difference_step = 0
+    integer(c_int) :: initial_values = 0
+    type(c_ptr) :: fixed = c_null_ptr
+    type(c_ptr) :: initial_weights = c_null_ptr
+    integer(c_int) :: ignore_inconsistency = 0
+    real(c_double) :: consistency_tol = 0
+    integer(c_int) :: max_order = 0
+    real(c_double) :: initial_step = 0
+    real(c_double) :: max_step = 0
+    integer(c_int) :: use_stop_time = 0
+    real(c_double) :: stop_time = 0
+    integer(c_long) :: max_steps = 0
+    integer(c_int) :: leading_term = 0
+    type(c_funptr) :: monitor = c_null_funptr
+    type(c_ptr) :: monitor_user = c_null_ptr
+  end type sfdae_options
+
+  ! ---- Problem ------------------------------------------------------------------------------
+
+  !> Linear problem E(t) x' = A(t) x + f(t). Extend it: components are your data.
+  type, abstract :: linear_dae
+    !> m >= 1.
+    integer(c_int) :: num_equations = 0
+    !> n >= 1; m and n may differ.
+    integer(c_int) :: num_unknowns = 0
+    !> E does not depend on t: eval_e is called for order 0 only, once.
+    logical :: constant_e = .false.
+    !> A does not depend on t; both constant: one reduction serves all points.
+    logical :: constant_a = .false.
+    !> .false.: f = 0, eval_f is not called.
+    logical :: has_f = .true.
+    !> u > 0 only: components of x, from 1, that eval_prescribed gives as functions of time.
+    integer(c_int), allocatable :: prescribed(:)
+  contains
+    !> Writes E or its derivatives.
+    procedure(e_function), deferred :: eval_e
+    !> Writes A or its derivatives.
+    procedure(a_function), deferred :: eval_a
+    !> Writes f or its derivatives; f = 0 unless overridden.
+    procedure :: eval_f => zero_f
+    !> Writes the values of the prescribed components.
+    procedure :: eval_prescribed => missing_prescribed
+  end type linear_dae
+
+  abstract interface
+    !> Writes the plain derivative of the given order of E at t. Orders asked for: up to max_index
+    !> in the analysis; later up to max(mu, 1), and mu + 1 for x' of initial values.
+    subroutine e_function(self, t, order, e, status)
+      import :: c_double, c_int, linear_dae
+      class(linear_dae), intent(inout) :: self
+      real(c_double), intent(in) :: t
+      !> 0: E itself.
+      integer(c_int), intent(in) :: order
+      !> m x n, zero on entry: write the nonzeros only.
+      real(c_double), intent(inout) :: e(:, :)
+      !> 0 on entry. > 0: cannot evaluate here, try a smaller step. < 0: stop at once.
+      integer(c_int), intent(inout) :: status
+    end subroutine e_function
+
+    !> Writes the plain derivative of the given order of A at t, as e_function does.
+    subroutine a_function(self, t, order, a, status)
+      import :: c_double, c_int, linear_dae
+      class(linear_dae), intent(inout) :: self
+      real(c_double), intent(in) :: t
+      !> 0: A itself.
+      integer(c_int), intent(in) :: order
+      !> m x n, zero on entry.
+      real(c_double), intent(inout) :: a(:, :)
+      !> As of e_function.
+      integer(c_int), intent(inout) :: status
+    end subroutine a_function
+  end interface
+
+  ! ---- Options ------------------------------------------------------------------------------
+
+  !> Watches the integration: extend it, components are your data. See dae_options%monitor.
+  type, abstract :: dae_monitor
+  contains
+    !> Called after every accepted step.
+    procedure(monitor_function), deferred :: after_step
+  end type dae_monitor
+
+  abstract interface
+    !> Called after every accepted step.
+    subroutine monitor_function(self, progress, x, stop_now)
+      import :: c_double, dae_monitor, sfdae_progress
+      class(dae_monitor), intent(inout) :: self
+      type(sfdae_progress), intent(in) :: progress
+      !> n values at progress%t.
+      real(c_double), intent(in) :: x(:)
+      !> .false. on entry; .true. stops the call that is running with sfdae_stopped.
+      logical, intent(inout) :: stop_now
+    end subroutine monitor_function
+  end interface
+
+  !> Options, with their defaults. The error of x(i) is kept near rtol |x(i)| + atol.
+  type :: dae_options
+    !> 0 <= rtol < 1, not both tolerances zero.
+    real(c_double) :: rtol = 1.0e-6_c_double
+    !> >= 0.
+    real(c_double) :: atol = 1.0e-6_c_double
+    !> n values that replace rtol, one for each component.
+    real(c_double), allocatable :: rtol_vector(:)
+    !> n values that replace atol.
+    real(c_double), allocatable :: atol_vector(:)
+
+    !> Highest strangeness index tried, 0 ... 12.
+    integer(c_int) :: max_index = 5
+    !> sfdae_reduction_staged or sfdae_reduction_svd.
+    integer(c_int) :: reduction = sfdae_reduction_staged
+    !> > 0, < 1: values below rank_tol * norm of the data count as zero. 0: the library judges.
+    real(c_double) :: rank_tol = 0
+    !> > 0: unit of time in which derivatives are compared. 0: chosen.
+    real(c_double) :: time_scale = 0
+    !> Derivatives that are not available (sfdae_order_not_available) come from differences.
+    logical :: difference_derivatives = .false.
+    !> > 0: spacing of the points used for that. 0: chosen.
+    real(c_double) :: difference_step = 0
+
+    !> sfdae_initial_nearest, sfdae_initial_fixed or sfdae_initial_accept.
+    integer(c_int) :: initial_values = sfdae_initial_nearest
+    !> For sfdae_initial_fixed: n flags, .true. where x(i) must not change.
+    logical, allocatable :: fixed(:)
+    !> n positive numbers w(i): sum (change(i) / w(i))**2 is smallest.
+    real(c_double), allocatable :: initial_weights(:)
+
+    !> Go on (sfdae_inconsistency_ignored) where redundant equations contradict each other.
+    logical :: ignore_inconsistency = .false.
+    !> Relative size of a contradiction that counts, > 0, < 1.
+    real(c_double) :: consistency_tol = 1.0e-8_c_double
+
+    !> Highest BDF order, 1 ... 5.
+    integer(c_int) :: max_order = 5
+    !> Size of the first step. 0: chosen.
+    real(c_double) :: initial_step = 0
+    !> Largest step. 0: no limit.
+    real(c_double) :: max_step = 0
+    !> Nothing is evaluated beyond stop_time.
+    logical :: use_stop_time = .false.
+    real(c_double) :: stop_time = 0
+    !> Attempted steps in one call, >= 1.
+    integer(c_long) :: max_steps = 100000
+    !> sfdae_leading_...
+    integer(c_int) :: leading_term = sfdae_leading_automatic
+
+    !> Called after every accepted step if associated. Its target must live as long as the solver.
+    class(dae_monitor), pointer :: monitor => null()
+  end type dae_options
+
+  ! ---- Solver -------------------------------------------------------------------------------
+
+  !> What the `user` pointer of the C callbacks points to. On the heap, so that it stays in place.
+  type :: callback_holder
+    class(linear_dae), pointer :: problem => null()
+    class(dae_monitor), pointer :: monitor => null()
+    !> m when the solver was created.
+    integer(c_int) :: num_equations = 0
+    !> n when the solver was created.
+    integer(c_int) :: num_unknowns = 0
+    !> Prescribed components, from 0.
+    integer(c_int), allocatable :: prescribed(:)
+  end type callback_holder
+
+  !> A solver. Never copy one, and destroy it before it goes out of scope.
+  type :: dae_solver
+    private
+    !> The C solver.
+    type(c_ptr) :: handle = c_null_ptr
+    type(callback_holder), pointer :: holder => null()
+    !> Message of this module about the last call; else the library has the word.
+    character(len=:), allocatable :: complaint
+  contains
+    procedure :: create => solver_create
+    procedure :: destroy => solver_destroy
+    procedure :: set_options => solver_set_options
+    procedure :: message => solver_message
+    procedure :: request_stop => solver_request_stop
+    procedure :: analyze => solver_analyze
+    procedure :: get_characteristics => solver_get_characteristics
+    procedure :: get_num_decisions => solver_get_num_decisions
+    procedure :: get_decision => solver_get_decision
+    procedure :: get_change => solver_get_change
+    procedure :: make_consistent => solver_make_consistent
+    procedure :: get_initial_report => solver_get_initial_report
+    procedure :: start => solver_start
+    procedure :: advance => solver_advance
+    procedure :: step => solver_step
+    procedure :: get_statistics => solver_get_statistics
+    procedure :: report => solver_report
+    procedure :: get_derivative_array => solver_get_derivative_array
+    procedure :: get_projectors => solver_get_projectors
+    procedure :: get_strangeness_free => solver_get_strangeness_free
+    procedure :: check_derivatives => solver_check_derivatives
+  end type dae_solver
+
+  ! ---- The C functions; sfdae.h explains them and their arguments ---------------------------
+
+  interface
+    function c_status_name(status) bind(c, name="sfdae_status_name") result(name)
+      import :: c_int, c_ptr
+      integer(c_int), value :: status
+      type(c_ptr) :: name
+    end function c_status_name
+
+    function c_version() bind(c, name="sfdae_version") result(version)
+      import :: c_ptr
+      type(c_ptr) :: version
+    end function c_version
+
+    function c_linear_problem_init(problem, size) bind(c, name="sfdae_linear_problem_init") &
+      result(status)
+      import :: c_int, c_size_t, sfdae_linear_problem
+      type(sfdae_linear_problem), intent(inout) :: problem
+      integer(c_size_t), value :: size
+      integer(c_int) :: status
+    end function c_linear_problem_init
+
+    function c_options_init(options, size) bind(c, name="sfdae_options_init") result(status)
+      import :: c_int, c_size_t, sfdae_options
+      type(sfdae_options), intent(inout) :: options
+      integer(c_size_t), value :: size
+      integer(c_int) :: status
+    end function c_options_init
+
+    recursive function c_create_linear(solver, problem, options) &
+      bind(c, name="sfdae_create_linear") result(status)
+      import :: c_int, c_ptr, sfdae_linear_problem, sfdae_options
+      type(c_ptr), intent(out) :: solver
+      type(sfdae_linear_problem), intent(in) :: problem
+      type(sfdae_options), intent(in) :: options
+      integer(c_int) :: status
+    end function c_create_linear
+
+    recursive function c_check_linear(problem, options, text, length) &
+      bind(c, name="sfdae_check_linear") result(status)
+      import :: c_char, c_int, c_size_t, sfdae_linear_problem, sfdae_options
+      type(sfdae_linear_problem), intent(in) :: problem
+      type(sfdae_options), intent(in) :: options
+      character(kind=c_char), intent(inout) :: text(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: status
+    end function c_check_linear
+
+    function c_destroy(solver) bind(c, name="sfdae_destroy") result(status)
+      import :: c_int, c_ptr
+      type(c_ptr), intent(inout) :: solver
+      integer(c_int) :: status
+    end function c_destroy
+
+    function c_set_options(solver, options) bind(c, name="sfdae_set_options") result(status)
+      import :: c_int, c_ptr, sfdae_options
+      type(c_ptr), value :: solver
+      type(sfdae_options), intent(in) :: options
+      integer(c_int) :: status
+    end function c_set_options
+
+    function c_message(solver) bind(c, name="sfdae_message") result(text)
+      import :: c_ptr
+      type(c_ptr), value :: solver
+      type(c_ptr) :: text
+    end function c_message
+
+    function c_request_stop(solver) bind(c, name="sfdae_request_stop") result(status)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: solver
+      integer(c_int) :: status
+    end function c_request_stop
+
+    function c_characteristics_init(characteristics, size) &
+      bind(c, name="sfdae_characteristics_init") result(status)
+      import :: c_int, c_size_t, sfdae_characteristics
+      type(sfdae_characteristics), intent(inout) :: characteristics
+      integer(c_size_t), value :: size
+      integer(c_int) :: status
+    end function c_characteristics_init
+
+    recursive function c_analyze(solver, t, toward, characteristics) &
+      bind(c, name="sfdae_analyze") result(status)
+      import :: c_double, c_int, c_ptr, sfdae_characteristics
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), value :: toward
+      type(sfdae_characteristics), intent(inout) :: characteristics
+      integer(c_int) :: status
+    end function c_analyze
+
+    function c_get_characteristics(solver, characteristics) &
+      bind(c, name="sfdae_get_characteristics") result(status)
+      import :: c_int, c_ptr, sfdae_characteristics
+      type(c_ptr), value :: solver
+      type(sfdae_characteristics), intent(inout) :: characteristics
+      integer(c_int) :: status
+    end function c_get_characteristics
+
+    function c_decision_init(decision, size) bind(c, name="sfdae_decision_init") result(status)
+      import :: c_int, c_size_t, sfdae_decision
+      type(sfdae_decision), intent(inout) :: decision
+      integer(c_size_t), value :: size
+      integer(c_int) :: status
+    end function c_decision_init
+
+    function c_get_num_decisions(solver, count) bind(c, name="sfdae_get_num_decisions") &
+      result(status)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: solver
+      integer(c_int), intent(inout) :: count
+      integer(c_int) :: status
+    end function c_get_num_decisions
+
+    function c_get_decision(solver, index, decision) bind(c, name="sfdae_get_decision") &
+      result(status)
+      import :: c_int, c_ptr, sfdae_decision
+      type(c_ptr), value :: solver
+      integer(c_int), value :: index
+      type(sfdae_decision), intent(inout) :: decision
+      integer(c_int) :: status
+    end function c_get_decision
+
+    function c_change_init(change, size) bind(c, name="sfdae_change_init") result(status)
+      import :: c_int, c_size_t, sfdae_change
+      type(sfdae_change), intent(inout) :: change
+      integer(c_size_t), value :: size
+      integer(c_int) :: status
+    end function c_change_init
+
+    function c_get_change(solver, change) bind(c, name="sfdae_get_change") result(status)
+      import :: c_int, c_ptr, sfdae_change
+      type(c_ptr), value :: solver
+      type(sfdae_change), intent(inout) :: change
+      integer(c_int) :: status
+    end function c_get_change
+
+    function c_initial_report_init(report, size) bind(c, name="sfdae_initial_report_init") &
+      result(status)
+      import :: c_int, c_size_t, sfdae_initial_report
+      type(sfdae_initial_report), intent(inout) :: report
+      integer(c_size_t), value :: size
+      integer(c_int) :: status
+    end function c_initial_report_init
+
+    function c_get_initial_report(solver, report) bind(c, name="sfdae_get_initial_report") &
+      result(status)
+      import :: c_int, c_ptr, sfdae_initial_report
+      type(c_ptr), value :: solver
+      type(sfdae_initial_report), intent(inout) :: report
+      integer(c_int) :: status
+    end function c_get_initial_report
+
+    recursive function c_make_consistent(solver, t, x, xdot) &
+      bind(c, name="sfdae_make_consistent") result(status)
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(inout) :: x(*)
+      type(c_ptr), value :: xdot
+      integer(c_int) :: status
+    end function c_make_consistent
+
+    recursive function c_start(solver, t, toward, x, xdot) bind(c, name="sfdae_start") &
+      result(status)
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), value :: toward
+      real(c_double), intent(inout) :: x(*)
+      type(c_ptr), value :: xdot
+      integer(c_int) :: status
+    end function c_start
+
+    recursive function c_advance(solver, tout, t, x, xdot) bind(c, name="sfdae_advance") &
+      result(status)
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: tout
+      real(c_double), intent(inout) :: t
+      real(c_double), intent(inout) :: x(*)
+      type(c_ptr), value :: xdot
+      integer(c_int) :: status
+    end function c_advance
+
+    recursive function c_step(solver, tout, t, x, xdot) bind(c, name="sfdae_step") &
+      result(status)
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: tout
+      real(c_double), intent(inout) :: t
+      real(c_double), intent(inout) :: x(*)
+      type(c_ptr), value :: xdot
+      integer(c_int) :: status
+    end function c_step
+
+    function c_statistics_init(statistics, size) bind(c, name="sfdae_statistics_init") &
+      result(status)
+      import :: c_int, c_size_t, sfdae_statistics
+      type(sfdae_statistics), intent(inout) :: statistics
+      integer(c_size_t), value :: size
+      integer(c_int) :: status
+    end function c_statistics_init
+
+    function c_get_statistics(solver, statistics) bind(c, name="sfdae_get_statistics") &
+      result(status)
+      import :: c_int, c_ptr, sfdae_statistics
+      type(c_ptr), value :: solver
+      type(sfdae_statistics), intent(inout) :: statistics
+      integer(c_int) :: status
+    end function c_get_statistics
+
+    function c_report(solver, text, length, needed) bind(c, name="sfdae_report") result(status)
+      import :: c_char, c_int, c_ptr, c_size_t
+      type(c_ptr), value :: solver
+      character(kind=c_char), intent(inout) :: text(*)
+      integer(c_size_t), value :: length
+      integer(c_size_t), intent(inout) :: needed
+      integer(c_int) :: status
+    end function c_report
+
+    recursive function c_get_derivative_array(solver, t, level, m, n, g) &
+      bind(c, name="sfdae_get_derivative_array") result(status)
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      integer(c_int), value :: level
+      real(c_double), intent(inout) :: m(*)
+      real(c_double), intent(inout) :: n(*)
+      real(c_double), intent(inout) :: g(*)
+      integer(c_int) :: status
+    end function c_get_derivative_array
+
+    recursive function c_get_projectors(solver, t, z1, z2, z3, t2, vhat) &
+      bind(c, name="sfdae_get_projectors") result(status)
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(inout) :: z1(*)
+      real(c_double), intent(inout) :: z2(*)
+      real(c_double), intent(inout) :: z3(*)
+      real(c_double), intent(inout) :: t2(*)
+      integer(c_int), intent(inout) :: vhat
+      integer(c_int) :: status
+    end function c_get_projectors
+
+    recursive function c_get_strangeness_free(solver, t, e1, a1, f1, a2, f2, residual) &
+      bind(c, name="sfdae_get_strangeness_free") result(status)
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(inout) :: e1(*)
+      real(c_double), intent(inout) :: a1(*)
+      real(c_double), intent(inout) :: f1(*)
+      real(c_double), intent(inout) :: a2(*)
+      real(c_double), intent(inout) :: f2(*)
+      real(c_double), intent(inout) :: residual
+      integer(c_int) :: status
+    end function c_get_strangeness_free
+
+    function c_derivative_check_init(check, size) bind(c, name="sfdae_derivative_check_init") &
+      result(status)
+      import :: c_int, c_size_t, sfdae_derivative_check
+      type(sfdae_derivative_check), intent(inout) :: check
+      integer(c_size_t), value :: size
+      integer(c_int) :: status
+    end function c_derivative_check_init
+
+    recursive function c_check_derivatives(solver, t, max_order, check) &
+      bind(c, name="sfdae_check_derivatives") result(status)
+      import :: c_double, c_int, c_ptr, sfdae_derivative_check
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      integer(c_int), value :: max_order
+      type(sfdae_derivative_check), intent(inout) :: check
+      integer(c_int) :: status
+    end function c_check_derivatives
+
+    !> Of the C library: characters before the final zero.
+    function c_strlen(text) bind(c, name="strlen") result(length)
+      import :: c_ptr, c_size_t
+      type(c_ptr), value :: text
+      integer(c_size_t) :: length
+    end function c_strlen
+  end interface
+
+contains
+
+  ! ---- Without a solver ---------------------------------------------------------------------
+
+  !> Version of the library that is running, for example "0.1.0".
+  function sfdae_version() result(version)
+    character(len=:), allocatable :: version
+
+    version = text_at(c_version())
+  end function sfdae_version
+
+  !> Name of a status as in C, for example "SFDAE_STEP_TOO_SMALL".
+  function sfdae_status_name(status) result(name)
+    integer(c_int), intent(in) :: status
+    character(len=:), allocatable :: name
+
+    name = text_at(c_status_name(status))
+  end function sfdae_status_name
+
+  !> Checks a problem with its options as create does and says in words what is wrong.
+  recursive subroutine sfdae_check_linear(problem, text, status, options)
+    class(linear_dae), target, intent(inout) :: problem
+    !> What is wrong; empty if nothing is.
+    character(len=:), allocatable, intent(out) :: text
+    !> As of create.
+    integer(c_int), intent(out) :: status
+    !> Absent: defaults.
+    type(dae_options), target, intent(in), optional :: options
+    type(callback_holder), target :: holder
+    type(sfdae_linear_problem) :: c_problem
+    type(sfdae_options) :: c_options
+    integer(c_int), allocatable, target :: fixed(:)
+
+    call fill_problem(problem, holder, c_problem)
+    call fill_options(options, holder, fixed, c_options, text)
+    status = sfdae_illegal_argument
+    if (len(text) == 0) call check_filled(c_problem, c_options, text, status)
+  end subroutine sfdae_check_linear
+
+  ! ---- Life ---------------------------------------------------------------------------------
+
+  !> Creates the solver. A solver that exists already is refused: destroy it first.
+  recursive subroutine solver_create(self, problem, status, options)
+    class(dae_solver), intent(inout) :: self
+    !> Must have the target attribute and live, in place, as long as the solver.
+    class(linear_dae), target, intent(inout) :: problem
+    !> Failures: sfdae_illegal_argument, sfdae_empty_problem, sfdae_out_of_memory.
+    integer(c_int), intent(out) :: status
+    !> Copied. Absent: defaults.
+    type(dae_options), target, intent(in), optional :: options
+    type(sfdae_linear_problem) :: c_problem
+    type(sfdae_options) :: c_options
+    integer(c_int), allocatable, target :: fixed(:)
+    integer(c_int) :: check_status
+    integer :: allocation
+
+    status = sfdae_illegal_argument
+    self%complaint = "the solver exists already: destroy it first"
+    if (c_associated(self%handle)) return
+    status = sfdae_out_of_memory
+    self%complaint = "out of memory for the solver"
+    allocate (self%holder, stat=allocation)
+    if (allocation /= 0) return
+    status = sfdae_illegal_argument
+    call fill_problem(problem, self%holder, c_problem)
+    call fill_options(options, self%holder, fixed, c_options, self%complaint)
+    if (len(self%complaint) == 0) then
+      status = c_create_linear(self%handle, c_problem, c_options)
+      if (status < 0) call check_filled(c_problem, c_options, self%complaint, check_status)
+    end if
+    if (status < 0) deallocate (self%holder)
+  end subroutine solver_create
+
+  !> Frees the solver. One that does not exist is allowed.
+  subroutine solver_destroy(self, status)
+    class(dae_solver), intent(inout) :: self
+    !> sfdae_busy if called from a callback of this solver; then nothing happened.
+    integer(c_int), intent(out), optional :: status
+    integer(c_int) :: outcome
+
+    outcome = c_destroy(self%handle)
+    if (outcome == sfdae_ok) then
+      if (associated(self%holder)) deallocate (self%holder)
+      self%complaint = ""
+    end if
+    if (present(status)) status = outcome
+  end subroutine solver_destroy
+
+  !> Replaces the options; the point reached stays. A change of max_index, reduction, rank_tol,
+  !> time_scale, difference_derivatives, difference_step or leading_term needs a new start.
+  subroutine solver_set_options(self, options, status)
+    class(dae_solver), intent(inout) :: self
+    type(dae_options), target, intent(in) :: options
+    integer(c_int), intent(out) :: status
+    type(sfdae_options) :: c_options
+    integer(c_int), allocatable, target :: fixed(:)
+    class(dae_monitor), pointer :: old_monitor
+
+    call check_call(self, status)
+    if (status < 0) return
+    old_monitor => self%holder%monitor
+    call fill_options(options, self%holder, fixed, c_options, self%complaint)
+    status = sfdae_illegal_argument
+    if (len(self%complaint) == 0) status = c_set_options(self%handle, c_options)
+    if (status < 0) self%holder%monitor => old_monitor
+  end subroutine solver_set_options
+
+  !> What the last call had to say: what, where, with which numbers, what to do next.
+  function solver_message(self) result(text)
+    class(dae_solver), intent(in) :: self
+    !> Empty after sfdae_ok.
+    character(len=:), allocatable :: text
+
+    text = ""
+    if (allocated(self%complaint)) text = self%complaint
+    if (len(text) == 0) text = text_at(c_message(self%handle))
+  end function solver_message
+
+  !> Stops the call that is running, or else the next one, with sfdae_stopped. May be called from
+  !> other threads.
+  subroutine solver_request_stop(self, status)
+    class(dae_solver), intent(in) :: self
+    integer(c_int), intent(out) :: status
+
+    status = c_request_stop(self%handle)
+  end subroutine solver_request_stop
+
+  ! ---- Index analysis -----------------------------------------------------------------------
+
+  !> Detects the strangeness index at t and nearby toward the end of the interval. Forgets the
+  !> point reached: start has to follow. Remark: sfdae_not_unique. Failures: callbacks, structure.
+  recursive subroutine solver_analyze(self, t, toward, status, characteristics)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> /= t.
+    real(c_double), intent(in) :: toward
+    integer(c_int), intent(out) :: status
+    type(sfdae_characteristics), intent(inout), optional :: characteristics
+    type(sfdae_characteristics) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_characteristics_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_analyze(self%handle, t, toward, found)
+    if (status >= 0 .and. present(characteristics)) characteristics = found
+  end subroutine solver_analyze
+
+  !> The characteristic values in use. sfdae_not_started before an analysis.
+  subroutine solver_get_characteristics(self, characteristics, status)
+    class(dae_solver), intent(inout) :: self
+    type(sfdae_characteristics), intent(inout) :: characteristics
+    integer(c_int), intent(out) :: status
+    type(sfdae_characteristics) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_characteristics_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_characteristics(self%handle, found)
+    if (status >= 0) characteristics = found
+  end subroutine solver_get_characteristics
+
+  !> Number of rank decisions of the last analysis.
+  subroutine solver_get_num_decisions(self, count, status)
+    class(dae_solver), intent(inout) :: self
+    integer(c_int), intent(inout) :: count
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_get_num_decisions(self%handle, count)
+  end subroutine solver_get_num_decisions
+
+  !> One rank decision of the last analysis.
+  subroutine solver_get_decision(self, index, decision, status)
+    class(dae_solver), intent(inout) :: self
+    !> 1 ... number of decisions.
+    integer(c_int), intent(in) :: index
+    type(sfdae_decision), intent(inout) :: decision
+    integer(c_int), intent(out) :: status
+    type(sfdae_decision) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok .and. index < 1) then
+      status = sfdae_illegal_argument
+      self%complaint = "decisions count from 1"
+    end if
+    if (status == sfdae_ok) status = c_decision_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_decision(self%handle, index - 1_c_int, found)
+    if (status >= 0) decision = found
+  end subroutine solver_get_decision
+
+  !> Where the characteristic values changed (after sfdae_characteristics_changed).
+  subroutine solver_get_change(self, change, status)
+    class(dae_solver), intent(inout) :: self
+    type(sfdae_change), intent(inout) :: change
+    !> sfdae_not_started if they did not change.
+    integer(c_int), intent(out) :: status
+    type(sfdae_change) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_change_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_change(self%handle, found)
+    if (status >= 0) change = found
+  end subroutine solver_get_change
+
+  ! ---- Initial values -----------------------------------------------------------------------
+
+  !> Makes x consistent at t as the options say; analyzes first, forward from t, if that has not
+  !> happened. The point reached is unaffected. Failures: callbacks, structure, values.
+  recursive subroutine solver_make_consistent(self, t, x, status, xdot)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> n values, in: guess, out: consistent.
+    real(c_double), contiguous, intent(inout) :: x(:)
+    integer(c_int), intent(out) :: status
+    !> n values: x'(t) of the solution through x, of minimum norm where the problem leaves it free.
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    type(c_ptr) :: xdot_address
+
+    call check_call(self, status)
+    call check_entries(self, "x", size(x, kind=c_int), status)
+    xdot_address = c_null_ptr
+    if (present(xdot)) then
+      call check_entries(self, "xdot", size(xdot, kind=c_int), status)
+      xdot_address = c_loc(xdot)
+    end if
+    if (status == sfdae_ok) status = c_make_consistent(self%handle, t, x, xdot_address)
+  end subroutine solver_make_consistent
+
+  !> What the last start or make_consistent did to the initial values.
+  subroutine solver_get_initial_report(self, report, status)
+    class(dae_solver), intent(inout) :: self
+    type(sfdae_initial_report), intent(inout) :: report
+    integer(c_int), intent(out) :: status
+    type(sfdae_initial_report) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_initial_report_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_initial_report(self%handle, found)
+    if (status < 0) return
+    found%component = found%component + 1_c_int
+    report = found
+  end subroutine solver_get_initial_report
+
+  ! ---- Integration --------------------------------------------------------------------------
+
+  !> Starts or restarts at (t, x); analyzes if need be and makes x consistent. Failures: callbacks,
+  !> structure, values. A restart on an analyzed solver needs no new analysis.
+  recursive subroutine solver_start(self, t, toward, x, status, xdot)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> Tells the direction of integration.
+    real(c_double), intent(in) :: toward
+    !> n values, in: guess, out: consistent.
+    real(c_double), contiguous, intent(inout) :: x(:)
+    integer(c_int), intent(out) :: status
+    !> n values: x'(t).
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    type(c_ptr) :: xdot_address
+
+    call check_call(self, status)
+    call check_entries(self, "x", size(x, kind=c_int), status)
+    xdot_address = c_null_ptr
+    if (present(xdot)) then
+      call check_entries(self, "xdot", size(xdot, kind=c_int), status)
+      xdot_address = c_loc(xdot)
+    end if
+    if (status == sfdae_ok) status = c_start(self%handle, t, toward, x, xdot_address)
+  end subroutine solver_start
+
+  !> Integrates to tout. Remarks and failures of the integration return the last accepted point.
+  recursive subroutine solver_advance(self, tout, t, x, status, xdot)
+    class(dae_solver), intent(inout) :: self
+    !> In the direction of integration, at or behind the last point returned.
+    real(c_double), intent(in) :: tout
+    !> Point reached, tout if all went well.
+    real(c_double), intent(inout) :: t
+    !> n values at t, which satisfy all constraints, hidden ones included.
+    real(c_double), contiguous, intent(inout) :: x(:)
+    !> Remarks: sfdae_stopped, sfdae_inconsistency_ignored. Failures: callbacks, integration, ...
+    integer(c_int), intent(out) :: status
+    !> n values: x'(t).
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    type(c_ptr) :: xdot_address
+
+    call check_call(self, status)
+    call check_entries(self, "x", size(x, kind=c_int), status)
+    xdot_address = c_null_ptr
+    if (present(xdot)) then
+      call check_entries(self, "xdot", size(xdot, kind=c_int), status)
+      xdot_address = c_loc(xdot)
+    end if
+    if (status == sfdae_ok) status = c_advance(self%handle, tout, t, x, xdot_address)
+  end subroutine solver_advance
+
+  !> Takes one step toward tout: sfdae_step_taken with the point reached, or sfdae_ok at tout.
+  recursive subroutine solver_step(self, tout, t, x, status, xdot)
+    class(dae_solver), intent(inout) :: self
+    !> In the direction of integration, at or behind the last point returned.
+    real(c_double), intent(in) :: tout
+    !> Point reached.
+    real(c_double), intent(inout) :: t
+    !> n values at t.
+    real(c_double), contiguous, intent(inout) :: x(:)
+    !> Otherwise as of advance.
+    integer(c_int), intent(out) :: status
+    !> n values: x'(t).
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    type(c_ptr) :: xdot_address
+
+    call check_call(self, status)
+    call check_entries(self, "x", size(x, kind=c_int), status)
+    xdot_address = c_null_ptr
+    if (present(xdot)) then
+      call check_entries(self, "xdot", size(xdot, kind=c_int), status)
+      xdot_address = c_loc(xdot)
+    end if
+    if (status == sfdae_ok) status = c_step(self%handle, tout, t, x, xdot_address)
+  end subroutine solver_step
+
+  !> Counts since start.
+  subroutine solver_get_statistics(self, statistics, status)
+    class(dae_solver), intent(inout) :: self
+    type(sfdae_statistics), intent(inout) :: statistics
+    integer(c_int), intent(out) :: status
+    type(sfdae_statistics) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_statistics_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_statistics(self%handle, found)
+    if (status >= 0) statistics = found
+  end subroutine solver_get_statistics
+
+  ! ---- Looking inside -----------------------------------------------------------------------
+
+  !> The diagnostics report: index analysis with every rank decision, initial values, integration.
+  subroutine solver_report(self, text, status)
+    class(dae_solver), intent(inout) :: self
+    !> Lines are separated by new_line('a').
+    character(len=:), allocatable, intent(inout) :: text
+    integer(c_int), intent(out) :: status
+    character(kind=c_char) :: nothing(1)
+    character(kind=c_char), allocatable :: buffer(:)
+    integer(c_size_t) :: needed
+
+    call check_call(self, status)
+    needed = 1
+    if (status == sfdae_ok) status = c_report(self%handle, nothing, 1_c_size_t, needed)
+    if (status < 0) return
+    allocate (buffer(needed))
+    status = c_report(self%handle, buffer, needed, needed)
+    if (status >= 0) text = text_in(buffer)
+  end subroutine solver_report
+
+  !> Classical derivative array M y = N x + g at t, with plain derivatives y = (x', x'', ...).
+  !> Arrays are allocated as needed.
+  recursive subroutine solver_get_derivative_array(self, t, level, status, m, n, g)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> l >= 0.
+    integer(c_int), intent(in) :: level
+    integer(c_int), intent(out) :: status
+    !> M, (l+1)m x (l+1)n, with blocks C(i,j) E^(i-j) - C(i,j+1) A^(i-j-1).
+    real(c_double), allocatable, intent(inout), optional :: m(:, :)
+    !> N, (l+1)m x n, with blocks A^(i).
+    real(c_double), allocatable, intent(inout), optional :: n(:, :)
+    !> (l+1)m entries f^(i).
+    real(c_double), allocatable, intent(inout), optional :: g(:)
+    real(c_double), allocatable :: m_found(:, :), n_found(:, :), g_found(:)
+    integer(c_size_t) :: rows, columns
+    integer :: allocation
+
+    call check_call(self, status)
+    if (status < 0) return
+    rows = (level + 1_c_size_t) * self%holder%num_equations
+    columns = self%holder%num_unknowns
+    allocate (m_found(rows, (level + 1_c_size_t) * columns), n_found(rows, columns), &
+      g_found(rows), stat=allocation)
+    if (allocation /= 0) then
+      status = sfdae_out_of_memory
+      self%complaint = "out of memory for the derivative array"
+      return
+    end if
+    status = c_get_derivative_array(self%handle, t, level, m_found, n_found, g_found)
+    if (status < 0) return
+    if (present(m)) call move_alloc(m_found, m)
+    if (present(n)) call move_alloc(n_found, n)
+    if (present(g)) call move_alloc(g_found, g)
+  end subroutine solver_get_derivative_array
+
+  !> Projectors at t for the classical array of level mu, with orthonormal columns. Arrays are
+  !> allocated as needed. Needs an analysis.
+  recursive subroutine solver_get_projectors(self, t, status, z1, z2, z3, t2)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    integer(c_int), intent(out) :: status
+    !> Z1, m x d: spans the range of E T2.
+    real(c_double), allocatable, intent(inout), optional :: z1(:, :)
+    !> Z2, (mu+1)m x a: Z2^T M = 0, A2 = Z2^T N has full row rank.
+    real(c_double), allocatable, intent(inout), optional :: z2(:, :)
+    !> Z3, (mu+1)m x vhat: Z3^T [M N] = 0.
+    real(c_double), allocatable, intent(inout), optional :: z3(:, :)
+    !> T2, n x (n-a): A2 T2 = 0.
+    real(c_double), allocatable, intent(inout), optional :: t2(:, :)
+    type(sfdae_characteristics) :: sizes
+    real(c_double), allocatable :: z1_found(:, :), z2_found(:, :), z3_found(:, :), t2_found(:, :)
+    integer(c_int) :: rows, m, n, vhat
+
+    call self%get_characteristics(sizes, status)
+    if (status < 0) return
+    m = self%holder%num_equations
+    n = self%holder%num_unknowns
+    rows = (sizes%strangeness_index + 1_c_int) * m
+    allocate (z1_found(m, sizes%differential), z2_found(rows, sizes%algebraic))
+    allocate (z3_found(rows, rows - sizes%algebraic), t2_found(n, n - sizes%algebraic))
+    vhat = 0
+    status = c_get_projectors(self%handle, t, z1_found, z2_found, z3_found, t2_found, vhat)
+    if (status < 0) return
+    if (present(z1)) call move_alloc(z1_found, z1)
+    if (present(z2)) call move_alloc(z2_found, z2)
+    if (present(z3)) z3 = z3_found(:, 1:vhat)
+    if (present(t2)) call move_alloc(t2_found, t2)
+  end subroutine solver_get_projectors
+
+  !> Strangeness-free system at t: E1 x' = A1 x + f1, 0 = A2 x + f2. Arrays are allocated as
+  !> needed. Needs an analysis.
+  recursive subroutine solver_get_strangeness_free(self, t, status, e1, a1, f1, a2, f2, residual)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    integer(c_int), intent(out) :: status
+    !> E1 = Z1^T E, d x n.
+    real(c_double), allocatable, intent(inout), optional :: e1(:, :)
+    !> A1 = Z1^T A, d x n.
+    real(c_double), allocatable, intent(inout), optional :: a1(:, :)
+    !> f1 = Z1^T f, d entries.
+    real(c_double), allocatable, intent(inout), optional :: f1(:)
+    !> A2 = Z2^T N, a x n.
+    real(c_double), allocatable, intent(inout), optional :: a2(:, :)
+    !> f2 = Z2^T g, a entries.
+    real(c_double), allocatable, intent(inout), optional :: f2(:)
+    !> Max norm of Z3^T g, the contradiction of redundant equations.
+    real(c_double), intent(inout), optional :: residual
+    type(sfdae_characteristics) :: sizes
+    real(c_double), allocatable :: e1_found(:, :), a1_found(:, :), a2_found(:, :)
+    real(c_double), allocatable :: f1_found(:), f2_found(:)
+    real(c_double) :: residual_found
+
+    call self%get_characteristics(sizes, status)
+    if (status < 0) return
+    associate (d => sizes%differential, a => sizes%algebraic, n => self%holder%num_unknowns)
+      allocate (e1_found(d, n), a1_found(d, n), f1_found(d), a2_found(a, n), f2_found(a))
+    end associate
+    residual_found = 0
+    status = c_get_strangeness_free(self%handle, t, e1_found, a1_found, f1_found, a2_found, &
+      f2_found, residual_found)
+    if (status < 0) return
+    if (present(e1)) call move_alloc(e1_found, e1)
+    if (present(a1)) call move_alloc(a1_found, a1)
+    if (present(f1)) call move_alloc(f1_found, f1)
+    if (present(a2)) call move_alloc(a2_found, a2)
+    if (present(f2)) call move_alloc(f2_found, f2)
+    if (present(residual)) residual = residual_found
+  end subroutine solver_get_strangeness_free
+
+  !> Compares the derivatives that the callbacks supply near t with differences of the order
+  !> below; message says it in words if they do not fit. Orders that are not available are
+  !> passed over.
+  recursive subroutine solver_check_derivatives(self, t, max_order, check, status)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> Highest order compared, >= 1.
+    integer(c_int), intent(in) :: max_order
+    !> The worst mismatch.
+    type(sfdae_derivative_check), intent(inout) :: check
+    integer(c_int), intent(out) :: status
+    type(sfdae_derivative_check) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_derivative_check_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_check_derivatives(self%handle, t, max_order, found)
+    if (status < 0) return
+    if (found%function == c_null_char) then
+      found%function = ' '
+    else
+      found%row = found%row + 1_c_int
+      found%column = found%column + 1_c_int
+    end if
+    check = found
+  end subroutine solver_check_derivatives
+
+  ! ---- Bindings that need not be overridden -------------------------------------------------
+
+  !> f = 0.
+  subroutine zero_f(self, t, order, f, status)
+    class(linear_dae), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> 0: f itself.
+    integer(c_int), intent(in) :: order
+    !> m entries, zero on entry.
+    real(c_double), intent(inout) :: f(:)
+    !> As of e_function.
+    integer(c_int), intent(inout) :: status
+
+    associate (u1 => self, u2 => t, u3 => order, u4 => f, u5 => status) ! unused
+    end associate
+  end subroutine zero_f
+
+  !> Components are prescribed, but nobody says what they are.
+  subroutine missing_prescribed(self, t, values, status)
+    class(linear_dae), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> One entry for each prescribed component, zero on entry.
+    real(c_double), intent(inout) :: values(:)
+    !> As of e_function.
+    integer(c_int), intent(inout) :: status
+
+    associate (u1 => self, u2 => t, u3 => values) ! unused
+    end associate
+    status = -1
+  end subroutine missing_prescribed
+
+  ! ---- Callbacks: from C to the bindings ----------------------------------------------------
+
+  !> sfdae_matrix_function of E.
+  recursive function call_eval_e(t, order, matrix, user) bind(c, name="") result(status)
+    real(c_double), value :: t
+    integer(c_int), value :: order
+    type(c_ptr), value :: matrix
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: e(:, :)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(matrix, e, [holder%num_equations, holder%num_unknowns])
+    status = sfdae_ok
+    call holder%problem%eval_e(t, order, e, status)
+  end function call_eval_e
+
+  !> sfdae_matrix_function of A.
+  recursive function call_eval_a(t, order, matrix, user) bind(c, name="") result(status)
+    real(c_double), value :: t
+    integer(c_int), value :: order
+    type(c_ptr), value :: matrix
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: a(:, :)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(matrix, a, [holder%num_equations, holder%num_unknowns])
+    status = sfdae_ok
+    call holder%problem%eval_a(t, order, a, status)
+  end function call_eval_a
+
+  !> sfdae_vector_function of f.
+  recursive function call_eval_f(t, order, vector, user) bind(c, name="") result(status)
+    real(c_double), value :: t
+    integer(c_int), value :: order
+    type(c_ptr), value :: vector
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: f(:)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(vector, f, [holder%num_equations])
+    status = sfdae_ok
+    call holder%problem%eval_f(t, order, f, status)
+  end function call_eval_f
+
+  !> sfdae_vector_function of the prescribed components; only order 0 is asked for.
+  recursive function call_eval_prescribed(t, order, vector, user) bind(c, name="") result(status)
+    real(c_double), value :: t
+    integer(c_int), value :: order
+    type(c_ptr), value :: vector
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: values(:)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(vector, values, [size(holder%prescribed)])
+    status = merge(sfdae_ok, sfdae_order_not_available, order == 0)
+    if (order == 0) call holder%problem%eval_prescribed(t, values, status)
+  end function call_eval_prescribed
+
+  !> sfdae_monitor_function.
+  recursive function call_monitor(progress, user) bind(c, name="") result(outcome)
+    type(sfdae_progress), intent(in) :: progress
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    !> 1 stops the call.
+    integer(c_int) :: outcome
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: x(:)
+    logical :: stop_now
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(progress%x, x, [progress%num_unknowns])
+    stop_now = .false.
+    call holder%monitor%after_step(progress, x, stop_now)
+    outcome = merge(1_c_int, 0_c_int, stop_now)
+  end function call_monitor
+
+  ! ---- Conversions --------------------------------------------------------------------------
+
+  !> Describes the problem to C and remembers in the holder what the callbacks need.
+  subroutine fill_problem(problem, holder, c_problem)
+    class(linear_dae), target, intent(inout) :: problem
+    type(callback_holder), target, intent(inout) :: holder
+    type(sfdae_linear_problem), intent(inout) :: c_problem
+    integer(c_int) :: status
+
+    holder%problem => problem
+    holder%num_equations = problem%num_equations
+    holder%num_unknowns = problem%num_unknowns
+    status = c_linear_problem_init(c_problem, c_sizeof(c_problem))
+    if (status < 0) return ! c_problem%size stays 0, which create and check refuse
+    c_problem%num_equations = problem%num_equations
+    c_problem%num_unknowns = problem%num_unknowns
+    c_problem%e = c_funloc(call_eval_e)
+    c_problem%a = c_funloc(call_eval_a)
+    if (problem%has_f) c_problem%f = c_funloc(call_eval_f)
+    c_problem%constant_e = flag(problem%constant_e)
+    c_problem%constant_a = flag(problem%constant_a)
+    c_problem%user = c_loc(holder)
+    if (.not. allocated(problem%prescribed)) return
+    if (size(problem%prescribed) == 0) return
+    holder%prescribed = problem%prescribed - 1_c_int
+    c_problem%num_prescribed = size(holder%prescribed, kind=c_int)
+    c_problem%prescribed = c_loc(holder%prescribed)
+    c_problem%prescribed_values = c_funloc(call_eval_prescribed)
+  end subroutine fill_problem
+
+  !> Describes the options to C and remembers the monitor in the holder. c_options points into
+  !> options and fixed.
+  subroutine fill_options(options, holder, fixed, c_options, complaint)
+    !> Absent: defaults.
+    type(dae_options), target, intent(in), optional :: options
+    type(callback_holder), target, intent(inout) :: holder
+    !> options%fixed in C's terms.
+    integer(c_int), allocatable, target, intent(out) :: fixed(:)
+    type(sfdae_options), intent(inout) :: c_options
+    !> What is wrong with the sizes of arrays; empty if nothing is.
+    character(len=:), allocatable, intent(out) :: complaint
+    integer(c_int) :: status
+
+    complaint = ""
+    status = c_options_init(c_options, c_sizeof(c_options))
+    if (status < 0 .or. .not. present(options)) return
+
+    call check_size("rtol_vector", options%rtol_vector, holder%num_unknowns, complaint)
+    call check_size("atol_vector", options%atol_vector, holder%num_unknowns, complaint)
+    call check_size("initial_weights", options%initial_weights, holder%num_unknowns, complaint)
+    if (allocated(options%fixed)) then
+      fixed = flag(options%fixed)
+      call compare_size("fixed", size(fixed, kind=c_int), holder%num_unknowns, complaint)
+      if (size(fixed) > 0) c_options%fixed = c_loc(fixed)
+    end if
+
+    c_options%rtol = options%rtol
+    c_options%atol = options%atol
+    c_options%rtol_vector = address_in(options%rtol_vector)
+    c_options%atol_vector = address_in(options%atol_vector)
+    c_options%max_index = options%max_index
+    c_options%reduction = options%reduction
+    c_options%rank_tol = options%rank_tol
+    c_options%time_scale = options%time_scale
+    c_options%difference_derivatives = flag(options%difference_derivatives)
+    c_options%difference_step = options%difference_step
+    c_options%initial_values = options%initial_values
+    c_options%initial_weights = address_in(options%initial_weights)
+    c_options%ignore_inconsistency = flag(options%ignore_inconsistency)
+    c_options%consistency_tol = options%consistency_tol
+    c_options%max_order = options%max_order
+    c_options%initial_step = options%initial_step
+    c_options%max_step = options%max_step
+    c_options%use_stop_time = flag(options%use_stop_time)
+    c_options%stop_time = options%stop_time
+    c_options%max_steps = options%max_steps
+    c_options%leading_term = options%leading_term
+
+    holder%monitor => options%monitor
+    if (associated(options%monitor)) c_options%monitor = c_funloc(call_monitor)
+    c_options%monitor_user = c_loc(holder)
+  end subroutine fill_options
+
+  !> sfdae_check_linear with its text as a Fortran string.
+  recursive subroutine check_filled(c_problem, c_options, text, status)
+    type(sfdae_linear_problem), intent(in) :: c_problem
+    type(sfdae_options), intent(in) :: c_options
+    character(len=:), allocatable, intent(out) :: text
+    integer(c_int), intent(out) :: status
+    character(kind=c_char) :: buffer(1024)
+
+    buffer = c_null_char
+    status = c_check_linear(c_problem, c_options, buffer, size(buffer, kind=c_size_t))
+    text = text_in(buffer)
+  end subroutine check_filled
+
+  !> Before every call on a solver: refuses it if the solver does not exist.
+  subroutine check_call(self, status)
+    class(dae_solver), intent(inout) :: self
+    !> sfdae_ok or sfdae_illegal_argument.
+    integer(c_int), intent(out) :: status
+
+    status = sfdae_ok
+    self%complaint = ""
+    if (c_associated(self%handle)) return
+    status = sfdae_illegal_argument
+    self%complaint = "the solver does not exist: create it first"
+  end subroutine check_call
+
+  !> Refuses a call with an array that has not n entries.
+  subroutine check_entries(self, name, length, status)
+    class(dae_solver), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    integer(c_int), intent(in) :: length
+    !> If not sfdae_ok, the call is refused already.
+    integer(c_int), intent(inout) :: status
+
+    if (status /= sfdae_ok) return
+    call compare_size(name, length, self%holder%num_unknowns, self%complaint)
+    if (len(self%complaint) > 0) status = sfdae_illegal_argument
+  end subroutine check_entries
+
+  !> Complains if an option that has been set has not n values.
+  subroutine check_size(name, values, n, complaint)
+    character(len=*), intent(in) :: name
+    real(c_double), allocatable, intent(in) :: values(:)
+    integer(c_int), intent(in) :: n
+    character(len=:), allocatable, intent(inout) :: complaint
+
+    if (allocated(values)) call compare_size(name, size(values, kind=c_int), n, complaint)
+  end subroutine check_size
+
+  !> Complains if an array has not n entries.
+  subroutine compare_size(name, length, n, complaint)
+    character(len=*), intent(in) :: name
+    integer(c_int), intent(in) :: length
+    integer(c_int), intent(in) :: n
+    character(len=:), allocatable, intent(inout) :: complaint
+    character(len=12) :: found, expected
+
+    if (length == n) return
+    write (found, '(i0)') length
+    write (expected, '(i0)') n
+    complaint = name // " has " // trim(found) // " entries, but n = " // trim(expected)
+  end subroutine compare_size
+
+  !> Address of an option that has been set, or null.
+  function address_in(values) result(address)
+    real(c_double), allocatable, target, intent(in) :: values(:)
+    type(c_ptr) :: address
+
+    address = c_null_ptr
+    if (.not. allocated(values)) return
+    if (size(values) > 0) address = c_loc(values)
+  end function address_in
+
+  !> A truth value in C's terms.
+  elemental function flag(condition) result(number)
+    logical, intent(in) :: condition
+    integer(c_int) :: number
+
+    number = merge(1_c_int, 0_c_int, condition)
+  end function flag
+
+  !> The C string at an address.
+  function text_at(address) result(text)
+    type(c_ptr), intent(in) :: address
+    character(len=:), allocatable :: text
+    character(kind=c_char), pointer :: characters(:)
+
+    text = ""
+    if (.not. c_associated(address)) return
+    call c_f_pointer(address, characters, [c_strlen(address) + 1])
+    text = text_in(characters)
+  end function text_at
+
+  !> The C string in an array of characters.
+  function text_in(characters) result(text)
+    !> Up to the first zero, or all of them.
+    character(kind=c_char), intent(in) :: characters(:)
+    character(len=:), allocatable :: text
+    integer :: i, length
+
+    length = 0
+    do while (length < size(characters))
+      if (characters(length + 1) == c_null_char) exit
+      length = length + 1
+    end do
+    allocate (character(len=length) :: text)
+    do i = 1, length
+      text(i:i) = characters(i)
+    end do
+  end function text_in
+
+end module sfdae

@@ -1,0 +1,265 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!
+! The module against the C header: every constant, the layout of every struct, every default.
+program mirror_test
+  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_f_procpointer, &
+    c_funptr, c_int, c_ptr, c_size_t, c_sizeof
+  use sfdae, only: dae_options, sfdae_change, sfdae_characteristics, sfdae_decision, &
+    sfdae_derivative_check, sfdae_initial_report, sfdae_linear_problem, sfdae_options, &
+    sfdae_progress, sfdae_statistics
+  use test_support, only: check, finish
+  implicit none
+
+  interface
+    !> Of the library.
+    function sfdae_options_init(options, size) bind(c) result(status)
+      import :: c_int, c_size_t, sfdae_options
+      type(sfdae_options), intent(inout) :: options
+      integer(c_size_t), value :: size
+      integer(c_int) :: status
+    end function sfdae_options_init
+
+    !> Of mirror.c, each fills a struct and returns its size.
+    function fill_characteristics(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_characteristics
+      type(sfdae_characteristics), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_characteristics
+    function fill_decision(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_decision
+      type(sfdae_decision), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_decision
+    function fill_change(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_change
+      type(sfdae_change), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_change
+    function fill_initial_report(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_initial_report
+      type(sfdae_initial_report), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_initial_report
+    function fill_statistics(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_statistics
+      type(sfdae_statistics), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_statistics
+    function fill_derivative_check(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_derivative_check
+      type(sfdae_derivative_check), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_derivative_check
+    function fill_progress(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_progress
+      type(sfdae_progress), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_progress
+    function fill_linear_problem(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_linear_problem
+      type(sfdae_linear_problem), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_linear_problem
+    function fill_options(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_options
+      type(sfdae_options), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_options
+
+    !> Written by check_mirror.cmake.
+    subroutine check_constants()
+    end subroutine check_constants
+  end interface
+
+  abstract interface
+    !> sfdae_matrix_function and sfdae_vector_function.
+    function evaluation(t, order, values, user) bind(c) result(number)
+      import :: c_double, c_int, c_ptr
+      real(c_double), value :: t
+      integer(c_int), value :: order
+      type(c_ptr), value :: values
+      type(c_ptr), value :: user
+      integer(c_int) :: number
+    end function evaluation
+
+    !> sfdae_monitor_function.
+    function monitor(progress, user) bind(c) result(number)
+      import :: c_int, c_ptr, sfdae_progress
+      type(sfdae_progress), intent(in) :: progress
+      type(c_ptr), value :: user
+      integer(c_int) :: number
+    end function monitor
+  end interface
+
+  call check_constants()
+  call check_results()
+  call check_progress()
+  call check_problem()
+  call check_options()
+  call check_defaults()
+  call finish()
+
+contains
+
+  !> Structs that the library fills.
+  subroutine check_results()
+    type(sfdae_characteristics) :: c
+    type(sfdae_decision) :: d
+    type(sfdae_change) :: h
+    type(sfdae_initial_report) :: r
+    type(sfdae_statistics) :: s
+    type(sfdae_derivative_check) :: v
+    character(kind=c_char), parameter :: two = "2"
+
+    call check(fill_characteristics(c) == c_sizeof(c), "size of sfdae_characteristics")
+    call check(counts([real(c_double) :: c%size, c%t, c%strangeness_index, c%differential, &
+      c%algebraic, c%undetermined, c%redundant, c%rank_e, c%leading_term, c%time_scale, &
+      c%smallest_gap]), "members of sfdae_characteristics")
+
+    call check(fill_decision(d) == c_sizeof(d), "size of sfdae_decision")
+    call check(counts([real(c_double) :: d%size, d%t, d%level, d%stage, d%what, d%rows, &
+      d%columns, d%rank, d%kept, d%dropped, d%noise, d%threshold, d%gap, d%verdict]), &
+      "members of sfdae_decision")
+
+    call check(fill_change(h) == c_sizeof(h), "size of sfdae_change")
+    call check(counts([real(c_double) :: h%size, h%t, h%old_strangeness_index, &
+      h%old_differential, h%old_algebraic, h%old_undetermined, h%old_redundant, &
+      h%new_strangeness_index, h%new_differential, h%new_algebraic, h%new_undetermined, &
+      h%new_redundant]), "members of sfdae_change")
+
+    call check(fill_initial_report(r) == c_sizeof(r), "size of sfdae_initial_report")
+    call check(counts([real(c_double) :: r%size, r%t, r%residual_before, r%residual_after, &
+      r%largest_change, r%component, r%derivative_exact]), "members of sfdae_initial_report")
+
+    call check(fill_statistics(s) == c_sizeof(s), "size of sfdae_statistics")
+    call check(counts([real(c_double) :: s%size, s%steps, s%error_failures, s%other_failures, &
+      s%reductions, s%factorizations, s%evaluations_e, s%evaluations_a, s%evaluations_f, &
+      s%last_order, s%next_order, s%last_step, s%next_step, s%t_internal, s%smallest_kept, &
+      s%consistency, s%first_step]), "members of sfdae_statistics")
+
+    call check(fill_derivative_check(v) == c_sizeof(v), "size of sfdae_derivative_check")
+    call check(v%function == two, "function of sfdae_derivative_check")
+    call check(counts([real(c_double) :: v%size, 2, v%order, v%row, v%column, v%supplied, &
+      v%difference, v%error, v%uncertainty, v%suspicious]), "members of sfdae_derivative_check")
+  end subroutine check_results
+
+  !> Struct of the monitor.
+  subroutine check_progress()
+    type(sfdae_progress) :: p
+
+    call check(fill_progress(p) == c_sizeof(p), "size of sfdae_progress")
+    call check(counts([real(c_double) :: p%size, p%t, p%step, p%order, p%steps, p%num_unknowns, &
+      number_at(p%x)]), "members of sfdae_progress")
+  end subroutine check_progress
+
+  !> Struct of the problem.
+  subroutine check_problem()
+    type(sfdae_linear_problem) :: p
+
+    call check(fill_linear_problem(p) == c_sizeof(p), "size of sfdae_linear_problem")
+    call check(counts([real(c_double) :: p%size, p%num_equations, p%num_unknowns, &
+      number_of(p%e) + 3, number_of(p%a) + 3, number_of(p%f) + 3, p%constant_e, p%constant_a, &
+      p%num_prescribed, integer_at(p%prescribed), number_of(p%prescribed_values) + 7, &
+      integer_at(p%user)]), "members of sfdae_linear_problem")
+  end subroutine check_problem
+
+  !> Struct of the options.
+  subroutine check_options()
+    type(sfdae_options) :: o
+    type(sfdae_progress) :: progress
+    procedure(monitor), pointer :: call_monitor
+
+    call check(fill_options(o) == c_sizeof(o), "size of sfdae_options")
+    call c_f_procpointer(o%monitor, call_monitor)
+    call check(counts([real(c_double) :: o%size, o%rtol, o%atol, number_at(o%rtol_vector), &
+      number_at(o%atol_vector), o%max_index, o%reduction, o%rank_tol, o%time_scale, &
+      o%difference_derivatives, o%difference_step, o%initial_values, integer_at(o%fixed), &
+      number_at(o%initial_weights), o%ignore_inconsistency, o%consistency_tol, o%max_order, &
+      o%initial_step, o%max_step, o%use_stop_time, o%stop_time, o%max_steps, o%leading_term, &
+      call_monitor(progress, o%monitor_user) + 19, integer_at(o%monitor_user)]), &
+      "members of sfdae_options")
+  end subroutine check_options
+
+  !> dae_options starts with the library's defaults.
+  subroutine check_defaults()
+    type(sfdae_options) :: c
+    type(dae_options) :: f
+
+    call check(sfdae_options_init(c, c_sizeof(c)) == 0, "sfdae_options_init")
+    call check(.not. (allocated(f%rtol_vector) .or. allocated(f%atol_vector) .or. &
+      allocated(f%fixed) .or. allocated(f%initial_weights) .or. associated(f%monitor)), &
+      "nothing is allocated or associated")
+    call check(equal(f%rtol, c%rtol), "rtol")
+    call check(equal(f%atol, c%atol), "atol")
+    call check(f%max_index == c%max_index, "max_index")
+    call check(f%reduction == c%reduction, "reduction")
+    call check(equal(f%rank_tol, c%rank_tol), "rank_tol")
+    call check(equal(f%time_scale, c%time_scale), "time_scale")
+    call check(f%difference_derivatives .eqv. c%difference_derivatives /= 0, &
+      "difference_derivatives")
+    call check(equal(f%difference_step, c%difference_step), "difference_step")
+    call check(f%initial_values == c%initial_values, "initial_values")
+    call check(f%ignore_inconsistency .eqv. c%ignore_inconsistency /= 0, "ignore_inconsistency")
+    call check(equal(f%consistency_tol, c%consistency_tol), "consistency_tol")
+    call check(f%max_order == c%max_order, "max_order")
+    call check(equal(f%initial_step, c%initial_step), "initial_step")
+    call check(equal(f%max_step, c%max_step), "max_step")
+    call check(f%use_stop_time .eqv. c%use_stop_time /= 0, "use_stop_time")
+    call check(equal(f%stop_time, c%stop_time), "stop_time")
+    call check(f%max_steps == c%max_steps, "max_steps")
+    call check(f%leading_term == c%leading_term, "leading_term")
+  end subroutine check_defaults
+
+  !> Whether the values are 1, 2, 3, ...
+  function counts(values) result(yes)
+    real(c_double), intent(in) :: values(:)
+    logical :: yes
+    integer :: i
+
+    yes = all(equal(values, [(real(i, c_double), i=1, size(values))]))
+  end function counts
+
+  !> Whether two numbers are the same.
+  elemental function equal(a, b) result(yes)
+    real(c_double), intent(in) :: a
+    real(c_double), intent(in) :: b
+    logical :: yes
+
+    yes = abs(a - b) <= 0
+  end function equal
+
+  !> The double at an address.
+  function number_at(address) result(number)
+    type(c_ptr), intent(in) :: address
+    real(c_double) :: number
+    real(c_double), pointer :: p
+
+    call c_f_pointer(address, p)
+    number = p
+  end function number_at
+
+  !> The integer at an address.
+  function integer_at(address) result(number)
+    type(c_ptr), intent(in) :: address
+    integer(c_int) :: number
+    integer(c_int), pointer :: p
+
+    call c_f_pointer(address, p)
+    number = p
+  end function integer_at
+
+  !> What a callback returns.
+  function number_of(callback) result(number)
+    type(c_funptr), intent(in) :: callback
+    integer(c_int) :: number
+    procedure(evaluation), pointer :: p
+    real(c_double), target :: values(1)
+    type(c_ptr) :: nothing
+
+    nothing = transfer(0_c_size_t, nothing)
+    call c_f_procpointer(callback, p)
+    values = 0
+    number = p(values(1), 0_c_int, nothing, nothing)
+  end function number_of
+
+end program mirror_test
