@@ -20,7 +20,8 @@
  *  - The library never prints, exits, installs signal handlers or changes the number of BLAS threads.
  *    Small matrices run fastest with one BLAS thread (OPENBLAS_NUM_THREADS=1): parallelize over problems.
  *  - Different solvers are independent. One solver belongs to one thread at a time; sfdae_request_stop()
- *    alone may be called from anywhere. A solver may not be used from within its own callbacks.
+ *    alone may be called from anywhere. Within its own callbacks a solver answers SFDAE_BUSY, except to
+ *    sfdae_request_stop and the functions that only read (those with a const solver).
  *
  * SPDX-License-Identifier: BSD-3-Clause
  */
@@ -109,8 +110,8 @@ typedef int (*sfdae_vector_function)(double t, int order, double *vector, void *
 /* Linear problem E(t) x' = A(t) x + f(t). Call sfdae_linear_problem_init first, then set members. */
 typedef struct sfdae_linear_problem {
   size_t size;            /* set by sfdae_linear_problem_init */
-  int num_equations;      /* m >= 1 */
-  int num_unknowns;       /* n >= 1; m and n may differ */
+  int num_equations;      /* m, 1 ... 20000 */
+  int num_unknowns;       /* n, 1 ... 20000; m and n may differ */
   sfdae_matrix_function E;
   sfdae_matrix_function A;
   sfdae_vector_function f; /* NULL: f = 0 */
@@ -319,7 +320,8 @@ typedef struct sfdae_initial_report {
   double residual_after;   /* and for the values returned */
   double largest_change;   /* max |change_i|, 0 if nothing changed */
   int component;           /* where it happened, -1 if nothing changed */
-  int derivative_exact;    /* 1: x' from the derivative array; 0: its algebraic part from differences */
+  int derivative_exact;    /* 1: x' from the derivative array; 0: the derivative of the constraints that enters it
+                              was computed by differences */
 } sfdae_initial_report;
 SFDAE_API int sfdae_initial_report_init(sfdae_initial_report *report, size_t size);
 SFDAE_API int sfdae_get_initial_report(const sfdae_solver *solver, sfdae_initial_report *result);
@@ -327,6 +329,7 @@ SFDAE_API int sfdae_get_initial_report(const sfdae_solver *solver, sfdae_initial
 /* Makes x (n values, in: guess, out: consistent) consistent at t as the options say and computes the derivative
  * x'(t) of the solution through it (xdot: n values, may be NULL; minimum norm in directions that the problem
  * leaves free). Analyzes first, forward from t, if that has not happened. The point reached is unaffected.
+ * Remarks: SFDAE_NOT_UNIQUE, SFDAE_INCONSISTENCY_IGNORED.
  * Failures: callbacks, structure, SFDAE_INCONSISTENT_VALUES, SFDAE_INCONSISTENT_EQUATIONS, SFDAE_FIXED_VALUES. */
 SFDAE_API int sfdae_make_consistent(sfdae_solver *solver, double t, double *x, double *xdot);
 
@@ -334,8 +337,10 @@ SFDAE_API int sfdae_make_consistent(sfdae_solver *solver, double t, double *x, d
 
 /* Starts or restarts the integration at (t, x), toward the given time: analyzes if that has not happened (or was
  * made for the other direction), makes x consistent (in: guess, out: consistent), computes x'. xdot may be NULL.
- * A restart on an analyzed solver needs no new analysis. Failures as sfdae_make_consistent, also
- * SFDAE_CHARACTERISTICS_CHANGED if the values known do not hold at t: call sfdae_analyze. */
+ * The direction is that of `toward`; its distance sets the scale of the first step. A restart on an analyzed solver
+ * needs no new analysis. Remarks: SFDAE_NOT_UNIQUE, SFDAE_INCONSISTENCY_IGNORED. Failures as sfdae_make_consistent,
+ * also SFDAE_CHARACTERISTICS_CHANGED if the values known do not hold at t: call sfdae_analyze. After a failure
+ * nothing is started, an integration that was under way is lost. */
 SFDAE_API int sfdae_start(sfdae_solver *solver, double t, double toward, double *x, double *xdot);
 
 /* Integrates to tout and returns there: *t = tout, x (n values), xdot (n values, may be NULL). x satisfies all
@@ -378,7 +383,7 @@ SFDAE_API int sfdae_get_statistics(const sfdae_solver *solver, sfdae_statistics 
  * Writes at most length characters, final zero included. *needed (may be NULL): length of the whole text + 1. */
 SFDAE_API int sfdae_report(const sfdae_solver *solver, char *text, size_t length, size_t *needed);
 
-/* Classical derivative array M y = N x + g of the given level l >= 0 at t, with plain derivatives
+/* Classical derivative array M y = N x + g of the given level l, 0 ... 12, at t, with plain derivatives
  * y = (x', x'', ..., x^(l+1)):  M is (l+1)m x (l+1)n with blocks C(i,j) E^(i-j) - C(i,j+1) A^(i-j-1),
  * N is (l+1)m x n with blocks A^(i), g has (l+1)m entries f^(i). Any of M, N, g may be NULL. */
 SFDAE_API int sfdae_get_derivative_array(sfdae_solver *solver, double t, int level, double *M, double *N, double *g);
@@ -411,7 +416,7 @@ typedef struct sfdae_derivative_check {
 } sfdae_derivative_check;
 SFDAE_API int sfdae_derivative_check_init(sfdae_derivative_check *check, size_t size);
 
-/* Compares the derivatives of order 1 ... max_order (>= 1) that the callbacks supply near t with differences of
+/* Compares the derivatives of order 1 ... max_order (<= 13) that the callbacks supply near t with differences of
  * the order below, and reports the worst mismatch; sfdae_message says it in words if it is suspicious. Orders that
  * are not available are passed over. */
 SFDAE_API int sfdae_check_derivatives(sfdae_solver *solver, double t, int max_order, sfdae_derivative_check *result);

@@ -267,7 +267,7 @@ int sfdae_analyze(sfdae_solver* solver, double t, double toward, sfdae_character
 
 int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdot) {
   return guarded(solver, [&]() -> CallResult {
-    const double toward = t + solver->direction;
+    const double toward = t + solver->direction * std::max(1.0, 1e-6 * std::fabs(t));
     CallResult checked = check_point(t, toward, x, solver->problem.n());
     if (checked.status != SFDAE_OK) return checked;
     if (!solver->system) analyze(*solver, t, toward);

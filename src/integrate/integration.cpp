@@ -15,6 +15,8 @@ using Vector = std::vector<double>;
 
 // Attempts in a row that fail for want of a valid point before the call gives up.
 constexpr int max_point_failures = 12;
+// The first attempt in units of the interval.
+constexpr double first_step_fraction = 1e-3;
 
 CallResult failure_result(const Failure& failure) { return {failure.status(), failure.what()}; }
 
@@ -28,11 +30,9 @@ Integration::Integration(LinearSystem& system, const IntegrationOptions& options
       reductions_before_(system.reductions()),
       factorizations_before_(system.factorizations()) {
   set_options(options);
-  weights_.update(x.data());
-  double h = 0.5 / std::max(weights_.norm(xdot.data()), 1e-300);
-  h = std::min(h, 1e-3 * std::fabs(toward - t));
-  if (options_.initial_step > 0.0) h = options_.initial_step;
-  begin(t, x, xdot, direction_ * h);
+  // The first attempt measures the error of order 1, and its size is corrected from that.
+  first_step_ = first_step_fraction * std::fabs(toward - t);
+  begin(t, x, xdot);
   watch_.start(system_, direction_);
 }
 
@@ -48,7 +48,8 @@ IntegrationCounts Integration::counts() const {
   return counts;
 }
 
-void Integration::begin(double t, const Vector& x, const Vector& xdot, double h) {
+void Integration::begin(double t, const Vector& x, const Vector& xdot) {
+  const double h = direction_ * (options_.initial_step > 0.0 ? options_.initial_step : first_step_);
   const std::size_t size = static_cast<std::size_t>(system_.leading_size());
   Vector w(size), wdot(size);
   system_.leading(x.data(), w.data());
@@ -82,11 +83,24 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
     result = {SFDAE_INCONSISTENCY_IGNORED,
               format("redundant equations contradict each other (relative residual %.3g); ignored as asked for.",
                      counts_.inconsistency)};
-  last_returned_ = t;
+  // A call that was stopped may be repeated with the same tout, even if the last step went past it.
+  last_returned_ = (t - tout) * direction_ > 0.0 ? tout : t;
   return result;
 }
 
+void Integration::restart_at_last_point() {
+  const double t = bdf_.t();
+  if (system_.move_to(t) == PointStatus::trouble) throw Failure(system_.trouble().status, system_.trouble().message());
+  const Vector x = bdf_.x();
+  Vector xdot(x.size());
+  system_.consistent_derivative(x.data(), direction_, xdot.data());
+  begin(t, x, xdot);
+  must_restart_ = false;
+}
+
 CallResult Integration::run(double tout, bool one_step) {
+  // The last call gave up with a step that tells nothing about the solution.
+  if (must_restart_ && !change_ && !has_passed(tout)) restart_at_last_point();
   for (long attempts = 0; !has_passed(tout); ++attempts) {
     if (system_.problem().stop_is_requested())
       return {SFDAE_STOPPED, format("stopped on request at t = %.15g; the call can be repeated.", bdf_.t())};
@@ -192,12 +206,7 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
     case StepOutcome::leading_changed: {
       // rank E is not constant, though the hypothesis holds: w = P x has no continuous meaning, w = E x has.
       system_.give_up_projector();
-      if (system_.move_to(bdf_.t()) == PointStatus::trouble)
-        return CallResult{system_.trouble().status, system_.trouble().message()};
-      const Vector x = bdf_.x();
-      Vector xdot(x.size());
-      system_.consistent_derivative(x.data(), direction_, xdot.data());
-      begin(bdf_.t(), x, xdot, h / 16.0);
+      restart_at_last_point();
       ++counts_.other_failures;
       return std::nullopt;
     }
@@ -226,6 +235,7 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
 
 CallResult Integration::step_too_small(StepOutcome outcome) {
   if (change_) return changed_result();
+  must_restart_ = true;
   const double t = bdf_.t();
   if (outcome == StepOutcome::trouble)
     return {system_.trouble().status, system_.trouble().message() + " Smaller steps did not help."};

@@ -65,7 +65,8 @@ class Integration {
   double choose_step(double tout) const;
   double smallest_step(double tout) const;
   std::optional<double> limit() const;
-  void begin(double t, const std::vector<double>& x, const std::vector<double>& xdot, double h);
+  void begin(double t, const std::vector<double>& x, const std::vector<double>& xdot);
+  void restart_at_last_point();
   std::optional<CallResult> handle_failure(StepOutcome outcome, double h, double tout);
   CallResult step_too_small(StepOutcome outcome);
   CallResult changed_result() const;
@@ -78,6 +79,8 @@ class Integration {
   ChangeWatch watch_;
   double direction_;
   double last_returned_;
+  double first_step_ = 0.0;
+  bool must_restart_ = false;
   IntegrationCounts counts_;
   long reductions_before_, factorizations_before_;  // of the system, before the start
   std::optional<LocatedChange> change_;

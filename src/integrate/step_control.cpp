@@ -19,6 +19,7 @@ void StepControl::start(int max_order) {
   max_order_ = max_order;
   order_ = 1;
   starting_ = true;
+  first_step_ = true;
   steps_at_order_ = 0;
   failures_ = 0;
 }
@@ -34,6 +35,7 @@ int StepControl::lower_order(const LocalTerms& terms) const {
 
 double StepControl::accepted(double h, const LocalTerms& terms) {
   failures_ = 0;
+  first_step_ = false;
   ++steps_at_order_;
   const double* term = terms.of_order;
   const int k = order_;
@@ -71,6 +73,11 @@ double StepControl::accepted(double h, const LocalTerms& terms) {
 
 double StepControl::rejected(double h, const LocalTerms& terms, bool finite) {
   ++failures_;
+  if (first_step_ && finite) {
+    // Nothing is known but this estimate: it is of order 1, so that the right size follows from it.
+    const double error = 0.5 * std::max(terms.of_order[1], tiny);
+    return h * std::clamp(0.7 / std::sqrt(error), 1e-6, 0.5);
+  }
   starting_ = false;
   steps_at_order_ = 0;
   if (failures_ == 1) {

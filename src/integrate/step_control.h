@@ -37,6 +37,7 @@ class StepControl {
   int max_order_ = max_bdf_order;
   int order_ = 1;
   bool starting_ = true;
+  bool first_step_ = true;  // none accepted yet
   int steps_at_order_ = 0;
   int failures_ = 0;
 };

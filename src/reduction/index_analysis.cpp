@@ -168,7 +168,7 @@ class Searcher {
 std::string reading_with(LinearProblem& problem, double t, AnalysisSettings settings, double rank_tol, Arena& arena) {
   settings.rank_tol = rank_tol;
   const CharacteristicValues values = find_local_values(problem, t, settings, arena);
-  return values.mu >= 0 ? "the strangeness index is " + std::to_string(values.mu)
+  return values.mu >= 0 ? "the characteristic values are " + describe(values)
                         : "no level up to max_index fulfils the hypothesis";
 }
 
@@ -181,7 +181,7 @@ std::string reading_with(LinearProblem& problem, double t, AnalysisSettings sett
   const std::string dropped = reading_with(problem, t, settings, drop_tol, arena);
   throw Failure(SFDAE_RANK_UNCLEAR,
                 describe(decision) + format(" is not clear. With rank %d ", decision.rank) + kept +
-                    format(", with rank %d ", decision.rank - 1) + dropped +
+                    format("; with rank %d ", decision.rank - 1) + dropped +
                     format(". Try rank_tol = %.1e or %.1e, or scale the equations.", keep_tol, drop_tol));
 }
 

@@ -1,0 +1,147 @@
+// Strangeness index and characteristic values.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/index_analysis.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "family_problem.h"
+#include "problem/failure.h"
+#include "testset_linear.h"
+
+namespace {
+
+using namespace sfdae::core;
+using sfdae_test::FamilyProblem;
+using sfdae_test::LinearFamily;
+
+IndexAnalysis analyze(const std::shared_ptr<const LinearFamily>& family, double t, double toward,
+                      AnalysisSettings settings = {}) {
+  FamilyProblem problem(family);
+  LinearProblem linear(problem.problem);
+  Arena arena;
+  std::vector<RankDecision> decisions;
+  return analyze_index(linear, t, toward, settings, arena, decisions);
+}
+
+CharacteristicValues expected(const LinearFamily& family) {
+  const auto v = family.values();
+  return {v.mu, v.d, v.a, v.u, v.v};
+}
+
+class IndexAnalysisBothWays : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Reductions, IndexAnalysisBothWays, testing::Values(false, true),
+                         [](const auto& info) { return info.param ? "svd" : "staged"; });
+
+TEST_P(IndexAnalysisBothWays, KnowsEveryLinearProblemOfTheTestSet) {
+  for (auto& item : sfdae_test::linear_testset()) {
+    const std::shared_ptr<const LinearFamily> family = std::move(item.family);
+    SCOPED_TRACE(family->name());
+    AnalysisSettings settings;
+    settings.by_svd = GetParam();
+    for (double s : {0.0, 0.3, 0.9}) {
+      const double t = item.t0 + s * (item.tf - item.t0);
+      EXPECT_EQ(describe(analyze(family, t, item.tf + 1.0, settings).values), describe(expected(*family))) << t;
+      EXPECT_EQ(describe(analyze(family, t, item.t0 - 1.0, settings).values), describe(expected(*family))) << t;
+    }
+  }
+}
+
+TEST_P(IndexAnalysisBothWays, KnowsTheFamilies) {
+  AnalysisSettings settings;
+  settings.by_svd = GetParam();
+  for (int mu = 0; mu <= 3; ++mu)
+    for (int u : {0, 1, 2})
+      for (double w : {0.5, 2.0}) {
+        const std::shared_ptr<const LinearFamily> family = sfdae_test::kron(9, mu, w, u);
+        EXPECT_EQ(describe(analyze(family, 0.2, 1.0, settings).values), describe(expected(*family))) << family->name();
+      }
+  const std::shared_ptr<const LinearFamily> chain = sfdae_test::chain(6, 2);
+  EXPECT_EQ(describe(analyze(chain, 0.2, 1.0, settings).values), "mu = 2, d = 8, a = 6, u = 0, v = 0");
+}
+
+// E = [0 t; 0 0], A = I: the local values at t = 0 say mu = 0, but mu = 1 holds everywhere.
+TEST(IndexAnalysis, TheNearbyPointRaisesTheIndexWhereLocalValuesAreTooLow) {
+  const std::shared_ptr<const LinearFamily> family = sfdae_test::rankdrop_t().family;
+  const IndexAnalysis analysis = analyze(family, 0.0, 1.0);
+  EXPECT_EQ(describe(analysis.values), "mu = 1, d = 0, a = 2, u = 0, v = 0");
+  EXPECT_FALSE(analysis.rank_E_constant);
+  FamilyProblem problem(family);
+  LinearProblem linear(problem.problem);
+  Arena arena;
+  EXPECT_EQ(find_local_values(linear, 0.0, {}, arena).mu, 0);
+}
+
+TEST(IndexAnalysis, AnExceptionalPointIsNamed) {
+  // E = diag(1, t - 1/2) loses rank at t = 1/2 only.
+  try {
+    analyze(std::shared_ptr<const LinearFamily>(sfdae_test::vanishing_E().family), 0.5, 1.0);
+    FAIL() << "no failure";
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.status(), SFDAE_CHARACTERISTICS_CHANGED) << failure.what();
+  }
+}
+
+TEST(IndexAnalysis, AnIndexAboveTheLimitIsNamed) {
+  AnalysisSettings settings;
+  settings.max_index = 3;
+  const std::shared_ptr<const LinearFamily> family = sfdae_test::nilpotent(5).family;  // mu = 4
+  try {
+    analyze(family, 0.3, 1.0, settings);
+    FAIL() << "no failure";
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.status(), SFDAE_INDEX_TOO_HIGH);
+    EXPECT_NE(std::string(failure.what()).find("max_index = 3"), std::string::npos) << failure.what();
+  }
+  settings.max_index = 4;
+  EXPECT_EQ(analyze(family, 0.3, 1.0, settings).values.mu, 4);
+}
+
+TEST(IndexAnalysis, NeverAsksForDerivativesAboveTheLevelTested) {
+  const std::shared_ptr<const LinearFamily> family = sfdae_test::kron(8, 2);
+  FamilyProblem problem(family);
+  LinearProblem linear(problem.problem);
+  Arena arena;
+  std::vector<RankDecision> decisions;
+  analyze_index(linear, 0.1, 1.0, {}, arena, decisions);
+  EXPECT_EQ(problem.highest_order_asked(), 2);
+  EXPECT_FALSE(decisions.empty());
+  for (const RankDecision& decision : decisions) EXPECT_EQ(decision.verdict, Verdict::clear);
+}
+
+// Values from 1e-12 down to 1e-17 pass through the zone in which nothing can be said: there the answer is a named
+// error, on both sides it is the right index, and never the wrong one.
+TEST_P(IndexAnalysisBothWays, AnUnclearRankIsNeverGuessed) {
+  AnalysisSettings settings;
+  settings.by_svd = GetParam();
+  int errors = 0;
+  for (double exponent = -11.0; exponent >= -17.0; exponent -= 0.1) {
+    const double eps = std::pow(10.0, exponent);
+    const std::shared_ptr<const LinearFamily> family = sfdae_test::singular_perturbation(eps).family;
+    try {
+      const CharacteristicValues values = analyze(family, 0.0, 1.0, settings).values;
+      if (exponent > -12.05) EXPECT_EQ(values.d, 2) << eps;
+      if (exponent < -15.05) EXPECT_EQ(values.d, 1) << eps;
+      if (values.d == 2) EXPECT_GE(eps, 1e-14);
+      if (values.d == 1) EXPECT_LE(eps, 3e-15);
+    } catch (const Failure& failure) {
+      ++errors;
+      EXPECT_EQ(failure.status(), SFDAE_RANK_UNCLEAR) << failure.what();
+      EXPECT_NE(std::string(failure.what()).find("rank_tol"), std::string::npos);
+    }
+  }
+  EXPECT_GE(errors, 5);
+}
+
+TEST(IndexAnalysis, TheUserMayDecideByRankTol) {
+  const std::shared_ptr<const LinearFamily> family = sfdae_test::singular_perturbation(1e-14).family;
+  AnalysisSettings settings;
+  settings.rank_tol = 1e-10;
+  EXPECT_EQ(analyze(family, 0.0, 1.0, settings).values.a, 1);
+  settings.rank_tol = 1e-16;
+  EXPECT_EQ(analyze(family, 0.0, 1.0, settings).values.a, 0);
+}
+
+}  // namespace

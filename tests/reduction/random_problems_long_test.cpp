@@ -1,0 +1,72 @@
+// 10,000 random problems of known structure, by both reductions.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "family_problem.h"
+#include "family_run.h"
+#include "random_family.h"
+
+namespace {
+
+using namespace sfdae_test;
+
+struct Tally {
+  int right = 0, named_errors = 0, wrong = 0;
+};
+
+Tally classify(int first, int count, const RandomOptions& random, int reduction) {
+  Tally tally;
+  for (int seed = first; seed < first + count; ++seed) {
+    const std::shared_ptr<const LinearFamily> family = random_family(static_cast<std::uint64_t>(seed), random);
+    FamilyProblem problem(family);
+    sfdae_options options = options_with_tolerance(1e-6);
+    options.reduction = reduction;
+    sfdae_solver* solver = nullptr;
+    EXPECT_EQ(sfdae_create_linear(&solver, &problem.problem, &options), SFDAE_OK);
+    sfdae_characteristics found;
+    sfdae_characteristics_init(&found, sizeof found);
+    const int status = sfdae_analyze(solver, 0.3, 1.0, &found);
+    const CharacteristicValues expected = family->values();
+    const bool same = found.strangeness_index == expected.mu && found.differential == expected.d &&
+                      found.algebraic == expected.a && found.undetermined == expected.u &&
+                      found.redundant == expected.v;
+    if (status < 0) {
+      ++tally.named_errors;
+      EXPECT_EQ(status, SFDAE_RANK_UNCLEAR) << "seed " << seed << ": " << sfdae_message(solver);
+    } else if (same) {
+      ++tally.right;
+    } else {
+      ++tally.wrong;
+      ADD_FAILURE() << "seed " << seed << ": " << family->name();
+    }
+    sfdae_destroy(&solver);
+  }
+  return tally;
+}
+
+class RandomProblems : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Reductions, RandomProblems, testing::Values(SFDAE_REDUCTION_STAGED, SFDAE_REDUCTION_SVD),
+                         [](const auto& info) { return info.param == SFDAE_REDUCTION_SVD ? "svd" : "staged"; });
+
+TEST_P(RandomProblems, AllHaveTheRightCharacteristicValues) {
+  const int count = scaled_count(10000);
+  RandomOptions random;
+  random.w = 1.0;
+  const Tally tally = classify(1, count / 2 + 1, random, GetParam());
+  EXPECT_EQ(tally.named_errors, 0);
+  random.row_decades = 10;
+  EXPECT_EQ(classify(100001, count / 2, random, GetParam()).named_errors, 0);
+}
+
+// Fast rotations at mu = 4 make Taylor coefficients grow until some decisions are unclear: these are named, none is wrong.
+TEST_P(RandomProblems, FastRotationsGiveTheRightValuesOrANamedError) {
+  const int count = scaled_count(2000);
+  RandomOptions random;
+  random.w = 4.0;
+  const Tally tally = classify(200001, count, random, GetParam());
+  EXPECT_LE(tally.named_errors, 1 + count / 100);
+}
+
+}  // namespace
