@@ -26,7 +26,11 @@ class Probe {
  public:
   Probe(LinearSystem& system, double left, double right)
       : system_(system.problem(), system.settings(), system.analysis(), system.leading_term()),
-        resolution_(std::max(1e-9 * std::fabs(right - left), 8.0 * unit_roundoff * std::max(std::fabs(left), std::fabs(right)))) {}
+        resolution_(std::max(1e-9 * std::fabs(right - left), 8.0 * unit_roundoff * std::max(std::fabs(left), std::fabs(right)))) {
+    // A row that vanishes must not be scaled up again.
+    if (system.data().row_scale_ratio() <= moderate_row_ratio)
+      system_.set_row_scaling(RowScaling::common);
+  }
 
   bool holds_at(double t) {
     const PointStatus status = system_.move_to(t);
@@ -108,7 +112,7 @@ std::optional<LocatedChange> follow_dip(Probe& probe, double left, double right)
 }  // namespace
 
 void ChangeWatch::start(LinearSystem& system, double direction) {
-  has_older_ = false;
+  samples_ = 0;
   accept(system);
   if (system.differential() > 0 || system.is_constant()) return;
   // With d = 0 steps go anywhere at once: the trend at the start comes from a point beside it.
@@ -123,17 +127,25 @@ void ChangeWatch::start(LinearSystem& system, double direction) {
 bool ChangeWatch::is_suspicious(LinearSystem& system) const {
   if (system.is_constant()) return false;
   if (!system.orientation_kept()) return true;
-  if (!has_older_ || system.t() == last_.t || last_.t == older_.t) return false;
-  return runs_through_zero(older_.t, older_.constraints, last_.t, last_.constraints, system.t(),
-                           system.kept_constraints()) ||
-         runs_through_zero(older_.t, older_.differential, last_.t, last_.differential, system.t(),
-                           system.kept_differential());
+  if (samples_ < 2 || system.t() == last_.t) return false;
+  const auto suspicious = [&](std::size_t i, double now) {
+    return runs_through_zero(older_.t, older_.values[i], last_.t, last_.values[i], system.t(), now);
+  };
+  if (suspicious(0, system.kept_constraints()) || suspicious(1, system.kept_differential())) return true;
+  for (std::size_t i = 0; i < system.row_norms().size(); ++i)
+    if (suspicious(i + 2, system.row_norms()[i])) return true;
+  return false;
 }
 
 void ChangeWatch::accept(const LinearSystem& system) {
-  older_ = last_;
-  has_older_ = last_.t != system.t() && last_.constraints > 0.0;
-  last_ = {system.t(), system.kept_constraints(), system.kept_differential()};
+  if (samples_ > 0 && last_.t == system.t()) samples_ = 0;
+  std::swap(older_, last_);
+  last_.t = system.t();
+  last_.values.resize(system.row_norms().size() + 2);
+  last_.values[0] = system.kept_constraints();
+  last_.values[1] = system.kept_differential();
+  std::copy(system.row_norms().begin(), system.row_norms().end(), last_.values.begin() + 2);
+  samples_ = std::min(samples_ + 1, 2);
 }
 
 std::optional<LocatedChange> ChangeWatch::locate(LinearSystem& system, double left, double right, bool right_fails) {

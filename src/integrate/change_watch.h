@@ -1,12 +1,13 @@
 // Changes of the characteristic values along the way: noticed between steps, located.
 //
-// A value that vanishes at an isolated point leaves two traces: the sign of det[E1; A2] (bases aligned from step to
-// step), or smallest kept values of the rank decisions that would run straight through zero if one of them had its
-// sign changed. Either is only a suspicion; locate() confirms it by narrowing the point down.
+// A value that vanishes at an isolated point leaves traces: the sign of det[E1; A2] (bases aligned from step to step),
+// or smallest kept values of the rank decisions, or sizes of rows, that would run straight through zero if one of them
+// had its sign changed. These are only suspicions; locate() confirms them by narrowing the point down.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "reduction/linear_system.h"
 
@@ -31,10 +32,11 @@ class ChangeWatch {
 
  private:
   struct Sample {
-    double t, constraints, differential;
+    double t = 0.0;
+    std::vector<double> values;  // kept values of A^ and E T2, then row norms
   };
-  Sample older_{}, last_{};
-  bool has_older_ = false;
+  Sample older_, last_;
+  int samples_ = 0;
 };
 
 }  // namespace sfdae::core

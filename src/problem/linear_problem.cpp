@@ -217,9 +217,9 @@ Trouble LinearProblem::evaluate_plain(double t, Orders orders, TaylorData& data)
   return trouble;
 }
 
-Trouble LinearProblem::evaluate(double t, Orders orders, double time_scale, TaylorData& data) {
+Trouble LinearProblem::evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows) {
   Trouble trouble = evaluate_plain(t, orders, data);
-  if (trouble.status == SFDAE_OK && !data.scale(time_scale)) {
+  if (trouble.status == SFDAE_OK && !data.scale(time_scale, rows)) {
     trouble.status = SFDAE_NOT_FINITE;
     trouble.row = -1;
     trouble.t = t;

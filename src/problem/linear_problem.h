@@ -49,7 +49,7 @@ class LinearProblem {
 
   // Derivatives up to the orders asked for, scaled to Taylor coefficients with the given time scale (0: chosen).
   // A stop request ends the evaluation with SFDAE_STOPPED.
-  Trouble evaluate(double t, Orders orders, double time_scale, TaylorData& data);
+  Trouble evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each);
   // Plain derivatives of the orders asked for, unscaled.
   Trouble evaluate_plain(double t, Orders orders, TaylorData& data);
   // Values of the prescribed components.

@@ -32,9 +32,10 @@ void TaylorData::resize(int rows, int cols, Orders held) {
   A_.resize(std::max(A_.size(), size * index(held.A + 1)));
   f_.resize(std::max(f_.size(), index(rows) * index(held.f + 1) + 1));
   row_scale.resize(index(rows));
+  row_norm.resize(index(rows));
 }
 
-void TaylorData::choose_row_scale() {
+void TaylorData::choose_row_scale(RowScaling rows) {
   std::fill(row_scale.begin(), row_scale.end(), 0.0);
   const auto raise = [this](ConstView a) {
     for (int j = 0; j < n; ++j) {
@@ -52,8 +53,11 @@ void TaylorData::choose_row_scale() {
     for (int i = 0; i < m; ++i)
       if (at_point[index(i)] != 0.0) row_scale[index(i)] = at_point[index(i)];
   }
-  for (double& size : row_scale)
-    size = size == 0.0 ? 1.0 : std::ldexp(1.0, std::clamp(-std::ilogb(size), -1020, 1020));
+  row_norm = row_scale;
+  const double largest = *std::max_element(row_scale.begin(), row_scale.end());
+  const auto to_one = [](double size) { return std::ldexp(1.0, std::clamp(-std::ilogb(size), -1020, 1020)); };
+  const double common = largest == 0.0 ? 1.0 : to_one(largest);
+  for (double& size : row_scale) size = size == 0.0 || rows == RowScaling::common ? common : to_one(size);
 }
 
 bool TaylorData::scale_rows_and_measure() {
@@ -78,6 +82,11 @@ bool TaylorData::scale_rows_and_measure() {
     if (k <= orders.f) norm_f_[index(k)] = scale_rows(f(k), 1, inverse_factorial);
   }
   return largest <= largest_coefficient;
+}
+
+double TaylorData::row_scale_ratio() const {
+  const auto [smallest, largest] = std::minmax_element(row_scale.begin(), row_scale.end());
+  return *largest / *smallest;
 }
 
 void TaylorData::measure() {
@@ -106,8 +115,8 @@ double TaylorData::choose_time_scale() const {
   return grown < infinity ? std::clamp(grown, 0.1 * ratio, 1e3 * ratio) : ratio;
 }
 
-bool TaylorData::scale(double tau) {
-  choose_row_scale();
+bool TaylorData::scale(double tau, RowScaling rows) {
+  choose_row_scale(rows);
   time_scale = 1.0;
   if (!scale_rows_and_measure()) return false;
   if (tau == 0.0) tau = choose_time_scale();
@@ -155,10 +164,12 @@ void TaylorData::rescale_time(double factor) {
   }
 }
 
-double TaylorData::norm(int level) const {
+double TaylorData::norm(int level) const { return std::max(norm_E(level), norm_A(level)); }
+
+double TaylorData::norm_E(int level) const {
   double largest = 0.0;
   for (int k = 0; k <= std::min(level, orders.E); ++k) largest = std::max(largest, norm_E_[index(k)]);
-  return std::max(largest, norm_A(level));
+  return largest;
 }
 
 double TaylorData::norm_A(int level) const {

@@ -4,7 +4,8 @@
 //
 // D scales the rows by powers of two so that the largest entry of each row of [E A] lies in [1, 2): a constant row
 // factor at a point changes neither ranks nor solutions, but only the joint scaling tells a badly scaled equation
-// from a singular perturbation. tau is the unit of time in which derivatives are compared.
+// from a singular perturbation. (A row that is small by cancellation carries the rounding errors of large ones, and
+// scaling it up turns them into signals: for doubtful cases there is one common factor for all rows as well.) tau is the unit of time in which derivatives are compared.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -25,6 +26,11 @@ struct Orders {
   int f = -1;
 };
 
+enum class RowScaling { each, common };
+
+// Rows that differ by no more are readable without a factor of their own.
+inline constexpr double moderate_row_ratio = 4096.0;
+
 class TaylorData {
  public:
   // Room for all orders up to `orders`.
@@ -42,7 +48,7 @@ class TaylorData {
 
   // Turns plain derivatives into scaled Taylor coefficients; tau = 0 chooses the time scale. False if entries are so
   // large or differ so much that products would overflow.
-  bool scale(double tau);
+  bool scale(double tau, RowScaling rows = RowScaling::each);
   // Multiplies the time scale by `factor` once more.
   void rescale_time(double factor);
 
@@ -51,8 +57,11 @@ class TaylorData {
 
   // Largest entry over all E(k), A(k) with k <= level.
   double norm(int level) const;
+  double norm_E(int level) const;
   double norm_A(int level) const;
   double norm_f(int level) const;
+  // The largest row over the smallest, as far as scaling evened it out.
+  double row_scale_ratio() const;
   bool is_zero_E(int k) const { return norm_E_[static_cast<std::size_t>(k)] == 0.0; }
   bool is_zero_A(int k) const { return norm_A_[static_cast<std::size_t>(k)] == 0.0; }
   double norm_E0() const { return norm_E_[0]; }
@@ -65,6 +74,7 @@ class TaylorData {
   double t = 0.0;
   double time_scale = 1.0;
   std::vector<double> row_scale;  // diagonal of D
+  std::vector<double> row_norm;   // largest entry of each row of [E A], unscaled
   // Errors of difference derivatives relative to the largest coefficient of the same function; 0: exact.
   std::array<double, max_derivative_order + 1> error_E{}, error_A{}, error_f{};
 
@@ -75,7 +85,7 @@ class TaylorData {
   ConstView block(const std::vector<double>& entries, int k) const {
     return {entries.data() + static_cast<std::ptrdiff_t>(k) * m * n, m, n, m};
   }
-  void choose_row_scale();
+  void choose_row_scale(RowScaling rows);
   double choose_time_scale() const;
   bool scale_rows_and_measure();
   void multiply_all(double factor);

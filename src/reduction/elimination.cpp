@@ -25,13 +25,13 @@ struct DiagonalBlock {
   int null_rows() const { return factors.rows - rank; }
 };
 
-DiagonalBlock factor_diagonal_block(const TaylorData& data, int level, Judge& judge, Arena& arena) {
+DiagonalBlock factor_diagonal_block(const TaylorData& data, Judge& judge, Arena& arena) {
   const ConstView E0 = data.E(0);
   DiagonalBlock block{arena.matrix(data.m, data.n), arena.integers(data.n), 0, arena.matrix(data.m, data.m)};
   copy(E0, block.factors);
   double* tau = arena.take(static_cast<std::size_t>(std::min(data.m, data.n)) + 1);
   factor_qr_pivoted(block.factors, block.pivots, tau, arena);
-  block.rank = judge.decide_stage(level + 1, block.factors, E0);
+  block.rank = judge.decide_diagonal_block(block.factors, E0);
   form_q(block.factors, block.rank, tau, block.Q, arena);
   return block;
 }
@@ -147,7 +147,7 @@ View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View c
     int* pivots = arena.integers(T.cols);
     double* tau = arena.take(static_cast<std::size_t>(std::min(T.rows, T.cols)) + 1);
     factor_qr_pivoted(T, pivots, tau, arena);
-    leaving = judge.decide_stage(i + 1, T, original);
+    leaving = judge.decide_stage(i + 1, T, original, max_abs(carried.columns(i * n, n)));
     apply_q(Op::transposed, T, leaving, tau, next.top(c), arena);
   }
   return next.block(leaving, 0, next.rows - leaving, columns);
@@ -165,7 +165,7 @@ Carried split(const View& carried, int y_columns, int n, int rhs_columns) {
 }  // namespace
 
 Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_stage, Judge& judge, Arena& arena) {
-  const DiagonalBlock block = factor_diagonal_block(data, level, judge, arena);
+  const DiagonalBlock block = factor_diagonal_block(data, judge, arena);
   View carried = arena.matrix(0, (level + 2) * data.n + rhs.cols);
   for (int j = level + 1; j >= last_stage; --j) carried = run_stage(data, block, j - 1, carried, rhs, judge, arena);
   Carried result = split(carried, (last_stage - 1) * data.n, data.n, rhs.cols);
@@ -191,7 +191,7 @@ Matrix taylor_array(const TaylorData& data, int level) {
 
 Carried eliminate_by_svd(const TaylorData& data, int level, ConstView rhs, Judge& judge, Arena& arena) {
   const int n = data.n, rows = (level + 1) * data.m;
-  const DiagonalBlock block = factor_diagonal_block(data, level, judge, arena);
+  const DiagonalBlock block = factor_diagonal_block(data, judge, arena);
   const Matrix array = taylor_array(data, level);
   const Svd decomposition = svd(array.view().columns(0, (level + 1) * n));
   const int rank = judge.decide_array(decomposition.s, rows, (level + 1) * n);

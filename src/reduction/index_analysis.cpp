@@ -37,7 +37,12 @@ class Searcher {
  public:
   Searcher(LinearProblem& problem, double t, const AnalysisSettings& settings, Arena& arena,
            std::vector<RankDecision>* log)
-      : problem_(problem), t_(t), settings_(settings), arena_(arena), log_(log) {}
+      : problem_(problem),
+        t_(t),
+        settings_(settings),
+        arena_(arena),
+        log_(log),
+        judging_{settings.rank_tol, settings.by_svd, false} {}
 
   LevelReading read(int level, double time_scale) {
     evaluate(level, time_scale);
@@ -48,6 +53,15 @@ class Searcher {
   LevelReading read_confirmed(int level) {
     LevelReading reading = read(level, settings_.time_scale);
     std::vector<RankDecision> decisions = latest_;
+    if (!reading.clear && data_.row_scale_ratio() <= moderate_row_ratio) {
+      rows_ = RowScaling::common;
+      const LevelReading unscaled = read(level, settings_.time_scale);
+      if (unscaled.clear) {
+        reading = unscaled;
+        decisions = latest_;
+      }
+      rows_ = RowScaling::each;
+    }
     if (!reading.clear && is_confirmed(level, reading, decisions)) {
       reading.clear = true;
       for (RankDecision& decision : decisions)
@@ -61,6 +75,19 @@ class Searcher {
   CharacteristicValues values_at(int level) {
     const int below = level > 0 ? read_confirmed(level - 1).ranks.v_hat : 0;
     return values_of(level, read_confirmed(level), below);
+  }
+
+  // Whether A^ and E T2 have the ranks expected, and keep them under perturbations.
+  bool has_ranks(int level, double time_scale, const PointRanks& expected) {
+    judging_.measured = true;
+    const LevelReading reading = read(level, time_scale);
+    if (reading.ranks.a != expected.a || reading.ranks.d != expected.d || reading.ranks.v_hat != expected.v_hat)
+      return false;
+    std::vector<RankDecision> decisions = latest_;
+    for (RankDecision& decision : decisions)
+      if (decision.subject == Subject::constraints || decision.subject == Subject::differential)
+        decision.verdict = Verdict::unclear;  // has to be confirmed
+    return survives_perturbations(level, reading.time_scale, decisions);
   }
 
   Search search(int max_index) {
@@ -103,12 +130,17 @@ class Searcher {
     std::minstd_rand generator(1);
     for (int trial = 0; trial < 3; ++trial) {
       evaluate(level, time_scale);
-      const double amplitude = perturbation_roundings * data_.noise(level) * data_.norm(level);
-      for (int k = 0; k <= level; ++k)
-        for (const View& block : {data_.E(k), data_.A(k)})
-          for (int j = 0; j < block.cols; ++j)
-            for (int i = 0; i < block.rows; ++i)
-              block(i, j) += amplitude * (2e-9 * static_cast<double>(generator() % 1000000001u) - 1.0);
+      const double amplitude = perturbation_roundings * data_.noise(level);
+      const auto perturb = [&](View block, double norm) {
+        for (int j = 0; j < block.cols; ++j)
+          for (int i = 0; i < block.rows; ++i)
+            block(i, j) += amplitude * norm * (2e-9 * static_cast<double>(generator() % 1000000001u) - 1.0);
+      };
+      const double norm_E = data_.norm_E(level), norm_A = data_.norm_A(level);
+      for (int k = 0; k <= level; ++k) {
+        perturb(data_.E(k), norm_E);
+        perturb(data_.A(k), norm_A);
+      }
       data_.measure();
       judge_level(level);
       if (latest_.size() != decisions.size()) return false;
@@ -130,15 +162,14 @@ class Searcher {
   }
 
   void evaluate(int level, double time_scale) {
-    const Trouble trouble = problem_.evaluate(t_, {level, level, 0}, time_scale, data_);
+    const Trouble trouble = problem_.evaluate(t_, {level, level, 0}, time_scale, data_, rows_);
     if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
   }
 
   // Ranks of level `level` from the data evaluated; the decisions are left in latest_.
   LevelReading judge_level(int level) {
     latest_.clear();
-    const Judge::Settings judging{settings_.rank_tol, settings_.by_svd};
-    Judge judge(data_, level, judging, &latest_);
+    Judge judge(data_, level, judging_, &latest_);
     const Arena::Frame frame(arena_);
     const Matrix no_rhs((level + 1) * problem_.m(), 1);
     const Carried carried = settings_.by_svd ? eliminate_by_svd(data_, level, no_rhs, judge, arena_)
@@ -159,6 +190,8 @@ class Searcher {
   const AnalysisSettings& settings_;
   Arena& arena_;
   std::vector<RankDecision>* log_;
+  Judge::Settings judging_;
+  RowScaling rows_ = RowScaling::each;
   TaylorData data_;
   NullSpaceForm form_;
   std::vector<RankDecision> latest_;
@@ -237,6 +270,16 @@ CharacteristicValues find_local_values(LinearProblem& problem, double t, const A
     if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
     return {};
   }
+}
+
+bool known_values_hold(LinearProblem& problem, double t, const AnalysisSettings& settings, const IndexAnalysis& known,
+                       Arena& arena) {
+  Searcher searcher(problem, t, settings, arena, nullptr);
+  PointRanks expected;
+  expected.a = known.values.a;
+  expected.d = known.values.d;
+  expected.v_hat = known.v_hat;
+  return searcher.has_ranks(known.values.mu, known.time_scale, expected);
 }
 
 IndexAnalysis analyze_index(LinearProblem& problem, double t, double toward, const AnalysisSettings& settings,

@@ -51,6 +51,11 @@ struct IndexAnalysis {
 IndexAnalysis analyze_index(LinearProblem& problem, double t, double toward, const AnalysisSettings& settings,
                             Arena& arena, std::vector<RankDecision>& decisions);
 
+// Whether the values known hold at t although the propagated noise would not let them: judged by the effect of trial
+// perturbations. Throws Failure if a callback fails.
+bool known_values_hold(LinearProblem& problem, double t, const AnalysisSettings& settings, const IndexAnalysis& known,
+                       Arena& arena);
+
 // The smallest level at t alone; never throws for structural reasons: mu = -1 if no level up to max_index holds or a
 // decision is unclear.
 CharacteristicValues find_local_values(LinearProblem& problem, double t, const AnalysisSettings& settings,

@@ -47,10 +47,14 @@ int Judge::decide(Subject subject, int stage, ConstView r, ConstView original, d
   return record(decision, subject, stage, kept);
 }
 
-int Judge::decide_stage(int stage, ConstView r, ConstView original) {
-  // The diagonal block itself carries no derivatives: its noise is that of rounding alone.
-  const double eps = stage > level_ ? unit_roundoff : eps_;
-  return decide(Subject::stage, stage, r, original, eps * norm_ / pivot_, norm_, pivot_);
+int Judge::decide_diagonal_block(ConstView r, ConstView original) {
+  // E_0 carries no derivatives: its noise is that of rounding alone.
+  return decide(Subject::stage, level_ + 1, r, original, unit_roundoff * norm_E0_, norm_E0_, pivot_);
+}
+
+int Judge::decide_stage(int stage, ConstView r, ConstView original, double norm) {
+  norm = std::max(norm, norm_E0_);
+  return decide(Subject::stage, stage, r, original, eps_ * norm / pivot_, norm, pivot_);
 }
 
 int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
@@ -62,11 +66,17 @@ int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
 }
 
 int Judge::decide_constraints(ConstView r, ConstView original) {
-  return decide(Subject::constraints, 0, r, original, eps_ * norm_A_ / pivot_, norm_A_, kept_constraints_);
+  const double uncertainty = settings_.measured ? 1.0 : 1.0 / pivot_;
+  const int rank = decide(Subject::constraints, 0, r, original, eps_ * norm_A_ * uncertainty, norm_A_, kept_constraints_);
+  has_constraints_ = rank > 0;
+  return rank;
 }
 
 int Judge::decide_differential(ConstView r, ConstView original) {
-  const double noise = eps_ * norm_E0_ * std::max(1.0, 1.0 / (pivot_ * kept_constraints_));
+  // T2 is as uncertain as A^ relative to its smallest kept value; without constraints it is the identity.
+  const bool exact = settings_.measured || !has_constraints_;
+  const double uncertainty = exact ? 1.0 : std::max(1.0, 1.0 / (pivot_ * kept_constraints_));
+  const double noise = eps_ * norm_E0_ * uncertainty;
   return decide(Subject::differential, 0, r, original, noise, norm_E0_, kept_differential_);
 }
 

@@ -1,10 +1,12 @@
 // Rank decisions of one reduction: noise propagated from stage to stage, decisions recorded.
 //
 // eps is the unit roundoff, or the relative error of the derivatives if that is larger; p is the smallest pivot kept
-// so far, relative to the norm of the data. Rounding errors then amount to
-//   stage pivots   eps |data| / p       (a null vector of a matrix with pivot p is known to eps / p only)
+// so far, relative to the norm of its stage: a null vector of a matrix with relative pivot p is known to eps / p only.
+// Rounding errors then amount to
+//   E_0            eps |E_0|
+//   later stages   eps |stage| / p
 //   A^             eps |A| / p
-//   E T2           eps |E| max(1, |A| / (p sigma_a(A^)))
+//   E T2           eps |E_0| max(1, |A| / (p sigma_a(A^)))
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -22,14 +24,17 @@ class Judge {
   struct Settings {
     double rank_tol = 0.0;
     bool by_singular_values = false;  // judge A^ and E T2 by singular values instead of pivots
+    bool measured = false;            // thresholds of A^ and E T2 without propagation: the noise is measured instead
   };
 
   // log: where decisions are recorded, and a sign that unclear ones are to be read again by singular values;
   // nullptr in steps, where ranks are only compared with those known.
   Judge(const TaylorData& data, int level, const Settings& settings, std::vector<RankDecision>* log);
 
-  // Rank from the diagonal of a pivoted QR factorization `r` of `original` (may be empty without log).
-  int decide_stage(int stage, ConstView r, ConstView original);
+  // Ranks from the diagonal of a pivoted QR factorization `r` of `original` (may be empty without log).
+  int decide_diagonal_block(ConstView r, ConstView original);  // E_0
+  // norm: of the part of the stage that comes from carried rows.
+  int decide_stage(int stage, ConstView r, ConstView original, double norm);
   int decide_constraints(ConstView r, ConstView original);
   int decide_differential(ConstView r, ConstView original);
   // Rank of the whole array from its singular values.
@@ -54,6 +59,7 @@ class Judge {
   double pivot_ = 1.0;
   double kept_constraints_ = 1.0;
   double kept_differential_ = 1.0;
+  bool has_constraints_ = false;
   bool all_clear_ = true;
 };
 

@@ -70,13 +70,13 @@ Orders LinearSystem::orders() const {
   return {std::max(mu, needs_E1_ ? 1 : 0), mu, mu};
 }
 
-PointStatus LinearSystem::reduce(double t, double time_scale, Point& point) {
+PointStatus LinearSystem::reduce(double t, double time_scale, Point& point, RowScaling rows) {
   const int mu = analysis_.values.mu;
-  trouble_ = problem_.evaluate(t, orders(), time_scale, point.data);
+  trouble_ = problem_.evaluate(t, orders(), time_scale, point.data, rows);
   if (trouble_.status == SFDAE_OK) trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   ++reductions_;
-  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd};
+  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, measured_};
   Judge judge(point.data, mu, judging, nullptr);
   const Arena::Frame frame(arena_);
   const bool keep_transformation = problem_.is_constant();
@@ -134,14 +134,22 @@ PointStatus LinearSystem::move_to(double t) {
   if (accepted_) current_ = 1 - current_;
   accepted_ = false;
   matrix_valid_ = false;
-  PointStatus status = reduce(t, analysis_.time_scale, current());
-  // Data that have grown or shrunk may need another time scale before the values are declared to have changed.
+  PointStatus status = reduce(t, analysis_.time_scale, current(), rows_);
+  // Before the values are declared to have changed: rows that are small by cancellation must not be scaled up, and data
+  // that have grown or shrunk may need another time scale.
+  if (status == PointStatus::changed) status = reduce(t, analysis_.time_scale, current(), RowScaling::common);
   for (double factor : {1.0, 0.125}) {
     if (status != PointStatus::changed || settings_.time_scale > 0.0) break;
     TaylorData& data = current().data;
     trouble_ = problem_.evaluate(t, orders(), 0.0, data);
     if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
-    status = reduce(t, data.time_scale * factor, current());
+    status = reduce(t, data.time_scale * factor, current(), rows_);
+  }
+  if (status == PointStatus::changed && problem_.prescribed().empty() &&
+      known_values_hold(problem_, t, settings_, analysis_, arena_)) {
+    measured_ = true;
+    status = reduce(t, analysis_.time_scale, current(), rows_);
+    measured_ = false;
   }
   if (status == PointStatus::ok) constant_ready_ = problem_.is_constant();
   return status;
@@ -314,7 +322,7 @@ bool LinearSystem::derivative_from_array(const double* x, double* xdot) {
   if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED)
     throw Failure(trouble.status, trouble.message());
   if (trouble.status != SFDAE_OK) return false;
-  const Judge::Settings judging{settings_.rank_tol, false};
+  const Judge::Settings judging{settings_.rank_tol, false, false};
   Judge judge(data, level, judging, nullptr);
   const Arena::Frame frame(arena_);
   const Carried carried = eliminate(data, level, data.f_stack(level), 2, judge, arena_);

@@ -44,6 +44,10 @@ class LinearSystem final : public StrangenessFreeSystem {
   const TaylorData& data() const { return current().data; }
   double t() const { return current().t; }
   double inconsistency() const { return current().form.inconsistency(); }
+  // Largest entries of the rows of [E A], unscaled.
+  const std::vector<double>& row_norms() const { return current().data.row_norm; }
+  // How rows are scaled from now on; RowScaling::each unless set.
+  void set_row_scaling(RowScaling rows) { rows_ = rows; }
   // Smallest values kept in the decisions on A^ and E T2, relative; they dip where characteristic values change.
   double kept_constraints() const { return current().kept_constraints; }
   double kept_differential() const { return current().kept_differential; }
@@ -75,7 +79,7 @@ class LinearSystem final : public StrangenessFreeSystem {
   const Point& current() const { return points_[current_]; }
   Point& reference() { return points_[1 - current_]; }
   Orders orders() const;
-  PointStatus reduce(double t, double time_scale, Point& point);
+  PointStatus reduce(double t, double time_scale, Point& point, RowScaling rows);
   PointStatus reduce_constant(double t, Point& point);
   bool derivative_from_array(const double* x, double* xdot);
   void derivative_from_differences(const double* x, double direction, double* xdot);
@@ -86,7 +90,9 @@ class LinearSystem final : public StrangenessFreeSystem {
   AnalysisSettings settings_;
   IndexAnalysis analysis_;
   LeadingTerm leading_;
+  RowScaling rows_ = RowScaling::each;
   bool needs_E1_ = false;
+  bool measured_ = false;  // the ranks at this point have been confirmed by measured noise
   Arena arena_;
   Point points_[2];
   int current_ = 0;
