@@ -225,11 +225,12 @@ static int initial(sfdae_solver *solver, int start) {
 static int run_start(sfdae_solver *solver) { return initial(solver, 1); }
 static int run_make_consistent(sfdae_solver *solver) { return initial(solver, 0); }
 
-/* Whatever happens on the way, the last accepted point is returned. */
+/* Whatever happens on the way, the last accepted point is returned; the last step may have gone past tout = 1. */
+static const double farthest = 2;
 static int run_advance(sfdae_solver *solver) {
   double t = unset, x[N] = {unset, unset, unset, unset, unset}, xdot[N];
   const int status = sfdae_advance(solver, 1, &t, x, xdot);
-  CHECK(t >= 0 && t <= 1 && accurate(t, x));
+  CHECK(t >= 0 && t <= farthest && accurate(t, x));
   CHECK(status != SFDAE_OK || t == 1);
   return status;
 }
@@ -239,7 +240,7 @@ static int run_steps(sfdae_solver *solver) {
   int status;
   do {
     status = sfdae_step(solver, 1, &t, x, NULL);
-    CHECK(t >= before && t <= 1 && accurate(t, x));
+    CHECK(t >= before && t <= farthest && accurate(t, x));
     before = t;
   } while (status == SFDAE_STEP_TAKEN);
   return status;
@@ -390,7 +391,7 @@ static void every_monitor_call_may_stop(void) {
     p.call = call;
     status = sfdae_advance(solver, 1, &t, x, NULL);
     CHECK_STATUS(status, p.calls >= call ? SFDAE_STOPPED : SFDAE_OK);
-    CHECK(t > 0 && t <= 1 && accurate(t, x));
+    CHECK(t > 0 && t <= farthest && accurate(t, x));
     p.function = 0;
     CHECK_STATUS(sfdae_advance(solver, 1, &t, x, NULL), SFDAE_OK);
     CHECK(t == 1 && accurate(t, x));

