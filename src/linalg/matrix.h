@@ -66,6 +66,7 @@ Matrix identity(int n);
 
 // max |a_ij|, 0 for an empty matrix.
 double max_abs(ConstView a);
+double max_abs(const double* values, int count);
 // True if no entry is NaN or infinite; raises no floating-point exception.
 bool all_finite(const double* values, std::size_t count);
 

@@ -17,6 +17,11 @@ constexpr double largest_coefficient = 1e60;
 
 std::size_t index(int k) { return static_cast<std::size_t>(k); }
 
+// Scaling by it rounds nothing.
+double power_of_two_near(double x) {
+  return std::ldexp(1.0, std::clamp(static_cast<int>(std::lround(std::log2(x))), -900, 900));
+}
+
 void multiply_entries(double* values, std::size_t count, double factor) {
   for (std::size_t i = 0; i < count; ++i) values[i] *= factor;
 }
@@ -33,6 +38,7 @@ void TaylorData::resize(int rows, int cols, Orders held) {
   f_.resize(std::max(f_.size(), index(rows) * index(held.f + 1) + 1));
   row_scale.resize(index(rows));
   row_norm.resize(index(rows));
+  row_factor_.resize(index(rows));
 }
 
 void TaylorData::choose_row_scale(RowScaling rows) {
@@ -60,28 +66,26 @@ void TaylorData::choose_row_scale(RowScaling rows) {
   for (double& size : row_scale) size = size == 0.0 || rows == RowScaling::common ? common : to_one(size);
 }
 
-bool TaylorData::scale_rows_and_measure() {
-  double largest = 0.0;
-  const auto scale_rows = [this, &largest](double* values, int columns, double factor) {
+// Order k times D tau^k / k!, for A and f once more times tau.
+void TaylorData::scale_rows_and_measure(double tau) {
+  const auto scale_rows = [this](double* values, int columns, double factor) {
+    for (int i = 0; i < m; ++i) row_factor_[index(i)] = row_scale[index(i)] * factor;
     double norm = 0.0;
     for (int j = 0; j < columns; ++j) {
-      double* column = values + static_cast<std::ptrdiff_t>(j) * m;
-      for (int i = 0; i < m; ++i) {
-        column[i] *= row_scale[index(i)] * factor;
-        norm = std::max(norm, std::fabs(column[i]));
-      }
+      double* __restrict column = values + static_cast<std::ptrdiff_t>(j) * m;
+      const double* __restrict factors = row_factor_.data();
+      for (int i = 0; i < m; ++i) column[i] *= factors[i];
+      norm = std::max(norm, max_abs(column, m));
     }
-    largest = std::max(largest, norm);
     return norm;
   };
-  double inverse_factorial = 1.0;
-  for (int k = 0; k <= max_derivative_order; ++k) {
-    if (k > 0) inverse_factorial /= k;
-    if (k <= orders.E) norm_E_[index(k)] = scale_rows(E(k).data, n, inverse_factorial);
-    if (k <= orders.A) norm_A_[index(k)] = scale_rows(A(k).data, n, inverse_factorial);
-    if (k <= orders.f) norm_f_[index(k)] = scale_rows(f(k), 1, inverse_factorial);
+  double factor = 1.0;
+  for (int k = 0; k <= std::max({orders.E, orders.A, orders.f}); ++k) {
+    if (k > 0) factor *= tau / k;
+    if (k <= orders.E) norm_E_[index(k)] = scale_rows(E(k).data, n, factor);
+    if (k <= orders.A) norm_A_[index(k)] = scale_rows(A(k).data, n, factor * tau);
+    if (k <= orders.f) norm_f_[index(k)] = scale_rows(f(k), 1, factor * tau);
   }
-  return largest <= largest_coefficient;
 }
 
 double TaylorData::row_scale_ratio() const {
@@ -117,11 +121,10 @@ double TaylorData::choose_time_scale() const {
 
 bool TaylorData::scale(double tau, RowScaling rows) {
   choose_row_scale(rows);
-  time_scale = 1.0;
-  if (!scale_rows_and_measure()) return false;
-  if (tau == 0.0) tau = choose_time_scale();
-  // A power of two scales without rounding.
-  rescale_time(std::ldexp(1.0, std::clamp(static_cast<int>(std::lround(std::log2(tau))), -900, 900)));
+  time_scale = tau > 0.0 ? power_of_two_near(tau) : 1.0;
+  scale_rows_and_measure(time_scale);
+  if (norm(std::max(orders.E, orders.A)) > largest_coefficient) return false;
+  if (tau == 0.0) rescale_time(power_of_two_near(choose_time_scale()));
   const double largest = norm(std::max(orders.E, orders.A));
   if (largest > largest_coefficient) return false;
   // A tiny E with its small time scale: one more common factor keeps squares from underflow.

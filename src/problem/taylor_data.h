@@ -87,10 +87,10 @@ class TaylorData {
   }
   void choose_row_scale(RowScaling rows);
   double choose_time_scale() const;
-  bool scale_rows_and_measure();
+  void scale_rows_and_measure(double tau);
   void multiply_all(double factor);
 
-  std::vector<double> E_, A_, f_;
+  std::vector<double> E_, A_, f_, row_factor_;
   std::array<double, max_derivative_order + 1> norm_E_{}, norm_A_{}, norm_f_{};
 };
 

@@ -264,16 +264,9 @@ void LinearSystem::correct_derivative(const double* x, double* xdot) {
   multiply(1.0, Op::plain, form.T2(), z, 1.0, xdot);
 }
 
-int LinearSystem::sign_of_G(const NullSpaceForm& form) {
-  const Arena::Frame frame(arena_);
-  const View G = arena_.matrix(form.d, form.d);
-  copy(form.G(), G);
-  return determinant_sign(G, arena_);
-}
-
 void LinearSystem::accept() {
   if (constant_ready_) return;
-  current().det_sign = undetermined() == 0 ? sign_of_G(current().form) : 1;
+  current().det_sign = undetermined() == 0 ? current().form.sign_of_G() : 1;
   accepted_ = true;
 }
 
@@ -285,7 +278,7 @@ bool LinearSystem::orientation_kept() {
   const View K = arena_.matrix(now.d, now.d), T = arena_.matrix(now.d, now.d);
   multiply(1.0, Op::transposed, then.Z1(), Op::plain, now.Z1(), 0.0, K);
   multiply(1.0, Op::transposed, then.T2(), Op::plain, now.T2(), 0.0, T);
-  const int aligned = determinant_sign(K, arena_) * determinant_sign(T, arena_) * sign_of_G(now);
+  const int aligned = determinant_sign(K, arena_) * determinant_sign(T, arena_) * now.sign_of_G();
   return aligned == reference().det_sign;
 }
 

@@ -84,7 +84,6 @@ class LinearSystem final : public StrangenessFreeSystem {
   bool derivative_from_array(const double* x, double* xdot);
   void derivative_from_differences(const double* x, double direction, double* xdot);
   void settle_leading_term();
-  int sign_of_G(const NullSpaceForm& form);
 
   LinearProblem& problem_;
   AnalysisSettings settings_;

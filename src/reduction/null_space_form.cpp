@@ -226,6 +226,23 @@ void NullSpaceForm::solve_G(const double* q, double* z, Arena& arena) const {
   multiply(1.0, Op::plain, ConstView{Qg_.data(), unknowns(), d, unknowns()}, y, 0.0, z);
 }
 
+int NullSpaceForm::sign_of_G() const {
+  // G is R3 with permuted columns: signs of the diagonal, and one for every cycle of even length.
+  int sign = 1;
+  for (int i = 0; i < d; ++i) {
+    const double r = R3_[static_cast<std::size_t>(i) * static_cast<std::size_t>(d + 1)];
+    if (r == 0.0) return 0;
+    if (r < 0.0) sign = -sign;
+    int next = i, length = 0;
+    do {
+      next = pivots3_[static_cast<std::size_t>(next)];
+      ++length;
+    } while (next > i);
+    if (next == i && length % 2 == 0) sign = -sign;
+  }
+  return sign;
+}
+
 void NullSpaceForm::project(double* y, Arena& arena) const {
   if (kernel_ == 0) return;
   const Arena::Frame frame(arena);

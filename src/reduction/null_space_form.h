@@ -71,6 +71,8 @@ class NullSpaceForm {
 
   // z of smallest norm with G z = q.
   void solve_G(const double* q, double* z, Arena& arena) const;
+  // Sign of det G, 0 if it vanishes; u = 0 only.
+  int sign_of_G() const;
   // y := P y = y - K K^T y.
   void project(double* y, Arena& arena) const;
 
