@@ -225,7 +225,7 @@ TEST(FactorQrPivoted, RevealsTheRankOfDeficientMatrices) {
     }
 }
 
-// Cancellation: columns that agree to 1e-6 lose twelve digits of their squared norms in the first step. A pivot rule
+// Cancellation: columns that agree to 1e-9 lose all digits of their squared norms in the first step. A pivot rule
 // that trusts updated norms picks wrong columns then.
 TEST(FactorQrPivoted, RecomputesNormsThatCancellationHasEaten) {
   Arena arena;
@@ -233,8 +233,8 @@ TEST(FactorQrPivoted, RecomputesNormsThatCancellationHasEaten) {
     Matrix a(n, n);
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) a(i, j) = 1.0;
-    // Column j deviates by 1e-6 (j + 1) in row j alone: the longer deviation has to be taken first.
-    for (int j = 0; j < n; ++j) a(j, j) += 1e-6 * (j + 1);
+    // Column j deviates by 1e-9 (j + 1) in row j alone: the longer deviation has to be taken first.
+    for (int j = 0; j < n; ++j) a(j, j) += 1e-9 * (j + 1);
     Matrix factors = to_matrix(a);
     std::vector<double> tau(size(n) + 1);
     std::vector<int> pivots(size(n) + 1);
@@ -242,9 +242,27 @@ TEST(FactorQrPivoted, RecomputesNormsThatCancellationHasEaten) {
     for (int k = 1; k + 1 < n; ++k) {
       double squares = 0.0;
       for (int i = k; i <= k + 1; ++i) squares += factors(i, k + 1) * factors(i, k + 1);
-      EXPECT_GE(std::fabs(factors(k, k)) * (1.0 + 1e-6), std::sqrt(squares)) << n << ", " << k;
+      // The deviations are known to rounding / 1e-9.
+      EXPECT_GE(std::fabs(factors(k, k)) * (1.0 + rounding(n) / 1e-9), std::sqrt(squares)) << n << ", " << k;
     }
   }
+}
+
+// x = (1, 1e-9): 1 - |x| vanishes by rounding, 1 + |x| does not.
+TEST(FactorQr, LosesNoDigitsWhereColumnsAreNearlyTriangular) {
+  Arena arena;
+  for (double sign : {1.0, -1.0})
+    for (int n : {2, 6, 30}) {
+      Matrix a(n, n);
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) a(i, j) = i == j ? sign : 1e-9;
+      Matrix factors = to_matrix(a), q(n, n);
+      std::vector<double> tau(size(n));
+      factor_qr(factors, tau.data(), arena);
+      form_q(factors, n, tau.data(), q, arena);
+      EXPECT_LE(orthonormality_defect(q), rounding(n));
+      EXPECT_LE(distance(times(q, upper_triangle(factors)), a), rounding(n));
+    }
 }
 
 // Householder reflections know no unit: a power of two as a factor changes no digit. 2^-400 squares to 1e-241.

@@ -72,6 +72,15 @@ TEST(Judge, NoiseOfStagesGrowsWithTheInverseOfTheSmallestPivot) {
   EXPECT_DOUBLE_EQ(judge.smallest_pivot(), 0.1);  // 1/4 is larger
 }
 
+// Rows carried may be rounding errors of E_0 alone: a stage is never measured by less than E_0.
+TEST(Judge, StagesSmallerThanEAreMeasuredByE) {
+  const TaylorData data = data_of(4.0, 1.0);
+  const Judge::Settings settings;
+  Judge judge(data, 1, settings, nullptr);
+  EXPECT_EQ(judge.decide_stage(1, diagonal(1e-17, 0.0), {}, 1e-17), 0);
+  EXPECT_EQ(judge.decide_stage(1, diagonal(1e-10, 0.0), {}, 1e-10), 1);
+}
+
 // A^: eps |A| / p relative to |A|.  E T2: eps |E_0| max(1, |A| / (p sigma_a)) relative to |E_0|.
 TEST(Judge, NoiseOfConstraintsAndOfET2IsPropagated) {
   const TaylorData data = data_of(4.0, 8.0);
