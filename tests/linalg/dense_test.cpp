@@ -32,15 +32,16 @@ struct Shape {
 };
 
 // Around the crossovers at 16, 24 and 48, and far from square.
-constexpr Shape shapes[] = {{1, 1},   {2, 2},   {1, 5},   {5, 1},   {3, 2},   {2, 3},   {16, 16}, {17, 17}, {24, 24},
-                            {25, 25}, {40, 40}, {48, 24}, {49, 24}, {24, 49}, {25, 48}, {10, 70}, {70, 10}, {70, 70},
-                            {0, 3},   {3, 0},   {0, 0}};
+constexpr Shape shapes[] = {{1, 1},   {2, 2},   {1, 5},   {5, 1},   {3, 2},   {2, 3},   {16, 16},
+                            {17, 17}, {24, 24}, {25, 25}, {40, 40}, {48, 24}, {49, 24}, {24, 49},
+                            {25, 48}, {10, 70}, {70, 10}, {70, 70}, {0, 3},   {3, 0},   {0, 0}};
 
 // A matrix inside a larger array whose other entries must not change.
 class Guarded {
  public:
   explicit Guarded(ConstView a)
-      : entries_(size(a.rows + 3) * size(a.cols + 1) + 1, guard), view{entries_.data() + 1, a.rows, a.cols, a.rows + 3} {
+      : entries_(size(a.rows + 3) * size(a.cols + 1) + 1, guard),
+        view{entries_.data() + 1, a.rows, a.cols, a.rows + 3} {
     copy(a, view);
   }
   bool guards_intact() const {
@@ -67,7 +68,9 @@ Matrix upper_triangle(ConstView a) {
   return r;
 }
 
-Matrix op(Op which, ConstView a) { return which == Op::plain ? to_matrix(a) : transposed(a); }
+Matrix op(Op which, ConstView a) {
+  return which == Op::plain ? to_matrix(a) : transposed(a);
+}
 
 // Rank r, singular values between 1 and about rows cols.
 Matrix matrix_of_rank(int rows, int cols, int rank, std::uint64_t seed) {
@@ -90,14 +93,27 @@ TEST(Multiply, AgreesWithPlainSumsForEveryOperationAndSize) {
   struct Sizes {
     int rows, cols, inner;
   };
-  for (const Sizes s : {Sizes{1, 1, 1}, {3, 2, 4}, {4, 5, 7}, {11, 12, 13}, {12, 12, 12}, {13, 12, 12}, {40, 25, 17},
-                        {70, 3, 70}, {3, 70, 40}, {0, 3, 2}, {3, 0, 2}, {3, 2, 0}, {40, 40, 0}})
+  for (const Sizes s : {Sizes{1, 1, 1},
+                        {3, 2, 4},
+                        {4, 5, 7},
+                        {11, 12, 13},
+                        {12, 12, 12},
+                        {13, 12, 12},
+                        {40, 25, 17},
+                        {70, 3, 70},
+                        {3, 70, 40},
+                        {0, 3, 2},
+                        {3, 0, 2},
+                        {3, 2, 0},
+                        {40, 40, 0}})
     for (Op op_a : {Op::plain, Op::transposed})
       for (Op op_b : {Op::plain, Op::transposed})
         for (double alpha : {1.0, -0.75, 0.0})
           for (double beta : {0.0, 1.0, -2.5}) {
-            const Matrix a = op_a == Op::plain ? random_matrix(s.rows, s.inner, 1) : random_matrix(s.inner, s.rows, 1);
-            const Matrix b = op_b == Op::plain ? random_matrix(s.inner, s.cols, 2) : random_matrix(s.cols, s.inner, 2);
+            const Matrix a =
+                op_a == Op::plain ? random_matrix(s.rows, s.inner, 1) : random_matrix(s.inner, s.rows, 1);
+            const Matrix b =
+                op_b == Op::plain ? random_matrix(s.inner, s.cols, 2) : random_matrix(s.cols, s.inner, 2);
             const Matrix c = random_matrix(s.rows, s.cols, 3);
             const Guarded in_a(a), in_b(b);
             Guarded result(c);
@@ -126,7 +142,8 @@ TEST(Multiply, WithBetaZeroIgnoresTheOldResult) {
 }
 
 TEST(Multiply, MatrixTimesVectorAgreesWithPlainSums) {
-  for (const Shape s : {Shape{1, 1}, {5, 3}, {3, 5}, {32, 32}, {33, 32}, {70, 16}, {16, 70}, {70, 70}, {0, 4}, {4, 0}})
+  for (const Shape s :
+       {Shape{1, 1}, {5, 3}, {3, 5}, {32, 32}, {33, 32}, {70, 16}, {16, 70}, {70, 70}, {0, 4}, {4, 0}})
     for (Op which : {Op::plain, Op::transposed})
       for (double beta : {0.0, 1.0, -2.0}) {
         const Matrix a = random_matrix(s.rows, s.cols, 4);

@@ -110,8 +110,13 @@ TEST(MaxAbs, FindsTheLargestEntryWhereverItIsAndIgnoresPadding) {
 }
 
 TEST(AllFinite, AcceptsExtremesAndRefusesNanAndInfinityAtEveryPlace) {
-  std::vector<double> values{0.0, -0.0, std::numeric_limits<double>::max(), -std::numeric_limits<double>::max(),
-                             std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::min(), 1.0};
+  std::vector<double> values{0.0,
+                             -0.0,
+                             std::numeric_limits<double>::max(),
+                             -std::numeric_limits<double>::max(),
+                             std::numeric_limits<double>::denorm_min(),
+                             std::numeric_limits<double>::min(),
+                             1.0};
   EXPECT_TRUE(all_finite(values.data(), values.size()));
   EXPECT_TRUE(all_finite(values.data(), 0));
   for (double& value : values)

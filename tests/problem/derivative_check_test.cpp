@@ -47,7 +47,9 @@ TEST(DerivativeCheck, LocatesAWrongEntryWithItsValues) {
     char name;
     int order, row, column;
   };
-  for (const Case c : {Case{Callback::E, 'E', 1, 3, 2}, {Callback::A, 'A', 1, 0, 4}, {Callback::f, 'f', 1, 2, 0},
+  for (const Case c : {Case{Callback::E, 'E', 1, 3, 2},
+                       {Callback::A, 'A', 1, 0, 4},
+                       {Callback::f, 'f', 1, 2, 0},
                        {Callback::A, 'A', 2, 4, 1}}) {
     FamilyProblem callbacks(family);
     callbacks.hooks.tamper = add_to(c.function, c.order, static_cast<std::size_t>(c.row + c.column * m), 0.01);
@@ -78,8 +80,8 @@ TEST(DerivativeCheck, AFactorThatIsWrongIsSuspicious) {
 }
 
 TEST(DerivativeCheck, ComparesNothingWhereThereIsNothing) {
-  FamilyProblem constant(std::shared_ptr<const sfdae_test::LinearFamily>(
-      std::move(sfdae_test::no_equations().family)));
+  FamilyProblem constant(
+      std::shared_ptr<const sfdae_test::LinearFamily>(std::move(sfdae_test::no_equations().family)));
   constant.declare_constants();
   constant.problem.f = nullptr;
   LinearProblem problem(constant.problem);

@@ -35,8 +35,11 @@ std::vector<double> sine_samples(double t, double step, int shift, double speed)
 
 // The order conditions: weights on p + 1 nodes reproduce every derivative of every polynomial of degree p.
 TEST(DifferenceWeights, AreExactForPolynomials) {
-  for (const std::vector<double>& nodes :
-       {std::vector<double>{0.0}, {0.0, 1.0}, {-1.0, 0.0, 1.0}, {0.0, -1.0, 2.0, 3.5}, {-4, -3, -2, -1, 0, 1, 2, 3, 4}})
+  for (const std::vector<double>& nodes : {std::vector<double>{0.0},
+                                           {0.0, 1.0},
+                                           {-1.0, 0.0, 1.0},
+                                           {0.0, -1.0, 2.0, 3.5},
+                                           {-4, -3, -2, -1, 0, 1, 2, 3, 4}})
     for (double at : {0.0, 0.3, -1.0}) {
       const int degree = static_cast<int>(nodes.size()) - 1;
       const std::vector<double> w = difference_weights(at, nodes, degree);

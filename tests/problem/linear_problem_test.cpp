@@ -44,9 +44,8 @@ struct Probe {
   Probe() {
     sfdae_linear_problem_init(&problem, sizeof problem);
     problem.num_equations = problem.num_unknowns = 2;
-    problem.E = problem.A = [](double, int, double* out, void* user) {
-      return static_cast<Probe*>(user)->write(out, 4);
-    };
+    problem.E =
+        problem.A = [](double, int, double* out, void* user) { return static_cast<Probe*>(user)->write(out, 4); };
     problem.f = [](double, int, double* out, void* user) { return static_cast<Probe*>(user)->write(out, 2); };
     problem.num_prescribed = 2;
     problem.prescribed = indices;
@@ -229,8 +228,10 @@ TEST(LinearProblem, ReturnCodesBecomeStatuses) {
     int code, status;
     bool recoverable;
   };
-  for (const Case c : {Case{-1, SFDAE_CALLBACK_STOPPED, false}, {-77, SFDAE_CALLBACK_STOPPED, false},
-                       {1, SFDAE_CALLBACK_FAILED, true}, {1000, SFDAE_CALLBACK_FAILED, true},
+  for (const Case c : {Case{-1, SFDAE_CALLBACK_STOPPED, false},
+                       {-77, SFDAE_CALLBACK_STOPPED, false},
+                       {1, SFDAE_CALLBACK_FAILED, true},
+                       {1000, SFDAE_CALLBACK_FAILED, true},
                        {SFDAE_ORDER_NOT_AVAILABLE, SFDAE_ORDER_MISSING, false}}) {
     FamilyProblem callbacks((Family(sfdae_test::kron(4, 1))));
     callbacks.hooks.status = sfdae_test::return_at_call(4, c.code);  // E twice, A order 0, A order 1

@@ -25,8 +25,7 @@ using Numbers = std::vector<double>;
 // 1 x 1: E(k) = E[k], A(k) = A[k], f(k) = f[k], plain derivatives.
 TaylorData scalar(const Numbers& E, const Numbers& A, const Numbers& f = {0.0}) {
   TaylorData data;
-  data.resize(1, 1,
-              {static_cast<int>(E.size()) - 1, static_cast<int>(A.size()) - 1, static_cast<int>(f.size()) - 1});
+  data.resize(1, 1, {static_cast<int>(E.size()) - 1, static_cast<int>(A.size()) - 1, static_cast<int>(f.size()) - 1});
   for (std::size_t k = 0; k < E.size(); ++k) data.E(static_cast<int>(k))(0, 0) = E[k];
   for (std::size_t k = 0; k < A.size(); ++k) data.A(static_cast<int>(k))(0, 0) = A[k];
   for (std::size_t k = 0; k < f.size(); ++k) *data.f(static_cast<int>(k)) = f[k];
@@ -57,8 +56,7 @@ TaylorData random_data(int m, int n, Orders orders, const Numbers& row_size) {
 // E(k) = D E^(k) tau^k / k!,  A(k) = D A^(k) tau^(k+1) / k!,  f(k) = D f^(k) tau^(k+1) / k!
 void expect_definition(const TaylorData& data, const TaylorData& plain) {
   const auto expect_entry = [&](double scaled, double derivative, int row, int k, int power) {
-    const double expected =
-        data.row_scale[size(row)] * derivative * std::pow(data.time_scale, power) / factorial(k);
+    const double expected = data.row_scale[size(row)] * derivative * std::pow(data.time_scale, power) / factorial(k);
     EXPECT_NEAR(scaled, expected, rounding(1) * std::fabs(expected)) << "order " << k << ", row " << row;
   };
   for (int i = 0; i < data.m; ++i) {
@@ -182,12 +180,12 @@ TEST(TimeScale, IsTheRatioOfEToAWhereNothingGrows) {
 }
 
 TEST(TimeScale, IsTheTimeInWhichACoefficientGrowsToTheSizeOfThatOfOrderZero) {
-  EXPECT_EQ(time_scale_of({1.0, 4.0}, {1.0, 0.0}), 0.25);               // (1 / 4)^(1/1)
-  EXPECT_EQ(time_scale_of({1.0, 0.0, 2.0 * 16.0}, {1.0}), 0.25);        // (1 / 16)^(1/2)
-  EXPECT_EQ(time_scale_of({1.0}, {1.0, 2.0}), 0.5);                     // A grows
-  EXPECT_EQ(time_scale_of({1.0, 2.0}, {1.0, 4.0}), 0.25);               // the smaller one counts
-  EXPECT_EQ(time_scale_of({1.0, 2.0, 2.0 * 16.0}, {1.0}), 0.25);        // and the smaller order by order
-  EXPECT_EQ(time_scale_of({1.0, 1.0 / 64.0}, {1.0, 0.0}), 64.0);        // slow coefficients: a long time
+  EXPECT_EQ(time_scale_of({1.0, 4.0}, {1.0, 0.0}), 0.25);         // (1 / 4)^(1/1)
+  EXPECT_EQ(time_scale_of({1.0, 0.0, 2.0 * 16.0}, {1.0}), 0.25);  // (1 / 16)^(1/2)
+  EXPECT_EQ(time_scale_of({1.0}, {1.0, 2.0}), 0.5);               // A grows
+  EXPECT_EQ(time_scale_of({1.0, 2.0}, {1.0, 4.0}), 0.25);         // the smaller one counts
+  EXPECT_EQ(time_scale_of({1.0, 2.0, 2.0 * 16.0}, {1.0}), 0.25);  // and the smaller order by order
+  EXPECT_EQ(time_scale_of({1.0, 1.0 / 64.0}, {1.0, 0.0}), 64.0);  // slow coefficients: a long time
 }
 
 TEST(TimeScale, StaysWithinATenthAndAThousandTimesTheRatio) {

@@ -48,9 +48,13 @@ struct AtPoint : AnalyzedProblem {
 };
 
 std::vector<Family> families() {
-  return {Family(sfdae_test::kron(7, 0)), Family(sfdae_test::kron(8, 2)), Family(sfdae_test::kron(9, 1, 0.5, 2)),
-          Family(sfdae_test::chain(4, 2)), Family(sfdae_test::nilpotent(3).family),
-          Family(sfdae_test::free_component().family), Family(sfdae_test::rotated_ode(sfdae_test::RowOperation::none))};
+  return {Family(sfdae_test::kron(7, 0)),
+          Family(sfdae_test::kron(8, 2)),
+          Family(sfdae_test::kron(9, 1, 0.5, 2)),
+          Family(sfdae_test::chain(4, 2)),
+          Family(sfdae_test::nilpotent(3).family),
+          Family(sfdae_test::free_component().family),
+          Family(sfdae_test::rotated_ode(sfdae_test::RowOperation::none))};
 }
 
 Numbers shifted(Numbers x, double amount) {
@@ -110,7 +114,8 @@ TEST(ConsistentValues, WeightedIsTheMinimumInTheWeightedNorm) {
     make_consistent(p.system, request, x);
     EXPECT_LE(p.violation(x), p.tolerance() * std::max(1.0, largest(x)));
     Matrix gradient(n, 1);
-    for (int i = 0; i < n; ++i) gradient(i, 0) = (x[size(i)] - given[size(i)]) / std::pow(request.weights[size(i)], 2);
+    for (int i = 0; i < n; ++i)
+      gradient(i, 0) = (x[size(i)] - given[size(i)]) / std::pow(request.weights[size(i)], 2);
     EXPECT_LE(largest(times(transposed(p.system.form().T2()), gradient)),
               rounding(n) * 1e4 * std::max(1.0, largest(gradient)));
   }
@@ -136,8 +141,8 @@ TEST(ConsistentValues, SmallWeightsKeepComponents) {
 
 // Fixed components keep every bit; the others change least: T2_free directions N with N_J = 0 see no change.
 TEST(ConsistentValues, FixedComponentsKeepTheirValues) {
-  for (const Family& family : {Family(sfdae_test::kron(8, 1)), Family(sfdae_test::kron(9, 1, 0.5, 2)),
-                               Family(sfdae_test::chain(4, 1))}) {
+  for (const Family& family :
+       {Family(sfdae_test::kron(8, 1)), Family(sfdae_test::kron(9, 1, 0.5, 2)), Family(sfdae_test::chain(4, 1))}) {
     SCOPED_TRACE(family->name());
     AtPoint p(family);
     const int n = p.problem.n();

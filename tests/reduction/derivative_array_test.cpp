@@ -57,9 +57,8 @@ TEST(DerivativeArray, OfLevelTwoHasTheBlocksOfTwoDifferentiations) {
   const Matrix E2 = derivative(*family, 'E', t, 2), A = derivative(*family, 'A', t, 0);
   const Matrix A1 = derivative(*family, 'A', t, 1), A2 = derivative(*family, 'A', t, 2);
   const Matrix zero(m, m);
-  const Matrix expected[3][3] = {{E, zero, zero},
-                                 {sum(1.0, E1, -1.0, A), E, zero},
-                                 {sum(1.0, E2, -2.0, A1), sum(2.0, E1, -1.0, A), E}};
+  const Matrix expected[3][3] = {
+      {E, zero, zero}, {sum(1.0, E1, -1.0, A), E, zero}, {sum(1.0, E2, -2.0, A1), sum(2.0, E1, -1.0, A), E}};
   const Matrix expected_N[3] = {A, A1, A2};
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j)
@@ -120,8 +119,8 @@ TEST(Projectors, HaveThePropertiesThatDefineThem) {
 
     // Rounding errors of null vectors, in the units of the array.
     const double size_of_array = std::max({1.0, largest(array.M), largest(array.N)});
-    const double tolerance = rounding(10 * (mu + 1) * m) * size_of_array /
-                             (p.system.smallest_pivot() * p.system.kept_constraints());
+    const double tolerance =
+        rounding(10 * (mu + 1) * m) * size_of_array / (p.system.smallest_pivot() * p.system.kept_constraints());
     for (const Matrix* basis : {&q.Z1, &q.Z2, &q.Z3, &q.T2})
       EXPECT_LE(orthonormality_defect(*basis), rounding((mu + 1) * m));
     EXPECT_LE(largest(times(transposed(q.Z2), q.Z3)), rounding((mu + 1) * m));
@@ -151,9 +150,9 @@ TEST(Projectors, AreTheSameSpacesByBothReductions) {
     ASSERT_EQ(staged.system.move_to(0.4), PointStatus::ok);
     ASSERT_EQ(classical.system.move_to(0.4), PointStatus::ok);
     const Projectors one = projectors(staged.system, 0.4), other = projectors(classical.system, 0.4);
-    const double tolerance = rounding(10 * (mu + 1) * 7) / (staged.system.smallest_pivot() *
-                                                            classical.system.smallest_pivot() *
-                                                            staged.system.kept_constraints());
+    const double tolerance =
+        rounding(10 * (mu + 1) * 7) /
+        (staged.system.smallest_pivot() * classical.system.smallest_pivot() * staged.system.kept_constraints());
     EXPECT_LE(outside_range(one.Z2, other.Z2), tolerance);
     EXPECT_LE(outside_range(one.T2, other.T2), tolerance);
     EXPECT_LE(outside_range(one.Z1, other.Z1), tolerance);

@@ -198,7 +198,8 @@ TEST(Elimination, CarriedRowsHoldForTheExactSolution) {
     c.family->exact(c.t, x.data(), nullptr);
     const Matrix residual = sfdae_test::sum(1.0, times(carried.constraints, sfdae_test::column(x)), 1.0, carried.rhs);
     const double scale = std::max({1.0, data.norm(c.level) * largest(x), data.norm_f(c.level)});
-    EXPECT_LE(largest(residual), rounding((c.level + 1) * (data.m + data.n)) * 100.0 * scale / judge.smallest_pivot());
+    EXPECT_LE(largest(residual),
+              rounding((c.level + 1) * (data.m + data.n)) * 100.0 * scale / judge.smallest_pivot());
     EXPECT_EQ(carried.y.cols, 0);
   }
 }
@@ -219,10 +220,9 @@ TEST(Elimination, StoppedBeforeTheLastStageHoldsForTheDerivativeToo) {
     family->exact(t, x.data(), xdot.data());
     for (double& value : xdot) value *= data.time_scale;
     const Matrix left = times(carried.y, sfdae_test::column(xdot));
-    const Matrix right =
-        sfdae_test::sum(1.0, times(carried.constraints, sfdae_test::column(x)), 1.0, carried.rhs);
-    EXPECT_LE(distance(left, right), rounding((mu + 2) * 16) * 100.0 * std::max(1.0, data.norm(mu + 1)) /
-                                         judge.smallest_pivot());
+    const Matrix right = sfdae_test::sum(1.0, times(carried.constraints, sfdae_test::column(x)), 1.0, carried.rhs);
+    EXPECT_LE(distance(left, right),
+              rounding((mu + 2) * 16) * 100.0 * std::max(1.0, data.norm(mu + 1)) / judge.smallest_pivot());
   }
 }
 
@@ -247,8 +247,17 @@ TEST(Elimination, OfRectangularAndRandomDataAnnihilatesTheDerivatives) {
   struct Shape {
     int m, n, rank;
   };
-  for (const Shape s : {Shape{3, 5, 2}, {5, 3, 2}, {4, 4, 0}, {4, 4, 4}, {3, 5, 3}, {5, 3, 3}, {1, 1, 0}, {1, 1, 1},
-                        {30, 30, 12}, {26, 40, 25}, {55, 30, 20}})
+  for (const Shape s : {Shape{3, 5, 2},
+                        {5, 3, 2},
+                        {4, 4, 0},
+                        {4, 4, 4},
+                        {3, 5, 3},
+                        {5, 3, 3},
+                        {1, 1, 0},
+                        {1, 1, 1},
+                        {30, 30, 12},
+                        {26, 40, 25},
+                        {55, 30, 20}})
     for (int level : {0, 1, 3}) {
       SCOPED_TRACE(std::to_string(s.m) + " x " + std::to_string(s.n) + ", " + std::to_string(level));
       const TaylorData data = random_data(s.m, s.n, level, s.rank, 7);

@@ -105,7 +105,9 @@ Matrix seen_by_constraints(const LinearSystem& system, const Matrix& v) {
 }
 
 // U = T2 Uz
-Matrix free_directions(const LinearSystem& system) { return times(system.form().T2(), system.form().Uz()); }
+Matrix free_directions(const LinearSystem& system) {
+  return times(system.form().T2(), system.form().Uz());
+}
 
 double tolerance(const LinearSystem& system) {
   const double scale = std::max({1.0, system.data().norm(12), system.data().norm_f(12)});
@@ -303,8 +305,8 @@ TEST(LinearSystem, LeadingDerivativeIsTheDerivativeOfW) {
       ASSERT_EQ(p.system.move_to(c.t), PointStatus::ok);
       const Numbers x = p.exact(c.t), xdot = p.exact_derivative(c.t);
       p.system.leading_derivative(x.data(), xdot.data(), wdot.data());
-      const double scale = std::max({1.0, largest(x), largest(xdot)}) *
-                           std::max(1.0, largest(derivative_of_E(p, c.t, 0)));
+      const double scale =
+          std::max({1.0, largest(x), largest(xdot)}) * std::max(1.0, largest(derivative_of_E(p, c.t, 0)));
       // h^4 / 30 times fifth derivatives, speeds up to 5 in products of several factors, and rounding over h.
       EXPECT_LE(distance(wdot, difference), scale * (std::pow(h, 4) * 1e5 + tolerance(p.system) / h));
     }
@@ -360,10 +362,10 @@ TEST(LinearSystem, ConstantProblemsAreReducedOnceAndFactoredOnceForEveryStep) {
   EXPECT_EQ(p.callbacks.calls(Callback::E), 1);
   ASSERT_TRUE(p.system.solve(20.0, zero.data(), zero.data(), x.data()));
   EXPECT_EQ(p.system.factorizations(), 2);
-  const Matrix w = times(sum(1.0, identity(8), -1.0,
-                             times(p.system.form().kernel(), transposed(p.system.form().kernel()))),
-                         column(x));
-  EXPECT_LE(largest(F1(p, 0.5, column(x), sum(20.0, w, 0.0, w))), 20.0 * tolerance(p.system) * std::max(1.0, largest(x)));
+  const Matrix w = times(
+      sum(1.0, identity(8), -1.0, times(p.system.form().kernel(), transposed(p.system.form().kernel()))), column(x));
+  EXPECT_LE(largest(F1(p, 0.5, column(x), sum(20.0, w, 0.0, w))),
+            20.0 * tolerance(p.system) * std::max(1.0, largest(x)));
 }
 
 TEST(LinearSystem, TellsFailingCallbacksFromChangedValuesAndFromAChangedRankOfE) {

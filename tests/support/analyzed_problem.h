@@ -26,7 +26,8 @@ class AnalyzedProblem {
       : callbacks(std::move(family)),
         settings(analysis_settings),
         problem(prepared(callbacks, prepare)),
-        system(problem, settings, sfdae::core::analyze_index(problem, t, toward, settings, arena, decisions), leading) {}
+        system(problem, settings, sfdae::core::analyze_index(problem, t, toward, settings, arena, decisions),
+               leading) {}
 
   const LinearFamily& family() const { return callbacks.family(); }
   std::vector<double> exact(double t) const { return solution(t).first; }
