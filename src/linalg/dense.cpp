@@ -209,19 +209,8 @@ Svd svd(ConstView a) {
   return result;
 }
 
-std::vector<double> singular_values(ConstView a) {
-  std::vector<double> s(static_cast<std::size_t>(std::min(a.rows, a.cols)), 0.0);
-  if (s.empty()) return s;
-  Matrix work = to_matrix(a);
-  const int length = 10 * std::max(a.rows, a.cols) + 64 * (a.rows + a.cols);
-  std::vector<double> scratch(static_cast<std::size_t>(length));
-  const int ld_a = a.rows, ld_none = 1;
-  int info = 0;
-  double none = 0.0;
-  dgesvd_("N", "N", &a.rows, &a.cols, work.data(), &ld_a, s.data(), &none, &ld_none, &none, &ld_none, scratch.data(),
-          &length, &info);
-  return s;
-}
+// With vectors: without them LAPACK takes another algorithm (dqds), which probes the arithmetic by dividing by zero.
+std::vector<double> singular_values(ConstView a) { return svd(a).s; }
 
 Matrix range_basis(ConstView a, int rank) {
   const Svd decomposition = svd(a);

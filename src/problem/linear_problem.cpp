@@ -128,13 +128,15 @@ Trouble LinearProblem::fill(Function& function, double t, int order, double* val
   return {};
 }
 
-Trouble LinearProblem::sample(Function& function, double t, double step, std::vector<double>& samples, int& shift) {
+Trouble LinearProblem::sample(Function& function, double t, double& step, std::vector<double>& samples, int& shift) {
   constexpr int points = DifferenceFormula::points;
   const int count = function.rows * function.columns;
-  // Centred, or moved so that all points lie within the limits.
+  // Centred, or moved so that all points lie within the limits, which may be closer than the points.
+  const double below = std::max(t - lowest_t_, 0.0), above = std::max(highest_t_ - t, 0.0);
+  step = std::min(step, (below + above) / points);
   shift = points / 2;
-  while (shift < points - 1 && t + (points - 1 - shift) * step > highest_t_) ++shift;
-  while (shift > 0 && t - shift * step < lowest_t_) --shift;
+  if (above < (points - 1 - shift) * step) shift = points - 1 - static_cast<int>(above / step);
+  if (below < shift * step) shift = static_cast<int>(below / step);
   samples.resize(static_cast<std::size_t>(points) * static_cast<std::size_t>(count));
   for (int i = 0; i < points; ++i) {
     const Trouble trouble = call(function.name, t + (i - shift) * step, 0,
@@ -153,10 +155,11 @@ Trouble LinearProblem::choose_difference_step(Function& function, double t, int 
   const int count = function.rows * function.columns;
   std::vector<double> samples, derivative(static_cast<std::size_t>(count));
   double best_error = std::numeric_limits<double>::infinity();
-  double step = differences_.span / 16.0;
+  double wanted = differences_.span / 16.0;
   Trouble trouble, last_trouble;
-  for (int attempt = 0; attempt < 24; ++attempt, step /= 2.0) {
+  for (int attempt = 0; attempt < 24; ++attempt, wanted /= 2.0) {
     int shift = 0;
+    double step = wanted;
     trouble = sample(function, t, step, samples, shift);
     if (trouble.status == SFDAE_CALLBACK_STOPPED || trouble.status == SFDAE_STOPPED) return trouble;
     if (trouble.status != SFDAE_OK) {
@@ -188,14 +191,15 @@ Trouble LinearProblem::differentiate(Function& function, double t, int first, in
   }
   std::vector<double> samples;
   int shift = 0;
-  const Trouble trouble = sample(function, t, function.difference_step, samples, shift);
+  double step = function.difference_step;
+  const Trouble trouble = sample(function, t, step, samples, shift);
   if (trouble.status != SFDAE_OK) return trouble;
   const DifferenceFormula formula(shift, last);
   const double size = largest_entry(samples.data(), static_cast<int>(samples.size()));
   for (int k = first; k <= last; ++k) {
     double* derivative = values + static_cast<std::ptrdiff_t>(count) * k;
     double error = 0.0;
-    formula.apply(k, function.difference_step, samples.data(), count, derivative, &error);
+    formula.apply(k, step, samples.data(), count, derivative, &error);
     // Values below the error are none: a constant matrix keeps derivatives that are exactly zero.
     for (int i = 0; i < count; ++i)
       if (std::fabs(derivative[i]) <= error) derivative[i] = 0.0;

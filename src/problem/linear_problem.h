@@ -60,7 +60,7 @@ class LinearProblem {
 
   // Also forgets which orders were not available.
   void set_differences(const DifferenceOptions& options);
-  // No callback is called outside of [lowest, highest].
+  // Evaluations within [lowest, highest] take no differences from outside.
   void set_limits(double lowest, double highest) {
     lowest_t_ = lowest;
     highest_t_ = highest;
@@ -89,7 +89,8 @@ class LinearProblem {
   static std::size_t slot(char which) { return which == 'E' ? 0u : which == 'A' ? 1u : 2u; }
   Trouble fill(Function& function, double t, int order, double* values, double* errors);
   Trouble differentiate(Function& function, double t, int first, int last, double* values, double* errors);
-  Trouble sample(Function& function, double t, double step, std::vector<double>& samples, int& shift);
+  // The step is made smaller where the limits are too close.
+  Trouble sample(Function& function, double t, double& step, std::vector<double>& samples, int& shift);
   Trouble choose_difference_step(Function& function, double t, int last);
 
   sfdae_linear_problem problem_;

@@ -17,9 +17,9 @@ constexpr double largest_coefficient = 1e60;
 
 std::size_t index(int k) { return static_cast<std::size_t>(k); }
 
-// Scaling by it rounds nothing.
+// Scaling by it rounds nothing. Units of time beyond 1e39 would make right-hand sides overflow.
 double power_of_two_near(double x) {
-  return std::ldexp(1.0, std::clamp(static_cast<int>(std::lround(std::log2(x))), -900, 900));
+  return std::ldexp(1.0, std::clamp(static_cast<int>(std::lround(std::log2(x))), -900, 130));
 }
 
 void multiply_entries(double* values, std::size_t count, double factor) {
@@ -148,7 +148,7 @@ void TaylorData::rescale_time(double factor) {
   if (factor == 1.0) return;
   const std::size_t size = static_cast<std::size_t>(m) * static_cast<std::size_t>(n);
   double power = 1.0;
-  for (int k = 0; k <= max_derivative_order; ++k) {
+  for (int k = 0; k <= std::max({orders.E, orders.A, orders.f}); ++k) {
     if (k > 0) {
       power *= factor;
       if (k <= orders.E && norm_E_[index(k)] > 0.0) {

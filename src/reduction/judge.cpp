@@ -54,7 +54,8 @@ int Judge::decide_diagonal_block(ConstView r, ConstView original) {
 
 int Judge::decide_stage(int stage, ConstView r, ConstView original, double norm) {
   norm = std::max(norm, norm_E0_);
-  return decide(Subject::stage, stage, r, original, eps_ * norm / pivot_, norm, pivot_);
+  // Rounding errors come from the rows carried, whose other entries may be larger than those of this stage.
+  return decide(Subject::stage, stage, r, original, eps_ * std::max(norm, norm_) / pivot_, norm, pivot_);
 }
 
 int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {

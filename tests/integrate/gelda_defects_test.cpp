@@ -126,7 +126,7 @@ TEST(GeldaDefects, SingularPerturbationsAreToldFromConstraints) {
     EXPECT_EQ(values.differential, 2) << eps;
   }
   for (double eps : {0.7e-14, 1e-14, 2e-14}) EXPECT_EQ(analyze(eps, values), SFDAE_RANK_UNCLEAR) << eps;
-  for (double eps : {0.9e-15, 1e-16, 1e-20, 0.0}) {
+  for (double eps : {0.9e-15, 1e-16, 1e-20, 1e-40}) {
     EXPECT_EQ(analyze(eps, values), SFDAE_OK) << eps;
     EXPECT_EQ(values.differential, 1) << eps;
     EXPECT_EQ(values.algebraic, 1) << eps;

@@ -497,9 +497,8 @@ TEST(SingularValues, WithoutVectorsAreTheSame) {
   std::fesetenv(&environment);
 }
 
-// Not fulfilled yet: see above. Programs that run with floating point traps end there, in the analysis of problems
-// with doubtful ranks and with SFDAE_REDUCTION_SVD.
-TEST(SingularValues, DISABLED_RaiseNoFloatingPointExceptions) {
+// Programs that run with floating-point traps would end there.
+TEST(SingularValues, RaiseNoFloatingPointExceptions) {
   const Matrix a = random_matrix(25, 25, 24);
   std::feclearexcept(FE_ALL_EXCEPT);
   singular_values(a);

@@ -414,9 +414,9 @@ TEST(LinearProblem, DifferencesRespectOneLimit) {
   }
 }
 
-// Not fulfilled yet: where the points do not fit between two limits, those beyond the upper one are called.
+// Where the points do not fit between two limits they move together.
 // A spacing found in a long interval, or given by the user, and then limits a thousandth apart.
-TEST(LinearProblem, DISABLED_DifferencesRespectLimitsThatAreCloserThanTheirPoints) {
+TEST(LinearProblem, DifferencesRespectLimitsThatAreCloserThanTheirPoints) {
   for (double step : {0.0, 0.01}) {
     FamilyProblem callbacks((Family(sfdae_test::kron(4, 1))));
     callbacks.hooks.highest_order = 0;
