@@ -75,6 +75,7 @@ void Bdf::start(StrangenessFreeSystem& system, double t, const Vector& x, const 
   next_step_ = h;
   last_order_ = 0;
   last_step_ = 0.0;
+  leading_coefficient_ = std::numeric_limits<double>::infinity();
 }
 
 // A point at t - h on the tangent: the predictor of the first step is the slope there.
@@ -111,6 +112,7 @@ StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double h, ErrorWeights& 
   if (fixed_leading) c = alpha[k] / h;
   else
     for (int i = 0; i < k; ++i) c += 1.0 / (tried_t_ - times_[index(i)]);
+  tried_c_ = c;
   evaluate_polynomial(times_, dw_, degree, tried_t_, predicted_.data(), w_rest_.data());
   for (std::size_t i = 0; i < w_[0].size(); ++i) w_rest_[i] -= c * predicted_[i];
   if (has_free_part_) {
@@ -179,6 +181,7 @@ void Bdf::commit() {
   points_ = count;
   last_order_ = tried_order_;
   last_step_ = tried_h_;
+  leading_coefficient_ = tried_c_;
 }
 
 void Bdf::interpolate(double t, double* w, double* x, double* xdot) {

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "integrate/error_weights.h"
@@ -51,6 +52,8 @@ class Bdf {
   int next_order() const { return control_.order(); }
   double last_step() const { return last_step_; }
   int failures_in_a_row() const { return control_.failures_in_a_row(); }
+  // Of the last step; infinite before the first.
+  double leading_coefficient() const { return leading_coefficient_; }
   const std::vector<double>& error() const { return error_; }  // of the last attempt, mapped to x
 
   // The polynomials of the last step at t: w, x (inaccurate in its constraints) and x'.
@@ -79,6 +82,7 @@ class Bdf {
   double next_step_ = 0.0, last_step_ = 0.0;
   int last_order_ = 0;
   double tried_t_ = 0.0, tried_h_ = 0.0;
+  double tried_c_ = 0.0, leading_coefficient_ = std::numeric_limits<double>::infinity();
   int tried_order_ = 1;
   std::vector<double> tried_x_, tried_w_, w_rest_, x_rest_, predicted_, difference_, error_, mapped_;
 };

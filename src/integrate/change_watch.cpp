@@ -28,8 +28,8 @@ class Probe {
       : system_(system.problem(), system.settings(), system.analysis(), system.leading_term()),
         resolution_(std::max(1e-9 * std::fabs(right - left), 8.0 * unit_roundoff * std::max(std::fabs(left), std::fabs(right)))) {
     // A row that vanishes must not be scaled up again.
-    if (system.data().row_scale_ratio() <= moderate_row_ratio)
-      system_.set_row_scaling(RowScaling::common);
+    if (system.data().row_scale_ratio() <= moderate_row_ratio) rows_ = RowScaling::common;
+    system_.set_row_scaling(rows_);
   }
 
   bool holds_at(double t) {
@@ -57,11 +57,13 @@ class Probe {
   LocatedChange isolated(double before, double t) {
     AnalysisSettings settings = system_.settings();
     settings.rank_tol = std::max(settings.rank_tol, std::min(30.0 * kept_at(t), 0.1));
+    settings.rows = rows_;
     return {before, t, find_local_values(system_.problem(), t, settings, system_.arena())};
   }
 
  private:
   LinearSystem system_;
+  RowScaling rows_ = RowScaling::each;
   double resolution_;
 };
 
@@ -150,13 +152,17 @@ void ChangeWatch::accept(const LinearSystem& system) {
 
 std::optional<LocatedChange> ChangeWatch::locate(LinearSystem& system, double left, double right, bool right_fails) {
   Probe probe(system, left, right);
+  std::optional<LocatedChange> change;
   if (right_fails) {
-    if (probe.holds_at(right)) return std::nullopt;
-    return probe.bisect_failure(left, right);
+    if (!probe.holds_at(right)) change = probe.bisect_failure(left, right);
+  } else {
+    // The orientation is that of the point accepted last, `left`.
+    change = follow_orientation(probe, left, right);
+    if (!change) change = follow_dip(probe, left, right);
   }
-  // The orientation is that of the point accepted last, `left`.
-  if (auto change = follow_orientation(probe, left, right)) return change;
-  return follow_dip(probe, left, right);
+  // The same values on closer inspection: no change.
+  if (change && change->new_values == system.analysis().values) change.reset();
+  return change;
 }
 
 }  // namespace sfdae::core

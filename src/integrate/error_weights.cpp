@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "linalg/rank.h"
 
@@ -45,6 +46,16 @@ double ErrorWeights::norm(const double* e) const {
   double largest = 0.0;
   for (std::size_t i = 0; i < inverse_.size(); ++i) largest = std::max(largest, std::fabs(e[i]) * inverse_[i]);
   return largest;
+}
+
+double ErrorWeights::first_step(const double* x, const double* xdot) const {
+  double h = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < static_cast<int>(rtol_.size()); ++i) {
+    const double allowed = tolerance(i, x), speed = std::fabs(xdot[i]);
+    const double size = rtol_[index(i)] > 0.0 ? allowed / rtol_[index(i)] : std::max(std::fabs(x[i]), allowed);
+    if (speed > 0.0 && allowed > 0.0) h = std::min(h, 0.5 * std::sqrt(allowed) * std::sqrt(size) / speed);
+  }
+  return h;
 }
 
 int ErrorWeights::worst(const double* e) const {

@@ -18,6 +18,8 @@ class ErrorWeights {
   void update(const double* x);
   // max_i |e_i| / weight_i. A component whose weight is zero must have no error.
   double norm(const double* e) const;
+  // Step size at which x changes by half the geometric mean of its size and its tolerance.
+  double first_step(const double* x, const double* xdot) const;
   // Component at which norm() is attained.
   int worst(const double* e) const;
   // Largest of rounding errors of x against the tolerances; above 1 they cannot be met.

@@ -15,8 +15,8 @@ using Vector = std::vector<double>;
 
 // Attempts in a row that fail for want of a valid point before the call gives up.
 constexpr int max_point_failures = 12;
-// The first attempt in units of the interval.
-constexpr double first_step_fraction = 1e-3;
+// The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data.
+constexpr double first_step_fraction = 0.7390851e-3;
 
 CallResult failure_result(const Failure& failure) { return {failure.status(), failure.what()}; }
 
@@ -30,8 +30,9 @@ Integration::Integration(LinearSystem& system, const IntegrationOptions& options
       reductions_before_(system.reductions()),
       factorizations_before_(system.factorizations()) {
   set_options(options);
-  // The first attempt measures the error of order 1, and its size is corrected from that.
-  first_step_ = first_step_fraction * std::fabs(toward - t);
+  // The first attempt measures the error of order 1, and its size is corrected from that: a change of x by about the
+  // square root of the tolerance has an error of about the tolerance.
+  first_step_ = std::min(first_step_fraction * std::fabs(toward - t), weights_.first_step(x.data(), xdot.data()));
   begin(t, x, xdot);
   watch_.start(system_, direction_);
 }
@@ -289,7 +290,7 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
   if (at_step) std::copy(bdf_.x().begin(), bdf_.x().end(), x);
   else system_.restore(scratch_w_.data(), x_free.data(), x);
   if (system_.differential() == 0) system_.consistent_derivative(x, direction_, xdot);
-  else system_.correct_derivative(x, xdot);
+  else system_.correct_derivative(bdf_.leading_coefficient(), x, xdot);
   t = tout;
   return {};
 }

@@ -36,6 +36,8 @@ RankDecision decide_rank(const double* values, int count, int stride, const Rank
   const double below = std::max(dropped, noise);
   decision.gap = rank > 0 && below > 0.0 ? std::min(kept / below, largest_gap) : largest_gap;
   if (scale.rank_tol > 0.0) decision.verdict = Verdict::user;
+  else if (scale.least_noise > 0.0 && dropped > safety * scale.dimension * scale.least_noise)
+    decision.verdict = Verdict::unclear;
   else if (rank == 0) decision.verdict = Verdict::clear;
   else
     decision.verdict = decision.gap >= clear_gap && kept >= clear_margin * threshold ? Verdict::clear : Verdict::unclear;

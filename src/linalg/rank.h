@@ -40,6 +40,8 @@ struct RankScale {
   double norm = 1.0;      // of the data
   int dimension = 1;      // of the matrices that went into the one judged: errors of entries add up
   double rank_tol = 0.0;  // > 0 overrides the threshold: rank_tol * norm
+  double least_noise = 0.0;  // rounding errors of the matrix itself: the noise is never less. A value dropped although
+                             // it lies well above is doubtful: 0 turns that off
 };
 
 // Judges `count` decreasing magnitudes values[0], values[stride], ...

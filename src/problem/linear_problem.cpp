@@ -169,10 +169,13 @@ Trouble LinearProblem::choose_difference_step(Function& function, double t, int 
     const DifferenceFormula formula(shift, last);
     double worst = 0.0, size = largest_entry(samples.data(), DifferenceFormula::points * count);
     if (size == 0.0) size = 1.0;
+    // Errors of different orders are compared in the time in which the function changes by its own size.
+    double unit = differences_.span;
     for (int k = 1; k <= last; ++k) {
       double error = 0.0;
       formula.apply(k, step, samples.data(), count, derivative.data(), &error);
-      worst = std::max(worst, error / std::max(size, largest_entry(derivative.data(), count)));
+      if (k == 1) unit = std::min(unit, size / std::max(largest_entry(derivative.data(), count), size / unit));
+      worst = std::max(worst, error * std::pow(unit, k) / size);
     }
     if (worst < best_error) {
       best_error = worst;
@@ -203,8 +206,7 @@ Trouble LinearProblem::differentiate(Function& function, double t, int first, in
     // Values below the error are none: a constant matrix keeps derivatives that are exactly zero.
     for (int i = 0; i < count; ++i)
       if (std::fabs(derivative[i]) <= error) derivative[i] = 0.0;
-    const double scale = std::max(size, largest_entry(derivative, count));
-    errors[k] = scale > 0.0 ? error / scale : 0.0;
+    errors[k] = size > 0.0 ? error / size : 0.0;
   }
   return {};
 }

@@ -88,6 +88,7 @@ class LinearProblem {
 
   static std::size_t slot(char which) { return which == 'E' ? 0u : which == 'A' ? 1u : 2u; }
   Trouble fill(Function& function, double t, int order, double* values, double* errors);
+  // errors[k]: of the k-th derivative, relative to the largest value of the function.
   Trouble differentiate(Function& function, double t, int first, int last, double* values, double* errors);
   // The step is made smaller where the limits are too close.
   Trouble sample(Function& function, double t, double& step, std::vector<double>& samples, int& shift);

@@ -188,8 +188,24 @@ double TaylorData::norm_f(int level) const {
 }
 
 double TaylorData::noise(int level) const {
-  double relative = unit_roundoff;
-  for (int k = 1; k <= level; ++k) relative = std::max({relative, error_E[index(k)], error_A[index(k)]});
+  // Errors of the coefficients of order k relative to the norm of all.
+  const double size = norm(level);
+  double relative = unit_roundoff, factor = 1.0;
+  for (int k = 1; k <= level && size > 0.0; ++k) {
+    factor *= time_scale / k;
+    const double absolute = std::max(error_E[index(k)] * norm_E_[0], error_A[index(k)] * norm_A_[0]);
+    relative = std::max(relative, absolute * factor / size);
+  }
+  return relative;
+}
+
+double TaylorData::noise_f(int level) const {
+  const double size = norm_f(level);
+  double relative = unit_roundoff, factor = 1.0;
+  for (int k = 1; k <= std::min(level, orders.f) && size > 0.0; ++k) {
+    factor *= time_scale / k;
+    relative = std::max(relative, error_f[index(k)] * norm_f_[0] * factor / size);
+  }
   return relative;
 }
 

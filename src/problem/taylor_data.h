@@ -67,6 +67,8 @@ class TaylorData {
   double norm_E0() const { return norm_E_[0]; }
   // Rounding errors of the data of level 0 and of derivatives, relative to norm().
   double noise(int level) const;
+  // The same for f, relative to norm_f().
+  double noise_f(int level) const;
 
   int m = 0;
   int n = 0;
@@ -75,7 +77,7 @@ class TaylorData {
   double time_scale = 1.0;
   std::vector<double> row_scale;  // diagonal of D
   std::vector<double> row_norm;   // largest entry of each row of [E A], unscaled
-  // Errors of difference derivatives relative to the largest coefficient of the same function; 0: exact.
+  // Errors of difference derivatives (plain, not Taylor) relative to the largest value of the function; 0: exact.
   std::array<double, max_derivative_order + 1> error_E{}, error_A{}, error_f{};
 
  private:

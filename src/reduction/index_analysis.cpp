@@ -17,12 +17,17 @@ namespace {
 
 // Amplitude of trial perturbations in units of the noise of the data.
 constexpr double perturbation_roundings = 4.0;
+// Kept values against their changes: to confirm a rank that the propagated noise allows, and to keep values that it does
+// not allow, where errors of the callbacks of some ten roundings have to be reckoned with.
+constexpr double confirming_margin = clear_gap / perturbation_roundings;
+constexpr double keeping_margin = 1e4;
 
 // What level l of the array says at one point.
 struct LevelReading {
   PointRanks ranks;
   double time_scale = 1.0;
   bool clear = true;
+  bool measured = false;  // read without propagated noise, confirmed by perturbations
   RankDecision doubtful;  // the first unclear decision
 };
 
@@ -42,14 +47,15 @@ class Searcher {
         settings_(settings),
         arena_(arena),
         log_(log),
-        judging_{settings.rank_tol, settings.by_svd, false} {}
+        judging_{settings.rank_tol, settings.by_svd, false},
+        rows_(settings.rows) {}
 
   LevelReading read(int level, double time_scale) {
     evaluate(level, time_scale);
     return judge_level(level);
   }
 
-  // A level whose decisions are clear, or confirmed with another time scale.
+  // A level whose decisions are clear, or confirmed by another reading.
   LevelReading read_confirmed(int level) {
     LevelReading reading = read(level, settings_.time_scale);
     std::vector<RankDecision> decisions = latest_;
@@ -60,13 +66,9 @@ class Searcher {
         reading = unscaled;
         decisions = latest_;
       }
-      rows_ = RowScaling::each;
+      rows_ = settings_.rows;
     }
-    if (!reading.clear && is_confirmed(level, reading, decisions)) {
-      reading.clear = true;
-      for (RankDecision& decision : decisions)
-        if (decision.verdict == Verdict::unclear) decision.verdict = Verdict::confirmed;
-    }
+    if (!reading.clear) measure(level, reading, decisions);
     if (log_ != nullptr) log_->insert(log_->end(), decisions.begin(), decisions.end());
     return reading;
   }
@@ -77,17 +79,16 @@ class Searcher {
     return values_of(level, read_confirmed(level), below);
   }
 
-  // Whether A^ and E T2 have the ranks expected, and keep them under perturbations.
+  // Whether the ranks are those expected, and stay so under perturbations.
   bool has_ranks(int level, double time_scale, const PointRanks& expected) {
     judging_.measured = true;
+    judging_.by_singular_values = true;
     const LevelReading reading = read(level, time_scale);
     if (reading.ranks.a != expected.a || reading.ranks.d != expected.d || reading.ranks.v_hat != expected.v_hat)
       return false;
     std::vector<RankDecision> decisions = latest_;
-    for (RankDecision& decision : decisions)
-      if (decision.subject == Subject::constraints || decision.subject == Subject::differential)
-        decision.verdict = Verdict::unclear;  // has to be confirmed
-    return survives_perturbations(level, reading.time_scale, decisions);
+    for (RankDecision& decision : decisions) decision.verdict = Verdict::unclear;  // have to be confirmed
+    return survives_perturbations(level, reading.time_scale, decisions, confirming_margin);
   }
 
   Search search(int max_index) {
@@ -109,51 +110,94 @@ class Searcher {
   }
 
  private:
-  // Other time scales shift signal against noise: a reading is confirmed if one of them is clear and says the same,
-  // and none is clear and says otherwise. Failing that, the noise is measured.
-  bool is_confirmed(int level, const LevelReading& reading, const std::vector<RankDecision>& decisions) {
-    bool confirmed = false;
+  // The propagated noise is an upper bound, at times by far: values between it and the rounding errors of the matrix
+  // itself are undecided. Which of them are signals is measured by perturbing the data by a few roundings: first a
+  // reading that keeps them all, then the one that drops them, then other time scales. What survives is confirmed.
+  void measure(int level, LevelReading& reading, std::vector<RankDecision>& decisions) {
+    const auto accept = [&](const LevelReading& confirmed, std::vector<RankDecision> from) {
+      reading = confirmed;
+      reading.clear = true;
+      decisions = std::move(from);
+      for (RankDecision& decision : decisions)
+        if (decision.verdict == Verdict::unclear) decision.verdict = Verdict::confirmed;
+    };
+    const double tau = reading.time_scale;
+    // Singular values throughout: pivots may change their order under perturbations.
+    judging_.by_singular_values = true;
+    judging_.measured = true;
+    LevelReading keeping = read(level, tau);
+    const std::vector<RankDecision> kept = latest_;
+    const bool keeps = survives_perturbations(level, tau, kept, keeping_margin);
+    judging_.measured = false;
+    const LevelReading dropping = read(level, tau);
+    const std::vector<RankDecision> dropped = latest_;
+    const bool drops = !keeps && survives_perturbations(level, tau, dropped, confirming_margin);
+    judging_.by_singular_values = settings_.by_svd;
+    keeping.measured = true;
+    if (keeps) accept(keeping, kept);
+    else if (drops) accept(dropping, dropped);
+    else if (agrees_with_other_time_scales(level, reading)) accept(reading, decisions);
+  }
+
+  bool agrees_with_other_time_scales(int level, const LevelReading& reading) {
+    bool agrees = false;
     for (double factor : {1.0 / 8.0, 4.0}) {
       const LevelReading other = read(level, reading.time_scale * factor);
       if (!other.clear) continue;
       if (other.ranks.a != reading.ranks.a || other.ranks.d != reading.ranks.d ||
           other.ranks.v_hat != reading.ranks.v_hat)
         return false;
-      confirmed = true;
+      agrees = true;
     }
-    return confirmed || survives_perturbations(level, reading.time_scale, decisions);
+    return agrees;
   }
 
-  // The propagated noise is an upper bound, at times by far. Here the data are perturbed by a few roundings of their
-  // norm; values that stay put to 1 / clear_gap, next to dropped ones that stay that small, are no rounding errors.
-  bool survives_perturbations(int level, double time_scale, const std::vector<RankDecision>& decisions) {
+  // Kept values must stay put to 1 / margin; dropped ones above the rounding errors of the matrix must not.
+  bool survives_perturbations(int level, double time_scale, const std::vector<RankDecision>& decisions, double margin) {
     std::minstd_rand generator(1);
+    std::vector<char> moved(decisions.size(), 0);
     for (int trial = 0; trial < 3; ++trial) {
       evaluate(level, time_scale);
-      const double amplitude = perturbation_roundings * data_.noise(level);
-      const auto perturb = [&](View block, double norm) {
-        for (int j = 0; j < block.cols; ++j)
-          for (int i = 0; i < block.rows; ++i)
-            block(i, j) += amplitude * norm * (2e-9 * static_cast<double>(generator() % 1000000001u) - 1.0);
-      };
-      const double norm_E = data_.norm_E(level), norm_A = data_.norm_A(level);
-      for (int k = 0; k <= level; ++k) {
-        perturb(data_.E(k), norm_E);
-        perturb(data_.A(k), norm_A);
-      }
-      data_.measure();
+      perturb(level, generator);
       judge_level(level);
-      if (latest_.size() != decisions.size()) return false;
       for (std::size_t q = 0; q < decisions.size(); ++q) {
+        if (q == latest_.size()) return false;
         const RankDecision& was = decisions[q];
         const RankDecision& is = latest_[q];
+        // A dropped value that a perturbation lifts above the threshold is noise; what follows cannot be compared.
+        const bool lifted = margin < keeping_margin && is.rank == was.rank + 1;
+        if (lifted && confirming_margin * (is.kept - was.dropped) > was.dropped) {
+          moved[q] = 1;
+          break;
+        }
         if (is.rank != was.rank) return false;
-        if (was.verdict != Verdict::unclear) continue;
-        const double measured = std::max({std::fabs(is.kept - was.kept), is.dropped, was.dropped});
-        if (was.kept < clear_gap / perturbation_roundings * measured) return false;
+        if (confirming_margin * std::fabs(is.dropped - was.dropped) > was.dropped) moved[q] = 1;
+        if (was.rank == 0 || (was.verdict != Verdict::unclear && margin < keeping_margin)) continue;
+        // What stands clear of the propagated noise may move a little.
+        const bool stands_clear = margin < keeping_margin && was.gap >= clear_gap;
+        const double moves = stands_clear ? 0.0 : std::fabs(is.kept - was.kept);
+        const double measured = std::max({moves, is.dropped, was.dropped});
+        if (was.kept < margin * measured) return false;
       }
     }
+    for (std::size_t q = 0; q < decisions.size(); ++q)
+      if (decisions[q].dropped > 100.0 * problem_.n() * unit_roundoff && moved[q] == 0) return false;
     return true;
+  }
+
+  void perturb(int level, std::minstd_rand& generator) {
+    const double amplitude = perturbation_roundings * data_.noise(level);
+    const auto add_noise = [&](View block, double norm) {
+      for (int j = 0; j < block.cols; ++j)
+        for (int i = 0; i < block.rows; ++i)
+          block(i, j) += amplitude * norm * (2e-9 * static_cast<double>(generator() % 1000000001u) - 1.0);
+    };
+    const double norm_E = data_.norm_E(level), norm_A = data_.norm_A(level);
+    for (int k = 0; k <= level; ++k) {
+      add_noise(data_.E(k), norm_E);
+      add_noise(data_.A(k), norm_A);
+    }
+    data_.measure();
   }
 
   CharacteristicValues values_of(int level, const LevelReading& reading, int v_hat_below) const {
@@ -191,7 +235,7 @@ class Searcher {
   Arena& arena_;
   std::vector<RankDecision>* log_;
   Judge::Settings judging_;
-  RowScaling rows_ = RowScaling::each;
+  RowScaling rows_;
   TaylorData data_;
   NullSpaceForm form_;
   std::vector<RankDecision> latest_;
@@ -233,6 +277,7 @@ IndexAnalysis search_at(LinearProblem& problem, double t, const AnalysisSettings
   analysis.time_scale = found.last.time_scale;
   analysis.v_hat = found.last.ranks.v_hat;
   analysis.rank_E = found.last.ranks.rank_E;
+  analysis.measured = found.last.measured;
   return analysis;
 }
 
@@ -255,7 +300,7 @@ std::string describe(const RankDecision& decision) {
                         : decision.subject == Subject::constraints ? "constraints"
                         : decision.subject == Subject::array       ? "derivative array"
                                                                    : "E T2";
-  return format("rank decision at t = %.15g, level %d (%s, %d x %d): kept %.1e, dropped %.1e, noise %.1e (gap %.0f)",
+  return format("rank decision at t = %.15g, level %d (%s, %d x %d): kept %.1e, dropped %.1e, noise %.1e (gap %.2g)",
                 decision.t, decision.level, subject, decision.rows, decision.cols, decision.kept, decision.dropped,
                 decision.noise, decision.gap);
 }
@@ -298,9 +343,10 @@ IndexAnalysis analyze_index(LinearProblem& problem, double t, double toward, con
       const CharacteristicValues raised = again.values_at(mu);
       if (raise_here) {
         here.values = raised;
-        const LevelReading reading = again.read(mu, settings.time_scale);
+        const LevelReading reading = again.read_confirmed(mu);
         here.time_scale = reading.time_scale;
         here.v_hat = reading.ranks.v_hat;
+        here.measured = reading.measured;
       }
       const CharacteristicValues& other = raise_here ? there.values : raised;
       if (!(here.values == other))

@@ -34,6 +34,7 @@ struct AnalysisSettings {
   bool by_svd = false;
   double rank_tol = 0.0;
   double time_scale = 0.0;
+  RowScaling rows = RowScaling::each;
 };
 
 struct IndexAnalysis {
@@ -42,6 +43,7 @@ struct IndexAnalysis {
   double time_scale = 1.0;
   int v_hat = 0;               // redundant rows of level mu
   int rank_E = 0;
+  bool measured = false;       // ranks by measured instead of propagated noise
   bool rank_E_constant = true; // the same at the nearby point
 };
 

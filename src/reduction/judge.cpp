@@ -33,8 +33,11 @@ int Judge::record(RankDecision decision, Subject subject, int stage, double& kep
 
 int Judge::decide(Subject subject, int stage, ConstView r, ConstView original, double noise, double norm,
                   double& kept) {
+  const double least_noise = eps_ * norm;
+  if (settings_.measured) noise = least_noise;
   const int count = std::min(r.rows, r.cols);
-  const RankScale scale{noise, norm, std::max({r.rows, r.cols, dimension_}), settings_.rank_tol};
+  const RankScale scale{noise, norm, std::max({r.rows, r.cols, dimension_}), settings_.rank_tol,
+                        log_ != nullptr ? least_noise : 0.0};
   RankDecision decision = decide_rank(r.data, count, r.ld + 1, scale);
   const bool doubtful = decision.verdict == Verdict::unclear && log_ != nullptr;
   if (original.data != nullptr && count > 0 && (doubtful || settings_.by_singular_values)) {
@@ -60,23 +63,21 @@ int Judge::decide_stage(int stage, ConstView r, ConstView original, double norm)
 
 int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
   RankDecision decision = decide_rank(s.data(), static_cast<int>(s.size()), 1,
-                                      {eps_ * norm_, norm_, std::max(rows, cols), settings_.rank_tol});
+                                      {eps_ * norm_, norm_, std::max(rows, cols), settings_.rank_tol, 0.0});
   decision.rows = rows;
   decision.cols = cols;
   return record(decision, Subject::array, 0, pivot_);
 }
 
 int Judge::decide_constraints(ConstView r, ConstView original) {
-  const double uncertainty = settings_.measured ? 1.0 : 1.0 / pivot_;
-  const int rank = decide(Subject::constraints, 0, r, original, eps_ * norm_A_ * uncertainty, norm_A_, kept_constraints_);
+  const int rank = decide(Subject::constraints, 0, r, original, eps_ * norm_A_ / pivot_, norm_A_, kept_constraints_);
   has_constraints_ = rank > 0;
   return rank;
 }
 
 int Judge::decide_differential(ConstView r, ConstView original) {
   // T2 is as uncertain as A^ relative to its smallest kept value; without constraints it is the identity.
-  const bool exact = settings_.measured || !has_constraints_;
-  const double uncertainty = exact ? 1.0 : std::max(1.0, 1.0 / (pivot_ * kept_constraints_));
+  const double uncertainty = has_constraints_ ? std::max(1.0, 1.0 / (pivot_ * kept_constraints_)) : 1.0;
   const double noise = eps_ * norm_E0_ * uncertainty;
   return decide(Subject::differential, 0, r, original, noise, norm_E0_, kept_differential_);
 }

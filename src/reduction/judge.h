@@ -24,7 +24,7 @@ class Judge {
   struct Settings {
     double rank_tol = 0.0;
     bool by_singular_values = false;  // judge A^ and E T2 by singular values instead of pivots
-    bool measured = false;            // thresholds of A^ and E T2 without propagation: the noise is measured instead
+    bool measured = false;            // thresholds without propagation: the noise is measured instead
   };
 
   // log: where decisions are recorded, and a sign that unclear ones are to be read again by singular values;

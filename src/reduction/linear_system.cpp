@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "linalg/dense.h"
@@ -35,6 +36,7 @@ LinearSystem::LinearSystem(LinearProblem& problem, const AnalysisSettings& setti
   const std::size_t order = static_cast<std::size_t>(n);
   matrix_.resize(order * order + 1);
   matrix_pivots_.resize(order + 1);
+  measured_ = analysis_.measured;
   settle_leading_term();
 }
 
@@ -138,6 +140,13 @@ PointStatus LinearSystem::move_to(double t) {
   // Before the values are declared to have changed: rows that are small by cancellation must not be scaled up, and data
   // that have grown or shrunk may need another time scale.
   if (status == PointStatus::changed) status = reduce(t, analysis_.time_scale, current(), RowScaling::common);
+  if (status == PointStatus::changed) {
+    // The other way to take noise into account; without propagation it has to be measured.
+    measured_ = !measured_;
+    if (!measured_ || (problem_.prescribed().empty() && known_values_hold(problem_, t, settings_, analysis_, arena_)))
+      status = reduce(t, analysis_.time_scale, current(), rows_);
+    measured_ = analysis_.measured;
+  }
   for (double factor : {1.0, 0.125}) {
     if (status != PointStatus::changed || settings_.time_scale > 0.0) break;
     TaylorData& data = current().data;
@@ -145,14 +154,16 @@ PointStatus LinearSystem::move_to(double t) {
     if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
     status = reduce(t, data.time_scale * factor, current(), rows_);
   }
-  if (status == PointStatus::changed && problem_.prescribed().empty() &&
-      known_values_hold(problem_, t, settings_, analysis_, arena_)) {
-    measured_ = true;
-    status = reduce(t, analysis_.time_scale, current(), rows_);
-    measured_ = false;
-  }
   if (status == PointStatus::ok) constant_ready_ = problem_.is_constant();
   return status;
+}
+
+double LinearSystem::inconsistency() const {
+  // Rounding errors and errors of derivatives, carried on by the elimination; three digits of safety.
+  const int mu = analysis_.values.mu;
+  const double noise = std::max(current().data.noise(mu), current().data.noise_f(mu)) / current().pivot;
+  const double found = current().form.inconsistency();
+  return found > 1e3 * noise ? found : 0.0;
 }
 
 void LinearSystem::leading(const double* x, double* w) {
@@ -182,26 +193,34 @@ void differential_rows(const TaylorData& data, const NullSpaceForm& form, bool w
 
 }  // namespace
 
+// [c tau G - B; c tau Uz^T] = L U; kept for constant problems as long as c stays.
+bool LinearSystem::factor_step_matrix(double c) {
+  const NullSpaceForm& form = current().form;
+  if (constant_ready_ && matrix_valid_ && matrix_c_ == c) return true;
+  const int size = form.unknowns(), d = form.d;
+  const double c_tau = c * current().data.time_scale;
+  const View M{matrix_.data(), size, size, std::max(size, 1)};
+  for (int j = 0; j < size; ++j) {
+    const double* G = form.G().column(j);
+    const double* B = form.B().column(j);
+    double* to = M.column(j);
+    for (int i = 0; i < d; ++i) to[i] = c_tau * G[i] - B[i];
+    for (int i = d; i < size; ++i) to[i] = c_tau * form.Uz()(j, i - d);
+  }
+  matrix_valid_ = factor_lu(M, matrix_pivots_.data());
+  matrix_c_ = c;
+  if (size > 0) ++factorizations_;
+  return matrix_valid_;
+}
+
 bool LinearSystem::solve(double c, const double* w_rest, const double* x_rest, double* x) {
+  if (!factor_step_matrix(c)) return false;
   const Point& point = current();
   const NullSpaceForm& form = point.form;
   const int size = form.unknowns(), d = form.d, n = problem_.n();
   const double tau = point.data.time_scale;
   const Arena::Frame frame(arena_);
   const View M{matrix_.data(), size, size, std::max(size, 1)};
-  if (!(constant_ready_ && matrix_valid_ && matrix_c_ == c)) {
-    for (int j = 0; j < size; ++j) {
-      const double* G = form.G().column(j);
-      const double* B = form.B().column(j);
-      double* to = M.column(j);
-      for (int i = 0; i < d; ++i) to[i] = c * tau * G[i] - B[i];
-      for (int i = d; i < size; ++i) to[i] = c * tau * form.Uz()(j, i - d);
-    }
-    matrix_valid_ = factor_lu(M, matrix_pivots_.data());
-    matrix_c_ = c;
-    if (size > 0) ++factorizations_;
-    if (!matrix_valid_) return false;
-  }
   double* z = arena_.take(static_cast<std::size_t>(size) + 1);
   differential_rows(point.data, form, leading_ == LeadingTerm::matrix, w_rest, z, arena_);
   for (int i = 0; i < d; ++i) z[i] = form.b()[i] - tau * (c * form.g0()[i] + z[i]);
@@ -246,7 +265,7 @@ void LinearSystem::restore(const double* w, const double* x_free, double* x) {
   multiply(1.0, Op::plain, form.T2(), z, 1.0, x);
 }
 
-void LinearSystem::correct_derivative(const double* x, double* xdot) {
+void LinearSystem::correct_derivative(double c, const double* x, double* xdot) {
   const Point& point = current();
   const NullSpaceForm& form = point.form;
   const Arena::Frame frame(arena_);
@@ -260,7 +279,14 @@ void LinearSystem::correct_derivative(const double* x, double* xdot) {
   for (int i = 0; i < problem_.m(); ++i) h[i] *= per_tau;
   multiply(-1.0, Op::plain, point.data.E(0), xdot, 1.0, h);
   multiply(1.0, Op::transposed, form.Z1(), h, 0.0, q);
-  form.solve_G(q, z, arena_);
+  if (std::isinf(c) || !factor_step_matrix(c)) {
+    form.solve_G(q, z, arena_);
+  } else {
+    // (c tau G - B) z = c tau q: the residual as a step of size 1 / c would damp it.
+    for (int i = 0; i < form.d; ++i) z[i] = c * point.data.time_scale * q[i];
+    std::fill_n(z + form.d, form.u, 0.0);
+    solve_lu({matrix_.data(), form.unknowns(), form.unknowns(), std::max(form.unknowns(), 1)}, matrix_pivots_.data(), z);
+  }
   multiply(1.0, Op::plain, form.T2(), z, 1.0, xdot);
 }
 
@@ -300,7 +326,7 @@ bool LinearSystem::consistent_derivative(const double* x, double direction, doub
   }
   std::fill_n(xdot, n, 0.0);
   derivative_from_differences(x, direction, xdot);
-  correct_derivative(x, xdot);
+  correct_derivative(std::numeric_limits<double>::infinity(), x, xdot);
   return false;
 }
 
@@ -315,7 +341,7 @@ bool LinearSystem::derivative_from_array(const double* x, double* xdot) {
   if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED)
     throw Failure(trouble.status, trouble.message());
   if (trouble.status != SFDAE_OK) return false;
-  const Judge::Settings judging{settings_.rank_tol, false, false};
+  const Judge::Settings judging{settings_.rank_tol, false, measured_};
   Judge judge(data, level, judging, nullptr);
   const Arena::Frame frame(arena_);
   const Carried carried = eliminate(data, level, data.f_stack(level), 2, judge, arena_);

@@ -28,7 +28,7 @@ class LinearSystem final : public StrangenessFreeSystem {
   bool solve(double c, const double* w_rest, const double* x_rest, double* x) override;
   void error_in_x(const double* dw, double* dx) override;
   void restore(const double* w, const double* x_free, double* x) override;
-  void correct_derivative(const double* x, double* xdot) override;
+  void correct_derivative(double c, const double* x, double* xdot) override;
 
   const IndexAnalysis& analysis() const { return analysis_; }
   LeadingTerm leading_term() const { return leading_; }
@@ -43,7 +43,8 @@ class LinearSystem final : public StrangenessFreeSystem {
   const NullSpaceForm& form() const { return current().form; }
   const TaylorData& data() const { return current().data; }
   double t() const { return current().t; }
-  double inconsistency() const { return current().form.inconsistency(); }
+  // Contradiction of redundant equations, relative; 0 where errors of difference derivatives explain it.
+  double inconsistency() const;
   // Largest entries of the rows of [E A], unscaled.
   const std::vector<double>& row_norms() const { return current().data.row_norm; }
   // How rows are scaled from now on; RowScaling::each unless set.
@@ -81,6 +82,7 @@ class LinearSystem final : public StrangenessFreeSystem {
   Orders orders() const;
   PointStatus reduce(double t, double time_scale, Point& point, RowScaling rows);
   PointStatus reduce_constant(double t, Point& point);
+  bool factor_step_matrix(double c);
   bool derivative_from_array(const double* x, double* xdot);
   void derivative_from_differences(const double* x, double direction, double* xdot);
   void settle_leading_term();
@@ -91,7 +93,7 @@ class LinearSystem final : public StrangenessFreeSystem {
   LeadingTerm leading_;
   RowScaling rows_ = RowScaling::each;
   bool needs_E1_ = false;
-  bool measured_ = false;  // the ranks at this point have been confirmed by measured noise
+  bool measured_ = false;  // ranks by measured instead of propagated noise
   Arena arena_;
   Point points_[2];
   int current_ = 0;

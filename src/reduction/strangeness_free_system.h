@@ -40,8 +40,9 @@ class StrangenessFreeSystem {
   virtual void error_in_x(const double* dw, double* dx) = 0;
   // x with F2(t, x) = 0 whose w and whose free part are those given.
   virtual void restore(const double* w, const double* x_free, double* x) = 0;
-  // Corrects xdot within the directions that F2 leaves open so that F1(t, x, .) = 0 holds for it.
-  virtual void correct_derivative(const double* x, double* xdot) = 0;
+  // Corrects xdot within the directions that F2 leaves open toward F1(t, x, .) = 0. In components that are stiff over the
+  // time 1 / |c| the residual of F1 is that of the error of x, and they stay; c = infinity: F1 = 0 exactly.
+  virtual void correct_derivative(double c, const double* x, double* xdot) = 0;
 };
 
 }  // namespace sfdae::core

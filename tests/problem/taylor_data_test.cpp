@@ -268,16 +268,18 @@ TEST(TaylorData, KnowsWhichCoefficientsVanishAndMeasuresAnew) {
   EXPECT_EQ(data.norm(1), 7.0);
 }
 
-// Level l uses derivatives up to order l; their errors count, exact data have rounding errors only.
+// Level l uses derivatives up to order l; their errors count, exact data have rounding errors only. Errors are those of
+// plain derivatives relative to the function: of a coefficient of order k they are tau^k / k! times that.
 TEST(TaylorData, NoiseIsThatOfTheDerivativesInUse) {
   TaylorData data = scalar({1.0, 1.0, 1.0}, {1.0, 1.0, 1.0});
+  ASSERT_TRUE(data.scale(0.5));  // E: 1, 1/2, 1/8; A: 1/2, 1/4, 1/16
   EXPECT_EQ(data.noise(2), sfdae_test::unit_roundoff);
   data.error_E[1] = 1e-10;
   data.error_A[2] = 1e-7;
   data.error_E[0] = 1.0;  // order 0 is never computed by differences
   EXPECT_EQ(data.noise(0), sfdae_test::unit_roundoff);
-  EXPECT_EQ(data.noise(1), 1e-10);
-  EXPECT_EQ(data.noise(2), 1e-7);
+  EXPECT_DOUBLE_EQ(data.noise(1), 0.5 * 1e-10);
+  EXPECT_DOUBLE_EQ(data.noise(2), 0.125 * 0.5 * 1e-7);
 }
 
 TEST(TaylorData, TheStackOfFIsContiguous) {
