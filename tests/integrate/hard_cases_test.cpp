@@ -1,0 +1,182 @@
+// Small problems that lead solvers astray: tiny capacitors, stiffness beside constraints, periodic data, units of time.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "family_run.h"
+#include "sfdae/sfdae.h"
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+// A linear problem from closures; entries (row, column) are set by the closures in column-major arrays.
+struct Problem {
+  int n = 0;
+  std::function<int(double, int, double*)> E, A, f;
+  sfdae_linear_problem c_problem() {
+    sfdae_linear_problem problem;
+    sfdae_linear_problem_init(&problem, sizeof problem);
+    problem.num_equations = problem.num_unknowns = n;
+    problem.E = [](double t, int k, double* m, void* self) { return static_cast<Problem*>(self)->E(t, k, m); };
+    problem.A = [](double t, int k, double* m, void* self) { return static_cast<Problem*>(self)->A(t, k, m); };
+    problem.f = [](double t, int k, double* v, void* self) { return static_cast<Problem*>(self)->f(t, k, v); };
+    problem.user = this;
+    return problem;
+  }
+};
+
+class Solved {
+ public:
+  Solved(Problem& problem, const sfdae_options& options) {
+    const sfdae_linear_problem c_problem = problem.c_problem();
+    EXPECT_EQ(sfdae_create_linear(&solver, &c_problem, &options), SFDAE_OK);
+    sfdae_characteristics_init(&values, sizeof values);
+  }
+  ~Solved() { sfdae_destroy(&solver); }
+  Solved(const Solved&) = delete;
+  Solved& operator=(const Solved&) = delete;
+
+  sfdae_solver* solver = nullptr;
+  sfdae_characteristics values;
+};
+
+// Nodes 1, 2: source, conductance G between them, capacitor C at node 2, coil L from there; x = (v1, v2, i_source, i_L).
+// C v2' = G (v1 - v2) - i_L, L i_L' = v2, v1 = 1, current balance at node 1: mu = 0, d = 2, a = 2 for all C, L > 0.
+// For t << L / R the capacitor charges like 1 - e^(-t G / C).
+TEST(HardCases, ATinyCapacitorStaysACapacitor) {
+  for (double C : {1e-15, 1e-12, 1e-9})
+    for (double L : {1e-7, 1e-6}) {
+      const double G = 0.02;
+      Problem problem;
+      problem.n = 4;
+      problem.E = [=](double, int k, double* m) { return k == 0 ? (m[1 + 4 * 1] = C, m[2 + 4 * 3] = L, 0) : 0; };
+      problem.A = [=](double, int k, double* m) {
+        if (k > 0) return 0;
+        m[0] = -G, m[0 + 4 * 1] = G, m[0 + 4 * 2] = -1;
+        m[1] = G, m[1 + 4 * 1] = -G, m[1 + 4 * 3] = -1;
+        m[2 + 4 * 1] = 1, m[3] = 1;
+        return 0;
+      };
+      problem.f = [](double, int k, double* v) { return k == 0 ? (v[3] = -1, 0) : 0; };
+      Solved s(problem, sfdae_test::options_with_tolerance(1e-6));
+      const double t1 = C / G;
+      ASSERT_EQ(sfdae_analyze(s.solver, 0.0, t1, &s.values), SFDAE_OK) << sfdae_message(s.solver);
+      EXPECT_EQ(s.values.strangeness_index, 0);
+      EXPECT_EQ(s.values.differential, 2);
+      EXPECT_EQ(s.values.algebraic, 2);
+      double x[] = {1, 0, -G, 0}, t = 0;
+      ASSERT_EQ(sfdae_start(s.solver, 0.0, t1, x, nullptr), SFDAE_OK);
+      EXPECT_NEAR(x[1], 0.0, 1e-12);
+      ASSERT_EQ(sfdae_advance(s.solver, t1, &t, x, nullptr), SFDAE_OK);
+      // The coil takes a current of order t / L, which lowers v2 by about t / (G L).
+      EXPECT_NEAR(x[1], 1.0 - std::exp(-1.0), 2e-5 + t1 / (G * L));
+    }
+}
+
+// x1' = -lambda x1, x2' = -x2, 0 = x3 - 1: an algebraic equation beside a stiff one does not make it algebraic.
+TEST(HardCases, StiffnessBesideAConstraintIsNoConstraint) {
+  for (int reduction : {SFDAE_REDUCTION_STAGED, SFDAE_REDUCTION_SVD})
+    for (double lambda : {1e3, 1e6, 3e7, 1e9, 1e11}) {
+      Problem problem;
+      problem.n = 3;
+      problem.E = [](double, int k, double* m) { return k == 0 ? (m[0] = m[4] = 1, 0) : 0; };
+      problem.A = [=](double, int k, double* m) { return k == 0 ? (m[0] = -lambda, m[4] = -1, m[8] = -1, 0) : 0; };
+      problem.f = [](double, int k, double* v) { return k == 0 ? (v[2] = 1, 0) : 0; };
+      sfdae_options options = sfdae_test::options_with_tolerance(1e-6);
+      options.reduction = reduction;
+      Solved s(problem, options);
+      double x[] = {0.5, 1.0, 1.0}, t = 0.0;
+      ASSERT_EQ(sfdae_start(s.solver, 0.0, 1.0, x, nullptr), SFDAE_OK) << lambda << ": " << sfdae_message(s.solver);
+      EXPECT_EQ(x[0], 0.5);
+      ASSERT_EQ(sfdae_advance(s.solver, 2.0 / lambda, &t, x, nullptr), SFDAE_OK);
+      EXPECT_NEAR(x[0], 0.5 * std::exp(-2.0), 1e-4);
+      ASSERT_EQ(sfdae_advance(s.solver, 1.0, &t, x, nullptr), SFDAE_OK);
+      EXPECT_NEAR(x[1], std::exp(-1.0), 2e-5);
+    }
+}
+
+// x' = -x + 5 sin(2 pi t) over a whole number of periods, such that simple fractions of the interval are periods.
+TEST(HardCases, PeriodicDataAreSeenWhateverTheInterval) {
+  for (double periods : {500.0, 1000.0, 200.0}) {
+    Problem problem;
+    problem.n = 1;
+    const double w = 2.0 * pi;
+    problem.E = [](double, int k, double* m) { return k == 0 ? (m[0] = 1, 0) : 0; };
+    problem.A = [](double, int k, double* m) { return k == 0 ? (m[0] = -1, 0) : 0; };
+    problem.f = [=](double t, int k, double* v) { return v[0] = 5.0 * std::pow(w, k) * std::sin(w * t + k * pi / 2), 0; };
+    Solved s(problem, sfdae_test::options_with_tolerance(1e-4));
+    double x = 0.0, t = 0.0;
+    ASSERT_EQ(sfdae_start(s.solver, 0.0, periods, &x, nullptr), SFDAE_OK);
+    const double tout = 20.25;
+    ASSERT_EQ(sfdae_advance(s.solver, tout, &t, &x, nullptr), SFDAE_OK);
+    const double scale = 5.0 / (1.0 + w * w);
+    EXPECT_NEAR(x, scale * (std::sin(w * tout) - w * std::cos(w * tout)), 20 * 1e-4 * 2.0);
+  }
+}
+
+// x' = -lambda (x - sin t) + cos t, x = sin t: the slope must not be that of the error of x times lambda.
+TEST(HardCases, SlopesOfStiffComponentsAreThoseOfTheSolution) {
+  for (double lambda : {1.0, 1e3, 1e6, 1e8}) {
+    Problem problem;
+    problem.n = 1;
+    problem.E = [](double, int k, double* m) { return k == 0 ? (m[0] = 1, 0) : 0; };
+    problem.A = [=](double, int k, double* m) { return k == 0 ? (m[0] = -lambda, 0) : 0; };
+    problem.f = [=](double t, int k, double* v) {
+      return v[0] = lambda * std::sin(t + k * pi / 2) + std::cos(t + k * pi / 2), 0;
+    };
+    Solved s(problem, sfdae_test::options_with_tolerance(1e-6));
+    double x = 0.0, xdot = 0.0, t = 0.0;
+    ASSERT_EQ(sfdae_start(s.solver, 0.0, 10.0, &x, &xdot), SFDAE_OK);
+    EXPECT_NEAR(xdot, 1.0, 1e-6);
+    for (int i = 1; i <= 50; ++i) {
+      ASSERT_EQ(sfdae_advance(s.solver, 0.2 * i, &t, &x, &xdot), SFDAE_OK);
+      EXPECT_NEAR(x, std::sin(t), 20 * 1e-6);
+      EXPECT_NEAR(xdot, std::cos(t), 1e-4) << lambda << " " << t;
+    }
+  }
+}
+
+// tau x1' w = x0 + f0, tau x2' = x1 + f1, 0 = x2 + f2, tau x3' = -x3: mu = 2, d = 1, a = 3, derivatives by differences, in
+// units of time from picoseconds to days. Exact: x_i = sin(s + i), i < 3, x3 = e^-s with s = t / tau.
+TEST(HardCases, DifferenceDerivativesDoNotDependOnTheUnitOfTime) {
+  for (double unit : {1e-12, 1e-6, 1.0, 1e5})
+    for (double variation : {0.0, 0.3}) {
+      Problem problem;
+      problem.n = 4;
+      const auto weight = [=](double t) { return 1.0 + variation * std::sin(t / unit); };
+      problem.E = [=](double t, int k, double* m) {
+        if (k > 0) return SFDAE_ORDER_NOT_AVAILABLE;
+        m[0 + 4 * 1] = unit * weight(t), m[1 + 4 * 2] = unit, m[3 + 4 * 3] = unit;
+        return 0;
+      };
+      problem.A = [](double, int k, double* m) {
+        if (k > 0) return SFDAE_ORDER_NOT_AVAILABLE;
+        m[0] = m[5] = m[10] = 1, m[15] = -1;
+        return 0;
+      };
+      problem.f = [=](double t, int k, double* v) {
+        if (k > 0) return SFDAE_ORDER_NOT_AVAILABLE;
+        const double s = t / unit;
+        v[0] = weight(t) * std::cos(s + 1) - std::sin(s), v[1] = std::cos(s + 2) - std::sin(s + 1), v[2] = -std::sin(s + 2);
+        return 0;
+      };
+      sfdae_options options = sfdae_test::options_with_tolerance(1e-6);
+      options.difference_derivatives = 1;
+      Solved s(problem, options);
+      double x[] = {0.0, std::sin(1.0), std::sin(2.0), 1.0}, t = 0.0;
+      ASSERT_EQ(sfdae_start(s.solver, 0.0, 3.0 * unit, x, nullptr), SFDAE_OK) << unit << ": " << sfdae_message(s.solver);
+      sfdae_get_characteristics(s.solver, &s.values);
+      EXPECT_EQ(s.values.strangeness_index, 2);
+      EXPECT_EQ(s.values.differential, 1);
+      ASSERT_EQ(sfdae_advance(s.solver, 3.0 * unit, &t, x, nullptr), SFDAE_OK) << sfdae_message(s.solver);
+      for (int i = 0; i < 3; ++i) EXPECT_NEAR(x[i], std::sin(3.0 + i), 10 * 2e-6);
+      EXPECT_NEAR(x[3], std::exp(-3.0), 10 * 2e-6);
+    }
+}
+
+}  // namespace
