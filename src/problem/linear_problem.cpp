@@ -225,6 +225,7 @@ Trouble LinearProblem::evaluate_plain(double t, Orders orders, TaylorData& data)
 
 Trouble LinearProblem::evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows) {
   Trouble trouble = evaluate_plain(t, orders, data);
+  if (trouble.status == SFDAE_OK && !column_scale_.empty()) data.scale_columns(column_scale_);
   if (trouble.status == SFDAE_OK && !data.scale(time_scale, rows)) {
     trouble.status = SFDAE_NOT_FINITE;
     trouble.row = -1;

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "problem/taylor_data.h"
@@ -50,6 +51,9 @@ class LinearProblem {
   // Derivatives up to the orders asked for, scaled to Taylor coefficients with the given time scale (0: chosen).
   // A stop request ends the evaluation with SFDAE_STOPPED.
   Trouble evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each);
+  // evaluate() multiplies column j of E and A by scale[j] (powers of two) from now on: unknowns x_j / scale[j]. Empty: 1.
+  void set_column_scale(std::vector<double> scale) { column_scale_ = std::move(scale); }
+  const std::vector<double>& column_scale() const { return column_scale_; }
   // Plain derivatives of the orders asked for, unscaled.
   Trouble evaluate_plain(double t, Orders orders, TaylorData& data);
   // Values of the prescribed components.
@@ -96,6 +100,7 @@ class LinearProblem {
 
   sfdae_linear_problem problem_;
   std::vector<int> prescribed_;
+  std::vector<double> column_scale_;
   std::array<Function, 3> functions_;
   DifferenceOptions differences_;
   double lowest_t_ = -std::numeric_limits<double>::infinity();

@@ -49,6 +49,8 @@ class TaylorData {
   // Turns plain derivatives into scaled Taylor coefficients; tau = 0 chooses the time scale. False if entries are so
   // large or differ so much that products would overflow.
   bool scale(double tau, RowScaling rows = RowScaling::each);
+  // Multiplies column j of all E(k), A(k) by factors[j]; before scale().
+  void scale_columns(const std::vector<double>& factors);
   // Multiplies the time scale by `factor` once more.
   void rescale_time(double factor);
 

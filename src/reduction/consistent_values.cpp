@@ -93,30 +93,40 @@ void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request,
 
 }  // namespace
 
-ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, Vector& x) {
+ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, Vector& user_x) {
   const NullSpaceForm& form = system.form();
   const int n = form.n;
+  // The null-space form is that of scaled unknowns; norms and reports are the user's.
+  const Vector scale = system.problem().column_scale().empty() ? Vector(index(n), 1.0) : system.problem().column_scale();
+  const bool plain_norm = request.weights.empty() && system.problem().column_scale().empty();
+  const auto to_user = [&](Vector v) {
+    for (int i = 0; i < n; ++i) v[index(i)] *= scale[index(i)];
+    return v;
+  };
+  Vector x(user_x);
+  for (int i = 0; i < n; ++i) x[index(i)] /= scale[index(i)];
   ConsistencyResult result;
-  result.residual_before = length(violation(form, x));
-  Vector inverse_weights(index(n), 1.0);
-  for (int i = 0; i < n && !request.weights.empty(); ++i) inverse_weights[index(i)] = 1.0 / request.weights[index(i)];
+  result.residual_before = length(to_user(violation(form, x)));
+  Vector inverse_weights(scale);
+  for (int i = 0; i < n && !request.weights.empty(); ++i) inverse_weights[index(i)] /= request.weights[index(i)];
   Vector z0(index(form.unknowns()) + 1, 0.0);
   Matrix N = identity(form.unknowns());
   if (request.kind == InitialValues::fixed) satisfy_fixed(form, request, x, system.t(), z0, N);
   Vector consistent(form.xp(), form.xp() + n);
-  if (request.weights.empty() && request.kind != InitialValues::fixed) {
+  if (plain_norm && request.kind != InitialValues::fixed) {
     // xp + T2 T2^T x
     multiply(1.0, Op::transposed, form.T2(), x.data(), 0.0, z0.data());
     multiply(1.0, Op::plain, form.T2(), z0.data(), 1.0, consistent.data());
   } else {
     consistent = nearest(form, x, inverse_weights, z0, N);
   }
+  consistent = to_user(consistent);
   if (request.kind == InitialValues::fixed)
     for (int i = 0; i < n; ++i)
-      if (request.fixed[index(i)] != 0) consistent[index(i)] = x[index(i)];
+      if (request.fixed[index(i)] != 0) consistent[index(i)] = user_x[index(i)];
   if (request.kind == InitialValues::accept) {
     for (int i = 0; i < n; ++i) {
-      const double change = std::fabs(consistent[index(i)] - x[index(i)]);
+      const double change = std::fabs(consistent[index(i)] - user_x[index(i)]);
       if (change > request.tolerances[index(i)])
         throw Failure(SFDAE_INCONSISTENT_VALUES,
                       format("initial values violate the constraints at t = %.15g: residual %.3g, the nearest "
@@ -127,7 +137,7 @@ ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest
     return result;
   }
   for (int i = 0; i < n; ++i) {
-    const double change = std::fabs(consistent[index(i)] - x[index(i)]);
+    const double change = std::fabs(consistent[index(i)] - user_x[index(i)]);
     if (change > result.largest_change) {
       result.largest_change = change;
       result.component = i;
@@ -135,8 +145,9 @@ ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest
   }
   if (!all_finite(consistent.data(), consistent.size()))
     throw Failure(SFDAE_NOT_FINITE, format("consistent values at t = %.15g overflow: rescale the problem.", system.t()));
-  x = consistent;
-  result.residual_after = length(violation(form, x));
+  user_x = consistent;
+  for (int i = 0; i < n; ++i) x[index(i)] = consistent[index(i)] / scale[index(i)];
+  result.residual_after = length(to_user(violation(form, x)));
   return result;
 }
 

@@ -288,6 +288,34 @@ double nearby_point(double t, double toward, double time_scale) {
   return t + std::copysign(std::min(std::max(distance, resolvable), std::fabs(toward - t)), toward - t);
 }
 
+// Units of the unknowns: columns of [E A] that differ by more than moderate_column_ratio are scaled to comparable size.
+// Columns below smallest_column are left alone: they may be rounding errors.
+std::vector<double> choose_column_scale(LinearProblem& problem, double t) {
+  constexpr double moderate_column_ratio = 1024.0, smallest_column = 1e-12;
+  const std::size_t n = static_cast<std::size_t>(problem.n());
+  std::vector<double> scale(n, 1.0);
+  bool needed = false;
+  // Scaling of rows and columns depends on each other: two sweeps.
+  for (int sweep = 0; sweep < 2; ++sweep) {
+    problem.set_column_scale(scale);
+    TaylorData data;
+    const Trouble trouble = problem.evaluate(t, {0, 0, -1}, 0.0, data);
+    if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+    std::vector<double> size(n);
+    double largest = 0.0, smallest = std::numeric_limits<double>::infinity();
+    for (std::size_t j = 0; j < n; ++j) {
+      const int column = static_cast<int>(j);
+      size[j] = std::max(max_abs(data.E(0).column(column), data.m), max_abs(data.A(0).column(column), data.m));
+      largest = std::max(largest, size[j]);
+      if (size[j] > 0.0) smallest = std::min(smallest, size[j]);
+    }
+    needed = needed || largest > moderate_column_ratio * smallest;
+    for (std::size_t j = 0; j < n; ++j)
+      if (size[j] > smallest_column * largest) scale[j] *= std::ldexp(1.0, -std::ilogb(size[j]));
+  }
+  return needed ? scale : std::vector<double>();
+}
+
 }  // namespace
 
 std::string describe(const CharacteristicValues& values) {
@@ -330,6 +358,8 @@ bool known_values_hold(LinearProblem& problem, double t, const AnalysisSettings&
 IndexAnalysis analyze_index(LinearProblem& problem, double t, double toward, const AnalysisSettings& settings,
                             Arena& arena, std::vector<RankDecision>& decisions) {
   decisions.clear();
+  problem.set_column_scale({});
+  problem.set_column_scale(choose_column_scale(problem, t));
   IndexAnalysis here = search_at(problem, t, settings, arena, decisions);
   if (!problem.is_constant()) {
     const double nearby = nearby_point(t, toward, here.time_scale);

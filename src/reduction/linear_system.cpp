@@ -60,6 +60,18 @@ void LinearSystem::settle_leading_term() {
   }
 }
 
+const double* LinearSystem::inward(const double* x, double* buffer) const {
+  const std::vector<double>& scale = problem_.column_scale();
+  if (scale.empty()) return x;
+  for (std::size_t j = 0; j < scale.size(); ++j) buffer[j] = x[j] / scale[j];
+  return buffer;
+}
+
+void LinearSystem::outward(double* x) const {
+  const std::vector<double>& scale = problem_.column_scale();
+  for (std::size_t j = 0; j < scale.size(); ++j) x[j] *= scale[j];
+}
+
 void LinearSystem::give_up_projector() {
   analysis_.rank_E_constant = false;
   leading_ = LeadingTerm::automatic;
@@ -72,11 +84,19 @@ Orders LinearSystem::orders() const {
   return {std::max(mu, needs_E1_ ? 1 : 0), mu, mu};
 }
 
+void LinearSystem::scale_prescribed_values() {
+  const std::vector<double>& scale = problem_.column_scale();
+  if (scale.empty()) return;
+  for (std::size_t i = 0; i < problem_.prescribed().size(); ++i)
+    prescribed_values_[i] /= scale[static_cast<std::size_t>(problem_.prescribed()[i])];
+}
+
 PointStatus LinearSystem::reduce(double t, double time_scale, Point& point, RowScaling rows) {
   const int mu = analysis_.values.mu;
   trouble_ = problem_.evaluate(t, orders(), time_scale, point.data, rows);
   if (trouble_.status == SFDAE_OK) trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  scale_prescribed_values();
   ++reductions_;
   const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, measured_};
   Judge judge(point.data, mu, judging, nullptr);
@@ -117,6 +137,7 @@ PointStatus LinearSystem::reduce_constant(double t, Point& point) {
   trouble_ = problem_.evaluate_plain(t, {-1, -1, mu}, rhs_);
   if (trouble_.status == SFDAE_OK) trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  scale_prescribed_values();
   double factor = 1.0;
   for (int k = 0; k <= mu; ++k) {
     factor *= point.data.time_scale / std::max(k, 1);
@@ -167,6 +188,11 @@ double LinearSystem::inconsistency() const {
 }
 
 void LinearSystem::leading(const double* x, double* w) {
+  const Arena::Frame frame(arena_);
+  leading_of(inward(x, arena_.take(static_cast<std::size_t>(problem_.n()))), w);
+}
+
+void LinearSystem::leading_of(const double* x, double* w) {
   const Point& point = current();
   if (leading_ == LeadingTerm::matrix) {
     multiply(1.0, Op::plain, point.data.E(0), x, 0.0, w);
@@ -226,12 +252,14 @@ bool LinearSystem::solve(double c, const double* w_rest, const double* x_rest, d
   for (int i = 0; i < d; ++i) z[i] = form.b()[i] - tau * (c * form.g0()[i] + z[i]);
   if (form.u > 0) {
     double* free_part = arena_.take(static_cast<std::size_t>(size));
+    x_rest = inward(x_rest, arena_.take(static_cast<std::size_t>(n)));
     multiply(1.0, Op::transposed, form.T2(), x_rest, 0.0, free_part);
     multiply(-tau, Op::transposed, form.Uz(), free_part, 0.0, z + d);
   }
   solve_lu(M, matrix_pivots_.data(), z);
   std::copy_n(form.xp(), n, x);
   multiply(1.0, Op::plain, form.T2(), z, 1.0, x);
+  outward(x);
   return true;
 }
 
@@ -243,6 +271,7 @@ void LinearSystem::error_in_x(const double* dw, double* dx) {
   differential_rows(current().data, form, leading_ == LeadingTerm::matrix, dw, q, arena_);
   form.solve_G(q, z, arena_);
   multiply(1.0, Op::plain, form.T2(), z, 0.0, dx);
+  outward(dx);
 }
 
 void LinearSystem::restore(const double* w, const double* x_free, double* x) {
@@ -257,15 +286,25 @@ void LinearSystem::restore(const double* w, const double* x_free, double* x) {
   if (form.u > 0) {
     double* along = arena_.take(static_cast<std::size_t>(size));
     double* free_part = arena_.take(static_cast<std::size_t>(form.u));
+    x_free = inward(x_free, arena_.take(static_cast<std::size_t>(n)));
     multiply(1.0, Op::transposed, form.T2(), x_free, 0.0, along);
     multiply(1.0, Op::transposed, form.Uz(), along, 0.0, free_part);
     multiply(1.0, Op::plain, form.Uz(), free_part, 1.0, z);
   }
   std::copy_n(form.xp(), n, x);
   multiply(1.0, Op::plain, form.T2(), z, 1.0, x);
+  outward(x);
 }
 
 void LinearSystem::correct_derivative(double c, const double* x, double* xdot) {
+  const Arena::Frame frame(arena_);
+  const std::size_t n = static_cast<std::size_t>(problem_.n());
+  std::copy_n(inward(xdot, arena_.take(n)), n, xdot);
+  correct_scaled_derivative(c, inward(x, arena_.take(n)), xdot);
+  outward(xdot);
+}
+
+void LinearSystem::correct_scaled_derivative(double c, const double* x, double* xdot) {
   const Point& point = current();
   const NullSpaceForm& form = point.form;
   const Arena::Frame frame(arena_);
@@ -309,6 +348,13 @@ bool LinearSystem::orientation_kept() {
 }
 
 bool LinearSystem::consistent_derivative(const double* x, double direction, double* xdot) {
+  std::vector<double> buffer(static_cast<std::size_t>(problem_.n()));
+  const bool exact = consistent_scaled_derivative(inward(x, buffer.data()), direction, xdot);
+  outward(xdot);
+  return exact;
+}
+
+bool LinearSystem::consistent_scaled_derivative(const double* x, double direction, double* xdot) {
   const int n = problem_.n();
   if (problem_.prescribed().empty() && derivative_from_array(x, xdot)) {
     // Free directions: x' of smallest norm, as the free part is held.
@@ -326,7 +372,7 @@ bool LinearSystem::consistent_derivative(const double* x, double direction, doub
   }
   std::fill_n(xdot, n, 0.0);
   derivative_from_differences(x, direction, xdot);
-  correct_derivative(std::numeric_limits<double>::infinity(), x, xdot);
+  correct_scaled_derivative(std::numeric_limits<double>::infinity(), x, xdot);
   return false;
 }
 
@@ -404,20 +450,23 @@ void LinearSystem::derivative_from_differences(const double* x, double direction
 }
 
 void LinearSystem::leading_derivative(const double* x, const double* xdot, double* wdot) {
+  std::vector<double> x_buffer(static_cast<std::size_t>(problem_.n())), xdot_buffer(x_buffer);
+  x = inward(x, x_buffer.data());
+  xdot = inward(xdot, xdot_buffer.data());
   const Point& point = current();
   const int n = problem_.n(), m = problem_.m();
   const double per_tau = 1.0 / point.data.time_scale;
   const bool E_varies = needs_E1_ && !point.data.is_zero_E(1);
   if (leading_ == LeadingTerm::matrix) {
     // (E x)' = E x' + E' x
-    leading(xdot, wdot);
+    leading_of(xdot, wdot);
     if (!E_varies) return;
     std::vector<double> h(static_cast<std::size_t>(m));
     multiply(per_tau, Op::plain, point.data.E(1), x, 0.0, h.data());
     for (int i = 0; i < m; ++i) wdot[i] += h[static_cast<std::size_t>(i)] / point.data.row_scale[static_cast<std::size_t>(i)];
     return;
   }
-  leading(xdot, wdot);
+  leading_of(xdot, wdot);
   if (leading_ == LeadingTerm::identity || !E_varies) return;
   // P' = S + S^T with S = E^+ E' (I - P), for constant rank.
   const Svd decomposition = svd(point.data.E(0));

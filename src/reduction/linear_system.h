@@ -79,6 +79,14 @@ class LinearSystem final : public StrangenessFreeSystem {
   Point& current() { return points_[current_]; }
   const Point& current() const { return points_[current_]; }
   Point& reference() { return points_[1 - current_]; }
+  // Unknowns are kept as x_j / column_scale[j]. Inward: x itself if there is no scaling, else scaled values in `buffer`.
+  const double* inward(const double* x, double* buffer) const;
+  void outward(double* x) const;
+  void scale_prescribed_values();
+  // The functions of the same purpose for scaled x.
+  void leading_of(const double* x, double* w);
+  void correct_scaled_derivative(double c, const double* x, double* xdot);
+  bool consistent_scaled_derivative(const double* x, double direction, double* xdot);
   Orders orders() const;
   PointStatus reduce(double t, double time_scale, Point& point, RowScaling rows);
   PointStatus reduce_constant(double t, Point& point);

@@ -179,4 +179,53 @@ TEST(HardCases, DifferenceDerivativesDoNotDependOnTheUnitOfTime) {
     }
 }
 
+// Unknowns in units of 10^q and 10^-q in turn: the same values, the same solution in those units, initial values and
+// derivatives included.
+TEST(HardCases, UnitsOfTheUnknownsDoNotMatter) {
+  for (int mu : {0, 1, 2, 3})
+    for (int q : {0, 2, 4, 5}) {
+      const auto family = sfdae_test::kron(8, mu, 0.5);
+      const int n = family->n();
+      std::vector<double> unit;
+      for (int j = 0; j < n; ++j) unit.push_back(std::pow(10.0, j % 2 == 0 ? q : -q));
+      const auto scale_columns = [&](double* m) {
+        for (int j = 0; j < n; ++j)
+          for (int i = 0; i < n; ++i) m[i + n * j] *= unit[static_cast<std::size_t>(j)];
+        return 0;
+      };
+      Problem problem;
+      problem.n = n;
+      problem.E = [&](double t, int k, double* m) { return family->E(t, k, m), scale_columns(m); };
+      problem.A = [&](double t, int k, double* m) { return family->A(t, k, m), scale_columns(m); };
+      problem.f = [&](double t, int k, double* v) { return family->f(t, k, v), 0; };
+      const double tol = 1e-6;
+      std::vector<double> atol;
+      for (double u : unit) atol.push_back(tol / u);
+      sfdae_options options = sfdae_test::options_with_tolerance(tol);
+      options.atol_vector = atol.data();
+      Solved s(problem, options);
+      std::vector<double> x(unit.size()), xdot(x), exact(x), exact_dot(x);
+      family->exact(0.0, x.data(), exact_dot.data());
+      for (std::size_t j = 0; j < x.size(); ++j) x[j] /= unit[j];
+      const std::vector<double> start = x;
+      ASSERT_EQ(sfdae_start(s.solver, 0.0, 1.0, x.data(), xdot.data()), SFDAE_OK) << sfdae_message(s.solver);
+      sfdae_get_characteristics(s.solver, &s.values);
+      EXPECT_EQ(s.values.strangeness_index, mu);
+      EXPECT_EQ(s.values.differential, family->values().d);
+      for (std::size_t j = 0; j < x.size(); ++j) {
+        // The nearest point in the user's norm is a least squares problem with weights 10^-q ... 10^q.
+        const double rounding = 1e-15 * std::pow(10.0, 2 * q);
+        EXPECT_NEAR(x[j] * unit[j], start[j] * unit[j], 10 * rounding + 1e-13) << mu << " " << q;
+        EXPECT_NEAR(xdot[j] * unit[j], exact_dot[j], 100 * rounding + 1e-11) << mu << " " << q;
+      }
+      for (double tout : {0.3, 0.7, 1.0}) {
+        double t = 0.0;
+        ASSERT_EQ(sfdae_advance(s.solver, tout, &t, x.data(), xdot.data()), SFDAE_OK) << sfdae_message(s.solver);
+        family->exact(tout, exact.data(), exact_dot.data());
+        for (std::size_t j = 0; j < x.size(); ++j)
+          EXPECT_NEAR(x[j] * unit[j], exact[j], 10 * tol * (1 + std::fabs(exact[j]))) << mu << " " << q;
+      }
+    }
+}
+
 }  // namespace
