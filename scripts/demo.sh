@@ -20,7 +20,8 @@ for file in constrained_chain.csv constrained_chain.svg; do
   if [[ -s "$file" ]]; then
     echo "build/demo/$file"
   else
+    # The plot needs gnuplot; the program has said so.
     echo "build/demo/$file was not written" >&2
-    exit 1
+    if [[ "$file" == *.csv ]]; then exit 1; fi
   fi
 done

@@ -110,8 +110,8 @@ typedef int (*sfdae_vector_function)(double t, int order, double *vector, void *
 /* Linear problem E(t) x' = A(t) x + f(t). Call sfdae_linear_problem_init first, then set members. */
 typedef struct sfdae_linear_problem {
   size_t size;            /* set by sfdae_linear_problem_init */
-  int num_equations;      /* m, 1 ... 20000 */
-  int num_unknowns;       /* n, 1 ... 20000; m and n may differ */
+  int num_equations;      /* m, 1 ... 5000 */
+  int num_unknowns;       /* n, 1 ... 5000; m and n may differ */
   sfdae_matrix_function E;
   sfdae_matrix_function A;
   sfdae_vector_function f; /* NULL: f = 0 */
@@ -179,7 +179,7 @@ typedef struct sfdae_options {
                                   library judges by propagated rounding errors. < 1 */
   double time_scale;           /* > 0: unit of time in which derivatives are compared; default 0: chosen */
   int difference_derivatives;  /* 1: derivatives that are not available (SFDAE_ORDER_NOT_AVAILABLE) are computed
-                                  from order 0 by differences. Default 0: SFDAE_ORDER_MISSING */
+                                  from order 0 by differences, up to order 6. Default 0: SFDAE_ORDER_MISSING */
   double difference_step;      /* > 0: spacing of the points used for that; default 0: chosen */
 
   /* Initial values. */
@@ -328,7 +328,7 @@ SFDAE_API int sfdae_get_initial_report(const sfdae_solver *solver, sfdae_initial
 
 /* Makes x (n values, in: guess, out: consistent) consistent at t as the options say and computes the derivative
  * x'(t) of the solution through it (xdot: n values, may be NULL; minimum norm in directions that the problem
- * leaves free). Analyzes first, forward from t, if that has not happened. The point reached is unaffected.
+ * leaves free). Analyzes first, forward from t, if there is no analysis. The point reached is unaffected.
  * Remarks: SFDAE_NOT_UNIQUE, SFDAE_INCONSISTENCY_IGNORED.
  * Failures: callbacks, structure, SFDAE_INCONSISTENT_VALUES, SFDAE_INCONSISTENT_EQUATIONS, SFDAE_FIXED_VALUES. */
 SFDAE_API int sfdae_make_consistent(sfdae_solver *solver, double t, double *x, double *xdot);

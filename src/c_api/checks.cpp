@@ -14,7 +14,7 @@ namespace {
 CallResult illegal(std::string message) { return {SFDAE_ILLEGAL_ARGUMENT, std::move(message)}; }
 
 // Orders beyond this are a mistake, and sizes would overflow.
-constexpr int largest_dimension = 20000;
+constexpr int largest_dimension = 5000;
 
 bool is_flag(int value) { return value == 0 || value == 1; }
 

@@ -41,8 +41,16 @@ std::string analysis_report(const sfdae_solver& solver) {
     text += format(" (differentiation index %d)", values.a > 0 ? values.mu + 1 : 0);
   text += format(": d = %d, a = %d, u = %d, v = %d\n", values.d, values.a, values.u, values.v);
   double gap = 1e300;
-  for (const RankDecision& decision : solver.decisions) gap = std::min(gap, decision.gap);
-  text += gap < 1e300 ? format("every decision is safe: smallest gap %.0e\n", gap) : "every decision is safe\n";
+  Verdict worst = Verdict::clear;
+  for (const RankDecision& decision : solver.decisions) {
+    gap = std::min(gap, decision.gap);
+    worst = std::max(worst, decision.verdict);
+  }
+  const char* summary = worst == Verdict::clear       ? "every decision is safe"
+                        : worst == Verdict::confirmed ? "doubtful decisions were confirmed by a second reading"
+                        : worst == Verdict::user      ? "ranks were decided by rank_tol"
+                                                      : "not every decision is safe";
+  text += summary + (gap < 1e300 ? format(": smallest gap %.0e\n", gap) : std::string("\n"));
   constexpr const char* leading[] = {"", "W = E^+ E", "W = E", "W = I"};
   text += format("time scale %.3g, leading term %s\n", analysis.time_scale,
                  leading[static_cast<int>(solver.system->leading_term())]);

@@ -90,10 +90,11 @@ void Bdf::compute_differences(int count) {
   if (has_free_part_) divided_differences(times_, x_, count, dx_);
 }
 
-StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double h, ErrorWeights& weights) {
+StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) {
+  const double h = t - times_[0];
   control_before_ = control_;
   tried_h_ = h;
-  tried_t_ = times_[0] + h;
+  tried_t_ = t;
   const PointStatus status = system.move_to(tried_t_);
   if (status == PointStatus::trouble) return StepOutcome::trouble;
   if (status == PointStatus::changed) return StepOutcome::changed;

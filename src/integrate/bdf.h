@@ -33,14 +33,16 @@ class Bdf {
   void start(StrangenessFreeSystem& system, double t, const std::vector<double>& x, const std::vector<double>& xdot,
              const std::vector<double>& w, const std::vector<double>& wdot, double h, int max_order);
 
-  // Tries one step of size h from the last point; commit() makes an accepted one the last point. next_step() tells
+  // Tries one step from the last point to t; commit() makes an accepted one the last point. next_step() tells
   // the size to try next, accepted or not.
-  StepOutcome attempt(StrangenessFreeSystem& system, double h, ErrorWeights& weights);
+  StepOutcome attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights);
   void commit();
   // Gives up an attempt for reasons of the caller's (a smaller step is wanted).
   void withdraw() { control_ = control_before_; }
   // After trouble: next_step() becomes smaller.
   void reduce_after_failure(double h) { next_step_ = control_.failed(h); }
+
+  void set_max_order(int max_order) { control_.set_max_order(max_order); }
 
   double t() const { return times_[0]; }
   const std::vector<double>& x() const { return x_[0]; }

@@ -36,10 +36,13 @@ class Probe {
     const PointStatus status = system_.move_to(t);
     if (status == PointStatus::trouble && !system_.trouble().is_recoverable())
       throw Failure(system_.trouble().status, system_.trouble().message());
-    return status == PointStatus::ok || status == PointStatus::leading_changed;
+    // A point that cannot be evaluated says nothing: what is found with it does not count.
+    if (status == PointStatus::trouble) has_trouble_ = true;
+    return status != PointStatus::changed;
   }
   double kept() const { return std::min(system_.kept_constraints(), system_.kept_differential()); }
   double kept_at(double t) { return holds_at(t) ? kept() : 0.0; }
+  bool has_trouble() const { return has_trouble_; }
   bool is_resolved(double left, double right) const { return std::fabs(right - left) <= resolution_; }
   LinearSystem& system() { return system_; }
 
@@ -64,6 +67,7 @@ class Probe {
  private:
   LinearSystem system_;
   RowScaling rows_ = RowScaling::each;
+  bool has_trouble_ = false;
   double resolution_;
 };
 
@@ -122,8 +126,11 @@ void ChangeWatch::start(LinearSystem& system, double direction) {
   const double distance = std::min(0.7e-3 * std::min(system.data().time_scale, 1.0),
                                    system.problem().room(t, direction));
   system.accept();
-  if (distance <= 0.0 || system.move_to(t + direction * distance) != PointStatus::ok) return;
-  accept(system);
+  if (distance <= 0.0) return;
+  const PointStatus status = system.move_to(t + direction * distance);
+  if (status == PointStatus::trouble && !system.trouble().is_recoverable())
+    throw Failure(system.trouble().status, system.trouble().message());
+  if (status == PointStatus::ok) accept(system);
 }
 
 bool ChangeWatch::is_suspicious(LinearSystem& system) const {
@@ -161,7 +168,7 @@ std::optional<LocatedChange> ChangeWatch::locate(LinearSystem& system, double le
     if (!change) change = follow_dip(probe, left, right);
   }
   // The same values on closer inspection: no change.
-  if (change && change->new_values == system.analysis().values) change.reset();
+  if (probe.has_trouble() || (change && change->new_values == system.analysis().values)) change.reset();
   return change;
 }
 

@@ -40,6 +40,7 @@ Integration::Integration(LinearSystem& system, const IntegrationOptions& options
 void Integration::set_options(const IntegrationOptions& options) {
   options_ = options;
   weights_.set(options_.tolerances);
+  bdf_.set_max_order(options_.max_order);
 }
 
 IntegrationCounts Integration::counts() const {
@@ -78,6 +79,9 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
   } catch (const Failure& failure) {
     return_last_point(t, x, xdot);
     result = failure_result(failure);
+  } catch (...) {
+    return_last_point(t, x, xdot);
+    throw;
   }
   if (result.status == SFDAE_STOPPED) system_.problem().take_stop_request();
   if (result.status == SFDAE_OK && inconsistent_)
@@ -137,23 +141,21 @@ double Integration::choose_step(double tout) const {
   // Without differential equations nothing accumulates: the solution at tout is one reduction away.
   if (system_.differential() == 0 && bdf_.failures_in_a_row() == 0) h = std::fabs(tout - t);
   if (options_.max_step > 0.0) h = std::min(h, options_.max_step);
-  if (const auto end = limit()) {
-    const double room = std::fabs(*end - t);
-    // No tiny rest, and not a bit beyond.
-    if (h > room * (1.0 - 1e-10)) return direction_ * room;
-  }
   return direction_ * h;
 }
 
 std::optional<CallResult> Integration::attempt_step(double tout) {
   double h = choose_step(tout);
   const double t = bdf_.t();
-  const bool ends_at_limit = limit() && std::fabs(h) == std::fabs(*limit() - t);
-  if (std::fabs(h) < smallest_step(tout) && !ends_at_limit) {
+  if (std::fabs(h) < smallest_step(tout)) {
     if (bdf_.failures_in_a_row() > 0) return step_too_small(StepOutcome::error_too_large);
     h = direction_ * smallest_step(tout);
   }
-  const StepOutcome outcome = bdf_.attempt(system_, h, weights_);
+  // No tiny rest before a limit, and not a bit beyond.
+  double target = t + h;
+  if (const auto end = limit(); end && (target - *end) * direction_ > -1e-10 * std::fabs(h)) target = *end;
+  h = target - t;
+  const StepOutcome outcome = bdf_.attempt(system_, target, weights_);
   if (outcome == StepOutcome::accepted) return accept_step(h);
   return handle_failure(outcome, h, tout);
 }
@@ -209,6 +211,7 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
       break;
     case StepOutcome::leading_changed: {
       // rank E is not constant, though the hypothesis holds: w = P x has no continuous meaning, w = E x has.
+      must_restart_ = true;
       system_.give_up_projector();
       restart_at_last_point();
       ++counts_.other_failures;
@@ -286,6 +289,11 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
     if (!options_.ignore_inconsistency) throw Failure(SFDAE_INCONSISTENT_EQUATIONS, inconsistency_message(tout));
     inconsistent_ = true;
     counts_.inconsistency = std::max(counts_.inconsistency, system_.inconsistency());
+  }
+  if (must_restart_ && !at_step) {
+    // The history is that of another leading term: x alone can be used.
+    scratch_w_.resize(static_cast<std::size_t>(system_.leading_size()));
+    system_.leading(x_free.data(), scratch_w_.data());
   }
   if (at_step) std::copy(bdf_.x().begin(), bdf_.x().end(), x);
   else system_.restore(scratch_w_.data(), x_free.data(), x);

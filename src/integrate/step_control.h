@@ -21,6 +21,10 @@ class StepControl {
   void start(int max_order);
 
   int order() const { return order_; }
+  void set_max_order(int max_order) {
+    max_order_ = max_order;
+    order_ = order_ < max_order ? order_ : max_order;
+  }
   // The next step size after an accepted step of size h.
   double accepted(double h, const LocalTerms& terms);
   // The next step size after a step of size h failed the error test.

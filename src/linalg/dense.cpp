@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <stdexcept>
 
 #include "linalg/lapack.h"
 #include "linalg/small_kernels.h"
@@ -66,7 +66,7 @@ void multiply(double alpha, Op op_a, ConstView a, const double* x, double beta, 
   const int length = op_a == Op::plain ? a.rows : a.cols;
   const View result{y, length, 1, length > 0 ? length : 1};
   if (a.rows == 0 || a.cols == 0) return scale(result, beta);
-  if (a.rows * a.cols > 32 * 32) {
+  if (static_cast<double>(a.rows) * a.cols > 32.0 * 32.0) {
     dgemv_(letter(op_a), &a.rows, &a.cols, &alpha, a.data, &a.ld, x, &unit_stride, &beta, y, &unit_stride);
     return;
   }
@@ -205,6 +205,7 @@ Svd svd(ConstView a) {
   int info = 0;
   dgesvd_("A", "A", &a.rows, &a.cols, work.data(), &ld_a, result.s.data(), result.U.data(), &ld_u, vt.data(), &ld_vt,
           scratch.data(), &length, &info);
+  if (info != 0) throw std::runtime_error("the singular value decomposition did not converge.");
   result.V = transpose(vt);
   return result;
 }

@@ -14,6 +14,8 @@ namespace {
 constexpr double safety = 10.0;
 // For large matrices, where the threshold itself is near clear_gap * noise.
 constexpr double clear_margin = 3.0;
+// A threshold above this fraction of the norm of the data leaves nothing to be seen.
+constexpr double blinding = 1e-2;
 // Stands for an infinite gap.
 constexpr double largest_gap = 1e300;
 
@@ -37,6 +39,8 @@ RankDecision decide_rank(const double* values, int count, int stride, const Rank
   decision.gap = rank > 0 && below > 0.0 ? std::min(kept / below, largest_gap) : largest_gap;
   if (scale.rank_tol > 0.0) decision.verdict = Verdict::user;
   else if (scale.least_noise > 0.0 && dropped > safety * scale.dimension * scale.least_noise)
+    decision.verdict = Verdict::unclear;
+  else if (threshold > blinding * unit && dropped > clear_gap * unit_roundoff * unit)
     decision.verdict = Verdict::unclear;
   else if (rank == 0) decision.verdict = Verdict::clear;
   else

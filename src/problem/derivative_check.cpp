@@ -15,8 +15,9 @@ namespace sfdae::core {
 namespace {
 
 constexpr int points = DifferenceFormula::points;
-// Candidates for the spacing of the points; the one with the smallest estimated error counts.
-constexpr double spacings[] = {0.1, 0.03, 0.01, 0.003, 0.001, 3e-4, 1e-4};
+// Spacings of the points from the widest down by factors of 4; the one with the smallest estimated error counts.
+constexpr double widest_spacing = 0.1;
+constexpr int spacings = 20;
 // Differences may share their truncation error with their estimate: nothing below is called uncertain.
 constexpr double least_uncertainty = 1e3 * unit_roundoff;
 
@@ -39,18 +40,23 @@ void compare(LinearProblem& problem, char which, double t, int order, Derivative
   double uncertainty = -1.0, scale = largest(supplied);
   // Relative spacing: 1 near t = 0, |t| far away.
   const double unit = std::max(1.0, std::fabs(t) * 1e-3);
-  for (double spacing : spacings) {
-    const double h = spacing * unit;
-    for (int i = 0; i < points; ++i) {
-      if (!get(problem, which, t + (i - points / 2) * h, order - 1, one)) return;
+  double h = widest_spacing * unit;
+  for (int attempt = 0; attempt < spacings; ++attempt, h /= 4.0) {
+    bool reached = true;
+    for (int i = 0; i < points && reached; ++i) {
+      const Trouble trouble = problem.call(which, t + (i - points / 2) * h, order - 1, one.data());
+      if (trouble.status != SFDAE_OK && !trouble.is_recoverable()) throw Failure(trouble.status, trouble.message());
+      reached = trouble.status == SFDAE_OK;
       std::copy(one.begin(), one.end(), samples.begin() + static_cast<std::ptrdiff_t>(i) * count);
     }
+    if (!reached) continue;  // out of the domain of the function: closer points
     double error = 0.0;
     DifferenceFormula(points / 2, 1).apply(1, h, samples.data(), count, candidate.data(), &error);
     if (uncertainty >= 0.0 && error >= uncertainty) continue;
     uncertainty = error;
     difference = candidate;
   }
+  if (uncertainty < 0.0) return;
   scale = std::max({scale, largest(difference), uncertainty});
   if (scale == 0.0) scale = 1.0;
   const double relative = std::max(uncertainty / scale, least_uncertainty);

@@ -13,6 +13,8 @@ namespace sfdae::core {
 
 namespace {
 
+constexpr int max_difference_order = 6;
+
 double largest_entry(const double* values, int count) {
   return max_abs({values, count, 1, std::max(count, 1)});
 }
@@ -114,7 +116,8 @@ Trouble LinearProblem::fill(Function& function, double t, int order, double* val
       if (trouble.status != SFDAE_ORDER_MISSING) return trouble;
       if (k > 0 && differences_.allowed) function.highest_order = k - 1;
     }
-    if (!differences_.allowed || k == 0) {
+    // Formulas of nine points give six orders with an accuracy worth having.
+    if (!differences_.allowed || k == 0 || order > max_difference_order) {
       if (trouble.status == SFDAE_OK) {
         trouble.status = SFDAE_ORDER_MISSING;
         trouble.function = function.name == 'E' ? "E" : function.name == 'A' ? "A" : "f";

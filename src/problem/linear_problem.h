@@ -73,6 +73,9 @@ class LinearProblem {
   // Distance from t to the limit in a direction (+1 or -1).
   double room(double t, double direction) const { return direction > 0.0 ? highest_t_ - t : t - lowest_t_; }
 
+  // Length of the interval of interest.
+  double span() const { return differences_.span; }
+
   long evaluations(char which) const { return functions_[slot(which)].calls; }
   void request_stop() { stop_requested_.store(true, std::memory_order_relaxed); }
   // True once for every request.

@@ -109,7 +109,16 @@ double TaylorData::choose_time_scale() const {
     return tau;
   };
   const double grown_A = growth(norm_A_, orders.A);
-  const double E0 = norm_E_[0], A0 = norm_A_[0];
+  // Rows without E have been scaled for themselves: they say nothing about time.
+  double E0 = norm_E_[0], A0 = 0.0;
+  for (int i = 0; i < m; ++i) {
+    double row_E = 0.0, row_A = 0.0;
+    for (int j = 0; j < n; ++j) {
+      row_E = std::max(row_E, std::fabs(E(0)(i, j)));
+      row_A = std::max(row_A, std::fabs(A(0)(i, j)));
+    }
+    if (row_E > 0.0) A0 = std::max(A0, row_A);
+  }
   if (E0 == 0.0 || A0 == 0.0) {
     const double grown = E0 == 0.0 ? grown_A : growth(norm_E_, orders.E);
     return grown < infinity ? grown : 1.0;

@@ -36,12 +36,6 @@ double length(const Vector& v) {
   return scale * std::sqrt(sum);
 }
 
-double largest(const Vector& v) {
-  double result = 0.0;
-  for (double entry : v) result = std::max(result, std::fabs(entry));
-  return result;
-}
-
 // Minimizes || D^-1 (xp + T2 z - x) || over z = z0 + N y; rows of zero weight are left out.
 Vector nearest(const NullSpaceForm& form, const Vector& x, const Vector& inverse_weights, const Vector& z0,
                const Matrix& N) {
@@ -67,7 +61,6 @@ void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request,
   const int count = static_cast<int>(std::count(request.fixed.begin(), request.fixed.end(), 1));
   Matrix J(count, form.unknowns());
   Vector missing(index(count));
-  double scale = std::max(largest(x), largest(Vector(form.xp(), form.xp() + form.n)));
   std::vector<int> components;
   for (int i = 0, row = 0; i < form.n; ++i) {
     if (request.fixed[index(i)] == 0) continue;
@@ -82,12 +75,17 @@ void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request,
   z0 = least_squares(J, missing, fixed_tolerance);
   Vector residual(missing);
   if (count > 0) multiply(-1.0, Op::plain, J, z0.data(), 1.0, residual.data());
-  for (int row = 0; row < count; ++row)
-    if (std::fabs(residual[index(row)]) > fixed_tolerance * std::max(scale, 1e-300))
+  for (int row = 0; row < count; ++row) {
+    // Relative to what was added up in this component.
+    const int i = components[index(row)];
+    double size = std::max(std::fabs(x[index(i)]), std::fabs(form.xp()[i]));
+    for (int j = 0; j < J.cols(); ++j) size = std::max(size, std::fabs(J(row, j) * z0[index(j)]));
+    if (std::fabs(residual[index(row)]) > fixed_tolerance * size)
       throw Failure(SFDAE_FIXED_VALUES,
                     format("the fixed components contradict the constraints at t = %.15g: x(%d) = %.6g would have to "
                            "change by %.3g. Fix fewer components, or correct their values.",
                            t, components[index(row)], x[index(components[index(row)])], -residual[index(row)]));
+  }
   N = to_matrix(decomposition.V.view().columns(rank, form.unknowns() - rank));
 }
 

@@ -98,7 +98,7 @@ class Searcher {
       result.last = read_confirmed(level);
       if (!result.last.clear) return result;
       const CharacteristicValues values = values_of(level, result.last, v_hat_below);
-      result.levels += format("%s level %d: a = %d, rank(E T2) = %d of %d;", level > 0 ? "" : "", level, values.a,
+      result.levels += format(" level %d: a = %d, rank(E T2) = %d of %d;", level, values.a,
                               result.last.ranks.d, problem_.m() - values.a - values.v);
       if (values.mu >= 0) {
         result.values = values;

@@ -16,7 +16,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Points at which the derivative of the constraints is sampled, in units of the time scale.
+// Points at which the derivative of the constraints is sampled, in units of the time scale or the interval.
 constexpr double difference_spacing = 2e-3;
 
 }  // namespace
@@ -93,6 +93,7 @@ void LinearSystem::scale_prescribed_values() {
 
 PointStatus LinearSystem::reduce(double t, double time_scale, Point& point, RowScaling rows) {
   const int mu = analysis_.values.mu;
+  point.t = std::numeric_limits<double>::quiet_NaN();  // until it is complete
   trouble_ = problem_.evaluate(t, orders(), time_scale, point.data, rows);
   if (trouble_.status == SFDAE_OK) trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
@@ -134,6 +135,7 @@ PointStatus LinearSystem::reduce(double t, double time_scale, Point& point, RowS
 // E and A stay; only f is read and transformed.
 PointStatus LinearSystem::reduce_constant(double t, Point& point) {
   const int mu = analysis_.values.mu;
+  point.t = std::numeric_limits<double>::quiet_NaN();
   trouble_ = problem_.evaluate_plain(t, {-1, -1, mu}, rhs_);
   if (trouble_.status == SFDAE_OK) trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
@@ -420,8 +422,10 @@ void LinearSystem::derivative_from_differences(const double* x, double direction
   const double t = current().t;
   // One-sided formula of order 4; a smaller step where the points cannot be reached.
   constexpr double weights[] = {-25.0 / 12.0, 4.0, -3.0, 4.0 / 3.0, -0.25};
-  const double room = problem_.room(t, direction) / 4.0;
-  double step = direction * std::min(difference_spacing * std::min(1.0, current().data.time_scale), room);
+  const double wanted = difference_spacing * std::min(problem_.span(), current().data.time_scale);
+  if (problem_.room(t, direction) < 4.0 * wanted && problem_.room(t, -direction) > problem_.room(t, direction))
+    direction = -direction;
+  double step = direction * std::min(wanted, problem_.room(t, direction) / 4.0);
   std::vector<double> psi(static_cast<std::size_t>(n)), along(static_cast<std::size_t>(n) + 1);
   accept();
   for (int attempt = 0; attempt < 6; ++attempt, step /= 8.0) {

@@ -62,11 +62,12 @@ void NullSpaceForm::build_constraints(const Carried& carried, Judge& judge, Aren
 }
 
 // xp = -A2^+ f2 = Q [y; 0] with R11^T y = -f^, and what the redundant rows say about it: R12^T y + f^ = 0.
-void NullSpaceForm::solve_constraints(const double* f_hat, Arena& arena) {
+void NullSpaceForm::solve_constraints(const double* f_hat, double norm_f, Arena& arena) {
   const View factors{factors_.data(), n, carried_, n};
   double* xp = T2_.data() + static_cast<std::ptrdiff_t>(unknowns()) * n;
   std::fill_n(xp, n, 0.0);
-  double scale = 0.0;
+  // What is carried of f may be nothing but rounding errors of f.
+  double scale = norm_f;
   for (int i = 0; i < carried_; ++i) scale = std::max(scale, std::fabs(f_hat[i]));
   for (int i = 0; i < rank_; ++i) xp[i] = -f_hat[pivots_[static_cast<std::size_t>(i)]];
   solve_upper(Op::transposed, factors.block(0, 0, rank_, rank_), {xp, rank_, 1, n});
@@ -263,7 +264,7 @@ PointRanks NullSpaceForm::build(const TaylorData& data, const Carried& carried, 
   const Arena::Frame frame(arena);
   double* f_hat = arena.take(static_cast<std::size_t>(carried.rows) + 1);
   for (int i = 0; i < carried.rows; ++i) f_hat[i] = carried.rhs(i, 0);
-  solve_constraints(f_hat, arena);
+  solve_constraints(f_hat, data.norm_f(data.orders.f), arena);
   if (prescription.count() > 0 && ranks.prescription_fits) apply_prescription(prescription);
   build_kernel(carried, arena);
   build_differential_equations(data, judge, arena, ranks);
@@ -272,7 +273,9 @@ PointRanks NullSpaceForm::build(const TaylorData& data, const Carried& carried, 
 
 void NullSpaceForm::replace_rhs(const TaylorData& data, const double* f_hat, Prescription prescription,
                                 Arena& arena) {
-  solve_constraints(f_hat, arena);
+  double norm_f = 0.0;
+  for (int k = 0; k <= data.orders.f; ++k) norm_f = std::max(norm_f, max_abs(data.f(k), m));
+  solve_constraints(f_hat, norm_f, arena);
   apply_prescription(prescription);
   const Arena::Frame frame(arena);
   double* h = arena.take(static_cast<std::size_t>(m));

@@ -78,7 +78,7 @@ class NullSpaceForm {
 
  private:
   void build_constraints(const Carried& carried, Judge& judge, Arena& arena, PointRanks& ranks);
-  void solve_constraints(const double* f_hat, Arena& arena);
+  void solve_constraints(const double* f_hat, double norm_f, Arena& arena);
   bool build_prescription(const std::vector<int>& components, Arena& arena);
   void apply_prescription(Prescription prescription);
   void build_kernel(const Carried& carried, Arena& arena);

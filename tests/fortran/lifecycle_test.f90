@@ -264,7 +264,7 @@ contains
     call solver%advance(2.0_dp, t, x, status)
     call check_status(status, sfdae_ok, "advance after set_options")
     call check(first%calls == calls .and. second%calls > 0, "second monitor")
-    call check_close(x, problem%exact(2.0_dp, 0.0_dp), 1.0e-5_dp, 1.0e-5_dp, "order 1")
+    call check_close(x, problem%exact(2.0_dp, 0.0_dp), 2.0e-5_dp, 2.0e-5_dp, "order 1")
 
     options = dae_options(initial_values=sfdae_initial_accept)
     call solver%set_options(options, status)

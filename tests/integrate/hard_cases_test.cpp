@@ -228,4 +228,93 @@ TEST(HardCases, UnitsOfTheUnknownsDoNotMatter) {
     }
 }
 
+// x1' = x1 + cos t, 0 = x2, 0 = x2 again, rows mixed by a constant orthogonal matrix: the redundant row carries nothing but
+// rounding errors of f, which are no contradiction.
+TEST(HardCases, RoundingErrorsOfRedundantRowsAreNoContradiction) {
+  for (double angle = 0.1; angle < 3.0; angle += 0.37) {
+    const double c = std::cos(angle), d = std::sin(angle);
+    const double Q[3][3] = {{c, -d, 0}, {d * c, c * c, -d}, {d * d, c * d, c}};
+    sfdae_linear_problem problem;
+    sfdae_linear_problem_init(&problem, sizeof problem);
+    problem.num_equations = 3;
+    problem.num_unknowns = 2;
+    problem.E = [](double, int k, double* m, void* q) {
+      for (int i = 0; i < 3 && k == 0; ++i) m[i] = static_cast<const double*>(q)[3 * i];
+      return 0;
+    };
+    problem.A = [](double, int k, double* m, void* q) {
+      const double* Q0 = static_cast<const double*>(q);
+      for (int i = 0; i < 3 && k == 0; ++i) m[i] = Q0[3 * i], m[i + 3] = Q0[3 * i + 1] + Q0[3 * i + 2];
+      return 0;
+    };
+    problem.f = [](double t, int k, double* v, void* q) {
+      for (int i = 0; i < 3; ++i) v[i] = static_cast<const double*>(q)[3 * i] * std::cos(t + k * pi / 2);
+      return 0;
+    };
+    problem.user = const_cast<double*>(&Q[0][0]);
+    sfdae_solver* solver = nullptr;
+    ASSERT_EQ(sfdae_create_linear(&solver, &problem, nullptr), SFDAE_OK);
+    double x[] = {-0.5, 0.0}, t = 0.0;  // x1 = (sin t - cos t) / 2
+    ASSERT_EQ(sfdae_start(solver, 0.0, 1.0, x, nullptr), SFDAE_OK) << sfdae_message(solver);
+    ASSERT_EQ(sfdae_advance(solver, 1.0, &t, x, nullptr), SFDAE_OK) << sfdae_message(solver);
+    EXPECT_NEAR(x[0], (std::sin(1.0) - std::cos(1.0)) / 2.0, 2e-5);
+    sfdae_destroy(&solver);
+  }
+}
+
+// Nothing is evaluated beyond the stop time, not by a bit, whatever start and stop.
+TEST(HardCases, NothingIsEvaluatedBeyondTheStopTime) {
+  unsigned state = 7;
+  const auto random = [&] { return static_cast<double>((state = state * 1664525u + 1013904223u) >> 8) / 16777216.0; };
+  for (int i = 0; i < 200; ++i) {
+    const double t0 = 10.0 * random(), stop = t0 + random();
+    Problem problem;
+    problem.n = 1;
+    double latest = t0;
+    problem.E = [&](double t, int k, double* m) { return latest = std::max(latest, t), k == 0 ? (m[0] = 1.0 + 0.1 * t, 0) : (m[0] = k == 1 ? 0.1 : 0.0, 0); };
+    problem.A = [&](double t, int k, double* m) { return latest = std::max(latest, t), k == 0 ? (m[0] = -1, 0) : 0; };
+    problem.f = [&](double t, int, double*) { return latest = std::max(latest, t), 0; };
+    sfdae_options options = sfdae_test::options_with_tolerance(1e-5);
+    options.use_stop_time = 1;
+    options.stop_time = stop;
+    Solved s(problem, options);
+    double x = 1.0, t = 0.0;
+    ASSERT_EQ(sfdae_start(s.solver, t0, stop, &x, nullptr), SFDAE_OK);
+    ASSERT_EQ(sfdae_advance(s.solver, stop, &t, &x, nullptr), SFDAE_OK);
+    EXPECT_EQ(t, stop);
+    EXPECT_LE(latest, stop);
+  }
+}
+
+// Index 3 in seconds, gigaseconds, nanoseconds: a rotated nilpotent pencil T N x' = x + f.
+TEST(HardCases, TheUnitOfTimeDoesNotChangeTheIndex) {
+  for (double T : {1e-12, 1e-6, 1.0, 1e6, 1e12}) {
+    Problem problem;
+    problem.n = 3;
+    const double c = std::cos(0.7), d = std::sin(0.7);
+    const double Q[3][3] = {{c, -d, 0}, {d * c, c * c, -d}, {d * d, c * d, c}};
+    const auto conjugated = [Q](const double (&N)[3][3], double* m) {
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          for (int k = 0; k < 3; ++k)
+            for (int l = 0; l < 3; ++l) m[i + 3 * j] += Q[i][k] * N[k][l] * Q[j][l];
+    };
+    problem.E = [=](double, int k, double* m) {
+      const double N[3][3] = {{0, T, 0}, {0, 0, T}, {0, 0, 0}};
+      if (k == 0) conjugated(N, m);
+      return 0;
+    };
+    problem.A = [=](double, int k, double* m) {
+      const double I[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+      if (k == 0) conjugated(I, m);
+      return 0;
+    };
+    problem.f = [](double, int, double*) { return 0; };
+    Solved s(problem, sfdae_test::options_with_tolerance(1e-6));
+    ASSERT_EQ(sfdae_analyze(s.solver, 0.0, T, &s.values), SFDAE_OK) << T << sfdae_message(s.solver);
+    EXPECT_EQ(s.values.strangeness_index, 2) << T;
+    EXPECT_EQ(s.values.algebraic, 3) << T;
+  }
+}
+
 }  // namespace

@@ -96,20 +96,22 @@ TEST(DerivativeCheck, ComparesNothingWhereThereIsNothing) {
   EXPECT_FALSE(worst.suspicious());
 }
 
+// A negative answer ends the check anywhere; a positive one where the derivative itself is asked for, call 1, while
+// points that cannot be reached are replaced by closer ones.
 TEST(DerivativeCheck, FailuresOfCallbacksEndIt) {
   struct Case {
-    int code, status;
+    int call, code, status;
   };
-  for (const Case c : {Case{-3, SFDAE_CALLBACK_STOPPED}, {5, SFDAE_CALLBACK_FAILED}}) {
+  for (const Case c : {Case{7, -3, SFDAE_CALLBACK_STOPPED}, {1, 5, SFDAE_CALLBACK_FAILED}}) {
     FamilyProblem callbacks(std::shared_ptr<const sfdae_test::LinearFamily>(sfdae_test::kron(4, 1)));
-    callbacks.hooks.status = sfdae_test::return_at_call(7, c.code);
+    callbacks.hooks.status = sfdae_test::return_at_call(c.call, c.code);
     LinearProblem problem(callbacks.problem);
     try {
       check_derivatives(problem, 0.3, 1);
       FAIL() << "no failure";
     } catch (const Failure& failure) {
       EXPECT_EQ(failure.status(), c.status);
-      EXPECT_EQ(callbacks.calls(), 7);
+      EXPECT_EQ(callbacks.calls(), c.call);
     }
   }
 }
