@@ -33,7 +33,13 @@ class Probe {
   }
 
   bool holds_at(double t) {
-    const PointStatus status = system_.move_to(t);
+    PointStatus status = system_.move_to(t);
+    if (status == PointStatus::changed && rows_ == RowScaling::common) {
+      // Rows may have become very different on the way: they need factors of their own.
+      system_.set_row_scaling(RowScaling::each);
+      status = system_.move_to(t);
+      system_.set_row_scaling(rows_);
+    }
     if (status == PointStatus::trouble && !system_.trouble().is_recoverable())
       throw Failure(system_.trouble().status, system_.trouble().message());
     // A point that cannot be evaluated says nothing: what is found with it does not count.
