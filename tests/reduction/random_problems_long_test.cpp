@@ -71,4 +71,29 @@ TEST_P(RandomProblems, FastRotationsGiveTheRightValuesOrANamedError) {
   EXPECT_LE(tally.named_errors, 1 + count / 100);
 }
 
+// Start, steps and outputs: consistent redundant equations pass, and what is determined is solved to ten tolerances.
+TEST(RandomIntegrations, AreSolved) {
+  const int count = scaled_count(400);
+  int failures = 0;
+  for (int decades : {0, 10})
+    for (int seed = 1; seed <= count; ++seed) {
+      RandomOptions random;
+      random.w = 1.0;
+      random.row_decades = decades;
+      const std::shared_ptr<const LinearFamily> family = random_family(static_cast<std::uint64_t>(seed), random);
+      FamilyProblem problem(family);
+      const FamilyRun run = run_family(problem, 0.0, 1.0, options_with_tolerance(1e-6), 4);
+      if (run.status < 0) {
+        ++failures;
+        EXPECT_EQ(decades, 10) << "seed " << seed << ": " << run.message;
+        continue;
+      }
+      if (family->values().u > 0) continue;
+      EXPECT_LE(run.step_error, 10.0) << "seed " << seed;
+      EXPECT_LE(run.output_error, 10.0) << "seed " << seed;
+    }
+  // Rows that are small by cancellation and scaled by 1e-10 ... 1e10 besides may become undecidable along the way.
+  EXPECT_LE(failures, 1 + count / 200);
+}
+
 }  // namespace
