@@ -252,7 +252,7 @@ CallResult Integration::step_too_small(StepOutcome outcome) {
     return {SFDAE_STEP_TOO_SMALL, format("the solution overflows beyond t = %.15g.", t)};
   const int i = weights_.worst(bdf_.error().data());
   std::string message = format("the error test fails at t = %.15g with the smallest step, %.3g; the error sits in "
-                               "x(%d) = %.6g.",
+                               "x[%d] = %.6g.",
                                t, bdf_.next_step(), i, bdf_.x()[static_cast<std::size_t>(i)]);
   if (weights_.tolerance(i, bdf_.x().data()) == 0.0) message += " Its tolerance is zero there: give it an atol.";
   else message += " The data may jump there, or the solution has a singularity: stop at such a point and restart.";

@@ -82,7 +82,7 @@ void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request,
     for (int j = 0; j < J.cols(); ++j) size = std::max(size, std::fabs(J(row, j) * z0[index(j)]));
     if (std::fabs(residual[index(row)]) > fixed_tolerance * size)
       throw Failure(SFDAE_FIXED_VALUES,
-                    format("the fixed components contradict the constraints at t = %.15g: x(%d) = %.6g would have to "
+                    format("the fixed components contradict the constraints at t = %.15g: x[%d] = %.6g would have to "
                            "change by %.3g. Fix fewer components, or correct their values.",
                            t, components[index(row)], x[index(components[index(row)])], -residual[index(row)]));
   }
@@ -128,7 +128,7 @@ ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest
       if (change > request.tolerances[index(i)])
         throw Failure(SFDAE_INCONSISTENT_VALUES,
                       format("initial values violate the constraints at t = %.15g: residual %.3g, the nearest "
-                             "consistent point differs by %.3g in x(%d). Let them be made consistent, or correct x.",
+                             "consistent point differs by %.3g in x[%d]. Let them be made consistent, or correct x.",
                              system.t(), result.residual_before, change, i));
     }
     result.residual_after = result.residual_before;
