@@ -24,7 +24,7 @@ double binomial(int n, int k) {
   return std::round(result);
 }
 
-// Orthonormal basis of the range of A, all columns independent; they may differ much in size.
+// Orthonormal basis of the range of A, all columns independent, that keeps the ranges of the leading columns.
 Matrix orthonormalized(Matrix a) {
   Arena arena;
   for (int j = 0; j < a.cols(); ++j) {
@@ -32,8 +32,7 @@ Matrix orthonormalized(Matrix a) {
     for (int i = 0; i < a.rows() && size > 0.0; ++i) a(i, j) /= size;
   }
   std::vector<double> tau(static_cast<std::size_t>(a.cols()) + 1);
-  std::vector<int> pivots(static_cast<std::size_t>(a.cols()) + 1);
-  factor_qr_pivoted(a, pivots.data(), tau.data(), arena);
+  factor_qr(a, tau.data(), arena);
   Matrix q(a.rows(), a.cols());
   form_q(a, std::min(a.rows(), a.cols()), tau.data(), q, arena);
   return q;
@@ -75,8 +74,17 @@ Projectors projectors(LinearSystem& system, double t) {
   const Matrix unit = identity(rows);
   const Carried carried = settings.by_singular_values ? eliminate_by_svd(data, mu, unit, judge, arena)
                                                       : eliminate(data, mu, unit, 1, judge, arena);
+  // Within the left null space, Z2 is where N has its rank a, Z3 the rest; decided with scaled data, as the ranks were.
+  const Svd split = svd(carried.constraints);
+  const int v_hat = carried.rows - a;
+  if (v_hat != system.analysis().v_hat)
+    throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                  format("the characteristic values known do not hold at t = %.15g.", t));
+  Matrix Z(rows, carried.rows);  // [Z3 Z2]
+  multiply(1.0, Op::transposed, carried.rhs, Op::plain, split.U.view().columns(a, v_hat), 0.0,
+           Z.view().columns(0, v_hat));
+  multiply(1.0, Op::transposed, carried.rhs, Op::plain, split.U.view().columns(0, a), 0.0, Z.view().columns(v_hat, a));
   // Row block i of the scaled array is D tau^(i+1) / i! times that of the classical one.
-  Matrix Z = transpose(carried.rhs);
   double factor = 1.0;
   for (int i = 0; i <= mu; ++i) {
     factor *= data.time_scale / std::max(i, 1);
@@ -84,22 +92,19 @@ Projectors projectors(LinearSystem& system, double t) {
       for (int j = 0; j < Z.cols(); ++j) Z(i * m + row, j) *= factor * data.row_scale[static_cast<std::size_t>(row)];
   }
   Z = orthonormalized(std::move(Z));
-  // Within the left null space, Z2 is where N has its rank a, Z3 the rest.
-  TaylorData plain;
-  const Trouble again = problem.evaluate_plain(t, {0, mu, -1}, plain);
-  if (again.status != SFDAE_OK) throw Failure(again.status, again.message());
-  Matrix N(rows, problem.n());
-  for (int i = 0; i <= mu; ++i) copy(plain.A(i), N.view().block(i * m, 0, m, problem.n()));
-  const Svd split = svd(transpose_product(Z, N));
-  const int count = Z.cols();
-  if (count < a || count - a != system.analysis().v_hat)
-    throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                  format("the characteristic values known do not hold at t = %.15g.", t));
+
+  const int n = problem.n();
+  const Matrix kernel = to_matrix(split.V.view().columns(a, n - a));
+  Matrix range = range_basis(product(data.E(0), kernel), d), T2 = kernel;
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < d; ++j) range(i, j) /= data.row_scale[static_cast<std::size_t>(i)];
+  for (int i = 0; i < n && !problem.column_scale().empty(); ++i)
+    for (int j = 0; j < T2.cols(); ++j) T2(i, j) *= problem.column_scale()[static_cast<std::size_t>(i)];
   Projectors result;
-  result.Z2 = product(Z, split.U.view().columns(0, a));
-  result.Z3 = product(Z, split.U.view().columns(a, count - a));
-  result.T2 = to_matrix(split.V.view().columns(a, problem.n() - a));
-  result.Z1 = range_basis(product(plain.E(0), result.T2), d);
+  result.Z3 = to_matrix(Z.view().columns(0, v_hat));
+  result.Z2 = to_matrix(Z.view().columns(v_hat, a));
+  result.T2 = orthonormalized(std::move(T2));
+  result.Z1 = orthonormalized(std::move(range));
   return result;
 }
 

@@ -317,4 +317,35 @@ TEST(HardCases, TheUnitOfTimeDoesNotChangeTheIndex) {
   }
 }
 
+// T2 T2^T, the projector onto the kernel of the constraints, does not depend on row scales.
+TEST(HardCases, ProjectorsKeepTheirAccuracyUnderRowScaling) {
+  const auto family = sfdae_test::kron(6, 1, 0.5);
+  const int n = family->n(), a = family->values().a, free = n - a;
+  std::vector<double> projector[2];
+  for (int scaled = 0; scaled < 2; ++scaled) {
+    const auto scale_rows = [&](double* m, int columns) {
+      for (int j = 0; j < columns && scaled == 1; ++j)
+        for (int i = 0; i < n; ++i) m[i + n * j] *= i % 2 == 0 ? 1e8 : 1e-8;
+      return 0;
+    };
+    Problem problem;
+    problem.n = n;
+    problem.E = [&](double t, int k, double* m) { return family->E(t, k, m), scale_rows(m, n); };
+    problem.A = [&](double t, int k, double* m) { return family->A(t, k, m), scale_rows(m, n); };
+    problem.f = [&](double t, int k, double* v) { return family->f(t, k, v), scale_rows(v, 1); };
+    Solved s(problem, sfdae_test::options_with_tolerance(1e-6));
+    ASSERT_EQ(sfdae_analyze(s.solver, 0.2, 1.0, &s.values), SFDAE_OK) << sfdae_message(s.solver);
+    std::vector<double> T2(static_cast<std::size_t>(n * free));
+    ASSERT_EQ(sfdae_get_projectors(s.solver, 0.2, nullptr, nullptr, nullptr, T2.data(), nullptr), SFDAE_OK);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        double sum = 0.0;
+        for (int k = 0; k < free; ++k)
+          sum += T2[static_cast<std::size_t>(i + n * k)] * T2[static_cast<std::size_t>(j + n * k)];
+        projector[scaled].push_back(sum);
+      }
+  }
+  for (std::size_t i = 0; i < projector[0].size(); ++i) EXPECT_NEAR(projector[0][i], projector[1][i], 1e-12);
+}
+
 }  // namespace
