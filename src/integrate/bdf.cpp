@@ -63,6 +63,8 @@ void Bdf::start(StrangenessFreeSystem& system, double t, const Vector& x, const 
   }
   for (Vector* v : {&tried_x_, &x_rest_, &error_, &mapped_}) v->assign(n, 0.0);
   for (Vector* v : {&tried_w_, &w_rest_, &predicted_, &difference_}) v->assign(std::max(n, size_w), 0.0);
+  differences_.assign(4 * size_w, 0.0);
+  mapped_differences_.assign(4 * n, 0.0);
   has_free_part_ = system.undetermined() > 0;
   times_[0] = t;
   w_[0] = w;
@@ -144,30 +146,30 @@ double Bdf::estimate_errors(StrangenessFreeSystem& system, double h, int k, bool
     std::fill_n(terms.of_order, k + 1, 0.0);
     return 0.0;
   }
-  const std::size_t size = w_[0].size();
-  double error = 0.0;
+  const std::size_t size = w_[0].size(), n = x_[0].size();
+  const int first = std::max(1, k - 2), last = std::min(k + 1, std::min(points_, k + 3) - 1);
+  // Column q - first of differences_: w less its predictor of degree q.
+  double factors[max_bdf_order + 2];
   std::copy_n(tried_w_.data(), size, difference_.data());
   double product = 1.0, factorial = 1.0;
-  const int last = std::min(k + 1, std::min(points_, k + 3) - 1);
   for (int q = 0; q <= last; ++q) {
     for (std::size_t i = 0; i < size; ++i) difference_[i] -= product * dw_[index(q)][i];
     product *= tried_t_ - times_[index(q)];
     factorial *= (q > 0 ? q : 1) * h;  // q! h^(q+1)
-    if (q < std::max(1, k - 2)) continue;
-    system.error_in_x(difference_.data(), mapped_.data());
-    const double norm = weights.norm(mapped_.data());
-    terms.of_order[q] = factorial / product * norm;
-    if (q != k) continue;
-    error_ = mapped_;
-    double constant = h / (tried_t_ - times_[index(k)]);
-    if (fixed_leading) {
-      double alpha0 = 0.0;
-      for (int i = 0; i < k; ++i) alpha0 += h / (tried_t_ - times_[index(i)]);
-      constant = std::max(constant, std::fabs(constant - alpha[k] + alpha0));
-    }
-    error = constant * norm;
+    factors[q] = factorial / product;
+    if (q >= first) std::copy_n(difference_.data(), size, differences_.data() + size * index(q - first));
   }
-  return error;
+  system.error_in_x(differences_.data(), last - first + 1, mapped_differences_.data());
+  for (int q = first; q <= last; ++q)
+    terms.of_order[q] = factors[q] * weights.norm(mapped_differences_.data() + n * index(q - first));
+  std::copy_n(mapped_differences_.data() + n * index(k - first), n, error_.data());
+  double constant = h / (tried_t_ - times_[index(k)]);
+  if (fixed_leading) {
+    double alpha0 = 0.0;
+    for (int i = 0; i < k; ++i) alpha0 += h / (tried_t_ - times_[index(i)]);
+    constant = std::max(constant, std::fabs(constant - alpha[k] + alpha0));
+  }
+  return constant * weights.norm(error_.data());
 }
 
 void Bdf::commit() {

@@ -87,6 +87,7 @@ class Bdf {
   double tried_c_ = 0.0, leading_coefficient_ = std::numeric_limits<double>::infinity();
   int tried_order_ = 1;
   std::vector<double> tried_x_, tried_w_, w_rest_, x_rest_, predicted_, difference_, error_, mapped_;
+  std::vector<double> differences_, mapped_differences_;  // of the orders around the present one, a column each
 };
 
 }  // namespace sfdae::core

@@ -257,15 +257,23 @@ bool LinearSystem::solve(double c, const double* w_rest, const double* x_rest, d
   return true;
 }
 
-void LinearSystem::error_in_x(const double* dw, double* dx) {
+void LinearSystem::error_in_x(const double* dw, int count, double* dx) {
   const NullSpaceForm& form = current().form;
+  const TaylorData& data = current().data;
+  const int m = problem_.m(), n = problem_.n();
   const Arena::Frame frame(arena_);
-  double* q = arena_.take(static_cast<std::size_t>(form.d) + 1);
-  double* z = arena_.take(static_cast<std::size_t>(form.unknowns()) + 1);
-  differential_rows(current().data, form, leading_ == LeadingTerm::matrix, dw, q, arena_);
-  form.solve_G(q, z, arena_);
-  multiply(1.0, Op::plain, form.T2(), z, 0.0, dx);
-  outward(dx);
+  const View Ew = arena_.matrix(m, count), q = arena_.matrix(form.d, count), z = arena_.matrix(form.unknowns(), count);
+  const ConstView w{dw, leading_size(), count, leading_size()};
+  if (leading_ == LeadingTerm::matrix) {
+    for (int k = 0; k < count; ++k)
+      for (int i = 0; i < m; ++i) Ew(i, k) = w(i, k) * data.row_scale[static_cast<std::size_t>(i)];
+  } else {
+    multiply(1.0, Op::plain, data.E(0), Op::plain, w, 0.0, Ew);
+  }
+  multiply(1.0, Op::transposed, form.Z1(), Op::plain, Ew, 0.0, q);
+  for (int k = 0; k < count; ++k) form.solve_G(q.column(k), z.column(k), arena_);
+  multiply(1.0, Op::plain, form.T2(), Op::plain, z, 0.0, {dx, n, count, n});
+  for (int k = 0; k < count; ++k) outward(dx + static_cast<std::ptrdiff_t>(k) * n);
 }
 
 void LinearSystem::restore(const double* w, const double* x_free, double* x) {

@@ -26,7 +26,8 @@ class LinearSystem final : public StrangenessFreeSystem {
   void accept() override;
   void leading(const double* x, double* w) override;
   bool solve(double c, const double* w_rest, const double* x_rest, double* x) override;
-  void error_in_x(const double* dw, double* dx) override;
+  using StrangenessFreeSystem::error_in_x;
+  void error_in_x(const double* dw, int count, double* dx) override;
   void restore(const double* w, const double* x_free, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
 

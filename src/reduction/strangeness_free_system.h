@@ -36,8 +36,10 @@ class StrangenessFreeSystem {
   // Solves F1(t, x, c W x + w_rest) = 0, F2(t, x) = 0 and U^T (c x + x_rest) = 0 for x, U an orthonormal basis of
   // the free directions. False if singular.
   virtual bool solve(double c, const double* w_rest, const double* x_rest, double* x) = 0;
-  // The change of x, with F2 kept, that belongs to a change dw of w; free directions have none.
-  virtual void error_in_x(const double* dw, double* dx) = 0;
+  // The changes of x, with F2 kept, that belong to changes of w; free directions have none. One column for each:
+  // leading_size() x count in dw, n x count in dx.
+  virtual void error_in_x(const double* dw, int count, double* dx) = 0;
+  void error_in_x(const double* dw, double* dx) { error_in_x(dw, 1, dx); }
   // x with F2(t, x) = 0 whose w and whose free part are those given.
   virtual void restore(const double* w, const double* x_free, double* x) = 0;
   // Corrects xdot within the directions that F2 leaves open toward F1(t, x, .) = 0. In components that are stiff over the
