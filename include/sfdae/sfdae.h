@@ -177,7 +177,8 @@ typedef struct sfdae_options {
   int reduction;               /* SFDAE_REDUCTION_STAGED (default) or _SVD */
   double rank_tol;             /* > 0: values below rank_tol * norm of the data count as zero; default 0: the
                                   library judges by propagated rounding errors. < 1 */
-  double time_scale;           /* > 0: unit of time in which derivatives are compared; default 0: chosen */
+  double time_scale;           /* > 0: unit of time in which derivatives are compared, rounded to a power
+                                  of two; default 0: chosen */
   int difference_derivatives;  /* 1: derivatives that are not available (SFDAE_ORDER_NOT_AVAILABLE) are computed
                                   from order 0 by differences, up to order 6. Default 0: SFDAE_ORDER_MISSING */
   double difference_step;      /* > 0: spacing of the points used for that; default 0: chosen */
@@ -343,11 +344,13 @@ SFDAE_API int sfdae_make_consistent(sfdae_solver *solver, double t, double *x, d
  * nothing is started, an integration that was under way is lost. */
 SFDAE_API int sfdae_start(sfdae_solver *solver, double t, double toward, double *x, double *xdot);
 
-/* Integrates to tout and returns there: *t = tout, x (n values), xdot (n values, may be NULL). x satisfies all
- * constraints, hidden ones included, to rounding. Steps may go past tout (not past stop_time); a later call with
- * a tout within the last step only interpolates. Remarks and failures of the integration return the last
- * accepted point in t, x, xdot instead. tout must lie in the direction of integration, at or behind the last
- * point returned; the direction is set by sfdae_start.
+/* Integrates to tout and returns there: *t = tout, x (n values), xdot (n values, may be NULL). x satisfies
+ * all constraints, hidden ones included, to rounding. Steps may go past tout (not past stop_time); a later
+ * call with a tout within the last step only interpolates. Remarks and failures of the integration return the
+ * last accepted point in t, x, xdot instead, which may lie behind tout if the last step went past it. xdot is
+ * the slope of the BDF polynomial, corrected toward the equations: its error is about that of x over the step
+ * size. tout must lie in the direction of integration, at or behind the last point returned; the direction is
+ * set by sfdae_start.
  * Remarks: SFDAE_STOPPED, SFDAE_INCONSISTENCY_IGNORED. Failures: callbacks, SFDAE_CHARACTERISTICS_CHANGED,
  * SFDAE_INCONSISTENT_EQUATIONS, integration, SFDAE_NOT_STARTED. */
 SFDAE_API int sfdae_advance(sfdae_solver *solver, double tout, double *t, double *x, double *xdot);

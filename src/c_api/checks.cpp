@@ -11,8 +11,6 @@ namespace sfdae::core {
 
 namespace {
 
-CallResult illegal(std::string message) { return {SFDAE_ILLEGAL_ARGUMENT, std::move(message)}; }
-
 // Orders beyond this are a mistake, and sizes would overflow.
 constexpr int largest_dimension = 5000;
 
@@ -26,25 +24,25 @@ CallResult check_tolerances(const sfdae_options& options, int n) {
     const double rtol = options.rtol_vector ? options.rtol_vector[i] : options.rtol;
     const double atol = options.atol_vector ? options.atol_vector[i] : options.atol;
     if (!is_size(rtol) || rtol >= 1.0)
-      return illegal(format("rtol of component %d is %g; it must be in [0, 1).", i, rtol));
-    if (!is_size(atol)) return illegal(format("atol of component %d is %g; it must be finite and >= 0.", i, atol));
-    if (rtol == 0.0 && atol == 0.0) return illegal(format("rtol and atol of component %d are both zero.", i));
+      return illegal_argument(format("rtol of component %d is %g; it must be in [0, 1).", i, rtol));
+    if (!is_size(atol)) return illegal_argument(format("atol of component %d is %g; it must be finite and >= 0.", i, atol));
+    if (rtol == 0.0 && atol == 0.0) return illegal_argument(format("rtol and atol of component %d are both zero.", i));
   }
   return {};
 }
 
 CallResult check_initial_values(const sfdae_options& options, int n) {
   if (options.initial_values < SFDAE_INITIAL_NEAREST || options.initial_values > SFDAE_INITIAL_ACCEPT)
-    return illegal(format("initial_values is %d; it must be one of SFDAE_INITIAL_...", options.initial_values));
+    return illegal_argument(format("initial_values is %d; it must be one of SFDAE_INITIAL_...", options.initial_values));
   if (options.initial_values == SFDAE_INITIAL_FIXED) {
-    if (options.fixed == nullptr) return illegal("initial_values is SFDAE_INITIAL_FIXED, but fixed is NULL.");
+    if (options.fixed == nullptr) return illegal_argument("initial_values is SFDAE_INITIAL_FIXED, but fixed is NULL.");
     for (int i = 0; i < n; ++i)
       if (!is_flag(options.fixed[i]))
-        return illegal(format("fixed[%d] is %d; flags are 0 or 1.", i, options.fixed[i]));
+        return illegal_argument(format("fixed[%d] is %d; flags are 0 or 1.", i, options.fixed[i]));
   }
   for (int i = 0; i < n && options.initial_weights != nullptr; ++i)
     if (!is_size(options.initial_weights[i]) || options.initial_weights[i] == 0.0)
-      return illegal(format("initial_weights[%d] is %g; weights must be positive.", i, options.initial_weights[i]));
+      return illegal_argument(format("initial_weights[%d] is %g; weights must be positive.", i, options.initial_weights[i]));
   return {};
 }
 
@@ -53,22 +51,22 @@ CallResult check_initial_values(const sfdae_options& options, int n) {
 CallResult check_problem(const sfdae_linear_problem& problem) {
   const int m = problem.num_equations, n = problem.num_unknowns;
   if (m < 0 || n < 0 || m > largest_dimension || n > largest_dimension)
-    return illegal(format("num_equations = %d, num_unknowns = %d: must be 1 ... %d.", m, n, largest_dimension));
+    return illegal_argument(format("num_equations = %d, num_unknowns = %d: must be 1 ... %d.", m, n, largest_dimension));
   if (m == 0 || n == 0)
     return {SFDAE_EMPTY_PROBLEM, format("num_equations = %d, num_unknowns = %d: there is nothing to solve.", m, n)};
-  if (problem.E == nullptr || problem.A == nullptr) return illegal("the callbacks E and A must be set.");
+  if (problem.E == nullptr || problem.A == nullptr) return illegal_argument("the callbacks E and A must be set.");
   if (!is_flag(problem.constant_E) || !is_flag(problem.constant_A))
-    return illegal(format("constant_E = %d, constant_A = %d: flags are 0 or 1.", problem.constant_E, problem.constant_A));
+    return illegal_argument(format("constant_E = %d, constant_A = %d: flags are 0 or 1.", problem.constant_E, problem.constant_A));
   if (problem.num_prescribed < 0 || problem.num_prescribed > n)
-    return illegal(format("num_prescribed = %d; it must be 0 ... num_unknowns.", problem.num_prescribed));
+    return illegal_argument(format("num_prescribed = %d; it must be 0 ... num_unknowns.", problem.num_prescribed));
   if (problem.num_prescribed == 0) return {};
   if (problem.prescribed == nullptr || problem.prescribed_values == nullptr)
-    return illegal("num_prescribed > 0, but prescribed or prescribed_values is NULL.");
+    return illegal_argument("num_prescribed > 0, but prescribed or prescribed_values is NULL.");
   std::vector<char> seen(static_cast<std::size_t>(n), 0);
   for (int i = 0; i < problem.num_prescribed; ++i) {
     const int j = problem.prescribed[i];
-    if (j < 0 || j >= n) return illegal(format("prescribed[%d] = %d; components are 0 ... %d.", i, j, n - 1));
-    if (seen[static_cast<std::size_t>(j)] != 0) return illegal(format("component %d is prescribed twice.", j));
+    if (j < 0 || j >= n) return illegal_argument(format("prescribed[%d] = %d; components are 0 ... %d.", i, j, n - 1));
+    if (seen[static_cast<std::size_t>(j)] != 0) return illegal_argument(format("component %d is prescribed twice.", j));
     seen[static_cast<std::size_t>(j)] = 1;
   }
   return {};
@@ -78,28 +76,28 @@ CallResult check_options(const sfdae_options& options, int n) {
   if (CallResult result = check_tolerances(options, n); result.status != SFDAE_OK) return result;
   if (CallResult result = check_initial_values(options, n); result.status != SFDAE_OK) return result;
   if (options.max_index < 0 || options.max_index > max_strangeness_index)
-    return illegal(format("max_index is %d; it must be 0 ... %d.", options.max_index, max_strangeness_index));
+    return illegal_argument(format("max_index is %d; it must be 0 ... %d.", options.max_index, max_strangeness_index));
   if (options.reduction != SFDAE_REDUCTION_STAGED && options.reduction != SFDAE_REDUCTION_SVD)
-    return illegal(format("reduction is %d; it must be one of SFDAE_REDUCTION_...", options.reduction));
+    return illegal_argument(format("reduction is %d; it must be one of SFDAE_REDUCTION_...", options.reduction));
   if (!is_size(options.rank_tol) || options.rank_tol >= 1.0)
-    return illegal(format("rank_tol is %g; it must be in [0, 1).", options.rank_tol));
-  if (!is_size(options.time_scale)) return illegal(format("time_scale is %g; it must be finite, >= 0.", options.time_scale));
+    return illegal_argument(format("rank_tol is %g; it must be in [0, 1).", options.rank_tol));
+  if (!is_size(options.time_scale)) return illegal_argument(format("time_scale is %g; it must be finite, >= 0.", options.time_scale));
   if (!is_flag(options.difference_derivatives) || !is_flag(options.ignore_inconsistency) ||
       !is_flag(options.use_stop_time))
-    return illegal("difference_derivatives, ignore_inconsistency and use_stop_time are flags: 0 or 1.");
+    return illegal_argument("difference_derivatives, ignore_inconsistency and use_stop_time are flags: 0 or 1.");
   if (!is_size(options.difference_step))
-    return illegal(format("difference_step is %g; it must be finite, >= 0.", options.difference_step));
+    return illegal_argument(format("difference_step is %g; it must be finite, >= 0.", options.difference_step));
   if (!std::isfinite(options.consistency_tol) || options.consistency_tol <= 0.0 || options.consistency_tol >= 1.0)
-    return illegal(format("consistency_tol is %g; it must be in (0, 1).", options.consistency_tol));
+    return illegal_argument(format("consistency_tol is %g; it must be in (0, 1).", options.consistency_tol));
   if (options.max_order < 1 || options.max_order > max_bdf_order)
-    return illegal(format("max_order is %d; it must be 1 ... %d.", options.max_order, max_bdf_order));
-  if (!is_size(options.initial_step)) return illegal(format("initial_step is %g; it must be finite, >= 0.", options.initial_step));
-  if (!is_size(options.max_step)) return illegal(format("max_step is %g; it must be finite, >= 0.", options.max_step));
+    return illegal_argument(format("max_order is %d; it must be 1 ... %d.", options.max_order, max_bdf_order));
+  if (!is_size(options.initial_step)) return illegal_argument(format("initial_step is %g; it must be finite, >= 0.", options.initial_step));
+  if (!is_size(options.max_step)) return illegal_argument(format("max_step is %g; it must be finite, >= 0.", options.max_step));
   if (options.use_stop_time == 1 && !std::isfinite(options.stop_time))
-    return illegal(format("stop_time is %g; it must be finite.", options.stop_time));
-  if (options.max_steps < 1) return illegal(format("max_steps is %ld; it must be >= 1.", options.max_steps));
+    return illegal_argument(format("stop_time is %g; it must be finite.", options.stop_time));
+  if (options.max_steps < 1) return illegal_argument(format("max_steps is %ld; it must be >= 1.", options.max_steps));
   if (options.leading_term < SFDAE_LEADING_AUTOMATIC || options.leading_term > SFDAE_LEADING_IDENTITY)
-    return illegal(format("leading_term is %d; it must be one of SFDAE_LEADING_...", options.leading_term));
+    return illegal_argument(format("leading_term is %d; it must be one of SFDAE_LEADING_...", options.leading_term));
   return {};
 }
 

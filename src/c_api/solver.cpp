@@ -59,10 +59,7 @@ Consistent consistent_values(sfdae_solver& solver, LinearSystem& system, double 
   const IntegrationOptions& integration = solver.options.integration;
   if (system.inconsistency() > integration.consistency_tol) {
     if (!integration.ignore_inconsistency)
-      throw Failure(SFDAE_INCONSISTENT_EQUATIONS,
-                    format("redundant equations contradict each other at t = %.15g: relative residual %.3g of "
-                           "Z3^T g = 0. There is no solution; correct f, or set ignore_inconsistency.",
-                           t, system.inconsistency()));
+      throw Failure(SFDAE_INCONSISTENT_EQUATIONS, system.inconsistency_message());
     result.contradiction = true;
   }
   result.x.assign(x, x + n);

@@ -77,8 +77,6 @@ int guarded(sfdae_solver* solver, Body body) noexcept {
   return status;
 }
 
-inline CallResult illegal_argument(std::string message) { return {SFDAE_ILLEGAL_ARGUMENT, std::move(message)}; }
-
 // Index analysis; replaces system, forgets the integration.
 void analyze(sfdae_solver& solver, double t, double toward);
 sfdae_characteristics characteristics_of(const sfdae_solver& solver);

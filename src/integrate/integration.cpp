@@ -160,18 +160,12 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   return handle_failure(outcome, h, tout);
 }
 
-std::string Integration::inconsistency_message(double t) const {
-  return format("redundant equations contradict each other at t = %.15g: relative residual %.3g of Z3^T g = 0. There is "
-                "no solution; correct f, or set ignore_inconsistency.",
-                t, system_.inconsistency());
-}
-
 std::optional<CallResult> Integration::accept_step(double h) {
   const double inconsistency = system_.inconsistency();
   if (inconsistency > options_.consistency_tol) {
     if (!options_.ignore_inconsistency) {
       bdf_.withdraw();
-      return CallResult{SFDAE_INCONSISTENT_EQUATIONS, inconsistency_message(bdf_.tried_t())};
+      return CallResult{SFDAE_INCONSISTENT_EQUATIONS, system_.inconsistency_message()};
     }
     inconsistent_ = true;
   }
@@ -286,7 +280,7 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
                            tout));
   }
   if (system_.inconsistency() > options_.consistency_tol) {
-    if (!options_.ignore_inconsistency) throw Failure(SFDAE_INCONSISTENT_EQUATIONS, inconsistency_message(tout));
+    if (!options_.ignore_inconsistency) throw Failure(SFDAE_INCONSISTENT_EQUATIONS, system_.inconsistency_message());
     inconsistent_ = true;
     counts_.inconsistency = std::max(counts_.inconsistency, system_.inconsistency());
   }

@@ -70,7 +70,6 @@ class Integration {
   std::optional<CallResult> handle_failure(StepOutcome outcome, double h, double tout);
   CallResult step_too_small(StepOutcome outcome);
   CallResult changed_result() const;
-  std::string inconsistency_message(double t) const;
   bool has_passed(double t) const { return (bdf_.t() - t) * direction_ >= 0.0; }
 
   LinearSystem& system_;

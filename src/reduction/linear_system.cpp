@@ -181,6 +181,12 @@ double LinearSystem::inconsistency() const {
   return found > 1e3 * noise ? found : 0.0;
 }
 
+std::string LinearSystem::inconsistency_message() const {
+  return format("redundant equations contradict each other at t = %.15g: relative residual %.3g of Z3^T g = 0. There is "
+                "no solution; correct f, or set ignore_inconsistency.",
+                t(), inconsistency());
+}
+
 void LinearSystem::leading(const double* x, double* w) {
   const Arena::Frame frame(arena_);
   leading_of(inward(x, arena_.take(static_cast<std::size_t>(problem_.n()))), w);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "problem/linear_problem.h"
@@ -46,6 +47,7 @@ class LinearSystem final : public StrangenessFreeSystem {
   double t() const { return current().t; }
   // Contradiction of redundant equations, relative; 0 where errors of difference derivatives explain it.
   double inconsistency() const;
+  std::string inconsistency_message() const;
   // Largest entries of the rows of [E A], unscaled.
   const std::vector<double>& row_norms() const { return current().data.row_norm; }
   // How rows are scaled from now on; RowScaling::each unless set.
