@@ -1,0 +1,9 @@
+# The Fortran 77 layer: entries of the shared library, written in C++.
+#
+# Every routine R is exported as r_ (INTEGER of 32 bits) and as r_64_ (64 bits); r_64__ is the latter as compilers name it
+# that append a second underscore to names with one (gfortran -fsecond-underscore).
+
+set(sfdae_f77_routines dgelda dgeerm dgenrm dnfpen dnfval dnfind dnfotr dnfred dnfix1 dnfini dgeini)
+
+set(sfdae_f77_sources)
+list(TRANSFORM sfdae_f77_sources PREPEND "${PROJECT_SOURCE_DIR}/fortran_bindings/f77/")
