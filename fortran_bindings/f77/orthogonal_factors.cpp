@@ -1,0 +1,73 @@
+// Orthogonal factors of matrices whose rows differ much in size.
+//
+// [CH98] A. J. Cox, N. J. Higham: Stability of Householder QR factorization for weighted least squares problems.
+//        In: Numerical Analysis 1997, Longman, 1998.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "f77/orthogonal_factors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "linalg/arena.h"
+#include "linalg/dense.h"
+
+namespace sfdae::f77 {
+
+using namespace core;
+
+namespace {
+
+// Indices of the rows, the largest first.
+std::vector<int> rows_by_size(ConstView a) {
+  std::vector<double> size(static_cast<std::size_t>(a.rows), 0.0);
+  for (int j = 0; j < a.cols; ++j)
+    for (int i = 0; i < a.rows; ++i)
+      size[static_cast<std::size_t>(i)] = std::max(size[static_cast<std::size_t>(i)], std::fabs(a(i, j)));
+  std::vector<int> order(size.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int i, int k) {
+    return size[static_cast<std::size_t>(i)] > size[static_cast<std::size_t>(k)];
+  });
+  return order;
+}
+
+}  // namespace
+
+Matrix orthogonal_factor(ConstView a) {
+  if (a.cols == 0) return identity(a.rows);
+  // Rows sorted and columns pivoted: then the backward error is small by rows [CH98].
+  const std::vector<int> order = rows_by_size(a);
+  const double largest = max_abs(a);
+  const double unit = largest > 0.0 ? std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1000, 1000)) : 1.0;
+  Matrix factors(a.rows, a.cols);
+  for (int j = 0; j < a.cols; ++j)
+    for (int i = 0; i < a.rows; ++i) factors(i, j) = unit * a(order[static_cast<std::size_t>(i)], j);
+  Arena arena;
+  const int count = std::min(a.rows, a.cols);
+  std::vector<int> pivots(static_cast<std::size_t>(a.cols));
+  std::vector<double> tau(static_cast<std::size_t>(count) + 1);
+  factor_qr_pivoted(factors, pivots.data(), tau.data(), arena);
+  Matrix sorted(a.rows, a.rows), Q(a.rows, a.rows);
+  form_q(factors, count, tau.data(), sorted, arena);
+  for (int j = 0; j < a.rows; ++j)
+    for (int i = 0; i < a.rows; ++i) Q(order[static_cast<std::size_t>(i)], j) = sorted(i, j);
+  return Q;
+}
+
+Matrix left_factor(ConstView M, Matrix Z, const double* row_factors) {
+  const int rows = Z.rows(), kernel = Z.cols(), rank = rows - kernel;
+  for (int j = 0; j < kernel; ++j)
+    for (int i = 0; i < rows; ++i) Z(i, j) *= row_factors[i];
+  const Matrix Q = orthogonal_factor(Z);
+  const ConstView complement = Q.view().columns(kernel, rank);
+  Matrix result(rows, rows);
+  if (rank > 0)
+    multiply(1.0, Op::plain, complement, Op::plain, svd(transpose_product(complement, M)).U, 0.0,
+             result.view().columns(0, rank));
+  copy(Q.view().columns(0, kernel), result.view().columns(rank, kernel));
+  return result;
+}
+
+}  // namespace sfdae::f77
