@@ -9,6 +9,7 @@ set(sfdae_f77_sources
   derivative_arrays.cpp
   derivative_stages.cpp
   initial_values.cpp
+  messages.cpp
   norm.cpp
   orthogonal_factors.cpp
   reduced_system.cpp

@@ -55,6 +55,12 @@ using Dgeini = void(Matrices<I> edif, Matrices<I> adif, Vectors<I> fdif, const I
                     double* ah, const I* ldah, double* v, I* ipar, double* rpar, double* rwork, const I* lrwork,
                     const I* inival, I* ierr) noexcept;
 template <class I>
+using Dgeerm = void(Matrices<I> edif, Matrices<I> adif, Vectors<I> fdif, const I* neq, const double* t,
+                    const double* tout, const double* x, const double* xprime, const I* cval, const I* ipar,
+                    const double* rpar, const I* iwork, const I* liw, const double* rwork, const I* lrw,
+                    const double* rtol, const double* atol, const I* method, const I* info, const I* iwarn,
+                    const I* ierr) noexcept;
+template <class I>
 using Dgenrm = double(const I* neq, const double* v, const double* rwt) noexcept;
 
 // The entries of one width.
@@ -82,6 +88,7 @@ sfdae_test::Dnfred<std::int32_t> dnfred_;
 sfdae_test::Dnfix1<std::int32_t> dnfix1_;
 sfdae_test::Dnfini<std::int32_t> dnfini_;
 sfdae_test::Dgeini<std::int32_t> dgeini_;
+sfdae_test::Dgeerm<std::int32_t> dgeerm_;
 sfdae_test::Dgenrm<std::int32_t> dgenrm_;
 
 sfdae_test::Dnfpen<std::int64_t> dnfpen_64_, dnfpen_64__;
@@ -92,6 +99,7 @@ sfdae_test::Dnfred<std::int64_t> dnfred_64_, dnfred_64__;
 sfdae_test::Dnfix1<std::int64_t> dnfix1_64_, dnfix1_64__;
 sfdae_test::Dnfini<std::int64_t> dnfini_64_, dnfini_64__;
 sfdae_test::Dgeini<std::int64_t> dgeini_64_, dgeini_64__;
+sfdae_test::Dgeerm<std::int64_t> dgeerm_64_, dgeerm_64__;
 sfdae_test::Dgenrm<std::int64_t> dgenrm_64_, dgenrm_64__;
 }
 
