@@ -62,20 +62,24 @@ void store_stage(const PointDerivatives& point, int level, const StageStorage& s
   }
 }
 
-// Left null space of the array in Taylor scaling, of known dimension. Row block i is factors times that of EQ.
-Matrix scaled_null_space(LinearProblem& problem, const IndexAnalysis& analysis, std::vector<double>& factors) {
+// Basis of the left null space of EQ, its dimension known: from the array in Taylor scaling, whose row block i is
+// `factors` times that of EQ.
+Matrix null_space(LinearProblem& problem, const IndexAnalysis& analysis) {
   const int mu = analysis.values.mu, rows = (mu + 1) * problem.m();
   const int rank = rows - analysis.values.a - analysis.v_hat;
   TaylorData data;
   const Trouble trouble = problem.evaluate(analysis.t, {mu, mu, -1}, analysis.time_scale, data);
   if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  std::vector<double> factors;
   double factor = 1.0;
   for (int i = 0; i <= mu; ++i) {
     factor *= data.time_scale / std::max(i, 1);
     for (double row : data.row_scale) factors.push_back(factor * row);
   }
   const Matrix array = taylor_array(data, mu);
-  return to_matrix(svd(array.view().columns(0, rows)).U.view().columns(rank, rows - rank));
+  raise_zero_rows(array, factors);
+  const Svd decomposition = svd(array.view().columns(0, rows));
+  return scaled_rows(factors, decomposition.U.view().columns(rank, rows - rank));
 }
 
 // Rank of a matrix of given noise; the smallest value kept relative to norm lowers `kept`.
@@ -134,17 +138,16 @@ int find_stage(PointDerivatives& point, double t, const SearchLimits& limits, co
   AnalysisSettings settings;
   settings.max_index = std::min(limits.max_level, max_strangeness_index);
   std::vector<RankDecision> decisions;
-  std::vector<double> factors;
   values = {};
   try {
     // Toward t itself: no nearby point.
     const IndexAnalysis analysis = analyze_index(problem, t, t, settings, arena, decisions);
     const int mu = analysis.values.mu, rows = (mu + 1) * point.n();
-    Matrix Z = scaled_null_space(problem, analysis, factors);
+    const Matrix Z = null_space(problem, analysis);
     const View EQ = storage.EQ.view(rows, rows);
     store_stage(point, mu, storage);
     if (!is_finite(EQ)) return not_converged;
-    copy(left_factor(EQ, std::move(Z), factors.data()), storage.ZQ.view(rows, rows));
+    copy(left_factor(EQ, Z), storage.ZQ.view(rows, rows));
     values = {analysis.values, rows - analysis.values.a - analysis.v_hat};
   } catch (const Failure& failure) {
     if (point.code() != 0) return point.code();
@@ -160,23 +163,16 @@ int find_stage(PointDerivatives& point, double t, const SearchLimits& limits, co
 // one kept of Z^T AQ T: so much of AQ is noise.
 PairValues pair_values(ConstView EQ, ConstView AQ) {
   const int rows = EQ.rows, n = AQ.cols;
-  Matrix M = to_matrix(EQ), N = to_matrix(AQ);
   // Factors of rows change no rank, but what is small beside what.
-  std::vector<double> factors(size(rows), 1.0);
-  for (int i = 0; i < rows; ++i) {
-    const double largest = std::max(max_abs(EQ.block(i, 0, 1, rows)), max_abs(AQ.block(i, 0, 1, n)));
-    if (largest == 0.0) continue;
-    const double factor = factors[size(i)] = std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1000, 1000));
-    for (int j = 0; j < rows; ++j) M(i, j) *= factor;
-    for (int j = 0; j < n; ++j) N(i, j) *= factor;
-  }
+  const std::vector<double> factors = row_factors(EQ, AQ);
+  const Matrix M = scaled_rows(factors, EQ), N = scaled_rows(factors, AQ);
   const double norm_M = max_abs(M), norm_N = max_abs(N);
   PairValues values;
   double kept_M = 1.0, kept_a = 1.0, kept_s = 1.0;
   const Svd of_M = svd(M);
   values.r = rank_of(of_M, unit_roundoff * norm_M, norm_M, kept_M);
   const int kernel = rows - values.r;
-  Matrix Z = to_matrix(of_M.U.view().columns(values.r, kernel));
+  const ConstView Z = of_M.U.view().columns(values.r, kernel);
   const Matrix ZN = transpose_product(Z, N);
   // AQ acts on the first n components alone.
   const ConstView T = of_M.V.view().top(n).columns(values.r, kernel), T_rest = of_M.V.view().top(n).columns(0, values.r);
@@ -188,7 +184,7 @@ PairValues pair_values(ConstView EQ, ConstView AQ) {
   values.s = rank_of(svd(rest), noise, norm_N, kept_s);
   values.d = values.r - values.s;
   values.u = rows - values.r - values.a - values.s;
-  values.ZQ = left_factor(EQ, std::move(Z), factors.data());
+  values.ZQ = left_factor(EQ, scaled_rows(factors, Z));
   return values;
 }
 

@@ -99,7 +99,7 @@ std::string integer(const char* name, std::int64_t value) {
 // The first tolerance below zero.
 std::string negative_tolerance(const char* name, const double* values, std::int64_t count) {
   for (std::int64_t i = 0; i < count; ++i)
-    if (values[i] < 0.0) return format("%s(%lld) = %.6g.", name, static_cast<long long>(i + 1), values[i]);
+    if (std::isless(values[i], 0.0)) return format("%s(%lld) = %.6g.", name, static_cast<long long>(i + 1), values[i]);
   return "";
 }
 
@@ -107,7 +107,7 @@ std::string vanishing_weight(const CallFacts& facts) {
   for (std::int64_t i = 0; i < facts.neq; ++i) {
     const std::int64_t k = facts.tolerances() == 1 ? 0 : i;
     const double weight = facts.rtol[k] * std::fabs(facts.x[i]) + facts.atol[k];
-    if (weight <= 0.0)
+    if (std::islessequal(weight, 0.0))
       return format("Component i = %lld: X(i) = %.6g, RTOL = %.6g, ATOL = %.6g.", static_cast<long long>(i + 1),
                     facts.x[i], facts.rtol[k], facts.atol[k]);
   }

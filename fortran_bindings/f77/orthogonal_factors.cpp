@@ -19,12 +19,22 @@ using namespace core;
 
 namespace {
 
-// Indices of the rows, the largest first.
-std::vector<int> rows_by_size(ConstView a) {
+std::vector<double> row_sizes(ConstView a) {
   std::vector<double> size(static_cast<std::size_t>(a.rows), 0.0);
   for (int j = 0; j < a.cols; ++j)
     for (int i = 0; i < a.rows; ++i)
       size[static_cast<std::size_t>(i)] = std::max(size[static_cast<std::size_t>(i)], std::fabs(a(i, j)));
+  return size;
+}
+
+// To [1, 2).
+double factor_to_one(double size) {
+  return size > 0.0 ? std::ldexp(1.0, std::clamp(-std::ilogb(size), -1000, 1000)) : 1.0;
+}
+
+// Indices of the rows, the largest first.
+std::vector<int> rows_by_size(ConstView a) {
+  const std::vector<double> size = row_sizes(a);
   std::vector<int> order(size.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int i, int k) {
@@ -35,12 +45,39 @@ std::vector<int> rows_by_size(ConstView a) {
 
 }  // namespace
 
+std::vector<double> row_factors(ConstView a, ConstView b) {
+  const std::vector<double> of_a = row_sizes(a), of_b = row_sizes(b);
+  std::vector<double> factors(of_a.size());
+  double largest = 0.0;
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    const double size = std::max(of_a[i], of_b[i]);
+    factors[i] = size > 0.0 ? factor_to_one(size) : 0.0;
+    largest = std::max(largest, factors[i]);
+  }
+  for (double& factor : factors)
+    if (factor == 0.0) factor = largest > 0.0 ? largest : 1.0;
+  return factors;
+}
+
+void raise_zero_rows(ConstView a, std::vector<double>& factors) {
+  const std::vector<double> size = row_sizes(a);
+  const double largest = *std::max_element(factors.begin(), factors.end());
+  for (std::size_t i = 0; i < factors.size(); ++i)
+    if (size[i] == 0.0) factors[i] = largest;
+}
+
+Matrix scaled_rows(const std::vector<double>& factors, ConstView a) {
+  Matrix result = to_matrix(a);
+  for (int j = 0; j < a.cols; ++j)
+    for (int i = 0; i < a.rows; ++i) result(i, j) *= factors[static_cast<std::size_t>(i)];
+  return result;
+}
+
 Matrix orthogonal_factor(ConstView a) {
   if (a.cols == 0) return identity(a.rows);
   // Rows sorted and columns pivoted: then the backward error is small by rows [CH98].
   const std::vector<int> order = rows_by_size(a);
-  const double largest = max_abs(a);
-  const double unit = largest > 0.0 ? std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1000, 1000)) : 1.0;
+  const double unit = factor_to_one(max_abs(a));
   Matrix factors(a.rows, a.cols);
   for (int j = 0; j < a.cols; ++j)
     for (int i = 0; i < a.rows; ++i) factors(i, j) = unit * a(order[static_cast<std::size_t>(i)], j);
@@ -56,10 +93,8 @@ Matrix orthogonal_factor(ConstView a) {
   return Q;
 }
 
-Matrix left_factor(ConstView M, Matrix Z, const double* row_factors) {
-  const int rows = Z.rows(), kernel = Z.cols(), rank = rows - kernel;
-  for (int j = 0; j < kernel; ++j)
-    for (int i = 0; i < rows; ++i) Z(i, j) *= row_factors[i];
+Matrix left_factor(ConstView M, ConstView Z) {
+  const int rows = Z.rows, kernel = Z.cols, rank = rows - kernel;
   const Matrix Q = orthogonal_factor(Z);
   const ConstView complement = Q.view().columns(kernel, rank);
   Matrix result(rows, rows);

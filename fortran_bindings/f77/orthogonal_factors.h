@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
 #include "linalg/matrix.h"
 
 namespace sfdae::f77 {
@@ -10,8 +12,17 @@ namespace sfdae::f77 {
 // errors of each row are relative to that row.
 core::Matrix orthogonal_factor(core::ConstView a);
 
-// [S Z^]: an orthogonal matrix of which the last `Z.cols` columns span the range of Z (of full rank), Z^T M = 0, and
-// the first ones are left singular vectors of M, by decreasing singular value. Z is scaled by `row_factors` first.
-core::Matrix left_factor(core::ConstView M, core::Matrix Z, const double* row_factors);
+// Powers of two that bring the rows of [A B] to size 1. Rows of zeros get the largest of them: unit vectors in the left
+// null space should stand out, not drown in rounding errors of others.
+std::vector<double> row_factors(core::ConstView a, core::ConstView b);
+// Gives rows of zeros of A the largest of the factors.
+void raise_zero_rows(core::ConstView a, std::vector<double>& factors);
+
+// diag(factors) A
+core::Matrix scaled_rows(const std::vector<double>& factors, core::ConstView a);
+
+// An orthogonal matrix: the last columns span the range of Z (of full rank, Z^T M = 0), the first ones are left singular
+// vectors of M, by decreasing singular value.
+core::Matrix left_factor(core::ConstView M, core::ConstView Z);
 
 }  // namespace sfdae::f77

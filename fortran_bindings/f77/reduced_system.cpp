@@ -3,6 +3,7 @@
 #include "f77/reduced_system.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "f77/orthogonal_factors.h"
 #include "linalg/dense.h"
@@ -26,11 +27,37 @@ std::int64_t documented_work(const StageRanks& ranks) {
   return 3 * std::int64_t{ranks.n} + 2 * rows + 2 * rows * rows;
 }
 
+namespace {
+
+// [Z2 Z3] of the range of Z, orthonormal: Z3^T AQ = 0, Z2^T AQ of rank a.
+//
+// The two are told apart with rows of [EQ AQ] made comparable, D [EQ AQ]: else rounding errors of a redundant equation
+// in small units would be larger than an equation in large ones. Z = D Z^ for null vectors Z^ of D EQ.
+Matrix split_null_space(ConstView EQ, ConstView AQ, ConstView Z, int a) {
+  const int kernel = Z.cols, redundant = kernel - a;
+  const std::vector<double> D = row_factors(EQ, AQ);
+  std::vector<double> inverse;
+  for (double factor : D) inverse.push_back(1.0 / factor);
+  const Matrix scaled = orthogonal_factor(scaled_rows(inverse, Z));
+  const ConstView basis = scaled.view().columns(0, kernel);
+  const Matrix Q = orthogonal_factor(transpose_product(basis, scaled_rows(D, AQ)));
+  const Matrix Z3 = scaled_rows(D, product(basis, Q.view().columns(a, redundant)));
+  const Matrix Z2 = scaled_rows(D, product(basis, Q.view().columns(0, a)));
+  // Z3 keeps its range, Z2 becomes orthogonal to it.
+  const Matrix of_Z3 = orthogonal_factor(Z3);
+  const ConstView complement = of_Z3.view().columns(redundant, Z.rows - redundant);
+  const Matrix of_Z2 = orthogonal_factor(transpose_product(complement, Z2));
+  Matrix result(Z.rows, kernel);
+  multiply(1.0, Op::plain, complement, Op::plain, of_Z2.view().columns(0, a), 0.0, result.view().columns(0, a));
+  copy(of_Z3.view().columns(0, redundant), result.view().columns(a, redundant));
+  return result;
+}
+
+}  // namespace
+
 Transformations transformations(const StageRanks& ranks, ConstView EQ, ConstView AQ, ConstView Z) {
   const int n = ranks.n, a = ranks.a;
-  const Matrix N = transpose_product(Z, AQ);
-  // Rows that span the range of N first: Z2^T AQ has full rank, Z3^T AQ = 0.
-  Transformations result{product(Z, orthogonal_factor(N)), {}};
+  Transformations result{split_null_space(EQ, AQ, Z, a), {}};
   const Matrix A2 = transpose_product(result.Z.view().columns(0, a), AQ);
   const Matrix complement = orthogonal_factor(transpose(A2));
   const ConstView T2 = complement.view().columns(a, n - a);
