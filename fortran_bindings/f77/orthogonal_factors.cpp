@@ -98,9 +98,12 @@ Matrix left_factor(ConstView M, ConstView Z) {
   const Matrix Q = orthogonal_factor(Z);
   const ConstView complement = Q.view().columns(kernel, rank);
   Matrix result(rows, rows);
-  if (rank > 0)
-    multiply(1.0, Op::plain, complement, Op::plain, svd(transpose_product(complement, M)).U, 0.0,
-             result.view().columns(0, rank));
+  if (rank > 0) {
+    // Of size 1, for products not to overflow.
+    const std::vector<double> unit(static_cast<std::size_t>(rows), factor_to_one(max_abs(M)));
+    const Svd rest = svd(transpose_product(complement, scaled_rows(unit, M)));
+    multiply(1.0, Op::plain, complement, Op::plain, rest.U, 0.0, result.view().columns(0, rank));
+  }
   copy(Q.view().columns(0, kernel), result.view().columns(rank, kernel));
   return result;
 }

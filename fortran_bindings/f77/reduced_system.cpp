@@ -57,6 +57,7 @@ Matrix split_null_space(ConstView EQ, ConstView AQ, ConstView Z, int a) {
 
 Transformations transformations(const StageRanks& ranks, ConstView EQ, ConstView AQ, ConstView Z) {
   const int n = ranks.n, a = ranks.a;
+  if (ranks.kernel() == 0) return {};
   Transformations result{split_null_space(EQ, AQ, Z, a), {}};
   const Matrix A2 = transpose_product(result.Z.view().columns(0, a), AQ);
   const Matrix complement = orthogonal_factor(transpose(A2));
@@ -85,7 +86,9 @@ int reduce(const StageRanks& ranks, const StageData& stage, const ReducedSystem&
   const View Z2Q = reduced.Z2Q.view(rows, rows);
   if (!is_finite(EQ) || !is_finite(AQ) || !is_finite(Z2Q)) return not_converged;
   const Matrix Z = to_matrix(Z2Q.columns(ranks.rank, kernel));
-  store(kernel == 0 ? Transformations{} : transformations(ranks, EQ, AQ, Z), ranks, reduced.Z2Q, reduced.Z1);
+  const Transformations found = transformations(ranks, EQ, AQ, Z);
+  if (!found.is_finite()) return not_converged;
+  store(found, ranks, reduced.Z2Q, reduced.Z1);
 
   const View E = reduced.E.view(n, n), A = reduced.A.view(n, n), Z1 = reduced.Z1.view(n, d);
   fill(E, 0.0);

@@ -29,6 +29,8 @@ StageRanks ranks_of(const StageValues& values, int n);
 struct Transformations {
   core::Matrix Z;   // rows x kernel: Z2 in the first a columns, then Z3
   core::Matrix Z1;  // n x d
+
+  bool is_finite() const { return f77::is_finite(Z) && f77::is_finite(Z1); }  // false after an overflow
 };
 
 // Z: basis of the left null space of EQ, rows x kernel.

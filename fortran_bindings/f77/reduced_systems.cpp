@@ -57,8 +57,8 @@ SFDAE_F77_ROUTINE(void, dnfotr,
     if (*lrwork < documented_work(ranks)) return work_too_small;
     const sfdae::core::View Z = Z2Q.view(rows, ranks.kernel());
     if (!is_finite(EQ.view(rows, rows)) || !is_finite(AQ.view(rows, ranks.n)) || !is_finite(Z)) return not_converged;
-    Transformations found;
-    if (ranks.kernel() > 0) found = transformations(ranks, EQ.view(rows, rows), AQ.view(rows, ranks.n), Z);
+    const Transformations found = transformations(ranks, EQ.view(rows, rows), AQ.view(rows, ranks.n), Z);
+    if (!found.is_finite()) return not_converged;
     store(found, ranks, Z2Q, Z1);
     return 0;
   });

@@ -176,8 +176,7 @@ TEST(Dnfred, KeepsRowsOfVeryDifferentSize) {
   }
 }
 
-// The same for random problems, redundant equations included: of rows that differ by 10^(2 decades) in size, each keeps
-// digits of its own, no less than those that are left of one row in units of the square root of that.
+// The same for random problems, redundant equations included: rows are multiplied by 10^k, |k| <= decades.
 TEST(Dnfred, KeepsRowsOfRandomProblemsInRandomUnits) {
   for (int decades : {3, 6}) {
     RandomOptions options;
