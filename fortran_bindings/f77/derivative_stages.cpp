@@ -175,7 +175,7 @@ PairValues pair_values(ConstView EQ, ConstView AQ) {
   const ConstView Z = of_M.U.view().columns(values.r, kernel);
   const Matrix ZN = transpose_product(Z, N);
   // AQ acts on the first n components alone.
-  const ConstView T = of_M.V.view().top(n).columns(values.r, kernel), T_rest = of_M.V.view().top(n).columns(0, values.r);
+  const ConstView V = of_M.V.view().top(n), T = V.columns(values.r, kernel), T_rest = V.columns(0, values.r);
   const Svd of_a = svd(product(ZN, T));
   double noise = unit_roundoff * norm_N / kept_M;
   values.a = rank_of(of_a, noise, norm_N, kept_a);

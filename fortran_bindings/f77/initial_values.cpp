@@ -149,15 +149,15 @@ SFDAE_F77_ROUTINE(void, dnfini,
   });
 }
 
-// Initialisation at the point TN: DNFIND up to MXINDX and DNFRED (for mu = 0 as well), whose arguments EQ ... AH, M, ID,
-// IA, IU, IREQ, F, Z1, Z2Q have the meaning they have there; then
+// Initialisation at the point TN: DNFIND up to MXINDX and DNFRED (for mu = 0 as well), whose arguments EQ ... AH, M,
+// ID, IA, IU, IREQ, F, Z1, Z2Q have the meaning they have there; then
 //   X(NEQ)          INIVAL = 0: becomes the nearest consistent value in the 2-norm; else taken as it is
 //   XPRIME(NEQ)     solution of smallest 2-norm of E1 x' = A1 X + f1: not the derivative of the solution in the
 //                   algebraic directions
 // D, V, RWORK are not used; LRWORK as DNFIND.
 // IERR is changed by errors only: -22 characteristic values cannot be found (M = -1: none up to MXINDX; or DNFIND
-// failed); -23 no reduced system; -24 no consistent initial value; -25 no initial derivative; -140: a user's function has
-// another width of INTEGER.
+// failed); -23 no reduced system; -24 no consistent initial value; -25 no initial derivative; -140: a user's function
+// has another width of INTEGER.
 SFDAE_F77_ROUTINE(void, dgeini,
                   (MatrixFunction<Integer> edif, MatrixFunction<Integer> adif, VectorFunction<Integer> fdif,
                    const Integer* neq, const double* tn, const Integer* mxindx, double* x, double* xprime, Integer* m,

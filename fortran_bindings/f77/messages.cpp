@@ -26,8 +26,8 @@ struct Entry {
 // Interrupted: T has been reached, the call may be repeated.
 constexpr Entry interruptions[] = {
     {-1, "As many steps as one call may take have been taken before TOUT was reached.",
-     "Call again with INFO(1) = 1 to go on, or allow more steps by INFO(14) = 1 and IWORK(20). Very many steps are a sign "
-     "of a fast solution or of tolerances that are too small."},
+     "Call again with INFO(1) = 1 to go on, or allow more steps by INFO(14) = 1 and IWORK(20). Very many steps are a "
+     "sign of a fast solution or of tolerances that are too small."},
     {-2, "The tolerances ask for more digits than the arithmetic has. RTOL and ATOL have been enlarged.",
      "Call again with INFO(1) = 1 to go on with the new ones."},
     {-3, "A component of the solution has vanished whose ATOL is zero: purely relative accuracy is impossible there.",
@@ -209,7 +209,8 @@ std::string error_message(const CallFacts& facts) {
     add_paragraph(refusal_numbers(facts), text);
     add_paragraph(refusal->next, text);
   } else {
-    add_paragraph("This number is not one that DGELDA returns. Was IERR changed since, or is an argument missing?", text);
+    add_paragraph("This number is not one that DGELDA returns. Was IERR changed since, or is an argument missing?",
+                  text);
   }
   return text + line;
 }
@@ -219,9 +220,9 @@ std::string error_message(const CallFacts& facts) {
 using namespace sfdae::f77;
 
 // Prints on standard output what IERR of DGELDA means, with the numbers concerned and what can be done, in a frame of
-// asterisks; nothing for IERR >= 0. The arguments are those of that call; none is changed, nothing beyond LIW and LRW is
-// read, and the program goes on. The text is written through the C library: a Fortran program that wants it among its
-// own output in sequence flushes its unit first.
+// asterisks; nothing for IERR >= 0. The arguments are those of that call; none is changed, nothing beyond LIW and LRW
+// is read, and the program goes on. The text is written through the C library: a Fortran program that wants it among
+// its own output in sequence flushes its unit first.
 SFDAE_F77_ROUTINE(void, dgeerm,
                   (MatrixFunction<Integer>, MatrixFunction<Integer>, VectorFunction<Integer>, const Integer* neq,
                    const double* t, const double* tout, const double* x, const double*, const Integer* cval,

@@ -8,8 +8,8 @@
 
 namespace sfdae::f77 {
 
-// The square factor Q of A P = Q R, |r_jj| decreasing: its first r columns span the range of A if A has rank r. Rounding
-// errors of each row are relative to that row.
+// The square factor Q of A P = Q R, |r_jj| decreasing: its first r columns span the range of A if A has rank r.
+// Rounding errors of each row are relative to that row.
 core::Matrix orthogonal_factor(core::ConstView a);
 
 // Powers of two that bring the rows of [A B] to size 1. Rows of zeros get the largest of them: unit vectors in the left
@@ -21,8 +21,8 @@ void raise_zero_rows(core::ConstView a, std::vector<double>& factors);
 // diag(factors) A
 core::Matrix scaled_rows(const std::vector<double>& factors, core::ConstView a);
 
-// An orthogonal matrix: the last columns span the range of Z (of full rank, Z^T M = 0), the first ones are left singular
-// vectors of M, by decreasing singular value.
+// An orthogonal matrix: the last columns span the range of Z (of full rank, Z^T M = 0), the first ones are left
+// singular vectors of M, by decreasing singular value.
 core::Matrix left_factor(core::ConstView M, core::ConstView Z);
 
 }  // namespace sfdae::f77

@@ -129,7 +129,8 @@ SFDAE_F77_ROUTINE(void, dnfix1,
     if (code != 0) return code == wrong_integer_width ? code : no_characteristic_values;
     ValueArguments<Integer>{mq, idq, iaq, iuq, ireq}.set(found);
     const sfdae::core::CharacteristicValues& values = found.characteristic;
-    if (values.mu < 0 || values.mu != *m || values.d != *id || values.a != *ia || values.u != *iu) return values_changed;
+    if (values.mu < 0 || values.mu != *m || values.d != *id || values.a != *ia || values.u != *iu)
+      return values_changed;
     const StageRanks ranks = ranks_of(found, order);
     return guarded([&] { return reduce(ranks, {storage.EQ, storage.AQ, fq}, reduced); }) == 0 ? 0 : not_reduced;
   });

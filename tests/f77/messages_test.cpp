@@ -71,7 +71,9 @@ std::string running(const std::string& text) {
   return result;
 }
 
-bool contains(const std::string& text, const std::string& part) { return running(text).find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return running(text).find(part) != std::string::npos;
+}
 
 }  // namespace
 
