@@ -5,5 +5,13 @@
 
 set(sfdae_f77_routines dgelda dgeerm dgenrm dnfpen dnfval dnfind dnfotr dnfred dnfix1 dnfini dgeini)
 
-set(sfdae_f77_sources)
+set(sfdae_f77_sources
+  derivative_arrays.cpp
+  derivative_stages.cpp
+  initial_values.cpp
+  messages.cpp
+  norm.cpp
+  orthogonal_factors.cpp
+  reduced_system.cpp
+  reduced_systems.cpp)
 list(TRANSFORM sfdae_f77_sources PREPEND "${PROJECT_SOURCE_DIR}/fortran_bindings/f77/")
