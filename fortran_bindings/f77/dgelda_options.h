@@ -25,7 +25,7 @@ inline constexpr int zero_weight = -114, tout_too_close = -115, stop_behind = -1
 inline constexpr int bad_max_steps = -120, bad_safety = -121, bad_ratios = -122, bad_quotients = -123;
 inline constexpr int bad_method = -132, wrong_width = -140;
 // An input that is illegal, whatever the problem.
-constexpr bool is_illegal_input(int ierr) { return ierr <= -100 && ierr > -200; }
+constexpr bool is_illegal_input(std::int64_t ierr) { return ierr <= -100 && ierr > -200; }
 }  // namespace code
 
 // The arguments of a call but for the user's functions; pointers are the caller's.
