@@ -5,5 +5,10 @@
 
 set(sfdae_f77_routines dgelda dgeerm dgenrm dnfpen dnfval dnfind dnfotr dnfred dnfix1 dnfini dgeini)
 
-set(sfdae_f77_sources)
+set(sfdae_f77_sources
+  dgelda.cpp
+  dgelda_call.cpp
+  dgelda_options.cpp
+  dgelda_problem.cpp
+  dgelda_state.cpp)
 list(TRANSFORM sfdae_f77_sources PREPEND "${PROJECT_SOURCE_DIR}/fortran_bindings/f77/")

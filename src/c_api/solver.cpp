@@ -102,7 +102,7 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n) {
     integration.tolerances.rtol.push_back(o.rtol_vector != nullptr ? o.rtol_vector[i] : o.rtol);
     integration.tolerances.atol.push_back(o.atol_vector != nullptr ? o.atol_vector[i] : o.atol);
   }
-  integration.max_order = o.max_order;
+  integration.stepping.max_order = o.max_order;
   integration.initial_step = o.initial_step;
   integration.max_step = o.max_step;
   if (o.use_stop_time != 0) integration.stop_time = o.stop_time;
@@ -236,7 +236,7 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     }
     if (solver->integration) {
       solver->integration->set_options(fresh.integration);
-      set_limits(*solver, solver->integration->bdf().t(), solver->integration->direction());
+      set_limits(*solver, solver->integration->stepper().t(), solver->integration->direction());
     }
     return {};
   });

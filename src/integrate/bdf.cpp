@@ -50,11 +50,23 @@ void evaluate_polynomial(const std::array<double, N>& times, const std::array<Ve
   }
 }
 
+// The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data.
+constexpr double first_step_fraction = 0.7390851e-3;
+
 }  // namespace
 
-void Bdf::start(StrangenessFreeSystem& system, double t, const Vector& x, const Vector& xdot, const Vector& w,
-                const Vector& wdot, double h, int max_order) {
-  const std::size_t n = x.size(), size_w = w.size();
+// The first attempt measures the error of order 1, and its size is corrected from that: a change of x by about the
+// square root of the tolerance has an error of about the tolerance.
+double Bdf::first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) const {
+  return std::min(first_step_fraction * span, weights.first_step(x, xdot));
+}
+
+void Bdf::set_options(const StepOptions& options) {
+  max_order_ = options.max_order;
+  control_.set_max_order(max_order_);
+}
+
+void Bdf::resize(std::size_t n, std::size_t size_w) {
   for (int i = 0; i < capacity; ++i) {
     w_[index(i)].resize(size_w);
     dw_[index(i)].resize(size_w);
@@ -65,19 +77,49 @@ void Bdf::start(StrangenessFreeSystem& system, double t, const Vector& x, const 
   for (Vector* v : {&tried_w_, &w_rest_, &predicted_, &difference_}) v->assign(std::max(n, size_w), 0.0);
   differences_.assign(4 * size_w, 0.0);
   mapped_differences_.assign(4 * n, 0.0);
+}
+
+void Bdf::start(StrangenessFreeSystem& system, const StartingPoint& point, double h) {
+  resize(point.x.size(), point.w.size());
   has_free_part_ = system.undetermined() > 0;
-  times_[0] = t;
-  w_[0] = w;
-  x_[0] = x;
-  slope_w_ = wdot;
-  slope_x_ = xdot;
+  times_[0] = point.t;
+  w_[0] = point.w;
+  x_[0] = point.x;
+  slope_w_ = point.wdot;
+  slope_x_ = point.xdot;
   points_ = 2;
   fictitious_ = true;
-  control_.start(max_order);
+  control_.start(max_order_);
   next_step_ = h;
   last_order_ = 0;
   last_step_ = 0.0;
   leading_coefficient_ = std::numeric_limits<double>::infinity();
+}
+
+void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
+  const std::size_t n = static_cast<std::size_t>(system.unknowns()), size_w = static_cast<std::size_t>(system.leading_size());
+  // More points than the highest order needs are not kept.
+  int points = std::min(points_, max_order_ + 3);
+  archive.small(points, fictitious_, last_order_);
+  if (archive.is_reading()) {
+    if (points < 2 || points > capacity || last_order_ > max_bdf_order) throw DamagedArchive();
+    points_ = points;
+    resize(n, size_w);
+    has_free_part_ = system.undetermined() > 0;
+  }
+  control_.archive(archive);
+  for (double* value : {&next_step_, &last_step_, &leading_coefficient_}) archive.real(*value);
+  archive.reals(times_.data(), index(points));
+  // Before the first step the second point is fictitious, and its values follow from the slopes.
+  const bool has_slope = points == 2 && fictitious_;
+  for (int i = 0; i < (has_slope ? 1 : points); ++i) {
+    archive.reals(w_[index(i)], size_w);
+    archive.reals(x_[index(i)], n);
+  }
+  if (has_slope) {
+    archive.reals(slope_w_, size_w);
+    archive.reals(slope_x_, n);
+  }
 }
 
 // A point at t - h on the tangent: the predictor of the first step is the slope there.

@@ -13,61 +13,49 @@
 #include <limits>
 #include <vector>
 
-#include "integrate/error_weights.h"
 #include "integrate/step_control.h"
-#include "reduction/strangeness_free_system.h"
+#include "integrate/stepper.h"
 
 namespace sfdae::core {
 
-enum class StepOutcome {
-  accepted,
-  error_too_large,
-  singular,    // the matrix of the step
-  not_finite,  // overflow on the way
-  trouble, changed, leading_changed  // as PointStatus
-};
-
-class Bdf {
+class Bdf final : public Stepper {
  public:
-  // First step of size h from (t, x) with slopes xdot = x' and wdot = (W x)'; w = W x.
-  void start(StrangenessFreeSystem& system, double t, const std::vector<double>& x, const std::vector<double>& xdot,
-             const std::vector<double>& w, const std::vector<double>& wdot, double h, int max_order);
+  explicit Bdf(int max_order = max_bdf_order) : max_order_(max_order) {}
 
-  // Tries one step from the last point to t; commit() makes an accepted one the last point. next_step() tells
-  // the size to try next, accepted or not.
-  StepOutcome attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights);
-  void commit();
-  // Gives up an attempt for reasons of the caller's (a smaller step is wanted).
-  void withdraw() { control_ = control_before_; }
-  // After trouble: next_step() becomes smaller.
-  void reduce_after_failure(double h) { next_step_ = control_.failed(h); }
+  void set_options(const StepOptions& options) override;
+  double first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) const override;
+  Tightening tightening() const override { return Tightening::sixth_root; }
+  void start(StrangenessFreeSystem& system, const StartingPoint& point, double h) override;
+  StepOutcome attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) override;
+  void commit() override;
+  void withdraw() override { control_ = control_before_; }
+  void reduce_after_failure(double h) override { next_step_ = control_.failed(h); }
 
-  void set_max_order(int max_order) { control_.set_max_order(max_order); }
-
-  double t() const { return times_[0]; }
-  const std::vector<double>& x() const { return x_[0]; }
-  double tried_t() const { return tried_t_; }
+  double t() const override { return times_[0]; }
+  const std::vector<double>& x() const override { return x_[0]; }
+  double tried_t() const override { return tried_t_; }
   const std::vector<double>& tried_x() const { return tried_x_; }
-  double next_step() const { return next_step_; }
-  void set_next_step(double h) { next_step_ = h; }
-  int order() const { return last_order_; }
-  int next_order() const { return control_.order(); }
-  double last_step() const { return last_step_; }
-  int failures_in_a_row() const { return control_.failures_in_a_row(); }
-  // Of the last step; infinite before the first.
-  double leading_coefficient() const { return leading_coefficient_; }
-  const std::vector<double>& error() const { return error_; }  // of the last attempt, mapped to x
-
-  // The polynomials of the last step at t: w, x (inaccurate in its constraints) and x'.
-  void interpolate(double t, double* w, double* x, double* xdot);
+  double next_step() const override { return next_step_; }
+  void set_next_step(double h) override { next_step_ = h; }
+  double last_step() const override { return last_step_; }
+  int order() const override { return last_order_; }
+  int next_order() const override { return control_.order(); }
+  int failures_in_a_row() const override { return control_.failures_in_a_row(); }
+  double leading_coefficient() const override { return leading_coefficient_; }
+  const std::vector<double>& error() const override { return error_; }
+  // The polynomials of the last step.
+  void interpolate(double t, double* w, double* x, double* xdot) override;
+  void archive(Archive& archive, const StrangenessFreeSystem& system) override;
 
  private:
   static constexpr int capacity = max_bdf_order + 3;
+  void resize(std::size_t n, std::size_t size_w);
   void place_fictitious_point(double h);
   void compute_differences(int count);
   double estimate_errors(StrangenessFreeSystem& system, double h, int order, bool fixed_leading,
                          const ErrorWeights& weights, LocalTerms& terms);
 
+  int max_order_;
   // History, newest first: points_ of them are valid. The oldest at the start is fictitious: it carries the slope.
   std::array<double, capacity> times_{};
   std::array<std::vector<double>, capacity> w_, x_;

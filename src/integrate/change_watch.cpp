@@ -163,6 +163,18 @@ void ChangeWatch::accept(const LinearSystem& system) {
   samples_ = std::min(samples_ + 1, 2);
 }
 
+void ChangeWatch::archive(Archive& archive, const LinearSystem& system) {
+  if (system.is_constant()) return;
+  archive.small(samples_);
+  if (archive.is_reading() && (samples_ < 0 || samples_ > 2)) throw DamagedArchive();
+  const std::size_t count = static_cast<std::size_t>(system.equations()) + 2;
+  Sample* const newest_first[] = {&last_, &older_};
+  for (int i = 0; i < samples_; ++i) {
+    archive.real(newest_first[i]->t);
+    archive.reals(newest_first[i]->values, count);
+  }
+}
+
 std::optional<LocatedChange> ChangeWatch::locate(LinearSystem& system, double left, double right, bool right_fails) {
   Probe probe(system, left, right);
   std::optional<LocatedChange> change;

@@ -27,6 +27,7 @@ class ChangeWatch {
   bool is_suspicious(LinearSystem& system) const;
   // The current point of the system is accepted.
   void accept(const LinearSystem& system);
+  void archive(Archive& archive, const LinearSystem& system);
   // Looks for the change between left and right. right_fails: other values hold at right.
   static std::optional<LocatedChange> locate(LinearSystem& system, double left, double right, bool right_fails);
 

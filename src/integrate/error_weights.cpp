@@ -17,27 +17,30 @@ constexpr double rounding_safety = 100.0;
 // Stands for 1 / 0, so that any error is too large but nothing overflows.
 constexpr double no_tolerance = 1e200;
 
-double reduced(double tol) { return std::min(1.0, 4.0 * std::pow(tol, 1.0 / 6.0)); }
-
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-void ErrorWeights::set(const Tolerances& tolerances) {
+double ErrorWeights::reduction(double tol) const {
+  return tightening_ == Tightening::none ? 1.0 : std::min(1.0, 4.0 * std::pow(tol, 1.0 / 6.0));
+}
+
+void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening) {
+  tightening_ = tightening;
   rtol_ = tolerances.rtol;
   atol_ = tolerances.atol;
   inverse_.assign(rtol_.size(), 1.0);
   reduction_.assign(rtol_.size(), 1.0);
   for (std::size_t i = 0; i < rtol_.size(); ++i)
-    if (rtol_[i] > 0.0) reduction_[i] = reduced(rtol_[i]);
+    if (rtol_[i] > 0.0) reduction_[i] = reduction(rtol_[i]);
 }
 
 void ErrorWeights::update(const double* x) {
   for (std::size_t i = 0; i < rtol_.size(); ++i) {
     const double size = std::fabs(x[i]);
     // Without rtol the tolerance is relative to the component itself.
-    const double reduction = rtol_[i] > 0.0 ? reduction_[i] : reduced(atol_[i] / std::max(size, atol_[i]));
-    const double weight = reduction * (rtol_[i] * size + atol_[i]);
+    const double factor = rtol_[i] > 0.0 ? reduction_[i] : reduction(atol_[i] / std::max(size, atol_[i]));
+    const double weight = factor * (rtol_[i] * size + atol_[i]);
     inverse_[i] = weight > 1.0 / no_tolerance ? 1.0 / weight : no_tolerance;
   }
 }

@@ -15,9 +15,6 @@ using Vector = std::vector<double>;
 
 // Attempts in a row that fail for want of a valid point before the call gives up.
 constexpr int max_point_failures = 12;
-// The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data.
-constexpr double first_step_fraction = 0.7390851e-3;
-
 CallResult failure_result(const Failure& failure) { return {failure.status(), failure.what()}; }
 
 }  // namespace
@@ -25,22 +22,57 @@ CallResult failure_result(const Failure& failure) { return {failure.status(), fa
 Integration::Integration(LinearSystem& system, const IntegrationOptions& options, double t, double toward,
                          const Vector& x, const Vector& xdot)
     : system_(system),
+      options_(options),
       direction_(toward < t ? -1.0 : 1.0),
       last_returned_(t),
       reductions_before_(system.reductions()),
       factorizations_before_(system.factorizations()) {
+  create_stepper();
   set_options(options);
-  // The first attempt measures the error of order 1, and its size is corrected from that: a change of x by about the
-  // square root of the tolerance has an error of about the tolerance.
-  first_step_ = std::min(first_step_fraction * std::fabs(toward - t), weights_.first_step(x.data(), xdot.data()));
+  first_step_ = stepper_->first_step(weights_, x.data(), xdot.data(), std::fabs(toward - t));
   begin(t, x, xdot);
   watch_.start(system_, direction_);
 }
 
+Integration::Integration(LinearSystem& system, const IntegrationOptions& options, Archive& saved)
+    : system_(system), options_(options) {
+  create_stepper();
+  set_options(options);
+  archive(saved);
+}
+
+void Integration::create_stepper() { stepper_ = std::make_unique<Bdf>(); }
+
+void Integration::archive(Archive& archive) {
+  bool backward = direction_ < 0.0, has_change = change_.has_value();
+  archive.small(backward, must_restart_, has_change);
+  direction_ = backward ? -1.0 : 1.0;
+  IntegrationCounts all = counts();
+  for (long* count : {&all.steps, &all.error_failures, &all.other_failures, &all.reductions, &all.factorizations})
+    archive.count(*count);
+  for (double* value : {&all.first_step, &all.smallest_kept, &all.inconsistency, &first_step_, &last_returned_})
+    archive.real(*value);
+  stepper_->archive(archive, system_);
+  watch_.archive(archive, system_);
+  if (archive.is_reading()) {
+    counts_ = all;
+    reductions_before_ = system_.reductions() - all.reductions;
+    factorizations_before_ = system_.factorizations() - all.factorizations;
+    scratch_w_.resize(static_cast<std::size_t>(system_.leading_size()));
+    scratch_x_.resize(static_cast<std::size_t>(system_.unknowns()));
+    if (has_change) change_.emplace();
+  }
+  if (!has_change) return;
+  CharacteristicValues& values = change_->new_values;
+  archive.real(change_->t_before);
+  archive.real(change_->t);
+  archive.small(values.mu, values.d, values.a, values.u, values.v);
+}
+
 void Integration::set_options(const IntegrationOptions& options) {
   options_ = options;
-  weights_.set(options_.tolerances);
-  bdf_.set_max_order(options_.max_order);
+  weights_.set(options_.tolerances, stepper_->tightening());
+  stepper_->set_options(options_.stepping);
 }
 
 IntegrationCounts Integration::counts() const {
@@ -56,7 +88,7 @@ void Integration::begin(double t, const Vector& x, const Vector& xdot) {
   Vector w(size), wdot(size);
   system_.leading(x.data(), w.data());
   system_.leading_derivative(x.data(), xdot.data(), wdot.data());
-  bdf_.start(system_, t, x, xdot, w, wdot, h, options_.max_order);
+  stepper_->start(system_, {t, x, xdot, w, wdot}, h);
   system_.accept();
   scratch_w_.resize(size);
   scratch_x_.resize(x.size());
@@ -94,9 +126,9 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
 }
 
 void Integration::restart_at_last_point() {
-  const double t = bdf_.t();
+  const double t = stepper_->t();
   if (system_.move_to(t) == PointStatus::trouble) throw Failure(system_.trouble().status, system_.trouble().message());
-  const Vector x = bdf_.x();
+  const Vector x = stepper_->x();
   Vector xdot(x.size());
   system_.consistent_derivative(x.data(), direction_, xdot.data());
   begin(t, x, xdot);
@@ -108,17 +140,17 @@ CallResult Integration::run(double tout, bool one_step) {
   if (must_restart_ && !change_ && !has_passed(tout)) restart_at_last_point();
   for (long attempts = 0; !has_passed(tout); ++attempts) {
     if (system_.problem().stop_is_requested())
-      return {SFDAE_STOPPED, format("stopped on request at t = %.15g; the call can be repeated.", bdf_.t())};
+      return {SFDAE_STOPPED, format("stopped on request at t = %.15g; the call can be repeated.", stepper_->t())};
     if (change_ && has_passed(change_->t_before)) return changed_result();
     if (attempts >= options_.max_steps)
       return {SFDAE_MAX_STEPS, format("%ld steps attempted without reaching tout = %.15g; t = %.15g. Call again, raise "
                                       "max_steps, or loosen the tolerances.",
-                                      options_.max_steps, tout, bdf_.t())};
-    if (weights_.rounding(bdf_.x().data()) > 1.0)
+                                      options_.max_steps, tout, stepper_->t())};
+    if (weights_.rounding(stepper_->x().data()) > 1.0)
       return {SFDAE_TOLERANCE_TOO_SMALL,
               format("the tolerances are too small for the precision of the machine at t = %.15g: multiply them by "
                      "%.2g at least.",
-                     bdf_.t(), weights_.rounding(bdf_.x().data()))};
+                     stepper_->t(), weights_.rounding(stepper_->x().data()))};
     const long steps = counts_.steps;
     if (auto result = attempt_step(tout)) return *result;
     if (one_step && counts_.steps > steps && !has_passed(tout)) return {SFDAE_STEP_TAKEN, ""};
@@ -127,7 +159,7 @@ CallResult Integration::run(double tout, bool one_step) {
 }
 
 double Integration::smallest_step(double tout) const {
-  return 4.0 * 2.0 * unit_roundoff * std::max(std::fabs(bdf_.t()), std::fabs(tout));
+  return 4.0 * 2.0 * unit_roundoff * std::max(std::fabs(stepper_->t()), std::fabs(tout));
 }
 
 std::optional<double> Integration::limit() const {
@@ -136,26 +168,26 @@ std::optional<double> Integration::limit() const {
 }
 
 double Integration::choose_step(double tout) const {
-  const double t = bdf_.t();
-  double h = std::fabs(bdf_.next_step());
+  const double t = stepper_->t();
+  double h = std::fabs(stepper_->next_step());
   // Without differential equations nothing accumulates: the solution at tout is one reduction away.
-  if (system_.differential() == 0 && bdf_.failures_in_a_row() == 0) h = std::fabs(tout - t);
+  if (system_.differential() == 0 && stepper_->failures_in_a_row() == 0) h = std::fabs(tout - t);
   if (options_.max_step > 0.0) h = std::min(h, options_.max_step);
   return direction_ * h;
 }
 
 std::optional<CallResult> Integration::attempt_step(double tout) {
   double h = choose_step(tout);
-  const double t = bdf_.t();
+  const double t = stepper_->t();
   if (std::fabs(h) < smallest_step(tout)) {
-    if (bdf_.failures_in_a_row() > 0) return step_too_small(StepOutcome::error_too_large);
+    if (stepper_->failures_in_a_row() > 0) return step_too_small(StepOutcome::error_too_large);
     h = direction_ * smallest_step(tout);
   }
   // No tiny rest before a limit, and not a bit beyond.
   double target = t + h;
   if (const auto end = limit(); end && (target - *end) * direction_ > -1e-10 * std::fabs(h)) target = *end;
   h = target - t;
-  const StepOutcome outcome = bdf_.attempt(system_, target, weights_);
+  const StepOutcome outcome = stepper_->attempt(system_, target, weights_);
   if (outcome == StepOutcome::accepted) return accept_step(h);
   return handle_failure(outcome, h, tout);
 }
@@ -164,32 +196,32 @@ std::optional<CallResult> Integration::accept_step(double h) {
   const double inconsistency = system_.inconsistency();
   if (inconsistency > options_.consistency_tol) {
     if (!options_.ignore_inconsistency) {
-      bdf_.withdraw();
+      stepper_->withdraw();
       return CallResult{SFDAE_INCONSISTENT_EQUATIONS, system_.inconsistency_message()};
     }
     inconsistent_ = true;
   }
   counts_.inconsistency = std::max(counts_.inconsistency, inconsistency);
   if (!change_ && watch_.is_suspicious(system_)) {
-    const double left = bdf_.t(), right = bdf_.tried_t();
+    const double left = stepper_->t(), right = stepper_->tried_t();
     change_ = ChangeWatch::locate(system_, left, right, false);
     if (change_) {
-      bdf_.withdraw();
-      bdf_.set_next_step(h);
+      stepper_->withdraw();
+      stepper_->set_next_step(h);
       return std::nullopt;
     }
   }
   watch_.accept(system_);
   counts_.smallest_kept = std::min({counts_.smallest_kept, system_.smallest_pivot(), system_.kept_constraints(),
                                     system_.kept_differential()});
-  bdf_.commit();
+  stepper_->commit();
   system_.accept();
   if (counts_.steps++ == 0) counts_.first_step = h;
   if (options_.monitor != nullptr) {
-    const sfdae_progress progress{sizeof(sfdae_progress), bdf_.t(), h, bdf_.order(), counts_.steps,
-                                  system_.unknowns(), bdf_.x().data()};
+    const sfdae_progress progress{sizeof(sfdae_progress), stepper_->t(), h, stepper_->order(), counts_.steps,
+                                  system_.unknowns(), stepper_->x().data()};
     if (options_.monitor(&progress, options_.monitor_user) != 0)
-      return CallResult{SFDAE_STOPPED, format("stopped by the monitor at t = %.15g; the call can be repeated.", bdf_.t())};
+      return CallResult{SFDAE_STOPPED, format("stopped by the monitor at t = %.15g; the call can be repeated.", stepper_->t())};
   }
   return std::nullopt;
 }
@@ -213,14 +245,14 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
     }
     case StepOutcome::changed:
       if (std::fabs(h) > smallest_step(tout) * 64.0) {
-        change_ = ChangeWatch::locate(system_, bdf_.t(), bdf_.tried_t(), true);
+        change_ = ChangeWatch::locate(system_, stepper_->t(), stepper_->tried_t(), true);
         if (change_) {
-          bdf_.withdraw();
+          stepper_->withdraw();
           return std::nullopt;
         }
       } else {
-        change_ = LocatedChange{bdf_.t(), bdf_.tried_t(),
-                                find_local_values(system_.problem(), bdf_.tried_t(), system_.settings(), system_.arena())};
+        change_ = LocatedChange{stepper_->t(), stepper_->tried_t(),
+                                find_local_values(system_.problem(), stepper_->tried_t(), system_.settings(), system_.arena())};
         return std::nullopt;
       }
       break;
@@ -228,8 +260,8 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
       break;
   }
   ++counts_.other_failures;
-  bdf_.reduce_after_failure(h);
-  if (bdf_.failures_in_a_row() > max_point_failures || std::fabs(bdf_.next_step()) < smallest_step(tout))
+  stepper_->reduce_after_failure(h);
+  if (stepper_->failures_in_a_row() > max_point_failures || std::fabs(stepper_->next_step()) < smallest_step(tout))
     return step_too_small(outcome);
   return std::nullopt;
 }
@@ -237,18 +269,18 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
 CallResult Integration::step_too_small(StepOutcome outcome) {
   if (change_) return changed_result();
   must_restart_ = true;
-  const double t = bdf_.t();
+  const double t = stepper_->t();
   if (outcome == StepOutcome::trouble)
     return {system_.trouble().status, system_.trouble().message() + " Smaller steps did not help."};
   if (outcome == StepOutcome::singular)
     return {SFDAE_SINGULAR, format("the matrix of the step is singular beyond t = %.15g for every step size tried.", t)};
   if (outcome == StepOutcome::not_finite)
     return {SFDAE_STEP_TOO_SMALL, format("the solution overflows beyond t = %.15g.", t)};
-  const int i = weights_.worst(bdf_.error().data());
+  const int i = weights_.worst(stepper_->error().data());
   std::string message = format("the error test fails at t = %.15g with the smallest step, %.3g; the error sits in "
                                "x[%d] = %.6g.",
-                               t, bdf_.next_step(), i, bdf_.x()[static_cast<std::size_t>(i)]);
-  if (weights_.tolerance(i, bdf_.x().data()) == 0.0) message += " Its tolerance is zero there: give it an atol.";
+                               t, stepper_->next_step(), i, stepper_->x()[static_cast<std::size_t>(i)]);
+  if (weights_.tolerance(i, stepper_->x().data()) == 0.0) message += " Its tolerance is zero there: give it an atol.";
   else message += " The data may jump there, or the solution has a singularity: stop at such a point and restart.";
   return {SFDAE_STEP_TOO_SMALL, message};
 }
@@ -261,15 +293,15 @@ CallResult Integration::changed_result() const {
 }
 
 void Integration::return_last_point(double& t, double* x, double* xdot) {
-  t = bdf_.t();
-  std::copy(bdf_.x().begin(), bdf_.x().end(), x);
-  bdf_.interpolate(t, scratch_w_.data(), scratch_x_.data(), xdot);
+  t = stepper_->t();
+  std::copy(stepper_->x().begin(), stepper_->x().end(), x);
+  stepper_->interpolate(t, scratch_w_.data(), scratch_x_.data(), xdot);
 }
 
 CallResult Integration::output(double tout, double& t, double* x, double* xdot) {
   Vector& x_free = scratch_x_;
-  bdf_.interpolate(tout, scratch_w_.data(), x_free.data(), xdot);
-  const bool at_step = tout == bdf_.t();
+  stepper_->interpolate(tout, scratch_w_.data(), x_free.data(), xdot);
+  const bool at_step = tout == stepper_->t();
   if (!(at_step && system_.t() == tout)) {
     const PointStatus status = system_.move_to(tout);
     if (status == PointStatus::trouble) throw Failure(system_.trouble().status, system_.trouble().message());
@@ -289,10 +321,10 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
     scratch_w_.resize(static_cast<std::size_t>(system_.leading_size()));
     system_.leading(x_free.data(), scratch_w_.data());
   }
-  if (at_step) std::copy(bdf_.x().begin(), bdf_.x().end(), x);
+  if (at_step) std::copy(stepper_->x().begin(), stepper_->x().end(), x);
   else system_.restore(scratch_w_.data(), x_free.data(), x);
   if (system_.differential() == 0) system_.consistent_derivative(x, direction_, xdot);
-  else system_.correct_derivative(bdf_.leading_coefficient(), x, xdot);
+  else system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
   t = tout;
   return {};
 }

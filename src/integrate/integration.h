@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,13 +10,18 @@
 #include "integrate/bdf.h"
 #include "integrate/change_watch.h"
 #include "integrate/error_weights.h"
+#include "integrate/stepper.h"
 #include "reduction/linear_system.h"
 
 namespace sfdae::core {
 
+enum class Method { bdf, radau, automatic };
+
 struct IntegrationOptions {
   Tolerances tolerances;
-  int max_order = max_bdf_order;
+  Method method = Method::bdf;
+  StepOptions stepping;
+  bool never_pass_output = false; // steps end at tout instead of being interpolated
   double initial_step = 0.0;     // 0: chosen
   double max_step = 0.0;         // 0: none
   std::optional<double> stop_time;
@@ -45,6 +51,9 @@ class Integration {
   // Starts at the consistent point (t, x) with derivative xdot, toward the given time; the system stands at t.
   Integration(LinearSystem& system, const IntegrationOptions& options, double t, double toward,
               const std::vector<double>& x, const std::vector<double>& xdot);
+  // Goes on from where it was when it was archived. Throws DamagedArchive.
+  Integration(LinearSystem& system, const IntegrationOptions& options, Archive& archive);
+  void archive(Archive& archive);
 
   // To tout, or one step toward it. t, x, xdot: the point reached, whatever the status, unless the call itself is
   // illegal (SFDAE_ILLEGAL_ARGUMENT).
@@ -52,11 +61,12 @@ class Integration {
 
   void set_options(const IntegrationOptions& options);
   IntegrationCounts counts() const;
-  const Bdf& bdf() const { return bdf_; }
+  const Stepper& stepper() const { return *stepper_; }
   double direction() const { return direction_; }
   const std::optional<LocatedChange>& change() const { return change_; }
 
  private:
+  void create_stepper();
   CallResult run(double tout, bool one_step);
   std::optional<CallResult> attempt_step(double tout);
   std::optional<CallResult> accept_step(double h);
@@ -70,19 +80,19 @@ class Integration {
   std::optional<CallResult> handle_failure(StepOutcome outcome, double h, double tout);
   CallResult step_too_small(StepOutcome outcome);
   CallResult changed_result() const;
-  bool has_passed(double t) const { return (bdf_.t() - t) * direction_ >= 0.0; }
+  bool has_passed(double t) const { return (stepper_->t() - t) * direction_ >= 0.0; }
 
   LinearSystem& system_;
   IntegrationOptions options_;
   ErrorWeights weights_;
-  Bdf bdf_;
+  std::unique_ptr<Stepper> stepper_;
   ChangeWatch watch_;
-  double direction_;
-  double last_returned_;
+  double direction_ = 1.0;
+  double last_returned_ = 0.0;
   double first_step_ = 0.0;
   bool must_restart_ = false;
   IntegrationCounts counts_;
-  long reductions_before_, factorizations_before_;  // of the system, before the start
+  long reductions_before_ = 0, factorizations_before_ = 0;  // of the system, before the start
   std::optional<LocatedChange> change_;
   bool inconsistent_ = false;   // seen in this call and ignored
   std::vector<double> scratch_w_, scratch_x_;

@@ -36,7 +36,7 @@ int StepControl::lower_order(const LocalTerms& terms) const {
 double StepControl::accepted(double h, const LocalTerms& terms) {
   failures_ = 0;
   first_step_ = false;
-  ++steps_at_order_;
+  steps_at_order_ = std::min(steps_at_order_ + 1, 1000);
   const double* term = terms.of_order;
   const int k = order_;
   const int lowered = lower_order(terms);

@@ -5,6 +5,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "linalg/archive.h"
+
 namespace sfdae::core {
 
 inline constexpr int max_bdf_order = 5;
@@ -34,6 +36,7 @@ class StepControl {
   // Orders above the number of points known are not possible.
   void limit_order(int points) { order_ = order_ < points - 1 ? order_ : points - 1; }
   int failures_in_a_row() const { return failures_; }
+  void archive(Archive& archive) { archive.small(order_, starting_, first_step_, steps_at_order_, failures_); }
 
  private:
   int lower_order(const LocalTerms& terms) const;

@@ -60,6 +60,16 @@ void LinearProblem::set_differences(const DifferenceOptions& options) {
   }
 }
 
+void LinearProblem::archive(Archive& archive) {
+  bool has_scale = !column_scale_.empty();
+  archive.small(has_scale);
+  if (has_scale) archive.reals(column_scale_, static_cast<std::size_t>(n()));
+  else if (archive.is_reading()) column_scale_.clear();
+  if (!differences_.allowed) return;
+  archive.real(differences_.span);
+  for (Function& function : functions_) archive.real(function.difference_step);
+}
+
 Trouble LinearProblem::call(char which, double t, int order, double* values) {
   Function& function = functions_[slot(which)];
   const int count = function.rows * function.columns;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "linalg/archive.h"
 #include "problem/taylor_data.h"
 #include "sfdae/sfdae.h"
 
@@ -75,6 +76,9 @@ class LinearProblem {
 
   // Length of the interval of interest.
   double span() const { return differences_.span; }
+
+  // Units of the unknowns and what was found out about derivatives.
+  void archive(Archive& archive);
 
   long evaluations(char which) const { return functions_[slot(which)].calls; }
   void request_stop() { stop_requested_.store(true, std::memory_order_relaxed); }

@@ -35,6 +35,8 @@ struct AnalysisSettings {
   double rank_tol = 0.0;
   double time_scale = 0.0;
   RowScaling rows = RowScaling::each;
+  // Derivatives of order mu + 1, or of order 1 for mu = 0, are not asked for even where they would be of use.
+  bool orders_up_to_mu_only = false;
 };
 
 struct IndexAnalysis {

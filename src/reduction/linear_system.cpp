@@ -9,6 +9,7 @@
 
 #include "linalg/dense.h"
 #include "problem/failure.h"
+#include "problem/taylor_data.h"
 #include "reduction/elimination.h"
 
 namespace sfdae::core {
@@ -16,20 +17,57 @@ namespace sfdae::core {
 LinearSystem::LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, IndexAnalysis analysis,
                            LeadingTerm leading)
     : problem_(problem), settings_(settings), analysis_(std::move(analysis)), leading_(leading) {
-  const int n = problem_.n(), m = problem_.m();
-  const CharacteristicValues& values = analysis_.values;
   if (undetermined() < 0)
     throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
                   format("%d components are prescribed, but only u = %d are free.",
-                         static_cast<int>(problem_.prescribed().size()), values.u));
+                         static_cast<int>(problem_.prescribed().size()), analysis_.values.u));
+  resize();
+  settle_leading_term();
+}
+
+LinearSystem::LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, Archive& saved)
+    : problem_(problem), settings_(settings), leading_(LeadingTerm::automatic) {
+  archive(saved);
+}
+
+void LinearSystem::resize() {
+  const int num_prescribed = static_cast<int>(problem_.prescribed().size());
   for (Point& point : points_)
-    point.form.resize(m, n, static_cast<int>(problem_.prescribed().size()), values.a + analysis_.v_hat);
+    point.form.resize(problem_.m(), problem_.n(), num_prescribed, analysis_.values.a + analysis_.v_hat);
   prescribed_values_.resize(problem_.prescribed().size() + 1);
-  const std::size_t order = static_cast<std::size_t>(n);
+  const std::size_t order = static_cast<std::size_t>(problem_.n());
   matrix_.resize(order * order + 1);
   matrix_pivots_.resize(order + 1);
   measured_ = analysis_.measured;
-  settle_leading_term();
+}
+
+void LinearSystem::archive(Archive& archive) {
+  CharacteristicValues& values = analysis_.values;
+  archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.measured,
+                analysis_.rank_E_constant, leading_, rows_, needs_E1_);
+  archive.real(analysis_.t);
+  archive.real(analysis_.time_scale);
+  problem_.archive(archive);
+  if (archive.is_reading()) {
+    const int m = problem_.m(), n = problem_.n(), rank_bound = std::min(m, n);
+    const bool plausible = values.mu >= 0 && values.mu <= max_derivative_order && values.d >= 0 && values.a >= 0 &&
+                           values.d + values.a + values.v == m && values.d + values.a + values.u == n &&
+                           undetermined() >= 0 && analysis_.rank_E >= 0 && analysis_.rank_E <= rank_bound &&
+                           analysis_.v_hat >= 0 && analysis_.v_hat <= (values.mu + 1) * m &&
+                           std::isfinite(analysis_.time_scale) && leading_ <= LeadingTerm::identity &&
+                           rows_ <= RowScaling::common;
+    if (!plausible) throw DamagedArchive();
+    resize();
+  }
+  // The point accepted last, as the next one is compared with it. Constant matrices are reduced anew.
+  if (problem_.is_constant()) return;
+  if (archive.is_reading()) accepted_ = true;
+  Point& point = accepted_ ? current() : reference();
+  archive.small(point.det_sign);
+  point.form.archive_bases(archive);
+  if (!archive.is_reading()) return;
+  if (point.form.d != values.d || point.form.u != undetermined()) throw DamagedArchive();
+  point.t = std::numeric_limits<double>::quiet_NaN();
 }
 
 void LinearSystem::settle_leading_term() {
@@ -41,6 +79,11 @@ void LinearSystem::settle_leading_term() {
                         !(leading_ == LeadingTerm::projector && analysis_.rank_E == problem_.n());
   needs_E1_ = wants_E1;
   if (!wants_E1 || analysis_.values.mu >= 1) return;
+  if (settings_.orders_up_to_mu_only) {
+    leading_ = LeadingTerm::identity;
+    needs_E1_ = false;
+    return;
+  }
   // mu = 0 would not need derivatives otherwise: do without where there are none.
   TaylorData data;
   const Trouble trouble = problem_.evaluate_plain(analysis_.t, {1, -1, -1}, data);
@@ -169,8 +212,10 @@ PointStatus LinearSystem::move_to(double t) {
     if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
     status = reduce(t, data.time_scale * factor, current(), rows_);
   }
-  if (status == PointStatus::ok) constant_ready_ = problem_.is_constant();
-  return status;
+  if (status != PointStatus::ok || !problem_.is_constant()) return status;
+  // The same operations at every point: whether this is the first one does not show in any bit.
+  constant_ready_ = true;
+  return reduce_constant(t, current());
 }
 
 double LinearSystem::inconsistency() const {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "linalg/archive.h"
 #include "problem/linear_problem.h"
 #include "reduction/index_analysis.h"
 #include "reduction/null_space_form.h"
@@ -17,7 +18,10 @@ class LinearSystem final : public StrangenessFreeSystem {
   // The analysis holds from here on. Settles the leading term; throws Failure if the prescribed components do not fit
   // or E'(t) is needed and missing.
   LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, IndexAnalysis analysis, LeadingTerm leading);
+  // As it was when it was archived, except that it stands at no point until moved to one. Throws DamagedArchive.
+  LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, Archive& archive);
 
+  int equations() const { return problem_.m(); }
   int unknowns() const override { return problem_.n(); }
   int differential() const override { return analysis_.values.d; }
   int leading_size() const override { return leading_ == LeadingTerm::matrix ? problem_.m() : problem_.n(); }
@@ -60,6 +64,7 @@ class LinearSystem final : public StrangenessFreeSystem {
   // False if the sign of det[E1; A2] changed from the point accepted last to the current one, bases aligned: a
   // singular point lies between (or the bases turned too far to tell). Meaningful for u = 0 only, else true.
   bool orientation_kept();
+  void archive(Archive& archive);
   long reductions() const { return reductions_; }
   long factorizations() const { return factorizations_; }
 
@@ -79,6 +84,7 @@ class LinearSystem final : public StrangenessFreeSystem {
     int det_sign = 1;
   };
 
+  void resize();
   Point& current() { return points_[current_]; }
   const Point& current() const { return points_[current_]; }
   Point& reference() { return points_[1 - current_]; }

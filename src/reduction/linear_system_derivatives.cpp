@@ -53,7 +53,8 @@ bool LinearSystem::consistent_scaled_derivative(const double* x, double directio
 // [E_0; Y] y_1 = [A_0; X] x + [f_0; g].
 bool LinearSystem::derivative_from_array(const double* x, double* xdot) {
   const int level = analysis_.values.mu + 1, m = problem_.m(), n = problem_.n();
-  if (level > settings_.max_index && !problem_.is_constant()) return false;
+  const int highest = settings_.orders_up_to_mu_only ? analysis_.values.mu : settings_.max_index;
+  if (level > highest && !problem_.is_constant()) return false;
   TaylorData data;
   const double t = current().t;
   const Trouble trouble = problem_.evaluate(t, {level, level, level}, current().data.time_scale, data);

@@ -286,4 +286,11 @@ void NullSpaceForm::replace_rhs(const TaylorData& data, const double* f_hat, Pre
   multiply(1.0, Op::transposed, Z1(), h, 0.0, B_.data() + static_cast<std::ptrdiff_t>(unknowns()) * d);
 }
 
+void NullSpaceForm::archive_bases(Archive& archive) {
+  archive.small(a, d, u);
+  if (archive.is_reading() && (d < 0 || u < 0 || unknowns() > n || d > m)) throw DamagedArchive();
+  archive.reals(T2_.data(), static_cast<std::size_t>(n) * static_cast<std::size_t>(unknowns()));
+  archive.reals(Z1_.data(), static_cast<std::size_t>(m) * static_cast<std::size_t>(d));
+}
+
 }  // namespace sfdae::core

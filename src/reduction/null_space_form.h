@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "linalg/archive.h"
 #include "linalg/arena.h"
 #include "linalg/matrix.h"
 #include "problem/taylor_data.h"
@@ -75,6 +76,8 @@ class NullSpaceForm {
   int sign_of_G() const;
   // y := P y = y - K K^T y.
   void project(double* y, Arena& arena) const;
+  // Dimensions, T2 and Z1: what later points are compared with.
+  void archive_bases(Archive& archive);
 
  private:
   void build_constraints(const Carried& carried, Judge& judge, Arena& arena, PointRanks& ranks);

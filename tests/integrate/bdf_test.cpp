@@ -19,10 +19,10 @@ using sfdae_test::FamilyRun;
 using sfdae_test::LinearFamily;
 
 // A family reduced with a leading term of choice, and BDF steps at sizes of the test's choice.
-class Stepper {
+class BdfRun {
  public:
-  Stepper(std::shared_ptr<const LinearFamily> family, LeadingTerm leading, double h, int max_order)
-      : problem_(std::move(family)), linear_(problem_.problem) {
+  BdfRun(std::shared_ptr<const LinearFamily> family, LeadingTerm leading, double h, int max_order)
+      : problem_(std::move(family)), linear_(problem_.problem), bdf_(max_order) {
     Arena arena;
     std::vector<RankDecision> decisions;
     IndexAnalysis analysis = analyze_index(linear_, 0.0, 1.0, {}, arena, decisions);
@@ -34,8 +34,8 @@ class Stepper {
     std::vector<double> w(static_cast<std::size_t>(system_->leading_size())), wdot(w);
     system_->leading(x.data(), w.data());
     system_->leading_derivative(x.data(), xdot.data(), wdot.data());
-    weights_.set({std::vector<double>(n, 1e6), std::vector<double>(n, 1e6)});  // every step is accepted
-    bdf_.start(*system_, 0.0, x, xdot, w, wdot, h, max_order);
+    weights_.set({std::vector<double>(n, 1e6), std::vector<double>(n, 1e6)}, Tightening::sixth_root);  // every step is accepted
+    bdf_.start(*system_, {0.0, x, xdot, w, wdot}, h);
     system_->accept();
   }
 
@@ -93,18 +93,18 @@ TEST(Bdf, ConvergesWithItsOrder) {
 TEST(Bdf, TheProperlyStatedLeadingTermIsStableWhereTheKernelSpins) {
   const std::shared_ptr<const LinearFamily> family = sfdae_test::spin(-50.0, 1.0);
   for (LeadingTerm leading : {LeadingTerm::projector, LeadingTerm::matrix}) {
-    Stepper stepper(family, leading, 0.1, 1);
+    BdfRun stepper(family, leading, 0.1, 1);
     for (int i = 0; i < 30; ++i) ASSERT_EQ(stepper.step(0.1), StepOutcome::accepted);
     EXPECT_LE(stepper.error(), 1.0);
   }
-  Stepper unstable(family, LeadingTerm::identity, 0.1, 1);
+  BdfRun unstable(family, LeadingTerm::identity, 0.1, 1);
   for (int i = 0; i < 30; ++i) ASSERT_EQ(unstable.step(0.1), StepOutcome::accepted);
   EXPECT_GE(unstable.error(), 1e10);
 }
 
 TEST(Bdf, TheSpinProblemIsStableAtAnyStep) {
   for (double h : {0.01, 0.03, 0.1, 0.3, 1.0}) {
-    Stepper stepper(sfdae_test::spin(-50.0, 1.0), LeadingTerm::automatic, h, 1);
+    BdfRun stepper(sfdae_test::spin(-50.0, 1.0), LeadingTerm::automatic, h, 1);
     for (double t = 0.0; t < 3.0; t += h) ASSERT_EQ(stepper.step(h), StepOutcome::accepted);
     EXPECT_LE(stepper.error(), 1.0) << h;
   }
@@ -114,7 +114,7 @@ TEST(Bdf, TheSpinProblemIsStableAtAnyStep) {
 TEST(Bdf, RowOperationsDoNotMatter) {
   using sfdae_test::RowOperation;
   const auto error_of = [](RowOperation rows, LeadingTerm leading) {
-    Stepper stepper(sfdae_test::rotated_ode(rows, 50.0), leading, 0.1, 1);
+    BdfRun stepper(sfdae_test::rotated_ode(rows, 50.0), leading, 0.1, 1);
     for (int i = 0; i < 10; ++i) EXPECT_EQ(stepper.step(0.1), StepOutcome::accepted);
     return stepper.error();
   };

@@ -9,10 +9,11 @@
 namespace {
 
 using sfdae::core::ErrorWeights;
+using sfdae::core::Tightening;
 
 TEST(ErrorWeights, NormIsTheLargestErrorInTermsOfReducedTolerances) {
   ErrorWeights weights;
-  weights.set({{1e-6, 1e-6}, {1e-6, 1e-3}});
+  weights.set({{1e-6, 1e-6}, {1e-6, 1e-3}}, Tightening::sixth_root);
   const double x[] = {2.0, 0.0};
   weights.update(x);
   // 4 (1e-6)^(1/6) = 0.4
@@ -26,7 +27,7 @@ TEST(ErrorWeights, NormIsTheLargestErrorInTermsOfReducedTolerances) {
 
 TEST(ErrorWeights, LooseTolerancesAreNotReduced) {
   ErrorWeights weights;
-  weights.set({{0.1}, {0.0}});
+  weights.set({{0.1}, {0.0}}, Tightening::sixth_root);
   const double x[] = {5.0}, e[] = {0.5};
   weights.update(x);
   EXPECT_NEAR(weights.norm(e), 1.0, 1e-12);
@@ -34,7 +35,7 @@ TEST(ErrorWeights, LooseTolerancesAreNotReduced) {
 
 TEST(ErrorWeights, AZeroToleranceAllowsNoErrorButDoesNotOverflow) {
   ErrorWeights weights;
-  weights.set({{1e-3}, {0.0}});
+  weights.set({{1e-3}, {0.0}}, Tightening::sixth_root);
   const double zero[] = {0.0}, none[] = {0.0}, some[] = {1e-3};
   weights.update(zero);
   EXPECT_EQ(weights.norm(none), 0.0);
@@ -44,12 +45,12 @@ TEST(ErrorWeights, AZeroToleranceAllowsNoErrorButDoesNotOverflow) {
 
 TEST(ErrorWeights, TolerancesBelowRoundingAreNoticed) {
   ErrorWeights weights;
-  weights.set({{1e-15}, {0.0}});
+  weights.set({{1e-15}, {0.0}}, Tightening::sixth_root);
   const double x[] = {1.0};
   EXPECT_GT(weights.rounding(x), 1.0);
-  weights.set({{1e-12}, {0.0}});
+  weights.set({{1e-12}, {0.0}}, Tightening::sixth_root);
   EXPECT_LT(weights.rounding(x), 1.0);
-  weights.set({{0.0}, {1e-9}});
+  weights.set({{0.0}, {1e-9}}, Tightening::sixth_root);
   const double large[] = {1e9};
   EXPECT_GT(weights.rounding(large), 1.0);
 }

@@ -1,0 +1,87 @@
+// An integration with its system, saved and restored.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/checkpoint.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// First of all: the layout, the length in doubles and a checksum of all that follows.
+constexpr int layout = 1;
+constexpr std::size_t header_size = 2;
+
+struct Header {
+  int version = layout;
+  int m = 0, n = 0;
+  long length = 0;
+
+  void archive(Archive& archive) {
+    archive.small(version, m, n);
+    archive.count(length);
+  }
+};
+
+void archive_all(LinearSystem& system, Integration& integration, Archive& archive) {
+  system.archive(archive);
+  integration.archive(archive);
+}
+
+// FNV-1a over the words, cut to the 52 bits that a double holds.
+double checksum(const double* values, std::size_t count) {
+  std::uint64_t hash = 14695981039346656037u;
+  for (std::size_t i = 0; i < count; ++i) hash = (hash ^ std::bit_cast<std::uint64_t>(values[i])) * 1099511628211u;
+  return static_cast<double>(hash >> 12);
+}
+
+}  // namespace
+
+std::size_t checkpoint_size(LinearSystem& system, Integration& integration) {
+  Archive counter = Archive::counter();
+  archive_all(system, integration, counter);
+  return header_size + 1 + counter.size();
+}
+
+void save_checkpoint(LinearSystem& system, Integration& integration, double* to) {
+  const std::size_t length = checkpoint_size(system, integration);
+  Archive archive = Archive::writer(to, length);
+  Header header{layout, system.equations(), system.unknowns(), static_cast<long>(length)};
+  header.archive(archive);
+  double sum = 0.0;
+  archive.real(sum);
+  archive_all(system, integration, archive);
+  to[header_size] = checksum(to + header_size + 1, length - header_size - 1);
+}
+
+Restored restore_checkpoint(LinearProblem& problem, const AnalysisSettings& settings, const IntegrationOptions& options,
+                            const double* from, std::size_t length) {
+  try {
+    Archive start = Archive::reader(from, length);
+    Header header;
+    header.archive(start);
+    double sum = 0.0;
+    start.real(sum);
+    if (header.version != layout || header.length <= 0 || static_cast<std::size_t>(header.length) > length)
+      throw DamagedArchive();
+    if (header.m != problem.m() || header.n != problem.n())
+      throw Failure(SFDAE_ILLEGAL_ARGUMENT, format("the checkpoint is that of a problem with %d equations in %d unknowns, "
+                                                   "not %d in %d.", header.m, header.n, problem.m(), problem.n()));
+    const std::size_t total = static_cast<std::size_t>(header.length);
+    if (sum != checksum(from + start.size(), total - start.size())) throw DamagedArchive();
+    Archive archive = Archive::reader(from + start.size(), total - start.size());
+    Restored restored;
+    restored.system = std::make_unique<LinearSystem>(problem, settings, archive);
+    restored.integration = std::make_unique<Integration>(*restored.system, options, archive);
+    if (archive.size() != total - start.size()) throw DamagedArchive();
+    return restored;
+  } catch (const DamagedArchive&) {
+    throw Failure(SFDAE_ILLEGAL_ARGUMENT, "this is not a checkpoint, or it was made with other options or is damaged.");
+  }
+}
+
+}  // namespace sfdae::core

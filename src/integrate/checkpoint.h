@@ -1,0 +1,30 @@
+// An integration with its system, saved to and restored from a sequence of doubles.
+//
+// The problem, the settings of the analysis, tolerances and other options are not part of it: they are given anew, the
+// problem and the settings as they were.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include "integrate/integration.h"
+#include "reduction/linear_system.h"
+
+namespace sfdae::core {
+
+// Doubles needed.
+std::size_t checkpoint_size(LinearSystem& system, Integration& integration);
+void save_checkpoint(LinearSystem& system, Integration& integration, double* to);
+
+struct Restored {
+  std::unique_ptr<LinearSystem> system;
+  std::unique_ptr<Integration> integration;
+};
+
+// Throws Failure SFDAE_ILLEGAL_ARGUMENT if it is not a checkpoint of such a problem, or damaged. length may be larger
+// than the checkpoint. No callback is called.
+Restored restore_checkpoint(LinearProblem& problem, const AnalysisSettings& settings, const IntegrationOptions& options,
+                            const double* from, std::size_t length);
+
+}  // namespace sfdae::core

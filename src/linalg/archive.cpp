@@ -1,0 +1,63 @@
+// State as a sequence of doubles.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linalg/archive.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace sfdae::core {
+
+namespace {
+
+constexpr std::size_t per_double = 3;
+constexpr double radix = 65536.0;
+
+}  // namespace
+
+void Archive::reals(double* values, std::size_t count) {
+  if (to_ != nullptr) {
+    assert(count <= length_ - size_);
+    std::copy_n(values, count, to_ + size_);
+  } else if (from_ != nullptr) {
+    std::copy_n(from_ + size_, checked(count), values);
+  }
+  size_ += count;
+}
+
+void Archive::reals(std::vector<double>& values, std::size_t count) {
+  if (is_reading()) values.resize(checked(count));
+  const std::size_t present = std::min(count, values.size());
+  reals(values.data(), present);
+  double zero = 0.0;
+  for (std::size_t i = present; i < count; ++i) real(zero);
+}
+
+void Archive::count(long& value) {
+  double number = static_cast<double>(value);
+  real(number);
+  if (!is_reading()) return;
+  if (!(std::fabs(number) < 9e15) || number != std::floor(number)) throw DamagedArchive();
+  value = static_cast<long>(number);
+}
+
+void Archive::pack(int* values, std::size_t count) {
+  for (std::size_t first = 0; first < count; first += per_double) {
+    const std::size_t last = std::min(first + per_double, count);
+    double number = 0.0;
+    for (std::size_t i = last; i-- > first;) {
+      assert(-1 <= values[i] && values[i] < radix - 1.0);
+      number = number * radix + (values[i] + 1);
+    }
+    real(number);
+    if (!is_reading()) continue;
+    if (!(number >= 0.0 && number < radix * radix * radix) || number != std::floor(number)) throw DamagedArchive();
+    for (std::size_t i = first; i < last; ++i) {
+      const double rest = std::floor(number / radix);
+      values[i] = static_cast<int>(number - rest * radix) - 1;
+      number = rest;
+    }
+  }
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,54 @@
+// State as a sequence of doubles: one function of a class names its members, and counts, writes or reads them.
+//
+// The doubles are plain numbers, so that they survive being copied as such, by any language.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace sfdae::core {
+
+// What was read cannot have been written by an Archive.
+struct DamagedArchive {};
+
+class Archive {
+ public:
+  static Archive counter() { return Archive(nullptr, nullptr, 0); }
+  static Archive writer(double* to, std::size_t length) { return Archive(to, nullptr, length); }
+  static Archive reader(const double* from, std::size_t length) { return Archive(nullptr, from, length); }
+
+  bool is_reading() const { return from_ != nullptr; }
+  std::size_t size() const { return size_; }  // doubles counted, written or read so far
+
+  // Reading beyond the end throws DamagedArchive.
+  void real(double& value) { reals(&value, 1); }
+  void reals(double* values, std::size_t count);
+  // A vector is resized when reading; when writing, what it lacks counts as zero.
+  void reals(std::vector<double>& values, std::size_t count);
+  // Counts of any size.
+  void count(long& value);
+  // Integers from -1 to 65534 and flags, three to a double.
+  template <class... Integers>
+  void small(Integers&... values) {
+    int packed[] = {static_cast<int>(values)...};
+    pack(packed, sizeof...(values));
+    const int* next = packed;
+    if (is_reading()) ((values = static_cast<Integers>(*next++)), ...);
+  }
+
+ private:
+  Archive(double* to, const double* from, std::size_t length) : to_(to), from_(from), length_(length) {}
+  std::size_t checked(std::size_t count) const {
+    if (count > length_ - size_) throw DamagedArchive();
+    return count;
+  }
+  void pack(int* values, std::size_t count);
+
+  double* to_;
+  const double* from_;
+  std::size_t length_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace sfdae::core
