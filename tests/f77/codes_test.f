@@ -28,8 +28,8 @@ c T = TN within [low, high], X the solution there.
       include 'arguments.inc'
       integer code
       double precision low, high, worst
-      call check(ierr .eq. code, 'IERR instead of the next', ierr)
-      call check(ierr .eq. code, 'that code', code)
+      call check(ierr .eq. code, 'IERR, not the next one', ierr)
+      call check(ierr .eq. code, 'the next one', code)
       call check(info(1) .eq. -1, 'INFO(1)', code)
       call check(t .ge. low .and. t .le. high, 'T', code)
       call check(rwork(4) .eq. t, 'T = TN = RWORK(4)', code)

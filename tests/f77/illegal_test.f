@@ -42,7 +42,8 @@ c code number i comes back. T, X, XPRIME, RTOL, ATOL stay.
         tol(1) = rtol(1)
         tol(2) = atol(1)
         call solve(tout)
-        call check(ierr .eq. codes(i), 'instead of the next code', ierr)
+        call check(ierr .eq. codes(i), 'IERR, not the next one', ierr)
+        call check(ierr .eq. codes(i), 'the next one', codes(i))
         call check(info(1) .eq. -1, 'INFO(1)', codes(i))
         call check(t .eq. 1, 'T untouched', codes(i))
         call check(x(1) .eq. y(1) .and. x(2) .eq. y(2),

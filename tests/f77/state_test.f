@@ -287,7 +287,7 @@ c before and behind every array keep what they are.
       implicit none
       integer m, n, mxindx, maxord, const
       integer g, biggest
-      parameter (g = 20, biggest = 6400)
+      parameter (g = 20, biggest = 6700)
       external edif, adif, fdif
       integer minliw, minlrw, liw, lrw, number, cval(2*g + 4),
      $        ipar(2*g + 10), iwork(2*g + 56), info(2*g + 20), method,
