@@ -135,12 +135,12 @@ core::AnalysisSettings DgeldaCall::settings() const {
   return settings;
 }
 
-// From t on in the direction of integration, and not beyond TSTOP.
+// From t on in the direction of integration, and not beyond TSTOP; one that does not lie ahead is reported later.
 void DgeldaCall::limit_evaluations(double t) {
   const double direction = progress_.direction;
-  const double stop = options_.stop_time.value_or(direction * std::numeric_limits<double>::infinity());
-  if (direction > 0.0) problem_->set_limits(t, std::max(stop, t));
-  else problem_->set_limits(std::min(stop, t), t);
+  double stop = direction * std::numeric_limits<double>::infinity();
+  if (options_.stop_time && (*options_.stop_time - t) * direction > 0.0) stop = *options_.stop_time;
+  problem_->set_limits(std::min(t, stop), std::max(t, stop));
 }
 
 void DgeldaCall::analyze(double toward) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "dgelda_run.h"
+#include "dgelda_family_run.h"
 #include "formula_family.h"
 #include "testset_linear.h"
 
@@ -32,13 +32,13 @@ class DgeldaDefects : public testing::TestWithParam<int> {
  protected:
   int method() const { return GetParam(); }
 
-  DgeldaRun run(Functions& functions, double tol, bool constant = false) const {
+  DgeldaFamilyRun run(Functions& functions, double tol, bool constant = false) const {
     return run_dgelda(functions, 0.0, 1.0, {.method = method(), .tol = tol, .constant = constant});
   }
-  DgeldaRun expect_solved(const Family& family, double tol, bool constant = false, double factor = 10.0) const {
+  DgeldaFamilyRun expect_solved(const Family& family, double tol, bool constant = false, double factor = 10.0) const {
     SCOPED_TRACE(family->name());
     Functions functions(family);
-    const DgeldaRun result = run(functions, tol, constant);
+    const DgeldaFamilyRun result = run(functions, tol, constant);
     EXPECT_EQ(result.ierr, 3) << "at t = " << result.t << ", tol = " << tol;
     EXPECT_EQ(result.values, documented(family->values()));
     EXPECT_LE(result.step_error, factor) << tol;
@@ -74,7 +74,7 @@ TEST_P(DgeldaDefects, DenseRowsOfIndexZeroAreSolvedAtTightTolerances) {
 TEST_P(DgeldaDefects, EquationsBesideAFreeComponentAreNotDropped) {
   for (bool constant : {false, true}) {
     Functions functions(shared(free_component()));
-    const DgeldaRun result =
+    const DgeldaFamilyRun result =
         run_dgelda(functions, 0.0, 1.0, {.method = method(), .tol = 1e-7, .constant = constant, .x0 = {3.0, 1.0}});
     ASSERT_EQ(result.ierr, 3);
     EXPECT_EQ(result.values, (CharacteristicValues{0, 1, 0, 1, 1}));
@@ -86,10 +86,10 @@ TEST_P(DgeldaDefects, EquationsBesideAFreeComponentAreNotDropped) {
 // Item 4: scale factors, fast rotations, stiffness.
 TEST_P(DgeldaDefects, ScaleFactorsChangeNothing) {
   for (int mu : {0, 1, 2, 3}) {
-    const DgeldaRun plain = expect_solved(shared(kron(8, mu, 0.5)), 1e-6);
+    const DgeldaFamilyRun plain = expect_solved(shared(kron(8, mu, 0.5)), 1e-6);
     for (double scale : {1e-12, 1e-6, 1e4, 1e12}) {
       SCOPED_TRACE(scale);
-      const DgeldaRun scaled = expect_solved(shared(kron(8, mu, 0.5, 0, 0, 1, scale)), 1e-6);
+      const DgeldaFamilyRun scaled = expect_solved(shared(kron(8, mu, 0.5, 0, 0, 1, scale)), 1e-6);
       // Powers of ten round, and a close decision of the step control may tip over.
       EXPECT_NEAR(static_cast<double>(scaled.attempts), static_cast<double>(plain.attempts), 3.0);
     }
@@ -106,7 +106,7 @@ TEST_P(DgeldaDefects, FastRotationsAreReducedCorrectly) {
 TEST_P(DgeldaDefects, StiffnessDoesNotChangeTheCharacteristicValues) {
   for (double sigma : {1e4, 1e5}) expect_solved(shared(kron(16, 2, 0.5, 0, 0, sigma)), 1e-5);
   Functions stiffest(shared(kron(16, 2, 0.5, 0, 0, 1e6)));
-  const DgeldaRun result = run(stiffest, 1e-5);
+  const DgeldaFamilyRun result = run(stiffest, 1e-5);
   if (result.ierr == -22) return;
   EXPECT_EQ(result.ierr, 3);
   EXPECT_EQ(result.values, (CharacteristicValues{2, 8, 8, 0, 0}));
@@ -155,14 +155,14 @@ TEST_P(DgeldaDefects, CallbackErrorsAreRetriedAndKeepTheirCode) {
       failed = true;
       return code;
     };
-    const DgeldaRun result = run(passing, 1e-6);
+    const DgeldaFamilyRun result = run(passing, 1e-6);
     EXPECT_TRUE(failed);
     EXPECT_EQ(result.ierr, 3) << code;
     EXPECT_LE(result.output_error, 10.0);
 
     Functions staying(shared(kron(8, 1)));
     staying.problem.hooks.status = return_behind(0.5, code);
-    const DgeldaRun stopped = run(staying, 1e-6);
+    const DgeldaFamilyRun stopped = run(staying, 1e-6);
     EXPECT_EQ(stopped.ierr, -10) << code;
     EXPECT_LE(stopped.t, 0.5);
     EXPECT_LE(stopped.step_error, 10.0);
@@ -196,7 +196,7 @@ TEST_P(DgeldaDefects, NanFromACallbackIsAnError) {
   for (double poison : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     Functions functions(shared(kron(8, 1)));
     functions.problem.hooks.tamper = poison_behind(0.5, poison);
-    const DgeldaRun result = run(functions, 1e-6);
+    const DgeldaFamilyRun result = run(functions, 1e-6);
     EXPECT_EQ(result.ierr, -10);
     EXPECT_LE(result.t, 0.5);
     EXPECT_LE(result.step_error, 10.0);
@@ -213,7 +213,7 @@ TEST_P(DgeldaDefects, FreeComponentsLeaveTheOrderAlone) {
   for (int u : {1, 2})
     for (double tol : {1e-5, 1e-7, 1e-9}) {
       Functions with(shared(kron(8, 1, 0.5, u))), without(shared(kron(8, 1, 0.5)));
-      const DgeldaRun result = run(with, tol), reference = run(without, tol);
+      const DgeldaFamilyRun result = run(with, tol), reference = run(without, tol);
       ASSERT_EQ(result.ierr, 3);
       EXPECT_EQ(result.values, with.problem.family().values());
       EXPECT_LE(result.attempts, 2 * reference.attempts) << "u = " << u << ", tol = " << tol;
@@ -238,7 +238,7 @@ TEST_P(DgeldaDefects, TheFirstDerivativeIsThatOfTheSolution) {
 // Item 10: springs of the chain times 100, eigenvalues near the imaginary axis. With BDF the multipliers are the weak
 // spot, through the C API as well.
 TEST_P(DgeldaDefects, OscillatingChainsAreFollowedWithoutStarvation) {
-  const DgeldaRun result = expect_solved(shared(chain(10, 2, 0.5, 100.0)), 1e-5, false, method() == 1 ? 20.0 : 10.0);
+  const DgeldaFamilyRun result = expect_solved(shared(chain(10, 2, 0.5, 100.0)), 1e-5, false, method() == 1 ? 20.0 : 10.0);
   EXPECT_LE(result.attempts, 150);
 }
 
@@ -247,7 +247,7 @@ TEST_P(DgeldaDefects, AnIsolatedChangeIsReported) {
   for (const Family& family : {shared(vanishing_E()), shared(vanishing_E(1.0)), shared(vanishing_A())}) {
     SCOPED_TRACE(family->name());
     Functions functions(family);
-    const DgeldaRun result = run(functions, 1e-5);
+    const DgeldaFamilyRun result = run(functions, 1e-5);
     EXPECT_EQ(result.ierr, -26);
     EXPECT_LE(result.t, 0.5);
     EXPECT_NE(result.values, documented(family->values()));
@@ -256,7 +256,7 @@ TEST_P(DgeldaDefects, AnIsolatedChangeIsReported) {
 
 TEST_P(DgeldaDefects, AChangeOverAnIntervalIsReportedWithTheNewValues) {
   Functions functions(shared(changing_structure(0.4)));
-  const DgeldaRun result = run(functions, 1e-5);
+  const DgeldaFamilyRun result = run(functions, 1e-5);
   EXPECT_EQ(result.ierr, -26);
   EXPECT_LE(result.t, 0.4);
   EXPECT_GE(result.t, 0.4 - 1e-3);
@@ -279,7 +279,7 @@ TEST_P(DgeldaDefects, ContradictingRedundantEquationsAreReported) {
   for (bool constant : {false, true}) {
     for (double rho : {1.0, 1e-3, 1e-6}) {
       Functions functions(contradiction(rho));
-      const DgeldaRun result =
+      const DgeldaFamilyRun result =
           run_dgelda(functions, 0.0, 1.0, {.method = method(), .constant = constant, .x0 = {1.0, 0.0, 1.0}});
       EXPECT_EQ(result.ierr, -24) << rho;
     }

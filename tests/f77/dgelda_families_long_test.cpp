@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "dgelda_run.h"
+#include "dgelda_family_run.h"
 #include "family_run.h"
 
 namespace {
@@ -23,7 +23,7 @@ void expect_accurate(std::unique_ptr<LinearFamily> family, int method, double to
   SCOPED_TRACE(family->name() + ", tol = " + std::to_string(tol * 1e9) + "e-9");
   const CharacteristicValues expected = family->values();
   DgeldaFamily<std::int32_t> functions(std::move(family));
-  const DgeldaRun run = run_dgelda(functions, 0.0, 1.0, {.method = method, .tol = tol});
+  const DgeldaFamilyRun run = run_dgelda(functions, 0.0, 1.0, {.method = method, .tol = tol});
   ASSERT_EQ(run.ierr, 3) << "at t = " << run.t;
   EXPECT_EQ(run.values, expected);
   EXPECT_EQ(functions.wrong_arguments, 0);

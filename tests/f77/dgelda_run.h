@@ -1,142 +1,139 @@
-// Solves a family through DGELDA and compares every step and output with the exact solution.
 // SPDX-License-Identifier: BSD-3-Clause
-#pragma once
+// DGELDA called from C++: arguments with their lengths, and words behind the work arrays that must stay.
+#ifndef SFDAE_TESTS_DGELDA_RUN_H
+#define SFDAE_TESTS_DGELDA_RUN_H
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <cmath>
-#include <memory>
-#include <string>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <limits>
 #include <utility>
 #include <vector>
 
-#include "dgelda_entry.h"
-#include "family_problem.h"
+#include "f77/user_functions.h"
+
+template <class Integer>
+using DgeldaEntry = void(sfdae::f77::MatrixFunction<Integer>, sfdae::f77::MatrixFunction<Integer>,
+                         sfdae::f77::VectorFunction<Integer>, const Integer* neq, double* t, const double* tout,
+                         double* x, double* xprime, Integer* cval, Integer* ipar, double* rpar, Integer* iwork,
+                         const Integer* liw, double* rwork, const Integer* lrw, double* rtol, double* atol,
+                         const Integer* method, Integer* info, Integer* iwarn, Integer* ierr);
+
+extern "C" {
+DgeldaEntry<std::int32_t> dgelda_;
+DgeldaEntry<std::int64_t> dgelda_64_, dgelda_64__;
+}
 
 namespace sfdae_test {
 
-// Name of a test with METHOD as its parameter.
-inline std::string method_name(const testing::TestParamInfo<int>& method) { return method.param == 1 ? "Bdf" : "Radau"; }
+// Writes all entries of the derivative of the given order; returns IERR.
+using Values = std::function<int(double t, int order, double* values)>;
 
-// The subroutines EDIF, ADIF, FDIF of a family with as many equations as unknowns. RPAR is the address of this object.
-// A status of the family's hooks becomes IERR.
+struct UserData {
+  int n;
+  Values E, A, f;
+  int calls_E = 0, calls_A = 0, calls_f = 0;
+};
+
+// Callbacks find their data through RPAR.
 template <class Integer>
-class DgeldaFamily {
- public:
-  explicit DgeldaFamily(std::shared_ptr<const LinearFamily> family)
-      : problem(std::move(family)),
-        block_(static_cast<std::size_t>(problem.n()) * static_cast<std::size_t>(problem.n())) {}
-
-  FamilyProblem problem;
-  long wrong_arguments = 0;  // calls with arguments that the interface excludes
-
-  // The arguments for this family at t0, X exact if there is an exact solution, otherwise 1.
-  Dgelda<Integer> arguments(int method, double t0 = 0.0) {
-    const LinearFamily& family = problem.family();
-    Dgelda<Integer> call(family.n(), method);
-    call.functions(edif, adif, fdif);
-    call.rpar = reinterpret_cast<double*>(this);
-    call.t = t0;
-    call.x.fill(1.0);
-    if (family.has_exact()) family.exact(t0, call.x.data(), nullptr);
-    return call;
+struct Callbacks {
+  static UserData& data(double* rpar) {
+    UserData* pointer;
+    std::memcpy(&pointer, rpar, sizeof pointer);
+    return *pointer;
   }
+  static void matrix(const Values& values, const Integer* n, const double* t, const Integer* order, double* to,
+                     const Integer* ld, Integer* ierr) {
+    std::vector<double> entries(static_cast<std::size_t>(*n * *n), 0.0);
+    *ierr = values(*t, static_cast<int>(*order), entries.data());
+    for (Integer j = 0; j < *n; ++j)
+      for (Integer i = 0; i < *n; ++i) to[i + j * *ld] = entries[static_cast<std::size_t>(i + j * *n)];
+  }
+  static void edif(const Integer* n, const double* t, const Integer* order, double* E, const Integer* ld, Integer*,
+                   double* rpar, Integer* ierr) {
+    ++data(rpar).calls_E;
+    matrix(data(rpar).E, n, t, order, E, ld, ierr);
+  }
+  static void adif(const Integer* n, const double* t, const Integer* order, double* A, const Integer* ld, Integer*,
+                   double* rpar, Integer* ierr) {
+    ++data(rpar).calls_A;
+    matrix(data(rpar).A, n, t, order, A, ld, ierr);
+  }
+  static void fdif(const Integer* n, const double* t, const Integer* order, double* f, Integer*, double* rpar,
+                   Integer* ierr) {
+    ++data(rpar).calls_f;
+    for (Integer i = 0; i < *n; ++i) f[i] = 0.0;
+    *ierr = data(rpar).f(*t, static_cast<int>(*order), f);
+  }
+};
+
+inline double smallest_lrw(double n, int method, double max_order, double max_index) {
+  const double q = max_index + 1.0;
+  return method == 1 ? 50.0 + (21.0 + max_order + 14.0 * max_index) * n + (6.0 + max_index + 6.0 * q * q) * n * n
+                     : 20.0 + (29.0 + 14.0 * max_index) * n + (15.0 + max_index + 6.0 * q * q) * n * n;
+}
+
+// A problem under way: what a caller keeps between calls. Work arrays start with NaN and large numbers.
+template <class Integer = std::int32_t>
+class DgeldaRun {
+ public:
+  DgeldaRun(UserData user_data, int method_number, int max_order = 5, int max_index = 3)
+      : user(std::move(user_data)), method(method_number), n(user.n), x(size(n), 0.0), xprime(size(n), 0.0),
+        info(20, 0), cval(4, -77) {
+    lrw = static_cast<Integer>(smallest_lrw(user.n, method_number, max_order, max_index));
+    liw = static_cast<Integer>(20 + (method_number == 1 ? 2 : 6) * user.n);
+    rwork.assign(size(lrw) + guards, std::numeric_limits<double>::quiet_NaN());
+    iwork.assign(size(liw) + guards, 123456789);
+    if (max_order != 5) set_integer(9, 3, max_order);
+    if (max_index != 3) set_integer(10, 4, max_index);
+  }
+  void set_integer(int flag, int position, int value) {
+    info[size(flag) - 1] = 1;
+    iwork[size(position) - 1] = value;
+  }
+  void set_real(int flag, int position, double value) {
+    info[size(flag) - 1] = 1;
+    rwork[size(position) - 1] = value;
+  }
+  Integer call(double tout, DgeldaEntry<Integer>* entry) {
+    using Functions = Callbacks<Integer>;
+    UserData* pointer = &user;
+    double rpar = 0.0;
+    static_assert(sizeof pointer <= sizeof rpar);
+    std::memcpy(&rpar, &pointer, sizeof pointer);
+    Integer ipar = 0;
+    entry(Functions::edif, Functions::adif, Functions::fdif, &n, &t, &tout, x.data(), xprime.data(), cval.data(), &ipar,
+          &rpar, iwork.data(), &liw, rwork.data(), &lrw, rtol.data(), atol.data(), &method, info.data(), &iwarn, &ierr);
+    return ierr;
+  }
+  Integer call(double tout) {
+    if constexpr (sizeof(Integer) == 4) return call(tout, dgelda_);
+    else return call(tout, dgelda_64_);
+  }
+  bool guards_are_intact() const {
+    for (std::size_t i = size(lrw); i < rwork.size(); ++i)
+      if (!std::isnan(rwork[i])) return false;
+    for (std::size_t i = size(liw); i < iwork.size(); ++i)
+      if (iwork[i] != 123456789) return false;
+    return true;
+  }
+  Integer iw(int position) const { return iwork[size(position) - 1]; }
+  double rw(int position) const { return rwork[size(position) - 1]; }
+
+  UserData user;
+  Integer method, n, liw, lrw, iwarn = 5, ierr = 99;
+  double t = 0.0;
+  std::vector<double> x, xprime, rtol{1e-6}, atol{1e-6}, rwork;
+  std::vector<Integer> info, cval, iwork;
 
  private:
-  static void edif(const Integer* n, const double* t, const Integer* idif, double* values, const Integer* lde, Integer*,
-                   double* rpar, Integer* ierr) {
-    auto& self = *reinterpret_cast<DgeldaFamily*>(rpar);
-    *ierr = self.matrix(self.problem.problem.E, *n, *t, *idif, values, *lde, *ierr);
-  }
-  static void adif(const Integer* n, const double* t, const Integer* idif, double* values, const Integer* lda, Integer*,
-                   double* rpar, Integer* ierr) {
-    auto& self = *reinterpret_cast<DgeldaFamily*>(rpar);
-    *ierr = self.matrix(self.problem.problem.A, *n, *t, *idif, values, *lda, *ierr);
-  }
-  static void fdif(const Integer* n, const double* t, const Integer* idif, double* values, Integer*, double* rpar,
-                   Integer* ierr) {
-    auto& self = *reinterpret_cast<DgeldaFamily*>(rpar);
-    self.check(*n, *n, *idif, *ierr);
-    *ierr = code(self.problem.problem.f(*t, static_cast<int>(*idif), values, &self.problem));
-  }
-
-  Integer matrix(sfdae_matrix_function function, Integer n, double t, Integer idif, double* values, Integer leading,
-                 Integer ierr) {
-    check(n, leading, idif, ierr);
-    const Integer status = code(function(t, static_cast<int>(idif), block_.data(), &problem));
-    for (Integer j = 0; j < n; ++j) std::copy_n(block_.data() + j * n, n, values + j * leading);
-    return status;
-  }
-  void check(Integer n, Integer leading, Integer idif, Integer ierr) {
-    if (n != problem.n() || leading < n || idif < 0 || ierr != 0) ++wrong_arguments;
-  }
-  static Integer code(int status) { return status == SFDAE_ORDER_NOT_AVAILABLE ? -2 : status; }
-
-  std::vector<double> block_;  // n x n
+  template <class Number>
+  static std::size_t size(Number value) { return static_cast<std::size_t>(value); }
+  static constexpr std::size_t guards = 64;
 };
-
-struct DgeldaRun {
-  int ierr = 0;  // of the call that ended the run
-  double t = 0.0;
-  std::vector<double> x;
-  CharacteristicValues values{};
-  double step_error = 0.0;    // max |e_i| / (rtol |x_i| + atol) over all steps and where the run ended
-  double output_error = 0.0;  // and over all outputs
-  long steps = 0, attempts = 0, evaluations = 0, factorizations = 0;
-};
-
-struct DgeldaRunOptions {
-  int method = 1;
-  double tol = 1e-6;
-  bool constant = false;    // INFO(5)
-  std::vector<double> x0{};  // empty: exact
-  int outputs = 10;
-};
-
-// max |x_i - exact_i| / (tol (|exact_i| + 1)); infinite for NaN, 0 if no solution is known.
-inline double weighted_error(const LinearFamily& family, double tol, double t, const double* x) {
-  if (!family.has_exact()) return 0.0;
-  std::vector<double> exact(static_cast<std::size_t>(family.n()));
-  family.exact(t, exact.data(), nullptr);
-  double worst = 0.0;
-  for (std::size_t i = 0; i < exact.size(); ++i) {
-    const double error = std::fabs(x[i] - exact[i]) / (tol * (std::fabs(exact[i]) + 1.0));
-    worst = std::isnan(error) ? INFINITY : std::max(worst, error);
-  }
-  return worst;
-}
-
-// From t0 to t1, every step seen (INFO(3) = 1), with equidistant outputs.
-template <class Integer = std::int32_t>
-DgeldaRun run_dgelda(DgeldaFamily<Integer>& functions, double t0, double t1, const DgeldaRunOptions& options) {
-  const LinearFamily& family = functions.problem.family();
-  Dgelda<Integer> call = functions.arguments(options.method, t0);
-  if (!options.x0.empty()) std::copy(options.x0.begin(), options.x0.end(), call.x.data());
-  call.set_tolerance(options.tol);
-  call.info(3) = 1;
-  call.info(5) = options.constant ? 1 : 0;
-
-  DgeldaRun run;
-  for (int i = 1; i <= options.outputs; ++i) {
-    const double tout = i == options.outputs ? t1 : t0 + (t1 - t0) * i / options.outputs;
-    do {
-      run.ierr = call.call(tout);
-      const double error = weighted_error(family, options.tol, call.t, call.x.data());
-      if (run.ierr <= 1) run.step_error = std::max(run.step_error, error);
-      if (run.ierr > 1) run.output_error = std::max(run.output_error, error);
-    } while (run.ierr == 1 && call.attempts() < 100000);
-    if (run.ierr < 0) break;
-  }
-  run.t = call.t;
-  run.x.assign(call.x.data(), call.x.data() + family.n());
-  const auto value = [&](int i) { return static_cast<int>(call.cval(i)); };
-  run.values = {value(1), value(2), value(3), value(4), value(4)};
-  run.steps = call.steps();
-  run.attempts = call.attempts();
-  run.evaluations = static_cast<long>(call.iwork(12));
-  run.factorizations = static_cast<long>(call.iwork(13));
-  return run;
-}
 
 }  // namespace sfdae_test
+
+#endif

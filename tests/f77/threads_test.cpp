@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "dgelda_run.h"
+#include "dgelda_family_run.h"
 
 namespace {
 
