@@ -90,8 +90,9 @@ TEST_P(DgeldaDefects, ScaleFactorsChangeNothing) {
     for (double scale : {1e-12, 1e-6, 1e4, 1e12}) {
       SCOPED_TRACE(scale);
       const DgeldaFamilyRun scaled = expect_solved(shared(kron(8, mu, 0.5, 0, 0, 1, scale)), 1e-6);
-      // Powers of ten round, and a close decision of the step control may tip over.
-      EXPECT_NEAR(static_cast<double>(scaled.attempts), static_cast<double>(plain.attempts), 3.0);
+      // Powers of ten round, and close decisions about order and step size tip over.
+      const double attempts = static_cast<double>(plain.attempts);
+      EXPECT_NEAR(static_cast<double>(scaled.attempts), attempts, 0.2 * attempts);
     }
   }
 }
