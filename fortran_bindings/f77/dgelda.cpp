@@ -4,6 +4,12 @@
 //       SUBROUTINE DGELDA (EDIF, ADIF, FDIF, NEQ, T, TOUT, X, XPRIME, CVAL, IPAR, RPAR, IWORK, LIW, RWORK, LRW,
 //      $                   RTOL, ATOL, METHOD, INFO, IWARN, IERR)
 //
+// Codes beside the documented ones of illegal input: -102 also for NEQ > 5000; -101 also for a continuation whose IWORK and
+// RWORK are not those of the last call; -115 also for T or TOUT that is not finite; -132 METHOD is not 1 or 2, or not that
+// of the first call; -140 INTEGERs, or those of the user's subroutines, have another width. -21 is returned wherever a
+// subroutine returns -2, the start included; METHOD=2 reports -10, -21 and -26 as METHOD=1 does. IERR=-998 and -999: called
+// with INFO(1)=-1 after a failure, or after illegal input.
+//
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstdint>
 
@@ -14,8 +20,6 @@ namespace sfdae::f77 {
 
 namespace {
 
-// The last IERR; kept where IWORK has the length that it must have.
-constexpr int last_ierr_position = 5, shortest_iwork = 20;
 
 bool is_narrow(std::int64_t value) { return value >= INT32_MIN && value <= INT32_MAX; }
 
@@ -72,7 +76,7 @@ int solve(const Parameters<Integer>& p) noexcept {
   DgeldaProblemOf<Integer> problem(arguments.n, p.functions);
   const int ierr = DgeldaCall(arguments, problem).run();
   const bool is_repeated = arguments.info[1] == -1;
-  if (arguments.liw >= shortest_iwork && !is_repeated) arguments.iwork.set(last_ierr_position, ierr);
+  if (arguments.liw >= shortest_iwork && !is_repeated) arguments.iwork.set(last_ierr, ierr);
   return ierr;
 }
 

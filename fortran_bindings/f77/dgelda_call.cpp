@@ -21,11 +21,11 @@ constexpr int functions_failed = -10, derivative_missing = -21, no_index = -22, 
 constexpr int no_consistent_values = -24, no_slopes = -25, values_changed = -26;
 constexpr int called_after_failure = -998, called_after_illegal_input = -999;
 
-// Positions of IWORK and RWORK that are outputs.
-constexpr int shortest_iwork = 20;
-enum IntegerOutput { next_order = 7, last_order = 8, steps_before = 10, steps = 11, evaluations = 12 };
-enum IntegerOutput2 { factorizations = 13, error_failures = 14, other_failures = 15, array_rank = 19, last_ierr = 5 };
-enum RealOutput { next_step = 3, t_internal = 4, last_step = 7, roundoff = 9 };
+// Positions of outputs in IWORK
+constexpr int next_order = 7, last_order = 8, steps_before = 10, steps = 11, evaluations = 12, factorizations = 13,
+              error_failures = 14, other_failures = 15, array_rank = 19;
+// and in RWORK.
+constexpr int next_step = 3, t_internal = 4, last_step = 7, roundoff = 9;
 
 }  // namespace
 
@@ -77,8 +77,9 @@ int DgeldaCall::first_call() {
   if (!std::isfinite(t_) || !std::isfinite(arguments_.tout)) return code::tout_too_close;
   state_.invalidate();
   store_options(arguments_, options_);
-  for (int position : {next_order, last_order, steps_before, steps, evaluations}) arguments_.iwork.set(position, 0);
-  for (int position : {factorizations, error_failures, other_failures}) arguments_.iwork.set(position, 0);
+  for (int position : {next_order, last_order, steps_before, steps, evaluations, factorizations, error_failures,
+                       other_failures})
+    arguments_.iwork.set(position, 0);
   if (!options_.has_initial_step) arguments_.rwork(next_step) = 0.0;
   arguments_.rwork(t_internal) = t_;
   arguments_.rwork(last_step) = 0.0;

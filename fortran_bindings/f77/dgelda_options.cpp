@@ -10,8 +10,8 @@ namespace sfdae::f77 {
 
 namespace {
 
-// Positions of IWORK and RWORK that are inputs.
-constexpr int last_integer_input = 20, last_real_input = 15;
+// The last position of RWORK that is an input.
+constexpr int last_real_input = 15;
 
 // Comparisons with NaN are false: all conditions are those of what is right.
 bool is_positive(double value) { return value > 0.0; }
@@ -36,7 +36,7 @@ int check_lengths(const Arguments& arguments, const Options& options) {
 // MAXORD, MXINDX and the lengths that depend on them.
 int read_sizes(const Arguments& arguments, bool is_first_call, Options& options) {
   // Where IWORK is too short to be read that is found out below.
-  const bool is_readable = arguments.liw >= last_integer_input;
+  const bool is_readable = arguments.liw >= shortest_iwork;
   if (is_readable && (arguments.flag(9) || !is_first_call)) {
     const std::int64_t max_order = arguments.iwork.get(3);
     if (max_order < 1 || max_order > core::max_bdf_order) return code::bad_max_order;

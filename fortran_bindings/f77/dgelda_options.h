@@ -15,6 +15,9 @@ inline constexpr int radau_method = 2;
 // Larger orders are a mistake, or an INTEGER of another width.
 inline constexpr int largest_order = 5000;
 inline constexpr int num_info = 20;
+// IWORK is at least as long, else nothing in it is read; IWORK(5) keeps the last IERR.
+inline constexpr int shortest_iwork = 20;
+inline constexpr int last_ierr = 5;
 
 namespace code {
 inline constexpr int ok = 0;

@@ -17,7 +17,7 @@ namespace {
 constexpr std::int64_t state_word = 5'304'461;
 // kind = is_running + 2 is_constant + 4 METHOD
 constexpr int running_bit = 1, constant_bit = 2, method_factor = 4;
-constexpr int last_integer = 20, last_real = 20;
+constexpr int last_real = 20;
 
 bool is_whole(double value) { return value == std::floor(value); }
 
@@ -44,7 +44,7 @@ std::int64_t DgeldaState::checksum(std::size_t reals) const {
 }
 
 int DgeldaState::load(Progress& progress) const {
-  if (arguments_.liw < last_integer || arguments_.lrw < last_real) return code::bad_info;
+  if (arguments_.liw < shortest_iwork || arguments_.lrw < last_real) return code::bad_info;
   if (arguments_.n <= 0 || arguments_.n > largest_order) return code::bad_info;
   if (arguments_.iwork.get(word) != state_word) return code::bad_info;
   const std::int64_t kinds = arguments_.iwork.get(kind);

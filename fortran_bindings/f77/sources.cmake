@@ -6,9 +6,17 @@
 set(sfdae_f77_routines dgelda dgeerm dgenrm dnfpen dnfval dnfind dnfotr dnfred dnfix1 dnfini dgeini)
 
 set(sfdae_f77_sources
+  derivative_arrays.cpp
+  derivative_stages.cpp
   dgelda.cpp
   dgelda_call.cpp
   dgelda_options.cpp
   dgelda_problem.cpp
-  dgelda_state.cpp)
+  dgelda_state.cpp
+  initial_values.cpp
+  messages.cpp
+  norm.cpp
+  orthogonal_factors.cpp
+  reduced_system.cpp
+  reduced_systems.cpp)
 list(TRANSFORM sfdae_f77_sources PREPEND "${PROJECT_SOURCE_DIR}/fortran_bindings/f77/")

@@ -6,7 +6,7 @@
  *
  * The library finds the strangeness index mu and the characteristic values from the derivative array,
  * replaces the problem at every point by an equivalent strangeness-free system, makes the initial
- * values consistent, and integrates with BDF of orders 1 to 5.
+ * values consistent, and integrates with BDF of orders 1 to 5 or Radau IIA of orders 1 to 13.
  * Theory: P. Kunkel, V. Mehrmann, Differential-Algebraic Equations: Analysis and Numerical Solution,
  * EMS, 2006. Letters follow that book: E, A, f, mu, d, a, u, v, M, N, g, Z1, Z2, Z3, T2.
  *
@@ -162,6 +162,12 @@ typedef struct sfdae_progress {
 /* Called after every accepted step. Any value but 0 stops the call with SFDAE_STOPPED. */
 typedef int (*sfdae_monitor_function)(const sfdae_progress *progress, void *user);
 
+/* Integration methods. */
+#define SFDAE_METHOD_BDF 0       /* orders 1 to 5 */
+#define SFDAE_METHOD_RADAU 1     /* Radau IIA with 1, 3, 5 or 7 stages, orders 1, 5, 9, 13: fewer and longer steps where
+                                    the problem is smooth, the more so the tighter the tolerances */
+#define SFDAE_METHOD_AUTOMATIC 2 /* Radau; BDF from where frequent output or failing steps make that the better choice */
+
 /* Call sfdae_options_init first, then set members. */
 typedef struct sfdae_options {
   size_t size; /* set by sfdae_options_init */
@@ -203,6 +209,9 @@ typedef struct sfdae_options {
 
   sfdae_monitor_function monitor; /* NULL: none */
   void *monitor_user;             /* handed to the monitor */
+
+  int method;                  /* SFDAE_METHOD_BDF (default), ...; a change takes effect with the next sfdae_start */
+  int min_stages, max_stages;  /* Radau: 1, 3, 5 or 7, defaults 1 and 7; equal: that number always */
 } sfdae_options;
 
 /* Sets defaults. size: sizeof(sfdae_options) of the caller. */
@@ -348,7 +357,7 @@ SFDAE_API int sfdae_start(sfdae_solver *solver, double t, double toward, double 
  * all constraints, hidden ones included, to rounding. Steps may go past tout (not past stop_time); a later
  * call with a tout within the last step only interpolates. Remarks and failures of the integration return the
  * last accepted point in t, x, xdot instead, which may lie behind tout if the last step went past it. xdot is
- * the slope of the BDF polynomial, corrected toward the equations: its error is about that of x over the step
+ * the slope of the method's polynomial, corrected toward the equations: its error is about that of x over the step
  * size. tout must lie in the direction of integration, at or behind the last point returned; the direction is
  * set by sfdae_start.
  * Remarks: SFDAE_STOPPED, SFDAE_INCONSISTENCY_IGNORED. Failures: callbacks, SFDAE_CHARACTERISTICS_CHANGED,
@@ -358,6 +367,22 @@ SFDAE_API int sfdae_advance(sfdae_solver *solver, double tout, double *t, double
 /* One-step mode: takes one step toward tout and returns SFDAE_STEP_TAKEN with the point reached, or SFDAE_OK
  * at tout (interpolated if the step went past it). Otherwise as sfdae_advance. */
 SFDAE_API int sfdae_step(sfdae_solver *solver, double tout, double *t, double *x, double *xdot);
+
+/* Checkpoints: the analysis and the state of an integration as an array of doubles, to be kept, written to a file, or
+ * handed to another process. Restored, the integration goes on as if nothing had happened, in every bit if binary and
+ * BLAS are the same. The numbers are plain doubles (infinity may be among them): copy or print them with 17 digits as
+ * you like. Problem and options are not in it. SFDAE_NOT_STARTED if there is no integration.
+ *
+ * Number of doubles that sfdae_save_checkpoint writes now; it changes from step to step. */
+SFDAE_API int sfdae_get_checkpoint_length(sfdae_solver *solver, size_t *length);
+
+/* Writes a checkpoint to an array of `length` doubles, at least as many as are needed. */
+SFDAE_API int sfdae_save_checkpoint(sfdae_solver *solver, double *checkpoint, size_t length);
+
+/* Continues from a checkpoint instead of sfdae_start: sfdae_advance is next. The solver has to be created with the
+ * problem and the options that the checkpoint was made with (tolerances, limits and the monitor may differ); no callback
+ * is called. SFDAE_ILLEGAL_ARGUMENT if it is damaged or does not fit; then nothing is started. */
+SFDAE_API int sfdae_restore_checkpoint(sfdae_solver *solver, const double *checkpoint, size_t length);
 
 /* Counts since sfdae_start, except where stated. */
 typedef struct sfdae_statistics {

@@ -98,6 +98,12 @@ CallResult check_options(const sfdae_options& options, int n) {
   if (options.max_steps < 1) return illegal_argument(format("max_steps is %ld; it must be >= 1.", options.max_steps));
   if (options.leading_term < SFDAE_LEADING_AUTOMATIC || options.leading_term > SFDAE_LEADING_IDENTITY)
     return illegal_argument(format("leading_term is %d; it must be one of SFDAE_LEADING_...", options.leading_term));
+  if (options.method < SFDAE_METHOD_BDF || options.method > SFDAE_METHOD_AUTOMATIC)
+    return illegal_argument(format("method is %d; it must be one of SFDAE_METHOD_...", options.method));
+  const auto is_stages = [](int s) { return s >= 1 && s <= max_stages && s % 2 == 1; };
+  if (!is_stages(options.min_stages) || !is_stages(options.max_stages) || options.min_stages > options.max_stages)
+    return illegal_argument(format("min_stages = %d, max_stages = %d; both must be 1, 3, 5 or 7, min_stages <= max_stages.",
+                                   options.min_stages, options.max_stages));
   return {};
 }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "c_api/structs.h"
+#include "integrate/checkpoint.h"
 #include "linalg/matrix.h"
 
 namespace sfdae::core {
@@ -102,7 +103,10 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n) {
     integration.tolerances.rtol.push_back(o.rtol_vector != nullptr ? o.rtol_vector[i] : o.rtol);
     integration.tolerances.atol.push_back(o.atol_vector != nullptr ? o.atol_vector[i] : o.atol);
   }
+  integration.method = static_cast<Method>(o.method);
   integration.stepping.max_order = o.max_order;
+  integration.stepping.min_stages = o.min_stages;
+  integration.stepping.max_stages = o.max_stages;
   integration.initial_step = o.initial_step;
   integration.max_step = o.max_step;
   if (o.use_stop_time != 0) integration.stop_time = o.stop_time;
@@ -306,6 +310,44 @@ int sfdae_advance(sfdae_solver* solver, double tout, double* t, double* x, doubl
 
 int sfdae_step(sfdae_solver* solver, double tout, double* t, double* x, double* xdot) {
   return guarded(solver, [&] { return advance(solver, tout, true, t, x, xdot); });
+}
+
+int sfdae_get_checkpoint_length(sfdae_solver* solver, size_t* length) {
+  return guarded(solver, [&]() -> CallResult {
+    if (length == nullptr) return illegal_argument("length is NULL.");
+    if (!solver->integration) return not_started("sfdae_start");
+    *length = checkpoint_size(*solver->system, *solver->integration);
+    return {};
+  });
+}
+
+int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t length) {
+  return guarded(solver, [&]() -> CallResult {
+    if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
+    if (!solver->integration) return not_started("sfdae_start");
+    const std::size_t needed = checkpoint_size(*solver->system, *solver->integration);
+    if (length < needed) return illegal_argument(format("length = %zu, but the checkpoint has %zu doubles.", length, needed));
+    save_checkpoint(*solver->system, *solver->integration, checkpoint);
+    return {};
+  });
+}
+
+int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, size_t length) {
+  return guarded(solver, [&]() -> CallResult {
+    if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
+    solver->integration.reset();
+    solver->system.reset();
+    solver->initial_report.reset();
+    solver->decisions.clear();
+    solver->problem.set_differences(solver->options.differences);
+    Restored restored = restore_checkpoint(solver->problem, solver->options.analysis, solver->options.integration,
+                                           checkpoint, length);
+    solver->system = std::move(restored.system);
+    solver->integration = std::move(restored.integration);
+    solver->direction = solver->integration->direction();
+    set_limits(*solver, solver->integration->stepper().t(), solver->direction);
+    return {};
+  });
 }
 
 }  // extern "C"

@@ -3,6 +3,7 @@
 #include "c_api/structs.h"
 
 #include "integrate/step_control.h"
+#include "reduction/stage_method.h"
 
 namespace sfdae::core {
 
@@ -24,6 +25,9 @@ sfdae_options default_options() {
   options.max_order = max_bdf_order;
   options.max_steps = 100000;
   options.leading_term = SFDAE_LEADING_AUTOMATIC;
+  options.method = SFDAE_METHOD_BDF;
+  options.min_stages = 1;
+  options.max_stages = max_stages;
   return options;
 }
 

@@ -139,28 +139,62 @@ void ChangeWatch::start(LinearSystem& system, double direction) {
   if (status == PointStatus::ok) accept(system);
 }
 
-bool ChangeWatch::is_suspicious(LinearSystem& system) const {
-  if (system.is_constant()) return false;
-  if (!system.orientation_kept()) return true;
-  if (samples_ < 2 || system.t() == last_.t) return false;
-  const auto suspicious = [&](std::size_t i, double now) {
-    return runs_through_zero(older_.t, older_.values[i], last_.t, last_.values[i], system.t(), now);
+bool ChangeWatch::breaks_trend(const Sample& older, const Sample& last, const LinearSystem::Trace& now) {
+  const auto breaks = [&](std::size_t i, double value) {
+    return runs_through_zero(older.t, older.values[i], last.t, last.values[i], now.t, value);
   };
-  if (suspicious(0, system.kept_constraints()) || suspicious(1, system.kept_differential())) return true;
-  for (std::size_t i = 0; i < system.row_norms().size(); ++i)
-    if (suspicious(i + 2, system.row_norms()[i])) return true;
+  if (breaks(0, now.kept_constraints) || breaks(1, now.kept_differential)) return true;
+  for (std::size_t i = 0; i < now.row_norms.size(); ++i)
+    if (breaks(i + 2, now.row_norms[i])) return true;
   return false;
+}
+
+std::optional<double> ChangeWatch::suspicious_end(LinearSystem& system) {
+  if (system.is_constant()) return std::nullopt;
+  now_.t = system.t();
+  now_.orientation_kept = system.orientation_kept();
+  now_.kept_constraints = system.kept_constraints();
+  now_.kept_differential = system.kept_differential();
+  now_.row_norms.assign(system.row_norms().begin(), system.row_norms().end());
+  const Sample* older = samples_ < 2 ? nullptr : &older_;
+  const Sample* last = samples_ < 1 ? nullptr : &last_;
+  for (int i = 0; i <= system.num_stage_traces(); ++i) {
+    const LinearSystem::Trace& now = i < system.num_stage_traces() ? system.stage_trace(i) : now_;
+    if (!now.orientation_kept) return now.t;
+    if (last != nullptr && now.t == last->t) continue;
+    if (older != nullptr && breaks_trend(*older, *last, now)) return now.t;
+    Sample& sample = trend_[i % 2];
+    keep(now, sample);
+    older = last;
+    last = &sample;
+  }
+  return std::nullopt;
 }
 
 void ChangeWatch::accept(const LinearSystem& system) {
   if (samples_ > 0 && last_.t == system.t()) samples_ = 0;
-  std::swap(older_, last_);
+  // The last two points that the step went through.
+  const int traces = system.num_stage_traces();
+  if (traces > 0) {
+    keep(system.stage_trace(traces - 1), older_);
+    samples_ = 1;
+  } else {
+    std::swap(older_, last_);
+  }
   last_.t = system.t();
   last_.values.resize(system.row_norms().size() + 2);
   last_.values[0] = system.kept_constraints();
   last_.values[1] = system.kept_differential();
   std::copy(system.row_norms().begin(), system.row_norms().end(), last_.values.begin() + 2);
   samples_ = std::min(samples_ + 1, 2);
+}
+
+void ChangeWatch::keep(const LinearSystem::Trace& trace, Sample& sample) {
+  sample.t = trace.t;
+  sample.values.resize(trace.row_norms.size() + 2);
+  sample.values[0] = trace.kept_constraints;
+  sample.values[1] = trace.kept_differential;
+  std::copy(trace.row_norms.begin(), trace.row_norms.end(), sample.values.begin() + 2);
 }
 
 void ChangeWatch::archive(Archive& archive, const LinearSystem& system) {

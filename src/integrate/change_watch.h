@@ -23,8 +23,9 @@ class ChangeWatch {
  public:
   // The current point of the system is the first one of an integration in the given direction.
   void start(LinearSystem& system, double direction);
-  // Whether something may have changed between the point accepted last and the current one.
-  bool is_suspicious(LinearSystem& system) const;
+  // Whether something may have changed between the point accepted last and the current one: the end of the stretch, from
+  // the point accepted last, in which it may have happened.
+  std::optional<double> suspicious_end(LinearSystem& system);
   // The current point of the system is accepted.
   void accept(const LinearSystem& system);
   void archive(Archive& archive, const LinearSystem& system);
@@ -36,7 +37,11 @@ class ChangeWatch {
     double t = 0.0;
     std::vector<double> values;  // kept values of A^ and E T2, then row norms
   };
+  static void keep(const LinearSystem::Trace& trace, Sample& sample);
+  static bool breaks_trend(const Sample& older, const Sample& last, const LinearSystem::Trace& now);
   Sample older_, last_;
+  Sample trend_[2];
+  LinearSystem::Trace now_;
   int samples_ = 0;
 };
 

@@ -23,7 +23,8 @@ struct Header {
 
   void archive(Archive& archive) {
     archive.small(version, m, n);
-    archive.count(length);
+    long unused = 0;
+    archive.counts(length, unused);
   }
 };
 

@@ -31,6 +31,7 @@ void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening) {
   atol_ = tolerances.atol;
   inverse_.assign(rtol_.size(), 1.0);
   reduction_.assign(rtol_.size(), 1.0);
+  relative_ = rtol_;
   for (std::size_t i = 0; i < rtol_.size(); ++i)
     if (rtol_[i] > 0.0) reduction_[i] = reduction(rtol_[i]);
 }
@@ -39,7 +40,8 @@ void ErrorWeights::update(const double* x) {
   for (std::size_t i = 0; i < rtol_.size(); ++i) {
     const double size = std::fabs(x[i]);
     // Without rtol the tolerance is relative to the component itself.
-    const double factor = rtol_[i] > 0.0 ? reduction_[i] : reduction(atol_[i] / std::max(size, atol_[i]));
+    if (!(rtol_[i] > 0.0)) relative_[i] = atol_[i] > 0.0 ? atol_[i] / std::max(size, atol_[i]) : 0.0;
+    const double factor = rtol_[i] > 0.0 ? reduction_[i] : reduction(relative_[i]);
     const double weight = factor * (rtol_[i] * size + atol_[i]);
     inverse_[i] = weight > 1.0 / no_tolerance ? 1.0 / weight : no_tolerance;
   }
@@ -51,12 +53,22 @@ double ErrorWeights::norm(const double* e) const {
   return largest;
 }
 
-double ErrorWeights::first_step(const double* x, const double* xdot) const {
+double ErrorWeights::norm(const double* e, double exponent) const {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < inverse_.size(); ++i) {
+    const double error = std::fabs(e[i]) * inverse_[i];
+    // Most components do not come near the largest, and the power is expensive.
+    if (error > largest) largest = std::max(largest, error * std::pow(relative_[i], 1.0 - exponent));
+  }
+  return largest;
+}
+
+double ErrorWeights::first_step(const double* x, const double* xdot, double exponent) const {
   double h = std::numeric_limits<double>::infinity();
   for (int i = 0; i < static_cast<int>(rtol_.size()); ++i) {
     const double allowed = tolerance(i, x), speed = std::fabs(xdot[i]);
     const double size = rtol_[index(i)] > 0.0 ? allowed / rtol_[index(i)] : std::max(std::fabs(x[i]), allowed);
-    if (speed > 0.0 && allowed > 0.0) h = std::min(h, 0.5 * std::sqrt(allowed) * std::sqrt(size) / speed);
+    if (speed > 0.0 && allowed > 0.0) h = std::min(h, 0.5 * std::pow(allowed / size, exponent) * size / speed);
   }
   return h;
 }

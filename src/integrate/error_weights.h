@@ -24,8 +24,10 @@ class ErrorWeights {
   void update(const double* x);
   // max_i |e_i| / weight_i. A component whose weight is zero must have no error.
   double norm(const double* e) const;
-  // Step size at which x changes by half the geometric mean of its size and its tolerance.
-  double first_step(const double* x, const double* xdot) const;
+  // The same for errors that are O(tol^exponent) where the solution has errors O(tol), exponent < 1.
+  double norm(const double* e, double exponent) const;
+  // Step size at which x changes by half of size^(1 - exponent) tolerance^exponent.
+  double first_step(const double* x, const double* xdot, double exponent) const;
   // Component at which norm() is attained.
   int worst(const double* e) const;
   // Largest of rounding errors of x against the tolerances; above 1 they cannot be met.
@@ -38,6 +40,7 @@ class ErrorWeights {
 
   Tightening tightening_ = Tightening::none;
   std::vector<double> rtol_, atol_, reduction_, inverse_;
+  std::vector<double> relative_;  // tolerance relative to the component
 };
 
 }  // namespace sfdae::core

@@ -15,6 +15,8 @@ using Vector = std::vector<double>;
 
 // Attempts in a row that fail for want of a valid point before the call gives up.
 constexpr int max_point_failures = 12;
+// Of running means: they tell of the last six or so.
+constexpr double forgetting = 0.15;
 CallResult failure_result(const Failure& failure) { return {failure.status(), failure.what()}; }
 
 }  // namespace
@@ -27,7 +29,7 @@ Integration::Integration(LinearSystem& system, const IntegrationOptions& options
       last_returned_(t),
       reductions_before_(system.reductions()),
       factorizations_before_(system.factorizations()) {
-  create_stepper();
+  create_stepper(options.method);
   set_options(options);
   first_step_ = stepper_->first_step(weights_, x.data(), xdot.data(), std::fabs(toward - t));
   begin(t, x, xdot);
@@ -36,24 +38,55 @@ Integration::Integration(LinearSystem& system, const IntegrationOptions& options
 
 Integration::Integration(LinearSystem& system, const IntegrationOptions& options, Archive& saved)
     : system_(system), options_(options) {
-  create_stepper();
+  create_stepper(options.method);
   set_options(options);
   archive(saved);
 }
 
-void Integration::create_stepper() { stepper_ = std::make_unique<Bdf>(); }
+void Integration::create_stepper(Method method) {
+  method_ = method == Method::bdf ? Method::bdf : Method::radau;
+  if (method_ == Method::bdf) stepper_ = std::make_unique<Bdf>();
+  else stepper_ = std::make_unique<Radau>();
+}
+
+// From the last point on.
+void Integration::switch_to_bdf() {
+  const std::unique_ptr<Stepper> radau = std::move(stepper_);
+  const double t = radau->t();
+  if (system_.move_to(t) == PointStatus::trouble) throw Failure(system_.trouble().status, system_.trouble().message());
+  const Vector x = radau->x();
+  Vector xdot(x.size());
+  system_.consistent_derivative(x.data(), direction_, xdot.data());
+  create_stepper(Method::bdf);
+  set_options(options_);
+  first_step_ = stepper_->first_step(weights_, x.data(), xdot.data(), 1e3 * std::fabs(radau->next_step()));
+  begin(t, x, xdot);
+}
 
 void Integration::archive(Archive& archive) {
   bool backward = direction_ < 0.0, has_change = change_.has_value();
-  archive.small(backward, must_restart_, has_change);
+  archive.small(backward, must_restart_, has_change, method_, outputs_);
   direction_ = backward ? -1.0 : 1.0;
+  if (archive.is_reading()) {
+    if (method_ > Method::radau) throw DamagedArchive();
+    create_stepper(method_);
+    set_options(options_);
+  }
+  if (options_.method == Method::automatic) {
+    archive.real(failure_rate_);
+    archive.real(output_rate_);
+  }
   IntegrationCounts all = counts();
-  for (long* count : {&all.steps, &all.error_failures, &all.other_failures, &all.reductions, &all.factorizations})
-    archive.count(*count);
-  for (double* value : {&all.first_step, &all.smallest_kept, &all.inconsistency, &first_step_, &last_returned_})
-    archive.real(*value);
+  archive.counts(all.steps, all.error_failures);
+  archive.counts(all.other_failures, all.reductions);
+  long unused = 0;
+  archive.counts(all.factorizations, unused);
+  if (!options_.short_checkpoints)
+    for (double* value : {&all.first_step, &all.smallest_kept, &all.inconsistency}) archive.real(*value);
+  archive.real(first_step_);
+  archive.real(last_returned_);
   stepper_->archive(archive, system_);
-  watch_.archive(archive, system_);
+  if (!has_change) watch_.archive(archive, system_);
   if (archive.is_reading()) {
     counts_ = all;
     reductions_before_ = system_.reductions() - all.reductions;
@@ -72,6 +105,7 @@ void Integration::archive(Archive& archive) {
 void Integration::set_options(const IntegrationOptions& options) {
   options_ = options;
   weights_.set(options_.tolerances, stepper_->tightening());
+  options_.stepping.interpolates = !options_.never_pass_output;
   stepper_->set_options(options_.stepping);
 }
 
@@ -151,11 +185,19 @@ CallResult Integration::run(double tout, bool one_step) {
               format("the tolerances are too small for the precision of the machine at t = %.15g: multiply them by "
                      "%.2g at least.",
                      stepper_->t(), weights_.rounding(stepper_->x().data()))};
+    if (is_better_off_with_bdf()) switch_to_bdf();
     const long steps = counts_.steps;
     if (auto result = attempt_step(tout)) return *result;
     if (one_step && counts_.steps > steps && !has_passed(tout)) return {SFDAE_STEP_TAKEN, ""};
   }
   return {};
+}
+
+// Half of the attempts fail, or there are more outputs than stages: measured, BDF needs fewer reductions then.
+bool Integration::is_better_off_with_bdf() const {
+  constexpr double many_failures = 0.5, many_outputs = 5.0;
+  return options_.method == Method::automatic && method_ == Method::radau && system_.differential() > 0 &&
+         (failure_rate_ > many_failures || output_rate_ > many_outputs);
 }
 
 double Integration::smallest_step(double tout) const {
@@ -186,9 +228,19 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   // No tiny rest before a limit, and not a bit beyond.
   double target = t + h;
   if (const auto end = limit(); end && (target - *end) * direction_ > -1e-10 * std::fabs(h)) target = *end;
+  // Steps that end at tout: nearly there counts as there; the step cut short says nothing about the next one.
+  double uncut = 0.0;
+  if (options_.never_pass_output && (target - tout) * direction_ > -1e-4 * std::fabs(h)) {
+    uncut = h;
+    target = tout;
+  }
   h = target - t;
   const StepOutcome outcome = stepper_->attempt(system_, target, weights_);
-  if (outcome == StepOutcome::accepted) return accept_step(h);
+  failure_rate_ += forgetting * ((outcome == StepOutcome::accepted ? 0.0 : 1.0) - failure_rate_);
+  if (outcome == StepOutcome::accepted) {
+    if (std::fabs(uncut) > std::fabs(stepper_->next_step())) stepper_->set_next_step(uncut);
+    return accept_step(h);
+  }
   return handle_failure(outcome, h, tout);
 }
 
@@ -202,9 +254,8 @@ std::optional<CallResult> Integration::accept_step(double h) {
     inconsistent_ = true;
   }
   counts_.inconsistency = std::max(counts_.inconsistency, inconsistency);
-  if (!change_ && watch_.is_suspicious(system_)) {
-    const double left = stepper_->t(), right = stepper_->tried_t();
-    change_ = ChangeWatch::locate(system_, left, right, false);
+  if (const auto suspicious = change_ ? std::nullopt : watch_.suspicious_end(system_)) {
+    change_ = ChangeWatch::locate(system_, stepper_->t(), *suspicious, false);
     if (change_) {
       stepper_->withdraw();
       stepper_->set_next_step(h);
@@ -217,6 +268,8 @@ std::optional<CallResult> Integration::accept_step(double h) {
   stepper_->commit();
   system_.accept();
   if (counts_.steps++ == 0) counts_.first_step = h;
+  output_rate_ += forgetting * (outputs_ - output_rate_);
+  outputs_ = 0;
   if (options_.monitor != nullptr) {
     const sfdae_progress progress{sizeof(sfdae_progress), stepper_->t(), h, stepper_->order(), counts_.steps,
                                   system_.unknowns(), stepper_->x().data()};
@@ -300,10 +353,12 @@ void Integration::return_last_point(double& t, double* x, double* xdot) {
 
 CallResult Integration::output(double tout, double& t, double* x, double* xdot) {
   Vector& x_free = scratch_x_;
+  outputs_ = std::min(outputs_ + 1, 1000);
   stepper_->interpolate(tout, scratch_w_.data(), x_free.data(), xdot);
   const bool at_step = tout == stepper_->t();
   if (!(at_step && system_.t() == tout)) {
-    const PointStatus status = system_.move_to(tout);
+    const PointStatus status = at_step ? system_.move_to(tout)
+                                       : stepper_->refine(system_, weights_, tout, scratch_w_.data(), x_free.data(), xdot);
     if (status == PointStatus::trouble) throw Failure(system_.trouble().status, system_.trouble().message());
     if (status == PointStatus::changed)
       throw Failure(SFDAE_CHARACTERISTICS_CHANGED,

@@ -10,11 +10,13 @@
 #include "integrate/bdf.h"
 #include "integrate/change_watch.h"
 #include "integrate/error_weights.h"
+#include "integrate/radau.h"
 #include "integrate/stepper.h"
 #include "reduction/linear_system.h"
 
 namespace sfdae::core {
 
+// automatic: Radau, until frequent output or failing steps show that BDF is better off.
 enum class Method { bdf, radau, automatic };
 
 struct IntegrationOptions {
@@ -22,6 +24,7 @@ struct IntegrationOptions {
   Method method = Method::bdf;
   StepOptions stepping;
   bool never_pass_output = false; // steps end at tout instead of being interpolated
+  bool short_checkpoints = false; // without what only statistics need
   double initial_step = 0.0;     // 0: chosen
   double max_step = 0.0;         // 0: none
   std::optional<double> stop_time;
@@ -62,11 +65,14 @@ class Integration {
   void set_options(const IntegrationOptions& options);
   IntegrationCounts counts() const;
   const Stepper& stepper() const { return *stepper_; }
+  Method method() const { return method_; }  // at present: bdf or radau
   double direction() const { return direction_; }
   const std::optional<LocatedChange>& change() const { return change_; }
 
  private:
-  void create_stepper();
+  void create_stepper(Method method);
+  void switch_to_bdf();
+  bool is_better_off_with_bdf() const;
   CallResult run(double tout, bool one_step);
   std::optional<CallResult> attempt_step(double tout);
   std::optional<CallResult> accept_step(double h);
@@ -85,7 +91,11 @@ class Integration {
   LinearSystem& system_;
   IntegrationOptions options_;
   ErrorWeights weights_;
+  Method method_ = Method::bdf;
   std::unique_ptr<Stepper> stepper_;
+  // Running means, for the automatic choice: failures per attempt, outputs per step.
+  double failure_rate_ = 0.0, output_rate_ = 0.0;
+  int outputs_ = 0;  // since the last step
   ChangeWatch watch_;
   double direction_ = 1.0;
   double last_returned_ = 0.0;

@@ -27,6 +27,8 @@ struct StepOptions {
   bool classical_control = false;              // else predictive
   double safety = 0.9;
   double fastest_fall = 5.0, fastest_rise = 0.125;  // h_old / h_new stays in [fastest_rise, fastest_fall]
+  // Whether points within steps are asked for.
+  bool interpolates = true;
   // Constant matrices: h is kept, and its factorization, if the step wanted is in [keep_from, keep_to] h.
   double keep_from = 1.0, keep_to = 1.2;
 };
@@ -76,6 +78,11 @@ class Stepper {
 
   // w, x (inaccurate in its constraints) and x' at t, within the last step.
   virtual void interpolate(double t, double* w, double* x, double* xdot) = 0;
+
+  // Moves the system to t and makes up for interpolate() where that is not accurate enough there.
+  virtual PointStatus refine(StrangenessFreeSystem& system, const ErrorWeights&, double t, double*, double*, double*) {
+    return system.move_to(t);
+  }
 
   // All that the next step depends on.
   virtual void archive(Archive& archive, const StrangenessFreeSystem& system) = 0;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t per_double = 3;
 constexpr double radix = 65536.0;
+constexpr double count_radix = 67108864.0;
 
 }  // namespace
 
@@ -33,12 +34,14 @@ void Archive::reals(std::vector<double>& values, std::size_t count) {
   for (std::size_t i = present; i < count; ++i) real(zero);
 }
 
-void Archive::count(long& value) {
-  double number = static_cast<double>(value);
+void Archive::counts(long& first, long& second) {
+  const auto cut = [](long value) { return static_cast<double>(std::clamp(value, 0L, static_cast<long>(count_radix) - 1)); };
+  double number = cut(first) * count_radix + cut(second);
   real(number);
   if (!is_reading()) return;
-  if (!(std::fabs(number) < 9e15) || number != std::floor(number)) throw DamagedArchive();
-  value = static_cast<long>(number);
+  if (!(number >= 0.0 && number < count_radix * count_radix) || number != std::floor(number)) throw DamagedArchive();
+  first = static_cast<long>(std::floor(number / count_radix));
+  second = static_cast<long>(number - static_cast<double>(first) * count_radix);
 }
 
 void Archive::pack(int* values, std::size_t count) {

@@ -26,8 +26,8 @@ class Archive {
   void reals(double* values, std::size_t count);
   // A vector is resized when reading; when writing, what it lacks counts as zero.
   void reals(std::vector<double>& values, std::size_t count);
-  // Counts of any size.
-  void count(long& value);
+  // Two counts from 0 to 2^26 - 1, larger ones cut, in one double.
+  void counts(long& first, long& second);
   // Integers from -1 to 65534 and flags, three to a double.
   template <class... Integers>
   void small(Integers&... values) {

@@ -193,6 +193,20 @@ void solve_lu(ConstView lu, const int* pivots, double* x) {
   solve_upper(Op::plain, lu, {x, order, 1, std::max(order, 1)});
 }
 
+bool factor_lu(ComplexView a, int* pivots) {
+  if (a.cols == 0) return true;
+  int info = 0;
+  zgetrf_(&a.rows, &a.cols, a.data, &a.ld, pivots, &info);
+  return info == 0;
+}
+
+void solve_lu(ComplexView lu, const int* pivots, std::complex<double>* x) {
+  if (lu.cols == 0) return;
+  const int one = 1;
+  int info = 0;
+  zgetrs_("N", &lu.cols, &one, lu.data, &lu.ld, pivots, x, &lu.cols, &info);
+}
+
 Svd svd(ConstView a) {
   Svd result{identity(a.rows), {}, identity(a.cols)};
   result.s.assign(static_cast<std::size_t>(std::min(a.rows, a.cols)), 0.0);

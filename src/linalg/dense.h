@@ -5,6 +5,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <complex>
 #include <vector>
 
 #include "linalg/arena.h"
@@ -38,6 +39,9 @@ void solve_upper_right(ConstView r, View b);     // B := B R^-1
 // P A = L U in place; false if a pivot vanishes (nothing may be solved then).
 bool factor_lu(View a, int* pivots);
 void solve_lu(ConstView lu, const int* pivots, double* x);
+// The same for complex matrices.
+bool factor_lu(ComplexView a, int* pivots);
+void solve_lu(ComplexView lu, const int* pivots, std::complex<double>* x);
 
 // A = U diag(s) V^T with full square U, V; s decreasing. For analysis, not for steps.
 struct Svd {

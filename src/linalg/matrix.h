@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <type_traits>
 #include <vector>
@@ -27,6 +28,7 @@ struct BasicView {
 
 using View = BasicView<double>;
 using ConstView = BasicView<const double>;
+using ComplexView = BasicView<std::complex<double>>;
 
 // Leading dimension that avoids cache aliasing of columns (powers of two from 64 on).
 inline int padded_rows(int rows) {

@@ -112,6 +112,7 @@ void LinearSystem::give_up_projector() {
   leading_ = LeadingTerm::automatic;
   settle_leading_term();
   constant_ready_ = false;
+  for (auto& matrix : stages_.pairs) matrix.clear();
 }
 
 Orders LinearSystem::orders() const {
@@ -194,6 +195,7 @@ PointStatus LinearSystem::move_to(double t) {
   if (accepted_) current_ = 1 - current_;
   accepted_ = false;
   matrix_valid_ = false;
+  num_stage_traces_ = 0;
   PointStatus status = reduce(t, analysis_.time_scale, current(), rows_);
   // Before the values are declared to have changed: rows that are small by cancellation must not be scaled up, and data
   // that have grown or shrunk may need another time scale.
@@ -248,21 +250,16 @@ void LinearSystem::leading_of(const double* x, double* w) {
   if (leading_ == LeadingTerm::projector) point.form.project(w, arena_);
 }
 
-namespace {
-
-// q := Z1^T E w, with w already multiplied by E (and unscaled) if W = E.
-void differential_rows(const TaylorData& data, const NullSpaceForm& form, bool w_is_Ex, const double* w, double* q,
-                       Arena& arena) {
-  const Arena::Frame frame(arena);
-  double* Ew = arena.take(static_cast<std::size_t>(data.m));
-  if (w_is_Ex)
+void LinearSystem::differential_rows(const double* w, double* q) {
+  const TaylorData& data = current().data;
+  const Arena::Frame frame(arena_);
+  double* Ew = arena_.take(static_cast<std::size_t>(data.m));
+  if (leading_ == LeadingTerm::matrix)
     for (int i = 0; i < data.m; ++i) Ew[i] = w[i] * data.row_scale[static_cast<std::size_t>(i)];
   else
     multiply(1.0, Op::plain, data.E(0), w, 0.0, Ew);
-  multiply(1.0, Op::transposed, form.Z1(), Ew, 0.0, q);
+  multiply(1.0, Op::transposed, current().form.Z1(), Ew, 0.0, q);
 }
-
-}  // namespace
 
 // [c tau G - B; c tau Uz^T] = L U; kept for constant problems as long as c stays.
 bool LinearSystem::factor_step_matrix(double c) {
@@ -293,7 +290,7 @@ bool LinearSystem::solve(double c, const double* w_rest, const double* x_rest, d
   const Arena::Frame frame(arena_);
   const View M{matrix_.data(), size, size, std::max(size, 1)};
   double* z = arena_.take(static_cast<std::size_t>(size) + 1);
-  differential_rows(point.data, form, leading_ == LeadingTerm::matrix, w_rest, z, arena_);
+  differential_rows(w_rest, z);
   for (int i = 0; i < d; ++i) z[i] = form.b()[i] - tau * (c * form.g0()[i] + z[i]);
   if (form.u > 0) {
     double* free_part = arena_.take(static_cast<std::size_t>(size));
@@ -333,7 +330,7 @@ void LinearSystem::restore(const double* w, const double* x_free, double* x) {
   const Arena::Frame frame(arena_);
   double* q = arena_.take(static_cast<std::size_t>(form.d) + 1);
   double* z = arena_.take(static_cast<std::size_t>(size) + 1);
-  differential_rows(current().data, form, leading_ == LeadingTerm::matrix, w, q, arena_);
+  differential_rows(w, q);
   for (int i = 0; i < form.d; ++i) q[i] -= form.g0()[i];
   form.solve_G(q, z, arena_);
   if (form.u > 0) {

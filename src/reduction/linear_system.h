@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <complex>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,7 @@ class LinearSystem final : public StrangenessFreeSystem {
   void accept() override;
   void leading(const double* x, double* w) override;
   bool solve(double c, const double* w_rest, const double* x_rest, double* x) override;
+  PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
   using StrangenessFreeSystem::error_in_x;
   void error_in_x(const double* dw, int count, double* dx) override;
   void restore(const double* w, const double* x_free, double* x) override;
@@ -61,6 +64,17 @@ class LinearSystem final : public StrangenessFreeSystem {
   double kept_differential() const { return current().kept_differential; }
   double smallest_pivot() const { return current().pivot; }
 
+  // What a change of the characteristic values would show in, at the points that the last step went through: at the
+  // stages of a Runge-Kutta step, or at the current point alone.
+  struct Trace {
+    double t = 0.0;
+    bool orientation_kept = true;
+    double kept_constraints = 1.0, kept_differential = 1.0;
+    std::vector<double> row_norms;
+  };
+  int num_stage_traces() const { return num_stage_traces_; }
+  const Trace& stage_trace(int i) const { return stage_traces_[static_cast<std::size_t>(i)]; }
+
   // False if the sign of det[E1; A2] changed from the point accepted last to the current one, bases aligned: a
   // singular point lies between (or the bases turned too far to tell). Meaningful for u = 0 only, else true.
   bool orientation_kept();
@@ -84,7 +98,30 @@ class LinearSystem final : public StrangenessFreeSystem {
     int det_sign = 1;
   };
 
+  // What the stages of a step leave behind, side by side; q = d + u unknowns each, X_i = [T2 xp] at stage i.
+  struct Stages {
+    std::vector<double> X, Y;    // n x s(q+1): X_i; leading_size() x s(q+1): W_i X_i
+    std::vector<double> L;       // s d x leading_size(): Z1^T E, without the E for W = E
+    std::vector<double> B, tau;  // d x s(q+1): [B b]; time scales
+    std::vector<double> V;       // s u x n: (T2 Uz)^T
+    std::vector<double> products, free_products;  // L Y, V X
+    std::vector<double> matrix, z;
+    std::vector<int> pivots;
+    // Constant matrices: factorizations for the conjugate pairs, and for which lambda / h they hold.
+    std::array<std::vector<std::complex<double>>, (max_stages - 1) / 2> pairs;
+    std::array<std::vector<int>, (max_stages - 1) / 2> pair_pivots;
+    std::array<std::complex<double>, (max_stages - 1) / 2> pair_values{};
+    std::vector<std::complex<double>> omega;
+  };
+
   void resize();
+  void resize_stages(int s);
+  void keep_stage(int i, int s);
+  void keep_trace(int i);
+  void assemble_stages(const StageEquations& equations, const double* x_start);
+  bool solve_constant_stages(const StageEquations& equations, const double* x_start);
+  bool factor_pair(std::size_t k, std::complex<double> c);
+  void expand_stages(int s, double* x, double* w);
   Point& current() { return points_[current_]; }
   const Point& current() const { return points_[current_]; }
   Point& reference() { return points_[1 - current_]; }
@@ -99,6 +136,8 @@ class LinearSystem final : public StrangenessFreeSystem {
   Orders orders() const;
   PointStatus reduce(double t, double time_scale, Point& point, RowScaling rows);
   PointStatus reduce_constant(double t, Point& point);
+  // q := Z1^T E w; E is in w already if W = E.
+  void differential_rows(const double* w, double* q);
   bool factor_step_matrix(double c);
   bool derivative_from_array(const double* x, double* xdot);
   void derivative_from_differences(const double* x, double direction, double* xdot);
@@ -126,6 +165,10 @@ class LinearSystem final : public StrangenessFreeSystem {
   Matrix Zt_;
   TaylorData rhs_;
   bool constant_ready_ = false;
+  Stages stages_;
+  // Of all stages but the last, which is the current point.
+  std::array<Trace, max_stages - 1> stage_traces_;
+  int num_stage_traces_ = 0;
   long reductions_ = 0;
   long factorizations_ = 0;
 };

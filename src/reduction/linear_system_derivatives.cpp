@@ -54,7 +54,7 @@ bool LinearSystem::consistent_scaled_derivative(const double* x, double directio
 bool LinearSystem::derivative_from_array(const double* x, double* xdot) {
   const int level = analysis_.values.mu + 1, m = problem_.m(), n = problem_.n();
   const int highest = settings_.orders_up_to_mu_only ? analysis_.values.mu : settings_.max_index;
-  if (level > highest && !problem_.is_constant()) return false;
+  if (level > highest && (settings_.orders_up_to_mu_only || !problem_.is_constant())) return false;
   TaylorData data;
   const double t = current().t;
   const Trouble trouble = problem_.evaluate(t, {level, level, level}, current().data.time_scale, data);

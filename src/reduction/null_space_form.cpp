@@ -286,6 +286,14 @@ void NullSpaceForm::replace_rhs(const TaylorData& data, const double* f_hat, Pre
   multiply(1.0, Op::transposed, Z1(), h, 0.0, B_.data() + static_cast<std::ptrdiff_t>(unknowns()) * d);
 }
 
+void NullSpaceForm::project(View Y, Arena& arena) const {
+  if (kernel_ == 0) return;
+  const Arena::Frame frame(arena);
+  const View coefficients = arena.matrix(kernel_, Y.cols);
+  multiply(1.0, Op::transposed, kernel(), Op::plain, Y, 0.0, coefficients);
+  multiply(-1.0, Op::plain, kernel(), Op::plain, coefficients, 1.0, Y);
+}
+
 void NullSpaceForm::archive_bases(Archive& archive) {
   archive.small(a, d, u);
   if (archive.is_reading() && (d < 0 || u < 0 || unknowns() > n || d > m)) throw DamagedArchive();

@@ -64,6 +64,8 @@ class NullSpaceForm {
   ConstView G() const { return {G_.data(), d, unknowns(), std::max(d, 1)}; }    // Z1^T E T2
   ConstView B() const { return {B_.data(), d, unknowns(), std::max(d, 1)}; }    // Z1^T C T2
   const double* b() const { return B_.data() + static_cast<std::ptrdiff_t>(unknowns()) * d; }  // Z1^T (C xp + f)
+  ConstView T2_xp() const { return {T2_.data(), n, unknowns() + 1, std::max(n, 1)}; }    // [T2 xp]
+  ConstView B_b() const { return {B_.data(), d, unknowns() + 1, std::max(d, 1)}; }       // [B b]
   const double* g0() const { return g0_.data(); }                               // Z1^T E xp
   ConstView Uz() const { return {Uz_.data(), unknowns(), u, std::max(unknowns(), 1)}; }
   ConstView kernel() const { return {K_.data(), n, kernel_, std::max(n, 1)}; }  // K: orthonormal, E K = 0
@@ -76,6 +78,7 @@ class NullSpaceForm {
   int sign_of_G() const;
   // y := P y = y - K K^T y.
   void project(double* y, Arena& arena) const;
+  void project(View Y, Arena& arena) const;
   // Dimensions, T2 and Z1: what later points are compared with.
   void archive_bases(Archive& archive);
 

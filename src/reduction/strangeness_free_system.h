@@ -6,13 +6,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "reduction/stage_method.h"
+
 namespace sfdae::core {
 
 enum class PointStatus {
   ok,
   trouble,         // a callback failed; what(): trouble()
   changed,         // the characteristic values differ from those known
-  leading_changed  // they hold, but rank E differs: W of the history does not fit this point
+  leading_changed, // they hold, but rank E differs: W of the history does not fit this point
+  singular         // the equations to be solved at the point (or at several) have no unique solution
+};
+
+// The stages of one step from (t, x), w = W x, to t_end = t + h.
+struct StageEquations {
+  const StageMethod& method;
+  double t, t_end;
+  const double* w;
+  const double* x;
 };
 
 class StrangenessFreeSystem {
@@ -36,6 +47,9 @@ class StrangenessFreeSystem {
   // Solves F1(t, x, c W x + w_rest) = 0, F2(t, x) = 0 and U^T (c x + x_rest) = 0 for x, U an orthonormal basis of
   // the free directions. False if singular.
   virtual bool solve(double c, const double* w_rest, const double* x_rest, double* x) = 0;
+  // Solves F1(t_i, x_i, D_h w_i) = 0, F2(t_i, x_i) = 0 and U_i^T D_h x_i = 0 for all stages i together; x: n x s,
+  // w: leading_size() x s. The system stands at t_end afterwards, or else at t_reached, the stage that has trouble.
+  virtual PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) = 0;
   // The changes of x, with F2 kept, that belong to changes of w; free directions have none. One column for each:
   // leading_size() x count in dw, n x count in dx.
   virtual void error_in_x(const double* dw, int count, double* dx) = 0;

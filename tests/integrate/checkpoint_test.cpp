@@ -88,7 +88,7 @@ void compare(const FamilyPointer& family, Method method, bool constant = false) 
   }
 }
 
-const Method methods[] = {Method::bdf};
+const Method methods[] = {Method::bdf, Method::radau, Method::automatic};
 
 TEST(Checkpoint, ContinuesInEveryBitAsIfNothingHadHappened) {
   for (Method method : methods) {

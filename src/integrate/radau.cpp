@@ -1,0 +1,356 @@
+// Radau IIA methods with variable step and order.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/radau.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/matrix.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data.
+constexpr double first_step_fraction = 0.0718281828;
+// The embedded error may be this large in units of tol^((s+1)/(2s)). Measured on 287 runs of three families with s = 3
+// alone and with all s: errors up to 5 tolerances where the coefficients turn fast, 0.5 to 0.8 in the mean. More stages
+// need less, as their order at the nodes relies on smooth coefficients, of which the divided difference of w tells nothing.
+constexpr double embedded_limit(int s, bool beside_difference) {
+  return s == 3 ? (beside_difference ? 0.3 : 0.03) : s == 5 ? 0.006 : 0.0015;
+}
+constexpr double difference_safety = 2.0;
+// Of the Hermite polynomial without its farthest node.
+constexpr double interpolation_error = 0.5;
+
+}  // namespace
+
+void Radau::set_options(const StepOptions& options) {
+  options_ = options;
+  control_.set_options(options);
+}
+
+// Sized for the embedded estimate with three stages, h^4 ~ tol^(2/3), which is measured then.
+double Radau::first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) const {
+  return std::min(first_step_fraction * span, weights.first_step(x, xdot, 1.0 / 6.0));
+}
+
+void Radau::resize(std::size_t n, std::size_t size_w) {
+  const auto resize_node = [&](Node& node) {
+    for (Vector* v : {&node.w, &node.wdot}) v->assign(size_w, 0.0);
+    for (Vector* v : {&node.x, &node.xdot}) v->assign(n, 0.0);
+  };
+  for (int i = 0; i <= options_.max_stages; ++i) resize_node(nodes_[index(i)]);
+  if (options_.interpolates)
+    for (Node& node : inner_) resize_node(node);
+  resize_node(tried_);
+  const std::size_t stages = static_cast<std::size_t>(options_.max_stages);
+  for (Vector* v : {&error_, &largest_x_}) v->assign(n, 0.0);
+  stage_x_.assign(n * stages, 0.0);
+  stage_w_.assign(size_w * stages, 0.0);
+  columns_.assign(size_w * (stages + 2), 0.0);
+  mapped_.assign(n * (stages + 2), 0.0);
+  for (int i = 0; i < 2 * (options_.max_stages + 1); ++i) table_[index(i)].resize(std::max(n, size_w));
+}
+
+void Radau::start(StrangenessFreeSystem&, const StartingPoint& point, double h) {
+  resize(point.x.size(), point.w.size());
+  nodes_[0] = {point.t, point.w, point.wdot, point.x, point.xdot};
+  count_ = 1;
+  inner_count_ = 0;
+  control_.start(options_);
+  next_step_ = h;
+  last_step_ = 0.0;
+  last_order_ = 0;
+  leading_coefficient_ = std::numeric_limits<double>::infinity();
+}
+
+// Without differential equations the stages do not depend on each other.
+int Radau::wanted_stages(const StrangenessFreeSystem& system) const {
+  return system.differential() == 0 ? 1 : control_.stages();
+}
+
+namespace {
+
+// slope := sum_j weights[j stride] (values_j - start) / h, values_j the columns of `values`.
+void slope_of_stages(int s, const double* weights, int stride, const Vector& start, const Vector& values, double h,
+                     double* slope) {
+  const std::size_t size = start.size();
+  std::fill_n(slope, size, 0.0);
+  for (int j = 0; j < s; ++j) {
+    const double weight = weights[j * stride] / h;
+    const double* column = values.data() + size * index(j);
+    for (std::size_t r = 0; r < size; ++r) slope[r] += weight * (column[r] - start[r]);
+  }
+}
+
+}  // namespace
+
+StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) {
+  control_before_ = control_;
+  if (control_.is_rough()) count_ = 1;
+  const RadauMethod& method = radau_method(wanted_stages(system));
+  const Node& last = nodes_[0];
+  const int s = method.s();
+  tried_h_ = t - last.t;
+  tried_stages_ = s;
+  const StageEquations equations{method.stages, last.t, t, last.w.data(), last.x.data()};
+  switch (system.solve_stages(equations, stage_x_.data(), stage_w_.data(), tried_.t)) {
+    case PointStatus::trouble: return StepOutcome::trouble;
+    case PointStatus::changed: return StepOutcome::changed;
+    case PointStatus::leading_changed: return StepOutcome::leading_changed;
+    case PointStatus::singular: return StepOutcome::singular;
+    case PointStatus::ok: break;
+  }
+  const std::size_t n = last.x.size();
+  if (!all_finite(stage_x_.data(), n * index(s))) return StepOutcome::not_finite;
+  take_last_stage(method, last, tried_);
+  for (std::size_t i = 0; i < n; ++i) largest_x_[i] = std::max(std::fabs(last.x[i]), std::fabs(tried_.x[i]));
+  weights.update(largest_x_.data());
+  const ErrorTerms terms = estimate_errors(system, weights, method);
+  if (!(terms.error <= 1.0)) {
+    next_step_ = control_.rejected(tried_h_, terms);
+    return StepOutcome::error_too_large;
+  }
+  const StageCosts costs{system.unknowns(), system.differential() + system.undetermined()};
+  next_step_ = system.differential() == 0 ? tried_h_ / options_.fastest_rise
+                                          : control_.accepted(tried_h_, terms, costs, system.is_constant());
+  return StepOutcome::accepted;
+}
+
+// The last stage of a step from `start` as a node; its time is set.
+void Radau::take_last_stage(const RadauMethod& method, const Node& start, Node& node) const {
+  const int s = method.s();
+  const std::size_t n = start.x.size(), size_w = start.w.size();
+  std::copy_n(stage_x_.data() + n * index(s - 1), n, node.x.data());
+  std::copy_n(stage_w_.data() + size_w * index(s - 1), size_w, node.w.data());
+  const double* last_row = method.stages.D.data() + (s - 1);
+  slope_of_stages(s, last_row, s, start.w, stage_w_, node.t - start.t, node.wdot.data());
+  slope_of_stages(s, last_row, s, start.x, stage_x_, node.t - start.t, node.xdot.data());
+}
+
+ErrorTerms Radau::estimate_errors(StrangenessFreeSystem& system, const ErrorWeights& weights, const RadauMethod& method) {
+  ErrorTerms terms;
+  if (system.differential() == 0) {
+    std::fill(error_.begin(), error_.end(), 0.0);
+    return terms;
+  }
+  const int s = method.s();
+  const std::size_t n = nodes_[0].x.size(), size_w = nodes_[0].w.size();
+  // The embedded formula: gamma0 h (w' - u') at the start.
+  double* embedded = columns_.data();
+  slope_of_stages(s, method.slope_at_start.data(), 1, nodes_[0].w, stage_w_, tried_h_, embedded);
+  const double factor = tried_h_ / method.stages.gamma;
+  for (std::size_t i = 0; i < size_w; ++i) embedded[i] = factor * (nodes_[0].wdot[i] - embedded[i]);
+  const bool has_difference = count_ >= s && s > 1;
+  if (has_difference) {
+    hermite_difference(2 * s);
+    std::copy_n(table_[index(2 * s)].data(), size_w, columns_.data() + size_w);
+  }
+  system.error_in_x(columns_.data(), has_difference ? 2 : 1, mapped_.data());
+  const double* difference = mapped_.data() + n;
+  std::copy_n(mapped_.data(), n, error_.data());
+  if (s == 1) {
+    // h (w' - u') = - h^2 w'' up to higher orders.
+    terms.decay[2] = 0.5 * weights.norm(mapped_.data());
+    terms.error = method.error_constant * terms.decay[2];
+    terms.exponent = 2;
+  } else {
+    const double guard = weights.norm(mapped_.data(), (s + 1.0) / (2.0 * s)) / embedded_limit(s, has_difference);
+    if (has_difference) terms.decay[index(2 * s)] = weights.norm(difference);
+    const double by_difference =
+        has_difference ? difference_safety * method.error_constant * terms.decay[index(2 * s)] : 0.0;
+    terms.error = std::max(guard, by_difference);
+    terms.exponent = guard > by_difference ? s + 1 : 2 * s;
+    if (terms.exponent == 2 * s) std::copy_n(difference, n, error_.data());
+  }
+  if (control_.may_change_stages() && terms.error <= 1.0) decay_of_differences(system, weights, method, terms);
+  return terms;
+}
+
+// Divided differences of orders 1 ... s over the start and the stages, in units of h.
+void Radau::decay_of_differences(StrangenessFreeSystem& system, const ErrorWeights& weights, const RadauMethod& method,
+                                 ErrorTerms& terms) {
+  const int s = method.s();
+  const std::size_t n = nodes_[0].x.size(), size_w = nodes_[0].w.size();
+  const auto node = [&](int i) { return i == 0 ? 0.0 : method.stages.c[index(i - 1)]; };
+  // Column i: over the nodes i - k, ..., i; in the end column k has order k.
+  std::copy_n(nodes_[0].w.data(), size_w, columns_.data());
+  std::copy_n(stage_w_.data(), size_w * index(s), columns_.data() + size_w);
+  for (int k = 1; k <= s; ++k)
+    for (int i = s; i >= k; --i) {
+      double* to = columns_.data() + size_w * index(i);
+      const double* earlier = to - size_w;
+      const double per_gap = 1.0 / (node(i) - node(i - k));
+      for (std::size_t r = 0; r < size_w; ++r) to[r] = (to[r] - earlier[r]) * per_gap;
+    }
+  system.error_in_x(columns_.data() + size_w, s, mapped_.data());
+  for (int k = 1; k <= s; ++k) terms.decay[index(k)] = weights.norm(mapped_.data() + n * index(k - 1));
+}
+
+namespace {
+
+// Replaces values by divided differences; entries 2i and 2i + 1 belong to one node, the slope of which stands in
+// the latter.
+template <class Table, class Times>
+void divided_differences(Table& table, const Times& times, int count, std::size_t size) {
+  for (int k = 1; k < count; ++k)
+    for (int i = count - 1; i >= k; --i) {
+      double* __restrict to = table[index(i)].data();
+      // Slopes are divided differences of order 1 already, and stand where values of their nodes would.
+      if (k == 1 && i % 2 == 1) continue;
+      const double* __restrict from = table[index(k == 1 ? i - 2 : i - 1)].data();
+      const double per_gap = 1.0 / (times[index(i)] - times[index(i - k)]);
+      for (std::size_t r = 0; r < size; ++r) to[r] = (to[r] - from[r]) * per_gap;
+    }
+}
+
+}  // namespace
+
+void Radau::hermite_difference(int order) {
+  // Times in units of the step, so that nothing overflows.
+  const std::size_t size = tried_.w.size();
+  for (int i = 0; i <= order; ++i) {
+    const Node& node = i < 2 ? tried_ : nodes_[index(i / 2 - 1)];
+    const bool is_slope = i % 2 == 1;
+    table_times_[index(i)] = (node.t - tried_.t) / tried_h_;
+    const double unit = is_slope ? tried_h_ : 1.0;
+    const double* from = (is_slope ? node.wdot : node.w).data();
+    for (std::size_t r = 0; r < size; ++r) table_[index(i)][r] = unit * from[r];
+  }
+  divided_differences(table_, table_times_, order + 1, size);
+}
+
+void Radau::commit() {
+  count_ = std::min(count_ + 1, options_.max_stages + 1);
+  std::rotate(nodes_.begin(), nodes_.begin() + count_ - 1, nodes_.begin() + count_);
+  std::swap(nodes_[0], tried_);
+  inner_count_ = 0;
+  last_step_ = tried_h_;
+  last_order_ = 2 * tried_stages_ - 1;
+  leading_coefficient_ = radau_method(tried_stages_).stages.gamma / tried_h_;
+}
+
+int Radau::choose_nodes(double t) {
+  std::array<const Node*, index(capacity + inner_capacity)> all{};
+  int available = 0;
+  for (int i = 0; i < count_; ++i) all[index(available++)] = &nodes_[index(i)];
+  for (int i = 0; i < inner_count_; ++i) all[index(available++)] = &inner_[index(i)];
+  // Both ends of the step always, lest it be extrapolation.
+  std::sort(all.begin() + std::min(available, 2), all.begin() + available,
+            [t](const Node* a, const Node* b) { return std::fabs(a->t - t) < std::fabs(b->t - t); });
+  const int wanted = std::min({available, (last_order_ + 1) / 2 + 1, capacity});
+  std::copy_n(all.begin(), wanted, chosen_.begin());
+  return wanted;
+}
+
+void Radau::hermite_polynomial(const Vector Node::*values, const Vector Node::*slopes, int count) {
+  const std::size_t size = (nodes_[0].*values).size();
+  for (int i = 0; i < 2 * count; ++i) {
+    const Node& node = *chosen_[index(i / 2)];
+    const bool is_slope = i % 2 == 1;
+    table_times_[index(i)] = (node.t - nodes_[0].t) / last_step_;
+    const double unit = is_slope ? last_step_ : 1.0;
+    const double* from = (node.*(is_slope ? slopes : values)).data();
+    for (std::size_t r = 0; r < size; ++r) table_[index(i)][r] = unit * from[r];
+  }
+  divided_differences(table_, table_times_, 2 * count, size);
+}
+
+// Newton's polynomial in the table and its derivative (slope may be null).
+void Radau::evaluate_hermite(int count, double t, std::size_t size, double* value, double* slope) const {
+  const double at = (t - nodes_[0].t) / last_step_;
+  std::copy_n(table_[index(2 * count - 1)].data(), size, value);
+  if (slope != nullptr) std::fill_n(slope, size, 0.0);
+  for (int i = 2 * count - 2; i >= 0; --i) {
+    const double gap = at - table_times_[index(i)];
+    const double* d = table_[index(i)].data();
+    if (slope != nullptr)
+      for (std::size_t r = 0; r < size; ++r) slope[r] = slope[r] * gap + value[r];
+    for (std::size_t r = 0; r < size; ++r) value[r] = value[r] * gap + d[r];
+  }
+  if (slope != nullptr)
+    for (std::size_t r = 0; r < size; ++r) slope[r] /= last_step_;
+}
+
+void Radau::interpolate(double t, double* w, double* x, double* xdot) {
+  const Node& last = nodes_[0];
+  if (t == last.t || count_ < 2) {
+    std::copy(last.w.begin(), last.w.end(), w);
+    std::copy(last.x.begin(), last.x.end(), x);
+    std::copy(last.xdot.begin(), last.xdot.end(), xdot);
+    return;
+  }
+  const int count = choose_nodes(t);
+  hermite_polynomial(&Node::x, &Node::xdot, count);
+  evaluate_hermite(count, t, last.x.size(), x, xdot);
+  hermite_polynomial(&Node::w, &Node::wdot, count);
+  evaluate_hermite(count, t, last.w.size(), w, nullptr);
+}
+
+PointStatus Radau::refine(StrangenessFreeSystem& system, const ErrorWeights& weights, double t, double* w, double* x,
+                          double* xdot) {
+  const PointStatus status = system.move_to(t);
+  if (status != PointStatus::ok || system.differential() == 0 || count_ < 2) return status;
+  // What the farthest node contributes to the polynomial for w, which stands in the table, is the error of the others.
+  const int count = choose_nodes(t);
+  const std::size_t size_w = nodes_[0].w.size();
+  const double at = (t - nodes_[0].t) / last_step_;
+  double product = 1.0;
+  for (int i = 0; i < 2 * count - 2; ++i) product *= at - table_times_[index(i)];
+  const double last_gap = at - table_times_[index(2 * count - 2)];
+  for (std::size_t r = 0; r < size_w; ++r)
+    columns_[r] = product * (table_[index(2 * count - 2)][r] + last_gap * table_[index(2 * count - 1)][r]);
+  system.error_in_x(columns_.data(), mapped_.data());
+  if (weights.norm(mapped_.data()) <= interpolation_error) return PointStatus::ok;
+  const RadauMethod& method = radau_method((last_order_ + 1) / 2);
+  const Node& start = nodes_[1];
+  double reached = t;
+  const PointStatus stages = system.solve_stages({method.stages, start.t, t, start.w.data(), start.x.data()},
+                                                 stage_x_.data(), stage_w_.data(), reached);
+  // A stage may have trouble that the point itself does not have: then the polynomial has to do.
+  if (stages != PointStatus::ok || !all_finite(stage_x_.data(), stage_x_.size()))
+    return reached == t && stages == PointStatus::trouble ? stages : system.move_to(t);
+  Node& node = inner_[index(std::min(inner_count_, inner_capacity - 1))];
+  node.t = t;
+  take_last_stage(method, start, node);
+  inner_count_ = std::min(inner_count_ + 1, inner_capacity);
+  std::copy(node.w.begin(), node.w.end(), w);
+  std::copy(node.x.begin(), node.x.end(), x);
+  std::copy(node.xdot.begin(), node.xdot.end(), xdot);
+  return PointStatus::ok;
+}
+
+void Radau::archive(Archive& archive, Node& node, bool with_x) {
+  archive.real(node.t);
+  archive.reals(node.w, node.w.size());
+  archive.reals(node.wdot, node.wdot.size());
+  if (!with_x) return;
+  archive.reals(node.x, node.x.size());
+  archive.reals(node.xdot, node.xdot.size());
+}
+
+void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
+  // Points within steps need one node more, and x at all of them.
+  int count = std::min(count_, options_.max_stages + (options_.interpolates ? 1 : 0));
+  int inner = options_.interpolates ? inner_count_ : 0;
+  archive.small(count, last_order_, inner);
+  if (archive.is_reading()) {
+    if (count < 1 || count > options_.max_stages + 1 || last_order_ > 2 * max_stages - 1 || inner < 0 ||
+        inner > inner_capacity)
+      throw DamagedArchive();
+    count_ = count;
+    inner_count_ = inner;
+    resize(static_cast<std::size_t>(system.unknowns()), static_cast<std::size_t>(system.leading_size()));
+  }
+  control_.archive(archive);
+  for (double* value : {&next_step_, &last_step_, &leading_coefficient_}) archive.real(*value);
+  for (int i = 0; i < count; ++i) this->archive(archive, nodes_[index(i)], i == 0 || options_.interpolates);
+  for (int i = 0; i < inner; ++i) this->archive(archive, inner_[index(i)], true);
+}
+
+}  // namespace sfdae::core

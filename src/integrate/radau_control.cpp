@@ -1,0 +1,135 @@
+// Choice of step size and number of stages for the Radau methods.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/radau_control.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrate/radau_method.h"
+
+namespace sfdae::core {
+
+namespace {
+
+constexpr double tiny = 1e-30;
+// Another number of stages has to promise this much more progress for the same work.
+constexpr double worthwhile = 1.2;
+// A reduction in units of n^3 operations, about (12 to 16 for an index up to 2).
+constexpr double reduction_cost = 15.0;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+double work(int s, const StageCosts& costs) {
+  const double n = costs.unknowns, q = costs.stage_size, small_matrix = 20.0 * n * n;
+  return s * (reduction_cost * n * n * n + small_matrix) + 2.0 / 3.0 * std::pow(s * q, 3) + 2.0 * s * s * q * q * n;
+}
+
+// |h^k w[k]| from the values known, which fall or grow geometrically between and beyond them.
+double decay_at(int k, const ErrorTerms& terms) {
+  int below = 0, above = 0, highest = 0, before = 0;
+  for (int j = 1; j <= 2 * max_stages; ++j) {
+    if (terms.decay[index(j)] < 0.0) continue;
+    if (j <= k) below = j;
+    if (j >= k && above == 0) above = j;
+    before = highest;
+    highest = j;
+  }
+  const auto value = [&](int j) { return std::max(terms.decay[index(j)], tiny); };
+  if (below == k) return value(k);
+  if (below == 0 || highest == 0) return 1.0 / tiny;
+  if (above > 0) {
+    const double weight = static_cast<double>(k - below) / (above - below);
+    return std::pow(value(below), 1.0 - weight) * std::pow(value(above), weight);
+  }
+  // Odd and even terms may differ much: not from neighbours where there are others.
+  if (highest - before == 1 && before > 1 && terms.decay[index(before - 1)] >= 0.0) before -= 1;
+  if (before == 0) return 1.0 / tiny;
+  const double per_order = std::log(value(highest) / value(before)) / (highest - before);
+  return value(highest) * std::exp(std::min(per_order * (k - highest), 50.0));
+}
+
+}  // namespace
+
+void RadauControl::start(const StepOptions& options) {
+  *this = RadauControl();
+  set_options(options);
+}
+
+void RadauControl::set_options(const StepOptions& options) {
+  options_ = options;
+  stages_ = std::clamp(stages_, options.min_stages, options.max_stages);
+}
+
+double RadauControl::limited(double ratio) const {
+  return std::clamp(ratio, 1.0 / options_.fastest_fall, 1.0 / options_.fastest_rise);
+}
+
+// Ratio of step sizes for which the error of the method with s stages would come out right.
+double RadauControl::step_for_stages(int s, const ErrorTerms& terms) const {
+  const double error = radau_method(s).error_constant * decay_at(2 * s, terms);
+  return limited(options_.safety * std::pow(std::max(error, tiny), -1.0 / (2 * s)));
+}
+
+// The number of stages with the best progress for its work; returns the ratio of step sizes that goes with it.
+double RadauControl::choose_stages(const ErrorTerms& terms, const StageCosts& costs, double ratio) {
+  const double present = step_for_stages(stages_, terms) / work(stages_, costs);
+  int best = stages_;
+  double best_progress = worthwhile * present;
+  for (int s : {stages_ - 2, stages_ + 2}) {
+    if (s < options_.min_stages || s > options_.max_stages) continue;
+    if (s < stages_ && steps_with_stages_ < 2) continue;
+    const double progress = step_for_stages(s, terms) / work(s, costs);
+    if (progress > best_progress) {
+      best = s;
+      best_progress = progress;
+    }
+  }
+  if (best == stages_) return ratio;
+  stages_ = best;
+  steps_with_stages_ = 0;
+  last_h_ = 0.0;
+  return step_for_stages(best, terms);
+}
+
+double RadauControl::accepted(double h, const ErrorTerms& terms, const StageCosts& costs, bool keep) {
+  const double error = std::max(terms.error, 1e-10), power = 1.0 / terms.exponent;
+  double ratio = options_.safety * std::pow(error, -power);
+  // Gustafsson's predictive control [HW96, IV.8].
+  if (!options_.classical_control && last_h_ != 0.0)
+    ratio = std::min(ratio, ratio * (h / last_h_) * std::pow(last_error_ / error, power));
+  ratio = limited(ratio);
+  last_h_ = h;
+  last_error_ = std::max(error, 1e-2);
+  steps_with_stages_ = std::min(steps_with_stages_ + 1, 1000);
+  if (may_change_stages()) ratio = choose_stages(terms, costs, ratio);
+  if (failures_ > 0) ratio = std::min(ratio, 1.0);
+  failures_ = 0;
+  any_accepted_ = true;
+  if (keep && ratio >= options_.keep_from && ratio <= options_.keep_to) return h;
+  return ratio * h;
+}
+
+double RadauControl::rejected(double h, const ErrorTerms& terms) {
+  ++failures_;
+  last_h_ = 0.0;
+  if (!std::isfinite(terms.error)) return 0.1 * h;
+  // Nothing was known about the first step but its estimate.
+  const double lowest = any_accepted_ ? 1.0 / options_.fastest_fall : 1e-3;
+  return h * std::clamp(options_.safety * std::pow(terms.error, -1.0 / terms.exponent), lowest, 0.9);
+}
+
+double RadauControl::failed(double h) {
+  ++failures_;
+  last_h_ = 0.0;
+  return 0.25 * h;
+}
+
+void RadauControl::archive(Archive& archive) {
+  archive.small(stages_, failures_, steps_with_stages_, any_accepted_);
+  archive.real(last_h_);
+  archive.real(last_error_);
+  if (archive.is_reading() && (stages_ < 1 || stages_ > max_stages || stages_ % 2 == 0)) throw DamagedArchive();
+  set_options(options_);
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,63 @@
+// Choice of step size and number of stages for the Radau methods.
+//
+// [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996, section IV.8.
+// [HW99] E. Hairer, G. Wanner: Stiff differential equations solved by Radau methods. J. Comput. Appl. Math. 111 (1999).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+#include "integrate/stepper.h"
+#include "linalg/archive.h"
+#include "reduction/stage_method.h"
+
+namespace sfdae::core {
+
+// Scaled norms of a step of size h; an error above 1 is too large.
+struct ErrorTerms {
+  double error = 0.0;   // the one that decides
+  int exponent = 1;     // it behaves like h^exponent
+  // |h^k w[k]|, w[k] the divided difference of order k: how the solution decays. Negative where unknown.
+  std::array<double, 2 * max_stages + 1> decay{};
+  ErrorTerms() { decay.fill(-1.0); }
+};
+
+// Dimensions that costs depend on.
+struct StageCosts {
+  int unknowns = 1;   // n
+  int stage_size = 1; // d + u
+};
+
+class RadauControl {
+ public:
+  void start(const StepOptions& options);
+  void set_options(const StepOptions& options);
+
+  int stages() const { return stages_; }
+  void set_stages(int stages) { stages_ = stages; }
+  int failures_in_a_row() const { return failures_; }
+  // Two failures of the error test in a row: the solution is not as smooth as the past suggests.
+  bool is_rough() const { return failures_ >= 2; }
+  bool may_change_stages() const { return options_.max_stages > options_.min_stages; }
+
+  // The next step size after a step of size h. keep: a step of the same size would save factorizations.
+  double accepted(double h, const ErrorTerms& terms, const StageCosts& costs, bool keep);
+  double rejected(double h, const ErrorTerms& terms);
+  // After a stage could not be evaluated or the equations were singular.
+  double failed(double h);
+  void archive(Archive& archive);
+
+ private:
+  double limited(double ratio) const;
+  double step_for_stages(int s, const ErrorTerms& terms) const;
+  double choose_stages(const ErrorTerms& terms, const StageCosts& costs, double ratio);
+
+  StepOptions options_;
+  int stages_ = 3;
+  int failures_ = 0;
+  int steps_with_stages_ = 0;   // accepted
+  bool any_accepted_ = false;
+  double last_h_ = 0.0, last_error_ = 0.0;  // of the step accepted last, 0 if it cannot be compared with
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,132 @@
+// Coefficients of the Radau IIA methods.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/radau_method.h"
+
+#include <complex>
+
+#include "linalg/dense.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// Zeros of P_s(2c - 1) - P_(s-1)(2c - 1), P Legendre polynomials; eigenvalues of D. Computed with 60 digits.
+struct Constants {
+  int s;
+  double c[max_stages];
+  double gamma;
+  Complex lambda[(max_stages - 1) / 2];
+};
+
+constexpr Constants constants[] = {
+    {1, {1.0}, 1.0, {}},
+    {3, {0.15505102572168219018, 0.64494897427831780982, 1.0}, 3.63783425274449573221,
+     {{2.6810828736277521339, 3.05043019924741056943}}},
+    {5,
+     {0.0571041961145176821931, 0.27684301363812382768, 0.583590432368916820057, 0.860240135656219447848, 1.0},
+     6.28670475172927664517,
+     {{5.70095329867178941917, 3.21026560030854988843}, {3.65569432546357225824, 6.54373689936007729402}}},
+    {7,
+     {0.0293164271597848919721, 0.14807859966848429185, 0.336984690281154299097, 0.558671518771550132081,
+      0.769233862030054500917, 0.926945671319741114852, 1.0},
+     8.9368327884052163373,
+     {{8.51183482510294572305, 3.28101362432505883004},
+      {7.14105521918764010577, 6.62304592263927597062},
+      {4.37869356150680600252, 10.1696932837950116273}}}};
+
+// Slopes at `at` of the Lagrange polynomials for the nodes 0, c_1, ..., c_s; at is node number `node`.
+void slopes_of_lagrange_polynomials(const StageMethod& method, int node, double* slopes) {
+  const int s = method.s;
+  const auto c = [&](int k) { return k == 0 ? 0.0 : method.c[index(k - 1)]; };
+  double own = 0.0;
+  for (int k = 0; k <= s; ++k)
+    if (k != node) own += 1.0 / (c(node) - c(k));
+  for (int j = 1; j <= s; ++j) {
+    if (j == node) {
+      slopes[j - 1] = own;
+      continue;
+    }
+    double slope = 1.0 / (c(j) - c(node));
+    for (int k = 0; k <= s; ++k)
+      if (k != j && k != node) slope *= (c(node) - c(k)) / (c(j) - c(k));
+    slopes[j - 1] = slope;
+  }
+}
+
+// Eigenvector of D for lambda by inverse iteration; its largest entry is 1.
+void eigenvector(const StageMethod& method, Complex lambda, Complex* v) {
+  const int s = method.s;
+  Complex matrix[max_stages * max_stages];
+  int pivots[max_stages];
+  // Not quite the eigenvalue, so that the matrix is not quite singular.
+  const Complex shift = lambda * (1.0 + 1e-10);
+  for (int j = 0; j < s; ++j) {
+    for (int i = 0; i < s; ++i) matrix[i + j * s] = method.D_at(i, j) - (i == j ? shift : 0.0);
+    v[j] = 1.0;
+  }
+  factor_lu(ComplexView{matrix, s, s, s}, pivots);
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    solve_lu(ComplexView{matrix, s, s, s}, pivots, v);
+    Complex largest = v[0];
+    for (int i = 1; i < s; ++i)
+      if (std::abs(v[i]) > std::abs(largest)) largest = v[i];
+    for (int i = 0; i < s; ++i) v[i] /= largest;
+  }
+}
+
+void build_transformation(StageMethod& method) {
+  const int s = method.s;
+  Complex v[max_stages];
+  eigenvector(method, method.gamma, v);
+  for (int i = 0; i < s; ++i) method.T[index(i)] = v[i].real();
+  for (int k = 0; 2 * k + 2 < s; ++k) {
+    eigenvector(method, method.lambda[index(k)], v);
+    for (int i = 0; i < s; ++i) {
+      method.T[index(i + (2 * k + 1) * s)] = v[i].real();
+      method.T[index(i + (2 * k + 2) * s)] = v[i].imag();
+    }
+  }
+  StageMatrix lu = method.T;
+  int pivots[max_stages];
+  factor_lu({lu.data(), s, s, s}, pivots);
+  for (int j = 0; j < s; ++j) {
+    double* column = method.T_inverse.data() + j * s;
+    column[j] = 1.0;
+    solve_lu({lu.data(), s, s, s}, pivots, column);
+  }
+}
+
+RadauMethod build(const Constants& given) {
+  RadauMethod method;
+  StageMethod& stages = method.stages;
+  stages.s = given.s;
+  for (int i = 0; i < given.s; ++i) stages.c[index(i)] = given.c[i];
+  stages.gamma = given.gamma;
+  for (int k = 0; k < (given.s - 1) / 2; ++k) stages.lambda[index(k)] = given.lambda[k];
+  double slopes[max_stages];
+  for (int i = 1; i <= given.s; ++i) {
+    slopes_of_lagrange_polynomials(stages, i, slopes);
+    for (int j = 0; j < given.s; ++j) stages.D[index(i - 1 + j * given.s)] = slopes[j];
+  }
+  slopes_of_lagrange_polynomials(stages, 0, method.slope_at_start.data());
+  build_transformation(stages);
+  // s! (s-1)! / (2s-1)!, from the error R(z) - e^z ~ s! (s-1)! / ((2s-1)! (2s)!) z^(2s) of the stability function,
+  // the Pade approximation with numerator of degree s - 1 and denominator of degree s [HW96, IV.3].
+  method.error_constant = 1.0;
+  for (int k = 1; k < given.s; ++k) method.error_constant *= static_cast<double>(k) / (given.s + k);
+  return method;
+}
+
+}  // namespace
+
+const RadauMethod& radau_method(int s) {
+  static const std::array<RadauMethod, 4> methods = {build(constants[0]), build(constants[1]), build(constants[2]),
+                                                     build(constants[3])};
+  return methods[index((s - 1) / 2)];
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,28 @@
+// The Radau IIA methods with 1, 3, 5 and 7 stages, of orders 1, 5, 9 and 13.
+//
+// [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996, section IV.5.
+// [HW99] E. Hairer, G. Wanner: Stiff differential equations solved by Radau methods. J. Comput. Appl. Math. 111 (1999).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+#include "reduction/stage_method.h"
+
+namespace sfdae::core {
+
+struct RadauMethod {
+  StageMethod stages;
+  // Slope of the collocation polynomial at the start of the step: sum_j slope_at_start_j (w_j - w) / h.
+  std::array<double, max_stages> slope_at_start{};
+  // The local error is error_constant h^(2s) times the divided difference of order 2s of the solution.
+  double error_constant = 0.0;
+
+  int s() const { return stages.s; }
+  int order() const { return 2 * stages.s - 1; }
+};
+
+// s = 1, 3, 5 or 7.
+const RadauMethod& radau_method(int s);
+
+}  // namespace sfdae::core
