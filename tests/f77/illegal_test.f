@@ -319,6 +319,15 @@ c     INFO(1) = -1 in a first call, garbage everywhere.
       info(1) = -1
       call solve(1d0)
       call check(ierr .eq. -998 .or. ierr .eq. -999, 'garbage', ierr)
+c     The same for going on with what was never begun.
+      call prepare(3, m)
+      info(1) = 1
+      call solve(1d0)
+      call check(ierr .le. -101 .and. ierr .ge. -199, 'begun', ierr)
+      call prepare(3, m)
+      info(1) = 2
+      call solve(1d0)
+      call check(ierr .le. -101 .and. ierr .ge. -199, 'known', ierr)
       end
 
 c METHOD is 1 or 2.
