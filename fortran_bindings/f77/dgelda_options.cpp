@@ -171,6 +171,7 @@ core::IntegrationOptions integration_options(const Arguments& arguments, const O
   result.method = arguments.method == radau_method ? core::Method::radau : core::Method::bdf;
   result.never_pass_output = arguments.method == radau_method;
   result.stepping = options.stepping;
+  result.short_checkpoints = true;
   result.max_step = options.max_step;
   result.stop_time = options.stop_time;
   result.max_steps = static_cast<long>(std::min<std::int64_t>(options.max_steps, std::numeric_limits<long>::max()));

@@ -65,6 +65,28 @@ TEST_P(StateSize, FitsTheDocumentedMinimum) {
       }
 }
 
+// A change of the characteristic values that lies ahead is part of the state: (1 - t)^4 x' = 1 - x for t < 1, then 0 = 1 - x.
+TEST(StateSizeAtAChange, FitsTheDocumentedMinimum) {
+  for (int method : {1, 2})
+    for (int n = 1; n <= 3; ++n)
+      for (int max_order : {1, 5}) {
+        UserData data = full_dynamics(n, false, false);
+        const auto E = data.E;
+        data.E = [E](double t, int order, double* values) {
+          E(t, order, values);
+          if (order == 0) values[0] = t < 1.0 ? std::pow(1.0 - t, 4) : 0.0;
+          return 0;
+        };
+        DgeldaRun<> run(data, method, max_order, 0);
+        run.info[2] = 1;
+        run.x.assign(static_cast<std::size_t>(n), 0.1);
+        run.rtol[0] = run.atol[0] = 1e-3;
+        while (run.call(2.0) == 1) ASSERT_TRUE(run.guards_are_intact());
+        EXPECT_EQ(run.ierr, -26) << method << " " << n << " " << max_order << " " << run.t;
+        EXPECT_TRUE(run.guards_are_intact());
+      }
+}
+
 INSTANTIATE_TEST_SUITE_P(Dgelda, StateSize, testing::ValuesIn([] {
                            std::vector<Case> cases;
                            for (int method : {1, 2})
