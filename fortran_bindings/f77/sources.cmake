@@ -8,6 +8,11 @@ set(sfdae_f77_routines dgelda dgeerm dgenrm dnfpen dnfval dnfind dnfotr dnfred d
 set(sfdae_f77_sources
   derivative_arrays.cpp
   derivative_stages.cpp
+  dgelda.cpp
+  dgelda_call.cpp
+  dgelda_options.cpp
+  dgelda_problem.cpp
+  dgelda_state.cpp
   initial_values.cpp
   messages.cpp
   norm.cpp

@@ -57,7 +57,7 @@ constexpr double first_step_fraction = 0.7390851e-3;
 
 // The first attempt measures the error of order 1, and its size is corrected from that: a change of x by about the
 // square root of the tolerance has an error of about the tolerance.
-double Bdf::first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) const {
+double Bdf::first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) {
   return std::min(first_step_fraction * span, weights.first_step(x, xdot, 0.5));
 }
 

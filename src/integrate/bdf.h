@@ -23,7 +23,7 @@ class Bdf final : public Stepper {
   explicit Bdf(int max_order = max_bdf_order) : max_order_(max_order) {}
 
   void set_options(const StepOptions& options) override;
-  double first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) const override;
+  double first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) override;
   Tightening tightening() const override { return Tightening::sixth_root; }
   void start(StrangenessFreeSystem& system, const StartingPoint& point, double h) override;
   StepOutcome attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) override;

@@ -23,8 +23,9 @@ struct Header {
 
   void archive(Archive& archive) {
     archive.small(version, m, n);
-    long unused = 0;
-    archive.counts(length, unused);
+    long zero = 0;
+    archive.counts(length, zero);
+    if (zero != 0) throw DamagedArchive();
   }
 };
 

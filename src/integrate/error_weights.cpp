@@ -58,7 +58,7 @@ double ErrorWeights::norm(const double* e, double exponent) const {
   for (std::size_t i = 0; i < inverse_.size(); ++i) {
     const double error = std::fabs(e[i]) * inverse_[i];
     // Most components do not come near the largest, and the power is expensive.
-    if (error > largest) largest = std::max(largest, error * std::pow(relative_[i], 1.0 - exponent));
+    if (error > largest) largest = std::max(largest, error * std::pow(std::min(relative_[i], 1.0), 1.0 - exponent));
   }
   return largest;
 }
@@ -71,6 +71,15 @@ double ErrorWeights::first_step(const double* x, const double* xdot, double expo
     if (speed > 0.0 && allowed > 0.0) h = std::min(h, 0.5 * std::pow(allowed / size, exponent) * size / speed);
   }
   return h;
+}
+
+double ErrorWeights::tightest() const {
+  double smallest = 1.0;
+  for (std::size_t i = 0; i < rtol_.size(); ++i) {
+    const double tol = rtol_[i] > 0.0 ? rtol_[i] : atol_[i];
+    if (tol > 0.0) smallest = std::min(smallest, tol);
+  }
+  return smallest;
 }
 
 int ErrorWeights::worst(const double* e) const {

@@ -28,6 +28,8 @@ class ErrorWeights {
   double norm(const double* e, double exponent) const;
   // Step size at which x changes by half of size^(1 - exponent) tolerance^exponent.
   double first_step(const double* x, const double* xdot, double exponent) const;
+  // The smallest relative tolerance, or absolute one where that is zero.
+  double tightest() const;
   // Component at which norm() is attained.
   int worst(const double* e) const;
   // Largest of rounding errors of x against the tolerances; above 1 they cannot be met.

@@ -227,10 +227,15 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   }
   // No tiny rest before a limit, and not a bit beyond.
   double target = t + h;
-  if (const auto end = limit(); end && (target - *end) * direction_ > -1e-10 * std::fabs(h)) target = *end;
-  // Steps that end at tout: nearly there counts as there; the step cut short says nothing about the next one.
+  const auto end = limit();
+  if (end && (target - *end) * direction_ > -1e-10 * std::fabs(h)) target = *end;
+  // Steps that end at tout: nearly there counts as there; the step cut short says nothing about the next one. Where
+  // interpolation would not be accurate this is the cheapest way, too.
+  constexpr double nearly = 1e-4;
   double uncut = 0.0;
-  if (options_.never_pass_output && (target - tout) * direction_ > -1e-4 * std::fabs(h)) {
+  const bool may_land = (options_.never_pass_output || !stepper_->interpolates_well()) &&
+                        !(end && (tout - *end) * direction_ > 0.0);
+  if (may_land && (target - tout) * direction_ > -nearly * std::fabs(h)) {
     uncut = h;
     target = tout;
   }

@@ -17,13 +17,15 @@ constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data.
 constexpr double first_step_fraction = 0.0718281828;
+// Tolerances that call for more than three stages from the start.
+constexpr double tight = 1e-7, very_tight = 1e-9;
 // The embedded error may be this large in units of tol^((s+1)/(2s)). Measured on 287 runs of three families with s = 3
-// alone and with all s: errors up to 5 tolerances where the coefficients turn fast, 0.5 to 0.8 in the mean. More stages
-// need less, as their order at the nodes relies on smooth coefficients, of which the divided difference of w tells nothing.
+// alone and with all s: errors of a few hundredths of the tolerance in the mean, up to 7 where the coefficients turn fast.
+// More stages need less, as their order at the nodes relies on smooth coefficients, of which the divided difference of w
+// tells nothing.
 constexpr double embedded_limit(int s, bool beside_difference) {
-  return s == 3 ? (beside_difference ? 0.3 : 0.03) : s == 5 ? 0.006 : 0.0015;
+  return s == 3 ? (beside_difference ? 0.3 : 0.03) : s == 5 ? 0.02 : 0.006;
 }
-constexpr double difference_safety = 2.0;
 // Of the Hermite polynomial without its farthest node.
 constexpr double interpolation_error = 0.5;
 
@@ -34,9 +36,12 @@ void Radau::set_options(const StepOptions& options) {
   control_.set_options(options);
 }
 
-// Sized for the embedded estimate with three stages, h^4 ~ tol^(2/3), which is measured then.
-double Radau::first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) const {
-  return std::min(first_step_fraction * span, weights.first_step(x, xdot, 1.0 / 6.0));
+// Sized for the embedded estimate, h^(s+1) ~ tol^((s+1)/(2s)), which is measured then.
+double Radau::first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) {
+  const double tol = weights.tightest();
+  first_stages_ = tol > tight ? 3 : tol > very_tight ? 5 : 7;
+  const int s = std::clamp(first_stages_, options_.min_stages, options_.max_stages);
+  return std::min(first_step_fraction * span, weights.first_step(x, xdot, 0.5 / s));
 }
 
 void Radau::resize(std::size_t n, std::size_t size_w) {
@@ -63,6 +68,7 @@ void Radau::start(StrangenessFreeSystem&, const StartingPoint& point, double h) 
   count_ = 1;
   inner_count_ = 0;
   control_.start(options_);
+  control_.set_stages(std::clamp(first_stages_, options_.min_stages, options_.max_stages));
   next_step_ = h;
   last_step_ = 0.0;
   last_order_ = 0;
@@ -109,8 +115,7 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   const std::size_t n = last.x.size();
   if (!all_finite(stage_x_.data(), n * index(s))) return StepOutcome::not_finite;
   take_last_stage(method, last, tried_);
-  for (std::size_t i = 0; i < n; ++i) largest_x_[i] = std::max(std::fabs(last.x[i]), std::fabs(tried_.x[i]));
-  weights.update(largest_x_.data());
+  update(weights, last.x, tried_.x);
   const ErrorTerms terms = estimate_errors(system, weights, method);
   if (!(terms.error <= 1.0)) {
     next_step_ = control_.rejected(tried_h_, terms);
@@ -120,6 +125,12 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   next_step_ = system.differential() == 0 ? tried_h_ / options_.fastest_rise
                                           : control_.accepted(tried_h_, terms, costs, system.is_constant());
   return StepOutcome::accepted;
+}
+
+// Tolerances for what is larger at either end of a step.
+void Radau::update(ErrorWeights& weights, const Vector& x_start, const Vector& x_end) {
+  for (std::size_t i = 0; i < x_end.size(); ++i) largest_x_[i] = std::max(std::fabs(x_start[i]), std::fabs(x_end[i]));
+  weights.update(largest_x_.data());
 }
 
 // The last stage of a step from `start` as a node; its time is set.
@@ -163,7 +174,7 @@ ErrorTerms Radau::estimate_errors(StrangenessFreeSystem& system, const ErrorWeig
     const double guard = weights.norm(mapped_.data(), (s + 1.0) / (2.0 * s)) / embedded_limit(s, has_difference);
     if (has_difference) terms.decay[index(2 * s)] = weights.norm(difference);
     const double by_difference =
-        has_difference ? difference_safety * method.error_constant * terms.decay[index(2 * s)] : 0.0;
+        has_difference ? method.error_constant * terms.decay[index(2 * s)] : 0.0;
     terms.error = std::max(guard, by_difference);
     terms.exponent = guard > by_difference ? s + 1 : 2 * s;
     if (terms.exponent == 2 * s) std::copy_n(difference, n, error_.data());
@@ -292,7 +303,7 @@ void Radau::interpolate(double t, double* w, double* x, double* xdot) {
   evaluate_hermite(count, t, last.w.size(), w, nullptr);
 }
 
-PointStatus Radau::refine(StrangenessFreeSystem& system, const ErrorWeights& weights, double t, double* w, double* x,
+PointStatus Radau::refine(StrangenessFreeSystem& system, ErrorWeights& weights, double t, double* w, double* x,
                           double* xdot) {
   const PointStatus status = system.move_to(t);
   if (status != PointStatus::ok || system.differential() == 0 || count_ < 2) return status;
@@ -306,6 +317,7 @@ PointStatus Radau::refine(StrangenessFreeSystem& system, const ErrorWeights& wei
   for (std::size_t r = 0; r < size_w; ++r)
     columns_[r] = product * (table_[index(2 * count - 2)][r] + last_gap * table_[index(2 * count - 1)][r]);
   system.error_in_x(columns_.data(), mapped_.data());
+  update(weights, nodes_[1].x, nodes_[0].x);
   if (weights.norm(mapped_.data()) <= interpolation_error) return PointStatus::ok;
   const RadauMethod& method = radau_method((last_order_ + 1) / 2);
   const Node& start = nodes_[1];

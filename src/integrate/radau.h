@@ -22,7 +22,7 @@ namespace sfdae::core {
 class Radau final : public Stepper {
  public:
   void set_options(const StepOptions& options) override;
-  double first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) const override;
+  double first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) override;
   Tightening tightening() const override { return Tightening::none; }
   void start(StrangenessFreeSystem& system, const StartingPoint& point, double h) override;
   StepOutcome attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) override;
@@ -45,7 +45,8 @@ class Radau final : public Stepper {
   // Hermite polynomials through the last nodes.
   void interpolate(double t, double* w, double* x, double* xdot) override;
   // Where they are not accurate enough, the stages of a step to t are solved instead.
-  PointStatus refine(StrangenessFreeSystem& system, const ErrorWeights& weights, double t, double* w, double* x,
+  bool interpolates_well() const override { return count_ > control_.stages(); }
+  PointStatus refine(StrangenessFreeSystem& system, ErrorWeights& weights, double t, double* w, double* x,
                      double* xdot) override;
   void archive(Archive& archive, const StrangenessFreeSystem& system) override;
 
@@ -62,6 +63,7 @@ class Radau final : public Stepper {
 
   void resize(std::size_t n, std::size_t size_w);
   int wanted_stages(const StrangenessFreeSystem& system) const;
+  void update(ErrorWeights& weights, const std::vector<double>& x_start, const std::vector<double>& x_end);
   void take_last_stage(const RadauMethod& method, const Node& start, Node& node) const;
   ErrorTerms estimate_errors(StrangenessFreeSystem& system, const ErrorWeights& weights, const RadauMethod& method);
   void decay_of_differences(StrangenessFreeSystem& system, const ErrorWeights& weights, const RadauMethod& method,
@@ -75,6 +77,7 @@ class Radau final : public Stepper {
   void archive(Archive& archive, Node& node, bool with_x);
 
   StepOptions options_;
+  int first_stages_ = 3;
   std::array<Node, capacity> nodes_;
   int count_ = 0;
   std::array<Node, inner_capacity> inner_;

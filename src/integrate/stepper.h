@@ -48,7 +48,7 @@ class Stepper {
 
   virtual void set_options(const StepOptions& options) = 0;
   // Size of a first attempt. span: length of the interval of interest.
-  virtual double first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) const = 0;
+  virtual double first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) = 0;
   // What is to be done with the tolerances before errors are tested against them.
   virtual Tightening tightening() const = 0;
 
@@ -79,8 +79,10 @@ class Stepper {
   // w, x (inaccurate in its constraints) and x' at t, within the last step.
   virtual void interpolate(double t, double* w, double* x, double* xdot) = 0;
 
+  // Whether interpolate() will be accurate enough within the next step.
+  virtual bool interpolates_well() const { return true; }
   // Moves the system to t and makes up for interpolate() where that is not accurate enough there.
-  virtual PointStatus refine(StrangenessFreeSystem& system, const ErrorWeights&, double t, double*, double*, double*) {
+  virtual PointStatus refine(StrangenessFreeSystem& system, ErrorWeights&, double t, double*, double*, double*) {
     return system.move_to(t);
   }
 

@@ -236,10 +236,11 @@ Trouble LinearProblem::evaluate_plain(double t, Orders orders, TaylorData& data)
   return trouble;
 }
 
-Trouble LinearProblem::evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows) {
+Trouble LinearProblem::evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows,
+                                const std::vector<double>* preferred_rows) {
   Trouble trouble = evaluate_plain(t, orders, data);
   if (trouble.status == SFDAE_OK && !column_scale_.empty()) data.scale_columns(column_scale_);
-  if (trouble.status == SFDAE_OK && !data.scale(time_scale, rows)) {
+  if (trouble.status == SFDAE_OK && !data.scale(time_scale, rows, preferred_rows)) {
     trouble.status = SFDAE_NOT_FINITE;
     trouble.row = -1;
     trouble.t = t;

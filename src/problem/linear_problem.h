@@ -51,7 +51,9 @@ class LinearProblem {
 
   // Derivatives up to the orders asked for, scaled to Taylor coefficients with the given time scale (0: chosen).
   // A stop request ends the evaluation with SFDAE_STOPPED.
-  Trouble evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each);
+  // preferred_rows: as for TaylorData::scale.
+  Trouble evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each,
+                   const std::vector<double>* preferred_rows = nullptr);
   // evaluate() multiplies column j of E and A by scale[j] (powers of two) from now on: unknowns x_j / scale[j]. Empty: 1.
   void set_column_scale(std::vector<double> scale) { column_scale_ = std::move(scale); }
   const std::vector<double>& column_scale() const { return column_scale_; }

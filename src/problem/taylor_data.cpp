@@ -41,7 +41,7 @@ void TaylorData::resize(int rows, int cols, Orders held) {
   row_factor_.resize(index(rows));
 }
 
-void TaylorData::choose_row_scale(RowScaling rows) {
+void TaylorData::choose_row_scale(RowScaling rows, const std::vector<double>* preferred) {
   std::fill(row_scale.begin(), row_scale.end(), 0.0);
   const auto raise = [this](ConstView a) {
     for (int j = 0; j < n; ++j) {
@@ -64,6 +64,13 @@ void TaylorData::choose_row_scale(RowScaling rows) {
   const auto to_one = [](double size) { return std::ldexp(1.0, std::clamp(-std::ilogb(size), -1020, 1020)); };
   const double common = largest == 0.0 ? 1.0 : to_one(largest);
   for (double& size : row_scale) size = size == 0.0 || rows == RowScaling::common ? common : to_one(size);
+  if (preferred == nullptr || rows == RowScaling::common) return;
+  constexpr double about_right = 8.0;
+  for (int i = 0; i < m; ++i) {
+    const double ratio = row_scale[index(i)] / (*preferred)[index(i)];
+    if (!(ratio >= 1.0 / about_right && ratio <= about_right)) return;
+  }
+  row_scale = *preferred;
 }
 
 // Order k times D tau^k / k!, for A and f once more times tau.
@@ -128,8 +135,8 @@ double TaylorData::choose_time_scale() const {
   return grown < infinity ? std::clamp(grown, 0.1 * ratio, 1e3 * ratio) : ratio;
 }
 
-bool TaylorData::scale(double tau, RowScaling rows) {
-  choose_row_scale(rows);
+bool TaylorData::scale(double tau, RowScaling rows, const std::vector<double>* preferred) {
+  choose_row_scale(rows, preferred);
   time_scale = tau > 0.0 ? power_of_two_near(tau) : 1.0;
   scale_rows_and_measure(time_scale);
   if (norm(std::max(orders.E, orders.A)) > largest_coefficient) return false;

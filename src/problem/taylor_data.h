@@ -48,7 +48,9 @@ class TaylorData {
 
   // Turns plain derivatives into scaled Taylor coefficients; tau = 0 chooses the time scale. False if entries are so
   // large or differ so much that products would overflow.
-  bool scale(double tau, RowScaling rows = RowScaling::each);
+  // preferred: factors of rows to take again if they are about right; the range of E T2, and with it the equations that
+  // Z1 picks, then depends smoothly on t from one point to the next.
+  bool scale(double tau, RowScaling rows = RowScaling::each, const std::vector<double>* preferred = nullptr);
   // Multiplies column j of all E(k), A(k) by factors[j]; before scale().
   void scale_columns(const std::vector<double>& factors);
   // Multiplies the time scale by `factor` once more.
@@ -89,7 +91,7 @@ class TaylorData {
   ConstView block(const std::vector<double>& entries, int k) const {
     return {entries.data() + static_cast<std::ptrdiff_t>(k) * m * n, m, n, m};
   }
-  void choose_row_scale(RowScaling rows);
+  void choose_row_scale(RowScaling rows, const std::vector<double>* preferred);
   double choose_time_scale() const;
   void scale_rows_and_measure(double tau);
   void multiply_all(double factor);

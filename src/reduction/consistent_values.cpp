@@ -89,6 +89,25 @@ void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request,
   N = to_matrix(decomposition.V.view().columns(rank, form.unknowns() - rank));
 }
 
+// z0: E1 (xp + T2 z0 - x) = 0; N spans what that leaves open, the free directions. With Z1 spanning the range of E T2 these
+// are the normal equations of min |E (xp + T2 z - x)|: E x changes as little as possible.
+void keep_differential(const NullSpaceForm& form, const TaylorData& data, const Vector& x, Vector& z0, Matrix& N) {
+  const int n = form.n, m = form.m, unknowns = form.unknowns(), u = form.u;
+  Matrix E = to_matrix(data.E(0));
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < n; ++j) E(i, j) /= data.row_scale[index(i)];
+  // Rows of Uz^T make the rank full; they keep z0 out of the free directions.
+  Matrix rows(m + u, unknowns);
+  multiply(1.0, Op::plain, E, Op::plain, form.T2(), 0.0, rows.view().top(m));
+  for (int i = 0; i < u; ++i)
+    for (int j = 0; j < unknowns; ++j) rows(m + i, j) = form.Uz()(j, i);
+  Vector target(index(m + u), 0.0), missing(x);
+  for (int i = 0; i < n; ++i) missing[index(i)] -= form.xp()[i];
+  multiply(1.0, Op::plain, E, missing.data(), 0.0, target.data());
+  z0 = least_squares(rows, target, 0.0);
+  N = to_matrix(form.Uz());
+}
+
 }  // namespace
 
 ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, Vector& user_x) {
@@ -110,8 +129,10 @@ ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest
   Vector z0(index(form.unknowns()) + 1, 0.0);
   Matrix N = identity(form.unknowns());
   if (request.kind == InitialValues::fixed) satisfy_fixed(form, request, x, system.t(), z0, N);
+  if (request.kind == InitialValues::keep_differential) keep_differential(form, system.data(), x, z0, N);
   Vector consistent(form.xp(), form.xp() + n);
-  if (plain_norm && request.kind != InitialValues::fixed) {
+  const bool any_change = request.kind == InitialValues::nearest || request.kind == InitialValues::accept;
+  if (plain_norm && any_change) {
     // xp + T2 T2^T x
     multiply(1.0, Op::transposed, form.T2(), x.data(), 0.0, z0.data());
     multiply(1.0, Op::plain, form.T2(), z0.data(), 1.0, consistent.data());

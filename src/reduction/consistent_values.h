@@ -8,7 +8,9 @@
 
 namespace sfdae::core {
 
-enum class InitialValues { nearest, fixed, accept };
+// keep_differential: x changes in the null space of E1 = Z1^T E only, Z1 the range of E T2 with rows as the user scaled
+// them; exactly one such point is consistent where u = 0, and at least one always, as E1 T2 has full row rank.
+enum class InitialValues { nearest, fixed, accept, keep_differential };
 
 struct ConsistencyRequest {
   InitialValues kind = InitialValues::nearest;

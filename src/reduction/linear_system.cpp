@@ -130,7 +130,7 @@ void LinearSystem::scale_prescribed_values() {
 PointStatus LinearSystem::reduce(double t, double time_scale, Point& point, RowScaling rows) {
   const int mu = analysis_.values.mu;
   point.t = std::numeric_limits<double>::quiet_NaN();  // until it is complete
-  trouble_ = problem_.evaluate(t, orders(), time_scale, point.data, rows);
+  trouble_ = problem_.evaluate(t, orders(), time_scale, point.data, rows, step_rows_.empty() ? nullptr : &step_rows_);
   if (trouble_.status == SFDAE_OK) trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   scale_prescribed_values();

@@ -120,6 +120,7 @@ class LinearSystem final : public StrangenessFreeSystem {
   void keep_trace(int i);
   void assemble_stages(const StageEquations& equations, const double* x_start);
   bool solve_constant_stages(const StageEquations& equations, const double* x_start);
+  void solve_transformed(const StageMethod& method, ConstView r, View z);
   bool factor_pair(std::size_t k, std::complex<double> c);
   void expand_stages(int s, double* x, double* w);
   Point& current() { return points_[current_]; }
@@ -148,6 +149,9 @@ class LinearSystem final : public StrangenessFreeSystem {
   IndexAnalysis analysis_;
   LeadingTerm leading_;
   RowScaling rows_ = RowScaling::each;
+  // Factors of the rows at the first stage of a step, for the others: superconvergence needs equations that depend
+  // smoothly on t. Empty outside of steps.
+  std::vector<double> step_rows_;
   bool needs_E1_ = false;
   bool measured_ = false;  // ranks by measured instead of propagated noise
   Arena arena_;

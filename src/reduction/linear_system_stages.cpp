@@ -32,6 +32,8 @@ PointStatus LinearSystem::solve_stages(const StageEquations& equations, double* 
     const double c = equations.method.c[static_cast<std::size_t>(i)];
     t_reached = i == s - 1 ? equations.t_end : equations.t + c * (equations.t_end - equations.t);
     const PointStatus status = move_to(t_reached);
+    if (i == 0 && status == PointStatus::ok) step_rows_ = data().row_scale;
+    if (i == s - 1 || status != PointStatus::ok) step_rows_.clear();
     if (status != PointStatus::ok) return status;
     keep_stage(i, s);
     if (i < s - 1 && !problem_.is_constant()) keep_trace(i);
@@ -206,26 +208,44 @@ bool LinearSystem::solve_constant_stages(const StageEquations& equations, const 
       r(k, i) = (k < d ? b[k] : 0.0) - factor * sum;
     }
   }
-  // rho = T^-1 r; systems of zeta; z = T zeta.
-  const View rho = arena_.matrix(std::max(q, 1), s);
-  multiply(1.0, Op::plain, r, Op::transposed, ConstView{method.T_inverse.data(), s, s, s}, 0.0, rho);
   if (!factor_step_matrix(method.gamma / h)) return false;
-  solve_lu({matrix_.data(), q, q, std::max(q, 1)}, matrix_pivots_.data(), rho.column(0));
+  for (int k = 0; 2 * k + 2 < s; ++k)
+    if (!factor_pair(static_cast<std::size_t>(k), method.lambda[static_cast<std::size_t>(k)] / h)) return false;
+  const View z{stages_.z.data(), q, s, std::max(q, 1)}, correction = arena_.matrix(std::max(q, 1), s);
+  solve_transformed(method, r, z);
+  // T is badly conditioned for many stages: the residual makes up for that.
+  if (s <= 3) return true;
+  const View Gz = arena_.matrix(std::max(q, 1), s);
+  multiply(1.0, Op::plain, form.G(), Op::plain, z, 0.0, Gz.top(d));
+  if (u > 0) multiply(1.0, Op::transposed, form.Uz(), Op::plain, z, 0.0, Gz.block(d, 0, u, s));
+  multiply(-factor, Op::plain, Gz.top(q), Op::transposed, ConstView{method.D.data(), s, s, s}, 1.0, r.top(q));
+  multiply(1.0, Op::plain, form.B(), Op::plain, z, 1.0, r.top(d));
+  solve_transformed(method, r, correction);
+  for (int i = 0; i < s; ++i)
+    for (int k = 0; k < q; ++k) z(k, i) += correction(k, i);
+  return true;
+}
+
+// rho = T^-1 r; one real and (s-1)/2 complex systems for zeta; z = T zeta. A column for every stage.
+void LinearSystem::solve_transformed(const StageMethod& method, ConstView r, View z) {
+  const int s = method.s, q = current().form.unknowns(), ld = std::max(q, 1);
+  if (q == 0) return;
+  const Arena::Frame frame(arena_);
+  const View rho = arena_.matrix(q, s);
+  multiply(1.0, Op::plain, r.top(q), Op::transposed, ConstView{method.T_inverse.data(), s, s, s}, 0.0, rho);
+  solve_lu(ConstView{matrix_.data(), q, q, ld}, matrix_pivots_.data(), rho.column(0));
   for (int k = 0; 2 * k + 2 < s; ++k) {
     const std::size_t pair = static_cast<std::size_t>(k);
-    if (!factor_pair(pair, method.lambda[pair] / h)) return false;
     double* first = rho.column(2 * k + 1);
     double* second = rho.column(2 * k + 2);
     for (int i = 0; i < q; ++i) stages_.omega[static_cast<std::size_t>(i)] = {first[i], -second[i]};
-    solve_lu({stages_.pairs[pair].data(), q, q, std::max(q, 1)}, stages_.pair_pivots[pair].data(), stages_.omega.data());
+    solve_lu(ComplexView{stages_.pairs[pair].data(), q, q, ld}, stages_.pair_pivots[pair].data(), stages_.omega.data());
     for (int i = 0; i < q; ++i) {
       first[i] = stages_.omega[static_cast<std::size_t>(i)].real();
       second[i] = -stages_.omega[static_cast<std::size_t>(i)].imag();
     }
   }
-  multiply(1.0, Op::plain, rho, Op::transposed, ConstView{method.T.data(), s, s, s}, 0.0, r);
-  for (int i = 0; i < s; ++i) std::copy_n(r.column(i), q, stages_.z.data() + static_cast<std::ptrdiff_t>(i) * q);
-  return true;
+  multiply(1.0, Op::plain, rho, Op::transposed, ConstView{method.T.data(), s, s, s}, 0.0, z.top(q));
 }
 
 void LinearSystem::expand_stages(int s, double* x, double* w) {

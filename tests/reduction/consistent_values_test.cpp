@@ -166,6 +166,68 @@ TEST(ConsistentValues, FixedComponentsKeepTheirValues) {
   }
 }
 
+// E1 change = 0 with E1 = (E T2)^T E, and nothing happens along the free directions, the kernel of [E; A2].
+TEST(ConsistentValues, KeepDifferentialChangesTheNullSpaceOfE1Only) {
+  for (const Family& family : families()) {
+    SCOPED_TRACE(family->name());
+    AtPoint p(family);
+    const int n = p.problem.n(), m = p.problem.m();
+    ConsistencyRequest request;
+    request.kind = InitialValues::keep_differential;
+    const Numbers given = shifted(p.exact(t0), 0.5);
+    Numbers x = given;
+    const ConsistencyResult result = make_consistent(p.system, request, x);
+    const double conditioned = p.tolerance() * 10.0 * std::max(1.0, largest(x));
+    EXPECT_LE(p.violation(x), conditioned);
+    EXPECT_LE(result.residual_after, conditioned);
+    Matrix E(m, n);
+    ASSERT_EQ(p.problem.call('E', t0, 0, E.data()).status, SFDAE_OK);
+    const Matrix change = sum(1.0, column(x), -1.0, column(given));
+    const Matrix ET2 = times(E, p.system.form().T2());
+    EXPECT_LE(largest(times(transposed(ET2), times(E, change))), conditioned * std::max(1.0, largest(E)));
+    const Matrix free = times(p.system.form().T2(), p.system.form().Uz());
+    if (free.cols() > 0) {
+      EXPECT_LE(largest(times(transposed(free), change)), conditioned);
+    }
+    Numbers again = x;
+    make_consistent(p.system, request, again);
+    EXPECT_LE(sfdae_test::distance(x, again), conditioned);
+  }
+}
+
+// Rows and unknowns in other units are no other problem: x1' = -x1 keeps x1, and 0 = x1 - x2 moves x2 alone.
+TEST(ConsistentValues, KeepDifferentialDoesNotDependOnUnits) {
+  for (double row : {1.0, 1e-12})
+    for (double unit : {1.0, 1e9}) {
+      double scale[] = {row, unit};
+      sfdae_linear_problem callbacks;
+      sfdae_linear_problem_init(&callbacks, sizeof callbacks);
+      callbacks.num_equations = callbacks.num_unknowns = 2;
+      callbacks.user = scale;
+      callbacks.E = [](double, int, double* E, void* user) {
+        E[0] = static_cast<double*>(user)[0];
+        return 0;
+      };
+      callbacks.A = [](double, int, double* A, void* user) {
+        const double* s = static_cast<double*>(user);
+        A[0] = -s[0], A[1] = 1.0, A[3] = -s[1];
+        return 0;
+      };
+      callbacks.constant_E = callbacks.constant_A = 1;
+      LinearProblem problem(callbacks);
+      Arena arena;
+      std::vector<RankDecision> decisions;
+      LinearSystem system(problem, {}, analyze_index(problem, 0.0, 1.0, {}, arena, decisions), LeadingTerm::automatic);
+      ASSERT_EQ(system.move_to(0.0), PointStatus::ok);
+      ConsistencyRequest request;
+      request.kind = InitialValues::keep_differential;
+      Numbers x = {2.0, 7.0 / unit};
+      make_consistent(system, request, x);
+      EXPECT_NEAR(x[0], 2.0, rounding(2) * 10.0);
+      EXPECT_NEAR(x[1], 2.0 / unit, rounding(2) * 10.0);  // columns are not scaled for this one
+    }
+}
+
 TEST(ConsistentValues, AllComponentsFixedPassesForConsistentValuesOnly) {
   AtPoint p(Family(sfdae_test::chain(4, 1)));
   ConsistencyRequest request;

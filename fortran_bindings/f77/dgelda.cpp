@@ -1,0 +1,113 @@
+// DGELDA: solves E(t) x' = A(t) x + f(t), E and A square, with the arguments, codes and work arrays of the routine of that
+// name in GELDA 1.1, so that programs written for it can be linked with this library instead.
+//
+//       SUBROUTINE DGELDA (EDIF, ADIF, FDIF, NEQ, T, TOUT, X, XPRIME, CVAL, IPAR, RPAR, IWORK, LIW, RWORK, LRW,
+//      $                   RTOL, ATOL, METHOD, INFO, IWARN, IERR)
+//
+// Codes beside the documented ones of illegal input: -102 also for NEQ > 5000; -101 also for a continuation whose IWORK and
+// RWORK are not those of the last call; -115 also for T or TOUT that is not finite; -132 METHOD is not 1 or 2, or not that
+// of the first call; -140 INTEGERs, or those of the user's subroutines, have another width. -21 is returned wherever a
+// subroutine returns -2, the start included; METHOD=2 reports -10, -21 and -26 as METHOD=1 does. IERR=-998 and -999: called
+// with INFO(1)=-1 after a failure, or after illegal input.
+//
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdint>
+
+#include "f77/dgelda_call.h"
+#include "sfdae/sfdae.h"
+
+namespace sfdae::f77 {
+
+namespace {
+
+
+bool is_narrow(std::int64_t value) { return value >= INT32_MIN && value <= INT32_MAX; }
+
+// False if the numbers are those of INTEGERs of 32 bits read as ones of 64.
+template <class Integer>
+bool has_plausible_width(const Integer* neq, const Integer* method, const Integer* liw, const Integer* lrw,
+                         const Integer* info) {
+  if (!is_narrow(*neq) || !is_narrow(*method) || !is_narrow(*liw)) return false;
+  for (int k = 0; k < num_info; ++k)
+    if (!is_narrow(info[k])) return false;
+  if (is_narrow(*lrw)) return true;
+  // Only very large problems need so much.
+  return *lrw > 0 && minimal_rwork(static_cast<double>(*neq), static_cast<int>(*method), 5.0, 3.0) > INT32_MAX;
+}
+
+template <class Integer>
+struct Parameters {
+  UserFunctions<Integer> functions;
+  const Integer* neq;
+  double* t;
+  const double* tout;
+  double* x;
+  double* xprime;
+  Integer* cval;
+  Integer* iwork;
+  const Integer* liw;
+  double* rwork;
+  const Integer* lrw;
+  double* rtol;
+  double* atol;
+  const Integer* method;
+  Integer* info;
+  Integer* iwarn;
+  Integer* ierr;
+};
+
+template <class Integer>
+int solve(const Parameters<Integer>& p) noexcept {
+  if (!has_plausible_width(p.neq, p.method, p.liw, p.lrw, p.info)) return code::wrong_width;
+  Arguments arguments{.n = static_cast<int>(*p.neq),
+                      .method = static_cast<int>(*p.method),
+                      .liw = *p.liw,
+                      .lrw = *p.lrw,
+                      .tout = *p.tout,
+                      .t = p.t,
+                      .x = p.x,
+                      .xprime = p.xprime,
+                      .rtol = p.rtol,
+                      .atol = p.atol,
+                      .cval = IntegerArray(p.cval),
+                      .iwork = IntegerArray(p.iwork),
+                      .rwork_values = p.rwork};
+  for (int k = 0; k < num_info; ++k) arguments.info[k + 1] = static_cast<int>(p.info[k]);
+  DgeldaProblemOf<Integer> problem(arguments.n, p.functions);
+  const int ierr = DgeldaCall(arguments, problem).run();
+  const bool is_repeated = arguments.info[1] == -1;
+  if (arguments.liw >= shortest_iwork && !is_repeated) arguments.iwork.set(last_ierr, ierr);
+  return ierr;
+}
+
+template <class Integer>
+void dgelda(const Parameters<Integer>& p) noexcept {
+  const int ierr = solve(p);
+  p.info[0] = ierr < 0 ? -1 : ierr == 4 ? 2 : 1;
+  *p.ierr = ierr;
+  // Some callers hand over a constant zero, which may not be written.
+  if (*p.iwarn != 0) *p.iwarn = 0;
+}
+
+}  // namespace
+
+}  // namespace sfdae::f77
+
+// The three names of the entry differ in the width of INTEGER and in underscores only.
+#define SFDAE_DGELDA(name, Integer)                                                                                  \
+  SFDAE_API void name(sfdae::f77::MatrixFunction<Integer> edif, sfdae::f77::MatrixFunction<Integer> adif,             \
+                      sfdae::f77::VectorFunction<Integer> fdif, const Integer* neq, double* t, const double* tout,    \
+                      double* x, double* xprime, Integer* cval, Integer* ipar, double* rpar, Integer* iwork,          \
+                      const Integer* liw, double* rwork, const Integer* lrw, double* rtol, double* atol,              \
+                      const Integer* method, Integer* info, Integer* iwarn, Integer* ierr) {                          \
+    sfdae::f77::dgelda<Integer>({{edif, adif, fdif, ipar, rpar}, neq, t, tout, x, xprime, cval, iwork, liw, rwork,    \
+                                 lrw, rtol, atol, method, info, iwarn, ierr});                                        \
+  }
+
+extern "C" {
+
+SFDAE_DGELDA(dgelda_, std::int32_t)
+SFDAE_DGELDA(dgelda_64_, std::int64_t)
+SFDAE_DGELDA(dgelda_64__, std::int64_t)
+
+}  // extern "C"

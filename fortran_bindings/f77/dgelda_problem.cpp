@@ -1,0 +1,65 @@
+// The user's subroutines as a problem of the core.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "f77/dgelda_problem.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace sfdae::f77 {
+
+namespace {
+
+// What callbacks return to the core.
+constexpr int point_failed = 1, stop_at_once = -1;
+
+std::size_t square(int n) { return static_cast<std::size_t>(n) * static_cast<std::size_t>(n); }
+
+}  // namespace
+
+void DgeldaProblem::set_matrices(const double* values) {
+  matrices_.assign(values, values + 2 * square(n_));
+  has_E_ = has_A_ = true;
+}
+
+sfdae_linear_problem DgeldaProblem::callbacks() {
+  sfdae_linear_problem problem{};
+  problem.size = sizeof problem;
+  problem.num_equations = problem.num_unknowns = n_;
+  problem.E = callback<'E'>;
+  problem.A = callback<'A'>;
+  problem.f = callback<'f'>;
+  problem.constant_E = problem.constant_A = is_constant_ ? 1 : 0;
+  problem.user = this;
+  return problem;
+}
+
+int DgeldaProblem::evaluate(char which, double t, int order, double* values) {
+  const bool is_kept = is_constant_ && which != 'f';
+  bool& is_known = which == 'E' ? has_E_ : has_A_;
+  const std::size_t entries = square(n_), first = which == 'E' ? 0 : entries;
+  if (is_kept && order > 0) return 0;  // zero, as it is
+  if (is_kept && is_known) {
+    std::copy_n(matrices_.data() + first, entries, values);
+    return 0;
+  }
+  if (which == 'f' && order == 0) ++points_;
+  switch (call_user(which, t, order, values)) {
+    case function_ok:
+      break;
+    case order_not_available:
+      return SFDAE_ORDER_NOT_AVAILABLE;
+    case wrong_integer_width:
+      has_wrong_width_ = true;
+      return stop_at_once;
+    default:
+      return point_failed;
+  }
+  if (is_kept) {
+    matrices_.resize(2 * entries);
+    std::copy_n(values, entries, matrices_.data() + first);
+    is_known = true;
+  }
+  return 0;
+}
+
+}  // namespace sfdae::f77

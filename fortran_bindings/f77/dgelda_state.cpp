@@ -1,0 +1,107 @@
+// What survives between calls of DGELDA.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "f77/dgelda_state.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "linalg/archive.h"
+
+namespace sfdae::f77 {
+
+namespace {
+
+// Stands in IWORK(16); its last digit is the version of the layout.
+constexpr std::int64_t state_word = 5'304'461;
+// kind = is_running + 2 is_constant + 4 METHOD
+constexpr int running_bit = 1, constant_bit = 2, method_factor = 4;
+constexpr int last_real = 20;
+
+bool is_whole(double value) { return value == std::floor(value); }
+
+}  // namespace
+
+void DgeldaState::invalidate() { arguments_.iwork.set(word, 0); }
+
+std::size_t DgeldaState::size_of_matrices(bool is_constant) const {
+  const std::size_t n = static_cast<std::size_t>(arguments_.n);
+  return is_constant ? 2 * n * n : 0;
+}
+
+std::size_t DgeldaState::saved_length() const { return static_cast<std::size_t>(arguments_.rwork(length)); }
+
+// FNV-1a over all words, folded to a positive INTEGER of 32 bits.
+std::int64_t DgeldaState::checksum(std::size_t reals) const {
+  std::uint64_t hash = 14695981039346656037u;
+  const auto add = [&hash](std::uint64_t item) { hash = (hash ^ item) * 1099511628211u; };
+  add(static_cast<std::uint64_t>(arguments_.n));
+  add(static_cast<std::uint64_t>(arguments_.iwork.get(kind)));
+  for (int position : {span, t_returned, direction, length}) add(std::bit_cast<std::uint64_t>(arguments_.rwork(position)));
+  for (std::size_t i = 0; i < reals; ++i) add(std::bit_cast<std::uint64_t>((&arguments_.rwork(first_real))[i]));
+  return static_cast<std::int64_t>((hash >> 33) ^ (hash & 0x7fffffffu));
+}
+
+int DgeldaState::load(Progress& progress) const {
+  if (arguments_.liw < shortest_iwork || arguments_.lrw < last_real) return code::bad_info;
+  if (arguments_.n <= 0 || arguments_.n > largest_order) return code::bad_info;
+  if (arguments_.iwork.get(word) != state_word) return code::bad_info;
+  const std::int64_t kinds = arguments_.iwork.get(kind);
+  progress.is_running = (kinds & running_bit) != 0;
+  progress.is_constant = (kinds & constant_bit) != 0;
+  const double reals = arguments_.rwork(length), room = static_cast<double>(arguments_.lrw - last_real);
+  if (!(reals >= 0.0 && reals <= room && is_whole(reals))) return code::bad_info;
+  if (saved_length() < size_of_matrices(progress.is_constant)) return code::bad_info;
+  if (checksum(saved_length()) != arguments_.iwork.get(sum)) return code::bad_info;
+  if (kinds / method_factor != arguments_.method) return code::bad_method;
+  progress.span = arguments_.rwork(span);
+  progress.t_returned = arguments_.rwork(t_returned);
+  progress.direction = arguments_.rwork(direction);
+  return code::ok;
+}
+
+bool DgeldaState::save(const Progress& progress, DgeldaProblem& problem, core::LinearSystem& system,
+                       core::Integration* integration) {
+  invalidate();
+  const std::size_t room = static_cast<std::size_t>(arguments_.lrw - last_real);
+  const std::size_t constants = size_of_matrices(progress.is_constant);
+  core::Archive counter = core::Archive::counter();
+  if (integration == nullptr) system.archive(counter);
+  const std::size_t rest = integration != nullptr ? core::checkpoint_size(system, *integration) : counter.size();
+  if (constants + rest > room) return false;
+  double* to = &arguments_.rwork(first_real);
+  std::copy_n(problem.matrices().data(), constants, to);
+  if (integration != nullptr) {
+    core::save_checkpoint(system, *integration, to + constants);
+  } else {
+    core::Archive archive = core::Archive::writer(to + constants, rest);
+    system.archive(archive);
+  }
+  arguments_.rwork(span) = progress.span;
+  arguments_.rwork(t_returned) = progress.t_returned;
+  arguments_.rwork(direction) = progress.direction;
+  arguments_.rwork(length) = static_cast<double>(constants + rest);
+  arguments_.iwork.set(kind, (progress.is_running ? running_bit : 0) + (progress.is_constant ? constant_bit : 0) +
+                                 method_factor * arguments_.method);
+  arguments_.iwork.set(sum, checksum(constants + rest));
+  arguments_.iwork.set(word, state_word);
+  return true;
+}
+
+std::unique_ptr<core::LinearSystem> DgeldaState::restore_system(core::LinearProblem& problem,
+                                                                const core::AnalysisSettings& settings,
+                                                                const Progress& progress) const {
+  const std::size_t constants = size_of_matrices(progress.is_constant);
+  core::Archive archive = core::Archive::reader(&arguments_.rwork(first_real) + constants, saved_length() - constants);
+  return std::make_unique<core::LinearSystem>(problem, settings, archive);
+}
+
+core::Restored DgeldaState::restore(core::LinearProblem& problem, const core::AnalysisSettings& settings,
+                                    const core::IntegrationOptions& options, const Progress& progress) const {
+  const std::size_t constants = size_of_matrices(progress.is_constant);
+  return core::restore_checkpoint(problem, settings, options, &arguments_.rwork(first_real) + constants,
+                                  saved_length() - constants);
+}
+
+}  // namespace sfdae::f77
