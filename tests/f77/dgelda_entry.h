@@ -8,20 +8,16 @@
 #include <limits>
 #include <vector>
 
+#include "f77/user_functions.h"
+
 namespace sfdae_test {
 
 template <class Integer>
-using DgeldaMatrixFunction = void (*)(const Integer* n, const double* t, const Integer* idif, double* values,
-                                      const Integer* leading_dimension, Integer* ipar, double* rpar, Integer* ierr);
-template <class Integer>
-using DgeldaVectorFunction = void (*)(const Integer* n, const double* t, const Integer* idif, double* values,
-                                      Integer* ipar, double* rpar, Integer* ierr);
-template <class Integer>
-using DgeldaFunction = void(DgeldaMatrixFunction<Integer> edif, DgeldaMatrixFunction<Integer> adif,
-                            DgeldaVectorFunction<Integer> fdif, const Integer* neq, double* t, const double* tout,
-                            double* x, double* xprime, Integer* cval, Integer* ipar, double* rpar, Integer* iwork,
-                            const Integer* liw, double* rwork, const Integer* lrw, double* rtol, double* atol,
-                            const Integer* method, Integer* info, Integer* iwarn, Integer* ierr);
+using DgeldaFunction = void(sfdae::f77::MatrixFunction<Integer> edif, sfdae::f77::MatrixFunction<Integer> adif,
+                            sfdae::f77::VectorFunction<Integer> fdif, const Integer* neq, double* t,
+                            const double* tout, double* x, double* xprime, Integer* cval, Integer* ipar, double* rpar,
+                            Integer* iwork, const Integer* liw, double* rwork, const Integer* lrw, double* rtol,
+                            double* atol, const Integer* method, Integer* info, Integer* iwarn, Integer* ierr);
 
 }  // namespace sfdae_test
 
@@ -118,7 +114,8 @@ struct Dgelda {
   }
 
   void set_tolerance(double tol) { rtol(1) = atol(1) = tol; }
-  void functions(DgeldaMatrixFunction<Integer> e, DgeldaMatrixFunction<Integer> a, DgeldaVectorFunction<Integer> f) {
+  void functions(sfdae::f77::MatrixFunction<Integer> e, sfdae::f77::MatrixFunction<Integer> a,
+                 sfdae::f77::VectorFunction<Integer> f) {
     edif = e, adif = a, fdif = f;
   }
 
@@ -139,8 +136,8 @@ struct Dgelda {
   long attempts() const { return static_cast<long>(iwork(11) + iwork(14) + iwork(15)); }
 
   DgeldaFunction<Integer>* entry = dgelda_entry<Integer>();
-  DgeldaMatrixFunction<Integer> edif = nullptr, adif = nullptr;
-  DgeldaVectorFunction<Integer> fdif = nullptr;
+  sfdae::f77::MatrixFunction<Integer> edif = nullptr, adif = nullptr;
+  sfdae::f77::VectorFunction<Integer> fdif = nullptr;
   Integer n;
   double t = 0.0;
   Integer method;
