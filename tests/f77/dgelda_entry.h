@@ -31,10 +31,8 @@ namespace sfdae_test {
 
 template <class Integer>
 constexpr DgeldaFunction<Integer>* dgelda_entry() {
-  if constexpr (sizeof(Integer) == 4)
-    return dgelda_;
-  else
-    return dgelda_64_;
+  if constexpr (sizeof(Integer) == 4) return dgelda_;
+  else return dgelda_64_;
 }
 
 // An array of Fortran, numbered from 1, between zones that nobody may write to. Filled with garbage: NaN or an odd
@@ -71,10 +69,8 @@ class FortranArray {
  private:
   static constexpr std::ptrdiff_t zone = 64;
   static Number garbage() {
-    if constexpr (std::numeric_limits<Number>::is_integer)
-      return static_cast<Number>(-1234567891);
-    else
-      return std::numeric_limits<Number>::quiet_NaN();
+    if constexpr (std::numeric_limits<Number>::is_integer) return static_cast<Number>(-1234567891);
+    else return std::numeric_limits<Number>::quiet_NaN();
   }
   static Number guard() { return static_cast<Number>(987654321); }
 
@@ -83,7 +79,9 @@ class FortranArray {
 };
 
 // Lengths of the work arrays as documented. q = mxindx + 1.
-inline std::int64_t documented_liw(int n, int method) { return method == 1 ? 20 + 2 * n : 20 + 6 * n; }
+inline std::int64_t documented_liw(int n, int method) {
+  return method == 1 ? 20 + 2 * n : 20 + 6 * n;
+}
 inline std::int64_t documented_lrw(int n, int method, int maxord = 5, int mxindx = 3) {
   const std::int64_t q = mxindx + 1;
   return method == 1 ? 50 + (21 + maxord + 14 * mxindx) * n + (6 + mxindx + 6 * q * q) * n * n

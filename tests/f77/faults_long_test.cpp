@@ -1,5 +1,5 @@
-// User functions that fail at any one of their calls: DGELDA overcomes it or says so, and its arrays remain a state to go
-// on from.
+// User functions that fail at any one of their calls: DGELDA overcomes it or says so, and its arrays remain a state
+// to go on from.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
@@ -44,7 +44,9 @@ std::vector<Setting> all_settings() {
 }
 
 // With SFDAE_TEST_SCALE below 1 not every call, but some spread evenly.
-long stride() { return 100 / scaled_count(100); }
+long stride() {
+  return 100 / scaled_count(100);
+}
 
 class Faults : public testing::TestWithParam<Setting> {
  protected:
@@ -121,7 +123,8 @@ TEST_P(Faults, AFailureThatStaysIsReportedAndCanBeRepaired) {
   const long last = calls();
   for (int code : {-1, nan_instead})
     for (long number = 1; number <= last; number += stride()) {
-      SCOPED_TRACE("from call " + std::to_string(number) + " of " + std::to_string(last) + ": " + std::to_string(code));
+      SCOPED_TRACE("from call " + std::to_string(number) + " of " + std::to_string(last) + ": " +
+                   std::to_string(code));
       Functions functions(family());
       break_call(functions, number, true, code);
       Arguments call = arguments(functions);
