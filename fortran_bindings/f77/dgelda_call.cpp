@@ -99,8 +99,8 @@ int DgeldaCall::first_call() {
     find_initial_point(hint != 0.0 ? hint : 1.0);
   } catch (const core::Failure& failure) {
     // Nobody said that the functions are defined on this side of T.
-    const bool may_be_the_side = failure.status() == SFDAE_CALLBACK_FAILED || failure.status() == SFDAE_NOT_FINITE;
-    if (hint != 0.0 || !may_be_the_side) throw;
+    const bool is_trouble = failure.status() == SFDAE_CALLBACK_FAILED || failure.status() == SFDAE_NOT_FINITE;
+    if (hint != 0.0 || !is_trouble || user_.last_t() == t_) throw;
     find_initial_point(-1.0);
   }
   publish_values();
@@ -187,6 +187,7 @@ void DgeldaCall::find_values() {
   }
   stage_ = Stage::slopes;
   system_->consistent_derivative(x_.data(), progress_.direction(), xdot_.data());
+  if (user_.lacks_derivative()) throw core::Failure(SFDAE_CALLBACK_STOPPED, "");
   if (!core::all_finite(xdot_.data(), xdot_.size())) throw core::Failure(SFDAE_NOT_FINITE, "");
 }
 
@@ -275,6 +276,7 @@ int DgeldaCall::advance() {
   } else {
     result = integration_->advance(arguments_.tout, arguments_.flag(3), t_, x_.data(), xdot_.data());
   }
+  if (user_.lacks_derivative()) result.status = SFDAE_CALLBACK_STOPPED;
   const int ierr = result.status == SFDAE_ILLEGAL_ARGUMENT ? not_possible : code_of(result.status);
   publish_values();
   publish_counts(user_.points() - points_before);
@@ -284,7 +286,9 @@ int DgeldaCall::advance() {
     publish_characteristics(change ? change->new_values
                                    : core::find_local_values(*problem_, arguments_.tout, settings(), arena_));
   }
-  progress_.t_returned = t_;
+  // After an interruption behind TOUT that TOUT may be asked for again.
+  const bool is_behind = (t_ - arguments_.tout) * progress_.direction() > 0.0;
+  if (!is_behind) progress_.t_returned = t_;
   return state_.save(progress_, user_, *system_, integration_.get()) ? ierr : not_possible;
 }
 
@@ -320,8 +324,7 @@ int DgeldaCall::code_of(int status) const {
     case SFDAE_TOLERANCE_TOO_SMALL: return tolerances_too_small;
     case SFDAE_STEP_TOO_SMALL: return step_too_small;
     case SFDAE_SINGULAR: return singular;
-    case SFDAE_ORDER_MISSING: return derivative_missing;
-    case SFDAE_CALLBACK_STOPPED: return user_.has_wrong_width() ? code::wrong_width : not_possible;
+    case SFDAE_CALLBACK_STOPPED: return user_.has_wrong_width() ? code::wrong_width : derivative_missing;
     case SFDAE_CALLBACK_FAILED: return is_start ? no_index : functions_failed;
     case SFDAE_NOT_FINITE:
       return stage_ == Stage::structure ? no_index
