@@ -108,6 +108,11 @@ module sfdae
   integer(c_int), parameter, public :: sfdae_leading_matrix = 2
   integer(c_int), parameter, public :: sfdae_leading_identity = 3
 
+  !> Integration methods (dae_options%method).
+  integer(c_int), parameter, public :: sfdae_method_bdf = 0
+  integer(c_int), parameter, public :: sfdae_method_radau = 1
+  integer(c_int), parameter, public :: sfdae_method_automatic = 2
+
   !> Which matrix a rank decision was about (sfdae_decision%what).
   integer(c_int), parameter, public :: sfdae_decision_stage = 0
   integer(c_int), parameter, public :: sfdae_decision_a2 = 1
@@ -334,6 +339,9 @@ module sfdae
     integer(c_int) :: leading_term = 0
     type(c_funptr) :: monitor = c_null_funptr
     type(c_ptr) :: monitor_user = c_null_ptr
+    integer(c_int) :: method = 0
+    integer(c_int) :: min_stages = 0
+    integer(c_int) :: max_stages = 0
   end type sfdae_options
 
   ! ---- Problem ------------------------------------------------------------------------------
@@ -466,6 +474,14 @@ module sfdae
 
     !> Called after every accepted step if associated. Its target must live as long as the solver.
     class(dae_monitor), pointer :: monitor => null()
+
+    !> sfdae_method_bdf, sfdae_method_radau or sfdae_method_automatic; a change takes effect with
+    !> the next start.
+    integer(c_int) :: method = sfdae_method_bdf
+    !> Radau: smallest number of stages, 1, 3, 5 or 7.
+    integer(c_int) :: min_stages = 1
+    !> Radau: largest number of stages, 1, 3, 5 or 7, >= min_stages.
+    integer(c_int) :: max_stages = 7
   end type dae_options
 
   ! ---- Solver -------------------------------------------------------------------------------
@@ -506,6 +522,8 @@ module sfdae
     procedure :: start => solver_start
     procedure :: advance => solver_advance
     procedure :: step => solver_step
+    procedure :: save_checkpoint => solver_save_checkpoint
+    procedure :: restore_checkpoint => solver_restore_checkpoint
     procedure :: get_statistics => solver_get_statistics
     procedure :: report => solver_report
     procedure :: get_derivative_array => solver_get_derivative_array
@@ -709,6 +727,32 @@ module sfdae
       type(c_ptr), value :: xdot
       integer(c_int) :: status
     end function c_step
+
+    function c_get_checkpoint_length(solver, length) &
+      bind(c, name="sfdae_get_checkpoint_length") result(status)
+      import :: c_int, c_ptr, c_size_t
+      type(c_ptr), value :: solver
+      integer(c_size_t), intent(inout) :: length
+      integer(c_int) :: status
+    end function c_get_checkpoint_length
+
+    function c_save_checkpoint(solver, checkpoint, length) &
+      bind(c, name="sfdae_save_checkpoint") result(status)
+      import :: c_double, c_int, c_ptr, c_size_t
+      type(c_ptr), value :: solver
+      real(c_double), intent(inout) :: checkpoint(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: status
+    end function c_save_checkpoint
+
+    function c_restore_checkpoint(solver, checkpoint, length) &
+      bind(c, name="sfdae_restore_checkpoint") result(status)
+      import :: c_double, c_int, c_ptr, c_size_t
+      type(c_ptr), value :: solver
+      real(c_double), intent(in) :: checkpoint(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: status
+    end function c_restore_checkpoint
 
     function c_statistics_init(statistics, size) bind(c, name="sfdae_statistics_init") &
       result(status)
@@ -1117,6 +1161,46 @@ contains
     if (status == sfdae_ok) status = c_step(self%handle, tout, t, x, xdot_address)
   end subroutine solver_step
 
+  !> The analysis and the state of the integration as an array of plain numbers, to be kept,
+  !> written to a file (17 digits) or handed to another process. Problem and options are not in it.
+  subroutine solver_save_checkpoint(self, checkpoint, status)
+    class(dae_solver), intent(inout) :: self
+    !> Allocated as needed; its size changes from step to step.
+    real(c_double), allocatable, intent(inout) :: checkpoint(:)
+    !> sfdae_not_started if there is no integration.
+    integer(c_int), intent(out) :: status
+    real(c_double), allocatable :: found(:)
+    integer(c_size_t) :: length
+    integer :: allocation
+
+    call check_call(self, status)
+    length = 0
+    if (status == sfdae_ok) status = c_get_checkpoint_length(self%handle, length)
+    if (status < 0) return
+    allocate (found(length), stat=allocation)
+    if (allocation /= 0) then
+      status = sfdae_out_of_memory
+      self%complaint = "out of memory for the checkpoint"
+      return
+    end if
+    status = c_save_checkpoint(self%handle, found, length)
+    if (status >= 0) call move_alloc(found, checkpoint)
+  end subroutine solver_save_checkpoint
+
+  !> Continues from a checkpoint instead of start: advance is next. The solver has to be created
+  !> with the problem and the options that the checkpoint was made with (tolerances, limits and the
+  !> monitor may differ); no callback is called.
+  subroutine solver_restore_checkpoint(self, checkpoint, status)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), contiguous, intent(in) :: checkpoint(:)
+    !> sfdae_illegal_argument if it is damaged or does not fit; then nothing is started.
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_restore_checkpoint(self%handle, checkpoint, &
+      size(checkpoint, kind=c_size_t))
+  end subroutine solver_restore_checkpoint
+
   !> Counts since start.
   subroutine solver_get_statistics(self, statistics, status)
     class(dae_solver), intent(inout) :: self
@@ -1483,6 +1567,9 @@ contains
     c_options%stop_time = options%stop_time
     c_options%max_steps = options%max_steps
     c_options%leading_term = options%leading_term
+    c_options%method = options%method
+    c_options%min_stages = options%min_stages
+    c_options%max_stages = options%max_stages
 
     holder%monitor => options%monitor
     if (associated(options%monitor)) c_options%monitor = c_funloc(call_monitor)

@@ -283,6 +283,24 @@ class Solver {
     return checked(sfdae_step(get(), tout, &point.t, point.x.data(), xdot));
   }
 
+  /// The state of the integration, to be kept, written to a file or handed to another process; see
+  /// sfdae_save_checkpoint. It contains neither problem nor options.
+  std::vector<double> save_checkpoint() {
+    std::size_t length = 0;
+    checked(sfdae_get_checkpoint_length(get(), &length));
+    std::vector<double> checkpoint(length);
+    checked(sfdae_save_checkpoint(get(), checkpoint.data(), length));
+    return checkpoint;
+  }
+
+  /// Continues from a checkpoint instead of start(): advance() is next. The problem and the options have to be those
+  /// that the checkpoint was made with. After a failure nothing is started.
+  int restore_checkpoint(const std::vector<double>& checkpoint) {
+    const double nothing = 0;  // an empty vector may have no address
+    const double* const values = checkpoint.empty() ? &nothing : checkpoint.data();
+    return checked(sfdae_restore_checkpoint(get(), values, checkpoint.size()));
+  }
+
   Statistics statistics() const { return filled(sfdae_statistics_init, sfdae_get_statistics); }
 
   /// The diagnostics report.

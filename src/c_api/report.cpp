@@ -50,7 +50,7 @@ std::string analysis_report(const sfdae_solver& solver) {
                         : worst == Verdict::confirmed ? "doubtful decisions were confirmed by a second reading"
                         : worst == Verdict::user      ? "ranks were decided by rank_tol"
                                                       : "not every decision is safe";
-  text += summary + (gap < 1e300 ? format(": smallest gap %.0e\n", gap) : std::string("\n"));
+  if (!solver.decisions.empty()) text += summary + (gap < 1e300 ? format(": smallest gap %.0e\n", gap) : std::string("\n"));
   constexpr const char* leading[] = {"", "W = E^+ E", "W = E", "W = I"};
   text += format("time scale %.3g, leading term %s\n", analysis.time_scale,
                  leading[static_cast<int>(solver.system->leading_term())]);
@@ -65,10 +65,20 @@ std::string initial_report(const sfdae_initial_report& report) {
   return text + (report.derivative_exact != 0 ? "\n" : "; algebraic part of x' by differences\n");
 }
 
+// The stages of a Radau step of odd order 2s - 1.
+std::string method_name(const sfdae_solver& solver, int order) {
+  const bool automatic = solver.options.integration.method == Method::automatic;
+  std::string name = "BDF";
+  if (solver.integration->method() == Method::radau)
+    name = order > 0 ? format("Radau IIA with %d stage%s", (order + 1) / 2, order > 1 ? "s" : "") : std::string("Radau IIA");
+  return automatic ? name + " (chosen automatically)" : name;
+}
+
 std::string integration_report(const sfdae_solver& solver) {
   const sfdae_statistics s = statistics_of(solver);
-  std::string text = format("Integration to t = %.10g: %ld steps, %ld error test failures, %ld other failures\n",
-                            s.t_internal, s.steps, s.error_failures, s.other_failures);
+  std::string text = format("Integration to t = %.10g by %s: %ld steps, %ld error test failures, %ld other failures\n",
+                            s.t_internal, method_name(solver, s.last_order).c_str(), s.steps, s.error_failures,
+                            s.other_failures);
   text += format("  %ld reductions, %ld factorizations, %ld / %ld / %ld calls of E / A / f\n", s.reductions,
                  s.factorizations, s.evaluations_E, s.evaluations_A, s.evaluations_f);
   text += format("  last step %.3g of order %d, next %.3g; smallest kept value %.1e\n", s.last_step, s.last_order,
@@ -82,10 +92,13 @@ std::string integration_report(const sfdae_solver& solver) {
 
 std::string report_of(const sfdae_solver& solver) {
   const int m = solver.problem.m(), n = solver.problem.n();
-  if (solver.decisions.empty()) return format("no analysis yet (m = %d equations, n = %d unknowns)\n", m, n);
-  std::string text = format("Index analysis at t = %.10g (m = %d equations, n = %d unknowns)\n",
-                            solver.decisions.front().t, m, n);
-  text += decision_table(solver.decisions);
+  if (!solver.system && solver.decisions.empty())
+    return format("no analysis yet (m = %d equations, n = %d unknowns)\n", m, n);
+  // A checkpoint has the analysis without its decisions.
+  const double t = solver.decisions.empty() ? solver.system->analysis().t : solver.decisions.front().t;
+  std::string text = format("Index analysis at t = %.10g (m = %d equations, n = %d unknowns)\n", t, m, n);
+  text += solver.decisions.empty() ? "  restored from a checkpoint, without its rank decisions\n"
+                                   : decision_table(solver.decisions);
   text += solver.system ? analysis_report(solver) : "the analysis failed\n";
   if (solver.initial_report) text += initial_report(*solver.initial_report);
   if (solver.integration) text += integration_report(solver);

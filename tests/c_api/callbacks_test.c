@@ -51,6 +51,7 @@ typedef struct {
 } plan;
 
 #define TOL 1e-4
+static int method = SFDAE_METHOD_BDF; /* of all solvers */
 enum { M = 4, N = 5 };
 
 static void use_solver_from_inside(sfdae_solver *solver);
@@ -151,6 +152,7 @@ static sfdae_options loose_options(plan *p) {
   sfdae_options options;
   sfdae_options_init(&options, sizeof options);
   options.rtol = options.atol = TOL;
+  options.method = method;
   options.monitor = monitor;
   options.monitor_user = p;
   return options;
@@ -524,6 +526,7 @@ static void use_solver_from_inside(sfdae_solver *solver) {
   sfdae_derivative_check check;
   double t = unset, x[N] = {unset, unset, unset, unset, unset}, matrix[80];
   char text[100];
+  size_t length = 77;
   int count = -1;
   inside_uses++;
   sfdae_options_init(&options, sizeof options);
@@ -543,6 +546,9 @@ static void use_solver_from_inside(sfdae_solver *solver) {
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, x), SFDAE_BUSY);
   CHECK_STATUS(sfdae_advance(solver, 1, &t, x, x), SFDAE_BUSY);
   CHECK_STATUS(sfdae_step(solver, 1, &t, x, x), SFDAE_BUSY);
+  CHECK_STATUS(sfdae_get_checkpoint_length(solver, &length), SFDAE_BUSY);
+  CHECK_STATUS(sfdae_save_checkpoint(solver, matrix, 80), SFDAE_BUSY);
+  CHECK_STATUS(sfdae_restore_checkpoint(solver, matrix, 80), SFDAE_BUSY);
   CHECK_STATUS(sfdae_get_derivative_array(solver, 0, 1, matrix, NULL, NULL), SFDAE_BUSY);
   CHECK_STATUS(sfdae_get_projectors(solver, 0, matrix, NULL, NULL, NULL, &count), SFDAE_BUSY);
   CHECK_STATUS(sfdae_get_strangeness_free(solver, 0, matrix, NULL, NULL, NULL, NULL, &t), SFDAE_BUSY);
@@ -685,15 +691,20 @@ static void signal_handlers_may_stop(void) {
 }
 
 int main(void) {
-  every_call_may_go_wrong();
-  every_monitor_call_may_stop();
-  functions_end_before_tout();
+  for (method = SFDAE_METHOD_BDF; method <= SFDAE_METHOD_AUTOMATIC; method++) {
+    const int failures_before = failures;
+    if (method != SFDAE_METHOD_AUTOMATIC) every_call_may_go_wrong();
+    every_monitor_call_may_stop();
+    functions_end_before_tout();
+    requests_are_kept_for_the_next_call();
+    no_order_is_asked_for_that_the_header_does_not_name();
+    if (failures > failures_before) fprintf(stderr, "  ... with method %d\n", method);
+  }
+  method = SFDAE_METHOD_BDF;
   derivatives_that_are_missing_are_named_or_differenced();
-  no_order_is_asked_for_that_the_header_does_not_name();
   constant_matrices_are_asked_for_once();
   solver_is_busy_in_its_own_callbacks();
   other_solvers_may_be_used_in_callbacks();
-  requests_are_kept_for_the_next_call();
   other_threads_may_stop();
   signal_handlers_may_stop();
   return failures != 0;

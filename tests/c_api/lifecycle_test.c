@@ -214,6 +214,7 @@ static void options_have_the_documented_defaults(void) {
   CHECK(o.ignore_inconsistency == 0 && o.consistency_tol == 1e-8);
   CHECK(o.max_order == 5 && o.initial_step == 0 && o.max_step == 0 && o.use_stop_time == 0);
   CHECK(o.max_steps == 100000 && o.leading_term == SFDAE_LEADING_AUTOMATIC && o.monitor == NULL);
+  CHECK(o.method == SFDAE_METHOD_BDF && o.min_stages == 1 && o.max_stages == 7);
 }
 
 /* An older caller knows fewer members: those that it does not know keep their defaults. A newer caller has more. */
@@ -526,6 +527,9 @@ static void no_solver_is_refused_everywhere(void) {
   CHECK_STATUS(sfdae_start(NULL, 0, 1, x, xdot), SFDAE_ILLEGAL_ARGUMENT);
   CHECK_STATUS(sfdae_advance(NULL, 1, &t, x, xdot), SFDAE_ILLEGAL_ARGUMENT);
   CHECK_STATUS(sfdae_step(NULL, 1, &t, x, xdot), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK_STATUS(sfdae_get_checkpoint_length(NULL, &needed), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK_STATUS(sfdae_save_checkpoint(NULL, M, 64), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK_STATUS(sfdae_restore_checkpoint(NULL, M, 64), SFDAE_ILLEGAL_ARGUMENT);
   CHECK_STATUS(sfdae_get_statistics(NULL, &statistics), SFDAE_ILLEGAL_ARGUMENT);
   CHECK_STATUS(sfdae_report(NULL, text, sizeof text, &needed), SFDAE_ILLEGAL_ARGUMENT);
   CHECK_STATUS(sfdae_get_derivative_array(NULL, 0, 1, M, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);

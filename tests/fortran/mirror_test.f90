@@ -176,8 +176,8 @@ contains
       o%difference_derivatives, o%difference_step, o%initial_values, integer_at(o%fixed), &
       number_at(o%initial_weights), o%ignore_inconsistency, o%consistency_tol, o%max_order, &
       o%initial_step, o%max_step, o%use_stop_time, o%stop_time, o%max_steps, o%leading_term, &
-      call_monitor(progress, o%monitor_user) + 19, integer_at(o%monitor_user)]), &
-      "members of sfdae_options")
+      call_monitor(progress, o%monitor_user) + 19, integer_at(o%monitor_user), o%method, &
+      o%min_stages, o%max_stages]), "members of sfdae_options")
   end subroutine check_options
 
   !> dae_options starts with the library's defaults.
@@ -208,6 +208,9 @@ contains
     call check(equal(f%stop_time, c%stop_time), "stop_time")
     call check(f%max_steps == c%max_steps, "max_steps")
     call check(f%leading_term == c%leading_term, "leading_term")
+    call check(f%method == c%method, "method")
+    call check(f%min_stages == c%min_stages, "min_stages")
+    call check(f%max_stages == c%max_stages, "max_stages")
   end subroutine check_defaults
 
   !> Whether the values are 1, 2, 3, ...
