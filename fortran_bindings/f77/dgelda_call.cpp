@@ -67,7 +67,7 @@ int DgeldaCall::dispatch() {
     user_.set_matrices(state_.matrices());
   }
   problem_.emplace(user_.callbacks());
-  problem_->set_differences({false, 0.0, progress_.span});
+  problem_->set_differences({false, 0.0, std::fabs(progress_.span)});
   return progress_.is_running ? go_on() : start_later();
 }
 
@@ -99,8 +99,8 @@ int DgeldaCall::first_call() {
     find_initial_point(hint != 0.0 ? hint : 1.0);
   } catch (const core::Failure& failure) {
     // Nobody said that the functions are defined on this side of T.
-    const bool may_be_the_side = failure.status() == SFDAE_CALLBACK_FAILED || failure.status() == SFDAE_NOT_FINITE;
-    if (hint != 0.0 || !may_be_the_side) throw;
+    const bool is_trouble = failure.status() == SFDAE_CALLBACK_FAILED || failure.status() == SFDAE_NOT_FINITE;
+    if (hint != 0.0 || !is_trouble || user_.last_t() == t_) throw;
     find_initial_point(-1.0);
   }
   publish_values();
@@ -117,7 +117,6 @@ double DgeldaCall::hinted_direction() const {
 }
 
 void DgeldaCall::find_initial_point(double direction) {
-  progress_.direction = direction;
   double toward = arguments_.tout;
   if (toward == t_) toward = t_ + direction * std::max(1.0, 1e-6 * std::fabs(t_));
   if (options_.stop_time) {
@@ -136,19 +135,29 @@ core::AnalysisSettings DgeldaCall::settings() const {
   return settings;
 }
 
-// From t on in the direction of integration, and not beyond TSTOP; one that does not lie ahead is reported later.
-void DgeldaCall::limit_evaluations(double t) {
-  const double direction = progress_.direction;
-  double stop = direction * std::numeric_limits<double>::infinity();
-  if (options_.stop_time && (*options_.stop_time - t) * direction > 0.0) stop = *options_.stop_time;
-  problem_->set_limits(std::min(t, stop), std::max(t, stop));
+// From the start on in the direction of integration, and not beyond TSTOP nor, with Radau, TOUT. Limits that do not lie ahead
+// are reported later.
+void DgeldaCall::limit_evaluations() {
+  const double direction = progress_.direction();
+  double end = direction * std::numeric_limits<double>::infinity();
+  const auto limit_to = [&](double limit) {
+    if ((limit - t_) * direction > 0.0 && (limit - end) * direction < 0.0) end = limit;
+  };
+  if (options_.stop_time) limit_to(*options_.stop_time);
+  if (arguments_.method == radau_method) limit_to(arguments_.tout);
+  problem_->set_limits(std::min(progress_.t_start, end), std::max(progress_.t_start, end));
+}
+
+void DgeldaCall::begin_interval(double toward) {
+  progress_.t_start = t_;
+  progress_.span = toward - t_;
+  problem_->set_differences({false, 0.0, std::fabs(progress_.span)});
+  limit_evaluations();
 }
 
 void DgeldaCall::analyze(double toward) {
   stage_ = Stage::structure;
-  limit_evaluations(t_);
-  progress_.span = std::fabs(toward - t_);
-  problem_->set_differences({false, 0.0, progress_.span});
+  begin_interval(toward);
   std::vector<core::RankDecision> decisions;
   core::IndexAnalysis analysis = core::analyze_index(*problem_, t_, toward, settings(), arena_, decisions);
   system_ = std::make_unique<core::LinearSystem>(*problem_, settings(), std::move(analysis),
@@ -177,7 +186,8 @@ void DgeldaCall::find_values() {
     core::make_consistent(*system_, request, x_);
   }
   stage_ = Stage::slopes;
-  system_->consistent_derivative(x_.data(), progress_.direction, xdot_.data());
+  system_->consistent_derivative(x_.data(), progress_.direction(), xdot_.data());
+  if (user_.lacks_derivative()) throw core::Failure(SFDAE_CALLBACK_STOPPED, "");
   if (!core::all_finite(xdot_.data(), xdot_.size())) throw core::Failure(SFDAE_NOT_FINITE, "");
 }
 
@@ -192,15 +202,11 @@ int DgeldaCall::start_later() {
   stage_ = Stage::slopes;
   if (!core::all_finite(xdot_.data(), xdot_.size())) throw core::Failure(SFDAE_NOT_FINITE, "");
   stage_ = Stage::structure;
-  const double direction = arguments_.tout < t_ ? -1.0 : 1.0;
-  const bool has_turned = direction != progress_.direction && !progress_.is_constant;
-  progress_.direction = direction;
-  progress_.span = std::fabs(arguments_.tout - t_);
+  const bool has_turned = (arguments_.tout < t_) != (progress_.span < 0.0) && !progress_.is_constant;
   if (has_turned) {
     analyze(arguments_.tout);
   } else {
-    problem_->set_differences({false, 0.0, progress_.span});
-    limit_evaluations(t_);
+    begin_interval(arguments_.tout);
     system_ = state_.restore_system(*problem_, settings(), progress_);
   }
   move_system();
@@ -218,7 +224,7 @@ int DgeldaCall::start_integration() {
 }
 
 int DgeldaCall::go_on() {
-  limit_evaluations(t_);
+  limit_evaluations();
   core::Restored restored;
   try {
     restored = state_.restore(*problem_, settings(), options_of_integration(), progress_);
@@ -251,7 +257,7 @@ bool DgeldaCall::has_zero_weight(const double* x) const {
 // Stops where the next step would have a weight that is zero.
 int DgeldaCall::watch_weights(const sfdae_progress* progress, void* user) {
   const DgeldaCall& call = *static_cast<const DgeldaCall*>(user);
-  const bool is_last_step = (progress->t - call.arguments_.tout) * call.progress_.direction >= 0.0;
+  const bool is_last_step = (progress->t - call.arguments_.tout) * call.progress_.direction() >= 0.0;
   return !is_last_step && call.has_zero_weight(progress->x) ? 1 : 0;
 }
 
@@ -261,7 +267,7 @@ int DgeldaCall::advance() {
   arguments_.iwork.set(steps_before, integration_->counts().steps);
   const core::Stepper& stepper = integration_->stepper();
   core::CallResult result;
-  const bool is_inside = (stepper.t() - arguments_.tout) * progress_.direction >= 0.0;
+  const bool is_inside = (stepper.t() - arguments_.tout) * progress_.direction() >= 0.0;
   if (!is_inside && has_zero_weight(stepper.x().data())) {
     result.status = SFDAE_STOPPED;
     t_ = stepper.t();
@@ -270,6 +276,7 @@ int DgeldaCall::advance() {
   } else {
     result = integration_->advance(arguments_.tout, arguments_.flag(3), t_, x_.data(), xdot_.data());
   }
+  if (user_.lacks_derivative()) result.status = SFDAE_CALLBACK_STOPPED;
   const int ierr = result.status == SFDAE_ILLEGAL_ARGUMENT ? not_possible : code_of(result.status);
   publish_values();
   publish_counts(user_.points() - points_before);
@@ -279,7 +286,9 @@ int DgeldaCall::advance() {
     publish_characteristics(change ? change->new_values
                                    : core::find_local_values(*problem_, arguments_.tout, settings(), arena_));
   }
-  progress_.t_returned = t_;
+  // After an interruption behind TOUT that TOUT may be asked for again.
+  const bool is_behind = (t_ - arguments_.tout) * progress_.direction() > 0.0;
+  if (!is_behind) progress_.t_returned = t_;
   return state_.save(progress_, user_, *system_, integration_.get()) ? ierr : not_possible;
 }
 
@@ -315,8 +324,7 @@ int DgeldaCall::code_of(int status) const {
     case SFDAE_TOLERANCE_TOO_SMALL: return tolerances_too_small;
     case SFDAE_STEP_TOO_SMALL: return step_too_small;
     case SFDAE_SINGULAR: return singular;
-    case SFDAE_ORDER_MISSING: return derivative_missing;
-    case SFDAE_CALLBACK_STOPPED: return user_.has_wrong_width() ? code::wrong_width : not_possible;
+    case SFDAE_CALLBACK_STOPPED: return user_.has_wrong_width() ? code::wrong_width : derivative_missing;
     case SFDAE_CALLBACK_FAILED: return is_start ? no_index : functions_failed;
     case SFDAE_NOT_FINITE:
       return stage_ == Stage::structure ? no_index

@@ -39,7 +39,8 @@ class DgeldaCall {
   double hinted_direction() const;
   double default_toward(double direction) const;
   core::AnalysisSettings settings() const;
-  void limit_evaluations(double t);
+  void begin_interval(double toward);
+  void limit_evaluations();
   core::IntegrationOptions options_of_integration();
 
   int code_of(int status) const;

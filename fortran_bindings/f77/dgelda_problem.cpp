@@ -43,11 +43,13 @@ int DgeldaProblem::evaluate(char which, double t, int order, double* values) {
     return 0;
   }
   if (which == 'f' && order == 0) ++points_;
+  last_t_ = t;
   switch (call_user(which, t, order, values)) {
     case function_ok:
       break;
     case order_not_available:
-      return SFDAE_ORDER_NOT_AVAILABLE;
+      lacks_derivative_ = true;
+      return stop_at_once;
     case wrong_integer_width:
       has_wrong_width_ = true;
       return stop_at_once;

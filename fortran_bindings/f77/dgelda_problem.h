@@ -27,6 +27,8 @@ class DgeldaProblem {
   sfdae_linear_problem callbacks();
 
   bool has_wrong_width() const { return has_wrong_width_; }
+  bool lacks_derivative() const { return lacks_derivative_; }  // one that was asked for
+  double last_t() const { return last_t_; }                    // at which a subroutine was called
   // Points at which f was computed.
   long points() const { return points_; }
 
@@ -45,6 +47,8 @@ class DgeldaProblem {
   bool has_E_ = false, has_A_ = false;  // in matrices_
   std::vector<double> matrices_;
   bool has_wrong_width_ = false;
+  bool lacks_derivative_ = false;
+  double last_t_ = 0.0;
   long points_ = 0;
 };
 

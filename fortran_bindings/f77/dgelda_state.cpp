@@ -38,7 +38,7 @@ std::int64_t DgeldaState::checksum(std::size_t reals) const {
   const auto add = [&hash](std::uint64_t item) { hash = (hash ^ item) * 1099511628211u; };
   add(static_cast<std::uint64_t>(arguments_.n));
   add(static_cast<std::uint64_t>(arguments_.iwork.get(kind)));
-  for (int position : {span, t_returned, direction, length}) add(std::bit_cast<std::uint64_t>(arguments_.rwork(position)));
+  for (int position : {t_start, t_returned, span, length}) add(std::bit_cast<std::uint64_t>(arguments_.rwork(position)));
   for (std::size_t i = 0; i < reals; ++i) add(std::bit_cast<std::uint64_t>((&arguments_.rwork(first_real))[i]));
   return static_cast<std::int64_t>((hash >> 33) ^ (hash & 0x7fffffffu));
 }
@@ -57,7 +57,7 @@ int DgeldaState::load(Progress& progress) const {
   if (kinds / method_factor != arguments_.method) return code::bad_method;
   progress.span = arguments_.rwork(span);
   progress.t_returned = arguments_.rwork(t_returned);
-  progress.direction = arguments_.rwork(direction);
+  progress.t_start = arguments_.rwork(t_start);
   return code::ok;
 }
 
@@ -80,7 +80,7 @@ bool DgeldaState::save(const Progress& progress, DgeldaProblem& problem, core::L
   }
   arguments_.rwork(span) = progress.span;
   arguments_.rwork(t_returned) = progress.t_returned;
-  arguments_.rwork(direction) = progress.direction;
+  arguments_.rwork(t_start) = progress.t_start;
   arguments_.rwork(length) = static_cast<double>(constants + rest);
   arguments_.iwork.set(kind, (progress.is_running ? running_bit : 0) + (progress.is_constant ? constant_bit : 0) +
                                  method_factor * arguments_.method);

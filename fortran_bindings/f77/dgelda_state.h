@@ -1,10 +1,10 @@
 // What survives between calls of DGELDA beside its documented outputs, in places of IWORK and RWORK that have no documented
 // use:
 //
-//   IWORK(16)  says that this is a state        RWORK(5)   length of the interval of the first call
+//   IWORK(16)  says that this is a state        RWORK(5)   T where the integration started
 //   IWORK(17)  checksum                         RWORK(6)   T as it was returned
-//   IWORK(18)  phase, kind of E and A, METHOD   RWORK(8)   direction, +1 or -1
-//                                               RWORK(10)  doubles from RWORK(21) on
+//   IWORK(18)  phase, kind of E and A, METHOD   RWORK(8)   length of the first interval, with the sign of the direction
+//                                               RWORK(10)  number of doubles from RWORK(21) on
 //   RWORK(21...)  INFO(5)=1: E and A; then the system (before the integration) or system and integration
 //
 // All of it are plain numbers: arrays may be copied between calls.
@@ -23,9 +23,10 @@ namespace sfdae::f77 {
 struct Progress {
   bool is_running = false;  // else the integration has not started yet
   bool is_constant = false;
+  double t_start = 0.0;
   double t_returned = 0.0;
-  double span = 1.0;
-  double direction = 1.0;
+  double span = 1.0;  // of the first call, with the sign of the direction
+  double direction() const { return span < 0.0 ? -1.0 : 1.0; }
 };
 
 class DgeldaState {
@@ -50,7 +51,7 @@ class DgeldaState {
  private:
   static constexpr int first_real = 21;
   static constexpr int word = 16, sum = 17, kind = 18;                        // in IWORK
-  static constexpr int span = 5, t_returned = 6, direction = 8, length = 10;  // in RWORK
+  static constexpr int t_start = 5, t_returned = 6, span = 8, length = 10;  // in RWORK
   std::size_t size_of_matrices(bool is_constant) const;
   std::size_t saved_length() const;
   std::int64_t checksum(std::size_t reals) const;

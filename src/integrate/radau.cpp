@@ -24,7 +24,7 @@ constexpr double tight = 1e-7, very_tight = 1e-9;
 // More stages need less, as their order at the nodes relies on smooth coefficients, of which the divided difference of w
 // tells nothing.
 constexpr double embedded_limit(int s, bool beside_difference) {
-  return s == 3 ? (beside_difference ? 0.3 : 0.03) : s == 5 ? 0.02 : 0.006;
+  return s == 3 ? (beside_difference ? 0.3 : 0.03) : s == 5 ? 0.015 : 0.004;
 }
 // Of the Hermite polynomial without its farthest node.
 constexpr double interpolation_error = 0.5;

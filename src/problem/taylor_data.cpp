@@ -61,9 +61,19 @@ void TaylorData::choose_row_scale(RowScaling rows, const std::vector<double>* pr
   }
   row_norm = row_scale;
   const double largest = *std::max_element(row_scale.begin(), row_scale.end());
-  const auto to_one = [](double size) { return std::ldexp(1.0, std::clamp(-std::ilogb(size), -1020, 1020)); };
-  const double common = largest == 0.0 ? 1.0 : to_one(largest);
-  for (double& size : row_scale) size = size == 0.0 || rows == RowScaling::common ? common : to_one(size);
+  // Powers of two that bring the largest row to [1, 2) and the others to once or twice that: a common factor of all rows
+  // changes nothing but a common factor.
+  const auto power = [](int exponent) { return std::ldexp(1.0, std::clamp(exponent, -1020, 1020)); };
+  const int top = largest == 0.0 ? 0 : std::ilogb(largest);
+  const double top_mantissa = std::ldexp(largest, -top);
+  for (double& size : row_scale) {
+    if (size == 0.0 || rows == RowScaling::common) {
+      size = power(-top);
+      continue;
+    }
+    const int exponent = std::ilogb(size);
+    size = power(-exponent + (std::ldexp(size, -exponent) < top_mantissa ? 1 : 0));
+  }
   if (preferred == nullptr || rows == RowScaling::common) return;
   constexpr double about_right = 8.0;
   for (int i = 0; i < m; ++i) {

@@ -64,6 +64,7 @@ void LinearSystem::archive(Archive& archive) {
   if (archive.is_reading()) accepted_ = true;
   Point& point = accepted_ ? current() : reference();
   archive.small(point.det_sign);
+  if (problem_.m() > 1) archive.reals(preferred_rows_, static_cast<std::size_t>(problem_.m()));
   point.form.archive_bases(archive);
   if (!archive.is_reading()) return;
   if (point.form.d != values.d || point.form.u != undetermined()) throw DamagedArchive();
@@ -130,7 +131,8 @@ void LinearSystem::scale_prescribed_values() {
 PointStatus LinearSystem::reduce(double t, double time_scale, Point& point, RowScaling rows) {
   const int mu = analysis_.values.mu;
   point.t = std::numeric_limits<double>::quiet_NaN();  // until it is complete
-  trouble_ = problem_.evaluate(t, orders(), time_scale, point.data, rows, step_rows_.empty() ? nullptr : &step_rows_);
+  trouble_ = problem_.evaluate(t, orders(), time_scale, point.data, rows,
+                               preferred_rows_.empty() ? nullptr : &preferred_rows_);
   if (trouble_.status == SFDAE_OK) trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   scale_prescribed_values();
@@ -382,6 +384,7 @@ void LinearSystem::correct_scaled_derivative(double c, const double* x, double* 
 void LinearSystem::accept() {
   if (constant_ready_) return;
   current().det_sign = undetermined() == 0 ? current().form.sign_of_G() : 1;
+  preferred_rows_.assign(current().data.row_scale.begin(), current().data.row_scale.end());
   accepted_ = true;
 }
 

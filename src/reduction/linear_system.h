@@ -4,6 +4,7 @@
 
 #include <array>
 #include <complex>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -93,7 +94,7 @@ class LinearSystem final : public StrangenessFreeSystem {
   struct Point {
     TaylorData data;
     NullSpaceForm form;
-    double t = 0.0;
+    double t = std::numeric_limits<double>::quiet_NaN();  // until it is complete
     double kept_constraints = 1.0, kept_differential = 1.0, pivot = 1.0;
     int det_sign = 1;
   };
@@ -149,9 +150,9 @@ class LinearSystem final : public StrangenessFreeSystem {
   IndexAnalysis analysis_;
   LeadingTerm leading_;
   RowScaling rows_ = RowScaling::each;
-  // Factors of the rows at the first stage of a step, for the others: superconvergence needs equations that depend
-  // smoothly on t. Empty outside of steps.
-  std::vector<double> step_rows_;
+  // Factors of the rows at the point accepted last, which are preferred: superconvergence needs equations that depend
+  // smoothly on t, and jumps of kept values would look like changes.
+  std::vector<double> preferred_rows_;
   bool needs_E1_ = false;
   bool measured_ = false;  // ranks by measured instead of propagated noise
   Arena arena_;

@@ -32,8 +32,6 @@ PointStatus LinearSystem::solve_stages(const StageEquations& equations, double* 
     const double c = equations.method.c[static_cast<std::size_t>(i)];
     t_reached = i == s - 1 ? equations.t_end : equations.t + c * (equations.t_end - equations.t);
     const PointStatus status = move_to(t_reached);
-    if (i == 0 && status == PointStatus::ok) step_rows_ = data().row_scale;
-    if (i == s - 1 || status != PointStatus::ok) step_rows_.clear();
     if (status != PointStatus::ok) return status;
     keep_stage(i, s);
     if (i < s - 1 && !problem_.is_constant()) keep_trace(i);

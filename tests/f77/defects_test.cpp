@@ -22,6 +22,9 @@ using Functions = DgeldaFamily<std::int32_t>;
 Family shared(std::unique_ptr<LinearFamily> family) { return family; }
 Family shared(LinearTestProblem item) { return std::move(item.family); }
 
+// Of a component of size 1 in one step.
+constexpr double step_rounding = 100.0 * std::numeric_limits<double>::epsilon();
+
 // What DGELDA can tell of them: no v.
 CharacteristicValues documented(CharacteristicValues values) {
   values.v = values.u;
@@ -79,7 +82,7 @@ TEST_P(DgeldaDefects, EquationsBesideAFreeComponentAreNotDropped) {
     ASSERT_EQ(result.ierr, 3);
     EXPECT_EQ(result.values, (CharacteristicValues{0, 1, 0, 1, 1}));
     EXPECT_NEAR(result.x[1], std::exp(-1.0), 10 * 1e-7 * (1 + std::exp(-1.0)));
-    EXPECT_NEAR(result.x[0], 3.0, 3.0 * static_cast<double>(result.steps) * 1e-15);
+    EXPECT_NEAR(result.x[0], 3.0, 3.0 * static_cast<double>(result.steps) * step_rounding);
   }
 }
 
@@ -91,8 +94,7 @@ TEST_P(DgeldaDefects, ScaleFactorsChangeNothing) {
       SCOPED_TRACE(scale);
       const DgeldaFamilyRun scaled = expect_solved(shared(kron(8, mu, 0.5, 0, 0, 1, scale)), 1e-6);
       // Powers of ten round, and close decisions about order and step size tip over.
-      const double attempts = static_cast<double>(plain.attempts);
-      EXPECT_NEAR(static_cast<double>(scaled.attempts), attempts, 0.2 * attempts);
+      EXPECT_LE(scaled.attempts, 2 * plain.attempts);
     }
   }
 }

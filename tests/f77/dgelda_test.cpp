@@ -276,6 +276,25 @@ TEST_P(Methods, NeverEvaluateBeyondTheStopPoint) {
   EXPECT_LE(farthest, 1.0);
 }
 
+// Not even for the derivative of a solution that is given by constraints alone.
+TEST(Dgelda, EvaluatesNothingBeyondToutWithRadau) {
+  for (bool dynamic : {true, false}) {
+    UserData data = dynamic ? decay() : document_problem();
+    double limit = 0.0;
+    const auto f = data.f;
+    data.f = [&limit, f](double t, int order, double* values) { return t > limit ? -1 : f(t, order, values); };
+    DgeldaRun run(data, 2);
+    run.x = {0.5, 0.5};
+    for (double tout : {0.1, 0.1 + 1e-9, 0.5, 1.0}) {
+      limit = tout;
+      ASSERT_EQ(run.call(tout), 3);
+      if (!dynamic) {
+        EXPECT_NEAR(run.xprime[1], -std::exp(-tout), 1e-9);
+      }
+    }
+  }
+}
+
 TEST_P(Methods, GoOnAfterTheLimitOfSteps) {
   DgeldaRun run(decay(), GetParam());
   run.x = {0.5, 0.5};

@@ -125,6 +125,21 @@ c       A stop point may be lifted, and set again.
         if (k .eq. 2) call check(rpar(2) .ge. -4, 'new -TSTOP', m)
         call check(worst(n, t, x, ipar, 1d-6) .le. 10, 'at 3.9', m)
    10 continue
+c     A stop point that a step has reached before TOUT does, T = 0.
+      do 20 k = 0, 1
+        call prepare(2, m)
+        t = 1
+        call exact(n, t, ipar, x)
+        info(4) = 1
+        info(5) = k
+        rwork(1) = 0
+        call solve(0.001d0)
+        call check(ierr .eq. 3, 'short of TSTOP = 0', ierr)
+        call solve(0d0)
+        call check(ierr .eq. 2 .or. ierr .eq. 3, 'TSTOP = 0', ierr)
+        call check(worst(n, t, x, ipar, 1d-6) .le. 10, 'at 0', m)
+        call check(rpar(2) .ge. 0, 'beyond 0', m)
+   20 continue
 c     The Radau method never passes TOUT.
       if (m .ne. 2) return
       call prepare(3, m)

@@ -156,4 +156,47 @@ TEST_P(DgeldaEntries, FunctionsThatWrite32BitsToTheWideEntryAreNoticedWhenTheyFa
   }
 }
 
+// ---- All arguments of the other width ------------------------------------------------------------------------
+
+// Every INTEGER followed by words that make it no number of 64 bits that could be meant.
+TEST_P(DgeldaEntries, ACallerOf32BitsAtTheWideEntryIsNoticed) {
+  struct Words {
+    std::int32_t value[2];
+    explicit Words(std::int32_t first) : value{first, 12345} {}
+    std::int64_t* address() { return reinterpret_cast<std::int64_t*>(value); }
+  };
+  using Functions = Decay<std::int64_t, std::int64_t>;
+  alignas(8) Words neq(1), method(GetParam());
+  std::vector<std::int64_t> iwork(60, 0), info(20, 0), cval(4, 0);
+  std::vector<double> rwork(1000, 0.0);
+  double t = 0.0, tout = 1.0, x = 1.0, xprime = 0.0, tol = 1e-6;
+  std::int64_t liw = 60, lrw = 1000, iwarn = 0, ierr = 0;
+  dgelda_64_(Functions::edif, Functions::adif, Functions::fdif, neq.address(), &t, &tout, &x, &xprime, cval.data(),
+             nullptr, nullptr, iwork.data(), &liw, rwork.data(), &lrw, &tol, &tol, method.address(), info.data(), &iwarn,
+             &ierr);
+  EXPECT_EQ(ierr, wrong_width);
+  EXPECT_EQ(t, 0.0);
+  EXPECT_EQ(x, 1.0);
+}
+
+// ---- From within user functions ------------------------------------------------------------------------------
+
+// x' = -x, whose FDIF solves another problem by DGELDA.
+TEST_P(DgeldaEntries, UserFunctionsMaySolveProblemsThemselves) {
+  using Plain = Decay<std::int32_t, std::int32_t>;
+  static int method;
+  method = GetParam();
+  const auto nesting = [](const std::int32_t* n, const double* at, const std::int32_t* idif, double* values,
+                          std::int32_t* ipar, double* rpar, std::int32_t* ierr) {
+    auto inner = Plain::arguments(method, 0);
+    if (inner.call(0.5) != 3) *ierr = -2;
+    else Plain::fdif(n, at, idif, values, ipar, rpar, ierr);
+  };
+  auto plain = Plain::arguments(method, 0), outer = Plain::arguments(method, 0);
+  outer.fdif = nesting;
+  EXPECT_EQ(plain.call(1.0), 3);
+  EXPECT_EQ(outer.call(1.0), 3);
+  EXPECT_EQ(outer.x(1), plain.x(1));
+}
+
 }  // namespace

@@ -85,7 +85,7 @@ TEST(TaylorData, CoefficientsAreWhatTheDefinitionSays) {
   }
 }
 
-TEST(TaylorData, RowsAreScaledByPowersOfTwoToLargestEntriesFromOneToTwo) {
+TEST(TaylorData, RowsAreScaledByPowersOfTwoToOnceOrTwiceTheLargest) {
   const Numbers sizes{1.0, 1e-7, 3e5, 1e-250, 1e250, 1.0 / 3.0};
   const TaylorData plain = random_data(6, 4, {2, 2, 1}, sizes);
   TaylorData data = plain;
@@ -95,7 +95,7 @@ TEST(TaylorData, RowsAreScaledByPowersOfTwoToLargestEntriesFromOneToTwo) {
     double row = 0.0;
     for (int j = 0; j < 4; ++j) row = std::max({row, std::fabs(data.E(0)(i, j)), std::fabs(data.A(0)(i, j))});
     EXPECT_GE(row, 1.0);
-    EXPECT_LT(row, 2.0);
+    EXPECT_LT(row, 4.0);
     // Powers of two: nothing is rounded.
     for (int j = 0; j < 4; ++j) EXPECT_EQ(data.E(0)(i, j), data.row_scale[size(i)] * plain.E(0)(i, j));
   }
@@ -158,7 +158,7 @@ TEST(TaylorData, ARowThatVanishesAtThePointIsMeasuredByItsDerivatives) {
   ASSERT_TRUE(data.scale(1.0));
   EXPECT_EQ(data.row_scale[0], 1.0);
   EXPECT_GE(data.E(1)(1, 1), 1.0);
-  EXPECT_LT(data.E(1)(1, 1), 2.0);
+  EXPECT_LT(data.E(1)(1, 1), 4.0);
 }
 
 TEST(TaylorData, RowsWithoutAnyEntryAreNotScaled) {
