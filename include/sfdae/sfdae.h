@@ -211,7 +211,8 @@ typedef struct sfdae_options {
   void *monitor_user;             /* handed to the monitor */
 
   int method;                  /* SFDAE_METHOD_BDF (default), ...; a change takes effect with the next sfdae_start */
-  int min_stages, max_stages;  /* Radau: 1, 3, 5 or 7, defaults 1 and 7; equal: that number always */
+  int min_stages, max_stages;  /* Radau: 1, 3, 5 or 7, defaults 1 and 7; equal: that number always (1 alone is for rough
+                                  problems: errors add up). A change takes effect with the next sfdae_start */
 } sfdae_options;
 
 /* Sets defaults. size: sizeof(sfdae_options) of the caller. */

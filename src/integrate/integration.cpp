@@ -25,6 +25,7 @@ Integration::Integration(LinearSystem& system, const IntegrationOptions& options
                          const Vector& x, const Vector& xdot)
     : system_(system),
       options_(options),
+      chosen_(options.method),
       direction_(toward < t ? -1.0 : 1.0),
       last_returned_(t),
       reductions_before_(system.reductions()),
@@ -37,7 +38,7 @@ Integration::Integration(LinearSystem& system, const IntegrationOptions& options
 }
 
 Integration::Integration(LinearSystem& system, const IntegrationOptions& options, Archive& saved)
-    : system_(system), options_(options) {
+    : system_(system), options_(options), chosen_(options.method) {
   create_stepper(options.method);
   set_options(options);
   archive(saved);
@@ -65,14 +66,14 @@ void Integration::switch_to_bdf() {
 
 void Integration::archive(Archive& archive) {
   bool backward = direction_ < 0.0, has_change = change_.has_value();
-  archive.small(backward, must_restart_, has_change, method_, outputs_);
+  archive.small(backward, must_restart_, has_change, chosen_, method_, outputs_);
   direction_ = backward ? -1.0 : 1.0;
   if (archive.is_reading()) {
-    if (method_ > Method::radau) throw DamagedArchive();
+    if (method_ > Method::radau || chosen_ > Method::automatic) throw DamagedArchive();
     create_stepper(method_);
     set_options(options_);
   }
-  if (options_.method == Method::automatic) {
+  if (chosen_ == Method::automatic) {
     archive.real(failure_rate_);
     archive.real(output_rate_);
   }
@@ -196,7 +197,7 @@ CallResult Integration::run(double tout, bool one_step) {
 // Half of the attempts fail, or there are more outputs than stages: measured, BDF needs fewer reductions then.
 bool Integration::is_better_off_with_bdf() const {
   constexpr double many_failures = 0.5, many_outputs = 5.0;
-  return options_.method == Method::automatic && method_ == Method::radau && system_.differential() > 0 &&
+  return chosen_ == Method::automatic && method_ == Method::radau && system_.differential() > 0 &&
          (failure_rate_ > many_failures || output_rate_ > many_outputs);
 }
 
@@ -243,7 +244,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   const StepOutcome outcome = stepper_->attempt(system_, target, weights_);
   failure_rate_ += forgetting * ((outcome == StepOutcome::accepted ? 0.0 : 1.0) - failure_rate_);
   if (outcome == StepOutcome::accepted) {
-    if (std::fabs(uncut) > std::fabs(stepper_->next_step())) stepper_->set_next_step(uncut);
+    if (std::fabs(uncut) > (1.0 + nearly) * std::fabs(h)) stepper_->set_next_step(uncut);
     return accept_step(h);
   }
   return handle_failure(outcome, h, tout);
@@ -383,7 +384,9 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
   }
   if (at_step) std::copy(stepper_->x().begin(), stepper_->x().end(), x);
   else system_.restore(scratch_w_.data(), x_free.data(), x);
-  if (system_.differential() == 0) system_.consistent_derivative(x, direction_, xdot);
+  // The slope of a polynomial of high degree over a long step would not be as accurate as x is.
+  const bool exactly = system_.differential() == 0 || (method_ == Method::radau && !at_step);
+  if (exactly) system_.consistent_derivative(x, direction_, xdot);
   else system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
   t = tout;
   return {};

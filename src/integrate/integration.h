@@ -91,7 +91,8 @@ class Integration {
   LinearSystem& system_;
   IntegrationOptions options_;
   ErrorWeights weights_;
-  Method method_ = Method::bdf;
+  Method chosen_ = Method::bdf;  // at the start
+  Method method_ = Method::bdf;  // at present
   std::unique_ptr<Stepper> stepper_;
   // Running means, for the automatic choice: failures per attempt, outputs per step.
   double failure_rate_ = 0.0, output_rate_ = 0.0;

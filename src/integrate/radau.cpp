@@ -32,8 +32,15 @@ constexpr double interpolation_error = 0.5;
 }  // namespace
 
 void Radau::set_options(const StepOptions& options) {
+  const StepOptions before = options_;
   options_ = options;
-  control_.set_options(options);
+  if (count_ > 0) {
+    // Everything has been sized for the numbers of stages of the start.
+    options_.min_stages = before.min_stages;
+    options_.max_stages = before.max_stages;
+    options_.interpolates = before.interpolates;
+  }
+  control_.set_options(options_);
 }
 
 // Sized for the embedded estimate, h^(s+1) ~ tol^((s+1)/(2s)), which is measured then.

@@ -60,7 +60,10 @@ void LinearSystem::archive(Archive& archive) {
     resize();
   }
   // The point accepted last, as the next one is compared with it. Constant matrices are reduced anew.
-  if (problem_.is_constant()) return;
+  if (problem_.is_constant()) {
+    archive.real(matrix_c_);
+    return;
+  }
   if (archive.is_reading()) accepted_ = true;
   Point& point = accepted_ ? current() : reference();
   archive.small(point.det_sign);
@@ -265,6 +268,9 @@ void LinearSystem::differential_rows(const double* w, double* q) {
 
 // [c tau G - B; c tau Uz^T] = L U; kept for constant problems as long as c stays.
 bool LinearSystem::factor_step_matrix(double c) {
+  // Steps of one size differ in their last bits, as times are rounded.
+  constexpr double rounding_of_steps = 1e-13;
+  if (problem_.is_constant() && std::fabs(c - matrix_c_) <= rounding_of_steps * std::fabs(c)) c = matrix_c_;
   const NullSpaceForm& form = current().form;
   if (constant_ready_ && matrix_valid_ && matrix_c_ == c) return true;
   const int size = form.unknowns(), d = form.d;

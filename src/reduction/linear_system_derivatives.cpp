@@ -118,7 +118,7 @@ void LinearSystem::derivative_from_differences(const double* x, double direction
     std::fill_n(xdot, n, 0.0);
   }
   if (constant_ready_) {
-    move_to(t);
+    if (move_to(t) != PointStatus::ok) throw Failure(trouble_.status, trouble_.message());
   } else {
     current_ = 1 - current_;
     accepted_ = true;

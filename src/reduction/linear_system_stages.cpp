@@ -207,8 +207,10 @@ bool LinearSystem::solve_constant_stages(const StageEquations& equations, const 
     }
   }
   if (!factor_step_matrix(method.gamma / h)) return false;
-  for (int k = 0; 2 * k + 2 < s; ++k)
-    if (!factor_pair(static_cast<std::size_t>(k), method.lambda[static_cast<std::size_t>(k)] / h)) return false;
+  for (int k = 0; 2 * k + 2 < s; ++k) {
+    const std::size_t pair = static_cast<std::size_t>(k);
+    if (!factor_pair(pair, method.lambda[pair] * (matrix_c_ / method.gamma))) return false;
+  }
   const View z{stages_.z.data(), q, s, std::max(q, 1)}, correction = arena_.matrix(std::max(q, 1), s);
   solve_transformed(method, r, z);
   // T is badly conditioned for many stages: the residual makes up for that.
