@@ -331,7 +331,7 @@ int DgeldaCall::code_of(int status) const {
     case SFDAE_NOT_FINITE:
       return stage_ == Stage::structure ? no_index
              : stage_ == Stage::values  ? no_consistent_values
-             : stage_ == Stage::slopes  ? no_slopes
+             : stage_ == Stage::slopes  ? (system_->trouble().status == SFDAE_OK ? no_slopes : no_index)
                                         : functions_failed;
     case SFDAE_INDEX_TOO_HIGH:
     case SFDAE_RANK_UNCLEAR: return no_index;

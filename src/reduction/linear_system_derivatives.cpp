@@ -123,7 +123,8 @@ void LinearSystem::derivative_from_differences(const double* x, double direction
   }
   if (constant_ready_) {
     // It was fine before: a failure that has passed is none.
-    if (move_to(t) != PointStatus::ok && move_to(t) != PointStatus::ok) throw Failure(trouble_.status, trouble_.message());
+    if (move_to(t) != PointStatus::ok && (!trouble_.is_recoverable() || move_to(t) != PointStatus::ok))
+      throw Failure(trouble_.status, trouble_.message());
   } else {
     current_ = 1 - current_;
     accepted_ = true;
