@@ -135,8 +135,8 @@ core::AnalysisSettings DgeldaCall::settings() const {
   return settings;
 }
 
-// From the start on in the direction of integration, and not beyond TSTOP nor, with Radau, TOUT. Limits that do not lie ahead
-// are reported later.
+// From the start on in the direction of integration, and not beyond TSTOP nor, with Radau, TOUT. Limits that do not lie
+// ahead are reported later.
 void DgeldaCall::limit_evaluations() {
   const double direction = progress_.direction();
   double end = direction * std::numeric_limits<double>::infinity();
@@ -276,8 +276,10 @@ int DgeldaCall::advance() {
   } else {
     result = integration_->advance(arguments_.tout, arguments_.flag(3), t_, x_.data(), xdot_.data());
   }
+  // Between the last point returned and a TOUT that was already asked for, but failed.
+  if (result.status == SFDAE_ILLEGAL_ARGUMENT) return code::wrong_direction;
   if (user_.lacks_derivative()) result.status = SFDAE_CALLBACK_STOPPED;
-  const int ierr = result.status == SFDAE_ILLEGAL_ARGUMENT ? not_possible : code_of(result.status);
+  const int ierr = code_of(result.status);
   publish_values();
   publish_counts(user_.points() - points_before);
   if (ierr == tolerances_too_small) enlarge_tolerances();

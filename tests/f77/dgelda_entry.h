@@ -8,20 +8,16 @@
 #include <limits>
 #include <vector>
 
+#include "f77/user_functions.h"
+
 namespace sfdae_test {
 
 template <class Integer>
-using DgeldaMatrixFunction = void (*)(const Integer* n, const double* t, const Integer* idif, double* values,
-                                      const Integer* leading_dimension, Integer* ipar, double* rpar, Integer* ierr);
-template <class Integer>
-using DgeldaVectorFunction = void (*)(const Integer* n, const double* t, const Integer* idif, double* values,
-                                      Integer* ipar, double* rpar, Integer* ierr);
-template <class Integer>
-using DgeldaFunction = void(DgeldaMatrixFunction<Integer> edif, DgeldaMatrixFunction<Integer> adif,
-                            DgeldaVectorFunction<Integer> fdif, const Integer* neq, double* t, const double* tout,
-                            double* x, double* xprime, Integer* cval, Integer* ipar, double* rpar, Integer* iwork,
-                            const Integer* liw, double* rwork, const Integer* lrw, double* rtol, double* atol,
-                            const Integer* method, Integer* info, Integer* iwarn, Integer* ierr);
+using DgeldaFunction = void(sfdae::f77::MatrixFunction<Integer> edif, sfdae::f77::MatrixFunction<Integer> adif,
+                            sfdae::f77::VectorFunction<Integer> fdif, const Integer* neq, double* t,
+                            const double* tout, double* x, double* xprime, Integer* cval, Integer* ipar, double* rpar,
+                            Integer* iwork, const Integer* liw, double* rwork, const Integer* lrw, double* rtol,
+                            double* atol, const Integer* method, Integer* info, Integer* iwarn, Integer* ierr);
 
 }  // namespace sfdae_test
 
@@ -35,10 +31,8 @@ namespace sfdae_test {
 
 template <class Integer>
 constexpr DgeldaFunction<Integer>* dgelda_entry() {
-  if constexpr (sizeof(Integer) == 4)
-    return dgelda_;
-  else
-    return dgelda_64_;
+  if constexpr (sizeof(Integer) == 4) return dgelda_;
+  else return dgelda_64_;
 }
 
 // An array of Fortran, numbered from 1, between zones that nobody may write to. Filled with garbage: NaN or an odd
@@ -75,10 +69,8 @@ class FortranArray {
  private:
   static constexpr std::ptrdiff_t zone = 64;
   static Number garbage() {
-    if constexpr (std::numeric_limits<Number>::is_integer)
-      return static_cast<Number>(-1234567891);
-    else
-      return std::numeric_limits<Number>::quiet_NaN();
+    if constexpr (std::numeric_limits<Number>::is_integer) return static_cast<Number>(-1234567891);
+    else return std::numeric_limits<Number>::quiet_NaN();
   }
   static Number guard() { return static_cast<Number>(987654321); }
 
@@ -87,7 +79,9 @@ class FortranArray {
 };
 
 // Lengths of the work arrays as documented. q = mxindx + 1.
-inline std::int64_t documented_liw(int n, int method) { return method == 1 ? 20 + 2 * n : 20 + 6 * n; }
+inline std::int64_t documented_liw(int n, int method) {
+  return method == 1 ? 20 + 2 * n : 20 + 6 * n;
+}
 inline std::int64_t documented_lrw(int n, int method, int maxord = 5, int mxindx = 3) {
   const std::int64_t q = mxindx + 1;
   return method == 1 ? 50 + (21 + maxord + 14 * mxindx) * n + (6 + mxindx + 6 * q * q) * n * n
@@ -118,7 +112,8 @@ struct Dgelda {
   }
 
   void set_tolerance(double tol) { rtol(1) = atol(1) = tol; }
-  void functions(DgeldaMatrixFunction<Integer> e, DgeldaMatrixFunction<Integer> a, DgeldaVectorFunction<Integer> f) {
+  void functions(sfdae::f77::MatrixFunction<Integer> e, sfdae::f77::MatrixFunction<Integer> a,
+                 sfdae::f77::VectorFunction<Integer> f) {
     edif = e, adif = a, fdif = f;
   }
 
@@ -139,8 +134,8 @@ struct Dgelda {
   long attempts() const { return static_cast<long>(iwork(11) + iwork(14) + iwork(15)); }
 
   DgeldaFunction<Integer>* entry = dgelda_entry<Integer>();
-  DgeldaMatrixFunction<Integer> edif = nullptr, adif = nullptr;
-  DgeldaVectorFunction<Integer> fdif = nullptr;
+  sfdae::f77::MatrixFunction<Integer> edif = nullptr, adif = nullptr;
+  sfdae::f77::VectorFunction<Integer> fdif = nullptr;
   Integer n;
   double t = 0.0;
   Integer method;

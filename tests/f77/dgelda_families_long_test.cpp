@@ -16,7 +16,9 @@ namespace {
 using namespace sfdae_test;
 
 // With SFDAE_TEST_SCALE below 1 a part of the cases, spread evenly.
-bool is_skipped(int number) { return number % (100 / scaled_count(100)) != 0; }
+bool is_skipped(int number) {
+  return number % (100 / scaled_count(100)) != 0;
+}
 
 class DgeldaFamilies : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Methods, DgeldaFamilies, testing::Values(1, 2), method_name);
@@ -63,7 +65,8 @@ RandomOptions random_options(Kind kind) {
 }
 
 void expect_random_solved(int seed, Kind kind, int method) {
-  const std::shared_ptr<const LinearFamily> family = random_family(static_cast<std::uint64_t>(seed), random_options(kind));
+  const std::shared_ptr<const LinearFamily> family =
+      random_family(static_cast<std::uint64_t>(seed), random_options(kind));
   if (family->m() != family->n()) return;
   SCOPED_TRACE("seed " + std::to_string(seed) + ", kind " + std::to_string(static_cast<int>(kind)));
   const double tol = seed % 3 == 0 ? 1e-3 : seed % 3 == 1 ? 1e-6 : 1e-8;
@@ -100,8 +103,8 @@ TEST_P(DgeldaFamilies, RandomProblemsAreSolved) {
       expect_random_solved(seed, kind, GetParam());
 }
 
-// Steps of the original's Radau method for t in [0, 1] on kron(32, 2), published measurements of GELDA 1.1.1 without the
-// steps that failed. Its errors are 0.09 ... 0.002 tolerances, so fewer steps can do.
+// Steps of the original's Radau method for t in [0, 1] on kron(32, 2), published measurements of GELDA 1.1.1 without
+// the steps that failed. Its errors are 0.09 ... 0.002 tolerances, so fewer steps can do.
 struct Mark {
   double tol;
   long steps;

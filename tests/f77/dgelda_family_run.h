@@ -17,9 +17,11 @@
 namespace sfdae_test {
 
 // Name of a test with METHOD as its parameter.
-inline std::string method_name(const testing::TestParamInfo<int>& method) { return method.param == 1 ? "Bdf" : "Radau"; }
+inline std::string method_name(const testing::TestParamInfo<int>& method) {
+  return method.param == 1 ? "Bdf" : "Radau";
+}
 
-// The subroutines EDIF, ADIF, FDIF of a family with as many equations as unknowns. RPAR is the address of this object.
+// The subroutines EDIF, ADIF, FDIF of a family with as many equations as unknowns. RPAR is the address of the object.
 // A status of the family's hooks becomes IERR.
 template <class Integer>
 class DgeldaFamily {
@@ -44,13 +46,13 @@ class DgeldaFamily {
   }
 
  private:
-  static void edif(const Integer* n, const double* t, const Integer* idif, double* values, const Integer* lde, Integer*,
-                   double* rpar, Integer* ierr) {
+  static void edif(const Integer* n, const double* t, const Integer* idif, double* values, const Integer* lde,
+                   Integer*, double* rpar, Integer* ierr) {
     auto& self = *reinterpret_cast<DgeldaFamily*>(rpar);
     *ierr = self.matrix(self.problem.problem.E, *n, *t, *idif, values, *lde, *ierr);
   }
-  static void adif(const Integer* n, const double* t, const Integer* idif, double* values, const Integer* lda, Integer*,
-                   double* rpar, Integer* ierr) {
+  static void adif(const Integer* n, const double* t, const Integer* idif, double* values, const Integer* lda,
+                   Integer*, double* rpar, Integer* ierr) {
     auto& self = *reinterpret_cast<DgeldaFamily*>(rpar);
     *ierr = self.matrix(self.problem.problem.A, *n, *t, *idif, values, *lda, *ierr);
   }
@@ -89,7 +91,7 @@ struct DgeldaFamilyRun {
 struct DgeldaFamilyOptions {
   int method = 1;
   double tol = 1e-6;
-  bool constant = false;    // INFO(5)
+  bool constant = false;     // INFO(5)
   std::vector<double> x0{};  // empty: exact
   int outputs = 10;
 };
@@ -109,7 +111,8 @@ inline double weighted_error(const LinearFamily& family, double tol, double t, c
 
 // From t0 to t1, every step seen (INFO(3) = 1), with equidistant outputs.
 template <class Integer = std::int32_t>
-DgeldaFamilyRun run_dgelda(DgeldaFamily<Integer>& functions, double t0, double t1, const DgeldaFamilyOptions& options) {
+DgeldaFamilyRun run_dgelda(DgeldaFamily<Integer>& functions, double t0, double t1,
+                           const DgeldaFamilyOptions& options) {
   const LinearFamily& family = functions.problem.family();
   Dgelda<Integer> call = functions.arguments(options.method, t0);
   if (!options.x0.empty()) std::copy(options.x0.begin(), options.x0.end(), call.x.data());

@@ -11,19 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "f77/user_functions.h"
+#include "dgelda_entry.h"
 
 template <class Integer>
-using DgeldaEntry = void(sfdae::f77::MatrixFunction<Integer>, sfdae::f77::MatrixFunction<Integer>,
-                         sfdae::f77::VectorFunction<Integer>, const Integer* neq, double* t, const double* tout,
-                         double* x, double* xprime, Integer* cval, Integer* ipar, double* rpar, Integer* iwork,
-                         const Integer* liw, double* rwork, const Integer* lrw, double* rtol, double* atol,
-                         const Integer* method, Integer* info, Integer* iwarn, Integer* ierr);
-
-extern "C" {
-DgeldaEntry<std::int32_t> dgelda_;
-DgeldaEntry<std::int64_t> dgelda_64_, dgelda_64__;
-}
+using DgeldaEntry = sfdae_test::DgeldaFunction<Integer>;
 
 namespace sfdae_test {
 
@@ -69,12 +60,6 @@ struct Callbacks {
   }
 };
 
-inline double smallest_lrw(double n, int method, double max_order, double max_index) {
-  const double q = max_index + 1.0;
-  return method == 1 ? 50.0 + (21.0 + max_order + 14.0 * max_index) * n + (6.0 + max_index + 6.0 * q * q) * n * n
-                     : 20.0 + (29.0 + 14.0 * max_index) * n + (15.0 + max_index + 6.0 * q * q) * n * n;
-}
-
 // A problem under way: what a caller keeps between calls. Work arrays start with NaN and large numbers.
 template <class Integer = std::int32_t>
 class DgeldaRun {
@@ -82,8 +67,8 @@ class DgeldaRun {
   DgeldaRun(UserData user_data, int method_number, int max_order = 5, int max_index = 3)
       : user(std::move(user_data)), method(method_number), n(user.n), x(size(n), 0.0), xprime(size(n), 0.0),
         info(20, 0), cval(4, -77) {
-    lrw = static_cast<Integer>(smallest_lrw(user.n, method_number, max_order, max_index));
-    liw = static_cast<Integer>(20 + (method_number == 1 ? 2 : 6) * user.n);
+    lrw = static_cast<Integer>(documented_lrw(user.n, method_number, max_order, max_index));
+    liw = static_cast<Integer>(documented_liw(user.n, method_number));
     rwork.assign(size(lrw) + guards, std::numeric_limits<double>::quiet_NaN());
     iwork.assign(size(liw) + guards, 123456789);
     if (max_order != 5) set_integer(9, 3, max_order);

@@ -190,7 +190,14 @@ int code_after(const Change& change, int method = 1, double tout = 1.0) {
 }  // namespace
 
 TEST(Dgelda, NamesWhatIsWrongWithItsInput) {
-  const auto flag = [](int k, int value) { return Change([=](DgeldaRun<>& r) { r.info[static_cast<std::size_t>(k - 1)] = value; }); };
+  const auto flag = [](int k, int value) {
+    return Change([=](DgeldaRun<>& r) { r.info[static_cast<std::size_t>(k - 1)] = value; });
+  };
+  const auto reals = [](int k, int first, std::vector<double> values) {
+    return Change([=](DgeldaRun<>& r) {
+      for (std::size_t i = 0; i < values.size(); ++i) r.set_real(k, first + static_cast<int>(i), values[i]);
+    });
+  };
   const auto integer = [](int k, int position, int value) {
     return Change([=](DgeldaRun<>& r) { r.set_integer(k, position, value); });
   };
@@ -211,13 +218,17 @@ TEST(Dgelda, NamesWhatIsWrongWithItsInput) {
     EXPECT_EQ(code_after([=](DgeldaRun<>& r) { r.liw = length; }), -106) << length;
   EXPECT_EQ(code_after(real(7, 2, 0.0)), -111);
   EXPECT_EQ(code_after(integer(14, 20, 0)), -120);
-  EXPECT_EQ(code_after([](DgeldaRun<>& r) { r.set_real(16, 11, 1.0); r.set_real(16, 12, 5.0); r.set_real(16, 13, 0.1); }), -121);
-  EXPECT_EQ(code_after([](DgeldaRun<>& r) { r.set_real(16, 11, 0.9); r.set_real(16, 12, 0.5); r.set_real(16, 13, 0.1); }), -122);
-  EXPECT_EQ(code_after([](DgeldaRun<>& r) { r.set_real(17, 14, 1.5); r.set_real(17, 15, 2.0); }), -123);
+  EXPECT_EQ(code_after(reals(16, 11, {1.0, 5.0, 0.1})), -121);
+  EXPECT_EQ(code_after(reals(16, 11, {0.9, 0.5, 0.1})), -122);
+  EXPECT_EQ(code_after(reals(17, 14, {1.5, 2.0})), -123);
   EXPECT_EQ(code_after([](DgeldaRun<>& r) { r.rtol[0] = -1.0; }), -107);
   EXPECT_EQ(code_after([](DgeldaRun<>& r) { r.atol[0] = NAN; }), -108);
   EXPECT_EQ(code_after([](DgeldaRun<>& r) { r.rtol[0] = r.atol[0] = 0.0; }), -109);
-  EXPECT_EQ(code_after([](DgeldaRun<>& r) { r.method = 3; r.lrw = 5000; r.rwork.resize(5064, NAN); r.liw = 20 + 12; r.iwork.assign(96, 123456789); }), -132);
+  const auto other_method = [](DgeldaRun<>& r) {
+    r = DgeldaRun<>(decay(), 2);
+    r.method = 3;
+  };
+  EXPECT_EQ(code_after(other_method), -132);
   EXPECT_EQ(code_after([](DgeldaRun<>& r) { r.t = 1.0; }, 1, 1.0 + 4e-16), -115);
   EXPECT_EQ(code_after([](DgeldaRun<>& r) { r.t = NAN; }), -115);
   EXPECT_EQ(code_after([](DgeldaRun<>& r) { r.rtol[0] = 1e-3; r.atol[0] = 0.0; r.x = {0.0, 0.0}; }), -114);

@@ -11,6 +11,7 @@ c matter. The documented lengths suffice, nothing behind is written.
         call moved(m)
         call filled(m)
    10 continue
+      call inside
       call sizes
       call finish
       end
@@ -227,6 +228,30 @@ c is spoiled first.
      $            j(31), r(21), iw, j(42), rw, j(43), r(8), r(11),
      $            j(44), j(11), iwarn, j(45))
       call unpack(r, j)
+      end
+
+c BDF: a TOUT within the last step is reached without another one.
+      subroutine inside
+      implicit none
+      include 'arguments.inc'
+      integer k, steps
+      double precision far, from, worst
+      call prepare(3, 1)
+      call solve(1d0)
+      far = rwork(4)
+      from = t
+      steps = iwork(11)
+      call check(far .gt. t, 'the last step goes past TOUT', steps)
+      do 10 k = 1, 4
+        call solve(from + 0.25d0 * k * (far - from))
+        call check(ierr .eq. 3, 'within the step: IERR', ierr)
+        call check(iwork(11) .eq. steps .and. rwork(4) .eq. far,
+     $             'within the step: no step', k)
+        call check(worst(n, t, x, ipar, 1d-6) .le. 10, 'within', k)
+   10 continue
+      call solve(far + 1)
+      call check(ierr .eq. 3 .and. iwork(11) .gt. steps, 'on', ierr)
+      call check(worst(n, t, x, ipar, 1d-6) .le. 10, 'on: X', steps)
       end
 
 c The same bits whatever the arrays contain at first.

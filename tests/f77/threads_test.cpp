@@ -97,9 +97,7 @@ TEST_P(DgeldaEntries, SecondUnderscoreIsTheSameEntry) {
 template <class Integer, class Written>
 struct Decay {
   static Written code;
-  static void store(Integer* ierr) {
-    std::memcpy(static_cast<void*>(ierr), &code, sizeof code);
-  }
+  static void store(Integer* ierr) { std::memcpy(static_cast<void*>(ierr), &code, sizeof code); }
   static void edif(const Integer*, const double*, const Integer* idif, double* values, const Integer*, Integer*,
                    double*, Integer* ierr) {
     values[0] = *idif == 0 ? 1.0 : 0.0;
@@ -172,8 +170,8 @@ TEST_P(DgeldaEntries, ACallerOf32BitsAtTheWideEntryIsNoticed) {
   double t = 0.0, tout = 1.0, x = 1.0, xprime = 0.0, tol = 1e-6;
   std::int64_t liw = 60, lrw = 1000, iwarn = 0, ierr = 0;
   dgelda_64_(Functions::edif, Functions::adif, Functions::fdif, neq.address(), &t, &tout, &x, &xprime, cval.data(),
-             nullptr, nullptr, iwork.data(), &liw, rwork.data(), &lrw, &tol, &tol, method.address(), info.data(), &iwarn,
-             &ierr);
+             nullptr, nullptr, iwork.data(), &liw, rwork.data(), &lrw, &tol, &tol, method.address(), info.data(),
+             &iwarn, &ierr);
   EXPECT_EQ(ierr, wrong_width);
   EXPECT_EQ(t, 0.0);
   EXPECT_EQ(x, 1.0);
