@@ -35,7 +35,7 @@ std::size_t DgeldaState::saved_length() const { return static_cast<std::size_t>(
 // FNV-1a over all words, folded to a positive INTEGER of 32 bits.
 std::int64_t DgeldaState::checksum(std::size_t reals) const {
   std::uint64_t hash = 14695981039346656037u;
-  const auto add = [&hash](std::uint64_t item) { hash = (hash ^ item) * 1099511628211u; };
+  const auto add = [&hash](std::uint64_t item) { hash = (hash ^ item) * 1099511628211u; hash ^= hash >> 29; };
   add(static_cast<std::uint64_t>(arguments_.n));
   add(static_cast<std::uint64_t>(arguments_.iwork.get(kind)));
   for (int position : {t_start, t_returned, span, length}) add(std::bit_cast<std::uint64_t>(arguments_.rwork(position)));

@@ -28,7 +28,7 @@ class Probe {
       : system_(system.problem(), system.settings(), system.analysis(), system.leading_term()),
         resolution_(std::max(1e-9 * std::fabs(right - left), 8.0 * unit_roundoff * std::max(std::fabs(left), std::fabs(right)))) {
     // A row that vanishes must not be scaled up again.
-    if (system.data().row_scale_ratio() <= moderate_row_ratio) rows_ = RowScaling::common;
+    if (system.row_ratio() <= moderate_row_ratio) rows_ = RowScaling::common;
     system_.set_row_scaling(rows_);
   }
 

@@ -225,6 +225,13 @@ PointStatus LinearSystem::move_to(double t) {
   return reduce_constant(t, current());
 }
 
+double LinearSystem::row_ratio() const {
+  const double here = data().row_scale_ratio();
+  if (preferred_rows_.empty()) return here;
+  const auto [smallest, largest] = std::minmax_element(preferred_rows_.begin(), preferred_rows_.end());
+  return std::min(here, *largest / *smallest);
+}
+
 double LinearSystem::inconsistency() const {
   // Rounding errors and errors of derivatives, carried on by the elimination; three digits of safety.
   const int mu = analysis_.values.mu;

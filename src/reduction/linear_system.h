@@ -58,6 +58,9 @@ class LinearSystem final : public StrangenessFreeSystem {
   std::string inconsistency_message() const;
   // Largest entries of the rows of [E A], unscaled.
   const std::vector<double>& row_norms() const { return current().data.row_norm; }
+  // The largest row over the smallest, at this point or at the one accepted last, whichever is less: it diverges where a
+  // row vanishes.
+  double row_ratio() const;
   // How rows are scaled from now on; RowScaling::each unless set.
   void set_row_scaling(RowScaling rows) { rows_ = rows; }
   // Smallest values kept in the decisions on A^ and E T2, relative; they dip where characteristic values change.
