@@ -260,19 +260,6 @@ int DgeldaCall::watch_weights(const sfdae_progress* progress, void* user) {
   return !call.has_passed_tout(progress->t) && call.has_zero_weight(progress->x) ? 1 : 0;
 }
 
-// A TOUT that steps have passed is evaluated for the output only; there is no smaller step to try, so the same point is
-// tried as often as the documents say for a step.
-core::CallResult DgeldaCall::advance_core() {
-  constexpr int max_attempts = 10;
-  core::CallResult result;
-  for (int attempt = 0; attempt < max_attempts; ++attempt) {
-    result = integration_->advance(arguments_.tout, arguments_.flag(3), t_, x_.data(), xdot_.data());
-    const bool is_trouble = result.status == SFDAE_CALLBACK_FAILED || result.status == SFDAE_NOT_FINITE;
-    if (!is_trouble || !has_passed_tout(integration_->stepper().t())) break;
-  }
-  return result;
-}
-
 bool DgeldaCall::has_passed_tout(double t) const { return (t - arguments_.tout) * progress_.direction() >= 0.0; }
 
 int DgeldaCall::advance() {
@@ -287,7 +274,7 @@ int DgeldaCall::advance() {
     x_ = stepper.x();
     std::copy_n(arguments_.xprime, xdot_.size(), xdot_.data());
   } else {
-    result = advance_core();
+    result = integration_->advance(arguments_.tout, arguments_.flag(3), t_, x_.data(), xdot_.data());
   }
   // Between the last point returned and a TOUT that was already asked for, but failed.
   if (result.status == SFDAE_ILLEGAL_ARGUMENT) return code::wrong_direction;

@@ -345,7 +345,9 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
     solver->system = std::move(restored.system);
     solver->integration = std::move(restored.integration);
     solver->direction = solver->integration->direction();
-    set_limits(*solver, solver->integration->stepper().t(), solver->direction);
+    // Differences go on from where the integration started.
+    const double start = solver->problem.limit_behind(solver->direction), t = solver->integration->stepper().t();
+    set_limits(*solver, solver->options.differences.allowed && std::isfinite(start) ? start : t, solver->direction);
     return {};
   });
 }

@@ -363,8 +363,13 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
   stepper_->interpolate(tout, scratch_w_.data(), x_free.data(), xdot);
   const bool at_step = tout == stepper_->t();
   if (!(at_step && system_.t() == tout)) {
-    const PointStatus status = at_step ? system_.move_to(tout)
-                                       : stepper_->refine(system_, weights_, tout, scratch_w_.data(), x_free.data(), xdot);
+    const auto evaluate = [&] {
+      return at_step ? system_.move_to(tout)
+                     : stepper_->refine(system_, weights_, tout, scratch_w_.data(), x_free.data(), xdot);
+    };
+    PointStatus status = evaluate();
+    // There is no other point to try; the same one again helps where a function failed for reasons that have passed.
+    if (status == PointStatus::trouble && system_.trouble().is_recoverable()) status = evaluate();
     if (status == PointStatus::trouble) throw Failure(system_.trouble().status, system_.trouble().message());
     if (status == PointStatus::changed)
       throw Failure(SFDAE_CHARACTERISTICS_CHANGED,

@@ -66,7 +66,7 @@ void LinearProblem::archive(Archive& archive) {
   if (has_scale) archive.reals(column_scale_, static_cast<std::size_t>(n()));
   else if (archive.is_reading()) column_scale_.clear();
   if (!differences_.allowed) return;
-  archive.real(differences_.span);
+  for (double* value : {&differences_.span, &lowest_t_, &highest_t_}) archive.real(*value);
   for (Function& function : functions_) archive.real(function.difference_step);
 }
 

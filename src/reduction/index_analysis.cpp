@@ -35,7 +35,7 @@ struct LevelReading {
 struct Search {
   CharacteristicValues values;
   LevelReading last;
-  std::string levels;  // for messages: what each level said
+  std::vector<CharacteristicValues> levels;  // for messages: what each level said, d that of rank(E T2)
 };
 
 class Searcher {
@@ -98,8 +98,8 @@ class Searcher {
       result.last = read_confirmed(level);
       if (!result.last.clear) return result;
       const CharacteristicValues values = values_of(level, result.last, v_hat_below);
-      result.levels += format(" level %d: a = %d, rank(E T2) = %d of %d;", level, values.a,
-                              result.last.ranks.d, problem_.m() - values.a - values.v);
+      result.levels.push_back(values);
+      result.levels.back().d = result.last.ranks.d;
       if (values.mu >= 0) {
         result.values = values;
         return result;
@@ -262,6 +262,14 @@ std::string reading_with(LinearProblem& problem, double t, AnalysisSettings sett
                     format(". Try rank_tol = %.1e or %.1e, or scale the equations.", keep_tol, drop_tol));
 }
 
+std::string describe_levels(const std::vector<CharacteristicValues>& levels, int m) {
+  std::string text;
+  for (std::size_t l = 0; l < levels.size(); ++l)
+    text += format(" level %d: a = %d, rank(E T2) = %d of %d;", static_cast<int>(l), levels[l].a, levels[l].d,
+                   m - levels[l].a - levels[l].v);
+  return text;
+}
+
 IndexAnalysis search_at(LinearProblem& problem, double t, const AnalysisSettings& settings, Arena& arena,
                         std::vector<RankDecision>& decisions) {
   Searcher searcher(problem, t, settings, arena, &decisions);
@@ -270,7 +278,7 @@ IndexAnalysis search_at(LinearProblem& problem, double t, const AnalysisSettings
   if (found.values.mu < 0)
     throw Failure(SFDAE_INDEX_TOO_HIGH,
                   format("no strangeness index up to max_index = %d at t = %.15g:", settings.max_index, t) +
-                      found.levels + " raise max_index, or check that the problem is regular.");
+                      describe_levels(found.levels, problem.m()) + " raise max_index, or check that the problem is regular.");
   IndexAnalysis analysis;
   analysis.values = found.values;
   analysis.t = t;

@@ -98,27 +98,33 @@ void LinearSystem::derivative_from_differences(const double* x, double direction
   if (problem_.room(t, direction) < 4.0 * wanted && problem_.room(t, -direction) > problem_.room(t, direction))
     direction = -direction;
   double step = direction * std::min(wanted, problem_.room(t, direction) / 4.0);
-  std::vector<double> psi(static_cast<std::size_t>(n)), along(static_cast<std::size_t>(n) + 1);
+  std::vector<double> psi(static_cast<std::size_t>(n)), along(static_cast<std::size_t>(n) + 1), psi_here(psi);
+  const auto evaluate_psi = [&](std::vector<double>& result) {
+    const NullSpaceForm& form = current().form;
+    multiply(1.0, Op::transposed, form.T2(), x, 0.0, along.data());
+    std::copy_n(form.xp(), n, result.data());
+    multiply(1.0, Op::plain, form.T2(), along.data(), 1.0, result.data());
+  };
+  evaluate_psi(psi_here);
   accept();
   for (int attempt = 0; attempt < 6; ++attempt, step /= 8.0) {
-    std::fill_n(xdot, n, 0.0);
-    int k = 0;
+    for (int i = 0; i < n; ++i) xdot[i] = weights[0] / step * (psi_here[static_cast<std::size_t>(i)] - x[i]);
+    int k = 1;
     for (; k < 5; ++k) {
       const PointStatus status = move_to(t + k * step);
       if (status == PointStatus::trouble && !trouble_.is_recoverable())
         throw Failure(trouble_.status, trouble_.message());
       if (status != PointStatus::ok) break;
-      const NullSpaceForm& form = current().form;
-      multiply(1.0, Op::transposed, form.T2(), x, 0.0, along.data());
-      std::copy_n(form.xp(), n, psi.data());
-      multiply(1.0, Op::plain, form.T2(), along.data(), 1.0, psi.data());
+      evaluate_psi(psi);
       for (int i = 0; i < n; ++i) xdot[i] += weights[k] / step * (psi[static_cast<std::size_t>(i)] - x[i]);
     }
     if (k == 5) break;
     std::fill_n(xdot, n, 0.0);
   }
   if (constant_ready_) {
-    if (move_to(t) != PointStatus::ok) throw Failure(trouble_.status, trouble_.message());
+    // It was fine before: a failure that has passed is none.
+    if (move_to(t) != PointStatus::ok && (!trouble_.is_recoverable() || move_to(t) != PointStatus::ok))
+      throw Failure(trouble_.status, trouble_.message());
   } else {
     current_ = 1 - current_;
     accepted_ = true;

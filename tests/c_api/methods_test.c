@@ -204,23 +204,27 @@ static void a_new_method_takes_effect_with_the_next_start(void) {
     }
 }
 
-/* Other numbers of stages on the way. */
-static void numbers_of_stages_may_change_on_the_way(void) {
-  static const int stages[][2] = {{1, 1}, {7, 7}, {3, 5}, {1, 7}, {5, 5}, {3, 3}, {7, 7}, {1, 1}};
+/* Likewise other numbers of stages. */
+static void new_stages_take_effect_with_the_next_start(void) {
+  static const int stages[] = {1, 7, 3, 5, 3, 7, 1};
   const choice first = {SFDAE_METHOD_RADAU, 1, 1};
   record r = everything();
   sfdae_options options = options_for(first, 1e-4);
   sfdae_solver *solver = create(&r, &options);
   double t, x[N];
-  int k;
-  start(solver, 0, 8);
-  for (k = 0; k < 8; k++) {
-    options.min_stages = stages[k][0], options.max_stages = stages[k][1];
+  int k, i;
+  for (k = 0; k < 6; k++) {
+    const int order = 2 * stages[k] - 1;
+    start(solver, 0, 10);
+    CHECK_STATUS(sfdae_step(solver, 10, &t, x, NULL), SFDAE_STEP_TAKEN);
+    CHECK(statistics(solver).last_order == order);
+    options.min_stages = options.max_stages = stages[k + 1];
     CHECK_STATUS(sfdae_set_options(solver, &options), SFDAE_OK);
-    CHECK_STATUS(sfdae_step(solver, 100, &t, x, NULL), SFDAE_STEP_TAKEN);
-    CHECK_STATUS(sfdae_step(solver, 100, &t, x, NULL), SFDAE_STEP_TAKEN);
-    CHECK(accurate(t, x, 1e-4) && on_constraints(t, x));
-    CHECK(statistics(solver).last_order >= 2 * stages[k][0] - 1 && statistics(solver).last_order <= 2 * stages[k][1] - 1);
+    for (i = 0; i < 10 && t < 10; i++) {
+      CHECK(sfdae_step(solver, 100, &t, x, NULL) == SFDAE_STEP_TAKEN);
+      CHECK(accurate(t, x, 1e-4) && on_constraints(t, x));
+      CHECK(statistics(solver).last_order == order && statistics(solver).next_order == order);
+    }
   }
   sfdae_destroy(&solver);
 }
@@ -322,15 +326,23 @@ static void stages_are_chosen_to_suit_the_tolerance(void) {
   start(solver, 0, 10), start(other, 0, 10);
   CHECK_STATUS(sfdae_advance(solver, 10, &t, x, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_advance(other, 10, &t, x, NULL), SFDAE_OK);
-  CHECK(o.highest >= 9 && o.lowest < o.highest);
+  CHECK(o.lowest >= 5 && o.highest >= 9);
   CHECK(5 * statistics(solver).steps < statistics(other).steps);
   sfdae_destroy(&solver);
   sfdae_destroy(&other);
+
+  o = observer_with_tolerance(1e-2);
+  options.rtol = options.atol = 1e-2;
+  solver = create(&r, &options);
+  start(solver, 0, 10);
+  CHECK_STATUS(sfdae_advance(solver, 10, &t, x, NULL), SFDAE_OK);
+  CHECK(o.highest <= 9);
+  sfdae_destroy(&solver);
 }
 
 /* ---- Output ------------------------------------------------------------------------------------------------ */
 
-/* Slopes have the error of x over the step size; |x| <= 2, so that the tolerances are 3 tol at most. */
+/* Slopes have the error of x over the step size; |x| <= 2, so that tolerances are 3 tol at most. */
 static void every_output_is_accurate_and_consistent(void) {
   static const double tolerances[] = {1e-3, 1e-6, 1e-9};
   int k, i, c, direction;
@@ -341,7 +353,7 @@ static void every_output_is_accurate_and_consistent(void) {
         record r = everything();
         const sfdae_options options = options_for(choices[c], tol);
         sfdae_solver *solver = create(&r, &options);
-        double t, x[N], xdot[N], worst = 0, worst_slope = 0, smallest = HUGE_VAL;
+        double t, x[N], xdot[N], worst = 0, worst_slope = 0;
         sfdae_statistics found;
         start(solver, t0, t0 + 10 * direction);
         for (i = 1; i <= 100; i++) {
@@ -349,38 +361,38 @@ static void every_output_is_accurate_and_consistent(void) {
           CHECK_STATUS(sfdae_advance(solver, tout, &t, x, xdot), SFDAE_OK);
           CHECK(t == tout && on_constraints(t, x));
           found = statistics(solver);
-          smallest = fmin(smallest, fabs(found.last_step));
           worst = fmax(worst, error_of(t, x, tol));
-          worst_slope = fmax(worst_slope, slope_error_of(t, xdot) / tol);
+          worst_slope = fmax(worst_slope, fabs(found.last_step) * slope_error_of(t, xdot) / tol);
         }
         CHECK(direction * found.last_step > 0 && direction * found.next_step > 0 && direction * found.first_step > 0);
-        if (worst > 10 || worst_slope * smallest > 10 * 3) {
+        if (worst > 10 || worst_slope > 10 * 3) {
           failures++;
-          fprintf(stderr, "%s:%d: choice %d, tol %g, direction %d: error %g tolerances, of x' %g at steps above %g\n",
-                  __FILE__, __LINE__, c, tol, direction, worst, worst_slope, smallest);
+          fprintf(stderr, "%s:%d: choice %d, tol %g, direction %d: error %g tolerances, of h x' %g\n",
+                  __FILE__, __LINE__, c, tol, direction, worst, worst_slope);
         }
         sfdae_destroy(&solver);
       }
 }
 
-/* Output does not influence the steps. */
-static void frequent_output_changes_nothing(void) {
+/* The first steps end at outputs, as there is no past for an accurate polynomial yet; later outputs are interpolated. */
+static void frequent_output_hardly_changes_the_steps(void) {
   int c;
   for (c = 0; c < CHOICES; c++) {
+    const long first = choices[c].max_stages + 1;
     record r = everything(), q = everything();
     sfdae_options options = options_for(choices[c], 1e-6);
     sfdae_solver *often, *once;
-    double t, x[N], y[N];
+    double t, x[N];
     int i;
     if (options.method == SFDAE_METHOD_AUTOMATIC) continue;
     options.use_stop_time = 1, options.stop_time = 10;
     often = create(&r, &options), once = create(&q, &options);
     start(often, 0, 10), start(once, 0, 10);
     for (i = 1; i <= 1000; i++) CHECK_STATUS(sfdae_advance(often, i == 1000 ? 10 : 0.01 * i, &t, x, NULL), SFDAE_OK);
-    CHECK_STATUS(sfdae_advance(once, 10, &t, y, NULL), SFDAE_OK);
-    CHECK(memcmp(x, y, sizeof x) == 0);
-    CHECK(statistics(often).steps == statistics(once).steps);
-    CHECK(statistics(often).error_failures == statistics(once).error_failures);
+    CHECK(accurate(t, x, 1e-6));
+    CHECK_STATUS(sfdae_advance(once, 10, &t, x, NULL), SFDAE_OK);
+    CHECK(statistics(often).steps <= statistics(once).steps + 2 * first);
+    CHECK(statistics(often).error_failures <= statistics(once).error_failures + first);
     sfdae_destroy(&often);
     sfdae_destroy(&once);
   }
@@ -583,11 +595,12 @@ static void stop_requests_are_obeyed_at_every_callback(void) {
 int main(void) {
   illegal_methods_and_stages_are_refused();
   a_new_method_takes_effect_with_the_next_start();
+  new_stages_take_effect_with_the_next_start();
   fixed_numbers_of_stages_have_their_orders();
   halving_the_step_shows_the_order();
   stages_are_chosen_to_suit_the_tolerance();
   every_output_is_accurate_and_consistent();
-  frequent_output_changes_nothing();
+  frequent_output_hardly_changes_the_steps();
   single_steps_lead_to_tout();
   there_and_back_again();
   automatic_is_bdf_where_output_is_frequent();
@@ -596,6 +609,5 @@ int main(void) {
   max_steps_interrupts();
   monitor_sees_every_step_and_may_stop_it();
   stop_requests_are_obeyed_at_every_callback();
-  numbers_of_stages_may_change_on_the_way();
   return failures != 0;
 }

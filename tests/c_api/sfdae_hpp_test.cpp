@@ -323,6 +323,51 @@ TEST(Options, VectorsHaveOneEntryForEachUnknown) {
   expect_exact(point);
 }
 
+TEST(Solver, IntegratesByEveryMethod) {
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU, SFDAE_METHOD_AUTOMATIC}) {
+    sfdae::Options options;
+    options.method = method;
+    options.min_stages = options.max_stages = 5;
+    sfdae::Solver solver(oscillator(), options);
+    sfdae::Point point = start_point();
+    solver.start(point, 2.0);
+    EXPECT_EQ(solver.advance(2.0, point), SFDAE_OK);
+    expect_exact(point);
+    EXPECT_EQ(solver.statistics().last_order == 9, method != SFDAE_METHOD_BDF);
+  }
+  sfdae::Options options;
+  options.max_stages = 6;
+  EXPECT_NE(sfdae::Solver::check(oscillator(), options), "");
+}
+
+TEST(Solver, GoesOnFromACheckpointInEveryBit) {
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU, SFDAE_METHOD_AUTOMATIC}) {
+    sfdae::Options options;
+    options.method = method;
+    sfdae::Solver solver(oscillator(), options);
+    EXPECT_EQ(status_of([&] { return static_cast<int>(solver.save_checkpoint().size()); }), SFDAE_NOT_STARTED);
+    sfdae::Point point = start_point(), copy;
+    solver.start(point, 4.0);
+    solver.advance(1.0, point);
+    const std::vector<double> checkpoint = solver.save_checkpoint();
+    solver.advance(3.0, point);
+
+    sfdae::Solver other(oscillator(), options);
+    EXPECT_EQ(other.restore_checkpoint(checkpoint), SFDAE_OK);
+    EXPECT_EQ(other.advance(3.0, copy), SFDAE_OK);
+    EXPECT_EQ(copy.t, point.t);
+    EXPECT_EQ(copy.x, point.x);
+    EXPECT_EQ(copy.xdot, point.xdot);
+    EXPECT_EQ(other.save_checkpoint(), solver.save_checkpoint());
+
+    std::vector<double> damaged = checkpoint;
+    damaged.pop_back();
+    EXPECT_EQ(status_of([&] { return other.restore_checkpoint(damaged); }), SFDAE_ILLEGAL_ARGUMENT);
+    EXPECT_EQ(status_of([&] { return other.restore_checkpoint({}); }), SFDAE_ILLEGAL_ARGUMENT);
+    EXPECT_EQ(status_of([&] { return other.advance(4.0, copy); }), SFDAE_NOT_STARTED);
+  }
+}
+
 TEST(LinearProblem, PrescribesComponents) {
   sfdae::LinearProblem problem(1, 2);  // x1' = x2, x2 = cos t, x1 = sin t
   problem.E = [](double, int order, MatrixRef E) { E(0, 0) = order == 0; };
