@@ -30,6 +30,8 @@ class DgeldaCall {
   int go_on();
   int start_integration();
   int advance();
+  core::CallResult advance_core();
+  bool has_passed_tout(double t) const;
 
   void find_initial_point(double direction);
   void prepare(double toward);
