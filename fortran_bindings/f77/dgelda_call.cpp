@@ -188,7 +188,7 @@ void DgeldaCall::find_values() {
   stage_ = Stage::slopes;
   system_->consistent_derivative(x_.data(), progress_.direction(), xdot_.data());
   if (user_.lacks_derivative()) throw core::Failure(SFDAE_CALLBACK_STOPPED, "");
-  if (!core::all_finite(xdot_.data(), xdot_.size())) throw core::Failure(SFDAE_NOT_FINITE, "");
+  if (!core::all_finite(xdot_.data(), xdot_.size())) throw core::Failure(SFDAE_INCONSISTENT_VALUES, "");
 }
 
 // The integration after a first call with TOUT = T, from X and XPRIME as they are now.
@@ -200,7 +200,7 @@ int DgeldaCall::start_later() {
   stage_ = Stage::values;
   if (!core::all_finite(x_.data(), x_.size())) throw core::Failure(SFDAE_INCONSISTENT_VALUES, "");
   stage_ = Stage::slopes;
-  if (!core::all_finite(xdot_.data(), xdot_.size())) throw core::Failure(SFDAE_NOT_FINITE, "");
+  if (!core::all_finite(xdot_.data(), xdot_.size())) throw core::Failure(SFDAE_INCONSISTENT_VALUES, "");
   stage_ = Stage::structure;
   const bool has_turned = (arguments_.tout < t_) != (progress_.span < 0.0) && !progress_.is_constant;
   if (has_turned) {
@@ -257,9 +257,10 @@ bool DgeldaCall::has_zero_weight(const double* x) const {
 // Stops where the next step would have a weight that is zero.
 int DgeldaCall::watch_weights(const sfdae_progress* progress, void* user) {
   const DgeldaCall& call = *static_cast<const DgeldaCall*>(user);
-  const bool is_last_step = (progress->t - call.arguments_.tout) * call.progress_.direction() >= 0.0;
-  return !is_last_step && call.has_zero_weight(progress->x) ? 1 : 0;
+  return !call.has_passed_tout(progress->t) && call.has_zero_weight(progress->x) ? 1 : 0;
 }
+
+bool DgeldaCall::has_passed_tout(double t) const { return (t - arguments_.tout) * progress_.direction() >= 0.0; }
 
 int DgeldaCall::advance() {
   stage_ = Stage::integration;
@@ -267,8 +268,7 @@ int DgeldaCall::advance() {
   arguments_.iwork.set(steps_before, integration_->counts().steps);
   const core::Stepper& stepper = integration_->stepper();
   core::CallResult result;
-  const bool is_inside = (stepper.t() - arguments_.tout) * progress_.direction() >= 0.0;
-  if (!is_inside && has_zero_weight(stepper.x().data())) {
+  if (!has_passed_tout(stepper.t()) && has_zero_weight(stepper.x().data())) {
     result.status = SFDAE_STOPPED;
     t_ = stepper.t();
     x_ = stepper.x();
@@ -289,8 +289,7 @@ int DgeldaCall::advance() {
                                    : core::find_local_values(*problem_, arguments_.tout, settings(), arena_));
   }
   // After an interruption behind TOUT that TOUT may be asked for again.
-  const bool is_behind = (t_ - arguments_.tout) * progress_.direction() > 0.0;
-  if (!is_behind) progress_.t_returned = t_;
+  if (!has_passed_tout(t_) || t_ == arguments_.tout) progress_.t_returned = t_;
   return state_.save(progress_, user_, *system_, integration_.get()) ? ierr : not_possible;
 }
 
@@ -329,14 +328,12 @@ int DgeldaCall::code_of(int status) const {
     case SFDAE_CALLBACK_STOPPED: return user_.has_wrong_width() ? code::wrong_width : derivative_missing;
     case SFDAE_CALLBACK_FAILED: return is_start ? no_index : functions_failed;
     case SFDAE_NOT_FINITE:
-      return stage_ == Stage::structure ? no_index
-             : stage_ == Stage::values  ? no_consistent_values
-             : stage_ == Stage::slopes  ? (system_->trouble().status == SFDAE_OK ? no_slopes : no_index)
-                                        : functions_failed;
+      // No subroutine is called for the values themselves.
+      return !is_start ? functions_failed : stage_ == Stage::values ? no_consistent_values : no_index;
     case SFDAE_INDEX_TOO_HIGH:
     case SFDAE_RANK_UNCLEAR: return no_index;
     case SFDAE_CHARACTERISTICS_CHANGED: return is_start ? no_index : values_changed;
-    case SFDAE_INCONSISTENT_VALUES:
+    case SFDAE_INCONSISTENT_VALUES: return stage_ == Stage::slopes ? no_slopes : no_consistent_values;
     case SFDAE_INCONSISTENT_EQUATIONS:
     case SFDAE_FIXED_VALUES: return no_consistent_values;
     default: return not_possible;

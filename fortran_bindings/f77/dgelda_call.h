@@ -30,6 +30,7 @@ class DgeldaCall {
   int go_on();
   int start_integration();
   int advance();
+  bool has_passed_tout(double t) const;
 
   void find_initial_point(double direction);
   void prepare(double toward);
