@@ -28,9 +28,33 @@ inline double dot(int count, const double* __restrict x, const double* __restric
   return (s0 + s1) + (s2 + s3);
 }
 
+// C += alpha A op(B) for a number of rows known to the compiler: a column of C stays in registers.
+template <int rows, class Entry>
+inline void multiply_short_columns(double alpha, ConstView a, View c, Entry b) {
+  for (int j = 0; j < c.cols; ++j) {
+    double sum[rows] = {};
+    for (int k = 0; k < a.cols; ++k) {
+      const double s = b(k, j);
+      const double* x = a.column(k);
+      for (int i = 0; i < rows; ++i) sum[i] += s * x[i];
+    }
+    double* y = c.column(j);
+    for (int i = 0; i < rows; ++i) y[i] += alpha * sum[i];
+  }
+}
+
 // C += alpha A op(B); four columns of A at a time, so that a column of C is read and written less often.
 template <class Entry>
 inline void multiply_columns(double alpha, ConstView a, View c, Entry b) {
+  switch (c.rows) {
+    case 1: return multiply_short_columns<1>(alpha, a, c, b);
+    case 2: return multiply_short_columns<2>(alpha, a, c, b);
+    case 3: return multiply_short_columns<3>(alpha, a, c, b);
+    case 4: return multiply_short_columns<4>(alpha, a, c, b);
+    case 6: return multiply_short_columns<6>(alpha, a, c, b);
+    case 8: return multiply_short_columns<8>(alpha, a, c, b);
+    default: break;
+  }
   for (int j = 0; j < c.cols; ++j) {
     double* __restrict y = c.column(j);
     int k = 0;
