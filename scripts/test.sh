@@ -2,9 +2,9 @@
 # Builds and tests everything:
 #
 #   release      OpenBLAS, all tests, packaging included
-#   traps        the C++ tests of the same build, small, floating-point exceptions end the program
-#   reference    the C++ tests of the same build, small, with the reference BLAS and LAPACK
-#   valgrind     some C programs
+#   traps        the C++ and Fortran 77 tests of the same build, small, floating-point exceptions end the program
+#   reference    the C++ and Fortran 77 tests of the same build, small, with the reference BLAS and LAPACK
+#   valgrind     some examples in C and Fortran 77
 #   asan         address and undefined behaviour sanitizers, small
 #
 # "Small": SFDAE_TEST_SCALE=0.05 reduces the number of random problems. SFDAE_WERROR=ON makes warnings errors.
@@ -98,22 +98,22 @@ heading "release: all tests, OpenBLAS"
 check_loaded release "$openblas"
 LD_LIBRARY_PATH="$openblas" run_tests release release
 
-heading "traps: C++ tests, floating-point exceptions"
-LD_LIBRARY_PATH="$openblas" SFDAE_TEST_FPE_TRAPS=1 SFDAE_TEST_SCALE=0.05 run_tests traps release -L '^unit$'
+heading "traps: C++ and Fortran 77 tests, floating-point exceptions"
+LD_LIBRARY_PATH="$openblas" SFDAE_TEST_FPE_TRAPS=1 SFDAE_TEST_SCALE=0.05 run_tests traps release -L '^(unit|f77)$'
 
-heading "reference: C++ tests, reference BLAS"
+heading "reference: C++ and Fortran 77 tests, reference BLAS"
 check_loaded reference "$reference"
-LD_LIBRARY_PATH="$reference" SFDAE_TEST_SCALE=0.05 run_tests reference release -L '^unit$'
+LD_LIBRARY_PATH="$reference" SFDAE_TEST_SCALE=0.05 run_tests reference release -L '^(unit|f77)$'
 
 # The kernels of OpenBLAS read past the ends of arrays, harmlessly; the reference BLAS does not.
-heading "valgrind: C programs"
+heading "valgrind: examples"
 if ! command -v valgrind > /dev/null; then
   echo "valgrind is not installed: skipped"
 elif ! valgrind --quiet true; then
   echo "valgrind does not work here (is libc6-dbg missing?): skipped"
 else
   mkdir -p build/reports/valgrind
-  for program in gelda_document underdetermined; do
+  for program in gelda_document underdetermined checkpoint dgelda; do
     if (cd build/reports/valgrind && LD_LIBRARY_PATH="$reference" valgrind --quiet --leak-check=full \
       --error-exitcode=99 "$root/build/release/examples/$program" > "$program.txt"); then
       echo "$program: no errors, no leaks"

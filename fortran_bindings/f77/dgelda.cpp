@@ -12,6 +12,7 @@
 //
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstdint>
+#include <cstring>
 
 #include "f77/dgelda_call.h"
 #include "sfdae/sfdae.h"
@@ -20,19 +21,18 @@ namespace sfdae::f77 {
 
 namespace {
 
-
 bool is_narrow(std::int64_t value) { return value >= INT32_MIN && value <= INT32_MAX; }
 
-// False if the numbers are those of INTEGERs of 32 bits read as ones of 64.
+// How many of the numbers look like INTEGERs of 32 bits read as ones of 64.
 template <class Integer>
-bool has_plausible_width(const Integer* neq, const Integer* method, const Integer* liw, const Integer* lrw,
-                         const Integer* info) {
-  if (!is_narrow(*neq) || !is_narrow(*method) || !is_narrow(*liw)) return false;
-  for (int k = 0; k < num_info; ++k)
-    if (!is_narrow(info[k])) return false;
-  if (is_narrow(*lrw)) return true;
+int count_wide(const Integer* neq, const Integer* method, const Integer* liw, const Integer* lrw, const Integer* info) {
+  int count = !is_narrow(*neq) + !is_narrow(*method) + !is_narrow(*liw);
+  for (int k = 0; k < num_info; ++k) count += !is_narrow(info[k]);
+  if (is_narrow(*lrw)) return count;
   // Only very large problems need so much.
-  return *lrw > 0 && minimal_rwork(static_cast<double>(*neq), static_cast<int>(*method), 5.0, 3.0) > INT32_MAX;
+  const bool is_needed = is_narrow(*neq) && is_narrow(*method) && *lrw > 0 &&
+                         minimal_rwork(static_cast<double>(*neq), static_cast<int>(*method), 5.0, 3.0) > INT32_MAX;
+  return is_needed ? count : count + 1;
 }
 
 template <class Integer>
@@ -58,7 +58,6 @@ struct Parameters {
 
 template <class Integer>
 int solve(const Parameters<Integer>& p) noexcept {
-  if (!has_plausible_width(p.neq, p.method, p.liw, p.lrw, p.info)) return code::wrong_width;
   Arguments arguments{.n = static_cast<int>(*p.neq),
                       .method = static_cast<int>(*p.method),
                       .liw = *p.liw,
@@ -82,7 +81,15 @@ int solve(const Parameters<Integer>& p) noexcept {
 
 template <class Integer>
 void dgelda(const Parameters<Integer>& p) noexcept {
-  const int ierr = solve(p);
+  const int num_wide = count_wide(p.neq, p.method, p.liw, p.lrw, p.info);
+  if (num_wide > 1) {
+    // INFO(1) and IERR have 32 bits, then.
+    const std::int32_t failed = -1, wrong_width = code::wrong_width;
+    std::memcpy(p.info, &failed, sizeof failed);
+    std::memcpy(p.ierr, &wrong_width, sizeof wrong_width);
+    return;
+  }
+  const int ierr = num_wide == 1 ? static_cast<int>(code::wrong_width) : solve(p);
   p.info[0] = ierr < 0 ? -1 : ierr == 4 ? 2 : 1;
   *p.ierr = ierr;
   // Some callers hand over a constant zero, which may not be written.

@@ -13,9 +13,9 @@ namespace {
 // The last position of RWORK that is an input.
 constexpr int last_real_input = 15;
 
-// Comparisons with NaN are false: all conditions are those of what is right.
-bool is_positive(double value) { return value > 0.0; }
-bool is_tolerance(double value) { return value >= 0.0 && std::isfinite(value); }
+// Comparisons with NaN are false, and these ones raise no floating-point exception: all conditions are those of what is right.
+bool is_positive(double value) { return std::isgreater(value, 0.0); }
+bool is_tolerance(double value) { return std::isfinite(value) && value >= 0.0; }
 
 double smallest_step(double t, double tout) {
   return 4.0 * std::numeric_limits<double>::epsilon() * std::max(std::fabs(t), std::fabs(tout));
@@ -75,13 +75,13 @@ int read_stepping(const Arguments& arguments, bool is_first_call, Options& optio
     stepping.safety = arguments.rwork(11);
     stepping.fastest_fall = arguments.rwork(12);
     stepping.fastest_rise = arguments.rwork(13);
-    if (!(stepping.safety > 0.001 && stepping.safety < 1.0)) return code::bad_safety;
-    if (!(stepping.fastest_fall >= 1.0 && stepping.fastest_rise <= 1.0)) return code::bad_ratios;
+    if (!std::isgreater(stepping.safety, 0.001) || !std::isless(stepping.safety, 1.0)) return code::bad_safety;
+    if (!std::isgreaterequal(stepping.fastest_fall, 1.0) || !std::islessequal(stepping.fastest_rise, 1.0)) return code::bad_ratios;
   }
   if (arguments.flag(17) || !is_first_call) {
     stepping.keep_from = arguments.rwork(14);
     stepping.keep_to = arguments.rwork(15);
-    if (!(stepping.keep_from <= 1.0 && stepping.keep_to >= 1.0)) return code::bad_quotients;
+    if (!std::islessequal(stepping.keep_from, 1.0) || !std::isgreaterequal(stepping.keep_to, 1.0)) return code::bad_quotients;
   }
   return code::ok;
 }
@@ -139,11 +139,11 @@ int check_start(const Arguments& arguments, const Options& options, double t, co
     if (arguments.weight(i, x[i]) <= 0.0) return code::zero_weight;
   const double direction = tout < t ? -1.0 : 1.0;
   if (options.has_initial_step) {
-    if (options.initial_step * direction < 0.0) return code::wrong_direction;
-    if (!(std::fabs(options.initial_step) > 0.0)) return code::zero_first_step;
+    if (std::isless(options.initial_step * direction, 0.0)) return code::wrong_direction;
+    if (!std::isgreater(std::fabs(options.initial_step), 0.0)) return code::zero_first_step;
   }
   if (!options.stop_time) return code::ok;
-  if (!((*options.stop_time - t) * direction >= 0.0)) return code::stop_behind;
+  if (!std::isfinite(*options.stop_time) || (*options.stop_time - t) * direction < 0.0) return code::stop_behind;
   return (*options.stop_time - tout) * direction < 0.0 ? code::stop_before_tout : code::ok;
 }
 
@@ -153,7 +153,7 @@ int check_continuation(const Arguments& arguments, const Options& options, doubl
   if (tout == t) return code::tout_is_t;
   if (!are_finite(t, tout)) return code::tout_too_close;
   if (options.stop_time) {
-    if (!((*options.stop_time - t_internal) * direction >= 0.0)) return code::stop_behind;
+    if (!std::isfinite(*options.stop_time) || (*options.stop_time - t_internal) * direction < 0.0) return code::stop_behind;
     if ((*options.stop_time - tout) * direction < 0.0) return code::stop_before_tout;
   }
   return (tout - t) * direction < 0.0 ? code::wrong_direction : code::ok;

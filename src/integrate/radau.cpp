@@ -129,7 +129,7 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
     return StepOutcome::error_too_large;
   }
   const StageCosts costs{system.unknowns(), system.differential() + system.undetermined()};
-  next_step_ = system.differential() == 0 ? tried_h_ / options_.fastest_rise
+  next_step_ = system.differential() == 0 ? control_.accepted_without_error(tried_h_)
                                           : control_.accepted(tried_h_, terms, costs, system.is_constant());
   return StepOutcome::accepted;
 }
@@ -332,7 +332,7 @@ PointStatus Radau::refine(StrangenessFreeSystem& system, ErrorWeights& weights, 
   const PointStatus stages = system.solve_stages({method.stages, start.t, t, start.w.data(), start.x.data()},
                                                  stage_x_.data(), stage_w_.data(), reached);
   // A stage may have trouble that the point itself does not have: then the polynomial has to do.
-  if (stages != PointStatus::ok || !all_finite(stage_x_.data(), stage_x_.size()))
+  if (stages != PointStatus::ok || !all_finite(stage_x_.data(), nodes_[0].x.size() * index(method.s())))
     return reached == t && stages == PointStatus::trouble ? stages : system.move_to(t);
   Node& node = inner_[index(std::min(inner_count_, inner_capacity - 1))];
   node.t = t;
@@ -357,10 +357,10 @@ void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
   // Points within steps need one node more, and x at all of them.
   int count = std::min(count_, options_.max_stages + (options_.interpolates ? 1 : 0));
   int inner = options_.interpolates ? inner_count_ : 0;
-  archive.small(count, last_order_, inner);
+  archive.small(count, last_order_, inner, first_stages_);
   if (archive.is_reading()) {
     if (count < 1 || count > options_.max_stages + 1 || last_order_ > 2 * max_stages - 1 || inner < 0 ||
-        inner > inner_capacity)
+        inner > inner_capacity || first_stages_ < 1 || first_stages_ > max_stages || first_stages_ % 2 == 0)
       throw DamagedArchive();
     count_ = count;
     inner_count_ = inner;

@@ -12,6 +12,8 @@ namespace sfdae::core {
 namespace {
 
 constexpr double tiny = 1e-30;
+// Of step sizes, whatever the options say.
+constexpr double largest_ratio = 1e3;
 // Another number of stages has to promise this much more progress for the same work.
 constexpr double worthwhile = 1.2;
 // A reduction in units of n^3 operations, about (12 to 16 for an index up to 2).
@@ -57,6 +59,8 @@ void RadauControl::start(const StepOptions& options) {
 
 void RadauControl::set_options(const StepOptions& options) {
   options_ = options;
+  options_.fastest_rise = std::max(options.fastest_rise, 1.0 / largest_ratio);
+  options_.fastest_fall = std::min(options.fastest_fall, largest_ratio);
   stages_ = std::clamp(stages_, options.min_stages, options.max_stages);
 }
 
@@ -109,12 +113,17 @@ double RadauControl::accepted(double h, const ErrorTerms& terms, const StageCost
   return ratio * h;
 }
 
+double RadauControl::accepted_without_error(double h) {
+  failures_ = 0;
+  return h / options_.fastest_rise;
+}
+
 double RadauControl::rejected(double h, const ErrorTerms& terms) {
   ++failures_;
   last_h_ = 0.0;
   if (!std::isfinite(terms.error)) return 0.1 * h;
   // Nothing was known about the first step but its estimate.
-  const double lowest = any_accepted_ ? 1.0 / options_.fastest_fall : 1e-3;
+  const double lowest = any_accepted_ ? std::min(1.0 / options_.fastest_fall, 0.5) : 1e-3;
   return h * std::clamp(options_.safety * std::pow(terms.error, -1.0 / terms.exponent), lowest, 0.9);
 }
 

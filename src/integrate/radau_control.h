@@ -42,6 +42,8 @@ class RadauControl {
 
   // The next step size after a step of size h. keep: a step of the same size would save factorizations.
   double accepted(double h, const ErrorTerms& terms, const StageCosts& costs, bool keep);
+  // A step without differential equations, which has no error.
+  double accepted_without_error(double h);
   double rejected(double h, const ErrorTerms& terms);
   // After a stage could not be evaluated or the equations were singular.
   double failed(double h);

@@ -14,6 +14,11 @@ constexpr std::size_t per_double = 3;
 constexpr double radix = 65536.0;
 constexpr double count_radix = 67108864.0;
 
+// NaN is none, and raises no floating-point exception.
+bool is_whole_below(double limit, double number) {
+  return std::isfinite(number) && number >= 0.0 && number < limit && number == std::floor(number);
+}
+
 }  // namespace
 
 void Archive::reals(double* values, std::size_t count) {
@@ -39,7 +44,7 @@ void Archive::counts(long& first, long& second) {
   double number = cut(first) * count_radix + cut(second);
   real(number);
   if (!is_reading()) return;
-  if (!(number >= 0.0 && number < count_radix * count_radix) || number != std::floor(number)) throw DamagedArchive();
+  if (!is_whole_below(count_radix * count_radix, number)) throw DamagedArchive();
   first = static_cast<long>(std::floor(number / count_radix));
   second = static_cast<long>(number - static_cast<double>(first) * count_radix);
 }
@@ -54,7 +59,7 @@ void Archive::pack(int* values, std::size_t count) {
     }
     real(number);
     if (!is_reading()) continue;
-    if (!(number >= 0.0 && number < radix * radix * radix) || number != std::floor(number)) throw DamagedArchive();
+    if (!is_whole_below(radix * radix * radix, number)) throw DamagedArchive();
     for (std::size_t i = first; i < last; ++i) {
       const double rest = std::floor(number / radix);
       values[i] = static_cast<int>(number - rest * radix) - 1;

@@ -168,11 +168,13 @@ TEST_P(DgeldaEntries, ACallerOf32BitsAtTheWideEntryIsNoticed) {
   std::vector<std::int64_t> iwork(60, 0), info(20, 0), cval(4, 0);
   std::vector<double> rwork(1000, 0.0);
   double t = 0.0, tout = 1.0, x = 1.0, xprime = 0.0, tol = 1e-6;
-  std::int64_t liw = 60, lrw = 1000, iwarn = 0, ierr = 0;
+  std::int64_t liw = 60, lrw = 1000, iwarn = 0;
+  Words ierr(0);
   dgelda_64_(Functions::edif, Functions::adif, Functions::fdif, neq.address(), &t, &tout, &x, &xprime, cval.data(),
              nullptr, nullptr, iwork.data(), &liw, rwork.data(), &lrw, &tol, &tol, method.address(), info.data(),
-             &iwarn, &ierr);
-  EXPECT_EQ(ierr, wrong_width);
+             &iwarn, ierr.address());
+  EXPECT_EQ(ierr.value[0], wrong_width);
+  EXPECT_EQ(ierr.value[1], 12345);  // belongs to somebody else
   EXPECT_EQ(t, 0.0);
   EXPECT_EQ(x, 1.0);
 }
