@@ -14,17 +14,7 @@
 
 #include <sfdae/sfdae.h>
 
-static int failures = 0;
-#define CHECK(condition) \
-  ((condition) ? (void)0 : (void)(failures++, fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition)))
-#define CHECK_STATUS(call, expected) check_status(__LINE__, #call, (call), (expected))
-
-static void check_status(int line, const char *call, int status, int expected) {
-  if (status == expected) return;
-  failures++;
-  fprintf(stderr, "%s:%d: %s is %s, not %s\n", __FILE__, line, call, sfdae_status_name(status),
-          sfdae_status_name(expected));
-}
+#include "checks.h"
 
 /* Bytes that no call that fails may change. */
 static void guard(void *bytes, size_t length) { memset(bytes, 0xA5, length); }
@@ -410,7 +400,7 @@ static void refused(int line, sfdae_solver *solver, const double *values, size_t
   double t, x[N];
   const int before = failures;
   guard(&t, sizeof t), guard(x, sizeof x);
-  check_status(line, "sfdae_restore_checkpoint", sfdae_restore_checkpoint(solver, values, length), SFDAE_ILLEGAL_ARGUMENT);
+  check_status(__FILE__, line, "sfdae_restore_checkpoint", sfdae_restore_checkpoint(solver, values, length), SFDAE_ILLEGAL_ARGUMENT);
   CHECK(sfdae_message(solver)[0] != 0);
   CHECK_STATUS(sfdae_advance(solver, 4, &t, x, NULL), SFDAE_NOT_STARTED);
   CHECK(guarded(&t, sizeof t) && guarded(x, sizeof x));

@@ -8,17 +8,7 @@
 
 #include <sfdae/sfdae.h>
 
-static int failures = 0;
-#define CHECK(condition) \
-  ((condition) ? (void)0 : (void)(failures++, fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition)))
-#define CHECK_STATUS(call, expected) check_status(__LINE__, #call, (call), (expected))
-
-static void check_status(int line, const char *call, int status, int expected) {
-  if (status == expected) return;
-  failures++;
-  fprintf(stderr, "%s:%d: %s is %s, not %s\n", __FILE__, line, call, sfdae_status_name(status),
-          sfdae_status_name(expected));
-}
+#include "checks.h"
 
 /* m = 2, n = 3, every entry p_ij cos(w_ij t + q_ij); one entry of one derivative is off by `offset` and the
  * derivatives above `highest` are not available. */

@@ -9,17 +9,7 @@
 
 #include <sfdae/sfdae.h>
 
-static int failures = 0;
-#define CHECK(condition) \
-  ((condition) ? (void)0 : (void)(failures++, fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition)))
-#define CHECK_STATUS(call, expected) check_status(__LINE__, #call, (call), (expected))
-
-static void check_status(int line, const char *call, int status, int expected) {
-  if (status == expected) return;
-  failures++;
-  fprintf(stderr, "%s:%d: %s is %s, not %s\n", __FILE__, line, call, sfdae_status_name(status),
-          sfdae_status_name(expected));
-}
+#include "checks.h"
 
 static const double half_pi = 1.57079632679489661923;
 static double sine(double t, int order) { return sin(t + order * half_pi); }
