@@ -121,7 +121,7 @@ static void becomes(int line, const sfdae_options *options, const double *y, dou
     double x[3], xdot[3];
     const int failures_before = failures;
     memcpy(x, y, sizeof x);
-    check_status(line, "start or make_consistent",
+    check_status(__FILE__, line, "start or make_consistent",
                  start ? sfdae_start(solver, t0, 2, x, xdot) : sfdae_make_consistent(solver, t0, x, xdot), SFDAE_OK);
     CHECK(is_point(x, t0, c));
     CHECK(is_derivative(xdot, x, t0));
@@ -138,7 +138,7 @@ static void is_refused(int line, const sfdae_options *options, const double *y, 
     sfdae_solver *solver = create(options);
     double x[3], xdot[3] = {-77, -77, -77};
     memcpy(x, y, sizeof x);
-    check_status(line, "start or make_consistent",
+    check_status(__FILE__, line, "start or make_consistent",
                  start ? sfdae_start(solver, t0, 2, x, xdot) : sfdae_make_consistent(solver, t0, x, xdot), expected);
     CHECK(memcmp(x, y, sizeof x) == 0 && xdot[0] == -77 && xdot[1] == -77 && xdot[2] == -77);
     CHECK(sfdae_message(solver)[0] != 0);

@@ -291,12 +291,12 @@ static void refused(int line, const sfdae_linear_problem *problem, const sfdae_o
   static int nothing;
   sfdae_solver *solver = (sfdae_solver *)(void *)&nothing;
   char text[512], tiny[4];
-  check_status(line, "sfdae_create_linear", sfdae_create_linear(&solver, problem, options), expected);
+  check_status(__FILE__, line, "sfdae_create_linear", sfdae_create_linear(&solver, problem, options), expected);
   CHECK(solver == NULL);
   if (solver) sfdae_destroy(&solver);
 
   guard(text, sizeof text);
-  check_status(line, "sfdae_check_linear", sfdae_check_linear(problem, options, text, sizeof text), expected);
+  check_status(__FILE__, line, "sfdae_check_linear", sfdae_check_linear(problem, options, text, sizeof text), expected);
   CHECK(memchr(text, 0, sizeof text) != NULL && text[0] != 0);
 
   guard(tiny, sizeof tiny);
@@ -373,7 +373,7 @@ static void wrong_option(int line, const sfdae_options *options) {
   refused(line, &problem, options, SFDAE_ILLEGAL_ARGUMENT);
   CHECK_STATUS(sfdae_create_linear(&solver, &problem, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
-  check_status(line, "sfdae_set_options", sfdae_set_options(solver, options), SFDAE_ILLEGAL_ARGUMENT);
+  check_status(__FILE__, line, "sfdae_set_options", sfdae_set_options(solver, options), SFDAE_ILLEGAL_ARGUMENT);
   CHECK(sfdae_message(solver)[0] != 0);
   CHECK_STATUS(sfdae_advance(solver, 1, &t, x, NULL), SFDAE_OK);
   CHECK(t == 1.0 && accurate(x, 1, 1e-6, 1e-6));
