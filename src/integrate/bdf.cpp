@@ -102,7 +102,7 @@ void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
   int points = std::min(points_, max_order_ + 3);
   archive.small(points, fictitious_, last_order_);
   if (archive.is_reading()) {
-    if (points < 2 || points > capacity || last_order_ > max_bdf_order) throw DamagedArchive();
+    if (points < 2 || points > capacity || last_order_ < 0 || last_order_ > max_bdf_order) throw DamagedArchive();
     points_ = points;
     resize(n, size_w);
     has_free_part_ = system.undetermined() > 0;

@@ -149,7 +149,7 @@ bool ChangeWatch::breaks_trend(const Sample& older, const Sample& last, const Li
   return false;
 }
 
-std::optional<double> ChangeWatch::suspicious_end(LinearSystem& system) {
+std::optional<LocatedChange> ChangeWatch::find(LinearSystem& system, double t_last) {
   if (system.is_constant()) return std::nullopt;
   now_.t = system.t();
   now_.orientation_kept = system.orientation_kept();
@@ -158,11 +158,16 @@ std::optional<double> ChangeWatch::suspicious_end(LinearSystem& system) {
   now_.row_norms.assign(system.row_norms().begin(), system.row_norms().end());
   const Sample* older = samples_ < 2 ? nullptr : &older_;
   const Sample* last = samples_ < 1 ? nullptr : &last_;
+  bool orientation_kept = true;
   for (int i = 0; i <= system.num_stage_traces(); ++i) {
     const LinearSystem::Trace& now = i < system.num_stage_traces() ? system.stage_trace(i) : now_;
-    if (!now.orientation_kept) return now.t;
+    const bool has_turned = now.orientation_kept != orientation_kept;
+    orientation_kept = now.orientation_kept;
     if (last != nullptr && now.t == last->t) continue;
-    if (older != nullptr && breaks_trend(*older, *last, now)) return now.t;
+    if (has_turned || (older != nullptr && breaks_trend(*older, *last, now))) {
+      auto change = locate(system, t_last, now.t, false);
+      if (change) return change;
+    }
     Sample& sample = trend_[i % 2];
     keep(now, sample);
     older = last;

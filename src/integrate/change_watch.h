@@ -23,9 +23,9 @@ class ChangeWatch {
  public:
   // The current point of the system is the first one of an integration in the given direction.
   void start(LinearSystem& system, double direction);
-  // Whether something may have changed between the point accepted last and the current one: the end of the stretch, from
-  // the point accepted last, in which it may have happened.
-  std::optional<double> suspicious_end(LinearSystem& system);
+  // Looks for a change between the point accepted last, t_last, and the current one, at every point that the step went
+  // through.
+  std::optional<LocatedChange> find(LinearSystem& system, double t_last);
   // The current point of the system is accepted.
   void accept(const LinearSystem& system);
   void archive(Archive& archive, const LinearSystem& system);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/matrix.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -52,15 +53,14 @@ void Integration::create_stepper(Method method) {
 
 // From the last point on.
 void Integration::switch_to_bdf() {
-  const std::unique_ptr<Stepper> radau = std::move(stepper_);
-  const double t = radau->t();
+  const double t = stepper_->t(), span = 1e3 * std::fabs(stepper_->next_step());
   if (system_.move_to(t) == PointStatus::trouble) throw Failure(system_.trouble().status, system_.trouble().message());
-  const Vector x = radau->x();
+  const Vector x = stepper_->x();
   Vector xdot(x.size());
   system_.consistent_derivative(x.data(), direction_, xdot.data());
   create_stepper(Method::bdf);
   set_options(options_);
-  first_step_ = stepper_->first_step(weights_, x.data(), xdot.data(), 1e3 * std::fabs(radau->next_step()));
+  first_step_ = stepper_->first_step(weights_, x.data(), xdot.data(), span);
   begin(t, x, xdot);
 }
 
@@ -69,7 +69,8 @@ void Integration::archive(Archive& archive) {
   archive.small(backward, must_restart_, has_change, chosen_, method_, outputs_);
   direction_ = backward ? -1.0 : 1.0;
   if (archive.is_reading()) {
-    if (method_ > Method::radau || chosen_ > Method::automatic) throw DamagedArchive();
+    if (method_ < Method::bdf || method_ > Method::radau || chosen_ < Method::bdf || chosen_ > Method::automatic)
+      throw DamagedArchive();
     create_stepper(method_);
     set_options(options_);
   }
@@ -260,8 +261,8 @@ std::optional<CallResult> Integration::accept_step(double h) {
     inconsistent_ = true;
   }
   counts_.inconsistency = std::max(counts_.inconsistency, inconsistency);
-  if (const auto suspicious = change_ ? std::nullopt : watch_.suspicious_end(system_)) {
-    change_ = ChangeWatch::locate(system_, stepper_->t(), *suspicious, false);
+  if (!change_) {
+    change_ = watch_.find(system_, stepper_->t());
     if (change_) {
       stepper_->withdraw();
       stepper_->set_next_step(h);
@@ -393,6 +394,10 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
   const bool exactly = system_.differential() == 0 || (method_ == Method::radau && !at_step);
   if (exactly) system_.consistent_derivative(x, direction_, xdot);
   else system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
+  const std::size_t n = static_cast<std::size_t>(system_.unknowns());
+  if (!all_finite(xdot, n)) system_.consistent_derivative(x, direction_, xdot);
+  if (!all_finite(x, n) || !all_finite(xdot, n))
+    throw Failure(SFDAE_NOT_FINITE, format("the solution or its derivative overflows at t = %.15g.", tout));
   t = tout;
   return {};
 }

@@ -359,7 +359,7 @@ void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
   int inner = options_.interpolates ? inner_count_ : 0;
   archive.small(count, last_order_, inner, first_stages_);
   if (archive.is_reading()) {
-    if (count < 1 || count > options_.max_stages + 1 || last_order_ > 2 * max_stages - 1 || inner < 0 ||
+    if (count < 1 || count > options_.max_stages + 1 || last_order_ < 0 || last_order_ > 2 * max_stages - 1 || inner < 0 ||
         inner > inner_capacity || first_stages_ < 1 || first_stages_ > max_stages || first_stages_ % 2 == 0)
       throw DamagedArchive();
     count_ = count;

@@ -16,6 +16,8 @@ constexpr double tiny = 1e-30;
 constexpr double largest_ratio = 1e3;
 // Another number of stages has to promise this much more progress for the same work.
 constexpr double worthwhile = 1.2;
+// One stage has nothing to tell how more of them would do.
+constexpr double reluctance = 2.0;
 // A reduction in units of n^3 operations, about (12 to 16 for an index up to 2).
 constexpr double reduction_cost = 15.0;
 
@@ -68,10 +70,11 @@ double RadauControl::limited(double ratio) const {
   return std::clamp(ratio, 1.0 / options_.fastest_fall, 1.0 / options_.fastest_rise);
 }
 
-// Ratio of step sizes for which the error of the method with s stages would come out right.
+// Ratio of step sizes for which the error of the method with s stages would come out right. Not limited: with steps cut
+// short by outputs all limits would be met, and the fewest stages look best.
 double RadauControl::step_for_stages(int s, const ErrorTerms& terms) const {
   const double error = radau_method(s).error_constant * decay_at(2 * s, terms);
-  return limited(options_.safety * std::pow(std::max(error, tiny), -1.0 / (2 * s)));
+  return options_.safety * std::pow(std::max(error, tiny), -1.0 / (2 * s));
 }
 
 // The number of stages with the best progress for its work; returns the ratio of step sizes that goes with it.
@@ -82,7 +85,7 @@ double RadauControl::choose_stages(const ErrorTerms& terms, const StageCosts& co
   for (int s : {stages_ - 2, stages_ + 2}) {
     if (s < options_.min_stages || s > options_.max_stages) continue;
     if (s < stages_ && steps_with_stages_ < 2) continue;
-    const double progress = step_for_stages(s, terms) / work(s, costs);
+    const double progress = step_for_stages(s, terms) / work(s, costs) / (s == 1 ? reluctance : 1.0);
     if (progress > best_progress) {
       best = s;
       best_progress = progress;
@@ -92,7 +95,7 @@ double RadauControl::choose_stages(const ErrorTerms& terms, const StageCosts& co
   stages_ = best;
   steps_with_stages_ = 0;
   last_h_ = 0.0;
-  return step_for_stages(best, terms);
+  return limited(step_for_stages(best, terms));
 }
 
 double RadauControl::accepted(double h, const ErrorTerms& terms, const StageCosts& costs, bool keep) {

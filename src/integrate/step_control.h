@@ -36,7 +36,10 @@ class StepControl {
   // Orders above the number of points known are not possible.
   void limit_order(int points) { order_ = order_ < points - 1 ? order_ : points - 1; }
   int failures_in_a_row() const { return failures_; }
-  void archive(Archive& archive) { archive.small(order_, starting_, first_step_, steps_at_order_, failures_); }
+  void archive(Archive& archive) {
+    archive.small(order_, starting_, first_step_, steps_at_order_, failures_);
+    if (archive.is_reading() && (order_ < 1 || order_ > max_bdf_order)) throw DamagedArchive();
+  }
 
  private:
   int lower_order(const LocalTerms& terms) const;

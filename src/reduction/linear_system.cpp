@@ -54,8 +54,9 @@ void LinearSystem::archive(Archive& archive) {
                            values.d + values.a + values.v == m && values.d + values.a + values.u == n &&
                            undetermined() >= 0 && analysis_.rank_E >= 0 && analysis_.rank_E <= rank_bound &&
                            analysis_.v_hat >= 0 && analysis_.v_hat <= (values.mu + 1) * m &&
-                           std::isfinite(analysis_.time_scale) && leading_ <= LeadingTerm::identity &&
-                           rows_ <= RowScaling::common;
+                           std::isfinite(analysis_.time_scale) && analysis_.time_scale > 0.0 &&
+                           leading_ >= LeadingTerm::projector && leading_ <= LeadingTerm::identity &&
+                           rows_ >= RowScaling::each && rows_ <= RowScaling::common;
     if (!plausible) throw DamagedArchive();
     resize();
   }
