@@ -23,16 +23,12 @@ namespace {
 
 bool is_narrow(std::int64_t value) { return value >= INT32_MIN && value <= INT32_MAX; }
 
-// How many of the numbers look like INTEGERs of 32 bits read as ones of 64.
+// How many of the numbers look like INTEGERs of 32 bits read as ones of 64. LRW may be as large as that.
 template <class Integer>
-int count_wide(const Integer* neq, const Integer* method, const Integer* liw, const Integer* lrw, const Integer* info) {
+int count_wide(const Integer* neq, const Integer* method, const Integer* liw, const Integer* info) {
   int count = !is_narrow(*neq) + !is_narrow(*method) + !is_narrow(*liw);
   for (int k = 0; k < num_info; ++k) count += !is_narrow(info[k]);
-  if (is_narrow(*lrw)) return count;
-  // Only very large problems need so much.
-  const bool is_needed = is_narrow(*neq) && is_narrow(*method) && *lrw > 0 &&
-                         minimal_rwork(static_cast<double>(*neq), static_cast<int>(*method), 5.0, 3.0) > INT32_MAX;
-  return is_needed ? count : count + 1;
+  return count;
 }
 
 template <class Integer>
@@ -81,7 +77,7 @@ int solve(const Parameters<Integer>& p) noexcept {
 
 template <class Integer>
 void dgelda(const Parameters<Integer>& p) noexcept {
-  const int num_wide = count_wide(p.neq, p.method, p.liw, p.lrw, p.info);
+  const int num_wide = count_wide(p.neq, p.method, p.liw, p.info);
   if (num_wide > 1) {
     // INFO(1) and IERR have 32 bits, then.
     const std::int32_t failed = -1, wrong_width = code::wrong_width;

@@ -76,7 +76,8 @@ int read_stepping(const Arguments& arguments, bool is_first_call, Options& optio
     stepping.fastest_fall = arguments.rwork(12);
     stepping.fastest_rise = arguments.rwork(13);
     if (!std::isgreater(stepping.safety, 0.001) || !std::isless(stepping.safety, 1.0)) return code::bad_safety;
-    if (!std::isgreaterequal(stepping.fastest_fall, 1.0) || !std::islessequal(stepping.fastest_rise, 1.0)) return code::bad_ratios;
+    if (!std::isgreaterequal(stepping.fastest_fall, 1.0) || !std::islessequal(stepping.fastest_rise, 1.0) ||
+        std::isless(stepping.fastest_rise, 0.0)) return code::bad_ratios;
   }
   if (arguments.flag(17) || !is_first_call) {
     stepping.keep_from = arguments.rwork(14);

@@ -159,6 +159,7 @@ CallResult advance(sfdae_solver* solver, double tout, bool one_step, double* t, 
   if (t == nullptr || x == nullptr) return illegal_argument("t and x must not be NULL.");
   if (!std::isfinite(tout)) return illegal_argument(format("tout is %g.", tout));
   if (!solver->integration) return not_started("sfdae_start");
+  solver->integration->want_slopes(xdot != nullptr);
   std::vector<double> slopes;
   if (xdot == nullptr) {
     slopes.resize(static_cast<std::size_t>(solver->problem.n()));

@@ -40,11 +40,20 @@ void ErrorWeights::update(const double* x) {
   for (std::size_t i = 0; i < rtol_.size(); ++i) {
     const double size = std::fabs(x[i]);
     // Without rtol the tolerance is relative to the component itself.
-    if (!(rtol_[i] > 0.0)) relative_[i] = atol_[i] > 0.0 ? atol_[i] / std::max(size, atol_[i]) : 0.0;
-    const double factor = rtol_[i] > 0.0 ? reduction_[i] : reduction(relative_[i]);
+    const double factor = rtol_[i] > 0.0 ? reduction_[i] : reduction(atol_[i] / std::max(size, atol_[i]));
     const double weight = factor * (rtol_[i] * size + atol_[i]);
     inverse_[i] = weight > 1.0 / no_tolerance ? 1.0 / weight : no_tolerance;
   }
+}
+
+void ErrorWeights::update(const double* x, const double* scale) {
+  update(x);
+  for (int i = 0; i < static_cast<int>(rtol_.size()); ++i) relative_[index(i)] = relative_tolerance(i, scale[i]);
+}
+
+double ErrorWeights::relative_tolerance(int i, double size) const {
+  const double atol = atol_[index(i)];
+  return atol > 0.0 ? std::max(rtol_[index(i)], atol / std::max(std::fabs(size), atol)) : rtol_[index(i)];
 }
 
 double ErrorWeights::norm(const double* e) const {
@@ -73,10 +82,10 @@ double ErrorWeights::first_step(const double* x, const double* xdot, double expo
   return h;
 }
 
-double ErrorWeights::tightest() const {
+double ErrorWeights::tightest(const double* x) const {
   double smallest = 1.0;
-  for (std::size_t i = 0; i < rtol_.size(); ++i) {
-    const double tol = rtol_[i] > 0.0 ? rtol_[i] : atol_[i];
+  for (int i = 0; i < static_cast<int>(rtol_.size()); ++i) {
+    const double tol = relative_tolerance(i, x[i]);
     if (tol > 0.0) smallest = std::min(smallest, tol);
   }
   return smallest;

@@ -22,14 +22,16 @@ class ErrorWeights {
   void set(const Tolerances& tolerances, Tightening tightening);
   // weight_i = rtol_i |x_i| + atol_i, tightened.
   void update(const double* x);
+  // The same; scale_i: size of component i nearby, for what norm(e, exponent) takes to be relative to it.
+  void update(const double* x, const double* scale);
   // max_i |e_i| / weight_i. A component whose weight is zero must have no error.
   double norm(const double* e) const;
   // The same for errors that are O(tol^exponent) where the solution has errors O(tol), exponent < 1.
   double norm(const double* e, double exponent) const;
   // Step size at which x changes by half of size^(1 - exponent) tolerance^exponent.
   double first_step(const double* x, const double* xdot, double exponent) const;
-  // The smallest relative tolerance, or absolute one where that is zero.
-  double tightest() const;
+  // The smallest tolerance relative to the component.
+  double tightest(const double* x) const;
   // Component at which norm() is attained.
   int worst(const double* e) const;
   // Largest of rounding errors of x against the tolerances; above 1 they cannot be met.
@@ -39,6 +41,7 @@ class ErrorWeights {
 
  private:
   double reduction(double tol) const;
+  double relative_tolerance(int i, double size) const;
 
   Tightening tightening_ = Tightening::none;
   std::vector<double> rtol_, atol_, reduction_, inverse_;

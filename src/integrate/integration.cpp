@@ -390,10 +390,10 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
   }
   if (at_step) std::copy(stepper_->x().begin(), stepper_->x().end(), x);
   else system_.restore(scratch_w_.data(), x_free.data(), x);
-  // The slope of a polynomial of high degree over a long step would not be as accurate as x is.
-  const bool exactly = system_.differential() == 0 || (method_ == Method::radau && !at_step);
-  if (exactly) system_.consistent_derivative(x, direction_, xdot);
-  else system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
+  // The slope of a polynomial of high degree over a long step is not as accurate as x is.
+  const bool is_within_long_step = method_ == Method::radau && !at_step && wants_slopes_;
+  if (system_.differential() == 0) system_.consistent_derivative(x, direction_, xdot);
+  else if (!(is_within_long_step && system_.exact_derivative(x, xdot))) system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
   const std::size_t n = static_cast<std::size_t>(system_.unknowns());
   if (!all_finite(xdot, n)) system_.consistent_derivative(x, direction_, xdot);
   if (!all_finite(x, n) || !all_finite(xdot, n))

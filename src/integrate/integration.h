@@ -63,6 +63,8 @@ class Integration {
   CallResult advance(double tout, bool one_step, double& t, double* x, double* xdot);
 
   void set_options(const IntegrationOptions& options);
+  // Whether anybody will look at xdot; else it need not be accurate.
+  void want_slopes(bool wanted) { wants_slopes_ = wanted; }
   IntegrationCounts counts() const;
   const Stepper& stepper() const { return *stepper_; }
   Method method() const { return method_; }  // at present: bdf or radau
@@ -105,6 +107,7 @@ class Integration {
   IntegrationCounts counts_;
   long reductions_before_ = 0, factorizations_before_ = 0;  // of the system, before the start
   std::optional<LocatedChange> change_;
+  bool wants_slopes_ = true;
   bool inconsistent_ = false;   // seen in this call and ignored
   std::vector<double> scratch_w_, scratch_x_;
 };

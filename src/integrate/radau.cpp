@@ -24,8 +24,10 @@ constexpr double tight = 1e-7, very_tight = 1e-9;
 // More stages need less, as their order at the nodes relies on smooth coefficients, of which the divided difference of w
 // tells nothing.
 constexpr double embedded_limit(int s, bool beside_difference) {
-  return s == 3 ? (beside_difference ? 0.3 : 0.06) : s == 5 ? 0.015 : 0.004;
+  return s == 3 ? (beside_difference ? 0.4 : 0.08) : s == 5 ? 0.012 : 0.003;
 }
+// Distances of nodes relative to the one before.
+constexpr double coincidence = 0.02;
 // Of the Hermite polynomial without its farthest node.
 constexpr double interpolation_error = 0.5;
 
@@ -45,7 +47,7 @@ void Radau::set_options(const StepOptions& options) {
 
 // Sized for the embedded estimate, h^(s+1) ~ tol^((s+1)/(2s)), which is measured then.
 double Radau::first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) {
-  const double tol = weights.tightest();
+  const double tol = weights.tightest(x);
   first_stages_ = tol > tight ? 3 : tol > very_tight ? 5 : 7;
   const int s = std::clamp(first_stages_, options_.min_stages, options_.max_stages);
   return std::min(first_step_fraction * span, weights.first_step(x, xdot, 0.5 / s));
@@ -61,7 +63,7 @@ void Radau::resize(std::size_t n, std::size_t size_w) {
     for (Node& node : inner_) resize_node(node);
   resize_node(tried_);
   const std::size_t stages = static_cast<std::size_t>(options_.max_stages);
-  for (Vector* v : {&error_, &largest_x_}) v->assign(n, 0.0);
+  for (Vector* v : {&error_, &largest_x_, &scale_x_}) v->assign(n, 0.0);
   stage_x_.assign(n * stages, 0.0);
   stage_w_.assign(size_w * stages, 0.0);
   columns_.assign(size_w * (stages + 2), 0.0);
@@ -122,7 +124,7 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   const std::size_t n = last.x.size();
   if (!all_finite(stage_x_.data(), n * index(s))) return StepOutcome::not_finite;
   take_last_stage(method, last, tried_);
-  update(weights, last.x, tried_.x);
+  update(weights, last, tried_);
   const ErrorTerms terms = estimate_errors(system, weights, method);
   if (!(terms.error <= 1.0)) {
     next_step_ = control_.rejected(tried_h_, terms);
@@ -134,10 +136,15 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   return StepOutcome::accepted;
 }
 
-// Tolerances for what is larger at either end of a step.
-void Radau::update(ErrorWeights& weights, const Vector& x_start, const Vector& x_end) {
-  for (std::size_t i = 0; i < x_end.size(); ++i) largest_x_[i] = std::max(std::fabs(x_start[i]), std::fabs(x_end[i]));
-  weights.update(largest_x_.data());
+// Tolerances for what is larger at either end of a step. Where a component runs through zero, its size nearby is what it
+// changes by.
+void Radau::update(ErrorWeights& weights, const Node& start, const Node& end) {
+  const double h = end.t - start.t;
+  for (std::size_t i = 0; i < end.x.size(); ++i) {
+    largest_x_[i] = std::max(std::fabs(start.x[i]), std::fabs(end.x[i]));
+    scale_x_[i] = std::max({largest_x_[i], std::fabs(h * start.xdot[i]), std::fabs(h * end.xdot[i])});
+  }
+  weights.update(largest_x_.data(), scale_x_.data());
 }
 
 // The last stage of a step from `start` as a node; its time is set.
@@ -247,6 +254,11 @@ void Radau::commit() {
   count_ = std::min(count_ + 1, options_.max_stages + 1);
   std::rotate(nodes_.begin(), nodes_.begin() + count_ - 1, nodes_.begin() + count_);
   std::swap(nodes_[0], tried_);
+  // Divided differences over points that nearly coincide would be rounding errors.
+  if (count_ >= 3 && std::fabs(nodes_[0].t - nodes_[1].t) < coincidence * std::fabs(nodes_[1].t - nodes_[2].t)) {
+    std::rotate(nodes_.begin() + 1, nodes_.begin() + 2, nodes_.begin() + count_);
+    --count_;
+  }
   inner_count_ = 0;
   last_step_ = tried_h_;
   last_order_ = 2 * tried_stages_ - 1;
@@ -324,7 +336,7 @@ PointStatus Radau::refine(StrangenessFreeSystem& system, ErrorWeights& weights, 
   for (std::size_t r = 0; r < size_w; ++r)
     columns_[r] = product * (table_[index(2 * count - 2)][r] + last_gap * table_[index(2 * count - 1)][r]);
   system.error_in_x(columns_.data(), mapped_.data());
-  update(weights, nodes_[1].x, nodes_[0].x);
+  update(weights, nodes_[1], nodes_[0]);
   if (weights.norm(mapped_.data()) <= interpolation_error) return PointStatus::ok;
   const RadauMethod& method = radau_method((last_order_ + 1) / 2);
   const Node& start = nodes_[1];
@@ -357,13 +369,18 @@ void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
   // Points within steps need one node more, and x at all of them.
   int count = std::min(count_, options_.max_stages + (options_.interpolates ? 1 : 0));
   int inner = options_.interpolates ? inner_count_ : 0;
-  archive.small(count, last_order_, inner, first_stages_);
+  archive.small(count, last_order_, inner, first_stages_, options_.min_stages, options_.max_stages);
   if (archive.is_reading()) {
-    if (count < 1 || count > options_.max_stages + 1 || last_order_ < 0 || last_order_ > 2 * max_stages - 1 || inner < 0 ||
-        inner > inner_capacity || first_stages_ < 1 || first_stages_ > max_stages || first_stages_ % 2 == 0)
+    const auto is_number = [](int s) { return s >= 1 && s <= max_stages && s % 2 == 1; };
+    if (!is_number(options_.min_stages) || !is_number(options_.max_stages) ||
+        options_.min_stages > options_.max_stages || !is_number(first_stages_))
+      throw DamagedArchive();
+    if (count < 1 || count > options_.max_stages + 1 || last_order_ < 0 || last_order_ > 2 * options_.max_stages - 1 || inner < 0 ||
+        inner > inner_capacity)
       throw DamagedArchive();
     count_ = count;
     inner_count_ = inner;
+    control_.set_options(options_);
     resize(static_cast<std::size_t>(system.unknowns()), static_cast<std::size_t>(system.leading_size()));
   }
   control_.archive(archive);

@@ -63,7 +63,7 @@ class Radau final : public Stepper {
 
   void resize(std::size_t n, std::size_t size_w);
   int wanted_stages(const StrangenessFreeSystem& system) const;
-  void update(ErrorWeights& weights, const std::vector<double>& x_start, const std::vector<double>& x_end);
+  void update(ErrorWeights& weights, const Node& start, const Node& end);
   void take_last_stage(const RadauMethod& method, const Node& start, Node& node) const;
   ErrorTerms estimate_errors(StrangenessFreeSystem& system, const ErrorWeights& weights, const RadauMethod& method);
   void decay_of_differences(StrangenessFreeSystem& system, const ErrorWeights& weights, const RadauMethod& method,
@@ -92,7 +92,7 @@ class Radau final : public Stepper {
   double leading_coefficient_ = std::numeric_limits<double>::infinity();
   // Stages: n x s and leading_size() x s.
   std::vector<double> stage_x_, stage_w_;
-  std::vector<double> error_, largest_x_, columns_, mapped_;
+  std::vector<double> error_, largest_x_, scale_x_, columns_, mapped_;
   std::array<std::vector<double>, table_size> table_;  // divided differences
   std::array<double, table_size> table_times_{};
   std::array<const Node*, capacity> chosen_{};

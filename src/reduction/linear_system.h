@@ -90,6 +90,8 @@ class LinearSystem final : public StrangenessFreeSystem {
   // from the derivative array, false if the derivative of the constraints had to be computed by differences
   // toward the given direction (+1 or -1). The current point is still the same afterwards.
   bool consistent_derivative(const double* x, double direction, double* xdot);
+  // The same from the derivative array only; false, and xdot as it was, if that is not possible.
+  bool exact_derivative(const double* x, double* xdot);
   // (W x)' given x and x' at the current point.
   void leading_derivative(const double* x, const double* xdot, double* wdot);
 
@@ -145,6 +147,7 @@ class LinearSystem final : public StrangenessFreeSystem {
   void differential_rows(const double* w, double* q);
   bool factor_step_matrix(double c);
   bool derivative_from_array(const double* x, double* xdot);
+  bool exact_scaled_derivative(const double* x, double* xdot);
   void derivative_from_differences(const double* x, double direction, double* xdot);
   void settle_leading_term();
 

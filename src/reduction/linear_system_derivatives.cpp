@@ -27,23 +27,31 @@ bool LinearSystem::consistent_derivative(const double* x, double direction, doub
   return exact;
 }
 
+bool LinearSystem::exact_derivative(const double* x, double* xdot) {
+  std::vector<double> buffer(static_cast<std::size_t>(problem_.n()));
+  if (!exact_scaled_derivative(inward(x, buffer.data()), xdot)) return false;
+  outward(xdot);
+  return true;
+}
+
+bool LinearSystem::exact_scaled_derivative(const double* x, double* xdot) {
+  if (!problem_.prescribed().empty() || !derivative_from_array(x, xdot)) return false;
+  // Free directions: x' of smallest norm, as the free part is held.
+  const NullSpaceForm& form = current().form;
+  if (form.u == 0) return true;
+  const Arena::Frame frame(arena_);
+  double* along = arena_.take(static_cast<std::size_t>(form.unknowns()));
+  double* free_part = arena_.take(static_cast<std::size_t>(form.u));
+  multiply(1.0, Op::transposed, form.T2(), xdot, 0.0, along);
+  multiply(1.0, Op::transposed, form.Uz(), along, 0.0, free_part);
+  multiply(1.0, Op::plain, form.Uz(), free_part, 0.0, along);
+  multiply(-1.0, Op::plain, form.T2(), along, 1.0, xdot);
+  return true;
+}
+
 bool LinearSystem::consistent_scaled_derivative(const double* x, double direction, double* xdot) {
-  const int n = problem_.n();
-  if (problem_.prescribed().empty() && derivative_from_array(x, xdot)) {
-    // Free directions: x' of smallest norm, as the free part is held.
-    const NullSpaceForm& form = current().form;
-    if (form.u > 0) {
-      const Arena::Frame frame(arena_);
-      double* along = arena_.take(static_cast<std::size_t>(form.unknowns()));
-      double* free_part = arena_.take(static_cast<std::size_t>(form.u));
-      multiply(1.0, Op::transposed, form.T2(), xdot, 0.0, along);
-      multiply(1.0, Op::transposed, form.Uz(), along, 0.0, free_part);
-      multiply(1.0, Op::plain, form.Uz(), free_part, 0.0, along);
-      multiply(-1.0, Op::plain, form.T2(), along, 1.0, xdot);
-    }
-    return true;
-  }
-  std::fill_n(xdot, n, 0.0);
+  if (exact_scaled_derivative(x, xdot)) return true;
+  std::fill_n(xdot, problem_.n(), 0.0);
   derivative_from_differences(x, direction, xdot);
   correct_scaled_derivative(std::numeric_limits<double>::infinity(), x, xdot);
   return false;

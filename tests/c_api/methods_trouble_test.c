@@ -111,14 +111,16 @@ static void change_is_located(change_data *data, double t0, double end) {
   const sfdae_options options = options_with_tolerance(1e-6);
   sfdae_solver *solver = create(&problem, &options);
   sfdae_change change;
-  double t = t0, x[2];
+  double t = t0, x[2], growth;
   x[0] = exp(-t0), x[1] = 1;
   sfdae_change_init(&change, sizeof change);
   CHECK_STATUS(sfdae_start(solver, t0, end, x, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_get_change(solver, &change), SFDAE_NOT_STARTED);
   CHECK_STATUS(sfdae_advance(solver, end, &t, x, NULL), SFDAE_CHARACTERISTICS_CHANGED);
   CHECK(sign * (t - t0) >= 0 && sign * (t - data->at) <= 0);
-  CHECK(near(x[0], exp(-t), 1e-6) && near(x[1], 1, 1e-6));
+  /* Errors of x2 grow like 1 / |t - at| where E decays. */
+  growth = data->kind == DECAYING_E ? fmax(1, fabs(way / (t - data->at))) : 1;
+  CHECK(near(x[0], exp(-t), 1e-6) && near(x[1], 1, 1e-6 * growth));
   if (sfdae_get_change(solver, &change) == SFDAE_OK) {
     CHECK(fabs(change.t - data->at) <= 1e-6 * fabs(way));
     CHECK(fabs(t - data->at) <= 1e-2 * fabs(way)); /* as far as it is possible, nearly */

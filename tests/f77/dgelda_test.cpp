@@ -458,7 +458,6 @@ TEST(Dgelda, TellsIntegersOfAnotherWidth) {
   EXPECT_EQ(code_of([](auto& r) { r.n += upper; }), -140);
   EXPECT_EQ(code_of([](auto& r) { r.method += upper; }), -140);
   EXPECT_EQ(code_of([](auto& r) { r.info[4] += upper; }), -140);
-  EXPECT_EQ(code_of([](auto& r) { r.lrw += upper; }), -140);
   EXPECT_EQ(code_of([](auto& r) { r.liw += upper; }), -140);
   EXPECT_EQ(code_of([](auto&) {}), 3);
   // Functions of 64 bits called with 32.
