@@ -316,4 +316,64 @@ TEST(RadauIntegration, AutomaticChoiceTakesBdfForFrequentOutputOnly) {
   EXPECT_LE(frequent.output_error, 10.0);
 }
 
+// x' = w (x2, -x1), tolerance given by atol alone, rtol as small as one likes.
+TEST(RadauIntegration, AToleranceThatIsAbsoluteIsMetWhateverRtolIs) {
+  using sfdae_test::Entries;
+  using sfdae_test::Jet;
+  constexpr double omega = 60.0, atol = 1e-4;
+  sfdae_test::Formulas formulas;
+  formulas.E = [](const Jet&) { return Entries{1.0, 0.0, 0.0, 1.0}; };
+  formulas.A = [](const Jet&) { return Entries{0.0, omega, -omega, 0.0}; };
+  formulas.exact = [](const Jet& t) { return Entries{sin(omega * t), cos(omega * t)}; };
+  const FamilyPointer family = sfdae_test::formula_family("fast rotation", {0, 2, 0, 0, 0}, formulas);
+  for (double rtol : {0.0, 1e-15, 1e-8, 1e-4}) {
+    AnalyzedProblem analyzed(family, 0.0, 1.0);
+    Vector x = analyzed.exact(0.0), xdot = analyzed.exact_derivative(0.0);
+    IntegrationOptions options = with(Method::radau, 3, 3);
+    options.tolerances = {Vector(2, rtol), Vector(2, atol)};
+    analyzed.system.move_to(0.0);
+    Integration integration(analyzed.system, options, 0.0, 1.0, x, xdot);
+    double t = 0.0, worst = 0.0;
+    while (integration.advance(1.0, true, t, x.data(), xdot.data()).status == SFDAE_STEP_TAKEN)
+      worst = std::max(worst, RadauRun::difference(x, analyzed.exact(t)));
+    EXPECT_EQ(t, 1.0);
+    // Ten periods without damping: errors of some 60 steps add up.
+    EXPECT_LE(worst, 30.0 * atol) << rtol;
+  }
+}
+
+// The step first is suspected of a change at one stage, wrongly, and goes through one at a later stage.
+TEST(RadauIntegration, AChangeBehindAFalseAlarmWithinTheStepIsFound) {
+  using sfdae_test::Entries;
+  using sfdae_test::Jet;
+  for (int i = 0; i < 20; ++i) {
+    const double at = 0.6 + 0.05 * i;
+    sfdae_test::Formulas formulas;
+    formulas.E = [at](const Jet& t) { return Entries{1.0, 0.0, 0.0, -1.0 * ((t - at) * (t - at) * (t - at))}; };
+    formulas.A = [](const Jet&) { return Entries{-1.0, 0.0, 0.0, -1.0}; };
+    formulas.exact = [](const Jet& t) { return Entries{exp(-t), cos(t)}; };
+    const FamilyPointer family = sfdae_test::formula_family("cubic zero", {0, 2, 0, 0, 0}, formulas);
+    for (double tol : {1e-3, 1e-9}) {
+      const Solve result = solve(family, tol, 1, with(Method::radau), 2.5);
+      EXPECT_EQ(result.status, SFDAE_CHARACTERISTICS_CHANGED) << at << " " << tol;
+    }
+  }
+}
+
+// A step cut short at an output tells nothing about the next one.
+TEST(RadauIntegration, TheStepPlannedBeforeAnOutputIsTakenBehindIt) {
+  IntegrationOptions options = with(Method::radau, 3, 3);
+  options.never_pass_output = true;
+  AnalyzedProblem analyzed(FamilyPointer(sfdae_test::kron(8, 1)), 0.0, 1.0);
+  Vector x = analyzed.exact(0.0), xdot = analyzed.exact_derivative(0.0);
+  options.tolerances = {Vector(8, 1e-6), Vector(8, 1e-6)};
+  analyzed.system.move_to(0.0);
+  Integration integration(analyzed.system, options, 0.0, 2.0, x, xdot);
+  double t = 0.0;
+  ASSERT_EQ(integration.advance(0.5, false, t, x.data(), xdot.data()).status, SFDAE_OK);
+  const double planned = integration.stepper().next_step();
+  ASSERT_EQ(integration.advance(0.5 + 1e-3 * planned, false, t, x.data(), xdot.data()).status, SFDAE_OK);
+  EXPECT_EQ(integration.stepper().next_step(), planned);
+}
+
 }  // namespace
