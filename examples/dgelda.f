@@ -13,7 +13,8 @@ c mu = 2, d = 0, a = 3, u = 0. Solution: (sin t, cos t, -sin t).
       integer cval(4), ipar(1), iwork(liw), info(20), iwarn, ierr, k
       double precision t, tout, x(n), xprime(n), rpar(1), rwork(lrw),
      $                 rtol, atol, error
-      data info /20*0/, x /0, 0, 0/, rtol, atol /2*1d-6/, t /0/
+      data info /20*0/, iwarn /0/, x /0, 0, 0/
+      data rtol, atol /2*1d-6/, t /0/
       do 10 k = 0, 4
 c       The first call, TOUT = T, makes X consistent.
         tout = 2*k
@@ -57,7 +58,9 @@ c Derivatives of order k. Every entry is written.
       subroutine zero(n, a, lda)
       integer n, lda, i, j
       double precision a(lda,*)
-      do 10 i = 1, n
-        do 10 j = 1, n
-   10     a(i,j) = 0
+      do 20 j = 1, n
+        do 10 i = 1, n
+          a(i,j) = 0
+   10   continue
+   20 continue
       end

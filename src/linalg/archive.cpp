@@ -26,7 +26,10 @@ void Archive::reals(double* values, std::size_t count) {
     assert(count <= length_ - size_);
     std::copy_n(values, count, to_ + size_);
   } else if (from_ != nullptr) {
-    std::copy_n(from_ + size_, checked(count), values);
+    // Infinity may have been written, NaN never is.
+    for (std::size_t i = 0; i < checked(count); ++i)
+      if (std::isnan(from_[size_ + i])) throw DamagedArchive();
+    std::copy_n(from_ + size_, count, values);
   }
   size_ += count;
 }

@@ -21,7 +21,7 @@ class Archive {
   bool is_reading() const { return from_ != nullptr; }
   std::size_t size() const { return size_; }  // doubles counted, written or read so far
 
-  // Reading beyond the end throws DamagedArchive.
+  // Reading beyond the end, or NaN, throws DamagedArchive.
   void real(double& value) { reals(&value, 1); }
   void reals(double* values, std::size_t count);
   // A vector is resized when reading; when writing, what it lacks counts as zero.

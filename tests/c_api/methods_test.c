@@ -255,7 +255,7 @@ static void fixed_numbers_of_stages_have_their_orders(void) {
     observer o = observer_with_tolerance(1e-4);
     sfdae_options options = options_for(fixed, 1e-4);
     sfdae_solver *solver;
-    char name[32];
+    char name[64];
     double t, x[N];
     o.order_1 = stages == 1;
     options.monitor = observe, options.monitor_user = &o;

@@ -70,6 +70,17 @@ TEST(Archive, NeverReadsBeyondTheEnd) {
   }
 }
 
+TEST(Archive, RefusesNaNEverywhere) {
+  const std::vector<double> intact = written(example());
+  for (std::size_t at = 0; at < intact.size(); ++at) {
+    std::vector<double> values = intact;
+    values[at] = std::numeric_limits<double>::quiet_NaN();
+    State read;
+    Archive reader = Archive::reader(values.data(), values.size());
+    EXPECT_THROW(read.archive(reader), DamagedArchive) << at;
+  }
+}
+
 TEST(Archive, RefusesNumbersThatItCannotHaveWritten) {
   for (double wrong : {0.5, -1.0, 1e300, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     for (std::size_t at : {0u, 2u}) {
