@@ -15,7 +15,7 @@
 #include <cstring>
 
 #include "f77/dgelda_call.h"
-#include "sfdae/sfdae.h"
+#include "f77/routine.h"
 
 namespace sfdae::f77 {
 
@@ -76,7 +76,7 @@ int solve(const Parameters<Integer>& p) noexcept {
 }
 
 template <class Integer>
-void dgelda(const Parameters<Integer>& p) noexcept {
+void solve_and_report(const Parameters<Integer>& p) noexcept {
   const int num_wide = count_wide(p.neq, p.method, p.liw, p.info);
   if (num_wide > 1) {
     // INFO(1) and IERR have 32 bits, then.
@@ -94,23 +94,15 @@ void dgelda(const Parameters<Integer>& p) noexcept {
 
 }  // namespace
 
+SFDAE_F77_ROUTINE(void, dgelda,
+                  (MatrixFunction<Integer> edif, MatrixFunction<Integer> adif, VectorFunction<Integer> fdif,
+                   const Integer* neq, double* t, const double* tout, double* x, double* xprime, Integer* cval,
+                   Integer* ipar, double* rpar, Integer* iwork, const Integer* liw, double* rwork, const Integer* lrw,
+                   double* rtol, double* atol, const Integer* method, Integer* info, Integer* iwarn, Integer* ierr),
+                  (edif, adif, fdif, neq, t, tout, x, xprime, cval, ipar, rpar, iwork, liw, rwork, lrw, rtol, atol,
+                   method, info, iwarn, ierr)) {
+  solve_and_report<Integer>({{edif, adif, fdif, ipar, rpar}, neq, t, tout, x, xprime, cval, iwork, liw, rwork, lrw, rtol,
+                             atol, method, info, iwarn, ierr});
+}
+
 }  // namespace sfdae::f77
-
-// The three names of the entry differ in the width of INTEGER and in underscores only.
-#define SFDAE_DGELDA(name, Integer)                                                                                  \
-  SFDAE_API void name(sfdae::f77::MatrixFunction<Integer> edif, sfdae::f77::MatrixFunction<Integer> adif,             \
-                      sfdae::f77::VectorFunction<Integer> fdif, const Integer* neq, double* t, const double* tout,    \
-                      double* x, double* xprime, Integer* cval, Integer* ipar, double* rpar, Integer* iwork,          \
-                      const Integer* liw, double* rwork, const Integer* lrw, double* rtol, double* atol,              \
-                      const Integer* method, Integer* info, Integer* iwarn, Integer* ierr) {                          \
-    sfdae::f77::dgelda<Integer>({{edif, adif, fdif, ipar, rpar}, neq, t, tout, x, xprime, cval, iwork, liw, rwork,    \
-                                 lrw, rtol, atol, method, info, iwarn, ierr});                                        \
-  }
-
-extern "C" {
-
-SFDAE_DGELDA(dgelda_, std::int32_t)
-SFDAE_DGELDA(dgelda_64_, std::int64_t)
-SFDAE_DGELDA(dgelda_64__, std::int64_t)
-
-}  // extern "C"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "f77/routine.h"
 #include "linalg/matrix.h"
 #include "problem/failure.h"
 #include "reduction/consistent_values.h"
@@ -17,8 +18,7 @@ namespace {
 // IERR
 constexpr int step_taken = 1, tout_reached = 3, initial_values_found = 4;
 constexpr int many_steps = -1, tolerances_too_small = -2, weight_vanished = -3, step_too_small = -6, singular = -8;
-constexpr int functions_failed = -10, derivative_missing = -21, no_index = -22, not_possible = -23;
-constexpr int no_consistent_values = -24, no_slopes = -25, values_changed = -26;
+constexpr int functions_failed = -10, derivative_missing = -21;
 constexpr int called_after_failure = -998, called_after_illegal_input = -999;
 
 // Positions of outputs in IWORK
@@ -37,12 +37,12 @@ int DgeldaCall::run() noexcept {
     return dispatch();
   } catch (const core::Failure& failure) {
     const int ierr = code_of(failure.status());
-    if (ierr == no_index && failure.status() == SFDAE_INDEX_TOO_HIGH) arguments_.cval.set(1, -1);
+    if (ierr == no_characteristic_values && failure.status() == SFDAE_INDEX_TOO_HIGH) arguments_.cval.set(1, -1);
     return ierr;
   } catch (const core::DamagedArchive&) {
     return code::bad_info;
   } catch (...) {
-    return not_possible;
+    return not_reduced;
   }
 }
 
@@ -106,7 +106,7 @@ int DgeldaCall::first_call() {
   publish_values();
   system_->accept();
   progress_.t_returned = t_;
-  return state_.save(progress_, user_, *system_, nullptr) ? initial_values_found : not_possible;
+  return state_.save(progress_, user_, *system_, nullptr) ? initial_values_found : not_reduced;
 }
 
 // +1 or -1 if H0 or TSTOP tell, else 0.
@@ -290,7 +290,7 @@ int DgeldaCall::advance() {
   }
   // After an interruption behind TOUT that TOUT may be asked for again.
   if (!has_passed_tout(t_) || t_ == arguments_.tout) progress_.t_returned = t_;
-  return state_.save(progress_, user_, *system_, integration_.get()) ? ierr : not_possible;
+  return state_.save(progress_, user_, *system_, integration_.get()) ? ierr : not_reduced;
 }
 
 // By 100 eps |X| in the weighted norm, or somewhat more if it takes more for all components to fit.
@@ -326,17 +326,17 @@ int DgeldaCall::code_of(int status) const {
     case SFDAE_STEP_TOO_SMALL: return step_too_small;
     case SFDAE_SINGULAR: return singular;
     case SFDAE_CALLBACK_STOPPED: return user_.has_wrong_width() ? code::wrong_width : derivative_missing;
-    case SFDAE_CALLBACK_FAILED: return is_start ? no_index : functions_failed;
+    case SFDAE_CALLBACK_FAILED: return is_start ? no_characteristic_values : functions_failed;
     case SFDAE_NOT_FINITE:
       // No subroutine is called for the values themselves.
-      return !is_start ? functions_failed : stage_ == Stage::values ? no_consistent_values : no_index;
+      return !is_start ? functions_failed : stage_ == Stage::values ? no_consistent_value : no_characteristic_values;
     case SFDAE_INDEX_TOO_HIGH:
-    case SFDAE_RANK_UNCLEAR: return no_index;
-    case SFDAE_CHARACTERISTICS_CHANGED: return is_start ? no_index : values_changed;
-    case SFDAE_INCONSISTENT_VALUES: return stage_ == Stage::slopes ? no_slopes : no_consistent_values;
+    case SFDAE_RANK_UNCLEAR: return no_characteristic_values;
+    case SFDAE_CHARACTERISTICS_CHANGED: return is_start ? no_characteristic_values : values_changed;
+    case SFDAE_INCONSISTENT_VALUES: return stage_ == Stage::slopes ? no_initial_derivative : no_consistent_value;
     case SFDAE_INCONSISTENT_EQUATIONS:
-    case SFDAE_FIXED_VALUES: return no_consistent_values;
-    default: return not_possible;
+    case SFDAE_FIXED_VALUES: return no_consistent_value;
+    default: return not_reduced;
   }
 }
 

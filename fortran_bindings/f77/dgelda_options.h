@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "f77/integer_array.h"
+#include "f77/user_functions.h"
 #include "integrate/integration.h"
 
 namespace sfdae::f77 {
@@ -26,7 +27,7 @@ inline constexpr int short_rwork = -105, short_iwork = -106, bad_rtol = -107, ba
 inline constexpr int stop_before_tout = -110, bad_max_step = -111, wrong_direction = -112, zero_first_step = -113;
 inline constexpr int zero_weight = -114, tout_too_close = -115, stop_behind = -116, tout_is_t = -119;
 inline constexpr int bad_max_steps = -120, bad_safety = -121, bad_ratios = -122, bad_quotients = -123;
-inline constexpr int bad_method = -132, wrong_width = -140;
+inline constexpr int bad_method = -132, wrong_width = wrong_integer_width;
 // An input that is illegal, whatever the problem.
 constexpr bool is_illegal_input(std::int64_t ierr) { return ierr <= -100 && ierr > -200; }
 }  // namespace code

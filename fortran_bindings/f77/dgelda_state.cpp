@@ -3,7 +3,6 @@
 #include "f77/dgelda_state.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -32,15 +31,14 @@ std::size_t DgeldaState::size_of_matrices(bool is_constant) const {
 
 std::size_t DgeldaState::saved_length() const { return static_cast<std::size_t>(arguments_.rwork(length)); }
 
-// FNV-1a over all words, folded to a positive INTEGER of 32 bits.
+// Of all words, folded to a positive INTEGER of 32 bits.
 std::int64_t DgeldaState::checksum(std::size_t reals) const {
-  std::uint64_t hash = 14695981039346656037u;
-  const auto add = [&hash](std::uint64_t item) { hash = (hash ^ item) * 1099511628211u; hash ^= hash >> 29; };
-  add(static_cast<std::uint64_t>(arguments_.n));
-  add(static_cast<std::uint64_t>(arguments_.iwork.get(kind)));
-  for (int position : {t_start, t_returned, span, length}) add(std::bit_cast<std::uint64_t>(arguments_.rwork(position)));
-  for (std::size_t i = 0; i < reals; ++i) add(std::bit_cast<std::uint64_t>((&arguments_.rwork(first_real))[i]));
-  return static_cast<std::int64_t>((hash >> 33) ^ (hash & 0x7fffffffu));
+  core::WordHash hash;
+  hash.add(static_cast<std::uint64_t>(arguments_.n));
+  hash.add(static_cast<std::uint64_t>(arguments_.iwork.get(kind)));
+  for (int position : {t_start, t_returned, span, length}) hash.add(&arguments_.rwork(position), 1);
+  hash.add(&arguments_.rwork(first_real), reals);
+  return static_cast<std::int64_t>((hash.value() >> 33) ^ (hash.value() & 0x7fffffffu));
 }
 
 int DgeldaState::load(Progress& progress) const {

@@ -359,7 +359,9 @@ SFDAE_API int sfdae_start(sfdae_solver *solver, double t, double toward, double 
  * call with a tout within the last step only interpolates. Remarks and failures of the integration return the
  * last accepted point in t, x, xdot instead, which may lie behind tout if the last step went past it. xdot is
  * the slope of the method's polynomial, corrected toward the equations: its error is about that of x over the step
- * size (within Radau steps it is exact where derivatives of order mu + 1 are available, else less accurate). tout must lie in the direction of integration, at or behind the last point returned; the direction is
+ * size. Within Radau steps xdot is exact where derivatives of order mu + 1 are available, else less accurate.
+ * Steps of Radau end at tout until there are enough of them to interpolate accurately; those of BDF do not depend
+ * on tout. tout must lie in the direction of integration, at or behind the last point returned; the direction is
  * set by sfdae_start.
  * Remarks: SFDAE_STOPPED, SFDAE_INCONSISTENCY_IGNORED. Failures: callbacks, SFDAE_CHARACTERISTICS_CHANGED,
  * SFDAE_INCONSISTENT_EQUATIONS, integration, SFDAE_NOT_STARTED. */
@@ -382,7 +384,8 @@ SFDAE_API int sfdae_save_checkpoint(sfdae_solver *solver, double *checkpoint, si
 
 /* Continues from a checkpoint instead of sfdae_start: sfdae_advance is next. The solver has to be created with the
  * problem and the options that the checkpoint was made with (tolerances, limits and the monitor may differ); no callback
- * is called. An integration under way is lost. SFDAE_ILLEGAL_ARGUMENT if it is damaged or does not fit; then nothing is started. */
+ * is called. An integration under way is lost. SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or does not fit;
+ * then nothing is started. */
 SFDAE_API int sfdae_restore_checkpoint(sfdae_solver *solver, const double *checkpoint, size_t length);
 
 /* Counts since sfdae_start, except where stated. */

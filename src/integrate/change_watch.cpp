@@ -151,11 +151,7 @@ bool ChangeWatch::breaks_trend(const Sample& older, const Sample& last, const Li
 
 std::optional<LocatedChange> ChangeWatch::find(LinearSystem& system, double t_last) {
   if (system.is_constant()) return std::nullopt;
-  now_.t = system.t();
-  now_.orientation_kept = system.orientation_kept();
-  now_.kept_constraints = system.kept_constraints();
-  now_.kept_differential = system.kept_differential();
-  now_.row_norms.assign(system.row_norms().begin(), system.row_norms().end());
+  system.trace(now_);
   const Sample* older = samples_ < 2 ? nullptr : &older_;
   const Sample* last = samples_ < 1 ? nullptr : &last_;
   bool orientation_kept = true;

@@ -2,10 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/checkpoint.h"
 
-#include <bit>
-#include <cmath>
-#include <cstdint>
-
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -34,14 +30,11 @@ void archive_all(LinearSystem& system, Integration& integration, Archive& archiv
   integration.archive(archive);
 }
 
-// FNV-1a over the words, high bits brought down after each, cut to the 52 bits that a double holds.
+// Cut to the 52 bits that a double holds.
 double checksum(const double* values, std::size_t count) {
-  std::uint64_t hash = 14695981039346656037u;
-  for (std::size_t i = 0; i < count; ++i) {
-    hash = (hash ^ std::bit_cast<std::uint64_t>(values[i])) * 1099511628211u;
-    hash ^= hash >> 29;
-  }
-  return static_cast<double>(hash >> 12);
+  WordHash hash;
+  hash.add(values, count);
+  return static_cast<double>(hash.value() >> 12);
 }
 
 }  // namespace

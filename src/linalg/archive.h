@@ -4,13 +4,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace sfdae::core {
 
 // What was read cannot have been written by an Archive.
 struct DamagedArchive {};
+
+// Checksum of a sequence of words: FNV-1a, high bits brought down after each.
+class WordHash {
+ public:
+  void add(std::uint64_t word) {
+    value_ = (value_ ^ word) * 1099511628211u;
+    value_ ^= value_ >> 29;
+  }
+  void add(const double* values, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) add(std::bit_cast<std::uint64_t>(values[i]));
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 14695981039346656037u;
+};
 
 class Archive {
  public:

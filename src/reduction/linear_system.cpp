@@ -281,16 +281,9 @@ bool LinearSystem::factor_step_matrix(double c) {
   if (problem_.is_constant() && std::fabs(c - matrix_c_) <= rounding_of_steps * std::fabs(c)) c = matrix_c_;
   const NullSpaceForm& form = current().form;
   if (constant_ready_ && matrix_valid_ && matrix_c_ == c) return true;
-  const int size = form.unknowns(), d = form.d;
-  const double c_tau = c * current().data.time_scale;
+  const int size = form.unknowns();
   const View M{matrix_.data(), size, size, std::max(size, 1)};
-  for (int j = 0; j < size; ++j) {
-    const double* G = form.G().column(j);
-    const double* B = form.B().column(j);
-    double* to = M.column(j);
-    for (int i = 0; i < d; ++i) to[i] = c_tau * G[i] - B[i];
-    for (int i = d; i < size; ++i) to[i] = c_tau * form.Uz()(j, i - d);
-  }
+  form.step_matrix(c * current().data.time_scale, M);
   matrix_valid_ = factor_lu(M, matrix_pivots_.data());
   matrix_c_ = c;
   if (size > 0) ++factorizations_;

@@ -76,6 +76,8 @@ class LinearSystem final : public StrangenessFreeSystem {
     double kept_constraints = 1.0, kept_differential = 1.0;
     std::vector<double> row_norms;
   };
+  // That of the current point.
+  void trace(Trace& trace);
   int num_stage_traces() const { return num_stage_traces_; }
   const Trace& stage_trace(int i) const { return stage_traces_[static_cast<std::size_t>(i)]; }
 
@@ -123,7 +125,6 @@ class LinearSystem final : public StrangenessFreeSystem {
   void resize();
   void resize_stages(int s);
   void keep_stage(int i, int s);
-  void keep_trace(int i);
   void assemble_stages(const StageEquations& equations, const double* x_start);
   bool solve_constant_stages(const StageEquations& equations, const double* x_start);
   void solve_transformed(const StageMethod& method, ConstView r, View z);

@@ -34,7 +34,7 @@ PointStatus LinearSystem::solve_stages(const StageEquations& equations, double* 
     const PointStatus status = move_to(t_reached);
     if (status != PointStatus::ok) return status;
     keep_stage(i, s);
-    if (i < s - 1 && !problem_.is_constant()) keep_trace(i);
+    if (i < s - 1 && !problem_.is_constant()) trace(stage_traces_[static_cast<std::size_t>(i)]);
   }
   num_stage_traces_ = problem_.is_constant() ? 0 : s - 1;
   const Arena::Frame frame(arena_);
@@ -106,8 +106,7 @@ void LinearSystem::keep_stage(int i, int s) {
   multiply(1.0, Op::transposed, form.Uz(), Op::transposed, form.T2(), 0.0, V);
 }
 
-void LinearSystem::keep_trace(int i) {
-  Trace& trace = stage_traces_[static_cast<std::size_t>(i)];
+void LinearSystem::trace(Trace& trace) {
   trace.t = t();
   trace.orientation_kept = orientation_kept();
   trace.kept_constraints = kept_constraints();
@@ -159,17 +158,13 @@ void LinearSystem::assemble_stages(const StageEquations& equations, const double
 // Factors [c tau G - B; c tau Uz^T] for a complex c, unless that is done.
 bool LinearSystem::factor_pair(std::size_t k, std::complex<double> c) {
   const NullSpaceForm& form = current().form;
-  const int q = form.unknowns(), d = form.d;
+  const int q = form.unknowns();
   std::vector<std::complex<double>>& matrix = stages_.pairs[k];
   if (!matrix.empty() && stages_.pair_values[k] == c) return true;
   matrix.resize(area(q, q) + 1);
   stages_.pair_pivots[k].resize(area(q, 1) + 1);
   const ComplexView M{matrix.data(), q, q, std::max(q, 1)};
-  const std::complex<double> c_tau = c * current().data.time_scale;
-  for (int j = 0; j < q; ++j) {
-    for (int i = 0; i < d; ++i) M(i, j) = c_tau * form.G()(i, j) - form.B()(i, j);
-    for (int i = d; i < q; ++i) M(i, j) = c_tau * form.Uz()(j, i - d);
-  }
+  form.step_matrix(c * current().data.time_scale, M);
   if (q > 0) ++factorizations_;
   stages_.pair_values[k] = c;
   if (factor_lu(M, stages_.pair_pivots[k].data())) return true;

@@ -72,6 +72,17 @@ class NullSpaceForm {
   // Contradiction of redundant equations: largest entry of Z3^T g relative to the entries of f^ and x.
   double inconsistency() const { return inconsistency_; }
 
+  // M := [c_tau G - B; c_tau Uz^T], the matrix of a step, for a real or complex c_tau.
+  template <class Scalar>
+  void step_matrix(Scalar c_tau, BasicView<Scalar> M) const {
+    for (int j = 0; j < unknowns(); ++j) {
+      const double* G_j = G().column(j);
+      const double* B_j = B().column(j);
+      Scalar* to = M.column(j);
+      for (int i = 0; i < d; ++i) to[i] = c_tau * G_j[i] - B_j[i];
+      for (int i = d; i < unknowns(); ++i) to[i] = c_tau * Uz()(j, i - d);
+    }
+  }
   // z of smallest norm with G z = q.
   void solve_G(const double* q, double* z, Arena& arena) const;
   // Sign of det G, 0 if it vanishes; u = 0 only.
