@@ -51,19 +51,6 @@ void Integration::create_stepper(Method method) {
   else stepper_ = std::make_unique<Radau>();
 }
 
-// From the last point on.
-void Integration::switch_to_bdf() {
-  const double t = stepper_->t(), span = 1e3 * std::fabs(stepper_->next_step());
-  if (system_.move_to(t) == PointStatus::trouble) throw Failure(system_.trouble().status, system_.trouble().message());
-  const Vector x = stepper_->x();
-  Vector xdot(x.size());
-  system_.consistent_derivative(x.data(), direction_, xdot.data());
-  create_stepper(Method::bdf);
-  set_options(options_);
-  first_step_ = stepper_->first_step(weights_, x.data(), xdot.data(), span);
-  begin(t, x, xdot);
-}
-
 void Integration::archive(Archive& archive) {
   bool backward = direction_ < 0.0, has_change = change_.has_value();
   archive.small(backward, must_restart_, has_change, chosen_, method_, outputs_);
@@ -161,19 +148,24 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
   return result;
 }
 
-void Integration::restart_at_last_point() {
-  const double t = stepper_->t();
+void Integration::restart_at_last_point(Method method) {
+  const double t = stepper_->t(), step = std::fabs(stepper_->next_step());
   if (system_.move_to(t) == PointStatus::trouble) throw Failure(system_.trouble().status, system_.trouble().message());
   const Vector x = stepper_->x();
   Vector xdot(x.size());
   system_.consistent_derivative(x.data(), direction_, xdot.data());
+  if (method != method_) {
+    create_stepper(method);
+    set_options(options_);
+    first_step_ = stepper_->first_step(weights_, x.data(), xdot.data(), 1e3 * step);
+  }
   begin(t, x, xdot);
   must_restart_ = false;
 }
 
 CallResult Integration::run(double tout, bool one_step) {
   // The last call gave up with a step that tells nothing about the solution.
-  if (must_restart_ && !change_ && !has_passed(tout)) restart_at_last_point();
+  if (must_restart_ && !change_ && !has_passed(tout)) restart_at_last_point(method_);
   for (long attempts = 0; !has_passed(tout); ++attempts) {
     if (system_.problem().stop_is_requested())
       return {SFDAE_STOPPED, format("stopped on request at t = %.15g; the call can be repeated.", stepper_->t())};
@@ -187,7 +179,7 @@ CallResult Integration::run(double tout, bool one_step) {
               format("the tolerances are too small for the precision of the machine at t = %.15g: multiply them by "
                      "%.2g at least.",
                      stepper_->t(), weights_.rounding(stepper_->x().data()))};
-    if (is_better_off_with_bdf()) switch_to_bdf();
+    if (is_better_off_with_bdf()) restart_at_last_point(Method::bdf);
     const long steps = counts_.steps;
     if (auto result = attempt_step(tout)) return *result;
     if (one_step && counts_.steps > steps && !has_passed(tout)) return {SFDAE_STEP_TAKEN, ""};
@@ -299,7 +291,7 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
       // rank E is not constant, though the hypothesis holds: w = P x has no continuous meaning, w = E x has.
       must_restart_ = true;
       system_.give_up_projector();
-      restart_at_last_point();
+      restart_at_last_point(method_);
       ++counts_.other_failures;
       return std::nullopt;
     }
@@ -393,7 +385,8 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
   // The slope of a polynomial of high degree over a long step is not as accurate as x is.
   const bool is_within_long_step = method_ == Method::radau && !at_step && wants_slopes_;
   if (system_.differential() == 0) system_.consistent_derivative(x, direction_, xdot);
-  else if (!(is_within_long_step && system_.exact_derivative(x, xdot))) system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
+  else if (!(is_within_long_step && system_.exact_derivative(x, xdot)))
+    system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
   const std::size_t n = static_cast<std::size_t>(system_.unknowns());
   if (!all_finite(xdot, n)) system_.consistent_derivative(x, direction_, xdot);
   if (!all_finite(x, n) || !all_finite(xdot, n))

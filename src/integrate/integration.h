@@ -73,7 +73,6 @@ class Integration {
 
  private:
   void create_stepper(Method method);
-  void switch_to_bdf();
   bool is_better_off_with_bdf() const;
   CallResult run(double tout, bool one_step);
   std::optional<CallResult> attempt_step(double tout);
@@ -84,7 +83,8 @@ class Integration {
   double smallest_step(double tout) const;
   std::optional<double> limit() const;
   void begin(double t, const std::vector<double>& x, const std::vector<double>& xdot);
-  void restart_at_last_point();
+  // With the method at present or another one.
+  void restart_at_last_point(Method method);
   std::optional<CallResult> handle_failure(StepOutcome outcome, double h, double tout);
   CallResult step_too_small(StepOutcome outcome);
   CallResult changed_result() const;
