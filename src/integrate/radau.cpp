@@ -113,14 +113,9 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   const int s = method.s();
   tried_h_ = t - last.t;
   tried_stages_ = s;
-  const StageEquations equations{method.stages, last.t, t, last.w.data(), last.x.data()};
-  switch (system.solve_stages(equations, stage_x_.data(), stage_w_.data(), tried_.t)) {
-    case PointStatus::trouble: return StepOutcome::trouble;
-    case PointStatus::changed: return StepOutcome::changed;
-    case PointStatus::leading_changed: return StepOutcome::leading_changed;
-    case PointStatus::singular: return StepOutcome::singular;
-    case PointStatus::ok: break;
-  }
+  const StageEquations equations{method.stages, last.t, t, last.w.data(), last.x.data(), {}};
+  const PointStatus status = system.solve_stages(equations, stage_x_.data(), stage_w_.data(), tried_.t);
+  if (const auto failure = failed_outcome(status)) return *failure;
   const std::size_t n = last.x.size();
   if (!all_finite(stage_x_.data(), n * index(s))) return StepOutcome::not_finite;
   take_last_stage(method, last, tried_);
@@ -341,7 +336,7 @@ PointStatus Radau::refine(StrangenessFreeSystem& system, ErrorWeights& weights, 
   const RadauMethod& method = radau_method((last_order_ + 1) / 2);
   const Node& start = nodes_[1];
   double reached = t;
-  const PointStatus stages = system.solve_stages({method.stages, start.t, t, start.w.data(), start.x.data()},
+  const PointStatus stages = system.solve_stages({method.stages, start.t, t, start.w.data(), start.x.data(), {}},
                                                  stage_x_.data(), stage_w_.data(), reached);
   // A stage may have trouble that the point itself does not have: then the polynomial has to do.
   if (stages != PointStatus::ok || !all_finite(stage_x_.data(), nodes_[0].x.size() * index(method.s())))
