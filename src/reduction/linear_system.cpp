@@ -117,7 +117,7 @@ void LinearSystem::give_up_projector() {
   leading_ = LeadingTerm::automatic;
   settle_leading_term();
   constant_ready_ = false;
-  for (auto& matrix : stages_.pairs) matrix.clear();
+  stages_.transformed.forget();
 }
 
 Orders LinearSystem::orders() const {

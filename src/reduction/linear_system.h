@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <complex>
 #include <limits>
 #include <string>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "reduction/index_analysis.h"
 #include "reduction/null_space_form.h"
 #include "reduction/dae_system.h"
+#include "reduction/transformed_stages.h"
 
 namespace sfdae::core {
 
@@ -109,11 +109,7 @@ class LinearSystem final : public DaeSystem {
     std::vector<double> products, free_products;  // L Y, V X
     std::vector<double> matrix, z;
     std::vector<int> pivots;
-    // Constant matrices: factorizations for the conjugate pairs, and for which lambda / h they hold.
-    std::array<std::vector<std::complex<double>>, (max_stages - 1) / 2> pairs;
-    std::array<std::vector<int>, (max_stages - 1) / 2> pair_pivots;
-    std::array<std::complex<double>, (max_stages - 1) / 2> pair_values{};
-    std::vector<std::complex<double>> omega;
+    TransformedStages transformed;  // constant matrices
   };
 
   void resize();
@@ -121,8 +117,6 @@ class LinearSystem final : public DaeSystem {
   void keep_stage(int i, int s);
   void assemble_stages(const StageEquations& equations, const double* x_start);
   bool solve_constant_stages(const StageEquations& equations, const double* x_start);
-  void solve_transformed(const StageMethod& method, ConstView r, View z);
-  bool factor_pair(std::size_t k, std::complex<double> c);
   void expand_stages(int s, double* x, double* w);
   Point& current() { return points_[current_]; }
   const Point& current() const { return points_[current_]; }
