@@ -77,6 +77,7 @@ extern "C" {
 #define SFDAE_INCONSISTENT_VALUES (-30)    /* initial values violate the constraints (SFDAE_INITIAL_ACCEPT) */
 #define SFDAE_INCONSISTENT_EQUATIONS (-31) /* redundant equations contradict each other: no solution */
 #define SFDAE_FIXED_VALUES (-32)           /* the fixed components contradict the constraints */
+#define SFDAE_NO_CONSISTENT_VALUES (-33)   /* nonlinear: no consistent values were found near the guess */
 
 /* Failures: the integration. The point reached is returned, sfdae_advance may be called again. */
 #define SFDAE_MAX_STEPS (-40)            /* max_steps taken in this call */
@@ -130,6 +131,16 @@ typedef struct sfdae_linear_problem {
 /* Sets defaults. size: sizeof(sfdae_linear_problem) of the caller. SFDAE_ILLEGAL_ARGUMENT for NULL or a size
  * that is none. */
 SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem *problem, size_t size);
+
+/* ---- Nonlinear problem ----------------------------------------------------------------------- */
+
+/* Total derivative of the given order of F, F_x and F_x' along a jet, at t. derivatives: n x (order + 2), column k is
+ * the k-th derivative of x. F: m entries, d^order/dt^order of F(t, x, x'). F_x, F_xdot: m x n entries, the total
+ * derivatives of the Jacobians of F with respect to x and x', or NULL if they are not asked for. Plain derivatives.
+ * All arrays are filled with zeros before the call. Orders asked for: 0 ... mu + 1 in the analysis and for
+ * derivatives of the solution, 0 ... mu in steps. */
+typedef int (*sfdae_total_derivative_function)(double t, int order, const double *derivatives, double *F, double *F_x,
+                                               double *F_xdot, void *user);
 
 /* ---- Options --------------------------------------------------------------------------------- */
 

@@ -325,6 +325,10 @@ CallResult Integration::step_too_small(StepOutcome outcome) {
   if (change_) return changed_result();
   must_restart_ = true;
   const double t = stepper_->t();
+  if (outcome == StepOutcome::changed) {
+    change_ = LocatedChange{t, stepper_->tried_t(), detector_->values_at(stepper_->tried_t())};
+    return changed_result();
+  }
   if (outcome == StepOutcome::trouble)
     return {system_.trouble().status, system_.trouble().message() + " Smaller steps did not help."};
   if (outcome == StepOutcome::singular)
@@ -388,11 +392,13 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
     scratch_w_.resize(static_cast<std::size_t>(system_.leading_size()));
     system_.leading(x_free.data(), scratch_w_.data());
   }
-  if (at_step) std::copy(stepper_->x().begin(), stepper_->x().end(), x);
-  else system_.restore(scratch_w_.data(), x_free.data(), x);
+  // Iterations for nonlinear equations end when errors are small against the tolerances: the constraints want more.
+  if (at_step && system_.guess_order() < 0) std::copy(stepper_->x().begin(), stepper_->x().end(), x);
+  else system_.restore(scratch_w_.data(), at_step ? stepper_->x().data() : x_free.data(), x);
   // The slope of a polynomial of high degree over a long step is not as accurate as x is.
   const bool is_within_long_step = method_ == Method::radau && !at_step && wants_slopes_;
-  if (system_.differential() == 0) system_.consistent_derivative(x, direction_, xdot);
+  if (!wants_slopes_ && system_.guess_order() >= 0) std::fill_n(xdot, system_.unknowns(), 0.0);
+  else if (system_.differential() == 0) system_.consistent_derivative(x, direction_, xdot);
   else if (!(is_within_long_step && system_.exact_derivative(x, xdot)))
     system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
   const std::size_t n = static_cast<std::size_t>(system_.unknowns());

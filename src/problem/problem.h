@@ -20,6 +20,7 @@ struct Trouble {
   int row = 0;       // of the first entry that is not finite
   int column = 0;
   double t = 0.0;
+  std::string detail;  // what there is to say instead of function and order
 
   // A smaller step may help.
   bool is_recoverable() const { return status == SFDAE_CALLBACK_FAILED || status == SFDAE_NOT_FINITE; }

@@ -175,6 +175,7 @@ Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_sta
   if (store != nullptr) store->keep_diagonal_block(data, level, block.factors, block.pivots, block.Q, block.rank);
   View carried = arena.matrix(0, (level + 2) * data.n + rhs.cols);
   for (int j = level + 1; j >= last_stage; --j) carried = run_stage(data, block, j - 1, carried, rhs, judge, arena, store);
+  if (store != nullptr) store->finish();
   Carried result = split(carried, (last_stage - 1) * data.n, data.n, rhs.cols);
   result.rank_E = block.rank;
   result.R = block.factors;

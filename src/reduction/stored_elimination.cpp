@@ -57,11 +57,18 @@ void StoredElimination::keep_leaving(ConstView T, const int* pivots, const doubl
   stage_->T_tau.assign(tau, tau + std::min(T.rows, T.cols));
   stage_->pivots.assign(pivots, pivots + T.cols);
   stage_->rows.keep(rows.columns(0, rows.cols));
-  stage_->rhs.resize(index(rows.rows) + 1);
   carried_ -= rows.rows;
 }
 
-void StoredElimination::transform(const double* f, double* f_hat, Arena& arena) {
+void StoredElimination::finish() {
+  int at = carried_;
+  for (int i = level_; i >= 0; --i) {
+    stages_[index(i)].rhs = at;
+    at += stages_[index(i)].leaving;
+  }
+}
+
+void StoredElimination::transform(const double* f, double* transformed, Arena& arena) const {
   const Arena::Frame frame(arena);
   const int most = (level_ + 1) * m_;
   double* now = arena.take(index(most) + 1);
@@ -69,7 +76,7 @@ void StoredElimination::transform(const double* f, double* f_hat, Arena& arena) 
   double* stacked = arena.take(index(most + m_) + 1);
   int rows = 0;
   for (int i = level_; i >= 0; --i) {
-    Stage& stage = stages_[index(i)];
+    const Stage& stage = stages_[index(i)];
     const double* f_i = f + static_cast<std::ptrdiff_t>(i) * m_;
     const int after = rows + m_ - rank_;
     std::copy_n(now, rows, next);
@@ -83,15 +90,16 @@ void StoredElimination::transform(const double* f, double* f_hat, Arena& arena) 
     multiply(1.0, Op::plain, stage.W.view(), f_i, 1.0, next);
     if (stage.leaving > 0) {
       apply_q(Op::transposed, stage.T.view(), stage.leaving, stage.T_tau.data(), column(next, rows), arena);
-      std::copy_n(next, stage.leaving, stage.rhs.data());
+      std::copy_n(next, stage.leaving, transformed + stage.rhs);
     }
     rows = after - stage.leaving;
     std::copy_n(next + stage.leaving, rows, now);
   }
-  std::copy_n(now, rows, f_hat);
+  std::copy_n(now, rows, transformed);
 }
 
-void StoredElimination::recover(const TaylorData& data, const double* f, const double* x, double* y, Arena& arena) const {
+void StoredElimination::recover(const TaylorData& data, RightHandSide rhs, const double* x, double* y,
+                                Arena& arena) const {
   const Arena::Frame frame(arena);
   double* r = arena.take(index(m_) + 1);
   double* top = arena.take(index(m_) + 1);
@@ -104,7 +112,7 @@ void StoredElimination::recover(const TaylorData& data, const double* f, const d
     if (stage.leaving > 0) {
       const ConstView rows = stage.rows.view();
       double* b = arena.take(index(stage.leaving) + 1);
-      std::copy_n(stage.rhs.data(), stage.leaving, b);
+      std::copy_n(rhs.transformed + stage.rhs, stage.leaving, b);
       for (int j = 0; j < i; ++j)
         multiply(-1.0, Op::plain, rows.columns(j * n_, n_), y + static_cast<std::ptrdiff_t>(j) * n_, 1.0, b);
       multiply(1.0, Op::plain, rows.columns(i * n_, n_), x, 1.0, b);
@@ -112,7 +120,7 @@ void StoredElimination::recover(const TaylorData& data, const double* f, const d
       for (int k = 0; k < stage.leaving; ++k) y_q[stage.pivots[index(k)]] = b[k];
     }
     // E_0 y_j = f_i + A_i x - sum_k (E_{i+1-k} - A_{i-k} / k) y_k
-    std::copy_n(f + static_cast<std::ptrdiff_t>(i) * m_, m_, r);
+    std::copy_n(rhs.f + static_cast<std::ptrdiff_t>(i) * m_, m_, r);
     if (!data.is_zero_A(i)) multiply(1.0, Op::plain, data.A(i), x, 1.0, r);
     for (int k = 1; k <= i; ++k) {
       const double* y_k = y + static_cast<std::ptrdiff_t>(k - 1) * n_;

@@ -19,11 +19,16 @@ namespace sfdae::core {
 
 class StoredElimination {
  public:
-  // f^ := Z^T f for f of (level + 1) m entries; carried_rows() entries.
-  void transform(const double* f, double* f_hat, Arena& arena);
-  // Given x and the f of the last transform: y_1, ..., y_{level+1} with M y = N x + f up to undetermined parts.
-  // data: the coefficients that were eliminated. y: n x (level + 1).
-  void recover(const TaylorData& data, const double* f, const double* x, double* y, Arena& arena) const;
+  // f of (level + 1) m entries is transformed along: f^ = Z^T f, carried_rows() entries, comes first in `transformed`,
+  // of the size of f; what recover() needs follows.
+  void transform(const double* f, double* transformed, Arena& arena) const;
+  // A solution y_1, ..., y_{level+1} of M y = N x + f for a given x, where there is one. data: the coefficients that were
+  // eliminated. y: n x (level + 1).
+  struct RightHandSide {
+    const double* f;
+    const double* transformed;
+  };
+  void recover(const TaylorData& data, RightHandSide rhs, const double* x, double* y, Arena& arena) const;
 
   int carried_rows() const { return carried_; }
   int level() const { return level_; }
@@ -34,6 +39,7 @@ class StoredElimination {
   void keep_reflections(ConstView X, const double* tau);
   void keep_combination(ConstView W);
   void keep_leaving(ConstView T, const int* pivots, const double* tau, ConstView rows);
+  void finish();
 
  private:
   // rows x cols, ld = rows.
@@ -47,7 +53,8 @@ class StoredElimination {
     int carried = 0, leaving = 0;
     bool by_reflections = false;
     Block W, X, T, rows;  // rows: leaving ones in y_1, ..., y_i, x
-    std::vector<double> X_tau, T_tau, rhs;
+    std::vector<double> X_tau, T_tau;
+    int rhs = 0;  // where the right-hand sides of the rows leaving stand
     std::vector<int> pivots;
   };
 
