@@ -78,6 +78,7 @@ class ComplexEvaluation {
       case Operation::atan2: return std::atan(operand(0) / operand(1));  // right half-plane
       case Operation::sinh: return std::sinh(operand(0));
       case Operation::cosh: return std::cosh(operand(0));
+      case Operation::tanh: return std::tanh(operand(0));
       case Operation::choose: break;
     }
     const Complex condition = center_.empty() ? operand(0) : center_[index(node.a)];

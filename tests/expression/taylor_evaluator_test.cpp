@@ -70,6 +70,7 @@ const std::vector<Operator>& operators() {
       {"atan2", [](auto a, auto b, const auto&) { return atan2(a, b); }},
       {"sinh", [](auto a, auto, const auto&) { return sinh(a); }},
       {"cosh", [](auto a, auto, const auto&) { return cosh(a); }},
+      {"tanh", [](auto a, auto, const auto&) { return tanh(a); }},
       {"cosh_and_sinh", [](auto a, auto b, const auto&) { return cosh(a) * b + sinh(a); }},
       {"abs", [](auto a, auto b, const auto&) { return abs(a - 2.0 * b) * b; }},
       {"min", [](auto a, auto b, const auto&) { return min(a, b) * a; }},
