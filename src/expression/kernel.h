@@ -48,7 +48,8 @@ inline void execute(const Instruction& instruction, double* slots, Order K) {
     case Code::log: return series::log(a, v, p, K);
     case Code::sin_cos: return series::sin_cos(a, v, p, K);
     case Code::sinh_cosh: return series::sinh_cosh(a, v, p, K);
-    case Code::tan: return series::tan(a, v, p, K);
+    case Code::tan: return series::tangent(a, 1.0, v, p, K);
+    case Code::tanh: return series::tangent(a, -1.0, v, p, K);
     case Code::asin: return series::arc(a, 1.0, v, p, K);
     case Code::acos: return series::arc(a, -1.0, v, p, K);
     case Code::atan: return series::atan(a, v, p, K);

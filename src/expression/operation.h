@@ -33,6 +33,7 @@ enum class Operation : std::uint8_t {
   atan2,  // angle of the point (b, a)
   sinh,
   cosh,
+  tanh,
   choose  // b if a > 0, else c
 };
 

@@ -193,22 +193,22 @@ inline void sinh_cosh(Numbers a, Result s, Result c, Order K) {
   }
 }
 
-// v' = p a', p = 1 + v^2
+// v' = p a', p = 1 + sign v^2; v = tan a (sign 1) or tanh a (sign -1)
 template <class Order>
-inline void tan(Numbers a, Result v, Result p, Order K) {
+inline void tangent(Numbers a, double sign, Result v, Result p, Order K) {
   if (!std::isfinite(a[0])) {
     poison(p, 0, K);
     return poison(v, 0, K);
   }
-  v[0] = std::tan(a[0]);
-  p[0] = 1.0 + v[0] * v[0];
+  v[0] = sign > 0.0 ? std::tan(a[0]) : std::tanh(a[0]);
+  p[0] = 1.0 + sign * v[0] * v[0];
   for (int k = 1; k <= K; ++k) {
     double sum = 0.0;
     for (int j = 1; j <= k; ++j) sum += j * a[j] * p[k - j];
     v[k] = sum / k;
     double square = v[0] * v[k];
     for (int j = 1; j <= k; ++j) square += v[j] * v[k - j];
-    p[k] = square;
+    p[k] = sign * square;
   }
 }
 

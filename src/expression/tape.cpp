@@ -24,6 +24,7 @@ Code code_of(Operation operation) {
     case Operation::sinh:
     case Operation::cosh: return Code::sinh_cosh;
     case Operation::tan: return Code::tan;
+    case Operation::tanh: return Code::tanh;
     case Operation::asin: return Code::asin;
     case Operation::acos: return Code::acos;
     case Operation::atan: return Code::atan;

@@ -23,7 +23,7 @@ enum class Code : std::uint8_t {
   log,               // p = 1 / a
   sin_cos,           // v = sin a, p = cos a
   sinh_cosh,         // v = sinh a, p = cosh a
-  tan, asin, acos, atan,  // p: derivative by a
+  tan, tanh, asin, acos, atan,  // p: derivative by a
   atan2,             // p, q: derivatives by a, b
   choose             // v = b if a > 0, else c
 };

@@ -50,6 +50,7 @@ inline Term acos(const Term& a) { return apply(Operation::acos, a); }
 inline Term atan(const Term& a) { return apply(Operation::atan, a); }
 inline Term sinh(const Term& a) { return apply(Operation::sinh, a); }
 inline Term cosh(const Term& a) { return apply(Operation::cosh, a); }
+inline Term tanh(const Term& a) { return apply(Operation::tanh, a); }
 inline Term abs(const Term& a) { return {a.recorder, a.recorder->abs(a.node)}; }
 inline Term min(const Term& a, const Term& b) { return {a.recorder, a.recorder->min(a.node, b.in(*a.recorder))}; }
 inline Term max(const Term& a, const Term& b) { return {a.recorder, a.recorder->max(a.node, b.in(*a.recorder))}; }
