@@ -64,6 +64,13 @@ PointStatus NonlinearSystem::stand_at(const Jet& jet) {
   return renew(jet_, true);
 }
 
+void NonlinearSystem::apply_inputs() {
+  if (problem_.prescribed().empty()) return;
+  std::vector<double> x(index(problem_.n()));
+  restore(nullptr, jet_.x.data(), x.data());
+  accepted_ = before_ = jet_;
+}
+
 PointStatus NonlinearSystem::move_to(double t) {
   trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
