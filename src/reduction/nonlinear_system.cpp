@@ -282,7 +282,7 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
       inconsistency_ = form_.inconsistency() > 1e3 * data_.noise(analysis_.values.mu) / pivot_ ? form_.inconsistency() : 0.0;
       return PointStatus::ok;
     }
-    if (iteration > 0 && norm > slowest * before) return PointStatus::not_converged;
+    if (iteration > 1 && norm > slowest * before) return PointStatus::not_converged;
     before = norm;
   }
   return PointStatus::not_converged;
