@@ -42,7 +42,8 @@ TEST(Allocation, HappensInTheFirstEvaluationOnly) {
     bool fine = true;
     for (int order = highest; order >= 0; --order) {
       fine = fine && evaluator.values(0.1 * order, jet.data(), order, F.data());
-      fine = fine && evaluator.gradients(0.2 * order, jet.data(), {order, order, 0}, F.data(), F_xdot.data(), F_x.data());
+      const SeriesOrders orders{order, order, 0};
+      fine = fine && evaluator.gradients(0.2 * order, jet.data(), orders, F.data(), F_xdot.data(), F_x.data());
       evaluator.set_parameter(0, 1.5 + order);
     }
     return fine;
