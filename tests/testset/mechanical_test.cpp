@@ -198,18 +198,18 @@ TEST(AndrewsReference, SatisfiesBalancesAndHiddenConstraints) {
   for (const double value : g) EXPECT_LE(std::abs(value), rounding(7) * 0.03 * 6e5);
 }
 
-// The reference belongs to start values with 9 digits: positions 1e-8. On the velocity level the published code keeps
-// the constraints itself; the balance has the stiffness 2e8 times the error 1e-14 of the modes and 16 digits of w.
+// The start values satisfy the constraints to 1e-8, which a code that differentiates them keeps; velocities are up to
+// 150. The forces that are balanced reach the stiffness 2.3e8 times modes of 2.4e-5.
 TEST(SliderCrankReference, SatisfiesBalancesAndConstraints) {
   const TestProblem problem = slider_crank();
   const std::vector<double>& x = problem.references[0].x;
   double r[7], g[3];
   SliderCrank::balance(x.data(), r);
-  for (const double value : r) EXPECT_LE(std::abs(value), 1e-6);
+  for (const double value : r) EXPECT_LE(std::abs(value), rounding(7) * 2.3e8 * 2.4e-5);
   SliderCrank::constraints(problem.tf, x.data(), g);
-  for (const double value : g) EXPECT_LE(std::abs(value), 1e-7);
+  for (const double value : g) EXPECT_LE(std::abs(value), 1e-8);
   SliderCrank::velocity_constraints(problem.tf, x.data(), x.data() + 7, g);
-  for (const double value : g) EXPECT_LE(std::abs(value), 1e-7);
+  for (const double value : g) EXPECT_LE(std::abs(value), rounding(7) * 150.0);
 }
 
 }  // namespace

@@ -14,14 +14,11 @@ namespace {
 
 using namespace sfdae_test;
 
-// How well the data of a problem fit together at the start, where they are no exact numbers, in the units of F.
-// The slider crank is published with 9 digits: its accelerations have the error 1e-9 times the stiffness
-// 16/3 E b h / L2 = 2e8. The slopes of the amplifier have 9 digits, divided by capacities of 5e-6 at most. The
-// potential 3.62385 of the gate has 6 digits, conductances are 1/4.
+// Residuals at the start, in the units of F. The modes of the slider crank are published to 5e-15 and meet the stiffness
+// 16/3 E b h / L2 = 2.3e8. The amplifier has currents of up to 1e-3.
 double start_tolerance(const TestProblem& p) {
-  if (p.name == "slider_crank") return 0.2 * 1e-9 * 2.3e8;
-  if (p.name == "transistor_amplifier") return 5e-6 * 1e-6;
-  if (p.name == "nand") return 0.25 * 5e-6;
+  if (p.name == "slider_crank") return 5e-15 * 2.3e8;
+  if (p.name == "transistor_amplifier") return 1e-3 * rounding(p.n);
   return rounding(p.n) * max_abs(column(p.x0));
 }
 
