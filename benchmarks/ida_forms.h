@@ -6,6 +6,7 @@
 //   ggl2  constraints and their first derivatives (Gear, Gupta, Leimkuhler), multipliers out of the error test
 #pragma once
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,8 +16,10 @@
 namespace sfdae_bench {
 
 inline PeerProblem peer_problem(const sfdae_test::TestProblem& p, const char* form, PeerProblem::Residual residual,
-                                int error_tested) {
-  return {p.name, form, residual, p.t0, p.tf, p.x0, p.xdot0, p.restarts, error_tested};
+                                int differential) {
+  const std::string name = form;
+  return {p.name, form,    residual,   p.t0,         p.tf,
+          p.x0,   p.xdot0, p.restarts, differential, name == "idx1" || name == "raw"};
 }
 
 template <class System, sfdae_test::ConstraintLevel level>
@@ -36,7 +39,7 @@ template <class System>
 void add_direct_forms(const sfdae_test::TestProblem& p, std::vector<PeerProblem>& forms) {
   using sfdae_test::ConstraintLevel;
   constexpr int states = 2 * System::positions;
-  forms.push_back(peer_problem(p, "idx1", direct_form<System, ConstraintLevel::acceleration>, p.n));
+  forms.push_back(peer_problem(p, "idx1", direct_form<System, ConstraintLevel::acceleration>, 2 * System::positions));
   forms.push_back(peer_problem(p, "idx2", direct_form<System, ConstraintLevel::velocity>, states));
   PeerProblem stabilized = peer_problem(p, "ggl2", stabilized_form<System>, states);
   stabilized.x0.resize(p.x0.size() + System::multipliers, 0.0);
@@ -47,7 +50,8 @@ void add_direct_forms(const sfdae_test::TestProblem& p, std::vector<PeerProblem>
 template <class System>
 void add_accelerated_forms(const sfdae_test::TestProblem& p, std::vector<PeerProblem>& forms) {
   using sfdae_test::ConstraintLevel;
-  forms.push_back(peer_problem(p, "idx1", accelerated_form<System, ConstraintLevel::acceleration>, p.n));
+  forms.push_back(
+      peer_problem(p, "idx1", accelerated_form<System, ConstraintLevel::acceleration>, 2 * System::positions));
   forms.push_back(
       peer_problem(p, "idx2", accelerated_form<System, ConstraintLevel::velocity>, 2 * System::positions));
 }
@@ -71,7 +75,7 @@ inline std::vector<PeerProblem> peer_forms(const sfdae_test::TestProblem& p) {
   if (p.name == "slider_crank") add_accelerated_forms<sfdae_test::SliderCrank>(p, forms);
   if (p.name == "andrews") add_accelerated_forms<sfdae_test::Andrews>(p, forms);
   if (p.name == "fekete_position") add_direct_forms<sfdae_test::Fekete>(p, forms);
-  if (p.name == "akzo") forms.push_back(peer_problem(p, "raw", raw_akzo, p.n));
+  if (p.name == "akzo") forms.push_back(peer_problem(p, "raw", raw_akzo, 5));
   if (p.name == "nand") forms.push_back(peer_problem(p, "raw", raw_nand, p.n));
   if (p.name == "transistor_amplifier") {
     forms.push_back(peer_problem(p, "raw", raw_transistor_amplifier, p.n));

@@ -16,7 +16,10 @@ struct PeerProblem {
   Residual residual = nullptr;
   double t0 = 0.0, tf = 0.0;
   std::vector<double> x0 = {}, xdot0 = {}, restarts = {};
-  int error_tested = 0;  // x[error_tested..] are multipliers of index 2 or more, left out of the error test
+  int differential = 0;  // x[differential..] appear without derivatives
+  // Index 0 or 1: algebraic components are made consistent and pass the error test. Else multipliers of index 2 are
+  // taken as they are and left out of the error test.
+  bool low_index = true;
   double newton_coefficient = 0.33;  // IDA's default
 };
 
@@ -27,7 +30,7 @@ struct SolverRun {
 };
 
 bool ida_is_available();
-// rtol = atol = tol, internal difference Jacobians, dense linear algebra.
+// rtol = atol = tol, at most 100000 steps and about 5 seconds, internal difference Jacobians, dense linear algebra.
 SolverRun solve_with_ida(const PeerProblem& problem, double tol);
 
 }  // namespace sfdae_bench
