@@ -15,7 +15,10 @@ install(EXPORT sfdae_shared NAMESPACE sfdae:: FILE sfdaeSharedTargets.cmake DEST
 install(EXPORT sfdae_static NAMESPACE sfdae:: FILE sfdaeStaticTargets.cmake DESTINATION "${package_dir}")
 
 if(EXISTS "${PROJECT_SOURCE_DIR}/fortran_bindings/sfdae.f90")
-  install(FILES "${PROJECT_SOURCE_DIR}/fortran_bindings/sfdae.f90" DESTINATION "${fortran_dir}")
+  install(FILES
+    "${PROJECT_SOURCE_DIR}/fortran_bindings/sfdae_expressions.f90"
+    "${PROJECT_SOURCE_DIR}/fortran_bindings/sfdae.f90"
+    DESTINATION "${fortran_dir}")
   install(FILES "${PROJECT_SOURCE_DIR}/cmake/SfdaeFortran.cmake" DESTINATION "${package_dir}")
 endif()
 

@@ -30,6 +30,7 @@ module sfdae
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_funloc, &
     c_funptr, c_int, c_loc, c_long, c_null_char, c_null_funptr, c_null_ptr, c_ptr, c_size_t, &
     c_sizeof
+  use sfdae_expressions
   implicit none
   private
 
@@ -38,6 +39,13 @@ module sfdae
   public :: sfdae_characteristics, sfdae_decision, sfdae_change, sfdae_initial_report
   public :: sfdae_statistics, sfdae_derivative_check, sfdae_progress
   public :: sfdae_linear_problem, sfdae_options ! mirrors of C, nothing that a program needs
+
+  ! ---- Recorded equations: all of sfdae_expressions -----------------------------------------
+
+  public :: expression, named_parameter, choose
+  public :: assignment(=), operator(+), operator(-), operator(*), operator(/), operator(**)
+  public :: sqrt, exp, log, sin, cos, tan, asin, acos, atan, atan2, sinh, cosh, tanh
+  public :: abs, min, max
 
   ! ---- Version of the header that this module mirrors ---------------------------------------
 

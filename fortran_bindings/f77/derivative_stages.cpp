@@ -10,6 +10,8 @@
 #include "linalg/dense.h"
 #include "linalg/rank.h"
 #include "problem/failure.h"
+#include "problem/linear_problem.h"
+#include "problem/linear_problem.h"
 #include "reduction/elimination.h"
 
 namespace sfdae::f77 {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "f77/routine.h"
+#include "integrate/change_watch.h"
 #include "linalg/matrix.h"
 #include "problem/failure.h"
 #include "reduction/consistent_values.h"
@@ -219,7 +220,7 @@ int DgeldaCall::start_integration() {
   progress_.is_running = true;
   core::IntegrationOptions options = options_of_integration();
   if (options_.has_initial_step) options.initial_step = std::fabs(options_.initial_step);
-  integration_ = std::make_unique<core::Integration>(*system_, options, t_, arguments_.tout, x_, xdot_);
+  integration_ = std::make_unique<core::Integration>(*system_, std::make_unique<core::ChangeWatch>(*system_), options, t_, arguments_.tout, x_, xdot_);
   return advance();
 }
 

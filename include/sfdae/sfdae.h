@@ -77,6 +77,7 @@ extern "C" {
 #define SFDAE_INCONSISTENT_VALUES (-30)    /* initial values violate the constraints (SFDAE_INITIAL_ACCEPT) */
 #define SFDAE_INCONSISTENT_EQUATIONS (-31) /* redundant equations contradict each other: no solution */
 #define SFDAE_FIXED_VALUES (-32)           /* the fixed components contradict the constraints */
+#define SFDAE_NO_CONSISTENT_VALUES (-33)   /* nonlinear: no consistent values were found near the guess */
 
 /* Failures: the integration. The point reached is returned, sfdae_advance may be called again. */
 #define SFDAE_MAX_STEPS (-40)            /* max_steps taken in this call */
@@ -130,6 +131,16 @@ typedef struct sfdae_linear_problem {
 /* Sets defaults. size: sizeof(sfdae_linear_problem) of the caller. SFDAE_ILLEGAL_ARGUMENT for NULL or a size
  * that is none. */
 SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem *problem, size_t size);
+
+/* ---- Nonlinear problem ----------------------------------------------------------------------- */
+
+/* Total derivative of the given order of F, F_x and F_x' along a jet, at t. derivatives: n x (order + 2), column k is
+ * the k-th derivative of x. F: m entries, d^order/dt^order of F(t, x, x'). F_x, F_xdot: m x n entries, the total
+ * derivatives of the Jacobians of F with respect to x and x', or NULL if they are not asked for. Plain derivatives.
+ * All arrays are filled with zeros before the call. Orders asked for: 0 ... mu + 1 in the analysis and for
+ * derivatives of the solution, 0 ... mu in steps. */
+typedef int (*sfdae_total_derivative_function)(double t, int order, const double *derivatives, double *F, double *F_x,
+                                               double *F_xdot, void *user);
 
 /* ---- Options --------------------------------------------------------------------------------- */
 
@@ -217,6 +228,69 @@ typedef struct sfdae_options {
 
 /* Sets defaults. size: sizeof(sfdae_options) of the caller. */
 SFDAE_API int sfdae_options_init(sfdae_options *options, size_t size);
+
+/* ---- Recorded equations ---------------------------------------------------------------------- */
+
+/* Equations can be written once, as formulas: a function of the user applies the functions below to t, x and x', the
+ * library records what it does, and computes values, Taylor coefficients and Jacobians from the record. That function is
+ * called once. It may contain loops and functions of its own, but there are no values yet to branch on: see
+ * sfdae_choose. */
+typedef struct sfdae_record sfdae_record; /* a recording under way; ends when the user's function returns */
+
+/* A part of a formula, passed by value. Only the library writes the members; numbers come from sfdae_number. */
+typedef struct sfdae_expression {
+  sfdae_record *record; /* NULL: the plain number `value` */
+  double value;
+  int node;
+} sfdae_expression;
+
+/* Writes the m entries of F(t, x, x'), all of them, for n unknowns x and their derivatives xdot. Returns 0, or another
+ * value to give up. Mistakes (an entry forgotten, expressions of different recordings mixed, numbers that are not
+ * finite) make the call that records fail with SFDAE_ILLEGAL_ARGUMENT and a message that names the first one. */
+typedef int (*sfdae_equations_function)(sfdae_record *record, sfdae_expression t, const sfdae_expression *x,
+                                        const sfdae_expression *xdot, sfdae_expression *residual, void *user);
+
+/* Writes the entries of E(t), A(t) (m x n, column-major) and f(t) of E x' = A x + f that are not zero. Likewise. */
+typedef int (*sfdae_linear_equations_function)(sfdae_record *record, sfdae_expression t, sfdae_expression *E,
+                                               sfdae_expression *A, sfdae_expression *f, void *user);
+
+/* A number. */
+SFDAE_API sfdae_expression sfdae_number(double value);
+
+/* A parameter: a constant with a name, whose value can be changed later without recording anew. The same name is the
+ * same parameter, and the first value counts. */
+SFDAE_API sfdae_expression sfdae_parameter(sfdae_record *record, const char *name, double value);
+
+SFDAE_API sfdae_expression sfdae_add(sfdae_expression a, sfdae_expression b);      /* a + b */
+SFDAE_API sfdae_expression sfdae_subtract(sfdae_expression a, sfdae_expression b); /* a - b */
+SFDAE_API sfdae_expression sfdae_multiply(sfdae_expression a, sfdae_expression b); /* a b */
+SFDAE_API sfdae_expression sfdae_divide(sfdae_expression a, sfdae_expression b);   /* a / b */
+SFDAE_API sfdae_expression sfdae_negate(sfdae_expression a);                       /* -a */
+
+/* a^b. Integer b up to 64 in size: products, for every a. Else a > 0; a = 0 as far as derivatives exist. */
+SFDAE_API sfdae_expression sfdae_power(sfdae_expression a, sfdae_expression b);
+
+SFDAE_API sfdae_expression sfdae_sqrt(sfdae_expression a); /* no derivative at 0 */
+SFDAE_API sfdae_expression sfdae_exp(sfdae_expression a);
+SFDAE_API sfdae_expression sfdae_log(sfdae_expression a); /* natural logarithm */
+SFDAE_API sfdae_expression sfdae_sin(sfdae_expression a);
+SFDAE_API sfdae_expression sfdae_cos(sfdae_expression a);
+SFDAE_API sfdae_expression sfdae_tan(sfdae_expression a);
+SFDAE_API sfdae_expression sfdae_asin(sfdae_expression a); /* asin and acos: no derivative at 1 and -1 */
+SFDAE_API sfdae_expression sfdae_acos(sfdae_expression a);
+SFDAE_API sfdae_expression sfdae_atan(sfdae_expression a);
+SFDAE_API sfdae_expression sfdae_atan2(sfdae_expression y, sfdae_expression x); /* angle of the point (x, y) */
+SFDAE_API sfdae_expression sfdae_sinh(sfdae_expression a);
+SFDAE_API sfdae_expression sfdae_cosh(sfdae_expression a);
+SFDAE_API sfdae_expression sfdae_tanh(sfdae_expression a);
+
+/* These have kinks, or jumps: derivatives are those of the branch that holds at the point. Integrations are efficient
+ * where no kink is crossed. */
+SFDAE_API sfdae_expression sfdae_abs(sfdae_expression a);
+SFDAE_API sfdae_expression sfdae_min(sfdae_expression a, sfdae_expression b);
+SFDAE_API sfdae_expression sfdae_max(sfdae_expression a, sfdae_expression b);
+/* a if c > 0, else b; the other one need not be defined. */
+SFDAE_API sfdae_expression sfdae_choose(sfdae_expression c, sfdae_expression a, sfdae_expression b);
 
 /* ---- Solver ---------------------------------------------------------------------------------- */
 

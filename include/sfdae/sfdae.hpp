@@ -16,6 +16,7 @@
 #ifndef SFDAE_SFDAE_HPP
 #define SFDAE_SFDAE_HPP
 
+#include <sfdae/expression.hpp>
 #include <sfdae/sfdae.h>
 
 #include <cstddef>

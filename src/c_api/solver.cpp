@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "c_api/structs.h"
+#include "integrate/change_watch.h"
 #include "integrate/checkpoint.h"
 #include "linalg/matrix.h"
 
@@ -296,7 +297,8 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
     solver->integration.reset();
     set_limits(*solver, t, direction);
     const Consistent found = consistent_values(*solver, *solver->system, t, direction, x);
-    solver->integration = std::make_unique<Integration>(*solver->system, solver->options.integration, t, toward,
+    solver->integration = std::make_unique<Integration>(*solver->system, std::make_unique<ChangeWatch>(*solver->system),
+                                                        solver->options.integration, t, toward,
                                                         found.x, found.xdot);
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "integrate/newton_polynomial.h"
 #include "linalg/matrix.h"
 
 namespace sfdae::core {
@@ -34,7 +35,7 @@ void divided_differences(const std::array<double, N>& times, const std::array<Ve
     }
 }
 
-// Newton's polynomial of the given degree at t, and its derivative (slope may be null).
+// The polynomial and its derivative (slope may be null).
 template <std::size_t N>
 void evaluate_polynomial(const std::array<double, N>& times, const std::array<Vector, N>& differences, int degree,
                          double t, double* value, double* slope) {
@@ -81,7 +82,8 @@ void Bdf::resize(std::size_t n, std::size_t size_w) {
 
 void Bdf::start(StrangenessFreeSystem& system, const StartingPoint& point, double h) {
   resize(point.x.size(), point.w.size());
-  has_free_part_ = system.undetermined() > 0;
+  for (Vector* v : {&guess_, &guess_before_}) v->assign(point.x.size() * index(system.guess_order() + 1), 0.0);
+  needs_x_ = system.undetermined() > 0 || system.guess_order() >= 0;
   times_[0] = point.t;
   w_[0] = point.w;
   x_[0] = point.x;
@@ -105,7 +107,8 @@ void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
     if (points < 2 || points > capacity || last_order_ < 0 || last_order_ > max_bdf_order) throw DamagedArchive();
     points_ = points;
     resize(n, size_w);
-    has_free_part_ = system.undetermined() > 0;
+    for (Vector* v : {&guess_, &guess_before_}) v->assign(n * index(system.guess_order() + 1), 0.0);
+    needs_x_ = system.undetermined() > 0 || system.guess_order() >= 0;
   }
   control_.archive(archive);
   for (double* value : {&next_step_, &last_step_, &leading_coefficient_}) archive.real(*value);
@@ -131,7 +134,17 @@ void Bdf::place_fictitious_point(double h) {
 
 void Bdf::compute_differences(int count) {
   divided_differences(times_, w_, count, dw_);
-  if (has_free_part_) divided_differences(times_, x_, count, dx_);
+  if (needs_x_) divided_differences(times_, x_, count, dx_);
+}
+
+// The polynomial of the given degree through the last points.
+Guess Bdf::guess(const StrangenessFreeSystem& system, int degree, const ErrorWeights& weights) {
+  const int order = system.guess_order();
+  if (order < 0) return {};
+  const std::size_t n = x_[0].size();
+  newton_taylor(dx_, times_, degree, tried_t_, order, n, guess_.data());
+  newton_taylor(dx_, times_, degree, times_[0], order, n, guess_before_.data());
+  return {guess_.data(), guess_before_.data(), weights.inverse()};
 }
 
 StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) {
@@ -140,9 +153,7 @@ StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& 
   tried_h_ = h;
   tried_t_ = t;
   const PointStatus status = system.move_to(tried_t_);
-  if (status == PointStatus::trouble) return StepOutcome::trouble;
-  if (status == PointStatus::changed) return StepOutcome::changed;
-  if (status == PointStatus::leading_changed) return StepOutcome::leading_changed;
+  if (const auto failure = failed_outcome(status)) return *failure;
 
   if (points_ == 2 && fictitious_) place_fictitious_point(h);
   control_.limit_order(points_);
@@ -160,11 +171,13 @@ StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& 
   tried_c_ = c;
   evaluate_polynomial(times_, dw_, degree, tried_t_, predicted_.data(), w_rest_.data());
   for (std::size_t i = 0; i < w_[0].size(); ++i) w_rest_[i] -= c * predicted_[i];
-  if (has_free_part_) {
+  if (needs_x_) {
     evaluate_polynomial(times_, dx_, degree, tried_t_, mapped_.data(), x_rest_.data());
     for (std::size_t i = 0; i < x_[0].size(); ++i) x_rest_[i] -= c * mapped_[i];
   }
-  if (!system.solve(c, w_rest_.data(), x_rest_.data(), tried_x_.data())) return StepOutcome::singular;
+  const Guess start = guess(system, std::min(k, points_ - 1), weights);
+  const PointStatus solved = system.solve({c, w_rest_.data(), x_rest_.data(), start}, tried_x_.data());
+  if (const auto failure = failed_outcome(solved)) return *failure;
   if (!all_finite(tried_x_.data(), x_[0].size())) return StepOutcome::not_finite;
 
   system.leading(tried_x_.data(), tried_w_.data());

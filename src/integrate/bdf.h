@@ -52,6 +52,7 @@ class Bdf final : public Stepper {
   void resize(std::size_t n, std::size_t size_w);
   void place_fictitious_point(double h);
   void compute_differences(int count);
+  Guess guess(const StrangenessFreeSystem& system, int degree, const ErrorWeights& weights);
   double estimate_errors(StrangenessFreeSystem& system, double h, int order, bool fixed_leading,
                          const ErrorWeights& weights, LocalTerms& terms);
 
@@ -65,7 +66,8 @@ class Bdf final : public Stepper {
 
   // Divided differences of w (and of x where there is a free part) over the newest points.
   std::array<std::vector<double>, capacity> dw_, dx_;
-  bool has_free_part_ = false;
+  bool needs_x_ = false;  // the history of x beside that of w: free part, guesses
+  std::vector<double> guess_, guess_before_;
 
   StepControl control_, control_before_;
   LocalTerms terms_{};

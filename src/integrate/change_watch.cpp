@@ -123,20 +123,20 @@ std::optional<LocatedChange> follow_dip(Probe& probe, double left, double right)
 
 }  // namespace
 
-void ChangeWatch::start(LinearSystem& system, double direction) {
+void ChangeWatch::start(double direction) {
   samples_ = 0;
-  accept(system);
-  if (system.differential() > 0 || system.is_constant()) return;
+  accept();
+  if (system_.differential() > 0 || system_.is_constant()) return;
   // With d = 0 steps go anywhere at once: the trend at the start comes from a point beside it.
-  const double t = system.t();
-  const double distance = std::min(0.7e-3 * std::min(system.data().time_scale, 1.0),
-                                   system.problem().room(t, direction));
-  system.accept();
+  const double t = system_.t();
+  const double distance = std::min(0.7e-3 * std::min(system_.data().time_scale, 1.0),
+                                   system_.problem().room(t, direction));
+  system_.accept();
   if (distance <= 0.0) return;
-  const PointStatus status = system.move_to(t + direction * distance);
-  if (status == PointStatus::trouble && !system.trouble().is_recoverable())
-    throw Failure(system.trouble().status, system.trouble().message());
-  if (status == PointStatus::ok) accept(system);
+  const PointStatus status = system_.move_to(t + direction * distance);
+  if (status == PointStatus::trouble && !system_.trouble().is_recoverable())
+    throw Failure(system_.trouble().status, system_.trouble().message());
+  if (status == PointStatus::ok) accept();
 }
 
 bool ChangeWatch::breaks_trend(const Sample& older, const Sample& last, const LinearSystem::Trace& now) {
@@ -149,19 +149,19 @@ bool ChangeWatch::breaks_trend(const Sample& older, const Sample& last, const Li
   return false;
 }
 
-std::optional<LocatedChange> ChangeWatch::find(LinearSystem& system, double t_last) {
-  if (system.is_constant()) return std::nullopt;
-  system.trace(now_);
+std::optional<LocatedChange> ChangeWatch::find(double t_last) {
+  if (system_.is_constant()) return std::nullopt;
+  system_.trace(now_);
   const Sample* older = samples_ < 2 ? nullptr : &older_;
   const Sample* last = samples_ < 1 ? nullptr : &last_;
   bool orientation_kept = true;
-  for (int i = 0; i <= system.num_stage_traces(); ++i) {
-    const LinearSystem::Trace& now = i < system.num_stage_traces() ? system.stage_trace(i) : now_;
+  for (int i = 0; i <= system_.num_stage_traces(); ++i) {
+    const LinearSystem::Trace& now = i < system_.num_stage_traces() ? system_.stage_trace(i) : now_;
     const bool has_turned = now.orientation_kept != orientation_kept;
     orientation_kept = now.orientation_kept;
     if (last != nullptr && now.t == last->t) continue;
     if (has_turned || (older != nullptr && breaks_trend(*older, *last, now))) {
-      auto change = locate(system, t_last, now.t, false);
+      auto change = locate(t_last, now.t, false);
       if (change) return change;
     }
     Sample& sample = trend_[i % 2];
@@ -172,21 +172,21 @@ std::optional<LocatedChange> ChangeWatch::find(LinearSystem& system, double t_la
   return std::nullopt;
 }
 
-void ChangeWatch::accept(const LinearSystem& system) {
-  if (samples_ > 0 && last_.t == system.t()) samples_ = 0;
+void ChangeWatch::accept() {
+  if (samples_ > 0 && last_.t == system_.t()) samples_ = 0;
   // The last two points that the step went through.
-  const int traces = system.num_stage_traces();
+  const int traces = system_.num_stage_traces();
   if (traces > 0) {
-    keep(system.stage_trace(traces - 1), older_);
+    keep(system_.stage_trace(traces - 1), older_);
     samples_ = 1;
   } else {
     std::swap(older_, last_);
   }
-  last_.t = system.t();
-  last_.values.resize(system.row_norms().size() + 2);
-  last_.values[0] = system.kept_constraints();
-  last_.values[1] = system.kept_differential();
-  std::copy(system.row_norms().begin(), system.row_norms().end(), last_.values.begin() + 2);
+  last_.t = system_.t();
+  last_.values.resize(system_.row_norms().size() + 2);
+  last_.values[0] = system_.kept_constraints();
+  last_.values[1] = system_.kept_differential();
+  std::copy(system_.row_norms().begin(), system_.row_norms().end(), last_.values.begin() + 2);
   samples_ = std::min(samples_ + 1, 2);
 }
 
@@ -198,11 +198,15 @@ void ChangeWatch::keep(const LinearSystem::Trace& trace, Sample& sample) {
   std::copy(trace.row_norms.begin(), trace.row_norms.end(), sample.values.begin() + 2);
 }
 
-void ChangeWatch::archive(Archive& archive, const LinearSystem& system) {
-  if (system.is_constant()) return;
+CharacteristicValues ChangeWatch::values_at(double t) {
+  return find_local_values(system_.problem(), t, system_.settings(), system_.arena());
+}
+
+void ChangeWatch::archive(Archive& archive) {
+  if (system_.is_constant()) return;
   archive.small(samples_);
   if (archive.is_reading() && (samples_ < 0 || samples_ > 2)) throw DamagedArchive();
-  const std::size_t count = static_cast<std::size_t>(system.equations()) + 2;
+  const std::size_t count = static_cast<std::size_t>(system_.equations()) + 2;
   Sample* const newest_first[] = {&last_, &older_};
   for (int i = 0; i < samples_; ++i) {
     archive.real(newest_first[i]->t);
@@ -210,8 +214,8 @@ void ChangeWatch::archive(Archive& archive, const LinearSystem& system) {
   }
 }
 
-std::optional<LocatedChange> ChangeWatch::locate(LinearSystem& system, double left, double right, bool right_fails) {
-  Probe probe(system, left, right);
+std::optional<LocatedChange> ChangeWatch::locate(double left, double right, bool right_fails) {
+  Probe probe(system_, left, right);
   std::optional<LocatedChange> change;
   if (right_fails) {
     if (!probe.holds_at(right)) change = probe.bisect_failure(left, right);
@@ -221,7 +225,7 @@ std::optional<LocatedChange> ChangeWatch::locate(LinearSystem& system, double le
     if (!change) change = follow_dip(probe, left, right);
   }
   // The same values on closer inspection: no change.
-  if (probe.has_trouble() || (change && change->new_values == system.analysis().values)) change.reset();
+  if (probe.has_trouble() || (change && change->new_values == system_.analysis().values)) change.reset();
   return change;
 }
 

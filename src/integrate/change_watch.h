@@ -9,36 +9,33 @@
 #include <optional>
 #include <vector>
 
+#include "integrate/change_detector.h"
 #include "reduction/linear_system.h"
 
 namespace sfdae::core {
 
-struct LocatedChange {
-  double t_before = 0.0;  // the values known still hold here
-  double t = 0.0;
-  CharacteristicValues new_values;
-};
-
-class ChangeWatch {
+// For linear problems, where every point can be looked at.
+class ChangeWatch final : public ChangeDetector {
  public:
-  // The current point of the system is the first one of an integration in the given direction.
-  void start(LinearSystem& system, double direction);
-  // Looks for a change between the point accepted last, t_last, and the current one, at every point that the step went
-  // through.
-  std::optional<LocatedChange> find(LinearSystem& system, double t_last);
-  // The current point of the system is accepted.
-  void accept(const LinearSystem& system);
-  void archive(Archive& archive, const LinearSystem& system);
-  // Looks for the change between left and right. right_fails: other values hold at right.
-  static std::optional<LocatedChange> locate(LinearSystem& system, double left, double right, bool right_fails);
+  explicit ChangeWatch(LinearSystem& system) : system_(system) {}
+  void start(double direction) override;
+  std::optional<LocatedChange> find(double t_last) override;
+  void accept() override;
+  std::optional<LocatedChange> locate(double left, double right) override { return locate(left, right, true); }
+  CharacteristicValues values_at(double t) override;
+  void archive(Archive& archive) override;
 
  private:
   struct Sample {
     double t = 0.0;
     std::vector<double> values;  // kept values of A^ and E T2, then row norms
   };
+  // right_fails: other values hold at right.
+  std::optional<LocatedChange> locate(double left, double right, bool right_fails);
   static void keep(const LinearSystem::Trace& trace, Sample& sample);
   static bool breaks_trend(const Sample& older, const Sample& last, const LinearSystem::Trace& now);
+
+  LinearSystem& system_;
   Sample older_, last_;
   Sample trend_[2];
   LinearSystem::Trace now_;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/checkpoint.h"
 
+#include "integrate/change_watch.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -25,7 +26,7 @@ struct Header {
   }
 };
 
-void archive_all(LinearSystem& system, Integration& integration, Archive& archive) {
+void archive_all(DaeSystem& system, Integration& integration, Archive& archive) {
   system.archive(archive);
   integration.archive(archive);
 }
@@ -39,13 +40,13 @@ double checksum(const double* values, std::size_t count) {
 
 }  // namespace
 
-std::size_t checkpoint_size(LinearSystem& system, Integration& integration) {
+std::size_t checkpoint_size(DaeSystem& system, Integration& integration) {
   Archive counter = Archive::counter();
   archive_all(system, integration, counter);
   return header_size + 1 + counter.size();
 }
 
-void save_checkpoint(LinearSystem& system, Integration& integration, double* to) {
+void save_checkpoint(DaeSystem& system, Integration& integration, double* to) {
   const std::size_t length = checkpoint_size(system, integration);
   Archive archive = Archive::writer(to, length);
   Header header{layout, system.equations(), system.unknowns(), static_cast<long>(length)};
@@ -74,7 +75,8 @@ Restored restore_checkpoint(LinearProblem& problem, const AnalysisSettings& sett
     Archive archive = Archive::reader(from + start.size(), total - start.size());
     Restored restored;
     restored.system = std::make_unique<LinearSystem>(problem, settings, archive);
-    restored.integration = std::make_unique<Integration>(*restored.system, options, archive);
+    restored.integration = std::make_unique<Integration>(*restored.system, std::make_unique<ChangeWatch>(*restored.system),
+                                                         options, archive);
     if (archive.size() != total - start.size()) throw DamagedArchive();
     return restored;
   } catch (const DamagedArchive&) {

@@ -14,8 +14,8 @@
 namespace sfdae::core {
 
 // Doubles needed.
-std::size_t checkpoint_size(LinearSystem& system, Integration& integration);
-void save_checkpoint(LinearSystem& system, Integration& integration, double* to);
+std::size_t checkpoint_size(DaeSystem& system, Integration& integration);
+void save_checkpoint(DaeSystem& system, Integration& integration, double* to);
 
 struct Restored {
   std::unique_ptr<LinearSystem> system;

@@ -24,6 +24,8 @@ class ErrorWeights {
   void update(const double* x);
   // The same; scale_i: size of component i nearby, for what norm(e, exponent) takes to be relative to it.
   void update(const double* x, const double* scale);
+  // 1 / weight_i, as of the last update.
+  const double* inverse() const { return inverse_.data(); }
   // max_i |e_i| / weight_i. A component whose weight is zero must have no error.
   double norm(const double* e) const;
   // The same for errors that are O(tol^exponent) where the solution has errors O(tol), exponent < 1.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "linalg/matrix.h"
 #include "problem/failure.h"
@@ -22,11 +23,12 @@ CallResult failure_result(const Failure& failure) { return {failure.status(), fa
 
 }  // namespace
 
-Integration::Integration(LinearSystem& system, const IntegrationOptions& options, double t, double toward,
-                         const Vector& x, const Vector& xdot)
+Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector, const IntegrationOptions& options,
+                         double t, double toward, const Vector& x, const Vector& xdot)
     : system_(system),
       options_(options),
       chosen_(options.method),
+      detector_(std::move(detector)),
       direction_(toward < t ? -1.0 : 1.0),
       last_returned_(t),
       reductions_before_(system.reductions()),
@@ -35,11 +37,12 @@ Integration::Integration(LinearSystem& system, const IntegrationOptions& options
   set_options(options);
   first_step_ = stepper_->first_step(weights_, x.data(), xdot.data(), std::fabs(toward - t));
   begin(t, x, xdot);
-  watch_.start(system_, direction_);
+  detector_->start(direction_);
 }
 
-Integration::Integration(LinearSystem& system, const IntegrationOptions& options, Archive& saved)
-    : system_(system), options_(options), chosen_(options.method) {
+Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector, const IntegrationOptions& options,
+                         Archive& saved)
+    : system_(system), options_(options), chosen_(options.method), detector_(std::move(detector)) {
   create_stepper(options.method);
   set_options(options);
   archive(saved);
@@ -75,7 +78,7 @@ void Integration::archive(Archive& archive) {
   archive.real(first_step_);
   archive.real(last_returned_);
   stepper_->archive(archive, system_);
-  if (!has_change) watch_.archive(archive, system_);
+  if (!has_change) detector_->archive(archive);
   if (archive.is_reading()) {
     counts_ = all;
     reductions_before_ = system_.reductions() - all.reductions;
@@ -111,6 +114,7 @@ void Integration::begin(double t, const Vector& x, const Vector& xdot) {
   Vector w(size), wdot(size);
   system_.leading(x.data(), w.data());
   system_.leading_derivative(x.data(), xdot.data(), wdot.data());
+  weights_.update(x.data());
   stepper_->start(system_, {t, x, xdot, w, wdot}, h);
   system_.accept();
   scratch_w_.resize(size);
@@ -254,14 +258,14 @@ std::optional<CallResult> Integration::accept_step(double h) {
   }
   counts_.inconsistency = std::max(counts_.inconsistency, inconsistency);
   if (!change_) {
-    change_ = watch_.find(system_, stepper_->t());
+    change_ = detector_->find(stepper_->t());
     if (change_) {
       stepper_->withdraw();
       stepper_->set_next_step(h);
       return std::nullopt;
     }
   }
-  watch_.accept(system_);
+  detector_->accept();
   counts_.smallest_kept = std::min({counts_.smallest_kept, system_.smallest_pivot(), system_.kept_constraints(),
                                     system_.kept_differential()});
   stepper_->commit();
@@ -297,14 +301,13 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
     }
     case StepOutcome::changed:
       if (std::fabs(h) > smallest_step(tout) * 64.0) {
-        change_ = ChangeWatch::locate(system_, stepper_->t(), stepper_->tried_t(), true);
+        change_ = detector_->locate(stepper_->t(), stepper_->tried_t());
         if (change_) {
           stepper_->withdraw();
           return std::nullopt;
         }
       } else {
-        change_ = LocatedChange{stepper_->t(), stepper_->tried_t(),
-                                find_local_values(system_.problem(), stepper_->tried_t(), system_.settings(), system_.arena())};
+        change_ = LocatedChange{stepper_->t(), stepper_->tried_t(), detector_->values_at(stepper_->tried_t())};
         return std::nullopt;
       }
       break;
@@ -322,10 +325,19 @@ CallResult Integration::step_too_small(StepOutcome outcome) {
   if (change_) return changed_result();
   must_restart_ = true;
   const double t = stepper_->t();
+  if (outcome == StepOutcome::changed) {
+    change_ = LocatedChange{t, stepper_->tried_t(), detector_->values_at(stepper_->tried_t())};
+    return changed_result();
+  }
   if (outcome == StepOutcome::trouble)
     return {system_.trouble().status, system_.trouble().message() + " Smaller steps did not help."};
   if (outcome == StepOutcome::singular)
     return {SFDAE_SINGULAR, format("the matrix of the step is singular beyond t = %.15g for every step size tried.", t)};
+  if (outcome == StepOutcome::not_converged)
+    return {SFDAE_STEP_TOO_SMALL,
+            format("the nonlinear equations of the step have no solution near the predicted one beyond t = %.15g, however "
+                   "small the step. The solution may end or have a singularity there.",
+                   t)};
   if (outcome == StepOutcome::not_finite)
     return {SFDAE_STEP_TOO_SMALL, format("the solution overflows beyond t = %.15g.", t)};
   const int i = weights_.worst(stepper_->error().data());
@@ -380,11 +392,13 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
     scratch_w_.resize(static_cast<std::size_t>(system_.leading_size()));
     system_.leading(x_free.data(), scratch_w_.data());
   }
-  if (at_step) std::copy(stepper_->x().begin(), stepper_->x().end(), x);
-  else system_.restore(scratch_w_.data(), x_free.data(), x);
+  // Iterations for nonlinear equations end when errors are small against the tolerances: the constraints want more.
+  if (at_step && system_.guess_order() < 0) std::copy(stepper_->x().begin(), stepper_->x().end(), x);
+  else system_.restore(scratch_w_.data(), at_step ? stepper_->x().data() : x_free.data(), x);
   // The slope of a polynomial of high degree over a long step is not as accurate as x is.
   const bool is_within_long_step = method_ == Method::radau && !at_step && wants_slopes_;
-  if (system_.differential() == 0) system_.consistent_derivative(x, direction_, xdot);
+  if (!wants_slopes_ && system_.guess_order() >= 0) std::fill_n(xdot, system_.unknowns(), 0.0);
+  else if (system_.differential() == 0) system_.consistent_derivative(x, direction_, xdot);
   else if (!(is_within_long_step && system_.exact_derivative(x, xdot)))
     system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
   const std::size_t n = static_cast<std::size_t>(system_.unknowns());

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "integrate/bdf.h"
-#include "integrate/change_watch.h"
+#include "integrate/change_detector.h"
 #include "integrate/error_weights.h"
 #include "integrate/radau.h"
 #include "integrate/stepper.h"
-#include "reduction/linear_system.h"
+#include "reduction/dae_system.h"
 
 namespace sfdae::core {
 
@@ -52,10 +52,11 @@ struct CallResult {
 class Integration {
  public:
   // Starts at the consistent point (t, x) with derivative xdot, toward the given time; the system stands at t.
-  Integration(LinearSystem& system, const IntegrationOptions& options, double t, double toward,
-              const std::vector<double>& x, const std::vector<double>& xdot);
+  Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector, const IntegrationOptions& options, double t,
+              double toward, const std::vector<double>& x, const std::vector<double>& xdot);
   // Goes on from where it was when it was archived. Throws DamagedArchive.
-  Integration(LinearSystem& system, const IntegrationOptions& options, Archive& archive);
+  Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector, const IntegrationOptions& options,
+              Archive& archive);
   void archive(Archive& archive);
 
   // To tout, or one step toward it. t, x, xdot: the point reached, whatever the status, unless the call itself is
@@ -90,7 +91,7 @@ class Integration {
   CallResult changed_result() const;
   bool has_passed(double t) const { return (stepper_->t() - t) * direction_ >= 0.0; }
 
-  LinearSystem& system_;
+  DaeSystem& system_;
   IntegrationOptions options_;
   ErrorWeights weights_;
   Method chosen_ = Method::bdf;  // at the start
@@ -99,7 +100,7 @@ class Integration {
   // Running means, for the automatic choice: failures per attempt, outputs per step.
   double failure_rate_ = 0.0, output_rate_ = 0.0;
   int outputs_ = 0;  // since the last step
-  ChangeWatch watch_;
+  std::unique_ptr<ChangeDetector> detector_;
   double direction_ = 1.0;
   double last_returned_ = 0.0;
   double first_step_ = 0.0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "integrate/newton_polynomial.h"
 #include "linalg/matrix.h"
 
 namespace sfdae::core {
@@ -105,6 +106,40 @@ void slope_of_stages(int s, const double* weights, int stride, const Vector& sta
 
 }  // namespace
 
+// The Hermite polynomial through the last nodes, of a degree that fits the method; at first the tangent.
+Guess Radau::guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t,
+                   const ErrorWeights& weights) {
+  const int order = system.guess_order(), s = method.s();
+  if (order < 0) return {};
+  const std::size_t n = start.x.size(), block = n * index(order + 1);
+  if (guess_.size() < block * index(s)) guess_.resize(block * index(s));
+  if (guess_before_.size() < block) guess_before_.resize(block);
+  const int count = std::min(count_, (s + 1) / 2);
+  const bool has_polynomial = count >= 2;
+  if (has_polynomial) {
+    for (int i = 0; i < count; ++i) chosen_[index(i)] = &nodes_[index(i)];
+    hermite_polynomial(&Node::x, &Node::xdot, count);
+  }
+  const auto evaluate = [&](double at, double* to) {
+    if (!has_polynomial) {
+      std::fill_n(to, block, 0.0);
+      for (std::size_t r = 0; r < n; ++r) to[r] = nodes_[0].x[r] + (at - nodes_[0].t) * nodes_[0].xdot[r];
+      if (order > 0) std::copy_n(nodes_[0].xdot.data(), n, to + n);
+      return;
+    }
+    newton_taylor(table_, table_times_, 2 * count - 1, (at - nodes_[0].t) / last_step_, order, n, to);
+    double power = 1.0;
+    for (int k = 1; k <= order; ++k) {
+      power *= last_step_;
+      for (std::size_t r = 0; r < n; ++r) to[n * index(k) + r] /= power;
+    }
+  };
+  for (int i = 0; i < s; ++i)
+    evaluate(i == s - 1 ? t : start.t + method.stages.c[index(i)] * (t - start.t), guess_.data() + block * index(i));
+  evaluate(nodes_[0].t, guess_before_.data());
+  return {guess_.data(), guess_before_.data(), weights.inverse()};
+}
+
 StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) {
   control_before_ = control_;
   if (control_.is_rough()) count_ = 1;
@@ -113,14 +148,10 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   const int s = method.s();
   tried_h_ = t - last.t;
   tried_stages_ = s;
-  const StageEquations equations{method.stages, last.t, t, last.w.data(), last.x.data()};
-  switch (system.solve_stages(equations, stage_x_.data(), stage_w_.data(), tried_.t)) {
-    case PointStatus::trouble: return StepOutcome::trouble;
-    case PointStatus::changed: return StepOutcome::changed;
-    case PointStatus::leading_changed: return StepOutcome::leading_changed;
-    case PointStatus::singular: return StepOutcome::singular;
-    case PointStatus::ok: break;
-  }
+  const StageEquations equations{method.stages, last.t, t, last.w.data(), last.x.data(),
+                                 guess(system, method, last, t, weights)};
+  const PointStatus status = system.solve_stages(equations, stage_x_.data(), stage_w_.data(), tried_.t);
+  if (const auto failure = failed_outcome(status)) return *failure;
   const std::size_t n = last.x.size();
   if (!all_finite(stage_x_.data(), n * index(s))) return StepOutcome::not_finite;
   take_last_stage(method, last, tried_);
@@ -341,7 +372,8 @@ PointStatus Radau::refine(StrangenessFreeSystem& system, ErrorWeights& weights, 
   const RadauMethod& method = radau_method((last_order_ + 1) / 2);
   const Node& start = nodes_[1];
   double reached = t;
-  const PointStatus stages = system.solve_stages({method.stages, start.t, t, start.w.data(), start.x.data()},
+  const Guess prediction = guess(system, method, start, t, weights);
+  const PointStatus stages = system.solve_stages({method.stages, start.t, t, start.w.data(), start.x.data(), prediction},
                                                  stage_x_.data(), stage_w_.data(), reached);
   // A stage may have trouble that the point itself does not have: then the polynomial has to do.
   if (stages != PointStatus::ok || !all_finite(stage_x_.data(), nodes_[0].x.size() * index(method.s())))

@@ -62,6 +62,9 @@ class Radau final : public Stepper {
   static constexpr int table_size = 2 * capacity + 2;
 
   void resize(std::size_t n, std::size_t size_w);
+  // Predicted stages of a step to tried_.t, where the system asks for them.
+  Guess guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t,
+              const ErrorWeights& weights);
   int wanted_stages(const StrangenessFreeSystem& system) const;
   void update(ErrorWeights& weights, const Node& start, const Node& end);
   void take_last_stage(const RadauMethod& method, const Node& start, Node& node) const;
@@ -96,6 +99,7 @@ class Radau final : public Stepper {
   std::array<std::vector<double>, table_size> table_;  // divided differences
   std::array<double, table_size> table_times_{};
   std::array<const Node*, capacity> chosen_{};
+  std::vector<double> guess_, guess_before_;
 };
 
 }  // namespace sfdae::core

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "integrate/error_weights.h"
@@ -15,9 +16,13 @@ enum class StepOutcome {
   accepted,
   error_too_large,
   singular,    // the matrix of the step
+  not_converged,  // nonlinear equations
   not_finite,  // overflow on the way
   trouble, changed, leading_changed  // as PointStatus
 };
+
+// nullopt for PointStatus::ok.
+std::optional<StepOutcome> failed_outcome(PointStatus status);
 
 // What the user may choose about steps.
 struct StepOptions {

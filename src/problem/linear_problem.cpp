@@ -22,6 +22,7 @@ double largest_entry(const double* values, int count) {
 }  // namespace
 
 std::string Trouble::message() const {
+  if (!detail.empty()) return detail;
   switch (status) {
     case SFDAE_CALLBACK_STOPPED:
       return format("%s returned %d (stop) for derivative order %d at t = %.15g.", function, code, order, t);

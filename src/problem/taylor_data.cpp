@@ -217,7 +217,7 @@ double TaylorData::norm_A(int level) const {
 }
 
 double TaylorData::norm_f(int level) const {
-  double largest = 0.0;
+  double largest = least_norm_f;
   for (int k = 0; k <= std::min(level, orders.f); ++k) largest = std::max(largest, norm_f_[index(k)]);
   return largest;
 }
@@ -225,7 +225,7 @@ double TaylorData::norm_f(int level) const {
 double TaylorData::noise(int level) const {
   // Errors of the coefficients of order k relative to the norm of all.
   const double size = norm(level);
-  double relative = unit_roundoff, factor = 1.0;
+  double relative = std::max(unit_roundoff, residual_noise), factor = 1.0;
   for (int k = 1; k <= level && size > 0.0; ++k) {
     factor *= time_scale / k;
     const double absolute = std::max(error_E[index(k)] * norm_E_[0], error_A[index(k)] * norm_A_[0]);

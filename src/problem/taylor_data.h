@@ -83,6 +83,10 @@ class TaylorData {
   std::vector<double> row_norm;   // largest entry of each row of [E A], unscaled
   // Errors of difference derivatives (plain, not Taylor) relative to the largest value of the function; 0: exact.
   std::array<double, max_derivative_order + 1> error_E{}, error_A{}, error_f{};
+  // Of a nonlinear problem along a jet that does not fulfil F = 0 exactly: what that may change, relative to norm().
+  double residual_noise = 0.0;
+  // Contradictions of redundant equations are measured by this if it is larger than f.
+  double least_norm_f = 0.0;
 
  private:
   View block(std::vector<double>& entries, int k) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "reduction/stored_elimination.h"
 
 namespace sfdae::core {
 
@@ -83,7 +84,7 @@ bool eliminate_by_multipliers(const DiagonalBlock& block, View C1, View T, View 
 
 // Householder: QR of [R11; C1], applied to the columns beside it. rows_F = Q1^T F.
 void eliminate_by_reflections(const DiagonalBlock& block, ConstView C1, View T, ConstView rows_F, View next,
-                              Arena& arena) {
+                              Arena& arena, StoredElimination* store) {
   const Arena::Frame frame(arena);
   const int r = block.rank, c = T.rows;
   const View X = arena.matrix(r + c, r);
@@ -98,13 +99,14 @@ void eliminate_by_reflections(const DiagonalBlock& block, ConstView C1, View T, 
   double* tau = arena.take(static_cast<std::size_t>(r) + 1);
   factor_qr(X, tau, arena);
   apply_q(Op::transposed, X, r, tau, beside, arena);
+  if (store != nullptr) store->keep_reflections(X, tau);
   copy(beside.block(r, 0, c, T.cols), T);
   copy(beside.block(r, T.cols, c, next.cols), next);
 }
 
 // One stage: eliminates y_j, j = i + 1, from block row i and the rows carried; returns the rows carried on.
 View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View carried, ConstView rhs, Judge& judge,
-               Arena& arena) {
+               Arena& arena, StoredElimination* store) {
   const int n = data.n, m = data.m, r = block.rank, c = carried.rows;
   const int columns = (i + 1) * n + rhs.cols;  // y_1..y_i, x, rhs
   const View next = arena.matrix(c + block.null_rows(), columns);
@@ -113,6 +115,7 @@ View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View c
   fill(next.block(c, 0, block.null_rows(), columns), 0.0);
 
   const Arena::Frame frame(arena);
+  if (store != nullptr) store->begin_stage(i, c);
   const View W = arena.matrix(c + block.null_rows(), m);  // next += W F
   for (int row = 0; row < block.null_rows(); ++row)
     for (int k = 0; k < m; ++k) W(c + row, k) = block.Q(k, r + row);
@@ -129,10 +132,11 @@ View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View c
       for (int row = 0; row < r; ++row)
         for (int k = 0; k < m; ++k) Q1t(row, k) = block.Q(k, row);
       add_block_row(data, i, rhs, Q1t, rows_F, arena);
-      eliminate_by_reflections(block, C1, T, rows_F, next.top(c), arena);
+      eliminate_by_reflections(block, C1, T, rows_F, next.top(c), arena, store);
       fill(W.top(c), 0.0);
     }
   }
+  if (store != nullptr) store->keep_combination(W);
   add_block_row(data, i, rhs, W, next, arena);
 
   // The rest of y_j: rows of T that are independent determine it and leave.
@@ -149,6 +153,7 @@ View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View c
     factor_qr_pivoted(T, pivots, tau, arena);
     leaving = judge.decide_stage(i + 1, T, original, max_abs(carried.columns(i * n, n)));
     apply_q(Op::transposed, T, leaving, tau, next.top(c), arena);
+    if (store != nullptr) store->keep_leaving(T, pivots, tau, next.top(leaving));
   }
   return next.block(leaving, 0, next.rows - leaving, columns);
 }
@@ -164,10 +169,13 @@ Carried split(const View& carried, int y_columns, int n, int rhs_columns) {
 
 }  // namespace
 
-Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_stage, Judge& judge, Arena& arena) {
+Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_stage, Judge& judge, Arena& arena,
+                  StoredElimination* store) {
   const DiagonalBlock block = factor_diagonal_block(data, judge, arena);
+  if (store != nullptr) store->keep_diagonal_block(data, level, block.factors, block.pivots, block.Q, block.rank);
   View carried = arena.matrix(0, (level + 2) * data.n + rhs.cols);
-  for (int j = level + 1; j >= last_stage; --j) carried = run_stage(data, block, j - 1, carried, rhs, judge, arena);
+  for (int j = level + 1; j >= last_stage; --j) carried = run_stage(data, block, j - 1, carried, rhs, judge, arena, store);
+  if (store != nullptr) store->finish();
   Carried result = split(carried, (last_stage - 1) * data.n, data.n, rhs.cols);
   result.rank_E = block.rank;
   result.R = block.factors;

@@ -31,8 +31,12 @@ struct Carried {
   const int* pivots = nullptr;
 };
 
+// What later right-hand sides need of an elimination: see stored_elimination.h.
+class StoredElimination;
+
 // rhs: (level + 1) m rows, block i belongs to row block i of the array; its columns are transformed along.
-Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_stage, Judge& judge, Arena& arena);
+Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_stage, Judge& judge, Arena& arena,
+                  StoredElimination* store = nullptr);
 
 // The same consequences by one singular value decomposition of the whole array M, the classical way of [KM06].
 // Slow; y is empty, last_stage is 1.

@@ -40,7 +40,7 @@ struct Search {
 
 class Searcher {
  public:
-  Searcher(LinearProblem& problem, double t, const AnalysisSettings& settings, Arena& arena,
+  Searcher(CoefficientSource& problem, double t, const AnalysisSettings& settings, Arena& arena,
            std::vector<RankDecision>* log)
       : problem_(problem),
         t_(t),
@@ -229,7 +229,7 @@ class Searcher {
     return reading;
   }
 
-  LinearProblem& problem_;
+  CoefficientSource& problem_;
   double t_;
   const AnalysisSettings& settings_;
   Arena& arena_;
@@ -242,14 +242,14 @@ class Searcher {
 };
 
 // What the analysis would say if the doubtful value were decided by rank_tol.
-std::string reading_with(LinearProblem& problem, double t, AnalysisSettings settings, double rank_tol, Arena& arena) {
+std::string reading_with(CoefficientSource& problem, double t, AnalysisSettings settings, double rank_tol, Arena& arena) {
   settings.rank_tol = rank_tol;
   const CharacteristicValues values = find_local_values(problem, t, settings, arena);
   return values.mu >= 0 ? "the characteristic values are " + describe(values)
                         : "no level up to max_index fulfils the hypothesis";
 }
 
-[[noreturn]] void report_unclear(LinearProblem& problem, double t, const AnalysisSettings& settings,
+[[noreturn]] void report_unclear(CoefficientSource& problem, double t, const AnalysisSettings& settings,
                                  const RankDecision& decision, Arena& arena) {
   const double below = std::max({decision.dropped, decision.noise, 1e-300});
   const double keep_tol = std::min(std::sqrt(decision.kept * below), 0.5);
@@ -270,7 +270,7 @@ std::string describe_levels(const std::vector<CharacteristicValues>& levels, int
   return text;
 }
 
-IndexAnalysis search_at(LinearProblem& problem, double t, const AnalysisSettings& settings, Arena& arena,
+IndexAnalysis search_at(CoefficientSource& problem, double t, const AnalysisSettings& settings, Arena& arena,
                         std::vector<RankDecision>& decisions) {
   Searcher searcher(problem, t, settings, arena, &decisions);
   const Search found = searcher.search(settings.max_index);
@@ -298,7 +298,7 @@ double nearby_point(double t, double toward, double time_scale) {
 
 // Units of the unknowns: columns of [E A] that differ by more than moderate_column_ratio are scaled to comparable size.
 // Columns below smallest_column are left alone: they may be rounding errors.
-std::vector<double> choose_column_scale(LinearProblem& problem, double t) {
+std::vector<double> choose_column_scale(CoefficientSource& problem, double t) {
   constexpr double moderate_column_ratio = 1024.0, smallest_column = 1e-12;
   const std::size_t n = static_cast<std::size_t>(problem.n());
   std::vector<double> scale(n, 1.0);
@@ -341,7 +341,7 @@ std::string describe(const RankDecision& decision) {
                 decision.noise, decision.gap);
 }
 
-CharacteristicValues find_local_values(LinearProblem& problem, double t, const AnalysisSettings& settings,
+CharacteristicValues find_local_values(CoefficientSource& problem, double t, const AnalysisSettings& settings,
                                        Arena& arena) {
   try {
     Searcher searcher(problem, t, settings, arena, nullptr);
@@ -353,7 +353,7 @@ CharacteristicValues find_local_values(LinearProblem& problem, double t, const A
   }
 }
 
-bool known_values_hold(LinearProblem& problem, double t, const AnalysisSettings& settings, const IndexAnalysis& known,
+bool known_values_hold(CoefficientSource& problem, double t, const AnalysisSettings& settings, const IndexAnalysis& known,
                        Arena& arena) {
   Searcher searcher(problem, t, settings, arena, nullptr);
   PointRanks expected;
@@ -363,7 +363,7 @@ bool known_values_hold(LinearProblem& problem, double t, const AnalysisSettings&
   return searcher.has_ranks(known.values.mu, known.time_scale, expected);
 }
 
-IndexAnalysis analyze_index(LinearProblem& problem, double t, double toward, const AnalysisSettings& settings,
+IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,
                             Arena& arena, std::vector<RankDecision>& decisions) {
   decisions.clear();
   problem.set_column_scale({});

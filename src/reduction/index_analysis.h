@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "linalg/arena.h"
-#include "problem/linear_problem.h"
+#include "problem/coefficient_source.h"
 #include "reduction/judge.h"
 
 namespace sfdae::core {
@@ -52,17 +52,17 @@ struct IndexAnalysis {
 // Analysis at t and at a nearby point toward `toward`. Throws Failure: trouble with callbacks, SFDAE_INDEX_TOO_HIGH,
 // SFDAE_RANK_UNCLEAR, SFDAE_CHARACTERISTICS_CHANGED if t itself is an exceptional point.
 // decisions: all that were made, also when it throws.
-IndexAnalysis analyze_index(LinearProblem& problem, double t, double toward, const AnalysisSettings& settings,
+IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,
                             Arena& arena, std::vector<RankDecision>& decisions);
 
 // Whether the values known hold at t although the propagated noise would not let them: judged by the effect of trial
 // perturbations. Throws Failure if a callback fails.
-bool known_values_hold(LinearProblem& problem, double t, const AnalysisSettings& settings, const IndexAnalysis& known,
+bool known_values_hold(CoefficientSource& problem, double t, const AnalysisSettings& settings, const IndexAnalysis& known,
                        Arena& arena);
 
 // The smallest level at t alone; never throws for structural reasons: mu = -1 if no level up to max_index holds or a
 // decision is unclear.
-CharacteristicValues find_local_values(LinearProblem& problem, double t, const AnalysisSettings& settings,
+CharacteristicValues find_local_values(CoefficientSource& problem, double t, const AnalysisSettings& settings,
                                        Arena& arena);
 
 }  // namespace sfdae::core

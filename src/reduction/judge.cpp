@@ -20,6 +20,19 @@ Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::v
       norm_E0_(data.norm_E0()),
       eps_(data.noise(level)) {}
 
+int Judge::take_known_rank(ConstView r, double norm, double& kept) {
+  const int count = std::min(r.rows, r.cols);
+  const RankList& known = *settings_.known_ranks;
+  int rank = ranks_.count < known.count ? known.rank[ranks_.count] : count + 1;
+  if (rank > count) {
+    fits_ = false;
+    rank = count;
+  }
+  ranks_.add(rank);
+  if (rank > 0 && norm > 0.0) kept = std::min(kept, std::fabs(r(rank - 1, rank - 1)) / norm);
+  return rank;
+}
+
 int Judge::record(RankDecision decision, Subject subject, int stage, double& kept) {
   decision.t = t_;
   decision.level = level_;
@@ -28,11 +41,13 @@ int Judge::record(RankDecision decision, Subject subject, int stage, double& kep
   if (decision.rank > 0) kept = std::min(kept, decision.kept);
   if (decision.verdict == Verdict::unclear) all_clear_ = false;
   if (log_ != nullptr) log_->push_back(decision);
+  ranks_.add(decision.rank);
   return decision.rank;
 }
 
 int Judge::decide(Subject subject, int stage, ConstView r, ConstView original, double noise, double norm,
                   double& kept) {
+  if (settings_.known_ranks != nullptr) return take_known_rank(r, norm, kept);
   const double least_noise = eps_ * norm;
   if (settings_.measured) noise = least_noise;
   const int count = std::min(r.rows, r.cols);

@@ -10,6 +10,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "linalg/arena.h"
@@ -19,12 +20,22 @@
 
 namespace sfdae::core {
 
+// Ranks of all decisions of one reduction in their order.
+struct RankList {
+  std::array<int, max_derivative_order + 5> rank{};
+  std::size_t count = 0;
+  void add(int value) { rank[count++] = value; }
+};
+
 class Judge {
  public:
   struct Settings {
     double rank_tol = 0.0;
     bool by_singular_values = false;  // judge A^ and E T2 by singular values instead of pivots
     bool measured = false;            // thresholds without propagation: the noise is measured instead
+    // Ranks of all decisions in their order, which are taken as known; values near the point they were found at tell
+    // nothing. Nullptr: decided.
+    const RankList* known_ranks = nullptr;
   };
 
   // log: where decisions are recorded, and a sign that unclear ones are to be read again by singular values;
@@ -42,12 +53,16 @@ class Judge {
 
   bool keeps_originals() const { return log_ != nullptr || settings_.by_singular_values; }
   bool all_clear() const { return all_clear_; }
+  const RankList& ranks() const { return ranks_; }
+  // False if known ranks could not be taken, as there were other decisions to make than those they are from.
+  bool fits_known_ranks() const { return fits_; }
   double smallest_pivot() const { return pivot_; }       // p
   double kept_constraints() const { return kept_constraints_; }    // sigma_a relative to |A|, 1 if a = 0
   double kept_differential() const { return kept_differential_; }  // sigma_d relative to |E|, 1 if d = 0
 
  private:
   int decide(Subject subject, int stage, ConstView r, ConstView original, double noise, double norm, double& kept);
+  int take_known_rank(ConstView r, double norm, double& kept);
   int record(RankDecision decision, Subject subject, int stage, double& kept);
 
   const Settings& settings_;
@@ -60,6 +75,8 @@ class Judge {
   double kept_constraints_ = 1.0;
   double kept_differential_ = 1.0;
   bool has_constraints_ = false;
+  bool fits_ = true;
+  RankList ranks_;
   bool all_clear_ = true;
 };
 

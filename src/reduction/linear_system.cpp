@@ -117,7 +117,7 @@ void LinearSystem::give_up_projector() {
   leading_ = LeadingTerm::automatic;
   settle_leading_term();
   constant_ready_ = false;
-  for (auto& matrix : stages_.pairs) matrix.clear();
+  stages_.transformed.forget();
 }
 
 Orders LinearSystem::orders() const {
@@ -241,12 +241,6 @@ double LinearSystem::inconsistency() const {
   return found > 1e3 * noise ? found : 0.0;
 }
 
-std::string LinearSystem::inconsistency_message() const {
-  return format("redundant equations contradict each other at t = %.15g: relative residual %.3g of Z3^T g = 0. There is "
-                "no solution; correct f, or set ignore_inconsistency.",
-                t(), inconsistency());
-}
-
 void LinearSystem::leading(const double* x, double* w) {
   const Arena::Frame frame(arena_);
   leading_of(inward(x, arena_.take(static_cast<std::size_t>(problem_.n()))), w);
@@ -290,8 +284,9 @@ bool LinearSystem::factor_step_matrix(double c) {
   return matrix_valid_;
 }
 
-bool LinearSystem::solve(double c, const double* w_rest, const double* x_rest, double* x) {
-  if (!factor_step_matrix(c)) return false;
+PointStatus LinearSystem::solve(const StepEquations& equations, double* x) {
+  const double c = equations.c;
+  if (!factor_step_matrix(c)) return PointStatus::singular;
   const Point& point = current();
   const NullSpaceForm& form = point.form;
   const int size = form.unknowns(), d = form.d, n = problem_.n();
@@ -299,11 +294,11 @@ bool LinearSystem::solve(double c, const double* w_rest, const double* x_rest, d
   const Arena::Frame frame(arena_);
   const View M{matrix_.data(), size, size, std::max(size, 1)};
   double* z = arena_.take(static_cast<std::size_t>(size) + 1);
-  differential_rows(w_rest, z);
+  differential_rows(equations.w_rest, z);
   for (int i = 0; i < d; ++i) z[i] = form.b()[i] - tau * (c * form.g0()[i] + z[i]);
   if (form.u > 0) {
     double* free_part = arena_.take(static_cast<std::size_t>(size));
-    x_rest = inward(x_rest, arena_.take(static_cast<std::size_t>(n)));
+    const double* x_rest = inward(equations.x_rest, arena_.take(static_cast<std::size_t>(n)));
     multiply(1.0, Op::transposed, form.T2(), x_rest, 0.0, free_part);
     multiply(-tau, Op::transposed, form.Uz(), free_part, 0.0, z + d);
   }
@@ -311,7 +306,7 @@ bool LinearSystem::solve(double c, const double* w_rest, const double* x_rest, d
   std::copy_n(form.xp(), n, x);
   multiply(1.0, Op::plain, form.T2(), z, 1.0, x);
   outward(x);
-  return true;
+  return PointStatus::ok;
 }
 
 void LinearSystem::error_in_x(const double* dw, int count, double* dx) {

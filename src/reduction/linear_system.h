@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <complex>
 #include <limits>
 #include <string>
 #include <vector>
@@ -12,11 +11,12 @@
 #include "problem/linear_problem.h"
 #include "reduction/index_analysis.h"
 #include "reduction/null_space_form.h"
-#include "reduction/strangeness_free_system.h"
+#include "reduction/dae_system.h"
+#include "reduction/transformed_stages.h"
 
 namespace sfdae::core {
 
-class LinearSystem final : public StrangenessFreeSystem {
+class LinearSystem final : public DaeSystem {
  public:
   // The analysis holds from here on. Settles the leading term; throws Failure if the prescribed components do not fit
   // or E'(t) is needed and missing.
@@ -24,7 +24,7 @@ class LinearSystem final : public StrangenessFreeSystem {
   // As it was when it was archived, except that it stands at no point until moved to one. Throws DamagedArchive.
   LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, Archive& archive);
 
-  int equations() const { return problem_.m(); }
+  int equations() const override { return problem_.m(); }
   int unknowns() const override { return problem_.n(); }
   int differential() const override { return analysis_.values.d; }
   int leading_size() const override { return leading_ == LeadingTerm::matrix ? problem_.m() : problem_.n(); }
@@ -33,29 +33,28 @@ class LinearSystem final : public StrangenessFreeSystem {
   PointStatus move_to(double t) override;
   void accept() override;
   void leading(const double* x, double* w) override;
-  bool solve(double c, const double* w_rest, const double* x_rest, double* x) override;
+  PointStatus solve(const StepEquations& equations, double* x) override;
   PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
   using StrangenessFreeSystem::error_in_x;
   void error_in_x(const double* dw, int count, double* dx) override;
   void restore(const double* w, const double* x_free, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
 
-  const IndexAnalysis& analysis() const { return analysis_; }
-  LeadingTerm leading_term() const { return leading_; }
+  const IndexAnalysis& analysis() const override { return analysis_; }
+  LeadingTerm leading_term() const override { return leading_; }
   // W = E (or I where E' is missing) from now on, as rank E has turned out not to be constant.
-  void give_up_projector();
-  const Trouble& trouble() const { return trouble_; }
-  LinearProblem& problem() { return problem_; }
+  void give_up_projector() override;
+  const Trouble& trouble() const override { return trouble_; }
+  LinearProblem& problem() override { return problem_; }
   const AnalysisSettings& settings() const { return settings_; }
   Arena& arena() { return arena_; }
 
   // The point moved to last.
   const NullSpaceForm& form() const { return current().form; }
   const TaylorData& data() const { return current().data; }
-  double t() const { return current().t; }
-  // Contradiction of redundant equations, relative; 0 where errors of difference derivatives explain it.
-  double inconsistency() const;
-  std::string inconsistency_message() const;
+  double t() const override { return current().t; }
+  // 0 also where errors of difference derivatives explain it.
+  double inconsistency() const override;
   // Largest entries of the rows of [E A], unscaled.
   const std::vector<double>& row_norms() const { return current().data.row_norm; }
   // The largest row over the smallest, at this point or at the one accepted last, whichever is less: it diverges where a
@@ -63,10 +62,9 @@ class LinearSystem final : public StrangenessFreeSystem {
   double row_ratio() const;
   // How rows are scaled from now on; RowScaling::each unless set.
   void set_row_scaling(RowScaling rows) { rows_ = rows; }
-  // Smallest values kept in the decisions on A^ and E T2, relative; they dip where characteristic values change.
-  double kept_constraints() const { return current().kept_constraints; }
-  double kept_differential() const { return current().kept_differential; }
-  double smallest_pivot() const { return current().pivot; }
+  double kept_constraints() const override { return current().kept_constraints; }
+  double kept_differential() const override { return current().kept_differential; }
+  double smallest_pivot() const override { return current().pivot; }
 
   // What a change of the characteristic values would show in, at the points that the last step went through: at the
   // stages of a Runge-Kutta step, or at the current point alone.
@@ -84,18 +82,14 @@ class LinearSystem final : public StrangenessFreeSystem {
   // False if the sign of det[E1; A2] changed from the point accepted last to the current one, bases aligned: a
   // singular point lies between (or the bases turned too far to tell). Meaningful for u = 0 only, else true.
   bool orientation_kept();
-  void archive(Archive& archive);
-  long reductions() const { return reductions_; }
-  long factorizations() const { return factorizations_; }
+  void archive(Archive& archive) override;
+  long reductions() const override { return reductions_; }
+  long factorizations() const override { return factorizations_; }
 
-  // x' of the solution through the consistent x at the current point, W' x included where wanted; true if it comes
-  // from the derivative array, false if the derivative of the constraints had to be computed by differences
-  // toward the given direction (+1 or -1). The current point is still the same afterwards.
-  bool consistent_derivative(const double* x, double direction, double* xdot);
-  // The same from the derivative array only; false, and xdot as it was, if that is not possible.
-  bool exact_derivative(const double* x, double* xdot);
-  // (W x)' given x and x' at the current point.
-  void leading_derivative(const double* x, const double* xdot, double* wdot);
+  // The derivative of the constraints is computed by differences where it is not available.
+  bool consistent_derivative(const double* x, double direction, double* xdot) override;
+  bool exact_derivative(const double* x, double* xdot) override;
+  void leading_derivative(const double* x, const double* xdot, double* wdot) override;
 
  private:
   struct Point {
@@ -115,11 +109,7 @@ class LinearSystem final : public StrangenessFreeSystem {
     std::vector<double> products, free_products;  // L Y, V X
     std::vector<double> matrix, z;
     std::vector<int> pivots;
-    // Constant matrices: factorizations for the conjugate pairs, and for which lambda / h they hold.
-    std::array<std::vector<std::complex<double>>, (max_stages - 1) / 2> pairs;
-    std::array<std::vector<int>, (max_stages - 1) / 2> pair_pivots;
-    std::array<std::complex<double>, (max_stages - 1) / 2> pair_values{};
-    std::vector<std::complex<double>> omega;
+    TransformedStages transformed;  // constant matrices
   };
 
   void resize();
@@ -127,8 +117,6 @@ class LinearSystem final : public StrangenessFreeSystem {
   void keep_stage(int i, int s);
   void assemble_stages(const StageEquations& equations, const double* x_start);
   bool solve_constant_stages(const StageEquations& equations, const double* x_start);
-  void solve_transformed(const StageMethod& method, ConstView r, View z);
-  bool factor_pair(std::size_t k, std::complex<double> c);
   void expand_stages(int s, double* x, double* w);
   Point& current() { return points_[current_]; }
   const Point& current() const { return points_[current_]; }

@@ -63,10 +63,7 @@ void LinearSystem::resize_stages(int s) {
   grow(stages_.B, area(differential(), columns));
   grow(stages_.tau, area(s, 1));
   grow(stages_.z, area(order, 1));
-  if (problem_.is_constant()) {
-    grow(stages_.omega, area(q, 1));
-    return;
-  }
+  if (problem_.is_constant()) return;
   grow(stages_.L, area(s * differential(), leading_size()));
   grow(stages_.V, area(s * undetermined(), n));
   grow(stages_.products, area(s * differential(), columns));
@@ -155,23 +152,6 @@ void LinearSystem::assemble_stages(const StageEquations& equations, const double
   }
 }
 
-// Factors [c tau G - B; c tau Uz^T] for a complex c, unless that is done.
-bool LinearSystem::factor_pair(std::size_t k, std::complex<double> c) {
-  const NullSpaceForm& form = current().form;
-  const int q = form.unknowns();
-  std::vector<std::complex<double>>& matrix = stages_.pairs[k];
-  if (!matrix.empty() && stages_.pair_values[k] == c) return true;
-  matrix.resize(area(q, q) + 1);
-  stages_.pair_pivots[k].resize(area(q, 1) + 1);
-  const ComplexView M{matrix.data(), q, q, std::max(q, 1)};
-  form.step_matrix(c * current().data.time_scale, M);
-  if (q > 0) ++factorizations_;
-  stages_.pair_values[k] = c;
-  if (factor_lu(M, stages_.pair_pivots[k].data())) return true;
-  matrix.clear();
-  return false;
-}
-
 bool LinearSystem::solve_constant_stages(const StageEquations& equations, const double* x_start) {
   const StageMethod& method = equations.method;
   const NullSpaceForm& form = current().form;
@@ -202,12 +182,10 @@ bool LinearSystem::solve_constant_stages(const StageEquations& equations, const 
     }
   }
   if (!factor_step_matrix(method.gamma / h)) return false;
-  for (int k = 0; 2 * k + 2 < s; ++k) {
-    const std::size_t pair = static_cast<std::size_t>(k);
-    if (!factor_pair(pair, method.lambda[pair] * (matrix_c_ / method.gamma))) return false;
-  }
+  if (!stages_.transformed.factor(form, current().data.time_scale, method, matrix_c_, factorizations_)) return false;
+  const ConstView lu{matrix_.data(), q, q, std::max(q, 1)};
   const View z{stages_.z.data(), q, s, std::max(q, 1)}, correction = arena_.matrix(std::max(q, 1), s);
-  solve_transformed(method, r, z);
+  stages_.transformed.solve(method, lu, matrix_pivots_.data(), r, z, arena_);
   // T is badly conditioned for many stages: the residual makes up for that.
   if (s <= 3) return true;
   const View Gz = arena_.matrix(std::max(q, 1), s);
@@ -215,32 +193,10 @@ bool LinearSystem::solve_constant_stages(const StageEquations& equations, const 
   if (u > 0) multiply(1.0, Op::transposed, form.Uz(), Op::plain, z, 0.0, Gz.block(d, 0, u, s));
   multiply(-factor, Op::plain, Gz.top(q), Op::transposed, ConstView{method.D.data(), s, s, s}, 1.0, r.top(q));
   multiply(1.0, Op::plain, form.B(), Op::plain, z, 1.0, r.top(d));
-  solve_transformed(method, r, correction);
+  stages_.transformed.solve(method, lu, matrix_pivots_.data(), r, correction, arena_);
   for (int i = 0; i < s; ++i)
     for (int k = 0; k < q; ++k) z(k, i) += correction(k, i);
   return true;
-}
-
-// rho = T^-1 r; one real and (s-1)/2 complex systems for zeta; z = T zeta. A column for every stage.
-void LinearSystem::solve_transformed(const StageMethod& method, ConstView r, View z) {
-  const int s = method.s, q = current().form.unknowns(), ld = std::max(q, 1);
-  if (q == 0) return;
-  const Arena::Frame frame(arena_);
-  const View rho = arena_.matrix(q, s);
-  multiply(1.0, Op::plain, r.top(q), Op::transposed, ConstView{method.T_inverse.data(), s, s, s}, 0.0, rho);
-  solve_lu(ConstView{matrix_.data(), q, q, ld}, matrix_pivots_.data(), rho.column(0));
-  for (int k = 0; 2 * k + 2 < s; ++k) {
-    const std::size_t pair = static_cast<std::size_t>(k);
-    double* first = rho.column(2 * k + 1);
-    double* second = rho.column(2 * k + 2);
-    for (int i = 0; i < q; ++i) stages_.omega[static_cast<std::size_t>(i)] = {first[i], -second[i]};
-    solve_lu(ComplexView{stages_.pairs[pair].data(), q, q, ld}, stages_.pair_pivots[pair].data(), stages_.omega.data());
-    for (int i = 0; i < q; ++i) {
-      first[i] = stages_.omega[static_cast<std::size_t>(i)].real();
-      second[i] = -stages_.omega[static_cast<std::size_t>(i)].imag();
-    }
-  }
-  multiply(1.0, Op::plain, rho, Op::transposed, ConstView{method.T.data(), s, s, s}, 0.0, z.top(q));
 }
 
 void LinearSystem::expand_stages(int s, double* x, double* w) {

@@ -273,7 +273,7 @@ PointRanks NullSpaceForm::build(const TaylorData& data, const Carried& carried, 
 
 void NullSpaceForm::replace_rhs(const TaylorData& data, const double* f_hat, Prescription prescription,
                                 Arena& arena) {
-  double norm_f = 0.0;
+  double norm_f = data.least_norm_f;
   for (int k = 0; k <= data.orders.f; ++k) norm_f = std::max(norm_f, max_abs(data.f(k), m));
   solve_constraints(f_hat, norm_f, arena);
   apply_prescription(prescription);

@@ -1,16 +1,18 @@
-# Reads HEADER (sfdae.h) and MODULE (sfdae.f90). Fails if a function of the header is not bound in the module, and
-# writes the Fortran subroutine check_constants, which compares every constant of the header, to OUTPUT.
+# Reads HEADER (sfdae.h), MODULE (sfdae.f90) and EXPRESSIONS_MODULE (sfdae_expressions.f90). Fails if a function of the
+# header is not bound in the modules, and writes the Fortran subroutine check_constants, which compares every constant of the header, to OUTPUT.
 
 file(READ "${HEADER}" header)
 file(READ "${MODULE}" module)
+file(READ "${EXPRESSIONS_MODULE}" expressions_module)
+string(APPEND module "${expressions_module}")
 
-string(REGEX MATCHALL "SFDAE_API [^(;]*sfdae_[a-z_]+\\(" functions "${header}")
+string(REGEX MATCHALL "SFDAE_API [^(;]*sfdae_[a-z0-9_]+\\(" functions "${header}")
 list(LENGTH functions count)
 if(count LESS 30)
   message(FATAL_ERROR "only ${count} functions found in ${HEADER}")
 endif()
 foreach(function IN LISTS functions)
-  string(REGEX REPLACE ".*(sfdae_[a-z_]+)\\($" "\\1" function "${function}")
+  string(REGEX REPLACE ".*(sfdae_[a-z0-9_]+)\\($" "\\1" function "${function}")
   string(FIND "${module}" "name=\"${function}\"" position)
   if(position EQUAL -1)
     message(FATAL_ERROR "${function} of ${HEADER} is not bound in ${MODULE}")

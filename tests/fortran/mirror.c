@@ -13,6 +13,7 @@ size_t fill_derivative_check(sfdae_derivative_check *s);
 size_t fill_progress(sfdae_progress *s);
 size_t fill_linear_problem(sfdae_linear_problem *s);
 size_t fill_options(sfdae_options *s);
+size_t fill_expression(sfdae_expression *s);
 
 /* Addresses stand for numbers: entry k of this array for k. */
 static double numbers[32];
@@ -81,5 +82,14 @@ size_t fill_options(sfdae_options *s) {
                                26,   27,   28};
   *s = value;
   numbers[4] = 4.0, numbers[5] = 5.0, integers[13] = 13, numbers[14] = 14.0, integers[25] = 25;
+  return sizeof value;
+}
+
+size_t fill_expression(sfdae_expression *s) {
+  sfdae_expression value;
+  value.record = (sfdae_record *)(void *)&numbers[1];
+  value.value = 2.0;
+  value.node = 3;
+  *s = value;
   return sizeof value;
 }

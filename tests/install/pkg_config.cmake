@@ -29,7 +29,7 @@ set(build "${work_dir}/${NAME}")
 file(REMOVE_RECURSE "${build}")
 file(MAKE_DIRECTORY "${build}")
 if(LANGUAGE STREQUAL "Fortran")
-  set(sources "${fortrandir}/sfdae.f90" "${test_dir}/consumer/main.f90")
+  set(sources "${fortrandir}/sfdae_expressions.f90" "${fortrandir}/sfdae.f90" "${test_dir}/consumer/main.f90")
 elseif(LANGUAGE STREQUAL "Fortran77")
   # A program written for GELDA needs the library alone.
   set(Fortran77_compiler "${Fortran_compiler}")

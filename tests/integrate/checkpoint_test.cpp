@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A checkpoint contains all that the continuation depends on: runs that are saved, destroyed and restored between all
 // calls agree in every bit with runs that are not.
+#include "integrate/change_watch.h"
 #include "integrate/checkpoint.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +39,7 @@ struct Trip {
         options(options_for(analyzed.callbacks.n(), 1e-5, method)) {
     const Vector start = analyzed.exact(0.0), slope = analyzed.exact_derivative(0.0);
     EXPECT_EQ(analyzed.system.move_to(0.0), PointStatus::ok);
-    integration = std::make_unique<Integration>(analyzed.system, options, 0.0, 1.0, start, slope);
+    integration = std::make_unique<Integration>(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options, 0.0, 1.0, start, slope);
     system = &analyzed.system;
     x = start;
     xdot = slope;

@@ -1,5 +1,6 @@
 // Strangeness index and characteristic values.
 // SPDX-License-Identifier: BSD-3-Clause
+#include "problem/linear_problem.h"
 #include "reduction/index_analysis.h"
 
 #include <gtest/gtest.h>

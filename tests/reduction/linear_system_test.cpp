@@ -151,7 +151,7 @@ TEST(LinearSystem, SolveFulfilsTheThreeSetsOfEquations) {
         ASSERT_EQ(p.system.move_to(c.t), PointStatus::ok);
         const Numbers w_rest = random_vector(p.system.leading_size(), 2), x_rest = random_vector(p.problem.n(), 3);
         Matrix x(p.problem.n(), 1), w(p.system.leading_size(), 1);
-        ASSERT_TRUE(p.system.solve(rate, w_rest.data(), x_rest.data(), x.data()));
+        ASSERT_EQ(p.system.solve({rate, w_rest.data(), x_rest.data(), {}}, x.data()), PointStatus::ok);
         p.system.leading(x.data(), w.data());
         const double scale = tolerance(p.system) * std::max(1.0, largest(x)) * std::max(1.0, std::fabs(rate));
         EXPECT_LE(largest(F1(p, c.t, x, sum(rate, w, 1.0, column(w_rest)))), scale);
@@ -176,7 +176,7 @@ TEST(LinearSystem, SolveReproducesTheExactSolution) {
       for (std::size_t i = 0; i < w.size(); ++i) w[i] = wdot[i] - rate * w[i];
       for (double& value : x_rest) value *= -rate;
       Numbers x(exact.size());
-      ASSERT_TRUE(p.system.solve(rate, w.data(), x_rest.data(), x.data()));
+      ASSERT_EQ(p.system.solve({rate, w.data(), x_rest.data(), {}}, x.data()), PointStatus::ok);
       EXPECT_LE(distance(x, exact), 100.0 * tolerance(p.system) * std::max(1.0, largest(exact) + largest(xdot)));
     }
 }
@@ -350,7 +350,7 @@ TEST(LinearSystem, ConstantProblemsAreReducedOnceAndFactoredOnceForEveryStep) {
   for (double t : {0.2, 0.3, 0.7, 0.5}) {
     ASSERT_EQ(p.system.move_to(t), PointStatus::ok);
     EXPECT_EQ(p.system.t(), t);
-    ASSERT_TRUE(p.system.solve(10.0, zero.data(), zero.data(), x.data()));
+    ASSERT_EQ(p.system.solve({10.0, zero.data(), zero.data(), {}}, x.data()), PointStatus::ok);
     const Numbers exact = p.exact(t);
     Numbers w(8), restored(8);
     p.system.leading(exact.data(), w.data());
@@ -361,7 +361,7 @@ TEST(LinearSystem, ConstantProblemsAreReducedOnceAndFactoredOnceForEveryStep) {
   EXPECT_EQ(p.system.reductions(), 1);
   EXPECT_EQ(p.system.factorizations(), 1);
   EXPECT_EQ(p.callbacks.calls(Callback::E), 1);
-  ASSERT_TRUE(p.system.solve(20.0, zero.data(), zero.data(), x.data()));
+  ASSERT_EQ(p.system.solve({20.0, zero.data(), zero.data(), {}}, x.data()), PointStatus::ok);
   EXPECT_EQ(p.system.factorizations(), 2);
   const Matrix w = times(
       sum(1.0, identity(8), -1.0, times(p.system.form().kernel(), transposed(p.system.form().kernel()))), column(x));
@@ -453,7 +453,7 @@ TEST(LinearSystem, PrescribedComponentsMakeTheSolutionUnique) {
     ASSERT_EQ(p.system.move_to(t), PointStatus::ok);
     const Numbers zero(3, 0.0);
     Numbers x(3);
-    ASSERT_TRUE(p.system.solve(1.0, zero.data(), zero.data(), x.data()));
+    ASSERT_EQ(p.system.solve({1.0, zero.data(), zero.data(), {}}, x.data()), PointStatus::ok);
     EXPECT_LE(distance(x, {std::sin(t), std::cos(t) - t, t}), rounding(3));
     Numbers xdot(3);
     p.system.consistent_derivative(x.data(), 1.0, xdot.data());

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "jet.h"
+#include "sfdae/expression.hpp"
 
 namespace sfdae_test {
 
@@ -15,10 +16,7 @@ V square(const V& a) {
   return a * a;
 }
 
-// a if c > 0, else b.
-inline double choose(double c, double a, double b) {
-  return c > 0.0 ? a : b;
-}
+using sfdae::choose;  // a if c > 0, else b: of numbers and of recorded expressions
 
 // A branch of a function of a series is that of its first coefficient.
 inline Jet choose(const Jet& c, const Jet& a, const Jet& b) {

@@ -1,0 +1,241 @@
+// Expressions of the C API: numbers are computed, everything else is recorded.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "c_api/expressions.h"
+
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "expression/kernel.h"
+#include "expression/recorder.h"
+#include "problem/failure.h"
+
+// Mistakes are remembered, the first one counts, and recording goes on.
+struct sfdae_record {
+  explicit sfdae_record(int num_unknowns) : recorder(num_unknowns) {}
+
+  void remember(int mistake_status, std::string mistake) {
+    if (status != SFDAE_OK) return;
+    status = mistake_status;
+    message = std::move(mistake);
+  }
+
+  sfdae::core::Recorder recorder;
+  int status = SFDAE_OK;
+  std::string message;
+};
+
+namespace sfdae::core {
+
+namespace {
+
+// Marks in place of a node.
+constexpr int not_set = -1, mistaken = -2;
+
+sfdae_expression plain(double value) { return {nullptr, value, 0}; }
+sfdae_expression in(sfdae_record* record, int node) { return {record, 0.0, node}; }
+
+struct Operands {
+  const char* operation;  // for messages
+  std::initializer_list<sfdae_expression> list;
+};
+
+// The record that all operands belong to, apart from plain numbers; null if all of them are plain numbers.
+sfdae_record* record_of(const Operands& operands) {
+  sfdae_record* record = nullptr;
+  for (const sfdae_expression& operand : operands.list) {
+    if (operand.record == nullptr || operand.record == record) continue;
+    if (record != nullptr) {
+      for (sfdae_record* mixed : {record, operand.record})
+        mixed->remember(SFDAE_ILLEGAL_ARGUMENT, format("%s: the operands belong to different recordings.", operands.operation));
+    }
+    record = operand.record;
+  }
+  return record;
+}
+
+// The operand's node; `mistaken` after remembering what is wrong with it.
+int node_of(sfdae_record& record, const sfdae_expression& operand, const std::string& where) {
+  if (operand.record == nullptr) {
+    if (std::isfinite(operand.value)) return record.recorder.constant(operand.value);
+    record.remember(SFDAE_ILLEGAL_ARGUMENT,
+                    where + ": a number is not finite, or was computed where it is not defined, as log(-1) is.");
+    return mistaken;
+  }
+  if (operand.record != &record) {
+    record.remember(SFDAE_ILLEGAL_ARGUMENT, where + ": an expression belongs to another recording.");
+    return mistaken;
+  }
+  if (operand.node >= 0 && operand.node < record.recorder.num_nodes()) return operand.node;
+  const char* const what = operand.node == not_set ? ": an expression has no value yet." : ": an expression is damaged.";
+  record.remember(SFDAE_ILLEGAL_ARGUMENT, where + what);
+  return mistaken;
+}
+
+// Records what `action` makes of the operands' nodes, or computes `number`. Nothing is thrown.
+template <class Action, class Number>
+sfdae_expression combine(const Operands& operands, Action action, Number number) noexcept {
+  sfdae_record* record = nullptr;
+  try {
+    record = record_of(operands);
+    if (record == nullptr) {
+      const std::optional<double> value = number();
+      return plain(value ? *value : std::numeric_limits<double>::quiet_NaN());
+    }
+    int nodes[3] = {-1, -1, -1}, count = 0;
+    for (const sfdae_expression& operand : operands.list) {
+      nodes[count] = node_of(*record, operand, operands.operation);
+      if (nodes[count++] == mistaken) return in(record, mistaken);
+    }
+    return in(record, action(record->recorder, nodes));
+  } catch (...) {
+    // Only memory can be missing. Short strings need none.
+    if (record != nullptr) record->remember(SFDAE_OUT_OF_MEMORY, "out of memory.");
+    return in(record, mistaken);
+  }
+}
+
+sfdae_expression unary(Operation operation, const sfdae_expression& a) {
+  return combine({name_of(operation), {a}},
+                 [&](Recorder& recorder, const int* nodes) { return recorder.apply(operation, nodes[0]); },
+                 [&] { return evaluate(operation, a.value); });
+}
+
+sfdae_expression binary(Operation operation, const sfdae_expression& a, const sfdae_expression& b) {
+  return combine({name_of(operation), {a, b}},
+                 [&](Recorder& recorder, const int* nodes) { return recorder.apply(operation, nodes[0], nodes[1]); },
+                 [&] { return evaluate(operation, a.value, b.value); });
+}
+
+void check_outcome(const sfdae_record& record, int returned) {
+  if (record.status != SFDAE_OK) throw Failure(record.status, "recording of equations: " + record.message);
+  if (returned == 0) return;
+  throw Failure(returned < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED,
+                format("the function that writes equations returned %d.", returned));
+}
+
+std::shared_ptr<const Record> finished(sfdae_record& record, const std::vector<int>& residuals) {
+  if (record.status != SFDAE_OK) throw Failure(record.status, "recording of equations: " + record.message);
+  return record.recorder.finish(residuals);
+}
+
+// sum += sign * coefficient * node
+void add_term(Recorder& recorder, int& sum, Operation sign, std::pair<int, int> factors) {
+  sum = recorder.apply(sign, sum, recorder.apply(Operation::multiply, factors.first, factors.second));
+}
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+std::shared_ptr<const Record> record_equations(sfdae_equations_function F, int m, int n, void* user) {
+  sfdae_record record(n);
+  std::vector<sfdae_expression> x, xdot, residual(at(m), in(&record, not_set));
+  for (int j = 0; j < n; ++j) {
+    x.push_back(in(&record, record.recorder.unknown(j)));
+    xdot.push_back(in(&record, record.recorder.derivative(j)));
+  }
+  const sfdae_expression t = in(&record, record.recorder.time());
+  check_outcome(record, F(&record, t, x.data(), xdot.data(), residual.data(), user));
+  std::vector<int> residuals;
+  for (int i = 0; i < m; ++i) {
+    const sfdae_expression& entry = residual[at(i)];
+    if (entry.record == &record && entry.node == not_set)
+      throw Failure(SFDAE_ILLEGAL_ARGUMENT, format("recording of equations: residual[%d] was not set.", i));
+    residuals.push_back(node_of(record, entry, format("residual[%d]", i)));
+  }
+  return finished(record, residuals);
+}
+
+std::shared_ptr<const Record> record_linear_equations(sfdae_linear_equations_function coefficients, int m, int n,
+                                                      void* user) {
+  sfdae_record record(n);
+  Recorder& recorder = record.recorder;
+  const sfdae_expression t = in(&record, recorder.time());
+  std::vector<sfdae_expression> E(at(m) * at(n), plain(0.0)), A(E), f(at(m), plain(0.0));
+  check_outcome(record, coefficients(&record, t, E.data(), A.data(), f.data(), user));
+  std::vector<int> residuals;
+  for (int i = 0; i < m; ++i) {
+    int residual = recorder.constant(0.0);
+    for (int j = 0; j < n; ++j) {
+      const std::size_t entry = at(i) + at(j) * at(m);
+      const int E_ij = node_of(record, E[entry], format("E(%d, %d)", i, j));
+      const int A_ij = node_of(record, A[entry], format("A(%d, %d)", i, j));
+      if (record.status != SFDAE_OK) break;
+      add_term(recorder, residual, Operation::add, {E_ij, recorder.derivative(j)});
+      add_term(recorder, residual, Operation::subtract, {A_ij, recorder.unknown(j)});
+    }
+    const int f_i = node_of(record, f[at(i)], format("f(%d)", i));
+    if (record.status == SFDAE_OK) residual = recorder.apply(Operation::subtract, residual, f_i);
+    residuals.push_back(residual);
+  }
+  return finished(record, residuals);
+}
+
+}  // namespace sfdae::core
+
+using namespace sfdae::core;
+
+sfdae_expression sfdae_number(double value) { return plain(value); }
+
+sfdae_expression sfdae_parameter(sfdae_record* record, const char* name, double value) {
+  if (record == nullptr) return plain(std::numeric_limits<double>::quiet_NaN());
+  try {
+    if (name == nullptr || *name == '\0') {
+      record->remember(SFDAE_ILLEGAL_ARGUMENT, "sfdae_parameter: a parameter needs a name.");
+    } else if (!std::isfinite(value)) {
+      record->remember(SFDAE_ILLEGAL_ARGUMENT, format("sfdae_parameter: the value of %s is not finite.", name));
+    } else {
+      return in(record, record->recorder.parameter(name, value));
+    }
+  } catch (...) {
+    record->remember(SFDAE_OUT_OF_MEMORY, "out of memory.");
+  }
+  return in(record, mistaken);
+}
+
+sfdae_expression sfdae_add(sfdae_expression a, sfdae_expression b) { return binary(Operation::add, a, b); }
+sfdae_expression sfdae_subtract(sfdae_expression a, sfdae_expression b) { return binary(Operation::subtract, a, b); }
+sfdae_expression sfdae_multiply(sfdae_expression a, sfdae_expression b) { return binary(Operation::multiply, a, b); }
+sfdae_expression sfdae_divide(sfdae_expression a, sfdae_expression b) { return binary(Operation::divide, a, b); }
+sfdae_expression sfdae_negate(sfdae_expression a) { return unary(Operation::negate, a); }
+sfdae_expression sfdae_power(sfdae_expression a, sfdae_expression b) { return binary(Operation::power, a, b); }
+sfdae_expression sfdae_sqrt(sfdae_expression a) { return unary(Operation::sqrt, a); }
+sfdae_expression sfdae_exp(sfdae_expression a) { return unary(Operation::exp, a); }
+sfdae_expression sfdae_log(sfdae_expression a) { return unary(Operation::log, a); }
+sfdae_expression sfdae_sin(sfdae_expression a) { return unary(Operation::sin, a); }
+sfdae_expression sfdae_cos(sfdae_expression a) { return unary(Operation::cos, a); }
+sfdae_expression sfdae_tan(sfdae_expression a) { return unary(Operation::tan, a); }
+sfdae_expression sfdae_asin(sfdae_expression a) { return unary(Operation::asin, a); }
+sfdae_expression sfdae_acos(sfdae_expression a) { return unary(Operation::acos, a); }
+sfdae_expression sfdae_atan(sfdae_expression a) { return unary(Operation::atan, a); }
+sfdae_expression sfdae_atan2(sfdae_expression y, sfdae_expression x) { return binary(Operation::atan2, y, x); }
+sfdae_expression sfdae_sinh(sfdae_expression a) { return unary(Operation::sinh, a); }
+sfdae_expression sfdae_cosh(sfdae_expression a) { return unary(Operation::cosh, a); }
+sfdae_expression sfdae_tanh(sfdae_expression a) { return unary(Operation::tanh, a); }
+
+sfdae_expression sfdae_abs(sfdae_expression a) {
+  return combine({"abs", {a}}, [](Recorder& recorder, const int* nodes) { return recorder.abs(nodes[0]); },
+                 [&] { return evaluate(Operation::choose, -a.value, -a.value, a.value); });
+}
+
+sfdae_expression sfdae_min(sfdae_expression a, sfdae_expression b) {
+  return combine({"min", {a, b}}, [](Recorder& recorder, const int* nodes) { return recorder.min(nodes[0], nodes[1]); },
+                 [&] { return evaluate(Operation::choose, b.value - a.value, a.value, b.value); });
+}
+
+sfdae_expression sfdae_max(sfdae_expression a, sfdae_expression b) {
+  return combine({"max", {a, b}}, [](Recorder& recorder, const int* nodes) { return recorder.max(nodes[0], nodes[1]); },
+                 [&] { return evaluate(Operation::choose, a.value - b.value, a.value, b.value); });
+}
+
+sfdae_expression sfdae_choose(sfdae_expression c, sfdae_expression a, sfdae_expression b) {
+  const auto record = [](Recorder& recorder, const int* nodes) {
+    return recorder.apply(Operation::choose, nodes[0], nodes[1], nodes[2]);
+  };
+  return combine({"choose", {c, a, b}}, record, [&] { return evaluate(Operation::choose, c.value, a.value, b.value); });
+}

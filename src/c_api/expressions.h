@@ -1,0 +1,20 @@
+// Recording of the user's equations.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "expression/record.h"
+#include "sfdae/sfdae.h"
+
+namespace sfdae::core {
+
+// Calls the user's function once. Failure, with a public status: mistakes in the use of expressions, equations that were
+// not set, and what the function returned. F(t, x, x') has m entries, there are n unknowns.
+std::shared_ptr<const Record> record_equations(sfdae_equations_function F, int m, int n, void* user);
+
+// E x' - A x - f from its coefficients, likewise.
+std::shared_ptr<const Record> record_linear_equations(sfdae_linear_equations_function coefficients, int m, int n,
+                                                      void* user);
+
+}  // namespace sfdae::core

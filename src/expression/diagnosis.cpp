@@ -1,0 +1,126 @@
+// Why an equation has no value: the first operation whose result is not finite though its operands are.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "expression/diagnosis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <set>
+#include <vector>
+
+#include "expression/series.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Kind = EvaluationFailure::Kind;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// -1: all coefficients are finite.
+int first_bad_order(const double* series, int order) {
+  for (int k = 0; k <= order; ++k)
+    if (!std::isfinite(series[k])) return k;
+  return -1;
+}
+
+class Search {
+ public:
+  Search(const Record& record, const Tape& tape, Slots slots, FailedEquation failed)
+      : record_(record), tape_(tape), slots_(slots), failed_(failed) {
+    order_ = std::max(failed.order, failed.order_of_gradients);
+  }
+
+  EvaluationFailure result() {
+    const std::vector<int> nodes = chosen_nodes();
+    for (int i : nodes) {
+      const int k = first_bad_order(slots_[tape_.slot_of[at(i)]], order_);
+      if (k >= 0) return k == 0 ? undefined(i) : not_smooth(i, k);
+    }
+    for (int i : nodes)
+      for (int slot : {tape_.p_of[at(i)], tape_.q_of[at(i)]})
+        if (slot >= 0 && record_.is_active(i) && first_bad_order(slots_[slot], failed_.order_of_gradients) >= 0)
+          return not_smooth(i, 1);
+    return {Kind::not_finite, failed_.equation, "", "overflow" + in_equation()};
+  }
+
+ private:
+  // Nodes that the equation depends on, branches that were not chosen left out; operands first.
+  std::vector<int> chosen_nodes() const {
+    std::set<int> found;
+    std::vector<int> stack{record_.residual(failed_.equation)};
+    while (!stack.empty()) {
+      const int i = stack.back();
+      stack.pop_back();
+      if (!found.insert(i).second) continue;
+      const Node& node = record_.node(i);
+      if (node.operation == Operation::choose) {
+        stack.push_back(node.a);
+        stack.push_back(series::is_positive(value(node.a)) ? node.b : node.c);
+      } else {
+        for (int k = 0; k < num_operands(node.operation); ++k) stack.push_back(node.operand(k));
+      }
+    }
+    return {found.begin(), found.end()};
+  }
+
+  double value(int node) const { return *slots_[tape_.slot_of[at(node)]]; }
+  std::string in_equation() const { return format(" in equation %d", failed_.equation); }
+
+  // "log of -1"
+  std::string application(const Node& node) const {
+    const char* const name = name_of(node.operation);
+    switch (node.operation) {
+      case Operation::divide: return format("division of %.6g by %.6g", value(node.a), value(node.b));
+      case Operation::power: return format("%s %.6g^%.6g", name, value(node.a), value(node.b));
+      case Operation::log_of_base: return format("%s of %.6g with a variable exponent", name, value(node.a));
+      case Operation::parameter: return "parameter " + record_.parameters()[at(node.a)].name;
+      default: break;
+    }
+    if (num_operands(node.operation) == 2) return format("%s of %.6g and %.6g", name, value(node.a), value(node.b));
+    return format("%s of %.6g", name, is_leaf(node.operation) ? 0.0 : value(node.a));
+  }
+
+  bool is_undefined(const Node& node) const {
+    switch (node.operation) {
+      case Operation::divide: return value(node.b) == 0.0;
+      case Operation::sqrt:
+      case Operation::log:
+      case Operation::log_of_base: return !series::is_positive(value(node.a));
+      case Operation::power: return !series::is_positive(value(node.a));
+      case Operation::asin:
+      case Operation::acos: return true;
+      default: return false;
+    }
+  }
+
+  EvaluationFailure undefined(int i) const {
+    const Node& node = record_.node(i);
+    const bool defined = !is_undefined(node);
+    const char* const what = defined ? " is not finite" : "";
+    return {defined ? Kind::not_finite : Kind::undefined, failed_.equation, name_of(node.operation),
+            application(node) + what + in_equation()};
+  }
+
+  EvaluationFailure not_smooth(int i, int order) const {
+    const Node& node = record_.node(i);
+    return {Kind::not_smooth, failed_.equation, name_of(node.operation),
+            application(node) + format(" has no finite derivative of order %d", order) + in_equation()};
+  }
+
+  const Record& record_;
+  const Tape& tape_;
+  Slots slots_;
+  FailedEquation failed_;
+  int order_;
+};
+
+}  // namespace
+
+EvaluationFailure diagnose(const Record& record, const Tape& tape, Slots slots, FailedEquation failed) {
+  return Search(record, tape, slots, failed).result();
+}
+
+}  // namespace sfdae::core

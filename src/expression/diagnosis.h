@@ -1,0 +1,40 @@
+// Why an equation has no value or no derivative at a point.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "expression/record.h"
+#include "expression/tape.h"
+
+namespace sfdae::core {
+
+struct EvaluationFailure {
+  enum class Kind {
+    none,
+    undefined,       // log of -1, division by 0
+    not_smooth,      // derivative of sqrt at 0
+    not_finite       // overflow, or an argument that is not finite
+  };
+  Kind kind = Kind::none;
+  int equation = -1;           // -1: none in particular
+  const char* operation = "";  // as in name_of
+  std::string message;         // such as "log of -1 in equation 3"
+};
+
+// Values of all slots, of an evaluation that failed.
+struct Slots {
+  const double* values;
+  int stride;
+  const double* operator[](int slot) const { return values + static_cast<std::ptrdiff_t>(slot) * stride; }
+};
+
+// What was asked for: orders of values and of gradients, -1: none.
+struct FailedEquation {
+  int equation;
+  int order, order_of_gradients;
+};
+
+EvaluationFailure diagnose(const Record& record, const Tape& tape, Slots slots, FailedEquation failed);
+
+}  // namespace sfdae::core

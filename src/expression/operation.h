@@ -1,0 +1,58 @@
+// The operations that equations are recorded in.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+namespace sfdae::core {
+
+enum class Operation : std::uint8_t {
+  // Leaves; a is an index.
+  constant,
+  parameter,
+  time,
+  unknown,     // x_a
+  derivative,  // x'_a
+  // Operands a, b, c.
+  negate,
+  add,
+  subtract,
+  multiply,
+  divide,
+  power,        // a^b; b depends on parameters only
+  log_of_base,  // log a within a^b = exp(b log a)
+  sqrt,
+  exp,
+  log,
+  sin,
+  cos,
+  tan,
+  asin,
+  acos,
+  atan,
+  atan2,  // angle of the point (b, a)
+  sinh,
+  cosh,
+  tanh,
+  choose  // b if a > 0, else c
+};
+
+// As it is called in messages.
+const char* name_of(Operation operation);
+
+constexpr bool is_leaf(Operation operation) { return operation <= Operation::derivative; }
+
+constexpr int num_operands(Operation operation) {
+  switch (operation) {
+    case Operation::add:
+    case Operation::subtract:
+    case Operation::multiply:
+    case Operation::divide:
+    case Operation::power:
+    case Operation::atan2: return 2;
+    case Operation::choose: return 3;
+    default: return is_leaf(operation) ? 0 : 1;
+  }
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,104 @@
+// What can be read off recorded equations.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "expression/record.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sfdae::core {
+
+Dependence dependence_of(const Node& node, const Dependence* operands) {
+  switch (node.operation) {
+    case Operation::constant: return 0;
+    case Operation::parameter: return on_parameters;
+    case Operation::time: return on_time;
+    case Operation::unknown: return on_unknowns;
+    case Operation::derivative: return on_derivatives;
+    default: break;
+  }
+  Dependence result = 0;
+  for (int k = 0; k < num_operands(node.operation); ++k) result |= operands[node.operand(k)];
+  return result;
+}
+
+Dependence dependence_of_partial(const Record& record, int node, int k) {
+  const Node& v = record.node(node);
+  switch (v.operation) {
+    case Operation::negate:
+    case Operation::add:
+    case Operation::subtract: return 0;
+    case Operation::multiply: return record.dependence(k == 0 ? v.b : v.a);
+    case Operation::divide: return k == 0 ? record.dependence(v.b) : record.dependence(node);
+    case Operation::choose: return record.dependence(v.a);
+    default: return record.dependence(node);
+  }
+}
+
+namespace {
+
+// The condition of a choice has no derivative.
+int first_differentiated(Operation operation) { return operation == Operation::choose ? 1 : 0; }
+
+}  // namespace
+
+Record::Record(Parts parts) : parts_(std::move(parts)) {
+  dependence_.reserve(parts_.nodes.size());
+  for (const Node& node : parts_.nodes) dependence_.push_back(dependence_of(node, dependence_.data()));
+  entries_.resize(parts_.residuals.size());
+  BackwardWalk backward(*this);
+  for (int i = 0; i < m(); ++i)
+    for (const Adjoint& adjoint : backward.walk(i)) {
+      const Node& leaf = node(adjoint.node);
+      if (!is_leaf(leaf.operation)) continue;
+      entries_[static_cast<std::size_t>(i)].push_back(
+          {leaf.a, leaf.operation == Operation::derivative, adjoint.dependence});
+    }
+}
+
+bool Record::is_linear() const {
+  for (const auto& equation : entries_)
+    for (const Entry& entry : equation)
+      if ((entry.dependence & on_state) != 0) return false;
+  return true;
+}
+
+bool Record::is_constant(bool derivative) const {
+  for (const auto& equation : entries_)
+    for (const Entry& entry : equation)
+      if (entry.derivative == derivative && !entry.is_constant()) return false;
+  return true;
+}
+
+BackwardWalk::BackwardWalk(const Record& record)
+    : record_(record),
+      visited_(static_cast<std::size_t>(record.num_nodes()), -1),
+      dependence_(static_cast<std::size_t>(record.num_nodes())) {}
+
+const std::vector<Adjoint>& BackwardWalk::walk(int equation) {
+  adjoints_.clear();
+  const auto visit = [&](int node) {
+    if (!record_.is_active(node) || visited_[static_cast<std::size_t>(node)] == equation) return;
+    visited_[static_cast<std::size_t>(node)] = equation;
+    dependence_[static_cast<std::size_t>(node)] = 0;
+    adjoints_.push_back({node, 0});
+    stack_.push_back(node);
+  };
+  visit(record_.residual(equation));
+  while (!stack_.empty()) {
+    const Node& node = record_.node(stack_.back());
+    stack_.pop_back();
+    for (int k = first_differentiated(node.operation); k < num_operands(node.operation); ++k) visit(node.operand(k));
+  }
+  // Operands come before the node, so this order is one in which every adjoint is complete when it is reached.
+  std::sort(adjoints_.begin(), adjoints_.end(), [](const Adjoint& v, const Adjoint& w) { return v.node > w.node; });
+  for (Adjoint& adjoint : adjoints_) {
+    adjoint.dependence = dependence_[static_cast<std::size_t>(adjoint.node)];
+    const Node& node = record_.node(adjoint.node);
+    for (int k = first_differentiated(node.operation); k < num_operands(node.operation); ++k)
+      dependence_[static_cast<std::size_t>(node.operand(k))] |=
+          adjoint.dependence | dependence_of_partial(record_, adjoint.node, k);
+  }
+  return adjoints_;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,105 @@
+// Recorded equations F(t, x, x') = 0: an immutable graph, and what can be read off it.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "expression/operation.h"
+
+namespace sfdae::core {
+
+// What a value depends on.
+using Dependence = unsigned;
+constexpr Dependence on_parameters = 1, on_time = 2, on_unknowns = 4, on_derivatives = 8;
+constexpr Dependence on_state = on_unknowns | on_derivatives;
+constexpr bool varies_in_time(Dependence dependence) { return (dependence & (on_time | on_state)) != 0; }
+
+// Operands come before the node.
+struct Node {
+  Operation operation;
+  int a = -1, b = -1, c = -1;
+  int operand(int k) const { return k == 0 ? a : k == 1 ? b : c; }
+};
+
+struct Parameter {
+  std::string name;
+  double value;  // at first
+};
+
+// An entry of F_x or F_x' that is not identically zero.
+struct Entry {
+  int unknown;      // j of x_j
+  bool derivative;  // x'_j instead
+  Dependence dependence;
+  bool is_constant() const { return !varies_in_time(dependence); }
+};
+
+class Record {
+ public:
+  struct Parts {
+    int num_unknowns = 0;
+    std::vector<Node> nodes;
+    std::vector<double> constants;
+    std::vector<Parameter> parameters;
+    std::vector<int> residuals;  // nodes, one for each equation
+  };
+
+  explicit Record(Parts parts);
+
+  int m() const { return static_cast<int>(parts_.residuals.size()); }
+  int n() const { return parts_.num_unknowns; }
+  int num_nodes() const { return static_cast<int>(parts_.nodes.size()); }
+  const Node& node(int i) const { return parts_.nodes[static_cast<std::size_t>(i)]; }
+  Dependence dependence(int i) const { return dependence_[static_cast<std::size_t>(i)]; }
+  bool is_active(int i) const { return (dependence(i) & on_state) != 0; }
+  double constant(int i) const { return parts_.constants[static_cast<std::size_t>(i)]; }
+  int residual(int equation) const { return parts_.residuals[static_cast<std::size_t>(equation)]; }
+  const std::vector<Parameter>& parameters() const { return parts_.parameters; }
+
+  // Sparsity of F_x and F_x'.
+  const std::vector<Entry>& entries(int equation) const { return entries_[static_cast<std::size_t>(equation)]; }
+
+  // F is affine in (x, x') with coefficients that depend on t and parameters only. Judged by form: x1 x1 - x1 x1
+  // counts as nonlinear.
+  bool is_linear() const;
+  // Linear, and F_x' (F_x) does not depend on t.
+  bool is_constant_E() const { return is_linear() && is_constant(true); }
+  bool is_constant_A() const { return is_linear() && is_constant(false); }
+
+ private:
+  bool is_constant(bool derivative) const;
+
+  Parts parts_;
+  std::vector<Dependence> dependence_;
+  std::vector<std::vector<Entry>> entries_;
+};
+
+Dependence dependence_of(const Node& node, const Dependence* operands);
+
+// What the derivative of a node by its operand number k depends on.
+Dependence dependence_of_partial(const Record& record, int node, int k);
+
+// The adjoint of a node is the derivative of one equation by it.
+struct Adjoint {
+  int node;
+  Dependence dependence;
+};
+
+// Walks from equations to the unknowns.
+class BackwardWalk {
+ public:
+  explicit BackwardWalk(const Record& record);
+  // The nodes that carry the equation's dependence on x and x', last ones first.
+  const std::vector<Adjoint>& walk(int equation);
+
+ private:
+  const Record& record_;
+  std::vector<int> visited_;  // by which equation; -1: none
+  std::vector<Dependence> dependence_;
+  std::vector<int> stack_;
+  std::vector<Adjoint> adjoints_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,170 @@
+// Recording of equations.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "expression/recorder.h"
+
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include "expression/kernel.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Dividing by it and multiplying by its inverse is the same.
+bool has_exact_inverse(double value) {
+  int exponent = 0;
+  return std::fabs(std::frexp(value, &exponent)) == 0.5 && exponent > -1000 && exponent < 1000;
+}
+
+}  // namespace
+
+std::size_t Recorder::Hash::operator()(const std::array<int, 4>& key) const {
+  std::uint64_t hash = 0x9e3779b97f4a7c15u;
+  for (int part : key) hash = (hash ^ static_cast<std::uint32_t>(part)) * 0xff51afd7ed558ccdu;
+  return static_cast<std::size_t>(hash ^ (hash >> 32));
+}
+
+std::optional<double> Recorder::number(int i) const {
+  if (!is(i, Operation::constant)) return std::nullopt;
+  return parts_.constants[static_cast<std::size_t>(node(i).a)];
+}
+
+int Recorder::intern(const Node& node) {
+  const auto [place, is_new] =
+      known_.try_emplace({static_cast<int>(node.operation), node.a, node.b, node.c}, num_nodes());
+  if (is_new) {
+    dependence_.push_back(dependence_of(node, dependence_.data()));
+    parts_.nodes.push_back(node);
+  }
+  return place->second;
+}
+
+int Recorder::constant(double value) {
+  if (value == 0.0) value = 0.0;  // -0 is 0
+  const auto [place, is_new] =
+      constants_.try_emplace(std::bit_cast<std::uint64_t>(value), static_cast<int>(parts_.constants.size()));
+  if (is_new) parts_.constants.push_back(value);
+  return intern({Operation::constant, place->second});
+}
+
+int Recorder::parameter(const std::string& name, double value) {
+  for (std::size_t i = 0; i < parts_.parameters.size(); ++i)
+    if (parts_.parameters[i].name == name) return intern({Operation::parameter, static_cast<int>(i)});
+  parts_.parameters.push_back({name, value});
+  return intern({Operation::parameter, static_cast<int>(parts_.parameters.size()) - 1});
+}
+
+int Recorder::apply(Operation operation, int a, int b, int c) {
+  const int operands[] = {a, b, c};
+  double values[3] = {};
+  bool all_numbers = true;
+  for (int k = 0; k < num_operands(operation); ++k) {
+    assert(operands[k] >= 0 && operands[k] < num_nodes());
+    if (const auto value = number(operands[k])) values[k] = *value;
+    else all_numbers = false;
+  }
+  // What is not defined stays in the graph: evaluation will name it.
+  if (all_numbers)
+    if (const auto value = evaluate(operation, values[0], values[1], values[2])) return constant(*value);
+  switch (operation) {
+    case Operation::negate: return negate(a);
+    case Operation::add: return add(a, b);
+    case Operation::subtract: return subtract(a, b);
+    case Operation::multiply: return multiply(a, b);
+    case Operation::divide: return divide(a, b);
+    case Operation::power: return power(a, b);
+    case Operation::choose:
+      if (b == c) return b;
+      if (const auto condition = number(a)) return *condition > 0.0 ? b : c;
+      return intern({operation, a, b, c});
+    default: return intern({operation, a, b, c});
+  }
+}
+
+int Recorder::negate(int a) {
+  if (is(a, Operation::negate)) return node(a).a;
+  if (is(a, Operation::subtract)) return subtract(node(a).b, node(a).a);
+  if (is(a, Operation::multiply)) {
+    const auto [operation, x, y, unused] = node(a);
+    if (const auto factor = number(x)) return multiply(constant(-*factor), y);
+    if (const auto factor = number(y)) return multiply(constant(-*factor), x);
+  }
+  return intern({Operation::negate, a});
+}
+
+int Recorder::add(int a, int b) {
+  if (is(a, 0.0)) return b;
+  if (is(b, 0.0)) return a;
+  if (is(b, Operation::negate)) return subtract(a, node(b).a);
+  if (is(a, Operation::negate)) return subtract(b, node(a).a);
+  if (a > b) std::swap(a, b);
+  return intern({Operation::add, a, b});
+}
+
+int Recorder::subtract(int a, int b) {
+  if (a == b) return constant(0.0);
+  if (is(b, 0.0)) return a;
+  if (is(a, 0.0)) return negate(b);
+  if (is(b, Operation::negate)) return add(a, node(b).a);
+  return intern({Operation::subtract, a, b});
+}
+
+int Recorder::multiply(int a, int b) {
+  if (is(a, 0.0) || is(b, 0.0)) return constant(0.0);
+  if (is(a, 1.0)) return b;
+  if (is(b, 1.0)) return a;
+  if (is(a, -1.0)) return negate(b);
+  if (is(b, -1.0)) return negate(a);
+  if (is(a, Operation::negate) && number(b)) return multiply(node(a).a, constant(-*number(b)));
+  if (is(b, Operation::negate) && number(a)) return multiply(node(b).a, constant(-*number(a)));
+  // Signs go outward, so that a b and (-a) b share the product.
+  if (is(a, Operation::negate)) return apply(Operation::negate, apply(Operation::multiply, node(a).a, b));
+  if (is(b, Operation::negate)) return apply(Operation::negate, apply(Operation::multiply, a, node(b).a));
+  if (a > b) std::swap(a, b);
+  return intern({Operation::multiply, a, b});
+}
+
+int Recorder::divide(int a, int b) {
+  const auto divisor = number(b);
+  if (divisor && *divisor != 0.0) {
+    if (is(a, 0.0)) return a;
+    if (*divisor == 1.0) return a;
+    if (has_exact_inverse(*divisor)) return multiply(a, constant(1.0 / *divisor));
+  }
+  if (is(a, Operation::negate)) return apply(Operation::negate, apply(Operation::divide, node(a).a, b));
+  return intern({Operation::divide, a, b});
+}
+
+int Recorder::power(int a, int b) {
+  // Products are exact where powers by logarithms are not, and are smooth at 0.
+  constexpr double highest_product = 64.0;
+  if (const auto exponent = number(b)) {
+    if (*exponent == 0.5) return apply(Operation::sqrt, a);
+    if (*exponent == std::floor(*exponent) && std::fabs(*exponent) <= highest_product)
+      return integer_power(a, static_cast<int>(*exponent));
+  }
+  if (!varies_in_time(dependence_[static_cast<std::size_t>(b)])) return intern({Operation::power, a, b});
+  return apply(Operation::exp, apply(Operation::multiply, b, apply(Operation::log_of_base, a)));
+}
+
+int Recorder::integer_power(int a, int exponent) {
+  if (exponent == 0) return constant(1.0);
+  if (exponent < 0) return apply(Operation::divide, constant(1.0), integer_power(a, -exponent));
+  if (exponent == 1) return a;
+  const int half = integer_power(a, exponent / 2);
+  const int square = apply(Operation::multiply, half, half);
+  return exponent % 2 == 0 ? square : apply(Operation::multiply, square, a);
+}
+
+std::shared_ptr<const Record> Recorder::finish(std::vector<int> residuals) {
+  parts_.residuals = std::move(residuals);
+  const int n = parts_.num_unknowns;
+  auto record = std::make_shared<const Record>(std::move(parts_));
+  *this = Recorder(n);
+  return record;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,66 @@
+// Recording of equations: nodes that are equal are one, numbers are computed at once, trivial algebra is done.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "expression/record.h"
+
+namespace sfdae::core {
+
+class Recorder {
+ public:
+  explicit Recorder(int num_unknowns) { parts_.num_unknowns = num_unknowns; }
+
+  int num_nodes() const { return static_cast<int>(parts_.nodes.size()); }
+
+  // Each returns a node; operands are nodes.
+  int constant(double value);  // finite
+  // One node for every name; the first value counts.
+  int parameter(const std::string& name, double value);
+  int time() { return intern({Operation::time}); }
+  int unknown(int j) { return intern({Operation::unknown, j}); }
+  int derivative(int j) { return intern({Operation::derivative, j}); }
+  // Any operation but a leaf; a^b with any b.
+  int apply(Operation operation, int a, int b = -1, int c = -1);
+
+  int min(int a, int b) { return apply(Operation::choose, apply(Operation::subtract, b, a), a, b); }
+  int max(int a, int b) { return apply(Operation::choose, apply(Operation::subtract, a, b), a, b); }
+  // The derivative at 0 is 1.
+  int abs(int a) { return apply(Operation::choose, apply(Operation::negate, a), apply(Operation::negate, a), a); }
+
+  // The equations; the recorder is empty afterwards.
+  std::shared_ptr<const Record> finish(std::vector<int> residuals);
+
+ private:
+  struct Hash {
+    std::size_t operator()(const std::array<int, 4>& key) const;
+  };
+
+  const Node& node(int i) const { return parts_.nodes[static_cast<std::size_t>(i)]; }
+  std::optional<double> number(int i) const;
+  bool is(int i, double value) const { return number(i) == value; }
+  bool is(int i, Operation operation) const { return node(i).operation == operation; }
+  // The node, new or known.
+  int intern(const Node& node);
+  int negate(int a);
+  int add(int a, int b);
+  int subtract(int a, int b);
+  int multiply(int a, int b);
+  int divide(int a, int b);
+  int power(int a, int b);
+  int integer_power(int a, int exponent);
+
+  Record::Parts parts_;
+  std::vector<Dependence> dependence_;
+  std::unordered_map<std::array<int, 4>, int, Hash> known_;
+  std::unordered_map<std::uint64_t, int> constants_;  // index by the bits of the value
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,217 @@
+// Layout of recorded equations.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "expression/tape.h"
+
+#include <cstddef>
+#include <utility>
+
+namespace sfdae::core {
+
+Code code_of(Operation operation) {
+  switch (operation) {
+    case Operation::negate: return Code::negate;
+    case Operation::add: return Code::add;
+    case Operation::subtract: return Code::subtract;
+    case Operation::multiply: return Code::multiply;
+    case Operation::divide: return Code::divide;
+    case Operation::power: return Code::power;
+    case Operation::sqrt: return Code::sqrt;
+    case Operation::exp: return Code::exp;
+    case Operation::log_of_base:
+    case Operation::log: return Code::log;
+    case Operation::sin:
+    case Operation::cos: return Code::sin_cos;
+    case Operation::sinh:
+    case Operation::cosh: return Code::sinh_cosh;
+    case Operation::tan: return Code::tan;
+    case Operation::tanh: return Code::tanh;
+    case Operation::asin: return Code::asin;
+    case Operation::acos: return Code::acos;
+    case Operation::atan: return Code::atan;
+    case Operation::atan2: return Code::atan2;
+    default: return Code::choose;
+  }
+}
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Its derivative is neither a number nor a value that is there anyway.
+bool has_slope(Code code) {
+  switch (code) {
+    case Code::negate:
+    case Code::add:
+    case Code::subtract:
+    case Code::multiply:
+    case Code::scale:
+    case Code::exp:
+    case Code::choose: return false;
+    default: return true;
+  }
+}
+
+// Nodes that equations depend on.
+std::vector<bool> live_nodes(const Record& record) {
+  std::vector<bool> live(at(record.num_nodes()), false);
+  for (int i = 0; i < record.m(); ++i) live[at(record.residual(i))] = true;
+  for (int i = record.num_nodes() - 1; i >= 0; --i) {
+    if (!live[at(i)]) continue;
+    const Node& node = record.node(i);
+    for (int k = 0; k < num_operands(node.operation); ++k) live[at(node.operand(k))] = true;
+  }
+  return live;
+}
+
+class Builder {
+ public:
+  Builder(const Record& record, Tape& tape) : record_(record), tape_(tape) {}
+
+  void build() {
+    const std::vector<bool> live = live_nodes(record_);
+    for (auto* list : {&tape_.slot_of, &tape_.p_of, &tape_.q_of}) list->assign(at(record_.num_nodes()), -1);
+    partner_.assign(at(record_.num_nodes()), -1);
+    for (int i = 0; i < record_.num_nodes(); ++i) {
+      if (!live[at(i)]) continue;
+      if (is_leaf(record_.node(i).operation)) add_leaf(i);
+      else add_instruction(i);
+    }
+    for (int i = 0; i < record_.m(); ++i) tape_.residuals.push_back(slot(record_.residual(i)));
+    touched_.assign(at(tape_.num_slots), -1);
+    BackwardWalk backward(record_);
+    for (int i = 0; i < record_.m(); ++i) add_edges(i, backward.walk(i));
+    tape_.first_edge.push_back(tape_.edges.size());
+    tape_.first_target.push_back(tape_.targets.size());
+  }
+
+ private:
+  int slot(int node) const { return node < 0 ? -1 : tape_.slot_of[at(node)]; }
+  bool is_number(int node) const { return !varies_in_time(record_.dependence(node)); }
+
+  void add_leaf(int i) {
+    const Node& node = record_.node(i);
+    const int slot = tape_.slot_of[at(i)] = tape_.num_slots++;
+    switch (node.operation) {
+      case Operation::constant: tape_.constants.push_back({slot, node.a}); break;
+      case Operation::parameter: tape_.parameters.push_back({slot, node.a}); break;
+      case Operation::time: tape_.time = slot; break;
+      default: tape_.leaves.push_back({slot, node.a, node.operation == Operation::derivative});
+    }
+  }
+
+  std::vector<Instruction>& section(int i) {
+    if (record_.is_active(i)) return tape_.of_state;
+    return is_number(i) ? tape_.of_parameters : tape_.of_time;
+  }
+
+  void add_instruction(int i) {
+    const Node& node = record_.node(i);
+    Instruction instruction{code_of(node.operation), 0, slot(node.a), slot(node.b), slot(node.c)};
+    const bool is_pair = instruction.code == Code::sin_cos || instruction.code == Code::sinh_cosh;
+    // sin a and cos a, sinh a and cosh a come from one instruction.
+    if (is_pair && share(i)) return;
+    choose_variant(node, instruction);
+    instruction.v = tape_.num_slots++;
+    if (has_slope(instruction.code)) instruction.p = tape_.num_slots++;
+    if (instruction.code == Code::divide || instruction.code == Code::atan2) instruction.q = tape_.num_slots++;
+    if (instruction.code == Code::choose && record_.is_active(i)) tape_.has_choices = true;
+    tape_.slot_of[at(i)] = instruction.v;
+    tape_.p_of[at(i)] = instruction.p;
+    tape_.q_of[at(i)] = instruction.q;
+    if (node.operation == Operation::cos || node.operation == Operation::cosh) {
+      tape_.slot_of[at(i)] = instruction.p;
+      tape_.p_of[at(i)] = instruction.v;
+    }
+    section(i).push_back(instruction);
+  }
+
+  // Takes the value from the instruction of the other one of the pair.
+  bool share(int i) {
+    const Node& node = record_.node(i);
+    const bool is_circular = node.operation == Operation::sin || node.operation == Operation::cos;
+    auto& partner = is_circular ? partner_[at(node.a)] : hyperbolic_partner(node.a);
+    if (partner < 0) {
+      partner = i;
+      return false;
+    }
+    tape_.slot_of[at(i)] = tape_.p_of[at(partner)];
+    tape_.p_of[at(i)] = tape_.slot_of[at(partner)];
+    return true;
+  }
+
+  int& hyperbolic_partner(int node) {
+    if (hyperbolic_partner_.empty()) hyperbolic_partner_.assign(at(record_.num_nodes()), -1);
+    return hyperbolic_partner_[at(node)];
+  }
+
+  // Products and quotients with numbers.
+  void choose_variant(const Node& node, Instruction& instruction) const {
+    if (instruction.code == Code::divide && is_number(node.b)) instruction.code = Code::divide_by_number;
+    if (instruction.code != Code::multiply) return;
+    if (is_number(node.a)) std::swap(instruction.a, instruction.b);
+    if (is_number(node.a) || is_number(node.b)) instruction.code = Code::scale;
+  }
+
+  void add_edges(int equation, const std::vector<Adjoint>& adjoints) {
+    tape_.first_edge.push_back(tape_.edges.size());
+    tape_.first_target.push_back(tape_.targets.size());
+    equation_ = equation;
+    if (!adjoints.empty()) touched_[at(slot(adjoints.front().node))] = equation;
+    for (const Adjoint& adjoint : adjoints) {
+      const Node& node = record_.node(adjoint.node);
+      from_number_ = !varies_in_time(adjoint.dependence);
+      if (is_leaf(node.operation))
+        tape_.targets.push_back({slot(adjoint.node), node.a, node.operation == Operation::derivative});
+      else add_edges_of(adjoint.node);
+    }
+  }
+
+  void add_edges_of(int i) {
+    const Node& node = record_.node(i);
+    const int p = tape_.p_of[at(i)], q = tape_.q_of[at(i)];
+    switch (node.operation) {
+      case Operation::negate: return add_edge(EdgeCode::negate, i, node.a, -1);
+      case Operation::add:
+        add_edge(EdgeCode::pass, i, node.a, -1);
+        return add_edge(EdgeCode::pass, i, node.b, -1);
+      case Operation::subtract:
+        add_edge(EdgeCode::pass, i, node.a, -1);
+        return add_edge(EdgeCode::negate, i, node.b, -1);
+      case Operation::multiply:
+        add_edge(is_number(node.b) ? EdgeCode::scale : EdgeCode::multiply, i, node.a, slot(node.b));
+        return add_edge(is_number(node.a) ? EdgeCode::scale : EdgeCode::multiply, i, node.b, slot(node.a));
+      case Operation::divide:
+        add_edge(is_number(node.b) ? EdgeCode::scale : EdgeCode::multiply, i, node.a, p);
+        return add_edge(EdgeCode::multiply_negated, i, node.b, q);
+      case Operation::exp: return add_edge(EdgeCode::multiply, i, node.a, slot(i));
+      case Operation::cos: return add_edge(EdgeCode::multiply_negated, i, node.a, p);
+      case Operation::atan2:
+        add_edge(EdgeCode::multiply, i, node.a, p);
+        return add_edge(EdgeCode::multiply, i, node.b, q);
+      case Operation::choose:
+        add_edge(EdgeCode::pass_if_positive, i, node.b, slot(node.a));
+        return add_edge(EdgeCode::pass_otherwise, i, node.c, slot(node.a));
+      default: return add_edge(EdgeCode::multiply, i, node.a, p);
+    }
+  }
+
+  void add_edge(EdgeCode code, int from, int to, int factor) {
+    if (!record_.is_active(to)) return;
+    const bool is_first = touched_[at(slot(to))] != equation_;
+    touched_[at(slot(to))] = equation_;
+    tape_.edges.push_back({code, is_first, from_number_, slot(from), slot(to), factor});
+  }
+
+  const Record& record_;
+  Tape& tape_;
+  std::vector<int> partner_, hyperbolic_partner_;
+  std::vector<int> touched_;  // slots, by which equation
+  int equation_ = 0;
+  bool from_number_ = false;
+};
+
+}  // namespace
+
+Tape::Tape(const Record& record) { Builder(record, *this).build(); }
+
+}  // namespace sfdae::core

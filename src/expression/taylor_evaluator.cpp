@@ -1,0 +1,201 @@
+// Taylor coefficients of recorded equations along a jet.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "expression/taylor_evaluator.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include "expression/edges.h"
+#include "expression/kernel.h"
+
+namespace sfdae::core {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+using series::Fixed;
+
+// Calls an action with the order, as a constant if it is one of those that are in use all the time.
+template <class Action>
+auto with_order(int order, Action action) {
+  switch (order) {
+    case 0: return action(Fixed<0>());
+    case 1: return action(Fixed<1>());
+    case 2: return action(Fixed<2>());
+    case 3: return action(Fixed<3>());
+    case 4: return action(Fixed<4>());
+    default: return action(order);
+  }
+}
+
+template <bool with_slopes>
+void execute_all(const std::vector<Instruction>& instructions, double* slots, int order) {
+  with_order(order, [&](auto K) {
+    for (const Instruction& instruction : instructions) execute<with_slopes>(instruction, slots, K);
+  });
+}
+
+std::vector<Instruction> in_offsets(std::vector<Instruction> instructions, int stride) {
+  for (Instruction& instruction : instructions)
+    for (int* slot : {&instruction.v, &instruction.a, &instruction.b, &instruction.c, &instruction.p, &instruction.q})
+      *slot = std::max(*slot, 0) * stride;
+  return instructions;
+}
+
+std::vector<Edge> in_offsets(std::vector<Edge> edges, int stride) {
+  for (Edge& edge : edges)
+    for (int* slot : {&edge.from, &edge.to, &edge.factor}) *slot = std::max(*slot, 0) * stride;
+  return edges;
+}
+
+}  // namespace
+
+TaylorEvaluator::TaylorEvaluator(std::shared_ptr<const Record> record) : record_(std::move(record)), tape_(*record_) {
+  for (const Parameter& parameter : record_->parameters()) parameters_.push_back(parameter.value);
+}
+
+std::optional<int> TaylorEvaluator::find_parameter(const std::string& name) const {
+  for (int i = 0; i < num_parameters(); ++i)
+    if (record_->parameters()[at(i)].name == name) return i;
+  return std::nullopt;
+}
+
+void TaylorEvaluator::set_parameter(int index, double value) {
+  parameters_[at(index)] = value;
+  parameters_changed_ = true;
+}
+
+bool TaylorEvaluator::values(double t, const double* jet, int order, double* F) {
+  return gradients(t, jet, {order, -1, -1}, F, nullptr, nullptr);
+}
+
+bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot,
+                                double* F_x) {
+  const int order = orders.highest();
+  assert(order <= series::highest_order);
+  if (order < 0) return true;
+  reserve(order);
+  if (!load(t, jet, order)) return false;
+  run(t, order, orders.of_gradients() >= 0);
+  return write_values(orders.F, F) && write_gradients(orders, F_xdot, F_x);
+}
+
+// Room for series of this order in every slot. Never shrinks.
+void TaylorEvaluator::reserve(int order) {
+  if (order < stride_) return;
+  stride_ = order + 1;
+  slots_.assign(at(tape_.num_slots) * at(stride_), 0.0);
+  adjoints_.assign(at(tape_.num_slots) * at(stride_), 0.0);
+  program_ = {in_offsets(tape_.of_parameters, stride_), in_offsets(tape_.of_time, stride_),
+              in_offsets(tape_.of_state, stride_), in_offsets(tape_.edges, stride_)};
+  for (const Tape::Number& constant : tape_.constants)
+    slots_[at(constant.slot) * at(stride_)] = record_->constant(constant.index);
+  parameters_changed_ = true;
+  time_order_ = -1;
+}
+
+bool TaylorEvaluator::load(double t, const double* jet, int order) {
+  bool finite = std::isfinite(t);
+  const std::size_t n = at(record_->n());
+  for (const Tape::Leaf& leaf : tape_.leaves) {
+    double* const to = slots_.data() + at(leaf.slot) * at(stride_);
+    const double* const from = jet + leaf.unknown + (leaf.derivative ? n : 0);
+    for (int k = 0; k <= order; ++k) {
+      to[k] = leaf.derivative ? (k + 1) * from[at(k) * n] : from[at(k) * n];
+      finite = finite && std::isfinite(to[k]);
+    }
+  }
+  if (finite) return true;
+  failure_ = {EvaluationFailure::Kind::not_finite, -1, "", "t, x or a derivative of x is not finite"};
+  return false;
+}
+
+void TaylorEvaluator::run(double t, int order, bool with_slopes) {
+  double* const slots = slots_.data();
+  if (parameters_changed_) {
+    for (const Tape::Number& parameter : tape_.parameters)
+      slots[at(parameter.slot) * at(stride_)] = parameters_[at(parameter.index)];
+    // Coefficients of higher order stay 0.
+    execute_all<false>(program_.of_parameters, slots, 0);
+    parameters_changed_ = false;
+    time_order_ = -1;
+  }
+  if (t != time_ || order > time_order_) {
+    if (tape_.time >= 0) {
+      slots[at(tape_.time) * at(stride_)] = t;
+      if (order > 0) slots[at(tape_.time) * at(stride_) + 1] = 1.0;
+    }
+    execute_all<false>(program_.of_time, slots, order);
+    time_ = t;
+    time_order_ = order;
+  }
+  if (with_slopes) execute_all<true>(program_.of_state, slots, order);
+  else execute_all<false>(program_.of_state, slots, order);
+}
+
+bool TaylorEvaluator::write_values(int order, double* F) {
+  if (order < 0) return true;
+  const int m = record_->m();
+  for (int i = 0; i < m; ++i) {
+    const double* const from = slots_.data() + at(tape_.residuals[at(i)]) * at(stride_);
+    bool finite = true;
+    for (int k = 0; k <= order; ++k) {
+      F[at(i) + at(k) * at(m)] = from[k];
+      finite = finite && std::isfinite(from[k]);
+    }
+    if (!finite) return fail(i, order, -1);
+  }
+  return true;
+}
+
+bool TaylorEvaluator::write_gradients(SeriesOrders orders, double* F_xdot, double* F_x) {
+  const int order = orders.of_gradients();
+  if (order < 0) return true;
+  const std::size_t area = at(record_->m()) * at(record_->n());
+  std::fill_n(F_xdot, area * at(orders.F_xdot + 1), 0.0);
+  std::fill_n(F_x, area * at(orders.F_x + 1), 0.0);
+  double* const adjoints = adjoints_.data();
+  const auto sweep = [&](int i, auto G) {
+    double* const seed = adjoints + at(tape_.residuals[at(i)]) * at(stride_);
+    for (int k = 0; k <= G; ++k) seed[k] = 0.0;
+    seed[0] = 1.0;
+    const Edge* const first = program_.edges.data() + tape_.first_edge[at(i)];
+    const Edge* const last = program_.edges.data() + tape_.first_edge[at(i + 1)];
+    if (tape_.has_choices) follow<true>(first, last, slots_.data(), adjoints, G);
+    else follow<false>(first, last, slots_.data(), adjoints, G);
+  };
+  return with_order(order, [&](auto G) {
+    for (int i = 0; i < record_->m(); ++i) {
+      sweep(i, G);
+      if (!write_targets(i, orders, F_xdot, F_x)) return fail(i, orders.F, order);
+    }
+    return true;
+  });
+}
+
+// Entries of one row; false if one is not finite.
+bool TaylorEvaluator::write_targets(int equation, SeriesOrders orders, double* F_xdot, double* F_x) const {
+  const std::size_t m = at(record_->m()), area = m * at(record_->n());
+  bool finite = true;
+  for (std::size_t e = tape_.first_target[at(equation)]; e < tape_.first_target[at(equation + 1)]; ++e) {
+    const Tape::Leaf& leaf = tape_.targets[e];
+    const double* const from = adjoints_.data() + at(leaf.slot) * at(stride_);
+    double* const to = (leaf.derivative ? F_xdot : F_x) + at(equation) + at(leaf.unknown) * m;
+    const int order = leaf.derivative ? orders.F_xdot : orders.F_x;
+    for (int k = 0; k <= order; ++k) {
+      to[at(k) * area] = from[k];
+      finite = finite && std::isfinite(from[k]);
+    }
+  }
+  return finite;
+}
+
+bool TaylorEvaluator::fail(int equation, int order, int order_of_gradients) {
+  failure_ = diagnose(*record_, tape_, {slots_.data(), stride_}, {equation, order, order_of_gradients});
+  return false;
+}
+
+}  // namespace sfdae::core

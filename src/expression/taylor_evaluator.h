@@ -1,0 +1,80 @@
+// Taylor coefficients of recorded equations along a jet, and of their gradients.
+//
+// [GW08] A. Griewank, A. Walther: Evaluating Derivatives, 2nd ed. SIAM, 2008. Chapter 13.
+//
+// Values: one forward sweep in truncated power series. Gradients: a backward sweep for each equation, over the part of
+// the graph that it depends on. With the adjoint v~ of a value v, again a power series,
+//     F(x + dx) - F(x) = v~ dv + O(dv^2),     v = f(a):  a~ += f'(a) v~,
+// so that the coefficients of x~_j and of x'~_j are those of F_x and F_x'.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "expression/diagnosis.h"
+#include "expression/record.h"
+#include "expression/tape.h"
+
+namespace sfdae::core {
+
+// Highest orders, 0 ... 14; -1: none.
+struct SeriesOrders {
+  int F = -1, F_xdot = -1, F_x = -1;
+  int of_gradients() const { return F_xdot > F_x ? F_xdot : F_x; }
+  int highest() const { return F > of_gradients() ? F : of_gradients(); }
+};
+
+class TaylorEvaluator {
+ public:
+  explicit TaylorEvaluator(std::shared_ptr<const Record> record);
+
+  const Record& record() const { return *record_; }
+
+  // Along x(t + s) = sum x_k s^k. jet: n x (order + 2), column k is x_k. F: m x (order + 1), column k holds the Taylor
+  // coefficients F_k of F(t + s, x(t + s), x'(t + s)). False: see failure(); what was written is not to be used.
+  bool values(double t, const double* jet, int order, double* F);
+
+  // Also those of the matrices F_x' and F_x: order k is the m x n matrix at k m n. The order of the jet is the highest
+  // one asked for; outputs of order -1 are not touched and may be null.
+  bool gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot, double* F_x);
+
+  // After false.
+  const EvaluationFailure& failure() const { return failure_; }
+
+  int num_parameters() const { return static_cast<int>(parameters_.size()); }
+  std::optional<int> find_parameter(const std::string& name) const;
+  double parameter(int index) const { return parameters_[static_cast<std::size_t>(index)]; }
+  void set_parameter(int index, double value);
+
+ private:
+  // Indices that are slots in a tape are offsets here.
+  struct Program {
+    std::vector<Instruction> of_parameters, of_time, of_state;
+    std::vector<Edge> edges;
+  };
+
+  void reserve(int order);
+  bool load(double t, const double* jet, int order);
+  void run(double t, int order, bool with_slopes);
+  bool write_values(int order, double* F);
+  bool write_gradients(SeriesOrders orders, double* F_xdot, double* F_x);
+  bool write_targets(int equation, SeriesOrders orders, double* F_xdot, double* F_x) const;
+  bool fail(int equation, int order, int order_of_gradients);
+
+  std::shared_ptr<const Record> record_;
+  Tape tape_;
+  Program program_;
+  std::vector<double> parameters_;
+  int stride_ = 0;  // of slots
+  std::vector<double> slots_, adjoints_;
+  bool parameters_changed_ = true;
+  double time_ = 0.0;    // at which values that depend on t alone are known,
+  int time_order_ = -1;  // to this order
+  EvaluationFailure failure_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,30 @@
+// Newton's interpolation polynomial p(t) = sum_i table[i] prod_{j<i} (t - times[j]), for vectors.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+namespace sfdae::core {
+
+// Taylor coefficients p^(k)(t) / k!, k = 0..order, of the polynomial of the given degree: size x (order + 1).
+template <class Table, class Times>
+void newton_taylor(const Table& table, const Times& times, int degree, double t, int order, std::size_t size,
+                   double* coefficients) {
+  const auto column = [&](int k) { return coefficients + size * static_cast<std::size_t>(k); };
+  std::fill_n(column(0), size * static_cast<std::size_t>(order + 1), 0.0);
+  std::copy_n(table[static_cast<std::size_t>(degree)].data(), size, column(0));
+  for (int i = degree - 1; i >= 0; --i) {
+    const double gap = t - times[static_cast<std::size_t>(i)];
+    for (int k = std::min(order, degree - i); k > 0; --k) {
+      double* __restrict to = column(k);
+      const double* __restrict lower = column(k - 1);
+      for (std::size_t r = 0; r < size; ++r) to[r] = to[r] * gap + lower[r];
+    }
+    double* __restrict value = column(0);
+    const double* __restrict d = table[static_cast<std::size_t>(i)].data();
+    for (std::size_t r = 0; r < size; ++r) value[r] = value[r] * gap + d[r];
+  }
+}
+
+}  // namespace sfdae::core

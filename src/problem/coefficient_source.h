@@ -1,0 +1,29 @@
+// What delivers Taylor coefficients to the reduction: a linear problem, or a nonlinear one along a jet.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "problem/problem.h"
+#include "problem/taylor_data.h"
+
+namespace sfdae::core {
+
+class CoefficientSource {
+ public:
+  virtual int m() const = 0;
+  virtual int n() const = 0;
+  // The same coefficients at every t.
+  virtual bool is_constant() const = 0;
+  // Coefficients up to the orders asked for at t, scaled with the given time scale (0: chosen). rows, preferred_rows: as
+  // for TaylorData::scale. A stop request ends the evaluation with SFDAE_STOPPED.
+  virtual Trouble evaluate(double t, Orders orders, double time_scale, TaylorData& data,
+                           RowScaling rows = RowScaling::each, const std::vector<double>* preferred_rows = nullptr) = 0;
+  // evaluate() multiplies column j of E and A by scale[j] (powers of two) from now on: unknowns x_j / scale[j]. Empty: 1.
+  virtual void set_column_scale(std::vector<double> scale) = 0;
+
+ protected:
+  ~CoefficientSource() = default;
+};
+
+}  // namespace sfdae::core

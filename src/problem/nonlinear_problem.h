@@ -1,0 +1,100 @@
+// A nonlinear problem F(t, x, x') = 0: what delivers Taylor coefficients of F and of its derivatives along a jet.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "expression/taylor_evaluator.h"
+#include "problem/problem.h"
+#include "problem/taylor_data.h"
+#include "sfdae/sfdae.h"
+
+namespace sfdae::core {
+
+// Components prescribed as functions of time.
+struct PrescribedInputs {
+  std::vector<int> components;
+  sfdae_vector_function values = nullptr;
+  void* user = nullptr;
+};
+
+// A jet is n x (order + 1): column k holds the Taylor coefficients x_k of x(t + s) = sum x_k s^k.
+class NonlinearProblem : public Problem {
+ public:
+  virtual ~NonlinearProblem() = default;
+
+  int m() const { return m_; }
+  int n() const { return n_; }
+  const std::vector<int>& prescribed() const { return inputs_.components; }
+  // Values of the prescribed components.
+  Trouble evaluate_prescribed(double t, double* values);
+
+  // F: m x (order + 1), Taylor coefficients of F along a jet of order + 1.
+  Trouble residuals(double t, const double* jet, int order, double* F);
+  // E(k) = (F_x')_k, A(k) = -(F_x)_k, f(k) = -F_k along a jet of order highest + 1: Taylor coefficients in time_scale, scaled
+  // as TaylorData does (rows, preferred_rows), with column j of E and A multiplied by column_scale[j] (may be empty).
+  struct Scaling {
+    double time_scale = 0.0;  // 0: chosen
+    RowScaling rows = RowScaling::each;
+    const std::vector<double>* preferred_rows = nullptr;
+    const std::vector<double>* columns = nullptr;
+  };
+  Trouble linearize(double t, const double* jet, Orders orders, const Scaling& scaling, TaylorData& data);
+
+  long evaluations() const { return evaluations_; }          // of F along jets
+  long linearizations() const { return linearizations_; }
+
+ protected:
+  NonlinearProblem(int m, int n, PrescribedInputs inputs) : m_(m), n_(n), inputs_(std::move(inputs)) {}
+
+  virtual Trouble evaluate_values(double t, const double* jet, int order, double* F) = 0;
+  // Plain Taylor coefficients of F, F_x' and F_x into f(k), E(k), A(k).
+  virtual Trouble evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) = 0;
+
+ private:
+  Trouble stopped(double t) const;
+
+  int m_, n_;
+  PrescribedInputs inputs_;
+  long evaluations_ = 0, linearizations_ = 0;
+};
+
+// Recorded equations.
+class RecordedProblem final : public NonlinearProblem {
+ public:
+  RecordedProblem(std::shared_ptr<const Record> record, PrescribedInputs inputs)
+      : NonlinearProblem(record->m(), record->n(), std::move(inputs)), evaluator_(std::move(record)) {}
+  TaylorEvaluator& evaluator() { return evaluator_; }
+
+ protected:
+  Trouble evaluate_values(double t, const double* jet, int order, double* F) override;
+  Trouble evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) override;
+
+ private:
+  Trouble failure(double t) const;
+  TaylorEvaluator evaluator_;
+};
+
+// The user's functions for total derivatives.
+class CallbackProblem final : public NonlinearProblem {
+ public:
+  CallbackProblem(int m, int n, sfdae_total_derivative_function function, void* user, PrescribedInputs inputs)
+      : NonlinearProblem(m, n, std::move(inputs)), function_(function), user_(user) {}
+
+  // One order straight from the callback, plain derivatives; F_x and F_xdot may be null. jet: plain derivatives of x.
+  Trouble call(double t, int order, const double* derivatives, double* F, double* F_x, double* F_xdot);
+
+ protected:
+  Trouble evaluate_values(double t, const double* jet, int order, double* F) override;
+  Trouble evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) override;
+
+ private:
+  void to_derivatives(const double* jet, int order);
+
+  sfdae_total_derivative_function function_;
+  void* user_;
+  std::vector<double> derivatives_;
+};
+
+}  // namespace sfdae::core

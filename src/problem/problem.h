@@ -1,0 +1,58 @@
+// What all problems have in common, whatever their equations: trouble with the user's functions, requests to stop, limits.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <limits>
+#include <string>
+
+#include "sfdae/sfdae.h"
+
+namespace sfdae::core {
+
+// What went wrong in a callback. status: SFDAE_OK, _CALLBACK_STOPPED, _CALLBACK_FAILED, _NOT_FINITE, _ORDER_MISSING
+// or _STOPPED (a stop request).
+struct Trouble {
+  int status = SFDAE_OK;
+  const char* function = "";
+  int order = 0;
+  int code = 0;      // what the callback returned
+  int row = 0;       // of the first entry that is not finite
+  int column = 0;
+  double t = 0.0;
+  std::string detail;  // what there is to say instead of function and order
+
+  // A smaller step may help.
+  bool is_recoverable() const { return status == SFDAE_CALLBACK_FAILED || status == SFDAE_NOT_FINITE; }
+  std::string message() const;
+};
+
+class Problem {
+ public:
+  // Evaluations within [lowest, highest] take no differences from outside.
+  void set_limits(double lowest, double highest) {
+    lowest_t_ = lowest;
+    highest_t_ = highest;
+  }
+  // The limit behind, for integration in a direction.
+  double limit_behind(double direction) const { return direction > 0.0 ? lowest_t_ : highest_t_; }
+  // Distance from t to the limit in a direction (+1 or -1).
+  double room(double t, double direction) const { return direction > 0.0 ? highest_t_ - t : t - lowest_t_; }
+
+  void request_stop() { stop_requested_.store(true, std::memory_order_relaxed); }
+  // True once for every request.
+  bool take_stop_request() { return stop_requested_.exchange(false, std::memory_order_relaxed); }
+  bool stop_is_requested() const { return stop_requested_.load(std::memory_order_relaxed); }
+
+ protected:
+  Problem() = default;
+  ~Problem() = default;
+
+  double lowest_t_ = -std::numeric_limits<double>::infinity();
+  double highest_t_ = std::numeric_limits<double>::infinity();
+
+ private:
+  std::atomic<bool> stop_requested_{false};
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,312 @@
+// Consistent jets of a nonlinear problem.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/consistent_jet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "linalg/dense.h"
+#include "problem/failure.h"
+#include "reduction/elimination.h"
+#include "reduction/null_space_form.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+constexpr int max_iterations = 200;
+// A step that reduces the residuals to this fraction needs no damping.
+constexpr double good_reduction = 0.5;
+// Residuals relative to what was added up in them, of a jet that counts as consistent.
+constexpr double consistent_residual = 1e-9;
+// y may change this much more easily than x.
+constexpr double ease_of_y = 1e3;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+double length(const double* v, std::size_t count) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < count; ++i) sum += v[i] * v[i];
+  return std::sqrt(sum);
+}
+
+
+}  // namespace
+
+void Jet::set_order(int new_order) {
+  x.resize(index(n) * index(new_order + 1), 0.0);
+  order = new_order;
+}
+
+void Jet::shift(double h) {
+  // Horner's scheme, repeated.
+  for (int low = 0; low < order; ++low)
+    for (int k = order - 1; k >= low; --k)
+      for (int i = 0; i < n; ++i) column(k)[i] += h * column(k + 1)[i];
+  t += h;
+}
+
+void JetSolver::linearize(const Jet& jet, int level, double time_scale) {
+  NonlinearProblem::Scaling scaling;
+  scaling.time_scale = time_scale;
+  scaling.columns = &column_scale_;
+  const Trouble trouble = problem_.linearize(jet.t, jet.x.data(), {level, level, level}, scaling, data_);
+  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  norm_ = length(data_.f(0), index(problem_.m()) * index(level + 1));
+}
+
+double JetSolver::residual_norm(const Jet& jet, int level) {
+  const int m = problem_.m();
+  residuals_.resize(index(m) * index(level + 1));
+  const Trouble trouble = problem_.residuals(jet.t, jet.x.data(), level, residuals_.data());
+  if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED || trouble.status == SFDAE_ORDER_MISSING)
+    throw Failure(trouble.status, trouble.message());
+  if (trouble.status != SFDAE_OK) return infinity;
+  double power = 1.0;
+  for (int k = 0; k <= level; ++k) {
+    power *= data_.time_scale;
+    for (int i = 0; i < m; ++i) residuals_[index(k * m + i)] *= power * data_.row_scale[index(i)];
+  }
+  for (double& r : residuals_)
+    if (!(std::fabs(r) < 1e150)) return infinity;
+  return length(residuals_.data(), residuals_.size());
+}
+
+// change: x, then y_1, ..., y_{level+1}, all scaled.
+JetSolver::Trial JetSolver::try_change(const Jet& jet, int level, const Vector& change) {
+  Trial trial;
+  trial.jet = jet;
+  const int n = jet.n;
+  double power = 1.0;
+  for (int k = 0; k <= level + 1; ++k) {
+    const double factor = k == 0 ? 1.0 : 1.0 / (k * (power *= data_.time_scale));
+    for (int i = 0; i < n; ++i) {
+      const double unit = column_scale_.empty() ? 1.0 : column_scale_[index(i)];
+      trial.jet.column(k)[i] += unit * factor * change[index(k * n + i)];
+    }
+  }
+  if (!all_finite(trial.jet.x.data(), trial.jet.x.size())) return trial;
+  trial.norm = residual_norm(trial.jet, level);
+  trial.valid = trial.norm < infinity;
+  return trial;
+}
+
+// The smallest change of x by the staged elimination; ranks are judged with the residuals added to the noise.
+bool JetSolver::staged_change(const Jet& jet, int level, Vector& change) {
+  const int m = problem_.m(), n = jet.n;
+  const Arena::Frame frame(arena_);
+  const Judge::Settings settings{};
+  data_.residual_noise = std::min(1e-4, norm_ / std::max(data_.norm(level), 1e-300));
+  Judge judge(data_, level, settings, nullptr);
+  StoredElimination stored;
+  const Carried carried = eliminate(data_, level, data_.f_stack(level), 1, judge, arena_, &stored);
+  NullSpaceForm form;
+  form.resize(m, n, 0, carried.rows);
+  form.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
+  data_.residual_noise = 0.0;
+  change.assign(index(n) * index(level + 2), 0.0);
+  std::copy_n(form.xp(), n, change.data());
+  Vector transformed(index(m) * index(level + 1) + 1);
+  stored.transform(data_.f(0), transformed.data(), arena_);
+  stored.recover(data_, {data_.f(0), transformed.data()}, change.data(), change.data() + n, arena_);
+  return all_finite(change.data(), change.size());
+}
+
+// Changes that count as one: of x relative to its size, of y more.
+Vector JetSolver::unit_changes(const Jet& jet, int level) const {
+  const int n = jet.n;
+  Vector unit(index(n) * index(level + 2));
+  for (int i = 0; i < n; ++i) {
+    const double scale = column_scale_.empty() ? 1.0 : column_scale_[index(i)];
+    const double size = std::max(1.0, std::fabs(jet.column(0)[i]) / scale);
+    const bool is_fixed = !fixed_.empty() && fixed_[index(i)] != 0;
+    unit[index(i)] = is_fixed ? 0.0 : size;
+    for (int k = 1; k <= level + 1; ++k) unit[index(k * n + i)] = ease_of_y * size;
+  }
+  return unit;
+}
+
+namespace {
+
+// [M | -N] with columns in the order x, y_1, ..., times `unit`.
+Matrix scaled_array(const TaylorData& data, int level, const Vector& unit) {
+  const Matrix array = taylor_array(data, level);
+  const int n = data.n, last = (level + 1) * n;
+  Matrix J(array.rows(), array.cols());
+  for (int j = 0; j < array.cols(); ++j) {
+    const int from = j < n ? last + j : j - n;
+    const double factor = (j < n ? -1.0 : 1.0) * unit[index(j)];
+    for (int i = 0; i < array.rows(); ++i) J(i, j) = factor * array(i, from);
+  }
+  return J;
+}
+
+}  // namespace
+
+// change = U J^T (J J^T + damping I)^-1 f, J in units of U.
+bool JetSolver::damped_change(const Jet& jet, int level, double damping, Vector& change) {
+  const Vector unit = unit_changes(jet, level);
+  const Matrix J = scaled_array(data_, level, unit);
+  const int rows = J.rows();
+  Matrix S(rows, rows);
+  multiply(1.0, Op::plain, J, Op::transposed, J, 0.0, S);
+  double largest = 0.0;
+  for (int i = 0; i < rows; ++i) largest = std::max(largest, S(i, i));
+  for (int i = 0; i < rows; ++i) S(i, i) += (damping + 1e-14) * largest + 1e-300;
+  std::vector<int> pivots(index(rows) + 1);
+  if (!factor_lu(S, pivots.data())) return false;
+  Vector q(data_.f(0), data_.f(0) + rows);
+  solve_lu(S, pivots.data(), q.data());
+  change.assign(index(J.cols()), 0.0);
+  multiply(1.0, Op::transposed, J, q.data(), 0.0, change.data());
+  for (std::size_t j = 0; j < change.size(); ++j) change[j] *= unit[j];
+  return all_finite(change.data(), change.size());
+}
+
+// The smallest change in units of U, singular values at the level of the residuals dropped.
+bool JetSolver::dense_change(const Jet& jet, int level, Vector& change) {
+  const Vector unit = unit_changes(jet, level);
+  const Matrix J = scaled_array(data_, level, unit);
+  const double size = max_abs(J);
+  if (!std::isfinite(size)) return false;
+  const double threshold = std::max(1e-12, std::min(1e-4, 10.0 * norm_ / std::max(size, 1e-300))) * size;
+  change = least_squares(J, Vector(data_.f(0), data_.f(0) + J.rows()), threshold);
+  for (std::size_t j = 0; j < change.size(); ++j) change[j] *= unit[j];
+  return all_finite(change.data(), change.size());
+}
+
+bool JetSolver::is_converged(const Jet& jet, int level) const {
+  const int m = data_.m, n = data_.n;
+  double power = 1.0;
+  Vector size(index(m) * index(level + 1), 0.0);
+  for (int k = 0; k <= level + 1; ++k) {
+    const double to_scaled = k == 0 ? 1.0 : k * (power *= data_.time_scale);
+    for (int j = 0; j < n; ++j) {
+      const double unit = column_scale_.empty() ? 1.0 : column_scale_[index(j)];
+      const double y = std::fabs(to_scaled * jet.column(k)[j] / unit);
+      for (int i = 0; i <= level; ++i)
+        for (int row = 0; row < m; ++row) {
+          double entry = k == 0 ? std::fabs(data_.A(i)(row, j)) : 0.0;
+          if (k > 0 && i + 1 >= k) entry = std::fabs(data_.E(i + 1 - k)(row, j));
+          if (k > 0 && i >= k) entry += std::fabs(data_.A(i - k)(row, j)) / k;
+          size[index(i * m + row)] += entry * y;
+        }
+    }
+  }
+  // Where nothing was added up, constants cancel: their size is that of the coefficients.
+  const double least = data_.norm(level);
+  for (std::size_t i = 0; i < size.size(); ++i)
+    if (std::fabs(data_.f(0)[i]) > consistent_residual * (size[i] + least)) return false;
+  return true;
+}
+
+void JetSolver::give_up(const Jet& jet, int level) {
+  // The largest residuals, in words.
+  const int m = problem_.m(), count = m * (level + 1);
+  std::vector<int> order(index(count));
+  for (int i = 0; i < count; ++i) order[index(i)] = i;
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return std::fabs(data_.f(0)[a]) > std::fabs(data_.f(0)[b]); });
+  std::string text = format("no consistent values were found near the guess at t = %.15g; what remains:", jet.t);
+  double factorial = 1.0;
+  for (int q = 0; q < std::min(count, 4); ++q) {
+    const int k = order[index(q)] / m, i = order[index(q)] % m;
+    factorial = 1.0;
+    for (int j = 2; j <= k; ++j) factorial *= j;
+    const double value = -data_.f(k)[i] / (data_.row_scale[index(i)] * std::pow(data_.time_scale, k + 1)) * factorial;
+    if (value == 0.0) break;
+    text += k == 0 ? format(" equation %d by %.3g,", i, value)
+                   : format(" derivative %d of equation %d by %.3g,", k, i, value);
+  }
+  text.back() = '.';
+  throw Failure(SFDAE_NO_CONSISTENT_VALUES, text + " Give a better guess, fix fewer components, or check the equations.");
+}
+
+void JetSolver::solve(Jet& jet, int level) {
+  if (jet.order < level + 1) jet.set_order(level + 1);
+  linearize(jet, level, 0.0);
+  double damping = 1e-3;
+  bool may_step_freely = true;
+  Vector change;
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    if (norm_ == 0.0) return;
+    const double before = norm_;
+    // An undamped step first; it is the last one if rounding lets it gain nothing.
+    const bool has_change = may_step_freely && (fixed_.empty() ? staged_change(jet, level, change)
+                                                               : dense_change(jet, level, change));
+    Trial trial;
+    if (has_change) trial = try_change(jet, level, change);
+    const bool converged = is_converged(jet, level);
+    if (!trial.valid || trial.norm > good_reduction * before) {
+      if (converged) {
+        if (trial.valid && trial.norm < before) jet = trial.jet;
+        return;
+      }
+      may_step_freely = false;
+    }
+    if (!may_step_freely) {
+      for (int attempt = 0; attempt < 30; ++attempt, damping *= 8.0) {
+        trial.valid = damped_change(jet, level, damping * std::min(1.0, before * before), change);
+        if (trial.valid) trial = try_change(jet, level, change);
+        if (trial.valid && trial.norm < (1.0 - 1e-3) * before) break;
+        trial.valid = false;
+      }
+      if (!trial.valid) {
+        if (converged) return;
+        give_up(jet, level);
+      }
+      damping = std::max(damping / 16.0, 1e-12);
+      may_step_freely = trial.norm < good_reduction * before;
+    }
+    jet = trial.jet;
+    linearize(jet, level, data_.time_scale);
+  }
+  if (!is_converged(jet, level)) give_up(jet, level);
+}
+
+ConsistentJets::ConsistentJets(NonlinearProblem& problem, double t, const double* x, std::vector<char> fixed)
+    : problem_(problem), fixed_(std::move(fixed)) {
+  Point first;
+  first.jet.t = t;
+  first.jet.n = problem.n();
+  first.jet.x.assign(x, x + problem.n());
+  points_.push_back(std::move(first));
+}
+
+// A new point starts from the Taylor polynomial of the first one.
+ConsistentJets::Point& ConsistentJets::point_at(double t) {
+  for (Point& point : points_)
+    if (point.jet.t == t) return point;
+  points_.push_back(points_.front());
+  Point& point = points_.back();
+  const int level = std::max(points_.front().level, 0);
+  if (point.jet.order > level) point.jet.set_order(level);  // the highest coefficients are not determined
+  point.jet.shift(t - point.jet.t);
+  point.jet.t = t;
+  point.level = -1;
+  return point;
+}
+
+const Jet& ConsistentJets::jet_at(double t, int level) {
+  Point& point = point_at(t);
+  JetSolver solver(problem_, column_scale_);
+  if (t == points_.front().jet.t) solver.set_fixed(fixed_);
+  while (point.level < level) {
+    solver.solve(point.jet, point.level + 1);
+    ++point.level;
+  }
+  return point.jet;
+}
+
+Trouble ConsistentJets::evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows,
+                                 const std::vector<double>* preferred_rows) {
+  const int level = std::max({orders.E, orders.A, orders.f});
+  const Jet& jet = jet_at(t, level);
+  return problem_.linearize(t, jet.x.data(), orders, {time_scale, rows, preferred_rows, &column_scale_}, data);
+}
+
+}  // namespace sfdae::core

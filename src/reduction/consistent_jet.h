@@ -1,0 +1,122 @@
+// Jets of a nonlinear problem that fulfil its derivative array F_l = 0, found from a guess of x.
+//
+// At such a jet (t, x, y) the Taylor coefficients of F_x' and -F_x play the roles of E_k and A_k of a linear problem:
+// the Jacobian of F_l is the array [M | -N] of elimination.h, so that index analysis works on it unchanged.
+//
+// [KM06] P. Kunkel, V. Mehrmann: Differential-Algebraic Equations: Analysis and Numerical Solution. EMS, 2006, ch. 4.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "linalg/arena.h"
+#include "problem/coefficient_source.h"
+#include "problem/nonlinear_problem.h"
+#include "reduction/stored_elimination.h"
+
+namespace sfdae::core {
+
+// x_k, k = 0..order, at t.
+struct Jet {
+  double t = 0.0;
+  int n = 0, order = 0;
+  std::vector<double> x;  // n x (order + 1)
+  double* column(int k) { return x.data() + static_cast<std::ptrdiff_t>(k) * n; }
+  const double* column(int k) const { return x.data() + static_cast<std::ptrdiff_t>(k) * n; }
+  // Coefficients above the order become 0.
+  void set_order(int new_order);
+  // The same polynomial around t + h.
+  void shift(double h);
+};
+
+// Gauss-Newton for F_l = 0 in (x, y), damped where it has to be [Levenberg and Marquardt], with a small change of x.
+class JetSolver {
+ public:
+  JetSolver(NonlinearProblem& problem, const std::vector<double>& column_scale)
+      : problem_(problem), column_scale_(column_scale) {}
+
+  // Components of x that must not change (n flags, or empty).
+  void set_fixed(std::vector<char> fixed) { fixed_ = std::move(fixed); }
+  // Makes the jet, of order level + 1 at least, fulfil F_level = 0 as well as rounding permits. Throws Failure: trouble
+  // with the equations, SFDAE_NO_CONSISTENT_VALUES.
+  void solve(Jet& jet, int level);
+
+ private:
+  struct Trial {
+    Jet jet;
+    double norm = 0.0;
+    bool valid = false;
+  };
+
+  void linearize(const Jet& jet, int level, double time_scale);
+  // 2-norm of the residuals as scaled by the present data; infinite where F cannot be evaluated.
+  double residual_norm(const Jet& jet, int level);
+  Trial try_change(const Jet& jet, int level, const std::vector<double>& change);
+  bool staged_change(const Jet& jet, int level, std::vector<double>& change);
+  bool damped_change(const Jet& jet, int level, double damping, std::vector<double>& change);
+  bool dense_change(const Jet& jet, int level, std::vector<double>& change);
+  std::vector<double> unit_changes(const Jet& jet, int level) const;
+  bool is_converged(const Jet& jet, int level) const;
+  [[noreturn]] void give_up(const Jet& jet, int level);
+
+  NonlinearProblem& problem_;
+  const std::vector<double>& column_scale_;
+  std::vector<char> fixed_;
+  TaylorData data_;
+  double norm_ = 0.0;  // of the residuals in data_
+  std::vector<double> residuals_;
+  Arena arena_;
+};
+
+// Taylor coefficients along one jet as it is.
+class JetCoefficients final : public CoefficientSource {
+ public:
+  JetCoefficients(NonlinearProblem& problem, const Jet& jet, const std::vector<double>& column_scale)
+      : problem_(problem), jet_(jet), column_scale_(column_scale) {}
+  int m() const override { return problem_.m(); }
+  int n() const override { return problem_.n(); }
+  bool is_constant() const override { return false; }
+  Trouble evaluate(double, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each,
+                   const std::vector<double>* preferred_rows = nullptr) override {
+    return problem_.linearize(jet_.t, jet_.x.data(), orders, {time_scale, rows, preferred_rows, &column_scale_}, data);
+  }
+  void set_column_scale(std::vector<double> scale) override { column_scale_ = std::move(scale); }
+
+ private:
+  NonlinearProblem& problem_;
+  const Jet& jet_;
+  std::vector<double> column_scale_;
+};
+
+// Taylor coefficients along consistent jets through a guess: what the index analysis reads.
+class ConsistentJets final : public CoefficientSource {
+ public:
+  ConsistentJets(NonlinearProblem& problem, double t, const double* x, std::vector<char> fixed);
+
+  int m() const override { return problem_.m(); }
+  int n() const override { return problem_.n(); }
+  bool is_constant() const override { return false; }
+  // The jet at t becomes consistent up to the highest order asked for. Throws Failure as JetSolver::solve does.
+  Trouble evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each,
+                   const std::vector<double>* preferred_rows = nullptr) override;
+  void set_column_scale(std::vector<double> scale) override { column_scale_ = std::move(scale); }
+  const std::vector<double>& column_scale() const { return column_scale_; }
+
+  // The jet at t, consistent up to the level.
+  const Jet& jet_at(double t, int level);
+
+ private:
+  struct Point {
+    Jet jet;
+    int level = -1;
+  };
+  Point& point_at(double t);
+
+  NonlinearProblem& problem_;
+  std::vector<double> column_scale_;
+  std::vector<char> fixed_;
+  std::deque<Point> points_;  // the first one is that of the guess
+};
+
+}  // namespace sfdae::core

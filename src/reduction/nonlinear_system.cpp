@@ -1,0 +1,365 @@
+// The strangeness-free system of a nonlinear problem.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/nonlinear_system.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/dense.h"
+#include "problem/failure.h"
+#include "reduction/elimination.h"
+
+namespace sfdae::core {
+
+namespace {
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// Linearizations are renewed, and characteristic values checked, after this many points at the latest.
+constexpr int oldest = 20;
+// A row factor far from anything that is right.
+constexpr double no_preference = 1e300;
+
+}  // namespace
+
+NonlinearSystem::NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, IndexAnalysis analysis,
+                                 std::vector<double> column_scale, const Jet& jet)
+    : problem_(problem), settings_(settings), analysis_(std::move(analysis)), column_scale_(std::move(column_scale)) {
+  if (undetermined() < 0)
+    throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
+                  format("%d components are prescribed, but only u = %d are free.",
+                         static_cast<int>(problem_.prescribed().size()), analysis_.values.u));
+  resize();
+  stand_at(jet);
+}
+
+NonlinearSystem::NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, Archive& saved)
+    : problem_(problem), settings_(settings) {
+  archive(saved);
+}
+
+void NonlinearSystem::resize() {
+  const std::size_t n = index(problem_.n()), m = index(problem_.m()), levels = index(analysis_.values.mu + 1);
+  form_.resize(problem_.m(), problem_.n(), static_cast<int>(problem_.prescribed().size()),
+               analysis_.values.a + analysis_.v_hat);
+  prescribed_values_.resize(problem_.prescribed().size() + 1);
+  matrix_.resize(n * n + 1);
+  matrix_pivots_.resize(n + 1);
+  for (auto* v : {&F_, &array_f_, &transformed_f_}) v->assign(m * levels + 1, 0.0);
+  for (auto* v : {&change_, &xdot_, &z_}) v->assign(n + 1, 0.0);
+  y_change_.assign(n * levels + 1, 0.0);
+  for (Jet* jet : {&jet_, &accepted_, &before_, &linearized_}) {
+    jet->n = problem_.n();
+    jet->set_order(analysis_.values.mu + 1);
+  }
+}
+
+PointStatus NonlinearSystem::stand_at(const Jet& jet) {
+  jet_ = jet;
+  jet_.set_order(analysis_.values.mu + 1);
+  accepted_ = before_ = jet_;
+  rate_ = 1.0;
+  trouble_ = problem_.evaluate_prescribed(jet_.t, prescribed_values_.data());
+  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  return renew(jet_, true);
+}
+
+PointStatus NonlinearSystem::move_to(double t) {
+  trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
+  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  if (t == jet_.t) return PointStatus::ok;
+  if (t == accepted_.t) jet_ = accepted_;
+  else interpolate_jet(t);
+  return PointStatus::ok;
+}
+
+// Linear between the last two points, good enough to start from.
+void NonlinearSystem::interpolate_jet(double t) {
+  const double span = accepted_.t - before_.t;
+  const double weight = span != 0.0 ? (t - before_.t) / span : 1.0;
+  for (std::size_t i = 0; i < jet_.x.size(); ++i)
+    jet_.x[i] = before_.x[i] + weight * (accepted_.x[i] - before_.x[i]);
+  jet_.t = t;
+}
+
+void NonlinearSystem::accept() {
+  if (jet_.t != accepted_.t) std::swap(before_, accepted_);
+  accepted_ = jet_;
+  ++age_;
+}
+
+PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
+  const int mu = analysis_.values.mu;
+  age_ = 0;
+  matrix_valid_ = false;
+  transformed_.forget();
+  linearized_ = jet;
+  linearized_judged_ = judged;
+  linearized_rows_ = preferred_rows_.empty() ? std::vector<double>(index(problem_.m()), no_preference) : preferred_rows_;
+  const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each,
+                                          preferred_rows_.empty() ? nullptr : &preferred_rows_, &column_scale_};
+  trouble_ = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
+  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  ++reductions_;
+  preferred_rows_.assign(data_.row_scale.begin(), data_.row_scale.end());
+  Judge::Settings judging{settings_.rank_tol, false, analysis_.measured};
+  if (!judged) judging.known_ranks = &ranks_;
+  Judge judge(data_, mu, judging, nullptr);
+  const Arena::Frame frame(arena_);
+  const Carried carried = eliminate(data_, mu, data_.f_stack(mu), 1, judge, arena_, &elimination_);
+  const PointRanks ranks = form_.build(data_, carried, {&problem_.prescribed(), prescribed_values_.data()},
+                                       LeadingTerm::identity, judge, arena_);
+  kept_constraints_ = judge.kept_constraints();
+  kept_differential_ = judge.kept_differential();
+  pivot_ = judge.smallest_pivot();
+  if (!judge.fits_known_ranks()) return PointStatus::singular;
+  if (!ranks.prescription_fits)
+    throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
+                  format("the prescribed components do not determine the free part of the solution at t = %.15g: "
+                         "choose others.",
+                         jet.t));
+  const CharacteristicValues& values = analysis_.values;
+  const bool same = ranks.a == values.a && ranks.v_hat == analysis_.v_hat && ranks.d == values.d;
+  if (same) {
+    ranks_ = judge.ranks();
+    return PointStatus::ok;
+  }
+  // The propagated noise may be too large an estimate: measured noise decides, and the ranks known are gone on with.
+  if (!judged || ranks_.count == 0) return PointStatus::changed;
+  JetCoefficients source(problem_, jet, column_scale_);
+  if (!known_values_hold(source, jet.t, settings_, analysis_, arena_)) return PointStatus::changed;
+  return renew(jet, false);
+}
+
+bool NonlinearSystem::factor_step_matrix(double c) {
+  // Steps of one size differ in their last bits, as times are rounded.
+  constexpr double rounding_of_steps = 1e-13;
+  if (matrix_valid_ && std::fabs(c - matrix_c_) <= rounding_of_steps * std::fabs(c)) return true;
+  const int size = form_.unknowns();
+  const View M{matrix_.data(), size, size, std::max(size, 1)};
+  form_.step_matrix(c * data_.time_scale, M);
+  matrix_valid_ = factor_lu(M, matrix_pivots_.data());
+  matrix_c_ = c;
+  if (size > 0) ++factorizations_;
+  return matrix_valid_;
+}
+
+PointStatus NonlinearSystem::array_residuals(const Jet& jet, double* f) {
+  const int mu = analysis_.values.mu, m = problem_.m();
+  trouble_ = problem_.residuals(jet.t, jet.x.data(), mu, f);
+  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  double power = -1.0;
+  for (int k = 0; k <= mu; ++k) {
+    power *= data_.time_scale;
+    for (int i = 0; i < m; ++i) f[k * m + i] *= power * data_.row_scale[index(i)];
+  }
+  return PointStatus::ok;
+}
+
+PointStatus NonlinearSystem::differential_residuals(double t, const double* x, const double* xdot) {
+  const std::size_t n = index(problem_.n());
+  const Arena::Frame frame(arena_);
+  double* jet = arena_.take(2 * n);
+  std::copy_n(x, n, jet);
+  std::copy_n(xdot, n, jet + n);
+  trouble_ = problem_.residuals(t, jet, 0, data_.f(0));
+  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  for (int i = 0; i < problem_.m(); ++i) data_.f(0)[i] *= -data_.time_scale * data_.row_scale[index(i)];
+  return PointStatus::ok;
+}
+
+// The constraints of the form become those for changes of x at the jet; f: its residuals.
+void NonlinearSystem::read_constraints(const Jet& jet, const double* f, double* transformed) {
+  const Arena::Frame frame(arena_);
+  elimination_.transform(f, transformed, arena_);
+  double largest = 0.0;
+  for (int i = 0; i < problem_.n(); ++i)
+    largest = std::max(largest, std::fabs(jet.x[index(i)]) / (column_scale_.empty() ? 1.0 : column_scale_[index(i)]));
+  data_.least_norm_f = data_.norm(analysis_.values.mu) * largest;
+  const std::vector<int>& components = problem_.prescribed();
+  double* missing = arena_.take(components.size() + 1);
+  for (std::size_t q = 0; q < components.size(); ++q) {
+    const std::size_t i = index(components[q]);
+    missing[q] = (prescribed_values_[q] - jet.x[i]) / (column_scale_.empty() ? 1.0 : column_scale_[i]);
+  }
+  form_.replace_rhs(data_, transformed, {&components, missing}, arena_);
+  data_.least_norm_f = 0.0;
+}
+
+// dx scaled; y_change_ := the change of y that belongs to it.
+void NonlinearSystem::apply_change(const double* dx, const double* f, const double* transformed, Jet& jet) {
+  elimination_.recover(data_, {f, transformed}, dx, y_change_.data(), arena_);
+  const int n = problem_.n();
+  double power = 1.0;
+  for (int k = 0; k <= analysis_.values.mu + 1; ++k) {
+    const double factor = k == 0 ? 1.0 : 1.0 / (k * (power *= data_.time_scale));
+    const double* change = k == 0 ? dx : y_change_.data() + static_cast<std::ptrdiff_t>(k - 1) * n;
+    double* to = jet.column(k);
+    for (int i = 0; i < n; ++i) to[i] += factor * change[i] * (column_scale_.empty() ? 1.0 : column_scale_[index(i)]);
+  }
+}
+
+// Of the last change, in units of the tolerance, or relative to x without weights. step: the changes of y count as far as
+// they act over it.
+double NonlinearSystem::change_norm(const Task& task, const double* dx, const Jet& jet) const {
+  const int n = problem_.n();
+  const auto unit = [&](int i) { return column_scale_.empty() ? 1.0 : column_scale_[index(i)]; };
+  double norm = 0.0;
+  if (task.inverse_weights == nullptr) {
+    double size = 0.0;
+    for (int i = 0; i < n; ++i) {
+      norm = std::max(norm, std::fabs(dx[i]));
+      size = std::max(size, std::fabs(jet.x[index(i)]) / unit(i));
+    }
+    return size > 0.0 ? norm / size : norm;
+  }
+  for (int i = 0; i < n; ++i) norm = std::max(norm, std::fabs(dx[i]) * unit(i) * task.inverse_weights[i]);
+  const double ratio = 1.0 / (std::fabs(task.c) * data_.time_scale);
+  double power = 1.0;
+  for (int k = 1; k <= analysis_.values.mu + 1; ++k) {
+    power *= ratio;
+    const double* change = y_change_.data() + static_cast<std::ptrdiff_t>(k - 1) * n;
+    for (int i = 0; i < n; ++i) norm = std::max(norm, power / k * std::fabs(change[i]) * unit(i) * task.inverse_weights[i]);
+  }
+  return norm;
+}
+
+// z of M z = b - c tau g0 and, for the free part, -tau Uz^T T2^T (c x + x_rest).
+void NonlinearSystem::step_rhs(const Task& task, const Jet& jet, double* z) {
+  const double tau = data_.time_scale;
+  const int n = problem_.n(), d = form_.d;
+  for (int i = 0; i < d; ++i) z[i] = form_.b()[i] - tau * task.c * form_.g0()[i];
+  if (form_.u == 0) return;
+  const Arena::Frame frame(arena_);
+  double* rest = arena_.take(index(n));
+  double* along = arena_.take(index(form_.unknowns()));
+  for (int i = 0; i < n; ++i)
+    rest[i] = (task.c * jet.x[index(i)] + task.x_rest[i]) / (column_scale_.empty() ? 1.0 : column_scale_[index(i)]);
+  multiply(1.0, Op::transposed, form_.T2(), rest, 0.0, along);
+  multiply(-tau, Op::transposed, form_.Uz(), along, 0.0, z + d);
+}
+
+PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
+  // Contractions slower than this are given up; iterations at most.
+  constexpr double slowest = 0.7;
+  constexpr int most = 12;
+  const int n = problem_.n();
+  if (task.has_step && !factor_step_matrix(task.c)) return PointStatus::singular;
+  double before = 0.0;
+  is_slow_ = false;
+  for (int iteration = 0; iteration < most; ++iteration) {
+    PointStatus status = array_residuals(jet, array_f_.data());
+    if (status == PointStatus::ok && task.has_step) {
+      for (int i = 0; i < n; ++i) xdot_[index(i)] = task.c * jet.x[index(i)] + task.w_rest[i];
+      status = differential_residuals(jet.t, jet.x.data(), xdot_.data());
+    }
+    if (status != PointStatus::ok) return status;
+    read_constraints(jet, array_f_.data(), transformed_f_.data());
+    if (task.has_step) {
+      step_rhs(task, jet, z_.data());
+      const int size = form_.unknowns();
+      solve_lu(ConstView{matrix_.data(), size, size, std::max(size, 1)}, matrix_pivots_.data(), z_.data());
+    } else {
+      // Z1^T E dx = 0
+      const Arena::Frame frame(arena_);
+      double* q = arena_.take(index(form_.d) + 1);
+      for (int i = 0; i < form_.d; ++i) q[i] = -form_.g0()[i];
+      form_.solve_G(q, z_.data(), arena_);
+    }
+    std::copy_n(form_.xp(), n, change_.data());
+    multiply(1.0, Op::plain, form_.T2(), z_.data(), 1.0, change_.data());
+    apply_change(change_.data(), array_f_.data(), transformed_f_.data(), jet);
+    const double norm = change_norm(task, change_.data(), jet);
+    if (!std::isfinite(norm)) return PointStatus::not_converged;
+    if (has_converged(task, iteration, norm, before)) {
+      inconsistency_ = form_.inconsistency() > 1e3 * data_.noise(analysis_.values.mu) / pivot_ ? form_.inconsistency() : 0.0;
+      return PointStatus::ok;
+    }
+    if (iteration > 0 && norm > slowest * before) return PointStatus::not_converged;
+    before = norm;
+  }
+  return PointStatus::not_converged;
+}
+
+// The error left is rate / (1 - rate) times the last change.
+bool NonlinearSystem::has_converged(const Task& task, int iteration, double norm, double before) {
+  if (task.inverse_weights == nullptr) {
+    // To rounding: until changes stop becoming smaller.
+    constexpr double negligible = 4.0 * unit_roundoff, small = 1e-9;
+    return norm <= negligible || (iteration > 0 && norm <= small && norm > 0.3 * before);
+  }
+  // Rounding errors of the equations may be all that is left.
+  constexpr double negligible = 1e-9;
+  if (iteration > 0) rate_ = before > 0.0 ? norm / before : 0.0;
+  is_slow_ = iteration >= 3 || (iteration > 0 && rate_ > 0.3 && norm > negligible);
+  const double rate = std::min(std::max(rate_, 1e-3), 0.99);
+  if (iteration > 0 && rate_ >= 1.0) return false;
+  return rate / (1.0 - rate) * norm <= task.tolerance || norm <= negligible;
+}
+
+bool NonlinearSystem::is_hopeless(PointStatus status) const {
+  return status == PointStatus::changed || (status == PointStatus::trouble && !trouble_.is_recoverable());
+}
+
+PointStatus NonlinearSystem::iterate_from_guess(const Task& task) {
+  start_ = jet_;
+  return iterate_with_renewal(start_, [&] {
+    jet_ = start_;
+    return iterate(task, jet_);
+  });
+}
+
+// After a point has converged: ranks are judged, and the linearization renewed, where it is time to.
+PointStatus NonlinearSystem::review() {
+  if (!is_slow_ && age_ < oldest && linearized_judged_) return PointStatus::ok;
+  const PointStatus status = renew(jet_, true);
+  rate_ = std::min(rate_, 0.1);
+  return status;
+}
+
+void NonlinearSystem::guess_jet(double t, const Guess& guess, int block, Jet& jet) const {
+  const std::size_t size = jet.x.size();
+  const double* taylor = guess.taylor + size * index(block);
+  // y: that of the last point and what the polynomial says about its change.
+  for (std::size_t i = 0; i < size; ++i)
+    jet.x[i] = i < index(jet.n) ? taylor[i] : accepted_.x[i] + (taylor[i] - guess.taylor_before[i]);
+  jet.t = t;
+}
+
+PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
+  guess_jet(jet_.t, equations.guess, 0, jet_);
+  const Task task{true, equations.c, equations.w_rest, equations.x_rest, equations.guess.inverse_weights, newton_tolerance};
+  PointStatus status = iterate_from_guess(task);
+  if (status == PointStatus::ok) status = review();
+  std::copy_n(jet_.x.data(), problem_.n(), x);
+  return status;
+}
+
+void NonlinearSystem::error_in_x(const double* dw, int count, double* dx) {
+  const int m = problem_.m(), n = problem_.n();
+  const Arena::Frame frame(arena_);
+  const View scaled = arena_.matrix(n, count), Ew = arena_.matrix(m, count), q = arena_.matrix(form_.d, count),
+             z = arena_.matrix(form_.unknowns(), count);
+  const auto unit = [&](int i) { return column_scale_.empty() ? 1.0 : column_scale_[index(i)]; };
+  for (int j = 0; j < count; ++j)
+    for (int i = 0; i < n; ++i) scaled(i, j) = dw[i + j * n] / unit(i);
+  multiply(1.0, Op::plain, data_.E(0), Op::plain, scaled, 0.0, Ew);
+  multiply(1.0, Op::transposed, form_.Z1(), Op::plain, Ew, 0.0, q);
+  for (int j = 0; j < count; ++j) form_.solve_G(q.column(j), z.column(j), arena_);
+  const View to{dx, n, count, n};
+  multiply(1.0, Op::plain, form_.T2(), Op::plain, z, 0.0, to);
+  for (int j = 0; j < count; ++j)
+    for (int i = 0; i < n; ++i) to(i, j) *= unit(i);
+}
+
+void NonlinearSystem::restore(const double*, const double* x_free, double* x) {
+  std::copy_n(x_free, problem_.n(), jet_.x.data());
+  const PointStatus status = iterate_from_guess(Task{});
+  if (status == PointStatus::trouble) throw Failure(trouble_.status, trouble_.message());
+  if (status != PointStatus::ok)
+    throw Failure(SFDAE_NO_CONSISTENT_VALUES,
+                  format("no values consistent with the constraints were found at t = %.15g.", jet_.t));
+  std::copy_n(jet_.x.data(), problem_.n(), x);
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,139 @@
+// A staged elimination kept for more right-hand sides.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/stored_elimination.h"
+
+#include <algorithm>
+
+#include "linalg/dense.h"
+
+namespace sfdae::core {
+
+namespace {
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+View column(double* values, int rows) { return {values, rows, 1, std::max(rows, 1)}; }
+
+}  // namespace
+
+void StoredElimination::Block::keep(ConstView from) {
+  rows = from.rows;
+  cols = from.cols;
+  entries.resize(index(rows) * index(cols) + 1);
+  copy(from, {entries.data(), rows, cols, std::max(rows, 1)});
+}
+
+void StoredElimination::keep_diagonal_block(const TaylorData& data, int level, ConstView factors, const int* pivots,
+                                            ConstView Q, int rank) {
+  m_ = data.m;
+  n_ = data.n;
+  level_ = level;
+  rank_ = rank;
+  R_.keep(factors.top(rank));
+  Q_.keep(Q);
+  pivots_.assign(pivots, pivots + n_);
+  if (stages_.size() < index(level + 1)) stages_.resize(index(level + 1));
+}
+
+void StoredElimination::begin_stage(int i, int carried) {
+  stage_ = &stages_[index(i)];
+  stage_->carried = carried;
+  stage_->leaving = 0;
+  stage_->by_reflections = false;
+  carried_ = carried + m_ - rank_;
+}
+
+void StoredElimination::keep_reflections(ConstView X, const double* tau) {
+  stage_->by_reflections = true;
+  stage_->X.keep(X);
+  stage_->X_tau.assign(tau, tau + X.cols);
+}
+
+void StoredElimination::keep_combination(ConstView W) { stage_->W.keep(W); }
+
+void StoredElimination::keep_leaving(ConstView T, const int* pivots, const double* tau, ConstView rows) {
+  stage_->leaving = rows.rows;
+  stage_->T.keep(T);
+  stage_->T_tau.assign(tau, tau + std::min(T.rows, T.cols));
+  stage_->pivots.assign(pivots, pivots + T.cols);
+  stage_->rows.keep(rows.columns(0, rows.cols));
+  carried_ -= rows.rows;
+}
+
+void StoredElimination::finish() {
+  int at = carried_;
+  for (int i = level_; i >= 0; --i) {
+    stages_[index(i)].rhs = at;
+    at += stages_[index(i)].leaving;
+  }
+}
+
+void StoredElimination::transform(const double* f, double* transformed, Arena& arena) const {
+  const Arena::Frame frame(arena);
+  const int most = (level_ + 1) * m_;
+  double* now = arena.take(index(most) + 1);
+  double* next = arena.take(index(most + m_) + 1);
+  double* stacked = arena.take(index(most + m_) + 1);
+  int rows = 0;
+  for (int i = level_; i >= 0; --i) {
+    const Stage& stage = stages_[index(i)];
+    const double* f_i = f + static_cast<std::ptrdiff_t>(i) * m_;
+    const int after = rows + m_ - rank_;
+    std::copy_n(now, rows, next);
+    if (stage.by_reflections) {
+      multiply(1.0, Op::transposed, Q_.view().columns(0, rank_), f_i, 0.0, stacked);
+      std::copy_n(now, rows, stacked + rank_);
+      apply_q(Op::transposed, stage.X.view(), rank_, stage.X_tau.data(), column(stacked, rank_ + rows), arena);
+      std::copy_n(stacked + rank_, rows, next);
+    }
+    std::fill_n(next + rows, m_ - rank_, 0.0);
+    multiply(1.0, Op::plain, stage.W.view(), f_i, 1.0, next);
+    if (stage.leaving > 0) {
+      apply_q(Op::transposed, stage.T.view(), stage.leaving, stage.T_tau.data(), column(next, rows), arena);
+      std::copy_n(next, stage.leaving, transformed + stage.rhs);
+    }
+    rows = after - stage.leaving;
+    std::copy_n(next + stage.leaving, rows, now);
+  }
+  std::copy_n(now, rows, transformed);
+}
+
+void StoredElimination::recover(const TaylorData& data, RightHandSide rhs, const double* x, double* y,
+                                Arena& arena) const {
+  const Arena::Frame frame(arena);
+  double* r = arena.take(index(m_) + 1);
+  double* top = arena.take(index(m_) + 1);
+  double* y_q = arena.take(index(n_) + 1);
+  const int free_columns = n_ - rank_;
+  for (int i = 0; i <= level_; ++i) {
+    const Stage& stage = stages_[index(i)];
+    // Rows leaving: T P_q y_q = rhs - rows [y_1; ...; y_i; x], in the sense M y - N x = f.
+    std::fill_n(y_q, free_columns, 0.0);
+    if (stage.leaving > 0) {
+      const ConstView rows = stage.rows.view();
+      double* b = arena.take(index(stage.leaving) + 1);
+      std::copy_n(rhs.transformed + stage.rhs, stage.leaving, b);
+      for (int j = 0; j < i; ++j)
+        multiply(-1.0, Op::plain, rows.columns(j * n_, n_), y + static_cast<std::ptrdiff_t>(j) * n_, 1.0, b);
+      multiply(1.0, Op::plain, rows.columns(i * n_, n_), x, 1.0, b);
+      solve_upper(Op::plain, stage.T.view().block(0, 0, stage.leaving, stage.leaving), column(b, stage.leaving));
+      for (int k = 0; k < stage.leaving; ++k) y_q[stage.pivots[index(k)]] = b[k];
+    }
+    // E_0 y_j = f_i + A_i x - sum_k (E_{i+1-k} - A_{i-k} / k) y_k
+    std::copy_n(rhs.f + static_cast<std::ptrdiff_t>(i) * m_, m_, r);
+    if (!data.is_zero_A(i)) multiply(1.0, Op::plain, data.A(i), x, 1.0, r);
+    for (int k = 1; k <= i; ++k) {
+      const double* y_k = y + static_cast<std::ptrdiff_t>(k - 1) * n_;
+      if (!data.is_zero_E(i + 1 - k)) multiply(-1.0, Op::plain, data.E(i + 1 - k), y_k, 1.0, r);
+      if (!data.is_zero_A(i - k)) multiply(1.0 / k, Op::plain, data.A(i - k), y_k, 1.0, r);
+    }
+    multiply(1.0, Op::transposed, Q_.view().columns(0, rank_), r, 0.0, top);
+    multiply(-1.0, Op::plain, R_.view().columns(rank_, free_columns), y_q, 1.0, top);
+    solve_upper(Op::plain, R_.view().columns(0, rank_), column(top, rank_));
+    double* y_j = y + static_cast<std::ptrdiff_t>(i) * n_;
+    for (int k = 0; k < rank_; ++k) y_j[pivots_[index(k)]] = top[k];
+    for (int k = 0; k < free_columns; ++k) y_j[pivots_[index(rank_ + k)]] = y_q[k];
+  }
+}
+
+}  // namespace sfdae::core

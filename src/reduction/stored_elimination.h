@@ -1,0 +1,68 @@
+// A staged elimination kept for more right-hand sides: a chord iteration transforms residuals and recovers y with it.
+//
+// Stage j = i + 1 of elimination.h turns [block row i; carried] into rows that determine y_j and rows carried on:
+//
+//     R11 y_p + R12 y_q = Q1^T (f_i - block row i without y_j)          y_j P = [y_p; y_q]
+//     [R_q S_q] P_q y_q = (rows leaving) - their part in y_1, ..., y_{j-1}, x
+//
+// Components of y that nothing determines stay as they are (their change is 0).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/arena.h"
+#include "linalg/matrix.h"
+#include "problem/taylor_data.h"
+
+namespace sfdae::core {
+
+class StoredElimination {
+ public:
+  // f of (level + 1) m entries is transformed along: f^ = Z^T f, carried_rows() entries, comes first in `transformed`,
+  // of the size of f; what recover() needs follows.
+  void transform(const double* f, double* transformed, Arena& arena) const;
+  // A solution y_1, ..., y_{level+1} of M y = N x + f for a given x, where there is one. data: the coefficients that were
+  // eliminated. y: n x (level + 1).
+  struct RightHandSide {
+    const double* f;
+    const double* transformed;
+  };
+  void recover(const TaylorData& data, RightHandSide rhs, const double* x, double* y, Arena& arena) const;
+
+  int carried_rows() const { return carried_; }
+  int level() const { return level_; }
+
+  // Called by eliminate().
+  void keep_diagonal_block(const TaylorData& data, int level, ConstView factors, const int* pivots, ConstView Q, int rank);
+  void begin_stage(int i, int carried);
+  void keep_reflections(ConstView X, const double* tau);
+  void keep_combination(ConstView W);
+  void keep_leaving(ConstView T, const int* pivots, const double* tau, ConstView rows);
+  void finish();
+
+ private:
+  // rows x cols, ld = rows.
+  struct Block {
+    std::vector<double> entries;
+    int rows = 0, cols = 0;
+    void keep(ConstView from);
+    ConstView view() const { return {entries.data(), rows, cols, rows > 0 ? rows : 1}; }
+  };
+  struct Stage {
+    int carried = 0, leaving = 0;
+    bool by_reflections = false;
+    Block W, X, T, rows;  // rows: leaving ones in y_1, ..., y_i, x
+    std::vector<double> X_tau, T_tau;
+    int rhs = 0;  // where the right-hand sides of the rows leaving stand
+    std::vector<int> pivots;
+  };
+
+  int m_ = 0, n_ = 0, level_ = 0, rank_ = 0, carried_ = 0;
+  Block R_, Q_;
+  std::vector<int> pivots_;
+  std::vector<Stage> stages_;  // index i = 0..level
+  Stage* stage_ = nullptr;     // being kept
+};
+
+}  // namespace sfdae::core

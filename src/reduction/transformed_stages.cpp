@@ -1,0 +1,64 @@
+// The stages of an implicit Runge-Kutta step decoupled.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/transformed_stages.h"
+
+#include <algorithm>
+
+#include "linalg/dense.h"
+
+namespace sfdae::core {
+
+namespace {
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+bool TransformedStages::factor(const NullSpaceForm& form, double tau, const StageMethod& method, double c_real,
+                               long& count) {
+  const int q = form.unknowns();
+  omega_.resize(index(q) + 1);
+  for (std::size_t k = 0; 2 * k + 2 < index(method.s); ++k) {
+    const std::complex<double> c = method.lambda[k] * (c_real / method.gamma);
+    std::vector<std::complex<double>>& matrix = matrices_[k];
+    if (!matrix.empty() && values_[k] == c) continue;
+    matrix.resize(index(q) * index(q) + 1);
+    pivots_[k].resize(index(q) + 1);
+    const ComplexView M{matrix.data(), q, q, std::max(q, 1)};
+    form.step_matrix(c * tau, M);
+    if (q > 0) ++count;
+    values_[k] = c;
+    if (factor_lu(M, pivots_[k].data())) continue;
+    matrix.clear();
+    return false;
+  }
+  return true;
+}
+
+void TransformedStages::forget() {
+  for (auto& matrix : matrices_) matrix.clear();
+}
+
+// rho = T^-1 r; one real and (s-1)/2 complex systems for zeta; z = T zeta.
+void TransformedStages::solve(const StageMethod& method, ConstView lu, const int* pivots, ConstView r, View z,
+                              Arena& arena) {
+  const int s = method.s, q = lu.rows, ld = std::max(q, 1);
+  if (q == 0) return;
+  const Arena::Frame frame(arena);
+  const View rho = arena.matrix(q, s);
+  multiply(1.0, Op::plain, r.top(q), Op::transposed, ConstView{method.T_inverse.data(), s, s, s}, 0.0, rho);
+  solve_lu(lu, pivots, rho.column(0));
+  for (int k = 0; 2 * k + 2 < s; ++k) {
+    double* first = rho.column(2 * k + 1);
+    double* second = rho.column(2 * k + 2);
+    for (int i = 0; i < q; ++i) omega_[index(i)] = {first[i], -second[i]};
+    solve_lu(ComplexView{matrices_[index(k)].data(), q, q, ld}, pivots_[index(k)].data(), omega_.data());
+    for (int i = 0; i < q; ++i) {
+      first[i] = omega_[index(i)].real();
+      second[i] = -omega_[index(i)].imag();
+    }
+  }
+  multiply(1.0, Op::plain, rho, Op::transposed, ConstView{method.T.data(), s, s, s}, 0.0, z.top(q));
+}
+
+}  // namespace sfdae::core

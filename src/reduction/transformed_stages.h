@@ -1,0 +1,39 @@
+// The stages of an implicit Runge-Kutta step decoupled, where one form holds for all of them.
+//
+// The s (d + u) equations  tau/h sum_j D_ij [G; Uz^T] z_j - [B; 0] z_i = r_i  become, transformed by T, one real system
+// and (s-1)/2 complex ones of order d + u [HW96, IV.8].
+//
+// [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <complex>
+#include <vector>
+
+#include "linalg/arena.h"
+#include "linalg/matrix.h"
+#include "reduction/null_space_form.h"
+#include "reduction/stage_method.h"
+
+namespace sfdae::core {
+
+class TransformedStages {
+ public:
+  // Factors [c tau G - B; c tau Uz^T] for c = lambda_k / h, h = gamma / c_real, unless that is done. False if singular.
+  // count: of factorizations, raised.
+  bool factor(const NullSpaceForm& form, double tau, const StageMethod& method, double c_real, long& count);
+  // Another form holds from now on.
+  void forget();
+  // lu, pivots: the factored matrix for c_real. r, z: a column for each stage.
+  void solve(const StageMethod& method, ConstView lu, const int* pivots, ConstView r, View z, Arena& arena);
+
+ private:
+  static constexpr std::size_t max_pairs = (max_stages - 1) / 2;
+  std::array<std::vector<std::complex<double>>, max_pairs> matrices_;
+  std::array<std::vector<int>, max_pairs> pivots_;
+  std::array<std::complex<double>, max_pairs> values_{};
+  std::vector<std::complex<double>> omega_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Taylor coefficients of every operation and of random equations, and their gradients.
+#include "expression/taylor_evaluator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "contour.h"
+#include "expression/series.h"
+#include "matrix_checks.h"
+#include "recorded.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using namespace sfdae_test;
+using Numbers = std::vector<double>;
+
+// Jets whose series converge well beyond the circles of the oracle.
+Numbers smooth_jet(const Numbers& x0, int columns, std::uint64_t seed) {
+  const Matrix random = random_matrix(static_cast<int>(x0.size()), columns, seed);
+  Numbers jet;
+  for (int k = 0; k < columns; ++k)
+    for (int j = 0; j < random.rows(); ++j)
+      jet.push_back(k == 0 ? x0[size(j)] : 0.1 * random(j, k) * std::pow(0.5, k));
+  return jet;
+}
+
+struct Operator {
+  std::string name;
+  std::function<Term(const Term&, const Term&, const Recording&)> apply;
+};
+
+const std::vector<Operator>& operators() {
+  static const std::vector<Operator> all = {
+      {"negate", [](auto a, auto, const auto&) { return -a; }},
+      {"add", [](auto a, auto b, const auto&) { return a + b; }},
+      {"subtract", [](auto a, auto b, const auto&) { return a - b; }},
+      {"multiply", [](auto a, auto b, const auto&) { return a * b; }},
+      {"multiply_by_number", [](auto a, auto, const auto&) { return -3.5 * a; }},
+      {"multiply_by_t", [](auto a, auto, const auto& r) { return a * r.t; }},
+      {"divide", [](auto a, auto b, const auto&) { return a / b; }},
+      {"divide_by_number", [](auto a, auto, const auto&) { return a / 3.0; }},
+      {"divide_by_t", [](auto a, auto, const auto& r) { return a / (2.0 + r.t); }},
+      {"reciprocal", [](auto a, auto, const auto&) { return 1.0 / a; }},
+      {"square", [](auto a, auto, const auto&) { return pow(a, 2.0); }},
+      {"seventh_power", [](auto a, auto, const auto&) { return pow(a, 7.0); }},
+      {"inverse_square", [](auto a, auto, const auto&) { return pow(a, -2.0); }},
+      {"real_power", [](auto a, auto, const auto&) { return pow(a, 2.3); }},
+      {"negative_power", [](auto a, auto, const auto&) { return pow(a, -1.7); }},
+      {"high_power_of_negative", [](auto a, auto, const auto&) { return pow(-a, 101.0) * 1e10; }},
+      {"variable_power", [](auto a, auto b, const auto&) { return pow(a, b); }},
+      {"power_of_number", [](auto a, auto, const auto&) { return pow(Term(2.5), a); }},
+      {"sqrt", [](auto a, auto, const auto&) { return sqrt(a); }},
+      {"exp", [](auto a, auto, const auto&) { return exp(a); }},
+      {"log", [](auto a, auto, const auto&) { return log(a); }},
+      {"sin", [](auto a, auto, const auto&) { return sin(a); }},
+      {"cos", [](auto a, auto, const auto&) { return cos(a); }},
+      {"sin_and_cos", [](auto a, auto b, const auto&) { return sin(a) * cos(a) * b; }},
+      {"cos_and_sin", [](auto a, auto b, const auto&) { return cos(a) * b - sin(a); }},
+      {"tan", [](auto a, auto, const auto&) { return tan(a); }},
+      {"asin", [](auto a, auto, const auto&) { return asin(a); }},
+      {"acos", [](auto a, auto, const auto&) { return acos(a); }},
+      {"atan", [](auto a, auto, const auto&) { return atan(a); }},
+      {"atan2", [](auto a, auto b, const auto&) { return atan2(a, b); }},
+      {"sinh", [](auto a, auto, const auto&) { return sinh(a); }},
+      {"cosh", [](auto a, auto, const auto&) { return cosh(a); }},
+      {"tanh", [](auto a, auto, const auto&) { return tanh(a); }},
+      {"cosh_and_sinh", [](auto a, auto b, const auto&) { return cosh(a) * b + sinh(a); }},
+      {"abs", [](auto a, auto b, const auto&) { return abs(a - 2.0 * b) * b; }},
+      {"min", [](auto a, auto b, const auto&) { return min(a, b) * a; }},
+      {"max", [](auto a, auto b, const auto&) { return max(a, b) * a; }},
+      {"choose", [](auto a, auto b, const auto&) { return choose(a - 0.5, a * a, log(-b)); }},
+      {"functions_of_t", [](auto a, auto, const auto& r) { return sin(r.t) * a + sqrt(2.0 + cos(r.t)); }},
+  };
+  return all;
+}
+
+class EveryOperation : public testing::TestWithParam<Operator> {
+ protected:
+  // F = op(x_0, x_1'), near x_0 = 0.7, x_1' = 0.45.
+  EveryOperation() : recording(2) {
+    record = recording.finish({GetParam().apply(recording.x[0], recording.xdot[1], recording)});
+    jet = smooth_jet({0.7, 0.3}, series::highest_order + 2, 11);
+    jet[3] = 0.45;
+  }
+  Recording recording;
+  std::shared_ptr<const Record> record;
+  Numbers jet;
+};
+
+// Largest |F| on the circle over radius^k bounds |F_k|, and rounding errors of the oracle scale alike.
+constexpr double radius = 0.25;
+double coefficient_tolerance(int k) { return 1e-13 * std::pow(radius, -k); }
+
+// Central differences in one coefficient of the jet.
+Numbers difference(const Record& record, const Numbers& jet, std::size_t entry, int order) {
+  const int columns = static_cast<int>(jet.size()) / record.n();
+  constexpr double step = 1e-4;
+  Numbers shifted = jet, result;
+  for (double sign : {1.0, -1.0}) {
+    shifted[entry] = jet[entry] + sign * step;
+    const Numbers F = contour_coefficients(ComplexEvaluation(record, 0.2, shifted, columns), order, radius);
+    result.resize(F.size());
+    for (std::size_t i = 0; i < F.size(); ++i) result[i] += sign * F[i] / (2.0 * step);
+  }
+  return result;
+}
+
+// dF_k / dx_l = (F_x)_(k-l) + l (F_x')_(k-l+1), where x_l is a coefficient of x.
+void expect_gradients(const Record& record, const Numbers& jet, int order) {
+  const int m = record.m(), n = record.n();
+  const std::size_t area = size(m * n), blocks = size(order + 1);
+  TaylorEvaluator evaluator(std::make_shared<const Record>(record));
+  Numbers F(size(m) * blocks), F_xdot(area * blocks, 7.0), F_x(area * blocks, 7.0);
+  ASSERT_TRUE(evaluator.gradients(0.2, jet.data(), {order, order, order}, F.data(), F_xdot.data(), F_x.data()))
+      << evaluator.failure().message;
+  for (int j = 0; j < n; ++j)
+    for (int l = 0; l <= order; ++l) {
+      const Numbers expected = difference(record, jet, size(j + l * n), order);
+      for (int k = 0; k <= order; ++k)
+        for (int i = 0; i < m; ++i) {
+          const auto entry = [&](const Numbers& blocks_of, int block) {
+            return block < 0 || block > order ? 0.0 : blocks_of[size(i + j * m) + size(block) * area];
+          };
+          if (k - l + 1 > order) continue;
+          const double found = entry(F_x, k - l) + l * entry(F_xdot, k - l + 1);
+          const double scale = std::fabs(expected[size(i + k * m)]) + std::pow(radius, -k);
+          EXPECT_NEAR(found, expected[size(i + k * m)], 1e-6 * scale)
+              << "equation " << i << ", unknown " << j << ", coefficient " << l << " of x, order " << k;
+        }
+    }
+}
+
+}  // namespace
+
+TEST_P(EveryOperation, HasTheTaylorCoefficientsOfCauchysFormula) {
+  TaylorEvaluator evaluator(record);
+  const int columns = series::highest_order + 2;
+  const Numbers expected = contour_coefficients(ComplexEvaluation(*record, 0.2, jet, columns), series::highest_order, radius);
+  for (int order : {0, 1, 2, 3, 4, 5, 9, series::highest_order, 2}) {
+    Numbers F(size(order + 1));
+    ASSERT_TRUE(evaluator.values(0.2, jet.data(), order, F.data())) << evaluator.failure().message;
+    for (int k = 0; k <= order; ++k)
+      EXPECT_NEAR(F[size(k)], expected[size(k)], coefficient_tolerance(k)) << "order " << k << " of " << order;
+  }
+}
+
+TEST_P(EveryOperation, HasTheGradientsOfDifferences) {
+  for (int order : {0, 1, 3, 6}) {
+    const Numbers shorter(jet.begin(), jet.begin() + 2 * (order + 2));
+    expect_gradients(*record, shorter, order);
+  }
+}
+
+TEST_P(EveryOperation, LowerOrdersArePartsOfHigherOnes) {
+  TaylorEvaluator evaluator(record);
+  Numbers F(7), F_xdot(2 * 7), F_x(2 * 7), low_F(3), low_F_xdot(2 * 2), low_F_x(2);
+  ASSERT_TRUE(evaluator.gradients(0.2, jet.data(), {6, 6, 6}, F.data(), F_xdot.data(), F_x.data()));
+  ASSERT_TRUE(evaluator.gradients(0.2, jet.data(), {2, 1, 0}, low_F.data(), low_F_xdot.data(), low_F_x.data()));
+  const auto expect_equal = [](const Numbers& low, const Numbers& high) {
+    for (std::size_t i = 0; i < low.size(); ++i) EXPECT_NEAR(low[i], high[i], rounding(1) * (1.0 + std::fabs(high[i])));
+  };
+  expect_equal(low_F, F);
+  expect_equal(low_F_xdot, F_xdot);
+  expect_equal(low_F_x, F_x);
+}
+
+INSTANTIATE_TEST_SUITE_P(Operators, EveryOperation, testing::ValuesIn(operators()),
+                         [](const auto& tested) { return tested.param.name; });
+
+namespace {
+
+// Equations that share parts; everything stays of size 1.
+std::shared_ptr<const Record> random_equations(int n, std::uint64_t seed) {
+  RandomNumbers random(seed);
+  Recording recording(n);
+  std::vector<Term> pool{recording.t, recording.parameter("p", 0.8)};
+  for (int j = 0; j < n; ++j) {
+    pool.push_back(recording.x[size(j)]);
+    pool.push_back(recording.xdot[size(j)]);
+  }
+  const auto pick = [&] { return pool[size(random.integer(0, static_cast<int>(pool.size()) - 1))]; };
+  for (int i = 0; i < 12 * n; ++i) {
+    const Term a = pick(), b = pick();
+    switch (random.integer(0, 11)) {
+      case 0: pool.push_back(0.5 * (a + b)); break;
+      case 1: pool.push_back(0.5 * (a - b)); break;
+      case 2: pool.push_back(a * b); break;
+      case 3: pool.push_back(a / (1.5 + b * b)); break;
+      case 4: pool.push_back(sin(a)); break;
+      case 5: pool.push_back(cos(a - b)); break;
+      case 6: pool.push_back(sqrt(2.0 + sin(a))); break;
+      case 7: pool.push_back(choose(a - 0.3, a * b, cos(b))); break;
+      case 8: pool.push_back(log(2.0 + cos(a))); break;
+      case 9: pool.push_back(pow(2.0 + sin(a), 0.5 * cos(b))); break;
+      case 10: pool.push_back(atan2(sin(a), 2.0 + sin(b))); break;
+      default: pool.push_back(random.uniform(-1.0, 1.0) * a);
+    }
+  }
+  return recording.finish({pool.end() - n, pool.end()});
+}
+
+}  // namespace
+
+TEST(RandomEquations, HaveTheCoefficientsOfCauchysFormulaAndTheGradientsOfDifferences) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(seed);
+    const int n = 1 + static_cast<int>(seed % 5), order = static_cast<int>(seed % 4);
+    const auto record = random_equations(n, seed);
+    Numbers x0;
+    for (int j = 0; j < n; ++j) x0.push_back(0.1 + 0.37 * j);
+    const Numbers jet = smooth_jet(x0, order + 2, seed);
+    const Numbers expected = contour_coefficients(ComplexEvaluation(*record, 0.2, jet, order + 2), order, radius);
+    TaylorEvaluator evaluator(record);
+    Numbers F(expected.size());
+    ASSERT_TRUE(evaluator.values(0.2, jet.data(), order, F.data())) << evaluator.failure().message;
+    for (std::size_t i = 0; i < F.size(); ++i)
+      EXPECT_NEAR(F[i], expected[i], 10.0 * coefficient_tolerance(order)) << i;
+    expect_gradients(*record, jet, order);
+  }
+}
+
+}  // namespace sfdae::core
