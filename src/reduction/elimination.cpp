@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "linalg/dense.h"
 
@@ -14,6 +15,10 @@ namespace {
 // Multipliers C R^-1 replace rotations while they are below this: errors grow by no more than two digits, which
 // the noise of the judge covers.
 constexpr double largest_multiplier = 100.0;
+
+// Rows of errors that are eliminated along with the rows carried, above them: what becomes of the errors that enter at
+// every stage is their size at the end.
+constexpr int error_rows = 1;
 
 // E_0 P = Q [R11 R12; 0 0], computed once for all stages.
 struct DiagonalBlock {
@@ -72,10 +77,10 @@ void gather(ConstView carried, int offset, const int* pivots, View to) {
 // The stage's stack is [R11 R12 | Q1^T F; C1 C2 | C3] with F the block row and C carried from the stages before.
 // Eliminates C1 and leaves T = what becomes of C2 (to be judged) and, in the first rows of `next`, of C3.
 // Gauss: L = C1 R11^-1, T = C2 - L R12, C3 - L Q1^T F. False if L is too large.
-bool eliminate_by_multipliers(const DiagonalBlock& block, View C1, View T, View W_carried) {
+bool eliminate_by_multipliers(const DiagonalBlock& block, View C1, View T, View W_carried, bool limited = true) {
   const int r = block.rank;
   solve_upper_right(block.factors.block(0, 0, r, r), C1);
-  if (max_abs(C1) > largest_multiplier) return false;
+  if (limited && max_abs(C1.block(error_rows, 0, C1.rows - error_rows, r)) > largest_multiplier) return false;
   multiply(-1.0, Op::plain, C1, Op::plain, block.factors.block(0, r, r, block.null_columns()), 1.0, T);
   multiply(-1.0, Op::plain, C1, Op::transposed, block.Q.columns(0, r), 0.0, W_carried);
   return true;
@@ -102,7 +107,17 @@ void eliminate_by_reflections(const DiagonalBlock& block, ConstView C1, View T, 
   copy(beside.block(r, T.cols, c, next.cols), next);
 }
 
-// One stage: eliminates y_j, j = i + 1, from block row i and the rows carried; returns the rows carried on.
+// Adds errors of the size given, of either sign.
+void add_errors(double size, View errors, std::uint32_t& state) {
+  for (int j = 0; j < errors.cols; ++j)
+    for (int i = 0; i < errors.rows; ++i) {
+      state = 1664525u * state + 1013904223u;
+      errors(i, j) += (state & 0x80000000u) != 0 ? size : -size;
+    }
+}
+
+// One stage: eliminates y_j, j = i + 1, from block row i and the rows carried; returns the rows carried on. The first
+// rows of both are those of errors.
 View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View carried, ConstView rhs, Judge& judge,
                Arena& arena) {
   const int n = data.n, m = data.m, r = block.rank, c = carried.rows;
@@ -117,40 +132,53 @@ View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View c
   for (int row = 0; row < block.null_rows(); ++row)
     for (int k = 0; k < m; ++k) W(c + row, k) = block.Q(k, r + row);
   const View T = arena.matrix(c, block.null_columns());
-  if (c > 0) {
-    const View C1 = arena.matrix(c, r);
-    gather(carried, i * n, block.pivots, C1);
-    gather(carried, i * n, block.pivots + r, T);
-    if (!eliminate_by_multipliers(block, C1, T, W.top(c))) {
+  const View C1 = arena.matrix(c, r);
+  gather(carried, i * n, block.pivots, C1);
+  gather(carried, i * n, block.pivots + r, T);
+  if (!eliminate_by_multipliers(block, C1, T, W.top(c))) {
       gather(carried, i * n, block.pivots, C1);
+      gather(carried, i * n, block.pivots + r, T);
+      const View C1_errors = C1.top(error_rows);
+      eliminate_by_multipliers(block, C1_errors, T.top(error_rows), W.top(error_rows), false);
       const View rows_F = arena.matrix(r, columns);
       fill(rows_F, 0.0);
       const View Q1t = arena.matrix(r, m);
       for (int row = 0; row < r; ++row)
         for (int k = 0; k < m; ++k) Q1t(row, k) = block.Q(k, row);
       add_block_row(data, i, rhs, Q1t, rows_F, arena);
-      eliminate_by_reflections(block, C1, T, rows_F, next.top(c), arena);
-      fill(W.top(c), 0.0);
-    }
+      const int others = c - error_rows;
+      eliminate_by_reflections(block, C1.block(error_rows, 0, others, r), T.block(error_rows, 0, others, T.cols), rows_F,
+                               next.block(error_rows, 0, others, columns), arena);
+      fill(W.block(error_rows, 0, others, m), 0.0);
   }
   add_block_row(data, i, rhs, W, next, arena);
 
   // The rest of y_j: rows of T that are independent determine it and leave.
   int leaving = 0;
-  if (c > 0 && T.cols > 0) {
-    ConstView original;
-    if (judge.keeps_originals()) {
-      const View kept = arena.matrix(T.rows, T.cols);
-      copy(T, kept);
-      original = kept;
-    }
+  if (c > error_rows && T.cols > 0) {
+    const View S = arena.matrix(c - error_rows, T.cols);
+    copy(T.block(error_rows, 0, S.rows, S.cols), S);
     int* pivots = arena.integers(T.cols);
-    double* tau = arena.take(static_cast<std::size_t>(std::min(T.rows, T.cols)) + 1);
-    factor_qr_pivoted(T, pivots, tau, arena);
-    leaving = judge.decide_stage(i + 1, T, original, max_abs(carried.columns(i * n, n)));
-    apply_q(Op::transposed, T, leaving, tau, next.top(c), arena);
+    double* tau = arena.take(static_cast<std::size_t>(std::min(S.rows, S.cols)) + 1);
+    factor_qr_pivoted(S, pivots, tau, arena);
+    const View T_errors = T.top(error_rows);
+    leaving = judge.decide_stage(i + 1, S, T.block(error_rows, 0, S.rows, S.cols),
+                                 max_abs(carried.block(error_rows, i * n, S.rows, n)), max_abs(T_errors));
+    apply_q(Op::transposed, S, leaving, tau, next.block(error_rows, 0, S.rows, columns), arena);
+    if (leaving > 0) {
+      const View L = arena.matrix(error_rows, leaving);
+      gather(T_errors, 0, pivots, L);
+      solve_upper_right(S.block(0, 0, leaving, leaving), L);
+      multiply(-1.0, Op::plain, L, Op::plain, next.block(error_rows, 0, leaving, columns), 1.0, next.top(error_rows));
+      for (int j = 0; j < columns; ++j)
+        for (int q = error_rows - 1; q >= 0; --q) next(leaving + q, j) = next(q, j);
+    }
   }
-  return next.block(leaving, 0, next.rows - leaving, columns);
+  const View result = next.block(leaving, 0, next.rows - leaving, columns);
+  std::uint32_t state = static_cast<std::uint32_t>(i);
+  add_errors(judge.row_error(), result.top(error_rows).columns(0, i * n), state);
+  add_errors(judge.constraint_error(), result.top(error_rows).columns(i * n, n), state);
+  return result;
 }
 
 Carried split(const View& carried, int y_columns, int n, int rhs_columns) {
@@ -166,8 +194,11 @@ Carried split(const View& carried, int y_columns, int n, int rhs_columns) {
 
 Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_stage, Judge& judge, Arena& arena) {
   const DiagonalBlock block = factor_diagonal_block(data, judge, arena);
-  View carried = arena.matrix(0, (level + 2) * data.n + rhs.cols);
+  View carried = arena.matrix(error_rows, (level + 2) * data.n + rhs.cols);
+  fill(carried, 0.0);
   for (int j = level + 1; j >= last_stage; --j) carried = run_stage(data, block, j - 1, carried, rhs, judge, arena);
+  judge.set_rows_noise(max_abs(carried.top(error_rows)));
+  carried = carried.block(error_rows, 0, carried.rows - error_rows, carried.cols);
   Carried result = split(carried, (last_stage - 1) * data.n, data.n, rhs.cols);
   result.rank_E = block.rank;
   result.R = block.factors;
@@ -195,6 +226,7 @@ Carried eliminate_by_svd(const TaylorData& data, int level, ConstView rhs, Judge
   const Matrix array = taylor_array(data, level);
   const Svd decomposition = svd(array.view().columns(0, (level + 1) * n));
   const int rank = judge.decide_array(decomposition.s, rows, (level + 1) * n);
+  judge.set_rows_noise(judge.constraint_error());
   const ConstView Z = decomposition.U.view().columns(rank, rows - rank);
   const View carried = arena.matrix(rows - rank, n + rhs.cols);
   multiply(1.0, Op::transposed, Z, Op::plain, array.view().columns((level + 1) * n, n), 0.0, carried.columns(0, n));

@@ -52,13 +52,15 @@ int Judge::decide(Subject subject, int stage, ConstView r, ConstView original, d
 
 int Judge::decide_diagonal_block(ConstView r, ConstView original) {
   // E_0 carries no derivatives: its noise is that of rounding alone.
-  return decide(Subject::stage, level_ + 1, r, original, unit_roundoff * norm_E0_, norm_E0_, pivot_);
+  const int rank = decide(Subject::stage, level_ + 1, r, original, unit_roundoff * norm_E0_, norm_E0_, pivot_);
+  diagonal_pivot_ = pivot_;
+  return rank;
 }
 
-int Judge::decide_stage(int stage, ConstView r, ConstView original, double norm) {
+int Judge::decide_stage(int stage, ConstView r, ConstView original, double norm, double noise) {
   norm = std::max(norm, norm_E0_);
   // Rounding errors come from the rows carried, whose other entries may be larger than those of this stage.
-  return decide(Subject::stage, stage, r, original, eps_ * std::max(norm, norm_) / pivot_, norm, pivot_);
+  return decide(Subject::stage, stage, r, original, std::max(noise, eps_ * norm), norm, pivot_);
 }
 
 int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
@@ -66,18 +68,20 @@ int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
                                       {eps_ * norm_, norm_, std::max(rows, cols), settings_.rank_tol, 0.0});
   decision.rows = rows;
   decision.cols = cols;
-  return record(decision, Subject::array, 0, pivot_);
+  const int rank = record(decision, Subject::array, 0, pivot_);
+  diagonal_pivot_ = pivot_;
+  return rank;
 }
 
 int Judge::decide_constraints(ConstView r, ConstView original) {
-  const int rank = decide(Subject::constraints, 0, r, original, eps_ * norm_A_ / pivot_, norm_A_, kept_constraints_);
+  const int rank = decide(Subject::constraints, 0, r, original, std::max(eps_ * norm_A_, rows_noise_), norm_A_, kept_constraints_);
   has_constraints_ = rank > 0;
   return rank;
 }
 
 int Judge::decide_differential(ConstView r, ConstView original) {
   // T2 is as uncertain as A^ relative to its smallest kept value; without constraints it is the identity.
-  const double uncertainty = has_constraints_ ? std::max(1.0, 1.0 / (pivot_ * kept_constraints_)) : 1.0;
+  const double uncertainty = has_constraints_ ? std::max(1.0, rows_noise_ / (eps_ * norm_A_ * kept_constraints_)) : 1.0;
   const double noise = eps_ * norm_E0_ * uncertainty;
   return decide(Subject::differential, 0, r, original, noise, norm_E0_, kept_differential_);
 }

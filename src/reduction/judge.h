@@ -34,7 +34,10 @@ class Judge {
   // Ranks from the diagonal of a pivoted QR factorization `r` of `original` (may be empty without log).
   int decide_diagonal_block(ConstView r, ConstView original);  // E_0
   // norm: of the part of the stage that comes from carried rows.
-  int decide_stage(int stage, ConstView r, ConstView original, double norm);
+  int decide_stage(int stage, ConstView r, ConstView original, double norm, double noise);
+  double row_error() const { return eps_ * norm_ / diagonal_pivot_; }
+  double constraint_error() const { return eps_ * norm_A_ / diagonal_pivot_; }
+  void set_rows_noise(double noise) { rows_noise_ = noise; }
   int decide_constraints(ConstView r, ConstView original);
   int decide_differential(ConstView r, ConstView original);
   // Rank of the whole array from its singular values.
@@ -56,6 +59,8 @@ class Judge {
   int level_;
   int dimension_;
   double norm_, norm_A_, norm_E0_, eps_;
+  double rows_noise_ = 0.0;
+  double diagonal_pivot_ = 1.0;
   double pivot_ = 1.0;
   double kept_constraints_ = 1.0;
   double kept_differential_ = 1.0;
