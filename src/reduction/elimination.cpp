@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <random>
 
 #include "linalg/dense.h"
 
@@ -16,8 +16,10 @@ namespace {
 // the noise of the judge covers.
 constexpr double largest_multiplier = 100.0;
 
-// Rows of errors that are eliminated along with the rows carried, above them: what becomes of the errors that enter at
-// every stage is their size at the end.
+// Rows of errors that are eliminated above the rows carried, as those are: all that happens to rows is linear in them,
+// so what becomes of errors of the size that enters at every stage is the noise of the decisions. (Bounds by norms and
+// pivots of every stage are too large by 1e4 at mu = 4, and the smallest pivot alone misses that stages amplify one
+// after the other: by |E^-1 A| tau each where E and A change slowly, 1e6 in all with tau = 128.)
 constexpr int error_rows = 1;
 
 // E_0 P = Q [R11 R12; 0 0], computed once for all stages.
@@ -76,14 +78,11 @@ void gather(ConstView carried, int offset, const int* pivots, View to) {
 
 // The stage's stack is [R11 R12 | Q1^T F; C1 C2 | C3] with F the block row and C carried from the stages before.
 // Eliminates C1 and leaves T = what becomes of C2 (to be judged) and, in the first rows of `next`, of C3.
-// Gauss: L = C1 R11^-1, T = C2 - L R12, C3 - L Q1^T F. False if L is too large.
-bool eliminate_by_multipliers(const DiagonalBlock& block, View C1, View T, View W_carried, bool limited = true) {
+// Gauss: T = C2 - L R12, C3 - L Q1^T F with L = C1 R11^-1.
+void eliminate_by_multipliers(const DiagonalBlock& block, ConstView L, View T, View W_carried) {
   const int r = block.rank;
-  solve_upper_right(block.factors.block(0, 0, r, r), C1);
-  if (limited && max_abs(C1.block(error_rows, 0, C1.rows - error_rows, r)) > largest_multiplier) return false;
-  multiply(-1.0, Op::plain, C1, Op::plain, block.factors.block(0, r, r, block.null_columns()), 1.0, T);
-  multiply(-1.0, Op::plain, C1, Op::transposed, block.Q.columns(0, r), 0.0, W_carried);
-  return true;
+  multiply(-1.0, Op::plain, L, Op::plain, block.factors.block(0, r, r, block.null_columns()), 1.0, T);
+  multiply(-1.0, Op::plain, L, Op::transposed, block.Q.columns(0, r), 0.0, W_carried);
 }
 
 // Householder: QR of [R11; C1], applied to the columns beside it. rows_F = Q1^T F.
@@ -107,17 +106,55 @@ void eliminate_by_reflections(const DiagonalBlock& block, ConstView C1, View T, 
   copy(beside.block(r, T.cols, c, next.cols), next);
 }
 
-// Adds errors of the size given, of either sign.
-void add_errors(double size, View errors, std::uint32_t& state) {
-  for (int j = 0; j < errors.cols; ++j)
-    for (int i = 0; i < errors.rows; ++i) {
-      state = 1664525u * state + 1013904223u;
-      errors(i, j) += (state & 0x80000000u) != 0 ? size : -size;
-    }
+// The part of the block row i that determines y_j: Q1^T F.
+View determining_rows(const TaylorData& data, const DiagonalBlock& block, int i, ConstView rhs, Arena& arena) {
+  const View rows = arena.matrix(block.rank, (i + 1) * data.n + rhs.cols);
+  fill(rows, 0.0);
+  const Arena::Frame frame(arena);
+  const View Q1t = arena.matrix(block.rank, data.m);
+  for (int row = 0; row < block.rank; ++row)
+    for (int k = 0; k < data.m; ++k) Q1t(row, k) = block.Q(k, row);
+  add_block_row(data, i, rhs, Q1t, rows, arena);
+  return rows;
 }
 
-// One stage: eliminates y_j, j = i + 1, from block row i and the rows carried; returns the rows carried on. The first
-// rows of both are those of errors.
+// The rest of y_j: rows of T that are independent determine it and leave. Rows of errors come first in T and `rows`, at
+// the end behind those that leave. norm: of the rows of the stage in y_j. Returns the number of rows that leave.
+int release_rows(View T, double norm, int j, View rows, Judge& judge, Arena& arena) {
+  const int c = T.rows - error_rows;
+  if (c == 0 || T.cols == 0) return 0;
+  const View errors = T.top(error_rows), factors = T.block(error_rows, 0, c, T.cols);
+  const View others = rows.block(error_rows, 0, c, rows.cols);
+  ConstView original;
+  if (judge.keeps_originals()) {
+    const View kept = arena.matrix(c, T.cols);
+    copy(factors, kept);
+    original = kept;
+  }
+  int* pivots = arena.integers(T.cols);
+  double* tau = arena.take(static_cast<std::size_t>(std::min(c, T.cols)) + 1);
+  factor_qr_pivoted(factors, pivots, tau, arena);
+  judge.set_errors(max_abs(errors));
+  const int leaving = judge.decide_stage(j, factors, original, norm);
+  apply_q(Op::transposed, factors, leaving, tau, others, arena);
+  if (leaving == 0) return 0;
+  const View L = arena.matrix(error_rows, leaving);
+  gather(errors, 0, pivots, L);
+  solve_upper_right(factors.block(0, 0, leaving, leaving), L);
+  multiply(-1.0, Op::plain, L, Op::plain, others.top(leaving), 1.0, rows.top(error_rows));
+  for (int col = 0; col < rows.cols; ++col)
+    for (int row = error_rows; row-- > 0;) rows(leaving + row, col) = rows(row, col);
+  return leaving;
+}
+
+// Errors of the size given, of either sign; the same ones in every run.
+void add_errors(double size, unsigned seed, View errors) {
+  std::minstd_rand random(seed);
+  for (int col = 0; col < errors.cols; ++col)
+    for (int row = 0; row < errors.rows; ++row) errors(row, col) += random() % 2 == 0 ? size : -size;
+}
+
+// One stage: eliminates y_j, j = i + 1, from block row i and the rows carried; returns the rows carried on.
 View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View carried, ConstView rhs, Judge& judge,
                Arena& arena) {
   const int n = data.n, m = data.m, r = block.rank, c = carried.rows;
@@ -131,53 +168,29 @@ View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View c
   const View W = arena.matrix(c + block.null_rows(), m);  // next += W F
   for (int row = 0; row < block.null_rows(); ++row)
     for (int k = 0; k < m; ++k) W(c + row, k) = block.Q(k, r + row);
-  const View T = arena.matrix(c, block.null_columns());
-  const View C1 = arena.matrix(c, r);
+  const View C1 = arena.matrix(c, r), T = arena.matrix(c, block.null_columns());
   gather(carried, i * n, block.pivots, C1);
   gather(carried, i * n, block.pivots + r, T);
-  if (!eliminate_by_multipliers(block, C1, T, W.top(c))) {
-      gather(carried, i * n, block.pivots, C1);
-      gather(carried, i * n, block.pivots + r, T);
-      const View C1_errors = C1.top(error_rows);
-      eliminate_by_multipliers(block, C1_errors, T.top(error_rows), W.top(error_rows), false);
-      const View rows_F = arena.matrix(r, columns);
-      fill(rows_F, 0.0);
-      const View Q1t = arena.matrix(r, m);
-      for (int row = 0; row < r; ++row)
-        for (int k = 0; k < m; ++k) Q1t(row, k) = block.Q(k, row);
-      add_block_row(data, i, rhs, Q1t, rows_F, arena);
-      const int others = c - error_rows;
-      eliminate_by_reflections(block, C1.block(error_rows, 0, others, r), T.block(error_rows, 0, others, T.cols), rows_F,
-                               next.block(error_rows, 0, others, columns), arena);
-      fill(W.block(error_rows, 0, others, m), 0.0);
+  solve_upper_right(block.factors.block(0, 0, r, r), C1);
+  const int others = c - error_rows;
+  const bool moderate = max_abs(C1.block(error_rows, 0, others, r)) <= largest_multiplier;
+  const int by_multipliers = moderate ? c : error_rows;
+  eliminate_by_multipliers(block, C1.top(by_multipliers), T.top(by_multipliers), W.top(by_multipliers));
+  if (!moderate) {
+    gather(carried, i * n, block.pivots, C1);
+    eliminate_by_reflections(block, C1.block(error_rows, 0, others, r), T.block(error_rows, 0, others, T.cols),
+                             determining_rows(data, block, i, rhs, arena),
+                             next.block(error_rows, 0, others, columns), arena);
+    fill(W.block(error_rows, 0, others, m), 0.0);
   }
   add_block_row(data, i, rhs, W, next, arena);
 
-  // The rest of y_j: rows of T that are independent determine it and leave.
-  int leaving = 0;
-  if (c > error_rows && T.cols > 0) {
-    const View S = arena.matrix(c - error_rows, T.cols);
-    copy(T.block(error_rows, 0, S.rows, S.cols), S);
-    int* pivots = arena.integers(T.cols);
-    double* tau = arena.take(static_cast<std::size_t>(std::min(S.rows, S.cols)) + 1);
-    factor_qr_pivoted(S, pivots, tau, arena);
-    const View T_errors = T.top(error_rows);
-    leaving = judge.decide_stage(i + 1, S, T.block(error_rows, 0, S.rows, S.cols),
-                                 max_abs(carried.block(error_rows, i * n, S.rows, n)), max_abs(T_errors));
-    apply_q(Op::transposed, S, leaving, tau, next.block(error_rows, 0, S.rows, columns), arena);
-    if (leaving > 0) {
-      const View L = arena.matrix(error_rows, leaving);
-      gather(T_errors, 0, pivots, L);
-      solve_upper_right(S.block(0, 0, leaving, leaving), L);
-      multiply(-1.0, Op::plain, L, Op::plain, next.block(error_rows, 0, leaving, columns), 1.0, next.top(error_rows));
-      for (int j = 0; j < columns; ++j)
-        for (int q = error_rows - 1; q >= 0; --q) next(leaving + q, j) = next(q, j);
-    }
-  }
+  const double norm = max_abs(carried.block(error_rows, i * n, others, n));
+  const int leaving = release_rows(T, norm, i + 1, next.top(c), judge, arena);
   const View result = next.block(leaving, 0, next.rows - leaving, columns);
-  std::uint32_t state = static_cast<std::uint32_t>(i);
-  add_errors(judge.row_error(), result.top(error_rows).columns(0, i * n), state);
-  add_errors(judge.constraint_error(), result.top(error_rows).columns(i * n, n), state);
+  const unsigned seed = static_cast<unsigned>(i) + 1;
+  add_errors(judge.entering_error(), seed, result.block(0, 0, error_rows, i * n));
+  add_errors(judge.entering_constraint_error(), seed, result.block(0, i * n, error_rows, n));
   return result;
 }
 
@@ -197,9 +210,9 @@ Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_sta
   View carried = arena.matrix(error_rows, (level + 2) * data.n + rhs.cols);
   fill(carried, 0.0);
   for (int j = level + 1; j >= last_stage; --j) carried = run_stage(data, block, j - 1, carried, rhs, judge, arena);
-  judge.set_rows_noise(max_abs(carried.top(error_rows)));
-  carried = carried.block(error_rows, 0, carried.rows - error_rows, carried.cols);
-  Carried result = split(carried, (last_stage - 1) * data.n, data.n, rhs.cols);
+  judge.set_constraint_errors(max_abs(carried.block(0, (last_stage - 1) * data.n, error_rows, data.n)));
+  const View rows = carried.block(error_rows, 0, carried.rows - error_rows, carried.cols);
+  Carried result = split(rows, (last_stage - 1) * data.n, data.n, rhs.cols);
   result.rank_E = block.rank;
   result.R = block.factors;
   result.pivots = block.pivots;
@@ -226,7 +239,6 @@ Carried eliminate_by_svd(const TaylorData& data, int level, ConstView rhs, Judge
   const Matrix array = taylor_array(data, level);
   const Svd decomposition = svd(array.view().columns(0, (level + 1) * n));
   const int rank = judge.decide_array(decomposition.s, rows, (level + 1) * n);
-  judge.set_rows_noise(judge.constraint_error());
   const ConstView Z = decomposition.U.view().columns(rank, rows - rank);
   const View carried = arena.matrix(rows - rank, n + rhs.cols);
   multiply(1.0, Op::transposed, Z, Op::plain, array.view().columns((level + 1) * n, n), 0.0, carried.columns(0, n));

@@ -18,7 +18,9 @@ Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::v
       norm_(data.norm(level)),
       norm_A_(data.norm_A(level)),
       norm_E0_(data.norm_E0()),
-      eps_(data.noise(level)) {}
+      eps_(data.noise(level)),
+      errors_(eps_ * norm_),
+      constraint_errors_(eps_ * norm_A_) {}
 
 int Judge::record(RankDecision decision, Subject subject, int stage, double& kept) {
   decision.t = t_;
@@ -54,13 +56,14 @@ int Judge::decide_diagonal_block(ConstView r, ConstView original) {
   // E_0 carries no derivatives: its noise is that of rounding alone.
   const int rank = decide(Subject::stage, level_ + 1, r, original, unit_roundoff * norm_E0_, norm_E0_, pivot_);
   diagonal_pivot_ = pivot_;
+  errors_ = entering_error();
+  constraint_errors_ = entering_constraint_error();
   return rank;
 }
 
-int Judge::decide_stage(int stage, ConstView r, ConstView original, double norm, double noise) {
+int Judge::decide_stage(int stage, ConstView r, ConstView original, double norm) {
   norm = std::max(norm, norm_E0_);
-  // Rounding errors come from the rows carried, whose other entries may be larger than those of this stage.
-  return decide(Subject::stage, stage, r, original, std::max(noise, eps_ * norm), norm, pivot_);
+  return decide(Subject::stage, stage, r, original, std::max(errors_, eps_ * norm), norm, pivot_);
 }
 
 int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
@@ -69,20 +72,21 @@ int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
   decision.rows = rows;
   decision.cols = cols;
   const int rank = record(decision, Subject::array, 0, pivot_);
-  diagonal_pivot_ = pivot_;
+  constraint_errors_ = eps_ * norm_A_ / pivot_;
   return rank;
 }
 
 int Judge::decide_constraints(ConstView r, ConstView original) {
-  const int rank = decide(Subject::constraints, 0, r, original, std::max(eps_ * norm_A_, rows_noise_), norm_A_, kept_constraints_);
+  const double noise = std::max(constraint_errors_, eps_ * norm_A_);
+  const int rank = decide(Subject::constraints, 0, r, original, noise, norm_A_, kept_constraints_);
   has_constraints_ = rank > 0;
   return rank;
 }
 
 int Judge::decide_differential(ConstView r, ConstView original) {
   // T2 is as uncertain as A^ relative to its smallest kept value; without constraints it is the identity.
-  const double uncertainty = has_constraints_ ? std::max(1.0, rows_noise_ / (eps_ * norm_A_ * kept_constraints_)) : 1.0;
-  const double noise = eps_ * norm_E0_ * uncertainty;
+  const double uncertainty = has_constraints_ ? constraint_errors_ / (norm_A_ * kept_constraints_) : 0.0;
+  const double noise = norm_E0_ * std::max(eps_, uncertainty);
   return decide(Subject::differential, 0, r, original, noise, norm_E0_, kept_differential_);
 }
 

@@ -4,9 +4,12 @@
 // so far, relative to the norm of its stage: a null vector of a matrix with relative pivot p is known to eps / p only.
 // Rounding errors then amount to
 //   E_0            eps |E_0|
-//   later stages   eps |stage| / p
-//   A^             eps |A| / p
-//   E T2           eps |E_0| max(1, |A| / (p sigma_a(A^)))
+//   later stages   e, at least eps |stage|
+//   A^             e, at least eps |A|
+//   E T2           eps |E_0| max(1, e / (eps sigma_a(A^)))
+// with e what becomes of errors that enter the rows carried at every stage, eps |data| / p(E_0) in the columns of
+// derivatives and eps |A| / p(E_0) in those of x: staged elimination carries rows of errors along. For the array as a
+// whole, e = eps |A| / p.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -34,14 +37,18 @@ class Judge {
   // Ranks from the diagonal of a pivoted QR factorization `r` of `original` (may be empty without log).
   int decide_diagonal_block(ConstView r, ConstView original);  // E_0
   // norm: of the part of the stage that comes from carried rows.
-  int decide_stage(int stage, ConstView r, ConstView original, double norm, double noise);
-  double row_error() const { return eps_ * norm_ / diagonal_pivot_; }
-  double constraint_error() const { return eps_ * norm_A_ / diagonal_pivot_; }
-  void set_rows_noise(double noise) { rows_noise_ = noise; }
+  int decide_stage(int stage, ConstView r, ConstView original, double norm);
   int decide_constraints(ConstView r, ConstView original);
   int decide_differential(ConstView r, ConstView original);
   // Rank of the whole array from its singular values.
   int decide_array(const std::vector<double>& s, int rows, int cols);
+
+  // Errors of rows that enter at a stage, in the columns of derivatives and in those of x; absolute.
+  double entering_error() const { return eps_ * norm_ / diagonal_pivot_; }
+  double entering_constraint_error() const { return eps_ * norm_A_ / diagonal_pivot_; }
+  // Errors of what is judged by the next decide_stage, and of A^.
+  void set_errors(double errors) { errors_ = errors; }
+  void set_constraint_errors(double errors) { constraint_errors_ = errors; }
 
   bool keeps_originals() const { return log_ != nullptr || settings_.by_singular_values; }
   bool all_clear() const { return all_clear_; }
@@ -59,9 +66,9 @@ class Judge {
   int level_;
   int dimension_;
   double norm_, norm_A_, norm_E0_, eps_;
-  double rows_noise_ = 0.0;
-  double diagonal_pivot_ = 1.0;
+  double errors_, constraint_errors_;
   double pivot_ = 1.0;
+  double diagonal_pivot_ = 1.0;  // of E_0
   double kept_constraints_ = 1.0;
   double kept_differential_ = 1.0;
   bool has_constraints_ = false;
