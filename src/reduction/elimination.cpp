@@ -85,25 +85,43 @@ void eliminate_by_multipliers(const DiagonalBlock& block, ConstView L, View T, V
   multiply(-1.0, Op::plain, L, Op::transposed, block.Q.columns(0, r), 0.0, W_carried);
 }
 
-// Householder: QR of [R11; C1], applied to the columns beside it. rows_F = Q1^T F.
-void eliminate_by_reflections(const DiagonalBlock& block, ConstView C1, View T, ConstView rows_F, View next,
-                              Arena& arena) {
+void scale(double factor, View rows) {
+  for (int col = 0; col < rows.cols; ++col)
+    for (int row = 0; row < rows.rows; ++row) rows(row, col) *= factor;
+}
+
+// Errors of the size given, of either sign; the same ones in every run.
+void add_errors(double size, unsigned seed, View errors) {
+  std::minstd_rand random(seed);
+  for (int col = 0; col < errors.cols; ++col)
+    for (int row = 0; row < errors.rows; ++row) errors(row, col) += random() % 2 == 0 ? size : -size;
+}
+
+// Householder: QR of [R11; C1], applied to the columns beside it. rows_F = Q1^T F. Rows with large multipliers become
+// shorter, and their errors with them: returns by how much at least.
+double eliminate_by_reflections(const DiagonalBlock& block, ConstView C1, View T, ConstView rows_F, View next,
+                                Arena& arena) {
   const Arena::Frame frame(arena);
   const int r = block.rank, c = T.rows;
   const View X = arena.matrix(r + c, r);
   fill(X, 0.0);
   for (int q = 0; q < r; ++q) std::copy_n(block.factors.column(q), q + 1, X.column(q));
   copy(C1, X.block(r, 0, c, r));
-  const View beside = arena.matrix(r + c, T.cols + next.cols);
+  const View beside = arena.matrix(r + c, T.cols + next.cols + 1);
   copy(block.factors.block(0, r, r, T.cols), beside.block(0, 0, r, T.cols));
   copy(T, beside.block(r, 0, c, T.cols));
   copy(rows_F, beside.block(0, T.cols, r, next.cols));
   copy(next, beside.block(r, T.cols, c, next.cols));
+  // Errors of equal size in all rows.
+  const View errors = beside.columns(T.cols + next.cols, 1);
+  fill(errors, 0.0);
+  add_errors(1.0, 1, errors.block(r, 0, c, 1));
   double* tau = arena.take(static_cast<std::size_t>(r) + 1);
   factor_qr(X, tau, arena);
   apply_q(Op::transposed, X, r, tau, beside, arena);
   copy(beside.block(r, 0, c, T.cols), T);
   copy(beside.block(r, T.cols, c, next.cols), next);
+  return std::min(1.0, max_abs(errors.block(r, 0, c, 1)));
 }
 
 // The part of the block row i that determines y_j: Q1^T F.
@@ -147,13 +165,6 @@ int release_rows(View T, double norm, int j, View rows, Judge& judge, Arena& are
   return leaving;
 }
 
-// Errors of the size given, of either sign; the same ones in every run.
-void add_errors(double size, unsigned seed, View errors) {
-  std::minstd_rand random(seed);
-  for (int col = 0; col < errors.cols; ++col)
-    for (int row = 0; row < errors.rows; ++row) errors(row, col) += random() % 2 == 0 ? size : -size;
-}
-
 // One stage: eliminates y_j, j = i + 1, from block row i and the rows carried; returns the rows carried on.
 View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View carried, ConstView rhs, Judge& judge,
                Arena& arena) {
@@ -176,14 +187,19 @@ View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View c
   const bool moderate = max_abs(C1.block(error_rows, 0, others, r)) <= largest_multiplier;
   const int by_multipliers = moderate ? c : error_rows;
   eliminate_by_multipliers(block, C1.top(by_multipliers), T.top(by_multipliers), W.top(by_multipliers));
+  double shortening = 1.0;
   if (!moderate) {
     gather(carried, i * n, block.pivots, C1);
-    eliminate_by_reflections(block, C1.block(error_rows, 0, others, r), T.block(error_rows, 0, others, T.cols),
-                             determining_rows(data, block, i, rhs, arena),
-                             next.block(error_rows, 0, others, columns), arena);
+    shortening = eliminate_by_reflections(
+        block, C1.block(error_rows, 0, others, r), T.block(error_rows, 0, others, T.cols),
+        determining_rows(data, block, i, rhs, arena), next.block(error_rows, 0, others, columns), arena);
     fill(W.block(error_rows, 0, others, m), 0.0);
   }
   add_block_row(data, i, rhs, W, next, arena);
+  if (!moderate) {
+    scale(shortening, T.top(error_rows));
+    scale(shortening, next.top(error_rows));
+  }
 
   const double norm = max_abs(carried.block(error_rows, i * n, others, n));
   const int leaving = release_rows(T, norm, i + 1, next.top(c), judge, arena);
@@ -209,6 +225,8 @@ Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_sta
   const DiagonalBlock block = factor_diagonal_block(data, judge, arena);
   View carried = arena.matrix(error_rows, (level + 2) * data.n + rhs.cols);
   fill(carried, 0.0);
+  // What E_0 rounds to does not annihilate its left null vectors: errors of the first stage.
+  add_errors(judge.diagonal_error(), 1, carried.block(0, level * data.n, error_rows, data.n));
   for (int j = level + 1; j >= last_stage; --j) carried = run_stage(data, block, j - 1, carried, rhs, judge, arena);
   judge.set_constraint_errors(max_abs(carried.block(0, (last_stage - 1) * data.n, error_rows, data.n)));
   const View rows = carried.block(error_rows, 0, carried.rows - error_rows, carried.cols);

@@ -44,8 +44,9 @@ class Judge {
   int decide_array(const std::vector<double>& s, int rows, int cols);
 
   // Errors of rows that enter at a stage, in the columns of derivatives and in those of x; absolute.
-  double entering_error() const { return eps_ * norm_ / diagonal_pivot_; }
-  double entering_constraint_error() const { return eps_ * norm_A_ / diagonal_pivot_; }
+  double entering_error() const { return eps_ * norm_; }
+  double entering_constraint_error() const { return eps_ * norm_A_; }
+  double diagonal_error() const { return unit_roundoff * norm_E0_; }
   // Errors of what is judged by the next decide_stage, and of A^.
   void set_errors(double errors) { errors_ = errors; }
   void set_constraint_errors(double errors) { constraint_errors_ = errors; }
