@@ -22,12 +22,15 @@ constexpr double perturbation_roundings = 4.0;
 constexpr double confirming_margin = clear_gap / perturbation_roundings;
 constexpr double keeping_margin = 1e4;
 
+// What perturbations need not confirm: decisions that the propagated noise makes clear, or none at all.
+enum class Trust { clear_ones, none };
+
 // What level l of the array says at one point.
 struct LevelReading {
   PointRanks ranks;
   double time_scale = 1.0;
   bool clear = true;
-  bool measured = false;  // read without propagated noise, confirmed by perturbations
+  NoiseModel noise = NoiseModel::carried;  // others are confirmed by perturbations
   RankDecision doubtful;  // the first unclear decision
 };
 
@@ -47,7 +50,7 @@ class Searcher {
         settings_(settings),
         arena_(arena),
         log_(log),
-        judging_{settings.rank_tol, settings.by_svd, false},
+        judging_{settings.rank_tol, settings.by_svd, NoiseModel::carried},
         rows_(settings.rows) {}
 
   LevelReading read(int level, double time_scale) {
@@ -81,14 +84,14 @@ class Searcher {
 
   // Whether the ranks are those expected, and stay so under perturbations.
   bool has_ranks(int level, double time_scale, const PointRanks& expected) {
-    judging_.measured = true;
+    judging_.noise = NoiseModel::data;
     judging_.by_singular_values = true;
     const LevelReading reading = read(level, time_scale);
     if (reading.ranks.a != expected.a || reading.ranks.d != expected.d || reading.ranks.v_hat != expected.v_hat)
       return false;
     std::vector<RankDecision> decisions = latest_;
     for (RankDecision& decision : decisions) decision.verdict = Verdict::unclear;  // have to be confirmed
-    return survives_perturbations(level, reading.time_scale, decisions, confirming_margin);
+    return survives_perturbations(level, reading.time_scale, decisions, confirming_margin, Trust::clear_ones);
   }
 
   Search search(int max_index) {
@@ -124,17 +127,24 @@ class Searcher {
     const double tau = reading.time_scale;
     // Singular values throughout: pivots may change their order under perturbations.
     judging_.by_singular_values = true;
-    judging_.measured = true;
+    judging_.noise = NoiseModel::data;
     LevelReading keeping = read(level, tau);
     const std::vector<RankDecision> kept = latest_;
-    const bool keeps = survives_perturbations(level, tau, kept, keeping_margin);
-    judging_.measured = false;
+    const bool keeps = survives_perturbations(level, tau, kept, keeping_margin, Trust::none);
+    judging_.noise = NoiseModel::pivots;
+    LevelReading between = read(level, tau);
+    const std::vector<RankDecision> betweens = latest_;
+    const bool lies_between =
+        !keeps && between.clear && survives_perturbations(level, tau, betweens, confirming_margin, Trust::none);
+    judging_.noise = NoiseModel::carried;
     const LevelReading dropping = read(level, tau);
     const std::vector<RankDecision> dropped = latest_;
-    const bool drops = !keeps && survives_perturbations(level, tau, dropped, confirming_margin);
+    const bool drops = !keeps && !lies_between && survives_perturbations(level, tau, dropped, confirming_margin, Trust::clear_ones);
     judging_.by_singular_values = settings_.by_svd;
-    keeping.measured = true;
+    keeping.noise = NoiseModel::data;
+    between.noise = NoiseModel::pivots;
     if (keeps) accept(keeping, kept);
+    else if (lies_between) accept(between, betweens);
     else if (drops) accept(dropping, dropped);
     else if (agrees_with_other_time_scales(level, reading)) accept(reading, decisions);
   }
@@ -153,7 +163,8 @@ class Searcher {
   }
 
   // Kept values must stay put to 1 / margin; dropped ones above the rounding errors of the matrix must not.
-  bool survives_perturbations(int level, double time_scale, const std::vector<RankDecision>& decisions, double margin) {
+  bool survives_perturbations(int level, double time_scale, const std::vector<RankDecision>& decisions, double margin,
+                              Trust trust) {
     std::minstd_rand generator(1);
     std::vector<char> moved(decisions.size(), 0);
     for (int trial = 0; trial < 3; ++trial) {
@@ -165,16 +176,16 @@ class Searcher {
         const RankDecision& was = decisions[q];
         const RankDecision& is = latest_[q];
         // A dropped value that a perturbation lifts above the threshold is noise; what follows cannot be compared.
-        const bool lifted = margin < keeping_margin && is.rank == was.rank + 1;
+        const bool lifted = trust == Trust::clear_ones && is.rank == was.rank + 1;
         if (lifted && confirming_margin * (is.kept - was.dropped) > was.dropped) {
           moved[q] = 1;
           break;
         }
         if (is.rank != was.rank) return false;
         if (confirming_margin * std::fabs(is.dropped - was.dropped) > was.dropped) moved[q] = 1;
-        if (was.rank == 0 || (was.verdict != Verdict::unclear && margin < keeping_margin)) continue;
+        if (was.rank == 0 || (was.verdict != Verdict::unclear && trust == Trust::clear_ones)) continue;
         // What stands clear of the propagated noise may move a little.
-        const bool stands_clear = margin < keeping_margin && was.gap >= clear_gap;
+        const bool stands_clear = trust == Trust::clear_ones && was.gap >= clear_gap;
         const double moves = stands_clear ? 0.0 : std::fabs(is.kept - was.kept);
         const double measured = std::max({moves, is.dropped, was.dropped});
         if (was.kept < margin * measured) return false;
@@ -285,7 +296,7 @@ IndexAnalysis search_at(LinearProblem& problem, double t, const AnalysisSettings
   analysis.time_scale = found.last.time_scale;
   analysis.v_hat = found.last.ranks.v_hat;
   analysis.rank_E = found.last.ranks.rank_E;
-  analysis.measured = found.last.measured;
+  analysis.noise = found.last.noise;
   return analysis;
 }
 
@@ -384,7 +395,7 @@ IndexAnalysis analyze_index(LinearProblem& problem, double t, double toward, con
         const LevelReading reading = again.read_confirmed(mu);
         here.time_scale = reading.time_scale;
         here.v_hat = reading.ranks.v_hat;
-        here.measured = reading.measured;
+        here.noise = reading.noise;
       }
       const CharacteristicValues& other = raise_here ? there.values : raised;
       if (!(here.values == other))

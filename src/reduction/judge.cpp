@@ -36,7 +36,7 @@ int Judge::record(RankDecision decision, Subject subject, int stage, double& kep
 int Judge::decide(Subject subject, int stage, ConstView r, ConstView original, double noise, double norm,
                   double& kept) {
   const double least_noise = eps_ * norm;
-  if (settings_.measured) noise = least_noise;
+  if (settings_.noise == NoiseModel::data) noise = least_noise;
   const int count = std::min(r.rows, r.cols);
   const RankScale scale{noise, norm, std::max({r.rows, r.cols, dimension_}), settings_.rank_tol,
                         log_ != nullptr ? least_noise : 0.0};
@@ -63,7 +63,8 @@ int Judge::decide_diagonal_block(ConstView r, ConstView original) {
 
 int Judge::decide_stage(int stage, ConstView r, ConstView original, double norm) {
   norm = std::max(norm, norm_E0_);
-  return decide(Subject::stage, stage, r, original, std::max(errors_, eps_ * norm), norm, pivot_);
+  const double errors = settings_.noise == NoiseModel::pivots ? eps_ * std::max(norm, norm_) / pivot_ : errors_;
+  return decide(Subject::stage, stage, r, original, std::max(errors, eps_ * norm), norm, pivot_);
 }
 
 int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
@@ -77,6 +78,7 @@ int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
 }
 
 int Judge::decide_constraints(ConstView r, ConstView original) {
+  if (settings_.noise == NoiseModel::pivots) constraint_errors_ = eps_ * norm_A_ / pivot_;
   const double noise = std::max(constraint_errors_, eps_ * norm_A_);
   const int rank = decide(Subject::constraints, 0, r, original, noise, norm_A_, kept_constraints_);
   has_constraints_ = rank > 0;

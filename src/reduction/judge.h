@@ -22,12 +22,17 @@
 
 namespace sfdae::core {
 
+// Where the noise of a decision comes from: errors carried along (e above), the smallest pivot alone (e = eps |data| / p,
+// which several stages that amplify one after the other exceed), or the data without propagation.
+// What the latter two say has to be confirmed by perturbations of the data.
+enum class NoiseModel { carried, pivots, data };
+
 class Judge {
  public:
   struct Settings {
     double rank_tol = 0.0;
     bool by_singular_values = false;  // judge A^ and E T2 by singular values instead of pivots
-    bool measured = false;            // thresholds without propagation: the noise is measured instead
+    NoiseModel noise = NoiseModel::carried;
   };
 
   // log: where decisions are recorded, and a sign that unclear ones are to be read again by singular values;
