@@ -21,6 +21,8 @@ constexpr double perturbation_roundings = 4.0;
 // not allow, where errors of the callbacks of some ten roundings have to be reckoned with.
 constexpr double confirming_margin = clear_gap / perturbation_roundings;
 constexpr double keeping_margin = 1e4;
+// Ranks with smaller gaps than this must fit those of the level below.
+constexpr double decisive_gap = 1e9;
 
 // What perturbations need not confirm: decisions that the propagated noise makes clear, or none at all.
 enum class Trust { clear_ones, none };
@@ -32,7 +34,14 @@ struct LevelReading {
   bool clear = true;
   NoiseModel noise = NoiseModel::carried;  // others are confirmed by perturbations
   RankDecision doubtful;  // the first unclear decision
+  RankDecision weakest;   // the one that stands out least
 };
+
+// How far a value that is not zero stands, or would have stood, above those that are.
+double clearness(const RankDecision& decision) {
+  return decision.rank > 0 ? decision.gap : 1.0 / std::max(decision.noise, 1e-300);
+}
+bool is_weaker(const RankDecision& one, const RankDecision& other) { return clearness(one) < clearness(other); }
 
 // A search up the levels at one point.
 struct Search {
@@ -98,9 +107,16 @@ class Searcher {
     Search result;
     int v_hat_below = 0;
     for (int level = 0; level <= max_index; ++level) {
+      const RankDecision weakest_below = result.last.weakest;
       result.last = read_confirmed(level);
       if (!result.last.clear) return result;
       const CharacteristicValues values = values_of(level, result.last, v_hat_below);
+      if (level > 0 && !follows(result.levels.back(), values, result.last.ranks)) {
+        RankDecision& doubtful = result.last.doubtful;
+        doubtful = std::min(weakest_below, result.last.weakest, is_weaker);
+        result.last.clear = settings_.rank_tol > 0.0 || clearness(doubtful) >= decisive_gap;
+        if (!result.last.clear) return result;
+      }
       result.levels.push_back(values);
       result.levels.back().d = result.last.ranks.d;
       if (values.mu >= 0) {
@@ -211,6 +227,13 @@ class Searcher {
     data_.measure();
   }
 
+  // Constraints and redundant equations only get more from level to level, and m - a - v is rank(E T2) of the level
+  // before: what E T2 loses is what differentiation turns into constraints ([KM06], section 3.1: r_(i+1) = r_i - s_i).
+  // Exceptional points may differ, but then all ranks are clear by far. Ranks given by rank_tol are the user's.
+  static bool follows(const CharacteristicValues& below, const CharacteristicValues& values, const PointRanks& ranks) {
+    return ranks.d <= values.d && values.d == below.d && values.a >= below.a && values.v >= below.v;
+  }
+
   CharacteristicValues values_of(int level, const LevelReading& reading, int v_hat_below) const {
     const int a = reading.ranks.a, v = reading.ranks.v_hat - v_hat_below, d = problem_.m() - a - v;
     return {reading.ranks.d == d ? level : -1, d, a, problem_.n() - a - d, v};
@@ -234,6 +257,7 @@ class Searcher {
     reading.ranks = form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
     reading.time_scale = data_.time_scale;
     reading.clear = judge.all_clear();
+    if (!latest_.empty()) reading.weakest = *std::min_element(latest_.begin(), latest_.end(), is_weaker);
     for (const RankDecision& decision : latest_)
       if (decision.verdict == Verdict::unclear && reading.doubtful.verdict == Verdict::clear)
         reading.doubtful = decision;
