@@ -16,12 +16,6 @@ namespace {
 // the noise of the judge covers.
 constexpr double largest_multiplier = 100.0;
 
-// Rows of errors that are eliminated above the rows carried, as those are: all that happens to rows is linear in them,
-// so what becomes of errors of the size that enters at every stage is the noise of the decisions. (Bounds by norms and
-// pivots of every stage are too large by 1e4 at mu = 4, and the smallest pivot alone misses that stages amplify one
-// after the other: by |E^-1 A| tau each where E and A change slowly, 1e6 in all with tau = 128.)
-constexpr int error_rows = 1;
-
 // E_0 P = Q [R11 R12; 0 0], computed once for all stages.
 struct DiagonalBlock {
   View factors;
@@ -139,7 +133,7 @@ View determining_rows(const TaylorData& data, const DiagonalBlock& block, int i,
 // The rest of y_j: rows of T that are independent determine it and leave. Rows of errors come first in T and `rows`, at
 // the end behind those that leave. norm: of the rows of the stage in y_j. Returns the number of rows that leave.
 int release_rows(View T, double norm, int j, View rows, Judge& judge, Arena& arena) {
-  const int c = T.rows - error_rows;
+  const int error_rows = judge.error_rows(), c = T.rows - error_rows;
   if (c == 0 || T.cols == 0) return 0;
   const View errors = T.top(error_rows), factors = T.block(error_rows, 0, c, T.cols);
   const View others = rows.block(error_rows, 0, c, rows.cols);
@@ -168,7 +162,7 @@ int release_rows(View T, double norm, int j, View rows, Judge& judge, Arena& are
 // One stage: eliminates y_j, j = i + 1, from block row i and the rows carried; returns the rows carried on.
 View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View carried, ConstView rhs, Judge& judge,
                Arena& arena) {
-  const int n = data.n, m = data.m, r = block.rank, c = carried.rows;
+  const int n = data.n, m = data.m, r = block.rank, c = carried.rows, error_rows = judge.error_rows();
   const int columns = (i + 1) * n + rhs.cols;  // y_1..y_i, x, rhs
   const View next = arena.matrix(c + block.null_rows(), columns);
   copy(carried.columns(0, i * n), next.block(0, 0, c, i * n));
@@ -223,6 +217,7 @@ Carried split(const View& carried, int y_columns, int n, int rhs_columns) {
 
 Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_stage, Judge& judge, Arena& arena) {
   const DiagonalBlock block = factor_diagonal_block(data, judge, arena);
+  const int error_rows = judge.error_rows();
   View carried = arena.matrix(error_rows, (level + 2) * data.n + rhs.cols);
   fill(carried, 0.0);
   // What E_0 rounds to does not annihilate its left null vectors: errors of the first stage.

@@ -21,7 +21,8 @@ constexpr double perturbation_roundings = 4.0;
 // not allow, where errors of the callbacks of some ten roundings have to be reckoned with.
 constexpr double confirming_margin = clear_gap / perturbation_roundings;
 constexpr double keeping_margin = 1e4;
-// Ranks with smaller gaps than this must fit those of the level below.
+// Ranks with smaller gaps must follow from those of the level below: of 20,000 problems whose wrong ranks did not, none
+// had larger ones on both levels.
 constexpr double decisive_gap = 1e9;
 
 // What perturbations need not confirm: decisions that the propagated noise makes clear, or none at all.
@@ -35,6 +36,7 @@ struct LevelReading {
   NoiseModel noise = NoiseModel::carried;  // others are confirmed by perturbations
   RankDecision doubtful;  // the first unclear decision
   RankDecision weakest;   // the one that stands out least
+  bool follows = true;    // from the level below
 };
 
 // How far a value that is not zero stands, or would have stood, above those that are.
@@ -112,9 +114,9 @@ class Searcher {
       if (!result.last.clear) return result;
       const CharacteristicValues values = values_of(level, result.last, v_hat_below);
       if (level > 0 && !follows(result.levels.back(), values, result.last.ranks)) {
-        RankDecision& doubtful = result.last.doubtful;
-        doubtful = std::min(weakest_below, result.last.weakest, is_weaker);
-        result.last.clear = settings_.rank_tol > 0.0 || clearness(doubtful) >= decisive_gap;
+        result.last.follows = false;
+        result.last.doubtful = std::min(weakest_below, result.last.weakest, is_weaker);
+        result.last.clear = settings_.rank_tol > 0.0 || clearness(result.last.doubtful) >= decisive_gap;
         if (!result.last.clear) return result;
       }
       result.levels.push_back(values);
@@ -131,38 +133,38 @@ class Searcher {
  private:
   // The propagated noise is an upper bound, at times by far: values between it and the rounding errors of the matrix
   // itself are undecided. Which of them are signals is measured by perturbing the data by a few roundings: first a
-  // reading that keeps them all, then the one that drops them, then other time scales. What survives is confirmed.
+  // reading that keeps them all, then one that drops those below the noise of the smallest pivot, then one that drops
+  // them all, then other time scales. What survives is confirmed.
   void measure(int level, LevelReading& reading, std::vector<RankDecision>& decisions) {
-    const auto accept = [&](const LevelReading& confirmed, std::vector<RankDecision> from) {
-      reading = confirmed;
-      reading.clear = true;
-      decisions = std::move(from);
-      for (RankDecision& decision : decisions)
-        if (decision.verdict == Verdict::unclear) decision.verdict = Verdict::confirmed;
+    struct Attempt {
+      NoiseModel noise;
+      double margin;
+      Trust trust;
     };
+    bool confirmed = false;
     const double tau = reading.time_scale;
     // Singular values throughout: pivots may change their order under perturbations.
     judging_.by_singular_values = true;
-    judging_.noise = NoiseModel::data;
-    LevelReading keeping = read(level, tau);
-    const std::vector<RankDecision> kept = latest_;
-    const bool keeps = survives_perturbations(level, tau, kept, keeping_margin, Trust::none);
-    judging_.noise = NoiseModel::pivots;
-    LevelReading between = read(level, tau);
-    const std::vector<RankDecision> betweens = latest_;
-    const bool lies_between =
-        !keeps && between.clear && survives_perturbations(level, tau, betweens, confirming_margin, Trust::none);
+    for (const Attempt& attempt : {Attempt{NoiseModel::data, keeping_margin, Trust::none},
+                                   Attempt{NoiseModel::pivots, confirming_margin, Trust::none},
+                                   Attempt{NoiseModel::carried, confirming_margin, Trust::clear_ones}}) {
+      judging_.noise = attempt.noise;
+      LevelReading candidate = read(level, tau);
+      candidate.noise = attempt.noise;
+      const std::vector<RankDecision> made = latest_;
+      if (attempt.noise == NoiseModel::pivots && !candidate.clear) continue;
+      if (!survives_perturbations(level, tau, made, attempt.margin, attempt.trust)) continue;
+      confirmed = true;
+      reading = candidate;
+      decisions = made;
+      break;
+    }
     judging_.noise = NoiseModel::carried;
-    const LevelReading dropping = read(level, tau);
-    const std::vector<RankDecision> dropped = latest_;
-    const bool drops = !keeps && !lies_between && survives_perturbations(level, tau, dropped, confirming_margin, Trust::clear_ones);
     judging_.by_singular_values = settings_.by_svd;
-    keeping.noise = NoiseModel::data;
-    between.noise = NoiseModel::pivots;
-    if (keeps) accept(keeping, kept);
-    else if (lies_between) accept(between, betweens);
-    else if (drops) accept(dropping, dropped);
-    else if (agrees_with_other_time_scales(level, reading)) accept(reading, decisions);
+    if (!confirmed && !agrees_with_other_time_scales(level, reading)) return;
+    reading.clear = true;
+    for (RankDecision& decision : decisions)
+      if (decision.verdict == Verdict::unclear) decision.verdict = Verdict::confirmed;
   }
 
   bool agrees_with_other_time_scales(int level, const LevelReading& reading) {
@@ -285,15 +287,20 @@ std::string reading_with(LinearProblem& problem, double t, AnalysisSettings sett
 }
 
 [[noreturn]] void report_unclear(LinearProblem& problem, double t, const AnalysisSettings& settings,
-                                 const RankDecision& decision, Arena& arena) {
-  const double below = std::max({decision.dropped, decision.noise, 1e-300});
-  const double keep_tol = std::min(std::sqrt(decision.kept * below), 0.5);
-  const double drop_tol = std::min(3.0 * decision.kept, 0.5);
+                                 const LevelReading& reading, Arena& arena) {
+  const RankDecision& decision = reading.doubtful;
+  // The value in doubt is the smallest one kept, or, where that stands clear or there is none, the largest one dropped.
+  const bool doubts_kept = decision.rank > 0 && (decision.gap < clear_gap || decision.dropped <= decision.noise);
+  const double value = std::max(doubts_kept ? decision.kept : decision.dropped, decision.noise);
+  const double below = doubts_kept ? std::max({decision.dropped, decision.noise, 1e-300}) : 1e-2 * value;
+  const double keep_tol = std::min(std::sqrt(value * below), 0.5);
+  const double drop_tol = std::min(3.0 * value, 0.5);
+  const int rank = doubts_kept ? decision.rank : decision.rank + 1;
   const std::string kept = reading_with(problem, t, settings, keep_tol, arena);
   const std::string dropped = reading_with(problem, t, settings, drop_tol, arena);
   throw Failure(SFDAE_RANK_UNCLEAR,
-                describe(decision) + format(" is not clear. With rank %d ", decision.rank) + kept +
-                    format("; with rank %d ", decision.rank - 1) + dropped +
+                describe(decision) + (reading.follows ? " is not clear." : " does not fit the ranks of the level below.") +
+                    format(" With rank %d ", rank) + kept + format("; with rank %d ", rank - 1) + dropped +
                     format(". Try rank_tol = %.1e or %.1e, or scale the equations.", keep_tol, drop_tol));
 }
 
@@ -309,7 +316,7 @@ IndexAnalysis search_at(LinearProblem& problem, double t, const AnalysisSettings
                         std::vector<RankDecision>& decisions) {
   Searcher searcher(problem, t, settings, arena, &decisions);
   const Search found = searcher.search(settings.max_index);
-  if (!found.last.clear) report_unclear(problem, t, settings, found.last.doubtful, arena);
+  if (!found.last.clear) report_unclear(problem, t, settings, found.last, arena);
   if (found.values.mu < 0)
     throw Failure(SFDAE_INDEX_TOO_HIGH,
                   format("no strangeness index up to max_index = %d at t = %.15g:", settings.max_index, t) +

@@ -55,9 +55,8 @@ int Judge::decide(Subject subject, int stage, ConstView r, ConstView original, d
 int Judge::decide_diagonal_block(ConstView r, ConstView original) {
   // E_0 carries no derivatives: its noise is that of rounding alone.
   const int rank = decide(Subject::stage, level_ + 1, r, original, unit_roundoff * norm_E0_, norm_E0_, pivot_);
-  diagonal_pivot_ = pivot_;
-  errors_ = entering_error();
-  constraint_errors_ = entering_constraint_error();
+  errors_ = entering_error() / pivot_;
+  constraint_errors_ = entering_constraint_error() / pivot_;
   return rank;
 }
 

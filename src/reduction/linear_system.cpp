@@ -38,7 +38,8 @@ void LinearSystem::resize() {
   const std::size_t order = static_cast<std::size_t>(problem_.n());
   matrix_.resize(order * order + 1);
   matrix_pivots_.resize(order + 1);
-  noise_ = analysis_.noise;
+  // Where ranks are only compared with those known, the cheaper model comes first.
+  noise_ = analysis_.noise == NoiseModel::data ? NoiseModel::data : NoiseModel::pivots;
 }
 
 void LinearSystem::archive(Archive& archive) {
@@ -208,14 +209,15 @@ PointStatus LinearSystem::move_to(double t) {
   // that have grown or shrunk may need another time scale.
   if (status == PointStatus::changed) status = reduce(t, analysis_.time_scale, current(), RowScaling::common);
   // The other ways to take noise into account; without propagation it has to be measured.
+  const NoiseModel first = noise_;
   for (NoiseModel model : {NoiseModel::carried, NoiseModel::pivots, NoiseModel::data}) {
-    if (status != PointStatus::changed || model == analysis_.noise) continue;
+    if (status != PointStatus::changed || model == first) continue;
     noise_ = model;
     if (model != NoiseModel::data ||
         (problem_.prescribed().empty() && known_values_hold(problem_, t, settings_, analysis_, arena_)))
       status = reduce(t, analysis_.time_scale, current(), rows_);
-    noise_ = analysis_.noise;
   }
+  noise_ = first;
   for (double factor : {1.0, 0.125}) {
     if (status != PointStatus::changed || settings_.time_scale > 0.0) break;
     TaylorData& data = current().data;

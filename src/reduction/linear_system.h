@@ -161,7 +161,7 @@ class LinearSystem final : public StrangenessFreeSystem {
   // smoothly on t, and jumps of kept values would look like changes.
   std::vector<double> preferred_rows_;
   bool needs_E1_ = false;
-  NoiseModel noise_ = NoiseModel::carried;
+  NoiseModel noise_ = NoiseModel::pivots;  // of the next reduction
   Arena arena_;
   Point points_[2];
   int current_ = 0;
