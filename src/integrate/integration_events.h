@@ -1,0 +1,35 @@
+// The user's events and what an integration remembers of them.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "integrate/events.h"
+#include "sfdae/sfdae.h"
+
+namespace sfdae::core {
+
+// Lives longer than an integration: what has fired does not fire again after a restart at the same point.
+struct Events {
+  Events(sfdae_event_function user_function, void* user_data, std::vector<int> directions)
+      : function(user_function), user(user_data), search(std::move(directions)) {}
+
+  sfdae_event_function function;
+  void* user;
+  EventSearch search;
+  // x, x' at the point searched last, at a candidate, and where values are needed just now.
+  struct Point {
+    std::vector<double> x, xdot;
+  };
+  Point searched, candidate, now;
+  double t_now = 0.0;
+  std::vector<double> x_rounded, xdot_rounded, g_rounded, g_now;
+};
+
+// A new integration begins, or one without them goes on.
+void forget_search(Events& events);
+// A checkpoint does not fit as it is one of an integration without events, or with them. Throws Failure.
+[[noreturn]] void throw_events_differ(bool are_set);
+
+}  // namespace sfdae::core
