@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "integrate/integration.h"
 #include "linalg/matrix.h"
@@ -24,6 +25,18 @@ int call(const Events& events, double t, const Events::Point& point, std::vector
   return events.function(t, point.x.data(), point.xdot.data(), g.data(), events.user);
 }
 
+// Rounding errors as they might be, the same in every run.
+class RandomSigns {
+ public:
+  double changed(double value) {
+    state_ = state_ * 6364136223846793005u + 1442695040888963407u;  // Knuth's MMIX generator
+    return value * (1.0 + (state_ >> 63 != 0 ? rounding_unit : -rounding_unit));
+  }
+
+ private:
+  std::uint64_t state_ = 1;
+};
+
 Failure failure_of(int status, double t, const std::vector<double>& g) {
   if (status < 0)
     return Failure(SFDAE_CALLBACK_STOPPED, format("the event function returned %d at t = %.15g.", status, t));
@@ -36,6 +49,14 @@ Failure failure_of(int status, double t, const std::vector<double>& g) {
 }
 
 }  // namespace
+
+void Events::resize(std::size_t n) {
+  for (Point* point : {&searched, &candidate, &now, &rough}) {
+    point->x.resize(n);
+    point->xdot.resize(n);
+  }
+  for (std::vector<double>* g : {&g_now, &g_rough}) g->resize(static_cast<std::size_t>(search.count()));
+}
 
 void forget_search(Events& events) { events.search.reset(); }
 
@@ -53,14 +74,14 @@ class Integration::StepValues final : public EventValues {
   bool approximate(double t, double* g) override {
     // Without differential equations steps go anywhere at once, and a polynomial says nothing.
     if (integration_.system_.differential() == 0) return false;
-    Events::Point& now = events_.now;
-    integration_.stepper_->interpolate(t, integration_.scratch_w_.data(), now.x.data(), now.xdot.data());
-    if (!all_finite(now.x.data(), now.x.size()) || !all_finite(now.xdot.data(), now.xdot.size())) return false;
-    const int status = call(events_, t, now, events_.g_now);
+    Events::Point& rough = events_.rough;
+    integration_.stepper_->interpolate(t, integration_.scratch_w_.data(), rough.x.data(), rough.xdot.data());
+    if (!all_finite(rough.x.data(), rough.x.size()) || !all_finite(rough.xdot.data(), rough.xdot.size())) return false;
+    const int status = call(events_, t, rough, events_.g_rough);
     stop_if_asked(t);
     // What violates the constraints a little may be where g is not defined.
-    if (status != 0 || !all_finite(events_.g_now.data(), events_.g_now.size())) return false;
-    std::copy(events_.g_now.begin(), events_.g_now.end(), g);
+    if (status != 0 || !all_finite(events_.g_rough.data(), events_.g_rough.size())) return false;
+    std::copy(events_.g_rough.begin(), events_.g_rough.end(), g);
     return true;
   }
 
@@ -74,22 +95,22 @@ class Integration::StepValues final : public EventValues {
     std::copy(events_.g_now.begin(), events_.g_now.end(), g);
   }
 
-  // Changes of alternating sign, lest differences of components hide them.
+  // The largest change among several: a single one may cancel by chance.
   void rounding(double* noise) override {
-    Events::Point& now = events_.now;
-    const auto change = [](std::vector<double>& values) {
-      for (std::size_t i = 0; i < values.size(); ++i) values[i] *= 1.0 + (i % 2 == 0 ? rounding_unit : -rounding_unit);
+    constexpr int patterns = 8;
+    std::fill_n(noise, events_.g_now.size(), 0.0);
+    RandomSigns signs;
+    const auto change = [&signs](const std::vector<double>& values, std::vector<double>& changed) {
+      for (std::size_t i = 0; i < values.size(); ++i) changed[i] = signs.changed(values[i]);
     };
-    events_.x_rounded = now.x;
-    events_.xdot_rounded = now.xdot;
-    change(now.x);
-    change(now.xdot);
-    const int status = call(events_, events_.t_now, now, events_.g_rounded);
-    now.x.swap(events_.x_rounded);
-    now.xdot.swap(events_.xdot_rounded);
-    const bool is_valid = status == 0 && all_finite(events_.g_rounded.data(), events_.g_rounded.size());
-    for (std::size_t i = 0; i < events_.g_now.size(); ++i)
-      noise[i] = is_valid ? std::fabs(events_.g_rounded[i] - events_.g_now[i]) : 0.0;
+    for (int k = 0; k < patterns; ++k) {
+      change(events_.now.x, events_.rough.x);
+      change(events_.now.xdot, events_.rough.xdot);
+      const int status = call(events_, signs.changed(events_.t_now), events_.rough, events_.g_rough);
+      if (status != 0 || !all_finite(events_.g_rough.data(), events_.g_rough.size())) continue;
+      for (std::size_t i = 0; i < events_.g_now.size(); ++i)
+        noise[i] = std::max(noise[i], std::fabs(events_.g_rough[i] - events_.g_now[i]));
+    }
   }
 
   void keep() override { events_.candidate = events_.now; }
@@ -117,15 +138,7 @@ int Integration::halvings_for_events(double from, double to) const {
 
 void Integration::start_events() {
   Events& events = *options_.events;
-  const std::size_t n = static_cast<std::size_t>(system_.unknowns());
-  for (Events::Point* point : {&events.searched, &events.candidate, &events.now}) {
-    point->x.resize(n);
-    point->xdot.resize(n);
-  }
-  events.x_rounded.resize(n);
-  events.xdot_rounded.resize(n);
-  events.g_rounded.resize(static_cast<std::size_t>(events.search.count()));
-  events.g_now.resize(events.g_rounded.size());
+  events.resize(static_cast<std::size_t>(system_.unknowns()));
   StepValues values(*this);
   const double rounding = start_width * 2.0 * unit_roundoff * std::max(std::fabs(last_returned_), span_);
   events.search.start(values, last_returned_, rounding);
@@ -177,14 +190,9 @@ void Integration::archive_events(Archive& archive) {
   events.search.archive(archive);
   if (!events.search.is_started()) return;
   const std::size_t n = static_cast<std::size_t>(system_.unknowns());
+  if (archive.is_reading()) events.resize(n);
   archive.reals(events.searched.x, n);
   archive.reals(events.searched.xdot, n);
-  if (!archive.is_reading()) return;
-  for (Events::Point* point : {&events.candidate, &events.now}) *point = events.searched;
-  events.x_rounded.resize(n);
-  events.xdot_rounded.resize(n);
-  events.g_rounded.resize(static_cast<std::size_t>(count));
-  events.g_now.resize(events.g_rounded.size());
 }
 
 }  // namespace sfdae::core

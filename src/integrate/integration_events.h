@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -18,13 +19,15 @@ struct Events {
   sfdae_event_function function;
   void* user;
   EventSearch search;
-  // x, x' at the point searched last, at a candidate, and where values are needed just now.
+  void resize(std::size_t n);
+
   struct Point {
     std::vector<double> x, xdot;
   };
-  Point searched, candidate, now;
+  // At the point searched last, at a candidate, at the one determined last, and roughly at others.
+  Point searched, candidate, now, rough;
   double t_now = 0.0;
-  std::vector<double> x_rounded, xdot_rounded, g_rounded, g_now;
+  std::vector<double> g_now, g_rough;
 };
 
 // A new integration begins, or one without them goes on.
