@@ -44,7 +44,11 @@ int sfdae_set_events(sfdae_solver* solver, int num_events, sfdae_event_function 
 }
 
 int sfdae_get_events(const sfdae_solver* solver, int* which) {
-  if (solver == nullptr || which == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  if (which == nullptr) {
+    std::snprintf(solver->message, sizeof solver->message, "which is NULL.");
+    return SFDAE_ILLEGAL_ARGUMENT;
+  }
   if (!solver->events) return SFDAE_OK;
   const std::vector<int>& fired = solver->events->search.fired();
   std::copy(fired.begin(), fired.end(), which);
