@@ -18,7 +18,9 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr int more_halvings = 8;
 // The interval around a guess that counts as hit, in units of the interval searched.
 constexpr double near_guess = 1e-9;
-// A disarmed function has left zero when it is this much larger than at the event.
+// Of the size of g around an event: below, what is left of it is the inaccuracy of a zero.
+constexpr double residue = 1e-6;
+// A function has left zero when it is this much larger than what was left.
 constexpr double clearly_larger = 4.0;
 // Points of a search at which the cheap values may call for a closer look whether a function is to be armed.
 constexpr int max_arming_attempts = 4;
@@ -107,7 +109,7 @@ bool ZeroBracket::place(double t, const Vector& g) {
 
 EventSearch::EventSearch(std::vector<int> directions) : directions_(std::move(directions)) {
   const std::size_t size = directions_.size();
-  for (Vector* v : {&g_, &threshold_, &trial_, &rough_before_, &rough_after_, &noise_, &from_.g}) v->assign(size, 0.0);
+  for (Vector* v : {&g_, &threshold_, &size_, &trial_, &rough_before_, &rough_after_, &noise_, &from_.g}) v->assign(size, 0.0);
   for (std::vector<int>* v : {&signs_, &fired_, &watched_}) v->assign(size, 0);
   pending_.resize(max_pending);
   for (Sample& sample : pending_) {
@@ -134,7 +136,7 @@ void EventSearch::start(EventValues& values, double t, double rounding) {
   start_rounding_ = rounding;
   for (std::size_t i = 0; i < signs_.size(); ++i) {
     signs_[i] = 0;
-    threshold_[i] = fired_[i] != 0 ? clearly_larger * std::fabs(trial_[i]) : 0.0;
+    threshold_[i] = fired_[i] != 0 ? threshold_after_event(i, trial_[i]) : 0.0;
   }
   values.keep();
   move_on(values, t, trial_);
@@ -236,6 +238,11 @@ bool EventSearch::is_event(const Vector& g) const {
   return false;
 }
 
+// Where g jumped over zero, or was changed at the event, it may be armed at once.
+double EventSearch::threshold_after_event(std::size_t i, double g) const {
+  return std::fabs(g) <= residue * size_[i] ? clearly_larger * std::fabs(g) : 0.0;
+}
+
 // False if the zero found belongs to the start.
 bool EventSearch::locate(EventValues& values, const Sample& to) {
   for (std::size_t i = 0; i < watched_.size(); ++i) watched_[i] = counts(i) ? signs_[i] : 0;
@@ -247,7 +254,8 @@ bool EventSearch::locate(EventValues& values, const Sample& to) {
     if (!ZeroBracket::is_lost(watched_[i], g[i])) continue;
     if (!at_start) fired_[i] = -signs_[i];
     signs_[i] = 0;
-    threshold_[i] = clearly_larger * std::fabs(g[i]);
+    size_[i] = std::max(std::fabs(g_[i]), std::fabs(to.g[i]));
+    threshold_[i] = threshold_after_event(i, g[i]);
   }
   move_on(values, bracket_.after(), g);
   return !at_start;
@@ -319,7 +327,7 @@ void EventSearch::include_simultaneous(EventValues& values, double limit) {
 void EventSearch::archive(Archive& archive) {
   archive.small(started_);
   for (double* value : {&t_, &start_, &start_rounding_}) archive.real(*value);
-  for (Vector* v : {&g_, &threshold_}) archive.reals(v->data(), v->size());
+  for (Vector* v : {&g_, &threshold_, &size_}) archive.reals(v->data(), v->size());
   for (std::size_t i = 0; i < signs_.size(); ++i) {
     int sign = signs_[i] + 1, fired = fired_[i] + 1;
     archive.small(sign, fired);

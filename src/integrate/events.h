@@ -96,6 +96,7 @@ class EventSearch {
   bool must_split(const Sample& to, int depth) const;
   void split(EventValues& values);
   bool is_suspicious(const std::vector<double>& g);
+  double threshold_after_event(std::size_t i, double g) const;
   bool is_event(const std::vector<double>& g) const;
   void move_on(EventValues& values, double t, const std::vector<double>& g);
   void update_signs(EventValues& values, const std::vector<double>& g);
@@ -110,7 +111,7 @@ class EventSearch {
   double t_ = 0.0;
   std::vector<double> g_;
   std::vector<int> signs_, fired_;
-  std::vector<double> threshold_;
+  std::vector<double> threshold_, size_;  // size_: of g around its event
   double start_ = 0.0, start_rounding_ = 0.0;
 
   // Of the search under way.
