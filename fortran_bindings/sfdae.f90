@@ -1188,7 +1188,8 @@ contains
     real(c_double), intent(inout) :: t
     !> n values at t, which satisfy all constraints, hidden ones included.
     real(c_double), contiguous, intent(inout) :: x(:)
-    !> Remarks: sfdae_stopped, sfdae_inconsistency_ignored. Failures: callbacks, integration, ...
+    !> Remarks: sfdae_stopped, sfdae_inconsistency_ignored, sfdae_event. Failures: callbacks,
+    !> integration, ...
     integer(c_int), intent(out) :: status
     !> n values: x'(t).
     real(c_double), contiguous, target, intent(inout), optional :: xdot(:)

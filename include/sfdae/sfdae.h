@@ -364,7 +364,7 @@ SFDAE_API int sfdae_start(sfdae_solver *solver, double t, double toward, double 
  * Steps of Radau end at tout until there are enough of them to interpolate accurately; those of BDF do not depend
  * on tout. tout must lie in the direction of integration, at or behind the last point returned; the direction is
  * set by sfdae_start.
- * Remarks: SFDAE_STOPPED, SFDAE_INCONSISTENCY_IGNORED. Failures: callbacks, SFDAE_CHARACTERISTICS_CHANGED,
+ * Remarks: SFDAE_STOPPED, SFDAE_INCONSISTENCY_IGNORED, SFDAE_EVENT. Failures: callbacks, SFDAE_CHARACTERISTICS_CHANGED,
  * SFDAE_INCONSISTENT_EQUATIONS, integration, SFDAE_NOT_STARTED. */
 SFDAE_API int sfdae_advance(sfdae_solver *solver, double tout, double *t, double *x, double *xdot);
 

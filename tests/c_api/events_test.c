@@ -129,6 +129,13 @@ static int g_many(double t, const double *x, const double *xdot, double *g, void
   return 0;
 }
 
+/* Defined on the solution only. */
+static int g_strict(double t, const double *x, const double *xdot, double *g, void *user) {
+  (void)user, (void)xdot;
+  g[0] = fabs(x[2] - x[0] - x[1] - cos(3 * t)) > 1e-13 ? sqrt(-1.0) : x[2];
+  return 0;
+}
+
 static world here;
 
 static sfdae_solver *create(sfdae_matrix_function E, sfdae_matrix_function A, sfdae_vector_function f, int method,
@@ -386,6 +393,31 @@ static void events_at_the_stop_time(void) {
   }
 }
 
+/* Functions that cannot be evaluated where constraints are violated. */
+static void functions_defined_on_the_solution_only(void) {
+  int method;
+  FOR_METHODS(method) {
+    sfdae_solver *solver = oscillator(method, 0, 10);
+    double t = 0, x[N];
+    int events = 0, status;
+    watch(solver, 1, g_strict, 0, NULL);
+    while ((status = sfdae_advance(solver, 10, &t, x, NULL)) == SFDAE_EVENT && events++ < 100)
+      CHECK(fabs(x[2]) <= 100 * DBL_EPSILON && fabs(sin(t) + cos(t) + cos(3 * t)) <= 3000 * TOL);
+    CHECK(status == SFDAE_OK);
+    { /* as many as the exact solution has */
+      int exact = 0, k;
+      double old = 2, now;
+      for (k = 1; k <= 100000; k++, old = now) {
+        const double s = k * 1e-4;
+        now = sin(s) + cos(s) + cos(3 * s);
+        exact += old * now < 0;
+      }
+      CHECK(events == exact && exact > 0);
+    }
+    sfdae_destroy(&solver);
+  }
+}
+
 /* ---- Restarts -------------------------------------------------------------------------------------------------- */
 
 /* From height 1 at rest: impacts at T, T + 2 r T, T + 2 (r + r^2) T, ..., T = sqrt(2 / G), each with r times the speed. */
@@ -635,6 +667,7 @@ int main(void) {
   double_zeros_within_a_step();
   events_and_outputs();
   events_at_the_stop_time();
+  functions_defined_on_the_solution_only();
   bouncing_ball();
   restarts_do_not_repeat_events();
   failures_of_the_event_function();
