@@ -22,8 +22,9 @@ constexpr double near_guess = 1e-9;
 constexpr double residue = 1e-6;
 // A function has left zero when it is this much larger than what was left.
 constexpr double clearly_larger = 4.0;
-// Points of a search at which the cheap values may call for a closer look whether a function is to be armed.
-constexpr int max_arming_attempts = 4;
+// Closer looks whether a function is to be armed, which cost a reduction each, before it is taken for rounding errors; then
+// only points that are looked at anyway can arm it.
+constexpr int max_attempts = 6;
 
 }  // namespace
 
@@ -110,7 +111,7 @@ bool ZeroBracket::place(double t, const Vector& g) {
 EventSearch::EventSearch(std::vector<int> directions) : directions_(std::move(directions)) {
   const std::size_t size = directions_.size();
   for (Vector* v : {&g_, &threshold_, &size_, &trial_, &rough_before_, &rough_after_, &noise_, &from_.g}) v->assign(size, 0.0);
-  for (std::vector<int>* v : {&signs_, &fired_, &watched_}) v->assign(size, 0);
+  for (std::vector<int>* v : {&signs_, &fired_, &vain_, &watched_}) v->assign(size, 0);
   pending_.resize(max_pending);
   for (Sample& sample : pending_) {
     sample.g.resize(size);
@@ -135,7 +136,7 @@ void EventSearch::start(EventValues& values, double t, double rounding) {
   start_ = t;
   start_rounding_ = rounding;
   for (std::size_t i = 0; i < signs_.size(); ++i) {
-    signs_[i] = 0;
+    signs_[i] = vain_[i] = 0;
     threshold_[i] = fired_[i] != 0 ? threshold_after_event(i, trial_[i]) : 0.0;
   }
   values.keep();
@@ -155,19 +156,21 @@ void EventSearch::update_signs(EventValues& values, const Vector& g) {
   bool has_noise = false;
   for (std::size_t i = 0; i < g.size(); ++i) {
     if (ZeroBracket::is_lost(signs_[i], g[i])) {
-      signs_[i] = 0;
+      signs_[i] = vain_[i] = 0;
       threshold_[i] = 0.0;
     }
-    if (signs_[i] != 0 || !(std::fabs(g[i]) > threshold_[i])) continue;
-    if (!has_noise) values.rounding(noise_.data());
-    has_noise = true;
-    if (std::fabs(g[i]) > noise_[i]) signs_[i] = g[i] > 0.0 ? 1 : -1;
+    if (signs_[i] != 0) continue;
+    if (!has_noise && std::fabs(g[i]) > threshold_[i]) {
+      values.rounding(noise_.data());
+      has_noise = true;
+    }
+    if (std::fabs(g[i]) > threshold_[i] && std::fabs(g[i]) > noise_[i]) signs_[i] = g[i] > 0.0 ? 1 : -1;
+    else vain_[i] = std::min(vain_[i] + 1, max_attempts);
   }
 }
 
 bool EventSearch::search(EventValues& values, double end, int depth) {
   forget_event();
-  arming_attempts_ = max_arming_attempts;
   from_.t = t_;
   from_.g = g_;
   num_pending_ = 1;
@@ -223,13 +226,12 @@ void EventSearch::split(EventValues& values) {
     middle.bend[i] = to.bend[i] = std::fabs(from_.g[i] - 2.0 * middle.g[i] + to.g[i]);
 }
 
-bool EventSearch::is_suspicious(const Vector& g) {
-  bool to_be_armed = false;
+bool EventSearch::is_suspicious(const Vector& g) const {
   for (std::size_t i = 0; i < g.size(); ++i) {
     if (ZeroBracket::is_lost(signs_[i], g[i])) return true;
-    to_be_armed = to_be_armed || (signs_[i] == 0 && std::fabs(g[i]) > threshold_[i]);
+    if (signs_[i] == 0 && std::fabs(g[i]) > threshold_[i] && vain_[i] < max_attempts) return true;
   }
-  return to_be_armed && arming_attempts_-- > 0;
+  return false;
 }
 
 bool EventSearch::is_event(const Vector& g) const {
@@ -253,7 +255,7 @@ bool EventSearch::locate(EventValues& values, const Sample& to) {
   for (std::size_t i = 0; i < watched_.size(); ++i) {
     if (!ZeroBracket::is_lost(watched_[i], g[i])) continue;
     if (!at_start) fired_[i] = -signs_[i];
-    signs_[i] = 0;
+    signs_[i] = vain_[i] = 0;
     size_[i] = std::max(std::fabs(g_[i]), std::fabs(to.g[i]));
     threshold_[i] = threshold_after_event(i, g[i]);
   }
@@ -265,7 +267,10 @@ bool EventSearch::locate(EventValues& values, const Sample& to) {
 void EventSearch::narrow(EventValues& values, const Sample& to) {
   bracket_.start(watched_, t_, g_, to.t, to.g);
   double t = to.t;
-  if (guess(values, to.t, t) && bracket_.place(t, trial_)) values.keep();
+  if (guess(values, to.t, t)) {
+    determine(values, t, false, trial_);
+    if (bracket_.place(t, trial_)) values.keep();
+  }
   while (!bracket_.is_resolved()) {
     t = bracket_.next();
     if (t == bracket_.before() || t == bracket_.after()) break;
@@ -274,8 +279,8 @@ void EventSearch::narrow(EventValues& values, const Sample& to) {
   }
 }
 
-// A zero of the cheap values at t, strictly inside, and in trial_ the values that are returned there. To determine these may
-// make the cheap ones better: then it is worth while to look again.
+// A zero of the cheap values at t, strictly inside. To determine the values that are returned there may make the cheap
+// ones better: then it is worth while to look again. From then on nothing changes any more.
 bool EventSearch::guess(EventValues& values, double to, double& t) {
   constexpr int max_rounds = 3;
   const double from = from_.t;
@@ -330,8 +335,8 @@ void EventSearch::archive(Archive& archive) {
   for (Vector* v : {&g_, &threshold_, &size_}) archive.reals(v->data(), v->size());
   for (std::size_t i = 0; i < signs_.size(); ++i) {
     int sign = signs_[i] + 1, fired = fired_[i] + 1;
-    archive.small(sign, fired);
-    if (sign < 0 || sign > 2 || fired < 0 || fired > 2) throw DamagedArchive();
+    archive.small(sign, fired, vain_[i]);
+    if (vain_[i] < 0 || sign < 0 || sign > 2 || fired < 0 || fired > 2) throw DamagedArchive();
     signs_[i] = sign - 1;
     fired_[i] = fired - 1;
   }

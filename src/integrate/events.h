@@ -95,7 +95,7 @@ class EventSearch {
   bool counts(std::size_t i) const { return directions_[i] == 0 || directions_[i] == -signs_[i]; }
   bool must_split(const Sample& to, int depth) const;
   void split(EventValues& values);
-  bool is_suspicious(const std::vector<double>& g);
+  bool is_suspicious(const std::vector<double>& g) const;
   double threshold_after_event(std::size_t i, double g) const;
   bool is_event(const std::vector<double>& g) const;
   void move_on(EventValues& values, double t, const std::vector<double>& g);
@@ -111,6 +111,7 @@ class EventSearch {
   double t_ = 0.0;
   std::vector<double> g_;
   std::vector<int> signs_, fired_;
+  std::vector<int> vain_;  // attempts in vain to arm a function, since the start or its event
   std::vector<double> threshold_, size_;  // size_: of g around its event
   double start_ = 0.0, start_rounding_ = 0.0;
 
@@ -118,7 +119,6 @@ class EventSearch {
   Sample from_;                  // left end of the interval looked at
   std::vector<Sample> pending_;  // right ends, the nearest last
   std::size_t num_pending_ = 0;
-  int arming_attempts_ = 0;
   double determined_t_ = 0.0;
   bool has_determined_ = false;
   ZeroBracket bracket_, rough_bracket_;

@@ -90,6 +90,7 @@ class Integration {
   // Up to tout or the last point: the event found, if any.
   std::optional<CallResult> search_events(double tout);
   void start_events();
+  void refine_for_events();
   int halvings_for_events(double from, double to) const;
   void archive_events(Archive& archive);
   bool has_searched_to(double t) const;

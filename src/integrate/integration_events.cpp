@@ -136,6 +136,22 @@ int Integration::halvings_for_events(double from, double to) const {
   return part < 1.0 ? std::max(1, whole + std::max(-whole, static_cast<int>(std::ceil(std::log2(part))))) : whole;
 }
 
+// Where a long step comes after short ones the polynomial may be too rough to show whether there are zeros: it costs
+// Radau one reduction a step to know, and the stages of up to three points to make up for it.
+void Integration::refine_for_events() {
+  Events& events = *options_.events;
+  for (double part : {0.5, 0.25, 0.75}) {
+    const int before = stepper_->refined_points();
+    const double t = stepper_->t() - part * stepper_->last_step();
+    stepper_->interpolate(t, scratch_w_.data(), events.rough.x.data(), events.rough.xdot.data());
+    const PointStatus status = stepper_->refine(system_, weights_, t, scratch_w_.data(), events.rough.x.data(),
+                                                events.rough.xdot.data());
+    if (status == PointStatus::trouble && !system_.trouble().is_recoverable())
+      throw Failure(system_.trouble().status, system_.trouble().message());
+    if (stepper_->refined_points() == before) return;
+  }
+}
+
 void Integration::start_events() {
   Events& events = *options_.events;
   events.resize(static_cast<std::size_t>(system_.unknowns()));
@@ -150,6 +166,8 @@ std::optional<CallResult> Integration::search_events(double tout) {
   if (!events.search.is_started()) start_events();
   const double from = events.search.t(), to = has_passed(tout) ? tout : stepper_->t();
   if (!((to - from) * direction_ > 0.0)) return std::nullopt;
+  const bool is_new_step = std::fabs(stepper_->t() - from) >= (1.0 - 1e-10) * std::fabs(stepper_->last_step());
+  if (is_new_step && method_ == Method::radau && system_.differential() > 0) refine_for_events();
   StepValues values(*this);
   if (!events.search.search(values, to, halvings_for_events(from, to))) return std::nullopt;
   return CallResult{SFDAE_EVENT, format("event at t = %.15g: sfdae_get_events tells which. Advance again to go on.",
