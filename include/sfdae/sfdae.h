@@ -411,7 +411,8 @@ typedef int (*sfdae_event_function)(double t, const double *x, const double *xdo
  *  - Two zeros of one g_i within a step are found where the values of g_i at a few points of the step show that it bends
  *    toward zero in between. A zero without change of sign is found only if g_i is exactly zero at a point looked at.
  *    Jumps of g_i count as zeros. Motions smaller than the tolerances mean nothing. Without differential equations (d = 0)
- *    steps go to tout at once: 33 points at least are looked at, at each one reduction is made.
+ *    steps go to tout at once: 33 points at least are looked at, at each one reduction is made. With BDF, where algebraic
+ *    components vary much faster than the others, limit max_step.
  *  - g_i is evaluated at values with the accuracy of interpolation, which may violate constraints slightly; failures there
  *    do no harm. Failures on the solution itself end the call (SFDAE_NOT_FINITE for NaN or Inf).
  *  - Without success, with SFDAE_STOPPED for example, sfdae_advance returns the point up to which events have been searched.

@@ -91,6 +91,7 @@ class Integration {
   std::optional<CallResult> search_events(double tout);
   void start_events();
   void refine_for_events();
+  void want_exact_slopes(bool wanted) { wants_slopes_ = wanted; }
   int halvings_for_events(double from, double to) const;
   void archive_events(Archive& archive);
   bool has_searched_to(double t) const;

@@ -16,6 +16,8 @@ namespace {
 
 // Relative changes of x, x' and t that rounding errors may amount to.
 constexpr double rounding_unit = 8.0 * unit_roundoff;
+// Rough values of g are trusted where they are larger than their error by this factor: it is measured at one point.
+constexpr double clearly_wrong = 8.0;
 // Zeros this near to the start, in units of the rounding errors of times, are zeros at the start.
 constexpr double start_width = 100.0;
 
@@ -55,7 +57,7 @@ void Events::resize(std::size_t n) {
     point->x.resize(n);
     point->xdot.resize(n);
   }
-  for (std::vector<double>* g : {&g_now, &g_rough}) g->resize(static_cast<std::size_t>(search.count()));
+  for (std::vector<double>* g : {&g_now, &g_rough, &rough_error}) g->resize(static_cast<std::size_t>(search.count()));
 }
 
 void forget_search(Events& events) { events.search.reset(); }
@@ -81,8 +83,27 @@ class Integration::StepValues final : public EventValues {
     stop_if_asked(t);
     // What violates the constraints a little may be where g is not defined.
     if (status != 0 || !all_finite(events_.g_rough.data(), events_.g_rough.size())) return false;
+    for (std::size_t i = 0; i < events_.g_rough.size(); ++i)
+      if (std::fabs(events_.g_rough[i]) < clearly_wrong * events_.rough_error[i]) return false;
     std::copy(events_.g_rough.begin(), events_.g_rough.end(), g);
     return true;
+  }
+
+  // Steps are as long as w = W x allows; algebraic components may vary faster, and their polynomials show nothing then.
+  void measure_rough_error(double t) {
+    std::vector<double>& error = events_.rough_error;
+    std::fill(error.begin(), error.end(), 0.0);
+    if (!approximate(t, error.data())) return;
+    integration_.want_exact_slopes(false);
+    integration_.evaluate(t, false, events_.now.x.data(), events_.now.xdot.data());
+    integration_.want_exact_slopes(true);
+    const bool is_known = call(events_, t, events_.now, events_.g_now) == 0 &&
+                          all_finite(events_.g_now.data(), events_.g_now.size());
+    for (std::size_t i = 0; i < error.size(); ++i) {
+      const double difference = std::fabs(error[i] - events_.g_now[i]);
+      const bool matters = is_known && difference > 1e-4 * std::max(std::fabs(error[i]), std::fabs(events_.g_now[i]));
+      error[i] = matters ? difference : 0.0;
+    }
   }
 
   void determine(double t, bool may_improve, double* g) override {
@@ -167,8 +188,11 @@ std::optional<CallResult> Integration::search_events(double tout) {
   const double from = events.search.t(), to = has_passed(tout) ? tout : stepper_->t();
   if (!((to - from) * direction_ > 0.0)) return std::nullopt;
   const bool is_new_step = std::fabs(stepper_->t() - from) >= (1.0 - 1e-10) * std::fabs(stepper_->last_step());
-  if (is_new_step && method_ == Method::radau && system_.differential() > 0) refine_for_events();
   StepValues values(*this);
+  if (is_new_step && method_ == Method::radau && system_.differential() > 0) {
+    refine_for_events();
+    values.measure_rough_error(stepper_->t() - 0.4 * stepper_->last_step());
+  }
   if (!events.search.search(values, to, halvings_for_events(from, to))) return std::nullopt;
   return CallResult{SFDAE_EVENT, format("event at t = %.15g: sfdae_get_events tells which. Advance again to go on.",
                                         events.search.t())};
@@ -211,6 +235,7 @@ void Integration::archive_events(Archive& archive) {
   if (archive.is_reading()) events.resize(n);
   archive.reals(events.searched.x, n);
   archive.reals(events.searched.xdot, n);
+  archive.reals(events.rough_error, static_cast<std::size_t>(count));
 }
 
 }  // namespace sfdae::core

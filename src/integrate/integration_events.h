@@ -28,6 +28,7 @@ struct Events {
   Point searched, candidate, now, rough;
   double t_now = 0.0;
   std::vector<double> g_now, g_rough;
+  std::vector<double> rough_error;  // of g at rough points of the last step, where it matters
 };
 
 // A new integration begins, or one without them goes on.
