@@ -418,6 +418,30 @@ static void functions_defined_on_the_solution_only(void) {
   }
 }
 
+/* Outputs in clusters make steps of very different sizes, and x3 varies faster than they show. */
+static void clustered_outputs_hide_nothing(void) {
+  int method, run;
+  FOR_METHODS(method) for (run = 0; run < 40; run++) {
+    const double level = -0.8 + 0.04 * run;
+    sfdae_solver *solver = oscillator(method, 0, 20);
+    double t = 0, x[N], tout = 0, old = 2 - level, now;
+    int k, exact = 0, events = 0, status;
+    watch(solver, 1, g_x3, level, NULL);
+    for (k = 1; tout < 20; k++) {
+      tout = fmin(20, tout + pow(10, -1.5 + 1.5 * sin(k * k + run))); /* 0.001 ... 1 */
+      while ((status = sfdae_advance(solver, tout, &t, x, NULL)) == SFDAE_EVENT && events++ < 100) CHECK(fabs(x[2] - level) <= 1e-13);
+      CHECK(status == SFDAE_OK);
+    }
+    for (k = 1; k <= 200000; k++, old = now) {
+      const double s = k * 1e-4;
+      now = sin(s) + cos(s) + cos(3 * s) - level;
+      exact += old * now < 0;
+    }
+    CHECK(events == exact);
+    sfdae_destroy(&solver);
+  }
+}
+
 /* ---- Restarts -------------------------------------------------------------------------------------------------- */
 
 /* From height 1 at rest: impacts at T, T + 2 r T, T + 2 (r + r^2) T, ..., T = sqrt(2 / G), each with r times the speed. */
@@ -668,6 +692,7 @@ int main(void) {
   events_and_outputs();
   events_at_the_stop_time();
   functions_defined_on_the_solution_only();
+  clustered_outputs_hide_nothing();
   bouncing_ball();
   restarts_do_not_repeat_events();
   failures_of_the_event_function();
