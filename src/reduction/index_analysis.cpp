@@ -21,6 +21,8 @@ constexpr double perturbation_roundings = 4.0;
 // not allow, where errors of the callbacks of some ten roundings have to be reckoned with.
 constexpr double confirming_margin = clear_gap / perturbation_roundings;
 constexpr double keeping_margin = 1e4;
+// Dropped values against their changes: rounding errors change by about their own size.
+constexpr double moving_margin = 10.0;
 // Ranks with smaller gaps must follow from those of the level below: of 20,000 problems whose wrong ranks did not, none
 // had larger ones on both levels.
 constexpr double decisive_gap = 1e9;
@@ -200,7 +202,7 @@ class Searcher {
           break;
         }
         if (is.rank != was.rank) return false;
-        if (confirming_margin * std::fabs(is.dropped - was.dropped) > was.dropped) moved[q] = 1;
+        if (moving_margin * std::fabs(is.dropped - was.dropped) > was.dropped) moved[q] = 1;
         if (was.rank == 0 || (was.verdict != Verdict::unclear && trust == Trust::clear_ones)) continue;
         // What stands clear of the propagated noise may move a little.
         const bool stands_clear = trust == Trust::clear_ones && was.gap >= clear_gap;
