@@ -33,13 +33,15 @@ struct Andrews {
                           i7 = 1.912e-5;
   static constexpr double xa = -.06934, ya = -.00227, xb = -.03635, yb = .03273, xc = .014, yc = .072, c0 = 4530;
   static constexpr double d = .028, da = .0115, e = .02, ea = .01421, rr = .007, ra = .00092, l0 = .07785, ss = .035;
-  static constexpr double sa = .01874, sb = .01043, sc = .018, sd = .02, ta = .02308, tb = .00916, u = .04, ua = .01228;
+  static constexpr double sa = .01874, sb = .01043, sc = .018, sd = .02, ta = .02308, tb = .00916, u = .04,
+                          ua = .01228;
   static constexpr double ub = .00449, zf = .02, zt = .04, fa = .01421, mom = .033, ee = e - ea, zz = zf - fa;
 
-  explicit Andrews(Recording& recording) : q(recording.x.begin(), recording.x.begin() + 7),
-                                           v(recording.x.begin() + 7, recording.x.begin() + 14),
-                                           w(recording.x.begin() + 14, recording.x.begin() + 21),
-                                           lambda(recording.x.begin() + 21, recording.x.end()) {}
+  explicit Andrews(Recording& recording)
+      : q(recording.x.begin(), recording.x.begin() + 7),
+        v(recording.x.begin() + 7, recording.x.begin() + 14),
+        w(recording.x.begin() + 14, recording.x.begin() + 21),
+        lambda(recording.x.begin() + 21, recording.x.end()) {}
 
   std::vector<Term> mass_times_w() const {
     const Term cos_Th = cos(q[1]), sin_Ph = sin(q[3]), sin_Om = sin(q[5]);

@@ -220,7 +220,8 @@ int DgeldaCall::start_integration() {
   progress_.is_running = true;
   core::IntegrationOptions options = options_of_integration();
   if (options_.has_initial_step) options.initial_step = std::fabs(options_.initial_step);
-  integration_ = std::make_unique<core::Integration>(*system_, std::make_unique<core::ChangeWatch>(*system_), options, t_, arguments_.tout, x_, xdot_);
+  integration_ = std::make_unique<core::Integration>(*system_, std::make_unique<core::ChangeWatch>(*system_), options, t_,
+                                                     arguments_.tout, x_, xdot_);
   return advance();
 }
 
@@ -232,7 +233,7 @@ int DgeldaCall::go_on() {
   } catch (const core::Failure&) {
     return code::bad_info;
   }
-  system_ = std::move(restored.system);
+  system_.reset(static_cast<core::LinearSystem*>(restored.system.release()));
   integration_ = std::move(restored.integration);
   const core::Stepper& stepper = integration_->stepper();
   const int result = check_continuation(arguments_, options_, t_, stepper.t(), integration_->direction());

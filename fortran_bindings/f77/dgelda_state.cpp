@@ -98,7 +98,7 @@ std::unique_ptr<core::LinearSystem> DgeldaState::restore_system(core::LinearProb
 core::Restored DgeldaState::restore(core::LinearProblem& problem, const core::AnalysisSettings& settings,
                                     const core::IntegrationOptions& options, const Progress& progress) const {
   const std::size_t constants = size_of_matrices(progress.is_constant);
-  return core::restore_checkpoint(problem, settings, options, &arguments_.rwork(first_real) + constants,
+  return core::restore_checkpoint(core::linear_target(problem, settings), options, &arguments_.rwork(first_real) + constants,
                                   saved_length() - constants);
 }
 

@@ -1,6 +1,6 @@
 /* sfdae - initial value problems for differential-algebraic equations of arbitrary index.
  *
- *     E(t) x'(t) = A(t) x(t) + f(t),   m equations, n unknowns, any strangeness index.
+ *     F(t, x(t), x'(t)) = 0   or   E(t) x'(t) = A(t) x(t) + f(t),   m equations, n unknowns, any strangeness index.
  *
  * Life cycle:   fill a problem -> create -> (analyze) -> start -> advance ... advance -> destroy
  *
@@ -131,16 +131,6 @@ typedef struct sfdae_linear_problem {
 /* Sets defaults. size: sizeof(sfdae_linear_problem) of the caller. SFDAE_ILLEGAL_ARGUMENT for NULL or a size
  * that is none. */
 SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem *problem, size_t size);
-
-/* ---- Nonlinear problem ----------------------------------------------------------------------- */
-
-/* Total derivative of the given order of F, F_x and F_x' along a jet, at t. derivatives: n x (order + 2), column k is
- * the k-th derivative of x. F: m entries, d^order/dt^order of F(t, x, x'). F_x, F_xdot: m x n entries, the total
- * derivatives of the Jacobians of F with respect to x and x', or NULL if they are not asked for. Plain derivatives.
- * All arrays are filled with zeros before the call. Orders asked for: 0 ... mu + 1 in the analysis and for
- * derivatives of the solution, 0 ... mu in steps. */
-typedef int (*sfdae_total_derivative_function)(double t, int order, const double *derivatives, double *F, double *F_x,
-                                               double *F_xdot, void *user);
 
 /* ---- Options --------------------------------------------------------------------------------- */
 
@@ -292,6 +282,37 @@ SFDAE_API sfdae_expression sfdae_max(sfdae_expression a, sfdae_expression b);
 /* a if c > 0, else b; the other one need not be defined. */
 SFDAE_API sfdae_expression sfdae_choose(sfdae_expression c, sfdae_expression a, sfdae_expression b);
 
+/* ---- Nonlinear problem ----------------------------------------------------------------------- */
+
+/* Total derivative of the given order of F, F_x and F_x' along a jet, at t. derivatives: n x (order + 2), column k is
+ * the k-th derivative of x. F: m entries, d^order/dt^order of F(t, x, x'). F_x, F_xdot: m x n entries, the total
+ * derivatives of the Jacobians of F with respect to x and x', or NULL if they are not asked for. Plain derivatives.
+ * All arrays are filled with zeros before the call. Orders asked for: 0 ... mu + 1 in the analysis and for
+ * derivatives of the solution, 0 ... mu in steps. */
+typedef int (*sfdae_total_derivative_function)(double t, int order, const double *derivatives, double *F, double *F_x,
+                                               double *F_xdot, void *user);
+
+/* Nonlinear problem F(t, x, x') = 0. Call sfdae_nonlinear_problem_init first, then set members: exactly one of the three
+ * functions. Recorded equations are differentiated by the library; those that are linear in x and x' are solved as
+ * linear problems. */
+typedef struct sfdae_nonlinear_problem {
+  size_t size;            /* set by sfdae_nonlinear_problem_init */
+  int num_equations;      /* m, 1 ... 5000 */
+  int num_unknowns;       /* n, 1 ... 5000; m and n may differ */
+  sfdae_equations_function equations;               /* called once, by sfdae_create_nonlinear, to record F */
+  sfdae_linear_equations_function linear_equations; /* likewise E, A and f */
+  sfdae_total_derivative_function total_derivative; /* called at every point */
+
+  int num_prescribed;                         /* u > 0 only, as for linear problems; default 0 */
+  const int *prescribed;
+  sfdae_vector_function prescribed_values;    /* order is 0 */
+
+  void *user; /* handed to every callback */
+} sfdae_nonlinear_problem;
+
+/* Sets defaults. size: sizeof(sfdae_nonlinear_problem) of the caller. */
+SFDAE_API int sfdae_nonlinear_problem_init(sfdae_nonlinear_problem *problem, size_t size);
+
 /* ---- Solver ---------------------------------------------------------------------------------- */
 
 typedef struct sfdae_solver sfdae_solver;
@@ -302,10 +323,23 @@ typedef struct sfdae_solver sfdae_solver;
 SFDAE_API int sfdae_create_linear(sfdae_solver **solver, const sfdae_linear_problem *problem,
                                   const sfdae_options *options);
 
+/* The same for a nonlinear problem. Recorded equations are recorded here. Further errors: those of recording;
+ * SFDAE_CALLBACK_STOPPED or SFDAE_CALLBACK_FAILED if the function that records does not return 0. */
+SFDAE_API int sfdae_create_nonlinear(sfdae_solver **solver, const sfdae_nonlinear_problem *problem,
+                                     const sfdae_options *options);
+
 /* Checks a problem with its options as sfdae_create_linear does and writes what is wrong, in words, to
  * `text` (at most `length` characters with the final zero; length 0 and text NULL are allowed). */
 SFDAE_API int sfdae_check_linear(const sfdae_linear_problem *problem, const sfdae_options *options, char *text,
                                  size_t length);
+
+SFDAE_API int sfdae_check_nonlinear(const sfdae_nonlinear_problem *problem, const sfdae_options *options, char *text,
+                                    size_t length);
+
+/* Parameters of recorded equations, by name. sfdae_set_parameter changes one without recording anew; an integration under
+ * way is lost, sfdae_start has to follow. SFDAE_ILLEGAL_ARGUMENT: no parameter of that name, or a value that is not finite. */
+SFDAE_API int sfdae_set_parameter(sfdae_solver *solver, const char *name, double value);
+SFDAE_API int sfdae_get_parameter(const sfdae_solver *solver, const char *name, double *value);
 
 /* Frees the solver and sets *solver to NULL. NULL and *solver == NULL are allowed. SFDAE_BUSY from a callback. */
 SFDAE_API int sfdae_destroy(sfdae_solver **solver);
@@ -345,6 +379,12 @@ SFDAE_API int sfdae_characteristics_init(sfdae_characteristics *characteristics,
  * Forgets the point reached: sfdae_start has to follow. `result` may be NULL.
  * Remarks: SFDAE_NOT_UNIQUE. Failures: callbacks, structure. */
 SFDAE_API int sfdae_analyze(sfdae_solver *solver, double t, double toward, sfdae_characteristics *result);
+
+/* The same along the solution through a point near x (n values, which need not be consistent and are not changed). For
+ * nonlinear problems, where sfdae_analyze answers SFDAE_ILLEGAL_ARGUMENT; for linear ones x does not matter. Also
+ * SFDAE_NO_CONSISTENT_VALUES. sfdae_start does this where it has not been done. */
+SFDAE_API int sfdae_analyze_at(sfdae_solver *solver, double t, double toward, const double *x,
+                               sfdae_characteristics *result);
 
 /* The characteristic values in use. SFDAE_NOT_STARTED before an analysis. */
 SFDAE_API int sfdae_get_characteristics(const sfdae_solver *solver, sfdae_characteristics *result);
@@ -479,6 +519,8 @@ typedef struct sfdae_statistics {
   double smallest_kept;     /* smallest value kept in any rank decision along the way, relative */
   double consistency;       /* largest relative residual of redundant equations along the way (v > 0) */
   double first_step;        /* signed size of the first accepted step */
+  long evaluations_F;       /* nonlinear: of F and its total derivatives along a jet, since creation */
+  long linearizations;      /* likewise with their Jacobians */
 } sfdae_statistics;
 SFDAE_API int sfdae_statistics_init(sfdae_statistics *statistics, size_t size);
 SFDAE_API int sfdae_get_statistics(const sfdae_solver *solver, sfdae_statistics *result);

@@ -46,17 +46,17 @@ CallResult check_initial_values(const sfdae_options& options, int n) {
   return {};
 }
 
-}  // namespace
-
-CallResult check_problem(const sfdae_linear_problem& problem) {
-  const int m = problem.num_equations, n = problem.num_unknowns;
+CallResult check_dimensions(int m, int n) {
   if (m < 0 || n < 0 || m > largest_dimension || n > largest_dimension)
     return illegal_argument(format("num_equations = %d, num_unknowns = %d: must be 1 ... %d.", m, n, largest_dimension));
   if (m == 0 || n == 0)
     return {SFDAE_EMPTY_PROBLEM, format("num_equations = %d, num_unknowns = %d: there is nothing to solve.", m, n)};
-  if (problem.E == nullptr || problem.A == nullptr) return illegal_argument("the callbacks E and A must be set.");
-  if (!is_flag(problem.constant_E) || !is_flag(problem.constant_A))
-    return illegal_argument(format("constant_E = %d, constant_A = %d: flags are 0 or 1.", problem.constant_E, problem.constant_A));
+  return {};
+}
+
+template <class AnyProblem>
+CallResult check_prescribed(const AnyProblem& problem) {
+  const int n = problem.num_unknowns;
   if (problem.num_prescribed < 0 || problem.num_prescribed > n)
     return illegal_argument(format("num_prescribed = %d; it must be 0 ... num_unknowns.", problem.num_prescribed));
   if (problem.num_prescribed == 0) return {};
@@ -70,6 +70,29 @@ CallResult check_problem(const sfdae_linear_problem& problem) {
     seen[static_cast<std::size_t>(j)] = 1;
   }
   return {};
+}
+
+}  // namespace
+
+CallResult check_problem(const sfdae_linear_problem& problem) {
+  if (CallResult result = check_dimensions(problem.num_equations, problem.num_unknowns); result.status != SFDAE_OK)
+    return result;
+  if (problem.E == nullptr || problem.A == nullptr) return illegal_argument("the callbacks E and A must be set.");
+  if (!is_flag(problem.constant_E) || !is_flag(problem.constant_A))
+    return illegal_argument(format("constant_E = %d, constant_A = %d: flags are 0 or 1.", problem.constant_E, problem.constant_A));
+  return check_prescribed(problem);
+}
+
+CallResult check_problem(const sfdae_nonlinear_problem& problem) {
+  if (CallResult result = check_dimensions(problem.num_equations, problem.num_unknowns); result.status != SFDAE_OK)
+    return result;
+  const int functions = (problem.equations != nullptr) + (problem.linear_equations != nullptr) +
+                        (problem.total_derivative != nullptr);
+  if (functions != 1)
+    return illegal_argument(format("%d of the functions equations, linear_equations and total_derivative are set; it must "
+                                   "be one.",
+                                   functions));
+  return check_prescribed(problem);
 }
 
 CallResult check_options(const sfdae_options& options, int n) {

@@ -51,7 +51,8 @@ sfdae_record* record_of(const Operands& operands) {
     if (operand.record == nullptr || operand.record == record) continue;
     if (record != nullptr) {
       for (sfdae_record* mixed : {record, operand.record})
-        mixed->remember(SFDAE_ILLEGAL_ARGUMENT, format("%s: the operands belong to different recordings.", operands.operation));
+        mixed->remember(SFDAE_ILLEGAL_ARGUMENT,
+                        format("%s: the operands belong to different recordings.", operands.operation));
     }
     record = operand.record;
   }
@@ -71,8 +72,9 @@ int node_of(sfdae_record& record, const sfdae_expression& operand, const std::st
     return mistaken;
   }
   if (operand.node >= 0 && operand.node < record.recorder.num_nodes()) return operand.node;
-  const char* const what = operand.node == not_set ? ": an expression has no value yet." : ": an expression is damaged.";
-  record.remember(SFDAE_ILLEGAL_ARGUMENT, where + what);
+  const bool unset = operand.node == not_set;
+  record.remember(SFDAE_ILLEGAL_ARGUMENT,
+                  where + (unset ? ": an expression has no value yet." : ": an expression is damaged."));
   return mistaken;
 }
 

@@ -9,8 +9,8 @@
 
 namespace sfdae::core {
 
-// Calls the user's function once. Failure, with a public status: mistakes in the use of expressions, equations that were
-// not set, and what the function returned. F(t, x, x') has m entries, there are n unknowns.
+// Calls the user's function once. Failure, with a public status: mistakes in the use of expressions, equations that
+// were not set, and what the function returned. F(t, x, x') has m entries, there are n unknowns.
 std::shared_ptr<const Record> record_equations(sfdae_equations_function F, int m, int n, void* user);
 
 // E x' - A x - f from its coefficients, likewise.

@@ -24,9 +24,7 @@ sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
 sfdae_statistics statistics_of(const sfdae_solver& solver) {
   sfdae_statistics s{};
   s.size = sizeof s;
-  s.evaluations_E = solver.problem.evaluations('E');
-  s.evaluations_A = solver.problem.evaluations('A');
-  s.evaluations_f = solver.problem.evaluations('f');
+  solver.model->count_evaluations(s);
   if (!solver.integration) return s;
   const IntegrationCounts& counts = solver.integration->counts();
   const Stepper& stepper = solver.integration->stepper();
@@ -58,6 +56,8 @@ void copy_out(ConstView from, double* to) {
   if (to == nullptr || from.rows == 0 || from.cols == 0) return;
   copy(from, {to, from.rows, from.cols, from.rows});
 }
+
+CallResult linear_only() { return illegal_argument("the problem is not linear."); }
 
 CallResult no_struct() { return illegal_argument("the result is NULL or its size is not set: call its init function."); }
 
@@ -163,7 +163,9 @@ int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double
   return guarded(solver, [&]() -> CallResult {
     if (!std::isfinite(t) || level < 0 || level > max_strangeness_index)
       return illegal_argument(format("t = %g, level = %d: level must be 0 ... %d.", t, level, max_strangeness_index));
-    const DerivativeArray array = derivative_array(solver->problem, t, level);
+    LinearProblem* linear = solver->model->linear();
+    if (linear == nullptr) return linear_only();
+    const DerivativeArray array = derivative_array(*linear, t, level);
     copy_out(array.M, M);
     copy_out(array.N, N);
     if (g != nullptr) std::copy(array.g.begin(), array.g.end(), g);
@@ -174,8 +176,10 @@ int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double
 int sfdae_get_projectors(sfdae_solver* solver, double t, double* Z1, double* Z2, double* Z3, double* T2, int* vhat) {
   return guarded(solver, [&]() -> CallResult {
     if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
+    LinearProblem* linear = solver->model->linear();
+    if (linear == nullptr) return linear_only();
     if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze first."};
-    const Projectors found = projectors(*solver->system, t);
+    const Projectors found = projectors(static_cast<LinearSystem&>(*solver->system), t);
     copy_out(found.Z1, Z1);
     copy_out(found.Z2, Z2);
     copy_out(found.Z3, Z3);
@@ -189,10 +193,12 @@ int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, doubl
                                double* f2, double* residual) {
   return guarded(solver, [&]() -> CallResult {
     if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
+    LinearProblem* linear = solver->model->linear();
+    if (linear == nullptr) return linear_only();
     if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze first."};
-    const Projectors found = projectors(*solver->system, t);
-    const DerivativeArray array = derivative_array(solver->problem, t, solver->system->analysis().values.mu);
-    const int m = solver->problem.m(), n = solver->problem.n(), rows = array.M.rows();
+    const Projectors found = projectors(static_cast<LinearSystem&>(*solver->system), t);
+    const DerivativeArray array = derivative_array(*linear, t, solver->system->analysis().values.mu);
+    const int m = linear->m(), n = linear->n(), rows = array.M.rows();
     const ConstView g{array.g.data(), rows, 1, rows};
     const ConstView E = array.M.view().block(0, 0, m, n), A = array.N.view().block(0, 0, m, n);
     copy_out(transpose_product(found.Z1, E), E1);
@@ -210,7 +216,9 @@ int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_order, sfdae
     if (!std::isfinite(t) || max_order < 1 || max_order > max_derivative_order)
       return illegal_argument(format("t = %g, max_order = %d: it must be 1 ... %d.", t, max_order, max_derivative_order));
     if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
-    const DerivativeMismatch worst = check_derivatives(solver->problem, t, max_order);
+    LinearProblem* linear = solver->model->linear();
+    if (linear == nullptr) return linear_only();
+    const DerivativeMismatch worst = check_derivatives(*linear, t, max_order);
     fill_struct(result, {sizeof *result, worst.function, worst.order, worst.row, worst.column, worst.supplied,
                          worst.difference, worst.error, worst.uncertainty, worst.suspicious() ? 1 : 0});
     if (!worst.suspicious()) return {};

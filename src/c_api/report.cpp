@@ -79,8 +79,10 @@ std::string integration_report(const sfdae_solver& solver) {
   std::string text = format("Integration to t = %.10g by %s: %ld steps, %ld error test failures, %ld other failures\n",
                             s.t_internal, method_name(solver, s.last_order).c_str(), s.steps, s.error_failures,
                             s.other_failures);
-  text += format("  %ld reductions, %ld factorizations, %ld / %ld / %ld calls of E / A / f\n", s.reductions,
-                 s.factorizations, s.evaluations_E, s.evaluations_A, s.evaluations_f);
+  text += format("  %ld reductions, %ld factorizations, ", s.reductions, s.factorizations);
+  text += solver.model->linear() != nullptr
+              ? format("%ld / %ld / %ld calls of E / A / f\n", s.evaluations_E, s.evaluations_A, s.evaluations_f)
+              : format("%ld evaluations of F along jets, %ld linearizations\n", s.evaluations_F, s.linearizations);
   text += format("  last step %.3g of order %d, next %.3g; smallest kept value %.1e\n", s.last_step, s.last_order,
                  s.next_step, s.smallest_kept);
   if (solver.system->analysis().values.v > 0)
@@ -91,7 +93,7 @@ std::string integration_report(const sfdae_solver& solver) {
 }  // namespace
 
 std::string report_of(const sfdae_solver& solver) {
-  const int m = solver.problem.m(), n = solver.problem.n();
+  const int m = solver.model->m(), n = solver.model->n();
   if (!solver.system && solver.decisions.empty())
     return format("no analysis yet (m = %d equations, n = %d unknowns)\n", m, n);
   // A checkpoint has the analysis without its decisions.

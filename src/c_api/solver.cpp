@@ -7,8 +7,6 @@
 #include <cstring>
 
 #include "c_api/structs.h"
-#include "integrate/change_watch.h"
-#include "integrate/checkpoint.h"
 #include "linalg/matrix.h"
 
 namespace sfdae::core {
@@ -25,59 +23,8 @@ bool finite_vector(const double* values, int n) { return all_finite(values, stat
 void set_limits(sfdae_solver& solver, double t, double direction) {
   const double infinity = std::numeric_limits<double>::infinity();
   const double stop = solver.options.integration.stop_time.value_or(direction * infinity);
-  if (direction > 0.0) solver.problem.set_limits(t, std::max(stop, t));
-  else solver.problem.set_limits(std::min(stop, t), t);
-}
-
-// A system at t on which questions can be asked without disturbing the integration.
-std::unique_ptr<LinearSystem> side_system(sfdae_solver& solver) {
-  return std::make_unique<LinearSystem>(solver.problem, solver.options.analysis, solver.system->analysis(),
-                                        solver.system->leading_term());
-}
-
-void move_system(LinearSystem& system, double t) {
-  PointStatus status = system.move_to(t);
-  if (status == PointStatus::leading_changed) {
-    system.give_up_projector();
-    status = system.move_to(t);
-  }
-  if (status == PointStatus::trouble) throw Failure(system.trouble().status, system.trouble().message());
-  if (status == PointStatus::changed)
-    throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                  "the characteristic values known (" + describe(system.analysis().values) +
-                      format(") do not hold at t = %.15g. Call sfdae_analyze there.", t));
-}
-
-struct Consistent {
-  std::vector<double> x, xdot;
-  sfdae_initial_report report;
-  bool contradiction = false;
-};
-
-Consistent consistent_values(sfdae_solver& solver, LinearSystem& system, double t, double direction, const double* x) {
-  const int n = solver.problem.n();
-  move_system(system, t);
-  Consistent result;
-  const IntegrationOptions& integration = solver.options.integration;
-  if (system.inconsistency() > integration.consistency_tol) {
-    if (!integration.ignore_inconsistency)
-      throw Failure(SFDAE_INCONSISTENT_EQUATIONS, system.inconsistency_message());
-    result.contradiction = true;
-  }
-  result.x.assign(x, x + n);
-  ConsistencyRequest request = solver.options.consistency;
-  for (int i = 0; i < n; ++i) {
-    const std::size_t at = static_cast<std::size_t>(i);
-    request.tolerances.push_back(integration.tolerances.rtol[at] * std::fabs(x[i]) + integration.tolerances.atol[at]);
-  }
-  const ConsistencyResult found = make_consistent(system, request, result.x);
-  result.xdot.resize(static_cast<std::size_t>(n));
-  const bool exact = system.consistent_derivative(result.x.data(), direction, result.xdot.data());
-  if (!finite_vector(result.xdot.data(), n))
-    throw Failure(SFDAE_NOT_FINITE, format("the derivative of the initial values overflows at t = %.15g.", t));
-  result.report = {sizeof(sfdae_initial_report), t, found.residual_before, found.residual_after, found.largest_change,
-                   found.component, exact ? 1 : 0};
-  return result;
+  if (direction > 0.0) solver.problem().set_limits(t, std::max(stop, t));
+  else solver.problem().set_limits(std::min(stop, t), t);
 }
 
 CallResult remark(const sfdae_solver& solver, bool contradiction) {
@@ -118,23 +65,16 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n) {
   integration.monitor_user = o.monitor_user;
 }
 
-void analyze(sfdae_solver& solver, double t, double toward) {
-  const double direction = toward < t ? -1.0 : 1.0;
+void analyze(sfdae_solver& solver, PointOfInterest point) {
+  const double t = point.t, direction = point.toward < t ? -1.0 : 1.0;
   const auto& stop = solver.options.integration.stop_time;
-  if (stop && (*stop - toward) * direction < 0.0) toward = *stop;
-  if (toward == t) throw Failure(SFDAE_ILLEGAL_ARGUMENT, format("t = %.15g lies at or beyond stop_time.", t));
+  if (stop && (*stop - point.toward) * direction < 0.0) point.toward = *stop;
+  if (point.toward == t) throw Failure(SFDAE_ILLEGAL_ARGUMENT, format("t = %.15g lies at or beyond stop_time.", t));
   set_limits(solver, t, direction);
-  DifferenceOptions differences = solver.options.differences;
-  differences.span = std::fabs(toward - t);
-  solver.problem.set_differences(differences);
-  Arena arena;
   solver.integration.reset();
   solver.system.reset();
   solver.initial_report.reset();
-  IndexAnalysis analysis = analyze_index(solver.problem, t, toward, solver.options.analysis, arena, solver.decisions);
-  auto system = std::make_unique<LinearSystem>(solver.problem, solver.options.analysis, std::move(analysis),
-                                               solver.options.leading);
-  solver.system = std::move(system);
+  solver.system = solver.model->analyze(point, solver.options, solver.decisions);
   solver.direction = direction;
 }
 
@@ -144,16 +84,57 @@ using namespace sfdae::core;
 
 namespace {
 
-CallResult check_arguments(const sfdae_linear_problem* problem, const sfdae_options* options,
-                           sfdae_linear_problem& problem_copy, sfdae_options& options_copy) {
+template <class Problem>
+struct Arguments {
+  Problem problem;
+  sfdae_options options;
+};
+
+template <class Problem>
+CallResult read_arguments(const Problem* problem, const sfdae_options* options, const Problem& defaults,
+                          Arguments<Problem>& result) {
   if (problem == nullptr) return illegal_argument("problem is NULL.");
-  if (!is_plausible_size(problem->size)) return illegal_argument("problem->size is not set: call sfdae_linear_problem_init.");
+  if (!is_plausible_size(problem->size)) return illegal_argument("problem->size is not set: call the init function of problems.");
   if (options != nullptr && !is_plausible_size(options->size))
     return illegal_argument("options->size is not set: call sfdae_options_init.");
-  problem_copy = read_struct(*problem, default_problem());
-  options_copy = options != nullptr ? read_struct(*options, default_options()) : default_options();
-  CallResult result = check_problem(problem_copy);
-  return result.status == SFDAE_OK ? check_options(options_copy, problem_copy.num_unknowns) : result;
+  result.problem = read_struct(*problem, defaults);
+  result.options = options != nullptr ? read_struct(*options, default_options()) : default_options();
+  const CallResult checked = check_problem(result.problem);
+  return checked.status == SFDAE_OK ? check_options(result.options, result.problem.num_unknowns) : checked;
+}
+
+// Runs a body without a solver that could keep a message.
+template <class Body>
+CallResult caught(Body body) {
+  try {
+    return body();
+  } catch (const Failure& failure) {
+    return {failure.status(), failure.what()};
+  } catch (const std::bad_alloc&) {
+    return {SFDAE_OUT_OF_MEMORY, "out of memory."};
+  } catch (...) {
+    return {SFDAE_INTERNAL, "an exception came out of a callback."};
+  }
+}
+
+template <class Problem, class MakeModel>
+int create(sfdae_solver** solver, const Problem* problem, const sfdae_options* options, const Problem& defaults,
+           MakeModel make_model) {
+  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  *solver = nullptr;
+  return caught([&]() -> CallResult {
+           Arguments<Problem> arguments;
+           CallResult result = read_arguments(problem, options, defaults, arguments);
+           if (result.status == SFDAE_OK)
+             *solver = new sfdae_solver(make_model(arguments.problem), arguments.options);
+           return result;
+         })
+      .status;
+}
+
+int tell(const CallResult& result, char* text, size_t length) {
+  if (text != nullptr && length > 0) std::snprintf(text, length, "%s", result.message.c_str());
+  return result.status;
 }
 
 CallResult advance(sfdae_solver* solver, double tout, bool one_step, double* t, double* x, double* xdot) {
@@ -163,7 +144,7 @@ CallResult advance(sfdae_solver* solver, double tout, bool one_step, double* t, 
   solver->integration->want_slopes(xdot != nullptr);
   std::vector<double> slopes;
   if (xdot == nullptr) {
-    slopes.resize(static_cast<std::size_t>(solver->problem.n()));
+    slopes.resize(static_cast<std::size_t>(solver->model->n()));
     xdot = slopes.data();
   }
   return solver->integration->advance(tout, one_step, *t, x, xdot);
@@ -183,33 +164,31 @@ extern "C" {
 
 int sfdae_check_linear(const sfdae_linear_problem* problem, const sfdae_options* options, char* text, size_t length) {
   if (text == nullptr && length > 0) return SFDAE_ILLEGAL_ARGUMENT;
-  CallResult result;
-  try {
-    sfdae_linear_problem problem_copy;
-    sfdae_options options_copy;
-    result = check_arguments(problem, options, problem_copy, options_copy);
-  } catch (...) {
-    result.status = SFDAE_OUT_OF_MEMORY;
-  }
-  if (text != nullptr && length > 0) std::snprintf(text, length, "%s", result.message.c_str());
-  return result.status;
+  const CallResult result = caught([&] {
+    Arguments<sfdae_linear_problem> arguments;
+    return read_arguments(problem, options, default_problem(), arguments);
+  });
+  return tell(result, text, length);
+}
+
+int sfdae_check_nonlinear(const sfdae_nonlinear_problem* problem, const sfdae_options* options, char* text,
+                          size_t length) {
+  if (text == nullptr && length > 0) return SFDAE_ILLEGAL_ARGUMENT;
+  const CallResult result = caught([&] {
+    Arguments<sfdae_nonlinear_problem> arguments;
+    const CallResult checked = read_arguments(problem, options, default_nonlinear_problem(), arguments);
+    if (checked.status == SFDAE_OK) nonlinear_model(arguments.problem);
+    return checked;
+  });
+  return tell(result, text, length);
 }
 
 int sfdae_create_linear(sfdae_solver** solver, const sfdae_linear_problem* problem, const sfdae_options* options) {
-  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  *solver = nullptr;
-  try {
-    sfdae_linear_problem problem_copy;
-    sfdae_options options_copy;
-    const CallResult result = check_arguments(problem, options, problem_copy, options_copy);
-    if (result.status != SFDAE_OK) return result.status;
-    *solver = new sfdae_solver(problem_copy, options_copy);
-    return SFDAE_OK;
-  } catch (const std::bad_alloc&) {
-    return SFDAE_OUT_OF_MEMORY;
-  } catch (...) {
-    return SFDAE_INTERNAL;
-  }
+  return create(solver, problem, options, default_problem(), linear_model);
+}
+
+int sfdae_create_nonlinear(sfdae_solver** solver, const sfdae_nonlinear_problem* problem, const sfdae_options* options) {
+  return create(solver, problem, options, default_nonlinear_problem(), nonlinear_model);
 }
 
 int sfdae_destroy(sfdae_solver** solver) {
@@ -225,9 +204,9 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     if (options == nullptr || !is_plausible_size(options->size))
       return illegal_argument("options is NULL or its size is not set: call sfdae_options_init.");
     const sfdae_options copy = read_struct(*options, default_options());
-    const CallResult checked = check_options(copy, solver->problem.n());
+    const CallResult checked = check_options(copy, solver->model->n());
     if (checked.status != SFDAE_OK) return checked;
-    const SolverOptions fresh(copy, solver->problem.n());
+    const SolverOptions fresh(copy, solver->model->n());
     const SolverOptions& old = solver->options;
     const bool same_analysis =
         fresh.analysis.max_index == old.analysis.max_index && fresh.analysis.by_svd == old.analysis.by_svd &&
@@ -252,7 +231,7 @@ const char* sfdae_message(const sfdae_solver* solver) { return solver == nullptr
 
 int sfdae_request_stop(sfdae_solver* solver) {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  solver->problem.request_stop();
+  solver->problem().request_stop();
   return SFDAE_OK;
 }
 
@@ -262,20 +241,59 @@ int sfdae_analyze(sfdae_solver* solver, double t, double toward, sfdae_character
     if (checked.status != SFDAE_OK) return checked;
     if (result != nullptr && !is_plausible_size(result->size))
       return illegal_argument("result->size is not set: call sfdae_characteristics_init.");
-    analyze(*solver, t, toward);
+    if (solver->model->needs_x())
+      return illegal_argument("the characteristic values of a nonlinear problem depend on x: call sfdae_analyze_at.");
+    analyze(*solver, {t, toward, nullptr});
     if (result != nullptr) fill_struct(result, characteristics_of(*solver));
     return remark(*solver, false);
   });
 }
 
+int sfdae_analyze_at(sfdae_solver* solver, double t, double toward, const double* x, sfdae_characteristics* result) {
+  return guarded(solver, [&]() -> CallResult {
+    CallResult checked = check_point(t, toward, x, solver->model->n());
+    if (checked.status != SFDAE_OK) return checked;
+    if (result != nullptr && !is_plausible_size(result->size))
+      return illegal_argument("result->size is not set: call sfdae_characteristics_init.");
+    analyze(*solver, {t, toward, x});
+    if (result != nullptr) fill_struct(result, characteristics_of(*solver));
+    return remark(*solver, false);
+  });
+}
+
+int sfdae_set_parameter(sfdae_solver* solver, const char* name, double value) {
+  return guarded(solver, [&]() -> CallResult {
+    if (name == nullptr) return illegal_argument("name is NULL.");
+    TaylorEvaluator* evaluator = solver->model->evaluator();
+    const auto index = evaluator != nullptr ? evaluator->find_parameter(name) : std::nullopt;
+    if (!index) return illegal_argument(format("there is no parameter \"%.60s\" in the equations.", name));
+    if (!std::isfinite(value)) return illegal_argument(format("the value of parameter \"%.60s\" is %g.", name, value));
+    evaluator->set_parameter(*index, value);
+    solver->model->parameters_changed();
+    solver->integration.reset();
+    solver->system.reset();
+    solver->initial_report.reset();
+    return {};
+  });
+}
+
+int sfdae_get_parameter(const sfdae_solver* solver, const char* name, double* value) {
+  if (solver == nullptr || name == nullptr || value == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  TaylorEvaluator* evaluator = solver->model->evaluator();
+  const auto index = evaluator != nullptr ? evaluator->find_parameter(name) : std::nullopt;
+  if (!index) return SFDAE_ILLEGAL_ARGUMENT;
+  *value = evaluator->parameter(*index);
+  return SFDAE_OK;
+}
+
 int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdot) {
   return guarded(solver, [&]() -> CallResult {
     const double toward = t + solver->direction * std::max(1.0, 1e-6 * std::fabs(t));
-    CallResult checked = check_point(t, toward, x, solver->problem.n());
+    CallResult checked = check_point(t, toward, x, solver->model->n());
     if (checked.status != SFDAE_OK) return checked;
-    if (!solver->system) analyze(*solver, t, toward);
-    const auto system = side_system(*solver);
-    const Consistent found = consistent_values(*solver, *system, t, solver->direction, x);
+    if (!solver->system) analyze(*solver, {t, toward, x});
+    const auto system = solver->model->copy_of(*solver->system, solver->options);
+    const Consistent found = solver->model->consistent_values(*system, solver->options, {t, toward, x});
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = found.report;
@@ -285,21 +303,20 @@ int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdo
 
 int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double* xdot) {
   return guarded(solver, [&]() -> CallResult {
-    CallResult checked = check_point(t, toward, x, solver->problem.n());
+    CallResult checked = check_point(t, toward, x, solver->model->n());
     if (checked.status != SFDAE_OK) return checked;
     const double direction = toward < t ? -1.0 : 1.0;
     const auto& stop = solver->options.integration.stop_time;
     if (stop && (*stop - t) * direction <= 0.0)
       return illegal_argument(format("t = %.15g lies at or beyond stop_time = %.15g.", t, *stop));
-    if (!solver->system || (direction != solver->direction && !solver->problem.is_constant()))
-      analyze(*solver, t, toward);
+    if (!solver->system || (direction != solver->direction && !solver->model->is_constant()))
+      analyze(*solver, {t, toward, x});
     solver->direction = direction;
     solver->integration.reset();
     set_limits(*solver, t, direction);
-    const Consistent found = consistent_values(*solver, *solver->system, t, direction, x);
-    solver->integration = std::make_unique<Integration>(*solver->system, std::make_unique<ChangeWatch>(*solver->system),
-                                                        solver->options.integration, t, toward,
-                                                        found.x, found.xdot);
+    const Consistent found = solver->model->consistent_values(*solver->system, solver->options, {t, toward, x});
+    solver->integration = std::make_unique<Integration>(*solver->system, solver->model->detector(*solver->system),
+                                                        solver->options.integration, t, toward, found.x, found.xdot);
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = found.report;
@@ -342,14 +359,14 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
     solver->system.reset();
     solver->initial_report.reset();
     solver->decisions.clear();
-    solver->problem.set_differences(solver->options.differences);
-    Restored restored = restore_checkpoint(solver->problem, solver->options.analysis, solver->options.integration,
-                                           checkpoint, length);
+    solver->model->set_differences(solver->options.differences);
+    Restored restored = restore_checkpoint(solver->model->checkpoint_target(solver->options.analysis),
+                                           solver->options.integration, checkpoint, length);
     solver->system = std::move(restored.system);
     solver->integration = std::move(restored.integration);
     solver->direction = solver->integration->direction();
     // Differences go on from where the integration started.
-    const double start = solver->problem.limit_behind(solver->direction), t = solver->integration->stepper().t();
+    const double start = solver->problem().limit_behind(solver->direction), t = solver->integration->stepper().t();
     set_limits(*solver, solver->options.differences.allowed && std::isfinite(start) ? start : t, solver->direction);
     return {};
   });

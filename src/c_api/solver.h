@@ -11,34 +11,21 @@
 #include <vector>
 
 #include "c_api/checks.h"
-#include "integrate/integration.h"
+#include "c_api/model.h"
 #include "problem/failure.h"
-#include "reduction/consistent_values.h"
 #include "sfdae/sfdae.h"
 
-namespace sfdae::core {
-
-// Options in the form that the core wants.
-struct SolverOptions {
-  explicit SolverOptions(const sfdae_options& options, int n);
-  AnalysisSettings analysis;
-  DifferenceOptions differences;
-  LeadingTerm leading;
-  ConsistencyRequest consistency;
-  IntegrationOptions integration;
-};
-
-}  // namespace sfdae::core
-
 struct sfdae_solver {
-  sfdae_solver(const sfdae_linear_problem& linear_problem, const sfdae_options& user_options)
-      : problem(linear_problem), options(user_options, linear_problem.num_unknowns) {}
+  sfdae_solver(std::unique_ptr<sfdae::core::Model> its_model, const sfdae_options& user_options)
+      : model(std::move(its_model)), options(user_options, model->n()) {}
 
-  sfdae::core::LinearProblem problem;
+  sfdae::core::Problem& problem() { return model->problem(); }
+
+  std::unique_ptr<sfdae::core::Model> model;
   sfdae::core::SolverOptions options;
   std::vector<sfdae::core::RankDecision> decisions;  // of the last analysis, failed or not
   // After an analysis:
-  std::unique_ptr<sfdae::core::LinearSystem> system;
+  std::unique_ptr<sfdae::core::DaeSystem> system;
   double direction = 1.0;  // of the nearby point of the analysis
   // After a start:
   std::unique_ptr<sfdae::core::Integration> integration;
@@ -72,13 +59,13 @@ int guarded(sfdae_solver* solver, Body body) noexcept {
   } catch (...) {
     status = say(SFDAE_INTERNAL, "an exception came out of a callback.");
   }
-  if (status == SFDAE_STOPPED) solver->problem.take_stop_request();
+  if (status == SFDAE_STOPPED) solver->problem().take_stop_request();
   solver->busy.store(false);
   return status;
 }
 
 // Index analysis; replaces system, forgets the integration.
-void analyze(sfdae_solver& solver, double t, double toward);
+void analyze(sfdae_solver& solver, PointOfInterest point);
 sfdae_characteristics characteristics_of(const sfdae_solver& solver);
 sfdae_statistics statistics_of(const sfdae_solver& solver);
 sfdae_decision public_decision(const RankDecision& decision);

@@ -13,6 +13,12 @@ sfdae_linear_problem default_problem() {
   return problem;
 }
 
+sfdae_nonlinear_problem default_nonlinear_problem() {
+  sfdae_nonlinear_problem problem{};
+  problem.size = sizeof problem;
+  return problem;
+}
+
 sfdae_options default_options() {
   sfdae_options options{};
   options.size = sizeof options;
@@ -39,6 +45,9 @@ extern "C" {
 
 int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t size) {
   return initialize(problem, size, default_problem());
+}
+int sfdae_nonlinear_problem_init(sfdae_nonlinear_problem* problem, size_t size) {
+  return initialize(problem, size, default_nonlinear_problem());
 }
 int sfdae_options_init(sfdae_options* options, size_t size) { return initialize(options, size, default_options()); }
 int sfdae_characteristics_init(sfdae_characteristics* characteristics, size_t size) {

@@ -88,7 +88,7 @@ class Search {
       case Operation::divide: return value(node.b) == 0.0;
       case Operation::sqrt:
       case Operation::log:
-      case Operation::log_of_base: return !series::is_positive(value(node.a));
+      case Operation::log_of_base:
       case Operation::power: return !series::is_positive(value(node.a));
       case Operation::asin:
       case Operation::acos: return true;

@@ -48,14 +48,17 @@ Record::Record(Parts parts) : parts_(std::move(parts)) {
   BackwardWalk backward(*this);
   for (int i = 0; i < m(); ++i)
     for (const Adjoint& adjoint : backward.walk(i)) {
-      const Node& leaf = node(adjoint.node);
-      if (!is_leaf(leaf.operation)) continue;
+      const Node& carrier = node(adjoint.node);
+      // A choice between numbers has no derivative, and jumps.
+      if (carrier.operation == Operation::choose && is_active(carrier.a)) jumps_ = true;
+      if (!is_leaf(carrier.operation)) continue;
       entries_[static_cast<std::size_t>(i)].push_back(
-          {leaf.a, leaf.operation == Operation::derivative, adjoint.dependence});
+          {carrier.a, carrier.operation == Operation::derivative, adjoint.dependence});
     }
 }
 
 bool Record::is_linear() const {
+  if (jumps_) return false;
   for (const auto& equation : entries_)
     for (const Entry& entry : equation)
       if ((entry.dependence & on_state) != 0) return false;

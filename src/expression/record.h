@@ -74,6 +74,7 @@ class Record {
   Parts parts_;
   std::vector<Dependence> dependence_;
   std::vector<std::vector<Entry>> entries_;
+  bool jumps_ = false;  // a choice depends on x or x'
 };
 
 Dependence dependence_of(const Node& node, const Dependence* operands);

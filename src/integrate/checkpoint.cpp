@@ -57,8 +57,8 @@ void save_checkpoint(DaeSystem& system, Integration& integration, double* to) {
   to[header_size] = checksum(to + header_size + 1, length - header_size - 1);
 }
 
-Restored restore_checkpoint(LinearProblem& problem, const AnalysisSettings& settings, const IntegrationOptions& options,
-                            const double* from, std::size_t length) {
+Restored restore_checkpoint(const CheckpointTarget& target, const IntegrationOptions& options, const double* from,
+                            std::size_t length) {
   try {
     Archive start = Archive::reader(from, length);
     Header header;
@@ -67,21 +67,27 @@ Restored restore_checkpoint(LinearProblem& problem, const AnalysisSettings& sett
     start.real(sum);
     if (header.version != layout || header.length <= 0 || static_cast<std::size_t>(header.length) > length)
       throw DamagedArchive();
-    if (header.m != problem.m() || header.n != problem.n())
+    if (header.m != target.m || header.n != target.n)
       throw Failure(SFDAE_ILLEGAL_ARGUMENT, format("the checkpoint is that of a problem with %d equations in %d unknowns, "
-                                                   "not %d in %d.", header.m, header.n, problem.m(), problem.n()));
+                                                   "not %d in %d.", header.m, header.n, target.m, target.n));
     const std::size_t total = static_cast<std::size_t>(header.length);
     if (sum != checksum(from + start.size(), total - start.size())) throw DamagedArchive();
     Archive archive = Archive::reader(from + start.size(), total - start.size());
     Restored restored;
-    restored.system = std::make_unique<LinearSystem>(problem, settings, archive);
-    restored.integration = std::make_unique<Integration>(*restored.system, std::make_unique<ChangeWatch>(*restored.system),
-                                                         options, archive);
+    restored.system = target.system(archive);
+    restored.integration =
+        std::make_unique<Integration>(*restored.system, target.detector(*restored.system), options, archive);
     if (archive.size() != total - start.size()) throw DamagedArchive();
     return restored;
   } catch (const DamagedArchive&) {
     throw Failure(SFDAE_ILLEGAL_ARGUMENT, "this is not a checkpoint, or it was made with other options or is damaged.");
   }
+}
+
+CheckpointTarget linear_target(LinearProblem& problem, const AnalysisSettings& settings) {
+  return {problem.m(), problem.n(),
+          [&](Archive& archive) { return std::make_unique<LinearSystem>(problem, settings, archive); },
+          [](DaeSystem& system) { return std::make_unique<ChangeWatch>(static_cast<LinearSystem&>(system)); }};
 }
 
 }  // namespace sfdae::core

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 
 #include "integrate/integration.h"
@@ -17,14 +18,24 @@ namespace sfdae::core {
 std::size_t checkpoint_size(DaeSystem& system, Integration& integration);
 void save_checkpoint(DaeSystem& system, Integration& integration, double* to);
 
+// What a checkpoint is restored to.
+struct CheckpointTarget {
+  int m, n;
+  std::function<std::unique_ptr<DaeSystem>(Archive&)> system;
+  std::function<std::unique_ptr<ChangeDetector>(DaeSystem&)> detector;
+};
+
 struct Restored {
-  std::unique_ptr<LinearSystem> system;
+  std::unique_ptr<DaeSystem> system;
   std::unique_ptr<Integration> integration;
 };
 
 // Throws Failure SFDAE_ILLEGAL_ARGUMENT if it is not a checkpoint of such a problem, or damaged. length may be larger
 // than the checkpoint. No callback is called.
-Restored restore_checkpoint(LinearProblem& problem, const AnalysisSettings& settings, const IntegrationOptions& options,
-                            const double* from, std::size_t length);
+Restored restore_checkpoint(const CheckpointTarget& target, const IntegrationOptions& options, const double* from,
+                            std::size_t length);
+
+// system is a LinearSystem. The problem has to live on.
+CheckpointTarget linear_target(LinearProblem& problem, const AnalysisSettings& settings);
 
 }  // namespace sfdae::core

@@ -51,6 +51,11 @@ class LinearProblem final : public Problem, public CoefficientSource {
   // Also forgets which orders were not available.
   void set_differences(const DifferenceOptions& options);
 
+  // Constant matrices are asked for again.
+  void forget_constants() {
+    for (Function& function : functions_) function.constant_value.clear();
+  }
+
   // Length of the interval of interest.
   double span() const { return differences_.span; }
 

@@ -95,12 +95,13 @@ JetSolver::Trial JetSolver::try_change(const Jet& jet, int level, const Vector& 
   return trial;
 }
 
-// The smallest change of x by the staged elimination; ranks are judged with the residuals added to the noise.
-bool JetSolver::staged_change(const Jet& jet, int level, Vector& change) {
+// The smallest change of x by the staged elimination. noise: of the coefficients, as they are not those of a consistent
+// jet.
+bool JetSolver::staged_change(const Jet& jet, int level, double noise, Vector& change) {
   const int m = problem_.m(), n = jet.n;
   const Arena::Frame frame(arena_);
   const Judge::Settings settings{};
-  data_.residual_noise = std::min(1e-4, norm_ / std::max(data_.norm(level), 1e-300));
+  data_.residual_noise = noise;
   Judge judge(data_, level, settings, nullptr);
   StoredElimination stored;
   const Carried carried = eliminate(data_, level, data_.f_stack(level), 1, judge, arena_, &stored);
@@ -226,6 +227,23 @@ void JetSolver::give_up(const Jet& jet, int level) {
   throw Failure(SFDAE_NO_CONSISTENT_VALUES, text + " Give a better guess, fix fewer components, or check the equations.");
 }
 
+// Pivots that vanish at consistent jets may not do so here: the second attempt takes the residuals for noise.
+JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, int level) {
+  Vector change;
+  Trial best;
+  if (!fixed_.empty()) {
+    if (dense_change(jet, level, change)) best = try_change(jet, level, change);
+    return best;
+  }
+  for (double noise : {0.0, std::min(1e-4, norm_ / std::max(data_.norm(level), 1e-300))}) {
+    if (!staged_change(jet, level, noise, change)) continue;
+    Trial trial = try_change(jet, level, change);
+    if (trial.valid && (!best.valid || trial.norm < best.norm)) best = std::move(trial);
+    if (best.valid && best.norm <= good_reduction * norm_) break;
+  }
+  return best;
+}
+
 void JetSolver::solve(Jet& jet, int level) {
   if (jet.order < level + 1) jet.set_order(level + 1);
   linearize(jet, level, 0.0);
@@ -236,10 +254,8 @@ void JetSolver::solve(Jet& jet, int level) {
     if (norm_ == 0.0) return;
     const double before = norm_;
     // An undamped step first; it is the last one if rounding lets it gain nothing.
-    const bool has_change = may_step_freely && (fixed_.empty() ? staged_change(jet, level, change)
-                                                               : dense_change(jet, level, change));
     Trial trial;
-    if (has_change) trial = try_change(jet, level, change);
+    if (may_step_freely) trial = undamped_trial(jet, level);
     const bool converged = is_converged(jet, level);
     if (!trial.valid || trial.norm > good_reduction * before) {
       if (converged) {

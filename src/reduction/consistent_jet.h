@@ -53,7 +53,8 @@ class JetSolver {
   // 2-norm of the residuals as scaled by the present data; infinite where F cannot be evaluated.
   double residual_norm(const Jet& jet, int level);
   Trial try_change(const Jet& jet, int level, const std::vector<double>& change);
-  bool staged_change(const Jet& jet, int level, std::vector<double>& change);
+  Trial undamped_trial(const Jet& jet, int level);
+  bool staged_change(const Jet& jet, int level, double noise, std::vector<double>& change);
   bool damped_change(const Jet& jet, int level, double damping, std::vector<double>& change);
   bool dense_change(const Jet& jet, int level, std::vector<double>& change);
   std::vector<double> unit_changes(const Jet& jet, int level) const;

@@ -78,7 +78,7 @@ void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request,
   for (int row = 0; row < count; ++row) {
     // Relative to what was added up in this component.
     const int i = components[index(row)];
-    double size = std::max(std::fabs(x[index(i)]), std::fabs(form.xp()[i]));
+    double size = std::max({std::fabs(x[index(i)]), std::fabs(form.xp()[i]), request.least_size});
     for (int j = 0; j < J.cols(); ++j) size = std::max(size, std::fabs(J(row, j) * z0[index(j)]));
     if (std::fabs(residual[index(row)]) > fixed_tolerance * size)
       throw Failure(SFDAE_FIXED_VALUES,
@@ -110,26 +110,18 @@ void keep_differential(const NullSpaceForm& form, const TaylorData& data, const 
 
 }  // namespace
 
-ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, Vector& user_x) {
-  const NullSpaceForm& form = system.form();
+Vector consistent_point(const NullSpaceForm& form, const TaylorData& data, const Vector& scale,
+                        const ConsistencyRequest& request, const Vector& user_x) {
+  // The null-space form is that of scaled unknowns.
   const int n = form.n;
-  // The null-space form is that of scaled unknowns; norms and reports are the user's.
-  const Vector scale = system.problem().column_scale().empty() ? Vector(index(n), 1.0) : system.problem().column_scale();
-  const bool plain_norm = request.weights.empty() && system.problem().column_scale().empty();
-  const auto to_user = [&](Vector v) {
-    for (int i = 0; i < n; ++i) v[index(i)] *= scale[index(i)];
-    return v;
-  };
-  Vector x(user_x);
+  Vector x(user_x), inverse_weights(scale);
   for (int i = 0; i < n; ++i) x[index(i)] /= scale[index(i)];
-  ConsistencyResult result;
-  result.residual_before = length(to_user(violation(form, x)));
-  Vector inverse_weights(scale);
   for (int i = 0; i < n && !request.weights.empty(); ++i) inverse_weights[index(i)] /= request.weights[index(i)];
+  const bool plain_norm = std::all_of(inverse_weights.begin(), inverse_weights.end(), [](double w) { return w == 1.0; });
   Vector z0(index(form.unknowns()) + 1, 0.0);
   Matrix N = identity(form.unknowns());
-  if (request.kind == InitialValues::fixed) satisfy_fixed(form, request, x, system.t(), z0, N);
-  if (request.kind == InitialValues::keep_differential) keep_differential(form, system.data(), x, z0, N);
+  if (request.kind == InitialValues::fixed) satisfy_fixed(form, request, x, data.t, z0, N);
+  if (request.kind == InitialValues::keep_differential) keep_differential(form, data, x, z0, N);
   Vector consistent(form.xp(), form.xp() + n);
   const bool any_change = request.kind == InitialValues::nearest || request.kind == InitialValues::accept;
   if (plain_norm && any_change) {
@@ -139,34 +131,50 @@ ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest
   } else {
     consistent = nearest(form, x, inverse_weights, z0, N);
   }
-  consistent = to_user(consistent);
+  for (int i = 0; i < n; ++i) consistent[index(i)] *= scale[index(i)];
   if (request.kind == InitialValues::fixed)
     for (int i = 0; i < n; ++i)
       if (request.fixed[index(i)] != 0) consistent[index(i)] = user_x[index(i)];
-  if (request.kind == InitialValues::accept) {
-    for (int i = 0; i < n; ++i) {
-      const double change = std::fabs(consistent[index(i)] - user_x[index(i)]);
-      if (change > request.tolerances[index(i)])
+  return consistent;
+}
+
+void report_change(const ConsistencyRequest& request, double t, const Vector& given, const Vector& consistent,
+                   ConsistencyResult& result) {
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const double change = std::fabs(consistent[i] - given[i]);
+    if (request.kind == InitialValues::accept) {
+      if (change > request.tolerances[i])
         throw Failure(SFDAE_INCONSISTENT_VALUES,
                       format("initial values violate the constraints at t = %.15g: residual %.3g, the nearest "
                              "consistent point differs by %.3g in x[%d]. Let them be made consistent, or correct x.",
-                             system.t(), result.residual_before, change, i));
-    }
-    result.residual_after = result.residual_before;
-    return result;
-  }
-  for (int i = 0; i < n; ++i) {
-    const double change = std::fabs(consistent[index(i)] - user_x[index(i)]);
-    if (change > result.largest_change) {
+                             t, result.residual_before, change, static_cast<int>(i)));
+    } else if (change > result.largest_change) {
       result.largest_change = change;
-      result.component = i;
+      result.component = static_cast<int>(i);
     }
   }
   if (!all_finite(consistent.data(), consistent.size()))
-    throw Failure(SFDAE_NOT_FINITE, format("consistent values at t = %.15g overflow: rescale the problem.", system.t()));
-  user_x = consistent;
-  for (int i = 0; i < n; ++i) x[index(i)] = consistent[index(i)] / scale[index(i)];
-  result.residual_after = length(to_user(violation(form, x)));
+    throw Failure(SFDAE_NOT_FINITE, format("consistent values at t = %.15g overflow: rescale the problem.", t));
+}
+
+ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, Vector& user_x) {
+  const NullSpaceForm& form = system.form();
+  const std::size_t n = index(form.n);
+  // Norms and reports are the user's.
+  const Vector scale = system.problem().column_scale().empty() ? Vector(n, 1.0) : system.problem().column_scale();
+  const auto violation_of = [&](const Vector& values) {
+    Vector scaled(values);
+    for (std::size_t i = 0; i < n; ++i) scaled[i] /= scale[i];
+    Vector r = violation(form, scaled);
+    for (std::size_t i = 0; i < n; ++i) r[i] *= scale[i];
+    return length(r);
+  };
+  ConsistencyResult result;
+  result.residual_before = violation_of(user_x);
+  const Vector consistent = consistent_point(form, system.data(), scale, request, user_x);
+  report_change(request, system.t(), user_x, consistent, result);
+  if (request.kind != InitialValues::accept) user_x = consistent;
+  result.residual_after = request.kind == InitialValues::accept ? result.residual_before : violation_of(user_x);
   return result;
 }
 

@@ -324,6 +324,98 @@ std::vector<double> choose_column_scale(CoefficientSource& problem, double t) {
   return needed ? scale : std::vector<double>();
 }
 
+// Units of the unknowns and of time in which the entries of E and A, rows being scaled as well, are as near to one as
+// possible in the mean square of their logarithms [CR72]. For data that differ in size by their units alone.
+//
+// [CR72] A. R. Curtis, J. K. Reid: On the automatic scaling of matrices for Gaussian elimination. IMA J. Appl. Math. 10
+//        (1972) 118-124.
+struct Units {
+  std::vector<double> columns;
+  double time = 1.0;
+};
+
+Units balanced_units(CoefficientSource& problem, double t) {
+  const int m = problem.m(), n = problem.n();
+  problem.set_column_scale({});
+  TaylorData data;
+  const Trouble trouble = problem.evaluate(t, {0, 0, -1}, 1.0, data);
+  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  struct LogEntry {
+    int i, j;
+    double size;
+    bool in_A;
+  };
+  std::vector<LogEntry> entries;
+  constexpr double negligible = 1e-14;
+  for (bool in_A : {false, true})
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < m; ++i) {
+        const double a = std::fabs(in_A ? data.A(0)(i, j) : data.E(0)(i, j));
+        if (a > negligible) entries.push_back({i, j, std::log2(a), in_A});
+      }
+  std::vector<double> r(static_cast<std::size_t>(m), 0.0), c(static_cast<std::size_t>(n), 0.0), theta(1, 0.0);
+  // Gauss-Seidel on the normal equations: each group in turn takes the mean of what is left.
+  const auto relax = [&](std::vector<double>& unknowns, auto index_of) {
+    std::vector<double> sum(unknowns.size(), 0.0), count(unknowns.size(), 0.0);
+    for (const LogEntry& e : entries) {
+      const int k = index_of(e);
+      if (k < 0) continue;
+      sum[static_cast<std::size_t>(k)] += e.size + r[static_cast<std::size_t>(e.i)] + c[static_cast<std::size_t>(e.j)] +
+                                          (e.in_A ? theta[0] : 0.0);
+      count[static_cast<std::size_t>(k)] += 1.0;
+    }
+    for (std::size_t k = 0; k < unknowns.size(); ++k)
+      if (count[k] > 0.0) unknowns[k] -= sum[k] / count[k];
+  };
+  constexpr int sweeps = 100;
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    relax(r, [](const LogEntry& e) { return e.i; });
+    relax(c, [](const LogEntry& e) { return e.j; });
+    relax(theta, [](const LogEntry& e) { return e.in_A ? 0 : -1; });
+  }
+  constexpr double largest_exponent = 300.0;
+  Units units;
+  for (double exponent : c)
+    units.columns.push_back(std::ldexp(1.0, static_cast<int>(std::clamp(exponent, -largest_exponent, largest_exponent))));
+  units.time = std::ldexp(1.0, static_cast<int>(std::clamp(theta[0], -largest_exponent, largest_exponent)));
+  return units;
+}
+
+// The analysis in the units of the unknowns that the problem has.
+IndexAnalysis analyze_in_units(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,
+                               Arena& arena, std::vector<RankDecision>& decisions) {
+  IndexAnalysis here = search_at(problem, t, settings, arena, decisions);
+  if (!problem.is_constant()) {
+    const double nearby = nearby_point(t, toward, here.time_scale);
+    const IndexAnalysis there = search_at(problem, nearby, settings, arena, decisions);
+    here.rank_E_constant = here.rank_E == there.rank_E;
+    const int mu = std::max(here.values.mu, there.values.mu);
+    if (here.values.mu != there.values.mu) {
+      // At the level that counts both points must agree: E = [0 t; 0 0], A = I does at mu = 1.
+      const bool raise_here = here.values.mu < mu;
+      Searcher again(problem, raise_here ? t : nearby, settings, arena, &decisions);
+      const CharacteristicValues raised = again.values_at(mu);
+      if (raise_here) {
+        here.values = raised;
+        const LevelReading reading = again.read_confirmed(mu);
+        here.time_scale = reading.time_scale;
+        here.v_hat = reading.ranks.v_hat;
+        here.measured = reading.measured;
+      }
+      const CharacteristicValues& other = raise_here ? there.values : raised;
+      if (!(here.values == other))
+        throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                      format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
+                          describe(other) + format(" at t = %.15g. Start beside it.", nearby));
+    } else if (!(here.values == there.values)) {
+      throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                    format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
+                        describe(there.values) + format(" at t = %.15g. Start beside it.", nearby));
+    }
+  }
+  return here;
+}
+
 }  // namespace
 
 std::string describe(const CharacteristicValues& values) {
@@ -368,36 +460,26 @@ IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward,
   decisions.clear();
   problem.set_column_scale({});
   problem.set_column_scale(choose_column_scale(problem, t));
-  IndexAnalysis here = search_at(problem, t, settings, arena, decisions);
-  if (!problem.is_constant()) {
-    const double nearby = nearby_point(t, toward, here.time_scale);
-    const IndexAnalysis there = search_at(problem, nearby, settings, arena, decisions);
-    here.rank_E_constant = here.rank_E == there.rank_E;
-    const int mu = std::max(here.values.mu, there.values.mu);
-    if (here.values.mu != there.values.mu) {
-      // At the level that counts both points must agree: E = [0 t; 0 0], A = I does at mu = 1.
-      const bool raise_here = here.values.mu < mu;
-      Searcher again(problem, raise_here ? t : nearby, settings, arena, &decisions);
-      const CharacteristicValues raised = again.values_at(mu);
-      if (raise_here) {
-        here.values = raised;
-        const LevelReading reading = again.read_confirmed(mu);
-        here.time_scale = reading.time_scale;
-        here.v_hat = reading.ranks.v_hat;
-        here.measured = reading.measured;
-      }
-      const CharacteristicValues& other = raise_here ? there.values : raised;
-      if (!(here.values == other))
-        throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                      format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
-                          describe(other) + format(" at t = %.15g. Start beside it.", nearby));
-    } else if (!(here.values == there.values)) {
-      throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                    format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
-                        describe(there.values) + format(" at t = %.15g. Start beside it.", nearby));
+  try {
+    return analyze_in_units(problem, t, toward, settings, arena, decisions);
+  } catch (const Failure& failure) {
+    if (failure.status() != SFDAE_RANK_UNCLEAR) throw;
+    // Other units may make it clear.
+    const std::vector<RankDecision> unclear = decisions;
+    decisions.clear();
+    const Units units = balanced_units(problem, t);
+    problem.set_column_scale(units.columns);
+    AnalysisSettings balanced = settings;
+    if (balanced.time_scale == 0.0) balanced.time_scale = units.time;
+    try {
+      return analyze_in_units(problem, t, toward, balanced, arena, decisions);
+    } catch (const Failure&) {
     }
+    decisions = unclear;
+    problem.set_column_scale({});
+    problem.set_column_scale(choose_column_scale(problem, t));
+    throw;
   }
-  return here;
 }
 
 }  // namespace sfdae::core

@@ -64,6 +64,13 @@ PointStatus NonlinearSystem::stand_at(const Jet& jet) {
   return renew(jet_, true);
 }
 
+void NonlinearSystem::apply_inputs() {
+  if (problem_.prescribed().empty()) return;
+  std::vector<double> x(index(problem_.n()));
+  restore(nullptr, jet_.x.data(), x.data());
+  accepted_ = before_ = jet_;
+}
+
 PointStatus NonlinearSystem::move_to(double t) {
   trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
@@ -275,7 +282,7 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
       inconsistency_ = form_.inconsistency() > 1e3 * data_.noise(analysis_.values.mu) / pivot_ ? form_.inconsistency() : 0.0;
       return PointStatus::ok;
     }
-    if (iteration > 0 && norm > slowest * before) return PointStatus::not_converged;
+    if (iteration > 1 && norm > slowest * before) return PointStatus::not_converged;
     before = norm;
   }
   return PointStatus::not_converged;

@@ -43,6 +43,8 @@ class NonlinearSystem final : public DaeSystem {
 
   // A point consistent up to level mu becomes the current and accepted one; the ranks are judged there.
   PointStatus stand_at(const Jet& jet);
+  // Prescribed components at the current point get their values, others change as little as they must.
+  void apply_inputs();
   // The current jet, x = column 0.
   const Jet& jet() const { return jet_; }
   const std::vector<double>& column_scale() const { return column_scale_; }

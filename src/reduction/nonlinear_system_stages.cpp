@@ -131,7 +131,7 @@ PointStatus NonlinearSystem::iterate_stages(const StageEquations& equations) {
     }
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     if (has_converged(task, iteration, norm, before)) return PointStatus::ok;
-    if (iteration > 0 && norm > slowest * before) return PointStatus::not_converged;
+    if (iteration > 1 && norm > slowest * before) return PointStatus::not_converged;
     before = norm;
   }
   return PointStatus::not_converged;

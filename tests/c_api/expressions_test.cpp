@@ -61,12 +61,40 @@ void expect_mistake(const Writer& writer, const std::string& message) {
 // Every function, once; arguments within all domains.
 template <class Number>
 std::vector<Number> all_functions(const Number& a, const Number& b) {
-  using std::abs, std::acos, std::asin, std::atan, std::atan2, std::cos, std::cosh, std::exp, std::log, std::max, std::min,
-      std::pow, std::sin, std::sinh, std::sqrt, std::tan, std::tanh;
   using sfdae::choose;
-  return {a + b, a - b, a * b, a / b, -a, pow(a, b), sqrt(a), exp(a), log(a), sin(a), cos(a), tan(a), asin(b), acos(b),
-          atan(a), atan2(a, b), sinh(a), cosh(a), tanh(a), abs(-a), abs(a), min(a, b), max(a, b), choose(a - b, a, b),
-          choose(b - a, a, b), pow(a, 3.0), pow(2.0, a), 1.0 + a, a - 1.0, 2.0 * a, 1.0 / a};
+  using std::abs, std::acos, std::asin, std::atan, std::atan2, std::cos, std::cosh, std::exp, std::log, std::max,
+      std::min, std::pow, std::sin, std::sinh, std::sqrt, std::tan, std::tanh;
+  return {a + b,
+          a - b,
+          a * b,
+          a / b,
+          -a,
+          pow(a, b),
+          sqrt(a),
+          exp(a),
+          log(a),
+          sin(a),
+          cos(a),
+          tan(a),
+          asin(b),
+          acos(b),
+          atan(a),
+          atan2(a, b),
+          sinh(a),
+          cosh(a),
+          tanh(a),
+          abs(-a),
+          abs(a),
+          min(a, b),
+          max(a, b),
+          choose(a - b, a, b),
+          choose(b - a, a, b),
+          pow(a, 3.0),
+          pow(2.0, a),
+          1.0 + a,
+          a - 1.0,
+          2.0 * a,
+          1.0 / a};
 }
 
 }  // namespace
@@ -92,7 +120,8 @@ TEST(Expressions, AreWhatTheirFunctionsSay) {
 
 TEST(Expressions, KnowTimeDerivativesAndParameters) {
   const auto record = record_from(
-      [](sfdae_record* r, Expression t, const sfdae_expression* x, const sfdae_expression* xdot, sfdae_expression* residual) {
+      [](sfdae_record* r, Expression t, const sfdae_expression* x, const sfdae_expression* xdot,
+         sfdae_expression* residual) {
         Expression sum = parameter(r, "rate", 10.0) * t;
         sum += xdot[0];
         sum *= x[1];
@@ -138,7 +167,8 @@ TEST(LinearEquations, AreRecordedFromTheirCoefficients) {
 }
 
 TEST(Mistakes, ForgottenEquationsAreNamed) {
-  const auto forget = [](sfdae_record*, Expression, const sfdae_expression* x, const sfdae_expression*, sfdae_expression* residual) {
+  const auto forget = [](sfdae_record*, Expression, const sfdae_expression* x, const sfdae_expression*,
+                         sfdae_expression* residual) {
     residual[0] = x[0];
     residual[2] = x[1];
     return 0;
@@ -158,16 +188,19 @@ TEST(Mistakes, AreRememberedAndNamed) {
         return F[0] = sfdae_sin(damaged), 0;
       },
       "sin: an expression is damaged.");
-  expect_mistake([](auto*, auto, X x, X, R F) { return F[0] = sfdae_multiply(x[0], sfdae_log(sfdae_number(-1.0))), 0; },
-                 "multiply: a number is not finite, or was computed where it is not defined, as log(-1) is.");
-  expect_mistake([](auto*, auto, X, X, R F) { return F[0] = sfdae_number(std::numeric_limits<double>::quiet_NaN()), 0; },
-                 "residual[0]: a number is not finite, or was computed where it is not defined, as log(-1) is.");
+  expect_mistake(
+      [](auto*, auto, X x, X, R F) { return F[0] = sfdae_multiply(x[0], sfdae_log(sfdae_number(-1.0))), 0; },
+      "multiply: a number is not finite, or was computed where it is not defined, as log(-1) is.");
+  expect_mistake(
+      [](auto*, auto, X, X, R F) { return F[0] = sfdae_number(std::numeric_limits<double>::quiet_NaN()), 0; },
+      "residual[0]: a number is not finite, or was computed where it is not defined, as log(-1) is.");
   expect_mistake([](auto* r, auto, X, X, R F) { return F[0] = sfdae_parameter(r, nullptr, 1.0), 0; },
                  "sfdae_parameter: a parameter needs a name.");
   expect_mistake([](auto* r, auto, X, X, R F) { return F[0] = sfdae_parameter(r, "k", INFINITY), 0; },
                  "sfdae_parameter: the value of k is not finite.");
-  expect_mistake([](auto*, auto, X x, X, R F) { return F[0] = sfdae_add(x[0], sfdae_parameter(nullptr, "k", 1.0)), 0; },
-                 "add: a number is not finite, or was computed where it is not defined, as log(-1) is.");
+  expect_mistake(
+      [](auto*, auto, X x, X, R F) { return F[0] = sfdae_add(x[0], sfdae_parameter(nullptr, "k", 1.0)), 0; },
+      "add: a number is not finite, or was computed where it is not defined, as log(-1) is.");
 }
 
 TEST(Mistakes, TheFirstOneCounts) {
@@ -182,7 +215,8 @@ TEST(Mistakes, TheFirstOneCounts) {
 
 TEST(Mistakes, RecordingsMustNotBeMixed) {
   std::string inner;
-  const auto outer = [&](sfdae_record*, Expression, const sfdae_expression* x, const sfdae_expression*, sfdae_expression* F) {
+  const auto outer = [&](sfdae_record*, Expression, const sfdae_expression* x, const sfdae_expression*,
+                         sfdae_expression* F) {
     const sfdae_expression foreign = x[0];
     inner = failure_of([&] {
       record_from(
@@ -202,19 +236,19 @@ TEST(Mistakes, RecordingsMustNotBeMixed) {
 
 TEST(Mistakes, FunctionsCanGiveUp) {
   for (int returned : {-3, 5}) {
-    const auto give_up = [&](sfdae_record*, Expression, const sfdae_expression*, const sfdae_expression*, sfdae_expression*) {
-      return returned;
-    };
-    EXPECT_EQ(failure_of([&] { record_from(give_up, 1, 1); }, returned < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED),
+    const auto give_up = [&](sfdae_record*, Expression, const sfdae_expression*, const sfdae_expression*,
+                             sfdae_expression*) { return returned; };
+    EXPECT_EQ(failure_of([&] { record_from(give_up, 1, 1); },
+                         returned < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED),
               "the function that writes equations returned " + std::to_string(returned) + ".");
   }
 }
 
 TEST(PlainNumbers, AreUndefinedQuietly) {
   for (const sfdae_expression& value :
-       {sfdae_divide(sfdae_number(1.0), sfdae_number(0.0)), sfdae_sqrt(sfdae_number(-1.0)), sfdae_exp(sfdae_number(1e4)),
-        sfdae_power(sfdae_number(-8.0), sfdae_number(0.5)), sfdae_acos(sfdae_number(2.0)),
-        sfdae_parameter(nullptr, "k", 1.0)})
+       {sfdae_divide(sfdae_number(1.0), sfdae_number(0.0)), sfdae_sqrt(sfdae_number(-1.0)),
+        sfdae_exp(sfdae_number(1e4)), sfdae_power(sfdae_number(-8.0), sfdae_number(0.5)),
+        sfdae_acos(sfdae_number(2.0)), sfdae_parameter(nullptr, "k", 1.0)})
     EXPECT_TRUE(std::isnan(value.value));
 }
 

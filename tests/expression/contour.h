@@ -92,8 +92,8 @@ class ComplexEvaluation {
   std::vector<Complex> center_;
 };
 
-// Coefficients of order 0 ... order, m x (order + 1). The error is about unit_roundoff max |F| / radius^order, where the
-// maximum is over the circle, within which F has to be analytic.
+// Coefficients of order 0 ... order, m x (order + 1). The error is about unit_roundoff max |F| / radius^order, where
+// the maximum is over the circle, within which F has to be analytic.
 inline std::vector<double> contour_coefficients(const ComplexEvaluation& evaluation, int order, double radius) {
   constexpr int points = 64;
   std::vector<double> result;
@@ -101,9 +101,11 @@ inline std::vector<double> contour_coefficients(const ComplexEvaluation& evaluat
     const double angle = 2.0 * std::numbers::pi * p / points;
     const std::vector<Complex> F = evaluation.residuals(std::polar(radius, angle));
     result.resize(F.size() * static_cast<std::size_t>(order + 1));
-    for (int k = 0; k <= order; ++k)
-      for (std::size_t i = 0; i < F.size(); ++i)
-        result[i + static_cast<std::size_t>(k) * F.size()] += (F[i] * std::polar(std::pow(radius, -k), -k * angle)).real() / points;
+    for (int k = 0; k <= order; ++k) {
+      const Complex weight = std::polar(std::pow(radius, -k) / points, -k * angle);
+      double* const column = result.data() + static_cast<std::size_t>(k) * F.size();
+      for (std::size_t i = 0; i < F.size(); ++i) column[i] += (F[i] * weight).real();
+    }
   }
   return result;
 }

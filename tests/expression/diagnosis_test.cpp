@@ -102,7 +102,8 @@ TEST(NotSmooth, ValuesExistWhereDerivativesDoNot) {
     }
     for (int order = 0; order <= 2; ++order) {
       Trial trial(c.f, c.x0);
-      EXPECT_EQ(trial.gradients(order), order <= c.order_of_gradients) << "case " << i << ", gradients of order " << order;
+      EXPECT_EQ(trial.gradients(order), order <= c.order_of_gradients)
+          << "case " << i << ", gradients of order " << order;
       if (order > c.order_of_gradients) {
         EXPECT_EQ(trial.failure().equation, 1) << i;
       }

@@ -129,6 +129,8 @@ TEST_F(Recorded, LinearEquationsAreKnownAsSuch) {
       {xdot(0) - sin(x(0)), false, false, false},
       {xdot(0) - max(x(0), x(1)), false, false, false},
       {xdot(0) - choose(x(0), x(0), x(1)), false, false, false},
+      {xdot(0) - choose(x(0), 1.0, 2.0), false, false, false},
+      {xdot(0) - x(1) * choose(t, 1.0, 2.0), true, true, false},
   };
   std::vector<int> residuals;
   for (const Case& c : cases) residuals.push_back(c.F.node);

@@ -96,7 +96,9 @@ class EveryOperation : public testing::TestWithParam<Operator> {
 
 // Largest |F| on the circle over radius^k bounds |F_k|, and rounding errors of the oracle scale alike.
 constexpr double radius = 0.25;
-double coefficient_tolerance(int k) { return 1e-13 * std::pow(radius, -k); }
+double coefficient_tolerance(int k) {
+  return 1e-13 * std::pow(radius, -k);
+}
 
 // Central differences in one coefficient of the jet.
 Numbers difference(const Record& record, const Numbers& jet, std::size_t entry, int order) {
@@ -142,7 +144,8 @@ void expect_gradients(const Record& record, const Numbers& jet, int order) {
 TEST_P(EveryOperation, HasTheTaylorCoefficientsOfCauchysFormula) {
   TaylorEvaluator evaluator(record);
   const int columns = series::highest_order + 2;
-  const Numbers expected = contour_coefficients(ComplexEvaluation(*record, 0.2, jet, columns), series::highest_order, radius);
+  const Numbers expected =
+      contour_coefficients(ComplexEvaluation(*record, 0.2, jet, columns), series::highest_order, radius);
   for (int order : {0, 1, 2, 3, 4, 5, 9, series::highest_order, 2}) {
     Numbers F(size(order + 1));
     ASSERT_TRUE(evaluator.values(0.2, jet.data(), order, F.data())) << evaluator.failure().message;
@@ -164,7 +167,8 @@ TEST_P(EveryOperation, LowerOrdersArePartsOfHigherOnes) {
   ASSERT_TRUE(evaluator.gradients(0.2, jet.data(), {6, 6, 6}, F.data(), F_xdot.data(), F_x.data()));
   ASSERT_TRUE(evaluator.gradients(0.2, jet.data(), {2, 1, 0}, low_F.data(), low_F_xdot.data(), low_F_x.data()));
   const auto expect_equal = [](const Numbers& low, const Numbers& high) {
-    for (std::size_t i = 0; i < low.size(); ++i) EXPECT_NEAR(low[i], high[i], rounding(1) * (1.0 + std::fabs(high[i])));
+    for (std::size_t i = 0; i < low.size(); ++i)
+      EXPECT_NEAR(low[i], high[i], rounding(1) * (1.0 + std::fabs(high[i])));
   };
   expect_equal(low_F, F);
   expect_equal(low_F_xdot, F_xdot);

@@ -56,7 +56,7 @@ struct Trip {
     integration.reset();
     restored = {};
     problem = std::make_unique<LinearProblem>(analyzed.callbacks.problem);
-    restored = restore_checkpoint(*problem, analyzed.settings, options, saved.data(), saved.size());
+    restored = restore_checkpoint(linear_target(*problem, analyzed.settings), options, saved.data(), saved.size());
     integration = std::move(restored.integration);
     system = restored.system.get();
   }
@@ -112,7 +112,7 @@ TEST(Checkpoint, RefusesWhatIsDamagedOrForeign) {
   save_checkpoint(*run.system, *run.integration, saved.data());
   const auto status_of = [&](const Vector& values, std::size_t length, LinearProblem& problem) {
     try {
-      restore_checkpoint(problem, run.analyzed.settings, run.options, values.data(), length);
+      restore_checkpoint(linear_target(problem, run.analyzed.settings), run.options, values.data(), length);
     } catch (const Failure& failure) {
       return failure.status();
     }

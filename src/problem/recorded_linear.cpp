@@ -1,0 +1,74 @@
+// Recorded linear equations.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/recorded_linear.h"
+
+#include <algorithm>
+
+namespace sfdae::core {
+
+namespace {
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+RecordedLinearCoefficients::RecordedLinearCoefficients(std::shared_ptr<const Record> record, PrescribedInputs inputs)
+    : evaluator_(std::move(record)), inputs_(std::move(inputs)) {}
+
+sfdae_linear_problem RecordedLinearCoefficients::problem() {
+  const Record& record = evaluator_.record();
+  sfdae_linear_problem problem{};
+  problem.size = sizeof problem;
+  problem.num_equations = record.m();
+  problem.num_unknowns = record.n();
+  problem.E = [](double t, int order, double* E, void* self) {
+    return static_cast<RecordedLinearCoefficients*>(self)->derivative('E', t, order, E);
+  };
+  problem.A = [](double t, int order, double* A, void* self) {
+    return static_cast<RecordedLinearCoefficients*>(self)->derivative('A', t, order, A);
+  };
+  problem.f = [](double t, int order, double* f, void* self) {
+    return static_cast<RecordedLinearCoefficients*>(self)->derivative('f', t, order, f);
+  };
+  problem.constant_E = record.is_constant_E() ? 1 : 0;
+  problem.constant_A = record.is_constant_A() ? 1 : 0;
+  problem.num_prescribed = static_cast<int>(inputs_.components.size());
+  problem.prescribed = inputs_.components.data();
+  problem.prescribed_values = [](double t, int order, double* values, void* self) {
+    const PrescribedInputs& inputs = static_cast<RecordedLinearCoefficients*>(self)->inputs_;
+    return inputs.values(t, order, values, inputs.user);
+  };
+  problem.user = this;
+  return problem;
+}
+
+bool RecordedLinearCoefficients::evaluate(double t, int order) {
+  if (t == known_t_ && order <= known_order_) return true;
+  const std::size_t m = index(evaluator_.record().m()), n = index(evaluator_.record().n()), count = index(order + 1);
+  jet_.assign(n * (count + 1), 0.0);
+  F_.resize(m * count);
+  F_xdot_.resize(m * n * count);
+  F_x_.resize(m * n * count);
+  known_order_ = -1;
+  if (!evaluator_.gradients(t, jet_.data(), {order, order, order}, F_.data(), F_xdot_.data(), F_x_.data())) return false;
+  known_t_ = t;
+  known_order_ = order;
+  return true;
+}
+
+int RecordedLinearCoefficients::derivative(char which, double t, int order, double* values) {
+  constexpr int cannot_evaluate = 1;
+  if (order > max_derivative_order) return SFDAE_ORDER_NOT_AVAILABLE;
+  // All orders at once; the highest may fail where this one does not.
+  usual_order_ = std::max(usual_order_, order);
+  if (!evaluate(t, usual_order_) && !evaluate(t, order)) return cannot_evaluate;
+  const std::size_t m = index(evaluator_.record().m()), n = index(evaluator_.record().n());
+  const std::size_t size = which == 'f' ? m : m * n;
+  const std::vector<double>& from = which == 'E' ? F_xdot_ : which == 'A' ? F_x_ : F_;
+  double factor = which == 'E' ? 1.0 : -1.0;
+  for (int k = 2; k <= order; ++k) factor *= k;
+  for (std::size_t i = 0; i < size; ++i) values[i] = factor * from[size * index(order) + i];
+  return 0;
+}
+
+}  // namespace sfdae::core
