@@ -99,6 +99,7 @@ void NonlinearSystem::accept() {
 PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   const int mu = analysis_.values.mu;
   age_ = 0;
+  if (judged) unjudged_ = 0;
   matrix_valid_ = false;
   transformed_.forget();
   linearized_ = jet;
@@ -322,9 +323,10 @@ PointStatus NonlinearSystem::iterate_from_guess(const Task& task) {
   });
 }
 
-// After a point has converged: ranks are judged, and the linearization renewed, where it is time to.
-PointStatus NonlinearSystem::review() {
-  if (!is_slow_ && age_ < oldest && linearized_judged_) return PointStatus::ok;
+// After a point has converged: the linearization is renewed there where it has become slow; ranks are judged now and then.
+PointStatus NonlinearSystem::review(bool renews) {
+  ++unjudged_;
+  if (!(renews && is_slow_) && unjudged_ < oldest) return PointStatus::ok;
   const PointStatus status = renew(jet_, true);
   rate_ = std::min(rate_, 0.1);
   return status;
@@ -343,7 +345,7 @@ PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
   guess_jet(jet_.t, equations.guess, 0, jet_);
   const Task task{true, equations.c, equations.w_rest, equations.x_rest, equations.guess.inverse_weights, newton_tolerance};
   PointStatus status = iterate_from_guess(task);
-  if (status == PointStatus::ok) status = review();
+  if (status == PointStatus::ok) status = review(true);
   std::copy_n(jet_.x.data(), problem_.n(), x);
   return status;
 }

@@ -118,7 +118,7 @@ void NonlinearSystem::archive(Archive& archive) {
   CharacteristicValues& values = analysis_.values;
   bool has_scale = !column_scale_.empty();
   archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.noise,
-                analysis_.rank_E_constant, has_scale, linearized_judged_, age_);
+                analysis_.rank_E_constant, has_scale, linearized_judged_, age_, unjudged_);
   for (double* value : {&analysis_.t, &analysis_.time_scale, &rate_}) archive.real(*value);
   const int m = problem_.m(), n = problem_.n();
   if (archive.is_reading()) {
@@ -144,7 +144,7 @@ void NonlinearSystem::archive(Archive& archive) {
   // The linearization as it was.
   const Jet where = linearized_;
   const RankList ranks = ranks_;
-  const int age = age_;
+  const int age = age_, unjudged = unjudged_;
   const double rate = rate_;
   const bool judged = linearized_judged_;
   preferred_rows_ = linearized_rows_;
@@ -153,6 +153,7 @@ void NonlinearSystem::archive(Archive& archive) {
   if (trouble_.status != SFDAE_OK || renew(where, false) != PointStatus::ok) throw DamagedArchive();
   ranks_ = ranks;
   age_ = age;
+  unjudged_ = unjudged;
   rate_ = rate;
   linearized_judged_ = judged;
 }
