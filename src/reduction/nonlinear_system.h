@@ -91,6 +91,9 @@ class NonlinearSystem final : public DaeSystem {
   void resize();
   // Linearizes and eliminates at the jet. Known ranks are taken where they are not judged.
   PointStatus renew(const Jet& jet, bool judged);
+  // What rounding errors of F do to a change of x and of y, into noise_.
+  void measure_noise(const Jet& jet);
+  void keep_differential_part();
   bool factor_step_matrix(double c);
   // f := the scaled -F_0, ..., -F_mu at the jet.
   PointStatus array_residuals(const Jet& jet, double* f);
@@ -130,6 +133,7 @@ class NonlinearSystem final : public DaeSystem {
   NullSpaceForm form_;
   RankList ranks_;
   std::vector<double> preferred_rows_;
+  std::vector<double> noise_;  // scaled x, y_1, ..., of the last linearization
   int age_ = 0;             // points solved with it
   int unjudged_ = 0;        // points since ranks were judged
   double kept_constraints_ = 1.0, kept_differential_ = 1.0, pivot_ = 1.0;
