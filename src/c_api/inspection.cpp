@@ -41,6 +41,7 @@ sfdae_statistics statistics_of(const sfdae_solver& solver) {
   s.smallest_kept = counts.smallest_kept;
   s.consistency = counts.inconsistency;
   s.first_step = counts.first_step;
+  s.rounding = counts.rounding;
   return s;
 }
 

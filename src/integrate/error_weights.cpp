@@ -38,11 +38,16 @@ void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening, doub
 }
 
 void ErrorWeights::update(const double* x) {
+  floor_ratio_ = 0.0;
   for (std::size_t i = 0; i < rtol_.size(); ++i) {
     const double size = std::fabs(x[i]);
     // Without rtol the tolerance is relative to the component itself.
     const double factor = rtol_[i] > 0.0 ? reduction_[i] : reduction(atol_[i] / std::max(size, atol_[i]));
-    const double weight = factor * (rtol_[i] * size + atol_[i]);
+    double weight = factor * (rtol_[i] * size + atol_[i]);
+    if (floor_ != nullptr && floor_[i] > 0.0) {
+      floor_ratio_ = weight > 1.0 / no_tolerance ? std::max(floor_ratio_, floor_[i] / weight) : no_tolerance;
+      weight = std::max(weight, floor_[i]);
+    }
     inverse_[i] = weight > 1.0 / no_tolerance ? 1.0 / weight : no_tolerance;
   }
 }

@@ -50,6 +50,7 @@ void NonlinearSystem::resize() {
   for (auto* v : {&change_, &xdot_, &z_}) v->assign(n + 1, 0.0);
   y_change_.assign(n * levels + 1, 0.0);
   noise_.assign(n * (levels + 1), 0.0);
+  rounding_errors_.assign(n, 0.0);
   for (Jet* jet : {&jet_, &accepted_, &before_, &linearized_}) {
     jet->n = problem_.n();
     jet->set_order(analysis_.values.mu + 1);
@@ -147,7 +148,8 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   return renew(jet, false);
 }
 
-// One sample: errors of a rounding of what is added up in each equation, of either sign, go the way of residuals.
+// Errors of a rounding of what is added up in each equation, of either sign, go the way of residuals. One sample tells
+// their size to some factor.
 void NonlinearSystem::measure_noise(const Jet& jet) {
   const int mu = analysis_.values.mu, m = problem_.m(), n = problem_.n();
   const Arena::Frame frame(arena_);
@@ -181,7 +183,9 @@ void NonlinearSystem::measure_noise(const Jet& jet) {
   std::copy_n(form_.xp(), n, noise_.data());
   multiply(1.0, Op::plain, form_.T2(), z_.data(), 1.0, noise_.data());
   elimination_.recover(data_, {errors, transformed_f_.data()}, noise_.data(), noise_.data() + n, arena_);
-  for (double& noise : noise_) noise = std::fabs(noise);
+  constexpr double samples = 8.0;
+  for (double& noise : noise_) noise = samples * std::fabs(noise);
+  for (std::size_t j = 0; j < index(n); ++j) rounding_errors_[j] = noise_[j] * (column_scale_.empty() ? 1.0 : column_scale_[j]);
 }
 
 // z_: Z1^T E (xp + T2 z) = 0.
@@ -274,9 +278,8 @@ double NonlinearSystem::change_norm(const Task& task, const double* dx, const Je
     }
     return size > 0.0 ? norm / size : norm;
   }
-  // Rounding errors will not become less; a sample of them tells their size to some factor.
-  constexpr double samples = 8.0;
-  const auto above_noise = [&](double change, std::size_t i) { return std::max(0.0, std::fabs(change) - samples * noise_[i]); };
+  // Rounding errors will not become less.
+  const auto above_noise = [&](double change, std::size_t i) { return std::max(0.0, std::fabs(change) - noise_[i]); };
   for (int i = 0; i < n; ++i) norm = std::max(norm, above_noise(dx[i], index(i)) * unit(i) * task.inverse_weights[i]);
   const double ratio = 1.0 / (std::fabs(task.c) * data_.time_scale);
   double power = 1.0;

@@ -66,6 +66,7 @@ class NonlinearSystem final : public DaeSystem {
   double kept_constraints() const override { return kept_constraints_; }
   double kept_differential() const override { return kept_differential_; }
   double smallest_pivot() const override { return pivot_; }
+  const double* rounding_errors() const override { return rounding_errors_.data(); }
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
   bool exact_derivative(const double* x, double* xdot) override;
   void leading_derivative(const double*, const double* xdot, double* wdot) override {
@@ -134,6 +135,7 @@ class NonlinearSystem final : public DaeSystem {
   RankList ranks_;
   std::vector<double> preferred_rows_;
   std::vector<double> noise_;  // scaled x, y_1, ..., of the last linearization
+  std::vector<double> rounding_errors_;
   int age_ = 0;             // points solved with it
   int unjudged_ = 0;        // points since ranks were judged
   double kept_constraints_ = 1.0, kept_differential_ = 1.0, pivot_ = 1.0;
