@@ -7,7 +7,7 @@
 //     node 2:  (6 - U2) / R - U2 / R + C1 (U1 - U2)' - 0.01 I(U2 - U3) = 0, and so on
 //
 // A transistor with the voltage U between base and emitter takes 0.01 I(U) from the base and 0.99 I(U) from the
-// collector, I(U) = 1e-6 A (exp(U / 26 mV) - 1). The matrix of the capacitors is singular: strangeness index 0, d = 5, a = 3.
+// collector, I(U) = 1e-6 A (exp(U / 26 mV) - 1). Strangeness index 0, d = 5, a = 3.
 // Reference values: test set for IVP solvers.
 
 #include <algorithm>
