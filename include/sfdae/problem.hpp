@@ -51,6 +51,7 @@ class BasicVectorRef {
   int size_;
 };
 using VectorRef = BasicVectorRef<double>;
+using ConstVectorRef = BasicVectorRef<const double>;
 using Expressions = BasicVectorRef<Expression>;
 using ConstExpressions = BasicVectorRef<const Expression>;
 
@@ -105,6 +106,10 @@ struct TotalDerivatives {
 /// Column k of `derivatives` (n x (order + 2)) is the k-th derivative of x, see sfdae_total_derivative_function:
 ///     [](double t, int order, sfdae::ConstMatrixRef derivatives, sfdae::TotalDerivatives result) { ... }
 using TotalDerivativeFunction = Callback<double, int, ConstMatrixRef, TotalDerivatives>;
+
+/// Event functions, see sfdae_set_events: writes g_i(t, x, x') into a view filled with zeros,
+///     [](double t, sfdae::ConstVectorRef x, sfdae::ConstVectorRef xdot, sfdae::VectorRef g) { ... }
+using EventFunction = Callback<double, ConstVectorRef, ConstVectorRef, VectorRef>;
 
 /// E(t) x' = A(t) x + f(t), see sfdae_linear_problem.
 struct LinearProblem {

@@ -254,6 +254,34 @@ class Solver {
     return checked(sfdae_restore_checkpoint(get(), values, checkpoint.size()));
   }
 
+  /// Events are zeros of `count` functions: advance() and step() return SFDAE_EVENT there. directions: empty, or count
+  /// numbers, +1 where only rising zeros count, -1 where only falling ones do, else 0. count = 0: no events any more.
+  int set_events(int count, EventFunction function, const std::vector<int>& directions = {}) {
+    if (!directions.empty() && directions.size() != size(count))
+      throw Error(SFDAE_ILLEGAL_ARGUMENT, "directions has " + std::to_string(directions.size()) + " entries, not " +
+                                              std::to_string(count) + " as there are events");
+    const int status = checked(sfdae_set_events(get(), count, function ? call_events : nullptr,
+                                                directions.empty() ? nullptr : directions.data(), state_.get()));
+    state_->event_function = std::move(function);
+    state_->num_events = count;
+    return status;
+  }
+
+  /// Which events happened at the point returned with SFDAE_EVENT: +1 rising, -1 falling, else 0.
+  std::vector<int> events() const {
+    std::vector<int> which(size(state_ ? state_->num_events : 0));
+    int nothing = 0;
+    checked(sfdae_get_events(get(), which.empty() ? &nothing : which.data()));
+    return which;
+  }
+
+  /// The solution at any point.t within the last step taken; the point reached stays.
+  int interpolate(Point& point) {
+    point.x.resize(size(num_unknowns()));
+    double* const xdot = prepared(point);
+    return checked(sfdae_interpolate(get(), point.t, point.x.data(), xdot));
+  }
+
   Statistics statistics() const { return filled(sfdae_statistics_init, sfdae_get_statistics); }
 
   /// The diagnostics report.
@@ -355,6 +383,8 @@ class Solver {
     int num_equations, num_unknowns;
     std::variant<LinearProblem, NonlinearProblem> problem;
     Monitor monitor;
+    EventFunction event_function;
+    int num_events = 0;
     std::exception_ptr exception;
     sfdae_solver* solver = nullptr;
   };
@@ -430,6 +460,12 @@ class Solver {
   static int call_monitor(const sfdae_progress* progress, void* user) noexcept {
     State& state = *static_cast<State*>(user);
     return state.guarded([&] { return state.monitor(*progress) ? 1 : 0; });
+  }
+
+  static int call_events(double t, const double* x, const double* xdot, double* g, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    const int n = state.problem.num_unknowns;
+    return state.guarded([&] { return state.event_function.call(t, {x, n}, {xdot, n}, {g, state.num_events}); });
   }
 
   static sfdae_linear_problem in_c(const LinearProblem& problem, State* user) {

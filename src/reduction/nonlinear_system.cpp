@@ -8,6 +8,7 @@
 #include "linalg/dense.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
+#include "reduction/rank_reading.h"
 
 namespace sfdae::core {
 
@@ -98,6 +99,7 @@ void NonlinearSystem::accept() {
 PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   const int mu = analysis_.values.mu;
   age_ = 0;
+  if (judged) unjudged_ = 0;
   matrix_valid_ = false;
   transformed_.forget();
   linearized_ = jet;
@@ -109,7 +111,8 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   ++reductions_;
   preferred_rows_.assign(data_.row_scale.begin(), data_.row_scale.end());
-  Judge::Settings judging{settings_.rank_tol, false, analysis_.measured};
+  const NoiseModel noise = analysis_.noise == NoiseModel::data ? NoiseModel::data : NoiseModel::pivots;
+  Judge::Settings judging{settings_.rank_tol, false, noise, nullptr};
   if (!judged) judging.known_ranks = &ranks_;
   Judge judge(data_, mu, judging, nullptr);
   const Arena::Frame frame(arena_);
@@ -131,10 +134,14 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
     ranks_ = judge.ranks();
     return PointStatus::ok;
   }
-  // The propagated noise may be too large an estimate: measured noise decides, and the ranks known are gone on with.
-  if (!judged || ranks_.count == 0) return PointStatus::changed;
+  if (!judged) return PointStatus::changed;
+  // The cheap estimate of the noise may be too large or too small.
+  if (const std::optional<RankList> found = matching_ranks(data_, mu, analysis_, settings_.rank_tol, arena_)) {
+    ranks_ = *found;
+    return renew(jet, false);
+  }
   JetCoefficients source(problem_, jet, column_scale_);
-  if (!known_values_hold(source, jet.t, settings_, analysis_, arena_)) return PointStatus::changed;
+  if (ranks_.count == 0 || !known_values_hold(source, jet.t, settings_, analysis_, arena_)) return PointStatus::changed;
   return renew(jet, false);
 }
 
@@ -316,9 +323,10 @@ PointStatus NonlinearSystem::iterate_from_guess(const Task& task) {
   });
 }
 
-// After a point has converged: ranks are judged, and the linearization renewed, where it is time to.
-PointStatus NonlinearSystem::review() {
-  if (!is_slow_ && age_ < oldest && linearized_judged_) return PointStatus::ok;
+// After a point has converged: the linearization is renewed there where it has become slow; ranks are judged now and then.
+PointStatus NonlinearSystem::review(bool renews) {
+  ++unjudged_;
+  if (!(renews && is_slow_) && unjudged_ < oldest) return PointStatus::ok;
   const PointStatus status = renew(jet_, true);
   rate_ = std::min(rate_, 0.1);
   return status;
@@ -337,7 +345,7 @@ PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
   guess_jet(jet_.t, equations.guess, 0, jet_);
   const Task task{true, equations.c, equations.w_rest, equations.x_rest, equations.guess.inverse_weights, newton_tolerance};
   PointStatus status = iterate_from_guess(task);
-  if (status == PointStatus::ok) status = review();
+  if (status == PointStatus::ok) status = review(true);
   std::copy_n(jet_.x.data(), problem_.n(), x);
   return status;
 }

@@ -106,7 +106,7 @@ class NonlinearSystem final : public DaeSystem {
   template <class Iteration>
   PointStatus iterate_with_renewal(const Jet& start, Iteration iteration);
   PointStatus iterate_from_guess(const Task& task);
-  PointStatus review();
+  PointStatus review(bool renews);
   void guess_jet(double t, const Guess& guess, int block, Jet& jet) const;
   void interpolate_jet(double t);
   PointStatus iterate_stages(const StageEquations& equations);
@@ -131,6 +131,7 @@ class NonlinearSystem final : public DaeSystem {
   RankList ranks_;
   std::vector<double> preferred_rows_;
   int age_ = 0;             // points solved with it
+  int unjudged_ = 0;        // points since ranks were judged
   double kept_constraints_ = 1.0, kept_differential_ = 1.0, pivot_ = 1.0;
   std::vector<double> matrix_;
   std::vector<int> matrix_pivots_;

@@ -31,17 +31,22 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
     guess_jet(t, equations.guess, i, stages_[index(i)]);
     stage_starts_[index(i)] = stages_[index(i)];
   }
-  const PointStatus status = iterate_with_renewal(stage_starts_[index(s / 2)], [&] {
-    std::copy_n(stage_starts_.begin(), s, stages_.begin());
-    return iterate_stages(equations);
-  });
+  // The middle of the step, where the linearization serves all stages best.
+  const Jet& middle = stage_starts_[index(s / 2)];
+  PointStatus status = PointStatus::ok;
+  if (s > 1) status = renew(middle, false);
+  if (status == PointStatus::ok)
+    status = iterate_with_renewal(middle, [&] {
+      std::copy_n(stage_starts_.begin(), s, stages_.begin());
+      return iterate_stages(equations);
+    });
   if (status != PointStatus::ok) return status;
   jet_ = stages_[index(s - 1)];
   for (int i = 0; i < s; ++i) {
     std::copy_n(stages_[index(i)].x.data(), n, x + static_cast<std::ptrdiff_t>(i) * n);
     std::copy_n(stages_[index(i)].x.data(), n, w + static_cast<std::ptrdiff_t>(i) * n);
   }
-  return review();
+  return review(s == 1);
 }
 
 void NonlinearSystem::resize_stages(int s) {
