@@ -464,7 +464,7 @@ class Solver {
 
   static int call_events(double t, const double* x, const double* xdot, double* g, void* user) noexcept {
     State& state = *static_cast<State*>(user);
-    const int n = state.problem.num_unknowns;
+    const int n = state.num_unknowns;
     return state.guarded([&] { return state.event_function.call(t, {x, n}, {xdot, n}, {g, state.num_events}); });
   }
 
