@@ -22,11 +22,12 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
 double ErrorWeights::reduction(double tol) const {
-  return tightening_ == Tightening::none ? 1.0 : std::min(1.0, 4.0 * std::pow(tol, 1.0 / 6.0));
+  return safety_ * (tightening_ == Tightening::none ? 1.0 : std::min(1.0, 4.0 * std::pow(tol, 1.0 / 6.0)));
 }
 
-void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening) {
+void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening, double safety) {
   tightening_ = tightening;
+  safety_ = safety;
   rtol_ = tolerances.rtol;
   atol_ = tolerances.atol;
   inverse_.assign(rtol_.size(), 1.0);

@@ -19,7 +19,8 @@ enum class Tightening {
 
 class ErrorWeights {
  public:
-  void set(const Tolerances& tolerances, Tightening tightening);
+  // safety: a factor of all tolerances, <= 1.
+  void set(const Tolerances& tolerances, Tightening tightening, double safety = 1.0);
   // weight_i = rtol_i |x_i| + atol_i, tightened.
   void update(const double* x);
   // The same; scale_i: size of component i nearby, for what norm(e, exponent) takes to be relative to it.
@@ -46,6 +47,7 @@ class ErrorWeights {
   double relative_tolerance(int i, double size) const;
 
   Tightening tightening_ = Tightening::none;
+  double safety_ = 1.0;
   std::vector<double> rtol_, atol_, reduction_, inverse_;
   std::vector<double> relative_;  // tolerance relative to the component
 };

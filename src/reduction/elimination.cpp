@@ -232,7 +232,7 @@ Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_sta
   // What E_0 rounds to does not annihilate its left null vectors: errors of the first stage.
   add_errors(judge.diagonal_error(), 1, carried.block(0, level * data.n, error_rows, data.n));
   for (int j = level + 1; j >= last_stage; --j) carried = run_stage(data, block, j - 1, carried, rhs, judge, arena, store);
-  if (store != nullptr) store->finish();
+  if (store != nullptr) store->finish(data, arena);
   judge.set_constraint_errors(max_abs(carried.block(0, (last_stage - 1) * data.n, error_rows, data.n)));
   const View rows = carried.block(error_rows, 0, carried.rows - error_rows, carried.cols);
   Carried result = split(rows, (last_stage - 1) * data.n, data.n, rhs.cols);

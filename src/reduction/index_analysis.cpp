@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 
 #include "problem/failure.h"
+#include "reduction/balanced_units.h"
 #include "reduction/elimination.h"
 #include "reduction/null_space_form.h"
 
@@ -367,6 +369,83 @@ std::vector<double> choose_column_scale(CoefficientSource& problem, double t) {
   return needed ? scale : std::vector<double>();
 }
 
+// The analysis in the units of the unknowns that the problem has.
+IndexAnalysis analyze_in_units(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,
+                               Arena& arena, std::vector<RankDecision>& decisions) {
+  IndexAnalysis here = search_at(problem, t, settings, arena, decisions);
+  if (!problem.is_constant()) {
+    const double nearby = nearby_point(t, toward, here.time_scale);
+    const IndexAnalysis there = search_at(problem, nearby, settings, arena, decisions);
+    here.rank_E_constant = here.rank_E == there.rank_E;
+    const int mu = std::max(here.values.mu, there.values.mu);
+    if (here.values.mu != there.values.mu) {
+      // At the level that counts both points must agree: E = [0 t; 0 0], A = I does at mu = 1.
+      const bool raise_here = here.values.mu < mu;
+      Searcher again(problem, raise_here ? t : nearby, settings, arena, &decisions);
+      const CharacteristicValues raised = again.values_at(mu);
+      if (raise_here) {
+        here.values = raised;
+        const LevelReading reading = again.read_confirmed(mu);
+        here.time_scale = reading.time_scale;
+        here.v_hat = reading.ranks.v_hat;
+        here.noise = reading.noise;
+      }
+      const CharacteristicValues& other = raise_here ? there.values : raised;
+      if (!(here.values == other))
+        throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                      format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
+                          describe(other) + format(" at t = %.15g. Start beside it.", nearby));
+    } else if (!(here.values == there.values)) {
+      throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                    format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
+                        describe(there.values) + format(" at t = %.15g. Start beside it.", nearby));
+    }
+  }
+  return here;
+}
+
+double smallest_gap(const std::vector<RankDecision>& decisions) {
+  double gap = std::numeric_limits<double>::infinity();
+  for (const RankDecision& decision : decisions) gap = std::min(gap, decision.gap);
+  return gap;
+}
+
+// Reads the problem in faster and faster units of time, the units of the unknowns balanced for each. What is clear by far
+// in two of them, and contradicted in none, counts: the reading with the largest gap.
+struct Reading {
+  IndexAnalysis analysis;
+  std::vector<RankDecision> decisions;
+  std::vector<double> columns;
+};
+
+std::optional<Reading> read_in_other_units(CoefficientSource& problem, double t, double toward,
+                                           const AnalysisSettings& settings, Arena& arena) {
+  constexpr double clear_by_far = 1e6, ratio = 1.0 / 64.0;
+  std::optional<Reading> best;
+  int agreeing = 0;
+  double tau = 1.0;
+  for (int attempt = 0; attempt < 7; ++attempt, tau *= ratio) {
+    Reading reading;
+    AnalysisSettings scaled = settings;
+    scaled.time_scale = tau;
+    try {
+      reading.columns = balanced_units(problem, t, tau);
+      problem.set_column_scale(reading.columns);
+      reading.analysis = analyze_in_units(problem, t, toward, scaled, arena, reading.decisions);
+    } catch (const Failure& failure) {
+      if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+      continue;
+    }
+    const bool is_clear = std::all_of(reading.decisions.begin(), reading.decisions.end(),
+                                      [](const RankDecision& d) { return d.verdict == Verdict::clear; });
+    if (!is_clear || smallest_gap(reading.decisions) < clear_by_far) continue;
+    if (best && !(best->analysis.values == reading.analysis.values)) return std::nullopt;
+    ++agreeing;
+    if (!best || smallest_gap(reading.decisions) > smallest_gap(best->decisions)) best = std::move(reading);
+  }
+  return agreeing >= 2 ? std::move(best) : std::nullopt;
+}
+
 }  // namespace
 
 std::string describe(const CharacteristicValues& values) {
@@ -411,36 +490,19 @@ IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward,
   decisions.clear();
   problem.set_column_scale({});
   problem.set_column_scale(choose_column_scale(problem, t));
-  IndexAnalysis here = search_at(problem, t, settings, arena, decisions);
-  if (!problem.is_constant()) {
-    const double nearby = nearby_point(t, toward, here.time_scale);
-    const IndexAnalysis there = search_at(problem, nearby, settings, arena, decisions);
-    here.rank_E_constant = here.rank_E == there.rank_E;
-    const int mu = std::max(here.values.mu, there.values.mu);
-    if (here.values.mu != there.values.mu) {
-      // At the level that counts both points must agree: E = [0 t; 0 0], A = I does at mu = 1.
-      const bool raise_here = here.values.mu < mu;
-      Searcher again(problem, raise_here ? t : nearby, settings, arena, &decisions);
-      const CharacteristicValues raised = again.values_at(mu);
-      if (raise_here) {
-        here.values = raised;
-        const LevelReading reading = again.read_confirmed(mu);
-        here.time_scale = reading.time_scale;
-        here.v_hat = reading.ranks.v_hat;
-        here.noise = reading.noise;
-      }
-      const CharacteristicValues& other = raise_here ? there.values : raised;
-      if (!(here.values == other))
-        throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                      format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
-                          describe(other) + format(" at t = %.15g. Start beside it.", nearby));
-    } else if (!(here.values == there.values)) {
-      throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                    format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
-                        describe(there.values) + format(" at t = %.15g. Start beside it.", nearby));
+  try {
+    return analyze_in_units(problem, t, toward, settings, arena, decisions);
+  } catch (const Failure& failure) {
+    if (failure.status() != SFDAE_RANK_UNCLEAR || settings.rank_tol > 0.0 || settings.time_scale > 0.0) throw;
+    if (std::optional<Reading> reading = read_in_other_units(problem, t, toward, settings, arena)) {
+      problem.set_column_scale(reading->columns);
+      decisions = std::move(reading->decisions);
+      return reading->analysis;
     }
+    problem.set_column_scale({});
+    problem.set_column_scale(choose_column_scale(problem, t));
+    throw;
   }
-  return here;
 }
 
 }  // namespace sfdae::core

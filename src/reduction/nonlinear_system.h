@@ -77,7 +77,7 @@ class NonlinearSystem final : public DaeSystem {
 
  private:
   // Errors of the iteration in units of the tolerance.
-  static constexpr double newton_tolerance = 0.02;
+  static constexpr double newton_tolerance = 0.01;
 
   // What one iteration does besides the constraints.
   struct Task {

@@ -31,15 +31,20 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
     guess_jet(t, equations.guess, i, stages_[index(i)]);
     stage_starts_[index(i)] = stages_[index(i)];
   }
-  // The middle of the step, where the linearization serves all stages best.
+  const auto iterate = [&] {
+    std::copy_n(stage_starts_.begin(), s, stages_.begin());
+    return iterate_stages(equations);
+  };
+  // The middle of the step is where one linearization serves all stages best.
   const Jet& middle = stage_starts_[index(s / 2)];
-  PointStatus status = PointStatus::ok;
-  if (s > 1) status = renew(middle, false);
-  if (status == PointStatus::ok)
-    status = iterate_with_renewal(middle, [&] {
-      std::copy_n(stage_starts_.begin(), s, stages_.begin());
-      return iterate_stages(equations);
-    });
+  PointStatus status = s > 1 ? renew(middle, false) : iterate_with_renewal(middle, iterate);
+  if (s > 1 && status == PointStatus::ok) status = iterate();
+  if (s > 1 && status != PointStatus::ok && !is_hopeless(status)) {
+    // The prediction there may be bad.
+    rate_ = 1.0;
+    status = renew(accepted_, true);
+    if (status == PointStatus::ok) status = iterate();
+  }
   if (status != PointStatus::ok) return status;
   jet_ = stages_[index(s - 1)];
   for (int i = 0; i < s; ++i) {
@@ -110,7 +115,7 @@ void NonlinearSystem::read_stage_inputs(double t) {
 
 PointStatus NonlinearSystem::iterate_stages(const StageEquations& equations) {
   constexpr double slowest = 0.7;
-  constexpr int most = 12;
+  constexpr int most = 20;
   const StageMethod& method = equations.method;
   const int s = method.s, n = problem_.n(), q = form_.unknowns();
   const std::ptrdiff_t rows = static_cast<std::ptrdiff_t>(problem_.m()) * (analysis_.values.mu + 1);
