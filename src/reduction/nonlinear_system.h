@@ -116,6 +116,7 @@ class NonlinearSystem final : public DaeSystem {
   void correct_differential_part(const double* x, double* xdot);
   bool solve_next_level(const double* x);
   void hold_free_directions(double* xdot);
+  void archive_highest_derivative(Archive& archive);
 
   NonlinearProblem& problem_;
   AnalysisSettings settings_;
