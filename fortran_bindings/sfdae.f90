@@ -35,6 +35,7 @@ module sfdae
   private
 
   public :: linear_dae, dae_monitor, dae_options, dae_solver
+  public :: dae_events
   public :: sfdae_check_linear, sfdae_status_name, sfdae_version
   public :: sfdae_characteristics, sfdae_decision, sfdae_change, sfdae_initial_report
   public :: sfdae_statistics, sfdae_derivative_check, sfdae_progress
@@ -62,6 +63,7 @@ module sfdae
   integer(c_int), parameter, public :: sfdae_stopped = 2
   integer(c_int), parameter, public :: sfdae_not_unique = 3
   integer(c_int), parameter, public :: sfdae_inconsistency_ignored = 4
+  integer(c_int), parameter, public :: sfdae_event = 5
 
   !> Failures: wrong use.
   integer(c_int), parameter, public :: sfdae_illegal_argument = -1
@@ -492,12 +494,47 @@ module sfdae
     integer(c_int) :: max_stages = 7
   end type dae_options
 
+  ! ---- Events -------------------------------------------------------------------------------
+
+  !> Events are zeros of functions of t, x and x': extend it, components are your data. See
+  !> dae_solver%set_events.
+  type, abstract :: dae_events
+    !> Number of functions, 0: none.
+    integer(c_int) :: num_events = 0
+    !> num_events numbers: +1 only rising zeros count, in the direction of integration, -1 only
+    !> falling ones, 0 both. Not allocated: both.
+    integer(c_int), allocatable :: directions(:)
+  contains
+    !> Writes the event functions.
+    procedure(event_function), deferred :: eval_g
+  end type dae_events
+
+  abstract interface
+    !> Writes the event functions at a point.
+    subroutine event_function(self, t, x, xdot, g, status)
+      import :: c_double, c_int, dae_events
+      class(dae_events), intent(inout) :: self
+      real(c_double), intent(in) :: t
+      !> n values.
+      real(c_double), intent(in) :: x(:)
+      !> n values of x'.
+      real(c_double), intent(in) :: xdot(:)
+      !> num_events entries, zero on entry.
+      real(c_double), intent(inout) :: g(:)
+      !> 0 on entry. > 0: cannot evaluate here. < 0: stop at once.
+      integer(c_int), intent(inout) :: status
+    end subroutine event_function
+  end interface
+
   ! ---- Solver -------------------------------------------------------------------------------
 
   !> What the `user` pointer of the C callbacks points to. On the heap, so that it stays in place.
   type :: callback_holder
     class(linear_dae), pointer :: problem => null()
     class(dae_monitor), pointer :: monitor => null()
+    class(dae_events), pointer :: events => null()
+    !> Of the events when they were set.
+    integer(c_int) :: num_events = 0
     !> m when the solver was created.
     integer(c_int) :: num_equations = 0
     !> n when the solver was created.
@@ -532,6 +569,9 @@ module sfdae
     procedure :: step => solver_step
     procedure :: save_checkpoint => solver_save_checkpoint
     procedure :: restore_checkpoint => solver_restore_checkpoint
+    procedure :: set_events => solver_set_events
+    procedure :: get_events => solver_get_events
+    procedure :: interpolate => solver_interpolate
     procedure :: get_statistics => solver_get_statistics
     procedure :: report => solver_report
     procedure :: get_derivative_array => solver_get_derivative_array
@@ -761,6 +801,34 @@ module sfdae
       integer(c_size_t), value :: length
       integer(c_int) :: status
     end function c_restore_checkpoint
+
+    function c_set_events(solver, num_events, function, directions, user) &
+      bind(c, name="sfdae_set_events") result(status)
+      import :: c_funptr, c_int, c_ptr
+      type(c_ptr), value :: solver
+      integer(c_int), value :: num_events
+      type(c_funptr), value :: function
+      type(c_ptr), value :: directions
+      type(c_ptr), value :: user
+      integer(c_int) :: status
+    end function c_set_events
+
+    function c_get_events(solver, which) bind(c, name="sfdae_get_events") result(status)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: solver
+      integer(c_int), intent(inout) :: which(*)
+      integer(c_int) :: status
+    end function c_get_events
+
+    recursive function c_interpolate(solver, t, x, xdot) bind(c, name="sfdae_interpolate") &
+      result(status)
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(inout) :: x(*)
+      type(c_ptr), value :: xdot
+      integer(c_int) :: status
+    end function c_interpolate
 
     function c_statistics_init(statistics, size) bind(c, name="sfdae_statistics_init") &
       result(status)
@@ -1128,7 +1196,8 @@ contains
     real(c_double), intent(inout) :: t
     !> n values at t, which satisfy all constraints, hidden ones included.
     real(c_double), contiguous, intent(inout) :: x(:)
-    !> Remarks: sfdae_stopped, sfdae_inconsistency_ignored. Failures: callbacks, integration, ...
+    !> Remarks: sfdae_stopped, sfdae_inconsistency_ignored, sfdae_event. Failures: callbacks,
+    !> integration, ...
     integer(c_int), intent(out) :: status
     !> n values: x'(t).
     real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
@@ -1208,6 +1277,74 @@ contains
     if (status == sfdae_ok) status = c_restore_checkpoint(self%handle, checkpoint, &
       size(checkpoint, kind=c_size_t))
   end subroutine solver_restore_checkpoint
+
+  !> From the point returned last or the next start on, advance and step return sfdae_event where
+  !> an event function becomes zero or changes its sign: t is that zero or, within rounding, the
+  !> first point behind it. Each event is returned once. To change x there, call start.
+  subroutine solver_set_events(self, events, status)
+    class(dae_solver), intent(inout) :: self
+    !> Must have the target attribute and live, in place, as long as it is in use; num_events must
+    !> not change. num_events = 0: no events any more.
+    class(dae_events), target, intent(inout) :: events
+    integer(c_int), intent(out) :: status
+    integer(c_int), allocatable, target :: directions(:)
+    type(c_ptr) :: address
+
+    call check_call(self, status)
+    if (status < 0) return
+    address = c_null_ptr
+    if (allocated(events%directions)) then
+      directions = events%directions
+      status = sfdae_illegal_argument
+      self%complaint = "directions has not num_events entries"
+      if (size(directions) /= events%num_events) return
+      self%complaint = ""
+      if (size(directions) > 0) address = c_loc(directions)
+    end if
+    status = c_set_events(self%handle, events%num_events, c_funloc(call_eval_g), address, &
+      c_loc(self%holder))
+    if (status < 0) return
+    self%holder%events => events
+    self%holder%num_events = events%num_events
+  end subroutine solver_set_events
+
+  !> Which events happened at the point that was returned with sfdae_event.
+  subroutine solver_get_events(self, which, status)
+    class(dae_solver), intent(inout) :: self
+    !> num_events entries: +1 where a function was rising, -1 where it was falling, else 0.
+    integer(c_int), contiguous, intent(inout) :: which(:)
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status < 0) return
+    status = sfdae_illegal_argument
+    self%complaint = "which has not num_events entries"
+    if (size(which) /= self%holder%num_events) return
+    self%complaint = ""
+    status = c_get_events(self%handle, which)
+  end subroutine solver_get_events
+
+  !> The solution at any t within the last step taken. The point reached stays.
+  recursive subroutine solver_interpolate(self, t, x, status, xdot)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> n values at t, which satisfy all constraints.
+    real(c_double), contiguous, intent(inout) :: x(:)
+    !> sfdae_illegal_argument if t lies outside of the last step.
+    integer(c_int), intent(out) :: status
+    !> n values: x'(t).
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    type(c_ptr) :: xdot_address
+
+    call check_call(self, status)
+    call check_entries(self, "x", size(x, kind=c_int), status)
+    xdot_address = c_null_ptr
+    if (present(xdot)) then
+      call check_entries(self, "xdot", size(xdot, kind=c_int), status)
+      xdot_address = c_loc(xdot)
+    end if
+    if (status == sfdae_ok) status = c_interpolate(self%handle, t, x, xdot_address)
+  end subroutine solver_interpolate
 
   !> Counts since start.
   subroutine solver_get_statistics(self, statistics, status)
@@ -1497,6 +1634,28 @@ contains
     call holder%monitor%after_step(progress, x, stop_now)
     outcome = merge(1_c_int, 0_c_int, stop_now)
   end function call_monitor
+
+  !> sfdae_event_function.
+  recursive function call_eval_g(t, x, xdot, g, user) bind(c, name="") result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: x
+    type(c_ptr), value :: xdot
+    type(c_ptr), value :: g
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: values(:)
+    real(c_double), pointer :: slopes(:)
+    real(c_double), pointer :: functions(:)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(x, values, [holder%num_unknowns])
+    call c_f_pointer(xdot, slopes, [holder%num_unknowns])
+    call c_f_pointer(g, functions, [holder%num_events])
+    status = sfdae_ok
+    call holder%events%eval_g(t, values, slopes, functions, status)
+  end function call_eval_g
 
   ! ---- Conversions --------------------------------------------------------------------------
 

@@ -53,6 +53,7 @@ extern "C" {
 #define SFDAE_STOPPED 2             /* the monitor or sfdae_request_stop stopped the call; it can be repeated */
 #define SFDAE_NOT_UNIQUE 3          /* u > 0: the free part of the solution is held constant */
 #define SFDAE_INCONSISTENCY_IGNORED 4 /* redundant equations contradict each other, gone on as the option says */
+#define SFDAE_EVENT 5               /* an event: sfdae_get_events tells which */
 
 /* Failures: wrong use. */
 #define SFDAE_ILLEGAL_ARGUMENT (-1)
@@ -477,7 +478,7 @@ SFDAE_API int sfdae_start(sfdae_solver *solver, double t, double toward, double 
  * Steps of Radau end at tout until there are enough of them to interpolate accurately; those of BDF do not depend
  * on tout. tout must lie in the direction of integration, at or behind the last point returned; the direction is
  * set by sfdae_start.
- * Remarks: SFDAE_STOPPED, SFDAE_INCONSISTENCY_IGNORED. Failures: callbacks, SFDAE_CHARACTERISTICS_CHANGED,
+ * Remarks: SFDAE_STOPPED, SFDAE_INCONSISTENCY_IGNORED, SFDAE_EVENT. Failures: callbacks, SFDAE_CHARACTERISTICS_CHANGED,
  * SFDAE_INCONSISTENT_EQUATIONS, integration, SFDAE_NOT_STARTED. */
 SFDAE_API int sfdae_advance(sfdae_solver *solver, double tout, double *t, double *x, double *xdot);
 
@@ -501,6 +502,47 @@ SFDAE_API int sfdae_save_checkpoint(sfdae_solver *solver, double *checkpoint, si
  * is called. An integration under way is lost. SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or does not fit;
  * then nothing is started. */
 SFDAE_API int sfdae_restore_checkpoint(sfdae_solver *solver, const double *checkpoint, size_t length);
+
+/* ---- Events ---------------------------------------------------------------------------------- */
+
+/* Writes the event functions g_i(t, x, x') to g (num_events entries, zero before). Returns 0 (ok), a positive value
+ * (cannot evaluate here: SFDAE_CALLBACK_FAILED) or a negative value (stop at once: SFDAE_CALLBACK_STOPPED). */
+typedef int (*sfdae_event_function)(double t, const double *x, const double *xdot, double *g, void *user);
+
+/* An event happens where a g_i becomes zero or changes its sign. sfdae_advance and sfdae_step then return SFDAE_EVENT with
+ * t, x, xdot there: the zero itself or, within rounding errors of t, the first point behind it; x satisfies all
+ * constraints, and g_i is as small as rounding allows. Called again they go on; to change x, call sfdae_start at t.
+ *
+ * directions: NULL or num_events numbers: +1 only rising zeros count (from - to + in the direction of integration), -1 only
+ * falling ones, 0 both. num_events: 1 ... 10000, or 0 to have no events any more. Events are searched from the point
+ * returned last or the next start on. They survive sfdae_start, sfdae_analyze and sfdae_set_options.
+ *
+ *  - Events are returned in their order; those that are one but for rounding errors together. Only events up to tout count,
+ *    tout included.
+ *  - Nothing happens twice: after its event a g_i is armed again once it has left zero. Where it is zero at the start
+ *    (a zero within rounding errors of the start counts as such), or after sfdae_start at the point of its event, it is
+ *    armed by its first values that are not; where it stays zero, or is nothing but rounding errors, it is silent.
+ *  - Two zeros of one g_i within a step are found where the values of g_i at a few points of the step show that it bends
+ *    toward zero in between. A zero without change of sign is found only if g_i is exactly zero at a point looked at.
+ *    Jumps of g_i count as zeros. Motions smaller than the tolerances mean nothing. Without differential equations (d = 0)
+ *    steps go to tout at once: 33 points at least are looked at, at each one reduction is made. With BDF, where algebraic
+ *    components vary much faster than the others, limit max_step.
+ *  - g_i is evaluated at values with the accuracy of interpolation, which may violate constraints slightly; failures there
+ *    do no harm. Failures on the solution itself end the call (SFDAE_NOT_FINITE for NaN or Inf).
+ *  - Without success, with SFDAE_STOPPED for example, sfdae_advance returns the point up to which events have been searched.
+ *    If the monitor stops a step with an event in it, the event is returned instead.
+ *  - Checkpoints contain the signs of all g_i, not the functions: set the same number of events before restoring. */
+SFDAE_API int sfdae_set_events(sfdae_solver *solver, int num_events, sfdae_event_function function, const int *directions,
+                               void *user);
+
+/* Which events happened at the point that was returned with SFDAE_EVENT: num_events entries, +1 where g_i was rising,
+ * -1 where it was falling, else 0. All 0 before the first event and when the integration has gone on. */
+SFDAE_API int sfdae_get_events(const sfdae_solver *solver, int *which);
+
+/* The solution at any t within the last step taken (t_internal - last_step ... t_internal in sfdae_statistics), be it
+ * behind or beyond the point returned last. x (n values) satisfies all constraints; xdot (n values) may be NULL. The point
+ * reached stays. Failures: as of sfdae_advance; SFDAE_ILLEGAL_ARGUMENT for other t. */
+SFDAE_API int sfdae_interpolate(sfdae_solver *solver, double t, double *x, double *xdot);
 
 /* Counts since sfdae_start, except where stated. */
 typedef struct sfdae_statistics {

@@ -89,6 +89,21 @@ class VectorRef {
   int size_;
 };
 
+/// Vector that lives elsewhere, to be read.
+class ConstVectorRef {
+ public:
+  ConstVectorRef(const double* values, int size) noexcept : values_(values), size_(size) {}
+  double operator[](int i) const noexcept { return values_[i]; }
+  int size() const noexcept { return size_; }
+  const double* data() const noexcept { return values_; }
+  const double* begin() const noexcept { return values_; }
+  const double* end() const noexcept { return values_ + size_; }
+
+ private:
+  const double* values_;
+  int size_;
+};
+
 /// Matrix that owns its entries.
 class Matrix {
  public:
@@ -141,6 +156,35 @@ class TimeFunction {
 };
 using MatrixFunction = TimeFunction<MatrixRef>;
 using VectorFunction = TimeFunction<VectorRef>;
+
+/// Event functions, see sfdae_set_events: writes g_i(t, x, x') into a view filled with zeros,
+///     [](double t, sfdae::ConstVectorRef x, sfdae::ConstVectorRef xdot, sfdae::VectorRef g) { ... }
+/// It returns nothing, or an int as in C: 0 ok, > 0 cannot evaluate here, < 0 stop.
+class EventFunction {
+ public:
+  EventFunction() = default;
+  EventFunction(std::nullptr_t) {}
+
+  template <class F, class = std::enable_if_t<std::is_invocable_v<F&, double, ConstVectorRef, ConstVectorRef, VectorRef>>>
+  EventFunction(F function) {
+    using Result = std::invoke_result_t<F&, double, ConstVectorRef, ConstVectorRef, VectorRef>;
+    static_assert(std::is_void_v<Result> || std::is_same_v<Result, int>, "return nothing, or an int as in C");
+    if constexpr (std::is_void_v<Result>) {
+      function_ = [f = std::move(function)](double t, ConstVectorRef x, ConstVectorRef xdot, VectorRef g) mutable {
+        f(t, x, xdot, g);
+        return 0;
+      };
+    } else {
+      function_ = std::move(function);
+    }
+  }
+
+  explicit operator bool() const noexcept { return static_cast<bool>(function_); }
+  int call(double t, ConstVectorRef x, ConstVectorRef xdot, VectorRef g) const { return function_(t, x, xdot, g); }
+
+ private:
+  std::function<int(double, ConstVectorRef, ConstVectorRef, VectorRef)> function_;
+};
 
 /// Called after every accepted step; true stops the call with SFDAE_STOPPED.
 using Monitor = std::function<bool(const Progress&)>;
@@ -302,6 +346,34 @@ class Solver {
     return checked(sfdae_restore_checkpoint(get(), values, checkpoint.size()));
   }
 
+  /// Events are zeros of `count` functions: advance() and step() return SFDAE_EVENT there. directions: empty, or count
+  /// numbers, +1 where only rising zeros count, -1 where only falling ones do, else 0. count = 0: no events any more.
+  int set_events(int count, EventFunction function, const std::vector<int>& directions = {}) {
+    if (!directions.empty() && directions.size() != size(count))
+      throw Error(SFDAE_ILLEGAL_ARGUMENT, "directions has " + std::to_string(directions.size()) + " entries, not " +
+                                              std::to_string(count) + " as there are events");
+    const int status = checked(sfdae_set_events(get(), count, function ? call_events : nullptr,
+                                                directions.empty() ? nullptr : directions.data(), state_.get()));
+    state_->event_function = std::move(function);
+    state_->num_events = count;
+    return status;
+  }
+
+  /// Which events happened at the point returned with SFDAE_EVENT: +1 rising, -1 falling, else 0.
+  std::vector<int> events() const {
+    std::vector<int> which(size(state_ ? state_->num_events : 0));
+    int nothing = 0;
+    checked(sfdae_get_events(get(), which.empty() ? &nothing : which.data()));
+    return which;
+  }
+
+  /// The solution at any point.t within the last step taken; the point reached stays.
+  int interpolate(Point& point) {
+    point.x.resize(size(num_unknowns()));
+    double* const xdot = prepared(point);
+    return checked(sfdae_interpolate(get(), point.t, point.x.data(), xdot));
+  }
+
   Statistics statistics() const { return filled(sfdae_statistics_init, sfdae_get_statistics); }
 
   /// The diagnostics report.
@@ -386,6 +458,8 @@ class Solver {
 
     LinearProblem problem;
     Monitor monitor;
+    EventFunction event_function;
+    int num_events = 0;
     std::exception_ptr exception;
     sfdae_solver* solver = nullptr;
   };
@@ -413,6 +487,12 @@ class Solver {
   static int call_monitor(const sfdae_progress* progress, void* user) noexcept {
     State& state = *static_cast<State*>(user);
     return state.guarded([&] { return state.monitor(*progress) ? 1 : 0; });
+  }
+
+  static int call_events(double t, const double* x, const double* xdot, double* g, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    const int n = state.problem.num_unknowns;
+    return state.guarded([&] { return state.event_function.call(t, {x, n}, {xdot, n}, {g, state.num_events}); });
   }
 
   static sfdae_linear_problem in_c(const LinearProblem& problem, State* user) {

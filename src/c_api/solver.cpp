@@ -206,7 +206,8 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     const sfdae_options copy = read_struct(*options, default_options());
     const CallResult checked = check_options(copy, solver->model->n());
     if (checked.status != SFDAE_OK) return checked;
-    const SolverOptions fresh(copy, solver->model->n());
+    SolverOptions fresh(copy, solver->model->n());
+    fresh.integration.events = solver->events.get();
     const SolverOptions& old = solver->options;
     const bool same_analysis =
         fresh.analysis.max_index == old.analysis.max_index && fresh.analysis.by_svd == old.analysis.by_svd &&

@@ -12,6 +12,7 @@
 
 #include "c_api/checks.h"
 #include "c_api/model.h"
+#include "integrate/integration_events.h"
 #include "problem/failure.h"
 #include "sfdae/sfdae.h"
 
@@ -27,6 +28,7 @@ struct sfdae_solver {
   // After an analysis:
   std::unique_ptr<sfdae::core::DaeSystem> system;
   double direction = 1.0;  // of the nearby point of the analysis
+  std::unique_ptr<sfdae::core::Events> events;  // options.integration points to them
   // After a start:
   std::unique_ptr<sfdae::core::Integration> integration;
   std::optional<sfdae_initial_report> initial_report;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "integrate/integration_events.h"
 #include "linalg/matrix.h"
 #include "problem/failure.h"
 
@@ -32,7 +33,9 @@ Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> dete
       direction_(toward < t ? -1.0 : 1.0),
       last_returned_(t),
       reductions_before_(system.reductions()),
-      factorizations_before_(system.factorizations()) {
+      factorizations_before_(system.factorizations()),
+      span_(std::fabs(toward - t)) {
+  if (options.events != nullptr) forget_search(*options.events);
   create_stepper(options.method);
   set_options(options);
   first_step_ = stepper_->first_step(weights_, x.data(), xdot.data(), std::fabs(toward - t));
@@ -55,9 +58,13 @@ void Integration::create_stepper(Method method) {
 }
 
 void Integration::archive(Archive& archive) {
-  bool backward = direction_ < 0.0, has_change = change_.has_value();
-  archive.small(backward, must_restart_, has_change, chosen_, method_, outputs_);
-  direction_ = backward ? -1.0 : 1.0;
+  // Bit 0: backward; bit 1: with events.
+  const bool has_events = options_.events != nullptr;
+  int kind = (direction_ < 0.0 ? 1 : 0) + (has_events ? 2 : 0);
+  bool has_change = change_.has_value();
+  archive.small(kind, must_restart_, has_change, chosen_, method_, outputs_);
+  direction_ = (kind & 1) != 0 ? -1.0 : 1.0;
+  if (archive.is_reading() && ((kind & 2) != 0) != has_events) throw_events_differ(has_events);
   if (archive.is_reading()) {
     if (method_ < Method::bdf || method_ > Method::radau || chosen_ < Method::bdf || chosen_ > Method::automatic)
       throw DamagedArchive();
@@ -79,6 +86,7 @@ void Integration::archive(Archive& archive) {
   archive.real(last_returned_);
   stepper_->archive(archive, system_);
   if (!has_change) detector_->archive(archive);
+  if (has_events) archive_events(archive);
   if (archive.is_reading()) {
     counts_ = all;
     reductions_before_ = system_.reductions() - all.reductions;
@@ -168,6 +176,7 @@ void Integration::restart_at_last_point(Method method) {
 }
 
 CallResult Integration::run(double tout, bool one_step) {
+  if (auto event = search_events(tout)) return *event;
   // The last call gave up with a step that tells nothing about the solution.
   if (must_restart_ && !change_ && !has_passed(tout)) restart_at_last_point(method_);
   for (long attempts = 0; !has_passed(tout); ++attempts) {
@@ -185,7 +194,10 @@ CallResult Integration::run(double tout, bool one_step) {
                      stepper_->t(), weights_.rounding(stepper_->x().data()))};
     if (is_better_off_with_bdf()) restart_at_last_point(Method::bdf);
     const long steps = counts_.steps;
-    if (auto result = attempt_step(tout)) return *result;
+    const auto result = attempt_step(tout);
+    if (counts_.steps > steps)
+      if (auto event = search_events(tout)) return *event;
+    if (result) return *result;
     if (one_step && counts_.steps > steps && !has_passed(tout)) return {SFDAE_STEP_TAKEN, ""};
   }
   return {};
@@ -357,24 +369,32 @@ CallResult Integration::changed_result() const {
 }
 
 void Integration::return_last_point(double& t, double* x, double* xdot) {
+  if (options_.events != nullptr && options_.events->search.is_started()) return return_searched_point(t, x, xdot);
   t = stepper_->t();
   std::copy(stepper_->x().begin(), stepper_->x().end(), x);
   stepper_->interpolate(t, scratch_w_.data(), scratch_x_.data(), xdot);
 }
 
 CallResult Integration::output(double tout, double& t, double* x, double* xdot) {
-  Vector& x_free = scratch_x_;
   outputs_ = std::min(outputs_ + 1, 1000);
+  if (has_searched_to(tout)) return_searched_point(t, x, xdot);
+  else evaluate(tout, true, x, xdot);
+  t = tout;
+  return {};
+}
+
+void Integration::evaluate(double tout, bool may_refine, double* x, double* xdot) {
+  Vector& x_free = scratch_x_;
   stepper_->interpolate(tout, scratch_w_.data(), x_free.data(), xdot);
   const bool at_step = tout == stepper_->t();
   if (!(at_step && system_.t() == tout)) {
-    const auto evaluate = [&] {
-      return at_step ? system_.move_to(tout)
-                     : stepper_->refine(system_, weights_, tout, scratch_w_.data(), x_free.data(), xdot);
+    const auto move = [&] {
+      return at_step || !may_refine ? system_.move_to(tout)
+                                    : stepper_->refine(system_, weights_, tout, scratch_w_.data(), x_free.data(), xdot);
     };
-    PointStatus status = evaluate();
+    PointStatus status = move();
     // There is no other point to try; the same one again helps where a function failed for reasons that have passed.
-    if (status == PointStatus::trouble && system_.trouble().is_recoverable()) status = evaluate();
+    if (status == PointStatus::trouble && system_.trouble().is_recoverable()) status = move();
     if (status == PointStatus::trouble) throw Failure(system_.trouble().status, system_.trouble().message());
     if (status == PointStatus::changed)
       throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
@@ -405,8 +425,6 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
   if (!all_finite(xdot, n)) system_.consistent_derivative(x, direction_, xdot);
   if (!all_finite(x, n) || !all_finite(xdot, n))
     throw Failure(SFDAE_NOT_FINITE, format("the solution or its derivative overflows at t = %.15g.", tout));
-  t = tout;
-  return {};
 }
 
 }  // namespace sfdae::core

@@ -19,6 +19,8 @@ namespace sfdae::core {
 // automatic: Radau, until frequent output or failing steps show that BDF is better off.
 enum class Method { bdf, radau, automatic };
 
+struct Events;
+
 struct IntegrationOptions {
   Tolerances tolerances;
   Method method = Method::bdf;
@@ -33,6 +35,7 @@ struct IntegrationOptions {
   double consistency_tol = 1e-8;
   sfdae_monitor_function monitor = nullptr;
   void* monitor_user = nullptr;
+  Events* events = nullptr;  // not owned; none
 };
 
 struct IntegrationCounts {
@@ -62,10 +65,14 @@ class Integration {
   // To tout, or one step toward it. t, x, xdot: the point reached, whatever the status, unless the call itself is
   // illegal (SFDAE_ILLEGAL_ARGUMENT).
   CallResult advance(double tout, bool one_step, double& t, double* x, double* xdot);
+  // The solution at any t within the last step; the point reached stays.
+  CallResult interpolate(double t, double* x, double* xdot);
 
   void set_options(const IntegrationOptions& options);
   // Whether anybody will look at xdot; else it need not be accurate.
-  void want_slopes(bool wanted) { wants_slopes_ = wanted; }
+  void want_slopes(bool wanted) { wants_slopes_ = wanted || options_.events != nullptr; }
+  // None: nullptr. They are searched from the point returned last.
+  void set_events(Events* events) { options_.events = events; }
   IntegrationCounts counts() const;
   const Stepper& stepper() const { return *stepper_; }
   Method method() const { return method_; }  // at present: bdf or radau
@@ -79,6 +86,18 @@ class Integration {
   std::optional<CallResult> attempt_step(double tout);
   std::optional<CallResult> accept_step(double h);
   CallResult output(double tout, double& t, double* x, double* xdot);
+  // x and x' at t within the last step. may_refine: where the integrator's polynomial is not accurate it is made so.
+  void evaluate(double t, bool may_refine, double* x, double* xdot);
+  // Up to tout or the last point: the event found, if any.
+  std::optional<CallResult> search_events(double tout);
+  void start_events();
+  void refine_for_events();
+  void want_exact_slopes(bool wanted) { wants_slopes_ = wanted; }
+  int halvings_for_events(double from, double to) const;
+  void archive_events(Archive& archive);
+  bool has_searched_to(double t) const;
+  // The point searched last, in front of which no event has been left out.
+  void return_searched_point(double& t, double* x, double* xdot) const;
   void return_last_point(double& t, double* x, double* xdot);
   double choose_step(double tout) const;
   double smallest_step(double tout) const;
@@ -90,6 +109,8 @@ class Integration {
   CallResult step_too_small(StepOutcome outcome);
   CallResult changed_result() const;
   bool has_passed(double t) const { return (stepper_->t() - t) * direction_ >= 0.0; }
+
+  class StepValues;
 
   DaeSystem& system_;
   IntegrationOptions options_;
@@ -111,6 +132,7 @@ class Integration {
   bool wants_slopes_ = true;
   bool inconsistent_ = false;   // seen in this call and ignored
   std::vector<double> scratch_w_, scratch_x_;
+  double span_ = 0.0;  // the interval of interest
 };
 
 }  // namespace sfdae::core

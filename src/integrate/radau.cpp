@@ -378,10 +378,16 @@ PointStatus Radau::refine(StrangenessFreeSystem& system, ErrorWeights& weights, 
   // A stage may have trouble that the point itself does not have: then the polynomial has to do.
   if (stages != PointStatus::ok || !all_finite(stage_x_.data(), nodes_[0].x.size() * index(method.s())))
     return reached == t && stages == PointStatus::trouble ? stages : system.move_to(t);
-  Node& node = inner_[index(std::min(inner_count_, inner_capacity - 1))];
+  // Of points that nearly coincide the newest is kept, and none that nearly coincides with an end: the divided differences
+  // would be rounding errors.
+  const auto is_near = [&](double other) { return std::fabs(other - t) < coincidence * std::fabs(last_step_); };
+  int place = 0;
+  while (place < inner_count_ && !is_near(inner_[index(place)].t)) ++place;
+  place = std::min(place, inner_capacity - 1);
+  Node& node = inner_[index(place)];
   node.t = t;
   take_last_stage(method, start, node);
-  inner_count_ = std::min(inner_count_ + 1, inner_capacity);
+  if (!is_near(nodes_[0].t) && !is_near(nodes_[1].t)) inner_count_ = std::max(inner_count_, place + 1);
   std::copy(node.w.begin(), node.w.end(), w);
   std::copy(node.x.begin(), node.x.end(), x);
   std::copy(node.xdot.begin(), node.xdot.end(), xdot);

@@ -48,6 +48,7 @@ class Radau final : public Stepper {
   bool interpolates_well() const override { return count_ > control_.stages(); }
   PointStatus refine(StrangenessFreeSystem& system, ErrorWeights& weights, double t, double* w, double* x,
                      double* xdot) override;
+  int refined_points() const override { return inner_count_; }
   void archive(Archive& archive, const StrangenessFreeSystem& system) override;
 
  private:

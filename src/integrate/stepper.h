@@ -90,6 +90,8 @@ class Stepper {
   virtual PointStatus refine(StrangenessFreeSystem& system, ErrorWeights&, double t, double*, double*, double*) {
     return system.move_to(t);
   }
+  // Points within the last step where that was necessary.
+  virtual int refined_points() const { return 0; }
 
   // All that the next step depends on.
   virtual void archive(Archive& archive, const StrangenessFreeSystem& system) = 0;

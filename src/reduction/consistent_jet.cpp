@@ -10,6 +10,7 @@
 #include "problem/failure.h"
 #include "reduction/elimination.h"
 #include "reduction/null_space_form.h"
+#include "reduction/rank_reading.h"
 
 namespace sfdae::core {
 
@@ -97,11 +98,12 @@ JetSolver::Trial JetSolver::try_change(const Jet& jet, int level, const Vector& 
 
 // The smallest change of x by the staged elimination. noise: of the coefficients, as they are not those of a consistent
 // jet.
-bool JetSolver::staged_change(const Jet& jet, int level, double noise, Vector& change) {
+bool JetSolver::staged_change(const Jet& jet, int level, NoiseModel model, double noise, Vector& change) {
   const int m = problem_.m(), n = jet.n;
   const Arena::Frame frame(arena_);
-  const Judge::Settings settings{};
   data_.residual_noise = noise;
+  const RankReading reading = read_ranks(data_, level, {0.0, false, model, nullptr}, arena_);
+  const Judge::Settings settings{0.0, false, NoiseModel::pivots, &reading.list};
   Judge judge(data_, level, settings, nullptr);
   StoredElimination stored;
   const Carried carried = eliminate(data_, level, data_.f_stack(level), 1, judge, arena_, &stored);
@@ -227,7 +229,8 @@ void JetSolver::give_up(const Jet& jet, int level) {
   throw Failure(SFDAE_NO_CONSISTENT_VALUES, text + " Give a better guess, fix fewer components, or check the equations.");
 }
 
-// Pivots that vanish at consistent jets may not do so here: the second attempt takes the residuals for noise.
+// Pivots that vanish at consistent jets may not do so here: then the residuals have to be taken for noise. What is right
+// shows in what it achieves.
 JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, int level) {
   Vector change;
   Trial best;
@@ -235,8 +238,14 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, int level) {
     if (dense_change(jet, level, change)) best = try_change(jet, level, change);
     return best;
   }
-  for (double noise : {0.0, std::min(1e-4, norm_ / std::max(data_.norm(level), 1e-300))}) {
-    if (!staged_change(jet, level, noise, change)) continue;
+  const double residual_noise = std::min(1e-4, norm_ / std::max(data_.norm(level), 1e-300));
+  struct Attempt {
+    NoiseModel model;
+    double noise;
+  };
+  for (const Attempt& attempt : {Attempt{NoiseModel::pivots, 0.0}, Attempt{NoiseModel::carried, 0.0},
+                                 Attempt{NoiseModel::pivots, residual_noise}, Attempt{NoiseModel::data, 0.0}}) {
+    if (!staged_change(jet, level, attempt.model, attempt.noise, change)) continue;
     Trial trial = try_change(jet, level, change);
     if (trial.valid && (!best.valid || trial.norm < best.norm)) best = std::move(trial);
     if (best.valid && best.norm <= good_reduction * norm_) break;

@@ -13,6 +13,7 @@
 #include "linalg/arena.h"
 #include "problem/coefficient_source.h"
 #include "problem/nonlinear_problem.h"
+#include "reduction/judge.h"
 #include "reduction/stored_elimination.h"
 
 namespace sfdae::core {
@@ -54,7 +55,7 @@ class JetSolver {
   double residual_norm(const Jet& jet, int level);
   Trial try_change(const Jet& jet, int level, const std::vector<double>& change);
   Trial undamped_trial(const Jet& jet, int level);
-  bool staged_change(const Jet& jet, int level, double noise, std::vector<double>& change);
+  bool staged_change(const Jet& jet, int level, NoiseModel model, double noise, std::vector<double>& change);
   bool damped_change(const Jet& jet, int level, double damping, std::vector<double>& change);
   bool dense_change(const Jet& jet, int level, std::vector<double>& change);
   std::vector<double> unit_changes(const Jet& jet, int level) const;

@@ -67,7 +67,7 @@ Projectors projectors(LinearSystem& system, double t) {
   if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
 
   // Carrying the identity along gives Z^T, the transformation itself, for the scaled array.
-  Judge::Settings settings{system.settings().rank_tol, system.settings().by_svd, system.analysis().measured};
+  Judge::Settings settings{system.settings().rank_tol, system.settings().by_svd, system.analysis().noise};
   Judge judge(data, mu, settings, nullptr);
   Arena& arena = system.arena();
   const Arena::Frame frame(arena);

@@ -3,7 +3,9 @@
 #include "reduction/elimination.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <random>
 
 #include "linalg/dense.h"
 #include "reduction/stored_elimination.h"
@@ -72,42 +74,99 @@ void gather(ConstView carried, int offset, const int* pivots, View to) {
 
 // The stage's stack is [R11 R12 | Q1^T F; C1 C2 | C3] with F the block row and C carried from the stages before.
 // Eliminates C1 and leaves T = what becomes of C2 (to be judged) and, in the first rows of `next`, of C3.
-// Gauss: L = C1 R11^-1, T = C2 - L R12, C3 - L Q1^T F. False if L is too large.
-bool eliminate_by_multipliers(const DiagonalBlock& block, View C1, View T, View W_carried) {
+// Gauss: T = C2 - L R12, C3 - L Q1^T F with L = C1 R11^-1.
+void eliminate_by_multipliers(const DiagonalBlock& block, ConstView L, View T, View W_carried) {
   const int r = block.rank;
-  solve_upper_right(block.factors.block(0, 0, r, r), C1);
-  if (max_abs(C1) > largest_multiplier) return false;
-  multiply(-1.0, Op::plain, C1, Op::plain, block.factors.block(0, r, r, block.null_columns()), 1.0, T);
-  multiply(-1.0, Op::plain, C1, Op::transposed, block.Q.columns(0, r), 0.0, W_carried);
-  return true;
+  multiply(-1.0, Op::plain, L, Op::plain, block.factors.block(0, r, r, block.null_columns()), 1.0, T);
+  multiply(-1.0, Op::plain, L, Op::transposed, block.Q.columns(0, r), 0.0, W_carried);
 }
 
-// Householder: QR of [R11; C1], applied to the columns beside it. rows_F = Q1^T F.
-void eliminate_by_reflections(const DiagonalBlock& block, ConstView C1, View T, ConstView rows_F, View next,
-                              Arena& arena, StoredElimination* store) {
+void scale(double factor, View rows) {
+  for (int col = 0; col < rows.cols; ++col)
+    for (int row = 0; row < rows.rows; ++row) rows(row, col) *= factor;
+}
+
+// Errors of the size given, of either sign; the same ones in every run.
+void add_errors(double size, unsigned seed, View errors) {
+  std::minstd_rand random(seed);
+  for (int col = 0; col < errors.cols; ++col)
+    for (int row = 0; row < errors.rows; ++row) errors(row, col) += random() % 2 == 0 ? size : -size;
+}
+
+// Householder: QR of [R11; C1], applied to the columns beside it. rows_F = Q1^T F. Rows with large multipliers become
+// shorter, and their errors with them: returns by how much at least.
+double eliminate_by_reflections(const DiagonalBlock& block, ConstView C1, View T, ConstView rows_F, View next,
+                                Arena& arena, StoredElimination* store) {
   const Arena::Frame frame(arena);
   const int r = block.rank, c = T.rows;
   const View X = arena.matrix(r + c, r);
   fill(X, 0.0);
   for (int q = 0; q < r; ++q) std::copy_n(block.factors.column(q), q + 1, X.column(q));
   copy(C1, X.block(r, 0, c, r));
-  const View beside = arena.matrix(r + c, T.cols + next.cols);
+  const View beside = arena.matrix(r + c, T.cols + next.cols + 1);
   copy(block.factors.block(0, r, r, T.cols), beside.block(0, 0, r, T.cols));
   copy(T, beside.block(r, 0, c, T.cols));
   copy(rows_F, beside.block(0, T.cols, r, next.cols));
   copy(next, beside.block(r, T.cols, c, next.cols));
+  // Errors of equal size in all rows.
+  const View errors = beside.columns(T.cols + next.cols, 1);
+  fill(errors, 0.0);
+  add_errors(1.0, 1, errors.block(r, 0, c, 1));
   double* tau = arena.take(static_cast<std::size_t>(r) + 1);
   factor_qr(X, tau, arena);
   apply_q(Op::transposed, X, r, tau, beside, arena);
   if (store != nullptr) store->keep_reflections(X, tau);
   copy(beside.block(r, 0, c, T.cols), T);
   copy(beside.block(r, T.cols, c, next.cols), next);
+  return std::min(1.0, max_abs(errors.block(r, 0, c, 1)));
+}
+
+// The part of the block row i that determines y_j: Q1^T F.
+View determining_rows(const TaylorData& data, const DiagonalBlock& block, int i, ConstView rhs, Arena& arena) {
+  const View rows = arena.matrix(block.rank, (i + 1) * data.n + rhs.cols);
+  fill(rows, 0.0);
+  const Arena::Frame frame(arena);
+  const View Q1t = arena.matrix(block.rank, data.m);
+  for (int row = 0; row < block.rank; ++row)
+    for (int k = 0; k < data.m; ++k) Q1t(row, k) = block.Q(k, row);
+  add_block_row(data, i, rhs, Q1t, rows, arena);
+  return rows;
+}
+
+// The rest of y_j: rows of T that are independent determine it and leave. Rows of errors come first in T and `rows`, at
+// the end behind those that leave. norm: of the rows of the stage in y_j. Returns the number of rows that leave.
+int release_rows(View T, double norm, int j, View rows, Judge& judge, Arena& arena, StoredElimination* store) {
+  const int error_rows = judge.error_rows(), c = T.rows - error_rows;
+  if (c == 0 || T.cols == 0) return 0;
+  const View errors = T.top(error_rows), factors = T.block(error_rows, 0, c, T.cols);
+  const View others = rows.block(error_rows, 0, c, rows.cols);
+  ConstView original;
+  if (judge.keeps_originals()) {
+    const View kept = arena.matrix(c, T.cols);
+    copy(factors, kept);
+    original = kept;
+  }
+  int* pivots = arena.integers(T.cols);
+  double* tau = arena.take(static_cast<std::size_t>(std::min(c, T.cols)) + 1);
+  factor_qr_pivoted(factors, pivots, tau, arena);
+  judge.set_errors(max_abs(errors));
+  const int leaving = judge.decide_stage(j, factors, original, norm);
+  apply_q(Op::transposed, factors, leaving, tau, others, arena);
+  if (store != nullptr) store->keep_leaving(factors, pivots, tau, others.top(leaving));
+  if (leaving == 0) return 0;
+  const View L = arena.matrix(error_rows, leaving);
+  gather(errors, 0, pivots, L);
+  solve_upper_right(factors.block(0, 0, leaving, leaving), L);
+  multiply(-1.0, Op::plain, L, Op::plain, others.top(leaving), 1.0, rows.top(error_rows));
+  for (int col = 0; col < rows.cols; ++col)
+    for (int row = error_rows; row-- > 0;) rows(leaving + row, col) = rows(row, col);
+  return leaving;
 }
 
 // One stage: eliminates y_j, j = i + 1, from block row i and the rows carried; returns the rows carried on.
 View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View carried, ConstView rhs, Judge& judge,
                Arena& arena, StoredElimination* store) {
-  const int n = data.n, m = data.m, r = block.rank, c = carried.rows;
+  const int n = data.n, m = data.m, r = block.rank, c = carried.rows, error_rows = judge.error_rows();
   const int columns = (i + 1) * n + rhs.cols;  // y_1..y_i, x, rhs
   const View next = arena.matrix(c + block.null_rows(), columns);
   copy(carried.columns(0, i * n), next.block(0, 0, c, i * n));
@@ -119,43 +178,36 @@ View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View c
   const View W = arena.matrix(c + block.null_rows(), m);  // next += W F
   for (int row = 0; row < block.null_rows(); ++row)
     for (int k = 0; k < m; ++k) W(c + row, k) = block.Q(k, r + row);
-  const View T = arena.matrix(c, block.null_columns());
-  if (c > 0) {
-    const View C1 = arena.matrix(c, r);
+  const View C1 = arena.matrix(c, r), T = arena.matrix(c, block.null_columns());
+  gather(carried, i * n, block.pivots, C1);
+  gather(carried, i * n, block.pivots + r, T);
+  solve_upper_right(block.factors.block(0, 0, r, r), C1);
+  const int others = c - error_rows;
+  const bool moderate = max_abs(C1.block(error_rows, 0, others, r)) <= largest_multiplier;
+  const int by_multipliers = moderate ? c : error_rows;
+  eliminate_by_multipliers(block, C1.top(by_multipliers), T.top(by_multipliers), W.top(by_multipliers));
+  double shortening = 1.0;
+  if (!moderate) {
     gather(carried, i * n, block.pivots, C1);
-    gather(carried, i * n, block.pivots + r, T);
-    if (!eliminate_by_multipliers(block, C1, T, W.top(c))) {
-      gather(carried, i * n, block.pivots, C1);
-      const View rows_F = arena.matrix(r, columns);
-      fill(rows_F, 0.0);
-      const View Q1t = arena.matrix(r, m);
-      for (int row = 0; row < r; ++row)
-        for (int k = 0; k < m; ++k) Q1t(row, k) = block.Q(k, row);
-      add_block_row(data, i, rhs, Q1t, rows_F, arena);
-      eliminate_by_reflections(block, C1, T, rows_F, next.top(c), arena, store);
-      fill(W.top(c), 0.0);
-    }
+    shortening = eliminate_by_reflections(
+        block, C1.block(error_rows, 0, others, r), T.block(error_rows, 0, others, T.cols),
+        determining_rows(data, block, i, rhs, arena), next.block(error_rows, 0, others, columns), arena, store);
+    fill(W.block(error_rows, 0, others, m), 0.0);
   }
   if (store != nullptr) store->keep_combination(W);
   add_block_row(data, i, rhs, W, next, arena);
-
-  // The rest of y_j: rows of T that are independent determine it and leave.
-  int leaving = 0;
-  if (c > 0 && T.cols > 0) {
-    ConstView original;
-    if (judge.keeps_originals()) {
-      const View kept = arena.matrix(T.rows, T.cols);
-      copy(T, kept);
-      original = kept;
-    }
-    int* pivots = arena.integers(T.cols);
-    double* tau = arena.take(static_cast<std::size_t>(std::min(T.rows, T.cols)) + 1);
-    factor_qr_pivoted(T, pivots, tau, arena);
-    leaving = judge.decide_stage(i + 1, T, original, max_abs(carried.columns(i * n, n)));
-    apply_q(Op::transposed, T, leaving, tau, next.top(c), arena);
-    if (store != nullptr) store->keep_leaving(T, pivots, tau, next.top(leaving));
+  if (!moderate) {
+    scale(shortening, T.top(error_rows));
+    scale(shortening, next.top(error_rows));
   }
-  return next.block(leaving, 0, next.rows - leaving, columns);
+
+  const double norm = max_abs(carried.block(error_rows, i * n, others, n));
+  const int leaving = release_rows(T, norm, i + 1, next.top(c), judge, arena, store);
+  const View result = next.block(leaving, 0, next.rows - leaving, columns);
+  const unsigned seed = static_cast<unsigned>(i) + 1;
+  add_errors(judge.entering_error(), seed, result.block(0, 0, error_rows, i * n));
+  add_errors(judge.entering_constraint_error(), seed, result.block(0, i * n, error_rows, n));
+  return result;
 }
 
 Carried split(const View& carried, int y_columns, int n, int rhs_columns) {
@@ -171,12 +223,19 @@ Carried split(const View& carried, int y_columns, int n, int rhs_columns) {
 
 Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_stage, Judge& judge, Arena& arena,
                   StoredElimination* store) {
+  assert(store == nullptr || judge.error_rows() == 0);
   const DiagonalBlock block = factor_diagonal_block(data, judge, arena);
   if (store != nullptr) store->keep_diagonal_block(data, level, block.factors, block.pivots, block.Q, block.rank);
-  View carried = arena.matrix(0, (level + 2) * data.n + rhs.cols);
+  const int error_rows = judge.error_rows();
+  View carried = arena.matrix(error_rows, (level + 2) * data.n + rhs.cols);
+  fill(carried, 0.0);
+  // What E_0 rounds to does not annihilate its left null vectors: errors of the first stage.
+  add_errors(judge.diagonal_error(), 1, carried.block(0, level * data.n, error_rows, data.n));
   for (int j = level + 1; j >= last_stage; --j) carried = run_stage(data, block, j - 1, carried, rhs, judge, arena, store);
   if (store != nullptr) store->finish();
-  Carried result = split(carried, (last_stage - 1) * data.n, data.n, rhs.cols);
+  judge.set_constraint_errors(max_abs(carried.block(0, (last_stage - 1) * data.n, error_rows, data.n)));
+  const View rows = carried.block(error_rows, 0, carried.rows - error_rows, carried.cols);
+  Carried result = split(rows, (last_stage - 1) * data.n, data.n, rhs.cols);
   result.rank_E = block.rank;
   result.R = block.factors;
   result.pivots = block.pivots;

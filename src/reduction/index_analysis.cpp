@@ -21,15 +21,31 @@ constexpr double perturbation_roundings = 4.0;
 // not allow, where errors of the callbacks of some ten roundings have to be reckoned with.
 constexpr double confirming_margin = clear_gap / perturbation_roundings;
 constexpr double keeping_margin = 1e4;
+// Dropped values against their changes: rounding errors change by about their own size.
+constexpr double moving_margin = 10.0;
+// Ranks with smaller gaps must follow from those of the level below: of 20,000 problems whose wrong ranks did not, none
+// had larger ones on both levels.
+constexpr double decisive_gap = 1e9;
+
+// What perturbations need not confirm: decisions that the propagated noise makes clear, or none at all.
+enum class Trust { clear_ones, none };
 
 // What level l of the array says at one point.
 struct LevelReading {
   PointRanks ranks;
   double time_scale = 1.0;
   bool clear = true;
-  bool measured = false;  // read without propagated noise, confirmed by perturbations
+  NoiseModel noise = NoiseModel::carried;  // others are confirmed by perturbations
   RankDecision doubtful;  // the first unclear decision
+  RankDecision weakest;   // the one that stands out least
+  bool follows = true;    // from the level below
 };
+
+// How far a value that is not zero stands, or would have stood, above those that are.
+double clearness(const RankDecision& decision) {
+  return decision.rank > 0 ? decision.gap : 1.0 / std::max(decision.noise, 1e-300);
+}
+bool is_weaker(const RankDecision& one, const RankDecision& other) { return clearness(one) < clearness(other); }
 
 // A search up the levels at one point.
 struct Search {
@@ -47,7 +63,7 @@ class Searcher {
         settings_(settings),
         arena_(arena),
         log_(log),
-        judging_{settings.rank_tol, settings.by_svd, false},
+        judging_{settings.rank_tol, settings.by_svd, NoiseModel::carried},
         rows_(settings.rows) {}
 
   LevelReading read(int level, double time_scale) {
@@ -81,23 +97,30 @@ class Searcher {
 
   // Whether the ranks are those expected, and stay so under perturbations.
   bool has_ranks(int level, double time_scale, const PointRanks& expected) {
-    judging_.measured = true;
+    judging_.noise = NoiseModel::data;
     judging_.by_singular_values = true;
     const LevelReading reading = read(level, time_scale);
     if (reading.ranks.a != expected.a || reading.ranks.d != expected.d || reading.ranks.v_hat != expected.v_hat)
       return false;
     std::vector<RankDecision> decisions = latest_;
     for (RankDecision& decision : decisions) decision.verdict = Verdict::unclear;  // have to be confirmed
-    return survives_perturbations(level, reading.time_scale, decisions, confirming_margin);
+    return survives_perturbations(level, reading.time_scale, decisions, confirming_margin, Trust::clear_ones);
   }
 
   Search search(int max_index) {
     Search result;
     int v_hat_below = 0;
     for (int level = 0; level <= max_index; ++level) {
+      const RankDecision weakest_below = result.last.weakest;
       result.last = read_confirmed(level);
       if (!result.last.clear) return result;
       const CharacteristicValues values = values_of(level, result.last, v_hat_below);
+      if (level > 0 && !follows(result.levels.back(), values, result.last.ranks)) {
+        result.last.follows = false;
+        result.last.doubtful = std::min(weakest_below, result.last.weakest, is_weaker);
+        result.last.clear = settings_.rank_tol > 0.0 || clearness(result.last.doubtful) >= decisive_gap;
+        if (!result.last.clear) return result;
+      }
       result.levels.push_back(values);
       result.levels.back().d = result.last.ranks.d;
       if (values.mu >= 0) {
@@ -112,31 +135,38 @@ class Searcher {
  private:
   // The propagated noise is an upper bound, at times by far: values between it and the rounding errors of the matrix
   // itself are undecided. Which of them are signals is measured by perturbing the data by a few roundings: first a
-  // reading that keeps them all, then the one that drops them, then other time scales. What survives is confirmed.
+  // reading that keeps them all, then one that drops those below the noise of the smallest pivot, then one that drops
+  // them all, then other time scales. What survives is confirmed.
   void measure(int level, LevelReading& reading, std::vector<RankDecision>& decisions) {
-    const auto accept = [&](const LevelReading& confirmed, std::vector<RankDecision> from) {
-      reading = confirmed;
-      reading.clear = true;
-      decisions = std::move(from);
-      for (RankDecision& decision : decisions)
-        if (decision.verdict == Verdict::unclear) decision.verdict = Verdict::confirmed;
+    struct Attempt {
+      NoiseModel noise;
+      double margin;
+      Trust trust;
     };
+    bool confirmed = false;
     const double tau = reading.time_scale;
     // Singular values throughout: pivots may change their order under perturbations.
     judging_.by_singular_values = true;
-    judging_.measured = true;
-    LevelReading keeping = read(level, tau);
-    const std::vector<RankDecision> kept = latest_;
-    const bool keeps = survives_perturbations(level, tau, kept, keeping_margin);
-    judging_.measured = false;
-    const LevelReading dropping = read(level, tau);
-    const std::vector<RankDecision> dropped = latest_;
-    const bool drops = !keeps && survives_perturbations(level, tau, dropped, confirming_margin);
+    for (const Attempt& attempt : {Attempt{NoiseModel::data, keeping_margin, Trust::none},
+                                   Attempt{NoiseModel::pivots, confirming_margin, Trust::none},
+                                   Attempt{NoiseModel::carried, confirming_margin, Trust::clear_ones}}) {
+      judging_.noise = attempt.noise;
+      LevelReading candidate = read(level, tau);
+      candidate.noise = attempt.noise;
+      const std::vector<RankDecision> made = latest_;
+      if (attempt.noise == NoiseModel::pivots && !candidate.clear) continue;
+      if (!survives_perturbations(level, tau, made, attempt.margin, attempt.trust)) continue;
+      confirmed = true;
+      reading = candidate;
+      decisions = made;
+      break;
+    }
+    judging_.noise = NoiseModel::carried;
     judging_.by_singular_values = settings_.by_svd;
-    keeping.measured = true;
-    if (keeps) accept(keeping, kept);
-    else if (drops) accept(dropping, dropped);
-    else if (agrees_with_other_time_scales(level, reading)) accept(reading, decisions);
+    if (!confirmed && !agrees_with_other_time_scales(level, reading)) return;
+    reading.clear = true;
+    for (RankDecision& decision : decisions)
+      if (decision.verdict == Verdict::unclear) decision.verdict = Verdict::confirmed;
   }
 
   bool agrees_with_other_time_scales(int level, const LevelReading& reading) {
@@ -153,7 +183,8 @@ class Searcher {
   }
 
   // Kept values must stay put to 1 / margin; dropped ones above the rounding errors of the matrix must not.
-  bool survives_perturbations(int level, double time_scale, const std::vector<RankDecision>& decisions, double margin) {
+  bool survives_perturbations(int level, double time_scale, const std::vector<RankDecision>& decisions, double margin,
+                              Trust trust) {
     std::minstd_rand generator(1);
     std::vector<char> moved(decisions.size(), 0);
     for (int trial = 0; trial < 3; ++trial) {
@@ -165,16 +196,16 @@ class Searcher {
         const RankDecision& was = decisions[q];
         const RankDecision& is = latest_[q];
         // A dropped value that a perturbation lifts above the threshold is noise; what follows cannot be compared.
-        const bool lifted = margin < keeping_margin && is.rank == was.rank + 1;
+        const bool lifted = trust == Trust::clear_ones && is.rank == was.rank + 1;
         if (lifted && confirming_margin * (is.kept - was.dropped) > was.dropped) {
           moved[q] = 1;
           break;
         }
         if (is.rank != was.rank) return false;
-        if (confirming_margin * std::fabs(is.dropped - was.dropped) > was.dropped) moved[q] = 1;
-        if (was.rank == 0 || (was.verdict != Verdict::unclear && margin < keeping_margin)) continue;
+        if (moving_margin * std::fabs(is.dropped - was.dropped) > was.dropped) moved[q] = 1;
+        if (was.rank == 0 || (was.verdict != Verdict::unclear && trust == Trust::clear_ones)) continue;
         // What stands clear of the propagated noise may move a little.
-        const bool stands_clear = margin < keeping_margin && was.gap >= clear_gap;
+        const bool stands_clear = trust == Trust::clear_ones && was.gap >= clear_gap;
         const double moves = stands_clear ? 0.0 : std::fabs(is.kept - was.kept);
         const double measured = std::max({moves, is.dropped, was.dropped});
         if (was.kept < margin * measured) return false;
@@ -200,6 +231,13 @@ class Searcher {
     data_.measure();
   }
 
+  // Constraints and redundant equations only get more from level to level, and m - a - v is rank(E T2) of the level
+  // before: what E T2 loses is what differentiation turns into constraints ([KM06], section 3.1: r_(i+1) = r_i - s_i).
+  // Exceptional points may differ, but then all ranks are clear by far. Ranks given by rank_tol are the user's.
+  static bool follows(const CharacteristicValues& below, const CharacteristicValues& values, const PointRanks& ranks) {
+    return ranks.d <= values.d && values.d == below.d && values.a >= below.a && values.v >= below.v;
+  }
+
   CharacteristicValues values_of(int level, const LevelReading& reading, int v_hat_below) const {
     const int a = reading.ranks.a, v = reading.ranks.v_hat - v_hat_below, d = problem_.m() - a - v;
     return {reading.ranks.d == d ? level : -1, d, a, problem_.n() - a - d, v};
@@ -223,6 +261,7 @@ class Searcher {
     reading.ranks = form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
     reading.time_scale = data_.time_scale;
     reading.clear = judge.all_clear();
+    if (!latest_.empty()) reading.weakest = *std::min_element(latest_.begin(), latest_.end(), is_weaker);
     for (const RankDecision& decision : latest_)
       if (decision.verdict == Verdict::unclear && reading.doubtful.verdict == Verdict::clear)
         reading.doubtful = decision;
@@ -250,15 +289,20 @@ std::string reading_with(CoefficientSource& problem, double t, AnalysisSettings 
 }
 
 [[noreturn]] void report_unclear(CoefficientSource& problem, double t, const AnalysisSettings& settings,
-                                 const RankDecision& decision, Arena& arena) {
-  const double below = std::max({decision.dropped, decision.noise, 1e-300});
-  const double keep_tol = std::min(std::sqrt(decision.kept * below), 0.5);
-  const double drop_tol = std::min(3.0 * decision.kept, 0.5);
+                                 const LevelReading& reading, Arena& arena) {
+  const RankDecision& decision = reading.doubtful;
+  // The value in doubt is the smallest one kept, or, where that stands clear or there is none, the largest one dropped.
+  const bool doubts_kept = decision.rank > 0 && (decision.gap < clear_gap || decision.dropped <= decision.noise);
+  const double value = std::max(doubts_kept ? decision.kept : decision.dropped, decision.noise);
+  const double below = doubts_kept ? std::max({decision.dropped, decision.noise, 1e-300}) : 1e-2 * value;
+  const double keep_tol = std::min(std::sqrt(value * below), 0.5);
+  const double drop_tol = std::min(3.0 * value, 0.5);
+  const int rank = doubts_kept ? decision.rank : decision.rank + 1;
   const std::string kept = reading_with(problem, t, settings, keep_tol, arena);
   const std::string dropped = reading_with(problem, t, settings, drop_tol, arena);
   throw Failure(SFDAE_RANK_UNCLEAR,
-                describe(decision) + format(" is not clear. With rank %d ", decision.rank) + kept +
-                    format("; with rank %d ", decision.rank - 1) + dropped +
+                describe(decision) + (reading.follows ? " is not clear." : " does not fit the ranks of the level below.") +
+                    format(" With rank %d ", rank) + kept + format("; with rank %d ", rank - 1) + dropped +
                     format(". Try rank_tol = %.1e or %.1e, or scale the equations.", keep_tol, drop_tol));
 }
 
@@ -274,7 +318,7 @@ IndexAnalysis search_at(CoefficientSource& problem, double t, const AnalysisSett
                         std::vector<RankDecision>& decisions) {
   Searcher searcher(problem, t, settings, arena, &decisions);
   const Search found = searcher.search(settings.max_index);
-  if (!found.last.clear) report_unclear(problem, t, settings, found.last.doubtful, arena);
+  if (!found.last.clear) report_unclear(problem, t, settings, found.last, arena);
   if (found.values.mu < 0)
     throw Failure(SFDAE_INDEX_TOO_HIGH,
                   format("no strangeness index up to max_index = %d at t = %.15g:", settings.max_index, t) +
@@ -285,7 +329,7 @@ IndexAnalysis search_at(CoefficientSource& problem, double t, const AnalysisSett
   analysis.time_scale = found.last.time_scale;
   analysis.v_hat = found.last.ranks.v_hat;
   analysis.rank_E = found.last.ranks.rank_E;
-  analysis.measured = found.last.measured;
+  analysis.noise = found.last.noise;
   return analysis;
 }
 
@@ -322,6 +366,98 @@ std::vector<double> choose_column_scale(CoefficientSource& problem, double t) {
       if (size[j] > smallest_column * largest) scale[j] *= std::ldexp(1.0, -std::ilogb(size[j]));
   }
   return needed ? scale : std::vector<double>();
+}
+
+// Units of the unknowns and of time in which the entries of E and A, rows being scaled as well, are as near to one as
+// possible in the mean square of their logarithms [CR72]. For data that differ in size by their units alone.
+//
+// [CR72] A. R. Curtis, J. K. Reid: On the automatic scaling of matrices for Gaussian elimination. IMA J. Appl. Math. 10
+//        (1972) 118-124.
+struct Units {
+  std::vector<double> columns;
+  double time = 1.0;
+};
+
+Units balanced_units(CoefficientSource& problem, double t) {
+  const int m = problem.m(), n = problem.n();
+  problem.set_column_scale({});
+  TaylorData data;
+  const Trouble trouble = problem.evaluate(t, {0, 0, -1}, 1.0, data);
+  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  struct LogEntry {
+    int i, j;
+    double size;
+    bool in_A;
+  };
+  std::vector<LogEntry> entries;
+  constexpr double negligible = 1e-14;
+  for (bool in_A : {false, true})
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < m; ++i) {
+        const double a = std::fabs(in_A ? data.A(0)(i, j) : data.E(0)(i, j));
+        if (a > negligible) entries.push_back({i, j, std::log2(a), in_A});
+      }
+  std::vector<double> r(static_cast<std::size_t>(m), 0.0), c(static_cast<std::size_t>(n), 0.0), theta(1, 0.0);
+  // Gauss-Seidel on the normal equations: each group in turn takes the mean of what is left.
+  const auto relax = [&](std::vector<double>& unknowns, auto index_of) {
+    std::vector<double> sum(unknowns.size(), 0.0), count(unknowns.size(), 0.0);
+    for (const LogEntry& e : entries) {
+      const int k = index_of(e);
+      if (k < 0) continue;
+      sum[static_cast<std::size_t>(k)] += e.size + r[static_cast<std::size_t>(e.i)] + c[static_cast<std::size_t>(e.j)] +
+                                          (e.in_A ? theta[0] : 0.0);
+      count[static_cast<std::size_t>(k)] += 1.0;
+    }
+    for (std::size_t k = 0; k < unknowns.size(); ++k)
+      if (count[k] > 0.0) unknowns[k] -= sum[k] / count[k];
+  };
+  constexpr int sweeps = 100;
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    relax(r, [](const LogEntry& e) { return e.i; });
+    relax(c, [](const LogEntry& e) { return e.j; });
+    relax(theta, [](const LogEntry& e) { return e.in_A ? 0 : -1; });
+  }
+  constexpr double largest_exponent = 300.0;
+  Units units;
+  for (double exponent : c)
+    units.columns.push_back(std::ldexp(1.0, static_cast<int>(std::clamp(exponent, -largest_exponent, largest_exponent))));
+  units.time = std::ldexp(1.0, static_cast<int>(std::clamp(theta[0], -largest_exponent, largest_exponent)));
+  return units;
+}
+
+// The analysis in the units of the unknowns that the problem has.
+IndexAnalysis analyze_in_units(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,
+                               Arena& arena, std::vector<RankDecision>& decisions) {
+  IndexAnalysis here = search_at(problem, t, settings, arena, decisions);
+  if (!problem.is_constant()) {
+    const double nearby = nearby_point(t, toward, here.time_scale);
+    const IndexAnalysis there = search_at(problem, nearby, settings, arena, decisions);
+    here.rank_E_constant = here.rank_E == there.rank_E;
+    const int mu = std::max(here.values.mu, there.values.mu);
+    if (here.values.mu != there.values.mu) {
+      // At the level that counts both points must agree: E = [0 t; 0 0], A = I does at mu = 1.
+      const bool raise_here = here.values.mu < mu;
+      Searcher again(problem, raise_here ? t : nearby, settings, arena, &decisions);
+      const CharacteristicValues raised = again.values_at(mu);
+      if (raise_here) {
+        here.values = raised;
+        const LevelReading reading = again.read_confirmed(mu);
+        here.time_scale = reading.time_scale;
+        here.v_hat = reading.ranks.v_hat;
+        here.noise = reading.noise;
+      }
+      const CharacteristicValues& other = raise_here ? there.values : raised;
+      if (!(here.values == other))
+        throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                      format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
+                          describe(other) + format(" at t = %.15g. Start beside it.", nearby));
+    } else if (!(here.values == there.values)) {
+      throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                    format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
+                        describe(there.values) + format(" at t = %.15g. Start beside it.", nearby));
+    }
+  }
+  return here;
 }
 
 }  // namespace
@@ -368,36 +504,26 @@ IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward,
   decisions.clear();
   problem.set_column_scale({});
   problem.set_column_scale(choose_column_scale(problem, t));
-  IndexAnalysis here = search_at(problem, t, settings, arena, decisions);
-  if (!problem.is_constant()) {
-    const double nearby = nearby_point(t, toward, here.time_scale);
-    const IndexAnalysis there = search_at(problem, nearby, settings, arena, decisions);
-    here.rank_E_constant = here.rank_E == there.rank_E;
-    const int mu = std::max(here.values.mu, there.values.mu);
-    if (here.values.mu != there.values.mu) {
-      // At the level that counts both points must agree: E = [0 t; 0 0], A = I does at mu = 1.
-      const bool raise_here = here.values.mu < mu;
-      Searcher again(problem, raise_here ? t : nearby, settings, arena, &decisions);
-      const CharacteristicValues raised = again.values_at(mu);
-      if (raise_here) {
-        here.values = raised;
-        const LevelReading reading = again.read_confirmed(mu);
-        here.time_scale = reading.time_scale;
-        here.v_hat = reading.ranks.v_hat;
-        here.measured = reading.measured;
-      }
-      const CharacteristicValues& other = raise_here ? there.values : raised;
-      if (!(here.values == other))
-        throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                      format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
-                          describe(other) + format(" at t = %.15g. Start beside it.", nearby));
-    } else if (!(here.values == there.values)) {
-      throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                    format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
-                        describe(there.values) + format(" at t = %.15g. Start beside it.", nearby));
+  try {
+    return analyze_in_units(problem, t, toward, settings, arena, decisions);
+  } catch (const Failure& failure) {
+    if (failure.status() != SFDAE_RANK_UNCLEAR) throw;
+    // Other units may make it clear.
+    const std::vector<RankDecision> unclear = decisions;
+    decisions.clear();
+    const Units units = balanced_units(problem, t);
+    problem.set_column_scale(units.columns);
+    AnalysisSettings balanced = settings;
+    if (balanced.time_scale == 0.0) balanced.time_scale = units.time;
+    try {
+      return analyze_in_units(problem, t, toward, balanced, arena, decisions);
+    } catch (const Failure&) {
     }
+    decisions = unclear;
+    problem.set_column_scale({});
+    problem.set_column_scale(choose_column_scale(problem, t));
+    throw;
   }
-  return here;
 }
 
 }  // namespace sfdae::core

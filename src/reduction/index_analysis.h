@@ -45,7 +45,7 @@ struct IndexAnalysis {
   double time_scale = 1.0;
   int v_hat = 0;               // redundant rows of level mu
   int rank_E = 0;
-  bool measured = false;       // ranks by measured instead of propagated noise
+  NoiseModel noise = NoiseModel::carried;  // by which the ranks are right
   bool rank_E_constant = true; // the same at the nearby point
 };
 

@@ -18,7 +18,9 @@ Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::v
       norm_(data.norm(level)),
       norm_A_(data.norm_A(level)),
       norm_E0_(data.norm_E0()),
-      eps_(data.noise(level)) {}
+      eps_(data.noise(level)),
+      errors_(eps_ * norm_),
+      constraint_errors_(eps_ * norm_A_) {}
 
 int Judge::take_known_rank(ConstView r, double norm, double& kept) {
   const int count = std::min(r.rows, r.cols);
@@ -49,7 +51,7 @@ int Judge::decide(Subject subject, int stage, ConstView r, ConstView original, d
                   double& kept) {
   if (settings_.known_ranks != nullptr) return take_known_rank(r, norm, kept);
   const double least_noise = eps_ * norm;
-  if (settings_.measured) noise = least_noise;
+  if (settings_.noise == NoiseModel::data) noise = least_noise;
   const int count = std::min(r.rows, r.cols);
   const RankScale scale{noise, norm, std::max({r.rows, r.cols, dimension_}), settings_.rank_tol,
                         log_ != nullptr ? least_noise : 0.0};
@@ -67,13 +69,16 @@ int Judge::decide(Subject subject, int stage, ConstView r, ConstView original, d
 
 int Judge::decide_diagonal_block(ConstView r, ConstView original) {
   // E_0 carries no derivatives: its noise is that of rounding alone.
-  return decide(Subject::stage, level_ + 1, r, original, unit_roundoff * norm_E0_, norm_E0_, pivot_);
+  const int rank = decide(Subject::stage, level_ + 1, r, original, unit_roundoff * norm_E0_, norm_E0_, pivot_);
+  errors_ = entering_error() / pivot_;
+  constraint_errors_ = entering_constraint_error() / pivot_;
+  return rank;
 }
 
 int Judge::decide_stage(int stage, ConstView r, ConstView original, double norm) {
   norm = std::max(norm, norm_E0_);
-  // Rounding errors come from the rows carried, whose other entries may be larger than those of this stage.
-  return decide(Subject::stage, stage, r, original, eps_ * std::max(norm, norm_) / pivot_, norm, pivot_);
+  const double errors = settings_.noise == NoiseModel::pivots ? eps_ * std::max(norm, norm_) / pivot_ : errors_;
+  return decide(Subject::stage, stage, r, original, std::max(errors, eps_ * norm), norm, pivot_);
 }
 
 int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
@@ -81,19 +86,23 @@ int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
                                       {eps_ * norm_, norm_, std::max(rows, cols), settings_.rank_tol, 0.0});
   decision.rows = rows;
   decision.cols = cols;
-  return record(decision, Subject::array, 0, pivot_);
+  const int rank = record(decision, Subject::array, 0, pivot_);
+  constraint_errors_ = eps_ * norm_A_ / pivot_;
+  return rank;
 }
 
 int Judge::decide_constraints(ConstView r, ConstView original) {
-  const int rank = decide(Subject::constraints, 0, r, original, eps_ * norm_A_ / pivot_, norm_A_, kept_constraints_);
+  if (settings_.noise == NoiseModel::pivots) constraint_errors_ = eps_ * norm_A_ / pivot_;
+  const double noise = std::max(constraint_errors_, eps_ * norm_A_);
+  const int rank = decide(Subject::constraints, 0, r, original, noise, norm_A_, kept_constraints_);
   has_constraints_ = rank > 0;
   return rank;
 }
 
 int Judge::decide_differential(ConstView r, ConstView original) {
   // T2 is as uncertain as A^ relative to its smallest kept value; without constraints it is the identity.
-  const double uncertainty = has_constraints_ ? std::max(1.0, 1.0 / (pivot_ * kept_constraints_)) : 1.0;
-  const double noise = eps_ * norm_E0_ * uncertainty;
+  const double uncertainty = has_constraints_ ? constraint_errors_ / (norm_A_ * kept_constraints_) : 0.0;
+  const double noise = norm_E0_ * std::max(eps_, uncertainty);
   return decide(Subject::differential, 0, r, original, noise, norm_E0_, kept_differential_);
 }
 

@@ -38,12 +38,13 @@ void LinearSystem::resize() {
   const std::size_t order = static_cast<std::size_t>(problem_.n());
   matrix_.resize(order * order + 1);
   matrix_pivots_.resize(order + 1);
-  measured_ = analysis_.measured;
+  // Where ranks are only compared with those known, the cheaper model comes first.
+  noise_ = analysis_.noise == NoiseModel::data ? NoiseModel::data : NoiseModel::pivots;
 }
 
 void LinearSystem::archive(Archive& archive) {
   CharacteristicValues& values = analysis_.values;
-  archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.measured,
+  archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.noise,
                 analysis_.rank_E_constant, leading_, rows_, needs_E1_);
   archive.real(analysis_.t);
   archive.real(analysis_.time_scale);
@@ -56,7 +57,8 @@ void LinearSystem::archive(Archive& archive) {
                            analysis_.v_hat >= 0 && analysis_.v_hat <= (values.mu + 1) * m &&
                            std::isfinite(analysis_.time_scale) && analysis_.time_scale > 0.0 &&
                            leading_ >= LeadingTerm::projector && leading_ <= LeadingTerm::identity &&
-                           rows_ >= RowScaling::each && rows_ <= RowScaling::common;
+                           rows_ >= RowScaling::each && rows_ <= RowScaling::common &&
+                           analysis_.noise >= NoiseModel::carried && analysis_.noise <= NoiseModel::data;
     if (!plausible) throw DamagedArchive();
     resize();
   }
@@ -141,7 +143,7 @@ PointStatus LinearSystem::reduce(double t, double time_scale, Point& point, RowS
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   scale_prescribed_values();
   ++reductions_;
-  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, measured_};
+  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, noise_};
   Judge judge(point.data, mu, judging, nullptr);
   const Arena::Frame frame(arena_);
   const bool keep_transformation = problem_.is_constant();
@@ -206,13 +208,16 @@ PointStatus LinearSystem::move_to(double t) {
   // Before the values are declared to have changed: rows that are small by cancellation must not be scaled up, and data
   // that have grown or shrunk may need another time scale.
   if (status == PointStatus::changed) status = reduce(t, analysis_.time_scale, current(), RowScaling::common);
-  if (status == PointStatus::changed) {
-    // The other way to take noise into account; without propagation it has to be measured.
-    measured_ = !measured_;
-    if (!measured_ || (problem_.prescribed().empty() && known_values_hold(problem_, t, settings_, analysis_, arena_)))
+  // The other ways to take noise into account; without propagation it has to be measured.
+  const NoiseModel first = noise_;
+  for (NoiseModel model : {NoiseModel::carried, NoiseModel::pivots, NoiseModel::data}) {
+    if (status != PointStatus::changed || model == first) continue;
+    noise_ = model;
+    if (model != NoiseModel::data ||
+        (problem_.prescribed().empty() && known_values_hold(problem_, t, settings_, analysis_, arena_)))
       status = reduce(t, analysis_.time_scale, current(), rows_);
-    measured_ = analysis_.measured;
   }
+  noise_ = first;
   for (double factor : {1.0, 0.125}) {
     if (status != PointStatus::changed || settings_.time_scale > 0.0) break;
     TaylorData& data = current().data;

@@ -149,7 +149,7 @@ class LinearSystem final : public DaeSystem {
   // smoothly on t, and jumps of kept values would look like changes.
   std::vector<double> preferred_rows_;
   bool needs_E1_ = false;
-  bool measured_ = false;  // ranks by measured instead of propagated noise
+  NoiseModel noise_ = NoiseModel::pivots;  // of the next reduction
   Arena arena_;
   Point points_[2];
   int current_ = 0;

@@ -69,7 +69,7 @@ bool LinearSystem::derivative_from_array(const double* x, double* xdot) {
   if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED)
     throw Failure(trouble.status, trouble.message());
   if (trouble.status != SFDAE_OK) return false;
-  const Judge::Settings judging{settings_.rank_tol, false, measured_};
+  const Judge::Settings judging{settings_.rank_tol, false, analysis_.noise};
   Judge judge(data, level, judging, nullptr);
   const Arena::Frame frame(arena_);
   const Carried carried = eliminate(data, level, data.f_stack(level), 2, judge, arena_);

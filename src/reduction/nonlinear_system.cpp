@@ -8,6 +8,7 @@
 #include "linalg/dense.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
+#include "reduction/rank_reading.h"
 
 namespace sfdae::core {
 
@@ -109,7 +110,8 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   ++reductions_;
   preferred_rows_.assign(data_.row_scale.begin(), data_.row_scale.end());
-  Judge::Settings judging{settings_.rank_tol, false, analysis_.measured};
+  const NoiseModel noise = analysis_.noise == NoiseModel::data ? NoiseModel::data : NoiseModel::pivots;
+  Judge::Settings judging{settings_.rank_tol, false, noise, nullptr};
   if (!judged) judging.known_ranks = &ranks_;
   Judge judge(data_, mu, judging, nullptr);
   const Arena::Frame frame(arena_);
@@ -131,10 +133,14 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
     ranks_ = judge.ranks();
     return PointStatus::ok;
   }
-  // The propagated noise may be too large an estimate: measured noise decides, and the ranks known are gone on with.
-  if (!judged || ranks_.count == 0) return PointStatus::changed;
+  if (!judged) return PointStatus::changed;
+  // The cheap estimate of the noise may be too large or too small.
+  if (const std::optional<RankList> found = matching_ranks(data_, mu, analysis_, settings_.rank_tol, arena_)) {
+    ranks_ = *found;
+    return renew(jet, false);
+  }
   JetCoefficients source(problem_, jet, column_scale_);
-  if (!known_values_hold(source, jet.t, settings_, analysis_, arena_)) return PointStatus::changed;
+  if (ranks_.count == 0 || !known_values_hold(source, jet.t, settings_, analysis_, arena_)) return PointStatus::changed;
   return renew(jet, false);
 }
 

@@ -7,6 +7,7 @@
 #include "problem/failure.h"
 #include "reduction/elimination.h"
 #include "reduction/nonlinear_system.h"
+#include "reduction/rank_reading.h"
 
 namespace sfdae::core {
 
@@ -36,7 +37,9 @@ bool NonlinearSystem::solve_next_level(const double* x) {
     if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED)
       throw Failure(trouble.status, trouble.message());
     if (trouble.status != SFDAE_OK) return false;
-    const Judge::Settings judging{settings_.rank_tol, false, analysis_.measured};
+    const std::optional<RankList> ranks = matching_ranks(next_data_, level, analysis_, settings_.rank_tol, arena_);
+    if (!ranks) return false;
+    const Judge::Settings judging{settings_.rank_tol, false, NoiseModel::pivots, &*ranks};
     Judge judge(next_data_, level, judging, nullptr);
     const Arena::Frame frame(arena_);
     eliminate(next_data_, level, next_data_.f_stack(level), 1, judge, arena_, &next_elimination_);
@@ -114,8 +117,9 @@ void NonlinearSystem::correct_differential_part(const double* x, double* xdot) {
 void NonlinearSystem::archive(Archive& archive) {
   CharacteristicValues& values = analysis_.values;
   bool has_scale = !column_scale_.empty(), has_matrix = matrix_valid_, has_next = next_jet_.n > 0;
-  archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.measured,
-                analysis_.rank_E_constant, has_scale, linearized_judged_, age_, has_matrix, has_next, has_next_level_);
+  archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.noise,
+                analysis_.rank_E_constant, has_scale, linearized_judged_, age_);
+  archive.small(has_matrix, has_next, has_next_level_);
   for (double* value : {&analysis_.t, &analysis_.time_scale, &rate_, &matrix_c_}) archive.real(*value);
   const int m = problem_.m(), n = problem_.n();
   if (archive.is_reading()) {

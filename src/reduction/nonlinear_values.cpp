@@ -8,6 +8,7 @@
 #include "linalg/dense.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
+#include "reduction/rank_reading.h"
 
 namespace sfdae::core {
 
@@ -29,13 +30,15 @@ class LinearizedConstraints {
     const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each, nullptr, &column_scale_};
     const Trouble trouble = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
     if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
-    const Judge::Settings settings{0.0, false, analysis_.measured};
+    const std::optional<RankList> ranks = matching_ranks(data_, mu, analysis_, 0.0, arena_);
+    has_known_ranks_ = ranks.has_value();
+    if (!ranks) return;
+    const Judge::Settings settings{0.0, false, NoiseModel::pivots, &*ranks};
     Judge judge(data_, mu, settings, nullptr);
     const Arena::Frame frame(arena_);
     const Carried carried = eliminate(data_, mu, data_.f_stack(mu), 1, judge, arena_, &elimination_);
     form_.resize(problem_.m(), problem_.n(), 0, carried.rows);
-    const PointRanks ranks = form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
-    has_known_ranks_ = ranks.a == analysis_.values.a && ranks.d == analysis_.values.d && ranks.v_hat == analysis_.v_hat;
+    form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
   }
   bool has_known_ranks() const { return has_known_ranks_; }
 

@@ -368,6 +368,57 @@ TEST(Solver, GoesOnFromACheckpointInEveryBit) {
   }
 }
 
+/// cos t falls through 1/2 at pi / 3; -sin t falls through x2' = -cos t where sin t = cos t, at pi / 4.
+TEST(Solver, FindsEvents) {
+  sfdae::Options options;
+  options.rtol = options.atol = 1e-9;
+  sfdae::Solver solver(oscillator(), options);
+  sfdae::Point point = start_point();
+  solver.start(point, 2.0);
+  EXPECT_TRUE(solver.events().empty());
+  const auto g = [](double, sfdae::ConstVectorRef x, sfdae::ConstVectorRef xdot, VectorRef values) {
+    EXPECT_EQ(x.size(), 3);
+    EXPECT_EQ(xdot.size(), 3);
+    values[0] = x[0] - 0.5;
+    values[1] = x[1] - xdot[1];
+  };
+  EXPECT_EQ(solver.set_events(2, g, {0, -1}), SFDAE_OK);
+  sfdae::Solver moved = std::move(solver);
+  EXPECT_EQ(moved.advance(2.0, point), SFDAE_EVENT);
+  EXPECT_EQ(moved.events(), (std::vector<int>{0, -1}));
+  EXPECT_NEAR(point.t, std::atan(1.0), 1e-6);
+  EXPECT_EQ(moved.advance(2.0, point), SFDAE_EVENT);
+  EXPECT_EQ(moved.events(), (std::vector<int>{-1, 0}));
+  EXPECT_NEAR(point.t, std::acos(0.5), 1e-6);
+  EXPECT_NEAR(point.x[0], 0.5, 1e-14);
+  sfdae::Point between{point.t, {}, {}};
+  EXPECT_EQ(moved.interpolate(between), SFDAE_OK);
+  EXPECT_NEAR(between.x[0], 0.5, 1e-8);
+  EXPECT_EQ(moved.set_events(0, nullptr), SFDAE_OK);
+  EXPECT_EQ(moved.advance(4.0, point), SFDAE_OK);
+  expect_exact(point);
+}
+
+TEST(Solver, PassesOnExceptionsOfEventFunctions) {
+  sfdae::Solver solver(oscillator());
+  sfdae::Point point = start_point();
+  bool fails = true;
+  EXPECT_THROW(solver.set_events(2, nullptr), sfdae::Error);
+  EXPECT_THROW(solver.set_events(2, [](double, sfdae::ConstVectorRef, sfdae::ConstVectorRef, VectorRef) {}, {1}), sfdae::Error);
+  solver.set_events(1, [&fails](double t, sfdae::ConstVectorRef, sfdae::ConstVectorRef, VectorRef g) {
+    if (fails && t > 0.5) throw std::domain_error("as it happens");
+    g[0] = t - 1.5;
+    return 0;
+  });
+  solver.start(point, 2.0);
+  EXPECT_THROW(solver.advance(2.0, point), std::domain_error);
+  EXPECT_LE(point.t, 0.5);
+  expect_exact(point);
+  fails = false;
+  EXPECT_EQ(solver.advance(2.0, point), SFDAE_EVENT);
+  EXPECT_NEAR(point.t, 1.5, 4e-16);
+}
+
 TEST(LinearProblem, PrescribesComponents) {
   sfdae::LinearProblem problem(1, 2);  // x1' = x2, x2 = cos t, x1 = sin t
   problem.E = [](double, int order, MatrixRef E) { E(0, 0) = order == 0; };

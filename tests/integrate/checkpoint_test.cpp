@@ -58,7 +58,7 @@ struct Trip {
     problem = std::make_unique<LinearProblem>(analyzed.callbacks.problem);
     restored = restore_checkpoint(linear_target(*problem, analyzed.settings), options, saved.data(), saved.size());
     integration = std::move(restored.integration);
-    system = restored.system.get();
+    system = static_cast<LinearSystem*>(restored.system.get());
   }
 
   AnalyzedProblem analyzed;

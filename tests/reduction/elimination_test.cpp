@@ -81,7 +81,7 @@ struct Elimination {
   Carried carried;
 
   Elimination(const TaylorData& data, int level, int last_stage = 1, bool by_svd = false)
-      : settings{0.0, by_svd, false},
+      : settings{0.0, by_svd, NoiseModel::carried},
         judge(data, level, settings, &log),
         unit(identity((level + 1) * data.m)),
         carried(by_svd ? eliminate_by_svd(data, level, unit, judge, arena)

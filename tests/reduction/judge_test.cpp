@@ -112,7 +112,7 @@ TEST(Judge, WithoutConstraintsET2HasTheNoiseOfE) {
 TEST(Judge, WhereNoiseIsMeasuredItIsNotPropagated) {
   const TaylorData data = data_of(1.0, 1.0);
   Judge::Settings settings;
-  settings.measured = true;
+  settings.noise = NoiseModel::data;
   std::vector<RankDecision> log;
   Judge judge(data, 0, settings, &log);
   judge.decide_diagonal_block(diagonal(1.0, 1e-6), {});

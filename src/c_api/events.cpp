@@ -1,0 +1,73 @@
+// Events and values within the last step: the C API over the core.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "c_api/solver.h"
+
+using namespace sfdae::core;
+
+namespace {
+
+constexpr int most_events = 10000;
+
+CallResult check_events(int num_events, sfdae_event_function function, const int* directions) {
+  if (num_events < 0 || num_events > most_events)
+    return illegal_argument(format("num_events = %d; it must be 0 ... %d.", num_events, most_events));
+  if (num_events > 0 && function == nullptr) return illegal_argument("function is NULL.");
+  for (int i = 0; i < num_events && directions != nullptr; ++i)
+    if (directions[i] < -1 || directions[i] > 1)
+      return illegal_argument(format("directions[%d] = %d; it must be -1, 0 or 1.", i, directions[i]));
+  return {};
+}
+
+}  // namespace
+
+extern "C" {
+
+int sfdae_set_events(sfdae_solver* solver, int num_events, sfdae_event_function function, const int* directions,
+                     void* user) {
+  return guarded(solver, [&]() -> CallResult {
+    const CallResult checked = check_events(num_events, function, directions);
+    if (checked.status != SFDAE_OK) return checked;
+    std::unique_ptr<Events> events;
+    if (num_events > 0) {
+      std::vector<int> wanted(static_cast<std::size_t>(num_events), 0);
+      if (directions != nullptr) std::copy_n(directions, num_events, wanted.begin());
+      events = std::make_unique<Events>(function, user, std::move(wanted));
+    }
+    if (solver->integration) solver->integration->set_events(events.get());
+    solver->options.integration.events = events.get();
+    solver->events = std::move(events);
+    return {};
+  });
+}
+
+int sfdae_get_events(const sfdae_solver* solver, int* which) {
+  if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  if (which == nullptr) {
+    std::snprintf(solver->message, sizeof solver->message, "which is NULL.");
+    return SFDAE_ILLEGAL_ARGUMENT;
+  }
+  if (!solver->events) return SFDAE_OK;
+  const std::vector<int>& fired = solver->events->search.fired();
+  std::copy(fired.begin(), fired.end(), which);
+  return SFDAE_OK;
+}
+
+int sfdae_interpolate(sfdae_solver* solver, double t, double* x, double* xdot) {
+  return guarded(solver, [&]() -> CallResult {
+    if (x == nullptr) return illegal_argument("x is NULL.");
+    if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
+    if (!solver->integration) return {SFDAE_NOT_STARTED, "call sfdae_start first."};
+    solver->integration->want_slopes(xdot != nullptr);
+    std::vector<double> slopes;
+    if (xdot == nullptr) {
+      slopes.resize(static_cast<std::size_t>(solver->model->n()));
+      xdot = slopes.data();
+    }
+    return solver->integration->interpolate(t, x, xdot);
+  });
+}
+
+}  // extern "C"

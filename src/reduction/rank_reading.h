@@ -1,0 +1,26 @@
+// The ranks of a reduction, for eliminations that are kept: those take them as known.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "linalg/arena.h"
+#include "problem/taylor_data.h"
+#include "reduction/index_analysis.h"
+#include "reduction/judge.h"
+#include "reduction/null_space_form.h"
+
+namespace sfdae::core {
+
+struct RankReading {
+  RankList list;
+  PointRanks ranks;
+};
+
+RankReading read_ranks(const TaylorData& data, int level, const Judge::Settings& settings, Arena& arena);
+
+// Ranks that agree with the values known, by one noise model or another; level: mu, or above.
+std::optional<RankList> matching_ranks(const TaylorData& data, int level, const IndexAnalysis& known, double rank_tol,
+                                       Arena& arena);
+
+}  // namespace sfdae::core
