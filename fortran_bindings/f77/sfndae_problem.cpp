@@ -4,6 +4,8 @@
 
 #include <cstddef>
 
+#include "linalg/matrix.h"
+
 namespace sfdae::f77 {
 
 sfdae_nonlinear_problem SfndaeProblem::callbacks() {
@@ -28,7 +30,10 @@ int SfndaeProblem::evaluate(double t, int order, const double* derivatives, Arra
   };
   replace(arrays.F_x, unused_x_);
   replace(arrays.F_xdot, unused_xdot_);
-  return result_of(call_user(t, order, arrays));
+  const int code = call_user(t, order, arrays);
+  const bool is_finite = core::all_finite(arrays.F, static_cast<std::size_t>(m_)) &&
+                         core::all_finite(arrays.F_x, area) && core::all_finite(arrays.F_xdot, area);
+  return result_of(code == function_ok && !is_finite ? function_failed : code);
 }
 
 }  // namespace sfdae::f77

@@ -120,6 +120,8 @@ void NonlinearSystem::archive(Archive& archive) {
   archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.noise,
                 analysis_.rank_E_constant, has_scale, linearized_judged_, age_);
   archive.small(has_matrix, has_next, has_next_level_);
+  // Where there is none, that of the last point will do.
+  if (!archive.is_reading() && !is_linearized_) linearized_ = accepted_;
   for (double* value : {&analysis_.t, &analysis_.time_scale, &rate_, &matrix_c_}) archive.real(*value);
   const int m = problem_.m(), n = problem_.n();
   if (archive.is_reading()) {
