@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sfdae/sfdae.h"
@@ -28,11 +29,8 @@ class SfndaeState : public testing::TestWithParam<int> {
   }
 };
 
-struct Output {
-  std::vector<double> x, xdot;
-  bool operator==(const Output&) const = default;
-};
-
+// X and XPRIME
+using Output = std::pair<std::vector<double>, std::vector<double>>;
 Output output_of(const SfndaeRun<>& run) { return {run.values(), run.slopes()}; }
 
 std::vector<Output> uninterrupted(SfndaeRun<> run) {
@@ -52,6 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, SfndaeState, testing::Values(1, 2),
 // After every single step.
 TEST_P(SfndaeState, InterruptedCallsGiveTheSameBits) {
   for (const KnownNonlinear& problem : problems()) {
+    SCOPED_TRACE(testing::PrintToString(problem.characteristics));
     const std::vector<Output> expected = uninterrupted(run_of(problem));
     SfndaeRun<> run = run_of(problem);
     run.info(14) = 1;
@@ -65,7 +64,7 @@ TEST_P(SfndaeState, InterruptedCallsGiveTheSameBits) {
       ASSERT_EQ(run.ierr, 3);
       EXPECT_EQ(output_of(run), expected[static_cast<std::size_t>(k) - 1]) << k;
     }
-    EXPECT_GT(interruptions, problem.characteristics[1] > 0 ? 5 : 0);
+    EXPECT_GE(interruptions, problem.characteristics[1] > 0 ? 5 : 0);
   }
 }
 
@@ -106,6 +105,7 @@ TEST_P(SfndaeState, WidthsOfIntegersGiveTheSameBits) {
 // A solver that is never taken apart: the state lacks nothing.
 TEST(SfndaeStateBdf, CallsGiveTheBitsOfOneLiveSolver) {
   for (const KnownNonlinear& problem : {pendulum_problem(), path_control(), nonlinear_ode(), free_component()}) {
+    SCOPED_TRACE(testing::PrintToString(problem.characteristics));
     sfdae_nonlinear_problem equations;
     ASSERT_EQ(sfdae_nonlinear_problem_init(&equations, sizeof equations), SFDAE_OK);
     equations.num_equations = problem.equations->m;
