@@ -246,17 +246,30 @@ int IntegrationCall::advance() {
   // Between the last point returned and a TOUT that was already asked for, but failed.
   if (result.status == SFDAE_ILLEGAL_ARGUMENT) return code::wrong_direction;
   if (user_.lacks_derivative()) result.status = SFDAE_CALLBACK_STOPPED;
-  const int ierr = code_of(result.status);
+  const bool is_no_change = !has_passed_tout(t_) && is_failure_taken_for_change(result.status);
+  const int ierr = code_of(is_no_change ? user_.trouble() : result.status);
   publish_values();
   publish_counts(user_.points() - points_before);
   if (ierr == tolerances_too_small) enlarge_tolerances();
   if (ierr == values_changed) {
-    const auto& change = integration_->change();
-    publish_characteristics(change ? change->new_values : local_values(arguments_.tout));
+    publish_characteristics(new_values());
   }
   // After an interruption behind TOUT that TOUT may be asked for again.
   if (!has_passed_tout(t_) || t_ == arguments_.tout) progress_.t_returned = t_;
-  return state_.save(progress_, matrices(), *system_, integration_.get()) ? ierr : not_reduced;
+  // An integration that has seen a change does not go on: from here another one will.
+  progress_.is_running = !is_no_change;
+  return state_.save(progress_, matrices(), *system_, is_no_change ? nullptr : integration_.get()) ? ierr : not_reduced;
+}
+
+core::CharacteristicValues IntegrationCall::new_values() {
+  const auto& change = integration_->change();
+  return change ? change->new_values : local_values(arguments_.tout);
+}
+
+// Steps that become ever shorter before a point where a function fails look like a change at last, to the same values.
+bool IntegrationCall::is_failure_taken_for_change(int status) {
+  return status == SFDAE_CHARACTERISTICS_CHANGED && user_.trouble() != SFDAE_OK &&
+         new_values() == system_->analysis().values;
 }
 
 // By 100 eps |X| in the weighted norm, or somewhat more if it takes more for all components to fit.

@@ -73,6 +73,8 @@ class IntegrationCall {
   void limit_evaluations();
   core::IntegrationOptions options_of_integration();
 
+  core::CharacteristicValues new_values();
+  bool is_failure_taken_for_change(int status);
   void enlarge_tolerances();
   bool has_zero_weight(const double* x) const;
   static int watch_weights(const sfdae_progress* progress, void* user);

@@ -22,6 +22,8 @@ int SfndaeProblem::evaluate(double t, int order, const double* derivatives, Arra
   const std::size_t n = static_cast<std::size_t>(n_), area = static_cast<std::size_t>(m_) * n;
   count_point(t, order == 0);
   jet_.assign(derivatives, derivatives + n * static_cast<std::size_t>(order + 2));
+  // An iteration that diverges: nothing to ask the user about.
+  if (!core::all_finite(jet_.data(), jet_.size())) return point_failed;
   arrays.jet = jet_.data();
   const auto replace = [area](double*& wanted, std::vector<double>& unused) {
     if (wanted != nullptr) return;

@@ -22,10 +22,10 @@ class UserProblem {
   long points() const { return points_; }
 
  protected:
+  // What callbacks return to the core.
+  static constexpr int point_failed = 1, stop_at_once = -1;
   // code: what a call came to. Returns what a callback of the core returns for it.
   int result_of(int code) {
-    // What callbacks return to the core.
-    constexpr int point_failed = 1, stop_at_once = -1;
     switch (code) {
       case function_ok: return 0;
       case order_not_available:
@@ -42,7 +42,7 @@ class UserProblem {
   }
   int stop_for_missing_derivative() {
     lacks_derivative_ = true;
-    return -1;
+    return stop_at_once;
   }
   void count_point(double t, bool is_new) {
     last_t_ = t;
