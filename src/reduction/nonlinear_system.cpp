@@ -105,6 +105,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   matrix_valid_ = false;
   transformed_.forget();
   linearized_ = jet;
+  is_linearized_ = false;
   linearized_judged_ = judged;
   linearized_rows_ = preferred_rows_.empty() ? std::vector<double>(index(problem_.m()), no_preference) : preferred_rows_;
   const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each,
@@ -124,6 +125,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   kept_constraints_ = judge.kept_constraints();
   kept_differential_ = judge.kept_differential();
   pivot_ = judge.smallest_pivot();
+  is_linearized_ = true;
   if (!judge.fits_known_ranks()) return PointStatus::singular;
   if (!ranks.prescription_fits)
     throw Failure(SFDAE_PRESCRIPTION_SINGULAR,

@@ -120,6 +120,7 @@ class NonlinearSystem final : public DaeSystem {
   void correct_differential_part(const double* x, double* xdot);
   bool solve_next_level(const double* x);
   void hold_free_directions(double* xdot);
+  void archive_highest_derivative(Archive& archive);
 
   NonlinearProblem& problem_;
   AnalysisSettings settings_;
@@ -147,6 +148,7 @@ class NonlinearSystem final : public DaeSystem {
 
   Jet jet_, accepted_, before_;  // the current one, the one accepted last, and the one before that
   Jet linearized_;               // where the linearization is from
+  bool is_linearized_ = false;   // F could be evaluated there
   bool linearized_judged_ = false;
   std::vector<double> linearized_rows_;  // row factors preferred for it
   bool is_slow_ = false;
