@@ -144,6 +144,15 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   return renew(jet, false);
 }
 
+// Ranks hold on F_mu = 0 only: pivots that vanish there are as large as the residuals that the iteration has left. With the
+// known ranks these become rounding errors in a few iterations, unless the ranks do not hold.
+PointStatus NonlinearSystem::renew_judged(const Jet& jet) {
+  Jet polished = jet;
+  if (ranks_.count > 0 && renew(jet, false) == PointStatus::ok && iterate(Task{}, polished) == PointStatus::ok)
+    return renew(polished, true);
+  return renew(jet, true);
+}
+
 bool NonlinearSystem::factor_step_matrix(double c) {
   // Steps of one size differ in their last bits, as times are rounded.
   constexpr double rounding_of_steps = 1e-13;
@@ -258,7 +267,7 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
   constexpr int most = 12;
   const int n = problem_.n();
   if (task.has_step && !factor_step_matrix(task.c)) return PointStatus::singular;
-  double before = 0.0;
+  double before = 0.0, earlier = 0.0;
   is_slow_ = false;
   for (int iteration = 0; iteration < most; ++iteration) {
     PointStatus status = array_residuals(jet, array_f_.data());
@@ -285,13 +294,27 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
     const double norm = change_norm(task, change_.data(), jet);
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     if (has_converged(task, iteration, norm, before)) {
-      inconsistency_ = form_.inconsistency() > 1e3 * data_.noise(analysis_.values.mu) / pivot_ ? form_.inconsistency() : 0.0;
+      read_inconsistency(task, jet);
       return PointStatus::ok;
     }
-    if (iteration > 1 && norm > slowest * before) return PointStatus::not_converged;
+    // Without a step, what one iteration gains the next may lose in part: linearizations are from elsewhere.
+    const double reference = task.has_step ? before : std::max(before, earlier);
+    if (iteration > 1 && norm > slowest * reference) return PointStatus::not_converged;
+    earlier = before;
     before = norm;
   }
   return PointStatus::not_converged;
+}
+
+// Residuals that the iteration has left look like contradictions, but vanish when it goes on.
+void NonlinearSystem::read_inconsistency(const Task& task, const Jet& jet) {
+  const bool is_noise = form_.inconsistency() <= 1e3 * data_.noise(analysis_.values.mu) / pivot_;
+  inconsistency_ = is_noise ? 0.0 : form_.inconsistency();
+  if (is_noise || task.inverse_weights == nullptr) return;
+  Jet polished = jet;
+  const bool was_slow = is_slow_;
+  if (iterate(Task{}, polished) != PointStatus::ok) inconsistency_ = std::min(inconsistency_, form_.inconsistency());
+  is_slow_ = was_slow;
 }
 
 // The error left is rate / (1 - rate) times the last change.
@@ -325,7 +348,7 @@ PointStatus NonlinearSystem::iterate_from_guess(const Task& task) {
 // After a point has converged: ranks are judged, and the linearization renewed, where it is time to.
 PointStatus NonlinearSystem::review() {
   if (!is_slow_ && age_ < oldest && linearized_judged_) return PointStatus::ok;
-  const PointStatus status = renew(jet_, true);
+  const PointStatus status = renew_judged(jet_);
   rate_ = std::min(rate_, 0.1);
   return status;
 }
@@ -369,9 +392,14 @@ void NonlinearSystem::restore(const double*, const double* x_free, double* x) {
   std::copy_n(x_free, problem_.n(), jet_.x.data());
   const PointStatus status = iterate_from_guess(Task{});
   if (status == PointStatus::trouble) throw Failure(trouble_.status, trouble_.message());
-  if (status != PointStatus::ok)
+  if (status != PointStatus::ok && problem_.prescribed().empty()) {
+    // Between the ends of a long step derivatives may be too far off for iterations without damping.
+    jet_ = start_;
+    JetSolver(problem_, column_scale_).solve(jet_, analysis_.values.mu);
+  } else if (status != PointStatus::ok) {
     throw Failure(SFDAE_NO_CONSISTENT_VALUES,
                   format("no values consistent with the constraints were found at t = %.15g.", jet_.t));
+  }
   std::copy_n(jet_.x.data(), problem_.n(), x);
 }
 
