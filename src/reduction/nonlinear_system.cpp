@@ -118,6 +118,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   const Carried carried = eliminate(data_, mu, data_.f_stack(mu), 1, judge, arena_, &elimination_);
   const PointRanks ranks = form_.build(data_, carried, {&problem_.prescribed(), prescribed_values_.data()},
                                        LeadingTerm::identity, judge, arena_);
+  elimination_.mark_determined(determined_);
   kept_constraints_ = judge.kept_constraints();
   kept_differential_ = judge.kept_differential();
   pivot_ = judge.smallest_pivot();
@@ -356,9 +357,22 @@ PointStatus NonlinearSystem::review() {
 void NonlinearSystem::guess_jet(double t, const Guess& guess, int block, Jet& jet) const {
   const std::size_t size = jet.x.size();
   const double* taylor = guess.taylor + size * index(block);
-  // y: that of the last point and what the polynomial says about its change.
-  for (std::size_t i = 0; i < size; ++i)
-    jet.x[i] = i < index(jet.n) ? taylor[i] : accepted_.x[i] + (taylor[i] - guess.taylor_before[i]);
+  const std::size_t n = index(jet.n);
+  std::copy_n(taylor, n, jet.x.data());
+  // y: that of the last point and what the polynomial says about its change. What no equation determines stays: errors of
+  // the polynomial's derivatives would add up there, to 1e24 within hundreds of steps, and drown the rest in rounding.
+  // Derivatives that change by more than their size are nothing but errors.
+  for (std::size_t k = n; k < size; k += n) {
+    double change = 0.0, before = 0.0;
+    for (std::size_t i = k; i < k + n; ++i) {
+      const double unit = column_scale_.empty() ? 1.0 : column_scale_[i - k];
+      jet.x[i] = determined_[i - n] != 0 ? taylor[i] - guess.taylor_before[i] : 0.0;
+      change = std::max(change, std::fabs(jet.x[i]) / unit);
+      before = std::max(before, std::fabs(accepted_.x[i]) / unit);
+    }
+    const double trust = change <= before ? 1.0 : 0.0;
+    for (std::size_t i = k; i < k + n; ++i) jet.x[i] = accepted_.x[i] + trust * jet.x[i];
+  }
   jet.t = t;
 }
 

@@ -130,6 +130,7 @@ class NonlinearSystem final : public DaeSystem {
   // The last linearization.
   TaylorData data_;
   StoredElimination elimination_;
+  std::vector<char> determined_;  // components of y
   NullSpaceForm form_;
   RankList ranks_;
   std::vector<double> preferred_rows_;
