@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One integration with IDA of SUNDIALS, the peer that users of DAE codes know best.
 //
-// A. C. Hindmarsh et al.: SUNDIALS: suite of nonlinear and differential/algebraic equation solvers. ACM TOMS 31, 2005.
+// A. C. Hindmarsh et al.: SUNDIALS: suite of nonlinear and differential/algebraic equation solvers. ACM
+// TOMS 31, 2005.
 #pragma once
 
 #include <string>
@@ -9,7 +10,7 @@
 
 namespace sfdae_bench {
 
-// F(t, x, x') = 0 of index 0, 1 or 2 in a form that IDA takes. The residual is smooth in each segment between restarts.
+// F(t, x, x') = 0 of index 0, 1 or 2 in a form that IDA takes. It is smooth in each segment between restarts.
 struct PeerProblem {
   using Residual = void (*)(int segment, double t, const double* x, const double* xdot, double* F);
   std::string problem, form;

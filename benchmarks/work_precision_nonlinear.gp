@@ -7,7 +7,6 @@ problems = "pendulum car_axis rigid_slider_crank slider_crank andrews fekete tra
 series = '"IDA raw" "IDA raw tight" "IDA idx1" "IDA idx2" "IDA ggl2" "sfdae BDF" "sfdae Radau"'
 
 set datafile separator comma
-set terminal svg size 640,440 font "sans,11"
 set logscale y
 set xlabel "correct digits"
 set ylabel "milliseconds"
@@ -16,15 +15,25 @@ set key left top
 
 # Rows of sfdae carry no form in their title.
 title_of(solver, form) = (solver[1:3] eq "IDA") ? solver." ".form : solver
-kept(problem, series, digits) = \
-  (strcol(1) eq problem && title_of(strcol(2), strcol(3)) eq series && digits > 0) ? digits : NaN
+belongs(problem, one) = strcol(1) eq problem && title_of(strcol(2), strcol(3)) eq one && column(5) > 0
 
 do for [problem in problems] {
-  stats results using (strcol(1) eq problem && column(5) > 0 ? column(5) : NaN) nooutput name "problem"
-  if (exists("problem_records") && problem_records > 0) {
+  # The series that have points.
+  present = ""
+  set terminal unknown
+  do for [one in series] {
+    count = 0
+    set table $rows
+    plot [-1:1e9] [0.1:10] results using (count = count + (belongs(problem, one) ? 1 : 0), count):(1)
+    unset table
+    if (count > 0) { present = present.' "'.one.'"' }
+  }
+  if (strlen(present) > 0) {
+    set terminal svg size 640,440 font "sans,11"
     set output "work_precision_".problem.".svg"
     set title problem noenhanced
-    plot for [s in series] results using (kept(problem, s, column(5))):6 with linespoints title s noenhanced
+    plot for [one in present] results using (belongs(problem, one) ? column(5) : NaN):6 with linespoints \
+      title one noenhanced
     unset output
   }
 }

@@ -85,6 +85,8 @@ std::string integration_report(const sfdae_solver& solver) {
               : format("%ld evaluations of F along jets, %ld linearizations\n", s.evaluations_F, s.linearizations);
   text += format("  last step %.3g of order %d, next %.3g; smallest kept value %.1e\n", s.last_step, s.last_order,
                  s.next_step, s.smallest_kept);
+  if (s.rounding > 1.0)
+    text += format("  rounding errors of the equations exceed the tolerance of a component by a factor %.1e\n", s.rounding);
   if (solver.system->analysis().values.v > 0)
     text += format("  largest relative residual of redundant equations %.1e\n", s.consistency);
   return text;

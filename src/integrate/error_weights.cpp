@@ -22,11 +22,12 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
 double ErrorWeights::reduction(double tol) const {
-  return tightening_ == Tightening::none ? 1.0 : std::min(1.0, 4.0 * std::pow(tol, 1.0 / 6.0));
+  return safety_ * (tightening_ == Tightening::none ? 1.0 : std::min(1.0, 4.0 * std::pow(tol, 1.0 / 6.0)));
 }
 
-void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening) {
+void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening, double safety) {
   tightening_ = tightening;
+  safety_ = safety;
   rtol_ = tolerances.rtol;
   atol_ = tolerances.atol;
   inverse_.assign(rtol_.size(), 1.0);
@@ -37,11 +38,16 @@ void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening) {
 }
 
 void ErrorWeights::update(const double* x) {
+  floor_ratio_ = 0.0;
   for (std::size_t i = 0; i < rtol_.size(); ++i) {
     const double size = std::fabs(x[i]);
     // Without rtol the tolerance is relative to the component itself.
     const double factor = rtol_[i] > 0.0 ? reduction_[i] : reduction(atol_[i] / std::max(size, atol_[i]));
-    const double weight = factor * (rtol_[i] * size + atol_[i]);
+    double weight = factor * (rtol_[i] * size + atol_[i]);
+    if (floor_ != nullptr && floor_[i] > 0.0) {
+      floor_ratio_ = weight > 1.0 / no_tolerance ? std::max(floor_ratio_, floor_[i] / weight) : no_tolerance;
+      weight = std::max(weight, floor_[i]);
+    }
     inverse_[i] = weight > 1.0 / no_tolerance ? 1.0 / weight : no_tolerance;
   }
 }

@@ -19,7 +19,13 @@ enum class Tightening {
 
 class ErrorWeights {
  public:
-  void set(const Tolerances& tolerances, Tightening tightening);
+  // safety: a factor of all tolerances, <= 1.
+  void set(const Tolerances& tolerances, Tightening tightening, double safety = 1.0);
+  // Weights are never less than these errors (n values that live on and may change, or null), which smaller steps cannot
+  // reduce.
+  void set_floor(const double* floor) { floor_ = floor; }
+  // Of the last update: the largest floor over the weight without it.
+  double floor_ratio() const { return floor_ratio_; }
   // weight_i = rtol_i |x_i| + atol_i, tightened.
   void update(const double* x);
   // The same; scale_i: size of component i nearby, for what norm(e, exponent) takes to be relative to it.
@@ -46,6 +52,9 @@ class ErrorWeights {
   double relative_tolerance(int i, double size) const;
 
   Tightening tightening_ = Tightening::none;
+  double safety_ = 1.0;
+  const double* floor_ = nullptr;
+  double floor_ratio_ = 0.0;
   std::vector<double> rtol_, atol_, reduction_, inverse_;
   std::vector<double> relative_;  // tolerance relative to the component
 };

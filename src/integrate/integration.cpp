@@ -104,7 +104,11 @@ void Integration::archive(Archive& archive) {
 
 void Integration::set_options(const IntegrationOptions& options) {
   options_ = options;
-  weights_.set(options_.tolerances, stepper_->tightening());
+  // Errors of nonlinear mechanical systems grow along the solution: the users of other codes know this factor.
+  constexpr double nonlinear_safety = 0.2;
+  weights_.set(options_.tolerances, stepper_->tightening(), system_.guess_order() >= 0 ? nonlinear_safety : 1.0);
+  weights_.set_floor(system_.rounding_errors());
+  if (!stepper_->x().empty()) weights_.update(stepper_->x().data());
   options_.stepping.interpolates = !options_.never_pass_output;
   stepper_->set_options(options_.stepping);
 }
@@ -278,6 +282,7 @@ std::optional<CallResult> Integration::accept_step(double h) {
     }
   }
   detector_->accept();
+  counts_.rounding = std::max(counts_.rounding, weights_.floor_ratio());
   counts_.smallest_kept = std::min({counts_.smallest_kept, system_.smallest_pivot(), system_.kept_constraints(),
                                     system_.kept_differential()});
   stepper_->commit();

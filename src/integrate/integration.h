@@ -44,6 +44,7 @@ struct IntegrationCounts {
   double first_step = 0.0;
   double smallest_kept = 1.0;
   double inconsistency = 0.0;
+  double rounding = 0.0;  // largest rounding error of a component against its tightened tolerance
 };
 
 // Status of a call and what sfdae_message says about it.

@@ -46,6 +46,9 @@ class DaeSystem : public StrangenessFreeSystem {
   // (W x)' given x and x' at the current point.
   virtual void leading_derivative(const double* x, const double* xdot, double* wdot) = 0;
 
+  // Errors of the components of x that rounding in the equations causes near the point; null: negligible.
+  virtual const double* rounding_errors() const { return nullptr; }
+
   virtual void archive(Archive& archive) = 0;
   virtual long reductions() const = 0;
   virtual long factorizations() const = 0;

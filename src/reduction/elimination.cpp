@@ -103,22 +103,22 @@ double eliminate_by_reflections(const DiagonalBlock& block, ConstView C1, View T
   fill(X, 0.0);
   for (int q = 0; q < r; ++q) std::copy_n(block.factors.column(q), q + 1, X.column(q));
   copy(C1, X.block(r, 0, c, r));
-  const View beside = arena.matrix(r + c, T.cols + next.cols + 1);
+  const View beside = arena.matrix(r + c, T.cols + next.cols + c);
   copy(block.factors.block(0, r, r, T.cols), beside.block(0, 0, r, T.cols));
   copy(T, beside.block(r, 0, c, T.cols));
   copy(rows_F, beside.block(0, T.cols, r, next.cols));
   copy(next, beside.block(r, T.cols, c, next.cols));
-  // Errors of equal size in all rows.
-  const View errors = beside.columns(T.cols + next.cols, 1);
-  fill(errors, 0.0);
-  add_errors(1.0, 1, errors.block(r, 0, c, 1));
+  // What becomes of the rows themselves: a sample of errors could be one of the combinations that shrink.
+  const View mixing = beside.columns(T.cols + next.cols, c);
+  fill(mixing, 0.0);
+  for (int row = 0; row < c; ++row) mixing(r + row, row) = 1.0;
   double* tau = arena.take(static_cast<std::size_t>(r) + 1);
   factor_qr(X, tau, arena);
   apply_q(Op::transposed, X, r, tau, beside, arena);
   if (store != nullptr) store->keep_reflections(X, tau);
   copy(beside.block(r, 0, c, T.cols), T);
   copy(beside.block(r, T.cols, c, next.cols), next);
-  return std::min(1.0, max_abs(errors.block(r, 0, c, 1)));
+  return std::min(1.0, std::sqrt(static_cast<double>(c)) * max_abs(mixing.block(r, 0, c, c)));
 }
 
 // The part of the block row i that determines y_j: Q1^T F.
@@ -232,7 +232,7 @@ Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_sta
   // What E_0 rounds to does not annihilate its left null vectors: errors of the first stage.
   add_errors(judge.diagonal_error(), 1, carried.block(0, level * data.n, error_rows, data.n));
   for (int j = level + 1; j >= last_stage; --j) carried = run_stage(data, block, j - 1, carried, rhs, judge, arena, store);
-  if (store != nullptr) store->finish();
+  if (store != nullptr) store->finish(data, arena);
   judge.set_constraint_errors(max_abs(carried.block(0, (last_stage - 1) * data.n, error_rows, data.n)));
   const View rows = carried.block(error_rows, 0, carried.rows - error_rows, carried.cols);
   Carried result = split(rows, (last_stage - 1) * data.n, data.n, rhs.cols);

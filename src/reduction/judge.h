@@ -7,9 +7,9 @@
 //   later stages   e, at least eps |stage|
 //   A^             e, at least eps |A|
 //   E T2           eps |E_0| max(1, e / (eps sigma_a(A^)))
-// with e what becomes of errors that enter the rows carried at every stage, eps |data| / p(E_0) in the columns of
-// derivatives and eps |A| / p(E_0) in those of x: staged elimination carries rows of errors along. For the array as a
-// whole, e = eps |A| / p.
+// with e what becomes of errors that enter the rows carried: eps |E_0| at first, then eps |data| in the columns of
+// derivatives and eps |A| in those of x at every stage. Staged elimination carries rows of errors along. For the array
+// as a whole, e = eps |A| / p.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -30,9 +30,9 @@ struct RankList {
   void add(int value) { rank[count++] = value; }
 };
 
-// Where the noise of a decision comes from: errors carried along (e above), the smallest pivot alone (e = eps |data| / p,
-// which several stages that amplify one after the other exceed), or the data without propagation.
-// What the latter two say has to be confirmed by perturbations of the data.
+// Where the noise of a decision comes from: errors carried along (e above), the smallest pivot alone (e = eps |data|
+// / p, which several stages that amplify one after the other exceed), or the data without propagation. What the latter
+// two say has to be confirmed by perturbations of the data, or by ranks already known.
 enum class NoiseModel { carried, pivots, data };
 
 class Judge {
@@ -59,11 +59,11 @@ class Judge {
   // Rank of the whole array from its singular values.
   int decide_array(const std::vector<double>& s, int rows, int cols);
 
-  // Rows of errors that are eliminated above the rows carried, as those are: all that happens to rows is linear in them,
-  // so what becomes of errors of the size that enters at every stage is the noise of the decisions. (Bounds by norms and
-  // pivots of every stage are too large by 1e4 at mu = 4, and the smallest pivot alone misses that stages amplify one
-  // after the other: by |E^-1 A| tau each where E and A change slowly, 1e6 in all with tau = 128.) Two rows, as a single
-  // one happens to be small now and then: 27 instead of 36 named errors in 5000 stiff problems.
+  // Rows of errors that are eliminated above the rows carried, as those are: all that happens to rows is linear in
+  // them, so what becomes of errors of the size that enters at every stage is the noise of the decisions. (Bounds by
+  // norms and pivots of every stage are too large by 1e4 at mu = 4, and the smallest pivot alone misses that stages
+  // amplify one after the other: by |E^-1 A| tau each, 1e6 in all with tau = 128.) Two rows, as a single one happens to
+  // be small now and then: 30 instead of 40 named errors in 5000 stiff problems.
   int error_rows() const { return settings_.noise == NoiseModel::carried ? 2 : 0; }
   // Errors of rows that enter at a stage, in the columns of derivatives and in those of x; absolute.
   double entering_error() const { return eps_ * norm_; }

@@ -49,6 +49,8 @@ void NonlinearSystem::resize() {
   for (auto* v : {&F_, &array_f_, &transformed_f_}) v->assign(m * levels + 1, 0.0);
   for (auto* v : {&change_, &xdot_, &z_}) v->assign(n + 1, 0.0);
   y_change_.assign(n * levels + 1, 0.0);
+  noise_.assign(n * (levels + 1), 0.0);
+  rounding_errors_.assign(n, 0.0);
   for (Jet* jet : {&jet_, &accepted_, &before_, &linearized_}) {
     jet->n = problem_.n();
     jet->set_order(analysis_.values.mu + 1);
@@ -99,6 +101,7 @@ void NonlinearSystem::accept() {
 PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   const int mu = analysis_.values.mu;
   age_ = 0;
+  if (judged) unjudged_ = 0;
   matrix_valid_ = false;
   transformed_.forget();
   linearized_ = jet;
@@ -133,6 +136,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   const bool same = ranks.a == values.a && ranks.v_hat == analysis_.v_hat && ranks.d == values.d;
   if (same) {
     ranks_ = judge.ranks();
+    measure_noise(jet);
     return PointStatus::ok;
   }
   if (!judged) return PointStatus::changed;
@@ -144,6 +148,54 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   JetCoefficients source(problem_, jet, column_scale_);
   if (ranks_.count == 0 || !known_values_hold(source, jet.t, settings_, analysis_, arena_)) return PointStatus::changed;
   return renew(jet, false);
+}
+
+// Errors of a rounding of what is added up in each equation, of either sign, go the way of residuals. One sample tells
+// their size to some factor.
+void NonlinearSystem::measure_noise(const Jet& jet) {
+  const int mu = analysis_.values.mu, m = problem_.m(), n = problem_.n();
+  const Arena::Frame frame(arena_);
+  double* size = arena_.take(index(n) * index(mu + 2));
+  double power = 1.0;
+  for (int k = 0; k <= mu + 1; ++k) {
+    const double factor = k == 0 ? 1.0 : k * (power *= data_.time_scale);
+    for (int j = 0; j < n; ++j)
+      size[k * n + j] = std::fabs(factor * jet.column(k)[j]) / (column_scale_.empty() ? 1.0 : column_scale_[index(j)]);
+  }
+  double* errors = arena_.zeros(index(m) * index(mu + 1) + 1);
+  const auto add = [&](ConstView block, double factor, const double* values, double* to) {
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < m; ++i) to[i] += factor * std::fabs(block(i, j)) * values[j];
+  };
+  for (int i = 0; i <= mu; ++i) {
+    double* to = errors + static_cast<std::ptrdiff_t>(i) * m;
+    if (!data_.is_zero_A(i)) add(data_.A(i), 1.0, size, to);
+    for (int k = 1; k <= i + 1; ++k) {
+      if (!data_.is_zero_E(i + 1 - k)) add(data_.E(i + 1 - k), 1.0, size + k * n, to);
+      if (k <= i && !data_.is_zero_A(i - k)) add(data_.A(i - k), 1.0 / k, size + k * n, to);
+    }
+    for (int row = 0; row < m; ++row) to[row] *= (row + i) % 2 == 0 ? unit_roundoff : -unit_roundoff;
+  }
+  std::copy_n(errors, m, data_.f(0));
+  elimination_.transform(errors, transformed_f_.data(), arena_);
+  const std::vector<int>& components = problem_.prescribed();
+  double* none = arena_.zeros(components.size() + 1);
+  form_.replace_rhs(data_, transformed_f_.data(), {&components, none}, arena_);
+  keep_differential_part();
+  std::copy_n(form_.xp(), n, noise_.data());
+  multiply(1.0, Op::plain, form_.T2(), z_.data(), 1.0, noise_.data());
+  elimination_.recover(data_, {errors, transformed_f_.data()}, noise_.data(), noise_.data() + n, arena_);
+  constexpr double samples = 8.0;
+  for (double& noise : noise_) noise = samples * std::fabs(noise);
+  for (std::size_t j = 0; j < index(n); ++j) rounding_errors_[j] = noise_[j] * (column_scale_.empty() ? 1.0 : column_scale_[j]);
+}
+
+// z_: Z1^T E (xp + T2 z) = 0.
+void NonlinearSystem::keep_differential_part() {
+  const Arena::Frame frame(arena_);
+  double* q = arena_.take(index(form_.d) + 1);
+  for (int i = 0; i < form_.d; ++i) q[i] = -form_.g0()[i];
+  form_.solve_G(q, z_.data(), arena_);
 }
 
 bool NonlinearSystem::factor_step_matrix(double c) {
@@ -228,13 +280,15 @@ double NonlinearSystem::change_norm(const Task& task, const double* dx, const Je
     }
     return size > 0.0 ? norm / size : norm;
   }
-  for (int i = 0; i < n; ++i) norm = std::max(norm, std::fabs(dx[i]) * unit(i) * task.inverse_weights[i]);
+  // Rounding errors will not become less.
+  const auto above_noise = [&](double change, std::size_t i) { return std::max(0.0, std::fabs(change) - noise_[i]); };
+  for (int i = 0; i < n; ++i) norm = std::max(norm, above_noise(dx[i], index(i)) * unit(i) * task.inverse_weights[i]);
   const double ratio = 1.0 / (std::fabs(task.c) * data_.time_scale);
   double power = 1.0;
   for (int k = 1; k <= analysis_.values.mu + 1; ++k) {
     power *= ratio;
     const double* change = y_change_.data() + static_cast<std::ptrdiff_t>(k - 1) * n;
-    for (int i = 0; i < n; ++i) norm = std::max(norm, power / k * std::fabs(change[i]) * unit(i) * task.inverse_weights[i]);
+    for (int i = 0; i < n; ++i) norm = std::max(norm, power / k * above_noise(change[i], index(k * n + i)) * unit(i) * task.inverse_weights[i]);
   }
   return norm;
 }
@@ -275,11 +329,7 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
       const int size = form_.unknowns();
       solve_lu(ConstView{matrix_.data(), size, size, std::max(size, 1)}, matrix_pivots_.data(), z_.data());
     } else {
-      // Z1^T E dx = 0
-      const Arena::Frame frame(arena_);
-      double* q = arena_.take(index(form_.d) + 1);
-      for (int i = 0; i < form_.d; ++i) q[i] = -form_.g0()[i];
-      form_.solve_G(q, z_.data(), arena_);
+      keep_differential_part();
     }
     std::copy_n(form_.xp(), n, change_.data());
     multiply(1.0, Op::plain, form_.T2(), z_.data(), 1.0, change_.data());
@@ -324,9 +374,10 @@ PointStatus NonlinearSystem::iterate_from_guess(const Task& task) {
   });
 }
 
-// After a point has converged: ranks are judged, and the linearization renewed, where it is time to.
-PointStatus NonlinearSystem::review() {
-  if (!is_slow_ && age_ < oldest && linearized_judged_) return PointStatus::ok;
+// After a point has converged: the linearization is renewed there where it has become slow; ranks are judged now and then.
+PointStatus NonlinearSystem::review(bool renews) {
+  ++unjudged_;
+  if (!(renews && is_slow_) && unjudged_ < oldest) return PointStatus::ok;
   const PointStatus status = renew(jet_, true);
   rate_ = std::min(rate_, 0.1);
   return status;
@@ -345,7 +396,7 @@ PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
   guess_jet(jet_.t, equations.guess, 0, jet_);
   const Task task{true, equations.c, equations.w_rest, equations.x_rest, equations.guess.inverse_weights, newton_tolerance};
   PointStatus status = iterate_from_guess(task);
-  if (status == PointStatus::ok) status = review();
+  if (status == PointStatus::ok) status = review(true);
   std::copy_n(jet_.x.data(), problem_.n(), x);
   return status;
 }

@@ -66,6 +66,7 @@ class NonlinearSystem final : public DaeSystem {
   double kept_constraints() const override { return kept_constraints_; }
   double kept_differential() const override { return kept_differential_; }
   double smallest_pivot() const override { return pivot_; }
+  const double* rounding_errors() const override { return rounding_errors_.data(); }
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
   bool exact_derivative(const double* x, double* xdot) override;
   void leading_derivative(const double*, const double* xdot, double* wdot) override {
@@ -77,7 +78,7 @@ class NonlinearSystem final : public DaeSystem {
 
  private:
   // Errors of the iteration in units of the tolerance.
-  static constexpr double newton_tolerance = 0.02;
+  static constexpr double newton_tolerance = 0.01;
 
   // What one iteration does besides the constraints.
   struct Task {
@@ -91,6 +92,9 @@ class NonlinearSystem final : public DaeSystem {
   void resize();
   // Linearizes and eliminates at the jet. Known ranks are taken where they are not judged.
   PointStatus renew(const Jet& jet, bool judged);
+  // What rounding errors of F do to a change of x and of y, into noise_.
+  void measure_noise(const Jet& jet);
+  void keep_differential_part();
   bool factor_step_matrix(double c);
   // f := the scaled -F_0, ..., -F_mu at the jet.
   PointStatus array_residuals(const Jet& jet, double* f);
@@ -106,7 +110,7 @@ class NonlinearSystem final : public DaeSystem {
   template <class Iteration>
   PointStatus iterate_with_renewal(const Jet& start, Iteration iteration);
   PointStatus iterate_from_guess(const Task& task);
-  PointStatus review();
+  PointStatus review(bool renews);
   void guess_jet(double t, const Guess& guess, int block, Jet& jet) const;
   void interpolate_jet(double t);
   PointStatus iterate_stages(const StageEquations& equations);
@@ -131,7 +135,10 @@ class NonlinearSystem final : public DaeSystem {
   NullSpaceForm form_;
   RankList ranks_;
   std::vector<double> preferred_rows_;
+  std::vector<double> noise_;  // scaled x, y_1, ..., of the last linearization
+  std::vector<double> rounding_errors_;
   int age_ = 0;             // points solved with it
+  int unjudged_ = 0;        // points since ranks were judged
   double kept_constraints_ = 1.0, kept_differential_ = 1.0, pivot_ = 1.0;
   std::vector<double> matrix_;
   std::vector<int> matrix_pivots_;

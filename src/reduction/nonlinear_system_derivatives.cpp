@@ -118,7 +118,7 @@ void NonlinearSystem::archive(Archive& archive) {
   CharacteristicValues& values = analysis_.values;
   bool has_scale = !column_scale_.empty(), has_matrix = matrix_valid_, has_next = next_jet_.n > 0;
   archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.noise,
-                analysis_.rank_E_constant, has_scale, linearized_judged_, age_);
+                analysis_.rank_E_constant, has_scale, linearized_judged_, age_, unjudged_);
   archive.small(has_matrix, has_next, has_next_level_);
   // Where there is none, that of the last point will do.
   if (!archive.is_reading() && !is_linearized_) linearized_ = accepted_;
@@ -148,7 +148,7 @@ void NonlinearSystem::archive(Archive& archive) {
   // The linearization as it was.
   const Jet where = linearized_;
   const RankList ranks = ranks_;
-  const int age = age_;
+  const int age = age_, unjudged = unjudged_;
   const double rate = rate_;
   const bool judged = linearized_judged_;
   preferred_rows_ = linearized_rows_;
@@ -157,6 +157,7 @@ void NonlinearSystem::archive(Archive& archive) {
   if (trouble_.status != SFDAE_OK || renew(where, false) != PointStatus::ok) throw DamagedArchive();
   ranks_ = ranks;
   age_ = age;
+  unjudged_ = unjudged;
   rate_ = rate;
   linearized_judged_ = judged;
   // Steps that differ from it by rounding are taken with this very matrix.

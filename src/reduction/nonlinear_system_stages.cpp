@@ -31,17 +31,27 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
     guess_jet(t, equations.guess, i, stages_[index(i)]);
     stage_starts_[index(i)] = stages_[index(i)];
   }
-  const PointStatus status = iterate_with_renewal(stage_starts_[index(s / 2)], [&] {
+  const auto iterate = [&] {
     std::copy_n(stage_starts_.begin(), s, stages_.begin());
     return iterate_stages(equations);
-  });
+  };
+  // The middle of the step is where one linearization serves all stages best.
+  const Jet& middle = stage_starts_[index(s / 2)];
+  PointStatus status = s > 1 ? renew(middle, false) : iterate_with_renewal(middle, iterate);
+  if (s > 1 && status == PointStatus::ok) status = iterate();
+  if (s > 1 && status != PointStatus::ok && !is_hopeless(status)) {
+    // The prediction there may be bad.
+    rate_ = 1.0;
+    status = renew(accepted_, true);
+    if (status == PointStatus::ok) status = iterate();
+  }
   if (status != PointStatus::ok) return status;
   jet_ = stages_[index(s - 1)];
   for (int i = 0; i < s; ++i) {
     std::copy_n(stages_[index(i)].x.data(), n, x + static_cast<std::ptrdiff_t>(i) * n);
     std::copy_n(stages_[index(i)].x.data(), n, w + static_cast<std::ptrdiff_t>(i) * n);
   }
-  return review();
+  return review(s == 1);
 }
 
 void NonlinearSystem::resize_stages(int s) {
@@ -105,7 +115,7 @@ void NonlinearSystem::read_stage_inputs(double t) {
 
 PointStatus NonlinearSystem::iterate_stages(const StageEquations& equations) {
   constexpr double slowest = 0.7;
-  constexpr int most = 12;
+  constexpr int most = 20;
   const StageMethod& method = equations.method;
   const int s = method.s, n = problem_.n(), q = form_.unknowns();
   const std::ptrdiff_t rows = static_cast<std::ptrdiff_t>(problem_.m()) * (analysis_.values.mu + 1);

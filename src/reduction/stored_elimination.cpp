@@ -12,14 +12,21 @@ namespace {
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
+// Up to this many unknowns the equations of a stage are solved for y_j beforehand: overhead of calls outweighs arithmetic.
+constexpr int largest_combined = 12;
+
 View column(double* values, int rows) { return {values, rows, 1, std::max(rows, 1)}; }
 
 }  // namespace
 
-void StoredElimination::Block::keep(ConstView from) {
-  rows = from.rows;
-  cols = from.cols;
+void StoredElimination::Block::resize(int new_rows, int new_cols) {
+  rows = new_rows;
+  cols = new_cols;
   entries.resize(index(rows) * index(cols) + 1);
+}
+
+void StoredElimination::Block::keep(ConstView from) {
+  resize(from.rows, from.cols);
   copy(from, {entries.data(), rows, cols, std::max(rows, 1)});
 }
 
@@ -60,12 +67,53 @@ void StoredElimination::keep_leaving(ConstView T, const int* pivots, const doubl
   carried_ -= rows.rows;
 }
 
-void StoredElimination::finish() {
+void StoredElimination::finish(const TaylorData& data, Arena& arena) {
   int at = carried_;
   for (int i = level_; i >= 0; --i) {
     stages_[index(i)].rhs = at;
     at += stages_[index(i)].leaving;
+    if (n_ <= largest_combined) combine(data, i, arena);
   }
+}
+
+// Q1^T times block row i without y_j, then the equations of the stage solved for y_j.
+void StoredElimination::combine(const TaylorData& data, int i, Arena& arena) {
+  Stage& stage = stages_[index(i)];
+  const int q = stage.leaving, at_x = m_ + q, columns = at_x + (i + 1) * n_;
+  const Arena::Frame frame(arena);
+  const View B = arena.matrix(rank_, columns), T = arena.matrix(q, columns);
+  const ConstView Q1 = Q_.view().columns(0, rank_);
+  fill(B, 0.0);
+  fill(T, 0.0);
+  for (int row = 0; row < rank_; ++row)
+    for (int k = 0; k < m_; ++k) B(row, k) = Q1(k, row);
+  if (!data.is_zero_A(i)) multiply(1.0, Op::transposed, Q1, Op::plain, data.A(i), 0.0, B.columns(at_x, n_));
+  for (int k = 1; k <= i; ++k) {
+    const View to = B.columns(at_x + k * n_, n_);
+    if (!data.is_zero_E(i + 1 - k)) multiply(-1.0, Op::transposed, Q1, Op::plain, data.E(i + 1 - k), 1.0, to);
+    if (!data.is_zero_A(i - k)) multiply(1.0 / k, Op::transposed, Q1, Op::plain, data.A(i - k), 1.0, to);
+  }
+  stage.solution.resize(n_, columns);
+  const View G = stage.solution.view();
+  fill(G, 0.0);
+  if (q > 0) {
+    const ConstView rows = stage.rows.view();
+    for (int row = 0; row < q; ++row) {
+      T(row, m_ + row) = 1.0;
+      for (int c = 0; c < n_; ++c) T(row, at_x + c) = rows(row, i * n_ + c);
+      for (int c = 0; c < i * n_; ++c) T(row, at_x + n_ + c) = -rows(row, c);
+    }
+    solve_upper(Op::plain, stage.T.view().block(0, 0, q, q), T);
+    for (int row = 0; row < q; ++row) {
+      const int column = rank_ + stage.pivots[index(row)];
+      for (int c = 0; c < columns; ++c) G(pivots_[index(column)], c) = T(row, c);
+      for (int c = 0; c < columns; ++c)
+        for (int r = 0; r < rank_; ++r) B(r, c) -= R_.view()(r, column) * T(row, c);
+    }
+  }
+  solve_upper(Op::plain, R_.view().columns(0, rank_), B);
+  for (int c = 0; c < columns; ++c)
+    for (int r = 0; r < rank_; ++r) G(pivots_[index(r)], c) = B(r, c);
 }
 
 void StoredElimination::transform(const double* f, double* transformed, Arena& arena) const {
@@ -100,40 +148,55 @@ void StoredElimination::transform(const double* f, double* transformed, Arena& a
 
 void StoredElimination::recover(const TaylorData& data, RightHandSide rhs, const double* x, double* y,
                                 Arena& arena) const {
+  if (n_ > largest_combined) {
+    for (int i = 0; i <= level_; ++i) solve_stage(data, i, rhs, x, y, arena);
+    return;
+  }
   const Arena::Frame frame(arena);
-  double* r = arena.take(index(m_) + 1);
-  double* top = arena.take(index(m_) + 1);
-  double* y_q = arena.take(index(n_) + 1);
-  const int free_columns = n_ - rank_;
+  double* known = arena.take(index(2 * m_ + (level_ + 2) * n_));
   for (int i = 0; i <= level_; ++i) {
     const Stage& stage = stages_[index(i)];
-    // Rows leaving: T P_q y_q = rhs - rows [y_1; ...; y_i; x], in the sense M y - N x = f.
-    std::fill_n(y_q, free_columns, 0.0);
-    if (stage.leaving > 0) {
-      const ConstView rows = stage.rows.view();
-      double* b = arena.take(index(stage.leaving) + 1);
-      std::copy_n(rhs.transformed + stage.rhs, stage.leaving, b);
-      for (int j = 0; j < i; ++j)
-        multiply(-1.0, Op::plain, rows.columns(j * n_, n_), y + static_cast<std::ptrdiff_t>(j) * n_, 1.0, b);
-      multiply(1.0, Op::plain, rows.columns(i * n_, n_), x, 1.0, b);
-      solve_upper(Op::plain, stage.T.view().block(0, 0, stage.leaving, stage.leaving), column(b, stage.leaving));
-      for (int k = 0; k < stage.leaving; ++k) y_q[stage.pivots[index(k)]] = b[k];
-    }
-    // E_0 y_j = f_i + A_i x - sum_k (E_{i+1-k} - A_{i-k} / k) y_k
-    std::copy_n(rhs.f + static_cast<std::ptrdiff_t>(i) * m_, m_, r);
-    if (!data.is_zero_A(i)) multiply(1.0, Op::plain, data.A(i), x, 1.0, r);
-    for (int k = 1; k <= i; ++k) {
-      const double* y_k = y + static_cast<std::ptrdiff_t>(k - 1) * n_;
-      if (!data.is_zero_E(i + 1 - k)) multiply(-1.0, Op::plain, data.E(i + 1 - k), y_k, 1.0, r);
-      if (!data.is_zero_A(i - k)) multiply(1.0 / k, Op::plain, data.A(i - k), y_k, 1.0, r);
-    }
-    multiply(1.0, Op::transposed, Q_.view().columns(0, rank_), r, 0.0, top);
-    multiply(-1.0, Op::plain, R_.view().columns(rank_, free_columns), y_q, 1.0, top);
-    solve_upper(Op::plain, R_.view().columns(0, rank_), column(top, rank_));
-    double* y_j = y + static_cast<std::ptrdiff_t>(i) * n_;
-    for (int k = 0; k < rank_; ++k) y_j[pivots_[index(k)]] = top[k];
-    for (int k = 0; k < free_columns; ++k) y_j[pivots_[index(rank_ + k)]] = y_q[k];
+    std::copy_n(rhs.f + static_cast<std::ptrdiff_t>(i) * m_, m_, known);
+    std::copy_n(rhs.transformed + stage.rhs, stage.leaving, known + m_);
+    std::copy_n(x, n_, known + m_ + stage.leaving);
+    std::copy_n(y, i * n_, known + m_ + stage.leaving + n_);
+    multiply(1.0, Op::plain, stage.solution.view(), known, 0.0, y + static_cast<std::ptrdiff_t>(i) * n_);
   }
+}
+
+void StoredElimination::solve_stage(const TaylorData& data, int i, RightHandSide rhs, const double* x, double* y,
+                                    Arena& arena) const {
+  const Arena::Frame frame(arena);
+  const Stage& stage = stages_[index(i)];
+  const int free_columns = n_ - rank_;
+  double* r = arena.take(index(m_) + 1);
+  double* top = arena.take(index(m_) + 1);
+  // Rows leaving: T P_q y_q = rhs - rows [y_1; ...; y_i; x], in the sense M y - N x = f.
+  double* y_q = arena.zeros(index(n_) + 1);
+  if (stage.leaving > 0) {
+    const ConstView rows = stage.rows.view();
+    double* b = arena.take(index(stage.leaving) + 1);
+    std::copy_n(rhs.transformed + stage.rhs, stage.leaving, b);
+    for (int j = 0; j < i; ++j)
+      multiply(-1.0, Op::plain, rows.columns(j * n_, n_), y + static_cast<std::ptrdiff_t>(j) * n_, 1.0, b);
+    multiply(1.0, Op::plain, rows.columns(i * n_, n_), x, 1.0, b);
+    solve_upper(Op::plain, stage.T.view().block(0, 0, stage.leaving, stage.leaving), column(b, stage.leaving));
+    for (int k = 0; k < stage.leaving; ++k) y_q[stage.pivots[index(k)]] = b[k];
+  }
+  // E_0 y_j = f_i + A_i x - sum_k (E_{i+1-k} - A_{i-k} / k) y_k
+  std::copy_n(rhs.f + static_cast<std::ptrdiff_t>(i) * m_, m_, r);
+  if (!data.is_zero_A(i)) multiply(1.0, Op::plain, data.A(i), x, 1.0, r);
+  for (int k = 1; k <= i; ++k) {
+    const double* y_k = y + static_cast<std::ptrdiff_t>(k - 1) * n_;
+    if (!data.is_zero_E(i + 1 - k)) multiply(-1.0, Op::plain, data.E(i + 1 - k), y_k, 1.0, r);
+    if (!data.is_zero_A(i - k)) multiply(1.0 / k, Op::plain, data.A(i - k), y_k, 1.0, r);
+  }
+  multiply(1.0, Op::transposed, Q_.view().columns(0, rank_), r, 0.0, top);
+  multiply(-1.0, Op::plain, R_.view().columns(rank_, free_columns), y_q, 1.0, top);
+  solve_upper(Op::plain, R_.view().columns(0, rank_), column(top, rank_));
+  double* y_j = y + static_cast<std::ptrdiff_t>(i) * n_;
+  for (int k = 0; k < rank_; ++k) y_j[pivots_[index(k)]] = top[k];
+  for (int k = 0; k < free_columns; ++k) y_j[pivots_[index(rank_ + k)]] = y_q[k];
 }
 
 }  // namespace sfdae::core

@@ -39,14 +39,16 @@ class StoredElimination {
   void keep_reflections(ConstView X, const double* tau);
   void keep_combination(ConstView W);
   void keep_leaving(ConstView T, const int* pivots, const double* tau, ConstView rows);
-  void finish();
+  void finish(const TaylorData& data, Arena& arena);
 
  private:
   // rows x cols, ld = rows.
   struct Block {
     std::vector<double> entries;
     int rows = 0, cols = 0;
+    void resize(int new_rows, int new_cols);
     void keep(ConstView from);
+    View view() { return {entries.data(), rows, cols, rows > 0 ? rows : 1}; }
     ConstView view() const { return {entries.data(), rows, cols, rows > 0 ? rows : 1}; }
   };
   struct Stage {
@@ -56,7 +58,11 @@ class StoredElimination {
     std::vector<double> X_tau, T_tau;
     int rhs = 0;  // where the right-hand sides of the rows leaving stand
     std::vector<int> pivots;
+    Block solution;  // y_j = solution [f_i; rows leaving; x; y_1; ...; y_i], for small problems
   };
+
+  void combine(const TaylorData& data, int i, Arena& arena);
+  void solve_stage(const TaylorData& data, int i, RightHandSide rhs, const double* x, double* y, Arena& arena) const;
 
   int m_ = 0, n_ = 0, level_ = 0, rank_ = 0, carried_ = 0;
   Block R_, Q_;

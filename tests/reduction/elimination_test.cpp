@@ -313,6 +313,31 @@ TEST(Elimination, LargeMultipliersAreReplacedByReflections) {
   }
 }
 
+// A redundant equation leaves a row of A^ that is nothing but rounding errors, multiplied by |E^-1 A| tau at every stage:
+// they have to lie below the threshold, and the noise must not be so large that it hides the constraints.
+TEST(Elimination, ErrorsThatGrowFromStageToStageStayBelowTheThreshold) {
+  const NoTraps no_traps;
+  for (double w : {2.0, 0.1, 0.01, 0.003})
+    for (int seed = 1; seed <= 20; ++seed) {
+      const Family family = sfdae_test::kron(8, 3, w, 1, seed);
+      const TaylorData data = data_at(family, 0.3, 3);
+      Elimination e(data, 3);
+      Matrix constraints = to_matrix(e.carried.constraints);
+      const std::vector<double> values = singular_values(constraints);
+      const int a = family->values().a;
+      ASSERT_GT(static_cast<int>(values.size()), a);
+      Arena arena;
+      std::vector<int> pivots(size(e.carried.rows));
+      std::vector<double> tau(size(data.n));
+      Matrix transposed_rows = transposed(constraints);
+      factor_qr_pivoted(transposed_rows, pivots.data(), tau.data(), arena);
+      EXPECT_EQ(e.judge.decide_constraints(transposed_rows, transposed(constraints)), a) << w << ' ' << seed;
+      const RankDecision& decision = e.log.back();
+      EXPECT_LE(values[size(a)], decision.threshold * data.norm_A(3)) << w << ' ' << seed;
+      EXPECT_GE(values[size(a - 1)], 1e3 * decision.noise * data.norm_A(3)) << w << ' ' << seed;
+    }
+}
+
 // A right-hand side of several columns is transformed column by column.
 TEST(Elimination, TransformsEveryColumnOfTheRightHandSide) {
   const NoTraps no_traps;

@@ -461,4 +461,14 @@ TEST(LinearSystem, PrescribedComponentsMakeTheSolutionUnique) {
   }
 }
 
+// Where errors grow from stage to stage the ranks are those of the analysis all along.
+TEST(LinearSystem, FollowsSlowProblemsOfHighIndex) {
+  for (int seed : {55, 84, 95, 496}) {
+    const std::shared_ptr<const sfdae_test::LinearFamily> family = sfdae_test::kron(5, 3, 0.0025, 0, seed);
+    sfdae_test::AnalyzedProblem p(family, 0.0, 10.0);
+    EXPECT_EQ(p.system.analysis().values.mu, 3);
+    for (double t = 0.25; t < 10.0; t += 0.25) ASSERT_EQ(p.system.move_to(t), PointStatus::ok) << seed << ' ' << t;
+  }
+}
+
 }  // namespace sfdae::core

@@ -14,8 +14,8 @@ namespace {
 
 using namespace sfdae_test;
 
-// Residuals at the start, in the units of F. The modes of the slider crank are published to 5e-15 and meet the stiffness
-// 16/3 E b h / L2 = 2.3e8. The amplifier has currents of up to 1e-3.
+// Residuals at the start, in the units of F. The modes of the slider crank are published to 5e-15 and meet
+// the stiffness 16/3 E b h / L2 = 2.3e8. The amplifier has currents of up to 1e-3.
 double start_tolerance(const TestProblem& p) {
   if (p.name == "slider_crank") return 5e-15 * 2.3e8;
   if (p.name == "transistor_amplifier") return 1e-3 * rounding(p.n);

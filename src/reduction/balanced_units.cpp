@@ -1,0 +1,94 @@
+// Units of the unknowns that fit a unit of time.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/balanced_units.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+struct LogEntry {
+  std::size_t row, column;
+  double size;  // log2
+};
+
+// Entries of a row that are this small against its largest one may be rounding errors.
+constexpr double negligible = 1e-14;
+constexpr int sweeps = 100;
+constexpr double largest_exponent = 300.0;
+
+// Each unknown of a group in turn takes the mean of what is left (Gauss-Seidel on the normal equations).
+template <class IndexOf>
+void relax(std::vector<double>& unknowns, const std::vector<double>& r, const std::vector<double>& c,
+           const std::vector<LogEntry>& entries, IndexOf index_of) {
+  std::vector<double> sum(unknowns.size(), 0.0), count(unknowns.size(), 0.0);
+  for (const LogEntry& e : entries) {
+    sum[index_of(e)] += e.size + r[e.row] + c[e.column];
+    count[index_of(e)] += 1.0;
+  }
+  for (std::size_t k = 0; k < unknowns.size(); ++k)
+    if (count[k] > 0.0) unknowns[k] -= sum[k] / count[k];
+}
+
+// Unknowns that no differential equation contains: as large as the others in the equation where they are largest.
+void scale_others(ConstView A, const std::vector<char>& is_differential, const std::vector<char>& is_scaled,
+                  std::vector<double>& c) {
+  std::vector<double> largest(static_cast<std::size_t>(A.rows), 0.0);
+  const auto size = [&](int i, int j) {
+    const double a = std::fabs(A(i, j));
+    return a > negligible ? std::log2(a) + c[static_cast<std::size_t>(j)] : -2.0 * largest_exponent;
+  };
+  for (int i = 0; i < A.rows; ++i) {
+    largest[static_cast<std::size_t>(i)] = -2.0 * largest_exponent;
+    for (int j = 0; j < A.cols; ++j)
+      if (is_scaled[static_cast<std::size_t>(j)] != 0)
+        largest[static_cast<std::size_t>(i)] = std::max(largest[static_cast<std::size_t>(i)], size(i, j));
+  }
+  for (int j = 0; j < A.cols; ++j) {
+    if (is_scaled[static_cast<std::size_t>(j)] != 0) continue;
+    double ratio = -2.0 * largest_exponent;
+    for (int i = 0; i < A.rows; ++i)
+      if (is_differential[static_cast<std::size_t>(i)] == 0 && std::fabs(A(i, j)) > negligible)
+        ratio = std::max(ratio, size(i, j) - std::max(largest[static_cast<std::size_t>(i)], -largest_exponent));
+    if (ratio > -largest_exponent) c[static_cast<std::size_t>(j)] -= ratio;
+  }
+}
+
+}  // namespace
+
+std::vector<double> balanced_units(CoefficientSource& source, double t, double tau) {
+  source.set_column_scale({});
+  TaylorData data;
+  const Trouble trouble = source.evaluate(t, {0, 0, -1}, tau, data);
+  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  std::vector<char> is_differential(static_cast<std::size_t>(data.m), 0), is_scaled(static_cast<std::size_t>(data.n), 0);
+  for (int j = 0; j < data.n; ++j)
+    for (int i = 0; i < data.m; ++i)
+      if (std::fabs(data.E(0)(i, j)) > negligible) is_differential[static_cast<std::size_t>(i)] = 1;
+  std::vector<LogEntry> entries;
+  for (ConstView matrix : {ConstView(data.E(0)), ConstView(data.A(0))})
+    for (int j = 0; j < data.n; ++j)
+      for (int i = 0; i < data.m; ++i) {
+        const std::size_t row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
+        const double a = std::fabs(matrix(i, j));
+        if (is_differential[row] == 0 || a <= negligible) continue;
+        entries.push_back({row, column, std::log2(a)});
+        is_scaled[column] = 1;
+      }
+  std::vector<double> r(static_cast<std::size_t>(data.m), 0.0), c(static_cast<std::size_t>(data.n), 0.0);
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    relax(r, r, c, entries, [](const LogEntry& e) { return e.row; });
+    relax(c, r, c, entries, [](const LogEntry& e) { return e.column; });
+  }
+  scale_others(data.A(0), is_differential, is_scaled, c);
+  for (double& exponent : c)
+    exponent = std::ldexp(1.0, static_cast<int>(std::clamp(exponent, -largest_exponent, largest_exponent)));
+  return c;
+}
+
+}  // namespace sfdae::core
