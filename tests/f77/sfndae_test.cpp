@@ -305,7 +305,7 @@ TEST_P(SfndaeMethods, ProblemsThatBecomeOthersAreNotGoneOnWith) {
   const int ierr = run.call(4.0);
   EXPECT_TRUE(ierr == -26 || ierr == -6) << ierr;
   EXPECT_GE(run.t, 0.99);
-  EXPECT_LE(run.t, 1.2);
+  EXPECT_LE(run.t, 1.5);
 }
 
 // x1' = 1; x2' = x1 up to x1 = 1, from there x1' = 1 a second time: x2 is free.
