@@ -1,5 +1,5 @@
-// What survives between calls of DGELDA or SFNDAE beside its documented outputs, in places of IWORK and RWORK that have no documented
-// use:
+// What survives between calls of DGELDA or SFNDAE beside its documented outputs, in places of IWORK and RWORK that have no
+// documented use:
 //
 //   IWORK(16)  says that this is a state        RWORK(5)   T where the integration started
 //   IWORK(17)  checksum                         RWORK(6)   T as it was returned

@@ -82,8 +82,8 @@ void solve_and_report(const Parameters<Integer>& p, const Routine& routine, Run 
   p.info[0] = ierr < 0 ? -1 : ierr == 4 ? 2 : 1;
   *p.ierr = ierr;
   const Integer iwarn = ierr > 0 && routine.warns && p.cval[3] > 0 ? 1 : 0;
-  // Some callers hand over a constant zero, which may not be written.
-  if (*p.iwarn != iwarn) *p.iwarn = iwarn;
+  // Some callers of DGELDA hand over a constant zero, which may not be written.
+  if (routine.warns || *p.iwarn != 0) *p.iwarn = iwarn;
 }
 
 }  // namespace sfdae::f77

@@ -266,10 +266,12 @@ core::CharacteristicValues IntegrationCall::new_values() {
   return change ? change->new_values : local_values(arguments_.tout);
 }
 
-// Steps that become ever shorter before a point where a function fails look like a change at last, to the same values.
+// Steps that become ever shorter before a point where a function fails look like a change at last, to the same values or
+// to none.
 bool IntegrationCall::is_failure_taken_for_change(int status) {
-  return status == SFDAE_CHARACTERISTICS_CHANGED && user_.trouble() != SFDAE_OK &&
-         new_values() == system_->analysis().values;
+  if (status != SFDAE_CHARACTERISTICS_CHANGED || user_.trouble() == SFDAE_OK) return false;
+  const core::CharacteristicValues found = new_values();
+  return found.mu < 0 || found == system_->analysis().values;
 }
 
 // By 100 eps |X| in the weighted norm, or somewhat more if it takes more for all components to fit.

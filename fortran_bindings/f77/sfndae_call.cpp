@@ -46,9 +46,12 @@ core::CharacteristicValues SfndaeCall::local_values(double t) {
 }
 
 int SfndaeCall::code_of(int status) const {
-  // NDIF is what everything depends on: its failures have their own code at the start, too.
   const bool is_failure = status == SFDAE_CALLBACK_FAILED || status == SFDAE_NOT_FINITE;
-  return is_failure ? functions_failed : IntegrationCall::code_of(status);
+  if (!is_failure) return IntegrationCall::code_of(status);
+  // NDIF is what everything depends on: its failures have their own code at the start, too.
+  if (user_.trouble() != SFDAE_OK) return functions_failed;
+  // Iterations have diverged so far that NDIF was not asked any more.
+  return IntegrationCall::code_of(stage_ == Stage::integration ? SFDAE_STEP_TOO_SMALL : SFDAE_NO_CONSISTENT_VALUES);
 }
 
 }  // namespace sfdae::f77
