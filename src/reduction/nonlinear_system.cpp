@@ -202,10 +202,11 @@ void NonlinearSystem::keep_differential_part() {
 // Ranks hold on F_mu = 0 only: pivots that vanish there are as large as the residuals that the iteration has left. With the
 // known ranks these become rounding errors in a few iterations, unless the ranks do not hold.
 PointStatus NonlinearSystem::renew_judged(const Jet& jet) {
+  const PointStatus status = renew(jet, true);
+  if (status != PointStatus::changed || ranks_.count == 0) return status;
   Jet polished = jet;
-  if (ranks_.count > 0 && renew(jet, false) == PointStatus::ok && iterate(Task{}, polished) == PointStatus::ok)
-    return renew(polished, true);
-  return renew(jet, true);
+  if (renew(jet, false) != PointStatus::ok || iterate(Task{}, polished) != PointStatus::ok) return status;
+  return renew(polished, true);
 }
 
 bool NonlinearSystem::factor_step_matrix(double c) {
