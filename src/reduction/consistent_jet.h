@@ -101,6 +101,7 @@ class ConsistentJets final : public CoefficientSource {
   int m() const override { return problem_.m(); }
   int n() const override { return problem_.n(); }
   bool is_constant() const override { return false; }
+  bool checks_next_level() const override { return true; }
   // The jet at t becomes consistent up to the highest order asked for. Throws Failure as JetSolver::solve does.
   Trouble evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each,
                    const std::vector<double>* preferred_rows = nullptr) override;
