@@ -204,7 +204,7 @@ static int documented(enum kind kind, int order, int status) {
     case NEGATIVE:
     case SMALLEST: return status == SFDAE_CALLBACK_STOPPED || status == SFDAE_OK;
     case NOT_A_NUMBER:
-    case INFINITE: return status == SFDAE_NOT_FINITE || status == SFDAE_OK;
+    case INFINITE: return status == SFDAE_NOT_FINITE || status == SFDAE_STEP_TOO_SMALL || status == SFDAE_OK;
     case NO_ORDER:
       return status == SFDAE_ORDER_MISSING || (order == 0 && status == SFDAE_CALLBACK_FAILED) || status == SFDAE_OK;
     case STOP: return status == SFDAE_STOPPED || status == SFDAE_OK; /* OK: it was the last callback */

@@ -55,4 +55,50 @@ TEST(ErrorWeights, TolerancesBelowRoundingAreNoticed) {
   EXPECT_GT(weights.rounding(large), 1.0);
 }
 
+TEST(ErrorWeights, SafetyTightensAllTolerances) {
+  for (Tightening tightening : {Tightening::none, Tightening::sixth_root}) {
+    ErrorWeights weights, safe;
+    weights.set({{1e-6, 0.0}, {1e-3, 1e-4}}, tightening);
+    safe.set({{1e-6, 0.0}, {1e-3, 1e-4}}, tightening, 0.1);
+    const double x[] = {2.0, 30.0}, e[] = {1e-4, -3e-5};
+    weights.update(x);
+    safe.update(x);
+    EXPECT_NEAR(safe.norm(e), 10.0 * weights.norm(e), 1e-12 * safe.norm(e));
+    EXPECT_EQ(safe.tolerance(1, x), weights.tolerance(1, x));  // as the user gave it
+  }
+}
+
+// weight = max(1e-6 |x| + 1e-9, floor), floors read anew at every update.
+TEST(ErrorWeights, WeightsDoNotFallBelowTheFloor) {
+  ErrorWeights weights;
+  weights.set({{1e-6, 1e-6, 1e-6}, {1e-9, 1e-9, 1e-9}}, Tightening::none);
+  double floor[] = {1e-5, 0.0, 1e-8};
+  weights.set_floor(floor);
+  const double x[] = {1.0, 1.0, 0.0};
+  weights.update(x);
+  const double inverse[] = {1e5, 1.0 / (1e-6 + 1e-9), 1e8};
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(weights.inverse()[i], inverse[i], 1e-12 * inverse[i]) << i;
+  EXPECT_NEAR(weights.floor_ratio(), 1e-8 / 1e-9, 1e-12);
+  floor[0] = floor[2] = 1e-10;
+  weights.update(x);
+  EXPECT_NEAR(weights.inverse()[0], inverse[1], 1e-12 * inverse[1]);
+  EXPECT_NEAR(weights.inverse()[2], 1e9, 1e-3);
+  EXPECT_NEAR(weights.floor_ratio(), 0.1, 1e-12);
+  weights.set_floor(nullptr);
+  weights.update(x);
+  EXPECT_EQ(weights.floor_ratio(), 0.0);
+}
+
+// x = 0 without atol: the weight is the floor, and how far it is above nothing at all is told by a finite number.
+TEST(ErrorWeights, AFloorMakesUpForNoToleranceAtAll) {
+  ErrorWeights weights;
+  weights.set({{1e-6}, {0.0}}, Tightening::none);
+  const double floor[] = {1e-12}, x[] = {0.0}, e[] = {1e-12};
+  weights.set_floor(floor);
+  weights.update(x);
+  EXPECT_NEAR(weights.norm(e), 1.0, 1e-12);
+  EXPECT_GT(weights.floor_ratio(), 1e100);
+  EXPECT_TRUE(std::isfinite(weights.floor_ratio()));
+}
+
 }  // namespace

@@ -14,6 +14,7 @@
 #include "linalg/dense.h"
 #include "matrix_checks.h"
 #include "problem/linear_problem.h"
+#include "random_taylor_data.h"
 #include "testset_linear.h"
 #include "transformed_pencil.h"
 
@@ -23,6 +24,7 @@ namespace {
 
 using sfdae_test::distance;
 using sfdae_test::largest;
+using sfdae_test::random_taylor_data;
 using sfdae_test::rounding;
 using sfdae_test::size;
 using sfdae_test::times;
@@ -34,21 +36,6 @@ TaylorData data_at(const Family& family, double t, int level, double tau = 0.0) 
   LinearProblem problem(callbacks.problem);
   TaylorData data;
   EXPECT_EQ(problem.evaluate(t, {level, level, level}, tau, data).status, SFDAE_OK);
-  return data;
-}
-
-// Data from given scaled coefficients, m x n, levels 0..level: E and A random, a share of the columns of E_0 zero.
-TaylorData random_data(int m, int n, int level, int rank_E0, std::uint64_t seed) {
-  TaylorData data;
-  data.resize(m, n, {level, level, level});
-  for (int k = 0; k <= level; ++k) {
-    copy(sfdae_test::random_matrix(m, n, seed + static_cast<std::uint64_t>(10 * k)), data.E(k));
-    copy(sfdae_test::random_matrix(m, n, seed + static_cast<std::uint64_t>(10 * k + 1)), data.A(k));
-    copy(sfdae_test::random_matrix(m, 1, seed + static_cast<std::uint64_t>(10 * k + 2)), {data.f(k), m, 1, m});
-  }
-  copy(times(sfdae_test::random_matrix(m, rank_E0, seed + 3), sfdae_test::random_matrix(rank_E0, n, seed + 4)),
-       data.E(0));
-  data.measure();
   return data;
 }
 
@@ -129,7 +116,7 @@ std::vector<Case> cases() {
 }  // namespace
 
 TEST(TaylorArray, HasTheBlocksOfTheFormula) {
-  const TaylorData data = random_data(3, 2, 3, 2, 1);
+  const TaylorData data = random_taylor_data(3, 2, 3, 2, 1);
   const Array expected = array_of(data, 3);
   const Matrix array = taylor_array(data, 3);
   ASSERT_EQ(array.rows(), 12);
@@ -260,7 +247,7 @@ TEST(Elimination, OfRectangularAndRandomDataAnnihilatesTheDerivatives) {
                         {55, 30, 20}})
     for (int level : {0, 1, 3}) {
       SCOPED_TRACE(std::to_string(s.m) + " x " + std::to_string(s.n) + ", " + std::to_string(level));
-      const TaylorData data = random_data(s.m, s.n, level, s.rank, 7);
+      const TaylorData data = random_taylor_data(s.m, s.n, level, s.rank, 7);
       const Elimination e(data, level);
       EXPECT_EQ(e.carried.rank_E, s.rank);
       const Array array = array_of(data, level);
@@ -276,9 +263,9 @@ TEST(Elimination, OfRectangularAndRandomDataAnnihilatesTheDerivatives) {
 }
 
 TEST(Elimination, OfARegularELeavesNothingAndOfEZeroEverything) {
-  const TaylorData regular = random_data(4, 4, 2, 4, 3);
+  const TaylorData regular = random_taylor_data(4, 4, 2, 4, 3);
   EXPECT_EQ(Elimination(regular, 2).carried.rows, 0);
-  TaylorData without = random_data(3, 3, 0, 0, 3);
+  TaylorData without = random_taylor_data(3, 3, 0, 0, 3);
   const Elimination e(without, 0);
   EXPECT_EQ(e.carried.rows, 3);
   EXPECT_EQ(e.carried.rank_E, 0);
@@ -290,7 +277,7 @@ TEST(Elimination, OfARegularELeavesNothingAndOfEZeroEverything) {
 TEST(Elimination, LargeMultipliersAreReplacedByReflections) {
   const NoTraps no_traps;
   for (double p : {0.5, 0.02, 0.009, 1e-3, 1e-6}) {
-    TaylorData data = random_data(3, 3, 1, 3, 5);
+    TaylorData data = random_taylor_data(3, 3, 1, 3, 5);
     fill(data.E(0), 0.0);
     data.E(0)(0, 0) = 1.0;
     data.E(0)(1, 1) = p;
@@ -341,7 +328,7 @@ TEST(Elimination, ErrorsThatGrowFromStageToStageStayBelowTheThreshold) {
 // A right-hand side of several columns is transformed column by column.
 TEST(Elimination, TransformsEveryColumnOfTheRightHandSide) {
   const NoTraps no_traps;
-  const TaylorData data = random_data(4, 4, 2, 2, 9);
+  const TaylorData data = random_taylor_data(4, 4, 2, 2, 9);
   const Matrix rhs = sfdae_test::random_matrix(12, 3, 77);
   const Elimination e(data, 2);
   for (bool by_svd : {false, true}) {
@@ -357,7 +344,7 @@ TEST(Elimination, TransformsEveryColumnOfTheRightHandSide) {
 // E_0 P = Q [R11 R12; 0 0]: E_0^T E_0 = P R^T R P^T.
 TEST(Elimination, HandsOutTheFactorizationOfE) {
   for (int rank : {0, 2, 4}) {
-    const TaylorData data = random_data(4, 5, 1, rank, 11);
+    const TaylorData data = random_taylor_data(4, 5, 1, rank, 11);
     const Elimination e(data, 1);
     ASSERT_EQ(e.carried.rank_E, rank);
     Matrix R(rank, 5);

@@ -192,4 +192,37 @@ TEST(Judge, OfTheWholeArrayUsesItsLargerDimension) {
   EXPECT_DOUBLE_EQ(judge.smallest_pivot(), 1.0);
 }
 
+// Whatever the values are: those near the point that the ranks are from tell nothing.
+TEST(Judge, TakesKnownRanksInTheirOrder) {
+  const TaylorData data = data_of(1.0, 2.0);
+  RankList known;
+  for (int rank : {1, 0, 2, 1}) known.add(rank);
+  const Judge::Settings settings{0.0, false, NoiseModel::carried, &known};
+  Judge judge(data, 1, settings, nullptr);
+  EXPECT_EQ(judge.decide_diagonal_block(diagonal(0.25, 1.0), {}), 1);
+  EXPECT_EQ(judge.decide_stage(1, diagonal(1.0, 1.0), {}, 1.0), 0);
+  EXPECT_EQ(judge.decide_constraints(diagonal(1.0, 1e-30), {}), 2);
+  EXPECT_EQ(judge.decide_differential(diagonal(0.5, 0.5), {}), 1);
+  EXPECT_TRUE(judge.fits_known_ranks());
+  EXPECT_EQ(judge.ranks().count, known.count);
+  for (std::size_t k = 0; k < known.count; ++k) EXPECT_EQ(judge.ranks().rank[k], known.rank[k]) << k;
+  EXPECT_EQ(judge.smallest_pivot(), 0.25);
+  EXPECT_EQ(judge.kept_constraints(), 1e-30 / 2.0);
+  EXPECT_EQ(judge.kept_differential(), 0.5);
+}
+
+TEST(Judge, TellsThatKnownRanksAreThoseOfOtherDecisions) {
+  const TaylorData data = data_of(1.0, 1.0);
+  RankList too_few, too_large;
+  too_few.add(1);
+  too_large.add(3);
+  for (const RankList* known : {&too_few, &too_large}) {
+    const Judge::Settings settings{0.0, false, NoiseModel::pivots, known};
+    Judge judge(data, 1, settings, nullptr);
+    EXPECT_LE(judge.decide_diagonal_block(diagonal(1.0, 1.0), {}), 2);
+    EXPECT_LE(judge.decide_constraints(diagonal(1.0, 1.0), {}), 2);
+    EXPECT_FALSE(judge.fits_known_ranks());
+  }
+}
+
 }  // namespace sfdae::core

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Equations written as templates, handed to the library for recording.
-#ifndef SFDAE_TESTS_RECORDED_H
-#define SFDAE_TESTS_RECORDED_H
+#ifndef SFDAE_TESTS_TEST_SET_RECORDED_H
+#define SFDAE_TESTS_TEST_SET_RECORDED_H
 
 #include <algorithm>
 #include <vector>
