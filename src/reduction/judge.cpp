@@ -31,9 +31,7 @@ int Judge::take_known_rank(ConstView r, double norm, double& kept) {
     rank = count;
   }
   ranks_.add(rank);
-  // Of a rank that does not hold here, the pivot may be zero; errors are divided by it.
-  constexpr double least = 1e-150;
-  if (rank > 0 && norm > 0.0) kept = std::min(kept, std::max(std::fabs(r(rank - 1, rank - 1)) / norm, least));
+  if (rank > 0 && norm > 0.0) kept = std::min(kept, std::fabs(r(rank - 1, rank - 1)) / norm);
   return rank;
 }
 

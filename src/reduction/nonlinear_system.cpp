@@ -126,7 +126,6 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   kept_constraints_ = judge.kept_constraints();
   kept_differential_ = judge.kept_differential();
   pivot_ = judge.smallest_pivot();
-  is_linearized_ = true;
   if (!judge.fits_known_ranks()) return PointStatus::singular;
   if (!ranks.prescription_fits)
     throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
@@ -136,6 +135,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   const CharacteristicValues& values = analysis_.values;
   const bool same = ranks.a == values.a && ranks.v_hat == analysis_.v_hat && ranks.d == values.d;
   if (same) {
+    is_linearized_ = true;
     ranks_ = judge.ranks();
     measure_noise(jet);
     return PointStatus::ok;

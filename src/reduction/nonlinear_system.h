@@ -152,7 +152,7 @@ class NonlinearSystem final : public DaeSystem {
 
   Jet jet_, accepted_, before_;  // the current one, the one accepted last, and the one before that
   Jet linearized_;               // where the linearization is from
-  bool is_linearized_ = false;   // F could be evaluated there
+  bool is_linearized_ = false;   // successfully
   bool linearized_judged_ = false;
   std::vector<double> linearized_rows_;  // row factors preferred for it
   bool is_slow_ = false;

@@ -290,37 +290,3 @@ TEST_P(SfndaeMethods, SolutionsThatEndAreReported) {
   EXPECT_TRUE(ierr == -6 || ierr == -1) << ierr;
   EXPECT_NEAR(run.t, 1.0, 1e-3);
 }
-
-// x1' = 1; x2' = x1 (1 - x2) up to x1 = 1, 0 = x1 (1 - x2) from there. Where steps cannot be solved, that may be noticed
-// first.
-TEST_P(SfndaeMethods, ProblemsThatBecomeOthersAreNotGoneOnWith) {
-  const auto equations = std::make_shared<NonlinearEquations>(
-      2, [](const Term&, const Term* x, const Term* xdot) -> std::vector<Term> {
-        return {xdot[0] - 1.0, choose(1.0 - x[0], xdot[1], 0.0 * xdot[1]) + x[0] * (x[1] - 1.0)};
-      });
-  SfndaeRun<> run(equations, GetParam());
-  run.set_x({0.0, 0.5});
-  ASSERT_EQ(run.call(0.5), 3);
-  EXPECT_EQ(run.characteristics(), (std::vector<int>{0, 2, 0, 0, 0}));
-  const int ierr = run.call(4.0);
-  EXPECT_TRUE(ierr == -26 || ierr == -6) << ierr;
-  EXPECT_GE(run.t, 0.99);
-  EXPECT_LE(run.t, 1.5);
-}
-
-// x1' = 1; x2' = x1 up to x1 = 1, from there x1' = 1 a second time: x2 is free.
-TEST(SfndaeRadau, ChangesOfTheCharacteristicValuesAreReported) {
-  const auto equations = std::make_shared<NonlinearEquations>(
-      2, [](const Term&, const Term* x, const Term* xdot) -> std::vector<Term> {
-        return {xdot[0] - 1.0, choose(1.0 - x[0], xdot[1] - x[0], xdot[0] - 1.0)};
-      });
-  SfndaeRun<> run(equations, 2);
-  run.set_x({0.0, 0.5});
-  run.info(7) = 1;
-  run.rwork(2) = 0.05;
-  EXPECT_EQ(run.call(4.0), -26);
-  EXPECT_EQ(run.characteristics(), (std::vector<int>{0, 1, 0, 1, 1}));
-  EXPECT_NEAR(run.t, 1.0, 0.05);
-  run.info(1) = 1;
-  EXPECT_EQ(run.call(4.0), -26);
-}
