@@ -277,6 +277,8 @@ module sfdae
     integer(c_long) :: evaluations_residual = 0
     !> Likewise with their Jacobians.
     integer(c_long) :: linearizations = 0
+    !> nonlinear: largest rounding error of a component along the way, against the tolerance used for it
+    real(c_double) :: rounding = 0
   end type sfdae_statistics
 
   !> Worst mismatch found by check_derivatives or check_total_derivatives.

@@ -288,8 +288,9 @@ SFDAE_API sfdae_expression sfdae_choose(sfdae_expression c, sfdae_expression a, 
 /* Total derivative of the given order of F, F_x and F_x' along a jet, at t. derivatives: n x (order + 2), column k is
  * the k-th derivative of x. F: m entries, d^order/dt^order of F(t, x, x'). F_x, F_xdot: m x n entries, the total
  * derivatives of the Jacobians of F with respect to x and x', or NULL if they are not asked for. Plain derivatives.
- * All arrays are filled with zeros before the call. Orders asked for: 0 ... mu + 1 in the analysis and for
- * derivatives of the solution, 0 ... mu in steps. */
+ * All arrays are filled with zeros before the call. Orders asked for: 0 ... mu + 1 in the analysis (higher ones, up to
+ * max_index + 1, where the hypothesis seems not to hold at mu) and for derivatives of the solution, 0 ... mu in steps.
+ * SFDAE_ORDER_NOT_AVAILABLE is a possible answer to those above mu. */
 typedef int (*sfdae_total_derivative_function)(double t, int order, const double *derivatives, double *F, double *F_x,
                                                double *F_xdot, void *user);
 

@@ -146,7 +146,7 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
   try {
     result = run(tout, one_step);
     if (result.status == SFDAE_OK) result = output(tout, t, x, xdot);
-    else return_last_point(t, x, xdot);
+    else return_consistent_point(t, x, xdot);
   } catch (const Failure& failure) {
     return_last_point(t, x, xdot);
     result = failure_result(failure);
@@ -378,6 +378,19 @@ void Integration::return_last_point(double& t, double* x, double* xdot) {
   t = stepper_->t();
   std::copy(stepper_->x().begin(), stepper_->x().end(), x);
   stepper_->interpolate(t, scratch_w_.data(), scratch_x_.data(), xdot);
+}
+
+// The last point with its constraints fulfilled to rounding; as it is where that fails.
+void Integration::return_consistent_point(double& t, double* x, double* xdot) {
+  return_last_point(t, x, xdot);
+  if (system_.guess_order() < 0 || t != stepper_->t()) return;
+  try {
+    if (system_.t() != t && system_.move_to(t) != PointStatus::ok) return;
+    system_.restore(nullptr, stepper_->x().data(), x);
+    if (wants_slopes_) system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
+  } catch (const Failure&) {
+    std::copy(stepper_->x().begin(), stepper_->x().end(), x);
+  }
 }
 
 CallResult Integration::output(double tout, double& t, double* x, double* xdot) {

@@ -100,6 +100,7 @@ class Integration {
   // The point searched last, in front of which no event has been left out.
   void return_searched_point(double& t, double* x, double* xdot) const;
   void return_last_point(double& t, double* x, double* xdot);
+  void return_consistent_point(double& t, double* x, double* xdot);
   double choose_step(double tout) const;
   double smallest_step(double tout) const;
   std::optional<double> limit() const;

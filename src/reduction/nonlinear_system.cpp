@@ -31,7 +31,7 @@ NonlinearSystem::NonlinearSystem(NonlinearProblem& problem, const AnalysisSettin
                   format("%d components are prescribed, but only u = %d are free.",
                          static_cast<int>(problem_.prescribed().size()), analysis_.values.u));
   resize();
-  stand_at(jet);
+  if (stand_at(jet) == PointStatus::trouble) throw Failure(trouble_.status, trouble_.message());
 }
 
 NonlinearSystem::NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, Archive& saved)
@@ -282,17 +282,17 @@ void NonlinearSystem::apply_change(const double* dx, const double* f, const doub
 double NonlinearSystem::change_norm(const Task& task, const double* dx, const Jet& jet) const {
   const int n = problem_.n();
   const auto unit = [&](int i) { return column_scale_.empty() ? 1.0 : column_scale_[index(i)]; };
+  // Rounding errors will not become less.
+  const auto above_noise = [&](double change, std::size_t i) { return std::max(0.0, std::fabs(change) - noise_[i]); };
   double norm = 0.0;
   if (task.inverse_weights == nullptr) {
     double size = 0.0;
     for (int i = 0; i < n; ++i) {
-      norm = std::max(norm, std::fabs(dx[i]));
+      norm = std::max(norm, above_noise(dx[i], index(i)));
       size = std::max(size, std::fabs(jet.x[index(i)]) / unit(i));
     }
     return size > 0.0 ? norm / size : norm;
   }
-  // Rounding errors will not become less.
-  const auto above_noise = [&](double change, std::size_t i) { return std::max(0.0, std::fabs(change) - noise_[i]); };
   for (int i = 0; i < n; ++i) norm = std::max(norm, above_noise(dx[i], index(i)) * unit(i) * task.inverse_weights[i]);
   const double ratio = 1.0 / (std::fabs(task.c) * data_.time_scale);
   double power = 1.0;
@@ -375,14 +375,16 @@ void NonlinearSystem::read_inconsistency(const Task& task, const Jet& jet) {
 bool NonlinearSystem::has_converged(const Task& task, int iteration, double norm, double before) {
   if (task.inverse_weights == nullptr) {
     // To rounding: until changes stop becoming smaller.
-    constexpr double negligible = 4.0 * unit_roundoff, small = 1e-9;
-    return norm <= negligible || (iteration > 0 && norm <= small && norm > 0.3 * before);
+    constexpr double negligible = 4.0 * unit_roundoff, small = 1e-13;
+    return norm <= negligible || (iteration > 1 && norm <= small && norm > 0.5 * before);
   }
   // Rounding errors of the equations may be all that is left.
   constexpr double negligible = 1e-9;
   if (iteration > 0) rate_ = before > 0.0 ? norm / before : 0.0;
   is_slow_ = iteration >= 3 || (iteration > 0 && rate_ > 0.3 && norm > negligible);
   const double rate = std::min(std::max(rate_, 1e-3), 0.99);
+  // Changes that stop becoming smaller far below the tolerance are rounding errors.
+  if (iteration > 1 && norm <= 0.1 * task.tolerance) return true;
   if (iteration > 0 && rate_ >= 1.0) return false;
   return rate / (1.0 - rate) * norm <= task.tolerance || norm <= negligible;
 }

@@ -104,7 +104,10 @@ void NonlinearSystem::correct_derivative(double, const double* x, double* xdot) 
 // F1(t, x, xdot) = 0 by changes within the directions that the constraints leave open.
 void NonlinearSystem::correct_differential_part(const double* x, double* xdot) {
   const int n = problem_.n(), d = form_.d;
-  if (differential_residuals(jet_.t, x, xdot) != PointStatus::ok) return;
+  if (differential_residuals(jet_.t, x, xdot) != PointStatus::ok) {
+    if (!trouble_.is_recoverable()) throw Failure(trouble_.status, trouble_.message());
+    return;
+  }
   const Arena::Frame frame(arena_);
   double* q = arena_.take(index(d) + 1);
   double* dx = arena_.take(index(n));

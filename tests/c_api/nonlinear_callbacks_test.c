@@ -74,7 +74,7 @@ static int total_derivative(double t, int order, const double *jet, double *F, d
   int status, i;
   for (i = 0; i < M; i++) CHECK(F[i] == 0);
   for (i = 0; i < M * N; i++) CHECK((!F_x || F_x[i] == 0) && (!F_xdot || F_xdot[i] == 0));
-  CHECK(order >= 0 && order <= 3);
+  CHECK(order >= 0 && order <= 6);
   status = pendulum_derivative(t, order, jet, F, F_x, F_xdot, NULL);
   if (status == 0) status = fault(p, 'F', t, order, F);
   if (status == 0) status = fault(p, 'x', t, order, F_x);
