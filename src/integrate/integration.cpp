@@ -146,7 +146,8 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
   try {
     result = run(tout, one_step);
     if (result.status == SFDAE_OK) result = output(tout, t, x, xdot);
-    else return_consistent_point(t, x, xdot);
+    else if (result.status > 0 || result.status == SFDAE_MAX_STEPS) return_consistent_point(t, x, xdot);
+    else return_last_point(t, x, xdot);
   } catch (const Failure& failure) {
     return_last_point(t, x, xdot);
     result = failure_result(failure);
@@ -385,7 +386,7 @@ void Integration::return_consistent_point(double& t, double* x, double* xdot) {
   return_last_point(t, x, xdot);
   if (system_.guess_order() < 0 || t != stepper_->t()) return;
   try {
-    if (system_.t() != t && system_.move_to(t) != PointStatus::ok) return;
+    if (system_.move_to(t) != PointStatus::ok) return;
     system_.restore(nullptr, stepper_->x().data(), x);
     if (wants_slopes_) system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
   } catch (const Failure&) {

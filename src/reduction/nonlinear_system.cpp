@@ -77,9 +77,8 @@ void NonlinearSystem::apply_inputs() {
 PointStatus NonlinearSystem::move_to(double t) {
   trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
-  if (t == jet_.t) return PointStatus::ok;
   if (t == accepted_.t) jet_ = accepted_;
-  else interpolate_jet(t);
+  else if (t != jet_.t) interpolate_jet(t);
   return PointStatus::ok;
 }
 
@@ -458,17 +457,23 @@ void NonlinearSystem::error_in_x(const double* dw, int count, double* dx) {
     for (int i = 0; i < n; ++i) to(i, j) *= unit(i);
 }
 
+// What later steps depend on stays as it is: points that are asked for must not change those that follow.
 void NonlinearSystem::restore(const double*, const double* x_free, double* x) {
   std::copy_n(x_free, problem_.n(), jet_.x.data());
-  const PointStatus status = iterate_from_guess(Task{});
+  start_ = jet_;
+  const bool was_slow = is_slow_;
+  const PointStatus status = is_linearized_ ? iterate(Task{}, jet_) : PointStatus::not_converged;
+  is_slow_ = was_slow;
   if (status == PointStatus::trouble) throw Failure(trouble_.status, trouble_.message());
   if (status != PointStatus::ok && problem_.prescribed().empty()) {
-    // Between the ends of a long step derivatives may be too far off for iterations without damping.
+    // Between the ends of a long step the linearization, or derivatives, may be too far off.
     jet_ = start_;
     JetSolver(problem_, column_scale_).solve(jet_, analysis_.values.mu);
   } else if (status != PointStatus::ok) {
-    throw Failure(SFDAE_NO_CONSISTENT_VALUES,
-                  format("no values consistent with the constraints were found at t = %.15g.", jet_.t));
+    jet_ = start_;
+    if (iterate_from_guess(Task{}) != PointStatus::ok)
+      throw Failure(SFDAE_NO_CONSISTENT_VALUES,
+                    format("no values consistent with the constraints were found at t = %.15g.", jet_.t));
   }
   std::copy_n(jet_.x.data(), problem_.n(), x);
 }
