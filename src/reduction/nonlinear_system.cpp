@@ -265,8 +265,7 @@ void NonlinearSystem::step_rhs(const Task& task, const Jet& jet, double* z) {
 PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
   // Contractions slower than this are given up; iterations at most.
   constexpr double slowest = 0.7;
-  constexpr int most = 12;
-  const int n = problem_.n();
+  const int most = task.has_step ? 12 : 30, n = problem_.n();
   if (task.has_step && !factor_step_matrix(task.c)) return PointStatus::singular;
   double before = 0.0, earlier = 0.0;
   is_slow_ = false;
@@ -294,12 +293,12 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
     apply_change(change_.data(), array_f_.data(), transformed_f_.data(), jet);
     const double norm = change_norm(task, change_.data(), jet);
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    if (has_converged(task, iteration, norm, before)) {
+    // Without a step, what one iteration gains the next may lose in part: linearizations are from elsewhere.
+    const double reference = task.has_step ? before : std::max(before, earlier);
+    if (has_converged(task, iteration, norm, reference)) {
       read_inconsistency(task, jet);
       return PointStatus::ok;
     }
-    // Without a step, what one iteration gains the next may lose in part: linearizations are from elsewhere.
-    const double reference = task.has_step ? before : std::max(before, earlier);
     if (iteration > 1 && norm > slowest * reference) return PointStatus::not_converged;
     earlier = before;
     before = norm;
@@ -323,7 +322,7 @@ bool NonlinearSystem::has_converged(const Task& task, int iteration, double norm
   if (task.inverse_weights == nullptr) {
     // To rounding: until changes stop becoming smaller.
     constexpr double negligible = 4.0 * unit_roundoff, small = 1e-9;
-    return norm <= negligible || (iteration > 0 && norm <= small && norm > 0.3 * before);
+    return norm <= negligible || (iteration > 0 && norm <= small && norm > 0.7 * before);
   }
   // Rounding errors of the equations may be all that is left.
   constexpr double negligible = 1e-9;
