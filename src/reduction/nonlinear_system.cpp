@@ -321,8 +321,7 @@ void NonlinearSystem::step_rhs(const Task& task, const Jet& jet, double* z) {
 PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
   // Contractions slower than this are given up; iterations at most.
   constexpr double slowest = 0.7;
-  constexpr int most = 12;
-  const int n = problem_.n();
+  const int most = task.has_step ? 12 : 30, n = problem_.n();
   if (task.has_step && !factor_step_matrix(task.c)) return PointStatus::singular;
   double before = 0.0, earlier = 0.0;
   is_slow_ = false;
@@ -346,12 +345,12 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
     apply_change(change_.data(), array_f_.data(), transformed_f_.data(), jet);
     const double norm = change_norm(task, change_.data(), jet);
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    if (has_converged(task, iteration, norm, before)) {
+    // Without a step, what one iteration gains the next may lose in part: linearizations are from elsewhere.
+    const double reference = task.has_step ? before : std::max(before, earlier);
+    if (has_converged(task, iteration, norm, reference)) {
       read_inconsistency(task, jet);
       return PointStatus::ok;
     }
-    // Without a step, what one iteration gains the next may lose in part: linearizations are from elsewhere.
-    const double reference = task.has_step ? before : std::max(before, earlier);
     if (iteration > 1 && norm > slowest * reference) return PointStatus::not_converged;
     earlier = before;
     before = norm;
@@ -381,7 +380,8 @@ bool NonlinearSystem::has_converged(const Task& task, int iteration, double norm
   constexpr double negligible = 1e-9;
   if (iteration > 0) rate_ = before > 0.0 ? norm / before : 0.0;
   is_slow_ = iteration >= 3 || (iteration > 0 && rate_ > 0.3 && norm > negligible);
-  const double rate = std::min(std::max(rate_, 1e-3), 0.99);
+  // A rate from another point is trusted less.
+  const double rate = std::clamp(rate_, iteration == 0 ? 0.05 : 1e-3, 0.99);
   // Changes that stop becoming smaller far below the tolerance are rounding errors.
   if (iteration > 1 && norm <= 0.1 * task.tolerance) return true;
   if (iteration > 0 && rate_ >= 1.0) return false;

@@ -79,7 +79,7 @@ TEST(NearestValues, AreNearestInTheWeightedNorm) {
     std::vector<double> guess = consistent_point(phi, 1.0);
     guess[0] += 0.1, guess[3] -= 0.2, guess[4] += 1.0;
     expect_nearest(guess, {1.0, 1.0, 1.0, 1.0, 1e3});
-    if (phi < -1.0) expect_nearest(guess, {1e-2, 1.0, 1.0, 1.0, 10.0});  // else the nearest point is on the far side
+    if (phi < -1.0) expect_nearest(guess, {1e-2, 1.0, 1.0, 1.0, 10.0});
   }
 }
 
