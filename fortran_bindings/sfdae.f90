@@ -2,9 +2,17 @@
 !
 ! sfdae - initial value problems for differential-algebraic equations of arbitrary index.
 !
-!     E(t) x'(t) = A(t) x(t) + f(t),   m equations, n unknowns, any strangeness index.
+!     F(t, x(t), x'(t)) = 0   or   E(t) x'(t) = A(t) x(t) + f(t),
+!     m equations, n unknowns, any strangeness index.
 !
-! Extend `linear_dae`: its bindings evaluate E, A and f, its components are your data. Then
+! Extend one of these; its components are your data:
+!
+!     nonlinear_dae          `equations` writes F(t, x, x') once, as formulas
+!     recorded_linear_dae    `linear_equations` writes E(t), A(t), f(t) once, as formulas
+!     linear_dae             `eval_e`, `eval_a`, `eval_f` evaluate E, A, f and their derivatives
+!     derivative_dae         `total_derivative` evaluates F and its total derivatives along a jet
+!
+! Then
 !
 !     type(my_problem), target :: problem
 !     type(dae_solver) :: solver
@@ -34,12 +42,13 @@ module sfdae
   implicit none
   private
 
-  public :: linear_dae, dae_monitor, dae_options, dae_solver
-  public :: dae_events
-  public :: sfdae_check_linear, sfdae_status_name, sfdae_version
+  public :: linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae
+  public :: dae_events, dae_monitor, dae_options, dae_solver
+  public :: sfdae_check_linear, sfdae_check_nonlinear, sfdae_status_name, sfdae_version
   public :: sfdae_characteristics, sfdae_decision, sfdae_change, sfdae_initial_report
   public :: sfdae_statistics, sfdae_derivative_check, sfdae_progress
-  public :: sfdae_linear_problem, sfdae_options ! mirrors of C, nothing that a program needs
+  public :: sfdae_linear_problem, sfdae_nonlinear_problem, sfdae_options ! mirrors of C, nothing
+  ! that a program needs
 
   ! ---- Recorded equations: all of sfdae_expressions -----------------------------------------
 
@@ -88,6 +97,7 @@ module sfdae
   integer(c_int), parameter, public :: sfdae_inconsistent_values = -30
   integer(c_int), parameter, public :: sfdae_inconsistent_equations = -31
   integer(c_int), parameter, public :: sfdae_fixed_values = -32
+  integer(c_int), parameter, public :: sfdae_no_consistent_values = -33
 
   !> Failures: the integration. The point reached is returned, advance may be called again.
   integer(c_int), parameter, public :: sfdae_max_steps = -40
@@ -262,22 +272,27 @@ module sfdae
     real(c_double) :: consistency = 0
     !> Signed size of the first accepted step.
     real(c_double) :: first_step = 0
+    !> Nonlinear: evaluations of F and its total derivatives along a jet, since creation;
+    !> evaluations_F in C.
+    integer(c_long) :: evaluations_residual = 0
+    !> Likewise with their Jacobians.
+    integer(c_long) :: linearizations = 0
   end type sfdae_statistics
 
-  !> Worst mismatch found by check_derivatives.
+  !> Worst mismatch found by check_derivatives or check_total_derivatives.
   type, bind(c) :: sfdae_derivative_check
     integer(c_size_t) :: size = 0
-    !> 'E', 'A' or 'f'; blank if nothing could be compared.
+    !> 'E', 'A' or 'f'; 'F', 'x' (F_x) or 'd' (F_x'); blank if nothing could be compared.
     character(kind=c_char) :: function = ' '
-    !> Order of the derivative, >= 1.
+    !> Order of the derivative; >= 1, but for 'x' and 'd'.
     integer(c_int) :: order = 0
     !> Row of the entry, from 1.
     integer(c_int) :: row = 0
-    !> Column of the entry, from 1; 1 for f.
+    !> Column of the entry, from 1; 1 for f and F.
     integer(c_int) :: column = 0
     !> Value supplied by the callback.
     real(c_double) :: supplied = 0
-    !> Value by differences of order - 1.
+    !> Value by differences of order - 1, or of F for 'x' and 'd'.
     real(c_double) :: difference = 0
     !> |supplied - difference| relative to the size of the function's derivatives.
     real(c_double) :: error = 0
@@ -304,7 +319,7 @@ module sfdae
     type(c_ptr) :: x = c_null_ptr
   end type sfdae_progress
 
-  ! ---- Input: the C structs, filled from linear_dae and dae_options -------------------------
+  ! ---- Input: the C structs, filled from problems and dae_options ---------------------------
 
   !> Mirror of the C problem; programs extend linear_dae instead.
   type, bind(c) :: sfdae_linear_problem
@@ -321,6 +336,20 @@ module sfdae
     type(c_funptr) :: prescribed_values = c_null_funptr
     type(c_ptr) :: user = c_null_ptr
   end type sfdae_linear_problem
+
+  !> Mirror of the C problem; programs extend nonlinear_dae and others instead.
+  type, bind(c) :: sfdae_nonlinear_problem
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: num_equations = 0
+    integer(c_int) :: num_unknowns = 0
+    type(c_funptr) :: equations = c_null_funptr
+    type(c_funptr) :: linear_equations = c_null_funptr
+    type(c_funptr) :: total_derivative = c_null_funptr
+    integer(c_int) :: num_prescribed = 0
+    type(c_ptr) :: prescribed = c_null_ptr
+    type(c_funptr) :: prescribed_values = c_null_funptr
+    type(c_ptr) :: user = c_null_ptr
+  end type sfdae_nonlinear_problem
 
   !> Mirror of the C options; programs use dae_options instead.
   type, bind(c) :: sfdae_options
@@ -356,20 +385,27 @@ module sfdae
 
   ! ---- Problem ------------------------------------------------------------------------------
 
-  !> Linear problem E(t) x' = A(t) x + f(t). Extend it: components are your data.
-  type, abstract :: linear_dae
+  !> What all problems have.
+  type, abstract :: any_dae
     !> m >= 1.
     integer(c_int) :: num_equations = 0
     !> n >= 1; m and n may differ.
     integer(c_int) :: num_unknowns = 0
+    !> u > 0 only: components of x, from 1, that eval_prescribed gives as functions of time.
+    integer(c_int), allocatable :: prescribed(:)
+  contains
+    !> Writes the values of the prescribed components.
+    procedure :: eval_prescribed => missing_prescribed
+  end type any_dae
+
+  !> Linear problem E(t) x' = A(t) x + f(t). Extend it: components are your data.
+  type, abstract, extends(any_dae) :: linear_dae
     !> E does not depend on t: eval_e is called for order 0 only, once.
     logical :: constant_e = .false.
     !> A does not depend on t; both constant: one reduction serves all points.
     logical :: constant_a = .false.
     !> .false.: f = 0, eval_f is not called.
     logical :: has_f = .true.
-    !> u > 0 only: components of x, from 1, that eval_prescribed gives as functions of time.
-    integer(c_int), allocatable :: prescribed(:)
   contains
     !> Writes E or its derivatives.
     procedure(e_function), deferred :: eval_e
@@ -377,9 +413,29 @@ module sfdae
     procedure(a_function), deferred :: eval_a
     !> Writes f or its derivatives; f = 0 unless overridden.
     procedure :: eval_f => zero_f
-    !> Writes the values of the prescribed components.
-    procedure :: eval_prescribed => missing_prescribed
   end type linear_dae
+
+  !> Nonlinear problem F(t, x, x') = 0, written once as formulas. Extend it: components are your
+  !> data. Equations that turn out to be linear are solved as a linear problem.
+  type, abstract, extends(any_dae) :: nonlinear_dae
+  contains
+    !> Writes F; called once, by create.
+    procedure(equations_procedure), deferred :: equations
+  end type nonlinear_dae
+
+  !> Linear problem E(t) x' = A(t) x + f(t), written once as formulas.
+  type, abstract, extends(any_dae) :: recorded_linear_dae
+  contains
+    !> Writes E, A and f; called once, by create.
+    procedure(linear_equations_procedure), deferred :: linear_equations
+  end type recorded_linear_dae
+
+  !> Nonlinear problem F(t, x, x') = 0 with derivatives of your own.
+  type, abstract, extends(any_dae) :: derivative_dae
+  contains
+    !> Writes F and its Jacobians, or total derivatives of them; called at every point.
+    procedure(total_derivative_procedure), deferred :: total_derivative
+  end type derivative_dae
 
   abstract interface
     !> Writes the plain derivative of the given order of E at t. Orders asked for: up to max_index
@@ -408,6 +464,53 @@ module sfdae
       !> As of e_function.
       integer(c_int), intent(inout) :: status
     end subroutine a_function
+
+    !> Writes the entries of F(t, x, x'), all of them, as formulas. There are no values to branch
+    !> on: see choose.
+    subroutine equations_procedure(self, t, x, xdot, residual)
+      import :: expression, nonlinear_dae
+      class(nonlinear_dae), intent(inout) :: self
+      type(expression), intent(in) :: t
+      !> n unknowns.
+      type(expression), intent(in) :: x(:)
+      !> Their derivatives.
+      type(expression), intent(in) :: xdot(:)
+      !> m entries.
+      type(expression), intent(inout) :: residual(:)
+    end subroutine equations_procedure
+
+    !> Writes the entries of E(t), A(t) and f(t) that are not zero, as formulas.
+    subroutine linear_equations_procedure(self, t, e, a, f)
+      import :: expression, recorded_linear_dae
+      class(recorded_linear_dae), intent(inout) :: self
+      type(expression), intent(in) :: t
+      !> m x n.
+      type(expression), intent(inout) :: e(:, :)
+      !> m x n.
+      type(expression), intent(inout) :: a(:, :)
+      !> m entries.
+      type(expression), intent(inout) :: f(:)
+    end subroutine linear_equations_procedure
+
+    !> Writes the total derivative of the given order, d^order/dt^order along a jet, of F, F_x and
+    !> F_x'. Plain derivatives. Orders asked for: 0 ... mu + 1.
+    subroutine total_derivative_procedure(self, t, order, x, f, f_x, f_xdot, status)
+      import :: c_double, c_int, derivative_dae
+      class(derivative_dae), intent(inout) :: self
+      real(c_double), intent(in) :: t
+      !> 0: F itself.
+      integer(c_int), intent(in) :: order
+      !> n x (order + 2): column k, from 0, is the k-th derivative of x.
+      real(c_double), intent(in) :: x(:, 0:)
+      !> m entries, zero on entry.
+      real(c_double), intent(inout) :: f(:)
+      !> m x n, zero on entry; absent if it is not asked for.
+      real(c_double), intent(inout), optional :: f_x(:, :)
+      !> Likewise.
+      real(c_double), intent(inout), optional :: f_xdot(:, :)
+      !> As of e_function.
+      integer(c_int), intent(inout) :: status
+    end subroutine total_derivative_procedure
   end interface
 
   ! ---- Options ------------------------------------------------------------------------------
@@ -530,7 +633,12 @@ module sfdae
 
   !> What the `user` pointer of the C callbacks points to. On the heap, so that it stays in place.
   type :: callback_holder
-    class(linear_dae), pointer :: problem => null()
+    class(any_dae), pointer :: problem => null()
+    !> The problem again, as what it is.
+    class(linear_dae), pointer :: linear => null()
+    class(nonlinear_dae), pointer :: nonlinear => null()
+    class(recorded_linear_dae), pointer :: recorded_linear => null()
+    class(derivative_dae), pointer :: derivative => null()
     class(dae_monitor), pointer :: monitor => null()
     class(dae_events), pointer :: events => null()
     !> Of the events when they were set.
@@ -558,6 +666,9 @@ module sfdae
     procedure :: message => solver_message
     procedure :: request_stop => solver_request_stop
     procedure :: analyze => solver_analyze
+    procedure :: analyze_at => solver_analyze_at
+    procedure :: set_parameter => solver_set_parameter
+    procedure :: get_parameter => solver_get_parameter
     procedure :: get_characteristics => solver_get_characteristics
     procedure :: get_num_decisions => solver_get_num_decisions
     procedure :: get_decision => solver_get_decision
@@ -578,7 +689,13 @@ module sfdae
     procedure :: get_projectors => solver_get_projectors
     procedure :: get_strangeness_free => solver_get_strangeness_free
     procedure :: check_derivatives => solver_check_derivatives
+    procedure :: check_total_derivatives => solver_check_total_derivatives
   end type dae_solver
+
+  !> sfdae_check_linear or sfdae_check_nonlinear with its text as a Fortran string.
+  interface check_filled
+    module procedure check_filled_linear, check_filled_nonlinear
+  end interface check_filled
 
   ! ---- The C functions; sfdae.h explains them and their arguments ---------------------------
 
@@ -601,6 +718,14 @@ module sfdae
       integer(c_size_t), value :: size
       integer(c_int) :: status
     end function c_linear_problem_init
+
+    function c_nonlinear_problem_init(problem, size) &
+      bind(c, name="sfdae_nonlinear_problem_init") result(status)
+      import :: c_int, c_size_t, sfdae_nonlinear_problem
+      type(sfdae_nonlinear_problem), intent(inout) :: problem
+      integer(c_size_t), value :: size
+      integer(c_int) :: status
+    end function c_nonlinear_problem_init
 
     function c_options_init(options, size) bind(c, name="sfdae_options_init") result(status)
       import :: c_int, c_size_t, sfdae_options
@@ -627,6 +752,43 @@ module sfdae
       integer(c_size_t), value :: length
       integer(c_int) :: status
     end function c_check_linear
+
+    recursive function c_create_nonlinear(solver, problem, options) &
+      bind(c, name="sfdae_create_nonlinear") result(status)
+      import :: c_int, c_ptr, sfdae_nonlinear_problem, sfdae_options
+      type(c_ptr), intent(out) :: solver
+      type(sfdae_nonlinear_problem), intent(in) :: problem
+      type(sfdae_options), intent(in) :: options
+      integer(c_int) :: status
+    end function c_create_nonlinear
+
+    recursive function c_check_nonlinear(problem, options, text, length) &
+      bind(c, name="sfdae_check_nonlinear") result(status)
+      import :: c_char, c_int, c_size_t, sfdae_nonlinear_problem, sfdae_options
+      type(sfdae_nonlinear_problem), intent(in) :: problem
+      type(sfdae_options), intent(in) :: options
+      character(kind=c_char), intent(inout) :: text(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: status
+    end function c_check_nonlinear
+
+    function c_set_parameter(solver, name, value) bind(c, name="sfdae_set_parameter") &
+      result(status)
+      import :: c_char, c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      character(kind=c_char), intent(in) :: name(*)
+      real(c_double), value :: value
+      integer(c_int) :: status
+    end function c_set_parameter
+
+    function c_get_parameter(solver, name, value) bind(c, name="sfdae_get_parameter") &
+      result(status)
+      import :: c_char, c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      character(kind=c_char), intent(in) :: name(*)
+      real(c_double), intent(inout) :: value
+      integer(c_int) :: status
+    end function c_get_parameter
 
     function c_destroy(solver) bind(c, name="sfdae_destroy") result(status)
       import :: c_int, c_ptr
@@ -670,6 +832,17 @@ module sfdae
       type(sfdae_characteristics), intent(inout) :: characteristics
       integer(c_int) :: status
     end function c_analyze
+
+    recursive function c_analyze_at(solver, t, toward, x, characteristics) &
+      bind(c, name="sfdae_analyze_at") result(status)
+      import :: c_double, c_int, c_ptr, sfdae_characteristics
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), value :: toward
+      real(c_double), intent(in) :: x(*)
+      type(sfdae_characteristics), intent(inout) :: characteristics
+      integer(c_int) :: status
+    end function c_analyze_at
 
     function c_get_characteristics(solver, characteristics) &
       bind(c, name="sfdae_get_characteristics") result(status)
@@ -912,6 +1085,17 @@ module sfdae
       integer(c_int) :: status
     end function c_check_derivatives
 
+    recursive function c_check_total_derivatives(solver, t, derivatives, max_order, check) &
+      bind(c, name="sfdae_check_total_derivatives") result(status)
+      import :: c_double, c_int, c_ptr, sfdae_derivative_check
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(in) :: derivatives(*)
+      integer(c_int), value :: max_order
+      type(sfdae_derivative_check), intent(inout) :: check
+      integer(c_int) :: status
+    end function c_check_total_derivatives
+
     !> Of the C library: characters before the final zero.
     function c_strlen(text) bind(c, name="strlen") result(length)
       import :: c_ptr, c_size_t
@@ -959,21 +1143,40 @@ contains
     if (len(text) == 0) call check_filled(c_problem, c_options, text, status)
   end subroutine sfdae_check_linear
 
+  !> The same for a problem that is not a linear_dae; equations are recorded.
+  recursive subroutine sfdae_check_nonlinear(problem, text, status, options)
+    !> nonlinear_dae, recorded_linear_dae or derivative_dae.
+    class(any_dae), target, intent(inout) :: problem
+    !> What is wrong; empty if nothing is.
+    character(len=:), allocatable, intent(out) :: text
+    !> As of create.
+    integer(c_int), intent(out) :: status
+    !> Absent: defaults.
+    type(dae_options), target, intent(in), optional :: options
+    type(callback_holder), target :: holder
+    type(sfdae_nonlinear_problem) :: c_problem
+    type(sfdae_options) :: c_options
+    integer(c_int), allocatable, target :: fixed(:)
+
+    call fill_nonlinear_problem(problem, holder, c_problem)
+    call fill_options(options, holder, fixed, c_options, text)
+    status = sfdae_illegal_argument
+    if (len(text) == 0) call check_filled(c_problem, c_options, text, status)
+  end subroutine sfdae_check_nonlinear
+
   ! ---- Life ---------------------------------------------------------------------------------
 
   !> Creates the solver. A solver that exists already is refused: destroy it first.
   recursive subroutine solver_create(self, problem, status, options)
     class(dae_solver), intent(inout) :: self
     !> Must have the target attribute and live, in place, as long as the solver.
-    class(linear_dae), target, intent(inout) :: problem
+    class(any_dae), target, intent(inout) :: problem
     !> Failures: sfdae_illegal_argument, sfdae_empty_problem, sfdae_out_of_memory.
     integer(c_int), intent(out) :: status
     !> Copied. Absent: defaults.
     type(dae_options), target, intent(in), optional :: options
-    type(sfdae_linear_problem) :: c_problem
     type(sfdae_options) :: c_options
     integer(c_int), allocatable, target :: fixed(:)
-    integer(c_int) :: check_status
     integer :: allocation
 
     status = sfdae_illegal_argument
@@ -984,14 +1187,46 @@ contains
     allocate (self%holder, stat=allocation)
     if (allocation /= 0) return
     status = sfdae_illegal_argument
-    call fill_problem(problem, self%holder, c_problem)
+    self%holder%num_unknowns = problem%num_unknowns
     call fill_options(options, self%holder, fixed, c_options, self%complaint)
     if (len(self%complaint) == 0) then
-      status = c_create_linear(self%handle, c_problem, c_options)
-      if (status < 0) call check_filled(c_problem, c_options, self%complaint, check_status)
+      select type (problem)
+      class is (linear_dae)
+        call create_linear(self, problem, c_options, status)
+      class default
+        call create_nonlinear(self, problem, c_options, status)
+      end select
     end if
     if (status < 0) deallocate (self%holder)
   end subroutine solver_create
+
+  !> Second half of solver_create for a linear problem.
+  recursive subroutine create_linear(self, problem, c_options, status)
+    class(dae_solver), intent(inout) :: self
+    class(linear_dae), target, intent(inout) :: problem
+    type(sfdae_options), intent(in) :: c_options
+    integer(c_int), intent(out) :: status
+    type(sfdae_linear_problem) :: c_problem
+    integer(c_int) :: check_status
+
+    call fill_problem(problem, self%holder, c_problem)
+    status = c_create_linear(self%handle, c_problem, c_options)
+    if (status < 0) call check_filled(c_problem, c_options, self%complaint, check_status)
+  end subroutine create_linear
+
+  !> Likewise for any other problem.
+  recursive subroutine create_nonlinear(self, problem, c_options, status)
+    class(dae_solver), intent(inout) :: self
+    class(any_dae), target, intent(inout) :: problem
+    type(sfdae_options), intent(in) :: c_options
+    integer(c_int), intent(out) :: status
+    type(sfdae_nonlinear_problem) :: c_problem
+    integer(c_int) :: check_status
+
+    call fill_nonlinear_problem(problem, self%holder, c_problem)
+    status = c_create_nonlinear(self%handle, c_problem, c_options)
+    if (status < 0) call check_filled(c_problem, c_options, self%complaint, check_status)
+  end subroutine create_nonlinear
 
   !> Frees the solver. One that does not exist is allowed.
   subroutine solver_destroy(self, status)
@@ -1047,6 +1282,30 @@ contains
     status = c_request_stop(self%handle)
   end subroutine solver_request_stop
 
+  !> Changes a parameter of recorded equations, see named_parameter; start has to follow.
+  subroutine solver_set_parameter(self, name, value, status)
+    class(dae_solver), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    real(c_double), intent(in) :: value
+    !> sfdae_illegal_argument if there is no such parameter or the value is not finite.
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_set_parameter(self%handle, trim(name) // c_null_char, value)
+  end subroutine solver_set_parameter
+
+  !> The value of a parameter of recorded equations.
+  subroutine solver_get_parameter(self, name, value, status)
+    class(dae_solver), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    real(c_double), intent(inout) :: value
+    !> sfdae_illegal_argument if there is no such parameter.
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_get_parameter(self%handle, trim(name) // c_null_char, value)
+  end subroutine solver_get_parameter
+
   ! ---- Index analysis -----------------------------------------------------------------------
 
   !> Detects the strangeness index at t and nearby toward the end of the interval. Forgets the
@@ -1065,6 +1324,25 @@ contains
     if (status == sfdae_ok) status = c_analyze(self%handle, t, toward, found)
     if (status >= 0 .and. present(characteristics)) characteristics = found
   end subroutine solver_analyze
+
+  !> The same along the solution through a point near x; for nonlinear problems, which need x.
+  recursive subroutine solver_analyze_at(self, t, toward, x, status, characteristics)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> /= t.
+    real(c_double), intent(in) :: toward
+    !> n values, which need not be consistent.
+    real(c_double), contiguous, intent(in) :: x(:)
+    integer(c_int), intent(out) :: status
+    type(sfdae_characteristics), intent(inout), optional :: characteristics
+    type(sfdae_characteristics) :: found
+
+    call check_call(self, status)
+    call check_entries(self, "x", size(x, kind=c_int), status)
+    if (status == sfdae_ok) status = c_characteristics_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_analyze_at(self%handle, t, toward, x, found)
+    if (status >= 0 .and. present(characteristics)) characteristics = found
+  end subroutine solver_analyze_at
 
   !> The characteristic values in use. sfdae_not_started before an analysis.
   subroutine solver_get_characteristics(self, characteristics, status)
@@ -1506,15 +1784,29 @@ contains
     call check_call(self, status)
     if (status == sfdae_ok) status = c_derivative_check_init(found, c_sizeof(found))
     if (status == sfdae_ok) status = c_check_derivatives(self%handle, t, max_order, found)
-    if (status < 0) return
-    if (found%function == c_null_char) then
-      found%function = ' '
-    else
-      found%row = found%row + 1_c_int
-      found%column = found%column + 1_c_int
-    end if
-    check = found
+    if (status >= 0) check = from_one(found)
   end subroutine solver_check_derivatives
+
+  !> The same for the procedure total_derivative of a derivative_dae along a jet.
+  recursive subroutine solver_check_total_derivatives(self, t, derivatives, check, status)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> n x (highest order compared + 2): x, x', x'', ..., best without zeros.
+    real(c_double), contiguous, intent(in) :: derivatives(:, :)
+    !> The worst mismatch.
+    type(sfdae_derivative_check), intent(inout) :: check
+    integer(c_int), intent(out) :: status
+    type(sfdae_derivative_check) :: found
+    integer(c_int) :: max_order
+
+    call check_call(self, status)
+    call check_entries(self, "a column of derivatives", size(derivatives, 1, c_int), status)
+    if (status == sfdae_ok) status = c_derivative_check_init(found, c_sizeof(found))
+    max_order = size(derivatives, 2, c_int) - 2_c_int
+    if (status == sfdae_ok) status = c_check_total_derivatives(self%handle, t, derivatives, &
+      max_order, found)
+    if (status >= 0) check = from_one(found)
+  end subroutine solver_check_total_derivatives
 
   ! ---- Bindings that need not be overridden -------------------------------------------------
 
@@ -1535,7 +1827,7 @@ contains
 
   !> Components are prescribed, but nobody says what they are.
   subroutine missing_prescribed(self, t, values, status)
-    class(linear_dae), intent(inout) :: self
+    class(any_dae), intent(inout) :: self
     real(c_double), intent(in) :: t
     !> One entry for each prescribed component, zero on entry.
     real(c_double), intent(inout) :: values(:)
@@ -1563,7 +1855,7 @@ contains
     call c_f_pointer(user, holder)
     call c_f_pointer(matrix, e, [holder%num_equations, holder%num_unknowns])
     status = sfdae_ok
-    call holder%problem%eval_e(t, order, e, status)
+    call holder%linear%eval_e(t, order, e, status)
   end function call_eval_e
 
   !> sfdae_matrix_function of A.
@@ -1580,7 +1872,7 @@ contains
     call c_f_pointer(user, holder)
     call c_f_pointer(matrix, a, [holder%num_equations, holder%num_unknowns])
     status = sfdae_ok
-    call holder%problem%eval_a(t, order, a, status)
+    call holder%linear%eval_a(t, order, a, status)
   end function call_eval_a
 
   !> sfdae_vector_function of f.
@@ -1597,7 +1889,7 @@ contains
     call c_f_pointer(user, holder)
     call c_f_pointer(vector, f, [holder%num_equations])
     status = sfdae_ok
-    call holder%problem%eval_f(t, order, f, status)
+    call holder%linear%eval_f(t, order, f, status)
   end function call_eval_f
 
   !> sfdae_vector_function of the prescribed components; only order 0 is asked for.
@@ -1616,6 +1908,77 @@ contains
     status = merge(sfdae_ok, sfdae_order_not_available, order == 0)
     if (order == 0) call holder%problem%eval_prescribed(t, values, status)
   end function call_eval_prescribed
+
+  !> sfdae_equations_function.
+  recursive function call_equations(record, t, x, xdot, residual, user) bind(c, name="") &
+    result(status)
+    type(c_ptr), value :: record
+    type(expression), value :: t
+    type(c_ptr), value :: x
+    type(c_ptr), value :: xdot
+    type(c_ptr), value :: residual
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    type(expression), pointer :: unknowns(:), derivatives(:), residuals(:)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(x, unknowns, [holder%num_unknowns])
+    call c_f_pointer(xdot, derivatives, [holder%num_unknowns])
+    call c_f_pointer(residual, residuals, [holder%num_equations])
+    call holder%nonlinear%equations(t, unknowns, derivatives, residuals)
+    status = merge(sfdae_ok, sfdae_internal, c_associated(record))
+  end function call_equations
+
+  !> sfdae_linear_equations_function.
+  recursive function call_linear_equations(record, t, e, a, f, user) bind(c, name="") &
+    result(status)
+    type(c_ptr), value :: record
+    type(expression), value :: t
+    type(c_ptr), value :: e
+    type(c_ptr), value :: a
+    type(c_ptr), value :: f
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    type(expression), pointer :: matrix_e(:, :), matrix_a(:, :), vector_f(:)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(e, matrix_e, [holder%num_equations, holder%num_unknowns])
+    call c_f_pointer(a, matrix_a, [holder%num_equations, holder%num_unknowns])
+    call c_f_pointer(f, vector_f, [holder%num_equations])
+    call holder%recorded_linear%linear_equations(t, matrix_e, matrix_a, vector_f)
+    status = merge(sfdae_ok, sfdae_internal, c_associated(record))
+  end function call_linear_equations
+
+  !> sfdae_total_derivative_function. Pointers that are not associated are absent arguments.
+  recursive function call_total_derivative(t, order, derivatives, f, f_x, f_xdot, user) &
+    bind(c, name="") result(status)
+    real(c_double), value :: t
+    integer(c_int), value :: order
+    type(c_ptr), value :: derivatives
+    type(c_ptr), value :: f
+    type(c_ptr), value :: f_x
+    type(c_ptr), value :: f_xdot
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: jet(:, :), residual(:), matrix_x(:, :), matrix_xdot(:, :)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(derivatives, jet, [holder%num_unknowns, order + 2_c_int])
+    call c_f_pointer(f, residual, [holder%num_equations])
+    nullify (matrix_x, matrix_xdot)
+    if (c_associated(f_x)) &
+      call c_f_pointer(f_x, matrix_x, [holder%num_equations, holder%num_unknowns])
+    if (c_associated(f_xdot)) &
+      call c_f_pointer(f_xdot, matrix_xdot, [holder%num_equations, holder%num_unknowns])
+    status = sfdae_ok
+    call holder%derivative%total_derivative(t, order, jet, residual, matrix_x, matrix_xdot, status)
+  end function call_total_derivative
 
   !> sfdae_monitor_function.
   recursive function call_monitor(progress, user) bind(c, name="") result(outcome)
@@ -1666,9 +2029,8 @@ contains
     type(sfdae_linear_problem), intent(inout) :: c_problem
     integer(c_int) :: status
 
-    holder%problem => problem
-    holder%num_equations = problem%num_equations
-    holder%num_unknowns = problem%num_unknowns
+    call fill_holder(problem, holder)
+    holder%linear => problem
     status = c_linear_problem_init(c_problem, c_sizeof(c_problem))
     if (status < 0) return ! c_problem%size stays 0, which create and check refuse
     c_problem%num_equations = problem%num_equations
@@ -1679,13 +2041,53 @@ contains
     c_problem%constant_e = flag(problem%constant_e)
     c_problem%constant_a = flag(problem%constant_a)
     c_problem%user = c_loc(holder)
-    if (.not. allocated(problem%prescribed)) return
-    if (size(problem%prescribed) == 0) return
-    holder%prescribed = problem%prescribed - 1_c_int
+    if (.not. allocated(holder%prescribed)) return
     c_problem%num_prescribed = size(holder%prescribed, kind=c_int)
     c_problem%prescribed = c_loc(holder%prescribed)
     c_problem%prescribed_values = c_funloc(call_eval_prescribed)
   end subroutine fill_problem
+
+  !> The same for a problem that is not a linear_dae. Without a function, create and check refuse.
+  subroutine fill_nonlinear_problem(problem, holder, c_problem)
+    class(any_dae), target, intent(inout) :: problem
+    type(callback_holder), target, intent(inout) :: holder
+    type(sfdae_nonlinear_problem), intent(inout) :: c_problem
+    integer(c_int) :: status
+
+    call fill_holder(problem, holder)
+    status = c_nonlinear_problem_init(c_problem, c_sizeof(c_problem))
+    if (status < 0) return ! c_problem%size stays 0, which create and check refuse
+    c_problem%num_equations = problem%num_equations
+    c_problem%num_unknowns = problem%num_unknowns
+    select type (problem)
+    class is (nonlinear_dae)
+      holder%nonlinear => problem
+      c_problem%equations = c_funloc(call_equations)
+    class is (recorded_linear_dae)
+      holder%recorded_linear => problem
+      c_problem%linear_equations = c_funloc(call_linear_equations)
+    class is (derivative_dae)
+      holder%derivative => problem
+      c_problem%total_derivative = c_funloc(call_total_derivative)
+    end select
+    c_problem%user = c_loc(holder)
+    if (.not. allocated(holder%prescribed)) return
+    c_problem%num_prescribed = size(holder%prescribed, kind=c_int)
+    c_problem%prescribed = c_loc(holder%prescribed)
+    c_problem%prescribed_values = c_funloc(call_eval_prescribed)
+  end subroutine fill_nonlinear_problem
+
+  !> What all callbacks need.
+  subroutine fill_holder(problem, holder)
+    class(any_dae), target, intent(inout) :: problem
+    type(callback_holder), intent(inout) :: holder
+
+    holder%problem => problem
+    holder%num_equations = problem%num_equations
+    holder%num_unknowns = problem%num_unknowns
+    if (.not. allocated(problem%prescribed)) return
+    if (size(problem%prescribed) > 0) holder%prescribed = problem%prescribed - 1_c_int
+  end subroutine fill_holder
 
   !> Describes the options to C and remembers the monitor in the holder. c_options points into
   !> options and fixed.
@@ -1744,7 +2146,7 @@ contains
   end subroutine fill_options
 
   !> sfdae_check_linear with its text as a Fortran string.
-  recursive subroutine check_filled(c_problem, c_options, text, status)
+  recursive subroutine check_filled_linear(c_problem, c_options, text, status)
     type(sfdae_linear_problem), intent(in) :: c_problem
     type(sfdae_options), intent(in) :: c_options
     character(len=:), allocatable, intent(out) :: text
@@ -1754,7 +2156,20 @@ contains
     buffer = c_null_char
     status = c_check_linear(c_problem, c_options, buffer, size(buffer, kind=c_size_t))
     text = text_in(buffer)
-  end subroutine check_filled
+  end subroutine check_filled_linear
+
+  !> sfdae_check_nonlinear with its text as a Fortran string.
+  recursive subroutine check_filled_nonlinear(c_problem, c_options, text, status)
+    type(sfdae_nonlinear_problem), intent(in) :: c_problem
+    type(sfdae_options), intent(in) :: c_options
+    character(len=:), allocatable, intent(out) :: text
+    integer(c_int), intent(out) :: status
+    character(kind=c_char) :: buffer(1024)
+
+    buffer = c_null_char
+    status = c_check_nonlinear(c_problem, c_options, buffer, size(buffer, kind=c_size_t))
+    text = text_in(buffer)
+  end subroutine check_filled_nonlinear
 
   !> Before every call on a solver: refuses it if the solver does not exist.
   subroutine check_call(self, status)
@@ -1815,6 +2230,20 @@ contains
     if (.not. allocated(values)) return
     if (size(values) > 0) address = c_loc(values)
   end function address_in
+
+  !> A mismatch with rows and columns that count from 1.
+  function from_one(found) result(check)
+    type(sfdae_derivative_check), intent(in) :: found
+    type(sfdae_derivative_check) :: check
+
+    check = found
+    if (check%function == c_null_char) then
+      check%function = ' '
+    else
+      check%row = check%row + 1_c_int
+      check%column = check%column + 1_c_int
+    end if
+  end function from_one
 
   !> A truth value in C's terms.
   elemental function flag(condition) result(number)

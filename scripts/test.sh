@@ -113,7 +113,7 @@ elif ! valgrind --quiet true; then
   echo "valgrind does not work here (is libc6-dbg missing?): skipped"
 else
   mkdir -p build/reports/valgrind
-  for program in gelda_document underdetermined checkpoint dgelda; do
+  for program in gelda_document underdetermined checkpoint pendulum robot_arm dgelda; do
     if (cd build/reports/valgrind && LD_LIBRARY_PATH="$reference" valgrind --quiet --leak-check=full \
       --error-exitcode=99 "$root/build/release/examples/$program" > "$program.txt"); then
       echo "$program: no errors, no leaks"

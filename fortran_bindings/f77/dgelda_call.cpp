@@ -2,170 +2,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "f77/dgelda_call.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "f77/routine.h"
-#include "integrate/change_watch.h"
 #include "linalg/matrix.h"
 #include "problem/failure.h"
 #include "reduction/consistent_values.h"
 
 namespace sfdae::f77 {
 
-namespace {
-
-// IERR
-constexpr int step_taken = 1, tout_reached = 3, initial_values_found = 4;
-constexpr int many_steps = -1, tolerances_too_small = -2, weight_vanished = -3, step_too_small = -6, singular = -8;
-constexpr int functions_failed = -10, derivative_missing = -21;
-constexpr int called_after_failure = -998, called_after_illegal_input = -999;
-
-// Positions of outputs in IWORK
-constexpr int next_order = 7, last_order = 8, steps_before = 10, steps = 11, evaluations = 12, factorizations = 13,
-              error_failures = 14, other_failures = 15, array_rank = 19;
-// and in RWORK.
-constexpr int next_step = 3, t_internal = 4, last_step = 7, roundoff = 9;
-
-}  // namespace
-
-DgeldaCall::DgeldaCall(const Arguments& arguments, DgeldaProblem& user)
-    : arguments_(arguments), user_(user), state_(arguments), t_(*arguments.t) {}
-
-int DgeldaCall::run() noexcept {
-  try {
-    return dispatch();
-  } catch (const core::Failure& failure) {
-    const int ierr = code_of(failure.status());
-    if (ierr == no_characteristic_values && failure.status() == SFDAE_INDEX_TOO_HIGH) arguments_.cval.set(1, -1);
-    return ierr;
-  } catch (const core::DamagedArchive&) {
-    return code::bad_info;
-  } catch (...) {
-    return not_reduced;
-  }
-}
-
-int DgeldaCall::dispatch() {
-  const int phase = arguments_.info[1];
-  if (phase == -1) {
-    // Where IWORK was too short to keep the last IERR, that was the failure.
-    const bool is_illegal = arguments_.liw < shortest_iwork || code::is_illegal_input(arguments_.iwork.get(last_ierr));
-    return is_illegal ? called_after_illegal_input : called_after_failure;
-  }
-  if (phase < -1) return code::bad_info;
-  const bool is_first_call = phase == 0;
-  int result = is_first_call ? code::ok : state_.load(progress_);
-  if (result == code::ok) result = read_options(arguments_, is_first_call, options_);
-  if (result != code::ok) return result;
-  x_.resize(static_cast<std::size_t>(arguments_.n));
-  xdot_.resize(x_.size());
-  if (is_first_call) return first_call();
-  t_ = progress_.t_returned;
-  if (progress_.is_constant) {
-    user_.declare_constant();
-    user_.set_matrices(state_.matrices());
-  }
+void DgeldaCall::create_problem() {
+  settings_ = settings();
+  if (progress_.is_constant) user_.declare_constant();
+  const bool is_first_call = arguments_.info[1] == 0;
+  if (progress_.is_constant && !is_first_call) user_.set_matrices(state_.matrices());
   problem_.emplace(user_.callbacks());
-  problem_->set_differences({false, 0.0, std::fabs(progress_.span)});
-  return progress_.is_running ? go_on() : start_later();
+  set_differences();
 }
 
-// ---- Initial values ------------------------------------------------------------------------------------------
+void DgeldaCall::set_differences() { problem_->set_differences({false, 0.0, std::fabs(progress_.span)}); }
 
-int DgeldaCall::first_call() {
-  if (!std::isfinite(t_) || !std::isfinite(arguments_.tout)) return code::tout_too_close;
-  state_.invalidate();
-  store_options(arguments_, options_);
-  for (int position : {next_order, last_order, steps_before, steps, evaluations, factorizations, error_failures,
-                       other_failures})
-    arguments_.iwork.set(position, 0);
-  if (!options_.has_initial_step) arguments_.rwork(next_step) = 0.0;
-  arguments_.rwork(t_internal) = t_;
-  arguments_.rwork(last_step) = 0.0;
-  arguments_.rwork(roundoff) = std::numeric_limits<double>::epsilon();
-  if (arguments_.flag(5)) user_.declare_constant();
-  progress_.is_constant = user_.is_constant();
-  problem_.emplace(user_.callbacks());
-  if (arguments_.tout != t_) {
-    find_initial_point(arguments_.tout < t_ ? -1.0 : 1.0);
-    const int result = check_start(arguments_, options_, t_, x_.data());
-    if (result != code::ok) return result;
-    publish_values();
-    return start_integration();
-  }
-  const double hint = hinted_direction();
-  try {
-    find_initial_point(hint != 0.0 ? hint : 1.0);
-  } catch (const core::Failure& failure) {
-    // Nobody said that the functions are defined on this side of T.
-    const bool is_trouble = failure.status() == SFDAE_CALLBACK_FAILED || failure.status() == SFDAE_NOT_FINITE;
-    if (hint != 0.0 || !is_trouble || user_.last_t() == t_) throw;
-    find_initial_point(-1.0);
-  }
-  publish_values();
-  system_->accept();
-  progress_.t_returned = t_;
-  return state_.save(progress_, user_, *system_, nullptr) ? initial_values_found : not_reduced;
-}
-
-// +1 or -1 if H0 or TSTOP tell, else 0.
-double DgeldaCall::hinted_direction() const {
-  const double to_stop = options_.stop_time.value_or(t_) - t_;
-  const double h = options_.has_initial_step && options_.initial_step != 0.0 ? options_.initial_step : to_stop;
-  return h > 0.0 ? 1.0 : h < 0.0 ? -1.0 : 0.0;
-}
-
-void DgeldaCall::find_initial_point(double direction) {
-  double toward = arguments_.tout;
-  if (toward == t_) toward = t_ + direction * std::max(1.0, 1e-6 * std::fabs(t_));
-  if (options_.stop_time) {
-    const double stop = *options_.stop_time;
-    if ((stop - t_) * direction > 0.0 && (stop - toward) * direction < 0.0) toward = stop;
-  }
-  analyze(toward);
-  move_system();
-  find_values();
-}
-
-core::AnalysisSettings DgeldaCall::settings() const {
-  core::AnalysisSettings settings;
-  settings.max_index = std::min(options_.max_index, core::max_strangeness_index);
-  settings.orders_up_to_mu_only = true;
-  return settings;
-}
-
-// From the start on in the direction of integration, and not beyond TSTOP nor, with Radau, TOUT. Limits that do not lie
-// ahead are reported later.
-void DgeldaCall::limit_evaluations() {
-  const double direction = progress_.direction();
-  double end = direction * std::numeric_limits<double>::infinity();
-  const auto limit_to = [&](double limit) {
-    if ((limit - t_) * direction > 0.0 && (limit - end) * direction < 0.0) end = limit;
-  };
-  if (options_.stop_time) limit_to(*options_.stop_time);
-  if (arguments_.method == radau_method) limit_to(arguments_.tout);
-  problem_->set_limits(std::min(progress_.t_start, end), std::max(progress_.t_start, end));
-}
-
-void DgeldaCall::begin_interval(double toward) {
-  progress_.t_start = t_;
-  progress_.span = toward - t_;
-  problem_->set_differences({false, 0.0, std::fabs(progress_.span)});
-  limit_evaluations();
-}
+core::CheckpointTarget DgeldaCall::target() { return core::linear_target(*problem_, settings_); }
 
 void DgeldaCall::analyze(double toward) {
-  stage_ = Stage::structure;
-  begin_interval(toward);
+  set_differences();
   std::vector<core::RankDecision> decisions;
-  core::IndexAnalysis analysis = core::analyze_index(*problem_, t_, toward, settings(), arena_, decisions);
-  system_ = std::make_unique<core::LinearSystem>(*problem_, settings(), std::move(analysis),
+  core::IndexAnalysis analysis = core::analyze_index(*problem_, t_, toward, settings_, arena_, decisions);
+  system_ = std::make_unique<core::LinearSystem>(*problem_, settings_, std::move(analysis),
                                                  core::LeadingTerm::automatic);
 }
 
-void DgeldaCall::move_system() {
+void DgeldaCall::settle_at_values() {
+  set_differences();
   core::PointStatus status = system_->move_to(t_);
   if (status == core::PointStatus::leading_changed) {
     system_->give_up_projector();
@@ -178,199 +45,21 @@ void DgeldaCall::move_system() {
 }
 
 void DgeldaCall::find_values() {
+  settle_at_values();
   stage_ = Stage::values;
-  std::copy_n(arguments_.x, x_.size(), x_.data());
-  if (!core::all_finite(x_.data(), x_.size())) throw core::Failure(SFDAE_INCONSISTENT_VALUES, "");
   if (!arguments_.flag(11)) {
     core::ConsistencyRequest request;
     if (arguments_.flag(12)) request.kind = core::InitialValues::keep_differential;
-    core::make_consistent(*system_, request, x_);
+    core::make_consistent(system(), request, x_);
   }
   stage_ = Stage::slopes;
   system_->consistent_derivative(x_.data(), progress_.direction(), xdot_.data());
   if (user_.lacks_derivative()) throw core::Failure(SFDAE_CALLBACK_STOPPED, "");
-  if (!core::all_finite(xdot_.data(), xdot_.size())) throw core::Failure(SFDAE_INCONSISTENT_VALUES, "");
+  if (!core::all_finite(xdot_.data(), xdot_.size())) stop_for_values(Stage::slopes);
 }
 
-// The integration after a first call with TOUT = T, from X and XPRIME as they are now.
-int DgeldaCall::start_later() {
-  std::copy_n(arguments_.x, x_.size(), x_.data());
-  std::copy_n(arguments_.xprime, xdot_.size(), xdot_.data());
-  const int result = check_start(arguments_, options_, t_, x_.data());
-  if (result != code::ok) return result;
-  stage_ = Stage::values;
-  if (!core::all_finite(x_.data(), x_.size())) throw core::Failure(SFDAE_INCONSISTENT_VALUES, "");
-  stage_ = Stage::slopes;
-  if (!core::all_finite(xdot_.data(), xdot_.size())) throw core::Failure(SFDAE_INCONSISTENT_VALUES, "");
-  stage_ = Stage::structure;
-  const bool has_turned = (arguments_.tout < t_) != (progress_.span < 0.0) && !progress_.is_constant;
-  if (has_turned) {
-    analyze(arguments_.tout);
-  } else {
-    begin_interval(arguments_.tout);
-    system_ = state_.restore_system(*problem_, settings(), progress_);
-  }
-  move_system();
-  return start_integration();
-}
-
-// ---- Integration ---------------------------------------------------------------------------------------------
-
-int DgeldaCall::start_integration() {
-  progress_.is_running = true;
-  core::IntegrationOptions options = options_of_integration();
-  if (options_.has_initial_step) options.initial_step = std::fabs(options_.initial_step);
-  integration_ = std::make_unique<core::Integration>(*system_, std::make_unique<core::ChangeWatch>(*system_), options, t_,
-                                                     arguments_.tout, x_, xdot_);
-  return advance();
-}
-
-int DgeldaCall::go_on() {
-  limit_evaluations();
-  core::Restored restored;
-  try {
-    restored = state_.restore(*problem_, settings(), options_of_integration(), progress_);
-  } catch (const core::Failure&) {
-    return code::bad_info;
-  }
-  system_.reset(static_cast<core::LinearSystem*>(restored.system.release()));
-  integration_ = std::move(restored.integration);
-  const core::Stepper& stepper = integration_->stepper();
-  const int result = check_continuation(arguments_, options_, t_, stepper.t(), integration_->direction());
-  return result == code::ok ? advance() : result;
-}
-
-core::IntegrationOptions DgeldaCall::options_of_integration() {
-  core::IntegrationOptions options = integration_options(arguments_, options_);
-  const std::vector<double>& atol = options.tolerances.atol;
-  if (std::any_of(atol.begin(), atol.end(), [](double a) { return a == 0.0; })) {
-    options.monitor = watch_weights;
-    options.monitor_user = this;
-  }
-  return options;
-}
-
-bool DgeldaCall::has_zero_weight(const double* x) const {
-  for (int i = 0; i < arguments_.n; ++i)
-    if (arguments_.weight(i, x[i]) <= 0.0) return true;
-  return false;
-}
-
-// Stops where the next step would have a weight that is zero.
-int DgeldaCall::watch_weights(const sfdae_progress* progress, void* user) {
-  const DgeldaCall& call = *static_cast<const DgeldaCall*>(user);
-  return !call.has_passed_tout(progress->t) && call.has_zero_weight(progress->x) ? 1 : 0;
-}
-
-bool DgeldaCall::has_passed_tout(double t) const { return (t - arguments_.tout) * progress_.direction() >= 0.0; }
-
-int DgeldaCall::advance() {
-  stage_ = Stage::integration;
-  const long points_before = user_.points();
-  arguments_.iwork.set(steps_before, integration_->counts().steps);
-  const core::Stepper& stepper = integration_->stepper();
-  core::CallResult result;
-  if (!has_passed_tout(stepper.t()) && has_zero_weight(stepper.x().data())) {
-    result.status = SFDAE_STOPPED;
-    t_ = stepper.t();
-    x_ = stepper.x();
-    std::copy_n(arguments_.xprime, xdot_.size(), xdot_.data());
-  } else {
-    result = integration_->advance(arguments_.tout, arguments_.flag(3), t_, x_.data(), xdot_.data());
-  }
-  // Between the last point returned and a TOUT that was already asked for, but failed.
-  if (result.status == SFDAE_ILLEGAL_ARGUMENT) return code::wrong_direction;
-  if (user_.lacks_derivative()) result.status = SFDAE_CALLBACK_STOPPED;
-  const int ierr = code_of(result.status);
-  publish_values();
-  publish_counts(user_.points() - points_before);
-  if (ierr == tolerances_too_small) enlarge_tolerances();
-  if (ierr == values_changed) {
-    const auto& change = integration_->change();
-    publish_characteristics(change ? change->new_values
-                                   : core::find_local_values(*problem_, arguments_.tout, settings(), arena_));
-  }
-  // After an interruption behind TOUT that TOUT may be asked for again.
-  if (!has_passed_tout(t_) || t_ == arguments_.tout) progress_.t_returned = t_;
-  return state_.save(progress_, user_, *system_, integration_.get()) ? ierr : not_reduced;
-}
-
-// By 100 eps |X| in the weighted norm, or somewhat more if it takes more for all components to fit.
-void DgeldaCall::enlarge_tolerances() {
-  const double* x = integration_->stepper().x().data();
-  double squares = 0.0, largest = 0.0;
-  for (int i = 0; i < arguments_.n; ++i) {
-    const double weight = arguments_.weight(i, x[i]), ratio = weight > 0.0 ? std::fabs(x[i]) / weight : 0.0;
-    squares += ratio * ratio;
-    largest = std::max(largest, ratio);
-  }
-  constexpr double eps = std::numeric_limits<double>::epsilon();
-  const double norm = std::sqrt(squares / arguments_.n);
-  // The test of the core is that of the largest component with half of eps.
-  const double factor = 100.0 * eps * std::max(norm, 0.5 * (1.0 + 4.0 * eps) * largest);
-  const int count = arguments_.flag(2) ? arguments_.n : 1;
-  for (int i = 0; i < count; ++i) {
-    arguments_.rtol[i] *= factor;
-    arguments_.atol[i] *= factor;
-  }
-}
-
-// ---- Results -------------------------------------------------------------------------------------------------
-
-int DgeldaCall::code_of(int status) const {
-  const bool is_start = stage_ != Stage::integration;
-  switch (status) {
-    case SFDAE_OK: return tout_reached;
-    case SFDAE_STEP_TAKEN: return step_taken;
-    case SFDAE_STOPPED: return weight_vanished;
-    case SFDAE_MAX_STEPS: return many_steps;
-    case SFDAE_TOLERANCE_TOO_SMALL: return tolerances_too_small;
-    case SFDAE_STEP_TOO_SMALL: return step_too_small;
-    case SFDAE_SINGULAR: return singular;
-    case SFDAE_CALLBACK_STOPPED: return user_.has_wrong_width() ? code::wrong_width : derivative_missing;
-    case SFDAE_CALLBACK_FAILED: return is_start ? no_characteristic_values : functions_failed;
-    case SFDAE_NOT_FINITE:
-      // No subroutine is called for the values themselves.
-      return !is_start ? functions_failed : stage_ == Stage::values ? no_consistent_value : no_characteristic_values;
-    case SFDAE_INDEX_TOO_HIGH:
-    case SFDAE_RANK_UNCLEAR: return no_characteristic_values;
-    case SFDAE_CHARACTERISTICS_CHANGED: return is_start ? no_characteristic_values : values_changed;
-    case SFDAE_INCONSISTENT_VALUES: return stage_ == Stage::slopes ? no_initial_derivative : no_consistent_value;
-    case SFDAE_INCONSISTENT_EQUATIONS:
-    case SFDAE_FIXED_VALUES: return no_consistent_value;
-    default: return not_reduced;
-  }
-}
-
-void DgeldaCall::publish_characteristics(const core::CharacteristicValues& values) const {
-  const int all[] = {values.mu, values.d, values.a, values.u};
-  for (int i = 0; i < 4; ++i) arguments_.cval.set(i + 1, all[i]);
-}
-
-// T, X, XPRIME, CVAL.
-void DgeldaCall::publish_values() const {
-  const core::IndexAnalysis& analysis = system_->analysis();
-  publish_characteristics(analysis.values);
-  arguments_.iwork.set(array_rank, (analysis.values.mu + 1) * arguments_.n - analysis.values.a - analysis.v_hat);
-  *arguments_.t = t_;
-  std::copy(x_.begin(), x_.end(), arguments_.x);
-  std::copy(xdot_.begin(), xdot_.end(), arguments_.xprime);
-}
-
-void DgeldaCall::publish_counts(long points) const {
-  const core::Stepper& stepper = integration_->stepper();
-  const core::IntegrationCounts counts = integration_->counts();
-  const IntegerArray& iwork = arguments_.iwork;
-  iwork.set(next_order, stepper.next_order());
-  iwork.set(last_order, stepper.order());
-  iwork.set(steps, counts.steps);
-  iwork.set(evaluations, iwork.get(evaluations) + points);
-  iwork.set(factorizations, counts.factorizations);
-  iwork.set(error_failures, counts.error_failures);
-  iwork.set(other_failures, counts.other_failures);
-  arguments_.rwork(next_step) = stepper.next_step();
-  arguments_.rwork(last_step) = stepper.last_step();
-  arguments_.rwork(t_internal) = stepper.t();
+core::CharacteristicValues DgeldaCall::local_values(double t) {
+  return core::find_local_values(*problem_, t, settings_, arena_);
 }
 
 }  // namespace sfdae::f77

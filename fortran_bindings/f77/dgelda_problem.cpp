@@ -9,9 +9,6 @@ namespace sfdae::f77 {
 
 namespace {
 
-// What callbacks return to the core.
-constexpr int point_failed = 1, stop_at_once = -1;
-
 std::size_t square(int n) { return static_cast<std::size_t>(n) * static_cast<std::size_t>(n); }
 
 }  // namespace
@@ -42,20 +39,10 @@ int DgeldaProblem::evaluate(char which, double t, int order, double* values) {
     std::copy_n(matrices_.data() + first, entries, values);
     return 0;
   }
-  if (which == 'f' && order == 0) ++points_;
-  last_t_ = t;
-  switch (call_user(which, t, order, values)) {
-    case function_ok:
-      break;
-    case order_not_available:
-      lacks_derivative_ = true;
-      return stop_at_once;
-    case wrong_integer_width:
-      has_wrong_width_ = true;
-      return stop_at_once;
-    default:
-      return point_failed;
-  }
+  count_point(t, which == 'f' && order == 0);
+  const int result = result_of(call_user(which, t, order, values));
+  if (result == SFDAE_ORDER_NOT_AVAILABLE) return stop_for_missing_derivative();
+  if (result != 0) return result;
   if (is_kept) {
     matrices_.resize(2 * entries);
     std::copy_n(values, entries, matrices_.data() + first);

@@ -4,33 +4,22 @@
 
 #include <vector>
 
-#include "f77/user_functions.h"
-#include "sfdae/sfdae.h"
+#include "f77/user_problem.h"
 
 namespace sfdae::f77 {
 
-class DgeldaProblem {
+class DgeldaProblem : public UserProblem {
  public:
   explicit DgeldaProblem(int n) : n_(n) {}
-  DgeldaProblem(const DgeldaProblem&) = delete;
-  DgeldaProblem& operator=(const DgeldaProblem&) = delete;
-  virtual ~DgeldaProblem() = default;
 
   // E and A do not depend on t: they are computed once and kept, E first, column by column.
   void declare_constant() { is_constant_ = true; }
-  bool is_constant() const { return is_constant_; }
-  std::vector<double>& matrices() { return matrices_; }
+  const std::vector<double>& matrices() const { return matrices_; }
   // EDIF and ADIF are not called any more.
   void set_matrices(const double* values);
 
   // For core::LinearProblem; this object must outlive it.
   sfdae_linear_problem callbacks();
-
-  bool has_wrong_width() const { return has_wrong_width_; }
-  bool lacks_derivative() const { return lacks_derivative_; }  // one that was asked for
-  double last_t() const { return last_t_; }                    // at which a subroutine was called
-  // Points at which f was computed.
-  long points() const { return points_; }
 
  protected:
   virtual int call_user(char which, double t, int order, double* values) = 0;
@@ -46,10 +35,6 @@ class DgeldaProblem {
   bool is_constant_ = false;
   bool has_E_ = false, has_A_ = false;  // in matrices_
   std::vector<double> matrices_;
-  bool has_wrong_width_ = false;
-  bool lacks_derivative_ = false;
-  double last_t_ = 0.0;
-  long points_ = 0;
 };
 
 template <class Integer>

@@ -60,6 +60,14 @@ class IntegerArgument<std::int64_t> {
   std::int64_t value_;
 };
 
+// What a user's function has done with its last argument.
+template <class Integer>
+int code_of(const IntegerArgument<Integer>& ierr) {
+  if (ierr.is_overrun()) return wrong_integer_width;
+  const int code = ierr.value();
+  return code == function_ok || code == order_not_available ? code : function_failed;
+}
+
 template <class Integer>
 struct UserFunctions {
   MatrixFunction<Integer> edif;
@@ -77,9 +85,7 @@ struct UserFunctions {
     else
       (which == 'E' ? edif : adif)(n_argument.address(), &t, order_argument.address(), values, leading.address(), ipar,
                                    rpar, ierr.address());
-    if (ierr.is_overrun()) return wrong_integer_width;
-    const int code = ierr.value();
-    return code == function_ok || code == order_not_available ? code : function_failed;
+    return code_of(ierr);
   }
 };
 

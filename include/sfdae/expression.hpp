@@ -75,6 +75,11 @@ inline Expression parameter(sfdae_record* record, const std::string& name, doubl
   return sfdae_parameter(record, name.c_str(), value);
 }
 
+/// In the recording that an expression belongs to, for example t.
+inline Expression parameter(const Expression& t, const std::string& name, double value) noexcept {
+  return sfdae_parameter(t.c().record, name.c_str(), value);
+}
+
 }  // namespace sfdae
 
 #endif

@@ -571,6 +571,9 @@ SFDAE_API int sfdae_get_statistics(const sfdae_solver *solver, sfdae_statistics 
 
 /* ---- Looking inside -------------------------------------------------------------------------- */
 
+/* The derivative array, the projectors and the strangeness-free system below are those of linear problems, recorded ones
+ * included. For nonlinear problems, where they depend on more than t, the answer is SFDAE_ILLEGAL_ARGUMENT. */
+
 /* The diagnostics report as text: index analysis with every rank decision, initial values, integration.
  * Writes at most length characters, final zero included. *needed (may be NULL): length of the whole text + 1. */
 SFDAE_API int sfdae_report(const sfdae_solver *solver, char *text, size_t length, size_t *needed);
@@ -594,14 +597,14 @@ SFDAE_API int sfdae_get_projectors(sfdae_solver *solver, double t, double *Z1, d
 SFDAE_API int sfdae_get_strangeness_free(sfdae_solver *solver, double t, double *E1, double *A1, double *f1,
                                          double *A2, double *f2, double *residual);
 
-/* Worst mismatch found by sfdae_check_derivatives. */
+/* Worst mismatch found by sfdae_check_derivatives or sfdae_check_total_derivatives. */
 typedef struct sfdae_derivative_check {
   size_t size;
-  char function;        /* 'E', 'A' or 'f'; 0 if nothing could be compared */
-  int order;            /* of the derivative, >= 1 */
-  int row, column;      /* of the entry, from 0; column 0 for f */
+  char function;        /* 'E', 'A' or 'f'; 'F', 'x' (F_x) or 'd' (F_x'); 0 if nothing could be compared */
+  int order;            /* of the derivative; >= 1, but for 'x' and 'd' */
+  int row, column;      /* of the entry, from 0; column 0 for f and F */
   double supplied;      /* by the callback */
-  double difference;    /* by differences of order - 1 */
+  double difference;    /* by differences of order - 1, or of F for 'x' and 'd' */
   double error;         /* |supplied - difference| relative to the size of the function's derivatives */
   double uncertainty;   /* of the differences, likewise; an error far above is a mistake in the callback */
   int suspicious;       /* 1 if error > 100 uncertainty */
@@ -612,6 +615,13 @@ SFDAE_API int sfdae_derivative_check_init(sfdae_derivative_check *check, size_t 
  * the order below, and reports the worst mismatch; sfdae_message says it in words if it is suspicious. Orders that
  * are not available are passed over. */
 SFDAE_API int sfdae_check_derivatives(sfdae_solver *solver, double t, int max_order, sfdae_derivative_check *result);
+
+/* The same for the total derivatives that sfdae_nonlinear_problem.total_derivative supplies along a jet, which need not be
+ * consistent: derivatives, n x (max_order + 2), as that function gets them; best without zeros. F of the orders 1 ...
+ * max_order (0 ... 13) is compared with differences in t of the order below, F_x and F_x' of the orders 0 ... max_order with
+ * differences of F with respect to x and x'. SFDAE_ILLEGAL_ARGUMENT if the library differentiates by itself. */
+SFDAE_API int sfdae_check_total_derivatives(sfdae_solver *solver, double t, const double *derivatives, int max_order,
+                                            sfdae_derivative_check *result);
 
 #ifdef __cplusplus
 }

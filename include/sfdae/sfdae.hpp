@@ -13,10 +13,15 @@
 //     sfdae::Point point{0.0, {1.0, 1.0}, {}};
 //     solver.start(point, 10.0);
 //     solver.advance(10.0, point);
+//
+// Nonlinear problems are written once, as formulas:
+//
+//     sfdae::NonlinearProblem problem(2, 2);
+//     problem.equations = [](const auto&, auto x, auto xdot, auto F) { F[0] = xdot[0] + x[1], F[1] = x[0] * x[1] - 1; };
 #ifndef SFDAE_SFDAE_HPP
 #define SFDAE_SFDAE_HPP
 
-#include <sfdae/expression.hpp>
+#include <sfdae/problem.hpp>
 #include <sfdae/sfdae.h>
 
 #include <cstddef>
@@ -25,8 +30,8 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace sfdae {
@@ -60,50 +65,6 @@ class Error : public std::runtime_error {
   int status_;
 };
 
-/// Matrix that lives elsewhere; copies of the view show the same entries.
-class MatrixRef {
- public:
-  MatrixRef(double* values, int rows, int columns) noexcept : values_(values), rows_(rows), columns_(columns) {}
-  double& operator()(int i, int j) const noexcept { return values_[i + std::ptrdiff_t{j} * rows_]; }
-  int rows() const noexcept { return rows_; }
-  int columns() const noexcept { return columns_; }
-  double* data() const noexcept { return values_; }
-
- private:
-  double* values_;
-  int rows_, columns_;
-};
-
-/// Vector that lives elsewhere.
-class VectorRef {
- public:
-  VectorRef(double* values, int size) noexcept : values_(values), size_(size) {}
-  double& operator[](int i) const noexcept { return values_[i]; }
-  int size() const noexcept { return size_; }
-  double* data() const noexcept { return values_; }
-  double* begin() const noexcept { return values_; }
-  double* end() const noexcept { return values_ + size_; }
-
- private:
-  double* values_;
-  int size_;
-};
-
-/// Vector that lives elsewhere, to be read.
-class ConstVectorRef {
- public:
-  ConstVectorRef(const double* values, int size) noexcept : values_(values), size_(size) {}
-  double operator[](int i) const noexcept { return values_[i]; }
-  int size() const noexcept { return size_; }
-  const double* data() const noexcept { return values_; }
-  const double* begin() const noexcept { return values_; }
-  const double* end() const noexcept { return values_ + size_; }
-
- private:
-  const double* values_;
-  int size_;
-};
-
 /// Matrix that owns its entries.
 class Matrix {
  public:
@@ -125,84 +86,8 @@ class Matrix {
   std::vector<double> values_;
 };
 
-/// Function of time that writes its derivative of the given order into a view filled with zeros:
-///     [](double t, int order, sfdae::MatrixRef E) { ... }
-/// It returns nothing, or an int as in C: 0 ok, > 0 cannot evaluate here, < 0 stop, SFDAE_ORDER_NOT_AVAILABLE.
-template <class View>
-class TimeFunction {
- public:
-  TimeFunction() = default;
-  TimeFunction(std::nullptr_t) {}
-
-  template <class F, class = std::enable_if_t<std::is_invocable_v<F&, double, int, View>>>
-  TimeFunction(F function) {
-    using Result = std::invoke_result_t<F&, double, int, View>;
-    static_assert(std::is_void_v<Result> || std::is_same_v<Result, int>, "return nothing, or an int as in C");
-    if constexpr (std::is_void_v<Result>) {
-      function_ = [f = std::move(function)](double t, int order, View view) mutable {
-        f(t, order, view);
-        return 0;
-      };
-    } else {
-      function_ = std::move(function);
-    }
-  }
-
-  explicit operator bool() const noexcept { return static_cast<bool>(function_); }
-  int call(double t, int order, View view) const { return function_(t, order, view); }
-
- private:
-  std::function<int(double, int, View)> function_;
-};
-using MatrixFunction = TimeFunction<MatrixRef>;
-using VectorFunction = TimeFunction<VectorRef>;
-
-/// Event functions, see sfdae_set_events: writes g_i(t, x, x') into a view filled with zeros,
-///     [](double t, sfdae::ConstVectorRef x, sfdae::ConstVectorRef xdot, sfdae::VectorRef g) { ... }
-/// It returns nothing, or an int as in C: 0 ok, > 0 cannot evaluate here, < 0 stop.
-class EventFunction {
- public:
-  EventFunction() = default;
-  EventFunction(std::nullptr_t) {}
-
-  template <class F, class = std::enable_if_t<std::is_invocable_v<F&, double, ConstVectorRef, ConstVectorRef, VectorRef>>>
-  EventFunction(F function) {
-    using Result = std::invoke_result_t<F&, double, ConstVectorRef, ConstVectorRef, VectorRef>;
-    static_assert(std::is_void_v<Result> || std::is_same_v<Result, int>, "return nothing, or an int as in C");
-    if constexpr (std::is_void_v<Result>) {
-      function_ = [f = std::move(function)](double t, ConstVectorRef x, ConstVectorRef xdot, VectorRef g) mutable {
-        f(t, x, xdot, g);
-        return 0;
-      };
-    } else {
-      function_ = std::move(function);
-    }
-  }
-
-  explicit operator bool() const noexcept { return static_cast<bool>(function_); }
-  int call(double t, ConstVectorRef x, ConstVectorRef xdot, VectorRef g) const { return function_(t, x, xdot, g); }
-
- private:
-  std::function<int(double, ConstVectorRef, ConstVectorRef, VectorRef)> function_;
-};
-
 /// Called after every accepted step; true stops the call with SFDAE_STOPPED.
 using Monitor = std::function<bool(const Progress&)>;
-
-/// E(t) x' = A(t) x + f(t), see sfdae_linear_problem.
-struct LinearProblem {
-  LinearProblem(int equations, int unknowns) : num_equations(equations), num_unknowns(unknowns) {}
-
-  int num_equations;
-  int num_unknowns;
-  MatrixFunction E;
-  MatrixFunction A;
-  VectorFunction f;  ///< not given: f = 0
-  bool constant_E = false;
-  bool constant_A = false;
-  std::vector<int> prescribed;       ///< indices of the components that are prescribed, u > 0 only
-  VectorFunction prescribed_values;  ///< writes their values; order is 0
-};
 
 /// sfdae_options with its defaults. The members declared here replace those of the same name in C.
 struct Options : sfdae_options {
@@ -249,16 +134,23 @@ class Solver {
   /// Copies what is given. Throws Error if it makes no sense.
   explicit Solver(LinearProblem problem, const Options& options = {})
       : state_(std::make_unique<State>(std::move(problem), options.monitor)) {
-    const sfdae_linear_problem c_problem = in_c(state_->problem, state_.get());
-    const sfdae_options c_options = in_c(options, state_->problem.num_unknowns, state_.get());
-    const int status = sfdae_create_linear(&state_->solver, &c_problem, &c_options);
-    if (status < 0) throw Error(status, complaint(c_problem, c_options));
+    create(sfdae_create_linear, sfdae_check_linear, std::get<LinearProblem>(state_->problem), options);
+  }
+
+  /// Records the equations, if the problem has some. Exceptions of the function that writes them are passed on.
+  explicit Solver(NonlinearProblem problem, const Options& options = {})
+      : state_(std::make_unique<State>(std::move(problem), options.monitor)) {
+    create(sfdae_create_nonlinear, sfdae_check_nonlinear, std::get<NonlinearProblem>(state_->problem), options);
   }
 
   /// What is wrong with a problem and its options, in words; "" if nothing is.
   static std::string check(const LinearProblem& problem, const Options& options = {}) {
     State state(problem, options.monitor);
-    return complaint(in_c(state.problem, &state), in_c(options, problem.num_unknowns, &state));
+    return complaint(sfdae_check_linear, in_c(problem, &state), in_c(options, problem.num_unknowns, &state), state);
+  }
+  static std::string check(const NonlinearProblem& problem, const Options& options = {}) {
+    State state(problem, options.monitor);
+    return complaint(sfdae_check_nonlinear, in_c(problem, &state), in_c(options, problem.num_unknowns, &state), state);
   }
 
   /// Replaces the options, the monitor included; the point reached stays. See sfdae_set_options for those that
@@ -279,6 +171,22 @@ class Solver {
 
   /// Detects the strangeness index at t, forward or backward toward the given time.
   int analyze(double t, double toward) { return checked(sfdae_analyze(get(), t, toward, nullptr)); }
+
+  /// The same along the solution through a point near point.x, for nonlinear problems.
+  int analyze_at(const Point& point, double toward) {
+    require_size(point.x.size(), num_unknowns(), "x");
+    return checked(sfdae_analyze_at(get(), point.t, toward, point.x.data(), nullptr));
+  }
+
+  /// Parameters of recorded equations. After a change start() has to follow.
+  int set_parameter(const std::string& name, double value) {
+    return checked(sfdae_set_parameter(get(), name.c_str(), value));
+  }
+  double parameter(const std::string& name) const {
+    double value = 0;
+    checked(sfdae_get_parameter(get(), name.c_str(), &value));
+    return value;
+  }
 
   /// The characteristic values in use.
   Characteristics characteristics() const { return filled(sfdae_characteristics_init, sfdae_get_characteristics); }
@@ -431,8 +339,17 @@ class Solver {
     return result;
   }
 
-  int num_equations() const noexcept { return state_ ? state_->problem.num_equations : 0; }
-  int num_unknowns() const noexcept { return state_ ? state_->problem.num_unknowns : 0; }
+  /// The same for total derivatives along a jet: derivatives, n x (highest order compared + 2).
+  DerivativeCheck check_total_derivatives(double t, const Matrix& derivatives) {
+    require_size(size(derivatives.rows()), num_unknowns(), "a column of derivatives");
+    DerivativeCheck result;
+    sfdae_derivative_check_init(&result, sizeof result);
+    checked(sfdae_check_total_derivatives(get(), t, derivatives.data(), derivatives.columns() - 2, &result));
+    return result;
+  }
+
+  int num_equations() const noexcept { return state_ ? state_->num_equations : 0; }
+  int num_unknowns() const noexcept { return state_ ? state_->num_unknowns : 0; }
 
   /// The C handle; it stays with this object.
   sfdae_solver* get() const noexcept { return state_ ? state_->solver : nullptr; }
@@ -440,7 +357,9 @@ class Solver {
  private:
   /// What the C callbacks get as `user`: on the heap, so that it stays in place when the Solver moves.
   struct State {
-    State(LinearProblem p, Monitor m) : problem(std::move(p)), monitor(std::move(m)) {}
+    template <class AnyProblem>
+    State(AnyProblem p, Monitor m)
+        : num_equations(p.num_equations), num_unknowns(p.num_unknowns), problem(std::move(p)), monitor(std::move(m)) {}
     ~State() { sfdae_destroy(&solver); }
     State(const State&) = delete;
     State& operator=(const State&) = delete;
@@ -456,7 +375,13 @@ class Solver {
       }
     }
 
-    LinearProblem problem;
+    /// Lets an exception go on its way that waits.
+    void rethrow() {
+      if (exception) std::rethrow_exception(std::exchange(exception, nullptr));
+    }
+
+    int num_equations, num_unknowns;
+    std::variant<LinearProblem, NonlinearProblem> problem;
     Monitor monitor;
     EventFunction event_function;
     int num_events = 0;
@@ -467,21 +392,69 @@ class Solver {
   template <MatrixFunction LinearProblem::*function>
   static int call_matrix(double t, int order, double* values, void* user) noexcept {
     State& state = *static_cast<State*>(user);
-    const LinearProblem& problem = state.problem;
     return state.guarded([&] {
-      return (problem.*function).call(t, order, {values, problem.num_equations, problem.num_unknowns});
+      const LinearProblem& problem = std::get<LinearProblem>(state.problem);
+      return (problem.*function).call(t, order, {values, state.num_equations, state.num_unknowns});
     });
   }
 
   static int call_f(double t, int order, double* values, void* user) noexcept {
     State& state = *static_cast<State*>(user);
-    return state.guarded([&] { return state.problem.f.call(t, order, {values, state.problem.num_equations}); });
+    return state.guarded(
+        [&] { return std::get<LinearProblem>(state.problem).f.call(t, order, {values, state.num_equations}); });
   }
 
+  template <class AnyProblem>
   static int call_prescribed(double t, int order, double* values, void* user) noexcept {
     State& state = *static_cast<State*>(user);
-    const int count = static_cast<int>(state.problem.prescribed.size());
-    return state.guarded([&] { return state.problem.prescribed_values.call(t, order, {values, count}); });
+    return state.guarded([&] {
+      const AnyProblem& problem = std::get<AnyProblem>(state.problem);
+      return problem.prescribed_values.call(t, order, {values, static_cast<int>(problem.prescribed.size())});
+    });
+  }
+
+  static int call_equations(sfdae_record*, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
+                            sfdae_expression* residual, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    return state.guarded([&] {
+      const int m = state.num_equations, n = state.num_unknowns;
+      const std::vector<Expression> unknowns(x, x + n), derivatives(xdot, xdot + n);
+      std::vector<Expression> F(residual, residual + m);
+      const int outcome = std::get<NonlinearProblem>(state.problem)
+                              .equations.call(t, {unknowns.data(), n}, {derivatives.data(), n}, {F.data(), m});
+      copy_back(F, residual);
+      return outcome;
+    });
+  }
+
+  static int call_linear_equations(sfdae_record*, sfdae_expression t, sfdae_expression* E, sfdae_expression* A,
+                                   sfdae_expression* f, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    return state.guarded([&] {
+      const int m = state.num_equations, n = state.num_unknowns;
+      std::vector<Expression> matrix_E(size(m) * size(n)), matrix_A(matrix_E), vector_f(size(m));
+      const int outcome =
+          std::get<NonlinearProblem>(state.problem)
+              .linear_equations.call(t, {matrix_E.data(), m, n}, {matrix_A.data(), m, n}, {vector_f.data(), m});
+      copy_back(matrix_E, E);
+      copy_back(matrix_A, A);
+      copy_back(vector_f, f);
+      return outcome;
+    });
+  }
+
+  static int call_total_derivative(double t, int order, const double* derivatives, double* F, double* F_x,
+                                   double* F_xdot, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    return state.guarded([&] {
+      const int m = state.num_equations, n = state.num_unknowns;
+      return std::get<NonlinearProblem>(state.problem)
+          .total_derivative.call(t, order, {derivatives, n, order + 2}, {{F, m}, {F_x, m, n}, {F_xdot, m, n}});
+    });
+  }
+
+  static void copy_back(const std::vector<Expression>& from, sfdae_expression* to) noexcept {
+    for (const Expression& expression : from) *to++ = expression.c();
   }
 
   static int call_monitor(const sfdae_progress* progress, void* user) noexcept {
@@ -491,7 +464,7 @@ class Solver {
 
   static int call_events(double t, const double* x, const double* xdot, double* g, void* user) noexcept {
     State& state = *static_cast<State*>(user);
-    const int n = state.problem.num_unknowns;
+    const int n = state.num_unknowns;
     return state.guarded([&] { return state.event_function.call(t, {x, n}, {xdot, n}, {g, state.num_events}); });
   }
 
@@ -505,11 +478,29 @@ class Solver {
     c.f = problem.f ? call_f : nullptr;
     c.constant_E = problem.constant_E ? 1 : 0;
     c.constant_A = problem.constant_A ? 1 : 0;
-    c.num_prescribed = static_cast<int>(problem.prescribed.size());
-    c.prescribed = problem.prescribed.empty() ? nullptr : problem.prescribed.data();
-    c.prescribed_values = problem.prescribed_values ? call_prescribed : nullptr;
+    fill_prescribed(problem, c);
     c.user = user;
     return c;
+  }
+
+  static sfdae_nonlinear_problem in_c(const NonlinearProblem& problem, State* user) {
+    sfdae_nonlinear_problem c;
+    sfdae_nonlinear_problem_init(&c, sizeof c);
+    c.num_equations = problem.num_equations;
+    c.num_unknowns = problem.num_unknowns;
+    c.equations = problem.equations ? call_equations : nullptr;
+    c.linear_equations = problem.linear_equations ? call_linear_equations : nullptr;
+    c.total_derivative = problem.total_derivative ? call_total_derivative : nullptr;
+    fill_prescribed(problem, c);
+    c.user = user;
+    return c;
+  }
+
+  template <class AnyProblem, class AnyCProblem>
+  static void fill_prescribed(const AnyProblem& problem, AnyCProblem& c) {
+    c.num_prescribed = static_cast<int>(problem.prescribed.size());
+    c.prescribed = problem.prescribed.empty() ? nullptr : problem.prescribed.data();
+    c.prescribed_values = problem.prescribed_values ? call_prescribed<AnyProblem> : nullptr;
   }
 
   /// The vectors are borrowed from `options`.
@@ -539,9 +530,27 @@ class Solver {
 
   static std::size_t size(int count) noexcept { return count < 0 ? 0 : static_cast<std::size_t>(count); }
 
-  static std::string complaint(const sfdae_linear_problem& problem, const sfdae_options& options) {
+  template <class CProblem>
+  using Create = int (*)(sfdae_solver**, const CProblem*, const sfdae_options*);
+  template <class CProblem>
+  using Check = int (*)(const CProblem*, const sfdae_options*, char*, std::size_t);
+
+  template <class CProblem, class AnyProblem>
+  void create(Create<CProblem> create_in_c, Check<CProblem> check_in_c, const AnyProblem& problem,
+              const Options& options) {
+    const CProblem c_problem = in_c(problem, state_.get());
+    const sfdae_options c_options = in_c(options, problem.num_unknowns, state_.get());
+    const int status = create_in_c(&state_->solver, &c_problem, &c_options);
+    state_->rethrow();
+    if (status < 0) throw Error(status, complaint(check_in_c, c_problem, c_options, *state_));
+  }
+
+  template <class CProblem>
+  static std::string complaint(Check<CProblem> check_in_c, const CProblem& problem, const sfdae_options& options,
+                               State& state) {
     char text[1024] = "";
-    const int status = sfdae_check_linear(&problem, &options, text, sizeof text);
+    const int status = check_in_c(&problem, &options, text, sizeof text);
+    state.rethrow();
     return status < 0 && text[0] == '\0' ? sfdae_status_name(status) : text;
   }
 
@@ -562,7 +571,7 @@ class Solver {
 
   /// Passes on the status, unless the call failed or an exception waits.
   int checked(int status) const {
-    if (state_ && state_->exception) std::rethrow_exception(std::exchange(state_->exception, nullptr));
+    if (state_) state_->rethrow();
     if (status < 0) throw Error(status, sfdae_message(get()));
     return status;
   }

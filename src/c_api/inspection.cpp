@@ -7,7 +7,9 @@
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 #include "linalg/dense.h"
+#include "linalg/matrix.h"
 #include "problem/derivative_check.h"
+#include "problem/total_derivative_check.h"
 #include "reduction/derivative_array.h"
 
 namespace sfdae::core {
@@ -61,6 +63,17 @@ void copy_out(ConstView from, double* to) {
 CallResult linear_only() { return illegal_argument("the problem is not linear."); }
 
 CallResult no_struct() { return illegal_argument("the result is NULL or its size is not set: call its init function."); }
+
+// Passes a mismatch on, with words if it is suspicious.
+CallResult tell_mismatch(const DerivativeMismatch& worst, sfdae_derivative_check* result) {
+  fill_struct(result, {sizeof *result, worst.function, worst.order, worst.row, worst.column, worst.supplied,
+                       worst.difference, worst.error, worst.uncertainty, worst.suspicious() ? 1 : 0});
+  if (!worst.suspicious()) return {};
+  const std::string name = worst.function == 'x' ? "F_x" : worst.function == 'd' ? "F_xdot" : std::string(1, worst.function);
+  return {SFDAE_OK, format("derivative %d of %s differs from differences in row %d, column %d: %.10g supplied, %.10g "
+                           "by differences.",
+                           worst.order, name.c_str(), worst.row, worst.column, worst.supplied, worst.difference)};
+}
 
 template <class Struct>
 bool is_usable(const Struct* result) {
@@ -219,13 +232,33 @@ int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_order, sfdae
     if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
     LinearProblem* linear = solver->model->linear();
     if (linear == nullptr) return linear_only();
-    const DerivativeMismatch worst = check_derivatives(*linear, t, max_order);
-    fill_struct(result, {sizeof *result, worst.function, worst.order, worst.row, worst.column, worst.supplied,
-                         worst.difference, worst.error, worst.uncertainty, worst.suspicious() ? 1 : 0});
-    if (!worst.suspicious()) return {};
-    return {SFDAE_OK, format("derivative %d of %c differs from differences in row %d, column %d: %.10g supplied, %.10g "
-                             "by differences.",
-                             worst.order, worst.function, worst.row, worst.column, worst.supplied, worst.difference)};
+    return tell_mismatch(check_derivatives(*linear, t, max_order), result);
+  });
+}
+
+int sfdae_check_total_derivatives(sfdae_solver* solver, double t, const double* derivatives, int max_order,
+                                  sfdae_derivative_check* result) {
+  return guarded(solver, [&]() -> CallResult {
+    if (!std::isfinite(t) || max_order < 0 || max_order > max_derivative_order)
+      return illegal_argument(format("t = %g, max_order = %d: it must be 0 ... %d.", t, max_order, max_derivative_order));
+    if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
+    const std::size_t count = static_cast<std::size_t>(solver->model->n()) * static_cast<std::size_t>(max_order + 2);
+    if (derivatives == nullptr) return illegal_argument("derivatives is NULL.");
+    if (!all_finite(derivatives, count)) return illegal_argument("derivatives contains NaN or Inf.");
+    auto* callback = dynamic_cast<CallbackProblem*>(solver->model->nonlinear());
+    if (callback == nullptr) return illegal_argument("there is no callback for total derivatives.");
+    return tell_mismatch(check_total_derivatives(*callback, t, derivatives, max_order), result);
+  });
+}
+
+int sfdae_get_parameter(const sfdae_solver* solver, const char* name, double* value) {
+  return reading(solver, [&]() -> CallResult {
+    if (name == nullptr || value == nullptr) return illegal_argument("name or value is NULL.");
+    TaylorEvaluator* evaluator = solver->model->evaluator();
+    const auto index = evaluator != nullptr ? evaluator->find_parameter(name) : std::nullopt;
+    if (!index) return illegal_argument(format("there is no parameter \"%.60s\" in the equations.", name));
+    *value = evaluator->parameter(*index);
+    return {};
   });
 }
 

@@ -278,15 +278,6 @@ int sfdae_set_parameter(sfdae_solver* solver, const char* name, double value) {
   });
 }
 
-int sfdae_get_parameter(const sfdae_solver* solver, const char* name, double* value) {
-  if (solver == nullptr || name == nullptr || value == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
-  TaylorEvaluator* evaluator = solver->model->evaluator();
-  const auto index = evaluator != nullptr ? evaluator->find_parameter(name) : std::nullopt;
-  if (!index) return SFDAE_ILLEGAL_ARGUMENT;
-  *value = evaluator->parameter(*index);
-  return SFDAE_OK;
-}
-
 int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdot) {
   return guarded(solver, [&]() -> CallResult {
     const double toward = t + solver->direction * std::max(1.0, 1e-6 * std::fabs(t));

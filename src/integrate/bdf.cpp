@@ -138,9 +138,11 @@ void Bdf::compute_differences(int count) {
 }
 
 // The polynomial of the given degree through the last points.
-Guess Bdf::guess(const StrangenessFreeSystem& system, int degree, const ErrorWeights& weights) {
+Guess Bdf::guess(const StrangenessFreeSystem& system, int degree, ErrorWeights& weights) {
   const int order = system.guess_order();
   if (order < 0) return {};
+  // Iterations are judged by the tolerances at the last point, whatever was tried since.
+  weights.update(x_[0].data());
   const std::size_t n = x_[0].size();
   newton_taylor(dx_, times_, degree, tried_t_, order, n, guess_.data());
   newton_taylor(dx_, times_, degree, times_[0], order, n, guess_before_.data());

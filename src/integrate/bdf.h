@@ -52,7 +52,7 @@ class Bdf final : public Stepper {
   void resize(std::size_t n, std::size_t size_w);
   void place_fictitious_point(double h);
   void compute_differences(int count);
-  Guess guess(const StrangenessFreeSystem& system, int degree, const ErrorWeights& weights);
+  Guess guess(const StrangenessFreeSystem& system, int degree, ErrorWeights& weights);
   double estimate_errors(StrangenessFreeSystem& system, double h, int order, bool fixed_leading,
                          const ErrorWeights& weights, LocalTerms& terms);
 

@@ -108,9 +108,11 @@ void slope_of_stages(int s, const double* weights, int stride, const Vector& sta
 
 // The Hermite polynomial through the last nodes, of a degree that fits the method; at first the tangent.
 Guess Radau::guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t,
-                   const ErrorWeights& weights) {
+                   ErrorWeights& weights) {
   const int order = system.guess_order(), s = method.s();
   if (order < 0) return {};
+  // Iterations are judged by the tolerances at the last node, whatever was tried since.
+  weights.update(nodes_[0].x.data());
   const std::size_t n = start.x.size(), block = n * index(order + 1);
   if (guess_.size() < block * index(s)) guess_.resize(block * index(s));
   if (guess_before_.size() < block) guess_before_.resize(block);
@@ -423,7 +425,9 @@ void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
   }
   control_.archive(archive);
   for (double* value : {&next_step_, &last_step_, &leading_coefficient_}) archive.real(*value);
-  for (int i = 0; i < count; ++i) this->archive(archive, nodes_[index(i)], i == 0 || options_.interpolates);
+  // Guesses extrapolate x.
+  const bool needs_x = options_.interpolates || system.guess_order() >= 0;
+  for (int i = 0; i < count; ++i) this->archive(archive, nodes_[index(i)], i == 0 || needs_x);
   for (int i = 0; i < inner; ++i) this->archive(archive, inner_[index(i)], true);
 }
 

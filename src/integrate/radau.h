@@ -65,7 +65,7 @@ class Radau final : public Stepper {
   void resize(std::size_t n, std::size_t size_w);
   // Predicted stages of a step to tried_.t, where the system asks for them.
   Guess guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t,
-              const ErrorWeights& weights);
+              ErrorWeights& weights);
   int wanted_stages(const StrangenessFreeSystem& system) const;
   void update(ErrorWeights& weights, const Node& start, const Node& end);
   void take_last_stage(const RadauMethod& method, const Node& start, Node& node) const;

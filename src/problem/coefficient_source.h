@@ -15,6 +15,8 @@ class CoefficientSource {
   virtual int n() const = 0;
   // The same coefficients at every t.
   virtual bool is_constant() const = 0;
+  // The hypothesis has to hold at level mu + 1 as well: for nonlinear problems, where it does not follow from constant ranks.
+  virtual bool checks_next_level() const { return false; }
   // Coefficients up to the orders asked for at t, scaled with the given time scale (0: chosen). rows, preferred_rows: as
   // for TaylorData::scale. A stop request ends the evaluation with SFDAE_STOPPED.
   virtual Trouble evaluate(double t, Orders orders, double time_scale, TaylorData& data,

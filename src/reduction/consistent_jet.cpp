@@ -253,7 +253,41 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, int level) {
   return best;
 }
 
+// Products of unknowns that are far off make residuals grow at first, though the next steps remove them all: that is how a
+// pendulum at rest below its support finds its force. Undamped steps from `trial` on; the jet stays if they lead nowhere.
+bool JetSolver::run_freely(Jet& jet, int level, Trial trial) {
+  constexpr int most = 5;
+  constexpr double too_far = 1e4;
+  const Jet start = jet;
+  const double before = norm_, time_scale = data_.time_scale;
+  for (int step = 0; step < most && trial.valid && trial.norm <= too_far * before; ++step) {
+    jet = trial.jet;
+    try {
+      linearize(jet, level, time_scale);
+    } catch (const Failure& failure) {
+      if (failure.status() != SFDAE_NOT_FINITE && failure.status() != SFDAE_CALLBACK_FAILED) throw;
+      break;
+    }
+    if (norm_ <= good_reduction * before) return true;
+    trial = undamped_trial(jet, level);
+  }
+  jet = start;
+  linearize(jet, level, time_scale);
+  return false;
+}
+
 void JetSolver::solve(Jet& jet, int level) {
+  const Jet start = jet;
+  try {
+    search(jet, level, false);
+  } catch (const Failure& failure) {
+    if (failure.status() != SFDAE_NO_CONSISTENT_VALUES) throw;
+    jet = start;
+    search(jet, level, true);
+  }
+}
+
+void JetSolver::search(Jet& jet, int level, bool may_run_freely) {
   if (jet.order < level + 1) jet.set_order(level + 1);
   linearize(jet, level, 0.0);
   double damping = 1e-3;
@@ -271,6 +305,7 @@ void JetSolver::solve(Jet& jet, int level) {
         if (trial.valid && trial.norm < before) jet = trial.jet;
         return;
       }
+      if (may_run_freely && may_step_freely && run_freely(jet, level, std::move(trial))) continue;
       may_step_freely = false;
     }
     if (!may_step_freely) {

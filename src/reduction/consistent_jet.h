@@ -55,6 +55,8 @@ class JetSolver {
   double residual_norm(const Jet& jet, int level);
   Trial try_change(const Jet& jet, int level, const std::vector<double>& change);
   Trial undamped_trial(const Jet& jet, int level);
+  void search(Jet& jet, int level, bool may_run_freely);
+  bool run_freely(Jet& jet, int level, Trial trial);
   bool staged_change(const Jet& jet, int level, NoiseModel model, double noise, std::vector<double>& change);
   bool damped_change(const Jet& jet, int level, double damping, std::vector<double>& change);
   bool dense_change(const Jet& jet, int level, std::vector<double>& change);
@@ -99,6 +101,7 @@ class ConsistentJets final : public CoefficientSource {
   int m() const override { return problem_.m(); }
   int n() const override { return problem_.n(); }
   bool is_constant() const override { return false; }
+  bool checks_next_level() const override { return true; }
   // The jet at t becomes consistent up to the highest order asked for. Throws Failure as JetSolver::solve does.
   Trouble evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each,
                    const std::vector<double>* preferred_rows = nullptr) override;

@@ -124,7 +124,7 @@ class Searcher {
       }
       result.levels.push_back(values);
       result.levels.back().d = result.last.ranks.d;
-      if (values.mu >= 0) {
+      if (values.mu >= 0 && holds_above(level, values, result.last.ranks)) {
         result.values = values;
         return result;
       }
@@ -134,6 +134,19 @@ class Searcher {
   }
 
  private:
+  // Whether level l + 1 has the same values. Where it is not available or unclear, nothing speaks against them.
+  bool holds_above(int level, const CharacteristicValues& values, const PointRanks& ranks) {
+    if (!problem_.checks_next_level() || level >= max_derivative_order) return true;
+    try {
+      const LevelReading above = read_confirmed(level + 1);
+      return !above.clear || (above.ranks.a == values.a && above.ranks.d == values.d &&
+                              above.ranks.v_hat == ranks.v_hat + values.v);
+    } catch (const Failure& failure) {
+      if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+      return true;
+    }
+  }
+
   // The propagated noise is an upper bound, at times by far: values between it and the rounding errors of the matrix
   // itself are undecided. Which of them are signals is measured by perturbing the data by a few roundings: first a
   // reading that keeps them all, then one that drops those below the noise of the smallest pivot, then one that drops

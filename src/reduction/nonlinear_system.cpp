@@ -105,6 +105,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   matrix_valid_ = false;
   transformed_.forget();
   linearized_ = jet;
+  is_linearized_ = false;
   linearized_judged_ = judged;
   linearized_rows_ = preferred_rows_.empty() ? std::vector<double>(index(problem_.m()), no_preference) : preferred_rows_;
   const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each,
@@ -121,6 +122,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   const Carried carried = eliminate(data_, mu, data_.f_stack(mu), 1, judge, arena_, &elimination_);
   const PointRanks ranks = form_.build(data_, carried, {&problem_.prescribed(), prescribed_values_.data()},
                                        LeadingTerm::identity, judge, arena_);
+  elimination_.mark_determined(determined_);
   kept_constraints_ = judge.kept_constraints();
   kept_differential_ = judge.kept_differential();
   pivot_ = judge.smallest_pivot();
@@ -133,6 +135,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   const CharacteristicValues& values = analysis_.values;
   const bool same = ranks.a == values.a && ranks.v_hat == analysis_.v_hat && ranks.d == values.d;
   if (same) {
+    is_linearized_ = true;
     ranks_ = judge.ranks();
     measure_noise(jet);
     return PointStatus::ok;
@@ -194,6 +197,16 @@ void NonlinearSystem::keep_differential_part() {
   double* q = arena_.take(index(form_.d) + 1);
   for (int i = 0; i < form_.d; ++i) q[i] = -form_.g0()[i];
   form_.solve_G(q, z_.data(), arena_);
+}
+
+// Ranks hold on F_mu = 0 only: pivots that vanish there are as large as the residuals that the iteration has left. With the
+// known ranks these become rounding errors in a few iterations, unless the ranks do not hold.
+PointStatus NonlinearSystem::renew_judged(const Jet& jet) {
+  const PointStatus status = renew(jet, true);
+  if (status != PointStatus::changed || ranks_.count == 0) return status;
+  Jet polished = jet;
+  if (renew(jet, false) != PointStatus::ok || iterate(Task{}, polished) != PointStatus::ok) return status;
+  return renew(polished, true);
 }
 
 bool NonlinearSystem::factor_step_matrix(double c) {
@@ -312,7 +325,7 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
   constexpr int most = 12;
   const int n = problem_.n();
   if (task.has_step && !factor_step_matrix(task.c)) return PointStatus::singular;
-  double before = 0.0;
+  double before = 0.0, earlier = 0.0;
   is_slow_ = false;
   for (int iteration = 0; iteration < most; ++iteration) {
     PointStatus status = array_residuals(jet, array_f_.data());
@@ -335,13 +348,27 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
     const double norm = change_norm(task, change_.data(), jet);
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     if (has_converged(task, iteration, norm, before)) {
-      inconsistency_ = form_.inconsistency() > 1e3 * data_.noise(analysis_.values.mu) / pivot_ ? form_.inconsistency() : 0.0;
+      read_inconsistency(task, jet);
       return PointStatus::ok;
     }
-    if (iteration > 1 && norm > slowest * before) return PointStatus::not_converged;
+    // Without a step, what one iteration gains the next may lose in part: linearizations are from elsewhere.
+    const double reference = task.has_step ? before : std::max(before, earlier);
+    if (iteration > 1 && norm > slowest * reference) return PointStatus::not_converged;
+    earlier = before;
     before = norm;
   }
   return PointStatus::not_converged;
+}
+
+// Residuals that the iteration has left look like contradictions, but vanish when it goes on.
+void NonlinearSystem::read_inconsistency(const Task& task, const Jet& jet) {
+  const bool is_noise = form_.inconsistency() <= 1e3 * data_.noise(analysis_.values.mu) / pivot_;
+  inconsistency_ = is_noise ? 0.0 : form_.inconsistency();
+  if (is_noise || task.inverse_weights == nullptr) return;
+  Jet polished = jet;
+  const bool was_slow = is_slow_;
+  if (iterate(Task{}, polished) != PointStatus::ok) inconsistency_ = std::min(inconsistency_, form_.inconsistency());
+  is_slow_ = was_slow;
 }
 
 // The error left is rate / (1 - rate) times the last change.
@@ -376,7 +403,7 @@ PointStatus NonlinearSystem::iterate_from_guess(const Task& task) {
 PointStatus NonlinearSystem::review(bool renews) {
   ++unjudged_;
   if (!(renews && is_slow_) && unjudged_ < oldest) return PointStatus::ok;
-  const PointStatus status = renew(jet_, true);
+  const PointStatus status = renew_judged(jet_);
   rate_ = std::min(rate_, 0.1);
   return status;
 }
@@ -384,9 +411,22 @@ PointStatus NonlinearSystem::review(bool renews) {
 void NonlinearSystem::guess_jet(double t, const Guess& guess, int block, Jet& jet) const {
   const std::size_t size = jet.x.size();
   const double* taylor = guess.taylor + size * index(block);
-  // y: that of the last point and what the polynomial says about its change.
-  for (std::size_t i = 0; i < size; ++i)
-    jet.x[i] = i < index(jet.n) ? taylor[i] : accepted_.x[i] + (taylor[i] - guess.taylor_before[i]);
+  const std::size_t n = index(jet.n);
+  std::copy_n(taylor, n, jet.x.data());
+  // y: that of the last point and what the polynomial says about its change. What no equation determines stays: errors of
+  // the polynomial's derivatives would add up there, to 1e24 within hundreds of steps, and drown the rest in rounding.
+  // Derivatives that change by more than their size are nothing but errors.
+  for (std::size_t k = n; k < size; k += n) {
+    double change = 0.0, before = 0.0;
+    for (std::size_t i = k; i < k + n; ++i) {
+      const double unit = column_scale_.empty() ? 1.0 : column_scale_[i - k];
+      jet.x[i] = determined_[i - n] != 0 ? taylor[i] - guess.taylor_before[i] : 0.0;
+      change = std::max(change, std::fabs(jet.x[i]) / unit);
+      before = std::max(before, std::fabs(accepted_.x[i]) / unit);
+    }
+    const double trust = change <= before ? 1.0 : 0.0;
+    for (std::size_t i = k; i < k + n; ++i) jet.x[i] = accepted_.x[i] + trust * jet.x[i];
+  }
   jet.t = t;
 }
 
@@ -420,9 +460,14 @@ void NonlinearSystem::restore(const double*, const double* x_free, double* x) {
   std::copy_n(x_free, problem_.n(), jet_.x.data());
   const PointStatus status = iterate_from_guess(Task{});
   if (status == PointStatus::trouble) throw Failure(trouble_.status, trouble_.message());
-  if (status != PointStatus::ok)
+  if (status != PointStatus::ok && problem_.prescribed().empty()) {
+    // Between the ends of a long step derivatives may be too far off for iterations without damping.
+    jet_ = start_;
+    JetSolver(problem_, column_scale_).solve(jet_, analysis_.values.mu);
+  } else if (status != PointStatus::ok) {
     throw Failure(SFDAE_NO_CONSISTENT_VALUES,
                   format("no values consistent with the constraints were found at t = %.15g.", jet_.t));
+  }
   std::copy_n(jet_.x.data(), problem_.n(), x);
 }
 

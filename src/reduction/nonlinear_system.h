@@ -95,6 +95,8 @@ class NonlinearSystem final : public DaeSystem {
   // What rounding errors of F do to a change of x and of y, into noise_.
   void measure_noise(const Jet& jet);
   void keep_differential_part();
+  // At a jet that has converged to the tolerance of the iteration.
+  PointStatus renew_judged(const Jet& jet);
   bool factor_step_matrix(double c);
   // f := the scaled -F_0, ..., -F_mu at the jet.
   PointStatus array_residuals(const Jet& jet, double* f);
@@ -105,6 +107,7 @@ class NonlinearSystem final : public DaeSystem {
   double change_norm(const Task& task, const double* dx, const Jet& jet) const;
   void step_rhs(const Task& task, const Jet& jet, double* z);
   PointStatus iterate(const Task& task, Jet& jet);
+  void read_inconsistency(const Task& task, const Jet& jet);
   bool has_converged(const Task& task, int iteration, double norm, double before);
   bool is_hopeless(PointStatus status) const;
   template <class Iteration>
@@ -120,6 +123,7 @@ class NonlinearSystem final : public DaeSystem {
   void correct_differential_part(const double* x, double* xdot);
   bool solve_next_level(const double* x);
   void hold_free_directions(double* xdot);
+  void archive_highest_derivative(Archive& archive);
 
   NonlinearProblem& problem_;
   AnalysisSettings settings_;
@@ -131,6 +135,7 @@ class NonlinearSystem final : public DaeSystem {
   // The last linearization.
   TaylorData data_;
   StoredElimination elimination_;
+  std::vector<char> determined_;  // components of y
   NullSpaceForm form_;
   RankList ranks_;
   std::vector<double> preferred_rows_;
@@ -147,6 +152,7 @@ class NonlinearSystem final : public DaeSystem {
 
   Jet jet_, accepted_, before_;  // the current one, the one accepted last, and the one before that
   Jet linearized_;               // where the linearization is from
+  bool is_linearized_ = false;   // successfully
   bool linearized_judged_ = false;
   std::vector<double> linearized_rows_;  // row factors preferred for it
   bool is_slow_ = false;
@@ -174,7 +180,7 @@ PointStatus NonlinearSystem::iterate_with_renewal(const Jet& start, Iteration it
   if (status == PointStatus::ok || is_hopeless(status)) return status;
   if (linearized_.t != accepted_.t) {
     rate_ = 1.0;
-    status = renew(accepted_, true);
+    status = renew_judged(accepted_);
     if (status == PointStatus::ok) status = iteration();
     if (status == PointStatus::ok || is_hopeless(status)) return status;
   }

@@ -116,10 +116,13 @@ void NonlinearSystem::correct_differential_part(const double* x, double* xdot) {
 
 void NonlinearSystem::archive(Archive& archive) {
   CharacteristicValues& values = analysis_.values;
-  bool has_scale = !column_scale_.empty();
+  bool has_scale = !column_scale_.empty(), has_matrix = matrix_valid_, has_next = next_jet_.n > 0;
   archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.noise,
                 analysis_.rank_E_constant, has_scale, linearized_judged_, age_, unjudged_);
-  for (double* value : {&analysis_.t, &analysis_.time_scale, &rate_}) archive.real(*value);
+  archive.small(has_matrix, has_next, has_next_level_);
+  // Where there is none, that of the last point will do.
+  if (!archive.is_reading() && !is_linearized_) linearized_ = accepted_;
+  for (double* value : {&analysis_.t, &analysis_.time_scale, &rate_, &matrix_c_}) archive.real(*value);
   const int m = problem_.m(), n = problem_.n();
   if (archive.is_reading()) {
     const bool plausible = values.mu >= 0 && values.mu <= max_strangeness_index && values.d >= 0 && values.a >= 0 &&
@@ -135,6 +138,7 @@ void NonlinearSystem::archive(Archive& archive) {
     archive.reals(jet->x, index(n) * index(values.mu + 2));
   }
   archive.reals(linearized_rows_, index(m));
+  if (has_next) archive_highest_derivative(archive);
   int count = static_cast<int>(ranks_.count);
   archive.small(count);
   if (archive.is_reading() && (count < 0 || count > static_cast<int>(ranks_.rank.size()))) throw DamagedArchive();
@@ -156,6 +160,18 @@ void NonlinearSystem::archive(Archive& archive) {
   unjudged_ = unjudged;
   rate_ = rate;
   linearized_judged_ = judged;
+  // Steps that differ from it by rounding are taken with this very matrix.
+  if (has_matrix && !factor_step_matrix(matrix_c_)) throw DamagedArchive();
+}
+
+// The column of next_jet_ that iterations start from.
+void NonlinearSystem::archive_highest_derivative(Archive& archive) {
+  const int n = problem_.n(), level = analysis_.values.mu + 1;
+  if (archive.is_reading()) {
+    next_jet_.n = n;
+    next_jet_.set_order(level + 1);
+  }
+  archive.reals(next_jet_.column(level + 1), index(n));
 }
 
 }  // namespace sfdae::core

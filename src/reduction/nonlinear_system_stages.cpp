@@ -42,7 +42,7 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
   if (s > 1 && status != PointStatus::ok && !is_hopeless(status)) {
     // The prediction there may be bad.
     rate_ = 1.0;
-    status = renew(accepted_, true);
+    status = renew_judged(accepted_);
     if (status == PointStatus::ok) status = iterate();
   }
   if (status != PointStatus::ok) return status;

@@ -90,9 +90,13 @@ class LinearizedConstraints {
   bool has_known_ranks_ = true;
 };
 
-double distance_between(const Vector& a, const double* b) {
+// weights: empty, or units of the components.
+double distance_between(const Vector& a, const double* b, const Vector& weights) {
   double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double difference = (a[i] - b[i]) / (weights.empty() ? 1.0 : weights[i]);
+    sum += difference * difference;
+  }
   return std::sqrt(sum);
 }
 
@@ -132,7 +136,8 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
         break;
       }
       // Nearer than before, or as near as it gets.
-      if (iteration > 0 && distance_between(x, next.x.data()) > 1.01 * distance_between(x, result.jet.x.data())) break;
+      const double distance = distance_between(x, next.x.data(), request.weights);
+      if (iteration > 0 && distance > 1.01 * distance_between(x, result.jet.x.data(), request.weights)) break;
       result.jet = next;
     }
     if (change < accuracy) break;
@@ -140,7 +145,7 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
   }
   constraints.linearize(result.jet);
   const Vector found(result.jet.x.data(), result.jet.x.data() + problem.n());
-  result.change.residual_before = distance_between(x, found.data());
+  result.change.residual_before = distance_between(x, found.data(), {});
   result.change.residual_after = constraints.distance();
   report_change(request, start.t, x, found, result.change);
   return result;

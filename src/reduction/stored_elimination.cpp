@@ -199,4 +199,14 @@ void StoredElimination::solve_stage(const TaylorData& data, int i, RightHandSide
   for (int k = 0; k < free_columns; ++k) y_j[pivots_[index(rank_ + k)]] = y_q[k];
 }
 
+void StoredElimination::mark_determined(std::vector<char>& flags) const {
+  flags.assign(index(n_) * index(level_ + 1), 0);
+  for (int i = 0; i <= level_; ++i) {
+    const Stage& stage = stages_[index(i)];
+    char* of_stage = flags.data() + static_cast<std::ptrdiff_t>(i) * n_;
+    for (int k = 0; k < rank_; ++k) of_stage[pivots_[index(k)]] = 1;
+    for (int k = 0; k < stage.leaving; ++k) of_stage[pivots_[index(rank_ + stage.pivots[index(k)])]] = 1;
+  }
+}
+
 }  // namespace sfdae::core

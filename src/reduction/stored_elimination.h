@@ -30,6 +30,9 @@ class StoredElimination {
   };
   void recover(const TaylorData& data, RightHandSide rhs, const double* x, double* y, Arena& arena) const;
 
+  // n x (level + 1) flags: 1 where recover() changes y.
+  void mark_determined(std::vector<char>& flags) const;
+
   int carried_rows() const { return carried_; }
   int level() const { return level_; }
 

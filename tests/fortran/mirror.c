@@ -12,6 +12,7 @@ size_t fill_statistics(sfdae_statistics *s);
 size_t fill_derivative_check(sfdae_derivative_check *s);
 size_t fill_progress(sfdae_progress *s);
 size_t fill_linear_problem(sfdae_linear_problem *s);
+size_t fill_nonlinear_problem(sfdae_nonlinear_problem *s);
 size_t fill_options(sfdae_options *s);
 size_t fill_expression(sfdae_expression *s);
 
@@ -49,7 +50,7 @@ size_t fill_initial_report(sfdae_initial_report *s) {
 }
 
 size_t fill_statistics(sfdae_statistics *s) {
-  const sfdae_statistics value = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0};
+  const sfdae_statistics value = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18, 19};
   *s = value;
   return sizeof value;
 }
@@ -72,6 +73,23 @@ size_t fill_linear_problem(sfdae_linear_problem *s) {
                                       7,        8, 9, &integers[10], vector_4, &integers[12]};
   *s = value;
   integers[10] = 10, integers[12] = 12;
+  return sizeof value;
+}
+
+/* Functions of other types, under the type that the test calls them by. */
+size_t fill_nonlinear_problem(sfdae_nonlinear_problem *s) {
+  const sfdae_nonlinear_problem value = {1,
+                                         2,
+                                         3,
+                                         (sfdae_equations_function)(void (*)(void))matrix_1,
+                                         (sfdae_linear_equations_function)(void (*)(void))matrix_2,
+                                         (sfdae_total_derivative_function)(void (*)(void))vector_3,
+                                         7,
+                                         &integers[8],
+                                         vector_4,
+                                         &integers[10]};
+  *s = value;
+  integers[8] = 8, integers[10] = 10;
   return sizeof value;
 }
 

@@ -5,8 +5,8 @@ program mirror_test
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_f_procpointer, &
     c_funptr, c_int, c_ptr, c_size_t, c_sizeof
   use sfdae, only: dae_options, sfdae_change, sfdae_characteristics, sfdae_decision, &
-    sfdae_derivative_check, sfdae_initial_report, sfdae_linear_problem, sfdae_options, &
-    sfdae_progress, sfdae_statistics
+    sfdae_derivative_check, sfdae_initial_report, sfdae_linear_problem, &
+    sfdae_nonlinear_problem, sfdae_options, sfdae_progress, sfdae_statistics
   use test_support, only: check, finish
   implicit none
 
@@ -60,6 +60,11 @@ program mirror_test
       type(sfdae_linear_problem), intent(inout) :: s
       integer(c_size_t) :: bytes
     end function fill_linear_problem
+    function fill_nonlinear_problem(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_nonlinear_problem
+      type(sfdae_nonlinear_problem), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_nonlinear_problem
     function fill_options(s) bind(c) result(bytes)
       import :: c_size_t, sfdae_options
       type(sfdae_options), intent(inout) :: s
@@ -135,7 +140,7 @@ contains
     call check(counts([real(c_double) :: s%size, s%steps, s%error_failures, s%other_failures, &
       s%reductions, s%factorizations, s%evaluations_e, s%evaluations_a, s%evaluations_f, &
       s%last_order, s%next_order, s%last_step, s%next_step, s%t_internal, s%smallest_kept, &
-      s%consistency, s%first_step]), "members of sfdae_statistics")
+      s%consistency, s%first_step, s%evaluations_residual, s%linearizations]), "members of sfdae_statistics")
 
     call check(fill_derivative_check(v) == c_sizeof(v), "size of sfdae_derivative_check")
     call check(v%function == two, "function of sfdae_derivative_check")
@@ -152,15 +157,23 @@ contains
       number_at(p%x)]), "members of sfdae_progress")
   end subroutine check_progress
 
-  !> Struct of the problem.
+  !> Structs of problems.
   subroutine check_problem()
     type(sfdae_linear_problem) :: p
+    type(sfdae_nonlinear_problem) :: q
 
     call check(fill_linear_problem(p) == c_sizeof(p), "size of sfdae_linear_problem")
     call check(counts([real(c_double) :: p%size, p%num_equations, p%num_unknowns, &
       number_of(p%e) + 3, number_of(p%a) + 3, number_of(p%f) + 3, p%constant_e, p%constant_a, &
       p%num_prescribed, integer_at(p%prescribed), number_of(p%prescribed_values) + 7, &
       integer_at(p%user)]), "members of sfdae_linear_problem")
+
+    call check(fill_nonlinear_problem(q) == c_sizeof(q), "size of sfdae_nonlinear_problem")
+    call check(counts([real(c_double) :: q%size, q%num_equations, q%num_unknowns, &
+      number_of(q%equations) + 3, number_of(q%linear_equations) + 3, &
+      number_of(q%total_derivative) + 3, q%num_prescribed, integer_at(q%prescribed), &
+      number_of(q%prescribed_values) + 5, integer_at(q%user)]), &
+      "members of sfdae_nonlinear_problem")
   end subroutine check_problem
 
   !> Struct of the options.

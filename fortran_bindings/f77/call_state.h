@@ -1,5 +1,5 @@
-// What survives between calls of DGELDA beside its documented outputs, in places of IWORK and RWORK that have no documented
-// use:
+// What survives between calls of DGELDA or SFNDAE beside its documented outputs, in places of IWORK and RWORK that have no
+// documented use:
 //
 //   IWORK(16)  says that this is a state        RWORK(5)   T where the integration started
 //   IWORK(17)  checksum                         RWORK(6)   T as it was returned
@@ -13,9 +13,9 @@
 
 #include <cstddef>
 #include <memory>
+#include <vector>
 
-#include "f77/dgelda_options.h"
-#include "f77/dgelda_problem.h"
+#include "f77/call_options.h"
 #include "integrate/checkpoint.h"
 
 namespace sfdae::f77 {
@@ -29,24 +29,23 @@ struct Progress {
   double direction() const { return span < 0.0 ? -1.0 : 1.0; }
 };
 
-class DgeldaState {
+class CallState {
  public:
-  explicit DgeldaState(const Arguments& arguments) : arguments_(arguments) {}
+  explicit CallState(const Arguments& arguments) : arguments_(arguments) {}
 
   void invalidate();
   // code::bad_info if there is no intact state, code::bad_method if it is that of another METHOD.
   int load(Progress& progress) const;
-  // integration: null before its start. False if the state does not fit; there is none then.
-  bool save(const Progress& progress, DgeldaProblem& problem, core::LinearSystem& system,
+  // matrices: E and A if they are constant. integration: null before its start. False if the state does not fit; there is
+  // none then.
+  bool save(const Progress& progress, const std::vector<double>& matrices, core::DaeSystem& system,
             core::Integration* integration);
 
   // Of the state loaded. The two latter throw core::Failure SFDAE_ILLEGAL_ARGUMENT or core::DamagedArchive.
   const double* matrices() const { return &arguments_.rwork(first_real); }
-  std::unique_ptr<core::LinearSystem> restore_system(core::LinearProblem& problem,
-                                                     const core::AnalysisSettings& settings,
-                                                     const Progress& progress) const;
-  core::Restored restore(core::LinearProblem& problem, const core::AnalysisSettings& settings,
-                         const core::IntegrationOptions& options, const Progress& progress) const;
+  std::unique_ptr<core::DaeSystem> restore_system(const core::CheckpointTarget& target, const Progress& progress) const;
+  core::Restored restore(const core::CheckpointTarget& target, const core::IntegrationOptions& options,
+                         const Progress& progress) const;
 
  private:
   static constexpr int first_real = 21;

@@ -1,4 +1,4 @@
-// Arguments and options of DGELDA: INFO, IWORK and RWORK as inputs, and what is wrong with them.
+// Arguments and options of DGELDA and SFNDAE: INFO, IWORK and RWORK as inputs, and what is wrong with them.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,6 +16,7 @@ inline constexpr int radau_method = 2;
 // Larger orders are a mistake, or an INTEGER of another width.
 inline constexpr int largest_order = 5000;
 inline constexpr int num_info = 20;
+inline constexpr int max_cval = 5;
 // IWORK is at least as long, else nothing in it is read; IWORK(5) keeps the last IERR.
 inline constexpr int shortest_iwork = 20;
 inline constexpr int last_ierr = 5;
@@ -27,14 +28,34 @@ inline constexpr int short_rwork = -105, short_iwork = -106, bad_rtol = -107, ba
 inline constexpr int stop_before_tout = -110, bad_max_step = -111, wrong_direction = -112, zero_first_step = -113;
 inline constexpr int zero_weight = -114, tout_too_close = -115, stop_behind = -116, tout_is_t = -119;
 inline constexpr int bad_max_steps = -120, bad_safety = -121, bad_ratios = -122, bad_quotients = -123;
-inline constexpr int bad_method = -132, wrong_width = wrong_integer_width;
+inline constexpr int bad_method = -132, bad_equations = -133, wrong_width = wrong_integer_width;
 // An input that is illegal, whatever the problem.
 constexpr bool is_illegal_input(std::int64_t ierr) { return ierr <= -100 && ierr > -200; }
 }  // namespace code
 
+struct Arguments;
+struct Options;
+
+// Lengths of RWORK and IWORK that are asked for; the former as a number, since it may exceed any INTEGER.
+struct Lengths {
+  double rwork;
+  std::int64_t iwork;
+};
+
+// What is different for the two routines.
+struct Routine {
+  std::int64_t state_word;  // that their states begin with
+  int num_cval;             // mu, d, a, u, and perhaps v
+  bool knows_constants;     // INFO(5)
+  bool warns;               // IWARN = 1 where the solution is not unique
+  Lengths (*lengths)(const Arguments& arguments, const Options& options);
+};
+extern const Routine dgelda_routine, sfndae_routine;
+
 // The arguments of a call but for the user's functions; pointers are the caller's.
 struct Arguments {
-  int n = 0;
+  const Routine* routine;
+  int m = 0, n = 0;
   int method = 0;
   int info[num_info + 1] = {};  // info[k] = INFO(k)
   std::int64_t liw = 0, lrw = 0;
@@ -66,11 +87,8 @@ struct Options {
   core::StepOptions stepping;
 };
 
-// Lengths that the documents ask for; as numbers, since they may exceed any INTEGER.
-double minimal_rwork(double n, int method, double max_order, double max_index);
-std::int64_t minimal_iwork(std::int64_t n, int method);
-
-// Reads and checks INFO(2..20), NEQ, work arrays and tolerances in the documented order: code::ok or what is wrong.
+// Reads and checks INFO(2..20), numbers of equations and unknowns, work arrays and tolerances in the documented order:
+// code::ok or what is wrong.
 // Values that are chosen by default are read from the work arrays after the first call.
 int read_options(const Arguments& arguments, bool is_first_call, Options& options);
 // Documented defaults, for the caller to see.

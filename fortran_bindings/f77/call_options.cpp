@@ -1,6 +1,6 @@
-// Arguments and options of DGELDA.
+// Arguments and options of DGELDA and SFNDAE.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "f77/dgelda_options.h"
+#include "f77/call_options.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,13 +22,12 @@ double smallest_step(double t, double tout) {
 }
 
 int check_lengths(const Arguments& arguments, const Options& options) {
-  const double reals = minimal_rwork(arguments.n, arguments.method, options.max_order, options.max_index);
-  const std::int64_t integers = minimal_iwork(arguments.n, arguments.method);
-  const bool rwork_too_short = static_cast<double>(arguments.lrw) < reals;
-  if (!rwork_too_short && arguments.liw >= integers) return code::ok;
+  const Lengths needed = arguments.routine->lengths(arguments, options);
+  const bool rwork_too_short = static_cast<double>(arguments.lrw) < needed.rwork;
+  if (!rwork_too_short && arguments.liw >= needed.iwork) return code::ok;
   if (arguments.liw >= 1) {
-    const std::int64_t needed = rwork_too_short ? static_cast<std::int64_t>(std::min(reals, 9e18)) : integers;
-    arguments.iwork.set(arguments.liw, needed);
+    const std::int64_t reals = static_cast<std::int64_t>(std::min(needed.rwork, 9e18));
+    arguments.iwork.set(arguments.liw, rwork_too_short ? reals : needed.iwork);
   }
   return rwork_too_short ? code::short_rwork : code::short_iwork;
 }
@@ -99,21 +98,35 @@ int check_tolerances(const Arguments& arguments) {
 
 bool are_finite(double a, double b) { return std::isfinite(a) && std::isfinite(b); }
 
-}  // namespace
-
-double minimal_rwork(double n, int method, double max_order, double max_index) {
-  const double q = max_index + 1.0;
-  if (method == bdf_method)
-    return 50.0 + (21.0 + max_order + 14.0 * max_index) * n + (6.0 + max_index + 6.0 * q * q) * n * n;
-  return 20.0 + (29.0 + 14.0 * max_index) * n + (15.0 + max_index + 6.0 * q * q) * n * n;
+// Those that its documents ask for.
+Lengths dgelda_lengths(const Arguments& arguments, const Options& options) {
+  const double n = arguments.n, max_index = options.max_index, q = max_index + 1.0;
+  const std::int64_t size = arguments.n;
+  if (arguments.method == bdf_method)
+    return {50.0 + (21.0 + options.max_order + 14.0 * max_index) * n + (6.0 + max_index + 6.0 * q * q) * n * n,
+            20 + 2 * size};
+  return {20.0 + (29.0 + 14.0 * max_index) * n + (15.0 + max_index + 6.0 * q * q) * n * n, 20 + 6 * size};
 }
 
-std::int64_t minimal_iwork(std::int64_t n, int method) { return 20 + (method == bdf_method ? 2 : 6) * n; }
+// The state and no more: see call_state.h and the archives of what it consists of.
+Lengths sfndae_lengths(const Arguments& arguments, const Options& options) {
+  const double m = arguments.m, n = arguments.n;
+  return {100.0 + 2.0 * options.max_index + m + (20.0 + 2.0 * options.max_order + 4.0 * options.max_index) * n,
+          shortest_iwork};
+}
+
+}  // namespace
+
+// The last digit of a state word is the version of the layout.
+const Routine dgelda_routine{5'304'461, 4, true, false, dgelda_lengths};
+const Routine sfndae_routine{5'304'471, max_cval, false, true, sfndae_lengths};
 
 int read_options(const Arguments& arguments, bool is_first_call, Options& options) {
   for (int k = 2; k <= num_info && is_first_call; ++k)
     if (arguments.info[k] != 0 && arguments.info[k] != 1) return code::bad_info;
+  if (arguments.flag(5) && !arguments.routine->knows_constants) return code::bad_info;
   if (arguments.n <= 0 || arguments.n > largest_order) return code::bad_order;
+  if (arguments.m <= 0 || arguments.m > largest_order) return code::bad_equations;
   int result = read_sizes(arguments, is_first_call, options);
   if (result == code::ok) result = read_limits(arguments, is_first_call, options);
   if (result == code::ok) result = read_stepping(arguments, is_first_call, options);

@@ -1,6 +1,6 @@
-// What survives between calls of DGELDA.
+// What survives between calls of DGELDA or SFNDAE.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "f77/dgelda_state.h"
+#include "f77/call_state.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,6 @@ namespace sfdae::f77 {
 
 namespace {
 
-// Stands in IWORK(16); its last digit is the version of the layout.
-constexpr std::int64_t state_word = 5'304'461;
 // kind = is_running + 2 is_constant + 4 METHOD
 constexpr int running_bit = 1, constant_bit = 2, method_factor = 4;
 constexpr int last_real = 20;
@@ -22,18 +20,19 @@ bool is_whole(double value) { return value == std::floor(value); }
 
 }  // namespace
 
-void DgeldaState::invalidate() { arguments_.iwork.set(word, 0); }
+void CallState::invalidate() { arguments_.iwork.set(word, 0); }
 
-std::size_t DgeldaState::size_of_matrices(bool is_constant) const {
+std::size_t CallState::size_of_matrices(bool is_constant) const {
   const std::size_t n = static_cast<std::size_t>(arguments_.n);
   return is_constant ? 2 * n * n : 0;
 }
 
-std::size_t DgeldaState::saved_length() const { return static_cast<std::size_t>(arguments_.rwork(length)); }
+std::size_t CallState::saved_length() const { return static_cast<std::size_t>(arguments_.rwork(length)); }
 
 // Of all words, folded to a positive INTEGER of 32 bits.
-std::int64_t DgeldaState::checksum(std::size_t reals) const {
+std::int64_t CallState::checksum(std::size_t reals) const {
   core::WordHash hash;
+  hash.add(static_cast<std::uint64_t>(arguments_.m));
   hash.add(static_cast<std::uint64_t>(arguments_.n));
   hash.add(static_cast<std::uint64_t>(arguments_.iwork.get(kind)));
   for (int position : {t_start, t_returned, span, length}) hash.add(&arguments_.rwork(position), 1);
@@ -41,10 +40,11 @@ std::int64_t DgeldaState::checksum(std::size_t reals) const {
   return static_cast<std::int64_t>((hash.value() >> 33) ^ (hash.value() & 0x7fffffffu));
 }
 
-int DgeldaState::load(Progress& progress) const {
+int CallState::load(Progress& progress) const {
   if (arguments_.liw < shortest_iwork || arguments_.lrw < last_real) return code::bad_info;
-  if (arguments_.n <= 0 || arguments_.n > largest_order) return code::bad_info;
-  if (arguments_.iwork.get(word) != state_word) return code::bad_info;
+  for (int size : {arguments_.m, arguments_.n})
+    if (size <= 0 || size > largest_order) return code::bad_info;
+  if (arguments_.iwork.get(word) != arguments_.routine->state_word) return code::bad_info;
   const std::int64_t kinds = arguments_.iwork.get(kind);
   progress.is_running = (kinds & running_bit) != 0;
   progress.is_constant = (kinds & constant_bit) != 0;
@@ -59,8 +59,8 @@ int DgeldaState::load(Progress& progress) const {
   return code::ok;
 }
 
-bool DgeldaState::save(const Progress& progress, DgeldaProblem& problem, core::LinearSystem& system,
-                       core::Integration* integration) {
+bool CallState::save(const Progress& progress, const std::vector<double>& matrices, core::DaeSystem& system,
+                     core::Integration* integration) {
   invalidate();
   const std::size_t room = static_cast<std::size_t>(arguments_.lrw - last_real);
   const std::size_t constants = size_of_matrices(progress.is_constant);
@@ -69,7 +69,7 @@ bool DgeldaState::save(const Progress& progress, DgeldaProblem& problem, core::L
   const std::size_t rest = integration != nullptr ? core::checkpoint_size(system, *integration) : counter.size();
   if (constants + rest > room) return false;
   double* to = &arguments_.rwork(first_real);
-  std::copy_n(problem.matrices().data(), constants, to);
+  std::copy_n(matrices.data(), constants, to);
   if (integration != nullptr) {
     core::save_checkpoint(system, *integration, to + constants);
   } else {
@@ -83,22 +83,21 @@ bool DgeldaState::save(const Progress& progress, DgeldaProblem& problem, core::L
   arguments_.iwork.set(kind, (progress.is_running ? running_bit : 0) + (progress.is_constant ? constant_bit : 0) +
                                  method_factor * arguments_.method);
   arguments_.iwork.set(sum, checksum(constants + rest));
-  arguments_.iwork.set(word, state_word);
+  arguments_.iwork.set(word, arguments_.routine->state_word);
   return true;
 }
 
-std::unique_ptr<core::LinearSystem> DgeldaState::restore_system(core::LinearProblem& problem,
-                                                                const core::AnalysisSettings& settings,
-                                                                const Progress& progress) const {
+std::unique_ptr<core::DaeSystem> CallState::restore_system(const core::CheckpointTarget& target,
+                                                           const Progress& progress) const {
   const std::size_t constants = size_of_matrices(progress.is_constant);
   core::Archive archive = core::Archive::reader(&arguments_.rwork(first_real) + constants, saved_length() - constants);
-  return std::make_unique<core::LinearSystem>(problem, settings, archive);
+  return target.system(archive);
 }
 
-core::Restored DgeldaState::restore(core::LinearProblem& problem, const core::AnalysisSettings& settings,
-                                    const core::IntegrationOptions& options, const Progress& progress) const {
+core::Restored CallState::restore(const core::CheckpointTarget& target, const core::IntegrationOptions& options,
+                                  const Progress& progress) const {
   const std::size_t constants = size_of_matrices(progress.is_constant);
-  return core::restore_checkpoint(core::linear_target(problem, settings), options, &arguments_.rwork(first_real) + constants,
+  return core::restore_checkpoint(target, options, &arguments_.rwork(first_real) + constants,
                                   saved_length() - constants);
 }
 

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Problems for C++17 and later: the user's functions and the views that they get. Included by sfdae.hpp.
+#ifndef SFDAE_PROBLEM_HPP
+#define SFDAE_PROBLEM_HPP
+
+#include <sfdae/expression.hpp>
+#include <sfdae/sfdae.h>
+
+#include <cstddef>
+#include <functional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace sfdae {
+
+/// Matrix that lives elsewhere; copies of the view show the same entries.
+template <class T>
+class BasicMatrixRef {
+ public:
+  BasicMatrixRef(T* values, int rows, int columns) noexcept : values_(values), rows_(rows), columns_(columns) {}
+  T& operator()(int i, int j) const noexcept { return values_[i + std::ptrdiff_t{j} * rows_]; }
+  int rows() const noexcept { return rows_; }
+  int columns() const noexcept { return columns_; }
+  T* data() const noexcept { return values_; }
+  /// False for one that is not there, see TotalDerivatives.
+  explicit operator bool() const noexcept { return values_ != nullptr; }
+
+ private:
+  T* values_;
+  int rows_, columns_;
+};
+using MatrixRef = BasicMatrixRef<double>;
+using ConstMatrixRef = BasicMatrixRef<const double>;
+using ExpressionMatrix = BasicMatrixRef<Expression>;
+
+/// Vector that lives elsewhere.
+template <class T>
+class BasicVectorRef {
+ public:
+  BasicVectorRef(T* values, int size) noexcept : values_(values), size_(size) {}
+  T& operator[](int i) const noexcept { return values_[i]; }
+  int size() const noexcept { return size_; }
+  T* data() const noexcept { return values_; }
+  T* begin() const noexcept { return values_; }
+  T* end() const noexcept { return values_ + size_; }
+
+ private:
+  T* values_;
+  int size_;
+};
+using VectorRef = BasicVectorRef<double>;
+using ConstVectorRef = BasicVectorRef<const double>;
+using Expressions = BasicVectorRef<Expression>;
+using ConstExpressions = BasicVectorRef<const Expression>;
+
+/// A function of the user that returns nothing, or an int as in C: 0 ok, > 0 cannot evaluate here, < 0 stop.
+template <class... Arguments>
+class Callback {
+ public:
+  Callback() = default;
+  Callback(std::nullptr_t) {}
+
+  template <class F, class = std::enable_if_t<std::is_invocable_v<F&, Arguments...>>>
+  Callback(F function) {
+    using Result = std::invoke_result_t<F&, Arguments...>;
+    static_assert(std::is_void_v<Result> || std::is_same_v<Result, int>, "return nothing, or an int as in C");
+    if constexpr (std::is_void_v<Result>) {
+      function_ = [f = std::move(function)](Arguments... arguments) mutable {
+        f(arguments...);
+        return 0;
+      };
+    } else {
+      function_ = std::move(function);
+    }
+  }
+
+  explicit operator bool() const noexcept { return static_cast<bool>(function_); }
+  int call(Arguments... arguments) const { return function_(arguments...); }
+
+ private:
+  std::function<int(Arguments...)> function_;
+};
+
+/// Functions of time that write their derivative of the given order into a view filled with zeros, or return
+/// SFDAE_ORDER_NOT_AVAILABLE:
+///     [](double t, int order, sfdae::MatrixRef E) { ... }
+using MatrixFunction = Callback<double, int, MatrixRef>;
+using VectorFunction = Callback<double, int, VectorRef>;
+
+/// Equations to be recorded, F(t, x, x') = 0 for all entries of F:
+///     [](sfdae::Expression t, sfdae::ConstExpressions x, sfdae::ConstExpressions xdot, sfdae::Expressions F) { ... }
+using EquationsFunction = Callback<const Expression&, ConstExpressions, ConstExpressions, Expressions>;
+
+/// The same for E x' = A x + f, whose entries are zero at first:
+///     [](sfdae::Expression t, sfdae::ExpressionMatrix E, sfdae::ExpressionMatrix A, sfdae::Expressions f) { ... }
+using LinearEquationsFunction = Callback<const Expression&, ExpressionMatrix, ExpressionMatrix, Expressions>;
+
+/// Where total derivatives along a jet go, filled with zeros; F_x and F_xdot convert to false if not asked for.
+struct TotalDerivatives {
+  VectorRef F;
+  MatrixRef F_x, F_xdot;
+};
+
+/// Column k of `derivatives` (n x (order + 2)) is the k-th derivative of x, see sfdae_total_derivative_function:
+///     [](double t, int order, sfdae::ConstMatrixRef derivatives, sfdae::TotalDerivatives result) { ... }
+using TotalDerivativeFunction = Callback<double, int, ConstMatrixRef, TotalDerivatives>;
+
+/// Event functions, see sfdae_set_events: writes g_i(t, x, x') into a view filled with zeros,
+///     [](double t, sfdae::ConstVectorRef x, sfdae::ConstVectorRef xdot, sfdae::VectorRef g) { ... }
+using EventFunction = Callback<double, ConstVectorRef, ConstVectorRef, VectorRef>;
+
+/// E(t) x' = A(t) x + f(t), see sfdae_linear_problem.
+struct LinearProblem {
+  LinearProblem(int equations, int unknowns) : num_equations(equations), num_unknowns(unknowns) {}
+
+  int num_equations;
+  int num_unknowns;
+  MatrixFunction E;
+  MatrixFunction A;
+  VectorFunction f;  ///< not given: f = 0
+  bool constant_E = false;
+  bool constant_A = false;
+  std::vector<int> prescribed;       ///< indices of the components that are prescribed, u > 0 only
+  VectorFunction prescribed_values;  ///< writes their values; order is 0
+};
+
+/// F(t, x, x') = 0, see sfdae_nonlinear_problem. One of the three functions has to be given.
+struct NonlinearProblem {
+  NonlinearProblem(int equations_given, int unknowns) : num_equations(equations_given), num_unknowns(unknowns) {}
+
+  int num_equations;
+  int num_unknowns;
+  EquationsFunction equations;               ///< recorded when a solver is created
+  LinearEquationsFunction linear_equations;  ///< likewise
+  TotalDerivativeFunction total_derivative;
+  std::vector<int> prescribed;       ///< indices of the components that are prescribed, u > 0 only
+  VectorFunction prescribed_values;  ///< writes their values; order is 0
+};
+
+}  // namespace sfdae
+
+#endif

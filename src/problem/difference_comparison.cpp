@@ -1,0 +1,72 @@
+// Values that a user supplies as a derivative, compared with differences.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/difference_comparison.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/matrix.h"
+#include "linalg/rank.h"
+#include "problem/differences.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+constexpr int points = DifferenceFormula::points;
+// Spacings of the points from the widest down by factors of 4; the one with the smallest estimated error counts.
+constexpr double widest_spacing = 0.1;
+constexpr int spacings = 20;
+// Differences may share their truncation error with their estimate: nothing below is called uncertain.
+constexpr double least_uncertainty = 1e3 * unit_roundoff;
+
+double largest(const std::vector<double>& v) { return max_abs({v.data(), static_cast<int>(v.size()), 1, 1}); }
+
+struct Differences {
+  std::vector<double> values;
+  double error = -1.0;  // estimated, absolute; negative: there are none
+};
+
+Differences best_differences(int count, double unit, const OffsetFunction& function) {
+  const std::size_t size = static_cast<std::size_t>(count);
+  std::vector<double> candidate(size), samples(size * points), one(size);
+  Differences best;
+  double h = widest_spacing * unit;
+  for (int attempt = 0; attempt < spacings; ++attempt, h /= 4.0) {
+    bool reached = true;
+    for (int i = 0; i < points && reached; ++i) {
+      const Trouble trouble = function((i - points / 2) * h, one.data());
+      if (trouble.status != SFDAE_OK && !trouble.is_recoverable()) throw Failure(trouble.status, trouble.message());
+      reached = trouble.status == SFDAE_OK;
+      std::copy(one.begin(), one.end(), samples.begin() + static_cast<std::ptrdiff_t>(i) * count);
+    }
+    if (!reached) continue;  // out of the domain of the function: closer points
+    double error = 0.0;
+    DifferenceFormula(points / 2, 1).apply(1, h, samples.data(), count, candidate.data(), &error);
+    if (best.error >= 0.0 && error >= best.error) continue;
+    best = {candidate, error};
+  }
+  return best;
+}
+
+}  // namespace
+
+void compare_with_differences(const SuppliedDerivative& supplied, double unit, const OffsetFunction& function,
+                              DerivativeMismatch& worst) {
+  const int count = static_cast<int>(supplied.values.size());
+  const Differences differences = best_differences(count, unit, function);
+  if (differences.error < 0.0) return;
+  double scale = std::max({largest(supplied.values), largest(differences.values), differences.error});
+  if (scale == 0.0) scale = 1.0;
+  const double relative = std::max(differences.error / scale, least_uncertainty);
+  for (int i = 0; i < count; ++i) {
+    const std::size_t at = static_cast<std::size_t>(i);
+    const double error = std::fabs(supplied.values[at] - differences.values[at]) / scale;
+    if (worst.function != 0 && error * worst.uncertainty <= worst.error * relative) continue;
+    worst = {supplied.function,   supplied.order,         i % supplied.rows, supplied.first_column + i / supplied.rows,
+             supplied.values[at], differences.values[at], error,             relative};
+  }
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,36 @@
+// Values that a user supplies as a derivative, compared with differences.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "problem/problem.h"
+
+namespace sfdae::core {
+
+struct DerivativeMismatch {
+  char function = 0;  // 'E', 'A', 'f'; 'F', 'x' (F_x), 'd' (F_x'); 0: nothing compared
+  int order = 0, row = 0, column = 0;
+  double supplied = 0.0, difference = 0.0;
+  double error = 0.0;        // |supplied - difference| relative to the size of the derivatives compared
+  double uncertainty = 0.0;  // of the difference, likewise
+  bool suspicious() const { return error > 100.0 * uncertainty; }
+};
+
+// Entries of a derivative: `rows` to a column, the first one being `first_column` of the function's matrix.
+struct SuppliedDerivative {
+  char function;
+  int order, rows, first_column;
+  std::vector<double> values;
+};
+
+// Writes the function that is differentiated, at an offset from the point.
+using OffsetFunction = std::function<Trouble(double offset, double* values)>;
+
+// Differences at spacings of 0.1 unit and less; `worst` becomes the worst mismatch, measured by error / uncertainty, of the
+// entries and what it was before. Throws Failure if the function fails for good.
+void compare_with_differences(const SuppliedDerivative& supplied, double unit, const OffsetFunction& function,
+                              DerivativeMismatch& worst);
+
+}  // namespace sfdae::core

@@ -1,0 +1,113 @@
+// Compares total derivatives that a callback supplies along a jet with differences.
+//
+//     F^(k)     = d/ds F^(k-1) along the polynomial with the derivatives given, at t + s
+//     F_x^(k)   = dF^(k)/dx
+//     F_x'^(k)  = dF^(k)/dx' - k F_x^(k-1)
+//
+// The last two are j = 0 and j = 1 of  dF^(k)/dx^(j) = C(k, j) F_x^(k-j) + C(k, j-1) F_x'^(k-j+1).
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/total_derivative_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+class Checker {
+ public:
+  Checker(CallbackProblem& problem, double t, const double* derivatives, int max_order)
+      : problem_(problem), t_(t), columns_(max_order + 2),
+        jet_(derivatives, derivatives + index(problem.n()) * index(columns_)), F_(index(problem.m())),
+        F_x_(F_.size() * index(problem.n())), F_xdot_(F_x_.size()), F_x_below_(F_x_.size()) {}
+
+  // False if the order is not available.
+  bool check(int order) {
+    F_x_below_.swap(F_x_);
+    const Trouble trouble = call(t_, order, jet_, {F_.data(), F_x_.data(), F_xdot_.data()});
+    if (trouble.status == SFDAE_ORDER_MISSING) return false;
+    if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+    if (order > 0) compare_F(order);
+    // Jacobians are judged by an F that is right.
+    for (int j = 0; j < problem_.n() && !worst_.suspicious(); ++j) compare_column('x', order, j);
+    for (int j = 0; j < problem_.n() && !worst_.suspicious(); ++j) compare_column('d', order, j);
+    return true;
+  }
+
+  const DerivativeMismatch& worst() const { return worst_; }
+
+ private:
+  struct Outputs {
+    double* F;
+    double *F_x = nullptr, *F_xdot = nullptr;
+  };
+
+  Trouble call(double t, int order, const std::vector<double>& jet, const Outputs& to) {
+    if (!problem_.stop_is_requested()) return problem_.call(t, order, jet.data(), to.F, to.F_x, to.F_xdot);
+    Trouble stopped;
+    stopped.status = SFDAE_STOPPED;
+    stopped.t = t;
+    return stopped;
+  }
+
+  // The derivatives of the same polynomial at t + s.
+  std::vector<double> shifted_jet(double s) const {
+    const std::size_t n = index(problem_.n());
+    std::vector<double> shifted(jet_);
+    for (int k = 0; k < columns_; ++k) {
+      double factor = 1.0;  // s^i / i!
+      for (int i = 1; k + i < columns_; ++i) {
+        factor *= s / i;
+        for (std::size_t j = 0; j < n; ++j) shifted[n * index(k) + j] += factor * jet_[n * index(k + i) + j];
+      }
+    }
+    return shifted;
+  }
+
+  void compare_F(int order) {
+    const double unit = std::max(1.0, std::fabs(t_) * 1e-3);
+    const auto below = [&](double s, double* values) { return call(t_ + s, order - 1, shifted_jet(s), {values}); };
+    compare_with_differences({'F', order, problem_.m(), 0, F_}, unit, below, worst_);
+  }
+
+  void compare_column(char which, int order, int j) {
+    const std::vector<double>& supplied = which == 'x' ? F_x_ : F_xdot_;
+    const std::ptrdiff_t m = problem_.m(), first = m * j;
+    // x_j or x'_j
+    const std::size_t position = index(which == 'x' ? 0 : problem_.n()) + index(j);
+    const double* F_x_below = which == 'd' && order > 0 ? F_x_below_.data() + first : nullptr;
+    std::vector<double> jet(jet_);
+    const auto F = [&](double offset, double* values) {
+      jet[position] = jet_[position] + offset;
+      const Trouble trouble = call(t_, order, jet, {values});
+      for (int i = 0; i < m && F_x_below != nullptr; ++i) values[i] -= order * offset * F_x_below[i];
+      return trouble;
+    };
+    compare_with_differences({which, order, problem_.m(), j, {supplied.begin() + first, supplied.begin() + first + m}},
+                             std::max(1.0, std::fabs(jet_[position])), F, worst_);
+  }
+
+  CallbackProblem& problem_;
+  double t_;
+  int columns_;
+  std::vector<double> jet_, F_, F_x_, F_xdot_, F_x_below_;
+  DerivativeMismatch worst_;
+};
+
+}  // namespace
+
+DerivativeMismatch check_total_derivatives(CallbackProblem& problem, double t, const double* derivatives, int max_order) {
+  Checker checker(problem, t, derivatives, max_order);
+  // An order is judged by the one below: beyond the first mistake nothing can be said.
+  for (int order = 0; order <= max_order && !checker.worst().suspicious(); ++order)
+    if (!checker.check(order)) break;
+  return checker.worst();
+}
+
+}  // namespace sfdae::core
