@@ -349,7 +349,10 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
     const double reference = task.has_step ? before : std::max(before, earlier);
     if (has_converged(task, iteration, norm, reference)) {
       read_inconsistency(task, jet);
-      return PointStatus::ok;
+      // Known ranks may not fit the jet that was linearized.
+      constexpr double contradiction = 1e-8;
+      const bool is_doubtful = task.has_step && !linearized_judged_ && inconsistency_ > contradiction;
+      return is_doubtful ? PointStatus::not_converged : PointStatus::ok;
     }
     if (iteration > 1 && norm > slowest * reference) return PointStatus::not_converged;
     earlier = before;

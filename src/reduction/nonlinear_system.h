@@ -108,6 +108,7 @@ class NonlinearSystem final : public DaeSystem {
   void step_rhs(const Task& task, const Jet& jet, double* z);
   PointStatus iterate(const Task& task, Jet& jet);
   void read_inconsistency(const Task& task, const Jet& jet);
+  PointStatus check_redundant(const Task& task, const Jet& jet);
   bool has_converged(const Task& task, int iteration, double norm, double before);
   bool is_hopeless(PointStatus status) const;
   template <class Iteration>

@@ -115,6 +115,19 @@ PointStatus NonlinearSystem::read_stage_inputs(double t) {
   return trouble_.status == SFDAE_OK ? PointStatus::ok : PointStatus::trouble;
 }
 
+// Known ranks that do not fit the jet of the linearization leave out equations that are not redundant: they contradict the
+// others then.
+PointStatus NonlinearSystem::check_redundant(const Task& task, const Jet& jet) {
+  inconsistency_ = 0.0;
+  if (analysis_.v_hat == 0) return PointStatus::ok;
+  constexpr double contradiction = 1e-8;
+  const PointStatus status = array_residuals(jet, array_f_.data());
+  if (status != PointStatus::ok) return status;
+  read_constraints(jet, array_f_.data(), transformed_f_.data());
+  read_inconsistency(task, jet);
+  return inconsistency_ > contradiction && !linearized_judged_ ? PointStatus::not_converged : PointStatus::ok;
+}
+
 PointStatus NonlinearSystem::iterate_stages(const StageEquations& equations) {
   constexpr double slowest = 0.7;
   constexpr int most = 20;
@@ -142,7 +155,7 @@ PointStatus NonlinearSystem::iterate_stages(const StageEquations& equations) {
       norm = std::max(norm, change_norm(task, dx, stages_[index(i)]));
     }
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    if (has_converged(task, iteration, norm, before)) return PointStatus::ok;
+    if (has_converged(task, iteration, norm, before)) return check_redundant(task, stages_[index(s - 1)]);
     if (iteration > 1 && norm > slowest * before) return PointStatus::not_converged;
     before = norm;
   }
