@@ -148,9 +148,9 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
 // Ranks hold on F_mu = 0 only: pivots that vanish there are as large as the residuals that the iteration has left. With the
 // known ranks these become rounding errors in a few iterations, unless the ranks do not hold.
 PointStatus NonlinearSystem::renew_judged(const Jet& jet) {
-  Jet polished = jet;
-  if (ranks_.count > 0 && renew(jet, false) == PointStatus::ok && iterate(Task{}, polished) == PointStatus::ok)
-    return renew(polished, true);
+  polished_ = jet;
+  if (ranks_.count > 0 && renew(jet, false) == PointStatus::ok && iterate(Task{}, polished_) == PointStatus::ok)
+    return renew(polished_, true);
   return renew(jet, true);
 }
 
@@ -311,9 +311,9 @@ void NonlinearSystem::read_inconsistency(const Task& task, const Jet& jet) {
   const bool is_noise = form_.inconsistency() <= 1e3 * data_.noise(analysis_.values.mu) / pivot_;
   inconsistency_ = is_noise ? 0.0 : form_.inconsistency();
   if (is_noise || task.inverse_weights == nullptr) return;
-  Jet polished = jet;
+  polished_ = jet;
   const bool was_slow = is_slow_;
-  if (iterate(Task{}, polished) != PointStatus::ok) inconsistency_ = std::min(inconsistency_, form_.inconsistency());
+  if (iterate(Task{}, polished_) != PointStatus::ok) inconsistency_ = std::min(inconsistency_, form_.inconsistency());
   is_slow_ = was_slow;
 }
 

@@ -143,6 +143,7 @@ class NonlinearSystem final : public DaeSystem {
   TransformedStages transformed_;
 
   Jet jet_, accepted_, before_;  // the current one, the one accepted last, and the one before that
+  Jet polished_;
   Jet linearized_;               // where the linearization is from
   bool linearized_judged_ = false;
   std::vector<double> linearized_rows_;  // row factors preferred for it
