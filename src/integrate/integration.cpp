@@ -434,6 +434,11 @@ void Integration::evaluate(double tout, bool may_refine, double* x, double* xdot
   // Iterations for nonlinear equations end when errors are small against the tolerances: the constraints want more.
   if (at_step && system_.guess_order() < 0) std::copy(stepper_->x().begin(), stepper_->x().end(), x);
   else system_.restore(scratch_w_.data(), at_step ? stepper_->x().data() : x_free.data(), x);
+  if (system_.examine() == PointStatus::changed)
+    throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                  format("the characteristic values known do not hold at t = %.15g any more: they have changed since t = "
+                         "%.15g or before. Analyze the problem behind the change.",
+                         tout, stepper_->t() - stepper_->last_step()));
   // The slope of a polynomial of high degree over a long step is not as accurate as x is.
   const bool is_within_long_step = method_ == Method::radau && !at_step && wants_slopes_;
   if (!wants_slopes_ && system_.guess_order() >= 0) std::fill_n(xdot, system_.unknowns(), 0.0);

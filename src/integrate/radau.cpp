@@ -30,7 +30,9 @@ constexpr double embedded_limit(int s, bool beside_difference) {
 // Distances of nodes relative to the one before.
 constexpr double coincidence = 0.02;
 // Of the Hermite polynomial without its farthest node.
-constexpr double interpolation_error = 0.5;
+constexpr double interpolation_error = 0.5, nonlinear_interpolation_error = 1e-3;
+// Steps of one stage, the choice for rough problems, must not grow over what makes them rough.
+constexpr double rough_growth = 2.0;
 
 }  // namespace
 
@@ -166,6 +168,8 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   const StageCosts costs{system.unknowns(), system.differential() + system.undetermined()};
   next_step_ = system.differential() == 0 ? control_.accepted_without_error(tried_h_)
                                           : control_.accepted(tried_h_, terms, costs, system.is_constant());
+  if (s == 1 && system.differential() > 0)
+    next_step_ = std::copysign(std::min(std::fabs(next_step_), rough_growth * std::fabs(tried_h_)), tried_h_);
   return StepOutcome::accepted;
 }
 
@@ -370,7 +374,9 @@ PointStatus Radau::refine(StrangenessFreeSystem& system, ErrorWeights& weights, 
     columns_[r] = product * (table_[index(2 * count - 2)][r] + last_gap * table_[index(2 * count - 1)][r]);
   system.error_in_x(columns_.data(), mapped_.data());
   update(weights, nodes_[1], nodes_[0]);
-  if (weights.norm(mapped_.data()) <= interpolation_error) return PointStatus::ok;
+  // What the iteration leaves of errors at the nodes is not seen by differences: more is asked for.
+  const double limit = system.guess_order() < 0 ? interpolation_error : nonlinear_interpolation_error;
+  if (weights.norm(mapped_.data()) <= limit) return PointStatus::ok;
   const RadauMethod& method = radau_method((last_order_ + 1) / 2);
   const Node& start = nodes_[1];
   double reached = t;

@@ -21,6 +21,8 @@ using Vector = std::vector<double>;
 constexpr int max_iterations = 200;
 // A step that reduces the residuals to this fraction needs no damping.
 constexpr double good_reduction = 0.5;
+// At a jet that counts as consistent the iteration goes on as long as it reduces them to this.
+constexpr double still_gaining = 0.9;
 // Residuals relative to what was added up in them, of a jet that counts as consistent.
 constexpr double consistent_residual = 1e-9;
 // y may change this much more easily than x.
@@ -105,17 +107,14 @@ bool JetSolver::staged_change(const Jet& jet, int level, NoiseModel model, doubl
   const RankReading reading = read_ranks(data_, level, {0.0, false, model, nullptr}, arena_);
   const Judge::Settings settings{0.0, false, NoiseModel::pivots, &reading.list};
   Judge judge(data_, level, settings, nullptr);
-  StoredElimination stored;
-  const Carried carried = eliminate(data_, level, data_.f_stack(level), 1, judge, arena_, &stored);
+  const Carried carried = eliminate(data_, level, data_.f_stack(level), 1, judge, arena_, &stored_);
   NullSpaceForm form;
   form.resize(m, n, 0, carried.rows);
   form.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
   data_.residual_noise = 0.0;
   change.assign(index(n) * index(level + 2), 0.0);
   std::copy_n(form.xp(), n, change.data());
-  Vector transformed(index(m) * index(level + 1) + 1);
-  stored.transform(data_.f(0), transformed.data(), arena_);
-  stored.recover(data_, {data_.f(0), transformed.data()}, change.data(), change.data() + n, arena_);
+  recover_derivatives(level, change);
   return all_finite(change.data(), change.size());
 }
 
@@ -182,7 +181,7 @@ bool JetSolver::dense_change(const Jet& jet, int level, Vector& change) {
   return all_finite(change.data(), change.size());
 }
 
-bool JetSolver::is_converged(const Jet& jet, int level) const {
+bool JetSolver::is_converged(const Jet& jet, int level, double tolerance) const {
   const int m = data_.m, n = data_.n;
   double power = 1.0;
   Vector size(index(m) * index(level + 1), 0.0);
@@ -203,7 +202,7 @@ bool JetSolver::is_converged(const Jet& jet, int level) const {
   // Where nothing was added up, constants cancel: their size is that of the coefficients.
   const double least = data_.norm(level);
   for (std::size_t i = 0; i < size.size(); ++i)
-    if (std::fabs(data_.f(0)[i]) > consistent_residual * (size[i] + least)) return false;
+    if (std::fabs(data_.f(0)[i]) > tolerance * (size[i] + least)) return false;
   return true;
 }
 
@@ -277,7 +276,12 @@ bool JetSolver::run_freely(Jet& jet, int level, Trial trial) {
 }
 
 void JetSolver::solve(Jet& jet, int level) {
+  if (jet.order < level + 1) jet.set_order(level + 1);
   const Jet start = jet;
+  // Where x is consistent it must not move, though y is far off.
+  const Fulfilment with_x = solve_for_derivatives(jet, level);
+  if (with_x == Fulfilment::to_rounding) return;
+  if (with_x == Fulfilment::none) jet = start;
   try {
     search(jet, level, false);
   } catch (const Failure& failure) {
@@ -287,8 +291,45 @@ void JetSolver::solve(Jet& jet, int level) {
   }
 }
 
+// y alone changes.
+JetSolver::Fulfilment JetSolver::solve_for_derivatives(Jet& jet, int level) {
+  constexpr int most = 12;
+  linearize(jet, level, 0.0);
+  constexpr double rounding = 1e-14;
+  const auto fulfilment = [&] {
+    return is_converged(jet, level, rounding)              ? Fulfilment::to_rounding
+           : is_converged(jet, level, consistent_residual) ? Fulfilment::nearly
+                                                           : Fulfilment::none;
+  };
+  Vector change;
+  for (int iteration = 0; iteration < most; ++iteration) {
+    if (norm_ == 0.0) return Fulfilment::to_rounding;
+    const double before = norm_;
+    Trial trial;
+    for (NoiseModel model : {NoiseModel::pivots, NoiseModel::carried}) {
+      if (!staged_change(jet, level, model, 0.0, change)) continue;
+      const std::size_t n = index(jet.n);
+      std::fill_n(change.begin(), n, 0.0);
+      recover_derivatives(level, change);
+      if (!all_finite(change.data(), change.size())) continue;
+      trial = try_change(jet, level, change);
+      if (trial.valid && trial.norm < still_gaining * before) break;
+    }
+    if (!trial.valid || trial.norm >= still_gaining * before) return fulfilment();
+    jet = trial.jet;
+    linearize(jet, level, data_.time_scale);
+  }
+  return fulfilment();
+}
+
+// Of the last staged_change, for another change of x.
+void JetSolver::recover_derivatives(int level, Vector& change) {
+  Vector transformed(index(data_.m) * index(level + 1) + 1);
+  stored_.transform(data_.f(0), transformed.data(), arena_);
+  stored_.recover(data_, {data_.f(0), transformed.data()}, change.data(), change.data() + data_.n, arena_);
+}
+
 void JetSolver::search(Jet& jet, int level, bool may_run_freely) {
-  if (jet.order < level + 1) jet.set_order(level + 1);
   linearize(jet, level, 0.0);
   double damping = 1e-3;
   bool may_step_freely = true;
@@ -299,12 +340,14 @@ void JetSolver::search(Jet& jet, int level, bool may_run_freely) {
     // An undamped step first; it is the last one if rounding lets it gain nothing.
     Trial trial;
     if (may_step_freely) trial = undamped_trial(jet, level);
-    const bool converged = is_converged(jet, level);
+    const bool converged = is_converged(jet, level, consistent_residual);
     if (!trial.valid || trial.norm > good_reduction * before) {
-      if (converged) {
-        if (trial.valid && trial.norm < before) jet = trial.jet;
-        return;
+      if (converged && trial.valid && trial.norm < still_gaining * before) {
+        jet = trial.jet;
+        linearize(jet, level, data_.time_scale);
+        continue;
       }
+      if (converged) return;
       if (may_run_freely && may_step_freely && run_freely(jet, level, std::move(trial))) continue;
       may_step_freely = false;
     }
@@ -325,7 +368,7 @@ void JetSolver::search(Jet& jet, int level, bool may_run_freely) {
     jet = trial.jet;
     linearize(jet, level, data_.time_scale);
   }
-  if (!is_converged(jet, level)) give_up(jet, level);
+  if (!is_converged(jet, level, consistent_residual)) give_up(jet, level);
 }
 
 ConsistentJets::ConsistentJets(NonlinearProblem& problem, double t, const double* x, std::vector<char> fixed)

@@ -55,13 +55,17 @@ class JetSolver {
   double residual_norm(const Jet& jet, int level);
   Trial try_change(const Jet& jet, int level, const std::vector<double>& change);
   Trial undamped_trial(const Jet& jet, int level);
+  enum class Fulfilment { none, nearly, to_rounding };
+  Fulfilment solve_for_derivatives(Jet& jet, int level);
+  void recover_derivatives(int level, std::vector<double>& change);
   void search(Jet& jet, int level, bool may_run_freely);
   bool run_freely(Jet& jet, int level, Trial trial);
   bool staged_change(const Jet& jet, int level, NoiseModel model, double noise, std::vector<double>& change);
   bool damped_change(const Jet& jet, int level, double damping, std::vector<double>& change);
   bool dense_change(const Jet& jet, int level, std::vector<double>& change);
   std::vector<double> unit_changes(const Jet& jet, int level) const;
-  bool is_converged(const Jet& jet, int level) const;
+  // Residuals relative to what was added up in them.
+  bool is_converged(const Jet& jet, int level, double tolerance) const;
   [[noreturn]] void give_up(const Jet& jet, int level);
 
   NonlinearProblem& problem_;
@@ -70,6 +74,7 @@ class JetSolver {
   TaylorData data_;
   double norm_ = 0.0;  // of the residuals in data_
   std::vector<double> residuals_;
+  StoredElimination stored_;
   Arena arena_;
 };
 

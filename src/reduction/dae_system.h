@@ -49,6 +49,10 @@ class DaeSystem : public StrangenessFreeSystem {
   // Errors of the components of x that rounding in the equations causes near the point; null: negligible.
   virtual const double* rounding_errors() const { return nullptr; }
 
+  // Whether the characteristic values hold at the current point, where that has not been looked at. What later steps
+  // depend on stays as it is.
+  virtual PointStatus examine() { return PointStatus::ok; }
+
   virtual void archive(Archive& archive) = 0;
   virtual long reductions() const = 0;
   virtual long factorizations() const = 0;

@@ -17,7 +17,7 @@ namespace {
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Linearizations are renewed, and characteristic values checked, after this many points at the latest.
-constexpr int oldest = 20;
+constexpr int oldest = 10;
 // A row factor far from anything that is right.
 constexpr double no_preference = 1e300;
 
@@ -126,7 +126,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   kept_differential_ = judge.kept_differential();
   pivot_ = judge.smallest_pivot();
   if (!judge.fits_known_ranks()) return PointStatus::singular;
-  if (!ranks.prescription_fits)
+  if (!ranks.prescription_fits || (!problem_.prescribed().empty() && ranks.d != analysis_.values.d))
     throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
                   format("the prescribed components do not determine the free part of the solution at t = %.15g: "
                          "choose others.",
@@ -203,9 +203,9 @@ void NonlinearSystem::keep_differential_part() {
 PointStatus NonlinearSystem::renew_judged(const Jet& jet) {
   const PointStatus status = renew(jet, true);
   if (status != PointStatus::changed || ranks_.count == 0) return status;
-  Jet polished = jet;
-  if (renew(jet, false) != PointStatus::ok || iterate(Task{}, polished) != PointStatus::ok) return status;
-  return renew(polished, true);
+  polished_ = jet;
+  if (renew(jet, false) != PointStatus::ok || iterate(Task{}, polished_) != PointStatus::ok) return status;
+  return renew(polished_, true);
 }
 
 bool NonlinearSystem::factor_step_matrix(double c) {
@@ -366,9 +366,9 @@ void NonlinearSystem::read_inconsistency(const Task& task, const Jet& jet) {
   const bool is_noise = form_.inconsistency() <= 1e3 * data_.noise(analysis_.values.mu) / pivot_;
   inconsistency_ = is_noise ? 0.0 : form_.inconsistency();
   if (is_noise || task.inverse_weights == nullptr) return;
-  Jet polished = jet;
+  polished_ = jet;
   const bool was_slow = is_slow_;
-  if (iterate(Task{}, polished) != PointStatus::ok) inconsistency_ = std::min(inconsistency_, form_.inconsistency());
+  if (iterate(Task{}, polished_) != PointStatus::ok) inconsistency_ = std::min(inconsistency_, form_.inconsistency());
   is_slow_ = was_slow;
 }
 
@@ -389,6 +389,19 @@ bool NonlinearSystem::has_converged(const Task& task, int iteration, double norm
   if (iteration > 1 && norm <= 0.1 * task.tolerance) return true;
   if (iteration > 0 && rate_ >= 1.0) return false;
   return rate / (1.0 - rate) * norm <= task.tolerance || norm <= negligible;
+}
+
+PointStatus NonlinearSystem::examine() {
+  const int mu = analysis_.values.mu;
+  if (unjudged_ == 0 || examined_t_ == jet_.t) return PointStatus::ok;
+  const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each,
+                                          preferred_rows_.empty() ? nullptr : &preferred_rows_, &column_scale_};
+  trouble_ = problem_.linearize(jet_.t, jet_.x.data(), {mu, mu, mu}, scaling, next_data_);
+  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  examined_t_ = jet_.t;
+  if (matching_ranks(next_data_, mu, analysis_, settings_.rank_tol, arena_)) return PointStatus::ok;
+  JetCoefficients source(problem_, jet_, column_scale_);
+  return known_values_hold(source, jet_.t, settings_, analysis_, arena_) ? PointStatus::ok : PointStatus::changed;
 }
 
 bool NonlinearSystem::is_hopeless(PointStatus status) const {

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "linalg/archive.h"
@@ -66,6 +67,7 @@ class NonlinearSystem final : public DaeSystem {
   double kept_constraints() const override { return kept_constraints_; }
   double kept_differential() const override { return kept_differential_; }
   double smallest_pivot() const override { return pivot_; }
+  PointStatus examine() override;
   const double* rounding_errors() const override { return rounding_errors_.data(); }
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
   bool exact_derivative(const double* x, double* xdot) override;
@@ -144,6 +146,7 @@ class NonlinearSystem final : public DaeSystem {
   std::vector<double> rounding_errors_;
   int age_ = 0;             // points solved with it
   int unjudged_ = 0;        // points since ranks were judged
+  double examined_t_ = std::numeric_limits<double>::quiet_NaN();
   double kept_constraints_ = 1.0, kept_differential_ = 1.0, pivot_ = 1.0;
   std::vector<double> matrix_;
   std::vector<int> matrix_pivots_;
@@ -152,6 +155,7 @@ class NonlinearSystem final : public DaeSystem {
   TransformedStages transformed_;
 
   Jet jet_, accepted_, before_;  // the current one, the one accepted last, and the one before that
+  Jet polished_;
   Jet linearized_;               // where the linearization is from
   bool is_linearized_ = false;   // successfully
   bool linearized_judged_ = false;

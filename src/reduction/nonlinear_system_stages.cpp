@@ -51,7 +51,12 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
     std::copy_n(stages_[index(i)].x.data(), n, x + static_cast<std::ptrdiff_t>(i) * n);
     std::copy_n(stages_[index(i)].x.data(), n, w + static_cast<std::ptrdiff_t>(i) * n);
   }
-  return review(s == 1);
+  if (s == 1) return review(true);
+  // The linearization is of no use to the next step. Steps are long: ranks are judged in every one.
+  ++unjudged_;
+  const PointStatus examined = examine();
+  if (examined == PointStatus::ok) unjudged_ = 0;
+  return examined;
 }
 
 void NonlinearSystem::resize_stages(int s) {

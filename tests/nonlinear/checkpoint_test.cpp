@@ -18,14 +18,16 @@ TEST(NonlinearCheckpoints, ContinueWithinTheTolerance) {
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
     for (const double saved_at : {0.01, 0.7, 3.1, 6.0}) {
       SCOPED_TRACE(testing::Message() << "method " << method << ", saved at " << saved_at);
-      NonlinearRun whole(equations, options_with(tolerance, method)), continued(equations, options_with(tolerance, method));
+      NonlinearRun whole(equations, options_with(tolerance, method)),
+          continued(equations, options_with(tolerance, method));
       ASSERT_EQ(whole.start(p.t0, p.tf, p.x0), SFDAE_OK);
       ASSERT_EQ(whole.advance(saved_at), SFDAE_OK);
       std::size_t length = 0;
       ASSERT_EQ(sfdae_get_checkpoint_length(whole.solver(), &length), SFDAE_OK);
       std::vector<double> checkpoint(length);
       ASSERT_EQ(sfdae_save_checkpoint(whole.solver(), checkpoint.data(), length), SFDAE_OK);
-      ASSERT_EQ(sfdae_restore_checkpoint(continued.solver(), checkpoint.data(), length), SFDAE_OK) << continued.message();
+      ASSERT_EQ(sfdae_restore_checkpoint(continued.solver(), checkpoint.data(), length), SFDAE_OK)
+          << continued.message();
       continued.x.resize(5);
       for (const double t : {6.5, 8.0, 10.0}) {
         ASSERT_EQ(whole.advance(t), SFDAE_OK);

@@ -13,7 +13,8 @@ namespace {
 using namespace sfdae_test;
 
 NonlinearEquations pendulum_equations() {
-  return equations_of(5, 5, [](const auto& t, const auto* x, const auto* xdot, auto* F) { pendulum_residual(t, x, xdot, F); });
+  return equations_of(
+      5, 5, [](const auto& t, const auto* x, const auto* xdot, auto* F) { pendulum_residual(t, x, xdot, F); });
 }
 
 // All constraints of x = (x, y, u, v, lambda), hidden ones included: |p|^2 = 1, p v = 0, |v|^2 - lambda |p|^2 - g y = 0.
@@ -29,7 +30,8 @@ std::vector<double> consistent_point(double phi, double s) {
   return {x, y, -s * y, s * x, s * s - Pendulum::gravity * y};
 }
 
-double squared_distance(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& weights) {
+double squared_distance(const std::vector<double>& a, const std::vector<double>& b,
+                        const std::vector<double>& weights) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += std::pow((a[i] - b[i]) / weights[i], 2);
   return sum;

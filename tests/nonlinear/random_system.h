@@ -203,7 +203,9 @@ void RandomSystem::mix(const V& t, const V* x, std::vector<V>& r) const {
   std::vector<V> mixed;
   for (std::size_t i = 0; i < order_.size(); ++i) {
     V equation = r[at(order_[i])];
-    if (i > 0) equation = equation + quadratic_[i] * (mixed[i - 1] * r[at(order_[i])]) + quadratic_[i] * mixed[i / 2] * mixed[0];
+    if (i > 0)
+      equation =
+          equation + quadratic_[i] * (mixed[i - 1] * r[at(order_[i])]) + quadratic_[i] * mixed[i / 2] * mixed[0];
     mixed.push_back(equation);
   }
   for (const Turn& turn : turns_) {

@@ -26,8 +26,8 @@ RandomSystem random_system(unsigned seed) {
 }
 
 bool says_that_nothing_is_known(int status) {
-  return status == SFDAE_RANK_UNCLEAR || status == SFDAE_NO_CONSISTENT_VALUES || status == SFDAE_CHARACTERISTICS_CHANGED ||
-         status == SFDAE_INDEX_TOO_HIGH;
+  return status == SFDAE_RANK_UNCLEAR || status == SFDAE_NO_CONSISTENT_VALUES ||
+         status == SFDAE_CHARACTERISTICS_CHANGED || status == SFDAE_INDEX_TOO_HIGH;
 }
 
 struct Counts {

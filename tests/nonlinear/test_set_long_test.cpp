@@ -89,11 +89,13 @@ int solve(const TestProblem& p, const Equations& equations, sfdae_options option
 struct PeerDigits {
   std::array<double, 3> bdf, radau;
 };
-const std::map<std::string, PeerDigits> peers = {
-    {"pendulum", {{2.3, 4.0, 5.8}, {3.1, 4.7, 6.3}}},       {"car_axis", {{1.7, 2.7, 4.6}, {2.1, 4.3, 6.0}}},
-    {"andrews", {{3.5, 4.5, 6.7}, {5.1, 6.3, 8.9}}},        {"fekete", {{3.4, 4.8, 6.3}, {3.7, 5.9, 7.1}}},
-    {"transistor_amplifier", {{3.2, 5.7, 7.6}, {4.6, 6.2, 8.4}}}, {"akzo", {{2.8, 4.8, 6.2}, {4.2, 5.4, 6.7}}},
-    {"nand", {{5.2, 6.8, 8.6}, {0.0, 0.0, 0.0}}}};
+const std::map<std::string, PeerDigits> peers = {{"pendulum", {{2.3, 4.0, 5.8}, {3.1, 4.7, 6.3}}},
+                                                 {"car_axis", {{1.7, 2.7, 4.6}, {2.1, 4.3, 6.0}}},
+                                                 {"andrews", {{3.5, 4.5, 6.7}, {5.1, 6.3, 8.9}}},
+                                                 {"fekete", {{3.4, 4.8, 6.3}, {3.7, 5.9, 7.1}}},
+                                                 {"transistor_amplifier", {{3.2, 5.7, 7.6}, {4.6, 6.2, 8.4}}},
+                                                 {"akzo", {{2.8, 4.8, 6.2}, {4.2, 5.4, 6.7}}},
+                                                 {"nand", {{5.2, 6.8, 8.6}, {0.0, 0.0, 0.0}}}};
 
 // Digits at the end of an integration scatter: one less is allowed, two where the tolerance is loose.
 TEST(DigitsOfTheTestSet, AreThoseOfOtherSolvers) {
@@ -181,7 +183,8 @@ TEST(Constraints, HoldToRoundingAtEveryOutput) {
       for (const double tolerance : {1e-3, 1e-6}) {
         if (p.name == "pendulum") expect_constraints_hold<Pendulum>(p, equations, method, tolerance);
         if (p.name == "car_axis") expect_constraints_hold<CarAxis>(p, equations, method, tolerance);
-        if (p.name == "rigid_slider_crank") expect_constraints_hold<RigidSliderCrank>(p, equations, method, tolerance);
+        if (p.name == "rigid_slider_crank")
+          expect_constraints_hold<RigidSliderCrank>(p, equations, method, tolerance);
         if (p.name == "andrews") expect_constraints_hold<Andrews>(p, equations, method, tolerance);
       }
   });
@@ -219,9 +222,9 @@ TEST(ControlledPendulum, MovesAsItsForceIsPrescribed) {
   const FormulaProblem& controlled = formula_problem("pendulum_control");
   const FormulaProblem& plain = formula_problem("pendulum");
   const auto write = [](const FormulaProblem& problem) {
-    return equations_of(problem.data.m, problem.data.n, [&problem](const auto& t, const auto* x, const auto* xdot, auto* F) {
-      problem.residual(t, x, xdot, F);
-    });
+    return equations_of(
+        problem.data.m, problem.data.n,
+        [&problem](const auto& t, const auto* x, const auto* xdot, auto* F) { problem.residual(t, x, xdot, F); });
   };
   NonlinearEquations with_force = write(controlled);
   with_force.prescribed = {5};
