@@ -279,9 +279,8 @@ void JetSolver::solve(Jet& jet, int level) {
   if (jet.order < level + 1) jet.set_order(level + 1);
   const Jet start = jet;
   // Where x is consistent it must not move, though y is far off.
-  const Fulfilment with_x = solve_for_derivatives(jet, level);
-  if (with_x == Fulfilment::to_rounding) return;
-  if (with_x == Fulfilment::none) jet = start;
+  if (solve_for_derivatives(jet, level)) return;
+  jet = start;
   try {
     search(jet, level, false);
   } catch (const Failure& failure) {
@@ -291,35 +290,35 @@ void JetSolver::solve(Jet& jet, int level) {
   }
 }
 
-// y alone changes.
-JetSolver::Fulfilment JetSolver::solve_for_derivatives(Jet& jet, int level) {
+// y alone changes: true if F_level = 0 to rounding then, and nothing calls for a change of x. Large y alone may fulfil the
+// equations near points that are not consistent.
+bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
   constexpr int most = 12;
+  constexpr double rounding = 1e-14, negligible = 1e-12;
   linearize(jet, level, 0.0);
-  constexpr double rounding = 1e-14;
-  const auto fulfilment = [&] {
-    return is_converged(jet, level, rounding)              ? Fulfilment::to_rounding
-           : is_converged(jet, level, consistent_residual) ? Fulfilment::nearly
-                                                           : Fulfilment::none;
-  };
+  const std::size_t n = index(jet.n);
   Vector change;
-  for (int iteration = 0; iteration < most; ++iteration) {
-    if (norm_ == 0.0) return Fulfilment::to_rounding;
+  for (int iteration = 0; iteration < most && norm_ > 0.0; ++iteration) {
     const double before = norm_;
+    double wanted = 0.0, size = 0.0;
     Trial trial;
     for (NoiseModel model : {NoiseModel::pivots, NoiseModel::carried}) {
       if (!staged_change(jet, level, model, 0.0, change)) continue;
-      const std::size_t n = index(jet.n);
+      wanted = max_abs(change.data(), jet.n);
       std::fill_n(change.begin(), n, 0.0);
       recover_derivatives(level, change);
       if (!all_finite(change.data(), change.size())) continue;
       trial = try_change(jet, level, change);
       if (trial.valid && trial.norm < still_gaining * before) break;
     }
-    if (!trial.valid || trial.norm >= still_gaining * before) return fulfilment();
+    for (std::size_t i = 0; i < n; ++i)
+      size = std::max(size, std::fabs(jet.x[i]) / (column_scale_.empty() ? 1.0 : column_scale_[i]));
+    if (!trial.valid || trial.norm >= still_gaining * before)
+      return wanted <= negligible * size && is_converged(jet, level, rounding);
     jet = trial.jet;
     linearize(jet, level, data_.time_scale);
   }
-  return fulfilment();
+  return norm_ == 0.0;
 }
 
 // Of the last staged_change, for another change of x.

@@ -55,8 +55,7 @@ class JetSolver {
   double residual_norm(const Jet& jet, int level);
   Trial try_change(const Jet& jet, int level, const std::vector<double>& change);
   Trial undamped_trial(const Jet& jet, int level);
-  enum class Fulfilment { none, nearly, to_rounding };
-  Fulfilment solve_for_derivatives(Jet& jet, int level);
+  bool solve_for_derivatives(Jet& jet, int level);
   void recover_derivatives(int level, std::vector<double>& change);
   void search(Jet& jet, int level, bool may_run_freely);
   bool run_freely(Jet& jet, int level, Trial trial);

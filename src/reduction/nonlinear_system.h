@@ -123,6 +123,7 @@ class NonlinearSystem final : public DaeSystem {
   PointStatus read_stages(const StageEquations& equations, View r);
   PointStatus read_stage_inputs(double t);
   void resize_stages(int s);
+  PointStatus examine_last_stage(int s);
   void correct_differential_part(const double* x, double* xdot);
   bool solve_next_level(const double* x);
   void hold_free_directions(double* xdot);

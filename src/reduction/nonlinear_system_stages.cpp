@@ -35,15 +35,19 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
     std::copy_n(stage_starts_.begin(), s, stages_.begin());
     return iterate_stages(equations);
   };
-  // The middle of the step is where one linearization serves all stages best.
+  // The middle of the step is where one linearization serves all stages best. Ranks are known there only if what they
+  // lead to confirms them: steps are long, and looked at one by one.
   const Jet& middle = stage_starts_[index(s / 2)];
   PointStatus status = s > 1 ? renew(middle, false) : iterate_with_renewal(middle, iterate);
-  if (s > 1 && status == PointStatus::ok) status = iterate();
-  if (s > 1 && status != PointStatus::ok && !is_hopeless(status)) {
-    // The prediction there may be bad.
-    rate_ = 1.0;
-    status = renew_judged(accepted_);
+  if (s > 1) {
     if (status == PointStatus::ok) status = iterate();
+    if (status == PointStatus::ok) status = examine_last_stage(s);
+    if (status != PointStatus::ok && !(status == PointStatus::trouble && !trouble_.is_recoverable())) {
+      rate_ = 1.0;
+      status = renew_judged(accepted_);
+      if (status == PointStatus::ok) status = iterate();
+      if (status == PointStatus::ok) status = examine_last_stage(s);
+    }
   }
   if (status != PointStatus::ok) return status;
   jet_ = stages_[index(s - 1)];
@@ -51,12 +55,15 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
     std::copy_n(stages_[index(i)].x.data(), n, x + static_cast<std::ptrdiff_t>(i) * n);
     std::copy_n(stages_[index(i)].x.data(), n, w + static_cast<std::ptrdiff_t>(i) * n);
   }
-  if (s == 1) return review(true);
-  // The linearization is of no use to the next step. Steps are long: ranks are judged in every one.
+  return s == 1 ? review(true) : PointStatus::ok;
+}
+
+PointStatus NonlinearSystem::examine_last_stage(int s) {
+  jet_ = stages_[index(s - 1)];
   ++unjudged_;
-  const PointStatus examined = examine();
-  if (examined == PointStatus::ok) unjudged_ = 0;
-  return examined;
+  const PointStatus status = examine();
+  if (status == PointStatus::ok) unjudged_ = 0;
+  return status;
 }
 
 void NonlinearSystem::resize_stages(int s) {
