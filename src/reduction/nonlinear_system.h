@@ -118,7 +118,7 @@ class NonlinearSystem final : public DaeSystem {
   void interpolate_jet(double t);
   PointStatus iterate_stages(const StageEquations& equations);
   PointStatus read_stages(const StageEquations& equations, View r);
-  void read_stage_inputs(double t);
+  PointStatus read_stage_inputs(double t);
   void resize_stages(int s);
   void correct_differential_part(const double* x, double* xdot);
   bool solve_next_level(const double* x);

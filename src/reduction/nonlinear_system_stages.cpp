@@ -93,7 +93,8 @@ PointStatus NonlinearSystem::read_stages(const StageEquations& equations, View r
     }
     if (d > 0) status = differential_residuals(jet.t, jet.x.data(), xdot_.data());
     if (status != PointStatus::ok) return status;
-    read_stage_inputs(jet.t);
+    status = read_stage_inputs(jet.t);
+    if (status != PointStatus::ok) return status;
     read_constraints(jet, stage_f_.data() + i * rows, stage_transformed_.data() + i * rows);
     std::copy_n(form_.xp(), n, stage_xp_.data() + static_cast<std::ptrdiff_t>(i) * n);
     std::copy_n(form_.b(), d, r.column(i));
@@ -109,8 +110,10 @@ PointStatus NonlinearSystem::read_stages(const StageEquations& equations, View r
   return PointStatus::ok;
 }
 
-void NonlinearSystem::read_stage_inputs(double t) {
-  if (!problem_.prescribed().empty()) trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
+PointStatus NonlinearSystem::read_stage_inputs(double t) {
+  if (problem_.prescribed().empty()) return PointStatus::ok;
+  trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
+  return trouble_.status == SFDAE_OK ? PointStatus::ok : PointStatus::trouble;
 }
 
 PointStatus NonlinearSystem::iterate_stages(const StageEquations& equations) {
