@@ -127,13 +127,16 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   kept_differential_ = judge.kept_differential();
   pivot_ = judge.smallest_pivot();
   if (!judge.fits_known_ranks()) return PointStatus::singular;
-  if (!ranks.prescription_fits)
+  const CharacteristicValues& values = analysis_.values;
+  const bool has_constraints = ranks.a == values.a && ranks.v_hat == analysis_.v_hat;
+  // Prescribed components that are differential take their equations away.
+  const bool lacks_equations = judged && has_constraints && ranks.d < values.d && !problem_.prescribed().empty();
+  if (!ranks.prescription_fits || lacks_equations)
     throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
                   format("the prescribed components do not determine the free part of the solution at t = %.15g: "
                          "choose others.",
                          jet.t));
-  const CharacteristicValues& values = analysis_.values;
-  const bool same = ranks.a == values.a && ranks.v_hat == analysis_.v_hat && ranks.d == values.d;
+  const bool same = has_constraints && ranks.d == values.d;
   if (same) {
     is_linearized_ = true;
     ranks_ = judge.ranks();
