@@ -107,7 +107,8 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   linearized_ = jet;
   is_linearized_ = false;
   linearized_judged_ = judged;
-  linearized_rows_ = preferred_rows_.empty() ? std::vector<double>(index(problem_.m()), no_preference) : preferred_rows_;
+  if (preferred_rows_.empty()) linearized_rows_.assign(index(problem_.m()), no_preference);
+  else linearized_rows_ = preferred_rows_;
   const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each,
                                           preferred_rows_.empty() ? nullptr : &preferred_rows_, &column_scale_};
   trouble_ = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
