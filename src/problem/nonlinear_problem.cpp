@@ -148,11 +148,11 @@ Trouble CallbackProblem::evaluate_values(double t, const double* jet, int order,
 Trouble CallbackProblem::evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) {
   const int highest = std::max({orders.E, orders.A, orders.f});
   to_derivatives(jet, highest + 1);
-  std::vector<double> unused(index(m()));
+  unused_.resize(index(m()));
   double factorial = 1.0;
   for (int k = 0; k <= highest; ++k) {
     factorial *= std::max(k, 1);
-    double* F = k <= orders.f ? data.f(k) : unused.data();
+    double* F = k <= orders.f ? data.f(k) : unused_.data();
     double* A = k <= orders.A ? data.A(k).data : nullptr;
     double* E = k <= orders.E ? data.E(k).data : nullptr;
     const Trouble trouble = call(t, k, derivatives_.data(), F, A, E);

@@ -95,6 +95,7 @@ class CallbackProblem final : public NonlinearProblem {
   sfdae_total_derivative_function function_;
   void* user_;
   std::vector<double> derivatives_;
+  std::vector<double> unused_;  // F of orders that are not asked for
 };
 
 }  // namespace sfdae::core

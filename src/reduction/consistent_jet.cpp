@@ -354,7 +354,8 @@ void JetSolver::search(Jet& jet, int level, bool may_run_freely) {
       for (int attempt = 0; attempt < 30; ++attempt, damping *= 8.0) {
         trial.valid = damped_change(jet, level, damping * std::min(1.0, before * before), change);
         if (trial.valid) trial = try_change(jet, level, change);
-        if (trial.valid && trial.norm < (1.0 - 1e-3) * before) break;
+        // However little it gains: where the damping is too strong, less of it follows.
+        if (trial.valid && trial.norm < before) break;
         trial.valid = false;
       }
       if (!trial.valid) {

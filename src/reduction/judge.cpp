@@ -19,6 +19,7 @@ Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::v
       norm_A_(data.norm_A(level)),
       norm_E0_(data.norm_E0()),
       eps_(data.noise(level)),
+      residual_errors_(data.residual_noise * norm_),
       errors_(eps_ * norm_),
       constraint_errors_(eps_ * norm_A_) {}
 
@@ -68,8 +69,9 @@ int Judge::decide(Subject subject, int stage, ConstView r, ConstView original, d
 }
 
 int Judge::decide_diagonal_block(ConstView r, ConstView original) {
-  // E_0 carries no derivatives: its noise is that of rounding alone.
-  const int rank = decide(Subject::stage, level_ + 1, r, original, unit_roundoff * norm_E0_, norm_E0_, pivot_);
+  // E_0 carries no derivatives: its noise is that of rounding alone, and of residuals.
+  const double noise = std::max(unit_roundoff * norm_E0_, residual_errors_);
+  const int rank = decide(Subject::stage, level_ + 1, r, original, noise, norm_E0_, pivot_);
   errors_ = entering_error() / pivot_;
   constraint_errors_ = entering_constraint_error() / pivot_;
   return rank;
@@ -102,7 +104,7 @@ int Judge::decide_constraints(ConstView r, ConstView original) {
 int Judge::decide_differential(ConstView r, ConstView original) {
   // T2 is as uncertain as A^ relative to its smallest kept value; without constraints it is the identity.
   const double uncertainty = has_constraints_ ? constraint_errors_ / (norm_A_ * kept_constraints_) : 0.0;
-  const double noise = norm_E0_ * std::max(eps_, uncertainty);
+  const double noise = std::max(norm_E0_ * std::max(eps_, uncertainty), residual_errors_);
   return decide(Subject::differential, 0, r, original, noise, norm_E0_, kept_differential_);
 }
 

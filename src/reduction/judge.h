@@ -94,6 +94,7 @@ class Judge {
   int level_;
   int dimension_;
   double norm_, norm_A_, norm_E0_, eps_;
+  double residual_errors_;  // of E_0 along a jet with residuals, however small E_0 is
   double errors_, constraint_errors_;
   double pivot_ = 1.0;
   double kept_constraints_ = 1.0;

@@ -106,7 +106,8 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   linearized_ = jet;
   is_linearized_ = false;
   linearized_judged_ = judged;
-  linearized_rows_ = preferred_rows_.empty() ? std::vector<double>(index(problem_.m()), no_preference) : preferred_rows_;
+  if (preferred_rows_.empty()) linearized_rows_.assign(index(problem_.m()), no_preference);
+  else linearized_rows_ = preferred_rows_;
   const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each,
                                           preferred_rows_.empty() ? nullptr : &preferred_rows_, &column_scale_};
   trouble_ = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
@@ -126,13 +127,16 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   kept_differential_ = judge.kept_differential();
   pivot_ = judge.smallest_pivot();
   if (!judge.fits_known_ranks()) return PointStatus::singular;
-  if (!ranks.prescription_fits || (!problem_.prescribed().empty() && ranks.d != analysis_.values.d))
+  const CharacteristicValues& values = analysis_.values;
+  const bool has_constraints = ranks.a == values.a && ranks.v_hat == analysis_.v_hat;
+  // Prescribed components that are differential take their equations away.
+  const bool lacks_equations = judged && has_constraints && ranks.d < values.d && !problem_.prescribed().empty();
+  if (!ranks.prescription_fits || lacks_equations)
     throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
                   format("the prescribed components do not determine the free part of the solution at t = %.15g: "
                          "choose others.",
                          jet.t));
-  const CharacteristicValues& values = analysis_.values;
-  const bool same = ranks.a == values.a && ranks.v_hat == analysis_.v_hat && ranks.d == values.d;
+  const bool same = has_constraints && ranks.d == values.d;
   if (same) {
     is_linearized_ = true;
     ranks_ = judge.ranks();

@@ -105,7 +105,8 @@ PointStatus NonlinearSystem::read_stages(const StageEquations& equations, View r
     }
     if (d > 0) status = differential_residuals(jet.t, jet.x.data(), xdot_.data());
     if (status != PointStatus::ok) return status;
-    if (read_stage_inputs(jet.t) != PointStatus::ok) return PointStatus::trouble;
+    status = read_stage_inputs(jet.t);
+    if (status != PointStatus::ok) return status;
     read_constraints(jet, stage_f_.data() + i * rows, stage_transformed_.data() + i * rows);
     std::copy_n(form_.xp(), n, stage_xp_.data() + static_cast<std::ptrdiff_t>(i) * n);
     std::copy_n(form_.b(), d, r.column(i));

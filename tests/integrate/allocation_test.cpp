@@ -11,6 +11,9 @@
 
 #include "family_problem.h"
 #include "family_run.h"
+#include "test_set/formula_problems.h"
+#include "test_set/pendulum.h"
+#include "test_set/recorded.h"
 
 namespace {
 
@@ -123,6 +126,88 @@ TEST(Allocation, StepsWithEventFunctionsAllocateNothingAfterTheFirst) {
     EXPECT_EQ(allocations_in_steps(kron(8, 1, 0.5), false, true, method), 0) << method;
     EXPECT_EQ(allocations_in_steps(kron(8, 1, 0.0), true, true, method), 0) << method;
     EXPECT_EQ(allocations_in_steps(chain(10, 2), false, true, method), 0) << method;
+  }
+}
+
+// x1' = -x1 x2, 0 = x2 - x1 by total derivatives.
+int hyperbola(double, int order, const double* x, double* F, double* F_x, double* F_xdot, void*) {
+  const auto derivative = [x](int i, int k) { return x[i + 2 * k]; };
+  F[0] = derivative(0, order + 1);
+  double binomial = 1.0;
+  for (int j = 0; j <= order; ++j) {
+    F[0] += binomial * derivative(0, j) * derivative(1, order - j);
+    binomial *= static_cast<double>(order - j) / (j + 1);
+  }
+  F[1] = derivative(1, order) - derivative(0, order);
+  const double one = order == 0 ? 1.0 : 0.0;
+  if (F_x != nullptr) {
+    F_x[0] = derivative(1, order);
+    F_x[1] = -one;
+    F_x[2] = derivative(0, order);
+    F_x[3] = one;
+  }
+  if (F_xdot != nullptr) F_xdot[0] = one;
+  return 0;
+}
+
+// From the consistent x at t0.
+long allocations_in_nonlinear_steps(const sfdae_nonlinear_problem& problem, double t0, std::vector<double> x, int method) {
+  sfdae_options options = options_with_tolerance(1e-6);
+  options.method = method;
+  options.max_step = 0.01;
+  sfdae_solver* solver = nullptr;
+  EXPECT_EQ(sfdae_create_nonlinear(&solver, &problem, &options), SFDAE_OK);
+  std::vector<double> xdot(x);
+  EXPECT_GE(sfdae_start(solver, t0, t0 + 1.0, x.data(), xdot.data()), 0) << sfdae_message(solver);
+  double t = t0;
+  int status = SFDAE_STEP_TAKEN;
+  // Judged linearizations, at the latest after 20 points, and slopes within steps have come by at least once.
+  while (status == SFDAE_STEP_TAKEN && t <= t0 + 0.5) status = sfdae_step(solver, t0 + 1.0, &t, x.data(), xdot.data());
+  EXPECT_EQ(status, SFDAE_STEP_TAKEN) << sfdae_message(solver);
+  allocations = 0;
+  long steps = 0;
+  while (status == SFDAE_STEP_TAKEN && t < t0 + 0.9) {
+    counting = true;
+    status = sfdae_step(solver, t0 + 1.0, &t, x.data(), xdot.data());
+    counting = false;
+    ++steps;
+  }
+  EXPECT_EQ(status, SFDAE_STEP_TAKEN) << sfdae_message(solver);
+  EXPECT_GE(steps, 10);
+  sfdae_destroy(&solver);
+  return allocations;
+}
+
+// Recorded, from its consistent start.
+template <class Equations>
+long allocations_in_recorded_steps(const TestProblem& p, const Equations& equations, int method) {
+  RecordedEquations<Equations> recorded(p, equations);
+  sfdae_nonlinear_problem problem;
+  sfdae_nonlinear_problem_init(&problem, sizeof problem);
+  problem.num_equations = p.m;
+  problem.num_unknowns = p.n;
+  problem.equations = &RecordedEquations<Equations>::write;
+  problem.user = &recorded;
+  return allocations_in_nonlinear_steps(problem, p.t0, p.x0, method);
+}
+
+long allocations_of_formulas(const char* name, int method) {
+  const FormulaProblem& p = formula_problem(name);
+  const auto equations = [&p](int, const auto& t, const auto* x, const auto* xdot, auto* F) { p.residual(t, x, xdot, F); };
+  return allocations_in_recorded_steps(p.data, equations, method);
+}
+
+TEST(Allocation, NonlinearStepsAllocateNothingAfterTheFirst) {
+  const auto falling = [](int, const auto& t, const auto* x, const auto* xdot, auto* F) { pendulum_residual(t, x, xdot, F); };
+  sfdae_nonlinear_problem by_callback;
+  sfdae_nonlinear_problem_init(&by_callback, sizeof by_callback);
+  by_callback.num_equations = by_callback.num_unknowns = 2;
+  by_callback.total_derivative = hyperbola;
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    EXPECT_EQ(allocations_in_nonlinear_steps(by_callback, 0.0, {1.0, 1.0}, method), 0) << method;
+    EXPECT_EQ(allocations_in_recorded_steps(pendulum(), falling, method), 0) << method;
+    EXPECT_EQ(allocations_of_formulas("torus", method), 0) << method;
+    EXPECT_EQ(allocations_of_formulas("robot_arm", method), 0) << method;
   }
 }
 

@@ -225,4 +225,17 @@ TEST(Judge, TellsThatKnownRanksAreThoseOfOtherDecisions) {
   }
 }
 
+// Along a jet with residuals an E_0 of their size may be nothing: |E_0| itself is no measure of its errors.
+TEST(Judge, TakesAnEOfTheSizeOfResidualsForZero) {
+  for (double residual : {0.0, 1e-9}) {
+    TaylorData data = data_of(1e-9, 1.0);
+    data.residual_noise = residual;
+    const Judge::Settings settings{0.0, false, NoiseModel::pivots, nullptr};
+    Judge judge(data, 0, settings, nullptr);
+    EXPECT_EQ(judge.decide_diagonal_block(diagonal(1e-9, 0.0), {}), residual > 0.0 ? 0 : 1);
+    EXPECT_EQ(judge.decide_constraints(diagonal(1.0, 0.0), {}), 1);
+    EXPECT_EQ(judge.decide_differential(diagonal(1e-9, 0.0), {}), residual > 0.0 ? 0 : 1);
+  }
+}
+
 }  // namespace sfdae::core

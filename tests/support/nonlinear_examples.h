@@ -55,12 +55,12 @@ inline RecordPointer record_with_free_component() {
   return r.finish({r.xdot[0] - r.x[0] * r.x[2], r.x[1] - r.x[0] * r.x[0]});
 }
 
-// F = (F1, F2 + x2' F1) with F1 = x1^2 + x1 - sin t - sin^2 t and F2 = x2 - x1: x1 = x2 = sin t, mu = 0, d = 0, a = 2.
-// Off the manifold F1 = 0 the pivot F1 of x2' makes a differential equation of the second one.
+// F = (F1, F2 + x2' F1, x3' + x3 - x1) with F1 = x1^2 + x1 - sin t - sin^2 t and F2 = x2 - x1: x1 = x2 = sin t, mu = 0,
+// d = 1, a = 2. Off the manifold F1 = 0 the pivot F1 of x2' makes a differential equation of the second one.
 inline RecordPointer record_with_rising_rank() {
-  Recording r(2);
+  Recording r(3);
   const Term s = sin(r.t), F1 = r.x[0] * r.x[0] + r.x[0] - s - s * s;
-  return r.finish({F1, r.x[1] - r.x[0] + r.xdot[1] * F1});
+  return r.finish({F1, r.x[1] - r.x[0] + r.xdot[1] * F1, r.xdot[2] + r.x[2] - r.x[0]});
 }
 
 struct NonlinearExample {
