@@ -104,11 +104,11 @@ bool JetSolver::staged_change(const Jet& jet, int level, NoiseModel model, doubl
   const int m = problem_.m(), n = jet.n;
   const Arena::Frame frame(arena_);
   data_.residual_noise = noise;
-  const RankReading reading = read_ranks(data_, level, {0.0, false, model, nullptr}, arena_);
+  const RankReading reading = read_ranks(data_, level, {0.0, false, model, nullptr}, {arena_, form_});
   const Judge::Settings settings{0.0, false, NoiseModel::pivots, &reading.list};
   Judge judge(data_, level, settings, nullptr);
   const Carried carried = eliminate(data_, level, data_.f_stack(level), 1, judge, arena_, &stored_);
-  NullSpaceForm form;
+  NullSpaceForm& form = form_;
   form.resize(m, n, 0, carried.rows);
   form.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
   data_.residual_noise = 0.0;

@@ -14,6 +14,7 @@
 #include "problem/coefficient_source.h"
 #include "problem/nonlinear_problem.h"
 #include "reduction/judge.h"
+#include "reduction/null_space_form.h"
 #include "reduction/stored_elimination.h"
 
 namespace sfdae::core {
@@ -74,6 +75,7 @@ class JetSolver {
   double norm_ = 0.0;  // of the residuals in data_
   std::vector<double> residuals_;
   StoredElimination stored_;
+  NullSpaceForm form_;
   Arena arena_;
 };
 

@@ -145,7 +145,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   }
   if (!judged) return PointStatus::changed;
   // The cheap estimate of the noise may be too large or too small.
-  if (const std::optional<RankList> found = matching_ranks(data_, mu, analysis_, settings_.rank_tol, arena_)) {
+  if (const std::optional<RankList> found = matching_ranks(data_, mu, analysis_, settings_.rank_tol, {arena_, reading_form_})) {
     ranks_ = *found;
     return renew(jet, false);
   }
@@ -403,7 +403,7 @@ PointStatus NonlinearSystem::examine() {
   trouble_ = problem_.linearize(jet_.t, jet_.x.data(), {mu, mu, mu}, scaling, next_data_);
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   examined_t_ = jet_.t;
-  if (matching_ranks(next_data_, mu, analysis_, settings_.rank_tol, arena_)) return PointStatus::ok;
+  if (matching_ranks(next_data_, mu, analysis_, settings_.rank_tol, {arena_, reading_form_})) return PointStatus::ok;
   JetCoefficients source(problem_, jet_, column_scale_);
   return known_values_hold(source, jet_.t, settings_, analysis_, arena_) ? PointStatus::ok : PointStatus::changed;
 }

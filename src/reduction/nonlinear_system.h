@@ -175,6 +175,9 @@ class NonlinearSystem final : public DaeSystem {
   Jet next_jet_;
   TaylorData next_data_;
   StoredElimination next_elimination_;
+  NullSpaceForm reading_form_;
+  Jet next_trial_;
+  std::vector<double> next_transformed_, next_change_;
 
   long reductions_ = 0, factorizations_ = 0;
 };

@@ -22,12 +22,16 @@ bool NonlinearSystem::solve_next_level(const double* x) {
   const int level = analysis_.values.mu + 1, n = problem_.n(), m = problem_.m();
   if (has_next_level_ == Availability::no) return false;
   const bool continues = next_jet_.order == level + 1 && next_jet_.n == n;
-  Jet next = jet_;
+  Jet& next = next_trial_;
+  next = jet_;
   next.set_order(level + 1);
   if (continues) std::copy_n(next_jet_.column(level + 1), n, next.column(level + 1));
   std::copy_n(x, n, next.column(0));
-  std::vector<double> transformed(index(m) * index(level + 1) + 1), change(index(n) * index(level + 1)),
-      none(index(n), 0.0);
+  std::vector<double>&transformed = next_transformed_, &change = next_change_;
+  transformed.resize(index(m) * index(level + 1) + 1);
+  change.resize(index(n) * index(level + 1));
+  const Arena::Frame outer_frame(arena_);
+  const double* none = arena_.zeros(index(n));
   constexpr int most = 6;
   double before = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
@@ -37,14 +41,14 @@ bool NonlinearSystem::solve_next_level(const double* x) {
     if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED)
       throw Failure(trouble.status, trouble.message());
     if (trouble.status != SFDAE_OK) return false;
-    const std::optional<RankList> ranks = matching_ranks(next_data_, level, analysis_, settings_.rank_tol, arena_);
+    const std::optional<RankList> ranks = matching_ranks(next_data_, level, analysis_, settings_.rank_tol, {arena_, reading_form_});
     if (!ranks) return false;
     const Judge::Settings judging{settings_.rank_tol, false, NoiseModel::pivots, &*ranks};
     Judge judge(next_data_, level, judging, nullptr);
     const Arena::Frame frame(arena_);
     eliminate(next_data_, level, next_data_.f_stack(level), 1, judge, arena_, &next_elimination_);
     next_elimination_.transform(next_data_.f(0), transformed.data(), arena_);
-    next_elimination_.recover(next_data_, {next_data_.f(0), transformed.data()}, none.data(), change.data(), arena_);
+    next_elimination_.recover(next_data_, {next_data_.f(0), transformed.data()}, none, change.data(), arena_);
     if (!all_finite(change.data(), change.size())) return false;
     double power = 1.0, norm = 0.0, size = 0.0;
     for (int k = 1; k <= level + 1; ++k) {

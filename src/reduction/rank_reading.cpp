@@ -6,13 +6,14 @@
 
 namespace sfdae::core {
 
-RankReading read_ranks(const TaylorData& data, int level, const Judge::Settings& settings, Arena& arena) {
+RankReading read_ranks(const TaylorData& data, int level, const Judge::Settings& settings, ReadingRoom room) {
+  Arena& arena = room.arena;
   Judge judge(data, level, settings, nullptr);
   const Arena::Frame frame(arena);
   const View rhs = arena.matrix((level + 1) * data.m, 1);
   fill(rhs, 0.0);
   const Carried carried = eliminate(data, level, rhs, 1, judge, arena);
-  NullSpaceForm form;
+  NullSpaceForm& form = room.form;
   form.resize(data.m, data.n, 0, carried.rows);
   RankReading reading;
   reading.ranks = form.build(data, carried, {}, LeadingTerm::identity, judge, arena);
@@ -21,11 +22,11 @@ RankReading read_ranks(const TaylorData& data, int level, const Judge::Settings&
 }
 
 std::optional<RankList> matching_ranks(const TaylorData& data, int level, const IndexAnalysis& known, double rank_tol,
-                                       Arena& arena) {
+                                       ReadingRoom room) {
   const CharacteristicValues& values = known.values;
   const int v_hat = known.v_hat + (level - values.mu) * values.v;
   for (NoiseModel noise : {NoiseModel::pivots, NoiseModel::carried, NoiseModel::data}) {
-    const RankReading reading = read_ranks(data, level, {rank_tol, false, noise, nullptr}, arena);
+    const RankReading reading = read_ranks(data, level, {rank_tol, false, noise, nullptr}, room);
     if (reading.ranks.a == values.a && reading.ranks.d == values.d && reading.ranks.v_hat == v_hat) return reading.list;
   }
   return std::nullopt;

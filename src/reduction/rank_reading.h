@@ -17,10 +17,16 @@ struct RankReading {
   PointRanks ranks;
 };
 
-RankReading read_ranks(const TaylorData& data, int level, const Judge::Settings& settings, Arena& arena);
+// Memory that readings use again.
+struct ReadingRoom {
+  Arena& arena;
+  NullSpaceForm& form;
+};
+
+RankReading read_ranks(const TaylorData& data, int level, const Judge::Settings& settings, ReadingRoom room);
 
 // Ranks that agree with the values known, by one noise model or another; level: mu, or above.
 std::optional<RankList> matching_ranks(const TaylorData& data, int level, const IndexAnalysis& known, double rank_tol,
-                                       Arena& arena);
+                                       ReadingRoom room);
 
 }  // namespace sfdae::core

@@ -32,6 +32,7 @@ struct Analyzed {
   sfdae_test::FamilyProblem callbacks;
   LinearProblem problem;
   Arena arena;
+  NullSpaceForm form;
   AnalysisSettings settings;
   std::vector<RankDecision> decisions;
   IndexAnalysis analysis;
@@ -52,7 +53,7 @@ TEST(RankReading, AgreesWithTheValuesOfTheFamily) {
     Analyzed p(family);
     const auto expected = family->values();
     for (NoiseModel noise : {NoiseModel::carried, NoiseModel::pivots}) {
-      const RankReading reading = read_ranks(p.data_at(0.4, expected.mu), expected.mu, {0.0, false, noise, nullptr}, p.arena);
+      const RankReading reading = read_ranks(p.data_at(0.4, expected.mu), expected.mu, {0.0, false, noise, nullptr}, {p.arena, p.form});
       EXPECT_EQ(reading.ranks.a, expected.a);
       EXPECT_EQ(reading.ranks.d, expected.d);
     }
@@ -67,7 +68,7 @@ TEST(RankReading, MatchesKnownValuesAtTheirLevelAndAbove) {
     const CharacteristicValues& values = p.analysis.values;
     for (int level = values.mu; level <= values.mu + 1; ++level) {
       const TaylorData data = p.data_at(0.4, level);
-      const auto ranks = matching_ranks(data, level, p.analysis, 0.0, p.arena);
+      const auto ranks = matching_ranks(data, level, p.analysis, 0.0, {p.arena, p.form});
       ASSERT_TRUE(ranks.has_value()) << level;
       const Judge::Settings settings{0.0, false, NoiseModel::pivots, &*ranks};
       Judge judge(data, level, settings, nullptr);
@@ -87,7 +88,7 @@ TEST(RankReading, MatchesNoOtherValues) {
     for (int change = 0; change < 3; ++change) {
       IndexAnalysis other = p.analysis;
       (change == 0 ? other.values.a : change == 1 ? other.values.d : other.v_hat) += 1;
-      EXPECT_FALSE(matching_ranks(data, other.values.mu, other, 0.0, p.arena).has_value()) << change;
+      EXPECT_FALSE(matching_ranks(data, other.values.mu, other, 0.0, {p.arena, p.form}).has_value()) << change;
     }
   }
 }
