@@ -17,7 +17,8 @@ struct LogEntry {
   double size;  // log2
 };
 
-// Entries of a row that are this small against its largest one may be rounding errors.
+// Entries of a row that are this small against its largest one may be rounding errors; those of A count without the unit of
+// time.
 constexpr double negligible = 1e-14;
 constexpr int sweeps = 100;
 constexpr double largest_exponent = 300.0;
@@ -36,12 +37,14 @@ void relax(std::vector<double>& unknowns, const std::vector<double>& r, const st
 }
 
 // Unknowns that no differential equation contains: as large as the others in the equation where they are largest.
-void scale_others(ConstView A, const std::vector<char>& is_differential, const std::vector<char>& is_scaled,
+void scale_others(const TaylorData& data, const std::vector<char>& is_differential, const std::vector<char>& is_scaled,
                   std::vector<double>& c) {
+  const ConstView A = data.A(0);
+  const double threshold = negligible * data.time_scale;
   std::vector<double> largest(static_cast<std::size_t>(A.rows), 0.0);
   const auto size = [&](int i, int j) {
     const double a = std::fabs(A(i, j));
-    return a > negligible ? std::log2(a) + c[static_cast<std::size_t>(j)] : -2.0 * largest_exponent;
+    return a > threshold ? std::log2(a) + c[static_cast<std::size_t>(j)] : -2.0 * largest_exponent;
   };
   for (int i = 0; i < A.rows; ++i) {
     largest[static_cast<std::size_t>(i)] = -2.0 * largest_exponent;
@@ -53,7 +56,7 @@ void scale_others(ConstView A, const std::vector<char>& is_differential, const s
     if (is_scaled[static_cast<std::size_t>(j)] != 0) continue;
     double ratio = -2.0 * largest_exponent;
     for (int i = 0; i < A.rows; ++i)
-      if (is_differential[static_cast<std::size_t>(i)] == 0 && std::fabs(A(i, j)) > negligible)
+      if (is_differential[static_cast<std::size_t>(i)] == 0 && std::fabs(A(i, j)) > threshold)
         ratio = std::max(ratio, size(i, j) - std::max(largest[static_cast<std::size_t>(i)], -largest_exponent));
     if (ratio > -largest_exponent) c[static_cast<std::size_t>(j)] -= ratio;
   }
@@ -71,21 +74,24 @@ std::vector<double> balanced_units(CoefficientSource& source, double t, double t
     for (int i = 0; i < data.m; ++i)
       if (std::fabs(data.E(0)(i, j)) > negligible) is_differential[static_cast<std::size_t>(i)] = 1;
   std::vector<LogEntry> entries;
-  for (ConstView matrix : {ConstView(data.E(0)), ConstView(data.A(0))})
+  for (bool is_E : {true, false}) {
+    const ConstView matrix = is_E ? data.E(0) : data.A(0);
+    const double threshold = is_E ? negligible : negligible * data.time_scale;
     for (int j = 0; j < data.n; ++j)
       for (int i = 0; i < data.m; ++i) {
         const std::size_t row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
         const double a = std::fabs(matrix(i, j));
-        if (is_differential[row] == 0 || a <= negligible) continue;
+        if (is_differential[row] == 0 || a <= threshold) continue;
         entries.push_back({row, column, std::log2(a)});
         is_scaled[column] = 1;
       }
+  }
   std::vector<double> r(static_cast<std::size_t>(data.m), 0.0), c(static_cast<std::size_t>(data.n), 0.0);
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     relax(r, r, c, entries, [](const LogEntry& e) { return e.row; });
     relax(c, r, c, entries, [](const LogEntry& e) { return e.column; });
   }
-  scale_others(data.A(0), is_differential, is_scaled, c);
+  scale_others(data, is_differential, is_scaled, c);
   for (double& exponent : c)
     exponent = std::ldexp(1.0, static_cast<int>(std::clamp(exponent, -largest_exponent, largest_exponent)));
   return c;
