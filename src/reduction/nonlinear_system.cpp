@@ -402,10 +402,13 @@ PointStatus NonlinearSystem::examine() {
                                           preferred_rows_.empty() ? nullptr : &preferred_rows_, &column_scale_};
   trouble_ = problem_.linearize(jet_.t, jet_.x.data(), {mu, mu, mu}, scaling, next_data_);
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
-  examined_t_ = jet_.t;
-  if (matching_ranks(next_data_, mu, analysis_, settings_.rank_tol, {arena_, reading_form_})) return PointStatus::ok;
-  JetCoefficients source(problem_, jet_, column_scale_);
-  return known_values_hold(source, jet_.t, settings_, analysis_, arena_) ? PointStatus::ok : PointStatus::changed;
+  bool holds = matching_ranks(next_data_, mu, analysis_, settings_.rank_tol, {arena_, reading_form_}).has_value();
+  if (!holds) {
+    JetCoefficients source(problem_, jet_, column_scale_);
+    holds = known_values_hold(source, jet_.t, settings_, analysis_, arena_);
+  }
+  if (holds) examined_t_ = jet_.t;
+  return holds ? PointStatus::ok : PointStatus::changed;
 }
 
 bool NonlinearSystem::is_hopeless(PointStatus status) const {
