@@ -499,8 +499,8 @@ SFDAE_API int sfdae_get_checkpoint_length(sfdae_solver *solver, size_t *length);
 SFDAE_API int sfdae_save_checkpoint(sfdae_solver *solver, double *checkpoint, size_t length);
 
 /* Continues from a checkpoint instead of sfdae_start: sfdae_advance is next. The solver has to be created with the
- * problem and the options that the checkpoint was made with (tolerances, limits and the monitor may differ); no callback
- * is called. An integration under way is lost. SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or does not fit;
+ * problem and the options that the checkpoint was made with (tolerances, limits and the monitor may differ); no callback of a
+ * linear problem is called; a nonlinear one is linearized as it was. An integration under way is lost. SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or does not fit;
  * then nothing is started. */
 SFDAE_API int sfdae_restore_checkpoint(sfdae_solver *solver, const double *checkpoint, size_t length);
 
