@@ -315,6 +315,91 @@ typedef struct sfdae_nonlinear_problem {
 /* Sets defaults. size: sizeof(sfdae_nonlinear_problem) of the caller. */
 SFDAE_API int sfdae_nonlinear_problem_init(sfdae_nonlinear_problem *problem, size_t size);
 
+/* ---- Multibody systems ----------------------------------------------------------------------- */
+
+/* A mechanical system with constraints, whatever their number and whether or not they are independent:
+ *
+ *     q' = S(t,q) v                                             (default: q' = v)
+ *     M(t,q) v' = f(t,q,v) - G(t,q)^T lambda - H(t,q)^T kappa,  G = g_q S
+ *     0 = g(t,q)                                                holonomic constraints
+ *     0 = H(t,q) v + h(t,q)                                     nonholonomic constraints
+ *
+ * The unknowns are x = (q, v, lambda, kappa). Only the constraints are differentiated (minimal extension), which costs
+ * far less than the derivative array of the same equations as a nonlinear problem. [M C^T; C 0], C = [G; H], has to be
+ * regular but for redundant constraints: M alone may be singular. Redundant constraints that agree are reported, and
+ * lambda, kappa are then those of least norm. */
+
+/* Callbacks return as all others do; arrays are column-major and filled with zeros before the call. The first kind sees
+ * t and q, the second kind v, too. */
+typedef int (*sfdae_position_function)(double t, const double *q, double *result, void *user);
+typedef int (*sfdae_velocity_function)(double t, const double *q, const double *v, double *result, void *user);
+
+/* Places for the formulas of a recorded system, all zero at first but S, which is the identity if nq = nv. */
+typedef struct sfdae_multibody_formulas {
+  sfdae_expression *M; /* nv x nv, column-major as all matrices */
+  sfdae_expression *f; /* nv */
+  sfdae_expression *g; /* nl */
+  sfdae_expression *S; /* nq x nv */
+  sfdae_expression *H; /* nk x nv */
+  sfdae_expression *h; /* nk */
+} sfdae_multibody_formulas;
+
+/* Writes the formulas that are not zero; derivatives of q are not among their arguments. The rest is as for
+ * sfdae_equations_function. */
+typedef int (*sfdae_multibody_equations_function)(sfdae_record *record, sfdae_expression t, const sfdae_expression *q,
+                                                  const sfdae_expression *v, const sfdae_multibody_formulas *formulas,
+                                                  void *user);
+
+/* How positions and velocities are divided into independent and dependent ones. */
+#define SFDAE_COORDINATES_ORTHOGONAL 0  /* directions tangential and normal to the constraints: best conditioned */
+#define SFDAE_COORDINATES_PERMUTATION 1 /* components of q and v as they are */
+
+/* Call sfdae_multibody_problem_init first, then set members: either `equations` or callbacks. */
+typedef struct sfdae_multibody_problem {
+  size_t size;             /* set by sfdae_multibody_problem_init */
+  int num_positions;       /* nq >= 1 */
+  int num_velocities;      /* nv; default 0: nq */
+  int num_constraints;     /* nl, holonomic; default 0 */
+  int num_nonholonomic;    /* nk; default 0 */
+
+  sfdae_multibody_equations_function equations; /* called once, by sfdae_create_multibody; then no callback below is used */
+
+  sfdae_position_function mass;                /* M, nv x nv; NULL: the identity */
+  sfdae_velocity_function forces;              /* f, nv entries */
+  sfdae_position_function constraints;         /* g, nl entries */
+  sfdae_position_function constraint_jacobian; /* g_q, nl x nq: G itself where q' = v */
+  sfdae_position_function constraint_rate;     /* g_t, nl entries; NULL: g does not depend on t */
+  sfdae_position_function kinematics;          /* S, nq x nv; NULL: the identity, nq = nv */
+  sfdae_position_function nonholonomic_matrix; /* H, nk x nv */
+  sfdae_position_function nonholonomic_offset; /* h, nk entries; NULL: h = 0 */
+  /* What is left of twice (once) differentiated constraints without v': G v' + gamma = 0, nl entries, H v' + eta = 0, nk
+   * entries. NULL: differences of G (of H and h) along v. */
+  sfdae_velocity_function constraint_curvature;  /* gamma = (dG/dt) v + d(g_t)/dt */
+  sfdae_velocity_function nonholonomic_curvature; /* eta = (dH/dt) v + dh/dt */
+
+  int coordinates; /* SFDAE_COORDINATES_ORTHOGONAL (default) or _PERMUTATION */
+
+  void *user; /* handed to every callback */
+} sfdae_multibody_problem;
+
+/* Sets defaults. size: sizeof(sfdae_multibody_problem) of the caller. */
+SFDAE_API int sfdae_multibody_problem_init(sfdae_multibody_problem *problem, size_t size);
+
+/* What is known of a multibody system at the point reached. */
+typedef struct sfdae_multibody_report {
+  size_t size;
+  double t;
+  int holonomic, nonholonomic; /* constraints given, nl and nk */
+  int redundant;               /* of these, those that follow from the others */
+  int degrees_of_freedom;      /* nv - rank [G; H]: independent velocities */
+  int position_freedom;        /* nq - rank g_q: independent positions */
+  double condition;            /* of the partition in use: norm of the inverse of C Q2 times that of C; 1 is perfect */
+  long partitions;             /* chosen since sfdae_start, 1 at first */
+  double position_residual;    /* max |g|, each row in units of its gradient */
+  double velocity_residual;    /* max |G v + g_t|, |H v + h|, likewise */
+} sfdae_multibody_report;
+SFDAE_API int sfdae_multibody_report_init(sfdae_multibody_report *report, size_t size);
+
 /* ---- Solver ---------------------------------------------------------------------------------- */
 
 typedef struct sfdae_solver sfdae_solver;
@@ -330,12 +415,21 @@ SFDAE_API int sfdae_create_linear(sfdae_solver **solver, const sfdae_linear_prob
 SFDAE_API int sfdae_create_nonlinear(sfdae_solver **solver, const sfdae_nonlinear_problem *problem,
                                      const sfdae_options *options);
 
+/* The same for a multibody system. The result of sfdae_get_multibody_report is for such solvers only; all else is as for
+ * nonlinear problems with x = (q, v, lambda, kappa): strangeness index 2 (1 without holonomic constraints, 0 without
+ * any), d = independent positions and velocities, a = all other unknowns. */
+SFDAE_API int sfdae_create_multibody(sfdae_solver **solver, const sfdae_multibody_problem *problem,
+                                     const sfdae_options *options);
+
 /* Checks a problem with its options as sfdae_create_linear does and writes what is wrong, in words, to
  * `text` (at most `length` characters with the final zero; length 0 and text NULL are allowed). */
 SFDAE_API int sfdae_check_linear(const sfdae_linear_problem *problem, const sfdae_options *options, char *text,
                                  size_t length);
 
 SFDAE_API int sfdae_check_nonlinear(const sfdae_nonlinear_problem *problem, const sfdae_options *options, char *text,
+                                    size_t length);
+
+SFDAE_API int sfdae_check_multibody(const sfdae_multibody_problem *problem, const sfdae_options *options, char *text,
                                     size_t length);
 
 /* Parameters of recorded equations, by name. sfdae_set_parameter changes one without recording anew; an integration under
@@ -623,6 +717,15 @@ SFDAE_API int sfdae_check_derivatives(sfdae_solver *solver, double t, int max_or
  * differences of F with respect to x and x'. SFDAE_ILLEGAL_ARGUMENT if the library differentiates by itself. */
 SFDAE_API int sfdae_check_total_derivatives(sfdae_solver *solver, double t, const double *derivatives, int max_order,
                                             sfdae_derivative_check *result);
+
+/* Multibody systems: constraints, freedom and partition at the point reached. SFDAE_NOT_STARTED before an analysis,
+ * SFDAE_ILLEGAL_ARGUMENT for other problems. */
+SFDAE_API int sfdae_get_multibody_report(const sfdae_solver *solver, sfdae_multibody_report *report);
+
+/* Compares g_q, g_t, gamma and eta as callbacks supply them with differences of g, g_q and H near (t, q, v) and reports the
+ * worst mismatch, with function 'G', 'T' (g_t), 'C' (gamma) or 'H' (eta). SFDAE_ILLEGAL_ARGUMENT for recorded systems. */
+SFDAE_API int sfdae_check_multibody_derivatives(sfdae_solver *solver, double t, const double *q, const double *v,
+                                                sfdae_derivative_check *result);
 
 #ifdef __cplusplus
 }

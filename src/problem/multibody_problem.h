@@ -1,0 +1,75 @@
+// A mechanical system with constraints: what delivers its matrices and their derivatives.
+//
+//     q' = S v,   M v' = f - C^T mu,   0 = g(t, q),   0 = C v + r,   0 = C v' + s
+//
+// with C = [g_q S; H], mu = (lambda, kappa), r = (g_t, h) and s = (gamma, eta), the last two rows of constraints being
+// those on the levels of velocities and accelerations.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/matrix.h"
+#include "problem/problem.h"
+
+namespace sfdae::core {
+
+struct MultibodySizes {
+  int positions = 0;      // nq
+  int velocities = 0;     // nv
+  int holonomic = 0;      // nl
+  int nonholonomic = 0;   // nk
+  int constraints() const { return holonomic + nonholonomic; }
+  int unknowns() const { return positions + velocities + constraints(); }
+};
+
+// At (t, q): all but f and s; at (t, q, v): these, too.
+struct MultibodyTerms {
+  explicit MultibodyTerms(const MultibodySizes& sizes = {});
+  Matrix M;                          // nv x nv
+  Matrix S;                          // nq x nv; empty where it is the identity
+  Matrix g_q;                        // nl x nq
+  Matrix C;                          // (nl + nk) x nv
+  std::vector<double> g, f;
+  std::vector<double> velocity_rest;      // r
+  std::vector<double> acceleration_rest;  // s
+};
+
+// Derivatives with respect to q and v of what an iteration solves, with v' = a and mu held.
+struct MultibodyJacobian {
+  explicit MultibodyJacobian(const MultibodySizes& sizes = {});
+  Matrix force_q, force_v;                // of f - M a - C^T mu: nv x nq, nv x nv
+  Matrix acceleration_q, acceleration_v;  // of C a + s: (nl + nk) x nq, (nl + nk) x nv
+  Matrix velocity_q;                      // of C v + r: (nl + nk) x nq
+  Matrix kinematics_q;                    // of S v: nq x nq; empty where S is the identity
+};
+
+class MultibodyProblem : public Problem {
+ public:
+  virtual ~MultibodyProblem() = default;
+
+  const MultibodySizes& sizes() const { return sizes_; }
+  virtual bool has_kinematics() const = 0;  // S is not the identity
+
+  // g alone.
+  virtual Trouble constraints(double t, const double* q, double* g) = 0;
+  // All but f and s.
+  virtual Trouble at_position(double t, const double* q, MultibodyTerms& terms) = 0;
+  // All.
+  virtual Trouble at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) = 0;
+  // terms: those at (t, q, v).
+  virtual Trouble linearize(double t, const double* q, const double* v, const double* a, const double* mu,
+                            const MultibodyTerms& terms, MultibodyJacobian& jacobian) = 0;
+
+  long evaluations() const { return evaluations_; }
+  long linearizations() const { return linearizations_; }
+
+ protected:
+  explicit MultibodyProblem(const MultibodySizes& sizes) : sizes_(sizes) {}
+  long evaluations_ = 0, linearizations_ = 0;
+
+ private:
+  MultibodySizes sizes_;
+};
+
+}  // namespace sfdae::core
