@@ -228,8 +228,14 @@ void JetSolver::give_up(const Jet& jet, int level) {
   throw Failure(SFDAE_NO_CONSISTENT_VALUES, text + " Give a better guess, fix fewer components, or check the equations.");
 }
 
-// Pivots that vanish at consistent jets may not do so here: then the residuals have to be taken for noise. What is right
-// shows in what it achieves.
+// Pivots that vanish at consistent jets do not do so here: what is below the residuals counts as noise, relative to the
+// coefficients.
+double JetSolver::residual_noise(int level) const {
+  constexpr double most = 1e-4;
+  return std::min(most, norm_ / std::max(data_.norm(level), 1e-300));
+}
+
+// Which ranks are right shows in what they achieve.
 JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, int level) {
   Vector change;
   Trial best;
@@ -237,13 +243,12 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, int level) {
     if (dense_change(jet, level, change)) best = try_change(jet, level, change);
     return best;
   }
-  const double residual_noise = std::min(1e-4, norm_ / std::max(data_.norm(level), 1e-300));
   struct Attempt {
     NoiseModel model;
     double noise;
   };
-  for (const Attempt& attempt : {Attempt{NoiseModel::pivots, 0.0}, Attempt{NoiseModel::carried, 0.0},
-                                 Attempt{NoiseModel::pivots, residual_noise}, Attempt{NoiseModel::data, 0.0}}) {
+  for (const Attempt& attempt : {Attempt{NoiseModel::pivots, residual_noise(level)}, Attempt{NoiseModel::pivots, 0.0},
+                                 Attempt{NoiseModel::carried, 0.0}, Attempt{NoiseModel::data, 0.0}}) {
     if (!staged_change(jet, level, attempt.model, attempt.noise, change)) continue;
     Trial trial = try_change(jet, level, change);
     if (trial.valid && (!best.valid || trial.norm < best.norm)) best = std::move(trial);
@@ -302,8 +307,8 @@ bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
     const double before = norm_;
     double wanted = 0.0, size = 0.0;
     Trial trial;
-    for (NoiseModel model : {NoiseModel::pivots, NoiseModel::carried}) {
-      if (!staged_change(jet, level, model, 0.0, change)) continue;
+    for (double noise : {residual_noise(level), 0.0}) {
+      if (!staged_change(jet, level, noise > 0.0 ? NoiseModel::pivots : NoiseModel::carried, noise, change)) continue;
       wanted = max_abs(change.data(), jet.n);
       std::fill_n(change.begin(), n, 0.0);
       recover_derivatives(level, change);

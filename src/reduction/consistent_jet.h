@@ -55,6 +55,7 @@ class JetSolver {
   // 2-norm of the residuals as scaled by the present data; infinite where F cannot be evaluated.
   double residual_norm(const Jet& jet, int level);
   Trial try_change(const Jet& jet, int level, const std::vector<double>& change);
+  double residual_noise(int level) const;
   Trial undamped_trial(const Jet& jet, int level);
   bool solve_for_derivatives(Jet& jet, int level);
   void recover_derivatives(int level, std::vector<double>& change);
