@@ -354,7 +354,6 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
     if (has_converged(task, iteration, norm, reference)) {
       read_inconsistency(task, jet);
       // Known ranks may not fit the jet that was linearized.
-      constexpr double contradiction = 1e-8;
       const bool is_doubtful = task.has_step && !linearized_judged_ && inconsistency_ > contradiction;
       return is_doubtful ? PointStatus::not_converged : PointStatus::ok;
     }
@@ -396,19 +395,33 @@ bool NonlinearSystem::has_converged(const Task& task, int iteration, double norm
 }
 
 PointStatus NonlinearSystem::examine() {
-  const int mu = analysis_.values.mu;
   if (unjudged_ == 0 || examined_t_ == jet_.t) return PointStatus::ok;
+  PointStatus status = match_known_ranks(jet_);
+  if (status == PointStatus::changed) {
+    // What the iteration has left as residuals looks like pivots that do not vanish.
+    polished_ = jet_;
+    const bool was_slow = is_slow_;
+    const double rate = rate_;
+    if (iterate(Task{}, polished_) == PointStatus::ok) status = match_known_ranks(polished_);
+    is_slow_ = was_slow;
+    rate_ = rate;
+  }
+  if (status == PointStatus::changed) {
+    JetCoefficients source(problem_, jet_, column_scale_);
+    if (known_values_hold(source, jet_.t, settings_, analysis_, arena_)) status = PointStatus::ok;
+  }
+  if (status == PointStatus::ok) examined_t_ = jet_.t;
+  return status;
+}
+
+PointStatus NonlinearSystem::match_known_ranks(const Jet& jet) {
+  const int mu = analysis_.values.mu;
   const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each,
                                           preferred_rows_.empty() ? nullptr : &preferred_rows_, &column_scale_};
-  trouble_ = problem_.linearize(jet_.t, jet_.x.data(), {mu, mu, mu}, scaling, next_data_);
+  trouble_ = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, next_data_);
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
-  bool holds = matching_ranks(next_data_, mu, analysis_, settings_.rank_tol, {arena_, reading_form_}).has_value();
-  if (!holds) {
-    JetCoefficients source(problem_, jet_, column_scale_);
-    holds = known_values_hold(source, jet_.t, settings_, analysis_, arena_);
-  }
-  if (holds) examined_t_ = jet_.t;
-  return holds ? PointStatus::ok : PointStatus::changed;
+  return matching_ranks(next_data_, mu, analysis_, settings_.rank_tol, {arena_, reading_form_}) ? PointStatus::ok
+                                                                                                : PointStatus::changed;
 }
 
 bool NonlinearSystem::is_hopeless(PointStatus status) const {
@@ -426,10 +439,17 @@ PointStatus NonlinearSystem::iterate_from_guess(const Task& task) {
 // After a point has converged: the linearization is renewed there where it has become slow; ranks are judged now and then.
 PointStatus NonlinearSystem::review(bool renews) {
   ++unjudged_;
-  if (!(renews && is_slow_) && unjudged_ < oldest) return PointStatus::ok;
+  const bool contradicts = inconsistency_ > contradiction;
+  if (!(renews && is_slow_) && unjudged_ < oldest && !contradicts) return PointStatus::ok;
   const PointStatus status = renew_judged(jet_);
   rate_ = std::min(rate_, 0.1);
-  return status;
+  if (status != PointStatus::ok || !contradicts) return status;
+  // A linearization from elsewhere may have left residuals in redundant equations.
+  polished_ = jet_;
+  const bool was_slow = is_slow_;
+  iterate(Task{}, polished_);
+  is_slow_ = was_slow;
+  return PointStatus::ok;
 }
 
 void NonlinearSystem::guess_jet(double t, const Guess& guess, int block, Jet& jet) const {

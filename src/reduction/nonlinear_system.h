@@ -81,6 +81,8 @@ class NonlinearSystem final : public DaeSystem {
  private:
   // Errors of the iteration in units of the tolerance.
   static constexpr double newton_tolerance = 0.01;
+  // Relative residuals of redundant equations that call for a second look.
+  static constexpr double contradiction = 1e-8;
 
   // What one iteration does besides the constraints.
   struct Task {
@@ -117,6 +119,7 @@ class NonlinearSystem final : public DaeSystem {
   PointStatus iterate_with_renewal(const Jet& start, Iteration iteration);
   PointStatus iterate_from_guess(const Task& task);
   PointStatus review(bool renews);
+  PointStatus match_known_ranks(const Jet& jet);
   void guess_jet(double t, const Guess& guess, int block, Jet& jet) const;
   void interpolate_jet(double t);
   PointStatus iterate_stages(const StageEquations& equations);

@@ -133,7 +133,6 @@ PointStatus NonlinearSystem::read_stage_inputs(double t) {
 PointStatus NonlinearSystem::check_redundant(const Task& task, const Jet& jet) {
   inconsistency_ = 0.0;
   if (analysis_.v_hat == 0) return PointStatus::ok;
-  constexpr double contradiction = 1e-8;
   const PointStatus status = array_residuals(jet, array_f_.data());
   if (status != PointStatus::ok) return status;
   read_constraints(jet, array_f_.data(), transformed_f_.data());
