@@ -289,12 +289,21 @@ double NonlinearSystem::change_norm(const Task& task, const double* dx, const Je
   const auto above_noise = [&](double change, std::size_t i) { return std::max(0.0, std::fabs(change) - noise_[i]); };
   double norm = 0.0;
   if (task.inverse_weights == nullptr) {
-    double size = 0.0;
+    // y has to follow, if not to the last digits: ranks are read there.
+    constexpr double share_of_y = 1e-3;
+    double size = 0.0, size_y = 0.0, norm_y = 0.0, power = 1.0;
     for (int i = 0; i < n; ++i) {
       norm = std::max(norm, above_noise(dx[i], index(i)));
       size = std::max(size, std::fabs(jet.x[index(i)]) / unit(i));
     }
-    return size > 0.0 ? norm / size : norm;
+    for (int k = 1; k <= analysis_.values.mu + 1; ++k) {
+      power *= data_.time_scale;
+      for (int i = 0; i < n; ++i) {
+        norm_y = std::max(norm_y, above_noise(y_change_[index((k - 1) * n + i)], index(k * n + i)));
+        size_y = std::max(size_y, k * power * std::fabs(jet.column(k)[i]) / unit(i));
+      }
+    }
+    return std::max(size > 0.0 ? norm / size : norm, size_y > 0.0 ? share_of_y * norm_y / std::max(size, size_y) : 0.0);
   }
   for (int i = 0; i < n; ++i) norm = std::max(norm, above_noise(dx[i], index(i)) * unit(i) * task.inverse_weights[i]);
   const double ratio = 1.0 / (std::fabs(task.c) * data_.time_scale);
@@ -327,7 +336,7 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
   constexpr double slowest = 0.7;
   const int most = task.has_step ? 12 : 30, n = problem_.n();
   if (task.has_step && !factor_step_matrix(task.c)) return PointStatus::singular;
-  double before = 0.0, earlier = 0.0;
+  double before = 0.0, earlier = 0.0, largest_residual = 0.0;
   is_slow_ = false;
   for (int iteration = 0; iteration < most; ++iteration) {
     PointStatus status = array_residuals(jet, array_f_.data());
@@ -336,6 +345,8 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
       status = differential_residuals(jet.t, jet.x.data(), xdot_.data());
     }
     if (status != PointStatus::ok) return status;
+    const double residual = max_abs(array_f_.data(), problem_.m() * (analysis_.values.mu + 1));
+    largest_residual = std::max(largest_residual, residual);
     read_constraints(jet, array_f_.data(), transformed_f_.data());
     if (task.has_step) {
       step_rhs(task, jet, z_.data());
@@ -351,7 +362,7 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     // Without a step, what one iteration gains the next may lose in part: linearizations are from elsewhere.
     const double reference = task.has_step ? before : std::max(before, earlier);
-    if (has_converged(task, iteration, norm, reference)) {
+    if (has_converged(task, iteration, norm, reference) && derivatives_follow(jet, iteration, residual, largest_residual)) {
       read_inconsistency(task, jet);
       // Known ranks may not fit the jet that was linearized.
       const bool is_doubtful = task.has_step && !linearized_judged_ && inconsistency_ > contradiction;
@@ -392,6 +403,20 @@ bool NonlinearSystem::has_converged(const Task& task, int iteration, double norm
   if (iteration > 1 && norm <= 0.1 * task.tolerance) return true;
   if (iteration > 0 && rate_ >= 1.0) return false;
   return rate / (1.0 - rate) * norm <= task.tolerance || norm <= negligible;
+}
+
+// Changes of y count little in short steps. Where they lead nowhere, so that residuals stay, the constraints for x are those
+// of a wrong y.
+bool NonlinearSystem::derivatives_follow(const Jet& jet, int iteration, double residual, double largest) const {
+  constexpr double reduction = 0.5, negligible = 1e-10;
+  if (iteration == 0 || residual <= reduction * largest) return true;
+  double size = 0.0, power = 1.0;
+  for (int k = 0; k <= analysis_.values.mu + 1; ++k) {
+    const double factor = k == 0 ? 1.0 : k * (power *= data_.time_scale);
+    for (int j = 0; j < problem_.n(); ++j)
+      size = std::max(size, factor * std::fabs(jet.column(k)[j]) / (column_scale_.empty() ? 1.0 : column_scale_[index(j)]));
+  }
+  return residual <= negligible * size * data_.norm(analysis_.values.mu);
 }
 
 PointStatus NonlinearSystem::examine() {

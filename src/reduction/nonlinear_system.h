@@ -114,6 +114,7 @@ class NonlinearSystem final : public DaeSystem {
   void read_inconsistency(const Task& task, const Jet& jet);
   PointStatus check_redundant(const Task& task, const Jet& jet);
   bool has_converged(const Task& task, int iteration, double norm, double before);
+  bool derivatives_follow(const Jet& jet, int iteration, double residual, double largest) const;
   bool is_hopeless(PointStatus status) const;
   template <class Iteration>
   PointStatus iterate_with_renewal(const Jet& start, Iteration iteration);

@@ -61,10 +61,12 @@ TEST(Ends, SquareRootsEndAtZero) {
       equations_of(1, 1, [](const auto&, const auto* x, const auto* xdot, auto* F) { F[0] = xdot[0] + sqrt(x[0]); });
   for_all_methods(equations, {0.0, 3.0}, {1.0}, {1e-2, 1e-4, 1e-7},
                   [](const NonlinearRun& run, int status, double tol) {
-                    EXPECT_EQ(status, SFDAE_NOT_FINITE);
-                    EXPECT_NE(run.message().find("sqrt"), std::string::npos);
-                    // x is as small as the tolerance before, and 0 is a solution beyond, which one step may try.
-                    EXPECT_NEAR(run.t, 2.0, 0.3 + 4.0 * std::sqrt(tol));
+                    // x is as small as the tolerance before, and 0 is the solution beyond: a step may land on it.
+                    if (status < 0) {
+                      EXPECT_EQ(status, SFDAE_NOT_FINITE);
+                      EXPECT_NE(run.message().find("sqrt"), std::string::npos);
+                      EXPECT_NEAR(run.t, 2.0, 0.3 + 4.0 * std::sqrt(tol));
+                    }
                     EXPECT_NEAR(run.x[0], 0.0, tol);
                   });
 }
