@@ -21,13 +21,21 @@ RankReading read_ranks(const TaylorData& data, int level, const Judge::Settings&
   return reading;
 }
 
+bool stages_rise(const RankList& list, int level) {
+  for (std::size_t k = 2; k <= static_cast<std::size_t>(level); ++k)
+    if (list.rank[k] < list.rank[k - 1]) return false;
+  return true;
+}
+
 std::optional<RankList> matching_ranks(const TaylorData& data, int level, const IndexAnalysis& known, double rank_tol,
                                        ReadingRoom room) {
   const CharacteristicValues& values = known.values;
   const int v_hat = known.v_hat + (level - values.mu) * values.v;
   for (NoiseModel noise : {NoiseModel::pivots, NoiseModel::carried, NoiseModel::data}) {
     const RankReading reading = read_ranks(data, level, {rank_tol, false, noise, nullptr}, room);
-    if (reading.ranks.a == values.a && reading.ranks.d == values.d && reading.ranks.v_hat == v_hat) return reading.list;
+    if (reading.ranks.a == values.a && reading.ranks.d == values.d && reading.ranks.v_hat == v_hat &&
+        stages_rise(reading.list, level))
+      return reading.list;
   }
   return std::nullopt;
 }
