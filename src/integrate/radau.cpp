@@ -64,10 +64,12 @@ void Radau::resize(std::size_t n, std::size_t size_w) {
   for (int i = 0; i <= options_.max_stages; ++i) resize_node(nodes_[index(i)]);
   if (options_.interpolates)
     for (Node& node : inner_) resize_node(node);
+  for (Node* node : {&within_, &within_from_}) resize_node(*node);
   resize_node(tried_);
   const std::size_t stages = static_cast<std::size_t>(options_.max_stages);
   for (Vector* v : {&error_, &largest_x_, &scale_x_}) v->assign(n, 0.0);
   stage_x_.assign(n * stages, 0.0);
+  last_stages_.assign(n * stages, 0.0);
   stage_w_.assign(size_w * stages, 0.0);
   columns_.assign(size_w * (stages + 2), 0.0);
   mapped_.assign(n * (stages + 2), 0.0);
@@ -108,30 +110,50 @@ void slope_of_stages(int s, const double* weights, int stride, const Vector& sta
 
 }  // namespace
 
-// The Hermite polynomial through the last nodes, of a degree that fits the method; at first the tangent.
-Guess Radau::guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t,
-                   ErrorWeights& weights) {
+// For x, of a degree that fits the method; returns it, 0 if there are too few nodes.
+int Radau::polynomial_of_nodes(const RadauMethod& method) {
+  const int count = std::min(count_, (method.s() + 1) / 2);
+  if (count < 2) return 0;
+  for (int i = 0; i < count; ++i) chosen_[index(i)] = &nodes_[index(i)];
+  hermite_polynomial(&Node::x, &Node::xdot, count);
+  return 2 * count - 1;
+}
+
+// For x, through the start of the last step and its stages: returns the degree. All of it lies within the step.
+int Radau::collocation_polynomial() {
+  const int s = (last_order_ + 1) / 2;
+  const RadauMethod& method = radau_method(s);
+  const std::size_t n = nodes_[0].x.size();
+  for (int i = 0; i <= s; ++i) {
+    table_times_[index(i)] = i == 0 ? -1.0 : method.stages.c[index(i - 1)] - 1.0;
+    const double* from = i == 0 ? nodes_[1].x.data() : last_stages_.data() + n * index(i - 1);
+    std::copy_n(from, n, table_[index(i)].data());
+  }
+  for (int k = 1; k <= s; ++k)
+    for (int i = s; i >= k; --i) {
+      const double per_gap = 1.0 / (table_times_[index(i)] - table_times_[index(i - k)]);
+      const double* earlier = table_[index(i - 1)].data();
+      double* to = table_[index(i)].data();
+      for (std::size_t r = 0; r < n; ++r) to[r] = (to[r] - earlier[r]) * per_gap;
+    }
+  return s;
+}
+
+// By the polynomial in the table of the given degree; degree 0: by the tangent.
+Guess Radau::guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t, int degree) {
   const int order = system.guess_order(), s = method.s();
-  if (order < 0) return {};
-  // Iterations are judged by the tolerances at the last node, whatever was tried since.
-  weights.update(nodes_[0].x.data());
   const std::size_t n = start.x.size(), block = n * index(order + 1);
   if (guess_.size() < block * index(s)) guess_.resize(block * index(s));
-  if (guess_before_.size() < block) guess_before_.resize(block);
-  const int count = std::min(count_, (s + 1) / 2);
-  const bool has_polynomial = count >= 2;
-  if (has_polynomial) {
-    for (int i = 0; i < count; ++i) chosen_[index(i)] = &nodes_[index(i)];
-    hermite_polynomial(&Node::x, &Node::xdot, count);
-  }
+  for (Vector* v : {&guess_before_, &guess_start_})
+    if (v->size() < block) v->resize(block);
   const auto evaluate = [&](double at, double* to) {
-    if (!has_polynomial) {
+    if (degree == 0) {
       std::fill_n(to, block, 0.0);
       for (std::size_t r = 0; r < n; ++r) to[r] = nodes_[0].x[r] + (at - nodes_[0].t) * nodes_[0].xdot[r];
       if (order > 0) std::copy_n(nodes_[0].xdot.data(), n, to + n);
       return;
     }
-    newton_taylor(table_, table_times_, 2 * count - 1, (at - nodes_[0].t) / last_step_, order, n, to);
+    newton_taylor(table_, table_times_, degree, (at - nodes_[0].t) / last_step_, order, n, to);
     double power = 1.0;
     for (int k = 1; k <= order; ++k) {
       power *= last_step_;
@@ -141,7 +163,11 @@ Guess Radau::guess(const StrangenessFreeSystem& system, const RadauMethod& metho
   for (int i = 0; i < s; ++i)
     evaluate(i == s - 1 ? t : start.t + method.stages.c[index(i)] * (t - start.t), guess_.data() + block * index(i));
   evaluate(nodes_[0].t, guess_before_.data());
-  return {guess_.data(), guess_before_.data(), weights.inverse()};
+  if (count_ >= 2) evaluate(nodes_[1].t, guess_start_.data());
+  Guess result;
+  result.taylor = guess_.data();
+  result.taylor_before = guess_before_.data();
+  return result;
 }
 
 StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) {
@@ -152,8 +178,14 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   const int s = method.s();
   tried_h_ = t - last.t;
   tried_stages_ = s;
-  const StageEquations equations{method.stages, last.t, t, last.w.data(), last.x.data(),
-                                 guess(system, method, last, t, weights)};
+  Guess prediction;
+  if (system.guess_order() >= 0) {
+    // Iterations are judged by the tolerances at the last node, whatever was tried since.
+    weights.update(last.x.data());
+    prediction = guess(system, method, last, t, polynomial_of_nodes(method));
+    prediction.inverse_weights = weights.inverse();
+  }
+  const StageEquations equations{method.stages, last.t, t, last.w.data(), last.x.data(), prediction};
   const PointStatus status = system.solve_stages(equations, stage_x_.data(), stage_w_.data(), tried_.t);
   if (const auto failure = failed_outcome(status)) return *failure;
   const std::size_t n = last.x.size();
@@ -297,6 +329,7 @@ void Radau::commit() {
     --count_;
   }
   inner_count_ = 0;
+  std::swap(stage_x_, last_stages_);
   last_step_ = tried_h_;
   last_order_ = 2 * tried_stages_ - 1;
   leading_coefficient_ = radau_method(tried_stages_).stages.gamma / tried_h_;
@@ -359,6 +392,42 @@ void Radau::interpolate(double t, double* w, double* x, double* xdot) {
   evaluate_hermite(count, t, last.w.size(), w, nullptr);
 }
 
+// The stages of a step from the start of the last one to t, or of a few shorter ones if they have no solution: within_ is
+// the end. tried_.t: the stage that has trouble.
+PointStatus Radau::solve_within(StrangenessFreeSystem& system, ErrorWeights& weights, double t) {
+  constexpr int most_halvings = 4;
+  const RadauMethod& method = radau_method((last_order_ + 1) / 2);
+  const std::size_t n = nodes_[0].x.size();
+  const bool needs_guess = system.guess_order() >= 0;
+  if (needs_guess) weights.update(nodes_[0].x.data());
+  Node& from = within_from_;
+  from = nodes_[1];
+  double h = t - from.t;
+  for (int halvings = 0; halvings <= most_halvings;) {
+    const bool is_last = std::fabs(t - from.t) < 1.5 * std::fabs(h);
+    within_.t = is_last ? t : from.t + h;
+    Guess prediction;
+    if (needs_guess) {
+      prediction = guess(system, method, from, within_.t, collocation_polynomial());
+      prediction.inverse_weights = weights.inverse();
+      prediction.taylor_at_start = guess_start_.data();
+    }
+    PointStatus status = system.solve_stages(
+        {method.stages, from.t, within_.t, from.w.data(), from.x.data(), prediction}, stage_x_.data(), stage_w_.data(), tried_.t);
+    if (status == PointStatus::ok && !all_finite(stage_x_.data(), n * index(method.s()))) status = PointStatus::not_converged;
+    if (status == PointStatus::ok) {
+      take_last_stage(method, from, within_);
+      if (is_last) return status;
+      std::swap(from, within_);
+    } else if (status != PointStatus::not_converged || ++halvings > most_halvings) {
+      return status;
+    } else {
+      h *= 0.5;
+    }
+  }
+  return PointStatus::not_converged;
+}
+
 PointStatus Radau::refine(StrangenessFreeSystem& system, ErrorWeights& weights, double t, double* w, double* x,
                           double* xdot) {
   const PointStatus status = system.move_to(t);
@@ -377,15 +446,10 @@ PointStatus Radau::refine(StrangenessFreeSystem& system, ErrorWeights& weights, 
   // What the iteration leaves of errors at the nodes is not seen by differences: more is asked for.
   const double limit = system.guess_order() < 0 ? interpolation_error : nonlinear_interpolation_error;
   if (weights.norm(mapped_.data()) <= limit) return PointStatus::ok;
-  const RadauMethod& method = radau_method((last_order_ + 1) / 2);
-  const Node& start = nodes_[1];
-  double reached = t;
-  const Guess prediction = guess(system, method, start, t, weights);
-  const PointStatus stages = system.solve_stages({method.stages, start.t, t, start.w.data(), start.x.data(), prediction},
-                                                 stage_x_.data(), stage_w_.data(), reached);
+  tried_.t = t;
+  const PointStatus stages = solve_within(system, weights, t);
   // A stage may have trouble that the point itself does not have: then the polynomial has to do.
-  if (stages != PointStatus::ok || !all_finite(stage_x_.data(), nodes_[0].x.size() * index(method.s())))
-    return reached == t && stages == PointStatus::trouble ? stages : system.move_to(t);
+  if (stages != PointStatus::ok) return stages == PointStatus::trouble && tried_.t == t ? stages : system.move_to(t);
   // Of points that nearly coincide the newest is kept, and none that nearly coincides with an end: the divided differences
   // would be rounding errors.
   const auto is_near = [&](double other) { return std::fabs(other - t) < coincidence * std::fabs(last_step_); };
@@ -393,8 +457,7 @@ PointStatus Radau::refine(StrangenessFreeSystem& system, ErrorWeights& weights, 
   while (place < inner_count_ && !is_near(inner_[index(place)].t)) ++place;
   place = std::min(place, inner_capacity - 1);
   Node& node = inner_[index(place)];
-  node.t = t;
-  take_last_stage(method, start, node);
+  std::swap(node, within_);
   if (!is_near(nodes_[0].t) && !is_near(nodes_[1].t)) inner_count_ = std::max(inner_count_, place + 1);
   std::copy(node.w.begin(), node.w.end(), w);
   std::copy(node.x.begin(), node.x.end(), x);
@@ -435,6 +498,8 @@ void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
   const bool needs_x = options_.interpolates || system.guess_order() >= 0;
   for (int i = 0; i < count; ++i) this->archive(archive, nodes_[index(i)], i == 0 || needs_x);
   for (int i = 0; i < inner; ++i) this->archive(archive, inner_[index(i)], true);
+  if (options_.interpolates && system.guess_order() >= 0 && last_order_ > 0)
+    archive.reals(last_stages_.data(), nodes_[0].x.size() * index((last_order_ + 1) / 2));
 }
 
 }  // namespace sfdae::core

@@ -63,9 +63,11 @@ class Radau final : public Stepper {
   static constexpr int table_size = 2 * capacity + 2;
 
   void resize(std::size_t n, std::size_t size_w);
-  // Predicted stages of a step to tried_.t, where the system asks for them.
-  Guess guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t,
-              ErrorWeights& weights);
+  int polynomial_of_nodes(const RadauMethod& method);
+  int collocation_polynomial();
+  // Predicted stages of a step from start to t, for systems that ask for them.
+  Guess guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t, int degree);
+  PointStatus solve_within(StrangenessFreeSystem& system, ErrorWeights& weights, double t);
   int wanted_stages(const StrangenessFreeSystem& system) const;
   void update(ErrorWeights& weights, const Node& start, const Node& end);
   void take_last_stage(const RadauMethod& method, const Node& start, Node& node) const;
@@ -87,6 +89,7 @@ class Radau final : public Stepper {
   std::array<Node, inner_capacity> inner_;
   int inner_count_ = 0;
   Node tried_;
+  Node within_, within_from_;  // of steps that outputs cause
 
   RadauControl control_, control_before_;
   double next_step_ = 0.0, last_step_ = 0.0;
@@ -96,11 +99,12 @@ class Radau final : public Stepper {
   double leading_coefficient_ = std::numeric_limits<double>::infinity();
   // Stages: n x s and leading_size() x s.
   std::vector<double> stage_x_, stage_w_;
+  std::vector<double> last_stages_;  // x of the last step
   std::vector<double> error_, largest_x_, scale_x_, columns_, mapped_;
   std::array<std::vector<double>, table_size> table_;  // divided differences
   std::array<double, table_size> table_times_{};
   std::array<const Node*, capacity> chosen_{};
-  std::vector<double> guess_, guess_before_;
+  std::vector<double> guess_, guess_before_, guess_start_;
 };
 
 }  // namespace sfdae::core

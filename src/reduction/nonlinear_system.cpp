@@ -482,6 +482,11 @@ void NonlinearSystem::guess_jet(double t, const Guess& guess, int block, Jet& je
   const double* taylor = guess.taylor + size * index(block);
   const std::size_t n = index(jet.n);
   std::copy_n(taylor, n, jet.x.data());
+  jet.t = t;
+  if (guess.taylor_at_start != nullptr && before_.t != accepted_.t) {
+    guess_between(guess, taylor, jet);
+    return;
+  }
   // y: that of the last point and what the polynomial says about its change. What no equation determines stays: errors of
   // the polynomial's derivatives would add up there, to 1e24 within hundreds of steps, and drown the rest in rounding.
   // Derivatives that change by more than their size are nothing but errors.
@@ -496,7 +501,17 @@ void NonlinearSystem::guess_jet(double t, const Guess& guess, int block, Jet& je
     const double trust = change <= before ? 1.0 : 0.0;
     for (std::size_t i = k; i < k + n; ++i) jet.x[i] = accepted_.x[i] + trust * jet.x[i];
   }
-  jet.t = t;
+}
+
+// y within the last step: that of both its ends, and what the polynomial says about changes since then.
+void NonlinearSystem::guess_between(const Guess& guess, const double* taylor, Jet& jet) const {
+  const std::size_t n = index(jet.n);
+  const double weight = (jet.t - before_.t) / (accepted_.t - before_.t);
+  for (std::size_t i = n; i < jet.x.size(); ++i) {
+    const double knows = determined_[i - n] != 0 ? 1.0 : 0.0;
+    jet.x[i] = (1.0 - weight) * (before_.x[i] + knows * (taylor[i] - guess.taylor_at_start[i])) +
+               weight * (accepted_.x[i] + knows * (taylor[i] - guess.taylor_before[i]));
+  }
 }
 
 PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {

@@ -122,6 +122,7 @@ class NonlinearSystem final : public DaeSystem {
   PointStatus review(bool renews);
   PointStatus match_known_ranks(const Jet& jet);
   void guess_jet(double t, const Guess& guess, int block, Jet& jet) const;
+  void guess_between(const Guess& guess, const double* taylor, Jet& jet) const;
   void interpolate_jet(double t);
   PointStatus iterate_stages(const StageEquations& equations);
   PointStatus read_stages(const StageEquations& equations, View r);

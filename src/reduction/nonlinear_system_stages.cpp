@@ -44,7 +44,8 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
     if (status == PointStatus::ok) status = examine_last_stage(s);
     if (status != PointStatus::ok && !(status == PointStatus::trouble && !trouble_.is_recoverable())) {
       rate_ = 1.0;
-      status = renew_judged(accepted_);
+      const bool is_near_start = std::fabs(equations.t_end - before_.t) < std::fabs(equations.t_end - accepted_.t);
+      status = renew_judged(is_near_start ? before_ : accepted_);
       if (status == PointStatus::ok) status = iterate();
       if (status == PointStatus::ok) status = examine_last_stage(s);
     }

@@ -27,6 +27,8 @@ struct Guess {
   const double* taylor_before = nullptr;
   // Of the components of x: an error of one unit is as large as the tolerance.
   const double* inverse_weights = nullptr;
+  // Points between the last two accepted ones: those at the first of them.
+  const double* taylor_at_start = nullptr;
 };
 
 // F1(t, x, c W x + w_rest) = 0, F2(t, x) = 0 and U^T (c x + x_rest) = 0, U an orthonormal basis of the free directions.
