@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduction/rank_reading.h"
 
+#include <algorithm>
+
 #include "reduction/elimination.h"
 
 namespace sfdae::core {
@@ -21,7 +23,8 @@ RankReading read_ranks(const TaylorData& data, int level, const Judge::Settings&
   return reading;
 }
 
-bool stages_rise(const RankList& list, int level) {
+bool stages_rise(const RankList& list, int level, int full_rank) {
+  if (list.rank[0] == full_rank) return true;  // nothing is left for later stages
   for (std::size_t k = 2; k <= static_cast<std::size_t>(level); ++k)
     if (list.rank[k] < list.rank[k - 1]) return false;
   return true;
@@ -34,7 +37,7 @@ std::optional<RankList> matching_ranks(const TaylorData& data, int level, const 
   for (NoiseModel noise : {NoiseModel::pivots, NoiseModel::carried, NoiseModel::data}) {
     const RankReading reading = read_ranks(data, level, {rank_tol, false, noise, nullptr}, room);
     if (reading.ranks.a == values.a && reading.ranks.d == values.d && reading.ranks.v_hat == v_hat &&
-        stages_rise(reading.list, level))
+        stages_rise(reading.list, level, std::min(data.m, data.n)))
       return reading.list;
   }
   return std::nullopt;

@@ -80,6 +80,18 @@ TEST(RankReading, MatchesKnownValuesAtTheirLevelAndAbove) {
   }
 }
 
+// Coupled chains of a differential-algebraic system of index 4: 4 pivots in E_0 and none later but those of the shorter one.
+TEST(RankReading, StagesRiseUnlessResidualsArePivots) {
+  const auto list_of = [](std::initializer_list<int> ranks) {
+    RankList list;
+    for (const int rank : ranks) list.add(rank);
+    return list;
+  };
+  EXPECT_TRUE(stages_rise(list_of({4, 0, 1, 1, 6}), 3, 6));
+  EXPECT_FALSE(stages_rise(list_of({4, 1, 0, 1, 6}), 3, 6));
+  EXPECT_TRUE(stages_rise(list_of({6, 4, 2}), 4, 6));
+}
+
 TEST(RankReading, MatchesNoOtherValues) {
   for (const Family& family : families()) {
     SCOPED_TRACE(family->name());
