@@ -3,8 +3,11 @@
 #include "problem/nonlinear_problem.h"
 
 #include <algorithm>
+#include <cmath>
+#include <random>
 
 #include "linalg/matrix.h"
+#include "linalg/rank.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -54,6 +57,8 @@ Trouble NonlinearProblem::linearize(double t, const double* jet, Orders orders, 
   data.t = t;
   trouble = evaluate_gradients(t, jet, orders, data);
   if (trouble.status != SFDAE_OK) return trouble;
+  trouble = drop_rounding_errors(t, jet, orders, data);
+  if (trouble.status != SFDAE_OK) return trouble;
   // TaylorData scales plain derivatives.
   const std::size_t area = index(m_) * index(n_);
   double factorial = 1.0;
@@ -69,6 +74,35 @@ Trouble NonlinearProblem::linearize(double t, const double* jet, Orders orders, 
     trouble.row = -1;
   }
   return trouble;
+}
+
+// F_x' far below F_x is suspected to be a sum of terms that cancel, a multiple of a constraint for example: then it changes
+// by about its size when the jet does by a few roundings, and the unit of time must not follow it.
+Trouble NonlinearProblem::drop_rounding_errors(double t, const double* jet, Orders orders, TaylorData& data) {
+  constexpr double suspicious = 1e-10, few = 32.0, moving = 0.01;
+  constexpr int samples = 2;
+  data.E0_was_rounding = false;
+  if (orders.E < 0 || orders.A < 0) return {};
+  const std::size_t area = index(m_) * index(n_);
+  const double size = max_abs(data.E(0).data, static_cast<int>(area));
+  if (size == 0.0 || size > suspicious * max_abs(data.A(0).data, static_cast<int>(area))) return {};
+  const std::size_t length = index(n_) * index(std::max({orders.E, orders.A, orders.f}) + 2);
+  std::vector<double> moved(length);
+  TaylorData nearby;
+  nearby.resize(m_, n_, {0, 0, -1});
+  std::minstd_rand generator(1);
+  double change = 0.0;
+  for (int sample = 0; sample < samples; ++sample) {
+    for (std::size_t i = 0; i < length; ++i)
+      moved[i] = jet[i] * (1.0 + few * unit_roundoff * (2e-9 * static_cast<double>(generator() % 1000000001u) - 1.0));
+    const Trouble trouble = evaluate_gradients(t, moved.data(), {0, 0, -1}, nearby);
+    if (trouble.status != SFDAE_OK) return trouble;
+    for (std::size_t i = 0; i < area; ++i)
+      change = std::max(change, std::fabs(nearby.E(0).data[i] - data.E(0).data[i]));
+  }
+  data.E0_was_rounding = change > moving * size;
+  if (data.E0_was_rounding) std::fill_n(data.E(0).data, area, 0.0);
+  return {};
 }
 
 Trouble RecordedProblem::failure(double t) const {

@@ -54,6 +54,7 @@ class NonlinearProblem : public Problem {
 
  private:
   Trouble stopped(double t) const;
+  Trouble drop_rounding_errors(double t, const double* jet, Orders orders, TaylorData& data);
 
   int m_, n_;
   PrescribedInputs inputs_;

@@ -85,6 +85,8 @@ class TaylorData {
   std::array<double, max_derivative_order + 1> error_E{}, error_A{}, error_f{};
   // Of a nonlinear problem along a jet that does not fulfil F = 0 exactly: what that may change, relative to norm().
   double residual_noise = 0.0;
+  // F_x' of a nonlinear problem was nothing but rounding errors; E(0) is zero.
+  bool E0_was_rounding = false;
   // Contradictions of redundant equations are measured by this if it is larger than f.
   double least_norm_f = 0.0;
 

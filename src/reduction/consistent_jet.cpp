@@ -282,6 +282,14 @@ bool JetSolver::run_freely(Jet& jet, int level, Trial trial) {
 
 void JetSolver::solve(Jet& jet, int level) {
   if (jet.order < level + 1) jet.set_order(level + 1);
+  find(jet, level);
+  if (!data_.E0_was_rounding) return;
+  // Derivatives so large that rounding errors times them make up for equations that x does not fulfil.
+  std::fill(jet.x.begin() + jet.n, jet.x.end(), 0.0);
+  find(jet, level);
+}
+
+void JetSolver::find(Jet& jet, int level) {
   const Jet start = jet;
   // Where x is consistent it must not move, though y is far off.
   if (solve_for_derivatives(jet, level)) return;

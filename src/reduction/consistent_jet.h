@@ -57,6 +57,7 @@ class JetSolver {
   Trial try_change(const Jet& jet, int level, const std::vector<double>& change);
   double residual_noise(int level) const;
   Trial undamped_trial(const Jet& jet, int level);
+  void find(Jet& jet, int level);
   bool solve_for_derivatives(Jet& jet, int level);
   void recover_derivatives(int level, std::vector<double>& change);
   void search(Jet& jet, int level, bool may_run_freely);
