@@ -27,4 +27,19 @@ void newton_taylor(const Table& table, const Times& times, int degree, double t,
   }
 }
 
+// Replaces values by divided differences; entries 2i and 2i + 1 belong to one node, the slope of which stands in
+// the latter.
+template <class Table, class Times>
+void divided_differences(Table& table, const Times& times, int count, std::size_t size) {
+  for (int k = 1; k < count; ++k)
+    for (int i = count - 1; i >= k; --i) {
+      double* __restrict to = table[static_cast<std::size_t>(i)].data();
+      // Slopes are divided differences of order 1 already, and stand where values of their nodes would.
+      if (k == 1 && i % 2 == 1) continue;
+      const double* __restrict from = table[static_cast<std::size_t>(k == 1 ? i - 2 : i - 1)].data();
+      const double per_gap = 1.0 / (times[static_cast<std::size_t>(i)] - times[static_cast<std::size_t>(i - k)]);
+      for (std::size_t r = 0; r < size; ++r) to[r] = (to[r] - from[r]) * per_gap;
+    }
+}
+
 }  // namespace sfdae::core

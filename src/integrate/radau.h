@@ -60,6 +60,8 @@ class Radau final : public Stepper {
   static constexpr int capacity = max_stages + 1;
   // Points within the last step that had to be computed as steps would be, nodes for its polynomial from then on.
   static constexpr int inner_capacity = 6;
+  // Distances of nodes relative to the one before.
+  static constexpr double coincidence = 0.02;
   static constexpr int table_size = 2 * capacity + 2;
 
   void resize(std::size_t n, std::size_t size_w);
