@@ -18,7 +18,7 @@ using namespace sfdae_test;
 
 constexpr std::array<double, 3> tolerances = {1e-4, 1e-6, 1e-8};
 
-// Ranks of the flexible slider crank are not clear: an error says so.
+// From a poor guess ranks of the flexible slider crank may not be clear: an error says so.
 const std::string unclear_problem = "slider_crank";
 
 template <class Equations>
@@ -54,7 +54,7 @@ TEST(CharacteristicValuesOfTheTestSet, AreFoundFromConsistentAndFromRoughGuesses
       SCOPED_TRACE(p.name + ", guess off by " + std::to_string(change));
       NonlinearRun run(recorded(p, equations, 0), options_with(1e-6));
       const int status = run.start(p.t0, p.tf, perturbed(p, change));
-      if (status < 0 && (p.name == unclear_problem || may_find_nothing(p, change))) {
+      if (status < 0 && ((p.name == unclear_problem && change > 0.0) || may_find_nothing(p, change))) {
         EXPECT_TRUE(status == SFDAE_RANK_UNCLEAR || status == SFDAE_NO_CONSISTENT_VALUES) << status_text(run, status);
         continue;
       }
@@ -92,24 +92,39 @@ struct PeerDigits {
 const std::map<std::string, PeerDigits> peers = {{"pendulum", {{2.3, 4.0, 5.8}, {3.1, 4.7, 6.3}}},
                                                  {"car_axis", {{1.7, 2.7, 4.6}, {2.1, 4.3, 6.0}}},
                                                  {"andrews", {{3.5, 4.5, 6.7}, {5.1, 6.3, 8.9}}},
+                                                 {"slider_crank", {{3.4, 5.0, 0.0}, {0.0, 0.0, 0.0}}},
                                                  {"fekete", {{3.4, 4.8, 6.3}, {3.7, 5.9, 7.1}}},
                                                  {"transistor_amplifier", {{3.2, 5.7, 7.6}, {4.6, 6.2, 8.4}}},
                                                  {"akzo", {{2.8, 4.8, 6.2}, {4.2, 5.4, 6.7}}},
                                                  {"nand", {{5.2, 6.8, 8.6}, {0.0, 0.0, 0.0}}}};
 
-// Digits at the end of an integration scatter: one less is allowed, two where the tolerance is loose.
+// Of the flexible slider crank positions and velocities are given to 9 digits, and accelerations follow.
+std::vector<double> initial_weights(const TestProblem& p) {
+  if (p.name != "slider_crank") return {};
+  std::vector<double> weights(size(p.n), 1.0);
+  std::fill(weights.begin() + 14, weights.end(), 1e6);
+  return weights;
+}
+
+// Digits at the end of an integration scatter where the tolerance is loose: those of BDF on Andrews' mechanism do. Left out,
+// as other codes are better: the flexible slider crank by Radau, and at 1e-8, below the rounding errors of its accelerations.
 TEST(DigitsOfTheTestSet, AreThoseOfOtherSolvers) {
   for_each_problem_of_test_set([](const TestProblem& p, const auto& equations) {
     const auto known = peers.find(p.name);
     if (known == peers.end()) return;
+    const std::vector<double> weights = initial_weights(p);
     for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
       for (std::size_t i = 0; i < tolerances.size(); ++i) {
         SCOPED_TRACE(testing::Message() << p.name << ", method " << method << ", tolerance " << tolerances[i]);
-        std::vector<double> x;
-        ASSERT_EQ(solve(p, equations, options_with(tolerances[i], method), x), SFDAE_OK);
         const double theirs = method == SFDAE_METHOD_BDF ? known->second.bdf[i] : known->second.radau[i];
+        if (theirs == 0.0 && p.name == "slider_crank") continue;
+        sfdae_options options = options_with(tolerances[i], method);
+        if (!weights.empty()) options.initial_weights = weights.data();
+        std::vector<double> x;
+        ASSERT_EQ(solve(p, equations, options, x), SFDAE_OK);
         const double ours = correct_digits(p, p.references.back(), x.data());
-        EXPECT_GE(ours, theirs - (i == 0 ? 2.0 : 1.0));
+        const double scatter = p.name == "andrews" && method == SFDAE_METHOD_BDF && i == 0 ? 1.0 : 0.0;
+        EXPECT_GE(ours, theirs - scatter);
         RecordProperty(p.name + "_" + std::to_string(method) + "_" + std::to_string(i), std::to_string(ours));
       }
   });
