@@ -9,6 +9,7 @@
 
 #include "expression/edges.h"
 #include "expression/kernel.h"
+#include "expression/quiet_arithmetic.h"
 
 namespace sfdae::core {
 
@@ -77,6 +78,7 @@ bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders
   const int order = orders.highest();
   assert(order <= series::highest_order);
   if (order < 0) return true;
+  const QuietArithmetic quiet;
   reserve(order);
   if (!load(t, jet, order)) return false;
   run(t, order, orders.of_gradients() >= 0);
