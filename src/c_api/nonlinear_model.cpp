@@ -114,7 +114,9 @@ class NonlinearModel final : public Model {
 class RecordedLinearModel final : public Model {
  public:
   RecordedLinearModel(std::shared_ptr<const Record> record, const sfdae_nonlinear_problem& problem)
-      : coefficients_(std::move(record), inputs_of(problem)), model_(coefficients_.problem()) {}
+      : coefficients_(std::move(record), inputs_of(problem)), model_(coefficients_.problem()) {
+    model_.linear()->set_explanation([this](double t) { return coefficients_.failure(t); });
+  }
   Problem& problem() override { return model_.problem(); }
   int m() const override { return model_.m(); }
   int n() const override { return model_.n(); }

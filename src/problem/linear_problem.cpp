@@ -92,6 +92,10 @@ Trouble LinearProblem::call(char which, double t, int order, double* values) {
     trouble.status = trouble.code < 0                           ? SFDAE_CALLBACK_STOPPED
                      : trouble.code == SFDAE_ORDER_NOT_AVAILABLE ? SFDAE_ORDER_MISSING
                                                                  : SFDAE_CALLBACK_FAILED;
+    if (explanation_ && trouble.status == SFDAE_CALLBACK_FAILED) {
+      trouble.status = SFDAE_NOT_FINITE;
+      trouble.detail = explanation_(t);
+    }
     return trouble;
   }
   if (!all_finite(values, static_cast<std::size_t>(count))) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -48,6 +49,9 @@ class LinearProblem final : public Problem, public CoefficientSource {
   // One derivative straight from the callback: which = 'E', 'A' or 'f'. No differences.
   Trouble call(char which, double t, int order, double* values);
 
+  // What stands behind callbacks that cannot evaluate, where they know it.
+  void set_explanation(std::function<std::string(double t)> explanation) { explanation_ = std::move(explanation); }
+
   // Also forgets which orders were not available.
   void set_differences(const DifferenceOptions& options);
 
@@ -88,6 +92,7 @@ class LinearProblem final : public Problem, public CoefficientSource {
   std::vector<double> column_scale_;
   std::array<Function, 3> functions_;
   DifferenceOptions differences_;
+  std::function<std::string(double t)> explanation_;
 };
 
 }  // namespace sfdae::core

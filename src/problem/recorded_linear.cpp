@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "problem/failure.h"
+
 namespace sfdae::core {
 
 namespace {
@@ -54,6 +56,10 @@ bool RecordedLinearCoefficients::evaluate(double t, int order) {
   known_t_ = t;
   known_order_ = order;
   return true;
+}
+
+std::string RecordedLinearCoefficients::failure(double t) const {
+  return format("the equations cannot be evaluated at t = %.15g: ", t) + evaluator_.failure().message + ".";
 }
 
 int RecordedLinearCoefficients::derivative(char which, double t, int order, double* values) {

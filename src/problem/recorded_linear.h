@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
@@ -20,6 +21,8 @@ class RecordedLinearCoefficients {
 
   sfdae_linear_problem problem();
   TaylorEvaluator& evaluator() { return evaluator_; }
+  // Why the last evaluation failed.
+  std::string failure(double t) const;
   // After parameters have been changed.
   void forget() { known_order_ = -1; }
 

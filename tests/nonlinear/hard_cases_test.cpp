@@ -113,6 +113,20 @@ NonlinearEquations logarithm() {
   });
 }
 
+// Linear equations have no solution beyond t = 1, and say which one of them ends there.
+TEST(Domains, OfLinearEquationsEndWhereTheirFormulasDo) {
+  const auto equations = equations_of(2, 2, [](const auto& t, const auto* x, const auto* xdot, auto* F) {
+    F[0] = x[1] - t * x[0];
+    F[1] = xdot[0] - log(1.0 - t) * x[0];
+  });
+  for_all_methods(equations, {0.0, 2.0}, {1.0, 0.0}, {1e-6}, [](const NonlinearRun& run, int status, double) {
+    EXPECT_EQ(status, SFDAE_NOT_FINITE);
+    EXPECT_NEAR(run.t, 1.0, 1e-3);
+    EXPECT_NE(run.message().find("log of"), std::string::npos) << run.message();
+    EXPECT_NE(run.message().find("equation 1"), std::string::npos) << run.message();
+  });
+}
+
 TEST(Domains, AreKeptFromGuessesFarAway) {
   for_all_methods(logarithm(), {0.0, 3.0}, {1.0, 20.0}, {1e-2, 1e-4, 1e-7},
                   [](const NonlinearRun& run, int status, double) {
