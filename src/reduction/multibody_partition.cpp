@@ -18,12 +18,12 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 constexpr double row_noise = 8.0 * unit_roundoff;
 
 // Columns of the identity: dependent components by the pivots of the independent rows.
-void choose_components(ConstView rows, Partition& partition, Arena& arena) {
+void choose_components(View rows, Partition& partition, Arena& arena) {
   const Arena::Frame frame(arena);
   const int n = rows.cols;
   int* pivots = arena.integers(n);
   std::iota(pivots, pivots + n, 0);
-  if (rows.rows > 0) factor_qr_pivoted({rows.data, rows.rows, n, rows.ld}, pivots, arena.take(index(n) + 1), arena);
+  if (rows.rows > 0) factor_qr_pivoted(rows, pivots, arena.take(index(n) + 1), arena);
   fill(partition.Q, 0.0);
   for (int j = 0; j < n; ++j) partition.Q(pivots[j], j) = 1.0;
 }

@@ -93,7 +93,7 @@ PointStatus MultibodySystem::move_to(double t) {
 }
 
 void MultibodySystem::accept() {
-  accepted_ = end_;
+  std::swap(accepted_, end_);
   orientation_ = end_orientation_;
   has_changed_ = false;
 }

@@ -53,6 +53,7 @@ class MultibodySystem final : public DaeSystem {
   const Trouble& trouble() const override { return trouble_; }
   double t() const override { return t_; }
   const Traits& traits() const { return traits_; }
+  const MultibodySizes& sizes() const { return sizes_; }
 
   // A consistent point becomes the current and accepted one.
   PointStatus stand_at(double t, const double* q, const double* v);
