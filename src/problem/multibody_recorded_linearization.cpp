@@ -57,18 +57,28 @@ bool RecordedMultibody::linearize_balance(const double* a, const double* mu, con
   return true;
 }
 
-// S^T (lambda^T g)_qq, column by column: gradients of lambda^T g along q + s e_j.
+// S^T (lambda^T g)_qq, column by column: the first coefficients of gradients of lambda^T g along q + s e_j, less those that
+// come from t + s.
 bool RecordedMultibody::subtract_curvature(const double* q, const MultibodyTerms& terms, View force_q, Trouble& trouble) {
   const int nq = sizes().positions;
-  double* const direction = q_jet_.data() + nq;
+  double *const direction = q_jet_.data() + nq, *const in_time = rates_.data();
   std::copy_n(q, nq, q_jet_.data());
   std::fill_n(direction, nq, 0.0);
+  std::fill_n(in_time, nq, 0.0);
+  const auto evaluate = [&] {
+    return curvature_->gradients(trouble.t, q_jet_.data(), {-1, -1, 1}, nullptr, nullptr, curvature_gradients_.data()) ||
+           failed(*curvature_, trouble);
+  };
+  if (rheonomic_ && !curved_.empty()) {
+    if (!evaluate()) return false;
+    std::copy_n(curvature_gradients_.data() + nq, nq, in_time);
+  }
   for (const int j : curved_) {
     direction[j] = 1.0;
-    if (!curvature_->gradients(trouble.t, q_jet_.data(), {-1, -1, 1}, nullptr, nullptr, curvature_gradients_.data()))
-      return failed(*curvature_, trouble);
+    if (!evaluate()) return false;
     direction[j] = 0.0;
-    const double* const column = curvature_gradients_.data() + nq;
+    double* const column = curvature_gradients_.data() + nq;
+    for (int i = 0; i < nq; ++i) column[i] -= in_time[i];
     if (kinematics_) multiply(-1.0, Op::transposed, terms.S, column, 1.0, force_q.column(j));
     else
       for (int i = 0; i < nq; ++i) force_q(i, j) -= column[i];
