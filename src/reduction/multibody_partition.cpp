@@ -123,4 +123,15 @@ void Tangent::correction(const Partition& partition, const double* residuals, do
   multiply(-1.0, Op::plain, partition.Q2(), b, 0.0, w);
 }
 
+void Tangent::multipliers(const Partition& partition, const double* force, double* mu, Arena& arena) const {
+  const int r = rank_;
+  std::fill_n(mu, partition.rows.size(), 0.0);
+  if (r == 0) return;
+  const Arena::Frame frame(arena);
+  double* b = arena.take(index(r));
+  multiply(1.0, Op::transposed, partition.Q2(), force, 0.0, b);
+  solve_lu_transposed(ConstView{lu_.data(), r, r, r}, pivots_.data(), {b, r, 1, r});
+  for (int k = 0; k < r; ++k) mu[partition.rows[index(k)]] = units_[index(k)] * b[k];
+}
+
 }  // namespace sfdae::core

@@ -47,6 +47,8 @@ class Tangent {
   ConstView T() const { return {T_.data(), T_.rows(), T_.rows() - rank_, std::max(T_.rows(), 1)}; }
   // w := -N b, b the independent ones of all residuals.
   void correction(const Partition& partition, const double* residuals, double* w, Arena& arena) const;
+  // mu := the independent multipliers with Q2^T C^T mu = Q2^T force, the others zero.
+  void multipliers(const Partition& partition, const double* force, double* mu, Arena& arena) const;
   // max |E|: the tangent of the angle, about, by which C has turned since the choice.
   double turn() const { return turn_; }
   double smallest_pivot() const { return pivot_; }

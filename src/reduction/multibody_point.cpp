@@ -91,6 +91,28 @@ void MultibodyPoint::solve_accelerations(const std::vector<int>& rows, int rank)
   for (int k = 0; k < rank; ++k) mu[index(rows[index(k)])] = solution_[index(nv + k)];
 }
 
+bool MultibodyPoint::solve_along(const Partition& partition, const Tangent& tangent, Arena& arena) {
+  const int nv = terms.M.rows(), d = nv - partition.rank;
+  const ConstView T = tangent.T();
+  const Arena::Frame frame(arena);
+  double* force = arena.take(index(nv));
+  double* y = arena.take(index(d) + 1);
+  const View MT = arena.matrix(nv, d), reduced = arena.matrix(d, d);
+  int* pivots = arena.integers(d + 1);
+  tangent.correction(partition, terms.acceleration_rest.data(), a.data(), arena);
+  std::copy_n(terms.f.data(), nv, force);
+  multiply(-1.0, Op::plain, terms.M, a.data(), 1.0, force);
+  multiply(1.0, Op::plain, terms.M, Op::plain, T, 0.0, MT);
+  multiply(1.0, Op::transposed, T, Op::plain, MT, 0.0, reduced);
+  multiply(1.0, Op::transposed, T, force, 0.0, y);
+  if (!factor_lu(reduced, pivots)) return false;
+  if (d > 0) solve_lu(reduced, pivots, y);
+  multiply(1.0, Op::plain, T, y, 1.0, a.data());
+  multiply(-1.0, Op::plain, MT, y, 1.0, force);
+  tangent.multipliers(partition, force, mu.data(), arena);
+  return true;
+}
+
 void MultibodyPoint::solve(double* yz) const {
   if (order_ > 0) solve_lu(ConstView{K_.data(), order_, order_, order_}, pivots_.data(), yz);
 }

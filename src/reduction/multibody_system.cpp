@@ -53,6 +53,11 @@ void MultibodySystem::resize() {
   const std::size_t d = index(analysis_.values.d), size = index(leading_size());
   form_.resize(sizes_, traits_.ranks.positions, traits_.ranks.velocities);
   jacobian_ = MultibodyJacobian(sizes_);
+  // Operations of both ways, about; measured, more calls of smaller kernels have to save much.
+  constexpr double worthwhile = 3.0;
+  const double nv = sizes_.velocities, r = traits_.ranks.velocities, open = nv - r;
+  const double along = 2.0 * nv * open * (nv + open) + 2.0 / 3.0 * std::pow(open, 3), whole = 2.0 / 3.0 * std::pow(nv + r, 3);
+  along_tangents_ = r > 0 && worthwhile * along < whole;
   for (MultibodyPoint* point : {&linearized_, &work_, &end_, &accepted_}) point->resize(sizes_);
   chosen_.q.resize(index(sizes_.positions));
   chosen_.v.resize(index(sizes_.velocities));
@@ -107,6 +112,16 @@ PointStatus MultibodySystem::evaluate(MultibodyPoint& point) {
   return PointStatus::ok;
 }
 
+PointStatus MultibodySystem::accelerate(MultibodyPoint& point, const Tangents& tangents) {
+  ++factorizations_;
+  const Partition& partition = form_.velocities();
+  if (along_tangents_)
+    return point.solve_along(partition, tangents.of_velocities(), arena_) ? PointStatus::ok : PointStatus::singular;
+  if (!point.factor(partition.rows, partition.rank)) return PointStatus::singular;
+  point.solve_accelerations(partition.rows, partition.rank);
+  return PointStatus::ok;
+}
+
 // g = 0 to rounding, along Q_q2. The tangent of the last linearization serves while it is good enough.
 PointStatus MultibodySystem::project_positions(MultibodyPoint& point) {
   constexpr int most = 12;
@@ -158,9 +173,8 @@ PointStatus MultibodySystem::settle(MultibodyPoint& point) {
     trouble_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
     if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   }
-  ++factorizations_;
-  if (!point.factor(form_.velocities().rows, traits_.ranks.velocities)) return PointStatus::singular;
-  point.solve_accelerations(form_.velocities().rows, traits_.ranks.velocities);
+  status = accelerate(point, end_tangents_);
+  if (status != PointStatus::ok) return status;
   point.shorten(form_.velocities(), arena_);
   kept_ = std::min(end_tangents_.positions.smallest_pivot(), end_tangents_.of_velocities().smallest_pivot());
   read_inconsistency(point);

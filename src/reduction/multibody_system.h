@@ -122,6 +122,8 @@ class MultibodySystem final : public DaeSystem {
   void resize_stages(int s);
   double* stage(int i) { return stage_qv_.data() + static_cast<std::ptrdiff_t>(i) * leading_size(); }
   PointStatus evaluate(MultibodyPoint& point);
+  // The same where terms and tangents are known.
+  PointStatus accelerate(MultibodyPoint& point, const Tangents& tangents);
   PointStatus linearize(double t, const double* qv);
   PointStatus choose_partition();
   bool factor_step_matrices(const Task& task);
@@ -162,6 +164,7 @@ class MultibodySystem final : public DaeSystem {
   Orientation orientation_, end_orientation_;
   double turn_ = 0.0;
   long partitions_ = 0;
+  bool along_tangents_ = false;  // how accelerations are determined
 
   std::vector<double> matrix_;
   std::vector<int> matrix_pivots_;

@@ -94,7 +94,12 @@ PointStatus MultibodySystem::read_stage(const Task& task, int i) {
   const int nq = sizes_.positions, size = leading_size(), d = differential(), nc = sizes_.constraints();
   const double* qv = stage(i);
   work_.set(times_[index(i)], qv, qv + nq);
-  const PointStatus status = evaluate(work_);
+  trouble_ = problem_.at_velocity(work_.t, work_.q.data(), work_.v.data(), work_.terms);
+  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  work_.measure_rows();
+  Tangents& tangents = stage_tangents_[index(i)];
+  if (!form_.build_tangents(work_, tangents, arena_)) return PointStatus::singular;
+  const PointStatus status = accelerate(work_, tangents);
   if (status != PointStatus::ok) return status;
   std::copy_n(work_.mu.data(), nc, stage_mu_.data() + static_cast<std::ptrdiff_t>(i) * nc);
   double* particular = stage_particular_.data() + static_cast<std::ptrdiff_t>(i) * size;
@@ -105,9 +110,6 @@ PointStatus MultibodySystem::read_stage(const Task& task, int i) {
   std::copy(work_.a.begin(), work_.a.end(), rates + nq);
   form_.project(rates, r);
   work_.velocity_residuals(residuals_.data());
-  work_.measure_rows();
-  Tangents& tangents = stage_tangents_[index(i)];
-  if (!form_.build_tangents(work_, tangents, arena_)) return PointStatus::singular;
   form_.particular(tangents, {work_.terms.g.data(), residuals_.data()}, particular, arena_);
   form_.add_particular_rates(work_.terms.S, particular, r, arena_);
   double* move = stage_moves_.data() + static_cast<std::ptrdiff_t>(i) * d;
