@@ -11,7 +11,9 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 double row_length(ConstView a, int i) {
   double sum = 0.0;
@@ -24,6 +26,20 @@ double mean_length(ConstView a) {
   double sum = 0.0;
   for (int i = 0; i < a.rows; ++i) sum += std::pow(row_length(a, i), 2);
   return std::sqrt(sum / std::max(a.cols, 1));
+}
+
+bool is_diagonal(ConstView a) {
+  for (int j = 0; j < a.cols; ++j)
+    for (int i = 0; i < a.rows; ++i)
+      if (i != j && a(i, j) != 0.0) return false;
+  return true;
+}
+
+// Diagonal masses are the rule where coordinates are those of points.
+void multiply_mass(ConstView M, ConstView T, View MT) {
+  if (!is_diagonal(M)) return multiply(1.0, Op::plain, M, Op::plain, T, 0.0, MT);
+  for (int j = 0; j < T.cols; ++j)
+    for (int i = 0; i < T.rows; ++i) MT(i, j) = M(i, i) * T(i, j);
 }
 
 }  // namespace
@@ -102,7 +118,7 @@ bool MultibodyPoint::solve_along(const Partition& partition, const Tangent& tang
   tangent.correction(partition, terms.acceleration_rest.data(), a.data(), arena);
   std::copy_n(terms.f.data(), nv, force);
   multiply(-1.0, Op::plain, terms.M, a.data(), 1.0, force);
-  multiply(1.0, Op::plain, terms.M, Op::plain, T, 0.0, MT);
+  multiply_mass(terms.M, T, MT);
   multiply(1.0, Op::transposed, T, Op::plain, MT, 0.0, reduced);
   multiply(1.0, Op::transposed, T, force, 0.0, y);
   if (!factor_lu(reduced, pivots)) return false;
