@@ -136,6 +136,7 @@ class MultibodySystem final : public DaeSystem {
   PointStatus iterate(const Task& task);
   bool has_converged(int iteration, double norm, double before);
   double change_norm(const Task& task, const double* change, const double* qv) const;
+  void error_of_forces(double* yz, double* dmu);
   PointStatus solve_points(const Task& task, const double* guess);
   PointStatus project_positions(MultibodyPoint& point);
   PointStatus settle(MultibodyPoint& point);

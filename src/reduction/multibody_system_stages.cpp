@@ -268,30 +268,41 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
 }
 
 void MultibodySystem::error_in_x(const double* dw, int count, double* dx) {
-  const int nq = sizes_.positions, nv = sizes_.velocities, n = unknowns(), size = leading_size(),
-            nc = sizes_.constraints();
-  const std::vector<int>& rows = form_.velocities().rows;
+  const int n = unknowns(), size = leading_size();
   const Arena::Frame frame(arena_);
   double* yz = arena_.take(index(differential()) + 1);
-  double* forces = arena_.take(index(nv + nc));
-  double* rest = arena_.take(index(nc) + 1);
   for (int j = 0; j < count; ++j) {
-    const double* from = dw + static_cast<std::ptrdiff_t>(j) * size;
     double* to = dx + static_cast<std::ptrdiff_t>(j) * n;
-    form_.project(from, yz);
+    form_.project(dw + static_cast<std::ptrdiff_t>(j) * size, yz);
     form_.expand(form_.tangents(), yz, to, arena_);
-    // K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv)
-    std::fill_n(to + size, nc, 0.0);
-    const int r = traits_.ranks.velocities;
-    if (r == 0) continue;
-    multiply(1.0, Op::plain, jacobian_.force_q, to, 0.0, forces);
-    multiply(1.0, Op::plain, jacobian_.force_v, to + nq, 1.0, forces);
-    multiply(-1.0, Op::plain, jacobian_.acceleration_q, to, 0.0, rest);
-    multiply(-1.0, Op::plain, jacobian_.acceleration_v, to + nq, 1.0, rest);
-    for (int k = 0; k < r; ++k) forces[nv + k] = rest[rows[index(k)]];
-    linearized_.solve(forces);
-    for (int k = 0; k < r; ++k) to[size + rows[index(k)]] = forces[nv + k];
+    error_of_forces(yz, to + size);
   }
+}
+
+// K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv), with (I - B / c)^-1 yz in place of yz: what is
+// stiff over the step has hardly any error, but mu depends on it very much. yz is overwritten.
+void MultibodySystem::error_of_forces(double* yz, double* dmu) {
+  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), d = differential(),
+            r = traits_.ranks.velocities;
+  const std::vector<int>& rows = form_.velocities().rows;
+  std::fill_n(dmu, nc, 0.0);
+  if (r == 0 || d == 0) return;
+  const Arena::Frame frame(arena_);
+  double* dqv = arena_.take(index(leading_size()));
+  double* forces = arena_.take(index(nv + nc));
+  double* rest = arena_.take(index(nc));
+  if (matrix_valid_) {
+    solve_lu(ConstView{matrix_.data(), d, d, d}, matrix_pivots_.data(), yz);
+    for (int k = 0; k < d; ++k) yz[k] *= matrix_c_;
+  }
+  form_.expand(form_.tangents(), yz, dqv, arena_);
+  multiply(1.0, Op::plain, jacobian_.force_q, dqv, 0.0, forces);
+  multiply(1.0, Op::plain, jacobian_.force_v, dqv + nq, 1.0, forces);
+  multiply(-1.0, Op::plain, jacobian_.acceleration_q, dqv, 0.0, rest);
+  multiply(-1.0, Op::plain, jacobian_.acceleration_v, dqv + nq, 1.0, rest);
+  for (int k = 0; k < r; ++k) forces[nv + k] = rest[rows[index(k)]];
+  linearized_.solve(forces);
+  for (int k = 0; k < r; ++k) dmu[rows[index(k)]] = forces[nv + k];
 }
 
 }  // namespace sfdae::core
