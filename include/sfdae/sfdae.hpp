@@ -492,6 +492,7 @@ class Solver {
     c.linear_equations = problem.linear_equations ? call_linear_equations : nullptr;
     c.total_derivative = problem.total_derivative ? call_total_derivative : nullptr;
     fill_prescribed(problem, c);
+    c.differentiations = entries(problem.differentiations, problem.num_equations, "differentiations");
     c.user = user;
     return c;
   }
