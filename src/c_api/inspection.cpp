@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "c_api/multibody_model.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 #include "linalg/dense.h"
@@ -108,6 +109,16 @@ int sfdae_get_characteristics(const sfdae_solver* solver, sfdae_characteristics*
     if (!is_usable(result)) return no_struct();
     if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
     fill_struct(result, characteristics_of(*solver));
+    return {};
+  });
+}
+
+int sfdae_get_multibody_report(const sfdae_solver* solver, sfdae_multibody_report* report) {
+  return reading(solver, [&]() -> CallResult {
+    if (!is_usable(report)) return no_struct();
+    if (solver->model->multibody() == nullptr) return illegal_argument("the problem is not a multibody system.");
+    if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze_at or sfdae_start first."};
+    fill_struct(report, report_of(static_cast<const MultibodySystem&>(*solver->system)));
     return {};
   });
 }

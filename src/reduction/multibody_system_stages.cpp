@@ -1,0 +1,283 @@
+// Steps of a mechanical system: the chord iteration for one point or several together.
+//
+// With (y_i, z_i) the changes of stage i in local coordinates and p_i = -N (residuals) its particular change, the stages are
+//
+//     sum_j D_ij / h (y_j, z_j) - B (y_i, z_i) = (Q_q1^T S v_i, Q_v1^T a_i) + (those of p_i) - (Q1^T D_h w)_i
+//
+// where Q1^T p_i = 0.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/dense.h"
+#include "reduction/multibody_system.h"
+
+namespace sfdae::core {
+
+namespace {
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+// A partition from which the constraints have turned by more than 45 degrees is replaced; components as they are differ by
+// a factor from the beginning.
+double MultibodySystem::largest_turn() const { return traits_.coordinates == Coordinates::orthogonal ? 1.0 : 10.0; }
+
+void MultibodySystem::resize_stages(int s) {
+  const std::size_t stages = index(s), size = index(leading_size()), d = index(differential()),
+                    nc = index(sizes_.constraints());
+  const auto grow = [](std::vector<double>& values, std::size_t count) {
+    if (values.size() < count + 1) values.resize(count + 1);
+  };
+  grow(times_, stages);
+  for (auto* values : {&stage_qv_, &stage_particular_}) grow(*values, stages * size);
+  grow(stage_mu_, stages * nc);
+  for (auto* values : {&stage_moves_, &stage_r_, &stage_z_}) grow(*values, stages * d);
+}
+
+PointStatus MultibodySystem::linearize(double t, const double* qv) {
+  is_linearized_ = false;
+  matrix_valid_ = false;
+  transformed_.forget();
+  linearized_.set(t, qv, qv + sizes_.positions);
+  trouble_ = problem_.at_velocity(t, linearized_.q.data(), linearized_.v.data(), linearized_.terms);
+  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  linearized_.measure_rows();
+  if (partitions_ == 0 || !form_.build_tangents(linearized_, arena_) || form_.turn() > largest_turn()) {
+    const PointStatus status = choose_partition();
+    if (status != PointStatus::ok) return status;
+  }
+  if (!linearized_.factor(form_.velocities().rows, traits_.ranks.velocities)) return PointStatus::singular;
+  linearized_.solve_accelerations(form_.velocities().rows, traits_.ranks.velocities);
+  trouble_ = problem_.linearize(t, linearized_.q.data(), linearized_.v.data(), linearized_.a.data(), linearized_.mu.data(),
+                                linearized_.terms, jacobian_);
+  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  form_.build(linearized_, jacobian_, arena_);
+  ++reductions_;
+  ++factorizations_;
+  is_linearized_ = true;
+  rate_ = 1.0;
+  return PointStatus::ok;
+}
+
+// At the point to be linearized; the orientation is that of the point accepted last.
+PointStatus MultibodySystem::choose_partition() {
+  const MultibodyForm::Ranks found = form_.choose(linearized_, traits_.coordinates, arena_);
+  decided_ = {found.positions.rank, found.velocities.rank};
+  if (!form_.build_tangents(linearized_, arena_)) return PointStatus::singular;
+  chosen_.set(linearized_.t, linearized_.q.data(), linearized_.v.data());
+  ++partitions_;
+  if (!end_positions_.build(form_.positions(), accepted_.position_rows(), arena_) ||
+      !end_velocities_.build(form_.velocities(), accepted_.velocity_rows(), arena_))
+    return PointStatus::ok;  // no orientation yet
+  orientation_ = {end_positions_.sign(), end_velocities_.sign()};
+  return PointStatus::ok;
+}
+
+bool MultibodySystem::factor_step_matrices(const Task& task) {
+  // Steps of one size differ in their last bits, as times are rounded.
+  constexpr double rounding_of_steps = 1e-13;
+  const double c = task.method != nullptr ? task.method->gamma / task.h : task.c;
+  const int d = differential();
+  if (!matrix_valid_ || std::fabs(c - matrix_c_) > rounding_of_steps * std::fabs(c)) {
+    const View M{matrix_.data(), d, d, std::max(d, 1)};
+    form_.step_matrix(c, M);
+    matrix_valid_ = factor_lu(M, matrix_pivots_.data());
+    matrix_c_ = c;
+    if (d > 0) ++factorizations_;
+  }
+  return matrix_valid_ &&
+         (task.method == nullptr || transformed_.factor(form_, 1.0, *task.method, matrix_c_, factorizations_));
+}
+
+// Right-hand side of stage i but for slopes, and its particular change.
+PointStatus MultibodySystem::read_stage(const Task& task, int i) {
+  const int nq = sizes_.positions, size = leading_size(), d = differential(), nc = sizes_.constraints();
+  const double* qv = stage(i);
+  work_.set(times_[index(i)], qv, qv + nq);
+  const PointStatus status = evaluate(work_);
+  if (status != PointStatus::ok) return status;
+  std::copy_n(work_.mu.data(), nc, stage_mu_.data() + static_cast<std::ptrdiff_t>(i) * nc);
+  double* particular = stage_particular_.data() + static_cast<std::ptrdiff_t>(i) * size;
+  double* r = stage_r_.data() + static_cast<std::ptrdiff_t>(i) * d;
+  const Arena::Frame frame(arena_);
+  double* rates = arena_.take(index(size));
+  work_.rates(rates);
+  std::copy(work_.a.begin(), work_.a.end(), rates + nq);
+  form_.project(rates, r);
+  work_.velocity_residuals(residuals_.data());
+  form_.particular(work_.terms.g.data(), residuals_.data(), particular, arena_);
+  form_.add_particular_rates(work_.terms.S, particular, r, arena_);
+  double* move = stage_moves_.data() + static_cast<std::ptrdiff_t>(i) * d;
+  for (int k = 0; k < size; ++k)
+    rates[k] = task.method != nullptr ? qv[k] - task.w[k] : task.c * qv[k] + task.w[k];
+  form_.project(rates, move);
+  return PointStatus::ok;
+}
+
+// r := r - Q1^T D_h w
+void MultibodySystem::add_slopes(const Task& task) {
+  const int d = differential(), s = task.s;
+  for (int i = 0; i < s; ++i)
+    for (int j = 0; j < s; ++j) {
+      const double weight = task.method != nullptr ? task.method->D_at(i, j) / task.h : 1.0;
+      const double* move = stage_moves_.data() + static_cast<std::ptrdiff_t>(j) * d;
+      double* r = stage_r_.data() + static_cast<std::ptrdiff_t>(i) * d;
+      for (int k = 0; k < d; ++k) r[k] -= weight * move[k];
+    }
+}
+
+PointStatus MultibodySystem::iterate(const Task& task) {
+  constexpr double slowest = 0.7;
+  constexpr int most = 12;
+  const int size = leading_size(), d = differential(), ld = std::max(d, 1), s = task.s;
+  if (!factor_step_matrices(task)) return PointStatus::singular;
+  const ConstView lu{matrix_.data(), d, d, ld};
+  double before = 0.0;
+  is_slow_ = false;
+  for (int iteration = 0; iteration < most; ++iteration) {
+    for (int i = 0; i < s; ++i) {
+      const PointStatus status = read_stage(task, i);
+      if (status != PointStatus::ok) return status;
+    }
+    add_slopes(task);
+    const View r{stage_r_.data(), d, s, ld}, z{stage_z_.data(), d, s, ld};
+    if (task.method != nullptr) {
+      transformed_.solve(*task.method, lu, matrix_pivots_.data(), r, z, arena_);
+    } else {
+      std::copy_n(r.data, d, z.data);
+      solve_lu(lu, matrix_pivots_.data(), z.data);
+    }
+    double norm = 0.0;
+    for (int i = 0; i < s; ++i) {
+      double* qv = stage(i);
+      const double* particular = stage_particular_.data() + static_cast<std::ptrdiff_t>(i) * size;
+      form_.expand(z.column(i), change_.data());
+      for (int k = 0; k < size; ++k) {
+        change_[index(k)] += particular[k];
+        qv[k] += change_[index(k)];
+      }
+      norm = std::max(norm, change_norm(task, change_.data(), qv));
+    }
+    if (!std::isfinite(norm)) return PointStatus::not_converged;
+    if (has_converged(iteration, norm, before)) return PointStatus::ok;
+    if (iteration > 1 && norm > slowest * before) return PointStatus::not_converged;
+    before = norm;
+  }
+  return PointStatus::not_converged;
+}
+
+// In units of the tolerance; rounding errors will not become less.
+double MultibodySystem::change_norm(const Task& task, const double* change, const double* qv) const {
+  constexpr double rounding = 8.0 * unit_roundoff;
+  double norm = 0.0;
+  for (int k = 0; k < leading_size(); ++k) {
+    const double above = std::fabs(change[k]) - rounding * std::fabs(qv[k]);
+    norm = std::max(norm, above * task.inverse_weights[k]);
+    if (!std::isfinite(change[k])) return change[k];
+  }
+  return norm;
+}
+
+// The error left is rate / (1 - rate) times the last change.
+bool MultibodySystem::has_converged(int iteration, double norm, double before) {
+  constexpr double negligible = 1e-9;
+  if (iteration > 0) rate_ = before > 0.0 ? norm / before : 0.0;
+  is_slow_ = iteration >= 3 || (iteration > 0 && rate_ > 0.3 && norm > negligible);
+  // A rate from another point is trusted less.
+  const double rate = std::clamp(rate_, iteration == 0 ? 0.05 : 1e-3, 0.99);
+  // Changes that stop becoming smaller far below the tolerance are rounding errors.
+  if (iteration > 1 && norm <= 0.1 * newton_tolerance) return true;
+  if (iteration > 0 && rate_ >= 1.0) return false;
+  return rate / (1.0 - rate) * norm <= newton_tolerance || norm <= negligible;
+}
+
+bool MultibodySystem::is_hopeless(PointStatus status) const {
+  return status == PointStatus::changed || (status == PointStatus::trouble && !trouble_.is_recoverable());
+}
+
+// guess: predicted x of each point. The middle one is where one linearization serves all of them best.
+PointStatus MultibodySystem::solve_points(const Task& task, const double* guess) {
+  const int n = unknowns(), size = leading_size(), middle = task.s / 2;
+  const auto start = [&] {
+    for (int i = 0; i < task.s; ++i) std::copy_n(guess + static_cast<std::ptrdiff_t>(i) * n, size, stage(i));
+  };
+  PointStatus status = PointStatus::not_converged;
+  if (is_linearized_ && !is_slow_) {
+    start();
+    status = iterate(task);
+  }
+  if (status != PointStatus::ok && !is_hopeless(status)) {
+    start();
+    status = linearize(times_[index(middle)], stage(middle));
+    if (status == PointStatus::ok) status = iterate(task);
+  }
+  if (status != PointStatus::ok) return status;
+  const double* last = stage(task.s - 1);
+  end_.set(times_[index(task.s - 1)], last, last + sizes_.positions);
+  status = settle(end_);
+  return status == PointStatus::ok ? look_at(end_) : status;
+}
+
+PointStatus MultibodySystem::solve(const StepEquations& equations, double* x) {
+  resize_stages(1);
+  times_[0] = t_;
+  const Task task{1, nullptr, 0.0, equations.c, equations.w_rest, equations.guess.inverse_weights};
+  const PointStatus status = solve_points(task, equations.guess.taylor);
+  if (status != PointStatus::ok) return status;
+  std::copy(end_.q.begin(), end_.q.end(), x);
+  std::copy(end_.v.begin(), end_.v.end(), x + sizes_.positions);
+  std::copy_n(end_.mu.data(), sizes_.constraints(), x + leading_size());
+  return PointStatus::ok;
+}
+
+PointStatus MultibodySystem::solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) {
+  const int s = equations.method.s, n = unknowns(), size = leading_size(), nc = sizes_.constraints();
+  const double h = equations.t_end - equations.t;
+  resize_stages(s);
+  t_reached = t_ = equations.t_end;
+  for (int i = 0; i < s; ++i)
+    times_[index(i)] = i == s - 1 ? equations.t_end : equations.t + equations.method.c[index(i)] * h;
+  const Task task{s, &equations.method, h, 0.0, equations.w, equations.guess.inverse_weights};
+  const PointStatus status = solve_points(task, equations.guess.taylor);
+  if (status != PointStatus::ok) return status;
+  // mu of the stages within is that of the last iteration: nothing but guesses depends on it.
+  std::copy(end_.q.begin(), end_.q.end(), stage(s - 1));
+  std::copy(end_.v.begin(), end_.v.end(), stage(s - 1) + sizes_.positions);
+  std::copy_n(end_.mu.data(), nc, stage_mu_.data() + static_cast<std::ptrdiff_t>(s - 1) * nc);
+  for (int i = 0; i < s; ++i) {
+    std::copy_n(stage(i), size, x + static_cast<std::ptrdiff_t>(i) * n);
+    std::copy_n(stage(i), size, w + static_cast<std::ptrdiff_t>(i) * size);
+    std::copy_n(stage_mu_.data() + static_cast<std::ptrdiff_t>(i) * nc, nc, x + static_cast<std::ptrdiff_t>(i) * n + size);
+  }
+  return PointStatus::ok;
+}
+
+void MultibodySystem::error_in_x(const double* dw, int count, double* dx) {
+  const int nq = sizes_.positions, nv = sizes_.velocities, n = unknowns(), size = leading_size(), nc = sizes_.constraints();
+  const std::vector<int>& rows = form_.velocities().rows;
+  const Arena::Frame frame(arena_);
+  double* yz = arena_.take(index(differential()) + 1);
+  double* forces = arena_.take(index(nv + nc));
+  double* rest = arena_.take(index(nc) + 1);
+  for (int j = 0; j < count; ++j) {
+    const double* from = dw + static_cast<std::ptrdiff_t>(j) * size;
+    double* to = dx + static_cast<std::ptrdiff_t>(j) * n;
+    form_.project(from, yz);
+    form_.expand(yz, to);
+    // K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv)
+    std::fill_n(to + size, nc, 0.0);
+    const int r = traits_.ranks.velocities;
+    if (r == 0) continue;
+    multiply(1.0, Op::plain, jacobian_.force_q, to, 0.0, forces);
+    multiply(1.0, Op::plain, jacobian_.force_v, to + nq, 1.0, forces);
+    multiply(-1.0, Op::plain, jacobian_.acceleration_q, to, 0.0, rest);
+    multiply(-1.0, Op::plain, jacobian_.acceleration_v, to + nq, 1.0, rest);
+    for (int k = 0; k < r; ++k) forces[nv + k] = rest[rows[index(k)]];
+    linearized_.solve(forces);
+    for (int k = 0; k < r; ++k) to[size + rows[index(k)]] = forces[nv + k];
+  }
+}
+
+}  // namespace sfdae::core
