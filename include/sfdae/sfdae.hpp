@@ -526,7 +526,7 @@ class Solver {
   static void require_size(std::size_t found, int n, const char* name) {
     if (found == size(n)) return;
     throw Error(SFDAE_ILLEGAL_ARGUMENT, std::string(name) + " has " + std::to_string(found) + " entries, not " +
-                                            std::to_string(n) + " as the problem has unknowns");
+                                            std::to_string(n) + " as the problem has");
   }
 
   static std::size_t size(int count) noexcept { return count < 0 ? 0 : static_cast<std::size_t>(count); }

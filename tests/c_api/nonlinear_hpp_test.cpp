@@ -270,7 +270,7 @@ TEST(NonlinearProblem, DifferentiatesAsOftenAsItIsTold) {
     sfdae::Solver solver(problem);
     sfdae::Point point{0.5, {0.0, 0.0}, {}};
     if (!enough) {
-      EXPECT_EQ(status_of([&] { solver.start(point, 1.0); }), SFDAE_INDEX_TOO_HIGH);
+      EXPECT_EQ(status_of([&] { return solver.start(point, 1.0), 0; }), SFDAE_INDEX_TOO_HIGH);
       continue;
     }
     solver.start(point, 1.0);
