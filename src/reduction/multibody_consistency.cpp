@@ -128,7 +128,7 @@ double MultibodyConsistency::residual(const Vector& q) {
 // One damped step, shortened until it helps. False if none does.
 bool MultibodyConsistency::improve(Vector& q, double& norm) {
   constexpr int halvings = 12;
-  constexpr double strongest = 0.1, least_gain = 1e-4;
+  constexpr double strongest = 0.1, least_gain = 1e-6;
   look_at(q);
   norm = residual(q);
   const Svd J = svd(product(scaled_rows(point_.position_rows()), directions_));
@@ -167,7 +167,7 @@ void MultibodyConsistency::approach(Vector& q) {
 
 // Where no direction makes residuals smaller, constraints contradict each other, or fixed values contradict them.
 void MultibodyConsistency::refuse_positions(const Vector& q, double norm) {
-  constexpr double stationary = 1e-5;
+  constexpr double stationary = 1e-2;
   look_at(q);
   residual(q);
   const Matrix J = product(scaled_rows(point_.position_rows()), directions_);
@@ -206,6 +206,7 @@ void MultibodyConsistency::slide(const Vector& given, Vector& q) {
     return difference;
   };
   const auto in_metric = [&](const Vector& dq) { return damped_solution(metric, dq, 0.0, 0.0); };
+  double last_step = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
     look_at(q);
     residual(q);
@@ -220,14 +221,16 @@ void MultibodyConsistency::slide(const Vector& given, Vector& q) {
     Vector trial(q);
     multiply(1.0, Op::plain, directions_, p.data(), 1.0, trial.data());
     const double step = length(p);
-    if (!(step > accuracy * std::max(before, accuracy * size_of(q)))) return;
+    if (!(step > accuracy * std::max(before, accuracy * size_of(q))) || (iteration > 0 && step > 0.9 * last_step)) return;
+    last_step = step;
     try {
       approach(trial);
     } catch (const Failure& failure) {
       if (failure.status() == SFDAE_CALLBACK_STOPPED || failure.status() == SFDAE_STOPPED) throw;
       return;
     }
-    if (length(in_metric(distance(trial))) > (1.0 - 1e-6) * before) return;
+    // Distances say little near the nearest point.
+    if (length(in_metric(distance(trial))) > 1.01 * before) return;
     q = trial;
   }
 }
@@ -269,13 +272,14 @@ MultibodyRanks MultibodyConsistency::ranks(const Vector& q, std::vector<RankDeci
   look_at(q);
   const MultibodyRanks ranks = local_ranks(&decisions);
   check_matrix(ranks.velocities, decisions);
-  if (ranks.positions < sizes_.holonomic) check_nearby(q, ranks);
+  if (sizes_.holonomic > 0) check_nearby(q, ranks);
   return ranks;
 }
 
-// Constraints that depend on each other at the point alone make it a singular configuration.
+// Constraints that depend on each other at the point alone, or a gradient that vanishes, make it a singular configuration.
 void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& known) {
-  constexpr double distance = 1e-3;
+  constexpr double distance = 1e-3, vanishing = 1e-9;
+  const Vector units = point_.position_units;
   Vector beside(q);
   // No direction in particular, and the same in every run.
   for (std::size_t i = 0; i < q.size(); ++i)
@@ -284,6 +288,11 @@ void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& k
     approach(beside);
     look_at(beside);
     const MultibodyRanks found = local_ranks(nullptr);
+    for (int i = 0; i < sizes_.holonomic; ++i)
+      if (units[index(i)] < vanishing * point_.position_units[index(i)])
+        throw Failure(SFDAE_CHARACTERISTICS_CHANGED, format("the configuration at t = %.15g is singular: the gradient of %s "
+                                                            "vanishes there. Start elsewhere.",
+                                                            t_, name_of(i).c_str()));
     if (found.positions <= known.positions && found.velocities <= known.velocities) return;
     throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
                   format("the configuration at t = %.15g is singular: %d of %d constraints are independent there, but %d "

@@ -23,14 +23,18 @@ void MultibodyForm::resize(const MultibodySizes& sizes, int position_rank, int v
   velocities_.resize(nv, nc);
   positions_.rank = position_rank;
   velocities_.rank = velocity_rank;
-  position_tangent_.resize(nq, nl);
-  velocity_tangent_.resize(nv, nc);
+  resize_tangents(tangents_);
   velocity_q_ = Matrix(nc, nq);
   kinematics_q_ = Matrix(nq, nq);
   Z_ = Matrix(nv, dq_);
   A_q_ = Matrix(dv_, nq);
   A_v_ = Matrix(dv_, nv);
   B_ = Matrix(dq_ + dv_, dq_ + dv_);
+}
+
+void MultibodyForm::resize_tangents(Tangents& tangents) const {
+  tangents.positions.resize(sizes_.positions, sizes_.holonomic);
+  tangents.velocities.resize(sizes_.velocities, sizes_.constraints());
 }
 
 MultibodyForm::Ranks MultibodyForm::choose(const MultibodyPoint& point, Coordinates coordinates, Arena& arena) {
@@ -51,17 +55,16 @@ void MultibodyForm::judge(const MultibodyPoint& point, Arena& arena, int& row, d
   rest = decision.rank < velocities().rank ? decision.dropped : decision.kept;
 }
 
-bool MultibodyForm::build_tangents(const MultibodyPoint& point, Arena& arena) {
-  const bool fits = position_tangent_.build(positions_, point.position_rows(), arena);
-  return same_rows_ ? fits : velocity_tangent_.build(velocities_, point.velocity_rows(), arena) && fits;
+bool MultibodyForm::build_tangents(const MultibodyPoint& point, Tangents& tangents, Arena& arena) const {
+  tangents.same_rows = same_rows_;
+  const bool fits = tangents.positions.build(positions_, point.position_rows(), arena);
+  return same_rows_ ? fits : tangents.velocities.build(velocities_, point.velocity_rows(), arena) && fits;
 }
-
-double MultibodyForm::turn() const { return std::max(position_tangent_.turn(), velocity_tangent().turn()); }
 
 void MultibodyForm::build(const MultibodyPoint& point, const MultibodyJacobian& jacobian, Arena& arena) {
   const int nq = sizes_.positions, nv = sizes_.velocities, r = velocities().rank;
   const Arena::Frame frame(arena);
-  const ConstView S = point.terms.S, T_q = position_tangent_.T(), T_v = velocity_tangent().T();
+  const ConstView S = point.terms.S, T_q = tangents_.positions.T(), T_v = tangents_.of_velocities().T();
   const ConstView Q_q1 = positions_.Q1(), Q_v1 = velocities().Q1();
   copy(jacobian.velocity_q, velocity_q_);
   has_velocity_q_ = max_abs(velocity_q_) > 0.0;
@@ -87,7 +90,7 @@ void MultibodyForm::build(const MultibodyPoint& point, const MultibodyJacobian& 
   if (has_velocity_q_ && dq_ > 0) {
     const View along = arena.matrix(velocity_q_.rows(), dq_);
     multiply(1.0, Op::plain, velocity_q_, Op::plain, T_q, 0.0, along);
-    for (int j = 0; j < dq_; ++j) velocity_tangent().correction(velocities(), along.column(j), Z_.view().column(j), arena);
+    for (int j = 0; j < dq_; ++j) tangents_.of_velocities().correction(velocities(), along.column(j), Z_.view().column(j), arena);
   }
   // B
   const View B = B_.view();
@@ -113,14 +116,14 @@ void MultibodyForm::project(const double* qv, double* yz) const {
   multiply(1.0, Op::transposed, velocities().Q1(), qv + sizes_.positions, 0.0, yz + dq_);
 }
 
-void MultibodyForm::particular(const double* g, const double* velocity_residuals, double* qv, Arena& arena) const {
+void MultibodyForm::particular(const Tangents& tangents, const Residuals& residuals, double* qv, Arena& arena) const {
   const int nq = sizes_.positions, nc = sizes_.constraints();
-  position_tangent_.correction(positions_, g, qv, arena);
+  tangents.positions.correction(positions_, residuals.g, qv, arena);
   const Arena::Frame frame(arena);
-  double* residuals = arena.take(index(nc) + 1);
-  std::copy_n(velocity_residuals, nc, residuals);
-  if (has_velocity_q_) multiply(1.0, Op::plain, velocity_q_, qv, 1.0, residuals);
-  velocity_tangent().correction(velocities(), residuals, qv + nq, arena);
+  double* velocity = arena.take(index(nc) + 1);
+  std::copy_n(residuals.velocity, nc, velocity);
+  if (has_velocity_q_) multiply(1.0, Op::plain, velocity_q_, qv, 1.0, velocity);
+  tangents.of_velocities().correction(velocities(), velocity, qv + nq, arena);
 }
 
 void MultibodyForm::add_particular_rates(ConstView S, const double* qv, double* yz, Arena& arena) const {
@@ -139,11 +142,18 @@ void MultibodyForm::add_particular_rates(ConstView S, const double* qv, double* 
   multiply(1.0, Op::plain, A_v_, dv, 1.0, yz + dq_);
 }
 
-void MultibodyForm::expand(const double* yz, double* qv) const {
-  const int nq = sizes_.positions;
-  multiply(1.0, Op::plain, position_tangent_.T(), yz, 0.0, qv);
-  multiply(1.0, Op::plain, velocity_tangent().T(), yz + dq_, 0.0, qv + nq);
-  if (has_velocity_q_) multiply(1.0, Op::plain, Z_, yz, 1.0, qv + nq);
+void MultibodyForm::expand(const Tangents& tangents, const double* yz, double* qv, Arena& arena) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints();
+  multiply(1.0, Op::plain, tangents.positions.T(), yz, 0.0, qv);
+  double* dv = qv + nq;
+  std::fill_n(dv, nv, 0.0);
+  if (has_velocity_q_) {
+    const Arena::Frame frame(arena);
+    double* velocity = arena.take(index(nc) + 1);
+    multiply(1.0, Op::plain, velocity_q_, qv, 0.0, velocity);
+    tangents.of_velocities().correction(velocities(), velocity, dv, arena);
+  }
+  multiply(1.0, Op::plain, tangents.of_velocities().T(), yz + dq_, 1.0, dv);
 }
 
 }  // namespace sfdae::core

@@ -56,8 +56,7 @@ void MultibodySystem::resize() {
   for (MultibodyPoint* point : {&linearized_, &work_, &end_, &accepted_}) point->resize(sizes_);
   chosen_.q.resize(index(sizes_.positions));
   chosen_.v.resize(index(sizes_.velocities));
-  end_positions_.resize(sizes_.positions, sizes_.holonomic);
-  end_velocities_.resize(sizes_.velocities, sizes_.constraints());
+  form_.resize_tangents(end_tangents_);
   matrix_.assign(d * d + 1, 0.0);
   matrix_pivots_.assign(d + 1, 0);
   change_.assign(size + 1, 0.0);
@@ -82,7 +81,7 @@ PointStatus MultibodySystem::stand_at(double t, const double* q, const double* v
   end_ = accepted_;
   status = settle(end_);
   if (status != PointStatus::ok) return status;
-  end_orientation_ = orientation_ = {end_positions_.sign(), end_velocities_.sign()};
+  end_orientation_ = orientation_ = orientation_of(end_tangents_);
   accept();
   return PointStatus::ok;
 }
@@ -114,7 +113,7 @@ PointStatus MultibodySystem::project_positions(MultibodyPoint& point) {
   constexpr double negligible = 2.0 * unit_roundoff, small = 1e-11, slow = 1e-2;
   if (traits_.ranks.positions == 0) return PointStatus::ok;
   const int nq = sizes_.positions;
-  const Tangent* tangent = &form_.position_tangent();
+  const Tangent* tangent = &form_.tangents().positions;
   double before = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
     trouble_ = problem_.constraints(point.t, point.q.data(), point.terms.g.data());
@@ -136,8 +135,8 @@ PointStatus MultibodySystem::project_positions(MultibodyPoint& point) {
     trouble_ = problem_.at_position(point.t, point.q.data(), point.terms);
     if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
     point.measure_rows();
-    if (!end_positions_.build(form_.positions(), point.position_rows(), arena_)) return PointStatus::singular;
-    tangent = &end_positions_;
+    if (!end_tangents_.positions.build(form_.positions(), point.position_rows(), arena_)) return PointStatus::singular;
+    tangent = &end_tangents_.positions;
   }
   return PointStatus::not_converged;
 }
@@ -149,13 +148,11 @@ PointStatus MultibodySystem::settle(MultibodyPoint& point) {
   trouble_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   point.measure_rows();
-  if (!end_positions_.build(form_.positions(), point.position_rows(), arena_) ||
-      !end_velocities_.build(form_.velocities(), point.velocity_rows(), arena_))
-    return PointStatus::singular;
+  if (!form_.build_tangents(point, end_tangents_, arena_)) return PointStatus::singular;
   // Linear in v: once is enough, but for what depends on v.
   constexpr double negligible = 1e-12;
   point.velocity_residuals(residuals_.data());
-  end_velocities_.correction(form_.velocities(), residuals_.data(), change_.data(), arena_);
+  end_tangents_.of_velocities().correction(form_.velocities(), residuals_.data(), change_.data(), arena_);
   for (int k = 0; k < sizes_.velocities; ++k) point.v[index(k)] += change_[index(k)];
   if (max_abs(change_.data(), sizes_.velocities) > negligible * largest(point.v)) {
     trouble_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
@@ -165,7 +162,7 @@ PointStatus MultibodySystem::settle(MultibodyPoint& point) {
   if (!point.factor(form_.velocities().rows, traits_.ranks.velocities)) return PointStatus::singular;
   point.solve_accelerations(form_.velocities().rows, traits_.ranks.velocities);
   point.shorten(form_.velocities(), arena_);
-  kept_ = std::min(end_positions_.smallest_pivot(), end_velocities_.smallest_pivot());
+  kept_ = std::min(end_tangents_.positions.smallest_pivot(), end_tangents_.of_velocities().smallest_pivot());
   read_inconsistency(point);
   return PointStatus::ok;
 }
@@ -173,10 +170,10 @@ PointStatus MultibodySystem::settle(MultibodyPoint& point) {
 // After a step: det C Q2 changes its sign where a configuration is singular, unless the constraints have turned too far
 // from the partition for that to mean anything.
 PointStatus MultibodySystem::look_at(const MultibodyPoint& point) {
-  turn_ = std::max(end_positions_.turn(), end_velocities_.turn());
+  turn_ = end_tangents_.turn();
   const bool has_turned = turn_ > largest_turn();
   if (has_turned) is_slow_ = true;
-  end_orientation_ = {end_positions_.sign(), end_velocities_.sign()};
+  end_orientation_ = orientation_of(end_tangents_);
   if (end_orientation_ == orientation_) return PointStatus::ok;
   if (has_turned && std::fabs(point.t - accepted_.t) > 1e-6 * std::fabs(accepted_.t) && !has_changed_) {
     is_linearized_ = false;

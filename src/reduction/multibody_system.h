@@ -99,7 +99,7 @@ class MultibodySystem final : public DaeSystem {
 
  private:
   // Errors of the iteration in units of the tolerance.
-  static constexpr double newton_tolerance = 0.01;
+  static constexpr double newton_tolerance = 0.02;
 
   // What is solved for s points together: D_h w_i = sum_j D_ij (w_j - w) / h, or c w + w_rest where there is no method.
   struct Task {
@@ -115,6 +115,9 @@ class MultibodySystem final : public DaeSystem {
     bool operator==(const Orientation&) const = default;
   };
 
+  static Orientation orientation_of(const Tangents& tangents) {
+    return {tangents.positions.sign(), tangents.of_velocities().sign()};
+  }
   void resize();
   void resize_stages(int s);
   double* stage(int i) { return stage_qv_.data() + static_cast<std::ptrdiff_t>(i) * leading_size(); }
@@ -154,7 +157,8 @@ class MultibodySystem final : public DaeSystem {
   MultibodyPoint chosen_;  // where the partition is from: its t, q and v
   bool is_linearized_ = false, is_slow_ = false;
   double rate_ = 1.0;
-  Tangent end_positions_, end_velocities_;
+  Tangents end_tangents_;
+  std::vector<Tangents> stage_tangents_;
   Orientation orientation_, end_orientation_;
   double turn_ = 0.0;
   long partitions_ = 0;

@@ -94,7 +94,7 @@ PointStatus MultibodySystem::forces_beside(const MultibodyPoint& point, double s
 
 // Differences of order 4 along the solution, on the side that may be evaluated.
 bool MultibodySystem::difference_of_forces(const MultibodyPoint& point, double* mudot) {
-  constexpr double part_of_time_scale = 3e-3;
+  constexpr double part_of_time_scale = 1e-3;
   const int nc = sizes_.constraints();
   const Arena::Frame frame(arena_);
   double* mu = arena_.take(index(nc));

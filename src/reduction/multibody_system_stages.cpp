@@ -30,6 +30,7 @@ void MultibodySystem::resize_stages(int s) {
   const auto grow = [](std::vector<double>& values, std::size_t count) {
     if (values.size() < count + 1) values.resize(count + 1);
   };
+  while (stage_tangents_.size() < stages) form_.resize_tangents(stage_tangents_.emplace_back());
   grow(times_, stages);
   for (auto* values : {&stage_qv_, &stage_particular_}) grow(*values, stages * size);
   grow(stage_mu_, stages * nc);
@@ -44,7 +45,7 @@ PointStatus MultibodySystem::linearize(double t, const double* qv) {
   trouble_ = problem_.at_velocity(t, linearized_.q.data(), linearized_.v.data(), linearized_.terms);
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   linearized_.measure_rows();
-  if (partitions_ == 0 || !form_.build_tangents(linearized_, arena_) || form_.turn() > largest_turn()) {
+  if (partitions_ == 0 || !form_.build_tangents(linearized_, arena_) || form_.tangents().turn() > largest_turn()) {
     const PointStatus status = choose_partition();
     if (status != PointStatus::ok) return status;
   }
@@ -68,10 +69,7 @@ PointStatus MultibodySystem::choose_partition() {
   if (!form_.build_tangents(linearized_, arena_)) return PointStatus::singular;
   chosen_.set(linearized_.t, linearized_.q.data(), linearized_.v.data());
   ++partitions_;
-  if (!end_positions_.build(form_.positions(), accepted_.position_rows(), arena_) ||
-      !end_velocities_.build(form_.velocities(), accepted_.velocity_rows(), arena_))
-    return PointStatus::ok;  // no orientation yet
-  orientation_ = {end_positions_.sign(), end_velocities_.sign()};
+  if (form_.build_tangents(accepted_, end_tangents_, arena_)) orientation_ = orientation_of(end_tangents_);
   return PointStatus::ok;
 }
 
@@ -107,7 +105,10 @@ PointStatus MultibodySystem::read_stage(const Task& task, int i) {
   std::copy(work_.a.begin(), work_.a.end(), rates + nq);
   form_.project(rates, r);
   work_.velocity_residuals(residuals_.data());
-  form_.particular(work_.terms.g.data(), residuals_.data(), particular, arena_);
+  work_.measure_rows();
+  Tangents& tangents = stage_tangents_[index(i)];
+  if (!form_.build_tangents(work_, tangents, arena_)) return PointStatus::singular;
+  form_.particular(tangents, {work_.terms.g.data(), residuals_.data()}, particular, arena_);
   form_.add_particular_rates(work_.terms.S, particular, r, arena_);
   double* move = stage_moves_.data() + static_cast<std::ptrdiff_t>(i) * d;
   for (int k = 0; k < size; ++k)
@@ -153,7 +154,7 @@ PointStatus MultibodySystem::iterate(const Task& task) {
     for (int i = 0; i < s; ++i) {
       double* qv = stage(i);
       const double* particular = stage_particular_.data() + static_cast<std::ptrdiff_t>(i) * size;
-      form_.expand(z.column(i), change_.data());
+      form_.expand(stage_tangents_[index(i)], z.column(i), change_.data(), arena_);
       for (int k = 0; k < size; ++k) {
         change_[index(k)] += particular[k];
         qv[k] += change_[index(k)];
@@ -265,7 +266,7 @@ void MultibodySystem::error_in_x(const double* dw, int count, double* dx) {
     const double* from = dw + static_cast<std::ptrdiff_t>(j) * size;
     double* to = dx + static_cast<std::ptrdiff_t>(j) * n;
     form_.project(from, yz);
-    form_.expand(yz, to);
+    form_.expand(form_.tangents(), yz, to, arena_);
     // K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv)
     std::fill_n(to + size, nc, 0.0);
     const int r = traits_.ranks.velocities;

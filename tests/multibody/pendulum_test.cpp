@@ -51,11 +51,6 @@ TEST_P(PendulumRun, TurnsOverAndKeepsItsConstraints) {
     EXPECT_GE(report.partitions, 4);
     EXPECT_EQ(report.degrees_of_freedom, 1);
     EXPECT_LE(report.condition, 3.0);
-    const sfdae_statistics s = run.statistics();
-    RecordProperty("statistics", std::to_string(s.steps));
-    printf("tol %g steps %ld fail %ld other %ld red %ld fact %ld evals %ld lin %ld part %ld err %.2e\n", tol, s.steps,
-           s.error_failures, s.other_failures, s.reductions, s.factorizations, s.evaluations_F, s.linearizations,
-           report.partitions, distance(run.x, reference(0.3, 2.2, 10.0)));
   }
 }
 
