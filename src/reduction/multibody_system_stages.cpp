@@ -1,6 +1,7 @@
 // Steps of a mechanical system: the chord iteration for one point or several together.
 //
-// With (y_i, z_i) the changes of stage i in local coordinates and p_i = -N (residuals) its particular change, the stages are
+// With (y_i, z_i) the changes of stage i in local coordinates and p_i = -N (residuals) its particular change, the
+// stages are
 //
 //     sum_j D_ij / h (y_j, z_j) - B (y_i, z_i) = (Q_q1^T S v_i, Q_v1^T a_i) + (those of p_i) - (Q1^T D_h w)_i
 //
@@ -16,13 +17,17 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 }  // namespace
 
-// A partition from which the constraints have turned by more than 45 degrees is replaced; components as they are differ by
-// a factor from the beginning.
-double MultibodySystem::largest_turn() const { return traits_.coordinates == Coordinates::orthogonal ? 1.0 : 10.0; }
+// A partition from which the constraints have turned by more than 45 degrees is replaced; components as they are
+// differ by a factor from the beginning.
+double MultibodySystem::largest_turn() const {
+  return traits_.coordinates == Coordinates::orthogonal ? 1.0 : 10.0;
+}
 
 void MultibodySystem::resize_stages(int s) {
   const std::size_t stages = index(s), size = index(leading_size()), d = index(differential()),
@@ -51,8 +56,8 @@ PointStatus MultibodySystem::linearize(double t, const double* qv) {
   }
   if (!linearized_.factor(form_.velocities().rows, traits_.ranks.velocities)) return PointStatus::singular;
   linearized_.solve_accelerations(form_.velocities().rows, traits_.ranks.velocities);
-  trouble_ = problem_.linearize(t, linearized_.q.data(), linearized_.v.data(), linearized_.a.data(), linearized_.mu.data(),
-                                linearized_.terms, jacobian_);
+  trouble_ = problem_.linearize(t, linearized_.q.data(), linearized_.v.data(), linearized_.a.data(),
+                                linearized_.mu.data(), linearized_.terms, jacobian_);
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   form_.build(linearized_, jacobian_, arena_);
   ++reductions_;
@@ -94,7 +99,12 @@ PointStatus MultibodySystem::read_stage(const Task& task, int i) {
   const int nq = sizes_.positions, size = leading_size(), d = differential(), nc = sizes_.constraints();
   const double* qv = stage(i);
   work_.set(times_[index(i)], qv, qv + nq);
-  const PointStatus status = evaluate(work_);
+  trouble_ = problem_.at_velocity(work_.t, work_.q.data(), work_.v.data(), work_.terms);
+  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  work_.measure_rows();
+  Tangents& tangents = stage_tangents_[index(i)];
+  if (!form_.build_tangents(work_, tangents, arena_)) return PointStatus::singular;
+  const PointStatus status = accelerate(work_, tangents);
   if (status != PointStatus::ok) return status;
   std::copy_n(work_.mu.data(), nc, stage_mu_.data() + static_cast<std::ptrdiff_t>(i) * nc);
   double* particular = stage_particular_.data() + static_cast<std::ptrdiff_t>(i) * size;
@@ -105,14 +115,10 @@ PointStatus MultibodySystem::read_stage(const Task& task, int i) {
   std::copy(work_.a.begin(), work_.a.end(), rates + nq);
   form_.project(rates, r);
   work_.velocity_residuals(residuals_.data());
-  work_.measure_rows();
-  Tangents& tangents = stage_tangents_[index(i)];
-  if (!form_.build_tangents(work_, tangents, arena_)) return PointStatus::singular;
   form_.particular(tangents, {work_.terms.g.data(), residuals_.data()}, particular, arena_);
   form_.add_particular_rates(work_.terms.S, particular, r, arena_);
   double* move = stage_moves_.data() + static_cast<std::ptrdiff_t>(i) * d;
-  for (int k = 0; k < size; ++k)
-    rates[k] = task.method != nullptr ? qv[k] - task.w[k] : task.c * qv[k] + task.w[k];
+  for (int k = 0; k < size; ++k) rates[k] = task.method != nullptr ? qv[k] - task.w[k] : task.c * qv[k] + task.w[k];
   form_.project(rates, move);
   return PointStatus::ok;
 }
@@ -214,11 +220,16 @@ PointStatus MultibodySystem::solve_points(const Task& task, const double* guess)
     status = linearize(times_[index(middle)], stage(middle));
     if (status == PointStatus::ok) status = iterate(task);
   }
-  if (status != PointStatus::ok) return status;
-  const double* last = stage(task.s - 1);
-  end_.set(times_[index(task.s - 1)], last, last + sizes_.positions);
-  status = settle(end_);
-  return status == PointStatus::ok ? look_at(end_) : status;
+  if (status == PointStatus::ok) {
+    const double* last = stage(task.s - 1);
+    end_.set(times_[index(task.s - 1)], last, last + sizes_.positions);
+    status = settle(end_);
+  }
+  if (status == PointStatus::ok) return look_at(end_);
+  // Shorter steps toward a singular configuration that has been seen already.
+  const bool is_near_change =
+      has_changed_ && (status == PointStatus::singular || status == PointStatus::not_converged);
+  return is_near_change ? PointStatus::changed : status;
 }
 
 PointStatus MultibodySystem::solve(const StepEquations& equations, double* x) {
@@ -250,13 +261,15 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
   for (int i = 0; i < s; ++i) {
     std::copy_n(stage(i), size, x + static_cast<std::ptrdiff_t>(i) * n);
     std::copy_n(stage(i), size, w + static_cast<std::ptrdiff_t>(i) * size);
-    std::copy_n(stage_mu_.data() + static_cast<std::ptrdiff_t>(i) * nc, nc, x + static_cast<std::ptrdiff_t>(i) * n + size);
+    std::copy_n(stage_mu_.data() + static_cast<std::ptrdiff_t>(i) * nc, nc,
+                x + static_cast<std::ptrdiff_t>(i) * n + size);
   }
   return PointStatus::ok;
 }
 
 void MultibodySystem::error_in_x(const double* dw, int count, double* dx) {
-  const int nq = sizes_.positions, nv = sizes_.velocities, n = unknowns(), size = leading_size(), nc = sizes_.constraints();
+  const int nq = sizes_.positions, nv = sizes_.velocities, n = unknowns(), size = leading_size(),
+            nc = sizes_.constraints();
   const std::vector<int>& rows = form_.velocities().rows;
   const Arena::Frame frame(arena_);
   double* yz = arena_.take(index(differential()) + 1);
