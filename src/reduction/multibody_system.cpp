@@ -69,7 +69,8 @@ void MultibodySystem::resize() {
   form_.resize_tangents(end_tangents_);
   matrix_.assign(d * d + 1, 0.0);
   matrix_pivots_.assign(d + 1, 0);
-  change_.assign(size + 1, 0.0);
+  for (auto* values : {&change_, &noise_, &noise_at_rest_}) values->assign(size + 1, 0.0);
+  noise_of_rates_.assign(d + 1, 0.0);
   residuals_.assign(index(sizes_.constraints()) + 1, 0.0);
 }
 
