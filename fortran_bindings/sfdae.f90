@@ -11,6 +11,8 @@
 !     recorded_linear_dae    `linear_equations` writes E(t), A(t), f(t) once, as formulas
 !     linear_dae             `eval_e`, `eval_a`, `eval_f` evaluate E, A, f and their derivatives
 !     derivative_dae         `total_derivative` evaluates F and its total derivatives along a jet
+!     recorded_multibody_dae `equations` writes a mechanical system with constraints as formulas
+!     multibody_dae          `forces`, `constraints`, ... evaluate those of a mechanical system
 !
 ! Then
 !
@@ -43,12 +45,14 @@ module sfdae
   private
 
   public :: linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae
+  public :: recorded_multibody_dae, multibody_dae, kinematic_multibody_dae, multibody_formulas
   public :: dae_events, dae_monitor, dae_options, dae_solver
-  public :: sfdae_check_linear, sfdae_check_nonlinear, sfdae_status_name, sfdae_version
+  public :: sfdae_check_linear, sfdae_check_nonlinear, sfdae_check_multibody
+  public :: sfdae_status_name, sfdae_version
   public :: sfdae_characteristics, sfdae_decision, sfdae_change, sfdae_initial_report
-  public :: sfdae_statistics, sfdae_derivative_check, sfdae_progress
-  public :: sfdae_linear_problem, sfdae_nonlinear_problem, sfdae_options ! mirrors of C, nothing
-  ! that a program needs
+  public :: sfdae_statistics, sfdae_derivative_check, sfdae_progress, sfdae_multibody_report
+  public :: sfdae_linear_problem, sfdae_nonlinear_problem, sfdae_multibody_problem, &
+    sfdae_multibody_formulas, sfdae_options ! mirrors of C, nothing that a program needs
 
   ! ---- Recorded equations: all of sfdae_expressions -----------------------------------------
 
@@ -132,6 +136,10 @@ module sfdae
   integer(c_int), parameter, public :: sfdae_method_bdf = 0
   integer(c_int), parameter, public :: sfdae_method_radau = 1
   integer(c_int), parameter, public :: sfdae_method_automatic = 2
+
+  !> How positions and velocities are divided (coordinates of multibody systems).
+  integer(c_int), parameter, public :: sfdae_coordinates_orthogonal = 0
+  integer(c_int), parameter, public :: sfdae_coordinates_permutation = 1
 
   !> Which matrix a rank decision was about (sfdae_decision%what).
   integer(c_int), parameter, public :: sfdae_decision_stage = 0
@@ -281,10 +289,12 @@ module sfdae
     real(c_double) :: rounding = 0
   end type sfdae_statistics
 
-  !> Worst mismatch found by check_derivatives or check_total_derivatives.
+  !> Worst mismatch found by check_derivatives, check_total_derivatives or
+  !> check_multibody_derivatives.
   type, bind(c) :: sfdae_derivative_check
     integer(c_size_t) :: size = 0
-    !> 'E', 'A' or 'f'; 'F', 'x' (F_x) or 'd' (F_x'); blank if nothing could be compared.
+    !> 'E', 'A' or 'f'; 'F', 'x' (F_x) or 'd' (F_x'); 'G' (g_q), 'T' (g_t), 'C' (gamma) or 'H'
+    !> (eta); blank if nothing could be compared.
     character(kind=c_char) :: function = ' '
     !> Order of the derivative; >= 1, but for 'x' and 'd'.
     integer(c_int) :: order = 0
@@ -303,6 +313,30 @@ module sfdae
     !> 1 if error > 100 uncertainty.
     integer(c_int) :: suspicious = 0
   end type sfdae_derivative_check
+
+  !> What is known of a multibody system at the point reached.
+  type, bind(c) :: sfdae_multibody_report
+    integer(c_size_t) :: size = 0
+    real(c_double) :: t = 0
+    !> Constraints given: nl.
+    integer(c_int) :: holonomic = 0
+    !> And nk.
+    integer(c_int) :: nonholonomic = 0
+    !> Of these, those that follow from the others.
+    integer(c_int) :: redundant = 0
+    !> Independent velocities.
+    integer(c_int) :: degrees_of_freedom = 0
+    !> Independent positions.
+    integer(c_int) :: position_freedom = 0
+    !> Of the partition in use; 1 is perfect.
+    real(c_double) :: condition = 0
+    !> Partitions chosen since start, 1 at first.
+    integer(c_long) :: partitions = 0
+    !> max |g|, each row in units of its gradient.
+    real(c_double) :: position_residual = 0
+    !> max |G v + g_t|, |H v + h|, likewise.
+    real(c_double) :: velocity_residual = 0
+  end type sfdae_multibody_report
 
   !> What the monitor is told after every accepted step.
   type, bind(c) :: sfdae_progress
@@ -351,7 +385,40 @@ module sfdae
     type(c_ptr) :: prescribed = c_null_ptr
     type(c_funptr) :: prescribed_values = c_null_funptr
     type(c_ptr) :: user = c_null_ptr
+    type(c_ptr) :: differentiations = c_null_ptr
   end type sfdae_nonlinear_problem
+
+  !> Mirror of the C problem; programs extend multibody_dae and others instead.
+  type, bind(c) :: sfdae_multibody_problem
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: num_positions = 0
+    integer(c_int) :: num_velocities = 0
+    integer(c_int) :: num_constraints = 0
+    integer(c_int) :: num_nonholonomic = 0
+    type(c_funptr) :: equations = c_null_funptr
+    type(c_funptr) :: mass = c_null_funptr
+    type(c_funptr) :: forces = c_null_funptr
+    type(c_funptr) :: constraints = c_null_funptr
+    type(c_funptr) :: constraint_jacobian = c_null_funptr
+    type(c_funptr) :: constraint_rate = c_null_funptr
+    type(c_funptr) :: kinematics = c_null_funptr
+    type(c_funptr) :: nonholonomic_matrix = c_null_funptr
+    type(c_funptr) :: nonholonomic_offset = c_null_funptr
+    type(c_funptr) :: constraint_curvature = c_null_funptr
+    type(c_funptr) :: nonholonomic_curvature = c_null_funptr
+    integer(c_int) :: coordinates = 0
+    type(c_ptr) :: user = c_null_ptr
+  end type sfdae_multibody_problem
+
+  !> Mirror of the places for formulas in C; programs see multibody_formulas instead.
+  type, bind(c) :: sfdae_multibody_formulas
+    type(c_ptr) :: mass = c_null_ptr
+    type(c_ptr) :: forces = c_null_ptr
+    type(c_ptr) :: constraints = c_null_ptr
+    type(c_ptr) :: kinematics = c_null_ptr
+    type(c_ptr) :: nonholonomic_matrix = c_null_ptr
+    type(c_ptr) :: nonholonomic_offset = c_null_ptr
+  end type sfdae_multibody_formulas
 
   !> Mirror of the C options; programs use dae_options instead.
   type, bind(c) :: sfdae_options
@@ -395,6 +462,8 @@ module sfdae
     integer(c_int) :: num_unknowns = 0
     !> u > 0 only: components of x, from 1, that eval_prescribed gives as functions of time.
     integer(c_int), allocatable :: prescribed(:)
+    !> Not for linear_dae: how often each equation is differentiated at most. Not allocated: no limit.
+    integer(c_int), allocatable :: differentiations(:)
   contains
     !> Writes the values of the prescribed components.
     procedure :: eval_prescribed => missing_prescribed
@@ -513,6 +582,128 @@ module sfdae
       !> As of e_function.
       integer(c_int), intent(inout) :: status
     end subroutine total_derivative_procedure
+  end interface
+
+  ! ---- Mechanical systems -------------------------------------------------------------------
+
+  !> A mechanical system with constraints, G = g_q S:
+  !>
+  !>     q' = S(t,q) v,   M(t,q) v' = f(t,q,v) - G**T lambda - H(t,q)**T kappa
+  !>     0 = g(t,q),      0 = H(t,q) v + h(t,q)
+  !>
+  !> The unknowns are x = (q, v, lambda, kappa). create sets num_equations and num_unknowns.
+  type, abstract, extends(any_dae) :: any_multibody_dae
+    !> nq >= 1.
+    integer(c_int) :: num_positions = 0
+    !> nv; 0: nq.
+    integer(c_int) :: num_velocities = 0
+    !> nl, entries of g.
+    integer(c_int) :: num_constraints = 0
+    !> nk, rows of H.
+    integer(c_int) :: num_nonholonomic = 0
+    !> sfdae_coordinates_orthogonal or sfdae_coordinates_permutation.
+    integer(c_int) :: coordinates = sfdae_coordinates_orthogonal
+  end type any_multibody_dae
+
+  !> One written once as formulas. Extend it: components are your data.
+  type, abstract, extends(any_multibody_dae) :: recorded_multibody_dae
+  contains
+    !> Writes the formulas that are not zero; called once, by create.
+    procedure(multibody_procedure), deferred :: equations
+  end type recorded_multibody_dae
+
+  !> Places for formulas, all zero at first but S, which is the identity if nq = nv.
+  type :: multibody_formulas
+    !> M, nv x nv.
+    type(expression), pointer :: mass(:, :) => null()
+    !> f, nv entries.
+    type(expression), pointer :: forces(:) => null()
+    !> g, nl entries.
+    type(expression), pointer :: constraints(:) => null()
+    !> S, nq x nv.
+    type(expression), pointer :: kinematics(:, :) => null()
+    !> H, nk x nv.
+    type(expression), pointer :: nonholonomic_matrix(:, :) => null()
+    !> h, nk entries.
+    type(expression), pointer :: nonholonomic_offset(:) => null()
+  end type multibody_formulas
+
+  !> One whose matrices and vectors are evaluated at every point, with q' = v.
+  type, abstract, extends(any_multibody_dae) :: multibody_dae
+    !> g depends on t, constraint_rate is to be called.
+    logical :: has_constraint_rate = .false.
+    !> constraint_curvature is to be called; else differences take its place.
+    logical :: has_constraint_curvature = .false.
+    !> Likewise nonholonomic_curvature.
+    logical :: has_nonholonomic_curvature = .false.
+  contains
+    !> Writes f.
+    procedure(velocity_procedure), deferred :: forces
+    !> Writes M; the identity unless overridden.
+    procedure :: mass => identity_mass
+    !> Writes g.
+    procedure :: constraints => missing_constraints
+    !> Writes g_q, nl x nq.
+    procedure :: constraint_jacobian => missing_matrix
+    !> Writes g_t, nl entries.
+    procedure :: constraint_rate => missing_constraints
+    !> Writes H, nk x nv.
+    procedure :: nonholonomic_matrix => missing_matrix
+    !> Writes h, nk entries; 0 unless overridden.
+    procedure :: nonholonomic_offset => zero_offset
+    !> Writes gamma = (dG/dt) v + d(g_t)/dt, nl entries.
+    procedure :: constraint_curvature => missing_curvature
+    !> Writes eta = (dH/dt) v + dh/dt, nk entries.
+    procedure :: nonholonomic_curvature => missing_curvature
+  end type multibody_dae
+
+  !> Likewise, with q' = S v.
+  type, abstract, extends(multibody_dae) :: kinematic_multibody_dae
+  contains
+    !> Writes S, nq x nv.
+    procedure(kinematics_procedure), deferred :: kinematics
+  end type kinematic_multibody_dae
+
+  abstract interface
+    !> Writes the formulas of a mechanical system. All but the forces depend on t and q alone.
+    subroutine multibody_procedure(self, t, q, v, to)
+      import :: expression, multibody_formulas, recorded_multibody_dae
+      class(recorded_multibody_dae), intent(inout) :: self
+      type(expression), intent(in) :: t
+      !> nq positions.
+      type(expression), intent(in) :: q(:)
+      !> nv velocities.
+      type(expression), intent(in) :: v(:)
+      type(multibody_formulas), intent(in) :: to
+    end subroutine multibody_procedure
+
+    !> Writes a vector that depends on velocities.
+    subroutine velocity_procedure(self, t, q, v, vector, status)
+      import :: c_double, c_int, multibody_dae
+      class(multibody_dae), intent(inout) :: self
+      real(c_double), intent(in) :: t
+      !> nq positions.
+      real(c_double), intent(in) :: q(:)
+      !> nv velocities.
+      real(c_double), intent(in) :: v(:)
+      !> Zero on entry.
+      real(c_double), intent(inout) :: vector(:)
+      !> As of e_function.
+      integer(c_int), intent(inout) :: status
+    end subroutine velocity_procedure
+
+    !> Writes S.
+    subroutine kinematics_procedure(self, t, q, matrix, status)
+      import :: c_double, c_int, kinematic_multibody_dae
+      class(kinematic_multibody_dae), intent(inout) :: self
+      real(c_double), intent(in) :: t
+      !> nq positions.
+      real(c_double), intent(in) :: q(:)
+      !> nq x nv, zero on entry.
+      real(c_double), intent(inout) :: matrix(:, :)
+      !> As of e_function.
+      integer(c_int), intent(inout) :: status
+    end subroutine kinematics_procedure
   end interface
 
   ! ---- Options ------------------------------------------------------------------------------
@@ -641,6 +832,9 @@ module sfdae
     class(nonlinear_dae), pointer :: nonlinear => null()
     class(recorded_linear_dae), pointer :: recorded_linear => null()
     class(derivative_dae), pointer :: derivative => null()
+    class(recorded_multibody_dae), pointer :: recorded_multibody => null()
+    class(multibody_dae), pointer :: multibody => null()
+    class(kinematic_multibody_dae), pointer :: kinematic => null()
     class(dae_monitor), pointer :: monitor => null()
     class(dae_events), pointer :: events => null()
     !> Of the events when they were set.
@@ -649,8 +843,13 @@ module sfdae
     integer(c_int) :: num_equations = 0
     !> n when the solver was created.
     integer(c_int) :: num_unknowns = 0
+    !> nq, nv, nl and nk of a mechanical system.
+    integer(c_int) :: num_positions = 0, num_velocities = 0
+    integer(c_int) :: num_constraints = 0, num_nonholonomic = 0
     !> Prescribed components, from 0.
     integer(c_int), allocatable :: prescribed(:)
+    !> As in the problem; where their number is wrong, -1, which create and check refuse.
+    integer(c_int), allocatable :: differentiations(:)
   end type callback_holder
 
   !> A solver. Never copy one, and destroy it before it goes out of scope.
@@ -692,11 +891,14 @@ module sfdae
     procedure :: get_strangeness_free => solver_get_strangeness_free
     procedure :: check_derivatives => solver_check_derivatives
     procedure :: check_total_derivatives => solver_check_total_derivatives
+    procedure :: check_multibody_derivatives => solver_check_multibody_derivatives
+    procedure :: get_multibody_report => solver_get_multibody_report
   end type dae_solver
 
-  !> sfdae_check_linear or sfdae_check_nonlinear with its text as a Fortran string.
+  !> sfdae_check_linear, sfdae_check_nonlinear or sfdae_check_multibody with its text as a Fortran
+  !> string.
   interface check_filled
-    module procedure check_filled_linear, check_filled_nonlinear
+    module procedure check_filled_linear, check_filled_nonlinear, check_filled_multibody
   end interface check_filled
 
   ! ---- The C functions; sfdae.h explains them and their arguments ---------------------------
@@ -773,6 +975,33 @@ module sfdae
       integer(c_size_t), value :: length
       integer(c_int) :: status
     end function c_check_nonlinear
+
+    function c_multibody_problem_init(problem, size) &
+      bind(c, name="sfdae_multibody_problem_init") result(status)
+      import :: c_int, c_size_t, sfdae_multibody_problem
+      type(sfdae_multibody_problem), intent(inout) :: problem
+      integer(c_size_t), value :: size
+      integer(c_int) :: status
+    end function c_multibody_problem_init
+
+    recursive function c_create_multibody(solver, problem, options) &
+      bind(c, name="sfdae_create_multibody") result(status)
+      import :: c_int, c_ptr, sfdae_multibody_problem, sfdae_options
+      type(c_ptr), intent(out) :: solver
+      type(sfdae_multibody_problem), intent(in) :: problem
+      type(sfdae_options), intent(in) :: options
+      integer(c_int) :: status
+    end function c_create_multibody
+
+    recursive function c_check_multibody(problem, options, text, length) &
+      bind(c, name="sfdae_check_multibody") result(status)
+      import :: c_char, c_int, c_size_t, sfdae_multibody_problem, sfdae_options
+      type(sfdae_multibody_problem), intent(in) :: problem
+      type(sfdae_options), intent(in) :: options
+      character(kind=c_char), intent(inout) :: text(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: status
+    end function c_check_multibody
 
     function c_set_parameter(solver, name, value) bind(c, name="sfdae_set_parameter") &
       result(status)
@@ -1098,6 +1327,33 @@ module sfdae
       integer(c_int) :: status
     end function c_check_total_derivatives
 
+    recursive function c_check_multibody_derivatives(solver, t, q, v, check) &
+      bind(c, name="sfdae_check_multibody_derivatives") result(status)
+      import :: c_double, c_int, c_ptr, sfdae_derivative_check
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(in) :: q(*)
+      real(c_double), intent(in) :: v(*)
+      type(sfdae_derivative_check), intent(inout) :: check
+      integer(c_int) :: status
+    end function c_check_multibody_derivatives
+
+    function c_multibody_report_init(report, size) bind(c, name="sfdae_multibody_report_init") &
+      result(status)
+      import :: c_int, c_size_t, sfdae_multibody_report
+      type(sfdae_multibody_report), intent(inout) :: report
+      integer(c_size_t), value :: size
+      integer(c_int) :: status
+    end function c_multibody_report_init
+
+    function c_get_multibody_report(solver, report) bind(c, name="sfdae_get_multibody_report") &
+      result(status)
+      import :: c_int, c_ptr, sfdae_multibody_report
+      type(c_ptr), value :: solver
+      type(sfdae_multibody_report), intent(inout) :: report
+      integer(c_int) :: status
+    end function c_get_multibody_report
+
     !> Of the C library: characters before the final zero.
     function c_strlen(text) bind(c, name="strlen") result(length)
       import :: c_ptr, c_size_t
@@ -1166,6 +1422,28 @@ contains
     if (len(text) == 0) call check_filled(c_problem, c_options, text, status)
   end subroutine sfdae_check_nonlinear
 
+  !> The same for a mechanical system.
+  recursive subroutine sfdae_check_multibody(problem, text, status, options)
+    !> recorded_multibody_dae, multibody_dae or kinematic_multibody_dae.
+    class(any_multibody_dae), target, intent(inout) :: problem
+    !> What is wrong; empty if nothing is.
+    character(len=:), allocatable, intent(out) :: text
+    !> As of create.
+    integer(c_int), intent(out) :: status
+    !> Absent: defaults.
+    type(dae_options), target, intent(in), optional :: options
+    type(callback_holder), target :: holder
+    type(sfdae_multibody_problem) :: c_problem
+    type(sfdae_options) :: c_options
+    integer(c_int), allocatable, target :: fixed(:)
+
+    call count_unknowns(problem)
+    call fill_multibody_problem(problem, holder, c_problem)
+    call fill_options(options, holder, fixed, c_options, text)
+    status = sfdae_illegal_argument
+    if (len(text) == 0) call check_filled(c_problem, c_options, text, status)
+  end subroutine sfdae_check_multibody
+
   ! ---- Life ---------------------------------------------------------------------------------
 
   !> Creates the solver. A solver that exists already is refused: destroy it first.
@@ -1189,12 +1467,15 @@ contains
     allocate (self%holder, stat=allocation)
     if (allocation /= 0) return
     status = sfdae_illegal_argument
+    call count_unknowns(problem)
     self%holder%num_unknowns = problem%num_unknowns
     call fill_options(options, self%holder, fixed, c_options, self%complaint)
     if (len(self%complaint) == 0) then
       select type (problem)
       class is (linear_dae)
         call create_linear(self, problem, c_options, status)
+      class is (any_multibody_dae)
+        call create_multibody(self, problem, c_options, status)
       class default
         call create_nonlinear(self, problem, c_options, status)
       end select
@@ -1229,6 +1510,20 @@ contains
     status = c_create_nonlinear(self%handle, c_problem, c_options)
     if (status < 0) call check_filled(c_problem, c_options, self%complaint, check_status)
   end subroutine create_nonlinear
+
+  !> Likewise for a mechanical system.
+  recursive subroutine create_multibody(self, problem, c_options, status)
+    class(dae_solver), intent(inout) :: self
+    class(any_multibody_dae), target, intent(inout) :: problem
+    type(sfdae_options), intent(in) :: c_options
+    integer(c_int), intent(out) :: status
+    type(sfdae_multibody_problem) :: c_problem
+    integer(c_int) :: check_status
+
+    call fill_multibody_problem(problem, self%holder, c_problem)
+    status = c_create_multibody(self%handle, c_problem, c_options)
+    if (status < 0) call check_filled(c_problem, c_options, self%complaint, check_status)
+  end subroutine create_multibody
 
   !> Frees the solver. One that does not exist is allowed.
   subroutine solver_destroy(self, status)
@@ -1810,7 +2105,130 @@ contains
     if (status >= 0) check = from_one(found)
   end subroutine solver_check_total_derivatives
 
+  !> The same for the derivatives that a multibody_dae supplies, near (t, q, v).
+  recursive subroutine solver_check_multibody_derivatives(self, t, q, v, check, status)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> nq positions.
+    real(c_double), contiguous, intent(in) :: q(:)
+    !> nv velocities.
+    real(c_double), contiguous, intent(in) :: v(:)
+    !> The worst mismatch.
+    type(sfdae_derivative_check), intent(inout) :: check
+    integer(c_int), intent(out) :: status
+    type(sfdae_derivative_check) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok .and. (associated(self%holder%multibody) .or. &
+      associated(self%holder%recorded_multibody))) then
+      call compare_size("q", size(q, kind=c_int), self%holder%num_positions, self%complaint, "nq")
+      call compare_size("v", size(v, kind=c_int), self%holder%num_velocities, self%complaint, "nv")
+      if (len(self%complaint) > 0) status = sfdae_illegal_argument
+    end if
+    if (status == sfdae_ok) status = c_derivative_check_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_check_multibody_derivatives(self%handle, t, q, v, found)
+    if (status >= 0) check = from_one(found)
+  end subroutine solver_check_multibody_derivatives
+
+  !> Constraints, freedom and partition of a mechanical system at the point reached.
+  subroutine solver_get_multibody_report(self, report, status)
+    class(dae_solver), intent(inout) :: self
+    type(sfdae_multibody_report), intent(inout) :: report
+    !> sfdae_not_started before an analysis, sfdae_illegal_argument for other problems.
+    integer(c_int), intent(out) :: status
+    type(sfdae_multibody_report) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_multibody_report_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_multibody_report(self%handle, found)
+    if (status >= 0) report = found
+  end subroutine solver_get_multibody_report
+
   ! ---- Bindings that need not be overridden -------------------------------------------------
+
+  !> M = I.
+  subroutine identity_mass(self, t, q, matrix, status)
+    class(multibody_dae), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> nq positions.
+    real(c_double), intent(in) :: q(:)
+    !> nv x nv, zero on entry.
+    real(c_double), intent(inout) :: matrix(:, :)
+    !> As of e_function.
+    integer(c_int), intent(inout) :: status
+    integer :: i
+
+    associate (u1 => self, u2 => t, u3 => q, u4 => status) ! unused
+    end associate
+    do i = 1, size(matrix, 1)
+      matrix(i, i) = 1
+    end do
+  end subroutine identity_mass
+
+  !> There are constraints, but nobody says what they are.
+  subroutine missing_constraints(self, t, q, vector, status)
+    class(multibody_dae), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> nq positions.
+    real(c_double), intent(in) :: q(:)
+    !> nl entries, zero on entry.
+    real(c_double), intent(inout) :: vector(:)
+    !> As of e_function.
+    integer(c_int), intent(inout) :: status
+
+    associate (u1 => self, u2 => t, u3 => q, u4 => vector) ! unused
+    end associate
+    status = -1
+  end subroutine missing_constraints
+
+  !> Likewise their matrices.
+  subroutine missing_matrix(self, t, q, matrix, status)
+    class(multibody_dae), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> nq positions.
+    real(c_double), intent(in) :: q(:)
+    !> Zero on entry.
+    real(c_double), intent(inout) :: matrix(:, :)
+    !> As of e_function.
+    integer(c_int), intent(inout) :: status
+
+    associate (u1 => self, u2 => t, u3 => q, u4 => matrix) ! unused
+    end associate
+    status = -1
+  end subroutine missing_matrix
+
+  !> h = 0.
+  subroutine zero_offset(self, t, q, vector, status)
+    class(multibody_dae), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> nq positions.
+    real(c_double), intent(in) :: q(:)
+    !> nk entries, zero on entry.
+    real(c_double), intent(inout) :: vector(:)
+    !> As of e_function.
+    integer(c_int), intent(inout) :: status
+
+    associate (u1 => self, u2 => t, u3 => q, u4 => vector, u5 => status) ! unused
+    end associate
+  end subroutine zero_offset
+
+  !> A curvature is said to be there, but is not.
+  subroutine missing_curvature(self, t, q, v, vector, status)
+    class(multibody_dae), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> nq positions.
+    real(c_double), intent(in) :: q(:)
+    !> nv velocities.
+    real(c_double), intent(in) :: v(:)
+    !> Zero on entry.
+    real(c_double), intent(inout) :: vector(:)
+    !> As of e_function.
+    integer(c_int), intent(inout) :: status
+
+    associate (u1 => self, u2 => t, u3 => q, u4 => v, u5 => vector) ! unused
+    end associate
+    status = -1
+  end subroutine missing_curvature
 
   !> f = 0.
   subroutine zero_f(self, t, order, f, status)
@@ -1982,6 +2400,233 @@ contains
     call holder%derivative%total_derivative(t, order, jet, residual, matrix_x, matrix_xdot, status)
   end function call_total_derivative
 
+  !> sfdae_multibody_equations_function.
+  recursive function call_multibody_equations(record, t, q, v, formulas, user) bind(c, name="") &
+    result(status)
+    type(c_ptr), value :: record
+    type(expression), value :: t
+    type(c_ptr), value :: q
+    type(c_ptr), value :: v
+    type(sfdae_multibody_formulas), intent(in) :: formulas
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    type(expression), pointer :: positions(:), velocities(:)
+    type(multibody_formulas) :: to
+
+    call c_f_pointer(user, holder)
+    associate (nq => holder%num_positions, nv => holder%num_velocities, &
+      nl => holder%num_constraints, nk => holder%num_nonholonomic)
+      call c_f_pointer(q, positions, [nq])
+      call c_f_pointer(v, velocities, [nv])
+      call c_f_pointer(formulas%mass, to%mass, [nv, nv])
+      call c_f_pointer(formulas%forces, to%forces, [nv])
+      call c_f_pointer(formulas%constraints, to%constraints, [nl])
+      call c_f_pointer(formulas%kinematics, to%kinematics, [nq, nv])
+      call c_f_pointer(formulas%nonholonomic_matrix, to%nonholonomic_matrix, [nk, nv])
+      call c_f_pointer(formulas%nonholonomic_offset, to%nonholonomic_offset, [nk])
+    end associate
+    call holder%recorded_multibody%equations(t, positions, velocities, to)
+    status = merge(sfdae_ok, sfdae_internal, c_associated(record))
+  end function call_multibody_equations
+
+  !> sfdae_position_function of mass.
+  recursive function call_mass(t, q, values, user) bind(c, name="") &
+    result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: q
+    type(c_ptr), value :: values
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: positions(:), to(:, :)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(q, positions, [holder%num_positions])
+    call c_f_pointer(values, to, [holder%num_velocities, holder%num_velocities])
+    status = sfdae_ok
+    call holder%multibody%mass(t, positions, to, status)
+  end function call_mass
+
+  !> sfdae_velocity_function of forces.
+  recursive function call_forces(t, q, v, values, user) bind(c, name="") &
+    result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: q
+    type(c_ptr), value :: v
+    type(c_ptr), value :: values
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: positions(:), velocities(:), to(:)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(q, positions, [holder%num_positions])
+    call c_f_pointer(v, velocities, [holder%num_velocities])
+    call c_f_pointer(values, to, [holder%num_velocities])
+    status = sfdae_ok
+    call holder%multibody%forces(t, positions, velocities, to, status)
+  end function call_forces
+
+  !> sfdae_position_function of constraints.
+  recursive function call_constraints(t, q, values, user) bind(c, name="") &
+    result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: q
+    type(c_ptr), value :: values
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: positions(:), to(:)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(q, positions, [holder%num_positions])
+    call c_f_pointer(values, to, [holder%num_constraints])
+    status = sfdae_ok
+    call holder%multibody%constraints(t, positions, to, status)
+  end function call_constraints
+
+  !> sfdae_position_function of constraint_jacobian.
+  recursive function call_constraint_jacobian(t, q, values, user) bind(c, name="") &
+    result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: q
+    type(c_ptr), value :: values
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: positions(:), to(:, :)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(q, positions, [holder%num_positions])
+    call c_f_pointer(values, to, [holder%num_constraints, holder%num_positions])
+    status = sfdae_ok
+    call holder%multibody%constraint_jacobian(t, positions, to, status)
+  end function call_constraint_jacobian
+
+  !> sfdae_position_function of constraint_rate.
+  recursive function call_constraint_rate(t, q, values, user) bind(c, name="") &
+    result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: q
+    type(c_ptr), value :: values
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: positions(:), to(:)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(q, positions, [holder%num_positions])
+    call c_f_pointer(values, to, [holder%num_constraints])
+    status = sfdae_ok
+    call holder%multibody%constraint_rate(t, positions, to, status)
+  end function call_constraint_rate
+
+  !> sfdae_position_function of kinematics.
+  recursive function call_kinematics(t, q, values, user) bind(c, name="") &
+    result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: q
+    type(c_ptr), value :: values
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: positions(:), to(:, :)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(q, positions, [holder%num_positions])
+    call c_f_pointer(values, to, [holder%num_positions, holder%num_velocities])
+    status = sfdae_ok
+    call holder%kinematic%kinematics(t, positions, to, status)
+  end function call_kinematics
+
+  !> sfdae_position_function of nonholonomic_matrix.
+  recursive function call_nonholonomic_matrix(t, q, values, user) bind(c, name="") &
+    result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: q
+    type(c_ptr), value :: values
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: positions(:), to(:, :)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(q, positions, [holder%num_positions])
+    call c_f_pointer(values, to, [holder%num_nonholonomic, holder%num_velocities])
+    status = sfdae_ok
+    call holder%multibody%nonholonomic_matrix(t, positions, to, status)
+  end function call_nonholonomic_matrix
+
+  !> sfdae_position_function of nonholonomic_offset.
+  recursive function call_nonholonomic_offset(t, q, values, user) bind(c, name="") &
+    result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: q
+    type(c_ptr), value :: values
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: positions(:), to(:)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(q, positions, [holder%num_positions])
+    call c_f_pointer(values, to, [holder%num_nonholonomic])
+    status = sfdae_ok
+    call holder%multibody%nonholonomic_offset(t, positions, to, status)
+  end function call_nonholonomic_offset
+
+  !> sfdae_velocity_function of constraint_curvature.
+  recursive function call_constraint_curvature(t, q, v, values, user) bind(c, name="") &
+    result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: q
+    type(c_ptr), value :: v
+    type(c_ptr), value :: values
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: positions(:), velocities(:), to(:)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(q, positions, [holder%num_positions])
+    call c_f_pointer(v, velocities, [holder%num_velocities])
+    call c_f_pointer(values, to, [holder%num_constraints])
+    status = sfdae_ok
+    call holder%multibody%constraint_curvature(t, positions, velocities, to, status)
+  end function call_constraint_curvature
+
+  !> sfdae_velocity_function of nonholonomic_curvature.
+  recursive function call_nonholonomic_curvature(t, q, v, values, user) bind(c, name="") &
+    result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: q
+    type(c_ptr), value :: v
+    type(c_ptr), value :: values
+    !> The callback_holder.
+    type(c_ptr), value :: user
+    integer(c_int) :: status
+    type(callback_holder), pointer :: holder
+    real(c_double), pointer :: positions(:), velocities(:), to(:)
+
+    call c_f_pointer(user, holder)
+    call c_f_pointer(q, positions, [holder%num_positions])
+    call c_f_pointer(v, velocities, [holder%num_velocities])
+    call c_f_pointer(values, to, [holder%num_nonholonomic])
+    status = sfdae_ok
+    call holder%multibody%nonholonomic_curvature(t, positions, velocities, to, status)
+  end function call_nonholonomic_curvature
+
   !> sfdae_monitor_function.
   recursive function call_monitor(progress, user) bind(c, name="") result(outcome)
     type(sfdae_progress), intent(in) :: progress
@@ -2073,11 +2718,78 @@ contains
       c_problem%total_derivative = c_funloc(call_total_derivative)
     end select
     c_problem%user = c_loc(holder)
+    if (allocated(holder%differentiations)) &
+      c_problem%differentiations = c_loc(holder%differentiations)
     if (.not. allocated(holder%prescribed)) return
     c_problem%num_prescribed = size(holder%prescribed, kind=c_int)
     c_problem%prescribed = c_loc(holder%prescribed)
     c_problem%prescribed_values = c_funloc(call_eval_prescribed)
   end subroutine fill_nonlinear_problem
+
+  !> The same for a mechanical system.
+  subroutine fill_multibody_problem(problem, holder, c_problem)
+    class(any_multibody_dae), target, intent(inout) :: problem
+    type(callback_holder), target, intent(inout) :: holder
+    type(sfdae_multibody_problem), intent(inout) :: c_problem
+    integer(c_int) :: status
+
+    call fill_holder(problem, holder)
+    holder%num_positions = problem%num_positions
+    holder%num_velocities = velocities_of(problem)
+    holder%num_constraints = problem%num_constraints
+    holder%num_nonholonomic = problem%num_nonholonomic
+    status = c_multibody_problem_init(c_problem, c_sizeof(c_problem))
+    if (status < 0) return ! c_problem%size stays 0, which create and check refuse
+    c_problem%num_positions = problem%num_positions
+    c_problem%num_velocities = problem%num_velocities
+    c_problem%num_constraints = problem%num_constraints
+    c_problem%num_nonholonomic = problem%num_nonholonomic
+    c_problem%coordinates = problem%coordinates
+    c_problem%user = c_loc(holder)
+    select type (problem)
+    class is (recorded_multibody_dae)
+      holder%recorded_multibody => problem
+      c_problem%equations = c_funloc(call_multibody_equations)
+    class is (kinematic_multibody_dae)
+      holder%kinematic => problem
+      c_problem%kinematics = c_funloc(call_kinematics)
+    end select
+    select type (problem)
+    class is (multibody_dae)
+      holder%multibody => problem
+      c_problem%mass = c_funloc(call_mass)
+      c_problem%forces = c_funloc(call_forces)
+      c_problem%constraints = c_funloc(call_constraints)
+      c_problem%constraint_jacobian = c_funloc(call_constraint_jacobian)
+      c_problem%nonholonomic_matrix = c_funloc(call_nonholonomic_matrix)
+      c_problem%nonholonomic_offset = c_funloc(call_nonholonomic_offset)
+      if (problem%has_constraint_rate) c_problem%constraint_rate = c_funloc(call_constraint_rate)
+      if (problem%has_constraint_curvature) &
+        c_problem%constraint_curvature = c_funloc(call_constraint_curvature)
+      if (problem%has_nonholonomic_curvature) &
+        c_problem%nonholonomic_curvature = c_funloc(call_nonholonomic_curvature)
+    end select
+  end subroutine fill_multibody_problem
+
+  !> Sets the numbers of equations and unknowns of a mechanical system.
+  subroutine count_unknowns(problem)
+    class(any_dae), intent(inout) :: problem
+
+    select type (problem)
+    class is (any_multibody_dae)
+      problem%num_unknowns = problem%num_positions + velocities_of(problem) + &
+        problem%num_constraints + problem%num_nonholonomic
+      problem%num_equations = problem%num_unknowns
+    end select
+  end subroutine count_unknowns
+
+  !> nv
+  function velocities_of(problem) result(count)
+    class(any_multibody_dae), intent(in) :: problem
+    integer(c_int) :: count
+
+    count = merge(problem%num_positions, problem%num_velocities, problem%num_velocities == 0)
+  end function velocities_of
 
   !> What all callbacks need.
   subroutine fill_holder(problem, holder)
@@ -2087,6 +2799,11 @@ contains
     holder%problem => problem
     holder%num_equations = problem%num_equations
     holder%num_unknowns = problem%num_unknowns
+    if (allocated(problem%differentiations)) then
+      allocate (holder%differentiations(max(problem%num_equations, 1)), source=-1_c_int)
+      if (size(problem%differentiations) == problem%num_equations) &
+        holder%differentiations(:) = problem%differentiations
+    end if
     if (.not. allocated(problem%prescribed)) return
     if (size(problem%prescribed) > 0) holder%prescribed = problem%prescribed - 1_c_int
   end subroutine fill_holder
@@ -2173,6 +2890,19 @@ contains
     text = text_in(buffer)
   end subroutine check_filled_nonlinear
 
+  !> sfdae_check_multibody with its text as a Fortran string.
+  recursive subroutine check_filled_multibody(c_problem, c_options, text, status)
+    type(sfdae_multibody_problem), intent(in) :: c_problem
+    type(sfdae_options), intent(in) :: c_options
+    character(len=:), allocatable, intent(out) :: text
+    integer(c_int), intent(out) :: status
+    character(kind=c_char) :: buffer(1024)
+
+    buffer = c_null_char
+    status = c_check_multibody(c_problem, c_options, buffer, size(buffer, kind=c_size_t))
+    text = text_in(buffer)
+  end subroutine check_filled_multibody
+
   !> Before every call on a solver: refuses it if the solver does not exist.
   subroutine check_call(self, status)
     class(dae_solver), intent(inout) :: self
@@ -2210,17 +2940,24 @@ contains
   end subroutine check_size
 
   !> Complains if an array has not n entries.
-  subroutine compare_size(name, length, n, complaint)
+  subroutine compare_size(name, length, n, complaint, symbol)
     character(len=*), intent(in) :: name
     integer(c_int), intent(in) :: length
     integer(c_int), intent(in) :: n
     character(len=:), allocatable, intent(inout) :: complaint
+    !> Of the number of entries; absent: n.
+    character(len=*), intent(in), optional :: symbol
     character(len=12) :: found, expected
 
     if (length == n) return
     write (found, '(i0)') length
     write (expected, '(i0)') n
-    complaint = name // " has " // trim(found) // " entries, but n = " // trim(expected)
+    complaint = name // " has " // trim(found) // " entries, but "
+    if (present(symbol)) then
+      complaint = complaint // symbol // " = " // trim(expected)
+    else
+      complaint = complaint // "n = " // trim(expected)
+    end if
   end subroutine compare_size
 
   !> Address of an option that has been set, or null.

@@ -137,6 +137,52 @@ struct NonlinearProblem {
   TotalDerivativeFunction total_derivative;
   std::vector<int> prescribed;       ///< indices of the components that are prescribed, u > 0 only
   VectorFunction prescribed_values;  ///< writes their values; order is 0
+  std::vector<int> differentiations;  ///< none, or how often each equation is differentiated at most
+};
+
+/// Functions of a mechanical system that write into a view filled with zeros, see sfdae_multibody_problem:
+///     [](double t, sfdae::ConstVectorRef q, sfdae::MatrixRef M) { ... }
+///     [](double t, sfdae::ConstVectorRef q, sfdae::ConstVectorRef v, sfdae::VectorRef f) { ... }
+using PositionMatrixFunction = Callback<double, ConstVectorRef, MatrixRef>;
+using PositionVectorFunction = Callback<double, ConstVectorRef, VectorRef>;
+using VelocityVectorFunction = Callback<double, ConstVectorRef, ConstVectorRef, VectorRef>;
+
+/// Places for the formulas of a recorded mechanical system, all zero at first but S, the identity if nq = nv.
+struct MultibodyFormulas {
+  ExpressionMatrix M;
+  Expressions f, g;
+  ExpressionMatrix S, H;
+  Expressions h;
+};
+
+/// Formulas to be recorded:
+///     [](const auto& t, auto q, auto v, auto to) { to.M(0, 0) = 1, to.f[0] = -v[0], to.g[0] = q[0] * q[1]; }
+using MultibodyEquationsFunction = Callback<const Expression&, ConstExpressions, ConstExpressions, MultibodyFormulas>;
+
+/// q' = S v, M v' = f - G^T lambda - H^T kappa, 0 = g, 0 = H v + h, see sfdae_multibody_problem. Either `equations` or
+/// callbacks have to be given. The unknowns are (q, v, lambda, kappa).
+struct MultibodyProblem {
+  explicit MultibodyProblem(int positions, int constraints_given = 0)
+      : num_positions(positions), num_velocities(positions), num_constraints(constraints_given) {}
+
+  int num_unknowns() const { return num_positions + num_velocities + num_constraints + num_nonholonomic; }
+
+  int num_positions;
+  int num_velocities;
+  int num_constraints;
+  int num_nonholonomic = 0;
+  MultibodyEquationsFunction equations;    ///< recorded when a solver is created
+  PositionMatrixFunction mass;             ///< M; not given: the identity
+  VelocityVectorFunction forces;           ///< f
+  PositionVectorFunction constraints;      ///< g
+  PositionMatrixFunction constraint_jacobian;  ///< g_q
+  PositionVectorFunction constraint_rate;  ///< g_t; not given: g does not depend on t
+  PositionMatrixFunction kinematics;       ///< S; not given: the identity
+  PositionMatrixFunction nonholonomic_matrix;  ///< H
+  PositionVectorFunction nonholonomic_offset;  ///< h; not given: h = 0
+  VelocityVectorFunction constraint_curvature;     ///< gamma; not given: differences
+  VelocityVectorFunction nonholonomic_curvature;   ///< eta; not given: differences
+  int coordinates = SFDAE_COORDINATES_ORTHOGONAL;
 };
 
 }  // namespace sfdae

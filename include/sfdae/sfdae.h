@@ -310,6 +310,12 @@ typedef struct sfdae_nonlinear_problem {
   sfdae_vector_function prescribed_values;    /* order is 0 */
 
   void *user; /* handed to every callback */
+
+  /* NULL (default): every equation is differentiated as often as the index asks for. Else m counts, 0 ... 12:
+   * equation i is differentiated that often at most, which makes the derivative array smaller (minimal extension).
+   * Counts that are too small are told (SFDAE_INDEX_TOO_HIGH). For x' one more derivative is used. Linear equations are
+   * treated as nonlinear ones. */
+  const int *differentiations;
 } sfdae_nonlinear_problem;
 
 /* Sets defaults. size: sizeof(sfdae_nonlinear_problem) of the caller. */
@@ -692,10 +698,11 @@ SFDAE_API int sfdae_get_projectors(sfdae_solver *solver, double t, double *Z1, d
 SFDAE_API int sfdae_get_strangeness_free(sfdae_solver *solver, double t, double *E1, double *A1, double *f1,
                                          double *A2, double *f2, double *residual);
 
-/* Worst mismatch found by sfdae_check_derivatives or sfdae_check_total_derivatives. */
+/* Worst mismatch found by sfdae_check_derivatives, sfdae_check_total_derivatives or sfdae_check_multibody_derivatives. */
 typedef struct sfdae_derivative_check {
   size_t size;
-  char function;        /* 'E', 'A' or 'f'; 'F', 'x' (F_x) or 'd' (F_x'); 0 if nothing could be compared */
+  char function;        /* 'E', 'A' or 'f'; 'F', 'x' (F_x) or 'd' (F_x'); 'G' (g_q), 'T' (g_t), 'C' (gamma) or 'H' (eta);
+                           0 if nothing could be compared */
   int order;            /* of the derivative; >= 1, but for 'x' and 'd' */
   int row, column;      /* of the entry, from 0; column 0 for f and F */
   double supplied;      /* by the callback */
@@ -722,8 +729,10 @@ SFDAE_API int sfdae_check_total_derivatives(sfdae_solver *solver, double t, cons
  * SFDAE_ILLEGAL_ARGUMENT for other problems. */
 SFDAE_API int sfdae_get_multibody_report(const sfdae_solver *solver, sfdae_multibody_report *report);
 
-/* Compares g_q, g_t, gamma and eta as callbacks supply them with differences of g, g_q and H near (t, q, v) and reports the
- * worst mismatch, with function 'G', 'T' (g_t), 'C' (gamma) or 'H' (eta). SFDAE_ILLEGAL_ARGUMENT for recorded systems. */
+/* Compares g_q, g_t, gamma and eta as callbacks supply them with differences near (t, q, v), where derivatives of g_q, of S
+ * and of H are those along (1, S v), and reports the worst mismatch; sfdae_message says it in words if it is suspicious. A
+ * constraint_rate that is missing counts as zero; gamma and eta are compared if they are supplied, and g_q and g_t are right.
+ * SFDAE_ILLEGAL_ARGUMENT for recorded systems. */
 SFDAE_API int sfdae_check_multibody_derivatives(sfdae_solver *solver, double t, const double *q, const double *v,
                                                 sfdae_derivative_check *result);
 

@@ -18,6 +18,8 @@
 //
 //     sfdae::NonlinearProblem problem(2, 2);
 //     problem.equations = [](const auto&, auto x, auto xdot, auto F) { F[0] = xdot[0] + x[1], F[1] = x[0] * x[1] - 1; };
+//
+// and mechanical systems with constraints as sfdae::MultibodyProblem.
 #ifndef SFDAE_SFDAE_HPP
 #define SFDAE_SFDAE_HPP
 
@@ -42,6 +44,7 @@ using Change = sfdae_change;
 using InitialReport = sfdae_initial_report;
 using Statistics = sfdae_statistics;
 using DerivativeCheck = sfdae_derivative_check;
+using MultibodyReport = sfdae_multibody_report;
 using Progress = sfdae_progress;
 
 /// Version of the library that is running.
@@ -143,6 +146,12 @@ class Solver {
     create(sfdae_create_nonlinear, sfdae_check_nonlinear, std::get<NonlinearProblem>(state_->problem), options);
   }
 
+  /// Likewise. The unknowns are (q, v, lambda, kappa).
+  explicit Solver(MultibodyProblem problem, const Options& options = {})
+      : state_(std::make_unique<State>(std::move(problem), options.monitor)) {
+    create(sfdae_create_multibody, sfdae_check_multibody, std::get<MultibodyProblem>(state_->problem), options);
+  }
+
   /// What is wrong with a problem and its options, in words; "" if nothing is.
   static std::string check(const LinearProblem& problem, const Options& options = {}) {
     State state(problem, options.monitor);
@@ -151,6 +160,10 @@ class Solver {
   static std::string check(const NonlinearProblem& problem, const Options& options = {}) {
     State state(problem, options.monitor);
     return complaint(sfdae_check_nonlinear, in_c(problem, &state), in_c(options, problem.num_unknowns, &state), state);
+  }
+  static std::string check(const MultibodyProblem& problem, const Options& options = {}) {
+    State state(problem, options.monitor);
+    return complaint(sfdae_check_multibody, in_c(problem, &state), in_c(options, problem.num_unknowns(), &state), state);
   }
 
   /// Replaces the options, the monitor included; the point reached stays. See sfdae_set_options for those that
@@ -348,6 +361,22 @@ class Solver {
     return result;
   }
 
+  /// The same for derivatives of a mechanical system near (t, q, v).
+  DerivativeCheck check_multibody_derivatives(double t, const std::vector<double>& q, const std::vector<double>& v) {
+    const auto* problem = std::get_if<MultibodyProblem>(&state_->problem);
+    if (problem != nullptr) {
+      require_size(q.size(), problem->num_positions, "q", "positions");
+      require_size(v.size(), problem->num_velocities, "v", "velocities");
+    }
+    DerivativeCheck result;
+    sfdae_derivative_check_init(&result, sizeof result);
+    checked(sfdae_check_multibody_derivatives(get(), t, q.data(), v.data(), &result));
+    return result;
+  }
+
+  /// Constraints, freedom and partition of a mechanical system at the point reached.
+  MultibodyReport multibody_report() const { return filled(sfdae_multibody_report_init, sfdae_get_multibody_report); }
+
   int num_equations() const noexcept { return state_ ? state_->num_equations : 0; }
   int num_unknowns() const noexcept { return state_ ? state_->num_unknowns : 0; }
 
@@ -360,6 +389,8 @@ class Solver {
     template <class AnyProblem>
     State(AnyProblem p, Monitor m)
         : num_equations(p.num_equations), num_unknowns(p.num_unknowns), problem(std::move(p)), monitor(std::move(m)) {}
+    State(MultibodyProblem p, Monitor m)
+        : num_equations(p.num_unknowns()), num_unknowns(p.num_unknowns()), problem(std::move(p)), monitor(std::move(m)) {}
     ~State() { sfdae_destroy(&solver); }
     State(const State&) = delete;
     State& operator=(const State&) = delete;
@@ -381,7 +412,7 @@ class Solver {
     }
 
     int num_equations, num_unknowns;
-    std::variant<LinearProblem, NonlinearProblem> problem;
+    std::variant<LinearProblem, NonlinearProblem, MultibodyProblem> problem;
     Monitor monitor;
     EventFunction event_function;
     int num_events = 0;
@@ -453,6 +484,52 @@ class Solver {
     });
   }
 
+  template <PositionMatrixFunction MultibodyProblem::*function, int MultibodyProblem::*rows, int MultibodyProblem::*columns>
+  static int call_position_matrix(double t, const double* q, double* values, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    return state.guarded([&] {
+      const MultibodyProblem& problem = std::get<MultibodyProblem>(state.problem);
+      return (problem.*function).call(t, {q, problem.num_positions}, {values, problem.*rows, problem.*columns});
+    });
+  }
+
+  template <PositionVectorFunction MultibodyProblem::*function, int MultibodyProblem::*rows>
+  static int call_position_vector(double t, const double* q, double* values, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    return state.guarded([&] {
+      const MultibodyProblem& problem = std::get<MultibodyProblem>(state.problem);
+      return (problem.*function).call(t, {q, problem.num_positions}, {values, problem.*rows});
+    });
+  }
+
+  template <VelocityVectorFunction MultibodyProblem::*function, int MultibodyProblem::*rows>
+  static int call_velocity_vector(double t, const double* q, const double* v, double* values, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    return state.guarded([&] {
+      const MultibodyProblem& problem = std::get<MultibodyProblem>(state.problem);
+      return (problem.*function)
+          .call(t, {q, problem.num_positions}, {v, problem.num_velocities}, {values, problem.*rows});
+    });
+  }
+
+  static int call_multibody_equations(sfdae_record*, sfdae_expression t, const sfdae_expression* q,
+                                      const sfdae_expression* v, const sfdae_multibody_formulas* to, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    return state.guarded([&] {
+      const MultibodyProblem& p = std::get<MultibodyProblem>(state.problem);
+      const int nq = p.num_positions, nv = p.num_velocities, nl = p.num_constraints, nk = p.num_nonholonomic;
+      const std::vector<Expression> positions(q, q + nq), velocities(v, v + nv);
+      std::vector<Expression> M(to->M, to->M + nv * nv), f(to->f, to->f + nv), g(to->g, to->g + nl),
+          S(to->S, to->S + nq * nv), H(to->H, to->H + nk * nv), h(to->h, to->h + nk);
+      const MultibodyFormulas formulas{{M.data(), nv, nv}, {f.data(), nv},     {g.data(), nl},
+                                       {S.data(), nq, nv}, {H.data(), nk, nv}, {h.data(), nk}};
+      const int outcome = p.equations.call(t, {positions.data(), nq}, {velocities.data(), nv}, formulas);
+      copy_back(M, to->M), copy_back(f, to->f), copy_back(g, to->g);
+      copy_back(S, to->S), copy_back(H, to->H), copy_back(h, to->h);
+      return outcome;
+    });
+  }
+
   static void copy_back(const std::vector<Expression>& from, sfdae_expression* to) noexcept {
     for (const Expression& expression : from) *to++ = expression.c();
   }
@@ -492,6 +569,33 @@ class Solver {
     c.linear_equations = problem.linear_equations ? call_linear_equations : nullptr;
     c.total_derivative = problem.total_derivative ? call_total_derivative : nullptr;
     fill_prescribed(problem, c);
+    c.differentiations = entries(problem.differentiations, problem.num_equations, "differentiations", "equations");
+    c.user = user;
+    return c;
+  }
+
+  static sfdae_multibody_problem in_c(const MultibodyProblem& problem, State* user) {
+    using P = MultibodyProblem;
+    constexpr auto nq = &P::num_positions, nv = &P::num_velocities, nl = &P::num_constraints, nk = &P::num_nonholonomic;
+    sfdae_multibody_problem c;
+    sfdae_multibody_problem_init(&c, sizeof c);
+    c.num_positions = problem.num_positions;
+    c.num_velocities = problem.num_velocities;
+    c.num_constraints = problem.num_constraints;
+    c.num_nonholonomic = problem.num_nonholonomic;
+    c.equations = problem.equations ? call_multibody_equations : nullptr;
+    c.mass = problem.mass ? call_position_matrix<&P::mass, nv, nv> : nullptr;
+    c.forces = problem.forces ? call_velocity_vector<&P::forces, nv> : nullptr;
+    c.constraints = problem.constraints ? call_position_vector<&P::constraints, nl> : nullptr;
+    c.constraint_jacobian = problem.constraint_jacobian ? call_position_matrix<&P::constraint_jacobian, nl, nq> : nullptr;
+    c.constraint_rate = problem.constraint_rate ? call_position_vector<&P::constraint_rate, nl> : nullptr;
+    c.kinematics = problem.kinematics ? call_position_matrix<&P::kinematics, nq, nv> : nullptr;
+    c.nonholonomic_matrix = problem.nonholonomic_matrix ? call_position_matrix<&P::nonholonomic_matrix, nk, nv> : nullptr;
+    c.nonholonomic_offset = problem.nonholonomic_offset ? call_position_vector<&P::nonholonomic_offset, nk> : nullptr;
+    c.constraint_curvature = problem.constraint_curvature ? call_velocity_vector<&P::constraint_curvature, nl> : nullptr;
+    c.nonholonomic_curvature =
+        problem.nonholonomic_curvature ? call_velocity_vector<&P::nonholonomic_curvature, nk> : nullptr;
+    c.coordinates = problem.coordinates;
     c.user = user;
     return c;
   }
@@ -516,16 +620,16 @@ class Solver {
   }
 
   template <class T>
-  static const T* entries(const std::vector<T>& values, int n, const char* name) {
+  static const T* entries(const std::vector<T>& values, int n, const char* name, const char* what = "unknowns") {
     if (values.empty()) return nullptr;
-    require_size(values.size(), n, name);
+    require_size(values.size(), n, name, what);
     return values.data();
   }
 
-  static void require_size(std::size_t found, int n, const char* name) {
+  static void require_size(std::size_t found, int n, const char* name, const char* what = "unknowns") {
     if (found == size(n)) return;
     throw Error(SFDAE_ILLEGAL_ARGUMENT, std::string(name) + " has " + std::to_string(found) + " entries, not " +
-                                            std::to_string(n) + " as the problem has unknowns");
+                                            std::to_string(n) + " as the problem has " + what);
   }
 
   static std::size_t size(int count) noexcept { return count < 0 ? 0 : static_cast<std::size_t>(count); }
@@ -539,7 +643,7 @@ class Solver {
   void create(Create<CProblem> create_in_c, Check<CProblem> check_in_c, const AnyProblem& problem,
               const Options& options) {
     const CProblem c_problem = in_c(problem, state_.get());
-    const sfdae_options c_options = in_c(options, problem.num_unknowns, state_.get());
+    const sfdae_options c_options = in_c(options, num_unknowns(), state_.get());
     const int status = create_in_c(&state_->solver, &c_problem, &c_options);
     state_->rethrow();
     if (status < 0) throw Error(status, complaint(check_in_c, c_problem, c_options, *state_));

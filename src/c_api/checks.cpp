@@ -92,7 +92,45 @@ CallResult check_problem(const sfdae_nonlinear_problem& problem) {
     return illegal_argument(format("%d of the functions equations, linear_equations and total_derivative are set; it must "
                                    "be one.",
                                    functions));
+  for (int i = 0; problem.differentiations != nullptr && i < problem.num_equations; ++i)
+    if (problem.differentiations[i] < 0 || problem.differentiations[i] > max_strangeness_index)
+      return illegal_argument(format("differentiations[%d] = %d; it must be 0 ... %d.", i,
+                                     problem.differentiations[i], max_strangeness_index));
   return check_prescribed(problem);
+}
+
+namespace {
+
+// What has to be there for the constraints there are.
+CallResult check_functions(const sfdae_multibody_problem& problem) {
+  const int nv = problem.num_velocities > 0 ? problem.num_velocities : problem.num_positions;
+  if (problem.forces == nullptr) return illegal_argument("neither equations nor the callback forces is set.");
+  if (problem.num_constraints > 0 && (problem.constraints == nullptr || problem.constraint_jacobian == nullptr))
+    return illegal_argument("num_constraints > 0, but constraints or constraint_jacobian is NULL.");
+  if (problem.num_nonholonomic > 0 && problem.nonholonomic_matrix == nullptr)
+    return illegal_argument("num_nonholonomic > 0, but nonholonomic_matrix is NULL.");
+  if (problem.kinematics == nullptr && nv != problem.num_positions)
+    return illegal_argument(format("num_positions = %d and num_velocities = %d differ, but kinematics is NULL.",
+                                   problem.num_positions, nv));
+  return {};
+}
+
+}  // namespace
+
+CallResult check_problem(const sfdae_multibody_problem& problem) {
+  const int nq = problem.num_positions, nv = problem.num_velocities, nl = problem.num_constraints,
+            nk = problem.num_nonholonomic;
+  for (int count : {nq, nv, nl, nk})
+    if (count < 0 || count > largest_dimension)
+      return illegal_argument(format("num_positions = %d, num_velocities = %d, num_constraints = %d, num_nonholonomic = %d: "
+                                     "must be 0 ... %d.",
+                                     nq, nv, nl, nk, largest_dimension));
+  if (nq == 0) return {SFDAE_EMPTY_PROBLEM, "num_positions = 0: there is nothing to move."};
+  if (nq + (nv > 0 ? nv : nq) + nl + nk > largest_dimension)
+    return illegal_argument(format("there are more than %d unknowns.", largest_dimension));
+  if (problem.coordinates != SFDAE_COORDINATES_ORTHOGONAL && problem.coordinates != SFDAE_COORDINATES_PERMUTATION)
+    return illegal_argument(format("coordinates is %d; it must be one of SFDAE_COORDINATES_...", problem.coordinates));
+  return problem.equations != nullptr ? CallResult{} : check_functions(problem);
 }
 
 CallResult check_options(const sfdae_options& options, int n) {

@@ -10,34 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "c_api/recording.h"
 #include "expression/kernel.h"
-#include "expression/recorder.h"
 #include "problem/failure.h"
-
-// Mistakes are remembered, the first one counts, and recording goes on.
-struct sfdae_record {
-  explicit sfdae_record(int num_unknowns) : recorder(num_unknowns) {}
-
-  void remember(int mistake_status, std::string mistake) {
-    if (status != SFDAE_OK) return;
-    status = mistake_status;
-    message = std::move(mistake);
-  }
-
-  sfdae::core::Recorder recorder;
-  int status = SFDAE_OK;
-  std::string message;
-};
 
 namespace sfdae::core {
 
 namespace {
-
-// Marks in place of a node.
-constexpr int not_set = -1, mistaken = -2;
-
-sfdae_expression plain(double value) { return {nullptr, value, 0}; }
-sfdae_expression in(sfdae_record* record, int node) { return {record, 0.0, node}; }
 
 struct Operands {
   const char* operation;  // for messages
@@ -57,25 +36,6 @@ sfdae_record* record_of(const Operands& operands) {
     record = operand.record;
   }
   return record;
-}
-
-// The operand's node; `mistaken` after remembering what is wrong with it.
-int node_of(sfdae_record& record, const sfdae_expression& operand, const std::string& where) {
-  if (operand.record == nullptr) {
-    if (std::isfinite(operand.value)) return record.recorder.constant(operand.value);
-    record.remember(SFDAE_ILLEGAL_ARGUMENT,
-                    where + ": a number is not finite, or was computed where it is not defined, as log(-1) is.");
-    return mistaken;
-  }
-  if (operand.record != &record) {
-    record.remember(SFDAE_ILLEGAL_ARGUMENT, where + ": an expression belongs to another recording.");
-    return mistaken;
-  }
-  if (operand.node >= 0 && operand.node < record.recorder.num_nodes()) return operand.node;
-  const bool unset = operand.node == not_set;
-  record.remember(SFDAE_ILLEGAL_ARGUMENT,
-                  where + (unset ? ": an expression has no value yet." : ": an expression is damaged."));
-  return mistaken;
 }
 
 // Records what `action` makes of the operands' nodes, or computes `number`. Nothing is thrown.
@@ -113,15 +73,8 @@ sfdae_expression binary(Operation operation, const sfdae_expression& a, const sf
                  [&] { return evaluate(operation, a.value, b.value); });
 }
 
-void check_outcome(const sfdae_record& record, int returned) {
-  if (record.status != SFDAE_OK) throw Failure(record.status, "recording of equations: " + record.message);
-  if (returned == 0) return;
-  throw Failure(returned < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED,
-                format("the function that writes equations returned %d.", returned));
-}
-
 std::shared_ptr<const Record> finished(sfdae_record& record, const std::vector<int>& residuals) {
-  if (record.status != SFDAE_OK) throw Failure(record.status, "recording of equations: " + record.message);
+  check_record(record);
   return record.recorder.finish(residuals);
 }
 
@@ -133,6 +86,35 @@ void add_term(Recorder& recorder, int& sum, Operation sign, std::pair<int, int> 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
+
+int node_of(sfdae_record& record, const sfdae_expression& operand, const std::string& where) {
+  if (operand.record == nullptr) {
+    if (std::isfinite(operand.value)) return record.recorder.constant(operand.value);
+    record.remember(SFDAE_ILLEGAL_ARGUMENT,
+                    where + ": a number is not finite, or was computed where it is not defined, as log(-1) is.");
+    return mistaken;
+  }
+  if (operand.record != &record) {
+    record.remember(SFDAE_ILLEGAL_ARGUMENT, where + ": an expression belongs to another recording.");
+    return mistaken;
+  }
+  if (operand.node >= 0 && operand.node < record.recorder.num_nodes()) return operand.node;
+  const bool unset = operand.node == not_set;
+  record.remember(SFDAE_ILLEGAL_ARGUMENT,
+                  where + (unset ? ": an expression has no value yet." : ": an expression is damaged."));
+  return mistaken;
+}
+
+void check_record(const sfdae_record& record) {
+  if (record.status != SFDAE_OK) throw Failure(record.status, "recording of equations: " + record.message);
+}
+
+void check_outcome(const sfdae_record& record, int returned) {
+  check_record(record);
+  if (returned == 0) return;
+  throw Failure(returned < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED,
+                format("the function that writes equations returned %d.", returned));
+}
 
 std::shared_ptr<const Record> record_equations(sfdae_equations_function F, int m, int n, void* user) {
   sfdae_record record(n);

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <cstring>
 
+#include "c_api/multibody_model.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 #include "linalg/dense.h"
 #include "linalg/matrix.h"
 #include "problem/derivative_check.h"
+#include "problem/multibody_derivative_check.h"
 #include "problem/total_derivative_check.h"
 #include "reduction/derivative_array.h"
 
@@ -64,15 +66,25 @@ CallResult linear_only() { return illegal_argument("the problem is not linear.")
 
 CallResult no_struct() { return illegal_argument("the result is NULL or its size is not set: call its init function."); }
 
+std::string name_of(const DerivativeMismatch& mismatch) {
+  switch (mismatch.function) {
+    case 'G': return "constraint_jacobian (g_q)";
+    case 'T': return "constraint_rate (g_t)";
+    case 'C': return "constraint_curvature (gamma)";
+    case 'H': return "nonholonomic_curvature (eta)";
+    case 'x': return format("derivative %d of F_x", mismatch.order);
+    case 'd': return format("derivative %d of F_xdot", mismatch.order);
+    default: return format("derivative %d of %c", mismatch.order, mismatch.function);
+  }
+}
+
 // Passes a mismatch on, with words if it is suspicious.
 CallResult tell_mismatch(const DerivativeMismatch& worst, sfdae_derivative_check* result) {
   fill_struct(result, {sizeof *result, worst.function, worst.order, worst.row, worst.column, worst.supplied,
                        worst.difference, worst.error, worst.uncertainty, worst.suspicious() ? 1 : 0});
   if (!worst.suspicious()) return {};
-  const std::string name = worst.function == 'x' ? "F_x" : worst.function == 'd' ? "F_xdot" : std::string(1, worst.function);
-  return {SFDAE_OK, format("derivative %d of %s differs from differences in row %d, column %d: %.10g supplied, %.10g "
-                           "by differences.",
-                           worst.order, name.c_str(), worst.row, worst.column, worst.supplied, worst.difference)};
+  return {SFDAE_OK, format("%s differs from differences in row %d, column %d: %.10g supplied, %.10g by differences.",
+                           name_of(worst).c_str(), worst.row, worst.column, worst.supplied, worst.difference)};
 }
 
 template <class Struct>
@@ -108,6 +120,16 @@ int sfdae_get_characteristics(const sfdae_solver* solver, sfdae_characteristics*
     if (!is_usable(result)) return no_struct();
     if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
     fill_struct(result, characteristics_of(*solver));
+    return {};
+  });
+}
+
+int sfdae_get_multibody_report(const sfdae_solver* solver, sfdae_multibody_report* report) {
+  return reading(solver, [&]() -> CallResult {
+    if (!is_usable(report)) return no_struct();
+    if (solver->model->multibody() == nullptr) return illegal_argument("the problem is not a multibody system.");
+    if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze_at or sfdae_start first."};
+    fill_struct(report, report_of(static_cast<const MultibodySystem&>(*solver->system)));
     return {};
   });
 }
@@ -248,6 +270,23 @@ int sfdae_check_total_derivatives(sfdae_solver* solver, double t, const double* 
     auto* callback = dynamic_cast<CallbackProblem*>(solver->model->nonlinear());
     if (callback == nullptr) return illegal_argument("there is no callback for total derivatives.");
     return tell_mismatch(check_total_derivatives(*callback, t, derivatives, max_order), result);
+  });
+}
+
+int sfdae_check_multibody_derivatives(sfdae_solver* solver, double t, const double* q, const double* v,
+                                      sfdae_derivative_check* result) {
+  return guarded(solver, [&]() -> CallResult {
+    if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
+    if (!is_usable(result)) return no_struct();
+    if (solver->model->multibody() == nullptr) return illegal_argument("the problem is not a multibody system.");
+    auto* callbacks = dynamic_cast<CallbackMultibody*>(solver->model->multibody());
+    if (callbacks == nullptr) return illegal_argument("recorded equations are differentiated by the library.");
+    if (q == nullptr || v == nullptr) return illegal_argument("q or v is NULL.");
+    const MultibodySizes& sizes = callbacks->sizes();
+    if (!all_finite(q, static_cast<std::size_t>(sizes.positions)) ||
+        !all_finite(v, static_cast<std::size_t>(sizes.velocities)))
+      return illegal_argument("q or v contains NaN or Inf.");
+    return tell_mismatch(check_multibody_derivatives(*callbacks, t, q, v), result);
   });
 }
 

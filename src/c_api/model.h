@@ -9,6 +9,7 @@
 #include "integrate/checkpoint.h"
 #include "integrate/integration.h"
 #include "problem/linear_problem.h"
+#include "problem/multibody_problem.h"
 #include "problem/nonlinear_problem.h"
 #include "reduction/consistent_values.h"
 #include "sfdae/sfdae.h"
@@ -49,6 +50,7 @@ class Model {
   virtual bool needs_x() const { return false; }
   virtual LinearProblem* linear() { return nullptr; }
   virtual NonlinearProblem* nonlinear() { return nullptr; }
+  virtual MultibodyProblem* multibody() { return nullptr; }
   // Of recorded equations.
   virtual TaylorEvaluator* evaluator() { return nullptr; }
   virtual void parameters_changed() {}
@@ -68,6 +70,7 @@ class Model {
 std::unique_ptr<Model> linear_model(const sfdae_linear_problem& problem);
 // Takes recorded equations that are linear for what they are.
 std::unique_ptr<Model> nonlinear_model(const sfdae_nonlinear_problem& problem);
+std::unique_ptr<Model> multibody_model(const sfdae_multibody_problem& problem);
 
 // Throws Failure if that is none.
 void demand_finite_derivative(const std::vector<double>& xdot, double t);

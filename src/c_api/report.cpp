@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "c_api/multibody_model.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 
@@ -65,6 +66,17 @@ std::string initial_report(const sfdae_initial_report& report) {
   return text + (report.derivative_exact != 0 ? "\n" : "; algebraic part of x' by differences\n");
 }
 
+std::string constraints_report(const sfdae_solver& solver) {
+  const sfdae_multibody_report report = report_of(static_cast<const MultibodySystem&>(*solver.system));
+  std::string text = format("Multibody system: %d holonomic and %d nonholonomic constraints", report.holonomic,
+                            report.nonholonomic);
+  if (report.redundant > 0) text += format(", %d of them redundant", report.redundant);
+  text += format("; %d degrees of freedom, %d independent positions\n", report.degrees_of_freedom, report.position_freedom);
+  text += format("  at t = %.10g: partition number %ld, of condition %.2g; residuals %.1e (positions), %.1e (velocities)\n",
+                 report.t, report.partitions, report.condition, report.position_residual, report.velocity_residual);
+  return text;
+}
+
 // The stages of a Radau step of odd order 2s - 1.
 std::string method_name(const sfdae_solver& solver, int order) {
   const bool automatic = solver.options.integration.method == Method::automatic;
@@ -82,6 +94,8 @@ std::string integration_report(const sfdae_solver& solver) {
   text += format("  %ld reductions, %ld factorizations, ", s.reductions, s.factorizations);
   text += solver.model->linear() != nullptr
               ? format("%ld / %ld / %ld calls of E / A / f\n", s.evaluations_E, s.evaluations_A, s.evaluations_f)
+          : solver.model->multibody() != nullptr
+              ? format("%ld evaluations, %ld linearizations\n", s.evaluations_F, s.linearizations)
               : format("%ld evaluations of F along jets, %ld linearizations\n", s.evaluations_F, s.linearizations);
   text += format("  last step %.3g of order %d, next %.3g; smallest kept value %.1e\n", s.last_step, s.last_order,
                  s.next_step, s.smallest_kept);
@@ -104,6 +118,7 @@ std::string report_of(const sfdae_solver& solver) {
   text += solver.decisions.empty() ? "  restored from a checkpoint, without its rank decisions\n"
                                    : decision_table(solver.decisions);
   text += solver.system ? analysis_report(solver) : "the analysis failed\n";
+  if (solver.system && solver.model->multibody() != nullptr) text += constraints_report(solver);
   if (solver.initial_report) text += initial_report(*solver.initial_report);
   if (solver.integration) text += integration_report(solver);
   if (solver.message[0] != '\0') text += std::string("Last message: ") + solver.message + "\n";

@@ -91,6 +91,16 @@ struct Arguments {
 };
 
 template <class Problem>
+int unknowns_of(const Problem& problem) {
+  return problem.num_unknowns;
+}
+
+int unknowns_of(const sfdae_multibody_problem& problem) {
+  return problem.num_positions + (problem.num_velocities > 0 ? problem.num_velocities : problem.num_positions) +
+         problem.num_constraints + problem.num_nonholonomic;
+}
+
+template <class Problem>
 CallResult read_arguments(const Problem* problem, const sfdae_options* options, const Problem& defaults,
                           Arguments<Problem>& result) {
   if (problem == nullptr) return illegal_argument("problem is NULL.");
@@ -100,7 +110,7 @@ CallResult read_arguments(const Problem* problem, const sfdae_options* options, 
   result.problem = read_struct(*problem, defaults);
   result.options = options != nullptr ? read_struct(*options, default_options()) : default_options();
   const CallResult checked = check_problem(result.problem);
-  return checked.status == SFDAE_OK ? check_options(result.options, result.problem.num_unknowns) : checked;
+  return checked.status == SFDAE_OK ? check_options(result.options, unknowns_of(result.problem)) : checked;
 }
 
 // Runs a body without a solver that could keep a message.
@@ -183,12 +193,28 @@ int sfdae_check_nonlinear(const sfdae_nonlinear_problem* problem, const sfdae_op
   return tell(result, text, length);
 }
 
+int sfdae_check_multibody(const sfdae_multibody_problem* problem, const sfdae_options* options, char* text,
+                          size_t length) {
+  if (text == nullptr && length > 0) return SFDAE_ILLEGAL_ARGUMENT;
+  const CallResult result = caught([&] {
+    Arguments<sfdae_multibody_problem> arguments;
+    const CallResult checked = read_arguments(problem, options, default_multibody_problem(), arguments);
+    if (checked.status == SFDAE_OK) multibody_model(arguments.problem);
+    return checked;
+  });
+  return tell(result, text, length);
+}
+
 int sfdae_create_linear(sfdae_solver** solver, const sfdae_linear_problem* problem, const sfdae_options* options) {
   return create(solver, problem, options, default_problem(), linear_model);
 }
 
 int sfdae_create_nonlinear(sfdae_solver** solver, const sfdae_nonlinear_problem* problem, const sfdae_options* options) {
   return create(solver, problem, options, default_nonlinear_problem(), nonlinear_model);
+}
+
+int sfdae_create_multibody(sfdae_solver** solver, const sfdae_multibody_problem* problem, const sfdae_options* options) {
+  return create(solver, problem, options, default_multibody_problem(), multibody_model);
 }
 
 int sfdae_destroy(sfdae_solver** solver) {

@@ -19,6 +19,13 @@ sfdae_nonlinear_problem default_nonlinear_problem() {
   return problem;
 }
 
+sfdae_multibody_problem default_multibody_problem() {
+  sfdae_multibody_problem problem{};
+  problem.size = sizeof problem;
+  problem.coordinates = SFDAE_COORDINATES_ORTHOGONAL;
+  return problem;
+}
+
 sfdae_options default_options() {
   sfdae_options options{};
   options.size = sizeof options;
@@ -48,6 +55,12 @@ int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t size) {
 }
 int sfdae_nonlinear_problem_init(sfdae_nonlinear_problem* problem, size_t size) {
   return initialize(problem, size, default_nonlinear_problem());
+}
+int sfdae_multibody_problem_init(sfdae_multibody_problem* problem, size_t size) {
+  return initialize(problem, size, default_multibody_problem());
+}
+int sfdae_multibody_report_init(sfdae_multibody_report* report, size_t size) {
+  return initialize(report, size, sfdae_multibody_report{});
 }
 int sfdae_options_init(sfdae_options* options, size_t size) { return initialize(options, size, default_options()); }
 int sfdae_characteristics_init(sfdae_characteristics* characteristics, size_t size) {

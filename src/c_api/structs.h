@@ -45,6 +45,7 @@ bool fill_struct(Struct* target, const Struct& source) {
 
 sfdae_linear_problem default_problem();
 sfdae_nonlinear_problem default_nonlinear_problem();
+sfdae_multibody_problem default_multibody_problem();
 sfdae_options default_options();
 
 }  // namespace sfdae::core

@@ -67,7 +67,7 @@ class Search {
   }
 
   double value(int node) const { return *slots_[tape_.slot_of[at(node)]]; }
-  std::string in_equation() const { return format(" in equation %d", failed_.equation); }
+  std::string in_equation() const { return " in " + record_.name(failed_.equation); }
 
   // "log of -1"
   std::string application(const Node& node) const {

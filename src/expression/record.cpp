@@ -57,6 +57,11 @@ Record::Record(Parts parts) : parts_(std::move(parts)) {
     }
 }
 
+std::string Record::name(int equation) const {
+  if (parts_.names.empty()) return "equation " + std::to_string(equation);
+  return parts_.names[static_cast<std::size_t>(equation)];
+}
+
 bool Record::is_linear() const {
   if (jumps_) return false;
   for (const auto& equation : entries_)

@@ -44,6 +44,7 @@ class Record {
     std::vector<double> constants;
     std::vector<Parameter> parameters;
     std::vector<int> residuals;  // nodes, one for each equation
+    std::vector<std::string> names;  // of equations; empty: numbers are names enough
   };
 
   explicit Record(Parts parts);
@@ -56,6 +57,8 @@ class Record {
   bool is_active(int i) const { return (dependence(i) & on_state) != 0; }
   double constant(int i) const { return parts_.constants[static_cast<std::size_t>(i)]; }
   int residual(int equation) const { return parts_.residuals[static_cast<std::size_t>(equation)]; }
+  // As messages call it.
+  std::string name(int equation) const;
   const std::vector<Parameter>& parameters() const { return parts_.parameters; }
 
   // Sparsity of F_x and F_x'.

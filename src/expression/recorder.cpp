@@ -167,4 +167,13 @@ std::shared_ptr<const Record> Recorder::finish(std::vector<int> residuals) {
   return record;
 }
 
+std::shared_ptr<const Record> Recorder::excerpt(int num_unknowns, std::vector<int> residuals,
+                                                std::vector<std::string> names) const {
+  Record::Parts parts = parts_;
+  parts.num_unknowns = num_unknowns;
+  parts.residuals = std::move(residuals);
+  parts.names = std::move(names);
+  return std::make_shared<const Record>(std::move(parts));
+}
+
 }  // namespace sfdae::core

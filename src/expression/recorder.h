@@ -35,16 +35,21 @@ class Recorder {
   // The derivative at 0 is 1.
   int abs(int a) { return apply(Operation::choose, apply(Operation::negate, a), apply(Operation::negate, a), a); }
 
+  int num_parameters() const { return static_cast<int>(parts_.parameters.size()); }
+  const Node& node(int i) const { return parts_.nodes[static_cast<std::size_t>(i)]; }
+  // The value of a constant.
+  std::optional<double> number(int i) const;
+
   // The equations; the recorder is empty afterwards.
   std::shared_ptr<const Record> finish(std::vector<int> residuals);
+  // Equations with the first num_unknowns unknowns, and what messages call them; recording can go on.
+  std::shared_ptr<const Record> excerpt(int num_unknowns, std::vector<int> residuals, std::vector<std::string> names) const;
 
  private:
   struct Hash {
     std::size_t operator()(const std::array<int, 4>& key) const;
   };
 
-  const Node& node(int i) const { return parts_.nodes[static_cast<std::size_t>(i)]; }
-  std::optional<double> number(int i) const;
   bool is(int i, double value) const { return number(i) == value; }
   bool is(int i, Operation operation) const { return node(i).operation == operation; }
   // The node, new or known.

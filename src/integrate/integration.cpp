@@ -371,7 +371,8 @@ CallResult Integration::changed_result() const {
   return {SFDAE_CHARACTERISTICS_CHANGED,
           "characteristic values changed from (" + describe(system_.analysis().values) + ") to (" +
               describe(change_->new_values) +
-              format(") at t = %.12g. Call sfdae_analyze and sfdae_start behind that point.", change_->t)};
+              format(") at t = %.12g. Call sfdae_analyze and sfdae_start behind that point.", change_->t) +
+              system_.about_change()};
 }
 
 void Integration::return_last_point(double& t, double* x, double* xdot) {

@@ -193,6 +193,29 @@ void solve_lu(ConstView lu, const int* pivots, double* x) {
   solve_upper(Op::plain, lu, {x, order, 1, std::max(order, 1)});
 }
 
+void solve_lu(ConstView lu, const int* pivots, View b) {
+  if (lu.cols == 0 || b.cols == 0) return;
+  if (lu.cols > small_lu_order && b.cols > 1) {
+    int info = 0;
+    dgetrs_("N", &lu.cols, &b.cols, lu.data, &lu.ld, pivots, b.data, &b.ld, &info);
+    return;
+  }
+  for (int j = 0; j < b.cols; ++j) solve_lu(lu, pivots, b.column(j));
+}
+
+void solve_lu_transposed(ConstView lu, const int* pivots, View b) {
+  const int order = lu.cols;
+  solve_upper(Op::transposed, lu, b);
+  if (order > small_lu_order && b.cols > 1)
+    dtrsm_("L", "L", "T", "U", &order, &b.cols, &one, lu.data, &lu.ld, b.data, &b.ld);
+  for (int j = 0; j < b.cols; ++j) {
+    double* x = b.column(j);
+    if (order <= small_lu_order || b.cols == 1)
+      for (int k = order - 2; k >= 0; --k) x[k] -= small::dot(order - k - 1, lu.column(k) + k + 1, x + k + 1);
+    for (int k = order - 1; k >= 0; --k) std::swap(x[k], x[pivots[k] - 1]);
+  }
+}
+
 bool factor_lu(ComplexView a, int* pivots) {
   if (a.cols == 0) return true;
   int info = 0;

@@ -10,7 +10,7 @@
 namespace sfdae::core {
 
 struct DerivativeMismatch {
-  char function = 0;  // 'E', 'A', 'f'; 'F', 'x' (F_x), 'd' (F_x'); 0: nothing compared
+  char function = 0;  // 'E', 'A', 'f'; 'F', 'x' (F_x), 'd' (F_x'); 'G', 'T', 'C', 'H' (g_q, g_t, gamma, eta); 0: none
   int order = 0, row = 0, column = 0;
   double supplied = 0.0, difference = 0.0;
   double error = 0.0;        // |supplied - difference| relative to the size of the derivatives compared

@@ -62,4 +62,13 @@ void DifferenceFormula::apply(int k, double step, const double* samples, int len
   *error = largest;
 }
 
+int fitting_shift(double below, double above, double& step) {
+  constexpr int points = DifferenceFormula::points;
+  step = std::min(step, (below + above) / points);
+  int shift = points / 2;
+  if (above < (points - 1 - shift) * step) shift = points - 1 - static_cast<int>(above / step);
+  if (below < shift * step) shift = static_cast<int>(below / step);
+  return shift;
+}
+
 }  // namespace sfdae::core

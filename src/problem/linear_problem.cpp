@@ -151,10 +151,7 @@ Trouble LinearProblem::sample(Function& function, double t, double& step, std::v
   const int count = function.rows * function.columns;
   // Centred, or moved so that all points lie within the limits, which may be closer than the points.
   const double below = std::max(t - lowest_t_, 0.0), above = std::max(highest_t_ - t, 0.0);
-  step = std::min(step, (below + above) / points);
-  shift = points / 2;
-  if (above < (points - 1 - shift) * step) shift = points - 1 - static_cast<int>(above / step);
-  if (below < shift * step) shift = static_cast<int>(below / step);
+  shift = fitting_shift(below, above, step);
   samples.resize(static_cast<std::size_t>(points) * static_cast<std::size_t>(count));
   for (int i = 0; i < points; ++i) {
     const Trouble trouble = call(function.name, t + (i - shift) * step, 0,

@@ -9,6 +9,7 @@
 
 #include <vector>
 
+#include "expression/taylor_evaluator.h"
 #include "linalg/matrix.h"
 #include "problem/problem.h"
 
@@ -27,7 +28,7 @@ struct MultibodySizes {
 struct MultibodyTerms {
   explicit MultibodyTerms(const MultibodySizes& sizes = {});
   Matrix M;                          // nv x nv
-  Matrix S;                          // nq x nv; empty where it is the identity
+  Matrix S;                          // nq x nv, from the first evaluation on; empty where it is the identity
   Matrix g_q;                        // nl x nq
   Matrix C;                          // (nl + nk) x nv
   std::vector<double> g, f;
@@ -41,7 +42,7 @@ struct MultibodyJacobian {
   Matrix force_q, force_v;                // of f - M a - C^T mu: nv x nq, nv x nv
   Matrix acceleration_q, acceleration_v;  // of C a + s: (nl + nk) x nq, (nl + nk) x nv
   Matrix velocity_q;                      // of C v + r: (nl + nk) x nq
-  Matrix kinematics_q;                    // of S v: nq x nq; empty where S is the identity
+  Matrix kinematics_q;                    // of S v: nq x nq, likewise empty where S is the identity
 };
 
 class MultibodyProblem : public Problem {
@@ -60,6 +61,13 @@ class MultibodyProblem : public Problem {
   // terms: those at (t, q, v).
   virtual Trouble linearize(double t, const double* q, const double* v, const double* a, const double* mu,
                             const MultibodyTerms& terms, MultibodyJacobian& jacobian) = 0;
+
+  // Throws Failure if g turns out to depend on t though its derivative by t was not given.
+  virtual void check_rates(double, const double*) {}
+
+  // Of recorded formulas: where their parameters are; parameters_changed() is due after a change there.
+  virtual TaylorEvaluator* evaluator() { return nullptr; }
+  virtual void parameters_changed() {}
 
   long evaluations() const { return evaluations_; }
   long linearizations() const { return linearizations_; }

@@ -25,11 +25,13 @@ class DaeSystem : public StrangenessFreeSystem {
 
   // Contradiction of redundant equations, relative.
   virtual double inconsistency() const = 0;
-  std::string inconsistency_message() const {
+  virtual std::string inconsistency_message() const {
     return format("redundant equations contradict each other at t = %.15g: relative residual %.3g of Z3^T g = 0. There is "
                   "no solution; correct the equations, or set ignore_inconsistency.",
                   t(), inconsistency());
   }
+  // What there is to say about a change of the characteristic values that was met last; empty: nothing.
+  virtual std::string about_change() const { return {}; }
   // Smallest values kept in the decisions on A^ and E T2, relative; they dip where characteristic values change.
   virtual double kept_constraints() const = 0;
   virtual double kept_differential() const = 0;

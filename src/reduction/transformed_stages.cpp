@@ -14,27 +14,6 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-bool TransformedStages::factor(const NullSpaceForm& form, double tau, const StageMethod& method, double c_real,
-                               long& count) {
-  const int q = form.unknowns();
-  omega_.resize(index(q) + 1);
-  for (std::size_t k = 0; 2 * k + 2 < index(method.s); ++k) {
-    const std::complex<double> c = method.lambda[k] * (c_real / method.gamma);
-    std::vector<std::complex<double>>& matrix = matrices_[k];
-    if (!matrix.empty() && values_[k] == c) continue;
-    matrix.resize(index(q) * index(q) + 1);
-    pivots_[k].resize(index(q) + 1);
-    const ComplexView M{matrix.data(), q, q, std::max(q, 1)};
-    form.step_matrix(c * tau, M);
-    if (q > 0) ++count;
-    values_[k] = c;
-    if (factor_lu(M, pivots_[k].data())) continue;
-    matrix.clear();
-    return false;
-  }
-  return true;
-}
-
 void TransformedStages::forget() {
   for (auto& matrix : matrices_) matrix.clear();
 }

@@ -7,11 +7,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <complex>
 #include <vector>
 
 #include "linalg/arena.h"
+#include "linalg/dense.h"
 #include "linalg/matrix.h"
 #include "reduction/null_space_form.h"
 #include "reduction/stage_method.h"
@@ -22,7 +24,9 @@ class TransformedStages {
  public:
   // Factors [c tau G - B; c tau Uz^T] for c = lambda_k / h, h = gamma / c_real, unless that is done. False if singular.
   // count: of factorizations, raised.
-  bool factor(const NullSpaceForm& form, double tau, const StageMethod& method, double c_real, long& count);
+  // Form: has unknowns() and step_matrix() as NullSpaceForm.
+  template <class Form>
+  bool factor(const Form& form, double tau, const StageMethod& method, double c_real, long& count);
   // Another form holds from now on.
   void forget();
   // lu, pivots: the factored matrix for c_real. r, z: a column for each stage.
@@ -35,5 +39,27 @@ class TransformedStages {
   std::array<std::complex<double>, max_pairs> values_{};
   std::vector<std::complex<double>> omega_;
 };
+
+template <class Form>
+bool TransformedStages::factor(const Form& form, double tau, const StageMethod& method, double c_real, long& count) {
+  const int q = form.unknowns();
+  const std::size_t order = static_cast<std::size_t>(q);
+  omega_.resize(order + 1);
+  for (std::size_t k = 0; 2 * static_cast<int>(k) + 2 < method.s; ++k) {
+    const std::complex<double> c = method.lambda[k] * (c_real / method.gamma);
+    std::vector<std::complex<double>>& matrix = matrices_[k];
+    if (!matrix.empty() && values_[k] == c) continue;
+    matrix.resize(order * order + 1);
+    pivots_[k].resize(order + 1);
+    const ComplexView M{matrix.data(), q, q, std::max(q, 1)};
+    form.step_matrix(c * tau, M);
+    if (q > 0) ++count;
+    values_[k] = c;
+    if (factor_lu(M, pivots_[k].data())) continue;
+    matrix.clear();
+    return false;
+  }
+  return true;
+}
 
 }  // namespace sfdae::core

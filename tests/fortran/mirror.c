@@ -13,6 +13,9 @@ size_t fill_derivative_check(sfdae_derivative_check *s);
 size_t fill_progress(sfdae_progress *s);
 size_t fill_linear_problem(sfdae_linear_problem *s);
 size_t fill_nonlinear_problem(sfdae_nonlinear_problem *s);
+size_t fill_multibody_problem(sfdae_multibody_problem *s);
+size_t fill_multibody_formulas(sfdae_multibody_formulas *s);
+size_t fill_multibody_report(sfdae_multibody_report *s);
 size_t fill_options(sfdae_options *s);
 size_t fill_expression(sfdae_expression *s);
 
@@ -87,9 +90,49 @@ size_t fill_nonlinear_problem(sfdae_nonlinear_problem *s) {
                                          7,
                                          &integers[8],
                                          vector_4,
-                                         &integers[10]};
+                                         &integers[10],
+                                         &integers[11]};
   *s = value;
-  integers[8] = 8, integers[10] = 10;
+  integers[8] = 8, integers[10] = 10, integers[11] = 11;
+  return sizeof value;
+}
+
+size_t fill_multibody_problem(sfdae_multibody_problem *s) {
+  const sfdae_multibody_problem value = {1,
+                                         2,
+                                         3,
+                                         4,
+                                         5,
+                                         (sfdae_multibody_equations_function)(void (*)(void))matrix_1,
+                                         (sfdae_position_function)(void (*)(void))matrix_2,
+                                         (sfdae_velocity_function)(void (*)(void))vector_3,
+                                         (sfdae_position_function)(void (*)(void))vector_4,
+                                         (sfdae_position_function)(void (*)(void))matrix_1,
+                                         (sfdae_position_function)(void (*)(void))matrix_2,
+                                         (sfdae_position_function)(void (*)(void))vector_3,
+                                         (sfdae_position_function)(void (*)(void))vector_4,
+                                         (sfdae_position_function)(void (*)(void))matrix_1,
+                                         (sfdae_velocity_function)(void (*)(void))matrix_2,
+                                         (sfdae_velocity_function)(void (*)(void))vector_3,
+                                         17,
+                                         &integers[18]};
+  *s = value;
+  integers[18] = 18;
+  return sizeof value;
+}
+
+size_t fill_multibody_formulas(sfdae_multibody_formulas *s) {
+  static sfdae_expression places[7];
+  const sfdae_multibody_formulas value = {&places[1], &places[2], &places[3], &places[4], &places[5], &places[6]};
+  int i;
+  for (i = 0; i < 7; i++) places[i].value = i;
+  *s = value;
+  return sizeof value;
+}
+
+size_t fill_multibody_report(sfdae_multibody_report *s) {
+  const sfdae_multibody_report value = {1, 2.0, 3, 4, 5, 6, 7, 8.0, 9, 10.0, 11.0};
+  *s = value;
   return sizeof value;
 }
 

@@ -4,8 +4,9 @@
 program mirror_test
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_f_procpointer, &
     c_funptr, c_int, c_ptr, c_size_t, c_sizeof
-  use sfdae, only: dae_options, sfdae_change, sfdae_characteristics, sfdae_decision, &
+  use sfdae, only: dae_options, expression, sfdae_change, sfdae_characteristics, sfdae_decision, &
     sfdae_derivative_check, sfdae_initial_report, sfdae_linear_problem, &
+    sfdae_multibody_formulas, sfdae_multibody_problem, sfdae_multibody_report, &
     sfdae_nonlinear_problem, sfdae_options, sfdae_progress, sfdae_statistics
   use test_support, only: check, finish
   implicit none
@@ -65,6 +66,24 @@ program mirror_test
       type(sfdae_nonlinear_problem), intent(inout) :: s
       integer(c_size_t) :: bytes
     end function fill_nonlinear_problem
+
+    function fill_multibody_problem(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_multibody_problem
+      type(sfdae_multibody_problem), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_multibody_problem
+
+    function fill_multibody_formulas(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_multibody_formulas
+      type(sfdae_multibody_formulas), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_multibody_formulas
+
+    function fill_multibody_report(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_multibody_report
+      type(sfdae_multibody_report), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_multibody_report
     function fill_options(s) bind(c) result(bytes)
       import :: c_size_t, sfdae_options
       type(sfdae_options), intent(inout) :: s
@@ -100,6 +119,7 @@ program mirror_test
   call check_results()
   call check_progress()
   call check_problem()
+  call check_multibody()
   call check_options()
   call check_defaults()
   call finish()
@@ -172,9 +192,35 @@ contains
     call check(counts([real(c_double) :: q%size, q%num_equations, q%num_unknowns, &
       number_of(q%equations) + 3, number_of(q%linear_equations) + 3, &
       number_of(q%total_derivative) + 3, q%num_prescribed, integer_at(q%prescribed), &
-      number_of(q%prescribed_values) + 5, integer_at(q%user)]), &
+      number_of(q%prescribed_values) + 5, integer_at(q%user), integer_at(q%differentiations)]), &
       "members of sfdae_nonlinear_problem")
   end subroutine check_problem
+
+  !> Structs of mechanical systems.
+  subroutine check_multibody()
+    type(sfdae_multibody_problem) :: p
+    type(sfdae_multibody_formulas) :: f
+    type(sfdae_multibody_report) :: r
+
+    call check(fill_multibody_problem(p) == c_sizeof(p), "size of sfdae_multibody_problem")
+    call check(counts([real(c_double) :: p%size, p%num_positions, p%num_velocities, &
+      p%num_constraints, p%num_nonholonomic, number_of(p%equations) + 5, number_of(p%mass) + 5, &
+      number_of(p%forces) + 5, number_of(p%constraints) + 5, number_of(p%constraint_jacobian) + 9, &
+      number_of(p%constraint_rate) + 9, number_of(p%kinematics) + 9, &
+      number_of(p%nonholonomic_matrix) + 9, number_of(p%nonholonomic_offset) + 13, &
+      number_of(p%constraint_curvature) + 13, number_of(p%nonholonomic_curvature) + 13, &
+      p%coordinates, integer_at(p%user)]), "members of sfdae_multibody_problem")
+
+    call check(fill_multibody_formulas(f) == c_sizeof(f), "size of sfdae_multibody_formulas")
+    call check(counts([value_at(f%mass), value_at(f%forces), value_at(f%constraints), &
+      value_at(f%kinematics), value_at(f%nonholonomic_matrix), value_at(f%nonholonomic_offset)]), &
+      "members of sfdae_multibody_formulas")
+
+    call check(fill_multibody_report(r) == c_sizeof(r), "size of sfdae_multibody_report")
+    call check(counts([real(c_double) :: r%size, r%t, r%holonomic, r%nonholonomic, r%redundant, &
+      r%degrees_of_freedom, r%position_freedom, r%condition, r%partitions, r%position_residual, &
+      r%velocity_residual]), "members of sfdae_multibody_report")
+  end subroutine check_multibody
 
   !> Struct of the options.
   subroutine check_options()
@@ -253,6 +299,16 @@ contains
     call c_f_pointer(address, p)
     number = p
   end function number_at
+
+  !> The value of the expression at an address.
+  function value_at(address) result(number)
+    type(c_ptr), intent(in) :: address
+    real(c_double) :: number
+    type(expression), pointer :: p
+
+    call c_f_pointer(address, p)
+    number = p%value
+  end function value_at
 
   !> The integer at an address.
   function integer_at(address) result(number)

@@ -9,6 +9,7 @@
 #include <new>
 #include <vector>
 
+#include "../multibody/pendulum.h"
 #include "family_problem.h"
 #include "family_run.h"
 #include "test_set/formula_problems.h"
@@ -209,6 +210,26 @@ TEST(Allocation, NonlinearStepsAllocateNothingAfterTheFirst) {
     EXPECT_EQ(allocations_of_formulas("torus", method), 0) << method;
     EXPECT_EQ(allocations_of_formulas("robot_arm", method), 0) << method;
   }
+}
+
+TEST(Allocation, MultibodyStepsAllocateNothingAfterTheFirst) {
+  sfdae::test::Pendulum pendulum, twice{2, 0.0};
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (const sfdae_multibody_problem& problem : {pendulum.problem(), twice.problem()}) {
+      sfdae::test::MultibodyRun run(problem, sfdae::test::options_of(method, 1e-6));
+      ASSERT_EQ(run.start(0.0, 20.0, sfdae::test::Pendulum::state(0.3, 2.3)), SFDAE_OK) << run.message();
+      ASSERT_EQ(run.advance(10.0), SFDAE_OK) << run.message();
+      const long partitions = run.report().partitions;
+      allocations = 0;
+      while (run.t < 18.0) {
+        counting = true;
+        run.status = sfdae_step(run.solver.get(), 20.0, &run.t, run.x.data(), run.xdot.data());
+        counting = false;
+        ASSERT_EQ(run.status, SFDAE_STEP_TAKEN) << run.message();
+      }
+      EXPECT_EQ(allocations, 0) << method;
+      EXPECT_GT(run.report().partitions, partitions);
+    }
 }
 
 TEST(Allocation, IsCounted) {

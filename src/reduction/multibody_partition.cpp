@@ -1,0 +1,139 @@
+// Independent and dependent directions under constraints.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/multibody_partition.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "linalg/dense.h"
+
+namespace sfdae::core {
+
+namespace {
+
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+// What rounding errors may leave in rows of unit length that depend on each other; gradients are sums of products.
+constexpr double row_noise = 8.0 * unit_roundoff;
+
+// Columns of the identity: dependent components by the pivots of the independent rows.
+void choose_components(View rows, Partition& partition, Arena& arena) {
+  const Arena::Frame frame(arena);
+  const int n = rows.cols;
+  int* pivots = arena.integers(n);
+  std::iota(pivots, pivots + n, 0);
+  if (rows.rows > 0) factor_qr_pivoted(rows, pivots, arena.take(index(n) + 1), arena);
+  fill(partition.Q, 0.0);
+  for (int j = 0; j < n; ++j) partition.Q(pivots[j], j) = 1.0;
+}
+
+}  // namespace
+
+void Partition::resize(int directions, int constraints) {
+  Q = identity(directions);
+  rank = 0;
+  rows.resize(index(constraints));
+  std::iota(rows.begin(), rows.end(), 0);
+}
+
+RankDecision choose_partition(const ConstraintRows& constraints, Coordinates coordinates, int known_rank,
+                              Partition& partition, Arena& arena) {
+  const int n = partition.Q.rows(), count = constraints.matrix.rows;
+  const Arena::Frame frame(arena);
+  const View gradients = arena.matrix(n, count);
+  double* tau = arena.take(index(std::max(n, count)) + 1);
+  for (int i = 0; i < count; ++i) {
+    const double scale = constraints.units[i] > 0.0 ? 1.0 / constraints.units[i] : 0.0;
+    for (int j = 0; j < n; ++j) gradients(j, i) = scale * constraints.matrix(i, j);
+  }
+  factor_qr_pivoted(gradients, partition.rows.data(), tau, arena);
+  RankScale scale;
+  scale.noise = row_noise;
+  scale.dimension = std::max(n, count);
+  RankDecision decision = decide_rank(gradients.data, std::min(n, count), gradients.ld + 1, scale);
+  decision.subject = Subject::constraints;
+  decision.rows = count;
+  decision.cols = n;
+  partition.rank = known_rank >= 0 ? known_rank : decision.rank;
+  if (coordinates == Coordinates::orthogonal) {
+    form_q(gradients, partition.rank, tau, partition.Q, arena);
+  } else {
+    const View rows = arena.matrix(partition.rank, n);
+    for (int k = 0; k < partition.rank; ++k) {
+      const int i = partition.rows[index(k)];
+      for (int j = 0; j < n; ++j) rows(k, j) = constraints.matrix(i, j) / constraints.units[i];
+    }
+    choose_components(rows, partition, arena);
+  }
+  return decision;
+}
+
+void Tangent::resize(int directions, int constraints) {
+  T_ = Matrix(directions, directions);
+  lu_ = Matrix(constraints, constraints);
+  pivots_.resize(index(constraints) + 1);
+  units_.assign(index(constraints) + 1, 1.0);
+}
+
+bool Tangent::build(const Partition& partition, const ConstraintRows& constraints, Arena& arena) {
+  const int n = partition.Q.rows(), r = partition.rank;
+  rank_ = r;
+  turn_ = 0.0;
+  pivot_ = 1.0;
+  sign_ = 1;
+  const View T{T_.data(), n, n - r, std::max(n, 1)};
+  copy(partition.Q1(), T);
+  if (r == 0) return true;
+  const Arena::Frame frame(arena);
+  const View C = arena.matrix(r, n), E = arena.matrix(r, n - r);
+  for (int k = 0; k < r; ++k) {
+    const int i = partition.rows[index(k)];
+    const double scale = units_[index(k)] = constraints.units[i] > 0.0 ? 1.0 / constraints.units[i] : 1.0;
+    for (int j = 0; j < n; ++j) C(k, j) = scale * constraints.matrix(i, j);
+  }
+  const View lu{lu_.data(), r, r, r};
+  multiply(1.0, Op::plain, C, Op::plain, partition.Q2(), 0.0, lu);
+  multiply(1.0, Op::plain, C, Op::plain, partition.Q1(), 0.0, E);
+  if (!factor_lu(lu, pivots_.data())) {
+    pivot_ = 0.0;
+    sign_ = 0;
+    return false;
+  }
+  for (int k = 0; k < r; ++k) {
+    pivot_ = std::min(pivot_, std::fabs(lu(k, k)));
+    if ((lu(k, k) < 0.0) != (pivots_[index(k)] != k + 1)) sign_ = -sign_;
+  }
+  solve_lu(lu, pivots_.data(), E);
+  turn_ = max_abs(E);
+  multiply(-1.0, Op::plain, partition.Q2(), Op::plain, E, 1.0, T);
+  return std::isfinite(turn_);
+}
+
+void Tangent::correction(const Partition& partition, const double* residuals, double* w, Arena& arena) const {
+  const int n = partition.Q.rows(), r = rank_;
+  if (r == 0) {
+    std::fill_n(w, n, 0.0);
+    return;
+  }
+  const Arena::Frame frame(arena);
+  double* b = arena.take(index(r));
+  for (int k = 0; k < r; ++k) b[k] = units_[index(k)] * residuals[partition.rows[index(k)]];
+  solve_lu(ConstView{lu_.data(), r, r, r}, pivots_.data(), b);
+  multiply(-1.0, Op::plain, partition.Q2(), b, 0.0, w);
+}
+
+void Tangent::multipliers(const Partition& partition, const double* force, double* mu, Arena& arena) const {
+  const int r = rank_;
+  std::fill_n(mu, partition.rows.size(), 0.0);
+  if (r == 0) return;
+  const Arena::Frame frame(arena);
+  double* b = arena.take(index(r));
+  multiply(1.0, Op::transposed, partition.Q2(), force, 0.0, b);
+  solve_lu_transposed(ConstView{lu_.data(), r, r, r}, pivots_.data(), {b, r, 1, r});
+  for (int k = 0; k < r; ++k) mu[partition.rows[index(k)]] = units_[index(k)] * b[k];
+}
+
+}  // namespace sfdae::core

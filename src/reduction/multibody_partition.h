@@ -1,0 +1,68 @@
+// Independent and dependent directions under constraints C w = b, and how the dependent ones follow.
+//
+// [Q1 Q2] is orthonormal and constant. As long as C Q2 is regular,
+//
+//     [Q1^T; C]^-1 = [T N],   T = Q1 - Q2 E,   N = Q2 (C Q2)^-1,   E = (C Q2)^-1 C Q1
+//
+// so that w = T y + N b. The columns of Q2 span the range of C^T at the point of the choice, where E = 0; for
+// coordinates as they are, Q1 and Q2 are columns of the identity.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/arena.h"
+#include "linalg/matrix.h"
+#include "linalg/rank.h"
+
+namespace sfdae::core {
+
+enum class Coordinates { orthogonal, permutation };
+
+// Rows of constraints, row i to be measured in units[i]; 0 for a row that vanishes.
+struct ConstraintRows {
+  ConstView matrix;
+  const double* units;
+};
+
+struct Partition {
+  void resize(int directions, int constraints);
+  ConstView Q1() const { return Q.view().columns(rank, Q.cols() - rank); }
+  ConstView Q2() const { return Q.view().columns(0, rank); }
+  Matrix Q;  // [Q2 Q1]
+  int rank = 0;
+  std::vector<int> rows;  // `rank` independent constraints come first
+};
+
+// Chooses directions, and as many independent rows as known_rank says; -1: as are found. Returns what is found.
+RankDecision choose_partition(const ConstraintRows& constraints, Coordinates coordinates, int known_rank,
+                              Partition& partition, Arena& arena);
+
+// T and N for C at some point.
+class Tangent {
+ public:
+  void resize(int directions, int constraints);
+  // False if C Q2 is singular.
+  bool build(const Partition& partition, const ConstraintRows& constraints, Arena& arena);
+  ConstView T() const { return {T_.data(), T_.rows(), T_.rows() - rank_, std::max(T_.rows(), 1)}; }
+  // w := -N b, b the independent ones of all residuals.
+  void correction(const Partition& partition, const double* residuals, double* w, Arena& arena) const;
+  // mu := the independent multipliers with Q2^T C^T mu = Q2^T force, the others zero.
+  void multipliers(const Partition& partition, const double* force, double* mu, Arena& arena) const;
+  // max |E|: the tangent of the angle, about, by which C has turned since the choice.
+  double turn() const { return turn_; }
+  double smallest_pivot() const { return pivot_; }
+  // Of det C Q2.
+  int sign() const { return sign_; }
+
+ private:
+  int rank_ = 0;
+  Matrix T_;
+  Matrix lu_;  // of C Q2, rows in their units
+  std::vector<int> pivots_;
+  std::vector<double> units_;
+  double turn_ = 0.0, pivot_ = 1.0;
+  int sign_ = 1;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,181 @@
+// Constraints that depend on each other: everywhere, in contradiction, or in singular configurations.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "pendulum.h"
+
+namespace sfdae::test {
+namespace {
+
+using std::numbers::pi;
+
+TEST(RedundantConstraints, ShareTheForceEvenlyAndChangeNothingElse) {
+  Pendulum single, twice{2, 0.0};
+  const sfdae_options options = options_of(SFDAE_METHOD_RADAU, 1e-8);
+  MultibodyRun one(single.problem(), options), two(twice.problem(), options);
+  ASSERT_EQ(one.start(0.0, 5.0, Pendulum::state(1.0, 0.5)), SFDAE_OK);
+  ASSERT_EQ(two.start(0.0, 5.0, Pendulum::state(1.0, 0.5)), SFDAE_OK) << two.message();
+  EXPECT_EQ(two.report().redundant, 1);
+  EXPECT_EQ(two.report().degrees_of_freedom, 1);
+  EXPECT_EQ(two.characteristics().differential, 2);
+  EXPECT_EQ(two.characteristics().algebraic, 4);
+  EXPECT_EQ(two.characteristics().undetermined, 0);
+  EXPECT_EQ(two.characteristics().redundant, 0);
+  ASSERT_EQ(one.advance(5.0), SFDAE_OK);
+  ASSERT_EQ(two.advance(5.0), SFDAE_OK) << two.message();
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(one.x[i], two.x[i], 1e-7);
+  // Least norm: half of the force in each.
+  EXPECT_NEAR(two.x[4], 0.5 * one.x[4], 1e-7);
+  EXPECT_NEAR(two.x[5], two.x[4], 1e-12);
+}
+
+TEST(RedundantConstraints, ContradictionIsRefusedWithTheConstraintAndItsSize) {
+  Pendulum pendulum{2, 0.01};
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    MultibodyRun run(pendulum.problem(), options_of(method, 1e-6));
+    EXPECT_EQ(run.start(0.0, 1.0, Pendulum::state(1.0, 0.5)), SFDAE_INCONSISTENT_EQUATIONS);
+    EXPECT_NE(run.message().find("holonomic constraint"), std::string::npos) << run.message();
+    // Least squares leaves half of the offset in both.
+    EXPECT_NE(run.message().find("0.005"), std::string::npos) << run.message();
+  }
+}
+
+// A second constraint that agrees up to t = 1 only: |q|^2 = 1 + (t - 1)^2 from then on.
+struct LateContradiction {
+  static int constraints(double t, const double* q, double* g, void*) {
+    g[0] = 0.5 * (q[0] * q[0] + q[1] * q[1] - 1.0);
+    g[1] = g[0] - (t > 1.0 ? 0.5 * (t - 1.0) * (t - 1.0) * (t - 1.0) : 0.0);
+    return 0;
+  }
+  static int rate(double t, const double*, double* g_t, void*) {
+    g_t[1] = t > 1.0 ? -1.5 * (t - 1.0) * (t - 1.0) : 0.0;
+    return 0;
+  }
+};
+
+TEST(RedundantConstraints, ContradictionOnTheWayStopsTheIntegration) {
+  Pendulum pendulum{2, 0.0};
+  sfdae_multibody_problem problem = pendulum.problem();
+  problem.constraints = LateContradiction::constraints;
+  problem.constraint_rate = LateContradiction::rate;
+  problem.constraint_curvature = nullptr;
+  MultibodyRun run(problem, options_of(SFDAE_METHOD_BDF, 1e-6));
+  ASSERT_EQ(run.start(0.0, 3.0, Pendulum::state(1.0, 0.5)), SFDAE_OK) << run.message();
+  EXPECT_EQ(run.advance(3.0), SFDAE_INCONSISTENT_EQUATIONS);
+  EXPECT_NE(run.message().find("holonomic constraint"), std::string::npos) << run.message();
+  EXPECT_GE(run.t, 0.9);
+  EXPECT_LE(run.t, 1.2);
+}
+
+// Crank and rod of equal length, (sin phi_1 + sin phi_2) = 0: where both stand upright the gradient (cos phi_1, cos
+// phi_2) vanishes and two branches of motion cross.
+struct CrankAndRod {
+  static int forces(double, const double*, const double*, double*, void*) { return 0; }
+  static int constraints(double, const double* q, double* g, void*) {
+    g[0] = std::sin(q[0]) + std::sin(q[1]);
+    return 0;
+  }
+  static int jacobian(double, const double* q, double* g_q, void*) {
+    g_q[0] = std::cos(q[0]);
+    g_q[1] = std::cos(q[1]);
+    return 0;
+  }
+  static sfdae_multibody_problem problem() {
+    sfdae_multibody_problem result = multibody_problem_of(2, 1);
+    result.forces = forces;
+    result.constraints = constraints;
+    result.constraint_jacobian = jacobian;
+    return result;
+  }
+};
+
+class SingularConfiguration : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Methods, SingularConfiguration, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
+
+TEST_P(SingularConfiguration, IsFoundAndNotPassedSilently) {
+  MultibodyRun run(CrankAndRod::problem(), options_of(GetParam(), 1e-6));
+  ASSERT_EQ(run.start(0.0, 3.0, {0.1, -0.1, 1.0, -1.0, 0.0}), SFDAE_OK) << run.message();
+  EXPECT_EQ(run.advance(3.0), SFDAE_CHARACTERISTICS_CHANGED) << run.message();
+  // phi_1 = 0.1 + t
+  EXPECT_NEAR(run.t, 0.5 * pi - 0.1, 1e-4);
+  EXPECT_NE(run.message().find("singular"), std::string::npos) << run.message();
+  EXPECT_NE(run.message().find("holonomic constraint 0"), std::string::npos) << run.message();
+}
+
+TEST_P(SingularConfiguration, IsRefusedAtTheStart) {
+  MultibodyRun run(CrankAndRod::problem(), options_of(GetParam(), 1e-6));
+  EXPECT_EQ(run.start(0.0, 3.0, {0.5 * pi, -0.5 * pi, 1.0, -1.0, 0.0}), SFDAE_CHARACTERISTICS_CHANGED)
+      << run.message();
+}
+
+// (q_1 - q_2)^2 = 0: the gradient vanishes wherever the constraint holds, and says nothing about velocities.
+TEST_P(SingularConfiguration, SquaredConstraintsAreRefused) {
+  sfdae_multibody_problem problem = CrankAndRod::problem();
+  problem.constraints = [](double, const double* q, double* g, void*) {
+    g[0] = (q[0] - q[1]) * (q[0] - q[1]);
+    return 0;
+  };
+  problem.constraint_jacobian = [](double, const double* q, double* g_q, void*) {
+    g_q[0] = 2.0 * (q[0] - q[1]);
+    g_q[1] = -g_q[0];
+    return 0;
+  };
+  for (const double q : {0.5, 0.8}) {
+    MultibodyRun run(problem, options_of(GetParam(), 1e-6));
+    EXPECT_EQ(run.start(0.0, 1.0, {0.5, q, 1.0, 1.0, 0.0}), SFDAE_CHARACTERISTICS_CHANGED) << run.message();
+    EXPECT_NE(run.message().find("gradient of holonomic constraint 0 vanishes"), std::string::npos) << run.message();
+  }
+}
+
+// M = diag(1, 0) with the constraint q_2 = 0 is regular, with q_1 = 0 nothing determines q_2''.
+struct Massless {
+  int component = 1;
+  static int mass(double, const double*, double* M, void*) {
+    M[0] = 1.0;
+    return 0;
+  }
+  static int forces(double, const double* q, const double*, double* f, void*) {
+    f[0] = -q[0];
+    f[1] = -3.0;
+    return 0;
+  }
+  static int constraints(double, const double* q, double* g, void* user) {
+    g[0] = q[static_cast<const Massless*>(user)->component];
+    return 0;
+  }
+  static int jacobian(double, const double*, double* g_q, void* user) {
+    g_q[static_cast<const Massless*>(user)->component] = 1.0;
+    return 0;
+  }
+  sfdae_multibody_problem problem() {
+    sfdae_multibody_problem result = multibody_problem_of(2, 1);
+    result.mass = mass;
+    result.forces = forces;
+    result.constraints = constraints;
+    result.constraint_jacobian = jacobian;
+    result.user = this;
+    return result;
+  }
+};
+
+TEST(SingularMass, IsFineWhereConstraintsHoldWhatHasNoMass) {
+  Massless model;
+  MultibodyRun run(model.problem(), options_of(SFDAE_METHOD_RADAU, 1e-9));
+  ASSERT_EQ(run.start(0.0, 2.0, {1.0, 0.0, 0.0, 0.0, 0.0}), SFDAE_OK) << run.message();
+  EXPECT_NEAR(run.x[4], -3.0, 1e-12);
+  ASSERT_EQ(run.advance(2.0), SFDAE_OK) << run.message();
+  EXPECT_NEAR(run.x[0], std::cos(2.0), 1e-7);
+  EXPECT_NEAR(run.x[4], -3.0, 1e-7);
+}
+
+TEST(SingularMass, IsRefusedWhereNothingDeterminesAnAcceleration) {
+  Massless model{0};
+  MultibodyRun run(model.problem(), options_of(SFDAE_METHOD_RADAU, 1e-9));
+  EXPECT_EQ(run.start(0.0, 2.0, {0.0, 0.0, 0.0, 0.0, 0.0}), SFDAE_SINGULAR) << run.message();
+}
+
+}  // namespace
+}  // namespace sfdae::test

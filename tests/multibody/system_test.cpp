@@ -1,0 +1,95 @@
+// The strangeness-free system of a mechanical system by itself: orders of fixed steps, maps of errors.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "c_api/multibody_recording.h"
+#include "integrate/radau_method.h"
+#include "pendulum.h"
+#include "reduction/multibody_system.h"
+
+namespace sfdae::test {
+namespace {
+
+using namespace sfdae::core;
+
+class SystemOfPendulum : public testing::Test {
+ protected:
+  SystemOfPendulum() : callbacks(model.problem()), problem(core::multibody_problem(callbacks)) {}
+
+  MultibodySystem system_at(double t, const std::vector<double>& x) {
+    IndexAnalysis analysis;
+    analysis.t = t;
+    analysis.values = characteristic_values(problem->sizes(), {1, 1});
+    return {*problem, {{1, 1}, Coordinates::orthogonal}, analysis, x.data(), x.data() + 2};
+  }
+  // Fixed steps of a Radau method up to t = 1.
+  std::vector<double> integrate(int stages, int steps) {
+    std::vector<double> x = start;
+    MultibodySystem system = system_at(0.0, x);
+    const StageMethod& method = radau_method(stages).stages;
+    std::vector<double> all(5 * static_cast<std::size_t>(stages)), w(all), guess(all);
+    const std::vector<double> exacting(5, 1e13);
+    for (int k = 0; k < steps; ++k) {
+      for (std::size_t i = 0; i < guess.size(); ++i) guess[i] = x[i % 5];
+      double reached = 0.0;
+      const StageEquations equations{method,   static_cast<double>(k) / steps,           (k + 1.0) / steps, x.data(),
+                                     x.data(), {guess.data(), x.data(), exacting.data()}};
+      EXPECT_EQ(system.solve_stages(equations, all.data(), w.data(), reached), PointStatus::ok);
+      system.accept();
+      std::copy_n(all.end() - 5, 5, x.begin());
+    }
+    return x;
+  }
+
+  Pendulum model;
+  sfdae_multibody_problem callbacks;
+  std::unique_ptr<MultibodyProblem> problem;
+  const std::vector<double> start = Pendulum::state(0.9, 2.0);
+};
+
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::fabs(a[i] - b[i]));
+  return largest;
+}
+
+// Order 2 s - 1 in all components: multipliers, too, as they follow from positions and velocities.
+TEST_F(SystemOfPendulum, RadauHasItsOrder) {
+  const std::vector<double> exact = integrate(7, 40);
+  for (const auto& [stages, steps] : {std::pair{1, 160}, std::pair{3, 20}, std::pair{5, 6}}) {
+    const double coarse = distance(integrate(stages, steps), exact),
+                 fine = distance(integrate(stages, 2 * steps), exact);
+    EXPECT_NEAR(std::log2(coarse / fine), 2.0 * stages - 1.0, 0.7) << stages << " stages";
+  }
+}
+
+// dx of a change along the solution's tangent space is that change, with that of lambda = |v|^2 - q_2; changes across
+// vanish.
+TEST_F(SystemOfPendulum, ErrorsAreMappedToAllComponents) {
+  MultibodySystem system = system_at(0.0, start);
+  const double q1 = start[0], q2 = start[1], v1 = start[2], v2 = start[3];
+  // Columns: velocity along the circle; position across it.
+  const std::vector<double> dw = {0.0, 0.0, -q2, q1, q1, q2, 0.0, 0.0};
+  std::vector<double> dx(10);
+  system.error_in_x(dw.data(), 2, dx.data());
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(dx[i], dw[i], 1e-9);
+  EXPECT_NEAR(dx[4], 2.0 * (-v1 * q2 + v2 * q1), 1e-6);
+  for (std::size_t i = 5; i < 10; ++i) EXPECT_NEAR(dx[i], 0.0, 1e-9);
+}
+
+TEST_F(SystemOfPendulum, RestoreProjectsFromFarAway) {
+  MultibodySystem system = system_at(0.0, start);
+  std::vector<double> rough = start, x(5);
+  rough[0] += 0.1;
+  rough[1] -= 0.1;
+  rough[2] += 0.3;
+  system.restore(nullptr, rough.data(), x.data());
+  EXPECT_LE(std::fabs(x[0] * x[0] + x[1] * x[1] - 1.0), 4e-16);
+  EXPECT_LE(std::fabs(x[0] * x[2] + x[1] * x[3]), 1e-15);
+  EXPECT_NEAR(x[4], x[2] * x[2] + x[3] * x[3] - x[1], 1e-13);
+}
+
+}  // namespace
+}  // namespace sfdae::test

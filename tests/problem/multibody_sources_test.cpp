@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Mechanical systems from callbacks and from recorded formulas: both deliver what the theory asks for.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <tuple>
+
+#include "c_api/multibody_recording.h"
+#include "multibody_example.h"
+#include "problem/failure.h"
+#include "problem/multibody_callbacks.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using namespace sfdae_test;
+
+constexpr double t0 = 0.7;
+constexpr double q0[] = {0.4, -0.9, 1.3}, v0[] = {1.1, 0.8, -0.6}, a0[] = {0.3, -2.0, 0.7}, mu0[] = {1.5, -0.4, 0.9};
+constexpr double mass0 = 1.7;
+
+class MultibodySources : public testing::TestWithParam<std::tuple<Source, bool>> {
+ protected:
+  Source source() const { return std::get<0>(GetParam()); }
+  bool with_S() const { return std::get<1>(GetParam()); }
+  bool has_differences() const { return source() == Source::callbacks; }
+
+  double mass_ = mass0;
+  std::unique_ptr<MultibodyProblem> problem_ =
+      multibody_problem(with_S() ? example<true>(source(), mass_) : example<false>(source(), mass_));
+};
+
+// What an iteration solves, from the terms.
+struct Solved {
+  std::vector<double> force, acceleration, velocity, kinematics;
+};
+Solved solved_at(MultibodyProblem& problem, const double* q, const double* v) {
+  MultibodyTerms terms(problem.sizes());
+  EXPECT_EQ(problem.at_velocity(t0, q, v, terms).status, SFDAE_OK);
+  Solved result{terms.f, terms.acceleration_rest, terms.velocity_rest, std::vector<double>(v, v + nv)};
+  for (int j = 0; j < nv; ++j)
+    for (int i = 0; i < nl + nk; ++i) {
+      result.acceleration[size(i)] += terms.C(i, j) * a0[j];
+      result.velocity[size(i)] += terms.C(i, j) * v[j];
+      result.force[size(j)] -= terms.C(i, j) * mu0[i];
+    }
+  for (int j = 0; j < nv; ++j)
+    for (int i = 0; i < nv; ++i) result.force[size(i)] -= terms.M(i, j) * a0[j];
+  if (!problem.has_kinematics()) return result;
+  for (int i = 0; i < nq; ++i) {
+    result.kinematics[size(i)] = 0.0;
+    for (int j = 0; j < nv; ++j) result.kinematics[size(i)] += terms.S(i, j) * v[j];
+  }
+  return result;
+}
+
+// Central differences of fourth order.
+template <class Function>
+std::vector<double> slope(const double* at, int j, Function function) {
+  constexpr double h = 1e-3;
+  const double weights[] = {1.0 / 12.0, -2.0 / 3.0, 2.0 / 3.0, -1.0 / 12.0}, offsets[] = {-2.0, -1.0, 1.0, 2.0};
+  std::vector<double> sum;
+  for (int k = 0; k < 4; ++k) {
+    double moved[3] = {at[0], at[1], at[2]};
+    moved[j] += offsets[k] * h;
+    const std::vector<double> values = function(moved);
+    sum.resize(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) sum[i] += weights[k] / h * values[i];
+  }
+  return sum;
+}
+
+void expect_column(const Matrix& matrix, int j, const std::vector<double>& expected, double tolerance) {
+  SCOPED_TRACE(matrix.rows() * 10 + matrix.cols());
+  for (int i = 0; i < matrix.rows(); ++i) EXPECT_NEAR(matrix(i, j), expected[size(i)], tolerance) << i << ", " << j;
+}
+
+}  // namespace
+
+INSTANTIATE_TEST_SUITE_P(, MultibodySources,
+                         testing::Combine(testing::Values(Source::recorded, Source::callbacks,
+                                                          Source::callbacks_with_curvature),
+                                          testing::Bool()));
+
+// Values of the formulas; g_q, g_t from series of g along lines, s from those along the motion.
+TEST_P(MultibodySources, DeliversTermsOfTheTheory) {
+  MultibodyTerms terms(problem_->sizes());
+  ASSERT_EQ(problem_->at_velocity(t0, q0, v0, terms).status, SFDAE_OK);
+  double M[9] = {}, S[9] = {}, H[3] = {}, h[1] = {}, f[3] = {}, g[2] = {}, g_q[6], g_t[2], s[3];
+  const Formulas<double> formulas{t0, q0};
+  formulas.M(M, mass0), formulas.f(v0, f), formulas.g(g), formulas.H(H), formulas.h(h);
+  if (with_S()) formulas.S(S);
+  jacobian_callback(t0, q0, g_q, nullptr), rate_callback(t0, q0, g_t, nullptr);
+  (with_S() ? curvature_callback<true> : curvature_callback<false>)(t0, q0, v0, s, nullptr);
+  (with_S() ? nonholonomic_curvature_callback<true> : nonholonomic_curvature_callback<false>)(t0, q0, v0, s + nl, nullptr);
+  const double tolerance = rounding(10);
+  for (int i = 0; i < 9; ++i) EXPECT_NEAR(terms.M.data()[i], M[i], tolerance) << "M " << i;
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(terms.f[size(i)], f[i], 10.0 * tolerance);
+  for (int i = 0; i < nl; ++i) {
+    EXPECT_NEAR(terms.g[size(i)], g[i], tolerance);
+    EXPECT_NEAR(terms.velocity_rest[size(i)], g_t[i], tolerance);
+  }
+  EXPECT_NEAR(terms.velocity_rest[nl], h[0], tolerance);
+  for (int j = 0; j < nv; ++j) {
+    EXPECT_NEAR(terms.C(nl, j), H[j], tolerance);
+    for (int i = 0; i < nl; ++i) {
+      EXPECT_NEAR(terms.g_q(i, j), g_q[i + j * nl], tolerance);
+      double G = with_S() ? 0.0 : g_q[i + j * nl];
+      for (int k = 0; with_S() && k < nq; ++k) G += g_q[i + k * nl] * S[k + j * nq];
+      EXPECT_NEAR(terms.C(i, j), G, tolerance);
+    }
+  }
+  EXPECT_EQ(problem_->has_kinematics(), with_S());
+  EXPECT_EQ(terms.S.cols(), with_S() ? nv : 0);
+  for (int i = 0; with_S() && i < nq * nv; ++i) EXPECT_NEAR(terms.S.data()[i], S[i], tolerance);
+  for (int i = 0; i < nl + nk; ++i)
+    EXPECT_NEAR(terms.acceleration_rest[size(i)], s[i], has_differences() ? 1e-11 : 10.0 * tolerance) << i;
+}
+
+TEST_P(MultibodySources, DeliversTheSamePositionsWithoutVelocities) {
+  MultibodyTerms position(problem_->sizes()), all(problem_->sizes());
+  double g[nl];
+  ASSERT_EQ(problem_->at_position(t0, q0, position).status, SFDAE_OK);
+  ASSERT_EQ(problem_->at_velocity(t0, q0, v0, all).status, SFDAE_OK);
+  ASSERT_EQ(problem_->constraints(t0, q0, g).status, SFDAE_OK);
+  const double tolerance = rounding(10);
+  for (int i = 0; i < nv * nv; ++i) EXPECT_EQ(position.M.data()[i], all.M.data()[i]);
+  for (int i = 0; i < (nl + nk) * nv; ++i) EXPECT_EQ(position.C.data()[i], all.C.data()[i]);
+  for (int i = 0; i < nl; ++i) {
+    EXPECT_EQ(position.g[size(i)], g[i]);
+    EXPECT_EQ(position.g[size(i)], all.g[size(i)]);
+  }
+  for (int i = 0; i < nl + nk; ++i) EXPECT_NEAR(position.velocity_rest[size(i)], all.velocity_rest[size(i)], tolerance);
+}
+
+TEST_P(MultibodySources, LinearizesWhatIsSolved) {
+  MultibodyTerms terms(problem_->sizes());
+  MultibodyJacobian jacobian(problem_->sizes());
+  ASSERT_EQ(problem_->at_velocity(t0, q0, v0, terms).status, SFDAE_OK);
+  ASSERT_EQ(problem_->linearize(t0, q0, v0, a0, mu0, terms, jacobian).status, SFDAE_OK);
+  // The differences of this test are exact to about 1e-11; those of callbacks to the square root of rounding, and wider
+  // where values are differences, too.
+  const double tolerance = source() == Source::recorded ? 1e-9 : 1e-6;
+  const double of_acceleration = has_differences() ? 2e-4 : tolerance;
+  for (int j = 0; j < nq; ++j) {
+    const auto by_q = [&](std::vector<double> Solved::*part) {
+      return slope(q0, j, [&](const double* q) { return solved_at(*problem_, q, v0).*part; });
+    };
+    expect_column(jacobian.force_q, j, by_q(&Solved::force), tolerance);
+    expect_column(jacobian.acceleration_q, j, by_q(&Solved::acceleration), of_acceleration);
+    expect_column(jacobian.velocity_q, j, by_q(&Solved::velocity), tolerance);
+    if (with_S()) expect_column(jacobian.kinematics_q, j, by_q(&Solved::kinematics), tolerance);
+  }
+  for (int j = 0; j < nv; ++j) {
+    const auto by_v = [&](std::vector<double> Solved::*part) {
+      return slope(v0, j, [&](const double* v) { return solved_at(*problem_, q0, v).*part; });
+    };
+    expect_column(jacobian.force_v, j, by_v(&Solved::force), tolerance);
+    expect_column(jacobian.acceleration_v, j, by_v(&Solved::acceleration), std::max(tolerance, 1e-6 * has_differences()));
+  }
+}
+
+TEST_P(MultibodySources, StopsOnRequest) {
+  MultibodyTerms terms(problem_->sizes());
+  problem_->request_stop();
+  EXPECT_EQ(problem_->at_velocity(t0, q0, v0, terms).status, SFDAE_STOPPED);
+  EXPECT_TRUE(problem_->take_stop_request());
+  EXPECT_EQ(problem_->at_velocity(t0, q0, v0, terms).status, SFDAE_OK);
+}
+
+// One-sided near limits in t: the same within the accuracy of differences.
+TEST(MultibodyCallbacks, TakeNoDifferencesFromBeyondLimits) {
+  double mass = mass0;
+  for (const double room : {0.0, 1e-3, 0.1}) {
+    const auto problem = multibody_problem(example<true>(Source::callbacks, mass));
+    MultibodyTerms free(problem->sizes()), limited(problem->sizes());
+    ASSERT_EQ(problem->at_velocity(t0, q0, v0, free).status, SFDAE_OK);
+    problem->set_limits(-10.0, t0 + room);
+    ASSERT_EQ(problem->at_velocity(t0, q0, v0, limited).status, SFDAE_OK);
+    for (std::size_t i = 0; i < nl + nk; ++i)
+      EXPECT_NEAR(limited.acceleration_rest[i], free.acceleration_rest[i], 1e-9) << room;
+  }
+}
+
+}  // namespace sfdae::core
