@@ -101,8 +101,8 @@ class CallbackMultibody final : public MultibodyProblem {
   sfdae_multibody_problem functions_;
   bool gamma_by_differences_, eta_by_differences_;
   Matrix H_;
-  MultibodyTerms probe_;              // at other points
-  std::vector<double> direction_;     // S v
+  MultibodyTerms probe_;           // at other points
+  std::vector<double> direction_;  // S v
   std::vector<double> shifted_q_, shifted_direction_;
   std::vector<DifferenceFormula> formulas_;  // by shift
   std::vector<double> samples_, candidate_, along_, in_time_;

@@ -1,7 +1,7 @@
 // Derivatives of a mechanical system that its functions do not give.
 //
-// s = d/ds (C v + r) along (t + s, q + s S v) with v held: differences of nine points, of t and of q apart, so that what
-// limits t has no influence on systems that do not depend on it.
+// s = d/ds (C v + r) along (t + s, q + s S v) with v held: differences of nine points, of t and of q apart, so that
+// what limits t has no influence on systems that do not depend on it.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
@@ -60,7 +60,8 @@ bool CallbackMultibody::undifferentiated(const Point& at, double* values, Troubl
 }
 
 // direction_ is S v.
-bool CallbackMultibody::at_offset(const Point& at, const Line& line, double offset, double* values, Trouble& trouble) {
+bool CallbackMultibody::at_offset(const Point& at, const Line& line, double offset, double* values,
+                                  Trouble& trouble) {
   std::copy_n(at.q, sizes().positions, shifted_q_.data());
   for (std::size_t i = 0; i < shifted_q_.size(); ++i) shifted_q_[i] += offset * line.q_rate * direction_[i];
   return undifferentiated({at.t + offset * line.t_rate, shifted_q_.data(), at.v}, values, trouble);
@@ -107,11 +108,13 @@ bool CallbackMultibody::add_differences(const Point& at, const MultibodyTerms& t
   std::fill(along_.begin(), along_.end(), 0.0);
   std::fill(in_time_.begin(), in_time_.end(), 0.0);
   const double step = step_along_motion(at.q);
-  if (step < infinity && !differentiate(at, {0.0, 1.0, widest_spacing * step, infinity, infinity}, along_.data(), trouble))
+  if (step < infinity &&
+      !differentiate(at, {0.0, 1.0, widest_spacing * step, infinity, infinity}, along_.data(), trouble))
     return false;
   const double before = std::max(room(at.t, -1.0), 0.0), after = std::max(room(at.t, 1.0), 0.0);
   const Line in_time{1.0, 0.0, widest_spacing * unit_of_time(at.t), before, after};
-  if (may_depend_on_time() && before + after > 0.0 && !differentiate(at, in_time, in_time_.data(), trouble)) return false;
+  if (may_depend_on_time() && before + after > 0.0 && !differentiate(at, in_time, in_time_.data(), trouble))
+    return false;
   for (int i = 0; i < rows; ++i) s[i] += along_[static_cast<std::size_t>(i)] + in_time_[static_cast<std::size_t>(i)];
   return true;
 }

@@ -61,7 +61,8 @@ bool CallbackMultibody::rough_rest(const Point& at, const Increments& steps, dou
   std::fill_n(s, rows, 0.0);
   const auto add = [&](const Line& line, double before, double after) {
     if (before + after == 0.0) return true;
-    if (!at_offset(at, line, after, along_.data(), trouble) || !at_offset(at, line, -before, in_time_.data(), trouble))
+    if (!at_offset(at, line, after, along_.data(), trouble) ||
+        !at_offset(at, line, -before, in_time_.data(), trouble))
       return false;
     for (int i = 0; i < rows; ++i)
       s[i] += (along_[static_cast<std::size_t>(i)] - in_time_[static_cast<std::size_t>(i)]) / (before + after);
@@ -77,7 +78,8 @@ bool CallbackMultibody::add_rate_of_C(const Point& at, const Increments& steps, 
     for (const double offset : {after, -before}) {
       std::copy_n(at.q, sizes().positions, shifted_q_.data());
       for (std::size_t i = 0; i < shifted_q_.size(); ++i) shifted_q_[i] += offset * line.q_rate * direction_[i];
-      if (!evaluate_constraints({at.t + offset * line.t_rate, shifted_q_.data(), at.v}, probe_, trouble)) return false;
+      if (!evaluate_constraints({at.t + offset * line.t_rate, shifted_q_.data(), at.v}, probe_, trouble))
+        return false;
       const double factor = (offset == after ? 1.0 : -1.0) / (before + after);
       for (int j = 0; j < rate.cols; ++j)
         for (int i = 0; i < rate.rows; ++i) rate(i, j) += factor * probe_.C(i, j);

@@ -95,7 +95,8 @@ TEST_P(MultibodySources, DeliversTermsOfTheTheory) {
   if (with_S()) formulas.S(S);
   jacobian_callback(t0, q0, g_q, nullptr), rate_callback(t0, q0, g_t, nullptr);
   (with_S() ? curvature_callback<true> : curvature_callback<false>)(t0, q0, v0, s, nullptr);
-  (with_S() ? nonholonomic_curvature_callback<true> : nonholonomic_curvature_callback<false>)(t0, q0, v0, s + nl, nullptr);
+  (with_S() ? nonholonomic_curvature_callback<true> : nonholonomic_curvature_callback<false>)(t0, q0, v0, s + nl,
+                                                                                              nullptr);
   const double tolerance = rounding(10);
   for (int i = 0; i < 9; ++i) EXPECT_NEAR(terms.M.data()[i], M[i], tolerance) << "M " << i;
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(terms.f[size(i)], f[i], 10.0 * tolerance);
@@ -133,7 +134,8 @@ TEST_P(MultibodySources, DeliversTheSamePositionsWithoutVelocities) {
     EXPECT_EQ(position.g[size(i)], g[i]);
     EXPECT_EQ(position.g[size(i)], all.g[size(i)]);
   }
-  for (int i = 0; i < nl + nk; ++i) EXPECT_NEAR(position.velocity_rest[size(i)], all.velocity_rest[size(i)], tolerance);
+  for (int i = 0; i < nl + nk; ++i)
+    EXPECT_NEAR(position.velocity_rest[size(i)], all.velocity_rest[size(i)], tolerance);
 }
 
 TEST_P(MultibodySources, LinearizesWhatIsSolved) {
@@ -159,7 +161,8 @@ TEST_P(MultibodySources, LinearizesWhatIsSolved) {
       return slope(v0, j, [&](const double* v) { return solved_at(*problem_, q0, v).*part; });
     };
     expect_column(jacobian.force_v, j, by_v(&Solved::force), tolerance);
-    expect_column(jacobian.acceleration_v, j, by_v(&Solved::acceleration), std::max(tolerance, 1e-6 * has_differences()));
+    expect_column(jacobian.acceleration_v, j, by_v(&Solved::acceleration),
+                  std::max(tolerance, 1e-6 * has_differences()));
   }
 }
 
