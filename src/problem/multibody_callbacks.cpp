@@ -68,7 +68,7 @@ CallbackMultibody::CallbackMultibody(const sfdae_multibody_problem& problem)
   const std::size_t rows = size(sizes().constraints());
   for (int shift = 0; shift < points; ++shift) formulas_.emplace_back(shift, 1);
   samples_.resize(rows * points);
-  for (auto* values : {&candidate_, &along_, &in_time_, &rough_base_, &rough_moved_}) values->resize(rows);
+  for (auto* values : {&values_, &errors_, &along_, &in_time_, &rough_base_, &rough_moved_}) values->resize(rows);
 }
 
 template <class Call>
