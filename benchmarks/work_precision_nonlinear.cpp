@@ -8,110 +8,22 @@
 //
 // Runs one BLAS thread if OPENBLAS_NUM_THREADS=1 and the like say so.
 #include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <cstdio>
-#include <limits>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "ida_forms.h"
 #include "test_set/test_set.h"
 #include "work_precision_nonlinear_sfdae.h"
+#include "work_precision_rows.h"
 
 namespace {
 
+using sfdae_bench::measured;
 using sfdae_bench::Method;
-using sfdae_bench::PeerProblem;
-using sfdae_bench::SolverRun;
+using sfdae_bench::Results;
+using sfdae_bench::Row;
+using sfdae_bench::tolerances;
 using sfdae_test::TestProblem;
-
-struct Row {
-  std::string problem, solver, form;
-  double tol = 0.0, digits = 0.0, milliseconds = 0.0;
-  SolverRun run;
-};
-
-// Runs are repeated until they have taken a fifth of a second together, at most ten times.
-template <class Solve>
-Row measured(const Solve& solve) {
-  Row row;
-  row.milliseconds = std::numeric_limits<double>::infinity();
-  double spent = 0.0;
-  for (int k = 0; k < 10 && spent < 200.0; ++k) {
-    const auto start = std::chrono::steady_clock::now();
-    row.run = solve();
-    const double elapsed =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    row.milliseconds = std::min(row.milliseconds, elapsed);
-    spent += elapsed;
-  }
-  return row;
-}
-
-class Results {
- public:
-  Results() { std::printf("problem,solver,form,tol,digits,milliseconds,steps,evaluations,factorizations,failure\n"); }
-
-  void add(const TestProblem& problem, Row row) {
-    std::printf("%s,%s,%s,%.2e,", row.problem.c_str(), row.solver.c_str(), row.form.c_str(), row.tol);
-    if (row.run.failure.empty()) {
-      row.digits = sfdae_test::correct_digits(problem, problem.references.back(), row.run.x.data());
-      std::printf("%.2f,%.4g,%ld,%ld,%ld,\n", row.digits, row.milliseconds, row.run.steps, row.run.evaluations,
-                  row.run.factorizations);
-      rows_.push_back(std::move(row));
-    } else {
-      std::printf(",,%ld,%ld,%ld,\"%s\"\n", row.run.steps, row.run.evaluations, row.run.factorizations,
-                  row.run.failure.c_str());
-    }
-    std::fflush(stdout);
-  }
-
-  // The fastest run of each solver that has at least so many digits.
-  void summarize() const {
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      const Row& first = rows_[i];
-      const auto same = [&](const Row& row) { return row.problem == first.problem && row.solver == first.solver; };
-      if (std::find_if(rows_.begin(), rows_.end(), same) - rows_.begin() != static_cast<std::ptrdiff_t>(i)) continue;
-      std::fprintf(stderr, "%-22s %-12s", first.problem.c_str(), first.solver.c_str());
-      for (const double digits : {4.0, 6.0, 8.0}) {
-        const Row* best = nullptr;
-        for (const Row& row : rows_)
-          if (same(row) && row.digits >= digits && (best == nullptr || row.milliseconds < best->milliseconds))
-            best = &row;
-        if (best == nullptr) std::fprintf(stderr, "  %.0f: -                         ", digits);
-        else
-          std::fprintf(stderr, "  %.0f: %8.3g ms (%s, %ld steps)", digits, best->milliseconds, best->form.c_str(),
-                       best->run.steps);
-      }
-      std::fprintf(stderr, "\n");
-    }
-  }
-
- private:
-  std::vector<Row> rows_;
-};
-
-std::vector<double> tolerances() {
-  std::vector<double> all;
-  for (double exponent = -3.0; exponent >= -11.0; exponent -= 0.5) all.push_back(std::pow(10.0, exponent));
-  return all;
-}
-
-void run_ida(const TestProblem& problem, Results& results) {
-  if (!sfdae_bench::ida_is_available()) return;
-  for (const PeerProblem& form : sfdae_bench::peer_forms(problem))
-    for (const double tol : tolerances()) {
-      Row row = measured([&] { return sfdae_bench::solve_with_ida(form, tol); });
-      row.problem = form.problem;
-      row.solver = "IDA";
-      row.form = form.form;
-      row.tol = tol;
-      results.add(problem, std::move(row));
-    }
-}
 
 template <class Equations>
 void run_sfdae(const TestProblem& problem, const Equations& equations, Results& results) {
@@ -135,7 +47,7 @@ int main(int argc, char** argv) {
   Results results;
   sfdae_test::for_each_problem_of_test_set([&](const TestProblem& problem, const auto& equations) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), problem.name) == wanted.end()) return;
-    run_ida(problem, results);
+    sfdae_bench::run_ida(problem, results);
     run_sfdae(problem, equations, results);
   });
   results.summarize();

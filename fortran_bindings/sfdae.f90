@@ -385,6 +385,7 @@ module sfdae
     type(c_ptr) :: prescribed = c_null_ptr
     type(c_funptr) :: prescribed_values = c_null_funptr
     type(c_ptr) :: user = c_null_ptr
+    type(c_ptr) :: differentiations = c_null_ptr
   end type sfdae_nonlinear_problem
 
   !> Mirror of the C problem; programs extend multibody_dae and others instead.
@@ -461,6 +462,8 @@ module sfdae
     integer(c_int) :: num_unknowns = 0
     !> u > 0 only: components of x, from 1, that eval_prescribed gives as functions of time.
     integer(c_int), allocatable :: prescribed(:)
+    !> Not for linear_dae: how often each equation is differentiated at most. Not allocated: no limit.
+    integer(c_int), allocatable :: differentiations(:)
   contains
     !> Writes the values of the prescribed components.
     procedure :: eval_prescribed => missing_prescribed
@@ -845,6 +848,8 @@ module sfdae
     integer(c_int) :: num_constraints = 0, num_nonholonomic = 0
     !> Prescribed components, from 0.
     integer(c_int), allocatable :: prescribed(:)
+    !> As in the problem; where their number is wrong, -1, which create and check refuse.
+    integer(c_int), allocatable :: differentiations(:)
   end type callback_holder
 
   !> A solver. Never copy one, and destroy it before it goes out of scope.
@@ -2713,6 +2718,8 @@ contains
       c_problem%total_derivative = c_funloc(call_total_derivative)
     end select
     c_problem%user = c_loc(holder)
+    if (allocated(holder%differentiations)) &
+      c_problem%differentiations = c_loc(holder%differentiations)
     if (.not. allocated(holder%prescribed)) return
     c_problem%num_prescribed = size(holder%prescribed, kind=c_int)
     c_problem%prescribed = c_loc(holder%prescribed)
@@ -2792,6 +2799,11 @@ contains
     holder%problem => problem
     holder%num_equations = problem%num_equations
     holder%num_unknowns = problem%num_unknowns
+    if (allocated(problem%differentiations)) then
+      allocate (holder%differentiations(max(problem%num_equations, 1)), source=-1_c_int)
+      if (size(problem%differentiations) == problem%num_equations) &
+        holder%differentiations(:) = problem%differentiations
+    end if
     if (.not. allocated(problem%prescribed)) return
     if (size(problem%prescribed) > 0) holder%prescribed = problem%prescribed - 1_c_int
   end subroutine fill_holder

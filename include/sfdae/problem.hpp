@@ -137,6 +137,7 @@ struct NonlinearProblem {
   TotalDerivativeFunction total_derivative;
   std::vector<int> prescribed;       ///< indices of the components that are prescribed, u > 0 only
   VectorFunction prescribed_values;  ///< writes their values; order is 0
+  std::vector<int> differentiations;  ///< none, or how often each equation is differentiated at most
 };
 
 /// Functions of a mechanical system that write into a view filled with zeros, see sfdae_multibody_problem:

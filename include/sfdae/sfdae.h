@@ -310,6 +310,12 @@ typedef struct sfdae_nonlinear_problem {
   sfdae_vector_function prescribed_values;    /* order is 0 */
 
   void *user; /* handed to every callback */
+
+  /* NULL (default): every equation is differentiated as often as the index asks for. Else m counts, 0 ... 12:
+   * equation i is differentiated that often at most, which makes the derivative array smaller (minimal extension).
+   * Counts that are too small are told (SFDAE_INDEX_TOO_HIGH). For x' one more derivative is used. Linear equations are
+   * treated as nonlinear ones. */
+  const int *differentiations;
 } sfdae_nonlinear_problem;
 
 /* Sets defaults. size: sizeof(sfdae_nonlinear_problem) of the caller. */

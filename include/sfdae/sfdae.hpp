@@ -571,6 +571,7 @@ class Solver {
     c.linear_equations = problem.linear_equations ? call_linear_equations : nullptr;
     c.total_derivative = problem.total_derivative ? call_total_derivative : nullptr;
     fill_prescribed(problem, c);
+    c.differentiations = entries(problem.differentiations, problem.num_equations, "differentiations", "equations");
     c.user = user;
     return c;
   }
@@ -625,9 +626,9 @@ class Solver {
   }
 
   template <class T>
-  static const T* entries(const std::vector<T>& values, int n, const char* name) {
+  static const T* entries(const std::vector<T>& values, int n, const char* name, const char* what = "unknowns") {
     if (values.empty()) return nullptr;
-    require_size(values.size(), n, name);
+    require_size(values.size(), n, name, what);
     return values.data();
   }
 

@@ -92,6 +92,10 @@ CallResult check_problem(const sfdae_nonlinear_problem& problem) {
     return illegal_argument(format("%d of the functions equations, linear_equations and total_derivative are set; it must "
                                    "be one.",
                                    functions));
+  for (int i = 0; problem.differentiations != nullptr && i < problem.num_equations; ++i)
+    if (problem.differentiations[i] < 0 || problem.differentiations[i] > max_strangeness_index)
+      return illegal_argument(format("differentiations[%d] = %d; it must be 0 ... %d.", i,
+                                     problem.differentiations[i], max_strangeness_index));
   return check_prescribed(problem);
 }
 

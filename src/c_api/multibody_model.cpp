@@ -40,13 +40,14 @@ class MultibodyModel final : public Model {
     IndexAnalysis analysis;
     analysis.values = characteristic_values(sizes, ranks);
     if (analysis.values.mu > options.analysis.max_index)
-      throw Failure(SFDAE_INDEX_TOO_HIGH, format("the strangeness index of these constraints is %d, but max_index is %d.",
-                                                 analysis.values.mu, options.analysis.max_index));
+      throw Failure(SFDAE_INDEX_TOO_HIGH,
+                    format("the strangeness index of these constraints is %d, but max_index is %d.",
+                           analysis.values.mu, options.analysis.max_index));
     analysis.t = point.t;
     analysis.v_hat = sizes.constraints() - ranks.velocities;
     analysis.rank_E = sizes.positions + consistency.rank_of_mass();
-    return std::make_unique<MultibodySystem>(*problem_, MultibodySystem::Traits{ranks, coordinates_}, std::move(analysis),
-                                             q.data(), v.data());
+    return std::make_unique<MultibodySystem>(*problem_, MultibodySystem::Traits{ranks, coordinates_},
+                                             std::move(analysis), q.data(), v.data());
   }
 
   std::unique_ptr<DaeSystem> copy_of(const DaeSystem& system, const SolverOptions&) override {
@@ -57,7 +58,8 @@ class MultibodyModel final : public Model {
     return std::make_unique<MultibodySystem>(*problem_, original.traits(), analysis, point.q.data(), point.v.data());
   }
 
-  Consistent consistent_values(DaeSystem& any_system, const SolverOptions& options, const PointOfInterest& point) override {
+  Consistent consistent_values(DaeSystem& any_system, const SolverOptions& options,
+                               const PointOfInterest& point) override {
     auto& system = static_cast<MultibodySystem&>(any_system);
     const MultibodySizes& sizes = problem_->sizes();
     const std::size_t n = static_cast<std::size_t>(sizes.unknowns());
@@ -85,10 +87,11 @@ class MultibodyModel final : public Model {
     report_change(request, point.t, given, result.x, change);
     if (request.kind == InitialValues::accept) result.x = given;
     result.xdot.resize(n);
-    const bool exact = system.consistent_derivative(result.x.data(), point.toward < point.t ? -1.0 : 1.0, result.xdot.data());
+    const bool exact =
+        system.consistent_derivative(result.x.data(), point.toward < point.t ? -1.0 : 1.0, result.xdot.data());
     demand_finite_derivative(result.xdot, point.t);
-    result.report = {sizeof(sfdae_initial_report), point.t, change.residual_before, change.residual_after,
-                     change.largest_change, change.component, exact ? 1 : 0};
+    result.report = {sizeof(sfdae_initial_report), point.t,          change.residual_before, change.residual_after,
+                     change.largest_change,        change.component, exact ? 1 : 0};
     return result;
   }
 
@@ -108,7 +111,8 @@ class MultibodyModel final : public Model {
   }
 
  private:
-  static void stand_at(MultibodySystem& system, double t, const std::vector<double>& q, const std::vector<double>& v) {
+  static void stand_at(MultibodySystem& system, double t, const std::vector<double>& q,
+                       const std::vector<double>& v) {
     const PointStatus status = system.stand_at(t, q.data(), v.data());
     if (status == PointStatus::trouble) throw Failure(system.trouble().status, system.trouble().message());
     if (status != PointStatus::ok)
@@ -117,8 +121,8 @@ class MultibodyModel final : public Model {
                         format(") do not hold at t = %.15g. Analyze the problem there.", t));
   }
 
-  // Components that are fixed stay to the last bit. Forces of constraints follow from positions and velocities: those given
-  // have to fit.
+  // Components that are fixed stay to the last bit. Forces of constraints follow from positions and velocities: those
+  // given have to fit.
   void keep_fixed(const ConsistencyRequest& request, double t, const std::vector<double>& given,
                   std::vector<double>& x) const {
     constexpr double fixed_tolerance = 1e-9;
@@ -129,10 +133,11 @@ class MultibodyModel final : public Model {
     for (std::size_t i = 0; i < x.size(); ++i) {
       if (request.fixed[i] == 0) continue;
       if (i >= size && std::fabs(x[i] - given[i]) > fixed_tolerance * std::max(largest, std::fabs(given[i])))
-        throw Failure(SFDAE_FIXED_VALUES,
-                      format("x[%d] = %.6g is fixed, but it is a force of constraints, and positions and velocities make it "
-                             "%.6g at t = %.15g.",
-                             static_cast<int>(i), given[i], x[i], t));
+        throw Failure(
+            SFDAE_FIXED_VALUES,
+            format("x[%d] = %.6g is fixed, but it is a force of constraints, and positions and velocities make it "
+                   "%.6g at t = %.15g.",
+                   static_cast<int>(i), given[i], x[i], t));
       x[i] = given[i];
     }
   }
@@ -144,9 +149,9 @@ class MultibodyModel final : public Model {
 }  // namespace
 
 std::unique_ptr<Model> multibody_model(const sfdae_multibody_problem& problem) {
-  return std::make_unique<MultibodyModel>(multibody_problem(problem), problem.coordinates == SFDAE_COORDINATES_PERMUTATION
-                                                                          ? Coordinates::permutation
-                                                                          : Coordinates::orthogonal);
+  return std::make_unique<MultibodyModel>(
+      multibody_problem(problem),
+      problem.coordinates == SFDAE_COORDINATES_PERMUTATION ? Coordinates::permutation : Coordinates::orthogonal);
 }
 
 sfdae_multibody_report report_of(const MultibodySystem& system) {

@@ -21,6 +21,14 @@ PrescribedInputs inputs_of(const sfdae_nonlinear_problem& problem) {
           problem.prescribed_values, problem.user};
 }
 
+// Empty where nothing is left out of any array.
+std::vector<int> differentiations_of(const sfdae_nonlinear_problem& problem) {
+  if (problem.differentiations == nullptr) return {};
+  std::vector<int> counts(problem.differentiations, problem.differentiations + problem.num_equations);
+  const bool has_all = *std::min_element(counts.begin(), counts.end()) == max_strangeness_index;
+  return has_all ? std::vector<int>() : counts;
+}
+
 class NonlinearModel final : public Model {
  public:
   explicit NonlinearModel(std::unique_ptr<NonlinearProblem> problem) : problem_(std::move(problem)) {}
@@ -37,11 +45,13 @@ class NonlinearModel final : public Model {
 
   std::unique_ptr<DaeSystem> analyze(const PointOfInterest& point, const SolverOptions& options,
                                      std::vector<RankDecision>& decisions) override {
-    ConsistentJets jets(*problem_, point.t, point.x, fixed(options));
-    Arena arena;
-    IndexAnalysis analysis = analyze_index(jets, point.t, point.toward, options.analysis, arena, decisions);
-    return std::make_unique<NonlinearSystem>(*problem_, options.analysis, std::move(analysis), jets.column_scale(),
-                                             jets.jet_at(point.t, analysis.values.mu));
+    if (problem_->differentiations().empty()) return analyze_with(options.analysis, point, options, decisions);
+    try {
+      return analyze_with(options.analysis, point, options, decisions);
+    } catch (const Failure& failure) {
+      if (failure.status() != SFDAE_INDEX_TOO_HIGH) throw;
+    }
+    return analyze_against_whole_array(point, options, decisions);
   }
 
   std::unique_ptr<DaeSystem> copy_of(const DaeSystem& system, const SolverOptions& options) override {
@@ -103,6 +113,38 @@ class NonlinearModel final : public Model {
   }
 
  private:
+  std::unique_ptr<DaeSystem> analyze_with(const AnalysisSettings& settings, const PointOfInterest& point,
+                                          const SolverOptions& options, std::vector<RankDecision>& decisions) {
+    ConsistentJets jets(*problem_, point.t, point.x, fixed(options));
+    Arena arena;
+    IndexAnalysis analysis = analyze_index(jets, point.t, point.toward, settings, arena, decisions);
+    return std::make_unique<NonlinearSystem>(*problem_, options.analysis, std::move(analysis), jets.column_scale(),
+                                             jets.jet_at(point.t, analysis.values.mu));
+  }
+
+  // How many equations are redundant only the array with all its rows tells.
+  std::unique_ptr<DaeSystem> analyze_against_whole_array(const PointOfInterest& point, const SolverOptions& options,
+                                                         std::vector<RankDecision>& decisions) {
+    AnalysisSettings settings = options.analysis;
+    const std::vector<int> counts = problem_->differentiations();
+    problem_->set_differentiations({});
+    try {
+      settings.expected = analyze_with(options.analysis, point, options, decisions)->analysis().values;
+    } catch (...) {
+      problem_->set_differentiations(counts);
+      throw;
+    }
+    problem_->set_differentiations(counts);
+    try {
+      return analyze_with(settings, point, options, decisions);
+    } catch (const Failure& failure) {
+      if (failure.status() != SFDAE_INDEX_TOO_HIGH) throw;
+      throw Failure(SFDAE_INDEX_TOO_HIGH, "differentiations are too few: with all equations differentiated, " +
+                                              describe(settings.expected) + format(" at t = %.15g, but ", point.t) +
+                                              failure.what());
+    }
+  }
+
   static std::vector<char> fixed(const SolverOptions& options) {
     return options.consistency.kind == InitialValues::fixed ? options.consistency.fixed : std::vector<char>();
   }
@@ -151,14 +193,19 @@ class RecordedLinearModel final : public Model {
 
 std::unique_ptr<Model> nonlinear_model(const sfdae_nonlinear_problem& problem) {
   const int m = problem.num_equations, n = problem.num_unknowns;
+  const std::vector<int> counts = differentiations_of(problem);
+  const auto model_of = [&counts](std::unique_ptr<NonlinearProblem> nonlinear) {
+    nonlinear->set_differentiations(counts);
+    return std::make_unique<NonlinearModel>(std::move(nonlinear));
+  };
   if (problem.total_derivative != nullptr)
-    return std::make_unique<NonlinearModel>(
+    return model_of(
         std::make_unique<CallbackProblem>(m, n, problem.total_derivative, problem.user, inputs_of(problem)));
   std::shared_ptr<const Record> record = problem.equations != nullptr
                                              ? record_equations(problem.equations, m, n, problem.user)
                                              : record_linear_equations(problem.linear_equations, m, n, problem.user);
-  if (record->is_linear()) return std::make_unique<RecordedLinearModel>(std::move(record), problem);
-  return std::make_unique<NonlinearModel>(std::make_unique<RecordedProblem>(std::move(record), inputs_of(problem)));
+  if (record->is_linear() && counts.empty()) return std::make_unique<RecordedLinearModel>(std::move(record), problem);
+  return model_of(std::make_unique<RecordedProblem>(std::move(record), inputs_of(problem)));
 }
 
 }  // namespace sfdae::core

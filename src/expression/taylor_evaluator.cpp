@@ -73,14 +73,14 @@ bool TaylorEvaluator::values(double t, const double* jet, int order, double* F) 
 }
 
 bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot,
-                                double* F_x) {
+                                double* F_x, const std::vector<int>* limits) {
   const int order = orders.highest();
   assert(order <= series::highest_order);
   if (order < 0) return true;
   reserve(order);
   if (!load(t, jet, order)) return false;
   run(t, order, orders.of_gradients() >= 0);
-  return write_values(orders.F, F) && write_gradients(orders, F_xdot, F_x);
+  return write_values(orders.F, F) && write_gradients(orders, F_xdot, F_x, limits);
 }
 
 // Room for series of this order in every slot. Never shrinks.
@@ -151,7 +151,8 @@ bool TaylorEvaluator::write_values(int order, double* F) {
   return true;
 }
 
-bool TaylorEvaluator::write_gradients(SeriesOrders orders, double* F_xdot, double* F_x) {
+bool TaylorEvaluator::write_gradients(SeriesOrders orders, double* F_xdot, double* F_x,
+                                      const std::vector<int>* limits) {
   const int order = orders.of_gradients();
   if (order < 0) return true;
   const std::size_t area = at(record_->m()) * at(record_->n());
@@ -167,6 +168,15 @@ bool TaylorEvaluator::write_gradients(SeriesOrders orders, double* F_xdot, doubl
     if (tape_.has_choices) follow<true>(first, last, slots_.data(), adjoints, G);
     else follow<false>(first, last, slots_.data(), adjoints, G);
   };
+  if (limits != nullptr && !limits->empty()) {
+    for (int i = 0; i < record_->m(); ++i) {
+      const int limit = (*limits)[at(i)], own = std::min(order, limit);
+      with_order(own, [&](auto G) { sweep(i, G); });
+      const SeriesOrders wanted{orders.F, std::min(orders.F_xdot, limit), std::min(orders.F_x, limit)};
+      if (!write_targets(i, wanted, F_xdot, F_x)) return fail(i, orders.F, own);
+    }
+    return true;
+  }
   return with_order(order, [&](auto G) {
     for (int i = 0; i < record_->m(); ++i) {
       sweep(i, G);

@@ -40,7 +40,9 @@ class TaylorEvaluator {
 
   // Also those of the matrices F_x' and F_x: order k is the m x n matrix at k m n. The order of the jet is the highest
   // one asked for; outputs of order -1 are not touched and may be null.
-  bool gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot, double* F_x);
+  // limits: none, or the highest order wanted of the gradient of each equation; others are zero.
+  bool gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot, double* F_x,
+                 const std::vector<int>* limits = nullptr);
 
   // After false.
   const EvaluationFailure& failure() const { return failure_; }
@@ -61,7 +63,7 @@ class TaylorEvaluator {
   bool load(double t, const double* jet, int order);
   void run(double t, int order, bool with_slopes);
   bool write_values(int order, double* F);
-  bool write_gradients(SeriesOrders orders, double* F_xdot, double* F_x);
+  bool write_gradients(SeriesOrders orders, double* F_xdot, double* F_x, const std::vector<int>* limits);
   bool write_targets(int equation, SeriesOrders orders, double* F_xdot, double* F_x) const;
   bool fail(int equation, int order, int order_of_gradients);
 

@@ -193,6 +193,16 @@ void solve_lu(ConstView lu, const int* pivots, double* x) {
   solve_upper(Op::plain, lu, {x, order, 1, std::max(order, 1)});
 }
 
+void solve_lu(ConstView lu, const int* pivots, View b) {
+  if (lu.cols == 0 || b.cols == 0) return;
+  if (lu.cols > small_lu_order && b.cols > 1) {
+    int info = 0;
+    dgetrs_("N", &lu.cols, &b.cols, lu.data, &lu.ld, pivots, b.data, &b.ld, &info);
+    return;
+  }
+  for (int j = 0; j < b.cols; ++j) solve_lu(lu, pivots, b.column(j));
+}
+
 void solve_lu_transposed(ConstView lu, const int* pivots, View b) {
   const int order = lu.cols;
   solve_upper(Op::transposed, lu, b);

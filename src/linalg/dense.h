@@ -39,6 +39,7 @@ void solve_upper_right(ConstView r, View b);     // B := B R^-1
 // P A = L U in place; false if a pivot vanishes (nothing may be solved then).
 bool factor_lu(View a, int* pivots);
 void solve_lu(ConstView lu, const int* pivots, double* x);
+void solve_lu(ConstView lu, const int* pivots, View b);             // B := A^-1 B
 void solve_lu_transposed(ConstView lu, const int* pivots, View b);  // B := A^-T B
 // The same for complex matrices.
 bool factor_lu(ComplexView a, int* pivots);

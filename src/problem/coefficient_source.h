@@ -14,6 +14,8 @@ class CoefficientSource {
   virtual int m() const = 0;
   virtual int n() const = 0;
   // The same coefficients at every t.
+  // How often each equation is differentiated at most; empty: no limit.
+  virtual std::vector<int> differentiations() const { return {}; }
   virtual bool is_constant() const = 0;
   // The hypothesis has to hold at level mu + 1 as well: for nonlinear problems, where it does not follow from constant ranks.
   virtual bool checks_next_level() const { return false; }

@@ -43,7 +43,11 @@ Trouble NonlinearProblem::residuals(double t, const double* jet, int order, doub
   Trouble trouble = stopped(t);
   if (trouble.status != SFDAE_OK) return trouble;
   ++evaluations_;
-  return evaluate_values(t, jet, order, F);
+  trouble = evaluate_values(t, jet, order, F);
+  if (differentiations_.empty()) return trouble;
+  for (int i = 0; i < m_; ++i)
+    for (int k = differentiations_[index(i)] + 1; k <= order; ++k) F[i + k * m_] = 0.0;
+  return trouble;
 }
 
 Trouble NonlinearProblem::linearize(double t, const double* jet, Orders orders, const Scaling& scaling, TaylorData& data) {
@@ -51,9 +55,13 @@ Trouble NonlinearProblem::linearize(double t, const double* jet, Orders orders, 
   if (trouble.status != SFDAE_OK) return trouble;
   ++linearizations_;
   data.resize(m_, n_, orders);
+  data.differentiations = differentiations_;
+  if (scaling.once_more)
+    for (int& count : data.differentiations) ++count;
   data.t = t;
   trouble = evaluate_gradients(t, jet, orders, data);
   if (trouble.status != SFDAE_OK) return trouble;
+  data.clear_unused_rows();
   // TaylorData scales plain derivatives.
   const std::size_t area = index(m_) * index(n_);
   double factorial = 1.0;
@@ -88,7 +96,8 @@ Trouble RecordedProblem::evaluate_gradients(double t, const double* jet, Orders 
   const SeriesOrders wanted{orders.f, orders.E, orders.A};
   double* E = orders.E >= 0 ? data.E(0).data : nullptr;
   double* A = orders.A >= 0 ? data.A(0).data : nullptr;
-  return evaluator_.gradients(t, jet, wanted, orders.f >= 0 ? data.f(0) : nullptr, E, A) ? Trouble() : failure(t);
+  double* F = orders.f >= 0 ? data.f(0) : nullptr;
+  return evaluator_.gradients(t, jet, wanted, F, E, A, &data.differentiations) ? Trouble() : failure(t);
 }
 
 void CallbackProblem::to_derivatives(const double* jet, int order) {

@@ -27,18 +27,24 @@ class NonlinearProblem : public Problem {
   int m() const { return m_; }
   int n() const { return n_; }
   const std::vector<int>& prescribed() const { return inputs_.components; }
+  // How often each equation is differentiated at most (m counts, or none): rows of the derivative array above that
+  // are left out, their residuals are zero.
+  void set_differentiations(std::vector<int> counts) { differentiations_ = std::move(counts); }
+  const std::vector<int>& differentiations() const { return differentiations_; }
   // Values of the prescribed components.
   Trouble evaluate_prescribed(double t, double* values);
 
   // F: m x (order + 1), Taylor coefficients of F along a jet of order + 1.
   Trouble residuals(double t, const double* jet, int order, double* F);
-  // E(k) = (F_x')_k, A(k) = -(F_x)_k, f(k) = -F_k along a jet of order highest + 1: Taylor coefficients in time_scale, scaled
-  // as TaylorData does (rows, preferred_rows), with column j of E and A multiplied by column_scale[j] (may be empty).
+  // E(k) = (F_x')_k, A(k) = -(F_x)_k, f(k) = -F_k along a jet of order highest + 1: Taylor coefficients in
+  // time_scale, scaled as TaylorData does (rows, preferred_rows), with column j of E and A multiplied by
+  // column_scale[j] (may be empty).
   struct Scaling {
     double time_scale = 0.0;  // 0: chosen
     RowScaling rows = RowScaling::each;
     const std::vector<double>* preferred_rows = nullptr;
     const std::vector<double>* columns = nullptr;
+    bool once_more = false;  // every equation may be differentiated once more
   };
   Trouble linearize(double t, const double* jet, Orders orders, const Scaling& scaling, TaylorData& data);
 
@@ -57,6 +63,7 @@ class NonlinearProblem : public Problem {
 
   int m_, n_;
   PrescribedInputs inputs_;
+  std::vector<int> differentiations_;
   long evaluations_ = 0, linearizations_ = 0;
 };
 

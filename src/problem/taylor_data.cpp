@@ -178,6 +178,19 @@ void TaylorData::scale_columns(const std::vector<double>& factors) {
   for (int k = 0; k <= orders.A; ++k) scale_all(A(k));
 }
 
+void TaylorData::clear_unused_rows() {
+  if (differentiations.empty()) return;
+  const auto clear = [this](View block, int k) {
+    for (int i = 0; i < m; ++i) {
+      if (has_row(i, k)) continue;
+      for (int j = 0; j < block.cols; ++j) block(i, j) = 0.0;
+    }
+  };
+  for (int k = 1; k <= orders.E; ++k) clear(E(k), k);
+  for (int k = 1; k <= orders.A; ++k) clear(A(k), k);
+  for (int k = 1; k <= orders.f; ++k) clear({f(k), m, 1, m}, k);
+}
+
 void TaylorData::rescale_time(double factor) {
   time_scale *= factor;
   if (factor == 1.0) return;

@@ -9,6 +9,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -83,6 +84,17 @@ class TaylorData {
   std::vector<double> row_norm;   // largest entry of each row of [E A], unscaled
   // Errors of difference derivatives (plain, not Taylor) relative to the largest value of the function; 0: exact.
   std::array<double, max_derivative_order + 1> error_E{}, error_A{}, error_f{};
+  // How often each row is differentiated at most: rows of higher levels of the array are left out. Empty: no limit.
+  std::vector<int> differentiations;
+  bool has_row(int row, int level) const {
+    return differentiations.empty() || level <= differentiations[static_cast<std::size_t>(row)];
+  }
+  // Whether level i has rows that level i + 1 has not.
+  bool has_last_rows(int i) const {
+    return std::find(differentiations.begin(), differentiations.end(), i) != differentiations.end();
+  }
+  // Zeros in the coefficients that no row of the array uses; before scale().
+  void clear_unused_rows();
   // Of a nonlinear problem along a jet that does not fulfil F = 0 exactly: what that may change, relative to norm().
   double residual_noise = 0.0;
   // Contradictions of redundant equations are measured by this if it is larger than f.

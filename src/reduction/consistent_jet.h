@@ -86,6 +86,7 @@ class JetCoefficients final : public CoefficientSource {
       : problem_(problem), jet_(jet), column_scale_(column_scale) {}
   int m() const override { return problem_.m(); }
   int n() const override { return problem_.n(); }
+  std::vector<int> differentiations() const override { return problem_.differentiations(); }
   bool is_constant() const override { return false; }
   Trouble evaluate(double, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each,
                    const std::vector<double>* preferred_rows = nullptr) override {
@@ -106,6 +107,7 @@ class ConsistentJets final : public CoefficientSource {
 
   int m() const override { return problem_.m(); }
   int n() const override { return problem_.n(); }
+  std::vector<int> differentiations() const override { return problem_.differentiations(); }
   bool is_constant() const override { return false; }
   bool checks_next_level() const override { return true; }
   // The jet at t becomes consistent up to the highest order asked for. Throws Failure as JetSolver::solve does.

@@ -18,17 +18,52 @@ namespace {
 // the noise of the judge covers.
 constexpr double largest_multiplier = 100.0;
 
-// E_0 P = Q [R11 R12; 0 0], computed once for all stages.
+// E_0 P = Q [R11 R12; 0 0], computed once for all stages with the same rows. Rows that are left out are zero in Q.
 struct DiagonalBlock {
   View factors;
-  int* pivots;
-  int rank;
-  View Q;  // m x m
+  int* pivots = nullptr;
+  int rank = 0;
+  View Q;  // m x number of rows
   int null_columns() const { return factors.cols - rank; }
   int null_rows() const { return factors.rows - rank; }
 };
 
-DiagonalBlock factor_diagonal_block(const TaylorData& data, Judge& judge, Arena& arena) {
+// The rows of level i among those of `from`, one below the other.
+int gather_rows(const TaylorData& data, int i, ConstView from, View to) {
+  int count = 0;
+  for (int row = 0; row < data.m; ++row) {
+    if (!data.has_row(row, i)) continue;
+    for (int col = 0; col < to.cols; ++col) to(count, col) = from(row, col);
+    ++count;
+  }
+  return count;
+}
+
+// Of level i, where some rows may be left out.
+DiagonalBlock factor_rows_of_level(const TaylorData& data, int i, Judge& judge, Arena& arena) {
+  const View all = arena.matrix(data.m, data.n);
+  const int rows = gather_rows(data, i, data.E(0), all);
+  DiagonalBlock block{arena.matrix(rows, data.n), arena.integers(data.n), 0, arena.matrix(data.m, rows)};
+  for (int col = 0; col < data.n; ++col) block.pivots[col] = col;
+  fill(block.Q, 0.0);
+  if (rows == 0) return block;
+  copy(all.top(rows), block.factors);
+  double* tau = arena.take(static_cast<std::size_t>(std::min(rows, data.n)) + 1);
+  factor_qr_pivoted(block.factors, block.pivots, tau, arena);
+  block.rank = judge.decide_diagonal_block(block.factors, all.top(rows));
+  const View Q = arena.matrix(rows, rows);
+  form_q(block.factors, block.rank, tau, Q, arena);
+  int count = 0;
+  for (int row = 0; row < data.m; ++row) {
+    if (!data.has_row(row, i)) continue;
+    for (int col = 0; col < rows; ++col) block.Q(row, col) = Q(count, col);
+    ++count;
+  }
+  return block;
+}
+
+DiagonalBlock factor_diagonal_block(const TaylorData& data, int i, Judge& judge, Arena& arena) {
+  if (i > 0 && !data.differentiations.empty()) return factor_rows_of_level(data, i, judge, arena);
   const ConstView E0 = data.E(0);
   DiagonalBlock block{arena.matrix(data.m, data.n), arena.integers(data.n), 0, arena.matrix(data.m, data.m)};
   copy(E0, block.factors);
@@ -224,14 +259,23 @@ Carried split(const View& carried, int y_columns, int n, int rhs_columns) {
 Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_stage, Judge& judge, Arena& arena,
                   StoredElimination* store) {
   assert(store == nullptr || judge.error_rows() == 0);
-  const DiagonalBlock block = factor_diagonal_block(data, judge, arena);
-  if (store != nullptr) store->keep_diagonal_block(data, level, block.factors, block.pivots, block.Q, block.rank);
+  DiagonalBlock block = factor_diagonal_block(data, level, judge, arena);
+  if (store != nullptr) {
+    store->begin(data, level);
+    store->keep_diagonal_block(block.factors, block.pivots, block.Q, block.rank);
+  }
   const int error_rows = judge.error_rows();
   View carried = arena.matrix(error_rows, (level + 2) * data.n + rhs.cols);
   fill(carried, 0.0);
   // What E_0 rounds to does not annihilate its left null vectors: errors of the first stage.
   add_errors(judge.diagonal_error(), 1, carried.block(0, level * data.n, error_rows, data.n));
-  for (int j = level + 1; j >= last_stage; --j) carried = run_stage(data, block, j - 1, carried, rhs, judge, arena, store);
+  for (int i = level; i >= last_stage - 1; --i) {
+    if (i < level && data.has_last_rows(i)) {
+      block = factor_diagonal_block(data, i, judge, arena);
+      if (store != nullptr) store->keep_diagonal_block(block.factors, block.pivots, block.Q, block.rank);
+    }
+    carried = run_stage(data, block, i, carried, rhs, judge, arena, store);
+  }
   if (store != nullptr) store->finish(data, arena);
   judge.set_constraint_errors(max_abs(carried.block(0, (last_stage - 1) * data.n, error_rows, data.n)));
   const View rows = carried.block(error_rows, 0, carried.rows - error_rows, carried.cols);
@@ -252,20 +296,31 @@ Matrix taylor_array(const TaylorData& data, int level) {
           array(i * m + row, (j - 1) * n + col) =
               data.E(i + 1 - j)(row, col) - (j <= i ? data.A(i - j)(row, col) / j : 0.0);
     copy(data.A(i), array.view().block(i * m, (level + 1) * n, m, n));
+    for (int row = 0; row < m; ++row)
+      for (int col = 0; col < array.cols() && !data.has_row(row, i); ++col) array(i * m + row, col) = 0.0;
   }
   return array;
 }
 
 Carried eliminate_by_svd(const TaylorData& data, int level, ConstView rhs, Judge& judge, Arena& arena) {
-  const int n = data.n, rows = (level + 1) * data.m;
-  const DiagonalBlock block = factor_diagonal_block(data, judge, arena);
-  const Matrix array = taylor_array(data, level);
-  const Svd decomposition = svd(array.view().columns(0, (level + 1) * n));
+  const int n = data.n;
+  const DiagonalBlock block = factor_diagonal_block(data, 0, judge, arena);
+  const Matrix full = taylor_array(data, level);
+  Matrix array = full, f((level + 1) * data.m, rhs.cols);
+  int rows = 0;
+  for (int i = 0; i <= level; ++i) {
+    const int first = i * data.m, left = (level + 1) * data.m - rows;
+    gather_rows(data, i, rhs.block(first, 0, data.m, rhs.cols), f.view().block(rows, 0, left, rhs.cols));
+    rows += gather_rows(data, i, full.view().block(first, 0, data.m, full.cols()),
+                        array.view().block(rows, 0, left, full.cols()));
+  }
+  const Svd decomposition = svd(array.view().block(0, 0, rows, (level + 1) * n));
   const int rank = judge.decide_array(decomposition.s, rows, (level + 1) * n);
   const ConstView Z = decomposition.U.view().columns(rank, rows - rank);
   const View carried = arena.matrix(rows - rank, n + rhs.cols);
-  multiply(1.0, Op::transposed, Z, Op::plain, array.view().columns((level + 1) * n, n), 0.0, carried.columns(0, n));
-  multiply(1.0, Op::transposed, Z, Op::plain, rhs, 0.0, carried.columns(n, rhs.cols));
+  const ConstView N = array.view().block(0, (level + 1) * n, rows, n);
+  multiply(1.0, Op::transposed, Z, Op::plain, N, 0.0, carried.columns(0, n));
+  multiply(1.0, Op::transposed, Z, Op::plain, f.view().top(rows), 0.0, carried.columns(n, rhs.cols));
   Carried result = split(carried, 0, n, rhs.cols);
   result.rank_E = block.rank;
   result.R = block.factors;

@@ -4,7 +4,8 @@
 //
 //     sum_{j=1}^{i+1} ( E_{i+1-j} - A_{i-j}/j ) y_j  =  A_i x + f_i          (A_{-1} = 0),
 //
-// block lower triangular with E_0 in every diagonal block. Going from the last block column to the first, the rows
+// block lower triangular with E_0 in every diagonal block, but for rows that are left out at higher levels
+// (TaylorData::differentiations). Going from the last block column to the first, the rows
 // that have no pivot are carried on; what is carried at the end is 0 = A^ x + f^. Only the rows that determine y_j
 // leave at stage j, so the rows carried span the left null space of M applied to [N | g].
 //

@@ -65,7 +65,8 @@ class Searcher {
         arena_(arena),
         log_(log),
         judging_{settings.rank_tol, settings.by_svd, NoiseModel::carried},
-        rows_(settings.rows) {}
+        rows_(settings.rows),
+        differentiations_(problem.differentiations()) {}
 
   LevelReading read(int level, double time_scale) {
     evaluate(level, time_scale);
@@ -111,7 +112,7 @@ class Searcher {
   Search search(int max_index) {
     Search result;
     int v_hat_below = 0;
-    for (int level = 0; level <= max_index; ++level) {
+    for (int level = 0; level <= std::min(max_index, highest_level()); ++level) {
       const RankDecision weakest_below = result.last.weakest;
       result.last = read_confirmed(level);
       if (!result.last.clear) return result;
@@ -136,9 +137,10 @@ class Searcher {
  private:
   // Whether level l + 1 has the same values. Where it is not available or unclear, nothing speaks against them.
   bool holds_above(int level, const CharacteristicValues& values, const PointRanks& ranks) {
-    if (!problem_.checks_next_level() || level >= max_derivative_order) return true;
+    if (!problem_.checks_next_level() || level >= std::min(max_derivative_order, highest_level())) return true;
     try {
       const LevelReading above = read_confirmed(level + 1);
+      if (leaves_out_rows()) return !above.clear || (above.ranks.a == values.a && above.ranks.d == values.d);
       return !above.clear || (above.ranks.a == values.a && above.ranks.d == values.d &&
                               above.ranks.v_hat == ranks.v_hat + values.v);
     } catch (const Failure& failure) {
@@ -248,11 +250,27 @@ class Searcher {
   // Constraints and redundant equations only get more from level to level, and m - a - v is rank(E T2) of the level
   // before: what E T2 loses is what differentiation turns into constraints ([KM06], section 3.1: r_(i+1) = r_i - s_i).
   // Exceptional points may differ, but then all ranks are clear by far. Ranks given by rank_tol are the user's.
-  static bool follows(const CharacteristicValues& below, const CharacteristicValues& values, const PointRanks& ranks) {
+  bool follows(const CharacteristicValues& below, const CharacteristicValues& values, const PointRanks& ranks) const {
+    if (leaves_out_rows()) return ranks.d <= below.d && values.a >= below.a;
     return ranks.d <= values.d && values.d == below.d && values.a >= below.a && values.v >= below.v;
   }
 
+  bool leaves_out_rows() const { return !differentiations_.empty(); }
+  // Higher ones have no more rows.
+  int highest_level() const {
+    if (!leaves_out_rows()) return max_derivative_order;
+    return *std::max_element(differentiations_.begin(), differentiations_.end());
+  }
+
+  // Without all rows: each constraint that differentiation adds takes one from rank(E T2) at most, so that d + a
+  // never becomes smaller. Once it is m, or d and a are those expected, all have been found.
   CharacteristicValues values_of(int level, const LevelReading& reading, int v_hat_below) const {
+    if (leaves_out_rows()) {
+      const CharacteristicValues& expected = settings_.expected;
+      const int d = reading.ranks.d, a = reading.ranks.a, v = problem_.m() - d - a;
+      const bool found = expected.mu < 0 ? v == 0 : d == expected.d && a == expected.a;
+      return {found ? level : -1, d, a, problem_.n() - a - d, v};
+    }
     const int a = reading.ranks.a, v = reading.ranks.v_hat - v_hat_below, d = problem_.m() - a - v;
     return {reading.ranks.d == d ? level : -1, d, a, problem_.n() - a - d, v};
   }
@@ -289,6 +307,7 @@ class Searcher {
   std::vector<RankDecision>* log_;
   Judge::Settings judging_;
   RowScaling rows_;
+  std::vector<int> differentiations_;
   TaylorData data_;
   NullSpaceForm form_;
   std::vector<RankDecision> latest_;

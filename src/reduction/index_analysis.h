@@ -35,6 +35,9 @@ struct AnalysisSettings {
   double rank_tol = 0.0;
   double time_scale = 0.0;
   RowScaling rows = RowScaling::each;
+  // Where rows are left out of the array (CoefficientSource::differentiations), v cannot be read off it. What is
+  // known of d and a (nothing: mu = -1) is to be found then.
+  CharacteristicValues expected{};
   // Derivatives of order mu + 1, or of order 1 for mu = 0, are not asked for even where they would be of use.
   bool orders_up_to_mu_only = false;
 };

@@ -25,7 +25,8 @@ namespace sfdae::core {
 
 // Ranks of all decisions of one reduction in their order.
 struct RankList {
-  std::array<int, max_derivative_order + 5> rank{};
+  // Blocks of the diagonal and stages of every level, the constraints, E T2.
+  std::array<int, 2 * (max_derivative_order + 1) + 4> rank{};
   std::size_t count = 0;
   void add(int value) { rank[count++] = value; }
 };

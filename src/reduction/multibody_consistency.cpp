@@ -14,7 +14,9 @@ namespace {
 
 using Vector = std::vector<double>;
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 double length(const Vector& values) {
   double sum = 0.0;
@@ -76,8 +78,9 @@ void MultibodyConsistency::look_at(const Vector& q) {
 }
 
 bool MultibodyConsistency::has_fixed(int first, int count) const {
-  return !request_.fixed.empty() && std::any_of(request_.fixed.begin() + first, request_.fixed.begin() + first + count,
-                                                [](char flag) { return flag != 0; });
+  return !request_.fixed.empty() &&
+         std::any_of(request_.fixed.begin() + first, request_.fixed.begin() + first + count,
+                     [](char flag) { return flag != 0; });
 }
 
 std::string MultibodyConsistency::name_of(int constraint) const {
@@ -178,20 +181,24 @@ void MultibodyConsistency::refuse_positions(const Vector& q, double norm) {
   const int row = static_cast<int>(worst - scaled_g_.begin());
   const bool is_stationary = length(slope) <= stationary * norm * std::max(max_abs(J), 1e-300);
   if (is_stationary && has_fixed(0, sizes_.positions))
-    throw Failure(SFDAE_FIXED_VALUES, format("the fixed positions contradict the constraints at t = %.15g: %s is violated by "
-                                             "%.3g (in units of its gradient). Fix fewer components, or correct their values.",
-                                             t_, name_of(row).c_str(), std::fabs(*worst)));
-  if (is_stationary)
-    throw Failure(SFDAE_INCONSISTENT_EQUATIONS,
-                  format("the constraints contradict each other at t = %.15g: where they are violated least, %s is still "
-                         "violated by %.3g (in units of its gradient), and its gradient depends on those of the others.",
+    throw Failure(SFDAE_FIXED_VALUES,
+                  format("the fixed positions contradict the constraints at t = %.15g: %s is violated by "
+                         "%.3g (in units of its gradient). Fix fewer components, or correct their values.",
                          t_, name_of(row).c_str(), std::fabs(*worst)));
+  if (is_stationary)
+    throw Failure(
+        SFDAE_INCONSISTENT_EQUATIONS,
+        format("the constraints contradict each other at t = %.15g: where they are violated least, %s is still "
+               "violated by %.3g (in units of its gradient), and its gradient depends on those of the others.",
+               t_, name_of(row).c_str(), std::fabs(*worst)));
   std::string list;
-  for (int i = 0; i < sizes_.holonomic && i < 10; ++i) list += format("%s%.2g", i > 0 ? ", " : "", scaled_g_[index(i)]);
-  throw Failure(SFDAE_NO_CONSISTENT_VALUES,
-                format("no positions consistent with the constraints were found at t = %.15g near those given; residuals in "
-                       "units of the gradients: %s.",
-                       t_, list.c_str()));
+  for (int i = 0; i < sizes_.holonomic && i < 10; ++i)
+    list += format("%s%.2g", i > 0 ? ", " : "", scaled_g_[index(i)]);
+  throw Failure(
+      SFDAE_NO_CONSISTENT_VALUES,
+      format("no positions consistent with the constraints were found at t = %.15g near those given; residuals in "
+             "units of the gradients: %s.",
+             t_, list.c_str()));
 }
 
 // Along the constraints toward what was given; linear convergence where it is far away, and it need not be exact.
@@ -221,7 +228,8 @@ void MultibodyConsistency::slide(const Vector& given, Vector& q) {
     Vector trial(q);
     multiply(1.0, Op::plain, directions_, p.data(), 1.0, trial.data());
     const double step = length(p);
-    if (!(step > accuracy * std::max(before, accuracy * size_of(q))) || (iteration > 0 && step > 0.9 * last_step)) return;
+    if (!(step > accuracy * std::max(before, accuracy * size_of(q))) || (iteration > 0 && step > 0.9 * last_step))
+      return;
     last_step = step;
     try {
       approach(trial);
@@ -257,7 +265,8 @@ MultibodyRanks MultibodyConsistency::local_ranks(std::vector<RankDecision>* deci
     if (decisions != nullptr) {
       decisions->push_back(decision);
       if (decision.verdict == Verdict::unclear)
-        throw Failure(SFDAE_RANK_UNCLEAR, "whether constraints depend on each other is not clear: " + describe(decision));
+        throw Failure(SFDAE_RANK_UNCLEAR,
+                      "whether constraints depend on each other is not clear: " + describe(decision));
     }
     return decision.rank;
   };
@@ -276,7 +285,8 @@ MultibodyRanks MultibodyConsistency::ranks(const Vector& q, std::vector<RankDeci
   return ranks;
 }
 
-// Constraints that depend on each other at the point alone, or a gradient that vanishes, make it a singular configuration.
+// Constraints that depend on each other at the point alone, or a gradient that vanishes, make it a singular
+// configuration.
 void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& known) {
   constexpr double distance = 1e-3, vanishing = 1e-9;
   const Vector units = point_.position_units;
@@ -290,14 +300,16 @@ void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& k
     const MultibodyRanks found = local_ranks(nullptr);
     for (int i = 0; i < sizes_.holonomic; ++i)
       if (units[index(i)] < vanishing * point_.position_units[index(i)])
-        throw Failure(SFDAE_CHARACTERISTICS_CHANGED, format("the configuration at t = %.15g is singular: the gradient of %s "
-                                                            "vanishes there. Start elsewhere.",
-                                                            t_, name_of(i).c_str()));
+        throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                      format("the configuration at t = %.15g is singular: the gradient of %s "
+                             "vanishes there. Start elsewhere.",
+                             t_, name_of(i).c_str()));
     if (found.positions <= known.positions && found.velocities <= known.velocities) return;
-    throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                  format("the configuration at t = %.15g is singular: %d of %d constraints are independent there, but %d "
-                         "beside it. Start elsewhere.",
-                         t_, known.velocities, sizes_.constraints(), found.velocities));
+    throw Failure(
+        SFDAE_CHARACTERISTICS_CHANGED,
+        format("the configuration at t = %.15g is singular: %d of %d constraints are independent there, but %d "
+               "beside it. Start elsewhere.",
+               t_, known.velocities, sizes_.constraints(), found.velocities));
   } catch (const Failure& failure) {
     if (failure.status() == SFDAE_CHARACTERISTICS_CHANGED || failure.status() == SFDAE_CALLBACK_STOPPED ||
         failure.status() == SFDAE_STOPPED)
@@ -380,12 +392,14 @@ Vector MultibodyConsistency::velocities(const Vector& q, const double* given, in
   if (std::fabs(*worst) <= contradiction * size) return point_.v;
   const std::string name = name_of(static_cast<int>(worst - residuals.begin()));
   if (has_fixed(sizes_.positions, nv))
-    throw Failure(SFDAE_FIXED_VALUES, format("the fixed velocities contradict the constraints at t = %.15g: %s is violated by "
-                                             "%.3g. Fix fewer components, or correct their values.",
-                                             t_, name.c_str(), std::fabs(*worst)));
-  throw Failure(SFDAE_INCONSISTENT_EQUATIONS,
-                format("the constraints on velocities contradict each other at t = %.15g: %s is violated by %.3g in any case.",
-                       t_, name.c_str(), std::fabs(*worst)));
+    throw Failure(SFDAE_FIXED_VALUES,
+                  format("the fixed velocities contradict the constraints at t = %.15g: %s is violated by "
+                         "%.3g. Fix fewer components, or correct their values.",
+                         t_, name.c_str(), std::fabs(*worst)));
+  throw Failure(
+      SFDAE_INCONSISTENT_EQUATIONS,
+      format("the constraints on velocities contradict each other at t = %.15g: %s is violated by %.3g in any case.",
+             t_, name.c_str(), std::fabs(*worst)));
 }
 
 }  // namespace sfdae::core

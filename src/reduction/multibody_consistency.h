@@ -1,9 +1,10 @@
 // Consistent positions and velocities of a mechanical system with constraints, and the ranks that hold there.
 //
-// Positions move by damped Gauss-Newton steps (Levenberg-Marquardt with a parameter that vanishes with the residual, so
-// that constraints which depend on each other only where they hold do no harm) and then along the constraints to the point
-// nearest to what was given; velocities by one linear step. The norm is that of the kinetic energy, where M is positive
-// definite; for positions, where q' = v besides. Else, or where weights are given, it is the (weighted) 2-norm.
+// Positions move by damped Gauss-Newton steps (Levenberg-Marquardt with a parameter that vanishes with the residual,
+// so that constraints which depend on each other only where they hold do no harm) and then along the constraints to
+// the point nearest to what was given; velocities by one linear step. The norm is that of the kinetic energy, where M
+// is positive definite; for positions, where q' = v besides. Else, or where weights are given, it is the (weighted)
+// 2-norm.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

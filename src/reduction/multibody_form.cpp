@@ -10,7 +10,9 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 }  // namespace
 
@@ -41,8 +43,9 @@ MultibodyForm::Ranks MultibodyForm::choose(const MultibodyPoint& point, Coordina
   same_rows_ = point.terms.S.rows() == 0 && sizes_.nonholonomic == 0;
   Ranks ranks;
   ranks.positions = choose_partition(point.position_rows(), coordinates, positions_.rank, positions_, arena);
-  ranks.velocities = same_rows_ ? ranks.positions
-                                : choose_partition(point.velocity_rows(), coordinates, velocities_.rank, velocities_, arena);
+  ranks.velocities = same_rows_
+                         ? ranks.positions
+                         : choose_partition(point.velocity_rows(), coordinates, velocities_.rank, velocities_, arena);
   return ranks;
 }
 
@@ -90,7 +93,8 @@ void MultibodyForm::build(const MultibodyPoint& point, const MultibodyJacobian& 
   if (has_velocity_q_ && dq_ > 0) {
     const View along = arena.matrix(velocity_q_.rows(), dq_);
     multiply(1.0, Op::plain, velocity_q_, Op::plain, T_q, 0.0, along);
-    for (int j = 0; j < dq_; ++j) tangents_.of_velocities().correction(velocities(), along.column(j), Z_.view().column(j), arena);
+    for (int j = 0; j < dq_; ++j)
+      tangents_.of_velocities().correction(velocities(), along.column(j), Z_.view().column(j), arena);
   }
   // B
   const View B = B_.view();

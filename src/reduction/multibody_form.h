@@ -2,7 +2,8 @@
 //
 //     Q_q1^T (q' - S v) = 0,  Q_v1^T (v' - a(t, q, v)) = 0,  g = 0,  C v + r = 0
 //
-// With (y, z) = (Q_q1^T q, Q_v1^T v) and the T and N of the constraints, changes that solve the linearized constraints are
+// With (y, z) = (Q_q1^T q, Q_v1^T v) and the T and N of the constraints, changes that solve the linearized
+// constraints are
 //
 //     dq = T_q y - N_q g,   dv = T_v z - N_v (C v + r + (C v + r)_q dq)
 //

@@ -12,7 +12,9 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 // What rounding errors may leave in rows of unit length that depend on each other; gradients are sums of products.
 constexpr double row_noise = 8.0 * unit_roundoff;
@@ -104,7 +106,7 @@ bool Tangent::build(const Partition& partition, const ConstraintRows& constraint
     pivot_ = std::min(pivot_, std::fabs(lu(k, k)));
     if ((lu(k, k) < 0.0) != (pivots_[index(k)] != k + 1)) sign_ = -sign_;
   }
-  for (int j = 0; j < n - r; ++j) solve_lu(lu, pivots_.data(), E.column(j));
+  solve_lu(lu, pivots_.data(), E);
   turn_ = max_abs(E);
   multiply(-1.0, Op::plain, partition.Q2(), Op::plain, E, 1.0, T);
   return std::isfinite(turn_);
@@ -121,6 +123,17 @@ void Tangent::correction(const Partition& partition, const double* residuals, do
   for (int k = 0; k < r; ++k) b[k] = units_[index(k)] * residuals[partition.rows[index(k)]];
   solve_lu(ConstView{lu_.data(), r, r, r}, pivots_.data(), b);
   multiply(-1.0, Op::plain, partition.Q2(), b, 0.0, w);
+}
+
+void Tangent::multipliers(const Partition& partition, const double* force, double* mu, Arena& arena) const {
+  const int r = rank_;
+  std::fill_n(mu, partition.rows.size(), 0.0);
+  if (r == 0) return;
+  const Arena::Frame frame(arena);
+  double* b = arena.take(index(r));
+  multiply(1.0, Op::transposed, partition.Q2(), force, 0.0, b);
+  solve_lu_transposed(ConstView{lu_.data(), r, r, r}, pivots_.data(), {b, r, 1, r});
+  for (int k = 0; k < r; ++k) mu[partition.rows[index(k)]] = units_[index(k)] * b[k];
 }
 
 }  // namespace sfdae::core

@@ -4,8 +4,8 @@
 //
 //     [Q1^T; C]^-1 = [T N],   T = Q1 - Q2 E,   N = Q2 (C Q2)^-1,   E = (C Q2)^-1 C Q1
 //
-// so that w = T y + N b. The columns of Q2 span the range of C^T at the point of the choice, where E = 0; for coordinates
-// as they are, Q1 and Q2 are columns of the identity.
+// so that w = T y + N b. The columns of Q2 span the range of C^T at the point of the choice, where E = 0; for
+// coordinates as they are, Q1 and Q2 are columns of the identity.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -29,7 +29,7 @@ struct Partition {
   void resize(int directions, int constraints);
   ConstView Q1() const { return Q.view().columns(rank, Q.cols() - rank); }
   ConstView Q2() const { return Q.view().columns(0, rank); }
-  Matrix Q;               // [Q2 Q1]
+  Matrix Q;  // [Q2 Q1]
   int rank = 0;
   std::vector<int> rows;  // `rank` independent constraints come first
 };
@@ -47,6 +47,8 @@ class Tangent {
   ConstView T() const { return {T_.data(), T_.rows(), T_.rows() - rank_, std::max(T_.rows(), 1)}; }
   // w := -N b, b the independent ones of all residuals.
   void correction(const Partition& partition, const double* residuals, double* w, Arena& arena) const;
+  // mu := the independent multipliers with Q2^T C^T mu = Q2^T force, the others zero.
+  void multipliers(const Partition& partition, const double* force, double* mu, Arena& arena) const;
   // max |E|: the tangent of the angle, about, by which C has turned since the choice.
   double turn() const { return turn_; }
   double smallest_pivot() const { return pivot_; }

@@ -11,7 +11,9 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 double row_length(ConstView a, int i) {
   double sum = 0.0;
@@ -24,6 +26,20 @@ double mean_length(ConstView a) {
   double sum = 0.0;
   for (int i = 0; i < a.rows; ++i) sum += std::pow(row_length(a, i), 2);
   return std::sqrt(sum / std::max(a.cols, 1));
+}
+
+bool is_diagonal(ConstView a) {
+  for (int j = 0; j < a.cols; ++j)
+    for (int i = 0; i < a.rows; ++i)
+      if (i != j && a(i, j) != 0.0) return false;
+  return true;
+}
+
+// Diagonal masses are the rule where coordinates are those of points.
+void multiply_mass(ConstView M, ConstView T, View MT) {
+  if (!is_diagonal(M)) return multiply(1.0, Op::plain, M, Op::plain, T, 0.0, MT);
+  for (int j = 0; j < T.cols; ++j)
+    for (int i = 0; i < T.rows; ++i) MT(i, j) = M(i, i) * T(i, j);
 }
 
 }  // namespace
@@ -89,6 +105,28 @@ void MultibodyPoint::solve_accelerations(const std::vector<int>& rows, int rank)
   std::copy_n(solution_.data(), nv, a.data());
   std::fill(mu.begin(), mu.end(), 0.0);
   for (int k = 0; k < rank; ++k) mu[index(rows[index(k)])] = solution_[index(nv + k)];
+}
+
+bool MultibodyPoint::solve_along(const Partition& partition, const Tangent& tangent, Arena& arena) {
+  const int nv = terms.M.rows(), d = nv - partition.rank;
+  const ConstView T = tangent.T();
+  const Arena::Frame frame(arena);
+  double* force = arena.take(index(nv));
+  double* y = arena.take(index(d) + 1);
+  const View MT = arena.matrix(nv, d), reduced = arena.matrix(d, d);
+  int* pivots = arena.integers(d + 1);
+  tangent.correction(partition, terms.acceleration_rest.data(), a.data(), arena);
+  std::copy_n(terms.f.data(), nv, force);
+  multiply(-1.0, Op::plain, terms.M, a.data(), 1.0, force);
+  multiply_mass(terms.M, T, MT);
+  multiply(1.0, Op::transposed, T, Op::plain, MT, 0.0, reduced);
+  multiply(1.0, Op::transposed, T, force, 0.0, y);
+  if (!factor_lu(reduced, pivots)) return false;
+  if (d > 0) solve_lu(reduced, pivots, y);
+  multiply(1.0, Op::plain, T, y, 1.0, a.data());
+  multiply(-1.0, Op::plain, MT, y, 1.0, force);
+  tangent.multipliers(partition, force, mu.data(), arena);
+  return true;
 }
 
 void MultibodyPoint::solve(double* yz) const {

@@ -39,6 +39,9 @@ class MultibodyPoint {
   bool factor(const std::vector<int>& rows, int rank);
   // a and mu from terms.
   void solve_accelerations(const std::vector<int>& rows, int rank);
+  // The same without K: a = T y - N s with T^T M T y = T^T (f + M N s), which is cheaper where few directions are
+  // free. False if T^T M T is singular.
+  bool solve_along(const Partition& partition, const Tangent& tangent, Arena& arena);
   // (y; z) := K^-1 (y; z)
   void solve(double* yz) const;
   void solve_transposed(View yz) const;

@@ -12,9 +12,13 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
-double largest(const std::vector<double>& values) { return max_abs(values.data(), static_cast<int>(values.size())); }
+double largest(const std::vector<double>& values) {
+  return max_abs(values.data(), static_cast<int>(values.size()));
+}
 
 // What residuals are compared with.
 double size_of(const std::vector<double>& values) {
@@ -33,8 +37,8 @@ CharacteristicValues characteristic_values(const MultibodySizes& sizes, const Mu
   return values;
 }
 
-MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Traits& traits, IndexAnalysis analysis, const double* q,
-                                 const double* v)
+MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Traits& traits, IndexAnalysis analysis,
+                                 const double* q, const double* v)
     : problem_(problem), sizes_(problem.sizes()), traits_(traits), analysis_(std::move(analysis)) {
   resize();
   const PointStatus status = stand_at(analysis_.t, q, v);
@@ -53,13 +57,20 @@ void MultibodySystem::resize() {
   const std::size_t d = index(analysis_.values.d), size = index(leading_size());
   form_.resize(sizes_, traits_.ranks.positions, traits_.ranks.velocities);
   jacobian_ = MultibodyJacobian(sizes_);
+  // Operations of both ways, about; measured, more calls of smaller kernels have to save much where all are small.
+  const double worthwhile = sizes_.velocities > 16 ? 1.2 : 3.0;
+  const double nv = sizes_.velocities, r = traits_.ranks.velocities, open = nv - r;
+  const double along = 2.0 * nv * open * (nv + open) + 2.0 / 3.0 * std::pow(open, 3),
+               whole = 2.0 / 3.0 * std::pow(nv + r, 3);
+  along_tangents_ = r > 0 && worthwhile * along < whole;
   for (MultibodyPoint* point : {&linearized_, &work_, &end_, &accepted_}) point->resize(sizes_);
   chosen_.q.resize(index(sizes_.positions));
   chosen_.v.resize(index(sizes_.velocities));
   form_.resize_tangents(end_tangents_);
   matrix_.assign(d * d + 1, 0.0);
   matrix_pivots_.assign(d + 1, 0);
-  change_.assign(size + 1, 0.0);
+  for (auto* values : {&change_, &noise_, &noise_at_rest_}) values->assign(size + 1, 0.0);
+  noise_of_rates_.assign(d + 1, 0.0);
   residuals_.assign(index(sizes_.constraints()) + 1, 0.0);
 }
 
@@ -107,6 +118,16 @@ PointStatus MultibodySystem::evaluate(MultibodyPoint& point) {
   return PointStatus::ok;
 }
 
+PointStatus MultibodySystem::accelerate(MultibodyPoint& point, const Tangents& tangents) {
+  ++factorizations_;
+  const Partition& partition = form_.velocities();
+  if (along_tangents_)
+    return point.solve_along(partition, tangents.of_velocities(), arena_) ? PointStatus::ok : PointStatus::singular;
+  if (!point.factor(partition.rows, partition.rank)) return PointStatus::singular;
+  point.solve_accelerations(partition.rows, partition.rank);
+  return PointStatus::ok;
+}
+
 // g = 0 to rounding, along Q_q2. The tangent of the last linearization serves while it is good enough.
 PointStatus MultibodySystem::project_positions(MultibodyPoint& point) {
   constexpr int most = 12;
@@ -135,7 +156,8 @@ PointStatus MultibodySystem::project_positions(MultibodyPoint& point) {
     trouble_ = problem_.at_position(point.t, point.q.data(), point.terms);
     if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
     point.measure_rows();
-    if (!end_tangents_.positions.build(form_.positions(), point.position_rows(), arena_)) return PointStatus::singular;
+    if (!end_tangents_.positions.build(form_.positions(), point.position_rows(), arena_))
+      return PointStatus::singular;
     tangent = &end_tangents_.positions;
   }
   return PointStatus::not_converged;
@@ -158,17 +180,16 @@ PointStatus MultibodySystem::settle(MultibodyPoint& point) {
     trouble_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
     if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   }
-  ++factorizations_;
-  if (!point.factor(form_.velocities().rows, traits_.ranks.velocities)) return PointStatus::singular;
-  point.solve_accelerations(form_.velocities().rows, traits_.ranks.velocities);
+  status = accelerate(point, end_tangents_);
+  if (status != PointStatus::ok) return status;
   point.shorten(form_.velocities(), arena_);
   kept_ = std::min(end_tangents_.positions.smallest_pivot(), end_tangents_.of_velocities().smallest_pivot());
   read_inconsistency(point);
   return PointStatus::ok;
 }
 
-// After a step: det C Q2 changes its sign where a configuration is singular, unless the constraints have turned too far
-// from the partition for that to mean anything.
+// After a step: det C Q2 changes its sign where a configuration is singular, unless the constraints have turned too
+// far from the partition for that to mean anything.
 PointStatus MultibodySystem::look_at(const MultibodyPoint& point) {
   turn_ = end_tangents_.turn();
   const bool has_turned = turn_ > largest_turn();
@@ -196,10 +217,11 @@ void MultibodySystem::note_change(const MultibodyPoint& point) {
 std::string MultibodySystem::about_change() const {
   if (!has_changed_) return {};
   const bool is_holonomic = vanishing_row_ < sizes_.holonomic;
-  return format(" The configuration is singular: the gradient of %s constraint %d depends on those of the others, with "
-                "singular value %.2g.",
-                is_holonomic ? "holonomic" : "nonholonomic",
-                is_holonomic ? vanishing_row_ : vanishing_row_ - sizes_.holonomic, vanishing_value_);
+  return format(
+      " The configuration is singular: the gradient of %s constraint %d depends on those of the others, with "
+      "singular value %.2g.",
+      is_holonomic ? "holonomic" : "nonholonomic", is_holonomic ? vanishing_row_ : vanishing_row_ - sizes_.holonomic,
+      vanishing_value_);
 }
 
 // Constraints that follow from others hold with them, or there is no solution.
@@ -223,11 +245,12 @@ void MultibodySystem::read_inconsistency(const MultibodyPoint& point) {
 
 std::string MultibodySystem::inconsistency_message() const {
   const bool is_holonomic = inconsistent_row_ < sizes_.holonomic;
-  return format("constraints contradict each other at t = %.15g: the gradient of %s constraint %d depends on those of the "
-                "others, but it is violated by %.3g (relative) where they hold. Correct the constraints, or set "
-                "ignore_inconsistency.",
-                t_, is_holonomic ? "holonomic" : "nonholonomic",
-                is_holonomic ? inconsistent_row_ : inconsistent_row_ - sizes_.holonomic, inconsistency_);
+  return format(
+      "constraints contradict each other at t = %.15g: the gradient of %s constraint %d depends on those of the "
+      "others, but it is violated by %.3g (relative) where they hold. Correct the constraints, or set "
+      "ignore_inconsistency.",
+      t_, is_holonomic ? "holonomic" : "nonholonomic",
+      is_holonomic ? inconsistent_row_ : inconsistent_row_ - sizes_.holonomic, inconsistency_);
 }
 
 double MultibodySystem::condition() const {

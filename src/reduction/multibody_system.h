@@ -2,12 +2,13 @@
 //
 //     Q_q1^T (q' - S v) = 0,  Q_v1^T (v' - a(t, q, v)) = 0,  g(t, q) = 0,  C v + r = 0
 //
-// with accelerations a and forces of constraints mu of multibody_point.h. Q_q1 and Q_v1 are constant until the constraints
-// have turned too far from them; as the integrators discretize q' and v' as they are, W = I, a new choice does not touch
-// what they know. Stages are solved by a chord iteration in local coordinates (multibody_form.h); a is exact in every
-// iteration, and constraints hold to rounding at the points that are handed out.
+// with accelerations a and forces of constraints mu of multibody_point.h. Q_q1 and Q_v1 are constant until the
+// constraints have turned too far from them; as the integrators discretize q' and v' as they are, W = I, a new choice
+// does not touch what they know. Stages are solved by a chord iteration in local coordinates (multibody_form.h); a is
+// exact in every iteration, and constraints hold to rounding at the points that are handed out.
 //
-// [KM06] P. Kunkel, V. Mehrmann: Differential-Algebraic Equations: Analysis and Numerical Solution. EMS, 2006, sec. 6.4.
+// [KM06] P. Kunkel, V. Mehrmann: Differential-Algebraic Equations: Analysis and Numerical Solution. EMS, 2006, sec.
+// 6.4.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -37,7 +38,8 @@ class MultibodySystem final : public DaeSystem {
     Coordinates coordinates = Coordinates::orthogonal;
   };
   // At consistent q and v. Throws Failure.
-  MultibodySystem(MultibodyProblem& problem, const Traits& traits, IndexAnalysis analysis, const double* q, const double* v);
+  MultibodySystem(MultibodyProblem& problem, const Traits& traits, IndexAnalysis analysis, const double* q,
+                  const double* v);
   // As it was when it was archived. Throws DamagedArchive.
   MultibodySystem(MultibodyProblem& problem, Coordinates coordinates, Archive& archive);
 
@@ -65,7 +67,8 @@ class MultibodySystem final : public DaeSystem {
   // Largest residuals there, likewise.
   double position_residual() const;
   double velocity_residual() const;
-  // Ranks at the point where a change was met last, those of the constraints that vanish relative to others taken for zero.
+  // Ranks at the point where a change was met last, those of the constraints that vanish relative to others taken for
+  // zero.
   MultibodyRanks changed_ranks() const { return changed_ranks_; }
 
   PointStatus move_to(double t) override;
@@ -101,7 +104,8 @@ class MultibodySystem final : public DaeSystem {
   // Errors of the iteration in units of the tolerance.
   static constexpr double newton_tolerance = 0.02;
 
-  // What is solved for s points together: D_h w_i = sum_j D_ij (w_j - w) / h, or c w + w_rest where there is no method.
+  // What is solved for s points together: D_h w_i = sum_j D_ij (w_j - w) / h, or c w + w_rest where there is no
+  // method.
   struct Task {
     int s = 1;
     const StageMethod* method = nullptr;
@@ -122,14 +126,19 @@ class MultibodySystem final : public DaeSystem {
   void resize_stages(int s);
   double* stage(int i) { return stage_qv_.data() + static_cast<std::ptrdiff_t>(i) * leading_size(); }
   PointStatus evaluate(MultibodyPoint& point);
+  // The same where terms and tangents are known.
+  PointStatus accelerate(MultibodyPoint& point, const Tangents& tangents);
   PointStatus linearize(double t, const double* qv);
   PointStatus choose_partition();
+  void measure_noise();
+  void measure_noise_of_step();
   bool factor_step_matrices(const Task& task);
   PointStatus read_stage(const Task& task, int i);
   void add_slopes(const Task& task);
   PointStatus iterate(const Task& task);
   bool has_converged(int iteration, double norm, double before);
-  double change_norm(const Task& task, const double* change, const double* qv) const;
+  double change_norm(const Task& task, const double* change) const;
+  void error_of_forces(double* yz, double* dmu);
   PointStatus solve_points(const Task& task, const double* guess);
   PointStatus project_positions(MultibodyPoint& point);
   PointStatus settle(MultibodyPoint& point);
@@ -162,6 +171,7 @@ class MultibodySystem final : public DaeSystem {
   Orientation orientation_, end_orientation_;
   double turn_ = 0.0;
   long partitions_ = 0;
+  bool along_tangents_ = false;  // how accelerations are determined
 
   std::vector<double> matrix_;
   std::vector<int> matrix_pivots_;
@@ -172,6 +182,8 @@ class MultibodySystem final : public DaeSystem {
   std::vector<double> times_;
   std::vector<double> stage_qv_, stage_particular_, stage_mu_, stage_moves_, stage_r_, stage_z_;
   std::vector<double> change_, residuals_;
+  // What rounding errors do to changes of q and v: apart from those of accelerations, with them; and those, in (y, z).
+  std::vector<double> noise_at_rest_, noise_, noise_of_rates_;
 
   double kept_ = 1.0, inconsistency_ = 0.0;
   int inconsistent_row_ = -1;

@@ -10,7 +10,9 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 }  // namespace
 
@@ -46,8 +48,7 @@ const MultibodyPoint& MultibodySystem::point_at(const double* x) {
   end_.set(t_, x, x + nq);
   const PointStatus status = evaluate(end_);
   if (status == PointStatus::trouble) throw Failure(trouble_.status, trouble_.message());
-  if (status != PointStatus::ok)
-    throw Failure(SFDAE_SINGULAR, format("[M C^T; C 0] is singular at t = %.15g.", t_));
+  if (status != PointStatus::ok) throw Failure(SFDAE_SINGULAR, format("[M C^T; C 0] is singular at t = %.15g.", t_));
   end_.measure_rows();
   end_.shorten(form_.velocities(), arena_);
   return end_;
@@ -118,7 +119,8 @@ bool MultibodySystem::difference_of_forces(const MultibodyPoint& point, double* 
     const double weight = (is_central ? central_weights[k] : side_weights[k]) / (12.0 * s);
     if (place == 0) std::copy_n(point.mu.data(), nc, mu);
     else if (forces_beside(point, place * s, mu) != PointStatus::ok) {
-      if (trouble_.status != SFDAE_OK && !trouble_.is_recoverable()) throw Failure(trouble_.status, trouble_.message());
+      if (trouble_.status != SFDAE_OK && !trouble_.is_recoverable())
+        throw Failure(trouble_.status, trouble_.message());
       return false;
     }
     for (int i = 0; i < nc; ++i) mudot[i] += weight * mu[i];
@@ -137,7 +139,8 @@ void MultibodySystem::archive(Archive& archive) {
   const double rate = rate_, c = matrix_c_;
   if (archive.is_reading()) {
     const bool plausible = ranks.positions >= 0 && ranks.positions <= std::min(sizes_.positions, sizes_.holonomic) &&
-                           ranks.velocities >= 0 && ranks.velocities <= std::min(sizes_.velocities, sizes_.constraints());
+                           ranks.velocities >= 0 &&
+                           ranks.velocities <= std::min(sizes_.velocities, sizes_.constraints());
     if (!plausible || partitions_ < 1) throw DamagedArchive();
     analysis_.values = characteristic_values(sizes_, ranks);
     analysis_.v_hat = sizes_.constraints() - ranks.velocities;
@@ -155,8 +158,8 @@ void MultibodySystem::archive(Archive& archive) {
   if (archive.is_reading()) rebuild(has_linearization, has_matrix ? c : 0.0, rate);
 }
 
-// The partition and the linearization as they were. c != 0: steps that differ from it by rounding are taken with this very
-// matrix.
+// The partition and the linearization as they were. c != 0: steps that differ from it by rounding are taken with this
+// very matrix.
 void MultibodySystem::rebuild(bool has_linearization, double c, double rate) {
   const bool was_slow = is_slow_;
   const MultibodyPoint where = linearized_;
@@ -186,6 +189,7 @@ void MultibodySystem::rebuild(bool has_linearization, double c, double rate) {
   form_.step_matrix(c, M);
   matrix_valid_ = factor_lu(M, matrix_pivots_.data());
   matrix_c_ = c;
+  if (matrix_valid_) measure_noise_of_step();
 }
 
 }  // namespace sfdae::core

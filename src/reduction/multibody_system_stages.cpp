@@ -1,6 +1,7 @@
 // Steps of a mechanical system: the chord iteration for one point or several together.
 //
-// With (y_i, z_i) the changes of stage i in local coordinates and p_i = -N (residuals) its particular change, the stages are
+// With (y_i, z_i) the changes of stage i in local coordinates and p_i = -N (residuals) its particular change, the
+// stages are
 //
 //     sum_j D_ij / h (y_j, z_j) - B (y_i, z_i) = (Q_q1^T S v_i, Q_v1^T a_i) + (those of p_i) - (Q1^T D_h w)_i
 //
@@ -16,13 +17,17 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 }  // namespace
 
-// A partition from which the constraints have turned by more than 45 degrees is replaced; components as they are differ by
-// a factor from the beginning.
-double MultibodySystem::largest_turn() const { return traits_.coordinates == Coordinates::orthogonal ? 1.0 : 10.0; }
+// A partition from which the constraints have turned by more than 45 degrees is replaced; components as they are
+// differ by a factor from the beginning.
+double MultibodySystem::largest_turn() const {
+  return traits_.coordinates == Coordinates::orthogonal ? 1.0 : 10.0;
+}
 
 void MultibodySystem::resize_stages(int s) {
   const std::size_t stages = index(s), size = index(leading_size()), d = index(differential()),
@@ -51,10 +56,11 @@ PointStatus MultibodySystem::linearize(double t, const double* qv) {
   }
   if (!linearized_.factor(form_.velocities().rows, traits_.ranks.velocities)) return PointStatus::singular;
   linearized_.solve_accelerations(form_.velocities().rows, traits_.ranks.velocities);
-  trouble_ = problem_.linearize(t, linearized_.q.data(), linearized_.v.data(), linearized_.a.data(), linearized_.mu.data(),
-                                linearized_.terms, jacobian_);
+  trouble_ = problem_.linearize(t, linearized_.q.data(), linearized_.v.data(), linearized_.a.data(),
+                                linearized_.mu.data(), linearized_.terms, jacobian_);
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   form_.build(linearized_, jacobian_, arena_);
+  measure_noise();
   ++reductions_;
   ++factorizations_;
   is_linearized_ = true;
@@ -73,6 +79,58 @@ PointStatus MultibodySystem::choose_partition() {
   return PointStatus::ok;
 }
 
+// Errors of a rounding of what is added up in each equation, of either sign, go the way of residuals. One sample tells
+// their size to some factor.
+void MultibodySystem::measure_noise() {
+  const int nq = sizes_.positions, nv = sizes_.velocities, nl = sizes_.holonomic, nc = sizes_.constraints(),
+            r = traits_.ranks.velocities;
+  const MultibodyPoint& point = linearized_;
+  const MultibodyTerms& terms = point.terms;
+  const Arena::Frame frame(arena_);
+  double* g = arena_.zeros(index(nl) + 1);
+  double* velocity = arena_.zeros(index(nc) + 1);
+  double* forces = arena_.zeros(index(nv + nc) + 1);
+  double* rates = arena_.zeros(index(nq + nv));
+  const auto sign = [](int i) { return i % 2 == 0 ? unit_roundoff : -unit_roundoff; };
+  for (int j = 0; j < nq; ++j)
+    for (int i = 0; i < nl; ++i) g[i] += sign(i) * std::fabs(terms.g_q(i, j) * point.q[index(j)]);
+  for (int j = 0; j < nv; ++j) {
+    const std::size_t column = index(j);
+    for (int i = 0; i < nc; ++i) velocity[i] += sign(i) * std::fabs(terms.C(i, j) * point.v[column]);
+    for (int i = 0; i < nv; ++i) forces[i] += sign(i) * std::fabs(terms.M(i, j) * point.a[column]);
+    for (int i = 0; i < nc; ++i) forces[j] += sign(j) * std::fabs(terms.C(i, j) * point.mu[index(i)]);
+    forces[j] += sign(j) * std::fabs(terms.f[column]);
+    for (int k = 0; k < r; ++k)
+      forces[nv + k] += sign(k) * std::fabs(terms.C(form_.velocities().rows[index(k)], j) * point.a[column]);
+  }
+  for (int k = 0; k < r; ++k)
+    forces[nv + k] += sign(k) * std::fabs(terms.acceleration_rest[index(form_.velocities().rows[index(k)])]);
+  form_.particular(form_.tangents(), {g, velocity}, noise_at_rest_.data(), arena_);
+  point.solve(forces);
+  std::copy_n(forces, nv, rates + nq);
+  form_.project(rates, noise_of_rates_.data());
+  // What local coordinates are rounded to.
+  double* yz = arena_.take(index(differential()) + 1);
+  for (int k = 0; k < nq; ++k) rates[k] = sign(k) * std::fabs(point.q[index(k)]);
+  for (int k = 0; k < nv; ++k) rates[nq + k] = sign(k) * std::fabs(point.v[index(k)]);
+  form_.project(rates, yz);
+  form_.expand(form_.tangents(), yz, change_.data(), arena_);
+  for (int k = 0; k < nq + nv; ++k)
+    noise_at_rest_[index(k)] = std::fabs(noise_at_rest_[index(k)]) + std::fabs(change_[index(k)]) + std::fabs(rates[k]);
+}
+
+void MultibodySystem::measure_noise_of_step() {
+  constexpr double samples = 8.0;
+  const int d = differential();
+  const Arena::Frame frame(arena_);
+  double* yz = arena_.take(index(d) + 1);
+  std::copy_n(noise_of_rates_.data(), d, yz);
+  solve_lu(ConstView{matrix_.data(), d, d, std::max(d, 1)}, matrix_pivots_.data(), yz);
+  form_.expand(form_.tangents(), yz, noise_.data(), arena_);
+  for (int k = 0; k < leading_size(); ++k)
+    noise_[index(k)] = samples * (std::fabs(noise_[index(k)]) + noise_at_rest_[index(k)]);
+}
+
 bool MultibodySystem::factor_step_matrices(const Task& task) {
   // Steps of one size differ in their last bits, as times are rounded.
   constexpr double rounding_of_steps = 1e-13;
@@ -84,6 +142,7 @@ bool MultibodySystem::factor_step_matrices(const Task& task) {
     matrix_valid_ = factor_lu(M, matrix_pivots_.data());
     matrix_c_ = c;
     if (d > 0) ++factorizations_;
+    if (matrix_valid_) measure_noise_of_step();
   }
   return matrix_valid_ &&
          (task.method == nullptr || transformed_.factor(form_, 1.0, *task.method, matrix_c_, factorizations_));
@@ -94,7 +153,12 @@ PointStatus MultibodySystem::read_stage(const Task& task, int i) {
   const int nq = sizes_.positions, size = leading_size(), d = differential(), nc = sizes_.constraints();
   const double* qv = stage(i);
   work_.set(times_[index(i)], qv, qv + nq);
-  const PointStatus status = evaluate(work_);
+  trouble_ = problem_.at_velocity(work_.t, work_.q.data(), work_.v.data(), work_.terms);
+  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  work_.measure_rows();
+  Tangents& tangents = stage_tangents_[index(i)];
+  if (!form_.build_tangents(work_, tangents, arena_)) return PointStatus::singular;
+  const PointStatus status = accelerate(work_, tangents);
   if (status != PointStatus::ok) return status;
   std::copy_n(work_.mu.data(), nc, stage_mu_.data() + static_cast<std::ptrdiff_t>(i) * nc);
   double* particular = stage_particular_.data() + static_cast<std::ptrdiff_t>(i) * size;
@@ -105,14 +169,10 @@ PointStatus MultibodySystem::read_stage(const Task& task, int i) {
   std::copy(work_.a.begin(), work_.a.end(), rates + nq);
   form_.project(rates, r);
   work_.velocity_residuals(residuals_.data());
-  work_.measure_rows();
-  Tangents& tangents = stage_tangents_[index(i)];
-  if (!form_.build_tangents(work_, tangents, arena_)) return PointStatus::singular;
   form_.particular(tangents, {work_.terms.g.data(), residuals_.data()}, particular, arena_);
   form_.add_particular_rates(work_.terms.S, particular, r, arena_);
   double* move = stage_moves_.data() + static_cast<std::ptrdiff_t>(i) * d;
-  for (int k = 0; k < size; ++k)
-    rates[k] = task.method != nullptr ? qv[k] - task.w[k] : task.c * qv[k] + task.w[k];
+  for (int k = 0; k < size; ++k) rates[k] = task.method != nullptr ? qv[k] - task.w[k] : task.c * qv[k] + task.w[k];
   form_.project(rates, move);
   return PointStatus::ok;
 }
@@ -159,7 +219,7 @@ PointStatus MultibodySystem::iterate(const Task& task) {
         change_[index(k)] += particular[k];
         qv[k] += change_[index(k)];
       }
-      norm = std::max(norm, change_norm(task, change_.data(), qv));
+      norm = std::max(norm, change_norm(task, change_.data()));
     }
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     if (has_converged(iteration, norm, before)) return PointStatus::ok;
@@ -170,13 +230,11 @@ PointStatus MultibodySystem::iterate(const Task& task) {
 }
 
 // In units of the tolerance; rounding errors will not become less.
-double MultibodySystem::change_norm(const Task& task, const double* change, const double* qv) const {
-  constexpr double rounding = 8.0 * unit_roundoff;
+double MultibodySystem::change_norm(const Task& task, const double* change) const {
   double norm = 0.0;
   for (int k = 0; k < leading_size(); ++k) {
-    const double above = std::fabs(change[k]) - rounding * std::fabs(qv[k]);
-    norm = std::max(norm, above * task.inverse_weights[k]);
     if (!std::isfinite(change[k])) return change[k];
+    norm = std::max(norm, (std::fabs(change[k]) - noise_[index(k)]) * task.inverse_weights[k]);
   }
   return norm;
 }
@@ -214,11 +272,16 @@ PointStatus MultibodySystem::solve_points(const Task& task, const double* guess)
     status = linearize(times_[index(middle)], stage(middle));
     if (status == PointStatus::ok) status = iterate(task);
   }
-  if (status != PointStatus::ok) return status;
-  const double* last = stage(task.s - 1);
-  end_.set(times_[index(task.s - 1)], last, last + sizes_.positions);
-  status = settle(end_);
-  return status == PointStatus::ok ? look_at(end_) : status;
+  if (status == PointStatus::ok) {
+    const double* last = stage(task.s - 1);
+    end_.set(times_[index(task.s - 1)], last, last + sizes_.positions);
+    status = settle(end_);
+  }
+  if (status == PointStatus::ok) return look_at(end_);
+  // Shorter steps toward a singular configuration that has been seen already.
+  const bool is_near_change =
+      has_changed_ && (status == PointStatus::singular || status == PointStatus::not_converged);
+  return is_near_change ? PointStatus::changed : status;
 }
 
 PointStatus MultibodySystem::solve(const StepEquations& equations, double* x) {
@@ -250,35 +313,48 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
   for (int i = 0; i < s; ++i) {
     std::copy_n(stage(i), size, x + static_cast<std::ptrdiff_t>(i) * n);
     std::copy_n(stage(i), size, w + static_cast<std::ptrdiff_t>(i) * size);
-    std::copy_n(stage_mu_.data() + static_cast<std::ptrdiff_t>(i) * nc, nc, x + static_cast<std::ptrdiff_t>(i) * n + size);
+    std::copy_n(stage_mu_.data() + static_cast<std::ptrdiff_t>(i) * nc, nc,
+                x + static_cast<std::ptrdiff_t>(i) * n + size);
   }
   return PointStatus::ok;
 }
 
 void MultibodySystem::error_in_x(const double* dw, int count, double* dx) {
-  const int nq = sizes_.positions, nv = sizes_.velocities, n = unknowns(), size = leading_size(), nc = sizes_.constraints();
-  const std::vector<int>& rows = form_.velocities().rows;
+  const int n = unknowns(), size = leading_size();
   const Arena::Frame frame(arena_);
   double* yz = arena_.take(index(differential()) + 1);
-  double* forces = arena_.take(index(nv + nc));
-  double* rest = arena_.take(index(nc) + 1);
   for (int j = 0; j < count; ++j) {
-    const double* from = dw + static_cast<std::ptrdiff_t>(j) * size;
     double* to = dx + static_cast<std::ptrdiff_t>(j) * n;
-    form_.project(from, yz);
+    form_.project(dw + static_cast<std::ptrdiff_t>(j) * size, yz);
     form_.expand(form_.tangents(), yz, to, arena_);
-    // K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv)
-    std::fill_n(to + size, nc, 0.0);
-    const int r = traits_.ranks.velocities;
-    if (r == 0) continue;
-    multiply(1.0, Op::plain, jacobian_.force_q, to, 0.0, forces);
-    multiply(1.0, Op::plain, jacobian_.force_v, to + nq, 1.0, forces);
-    multiply(-1.0, Op::plain, jacobian_.acceleration_q, to, 0.0, rest);
-    multiply(-1.0, Op::plain, jacobian_.acceleration_v, to + nq, 1.0, rest);
-    for (int k = 0; k < r; ++k) forces[nv + k] = rest[rows[index(k)]];
-    linearized_.solve(forces);
-    for (int k = 0; k < r; ++k) to[size + rows[index(k)]] = forces[nv + k];
+    error_of_forces(yz, to + size);
   }
+}
+
+// K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv), with (I - B / c)^-1 yz in place of yz: what is
+// stiff over the step has hardly any error, but mu depends on it very much. yz is overwritten.
+void MultibodySystem::error_of_forces(double* yz, double* dmu) {
+  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), d = differential(),
+            r = traits_.ranks.velocities;
+  const std::vector<int>& rows = form_.velocities().rows;
+  std::fill_n(dmu, nc, 0.0);
+  if (r == 0 || d == 0) return;
+  const Arena::Frame frame(arena_);
+  double* dqv = arena_.take(index(leading_size()));
+  double* forces = arena_.take(index(nv + nc));
+  double* rest = arena_.take(index(nc));
+  if (matrix_valid_) {
+    solve_lu(ConstView{matrix_.data(), d, d, d}, matrix_pivots_.data(), yz);
+    for (int k = 0; k < d; ++k) yz[k] *= matrix_c_;
+  }
+  form_.expand(form_.tangents(), yz, dqv, arena_);
+  multiply(1.0, Op::plain, jacobian_.force_q, dqv, 0.0, forces);
+  multiply(1.0, Op::plain, jacobian_.force_v, dqv + nq, 1.0, forces);
+  multiply(-1.0, Op::plain, jacobian_.acceleration_q, dqv, 0.0, rest);
+  multiply(-1.0, Op::plain, jacobian_.acceleration_v, dqv + nq, 1.0, rest);
+  for (int k = 0; k < r; ++k) forces[nv + k] = rest[rows[index(k)]];
+  linearized_.solve(forces);
+  for (int k = 0; k < r; ++k) dmu[rows[index(k)]] = forces[nv + k];
 }
 
 }  // namespace sfdae::core

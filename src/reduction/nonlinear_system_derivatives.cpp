@@ -35,7 +35,7 @@ bool NonlinearSystem::solve_next_level(const double* x) {
   constexpr int most = 6;
   double before = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
-    const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each, nullptr, &column_scale_};
+    const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each, nullptr, &column_scale_, true};
     const Trouble trouble = problem_.linearize(next.t, next.x.data(), {level, level, level}, scaling, next_data_);
     if (trouble.status == SFDAE_ORDER_MISSING) has_next_level_ = Availability::no;
     if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED)

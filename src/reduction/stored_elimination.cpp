@@ -30,24 +30,31 @@ void StoredElimination::Block::keep(ConstView from) {
   copy(from, {entries.data(), rows, cols, std::max(rows, 1)});
 }
 
-void StoredElimination::keep_diagonal_block(const TaylorData& data, int level, ConstView factors, const int* pivots,
-                                            ConstView Q, int rank) {
+void StoredElimination::begin(const TaylorData& data, int level) {
   m_ = data.m;
   n_ = data.n;
   level_ = level;
-  rank_ = rank;
-  R_.keep(factors.top(rank));
-  Q_.keep(Q);
-  pivots_.assign(pivots, pivots + n_);
+  num_diagonals_ = 0;
   if (stages_.size() < index(level + 1)) stages_.resize(index(level + 1));
+}
+
+void StoredElimination::keep_diagonal_block(ConstView factors, const int* pivots, ConstView Q, int rank) {
+  if (diagonals_.size() == num_diagonals_) diagonals_.emplace_back();
+  Diagonal& diagonal = diagonals_[num_diagonals_++];
+  diagonal.rank = rank;
+  diagonal.null_rows = factors.rows - rank;
+  diagonal.R.keep(factors.top(rank));
+  diagonal.Q.keep(Q);
+  diagonal.pivots.assign(pivots, pivots + n_);
 }
 
 void StoredElimination::begin_stage(int i, int carried) {
   stage_ = &stages_[index(i)];
+  stage_->diagonal = num_diagonals_ - 1;
   stage_->carried = carried;
   stage_->leaving = 0;
   stage_->by_reflections = false;
-  carried_ = carried + m_ - rank_;
+  carried_ = carried + diagonal_of(*stage_).null_rows;
 }
 
 void StoredElimination::keep_reflections(ConstView X, const double* tau) {
@@ -79,13 +86,16 @@ void StoredElimination::finish(const TaylorData& data, Arena& arena) {
 // Q1^T times block row i without y_j, then the equations of the stage solved for y_j.
 void StoredElimination::combine(const TaylorData& data, int i, Arena& arena) {
   Stage& stage = stages_[index(i)];
-  const int q = stage.leaving, at_x = m_ + q, columns = at_x + (i + 1) * n_;
+  const Diagonal& diagonal = diagonal_of(stage);
+  const ConstView R = diagonal.R.view();
+  const std::vector<int>& pivots = diagonal.pivots;
+  const int rank = diagonal.rank, q = stage.leaving, at_x = m_ + q, columns = at_x + (i + 1) * n_;
   const Arena::Frame frame(arena);
-  const View B = arena.matrix(rank_, columns), T = arena.matrix(q, columns);
-  const ConstView Q1 = Q_.view().columns(0, rank_);
+  const View B = arena.matrix(rank, columns), T = arena.matrix(q, columns);
+  const ConstView Q1 = diagonal.Q.view().columns(0, rank);
   fill(B, 0.0);
   fill(T, 0.0);
-  for (int row = 0; row < rank_; ++row)
+  for (int row = 0; row < rank; ++row)
     for (int k = 0; k < m_; ++k) B(row, k) = Q1(k, row);
   if (!data.is_zero_A(i)) multiply(1.0, Op::transposed, Q1, Op::plain, data.A(i), 0.0, B.columns(at_x, n_));
   for (int k = 1; k <= i; ++k) {
@@ -105,15 +115,15 @@ void StoredElimination::combine(const TaylorData& data, int i, Arena& arena) {
     }
     solve_upper(Op::plain, stage.T.view().block(0, 0, q, q), T);
     for (int row = 0; row < q; ++row) {
-      const int column = rank_ + stage.pivots[index(row)];
-      for (int c = 0; c < columns; ++c) G(pivots_[index(column)], c) = T(row, c);
+      const int column = rank + stage.pivots[index(row)];
+      for (int c = 0; c < columns; ++c) G(pivots[index(column)], c) = T(row, c);
       for (int c = 0; c < columns; ++c)
-        for (int r = 0; r < rank_; ++r) B(r, c) -= R_.view()(r, column) * T(row, c);
+        for (int r = 0; r < rank; ++r) B(r, c) -= R(r, column) * T(row, c);
     }
   }
-  solve_upper(Op::plain, R_.view().columns(0, rank_), B);
+  solve_upper(Op::plain, R.columns(0, rank), B);
   for (int c = 0; c < columns; ++c)
-    for (int r = 0; r < rank_; ++r) G(pivots_[index(r)], c) = B(r, c);
+    for (int r = 0; r < rank; ++r) G(pivots[index(r)], c) = B(r, c);
 }
 
 void StoredElimination::transform(const double* f, double* transformed, Arena& arena) const {
@@ -125,16 +135,18 @@ void StoredElimination::transform(const double* f, double* transformed, Arena& a
   int rows = 0;
   for (int i = level_; i >= 0; --i) {
     const Stage& stage = stages_[index(i)];
+    const Diagonal& diagonal = diagonal_of(stage);
+    const int rank = diagonal.rank;
     const double* f_i = f + static_cast<std::ptrdiff_t>(i) * m_;
-    const int after = rows + m_ - rank_;
+    const int after = rows + diagonal.null_rows;
     std::copy_n(now, rows, next);
     if (stage.by_reflections) {
-      multiply(1.0, Op::transposed, Q_.view().columns(0, rank_), f_i, 0.0, stacked);
-      std::copy_n(now, rows, stacked + rank_);
-      apply_q(Op::transposed, stage.X.view(), rank_, stage.X_tau.data(), column(stacked, rank_ + rows), arena);
-      std::copy_n(stacked + rank_, rows, next);
+      multiply(1.0, Op::transposed, diagonal.Q.view().columns(0, rank), f_i, 0.0, stacked);
+      std::copy_n(now, rows, stacked + rank);
+      apply_q(Op::transposed, stage.X.view(), rank, stage.X_tau.data(), column(stacked, rank + rows), arena);
+      std::copy_n(stacked + rank, rows, next);
     }
-    std::fill_n(next + rows, m_ - rank_, 0.0);
+    std::fill_n(next + rows, diagonal.null_rows, 0.0);
     multiply(1.0, Op::plain, stage.W.view(), f_i, 1.0, next);
     if (stage.leaving > 0) {
       apply_q(Op::transposed, stage.T.view(), stage.leaving, stage.T_tau.data(), column(next, rows), arena);
@@ -168,7 +180,11 @@ void StoredElimination::solve_stage(const TaylorData& data, int i, RightHandSide
                                     Arena& arena) const {
   const Arena::Frame frame(arena);
   const Stage& stage = stages_[index(i)];
-  const int free_columns = n_ - rank_;
+  const Diagonal& diagonal = diagonal_of(stage);
+  const ConstView R = diagonal.R.view();
+  const std::vector<int>& pivots = diagonal.pivots;
+  const int rank = diagonal.rank;
+  const int free_columns = n_ - rank;
   double* r = arena.take(index(m_) + 1);
   double* top = arena.take(index(m_) + 1);
   // Rows leaving: T P_q y_q = rhs - rows [y_1; ...; y_i; x], in the sense M y - N x = f.
@@ -191,21 +207,23 @@ void StoredElimination::solve_stage(const TaylorData& data, int i, RightHandSide
     if (!data.is_zero_E(i + 1 - k)) multiply(-1.0, Op::plain, data.E(i + 1 - k), y_k, 1.0, r);
     if (!data.is_zero_A(i - k)) multiply(1.0 / k, Op::plain, data.A(i - k), y_k, 1.0, r);
   }
-  multiply(1.0, Op::transposed, Q_.view().columns(0, rank_), r, 0.0, top);
-  multiply(-1.0, Op::plain, R_.view().columns(rank_, free_columns), y_q, 1.0, top);
-  solve_upper(Op::plain, R_.view().columns(0, rank_), column(top, rank_));
+  multiply(1.0, Op::transposed, diagonal.Q.view().columns(0, rank), r, 0.0, top);
+  multiply(-1.0, Op::plain, R.columns(rank, free_columns), y_q, 1.0, top);
+  solve_upper(Op::plain, R.columns(0, rank), column(top, rank));
   double* y_j = y + static_cast<std::ptrdiff_t>(i) * n_;
-  for (int k = 0; k < rank_; ++k) y_j[pivots_[index(k)]] = top[k];
-  for (int k = 0; k < free_columns; ++k) y_j[pivots_[index(rank_ + k)]] = y_q[k];
+  for (int k = 0; k < rank; ++k) y_j[pivots[index(k)]] = top[k];
+  for (int k = 0; k < free_columns; ++k) y_j[pivots[index(rank + k)]] = y_q[k];
 }
 
 void StoredElimination::mark_determined(std::vector<char>& flags) const {
   flags.assign(index(n_) * index(level_ + 1), 0);
   for (int i = 0; i <= level_; ++i) {
     const Stage& stage = stages_[index(i)];
+    const std::vector<int>& pivots = diagonal_of(stage).pivots;
+    const int rank = diagonal_of(stage).rank;
     char* of_stage = flags.data() + static_cast<std::ptrdiff_t>(i) * n_;
-    for (int k = 0; k < rank_; ++k) of_stage[pivots_[index(k)]] = 1;
-    for (int k = 0; k < stage.leaving; ++k) of_stage[pivots_[index(rank_ + stage.pivots[index(k)])]] = 1;
+    for (int k = 0; k < rank; ++k) of_stage[pivots[index(k)]] = 1;
+    for (int k = 0; k < stage.leaving; ++k) of_stage[pivots[index(rank + stage.pivots[index(k)])]] = 1;
   }
 }
 

@@ -37,7 +37,9 @@ class StoredElimination {
   int level() const { return level_; }
 
   // Called by eliminate().
-  void keep_diagonal_block(const TaylorData& data, int level, ConstView factors, const int* pivots, ConstView Q, int rank);
+  void begin(const TaylorData& data, int level);
+  // Of the stages that follow.
+  void keep_diagonal_block(ConstView factors, const int* pivots, ConstView Q, int rank);
   void begin_stage(int i, int carried);
   void keep_reflections(ConstView X, const double* tau);
   void keep_combination(ConstView W);
@@ -54,7 +56,14 @@ class StoredElimination {
     View view() { return {entries.data(), rows, cols, rows > 0 ? rows : 1}; }
     ConstView view() const { return {entries.data(), rows, cols, rows > 0 ? rows : 1}; }
   };
+  // E_0 of the rows that a stage has.
+  struct Diagonal {
+    Block R, Q;
+    std::vector<int> pivots;
+    int rank = 0, null_rows = 0;
+  };
   struct Stage {
+    std::size_t diagonal = 0;
     int carried = 0, leaving = 0;
     bool by_reflections = false;
     Block W, X, T, rows;  // rows: leaving ones in y_1, ..., y_i, x
@@ -67,9 +76,11 @@ class StoredElimination {
   void combine(const TaylorData& data, int i, Arena& arena);
   void solve_stage(const TaylorData& data, int i, RightHandSide rhs, const double* x, double* y, Arena& arena) const;
 
-  int m_ = 0, n_ = 0, level_ = 0, rank_ = 0, carried_ = 0;
-  Block R_, Q_;
-  std::vector<int> pivots_;
+  const Diagonal& diagonal_of(const Stage& stage) const { return diagonals_[stage.diagonal]; }
+
+  int m_ = 0, n_ = 0, level_ = 0, carried_ = 0;
+  std::vector<Diagonal> diagonals_;
+  std::size_t num_diagonals_ = 0;
   std::vector<Stage> stages_;  // index i = 0..level
   Stage* stage_ = nullptr;     // being kept
 };

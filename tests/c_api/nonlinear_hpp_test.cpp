@@ -258,4 +258,28 @@ TEST(NonlinearProblem, SolversMoveAndKeepTheirFunctions) {
   EXPECT_EQ(kept.use_count(), 1);
 }
 
+// 0 = x1 - sin t, x2 = x1': the second equation need not be differentiated, but the first one must.
+TEST(NonlinearProblem, DifferentiatesAsOftenAsItIsTold) {
+  sfdae::NonlinearProblem problem(2, 2);
+  problem.equations = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = x[0] - sin(t);
+    F[1] = x[1] - xdot[0];
+  };
+  for (const bool enough : {true, false}) {
+    problem.differentiations = {enough ? 1 : 0, 0};
+    sfdae::Solver solver(problem);
+    sfdae::Point point{0.5, {0.0, 0.0}, {}};
+    if (!enough) {
+      EXPECT_EQ(status_of([&] { return solver.start(point, 1.0), 0; }), SFDAE_INDEX_TOO_HIGH);
+      continue;
+    }
+    solver.start(point, 1.0);
+    solver.advance(1.0, point);
+    EXPECT_NEAR(point.x[0], std::sin(1.0), 1e-14);
+    EXPECT_NEAR(point.x[1], std::cos(1.0), 1e-13);
+  }
+  problem.differentiations = {1};
+  EXPECT_EQ(status_of([&] { return sfdae::Solver(problem).set_options({}); }), SFDAE_ILLEGAL_ARGUMENT);
+}
+
 }  // namespace

@@ -90,9 +90,10 @@ size_t fill_nonlinear_problem(sfdae_nonlinear_problem *s) {
                                          7,
                                          &integers[8],
                                          vector_4,
-                                         &integers[10]};
+                                         &integers[10],
+                                         &integers[11]};
   *s = value;
-  integers[8] = 8, integers[10] = 10;
+  integers[8] = 8, integers[10] = 10, integers[11] = 11;
   return sizeof value;
 }
 

@@ -192,7 +192,7 @@ contains
     call check(counts([real(c_double) :: q%size, q%num_equations, q%num_unknowns, &
       number_of(q%equations) + 3, number_of(q%linear_equations) + 3, &
       number_of(q%total_derivative) + 3, q%num_prescribed, integer_at(q%prescribed), &
-      number_of(q%prescribed_values) + 5, integer_at(q%user)]), &
+      number_of(q%prescribed_values) + 5, integer_at(q%user), integer_at(q%differentiations)]), &
       "members of sfdae_nonlinear_problem")
   end subroutine check_problem
 

@@ -47,7 +47,7 @@ TEST_F(Arguments, ProblemsThatLackSomethingAreRefused) {
   problem.size = 0;
   refuse(SFDAE_ILLEGAL_ARGUMENT, "size");
   for (const int count : {-1, INT_MIN, INT_MAX, 5001}) {
-    for (int sfdae_multibody_problem::* member :
+    for (int sfdae_multibody_problem::*member :
          {&sfdae_multibody_problem::num_positions, &sfdae_multibody_problem::num_velocities,
           &sfdae_multibody_problem::num_constraints, &sfdae_multibody_problem::num_nonholonomic}) {
       problem.*member = count;

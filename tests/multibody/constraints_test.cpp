@@ -70,8 +70,8 @@ TEST(RedundantConstraints, ContradictionOnTheWayStopsTheIntegration) {
   EXPECT_LE(run.t, 1.2);
 }
 
-// Crank and rod of equal length, (sin phi_1 + sin phi_2) = 0: where both stand upright the gradient (cos phi_1, cos phi_2)
-// vanishes and two branches of motion cross.
+// Crank and rod of equal length, (sin phi_1 + sin phi_2) = 0: where both stand upright the gradient (cos phi_1, cos
+// phi_2) vanishes and two branches of motion cross.
 struct CrankAndRod {
   static int forces(double, const double*, const double*, double*, void*) { return 0; }
   static int constraints(double, const double* q, double* g, void*) {
@@ -107,7 +107,8 @@ TEST_P(SingularConfiguration, IsFoundAndNotPassedSilently) {
 
 TEST_P(SingularConfiguration, IsRefusedAtTheStart) {
   MultibodyRun run(CrankAndRod::problem(), options_of(GetParam(), 1e-6));
-  EXPECT_EQ(run.start(0.0, 3.0, {0.5 * pi, -0.5 * pi, 1.0, -1.0, 0.0}), SFDAE_CHARACTERISTICS_CHANGED) << run.message();
+  EXPECT_EQ(run.start(0.0, 3.0, {0.5 * pi, -0.5 * pi, 1.0, -1.0, 0.0}), SFDAE_CHARACTERISTICS_CHANGED)
+      << run.message();
 }
 
 // M = diag(1, 0) with the constraint q_2 = 0 is regular, with q_1 = 0 nothing determines q_2''.

@@ -44,7 +44,8 @@ TEST_F(InitialValues, SlopesAreThoseOfTheSolution) {
   EXPECT_NEAR(run.xdot[4], -3.0 * 1.1 * std::sin(0.7), 1e-9);
 }
 
-// The mass is that of the kinetic energy: what is heavy moves less. dq = -M^-1 G^T (...), so 4 dq_1 / q_1 = dq_2 / q_2.
+// The mass is that of the kinetic energy: what is heavy moves less. dq = -M^-1 G^T (...), so 4 dq_1 / q_1 = dq_2 /
+// q_2.
 TEST_F(InitialValues, HeavyComponentsMoveLess) {
   sfdae_multibody_problem problem = pendulum.problem();
   problem.mass = [](double, const double*, double* M, void*) {

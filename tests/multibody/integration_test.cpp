@@ -71,8 +71,8 @@ int passing(double, const double* x, const double*, double* g, void*) {
 
 TEST_P(Integration, FindsEvents) {
   MultibodyRun r = run(1e-9);
-  // A small swing about the lowest point from phi_0 at rest: it passes after a quarter of the period 4 K(sin phi_0/2),
-  // K = pi / (2 agm(1, cos(phi_0 / 2))).
+  // A small swing about the lowest point from phi_0 at rest: it passes after a quarter of the period 4 K(sin
+  // phi_0/2), K = pi / (2 agm(1, cos(phi_0 / 2))).
   const double phi = 0.5;
   double a = 1.0, b = std::cos(0.5 * phi);
   for (int i = 0; i < 8; ++i) {

@@ -12,9 +12,9 @@ namespace {
 class ExactSolutions : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Methods, ExactSolutions, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
 
-// A knife edge on a plane inclined along q_1, of mass and moment of inertia 1, q = (x, y, phi): v_1 sin phi - v_2 cos phi
-// = 0. With phi = omega t from rest in x, y: the speed u along the edge obeys u' = cos phi, so u = sin(omega t) / omega,
-// x = sin^2(omega t) / (2 omega^2), y = (omega t - sin(omega t) cos(omega t)) / (2 omega^2).
+// A knife edge on a plane inclined along q_1, of mass and moment of inertia 1, q = (x, y, phi): v_1 sin phi - v_2 cos
+// phi = 0. With phi = omega t from rest in x, y: the speed u along the edge obeys u' = cos phi, so u = sin(omega t) /
+// omega, x = sin^2(omega t) / (2 omega^2), y = (omega t - sin(omega t) cos(omega t)) / (2 omega^2).
 struct KnifeEdge {
   static constexpr double omega = 1.5;
   static int forces(double, const double*, const double*, double* f, void*) {

@@ -1,4 +1,5 @@
-// The plane pendulum of length 1 in Cartesian coordinates, its constraint (|q|^2 - 1) / 2 = 0 repeated as often as wanted.
+// The plane pendulum of length 1 in Cartesian coordinates, its constraint (|q|^2 - 1) / 2 = 0 repeated as often as
+// wanted.
 //
 // q'' = (0, -g) - lambda q with g = 1: lambda = |v|^2 - q_2 g, and the energy |v|^2 / 2 + g q_2 is constant.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -51,7 +52,8 @@ struct Pendulum {
   static double energy(const double* x) { return 0.5 * (x[2] * x[2] + x[3] * x[3]) + x[1]; }
   // x at the angle phi from below with the angular velocity omega.
   static std::vector<double> state(double phi, double omega) {
-    return {std::sin(phi), -std::cos(phi), omega * std::cos(phi), omega * std::sin(phi), omega * omega + std::cos(phi)};
+    return {std::sin(phi), -std::cos(phi), omega * std::cos(phi), omega * std::sin(phi),
+            omega * omega + std::cos(phi)};
   }
 };
 

@@ -34,8 +34,8 @@ class SystemOfPendulum : public testing::Test {
     for (int k = 0; k < steps; ++k) {
       for (std::size_t i = 0; i < guess.size(); ++i) guess[i] = x[i % 5];
       double reached = 0.0;
-      const StageEquations equations{
-          method, static_cast<double>(k) / steps, (k + 1.0) / steps, x.data(), x.data(), {guess.data(), x.data(), exacting.data()}};
+      const StageEquations equations{method,   static_cast<double>(k) / steps,           (k + 1.0) / steps, x.data(),
+                                     x.data(), {guess.data(), x.data(), exacting.data()}};
       EXPECT_EQ(system.solve_stages(equations, all.data(), w.data(), reached), PointStatus::ok);
       system.accept();
       std::copy_n(all.end() - 5, 5, x.begin());
@@ -59,12 +59,14 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
 TEST_F(SystemOfPendulum, RadauHasItsOrder) {
   const std::vector<double> exact = integrate(7, 40);
   for (const auto& [stages, steps] : {std::pair{1, 160}, std::pair{3, 20}, std::pair{5, 6}}) {
-    const double coarse = distance(integrate(stages, steps), exact), fine = distance(integrate(stages, 2 * steps), exact);
+    const double coarse = distance(integrate(stages, steps), exact),
+                 fine = distance(integrate(stages, 2 * steps), exact);
     EXPECT_NEAR(std::log2(coarse / fine), 2.0 * stages - 1.0, 0.7) << stages << " stages";
   }
 }
 
-// dx of a change along the solution's tangent space is that change, with that of lambda = |v|^2 - q_2; changes across vanish.
+// dx of a change along the solution's tangent space is that change, with that of lambda = |v|^2 - q_2; changes across
+// vanish.
 TEST_F(SystemOfPendulum, ErrorsAreMappedToAllComponents) {
   MultibodySystem system = system_at(0.0, start);
   const double q1 = start[0], q2 = start[1], v1 = start[2], v2 = start[3];

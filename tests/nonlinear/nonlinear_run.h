@@ -26,6 +26,7 @@ struct NonlinearEquations {
   RecordedFunction write;
   std::vector<int> prescribed = {};
   sfdae_vector_function prescribed_values = nullptr;
+  std::vector<int> differentiations = {};  // none: no limit
 };
 
 // F(t, x, xdot, F) for any scalar type.
@@ -62,6 +63,7 @@ class NonlinearRun {
     problem.prescribed = equations_.prescribed.data();
     problem.prescribed_values = equations_.prescribed_values;
     problem.user = this;
+    if (!equations_.differentiations.empty()) problem.differentiations = equations_.differentiations.data();
     created = sfdae_create_nonlinear(&solver_, &problem, &options);
     xdot.resize(static_cast<std::size_t>(equations_.n));
   }

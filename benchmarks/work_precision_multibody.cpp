@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Work against precision on mechanical systems, as comma-separated values on standard output, as those of
+// work_precision_nonlinear. Solvers: IDA on forms of lower index made by hand, the library on the same equations as a
+// multibody system, and as general equations of index 3 with their whole derivative array ("general") or with the
+// constraints alone differentiated twice ("extended"). The least time for 4, 6 and 8 digits follows on standard
+// error.
+//
+//   work_precision_multibody [problem...] > results.csv
+//   work_precision_multibody chain                     cost of a step of pendulums of many links
+//   gnuplot -e "results='results.csv'" benchmarks/work_precision_multibody.gp
+//
+// Runs one BLAS thread if OPENBLAS_NUM_THREADS=1 and the like say so.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "multibody/chain.h"
+#include "multibody/models.h"
+#include "multibody/multibody_run.h"
+#include "work_precision_nonlinear_sfdae.h"
+#include "work_precision_rows.h"
+
+namespace {
+
+using sfdae_bench::Method;
+using sfdae_bench::Results;
+using sfdae_bench::Row;
+using sfdae_bench::SolverRun;
+using sfdae_test::MultibodyForm;
+using sfdae_test::MultibodyRun;
+using sfdae_test::TestProblem;
+
+// Recording, analysis, initial values and integration.
+template <class System>
+SolverRun solve(const System& system, const TestProblem& problem, MultibodyForm form, Method method, double tol) {
+  sfdae_bench::TimeLimit limit;
+  sfdae_options options = sfdae_bench::options_for(method, tol, limit);
+  options.stop_time = problem.tf;
+  MultibodyRun run(system, form, options);
+  SolverRun result;
+  const int status = run.integrate(problem.t0, problem.tf, problem.x0);
+  if (status < 0 || run.t != problem.tf) result.failure = run.text(status);
+  const sfdae_statistics statistics = run.statistics();
+  result.x = run.x;
+  result.steps = statistics.steps;
+  result.evaluations = statistics.evaluations_F + statistics.linearizations;
+  result.factorizations = statistics.factorizations;
+  return result;
+}
+
+template <class System>
+void run_sfdae(const TestProblem& problem, const System& system, MultibodyForm form, Results& results) {
+  const char* name = form == MultibodyForm::recorded  ? "multibody"
+                     : form == MultibodyForm::general ? "general"
+                                                      : "extended";
+  const std::pair<Method, const char*> methods[] = {{Method::bdf, "BDF"}, {Method::radau, "Radau"}};
+  for (const auto& [method, method_name] : methods)
+    for (const double tol : sfdae_bench::tolerances()) {
+      Row row = sfdae_bench::measured([&] { return solve(system, problem, form, method, tol); });
+      row.problem = problem.name;
+      row.solver = std::string(name) + " " + method_name;
+      row.form = name;
+      row.tol = tol;
+      results.add(problem, std::move(row));
+    }
+}
+
+// What general equations start from: multipliers that are not consistent would change positions as well.
+template <class System>
+TestProblem with_multipliers(const TestProblem& problem, const System& system) {
+  TestProblem result = problem;
+  MultibodyRun run(system, MultibodyForm::recorded, sfdae_test::multibody_options(1e-6, SFDAE_METHOD_BDF));
+  if (run.start(problem.t0, problem.tf, problem.x0) >= 0) result.x0 = run.x;
+  return result;
+}
+
+// The forms for IDA know Fekete's problem by another name, and have consistent multipliers.
+TestProblem for_ida(const std::string& name) {
+  if (name == "fekete") return sfdae_test::fekete_position();
+  if (name == "pendulum") return sfdae_test::pendulum();
+  if (name == "car_axis") return sfdae_test::car_axis();
+  if (name == "rigid_slider_crank") return sfdae_test::rigid_slider_crank();
+  return name == "andrews" ? sfdae_test::andrews() : sfdae_test::slider_crank();
+}
+
+void run_problems(const std::vector<std::string>& wanted) {
+  Results results;
+  sfdae_test::for_each_multibody_model([&](const TestProblem& problem, const auto& system) {
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), problem.name) == wanted.end()) return;
+    TestProblem peer = for_ida(problem.name);
+    peer.counted = problem.counted;
+    sfdae_bench::run_ida(peer, results);
+    run_sfdae(problem, system, MultibodyForm::recorded, results);
+    const TestProblem general = with_multipliers(problem, system);
+    run_sfdae(general, system, MultibodyForm::general, results);
+    run_sfdae(general, system, MultibodyForm::extended, results);
+  });
+  results.summarize();
+}
+
+// Milliseconds of a step, the start left out, and the exponent p of the cost N^p from the row before.
+void run_chains() {
+  constexpr double tolerance = 1e-6;
+  std::printf("links,solver,steps,microseconds a step,exponent\n");
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    double before = 0.0;
+    int links_before = 0;
+    for (const int links : {10, 20, 50, 100}) {
+      const sfdae_test::PendulumChain system(links);
+      const double end = 5.0 / links;
+      double best = 0.0;
+      long steps = 0;
+      for (int k = 0; k < (links < 50 ? 5 : 1); ++k) {
+        MultibodyRun run(system, MultibodyForm::recorded, sfdae_test::multibody_options(tolerance, method));
+        if (run.start(0.0, end, system.start()) < 0) continue;
+        const auto begin = std::chrono::steady_clock::now();
+        if (run.advance(end) < 0) continue;
+        const std::chrono::duration<double, std::micro> elapsed = std::chrono::steady_clock::now() - begin;
+        steps = run.statistics().steps;
+        const double cost = elapsed.count() / static_cast<double>(steps);
+        best = best == 0.0 ? cost : std::min(best, cost);
+      }
+      std::printf("%d,%s,%ld,%.4g,", links, method == SFDAE_METHOD_BDF ? "BDF" : "Radau", steps, best);
+      if (before > 0.0)
+        std::printf("%.2f", std::log(best / before) / std::log(static_cast<double>(links) / links_before));
+      std::printf("\n");
+      std::fflush(stdout);
+      before = best;
+      links_before = links;
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> wanted(argv + 1, argv + argc);
+  if (wanted.size() == 1 && wanted.front() == "chain") run_chains();
+  else run_problems(wanted);
+}
