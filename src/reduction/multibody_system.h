@@ -169,7 +169,6 @@ class MultibodySystem final : public DaeSystem {
   Tangents end_tangents_;
   std::vector<Tangents> stage_tangents_;
   Orientation orientation_, end_orientation_;
-  double turn_ = 0.0;
   long partitions_ = 0;
   bool along_tangents_ = false;  // how accelerations are determined
 
@@ -189,7 +188,6 @@ class MultibodySystem final : public DaeSystem {
   int inconsistent_row_ = -1;
   MultibodyRanks decided_;  // when the partition was chosen
   MultibodyRanks changed_ranks_;
-  double change_t_ = 0.0;
   int vanishing_row_ = -1;
   double vanishing_value_ = 0.0;
   bool has_changed_ = false;
