@@ -285,36 +285,38 @@ MultibodyRanks MultibodyConsistency::ranks(const Vector& q, std::vector<RankDeci
   return ranks;
 }
 
-// Constraints that depend on each other at the point alone, or a gradient that vanishes, make it a singular
-// configuration.
+// Constraints that depend on each other at the point alone, or gradients that vanish where their constraints hold, make it a
+// singular configuration.
 void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& known) {
-  constexpr double distance = 1e-3, vanishing = 1e-9;
+  constexpr double distance = 1e-3, vanishing = 1e-6;
   const Vector units = point_.position_units;
   Vector beside(q);
   // No direction in particular, and the same in every run.
   for (std::size_t i = 0; i < q.size(); ++i)
     beside[i] += distance * size_of(q) * std::sin(1.0 + 2.3 * static_cast<double>(i));
+  MultibodyRanks found;
   try {
-    approach(beside);
     look_at(beside);
-    const MultibodyRanks found = local_ranks(nullptr);
     for (int i = 0; i < sizes_.holonomic; ++i)
       if (units[index(i)] < vanishing * point_.position_units[index(i)])
         throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                      format("the configuration at t = %.15g is singular: the gradient of %s "
-                             "vanishes there. Start elsewhere.",
+                      format("the configuration at t = %.15g is singular: the gradient of %s vanishes. Start elsewhere, or "
+                             "write the constraint so that its gradient does not vanish where it holds.",
                              t_, name_of(i).c_str()));
-    if (found.positions <= known.positions && found.velocities <= known.velocities) return;
-    throw Failure(
-        SFDAE_CHARACTERISTICS_CHANGED,
-        format("the configuration at t = %.15g is singular: %d of %d constraints are independent there, but %d "
-               "beside it. Start elsewhere.",
-               t_, known.velocities, sizes_.constraints(), found.velocities));
+    approach(beside);
+    look_at(beside);
+    found = local_ranks(nullptr);
   } catch (const Failure& failure) {
-    if (failure.status() == SFDAE_CHARACTERISTICS_CHANGED || failure.status() == SFDAE_CALLBACK_STOPPED ||
-        failure.status() == SFDAE_STOPPED)
-      throw;
+    // A neighbour that cannot be reached says nothing.
+    const int status = failure.status();
+    if (status == SFDAE_CHARACTERISTICS_CHANGED || status == SFDAE_CALLBACK_STOPPED || status == SFDAE_STOPPED) throw;
+    return;
   }
+  if (found.positions <= known.positions && found.velocities <= known.velocities) return;
+  throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                format("the configuration at t = %.15g is singular: %d of %d constraints are independent there, but %d "
+                       "beside it. Start elsewhere.",
+                       t_, known.velocities, sizes_.constraints(), found.velocities));
 }
 
 // K, every unknown in its unit, has to be regular.

@@ -69,7 +69,8 @@ void MultibodySystem::resize() {
   form_.resize_tangents(end_tangents_);
   matrix_.assign(d * d + 1, 0.0);
   matrix_pivots_.assign(d + 1, 0);
-  change_.assign(size + 1, 0.0);
+  for (auto* values : {&change_, &noise_, &noise_at_rest_}) values->assign(size + 1, 0.0);
+  noise_of_rates_.assign(d + 1, 0.0);
   residuals_.assign(index(sizes_.constraints()) + 1, 0.0);
 }
 
@@ -190,8 +191,7 @@ PointStatus MultibodySystem::settle(MultibodyPoint& point) {
 // After a step: det C Q2 changes its sign where a configuration is singular, unless the constraints have turned too
 // far from the partition for that to mean anything.
 PointStatus MultibodySystem::look_at(const MultibodyPoint& point) {
-  turn_ = end_tangents_.turn();
-  const bool has_turned = turn_ > largest_turn();
+  const bool has_turned = end_tangents_.turn() > largest_turn();
   if (has_turned) is_slow_ = true;
   end_orientation_ = orientation_of(end_tangents_);
   if (end_orientation_ == orientation_) return PointStatus::ok;
@@ -206,7 +206,6 @@ PointStatus MultibodySystem::look_at(const MultibodyPoint& point) {
 // Which constraint vanishes, in the units of its gradient, relative to the others.
 void MultibodySystem::note_change(const MultibodyPoint& point) {
   has_changed_ = true;
-  change_t_ = point.t;
   form_.judge(point, arena_, vanishing_row_, vanishing_value_);
   changed_ranks_ = traits_.ranks;
   if (end_orientation_.velocities != orientation_.velocities) --changed_ranks_.velocities;

@@ -130,12 +130,14 @@ class MultibodySystem final : public DaeSystem {
   PointStatus accelerate(MultibodyPoint& point, const Tangents& tangents);
   PointStatus linearize(double t, const double* qv);
   PointStatus choose_partition();
+  void measure_noise();
+  void measure_noise_of_step();
   bool factor_step_matrices(const Task& task);
   PointStatus read_stage(const Task& task, int i);
   void add_slopes(const Task& task);
   PointStatus iterate(const Task& task);
   bool has_converged(int iteration, double norm, double before);
-  double change_norm(const Task& task, const double* change, const double* qv) const;
+  double change_norm(const Task& task, const double* change) const;
   void error_of_forces(double* yz, double* dmu);
   PointStatus solve_points(const Task& task, const double* guess);
   PointStatus project_positions(MultibodyPoint& point);
@@ -167,7 +169,6 @@ class MultibodySystem final : public DaeSystem {
   Tangents end_tangents_;
   std::vector<Tangents> stage_tangents_;
   Orientation orientation_, end_orientation_;
-  double turn_ = 0.0;
   long partitions_ = 0;
   bool along_tangents_ = false;  // how accelerations are determined
 
@@ -180,12 +181,13 @@ class MultibodySystem final : public DaeSystem {
   std::vector<double> times_;
   std::vector<double> stage_qv_, stage_particular_, stage_mu_, stage_moves_, stage_r_, stage_z_;
   std::vector<double> change_, residuals_;
+  // What rounding errors do to changes of q and v: apart from those of accelerations, with them; and those, in (y, z).
+  std::vector<double> noise_at_rest_, noise_, noise_of_rates_;
 
   double kept_ = 1.0, inconsistency_ = 0.0;
   int inconsistent_row_ = -1;
   MultibodyRanks decided_;  // when the partition was chosen
   MultibodyRanks changed_ranks_;
-  double change_t_ = 0.0;
   int vanishing_row_ = -1;
   double vanishing_value_ = 0.0;
   bool has_changed_ = false;

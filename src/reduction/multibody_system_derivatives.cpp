@@ -189,6 +189,7 @@ void MultibodySystem::rebuild(bool has_linearization, double c, double rate) {
   form_.step_matrix(c, M);
   matrix_valid_ = factor_lu(M, matrix_pivots_.data());
   matrix_c_ = c;
+  if (matrix_valid_) measure_noise_of_step();
 }
 
 }  // namespace sfdae::core

@@ -60,6 +60,7 @@ PointStatus MultibodySystem::linearize(double t, const double* qv) {
                                 linearized_.mu.data(), linearized_.terms, jacobian_);
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   form_.build(linearized_, jacobian_, arena_);
+  measure_noise();
   ++reductions_;
   ++factorizations_;
   is_linearized_ = true;
@@ -78,6 +79,58 @@ PointStatus MultibodySystem::choose_partition() {
   return PointStatus::ok;
 }
 
+// Errors of a rounding of what is added up in each equation, of either sign, go the way of residuals. One sample tells
+// their size to some factor.
+void MultibodySystem::measure_noise() {
+  const int nq = sizes_.positions, nv = sizes_.velocities, nl = sizes_.holonomic, nc = sizes_.constraints(),
+            r = traits_.ranks.velocities;
+  const MultibodyPoint& point = linearized_;
+  const MultibodyTerms& terms = point.terms;
+  const Arena::Frame frame(arena_);
+  double* g = arena_.zeros(index(nl) + 1);
+  double* velocity = arena_.zeros(index(nc) + 1);
+  double* forces = arena_.zeros(index(nv + nc) + 1);
+  double* rates = arena_.zeros(index(nq + nv));
+  const auto sign = [](int i) { return i % 2 == 0 ? unit_roundoff : -unit_roundoff; };
+  for (int j = 0; j < nq; ++j)
+    for (int i = 0; i < nl; ++i) g[i] += sign(i) * std::fabs(terms.g_q(i, j) * point.q[index(j)]);
+  for (int j = 0; j < nv; ++j) {
+    const std::size_t column = index(j);
+    for (int i = 0; i < nc; ++i) velocity[i] += sign(i) * std::fabs(terms.C(i, j) * point.v[column]);
+    for (int i = 0; i < nv; ++i) forces[i] += sign(i) * std::fabs(terms.M(i, j) * point.a[column]);
+    for (int i = 0; i < nc; ++i) forces[j] += sign(j) * std::fabs(terms.C(i, j) * point.mu[index(i)]);
+    forces[j] += sign(j) * std::fabs(terms.f[column]);
+    for (int k = 0; k < r; ++k)
+      forces[nv + k] += sign(k) * std::fabs(terms.C(form_.velocities().rows[index(k)], j) * point.a[column]);
+  }
+  for (int k = 0; k < r; ++k)
+    forces[nv + k] += sign(k) * std::fabs(terms.acceleration_rest[index(form_.velocities().rows[index(k)])]);
+  form_.particular(form_.tangents(), {g, velocity}, noise_at_rest_.data(), arena_);
+  point.solve(forces);
+  std::copy_n(forces, nv, rates + nq);
+  form_.project(rates, noise_of_rates_.data());
+  // What local coordinates are rounded to.
+  double* yz = arena_.take(index(differential()) + 1);
+  for (int k = 0; k < nq; ++k) rates[k] = sign(k) * std::fabs(point.q[index(k)]);
+  for (int k = 0; k < nv; ++k) rates[nq + k] = sign(k) * std::fabs(point.v[index(k)]);
+  form_.project(rates, yz);
+  form_.expand(form_.tangents(), yz, change_.data(), arena_);
+  for (int k = 0; k < nq + nv; ++k)
+    noise_at_rest_[index(k)] = std::fabs(noise_at_rest_[index(k)]) + std::fabs(change_[index(k)]) + std::fabs(rates[k]);
+}
+
+void MultibodySystem::measure_noise_of_step() {
+  constexpr double samples = 8.0;
+  const int d = differential();
+  const Arena::Frame frame(arena_);
+  double* yz = arena_.take(index(d) + 1);
+  std::copy_n(noise_of_rates_.data(), d, yz);
+  solve_lu(ConstView{matrix_.data(), d, d, std::max(d, 1)}, matrix_pivots_.data(), yz);
+  form_.expand(form_.tangents(), yz, noise_.data(), arena_);
+  for (int k = 0; k < leading_size(); ++k)
+    noise_[index(k)] = samples * (std::fabs(noise_[index(k)]) + noise_at_rest_[index(k)]);
+}
+
 bool MultibodySystem::factor_step_matrices(const Task& task) {
   // Steps of one size differ in their last bits, as times are rounded.
   constexpr double rounding_of_steps = 1e-13;
@@ -89,6 +142,7 @@ bool MultibodySystem::factor_step_matrices(const Task& task) {
     matrix_valid_ = factor_lu(M, matrix_pivots_.data());
     matrix_c_ = c;
     if (d > 0) ++factorizations_;
+    if (matrix_valid_) measure_noise_of_step();
   }
   return matrix_valid_ &&
          (task.method == nullptr || transformed_.factor(form_, 1.0, *task.method, matrix_c_, factorizations_));
@@ -165,7 +219,7 @@ PointStatus MultibodySystem::iterate(const Task& task) {
         change_[index(k)] += particular[k];
         qv[k] += change_[index(k)];
       }
-      norm = std::max(norm, change_norm(task, change_.data(), qv));
+      norm = std::max(norm, change_norm(task, change_.data()));
     }
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     if (has_converged(iteration, norm, before)) return PointStatus::ok;
@@ -176,13 +230,11 @@ PointStatus MultibodySystem::iterate(const Task& task) {
 }
 
 // In units of the tolerance; rounding errors will not become less.
-double MultibodySystem::change_norm(const Task& task, const double* change, const double* qv) const {
-  constexpr double rounding = 8.0 * unit_roundoff;
+double MultibodySystem::change_norm(const Task& task, const double* change) const {
   double norm = 0.0;
   for (int k = 0; k < leading_size(); ++k) {
-    const double above = std::fabs(change[k]) - rounding * std::fabs(qv[k]);
-    norm = std::max(norm, above * task.inverse_weights[k]);
     if (!std::isfinite(change[k])) return change[k];
+    norm = std::max(norm, (std::fabs(change[k]) - noise_[index(k)]) * task.inverse_weights[k]);
   }
   return norm;
 }

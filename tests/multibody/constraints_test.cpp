@@ -111,6 +111,25 @@ TEST_P(SingularConfiguration, IsRefusedAtTheStart) {
       << run.message();
 }
 
+// (q_1 - q_2)^2 = 0: the gradient vanishes wherever the constraint holds, and says nothing about velocities.
+TEST_P(SingularConfiguration, SquaredConstraintsAreRefused) {
+  sfdae_multibody_problem problem = CrankAndRod::problem();
+  problem.constraints = [](double, const double* q, double* g, void*) {
+    g[0] = (q[0] - q[1]) * (q[0] - q[1]);
+    return 0;
+  };
+  problem.constraint_jacobian = [](double, const double* q, double* g_q, void*) {
+    g_q[0] = 2.0 * (q[0] - q[1]);
+    g_q[1] = -g_q[0];
+    return 0;
+  };
+  for (const double q : {0.5, 0.8}) {
+    MultibodyRun run(problem, options_of(GetParam(), 1e-6));
+    EXPECT_EQ(run.start(0.0, 1.0, {0.5, q, 1.0, 1.0, 0.0}), SFDAE_CHARACTERISTICS_CHANGED) << run.message();
+    EXPECT_NE(run.message().find("gradient of holonomic constraint 0 vanishes"), std::string::npos) << run.message();
+  }
+}
+
 // M = diag(1, 0) with the constraint q_2 = 0 is regular, with q_1 = 0 nothing determines q_2''.
 struct Massless {
   int component = 1;
