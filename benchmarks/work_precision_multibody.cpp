@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Work against precision on mechanical systems, as comma-separated values on standard output, as those of
 // work_precision_nonlinear. Solvers: IDA on forms of lower index made by hand, the library on the same equations as a
-// multibody system, and as general equations of index 3 with their whole derivative array ("general") or with the
-// constraints alone differentiated twice ("extended"). The least time for 4, 6 and 8 digits follows on standard
-// error.
+// multibody system, the equations of the test set as they are with their whole derivative array ("general"), and those
+// of the multibody system with the constraints alone differentiated twice ("extended"). The least time for 4, 6 and 8
+// digits follows on standard error.
 //
 //   work_precision_multibody [problem...] > results.csv
 //   work_precision_multibody chain                     cost of a step of pendulums of many links
@@ -11,9 +11,9 @@
 //
 // Runs one BLAS thread if OPENBLAS_NUM_THREADS=1 and the like say so.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +21,7 @@
 #include "multibody/chain.h"
 #include "multibody/models.h"
 #include "multibody/multibody_run.h"
+#include "test_set/test_set.h"
 #include "work_precision_nonlinear_sfdae.h"
 #include "work_precision_rows.h"
 
@@ -69,7 +70,7 @@ void run_sfdae(const TestProblem& problem, const System& system, MultibodyForm f
     }
 }
 
-// What general equations start from: multipliers that are not consistent would change positions as well.
+// Multipliers that are not consistent would change positions as well.
 template <class System>
 TestProblem with_multipliers(const TestProblem& problem, const System& system) {
   TestProblem result = problem;
@@ -78,31 +79,38 @@ TestProblem with_multipliers(const TestProblem& problem, const System& system) {
   return result;
 }
 
-// The forms for IDA know Fekete's problem by another name, and have consistent multipliers.
-TestProblem for_ida(const std::string& name) {
-  if (name == "fekete") return sfdae_test::fekete_position();
-  if (name == "pendulum") return sfdae_test::pendulum();
-  if (name == "car_axis") return sfdae_test::car_axis();
-  if (name == "rigid_slider_crank") return sfdae_test::rigid_slider_crank();
-  return name == "andrews" ? sfdae_test::andrews() : sfdae_test::slider_crank();
+// IDA and the library on the equations of the test set, judged by the components that multibody systems have, too.
+void run_test_set(const TestProblem& problem, Results& results) {
+  const std::string name = problem.name == "fekete" ? "fekete_position" : problem.name;
+  sfdae_test::for_each_problem_of_test_set([&](TestProblem peer, const auto& equations) {
+    if (peer.name != name) return;
+    peer.counted = problem.counted;
+    sfdae_bench::run_ida(peer, results);
+    const std::pair<Method, const char*> methods[] = {{Method::bdf, "general BDF"}, {Method::radau, "general Radau"}};
+    for (const auto& [method, solver] : methods)
+      for (const double tol : sfdae_bench::tolerances()) {
+        Row row = sfdae_bench::measured([&] { return sfdae_bench::solve_with_sfdae(peer, equations, method, tol); });
+        row.problem = problem.name;
+        row.solver = solver;
+        row.form = "general";
+        row.tol = tol;
+        results.add(peer, std::move(row));
+      }
+  });
 }
 
 void run_problems(const std::vector<std::string>& wanted) {
   Results results;
   sfdae_test::for_each_multibody_model([&](const TestProblem& problem, const auto& system) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), problem.name) == wanted.end()) return;
-    TestProblem peer = for_ida(problem.name);
-    peer.counted = problem.counted;
-    sfdae_bench::run_ida(peer, results);
+    run_test_set(problem, results);
     run_sfdae(problem, system, MultibodyForm::recorded, results);
-    const TestProblem general = with_multipliers(problem, system);
-    run_sfdae(general, system, MultibodyForm::general, results);
-    run_sfdae(general, system, MultibodyForm::extended, results);
+    run_sfdae(with_multipliers(problem, system), system, MultibodyForm::extended, results);
   });
   results.summarize();
 }
 
-// Milliseconds of a step, the start left out, and the exponent p of the cost N^p from the row before.
+// Processor time of a step, the start left out, and the exponent p of the cost N^p from the row before.
 void run_chains() {
   constexpr double tolerance = 1e-6;
   std::printf("links,solver,steps,microseconds a step,exponent\n");
@@ -117,11 +125,11 @@ void run_chains() {
       for (int k = 0; k < (links < 50 ? 5 : 1); ++k) {
         MultibodyRun run(system, MultibodyForm::recorded, sfdae_test::multibody_options(tolerance, method));
         if (run.start(0.0, end, system.start()) < 0) continue;
-        const auto begin = std::chrono::steady_clock::now();
+        const std::clock_t begin = std::clock();
         if (run.advance(end) < 0) continue;
-        const std::chrono::duration<double, std::micro> elapsed = std::chrono::steady_clock::now() - begin;
+        const double elapsed = 1e6 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
         steps = run.statistics().steps;
-        const double cost = elapsed.count() / static_cast<double>(steps);
+        const double cost = elapsed / static_cast<double>(steps);
         best = best == 0.0 ? cost : std::min(best, cost);
       }
       std::printf("%d,%s,%ld,%.4g,", links, method == SFDAE_METHOD_BDF ? "BDF" : "Radau", steps, best);

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the library and its examples, integrates a chain with a closed loop of constraints, and draws the solution.
+# Builds the library and its examples, integrates two mechanical systems with constraints, and draws the solutions.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -12,15 +12,18 @@ cmake -S . -B build/demo/cmake -DCMAKE_BUILD_TYPE=Release \
 cmake --build build/demo/cmake --parallel "$(nproc)"
 
 cd build/demo
-rm -f constrained_chain.csv constrained_chain.svg
+rm -f {constrained_chain,squeezer}.{csv,svg}
 cmake/examples/constrained_chain
+echo
+cmake/examples/squeezer
+if command -v gnuplot > /dev/null; then gnuplot ../../examples/squeezer.gp; fi
 
 echo
-for file in constrained_chain.csv constrained_chain.svg; do
+for file in {constrained_chain,squeezer}.{csv,svg}; do
   if [[ -s "$file" ]]; then
     echo "build/demo/$file"
   else
-    # The plot needs gnuplot; the program has said so.
+    # The plots need gnuplot; the first program has said so.
     echo "build/demo/$file was not written" >&2
     if [[ "$file" == *.csv ]]; then exit 1; fi
   fi

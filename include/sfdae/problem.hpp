@@ -159,8 +159,8 @@ struct MultibodyFormulas {
 ///     [](const auto& t, auto q, auto v, auto to) { to.M(0, 0) = 1, to.f[0] = -v[0], to.g[0] = q[0] * q[1]; }
 using MultibodyEquationsFunction = Callback<const Expression&, ConstExpressions, ConstExpressions, MultibodyFormulas>;
 
-/// q' = S v, M v' = f - G^T lambda - H^T kappa, 0 = g, 0 = H v + h, see sfdae_multibody_problem. Either `equations` or
-/// callbacks have to be given. The unknowns are (q, v, lambda, kappa).
+/// q' = S v, M v' = f - G^T lambda - H^T kappa, 0 = g, 0 = H v + h, see sfdae_multibody_problem. Either `equations`
+/// or callbacks have to be given. The unknowns are (q, v, lambda, kappa).
 struct MultibodyProblem {
   explicit MultibodyProblem(int positions, int constraints_given = 0)
       : num_positions(positions), num_velocities(positions), num_constraints(constraints_given) {}

@@ -484,7 +484,8 @@ class Solver {
     });
   }
 
-  template <PositionMatrixFunction MultibodyProblem::*function, int MultibodyProblem::*rows, int MultibodyProblem::*columns>
+  template <PositionMatrixFunction MultibodyProblem::*function, int MultibodyProblem::*rows,
+            int MultibodyProblem::*columns>
   static int call_position_matrix(double t, const double* q, double* values, void* user) noexcept {
     State& state = *static_cast<State*>(user);
     return state.guarded([&] {
@@ -513,7 +514,8 @@ class Solver {
   }
 
   static int call_multibody_equations(sfdae_record*, sfdae_expression t, const sfdae_expression* q,
-                                      const sfdae_expression* v, const sfdae_multibody_formulas* to, void* user) noexcept {
+                                      const sfdae_expression* v, const sfdae_multibody_formulas* to,
+                                      void* user) noexcept {
     State& state = *static_cast<State*>(user);
     return state.guarded([&] {
       const MultibodyProblem& p = std::get<MultibodyProblem>(state.problem);
@@ -587,12 +589,16 @@ class Solver {
     c.mass = problem.mass ? call_position_matrix<&P::mass, nv, nv> : nullptr;
     c.forces = problem.forces ? call_velocity_vector<&P::forces, nv> : nullptr;
     c.constraints = problem.constraints ? call_position_vector<&P::constraints, nl> : nullptr;
-    c.constraint_jacobian = problem.constraint_jacobian ? call_position_matrix<&P::constraint_jacobian, nl, nq> : nullptr;
+    c.constraint_jacobian =
+        problem.constraint_jacobian ? call_position_matrix<&P::constraint_jacobian, nl, nq> : nullptr;
     c.constraint_rate = problem.constraint_rate ? call_position_vector<&P::constraint_rate, nl> : nullptr;
     c.kinematics = problem.kinematics ? call_position_matrix<&P::kinematics, nq, nv> : nullptr;
-    c.nonholonomic_matrix = problem.nonholonomic_matrix ? call_position_matrix<&P::nonholonomic_matrix, nk, nv> : nullptr;
-    c.nonholonomic_offset = problem.nonholonomic_offset ? call_position_vector<&P::nonholonomic_offset, nk> : nullptr;
-    c.constraint_curvature = problem.constraint_curvature ? call_velocity_vector<&P::constraint_curvature, nl> : nullptr;
+    c.nonholonomic_matrix =
+        problem.nonholonomic_matrix ? call_position_matrix<&P::nonholonomic_matrix, nk, nv> : nullptr;
+    c.nonholonomic_offset =
+        problem.nonholonomic_offset ? call_position_vector<&P::nonholonomic_offset, nk> : nullptr;
+    c.constraint_curvature =
+        problem.constraint_curvature ? call_velocity_vector<&P::constraint_curvature, nl> : nullptr;
     c.nonholonomic_curvature =
         problem.nonholonomic_curvature ? call_velocity_vector<&P::nonholonomic_curvature, nk> : nullptr;
     c.coordinates = problem.coordinates;

@@ -43,7 +43,8 @@ class Recorder {
   // The equations; the recorder is empty afterwards.
   std::shared_ptr<const Record> finish(std::vector<int> residuals);
   // Equations with the first num_unknowns unknowns, and what messages call them; recording can go on.
-  std::shared_ptr<const Record> excerpt(int num_unknowns, std::vector<int> residuals, std::vector<std::string> names) const;
+  std::shared_ptr<const Record> excerpt(int num_unknowns, std::vector<int> residuals,
+                                        std::vector<std::string> names) const;
 
  private:
   struct Hash {

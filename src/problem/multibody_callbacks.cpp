@@ -31,9 +31,10 @@ void describe_entry(const char* name, ConstView result, Trouble& trouble) {
   while (all_finite(result.data + first, 1)) ++first;
   trouble.row = first % result.rows;
   trouble.column = first / result.rows;
-  trouble.detail = format("%s returned NaN, Inf or a number near overflow in row %d, column %d at t = %.15g. Return 1 "
-                          "from the callback to have the step reduced.",
-                          name, trouble.row, trouble.column, trouble.t);
+  trouble.detail = format(
+      "%s returned NaN, Inf or a number near overflow in row %d, column %d at t = %.15g. Return 1 "
+      "from the callback to have the step reduced.",
+      name, trouble.row, trouble.column, trouble.t);
 }
 
 }  // namespace
@@ -44,21 +45,30 @@ MultibodySizes sizes_of(const sfdae_multibody_problem& problem) {
 }
 
 CallbackMultibody::Residuals::Residuals(const MultibodySizes& sizes)
-    : force(size(sizes.velocities)), acceleration(size(sizes.constraints())), velocity(size(sizes.constraints())),
+    : force(size(sizes.velocities)),
+      acceleration(size(sizes.constraints())),
+      velocity(size(sizes.constraints())),
       kinematics(size(sizes.positions)) {}
 
 CallbackMultibody::CallbackMultibody(const sfdae_multibody_problem& problem)
-    : MultibodyProblem(sizes_of(problem)), functions_(problem),
+    : MultibodyProblem(sizes_of(problem)),
+      functions_(problem),
       gamma_by_differences_(sizes().holonomic > 0 && problem.constraint_curvature == nullptr),
       eta_by_differences_(sizes().nonholonomic > 0 && problem.nonholonomic_curvature == nullptr),
-      H_(sizes().nonholonomic, sizes().velocities), probe_(sizes()), direction_(size(sizes().positions)),
-      shifted_q_(direction_), shifted_direction_(direction_), base_(sizes()), moved_(sizes()), moved_q_(direction_),
+      H_(sizes().nonholonomic, sizes().velocities),
+      probe_(sizes()),
+      direction_(size(sizes().positions)),
+      shifted_q_(direction_),
+      shifted_direction_(direction_),
+      base_(sizes()),
+      moved_(sizes()),
+      moved_q_(direction_),
       moved_v_(size(sizes().velocities)) {
   constexpr int points = DifferenceFormula::points;
   const std::size_t rows = size(sizes().constraints());
   for (int shift = 0; shift < points; ++shift) formulas_.emplace_back(shift, 1);
   samples_.resize(rows * points);
-  for (auto* values : {&candidate_, &along_, &in_time_, &rough_base_, &rough_moved_}) values->resize(rows);
+  for (auto* values : {&values_, &errors_, &along_, &in_time_, &rough_base_, &rough_moved_}) values->resize(rows);
 }
 
 template <class Call>
@@ -123,7 +133,8 @@ bool CallbackMultibody::evaluate_constraints(const Point& at, MultibodyTerms& te
 bool CallbackMultibody::evaluate_curvatures(const Point& at, double* s, Trouble& trouble) {
   const int nl = sizes().holonomic, nk = sizes().nonholonomic;
   return call("constraint_curvature", functions_.constraint_curvature, at, {s, nl, 1, std::max(nl, 1)}, trouble) &&
-         call("nonholonomic_curvature", functions_.nonholonomic_curvature, at, {s + nl, nk, 1, std::max(nk, 1)}, trouble);
+         call("nonholonomic_curvature", functions_.nonholonomic_curvature, at, {s + nl, nk, 1, std::max(nk, 1)},
+              trouble);
 }
 
 Trouble CallbackMultibody::constraints(double t, const double* q, double* g) {
@@ -169,10 +180,11 @@ void CallbackMultibody::check_rates(double t, const double* q) {
     if (!evaluate(t, here.data()) || !evaluate(t + part * offset, later.data())) continue;
     for (std::size_t i = 0; i < here.size(); ++i)
       if (here[i] != later[i])
-        throw Failure(SFDAE_ILLEGAL_ARGUMENT,
-                      format("constraint %d depends on t (%.15g at t = %.15g, %.15g at t = %.15g with the same q), but "
-                             "there is no constraint_rate: provide the derivative of g by t.",
-                             static_cast<int>(i), here[i], t, later[i], t + part * offset));
+        throw Failure(
+            SFDAE_ILLEGAL_ARGUMENT,
+            format("constraint %d depends on t (%.15g at t = %.15g, %.15g at t = %.15g with the same q), but "
+                   "there is no constraint_rate: provide the derivative of g by t.",
+                   static_cast<int>(i), here[i], t, later[i], t + part * offset));
   }
 }
 

@@ -77,7 +77,9 @@ class CallbackMultibody final : public MultibodyProblem {
   // Those rows of C v + r whose derivatives along the motion are not given; 0 in others.
   bool undifferentiated(const Point& at, double* values, Trouble& trouble);
   bool at_offset(const Point& at, const Line& line, double offset, double* values, Trouble& trouble);
-  bool differentiate(const Point& at, const Line& line, double* derivative, Trouble& trouble);
+  bool improve(int shift, double step, double* derivative);
+  // line.step becomes the spacing that was good.
+  bool differentiate(const Point& at, Line& line, double* derivative, Trouble& trouble);
   bool add_differences(const Point& at, const MultibodyTerms& terms, double* s, Trouble& trouble);
   double step_along_motion(const double* q) const;
 
@@ -87,7 +89,7 @@ class CallbackMultibody final : public MultibodyProblem {
 
   // For columns of the Jacobian.
   bool residuals(const Point& at, const double* a, const double* mu, Residuals& result, Trouble& trouble);
-  Increments increments(const Point& at) const;
+  Increments increments(double t, double along, double in_time) const;
   // Low-order differences in place of add_differences.
   bool rough_rest(const Point& at, const Increments& steps, double* s, Trouble& trouble);
   bool add_rate_of_C(const Point& at, const Increments& steps, View rate, Trouble& trouble);
@@ -101,11 +103,12 @@ class CallbackMultibody final : public MultibodyProblem {
   sfdae_multibody_problem functions_;
   bool gamma_by_differences_, eta_by_differences_;
   Matrix H_;
-  MultibodyTerms probe_;              // at other points
-  std::vector<double> direction_;     // S v
+  MultibodyTerms probe_;           // at other points
+  std::vector<double> direction_;  // S v
   std::vector<double> shifted_q_, shifted_direction_;
   std::vector<DifferenceFormula> formulas_;  // by shift
-  std::vector<double> samples_, candidate_, along_, in_time_;
+  double good_step_ = 0.0, good_time_ = 0.0;  // spacings of the last differences along the motion and in t
+  std::vector<double> samples_, values_, errors_, along_, in_time_;
   Residuals base_, moved_;
   std::vector<double> moved_q_, moved_v_, rough_base_, rough_moved_;
 };

@@ -20,8 +20,13 @@ std::size_t size(int count) { return static_cast<std::size_t>(count); }
 class Checker {
  public:
   Checker(CallbackMultibody& problem, double t, const double* q, const double* v)
-      : problem_(problem), t_(t), q_(q, q + sizes().positions), v_(v, v + sizes().velocities), terms_(sizes()),
-        moved_terms_(sizes()), moved_q_(q_) {
+      : problem_(problem),
+        t_(t),
+        q_(q, q + sizes().positions),
+        v_(v, v + sizes().velocities),
+        terms_(sizes()),
+        moved_terms_(sizes()),
+        moved_q_(q_) {
     const Trouble trouble = problem_.at_velocity(t_, q_.data(), v_.data(), terms_);
     if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
   }
@@ -47,7 +52,8 @@ class Checker {
         moved_q_[size(j)] += offset;
         return problem_.constraints(t_, moved_q_.data(), values);
       };
-      compare_with_differences({'G', 1, nl, j, {column, column + nl}}, std::max(1.0, std::fabs(q_[size(j)])), g, worst_);
+      compare_with_differences({'G', 1, nl, j, {column, column + nl}}, std::max(1.0, std::fabs(q_[size(j)])), g,
+                               worst_);
     }
   }
 
@@ -55,7 +61,9 @@ class Checker {
     const int nl = sizes().holonomic;
     if (nl == 0) return;
     const std::vector<double> g_t(terms_.velocity_rest.begin(), terms_.velocity_rest.begin() + nl);
-    const auto g = [&](double offset, double* values) { return problem_.constraints(t_ + offset, q_.data(), values); };
+    const auto g = [&](double offset, double* values) {
+      return problem_.constraints(t_ + offset, q_.data(), values);
+    };
     compare_with_differences({'T', 1, nl, 0, g_t}, unit_of_time(), g, worst_);
   }
 
@@ -97,7 +105,8 @@ class Checker {
 
 }  // namespace
 
-DerivativeMismatch check_multibody_derivatives(CallbackMultibody& problem, double t, const double* q, const double* v) {
+DerivativeMismatch check_multibody_derivatives(CallbackMultibody& problem, double t, const double* q,
+                                               const double* v) {
   return Checker(problem, t, q, v).worst();
 }
 

@@ -7,7 +7,9 @@
 
 namespace sfdae::core {
 
-// The worst mismatch of g_q ('G'), g_t ('T'), gamma ('C') and eta ('H') near (t, q, v). Throws Failure if a callback fails.
-DerivativeMismatch check_multibody_derivatives(CallbackMultibody& problem, double t, const double* q, const double* v);
+// The worst mismatch of g_q ('G'), g_t ('T'), gamma ('C') and eta ('H') near (t, q, v). Throws Failure if a callback
+// fails.
+DerivativeMismatch check_multibody_derivatives(CallbackMultibody& problem, double t, const double* q,
+                                               const double* v);
 
 }  // namespace sfdae::core

@@ -1,7 +1,7 @@
 // Derivatives of a mechanical system that its functions do not give.
 //
-// s = d/ds (C v + r) along (t + s, q + s S v) with v held: differences of nine points, of t and of q apart, so that what
-// limits t has no influence on systems that do not depend on it.
+// s = d/ds (C v + r) along (t + s, q + s S v) with v held: differences of nine points, of t and of q apart, so that
+// what limits t has no influence on systems that do not depend on it.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
@@ -60,32 +60,49 @@ bool CallbackMultibody::undifferentiated(const Point& at, double* values, Troubl
 }
 
 // direction_ is S v.
-bool CallbackMultibody::at_offset(const Point& at, const Line& line, double offset, double* values, Trouble& trouble) {
+bool CallbackMultibody::at_offset(const Point& at, const Line& line, double offset, double* values,
+                                  Trouble& trouble) {
   std::copy_n(at.q, sizes().positions, shifted_q_.data());
   for (std::size_t i = 0; i < shifted_q_.size(); ++i) shifted_q_[i] += offset * line.q_rate * direction_[i];
   return undifferentiated({at.t + offset * line.t_rate, shifted_q_.data(), at.v}, values, trouble);
 }
 
-bool CallbackMultibody::differentiate(const Point& at, const Line& line, double* derivative, Trouble& trouble) {
-  const int rows = sizes().constraints(), all = points * rows;
-  double least_error = std::numeric_limits<double>::infinity(), wanted = line.step;
+// False if a row is not accurate enough yet at this spacing. Rows are judged by themselves: their units may differ.
+bool CallbackMultibody::improve(int shift, double step, double* derivative) {
+  bool done = true;
+  for (std::size_t row = 0; row < errors_.size(); ++row) {
+    const double* const samples = samples_.data() + row * points;
+    double value = 0.0, error = 0.0;
+    formulas_[static_cast<std::size_t>(shift)].apply(1, step, samples, 1, &value, &error);
+    if (error < errors_[row]) derivative[row] = value;
+    errors_[row] = std::min(errors_[row], error);
+    const double rounding = 100.0 * unit_roundoff * max_abs(samples, points) / step;
+    if (error > std::max(good_error * std::fabs(value), rounding)) done = false;
+  }
+  return done;
+}
+
+bool CallbackMultibody::differentiate(const Point& at, Line& line, double* derivative, Trouble& trouble) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double wanted = line.step;
   Trouble last;
+  std::fill(errors_.begin(), errors_.end(), infinity);
   for (int attempt = 0; attempt < spacings; ++attempt, wanted /= 4.0) {
-    double step = wanted, error = 0.0;
+    double step = wanted;
     const int shift = fitting_shift(line.below, line.above, step);
     last = {};
-    for (int i = 0; i < points && last.status == SFDAE_OK; ++i)
-      at_offset(at, line, (i - shift) * step, samples_.data() + static_cast<std::ptrdiff_t>(i) * rows, last);
+    for (int i = 0; i < points && last.status == SFDAE_OK; ++i) {
+      at_offset(at, line, (i - shift) * step, values_.data(), last);
+      for (std::size_t row = 0; row < values_.size(); ++row)
+        samples_[row * points + static_cast<std::size_t>(i)] = values_[row];
+    }
     if (last.status != SFDAE_OK && !last.is_recoverable()) break;
     if (last.status != SFDAE_OK) continue;  // out of the domain of a function: closer points
-    formulas_[static_cast<std::size_t>(shift)].apply(1, step, samples_.data(), rows, candidate_.data(), &error);
-    if (error < least_error) std::copy_n(candidate_.data(), rows, derivative);
-    least_error = std::min(least_error, error);
-    const double rounding = 100.0 * unit_roundoff * max_abs(samples_.data(), all) / step;
-    if (error <= std::max(good_error * max_abs(candidate_.data(), rows), rounding)) break;
+    line.step = step;
+    if (improve(shift, step, derivative)) break;
   }
-  if (least_error < std::numeric_limits<double>::infinity() && (last.status == SFDAE_OK || last.is_recoverable()))
-    return true;
+  const bool found = errors_.front() < infinity;
+  if (found && (last.status == SFDAE_OK || last.is_recoverable())) return true;
   trouble = last;
   return false;
 }
@@ -106,12 +123,19 @@ bool CallbackMultibody::add_differences(const Point& at, const MultibodyTerms& t
   velocity_of(terms.S, at.v, direction_.data());
   std::fill(along_.begin(), along_.end(), 0.0);
   std::fill(in_time_.begin(), in_time_.end(), 0.0);
-  const double step = step_along_motion(at.q);
-  if (step < infinity && !differentiate(at, {0.0, 1.0, widest_spacing * step, infinity, infinity}, along_.data(), trouble))
-    return false;
+  Line along{0.0, 1.0, widest_spacing * step_along_motion(at.q), infinity, infinity};
+  good_step_ = 0.0;
+  if (along.step < infinity) {
+    if (!differentiate(at, along, along_.data(), trouble)) return false;
+    good_step_ = along.step;
+  }
   const double before = std::max(room(at.t, -1.0), 0.0), after = std::max(room(at.t, 1.0), 0.0);
-  const Line in_time{1.0, 0.0, widest_spacing * unit_of_time(at.t), before, after};
-  if (may_depend_on_time() && before + after > 0.0 && !differentiate(at, in_time, in_time_.data(), trouble)) return false;
+  Line in_time{1.0, 0.0, widest_spacing * unit_of_time(at.t), before, after};
+  good_time_ = 0.0;
+  if (may_depend_on_time() && before + after > 0.0) {
+    if (!differentiate(at, in_time, in_time_.data(), trouble)) return false;
+    good_time_ = in_time.step;
+  }
   for (int i = 0; i < rows; ++i) s[i] += along_[static_cast<std::size_t>(i)] + in_time_[static_cast<std::size_t>(i)];
   return true;
 }

@@ -18,8 +18,9 @@ namespace {
 // Increments relative to the size of a component: of values, of what is a difference itself.
 const double increment = std::sqrt(unit_roundoff);
 constexpr double wide_increment = 1e-5;
-// Of the differences in s.
-constexpr double rough_spacing = 1e-3;
+// Of low-order differences along the motion: of values, of what is divided by an increment again. The latter is relative
+// to the spacing of nine points that has proved good.
+constexpr double spacing = 1e-5, rough_spacing = 1.0 / 64.0;
 
 // Column j of a Jacobian.
 void write_quotient(const std::vector<double>& moved, const std::vector<double>& base, double offset, View column) {
@@ -46,12 +47,11 @@ bool CallbackMultibody::residuals(const Point& at, const double* a, const double
   return true;
 }
 
-CallbackMultibody::Increments CallbackMultibody::increments(const Point& at) const {
-  const double along = step_along_motion(at.q), time = rough_spacing * unit_of_time(at.t);
-  Increments steps{along < std::numeric_limits<double>::infinity() ? rough_spacing * along : 0.0, 0.0, 0.0};
+CallbackMultibody::Increments CallbackMultibody::increments(double t, double along, double in_time) const {
+  Increments steps{along < std::numeric_limits<double>::infinity() ? along : 0.0, 0.0, 0.0};
   if (may_depend_on_time()) {
-    steps.before = std::min(time, std::max(room(at.t, -1.0), 0.0));
-    steps.after = std::min(time, std::max(room(at.t, 1.0), 0.0));
+    steps.before = std::min(in_time, std::max(room(t, -1.0), 0.0));
+    steps.after = std::min(in_time, std::max(room(t, 1.0), 0.0));
   }
   return steps;
 }
@@ -61,7 +61,8 @@ bool CallbackMultibody::rough_rest(const Point& at, const Increments& steps, dou
   std::fill_n(s, rows, 0.0);
   const auto add = [&](const Line& line, double before, double after) {
     if (before + after == 0.0) return true;
-    if (!at_offset(at, line, after, along_.data(), trouble) || !at_offset(at, line, -before, in_time_.data(), trouble))
+    if (!at_offset(at, line, after, along_.data(), trouble) ||
+        !at_offset(at, line, -before, in_time_.data(), trouble))
       return false;
     for (int i = 0; i < rows; ++i)
       s[i] += (along_[static_cast<std::size_t>(i)] - in_time_[static_cast<std::size_t>(i)]) / (before + after);
@@ -77,7 +78,8 @@ bool CallbackMultibody::add_rate_of_C(const Point& at, const Increments& steps, 
     for (const double offset : {after, -before}) {
       std::copy_n(at.q, sizes().positions, shifted_q_.data());
       for (std::size_t i = 0; i < shifted_q_.size(); ++i) shifted_q_[i] += offset * line.q_rate * direction_[i];
-      if (!evaluate_constraints({at.t + offset * line.t_rate, shifted_q_.data(), at.v}, probe_, trouble)) return false;
+      if (!evaluate_constraints({at.t + offset * line.t_rate, shifted_q_.data(), at.v}, probe_, trouble))
+        return false;
       const double factor = (offset == after ? 1.0 : -1.0) / (before + after);
       for (int j = 0; j < rate.cols; ++j)
         for (int i = 0; i < rate.rows; ++i) rate(i, j) += factor * probe_.C(i, j);
@@ -153,10 +155,13 @@ Trouble CallbackMultibody::linearize(double t, const double* q, const double* v,
   if (has_kinematics() && jacobian.kinematics_q.cols() == 0) jacobian.kinematics_q = Matrix(nq, nq);
   if (!residuals({t, q, v}, a, mu, base_, trouble)) return trouble;
   direction_ = base_.kinematics;
-  const LinearizationPoint point{{t, q, v}, a, mu, increments({t, q, v})};
+  if (needs_differences() && !add_differences({t, q, v}, terms, rough_base_.data(), trouble)) return trouble;
+  const LinearizationPoint point{
+      {t, q, v}, a, mu, increments(t, rough_spacing * good_step_, rough_spacing * good_time_)};
   const View acceleration_v = jacobian.acceleration_v;
   fill(acceleration_v, 0.0);
-  if (rows > 0 && !add_rate_of_C(point.at, point.steps, acceleration_v, trouble)) return trouble;
+  const Increments steps = increments(t, spacing * step_along_motion(q), spacing * unit_of_time(t));
+  if (rows > 0 && !add_rate_of_C(point.at, steps, acceleration_v, trouble)) return trouble;
   if (needs_differences() && !rough_rest(point.at, point.steps, rough_base_.data(), trouble)) return trouble;
   for (int j = 0; j < nq; ++j)
     if (!position_column(point, j, jacobian, trouble)) return trouble;

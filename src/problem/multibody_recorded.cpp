@@ -85,7 +85,8 @@ RecordedMultibody::RecordedMultibody(Recorder& recorder, const MultibodyFormulas
   if (kinematics) kinematics_.emplace(recorder.excerpt(nq + nv, applied_to_v(formulas.S, nq), numbered("S v", nq)));
   if (nk > 0) {
     std::vector<int> levels = applied_to_v(formulas.H, nk);
-    for (int i = 0; i < nk; ++i) levels[size(i)] = recorder.apply(Operation::add, levels[size(i)], formulas.h[size(i)]);
+    for (int i = 0; i < nk; ++i)
+      levels[size(i)] = recorder.apply(Operation::add, levels[size(i)], formulas.h[size(i)]);
     nonholonomic_.emplace(recorder.excerpt(nq + nv, levels, numbered("H v + h", nk)));
   }
   record_balance(recorder, formulas);
@@ -94,11 +95,16 @@ RecordedMultibody::RecordedMultibody(Recorder& recorder, const MultibodyFormulas
 
 double* RecordedMultibody::entries_of(MultibodyTerms& terms, Part part) {
   switch (part) {
-    case Part::M: return terms.M.data();
-    case Part::S: return terms.S.data();
-    case Part::C: return terms.C.data();
-    case Part::rest: return terms.velocity_rest.data();
-    default: return terms.f.data();
+    case Part::M:
+      return terms.M.data();
+    case Part::S:
+      return terms.S.data();
+    case Part::C:
+      return terms.C.data();
+    case Part::rest:
+      return terms.velocity_rest.data();
+    default:
+      return terms.f.data();
   }
 }
 
@@ -140,7 +146,8 @@ void RecordedMultibody::record_values(const Recorder& recorder, const MultibodyF
 void RecordedMultibody::record_balance(Recorder& recorder, const MultibodyFormulas& formulas) {
   const int nq = sizes().positions, nv = sizes().velocities, nl = sizes().holonomic, nk = sizes().nonholonomic;
   const std::vector<int> a = held_vector(recorder, 'a', nv), kappa = held_vector(recorder, 'k', nk);
-  const std::vector<int> p = held_vector(recorder, 'p', kinematics_ ? nq : 0), lambda = held_vector(recorder, 'l', nl);
+  const std::vector<int> p = held_vector(recorder, 'p', kinematics_ ? nq : 0),
+                         lambda = held_vector(recorder, 'l', nl);
   const int zero = recorder.constant(0.0);
   const auto subtract = [&](int& from, std::vector<int> coefficients, const std::vector<int>& factors) {
     for (int& coefficient : coefficients)
@@ -194,7 +201,8 @@ Trouble RecordedMultibody::begin(double t) const {
 bool RecordedMultibody::failed(const TaylorEvaluator& evaluator, Trouble& trouble) {
   trouble.status = SFDAE_NOT_FINITE;
   trouble.row = evaluator.failure().equation;
-  trouble.detail = format("the formulas cannot be evaluated at t = %.15g: ", trouble.t) + evaluator.failure().message + ".";
+  trouble.detail =
+      format("the formulas cannot be evaluated at t = %.15g: ", trouble.t) + evaluator.failure().message + ".";
   return false;
 }
 

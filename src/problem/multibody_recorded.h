@@ -1,8 +1,8 @@
 // A mechanical system given by recorded formulas.
 //
-// Along q(t + s) = q + q_1 s + q_2 s^2 with q_1 = S v and 2 q_2 = S a + (dS/dt) v the constraints are g + g_1 s + g_2 s^2
-// with g_1 = C v + g_t and 2 g_2 = C a + gamma (rows of g): without a, g_2 gives gamma. As the derivative of g_k by q_j
-// is (g_q)_(k-j), Taylor coefficients of g_q are all that an iteration's Jacobian needs of the constraints' derivatives.
+// Along q(t + s) = q + q_1 s + q_2 s^2 with q_1 = S v and 2 q_2 = S a + (dS/dt) v the constraints are
+// g + g_1 s + g_2 s^2 with g_1 = G v + g_t and 2 g_2 = G a + gamma: without a, g_2 gives gamma. As the derivative of g_k
+// by q_j is (g_q)_(k-j), Taylor coefficients of g_q are all that an iteration's Jacobian needs of the constraints.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -99,8 +99,8 @@ class RecordedMultibody final : public MultibodyProblem {
   std::vector<double> g_jet_;  // nl x 3
   std::vector<double> rates_;  // S v or H v + h, and their first coefficients
   std::vector<double> gradients_, curvature_gradients_;
-  std::vector<int> curved_;    // j where lambda^T g is not linear in q_j
-  Matrix rate_q_, rate_v_;     // derivatives of 2 q_2 by q and v
+  std::vector<int> curved_;  // j where lambda^T g is not linear in q_j
+  Matrix rate_q_, rate_v_;   // derivatives of 2 q_2 by q and v
 };
 
 }  // namespace sfdae::core

@@ -1,4 +1,4 @@
-// The Jacobian of what is iterated for a mechanical system, from Taylor coefficients of the gradients of its formulas.
+// The Jacobian of what is iterated for a mechanical system, from Taylor coefficients of gradients of its formulas.
 //
 // With K = (S v)_q and y = H v + h:
 //     (C v + r)_q        g_q,1 + g_q K;                              y_q
@@ -57,16 +57,18 @@ bool RecordedMultibody::linearize_balance(const double* a, const double* mu, con
   return true;
 }
 
-// S^T (lambda^T g)_qq, column by column: the first coefficients of gradients of lambda^T g along q + s e_j, less those that
-// come from t + s.
-bool RecordedMultibody::subtract_curvature(const double* q, const MultibodyTerms& terms, View force_q, Trouble& trouble) {
+// S^T (lambda^T g)_qq, column by column: the first coefficients of gradients of lambda^T g along q + s e_j, less those
+// that come from t + s.
+bool RecordedMultibody::subtract_curvature(const double* q, const MultibodyTerms& terms, View force_q,
+                                           Trouble& trouble) {
   const int nq = sizes().positions;
   double *const direction = q_jet_.data() + nq, *const in_time = rates_.data();
   std::copy_n(q, nq, q_jet_.data());
   std::fill_n(direction, nq, 0.0);
   std::fill_n(in_time, nq, 0.0);
   const auto evaluate = [&] {
-    return curvature_->gradients(trouble.t, q_jet_.data(), {-1, -1, 1}, nullptr, nullptr, curvature_gradients_.data()) ||
+    return curvature_->gradients(trouble.t, q_jet_.data(), {-1, -1, 1}, nullptr, nullptr,
+                                 curvature_gradients_.data()) ||
            failed(*curvature_, trouble);
   };
   if (rheonomic_ && !curved_.empty()) {
@@ -87,7 +89,8 @@ bool RecordedMultibody::subtract_curvature(const double* q, const MultibodyTerms
 }
 
 // Completes the jet by q_2.
-bool RecordedMultibody::linearize_kinematics(const MultibodyTerms& terms, MultibodyJacobian& jacobian, Trouble& trouble) {
+bool RecordedMultibody::linearize_kinematics(const MultibodyTerms& terms, MultibodyJacobian& jacobian,
+                                             Trouble& trouble) {
   const int nq = sizes().positions, nv = sizes().velocities, n = nq + nv;
   if (jacobian.kinematics_q.cols() == 0) jacobian.kinematics_q = Matrix(nq, nq);
   if (!kinematics_->gradients(trouble.t, jet_.data(), {1, -1, 1}, rates_.data(), nullptr, gradients_.data()))
@@ -103,12 +106,15 @@ bool RecordedMultibody::linearize_kinematics(const MultibodyTerms& terms, Multib
   return true;
 }
 
-bool RecordedMultibody::linearize_holonomic(const MultibodyTerms& terms, MultibodyJacobian& jacobian, Trouble& trouble) {
+bool RecordedMultibody::linearize_holonomic(const MultibodyTerms& terms, MultibodyJacobian& jacobian,
+                                            Trouble& trouble) {
   const int nq = sizes().positions, nl = sizes().holonomic;
   if (!constraints_) return true;
   if (!constraints_->gradients(trouble.t, q_jet_.data(), {-1, -1, 2}, nullptr, nullptr, gradients_.data()))
     return failed(*constraints_, trouble);
-  const auto coefficient = [&](int k) -> ConstView { return {gradients_.data() + size(k) * size(nl) * size(nq), nl, nq, nl}; };
+  const auto coefficient = [&](int k) -> ConstView {
+    return {gradients_.data() + size(k) * size(nl) * size(nq), nl, nq, nl};
+  };
   const View velocity_q = jacobian.velocity_q.view().top(nl), acceleration_q = jacobian.acceleration_q.view().top(nl);
   const View acceleration_v = jacobian.acceleration_v.view().top(nl);
   copy(coefficient(1), velocity_q);

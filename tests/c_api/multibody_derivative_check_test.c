@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Derivatives that callbacks of a mechanical system supply are compared with differences. A bead on a rod that turns and a
- * condition on velocities:
+ * Derivatives that callbacks of a mechanical system supply are compared with differences. A bead on a rod that turns,
+ * and a condition on velocities:
  *
  *     0 = q1 sin t - q2 cos t,   0 = q1 v1 + q2 v2 - t
  *     gamma = 2 (v1 cos t + v2 sin t) - q1 sin t + q2 cos t,   eta = v1^2 + v2^2 - 1

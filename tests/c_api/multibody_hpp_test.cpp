@@ -18,7 +18,8 @@ using sfdae::VectorRef;
 
 static_assert(std::is_copy_constructible_v<sfdae::MultibodyProblem>);
 
-// Length and gravity 1: q'' = (0, -1) - lambda q, 0 = (|q|^2 - 1) / 2; lambda = |v|^2 - q_2, and the energy is conserved.
+// Length and gravity 1: q'' = (0, -1) - lambda q, 0 = (|q|^2 - 1) / 2; lambda = |v|^2 - q_2, and the energy is
+// conserved.
 sfdae::MultibodyProblem recorded_pendulum() {
   sfdae::MultibodyProblem problem(2, 1);
   problem.equations = [](const auto& t, auto q, auto, auto to) {
@@ -148,13 +149,18 @@ TEST(MultibodyProblem, FindsMistakesInDerivatives) {
   EXPECT_NEAR(found.difference, 5.0, 1e-9);
   EXPECT_NE(wrong_curvature.message().find("gamma"), std::string::npos);
   problem.constraint_jacobian = [](double, ConstVectorRef q, MatrixRef g_q) { g_q(0, 0) = q[0], g_q(0, 1) = -q[1]; };
-  const sfdae::DerivativeCheck gradient = sfdae::Solver(problem).check_multibody_derivatives(0.0, {0.6, 0.7}, {1.0, 2.0});
+  const sfdae::DerivativeCheck gradient =
+      sfdae::Solver(problem).check_multibody_derivatives(0.0, {0.6, 0.7}, {1.0, 2.0});
   EXPECT_EQ(gradient.function, 'G');
   EXPECT_EQ(gradient.column, 1);
-  EXPECT_EQ(status_of([&] { return sfdae::Solver(problem).check_multibody_derivatives(0.0, {0.6}, {1.0, 2.0}).size, 0; }),
+  EXPECT_EQ(status_of([&] {
+              return sfdae::Solver(problem).check_multibody_derivatives(0.0, {0.6}, {1.0, 2.0}).size, 0;
+            }),
             SFDAE_ILLEGAL_ARGUMENT);
   sfdae::Solver recorded(recorded_pendulum());
-  EXPECT_EQ(status_of([&] { return recorded.check_multibody_derivatives(0.0, {0.6, 0.7}, {1.0, 2.0}).size, 0; }),
+  EXPECT_EQ(status_of([&] {
+              return recorded.check_multibody_derivatives(0.0, {0.6, 0.7}, {1.0, 2.0}).size, 0;
+            }),
             SFDAE_ILLEGAL_ARGUMENT);
 }
 

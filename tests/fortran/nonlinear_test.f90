@@ -159,6 +159,7 @@ program nonlinear_test
   call failures_of_derivatives_are_passed_on()
   call linear_equations_are_solved_as_such()
   call components_are_prescribed()
+  call only_constraints_are_differentiated()
   call refuses_wrong_use()
   call finish()
 
@@ -198,6 +199,38 @@ contains
     call check(statistics%evaluations_residual > 0 .and. statistics%linearizations > 0, "counts")
     call solver%destroy()
   end subroutine solves_the_recorded_pendulum
+
+  !> The kinematics once, the constraint twice; too few are told, wrong numbers of counts refused.
+  subroutine only_constraints_are_differentiated()
+    type(pendulum_dae), target :: problem
+    type(dae_solver) :: solver
+    type(dae_options) :: options
+    real(dp) :: t, x(5)
+    integer(c_int) :: status
+
+    problem%num_equations = 5
+    problem%num_unknowns = 5
+    options%rtol = tol
+    options%atol = tol
+    problem%differentiations = [1_c_int, 1_c_int, 0_c_int, 0_c_int, 2_c_int]
+    call solver%create(problem, status, options)
+    call check_status(status, sfdae_ok, "create with differentiations")
+    x = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
+    call solver%start(0.0_dp, 1.0_dp, x, status)
+    call solver%advance(1.0_dp, t, x, status)
+    call check_status(status, sfdae_ok, "advance with differentiations")
+    call check_pendulum(x, gravity)
+    call solver%destroy()
+    problem%differentiations(5) = 1
+    call solver%create(problem, status, options)
+    call solver%start(1.0_dp, 2.0_dp, x, status)
+    call check_status(status, sfdae_index_too_high, "too few differentiations")
+    call solver%destroy()
+    problem%differentiations = [1_c_int, 2_c_int]
+    call solver%create(problem, status, options)
+    call check_status(status, sfdae_illegal_argument, "two counts for five equations")
+    call solver%destroy()
+  end subroutine only_constraints_are_differentiated
 
   !> Energy to 100 tolerances of its size, all constraints to rounding.
   subroutine check_pendulum(x, g)

@@ -103,7 +103,8 @@ inline std::vector<Jet> motion(double t, const double* q, const double* v, bool 
   std::vector<double> S(size(nq * nv)), velocity(v, v + nv);
   if (!with_S) return line(q, v);
   Formulas<double>{t, q}.S(S.data());
-  for (int i = 0; i < nq; ++i) velocity[size(i)] = S[size(i)] * v[0] + S[size(i + nq)] * v[1] + S[size(i + 2 * nq)] * v[2];
+  for (int i = 0; i < nq; ++i)
+    velocity[size(i)] = S[size(i)] * v[0] + S[size(i + nq)] * v[1] + S[size(i + 2 * nq)] * v[2];
   std::vector<Jet> jets = line(q, velocity.data()), S_jets(size(nq * nv));
   Formulas<Jet>{Jet::variable(t, 2), jets.data()}.S(S_jets.data());
   for (int i = 0; i < nq; ++i)
@@ -145,10 +146,11 @@ int recorded_example(sfdae_record* record, sfdae_expression t, const sfdae_expre
   write(to->M, nv * nv, [&](Expression* M) { formulas.M(M, mass); });
   write(to->f, nv, [&](Expression* f) { formulas.f(velocities.data(), f); });
   write(to->g, nl, [&](Expression* g) { formulas.g(g); });
-  if (with_S) write(to->S, nq * nv, [&](Expression* S) {
-    for (int i = 0; i < nq * nv; ++i) S[i] = 0.0;
-    formulas.S(S);
-  });
+  if (with_S)
+    write(to->S, nq * nv, [&](Expression* S) {
+      for (int i = 0; i < nq * nv; ++i) S[i] = 0.0;
+      formulas.S(S);
+    });
   write(to->H, nk * nv, [&](Expression* H) { formulas.H(H); });
   write(to->h, nk, [&](Expression* h) { formulas.h(h); });
   return 0;

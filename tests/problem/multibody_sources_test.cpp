@@ -95,7 +95,8 @@ TEST_P(MultibodySources, DeliversTermsOfTheTheory) {
   if (with_S()) formulas.S(S);
   jacobian_callback(t0, q0, g_q, nullptr), rate_callback(t0, q0, g_t, nullptr);
   (with_S() ? curvature_callback<true> : curvature_callback<false>)(t0, q0, v0, s, nullptr);
-  (with_S() ? nonholonomic_curvature_callback<true> : nonholonomic_curvature_callback<false>)(t0, q0, v0, s + nl, nullptr);
+  (with_S() ? nonholonomic_curvature_callback<true> : nonholonomic_curvature_callback<false>)(t0, q0, v0, s + nl,
+                                                                                              nullptr);
   const double tolerance = rounding(10);
   for (int i = 0; i < 9; ++i) EXPECT_NEAR(terms.M.data()[i], M[i], tolerance) << "M " << i;
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(terms.f[size(i)], f[i], 10.0 * tolerance);
@@ -133,7 +134,8 @@ TEST_P(MultibodySources, DeliversTheSamePositionsWithoutVelocities) {
     EXPECT_EQ(position.g[size(i)], g[i]);
     EXPECT_EQ(position.g[size(i)], all.g[size(i)]);
   }
-  for (int i = 0; i < nl + nk; ++i) EXPECT_NEAR(position.velocity_rest[size(i)], all.velocity_rest[size(i)], tolerance);
+  for (int i = 0; i < nl + nk; ++i)
+    EXPECT_NEAR(position.velocity_rest[size(i)], all.velocity_rest[size(i)], tolerance);
 }
 
 TEST_P(MultibodySources, LinearizesWhatIsSolved) {
@@ -159,7 +161,8 @@ TEST_P(MultibodySources, LinearizesWhatIsSolved) {
       return slope(v0, j, [&](const double* v) { return solved_at(*problem_, q0, v).*part; });
     };
     expect_column(jacobian.force_v, j, by_v(&Solved::force), tolerance);
-    expect_column(jacobian.acceleration_v, j, by_v(&Solved::acceleration), std::max(tolerance, 1e-6 * has_differences()));
+    expect_column(jacobian.acceleration_v, j, by_v(&Solved::acceleration),
+                  std::max(tolerance, 1e-6 * has_differences()));
   }
 }
 
@@ -173,16 +176,127 @@ TEST_P(MultibodySources, StopsOnRequest) {
 
 // One-sided near limits in t: the same within the accuracy of differences.
 TEST(MultibodyCallbacks, TakeNoDifferencesFromBeyondLimits) {
+  static double latest;
   double mass = mass0;
   for (const double room : {0.0, 1e-3, 0.1}) {
-    const auto problem = multibody_problem(example<true>(Source::callbacks, mass));
+    sfdae_multibody_problem functions = example<true>(Source::callbacks, mass);
+    functions.constraint_rate = [](double t, const double* q, double* g_t, void* user) {
+      latest = std::max(latest, t);
+      return rate_callback(t, q, g_t, user);
+    };
+    const auto problem = multibody_problem(functions);
     MultibodyTerms free(problem->sizes()), limited(problem->sizes());
+    MultibodyJacobian jacobian(problem->sizes());
     ASSERT_EQ(problem->at_velocity(t0, q0, v0, free).status, SFDAE_OK);
+    EXPECT_GT(latest, t0);
+    latest = 0.0;
     problem->set_limits(-10.0, t0 + room);
     ASSERT_EQ(problem->at_velocity(t0, q0, v0, limited).status, SFDAE_OK);
+    ASSERT_EQ(problem->linearize(t0, q0, v0, a0, mu0, limited, jacobian).status, SFDAE_OK);
+    EXPECT_LE(latest, t0 + room);
     for (std::size_t i = 0; i < nl + nk; ++i)
       EXPECT_NEAR(limited.acceleration_rest[i], free.acceleration_rest[i], 1e-9) << room;
   }
+}
+
+// g = (sin(200 q1), 1e6 cos(q2 - 500 t)): fast, slow and badly scaled rows.
+TEST(MultibodyCallbacks, FindTheSpacingOfDifferences) {
+  sfdae_multibody_problem functions{};
+  functions.num_positions = functions.num_constraints = 2;
+  functions.forces = [](double, const double*, const double*, double*, void*) { return 0; };
+  functions.constraints = [](double t, const double* q, double* g, void*) {
+    g[0] = std::sin(200.0 * q[0]), g[1] = 1e6 * std::cos(q[1] - 500.0 * t);
+    return 0;
+  };
+  functions.constraint_jacobian = [](double t, const double* q, double* g_q, void*) {
+    g_q[0] = 200.0 * std::cos(200.0 * q[0]), g_q[3] = -1e6 * std::sin(q[1] - 500.0 * t);
+    return 0;
+  };
+  functions.constraint_rate = [](double t, const double* q, double* g_t, void*) {
+    g_t[1] = 5e8 * std::sin(q[1] - 500.0 * t);
+    return 0;
+  };
+  const auto problem = multibody_problem(functions);
+  MultibodyTerms terms(problem->sizes());
+  const double q[] = {0.3, 0.8}, v[] = {2.0, -7.0};
+  ASSERT_EQ(problem->at_velocity(0.1, q, v, terms).status, SFDAE_OK);
+  const double first = -4e4 * v[0] * v[0], second = -1e6 * (v[1] - 500.0) * (v[1] - 500.0);
+  EXPECT_NEAR(terms.acceleration_rest[0], first * std::sin(200.0 * q[0]), 1e-9 * std::fabs(first));
+  EXPECT_NEAR(terms.acceleration_rest[1], second * std::cos(q[1] - 50.0), 1e-9 * std::fabs(second));
+}
+
+// The rod hangs at q1 = 0; g_q exists for q1 < 1e-3 only.
+TEST(MultibodyCallbacks, KeepDifferencesWithinTheDomainOfFunctions) {
+  sfdae_multibody_problem functions{};
+  functions.num_positions = functions.num_constraints = 1;
+  functions.forces = [](double, const double*, const double*, double*, void*) { return 0; };
+  functions.constraints = [](double, const double* q, double* g, void*) {
+    g[0] = q[0] * q[0];
+    return 0;
+  };
+  functions.constraint_jacobian = [](double, const double* q, double* g_q, void* user) {
+    g_q[0] = 2.0 * q[0];
+    return q[0] < 1e-3 ? 0 : *static_cast<const int*>(user);
+  };
+  int code = 1;
+  functions.user = &code;
+  const auto problem = multibody_problem(functions);
+  MultibodyTerms terms(problem->sizes());
+  const double q[] = {0.0}, outside[] = {0.1}, v[] = {3.0};
+  ASSERT_EQ(problem->at_velocity(0.0, q, v, terms).status, SFDAE_OK);
+  EXPECT_NEAR(terms.acceleration_rest[0], 18.0, 1e-9);
+  Trouble trouble = problem->at_velocity(0.0, outside, v, terms);
+  EXPECT_EQ(trouble.status, SFDAE_CALLBACK_FAILED);
+  EXPECT_NE(trouble.message().find("constraint_jacobian returned 1"), std::string::npos) << trouble.message();
+  code = -3;
+  EXPECT_EQ(problem->at_velocity(0.0, q, v, terms).status, SFDAE_CALLBACK_STOPPED);
+}
+
+TEST(MultibodyCallbacks, NameEntriesThatAreNotFinite) {
+  double mass = mass0;
+  sfdae_multibody_problem functions = example<true>(Source::callbacks, mass);
+  functions.kinematics = [](double, const double*, double* S, void*) {
+    S[2 + 1 * nq] = std::numeric_limits<double>::quiet_NaN();
+    return 0;
+  };
+  const auto problem = multibody_problem(functions);
+  MultibodyTerms terms(problem->sizes());
+  const Trouble trouble = problem->at_velocity(t0, q0, v0, terms);
+  EXPECT_EQ(trouble.status, SFDAE_NOT_FINITE);
+  EXPECT_EQ(trouble.row, 2);
+  EXPECT_EQ(trouble.column, 1);
+  EXPECT_NE(trouble.message().find("kinematics returned NaN"), std::string::npos) << trouble.message();
+}
+
+TEST(MultibodyCallbacks, ConstraintsThatMoveNeedTheirRate) {
+  double mass = mass0;
+  sfdae_multibody_problem functions = example<true>(Source::callbacks, mass);
+  EXPECT_NO_THROW(multibody_problem(functions)->check_rates(t0, q0));
+  functions.constraint_rate = nullptr;
+  for (const double limit : {1.0, 1e-9}) {
+    const auto problem = multibody_problem(functions);
+    problem->set_limits(t0 - limit, t0);
+    EXPECT_THROW(problem->check_rates(t0, q0), Failure);
+  }
+}
+
+// A change of a parameter reaches all that is evaluated.
+TEST(RecordedMultibody, SharesParameters) {
+  double mass = mass0, other = 3.0;
+  const auto problem = multibody_problem(example<true>(Source::recorded, mass));
+  const auto expected = multibody_problem(example<true>(Source::recorded, other));
+  TaylorEvaluator& evaluator = *problem->evaluator();
+  ASSERT_TRUE(evaluator.find_parameter("mass"));
+  evaluator.set_parameter(*evaluator.find_parameter("mass"), other);
+  problem->parameters_changed();
+  MultibodyTerms terms(problem->sizes()), right(problem->sizes());
+  ASSERT_EQ(problem->at_position(t0, q0, terms).status, SFDAE_OK);
+  ASSERT_EQ(expected->at_position(t0, q0, right).status, SFDAE_OK);
+  EXPECT_EQ(terms.M(0, 0), right.M(0, 0));
+  ASSERT_EQ(problem->at_velocity(t0, q0, v0, terms).status, SFDAE_OK);
+  EXPECT_EQ(terms.M(0, 0), right.M(0, 0));
+  // None of those that hold accelerations and multipliers has a name.
+  EXPECT_FALSE(evaluator.find_parameter("a0"));
 }
 
 }  // namespace sfdae::core
