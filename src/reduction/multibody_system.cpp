@@ -93,6 +93,7 @@ PointStatus MultibodySystem::stand_at(double t, const double* q, const double* v
   status = settle(end_);
   if (status != PointStatus::ok) return status;
   end_orientation_ = orientation_ = orientation_of(end_tangents_);
+  is_end_new_ = true;
   accept();
   return PointStatus::ok;
 }
@@ -103,6 +104,8 @@ PointStatus MultibodySystem::move_to(double t) {
 }
 
 void MultibodySystem::accept() {
+  if (!is_end_new_) return;
+  is_end_new_ = false;
   std::swap(accepted_, end_);
   orientation_ = end_orientation_;
   has_changed_ = false;

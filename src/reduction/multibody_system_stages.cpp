@@ -276,9 +276,14 @@ PointStatus MultibodySystem::solve_points(const Task& task, const double* guess)
   if (status == PointStatus::ok) {
     const double* last = stage(task.s - 1);
     end_.set(times_[index(task.s - 1)], last, last + sizes_.positions);
+    is_end_new_ = false;
     status = settle(end_);
   }
-  if (status == PointStatus::ok) return look_at(end_);
+  if (status == PointStatus::ok) {
+    status = look_at(end_);
+    is_end_new_ = status == PointStatus::ok;
+    return status;
+  }
   // Shorter steps toward a singular configuration that has been seen already.
   const bool is_near_change =
       has_changed_ && (status == PointStatus::singular || status == PointStatus::not_converged);
