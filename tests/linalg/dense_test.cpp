@@ -420,7 +420,8 @@ TEST(FactorLu, SolvesForSeveralColumnsAndForTheTranspose) {
       solve_lu_transposed(lu, pivots.data(), y.view);
       EXPECT_TRUE(x.guards_intact());
       EXPECT_TRUE(y.guards_intact());
-      const double bound = rounding(order) * order * (largest(a) * std::max(largest(x.view), largest(y.view)) + largest(b));
+      const double size_x = std::max(largest(x.view), largest(y.view));
+      const double bound = rounding(order) * order * (largest(a) * size_x + largest(b));
       EXPECT_LE(distance(times(a, x.view), b), bound) << order;
       EXPECT_LE(distance(times(transpose(a), y.view), b), bound) << order;
     }
