@@ -33,7 +33,8 @@ class MultibodyModel final : public Model {
     decisions.clear();
     const MultibodySizes& sizes = problem_->sizes();
     problem_->check_rates(point.t, point.x);
-    MultibodyConsistency consistency(*problem_, point.t, options.consistency);
+    MultibodyConsistency consistency(*problem_, point.t, options.consistency,
+                                     options.integration.ignore_inconsistency);
     const std::vector<double> q = consistency.positions(point.x);
     const MultibodyRanks ranks = consistency.ranks(q, decisions);
     const std::vector<double> v = consistency.velocities(q, point.x + sizes.positions, ranks.velocities);
@@ -67,13 +68,14 @@ class MultibodyModel final : public Model {
     ConsistencyRequest request = options.consistency;
     const Tolerances& tolerances = options.integration.tolerances;
     request.set_tolerances(tolerances.rtol, tolerances.atol, point.x);
-    MultibodyConsistency consistency(*problem_, point.t, request);
+    MultibodyConsistency consistency(*problem_, point.t, request, options.integration.ignore_inconsistency);
     const std::vector<double> q = consistency.positions(point.x);
     const std::vector<double> v =
         consistency.velocities(q, point.x + sizes.positions, system.traits().ranks.velocities);
     stand_at(system, point.t, q, v);
     const MultibodyPoint& found = system.accepted_point();
     Consistent result;
+    result.contradiction = consistency.has_contradiction();
     result.x = found.q;
     result.x.insert(result.x.end(), found.v.begin(), found.v.end());
     result.x.insert(result.x.end(), found.mu.begin(), found.mu.begin() + sizes.constraints());

@@ -3,6 +3,7 @@
 #include "linalg/dense.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <stdexcept>
 
@@ -214,6 +215,17 @@ void solve_lu_transposed(ConstView lu, const int* pivots, View b) {
       for (int k = order - 2; k >= 0; --k) x[k] -= small::dot(order - k - 1, lu.column(k) + k + 1, x + k + 1);
     for (int k = order - 1; k >= 0; --k) std::swap(x[k], x[pivots[k] - 1]);
   }
+}
+
+bool invert_small(View a, double* pivots, int& sign) {
+  constexpr int most = 64;
+  int exchanges[most];
+  assert(a.cols <= most);
+  if (!small::invert(a, pivots, exchanges)) return false;
+  sign = 1;
+  for (int k = 0; k < a.cols; ++k)
+    if ((pivots[k] < 0.0) != (exchanges[k] != k)) sign = -sign;
+  return true;
 }
 
 bool factor_lu(ComplexView a, int* pivots) {

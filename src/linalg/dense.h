@@ -41,7 +41,10 @@ bool factor_lu(View a, int* pivots);
 void solve_lu(ConstView lu, const int* pivots, double* x);
 void solve_lu(ConstView lu, const int* pivots, View b);             // B := A^-1 B
 void solve_lu_transposed(ConstView lu, const int* pivots, View b);  // B := A^-T B
-// The same for complex matrices.
+// A := A^-1 for a well-conditioned matrix with few columns, with the pivots and the sign of its determinant; false if a
+// pivot vanishes.
+bool invert_small(View a, double* pivots, int& sign);
+// LU factorization and solution for complex matrices.
 bool factor_lu(ComplexView a, int* pivots);
 void solve_lu(ComplexView lu, const int* pivots, std::complex<double>* x);
 

@@ -153,4 +153,34 @@ inline bool factor_lu(View a, int* pivots) {
   return true;
 }
 
+// A := A^-1 by Gauss-Jordan elimination with pivoting, for well-conditioned matrices; the pivots are returned, and the
+// exchanges of rows (counted from 0). False if a pivot vanishes.
+inline bool invert(View a, double* pivots, int* exchanges) {
+  const int n = a.cols;
+  for (int k = 0; k < n; ++k) {
+    double* x = a.column(k);
+    int best = k;
+    for (int i = k + 1; i < n; ++i)
+      if (std::fabs(x[i]) > std::fabs(x[best])) best = i;
+    exchanges[k] = best;
+    pivots[k] = x[best];
+    if (x[best] == 0.0) return false;
+    if (best != k)
+      for (int j = 0; j < n; ++j) std::swap(a(k, j), a(best, j));
+    const double inverse = 1.0 / x[k];
+    for (int j = 0; j < n; ++j) {
+      if (j == k) continue;
+      double* y = a.column(j);
+      const double s = y[k] * inverse;
+      add_scaled(n, -s, x, y);
+      y[k] = s;
+    }
+    for (int i = 0; i < n; ++i) x[i] *= -inverse;
+    x[k] = inverse;
+  }
+  for (int k = n - 1; k >= 0; --k)
+    if (exchanges[k] != k) std::swap_ranges(a.column(k), a.column(k) + n, a.column(exchanges[k]));
+  return true;
+}
+
 }  // namespace sfdae::core::small

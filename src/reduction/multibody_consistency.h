@@ -20,14 +20,16 @@ namespace sfdae::core {
 
 class MultibodyConsistency {
  public:
-  // request: fixed and weights for all unknowns; mu does not matter.
-  MultibodyConsistency(MultibodyProblem& problem, double t, const ConsistencyRequest& request);
+  // request: fixed and weights for all unknowns; mu does not matter. tolerant: constraints that contradict each other
+  // are violated as little as they must.
+  MultibodyConsistency(MultibodyProblem& problem, double t, const ConsistencyRequest& request, bool tolerant);
 
   // All throw Failure. Of q given:
   std::vector<double> positions(const double* q);
   // At consistent positions: ranks, and whether K is regular.
   MultibodyRanks ranks(const std::vector<double>& q, std::vector<RankDecision>& decisions);
   int rank_of_mass() const { return rank_of_mass_; }
+  bool has_contradiction() const { return has_contradiction_; }
   // Velocities that fit q, of v given.
   std::vector<double> velocities(const std::vector<double>& q, const double* v, int rank);
 
@@ -39,7 +41,8 @@ class MultibodyConsistency {
   void approach(std::vector<double>& q);
   bool improve(std::vector<double>& q, double& residual);
   void slide(const std::vector<double>& given, std::vector<double>& q);
-  [[noreturn]] void refuse_positions(const std::vector<double>& q, double residual);
+  // Returns if that is tolerated.
+  void refuse_positions(const std::vector<double>& q, double residual);
   MultibodyRanks local_ranks(std::vector<RankDecision>* decisions);
   void check_nearby(const std::vector<double>& q, const MultibodyRanks& ranks);
   void check_matrix(int rank, std::vector<RankDecision>& decisions);
@@ -55,6 +58,7 @@ class MultibodyConsistency {
   std::vector<double> scaled_g_;
   Arena arena_;
   int rank_of_mass_ = 0;
+  bool tolerant_, has_contradiction_ = false;
 };
 
 }  // namespace sfdae::core

@@ -18,6 +18,8 @@ std::size_t index(int i) {
 
 // What rounding errors may leave in rows of unit length that depend on each other; gradients are sums of products.
 constexpr double row_noise = 8.0 * unit_roundoff;
+// Up to so many independent rows N is formed.
+constexpr int most_explicit = 16;
 
 // Columns of the identity: dependent components by the pivots of the independent rows.
 void choose_components(View rows, Partition& partition, Arena& arena) {
@@ -73,9 +75,32 @@ RankDecision choose_partition(const ConstraintRows& constraints, Coordinates coo
 
 void Tangent::resize(int directions, int constraints) {
   T_ = Matrix(directions, directions);
+  N_ = Matrix(directions, constraints);
   lu_ = Matrix(constraints, constraints);
   pivots_.resize(index(constraints) + 1);
   units_.assign(index(constraints) + 1, 1.0);
+}
+
+// N from (C Q2)^-1: products are much faster than solutions of small systems.
+bool Tangent::invert(const Partition& partition, View C2) {
+  double pivots[most_explicit];
+  if (!invert_small(C2, pivots, sign_)) return false;
+  fill(N_, 0.0);
+  for (int k = 0; k < rank_; ++k) {
+    pivot_ = std::min(pivot_, std::fabs(pivots[k]));
+    const int row = partition.rows[index(k)];
+    multiply(units_[index(k)], Op::plain, partition.Q2(), C2.column(k), 0.0, N_.view().column(row));
+  }
+  return true;
+}
+
+bool Tangent::factor(View C2) {
+  if (!factor_lu(C2, pivots_.data())) return false;
+  for (int k = 0; k < rank_; ++k) {
+    pivot_ = std::min(pivot_, std::fabs(C2(k, k)));
+    if ((C2(k, k) < 0.0) != (pivots_[index(k)] != k + 1)) sign_ = -sign_;
+  }
+  return true;
 }
 
 bool Tangent::build(const Partition& partition, const ConstraintRows& constraints, Arena& arena) {
@@ -88,25 +113,29 @@ bool Tangent::build(const Partition& partition, const ConstraintRows& constraint
   copy(partition.Q1(), T);
   if (r == 0) return true;
   const Arena::Frame frame(arena);
-  const View C = arena.matrix(r, n), E = arena.matrix(r, n - r);
+  const View C = arena.matrix(r, n), C1 = arena.matrix(r, n - r);
   for (int k = 0; k < r; ++k) {
-    const int i = partition.rows[index(k)];
-    const double scale = units_[index(k)] = constraints.units[i] > 0.0 ? 1.0 / constraints.units[i] : 1.0;
-    for (int j = 0; j < n; ++j) C(k, j) = scale * constraints.matrix(i, j);
+    const double unit = constraints.units[partition.rows[index(k)]];
+    units_[index(k)] = unit > 0.0 ? 1.0 / unit : 1.0;
   }
-  const View lu{lu_.data(), r, r, r};
-  multiply(1.0, Op::plain, C, Op::plain, partition.Q2(), 0.0, lu);
-  multiply(1.0, Op::plain, C, Op::plain, partition.Q1(), 0.0, E);
-  if (!factor_lu(lu, pivots_.data())) {
+  for (int j = 0; j < n; ++j)
+    for (int k = 0; k < r; ++k) C(k, j) = units_[index(k)] * constraints.matrix(partition.rows[index(k)], j);
+  const View C2{lu_.data(), r, r, r};
+  multiply(1.0, Op::plain, C, Op::plain, partition.Q2(), 0.0, C2);
+  multiply(1.0, Op::plain, C, Op::plain, partition.Q1(), 0.0, C1);
+  const bool is_explicit = r <= most_explicit;
+  if (!(is_explicit ? invert(partition, C2) : factor(C2))) {
     pivot_ = 0.0;
     sign_ = 0;
     return false;
   }
-  for (int k = 0; k < r; ++k) {
-    pivot_ = std::min(pivot_, std::fabs(lu(k, k)));
-    if ((lu(k, k) < 0.0) != (pivots_[index(k)] != k + 1)) sign_ = -sign_;
+  View E = C1;
+  if (is_explicit) {
+    E = arena.matrix(r, n - r);
+    multiply(1.0, Op::plain, C2, Op::plain, C1, 0.0, E);
+  } else {
+    solve_lu(C2, pivots_.data(), E);
   }
-  solve_lu(lu, pivots_.data(), E);
   turn_ = max_abs(E);
   multiply(-1.0, Op::plain, partition.Q2(), Op::plain, E, 1.0, T);
   return std::isfinite(turn_);
@@ -118,6 +147,7 @@ void Tangent::correction(const Partition& partition, const double* residuals, do
     std::fill_n(w, n, 0.0);
     return;
   }
+  if (r <= most_explicit) return multiply(-1.0, Op::plain, N_, residuals, 0.0, w);
   const Arena::Frame frame(arena);
   double* b = arena.take(index(r));
   for (int k = 0; k < r; ++k) b[k] = units_[index(k)] * residuals[partition.rows[index(k)]];
@@ -127,6 +157,7 @@ void Tangent::correction(const Partition& partition, const double* residuals, do
 
 void Tangent::multipliers(const Partition& partition, const double* force, double* mu, Arena& arena) const {
   const int r = rank_;
+  if (r > 0 && r <= most_explicit) return multiply(1.0, Op::transposed, N_, force, 0.0, mu);
   std::fill_n(mu, partition.rows.size(), 0.0);
   if (r == 0) return;
   const Arena::Frame frame(arena);

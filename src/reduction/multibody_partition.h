@@ -56,9 +56,13 @@ class Tangent {
   int sign() const { return sign_; }
 
  private:
+  bool invert(const Partition& partition, View C2);
+  bool factor(View C2);
+
   int rank_ = 0;
   Matrix T_;
-  Matrix lu_;  // of C Q2, rows in their units
+  Matrix N_;   // n x rows, all rows, where there are few independent ones
+  Matrix lu_;  // (C Q2)^-1 then, else the factors of C Q2; rows in their units
   std::vector<int> pivots_;
   std::vector<double> units_;
   double turn_ = 0.0, pivot_ = 1.0;

@@ -57,8 +57,8 @@ void MultibodySystem::resize() {
   const std::size_t d = index(analysis_.values.d), size = index(leading_size());
   form_.resize(sizes_, traits_.ranks.positions, traits_.ranks.velocities);
   jacobian_ = MultibodyJacobian(sizes_);
-  // Operations of both ways, about; measured, more calls of smaller kernels have to save much where all are small.
-  const double worthwhile = sizes_.velocities > 16 ? 1.2 : 3.0;
+  // Operations of both ways, about.
+  constexpr double worthwhile = 1.2;
   const double nv = sizes_.velocities, r = traits_.ranks.velocities, open = nv - r;
   const double along = 2.0 * nv * open * (nv + open) + 2.0 / 3.0 * std::pow(open, 3),
                whole = 2.0 / 3.0 * std::pow(nv + r, 3);
@@ -93,6 +93,7 @@ PointStatus MultibodySystem::stand_at(double t, const double* q, const double* v
   status = settle(end_);
   if (status != PointStatus::ok) return status;
   end_orientation_ = orientation_ = orientation_of(end_tangents_);
+  is_end_new_ = true;
   accept();
   return PointStatus::ok;
 }
@@ -103,6 +104,8 @@ PointStatus MultibodySystem::move_to(double t) {
 }
 
 void MultibodySystem::accept() {
+  if (!is_end_new_) return;
+  is_end_new_ = false;
   std::swap(accepted_, end_);
   orientation_ = end_orientation_;
   has_changed_ = false;

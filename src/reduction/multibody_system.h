@@ -164,6 +164,7 @@ class MultibodySystem final : public DaeSystem {
   MultibodyJacobian jacobian_;
   MultibodyPoint linearized_, work_, end_, accepted_;
   MultibodyPoint chosen_;  // where the partition is from: its t, q and v
+  bool is_end_new_ = false;  // end_ is that of a step, or a start, not accepted yet
   bool is_linearized_ = false, is_slow_ = false;
   double rate_ = 1.0;
   Tangents end_tangents_;
@@ -181,7 +182,8 @@ class MultibodySystem final : public DaeSystem {
   std::vector<double> times_;
   std::vector<double> stage_qv_, stage_particular_, stage_mu_, stage_moves_, stage_r_, stage_z_;
   std::vector<double> change_, residuals_;
-  // What rounding errors do to changes of q and v: apart from those of accelerations, with them; and those, in (y, z).
+  // What rounding errors do to changes of q and v: apart from those of accelerations, with them; and those, in (y,
+  // z).
   std::vector<double> noise_at_rest_, noise_, noise_of_rates_;
 
   double kept_ = 1.0, inconsistency_ = 0.0;

@@ -25,6 +25,7 @@ void MultibodySystem::restore(const double*, const double* x_free, double* x) {
   };
   const MultibodyPoint* point = &accepted_;
   if (!is_at(accepted_)) {
+    is_end_new_ = false;
     end_.set(t_, x_free, x_free + nq);
     const PointStatus status = settle(end_);
     if (status == PointStatus::trouble) throw Failure(trouble_.status, trouble_.message());
@@ -45,6 +46,7 @@ const MultibodyPoint& MultibodySystem::point_at(const double* x) {
     if (point->t == t_ && std::equal(point->q.begin(), point->q.end(), x) &&
         std::equal(point->v.begin(), point->v.end(), x + nq))
       return *point;
+  is_end_new_ = false;
   end_.set(t_, x, x + nq);
   const PointStatus status = evaluate(end_);
   if (status == PointStatus::trouble) throw Failure(trouble_.status, trouble_.message());

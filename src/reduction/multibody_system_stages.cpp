@@ -79,8 +79,8 @@ PointStatus MultibodySystem::choose_partition() {
   return PointStatus::ok;
 }
 
-// Errors of a rounding of what is added up in each equation, of either sign, go the way of residuals. One sample tells
-// their size to some factor.
+// Errors of a rounding of what is added up in each equation, of either sign, go the way of residuals. One sample
+// tells their size to some factor.
 void MultibodySystem::measure_noise() {
   const int nq = sizes_.positions, nv = sizes_.velocities, nl = sizes_.holonomic, nc = sizes_.constraints(),
             r = traits_.ranks.velocities;
@@ -116,7 +116,8 @@ void MultibodySystem::measure_noise() {
   form_.project(rates, yz);
   form_.expand(form_.tangents(), yz, change_.data(), arena_);
   for (int k = 0; k < nq + nv; ++k)
-    noise_at_rest_[index(k)] = std::fabs(noise_at_rest_[index(k)]) + std::fabs(change_[index(k)]) + std::fabs(rates[k]);
+    noise_at_rest_[index(k)] =
+        std::fabs(noise_at_rest_[index(k)]) + std::fabs(change_[index(k)]) + std::fabs(rates[k]);
 }
 
 void MultibodySystem::measure_noise_of_step() {
@@ -275,9 +276,14 @@ PointStatus MultibodySystem::solve_points(const Task& task, const double* guess)
   if (status == PointStatus::ok) {
     const double* last = stage(task.s - 1);
     end_.set(times_[index(task.s - 1)], last, last + sizes_.positions);
+    is_end_new_ = false;
     status = settle(end_);
   }
-  if (status == PointStatus::ok) return look_at(end_);
+  if (status == PointStatus::ok) {
+    status = look_at(end_);
+    is_end_new_ = status == PointStatus::ok;
+    return status;
+  }
   // Shorter steps toward a singular configuration that has been seen already.
   const bool is_near_change =
       has_changed_ && (status == PointStatus::singular || status == PointStatus::not_converged);
@@ -331,8 +337,8 @@ void MultibodySystem::error_in_x(const double* dw, int count, double* dx) {
   }
 }
 
-// K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv), with (I - B / c)^-1 yz in place of yz: what is
-// stiff over the step has hardly any error, but mu depends on it very much. yz is overwritten.
+// K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv), with (I - B / c)^-1 yz in place of yz:
+// what is stiff over the step has hardly any error, but mu depends on it very much. yz is overwritten.
 void MultibodySystem::error_of_forces(double* yz, double* dmu) {
   const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), d = differential(),
             r = traits_.ranks.velocities;

@@ -407,6 +407,45 @@ TEST(FactorLu, SolvesWithSmallBackwardError) {
   }
 }
 
+// A X = B and A^T X = B for several columns together.
+TEST(FactorLu, SolvesForSeveralColumnsAndForTheTranspose) {
+  for (int order : {1, 2, 3, 15, 16, 17, 40})
+    for (int columns : {0, 1, 4}) {
+      const Matrix a = random_matrix(order, order, 22), b = random_matrix(order, columns, 24);
+      Matrix lu = a;
+      std::vector<int> pivots(size(order));
+      ASSERT_TRUE(factor_lu(lu, pivots.data()));
+      Guarded x(b), y(b);
+      solve_lu(lu, pivots.data(), x.view);
+      solve_lu_transposed(lu, pivots.data(), y.view);
+      EXPECT_TRUE(x.guards_intact());
+      EXPECT_TRUE(y.guards_intact());
+      const double size_x = std::max(largest(x.view), largest(y.view));
+      const double bound = rounding(order) * order * (largest(a) * size_x + largest(b));
+      EXPECT_LE(distance(times(a, x.view), b), bound) << order;
+      EXPECT_LE(distance(times(transpose(a), y.view), b), bound) << order;
+    }
+}
+
+// A^-1 A = I; the sign is that of det A, and a pivot that vanishes is reported.
+TEST(InvertSmall, IsTheInverseWithTheSignOfTheDeterminant) {
+  Arena arena;
+  for (int order : {1, 2, 3, 6, 16}) {
+    Matrix a = random_matrix(order, order, 25);
+    for (int i = 0; i < order; ++i) a(i, (i + 1) % order) += i % 2 == 0 ? 4.0 : -4.0;
+    Matrix inverse = a, work = a;
+    std::vector<double> pivots(size(order));
+    int sign = 0;
+    ASSERT_TRUE(invert_small(inverse, pivots.data(), sign));
+    EXPECT_EQ(sign, determinant_sign(work, arena));
+    Matrix defect = product(inverse, a);
+    for (int i = 0; i < order; ++i) defect(i, i) -= 1.0;
+    EXPECT_LE(max_abs(defect), 10.0 * rounding(order)) << order;
+    Matrix singular(order, order);
+    EXPECT_FALSE(invert_small(singular, pivots.data(), sign));
+  }
+}
+
 // Without exchange of rows the first pivot is 1e-20 and all digits are lost: x = (1, 1) up to 1e-20.
 TEST(FactorLu, ExchangesRowsForTheLargestPivot) {
   for (int order : {2, 20}) {

@@ -43,6 +43,21 @@ TEST(RedundantConstraints, ContradictionIsRefusedWithTheConstraintAndItsSize) {
   }
 }
 
+// The motion is that of the constraint chosen among the two.
+TEST(RedundantConstraints, ContradictionIsIgnoredIfAskedFor) {
+  Pendulum pendulum{2, 1e-4};
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    sfdae_options options = options_of(method, 1e-8);
+    options.ignore_inconsistency = 1;
+    MultibodyRun run(pendulum.problem(), options);
+    EXPECT_EQ(run.start(0.0, 1.0, Pendulum::state(1.0, 0.5)), SFDAE_INCONSISTENCY_IGNORED) << run.message();
+    const double energy = Pendulum::energy(run.x.data()), length = std::hypot(run.x[0], run.x[1]);
+    EXPECT_EQ(run.advance(1.0), SFDAE_INCONSISTENCY_IGNORED) << run.message();
+    EXPECT_NEAR(Pendulum::energy(run.x.data()), energy, 1e-6);
+    EXPECT_NEAR(std::hypot(run.x[0], run.x[1]), length, 1e-13);
+  }
+}
+
 // A second constraint that agrees up to t = 1 only: |q|^2 = 1 + (t - 1)^2 from then on.
 struct LateContradiction {
   static int constraints(double t, const double* q, double* g, void*) {

@@ -144,8 +144,8 @@ TEST_P(HardCases, BadlyScaledConstraints) {
   }
 }
 
-// Rods of lengths 1 and 1.0001 on a crank and a slider: near the upright position the constraint's gradient is as small as
-// 0.014 and turns by 180 degrees within that. It is regular, and the motion goes on.
+// Rods of lengths 1 and 1.0001 on a crank and a slider: near the upright position the constraint's gradient is as
+// small as 0.014 and turns by 180 degrees within that. It is regular, and the motion goes on.
 TEST_P(HardCases, NearlySingularConfigurationsArePassed) {
   sfdae_multibody_problem problem = multibody_problem_of(2, 1);
   problem.forces = [](double, const double*, const double*, double*, void*) { return 0; };

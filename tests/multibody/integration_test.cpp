@@ -90,6 +90,36 @@ TEST_P(Integration, FindsEvents) {
   }
 }
 
+// What an event function is called with first, at the start.
+struct FirstCall {
+  std::vector<double> x, xdot;
+  static int look(double, const double* x, const double* xdot, double* g, void* user) {
+    auto& self = *static_cast<FirstCall*>(user);
+    if (self.x.empty()) {
+      self.x.assign(x, x + 5);
+      self.xdot.assign(xdot, xdot + 5);
+    }
+    g[0] = 1.0;
+    return 0;
+  }
+};
+
+TEST_P(Integration, EventsSeeForcesAndSlopesAtTheStart) {
+  FirstCall first;
+  MultibodyRun r = run(1e-6);
+  ASSERT_EQ(sfdae_set_events(r.solver.get(), 1, FirstCall::look, nullptr, &first), SFDAE_OK);
+  // Consistent to the last bit the second time.
+  const std::vector<double> starts[] = {{0.8, -0.7, 1.0, 0.1, 0.0}, {0.0, -1.0, 0.5, 0.0, 0.0}};
+  for (const std::vector<double>& from : starts) {
+    first.x.clear();
+    ASSERT_EQ(r.start(0.0, 1.0, from), SFDAE_OK) << r.message();
+    const std::vector<double> x = r.x, xdot = r.xdot;
+    ASSERT_EQ(r.advance(0.1), SFDAE_OK) << r.message();
+    EXPECT_EQ(first.x, x);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(first.xdot[i], xdot[i]);
+  }
+}
+
 TEST_P(Integration, ContinuesFromACheckpointAsIfNothingHadHappened) {
   for (const int coordinates : {SFDAE_COORDINATES_ORTHOGONAL, SFDAE_COORDINATES_PERMUTATION}) {
     sfdae_multibody_problem problem = pendulum.problem();
