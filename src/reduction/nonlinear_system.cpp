@@ -136,7 +136,9 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
                   format("the prescribed components do not determine the free part of the solution at t = %.15g: "
                          "choose others.",
                          jet.t));
-  const bool same = has_constraints && ranks.d == values.d && (!judged || stages_rise(judge.ranks(), mu, std::min(data_.m, data_.n)));
+  const bool is_plausible =
+      !judged || !data_.differentiations.empty() || stages_rise(judge.ranks(), mu, std::min(data_.m, data_.n));
+  const bool same = has_constraints && ranks.d == values.d && is_plausible;
   if (same) {
     is_linearized_ = true;
     ranks_ = judge.ranks();
