@@ -442,8 +442,17 @@ double smallest_gap(const std::vector<RankDecision>& decisions) {
   return gap;
 }
 
+double smallest_kept(const std::vector<RankDecision>& decisions) {
+  double kept = 1.0;
+  for (const RankDecision& decision : decisions)
+    if (decision.rank > 0) kept = std::min(kept, decision.kept);
+  return kept;
+}
+
 // Reads the problem in faster and faster units of time, the units of the unknowns balanced for each. What is clear by far
-// in two of them, and contradicted in none, counts: the reading with the largest gap.
+// in two of them, supported by a third, and contradicted in none, counts: the reading with the largest gap. Units that are
+// much too fast shrink every value by the same factor from level to level: where the smallest one kept is small, the next
+// one would be lost among rounding errors, and ranks agree in being wrong.
 struct Reading {
   IndexAnalysis analysis;
   std::vector<RankDecision> decisions;
@@ -452,11 +461,11 @@ struct Reading {
 
 std::optional<Reading> read_in_other_units(CoefficientSource& problem, double t, double toward,
                                            const AnalysisSettings& settings, Arena& arena) {
-  constexpr double clear_by_far = 1e6, ratio = 1.0 / 64.0;
+  constexpr double clear_by_far = 1e6, supporting = 1e4, ratio = 1.0 / 8.0, least_kept = 1e-6;
   std::optional<Reading> best;
-  int agreeing = 0;
+  int agreeing = 0, clear = 0;
   double tau = 1.0;
-  for (int attempt = 0; attempt < 7; ++attempt, tau *= ratio) {
+  for (int attempt = 0; attempt < 13; ++attempt, tau *= ratio) {
     Reading reading;
     AnalysisSettings scaled = settings;
     scaled.time_scale = tau;
@@ -470,12 +479,15 @@ std::optional<Reading> read_in_other_units(CoefficientSource& problem, double t,
     }
     const bool is_clear = std::all_of(reading.decisions.begin(), reading.decisions.end(),
                                       [](const RankDecision& d) { return d.verdict == Verdict::clear; });
-    if (!is_clear || smallest_gap(reading.decisions) < clear_by_far) continue;
+    const double gap = smallest_gap(reading.decisions);
+    if (!is_clear || gap < supporting) continue;
     if (best && !(best->analysis.values == reading.analysis.values)) return std::nullopt;
     ++agreeing;
+    if (gap >= clear_by_far) ++clear;
     if (!best || smallest_gap(reading.decisions) > smallest_gap(best->decisions)) best = std::move(reading);
   }
-  return agreeing >= 2 ? std::move(best) : std::nullopt;
+  const bool counts = agreeing >= 3 && clear >= 2 && smallest_kept(best->decisions) >= least_kept;
+  return counts ? std::move(best) : std::nullopt;
 }
 
 }  // namespace
