@@ -155,13 +155,13 @@ bool JetSolver::damped_change(const Jet& jet, int level, double damping, Vector&
   return all_finite(change.data(), change.size());
 }
 
-// The smallest change in units of U, singular values at the level of the residuals dropped.
-bool JetSolver::dense_change(const Jet& jet, int level, Vector& change) {
+// The smallest change in units of U. Singular values at the level of the residuals are dropped, up to most_dropped.
+bool JetSolver::dense_change(const Jet& jet, int level, double most_dropped, Vector& change) {
   const Vector unit = unit_changes(jet, level);
   const Matrix J = scaled_array(data_, level, unit);
   const double size = max_abs(J);
   if (!std::isfinite(size)) return false;
-  const double threshold = std::max(1e-12, std::min(1e-4, 10.0 * norm_ / std::max(size, 1e-300))) * size;
+  const double threshold = std::max(1e-12, std::min(most_dropped, 10.0 * norm_ / std::max(size, 1e-300))) * size;
   change = least_squares(J, Vector(data_.f(0), data_.f(0) + J.rows()), threshold);
   for (std::size_t j = 0; j < change.size(); ++j) change[j] *= unit[j];
   return all_finite(change.data(), change.size());
@@ -226,7 +226,7 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, int level) {
   Vector change;
   Trial best;
   if (!fixed_.empty()) {
-    if (dense_change(jet, level, change)) best = try_change(jet, level, change);
+    if (dense_change(jet, level, 1e-4, change)) best = try_change(jet, level, change);
     return best;
   }
   struct Attempt {
@@ -284,6 +284,9 @@ void JetSolver::find(Jet& jet, int level) {
     search(jet, level, false);
   } catch (const Failure& failure) {
     if (failure.status() != SFDAE_NO_CONSISTENT_VALUES) throw;
+    // What has no derivative may be far off alone: forces have other units.
+    jet = start;
+    if (solve_for_algebraic(jet, level) && solve_for_derivatives(jet, level)) return;
     jet = start;
     search(jet, level, true);
   }
@@ -318,6 +321,37 @@ bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
     linearize(jet, level, data_.time_scale);
   }
   return norm_ == 0.0;
+}
+
+// y and those components of x change whose derivatives are in no equation: true if F_level = 0 then.
+bool JetSolver::solve_for_algebraic(Jet& jet, int level) {
+  constexpr int most = 8;
+  const std::vector<char> fixed_by_user = fixed_;
+  linearize(jet, level, 0.0);
+  fixed_.resize(index(jet.n), 0);
+  bool any_free = false;
+  for (int j = 0; j < jet.n; ++j) {
+    for (int k = 0; k <= level && fixed_[index(j)] == 0; ++k)
+      if (max_abs(data_.E(k).column(j), data_.m) > 0.0) fixed_[index(j)] = 1;
+    any_free = any_free || fixed_[index(j)] == 0;
+  }
+  // Products of unknowns that are far off make residuals grow at first.
+  constexpr double too_far = 1e12;
+  const double first = norm_;
+  bool goes_on = any_free;
+  Vector change;
+  for (int iteration = 0; iteration < most && goes_on && norm_ > 0.0; ++iteration) {
+    goes_on = dense_change(jet, level, 0.0, change);
+    if (!goes_on) break;
+    Trial trial = try_change(jet, level, change);
+    goes_on = trial.valid && trial.norm <= too_far * first;
+    if (is_converged(jet, level, consistent_residual) && trial.norm > good_reduction * norm_) goes_on = false;
+    if (!goes_on) break;
+    jet = std::move(trial.jet);
+    linearize(jet, level, data_.time_scale);
+  }
+  fixed_ = fixed_by_user;
+  return any_free && (norm_ == 0.0 || is_converged(jet, level, consistent_residual));
 }
 
 // Of the last staged_change, for another change of x.

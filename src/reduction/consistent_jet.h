@@ -59,12 +59,13 @@ class JetSolver {
   Trial undamped_trial(const Jet& jet, int level);
   void find(Jet& jet, int level);
   bool solve_for_derivatives(Jet& jet, int level);
+  bool solve_for_algebraic(Jet& jet, int level);
   void recover_derivatives(int level, std::vector<double>& change);
   void search(Jet& jet, int level, bool may_run_freely);
   bool run_freely(Jet& jet, int level, Trial trial);
   bool staged_change(const Jet& jet, int level, NoiseModel model, double noise, std::vector<double>& change);
   bool damped_change(const Jet& jet, int level, double damping, std::vector<double>& change);
-  bool dense_change(const Jet& jet, int level, std::vector<double>& change);
+  bool dense_change(const Jet& jet, int level, double most_dropped, std::vector<double>& change);
   std::vector<double> unit_changes(const Jet& jet, int level) const;
   // Residuals relative to what was added up in them.
   bool is_converged(const Jet& jet, int level, double tolerance) const;
