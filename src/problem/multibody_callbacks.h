@@ -106,7 +106,7 @@ class CallbackMultibody final : public MultibodyProblem {
   MultibodyTerms probe_;           // at other points
   std::vector<double> direction_;  // S v
   std::vector<double> shifted_q_, shifted_direction_;
-  std::vector<DifferenceFormula> formulas_;  // by shift
+  std::vector<DifferenceFormula> formulas_;   // by shift
   double good_step_ = 0.0, good_time_ = 0.0;  // spacings of the last differences along the motion and in t
   std::vector<double> samples_, values_, errors_, along_, in_time_;
   Residuals base_, moved_;

@@ -18,8 +18,8 @@ namespace {
 // Increments relative to the size of a component: of values, of what is a difference itself.
 const double increment = std::sqrt(unit_roundoff);
 constexpr double wide_increment = 1e-5;
-// Of low-order differences along the motion: of values, of what is divided by an increment again. The latter is relative
-// to the spacing of nine points that has proved good.
+// Of low-order differences along the motion: of values, of what is divided by an increment again. The latter is
+// relative to the spacing of nine points that has proved good.
 constexpr double spacing = 1e-5, rough_spacing = 1.0 / 64.0;
 
 // Column j of a Jacobian.

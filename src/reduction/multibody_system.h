@@ -163,7 +163,7 @@ class MultibodySystem final : public DaeSystem {
   MultibodyForm form_;
   MultibodyJacobian jacobian_;
   MultibodyPoint linearized_, work_, end_, accepted_;
-  MultibodyPoint chosen_;  // where the partition is from: its t, q and v
+  MultibodyPoint chosen_;    // where the partition is from: its t, q and v
   bool is_end_new_ = false;  // end_ is that of a step, or a start, not accepted yet
   bool is_linearized_ = false, is_slow_ = false;
   double rate_ = 1.0;
