@@ -64,6 +64,12 @@ bool MultibodyForm::build_tangents(const MultibodyPoint& point, Tangents& tangen
   return same_rows_ ? fits : tangents.velocities.build(velocities_, point.velocity_rows(), arena) && fits;
 }
 
+bool MultibodyForm::fit_tangents(const MultibodyPoint& point, Tangents& tangents) const {
+  tangents.same_rows = same_rows_;
+  const bool fits = tangents.positions.fit(positions_, point.position_rows());
+  return same_rows_ ? fits : tangents.velocities.fit(velocities_, point.velocity_rows()) && fits;
+}
+
 void MultibodyForm::build(const MultibodyPoint& point, const MultibodyJacobian& jacobian, Arena& arena) {
   const int nq = sizes_.positions, nv = sizes_.velocities, r = velocities().rank;
   const Arena::Frame frame(arena);
@@ -130,34 +136,35 @@ void MultibodyForm::particular(const Tangents& tangents, const Residuals& residu
   tangents.of_velocities().correction(velocities(), velocity, qv + nq, arena);
 }
 
-void MultibodyForm::add_particular_rates(ConstView S, const double* qv, double* yz, Arena& arena) const {
+void MultibodyForm::rates(const MultibodyPoint& point, const double* change, double* yz, Arena& arena) const {
   const int nq = sizes_.positions, nv = sizes_.velocities;
-  const double *dq = qv, *dv = qv + nq;
+  const ConstView S = point.terms.S;
+  const double *dq = change, *dv = change + nq;
   const Arena::Frame frame(arena);
-  double* rates = arena.take(index(nq));
-  if (S.rows == 0) {
-    std::copy_n(dv, nv, rates);
-  } else {
-    multiply(1.0, Op::plain, S, dv, 0.0, rates);
-    multiply(1.0, Op::plain, kinematics_q_, dq, 1.0, rates);
+  double* moved = arena.take(index(nv));
+  for (int k = 0; k < nv; ++k) moved[k] = point.v[index(k)] + dv[k];
+  const double* rates = moved;
+  if (S.rows > 0) {
+    double* along = arena.take(index(nq));
+    multiply(1.0, Op::plain, S, moved, 0.0, along);
+    multiply(1.0, Op::plain, kinematics_q_, dq, 1.0, along);
+    rates = along;
   }
-  multiply(1.0, Op::transposed, positions_.Q1(), rates, 1.0, yz);
+  multiply(1.0, Op::transposed, positions_.Q1(), rates, 0.0, yz);
+  multiply(1.0, Op::transposed, velocities().Q1(), point.a.data(), 0.0, yz + dq_);
   multiply(1.0, Op::plain, A_q_, dq, 1.0, yz + dq_);
   multiply(1.0, Op::plain, A_v_, dv, 1.0, yz + dq_);
 }
 
 void MultibodyForm::expand(const Tangents& tangents, const double* yz, double* qv, Arena& arena) const {
-  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints();
-  multiply(1.0, Op::plain, tangents.positions.T(), yz, 0.0, qv);
-  double* dv = qv + nq;
-  std::fill_n(dv, nv, 0.0);
+  tangents.positions.along(positions_, yz, nullptr, qv, arena);
+  const Arena::Frame frame(arena);
+  double* velocity = nullptr;
   if (has_velocity_q_) {
-    const Arena::Frame frame(arena);
-    double* velocity = arena.take(index(nc) + 1);
+    velocity = arena.take(index(sizes_.constraints()) + 1);
     multiply(1.0, Op::plain, velocity_q_, qv, 0.0, velocity);
-    tangents.of_velocities().correction(velocities(), velocity, dv, arena);
   }
-  multiply(1.0, Op::plain, tangents.of_velocities().T(), yz + dq_, 1.0, dv);
+  tangents.of_velocities().along(velocities(), yz + dq_, velocity, qv + sizes_.positions, arena);
 }
 
 }  // namespace sfdae::core

@@ -121,11 +121,18 @@ PointStatus MultibodySystem::evaluate(MultibodyPoint& point) {
   return PointStatus::ok;
 }
 
-PointStatus MultibodySystem::accelerate(MultibodyPoint& point, const Tangents& tangents) {
+PointStatus MultibodySystem::accelerate(MultibodyPoint& point, Tangents& tangents) {
+  // Below, C M^-1 C^T is too badly conditioned, as its condition is the square of that of C.
+  constexpr double well_posed = 1e-2;
   ++factorizations_;
   const Partition& partition = form_.velocities();
-  if (along_tangents_)
-    return point.solve_along(partition, tangents.of_velocities(), arena_) ? PointStatus::ok : PointStatus::singular;
+  Tangent& tangent = tangents.of_velocities();
+  if (tangent.smallest_pivot() > well_posed && point.solve_by_masses(partition, tangent, arena_))
+    return PointStatus::ok;
+  if (along_tangents_) {
+    if (!tangent.is_complete()) tangent.complete(partition, arena_);
+    return point.solve_along(partition, tangent, arena_) ? PointStatus::ok : PointStatus::singular;
+  }
   if (!point.factor(partition.rows, partition.rank)) return PointStatus::singular;
   point.solve_accelerations(partition.rows, partition.rank);
   return PointStatus::ok;

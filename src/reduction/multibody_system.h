@@ -127,13 +127,13 @@ class MultibodySystem final : public DaeSystem {
   double* stage(int i) { return stage_qv_.data() + static_cast<std::ptrdiff_t>(i) * leading_size(); }
   PointStatus evaluate(MultibodyPoint& point);
   // The same where terms and tangents are known.
-  PointStatus accelerate(MultibodyPoint& point, const Tangents& tangents);
+  PointStatus accelerate(MultibodyPoint& point, Tangents& tangents);
   PointStatus linearize(double t, const double* qv);
   PointStatus choose_partition();
   void measure_noise();
   void measure_noise_of_step();
   bool factor_step_matrices(const Task& task);
-  PointStatus read_stage(const Task& task, int i);
+  PointStatus read_stage(const Task& task, int i, bool is_first);
   void add_slopes(const Task& task);
   PointStatus iterate(const Task& task);
   bool has_converged(int iteration, double norm, double before);

@@ -150,31 +150,29 @@ bool MultibodySystem::factor_step_matrices(const Task& task) {
 }
 
 // Right-hand side of stage i but for slopes, and its particular change.
-PointStatus MultibodySystem::read_stage(const Task& task, int i) {
+PointStatus MultibodySystem::read_stage(const Task& task, int i, bool is_first) {
   const int nq = sizes_.positions, size = leading_size(), d = differential(), nc = sizes_.constraints();
   const double* qv = stage(i);
   work_.set(times_[index(i)], qv, qv + nq);
   trouble_ = problem_.at_velocity(work_.t, work_.q.data(), work_.v.data(), work_.terms);
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
-  work_.measure_rows();
+  // Rows are about as long as at the linearization.
+  work_.position_units = linearized_.position_units;
+  work_.velocity_units = linearized_.velocity_units;
   Tangents& tangents = stage_tangents_[index(i)];
-  if (!form_.build_tangents(work_, tangents, arena_)) return PointStatus::singular;
+  if (!form_.fit_tangents(work_, tangents)) return PointStatus::singular;
   const PointStatus status = accelerate(work_, tangents);
   if (status != PointStatus::ok) return status;
   std::copy_n(work_.mu.data(), nc, stage_mu_.data() + static_cast<std::ptrdiff_t>(i) * nc);
   double* particular = stage_particular_.data() + static_cast<std::ptrdiff_t>(i) * size;
   double* r = stage_r_.data() + static_cast<std::ptrdiff_t>(i) * d;
-  const Arena::Frame frame(arena_);
-  double* rates = arena_.take(index(size));
-  work_.rates(rates);
-  std::copy(work_.a.begin(), work_.a.end(), rates + nq);
-  form_.project(rates, r);
   work_.velocity_residuals(residuals_.data());
   form_.particular(tangents, {work_.terms.g.data(), residuals_.data()}, particular, arena_);
-  form_.add_particular_rates(work_.terms.S, particular, r, arena_);
-  double* move = stage_moves_.data() + static_cast<std::ptrdiff_t>(i) * d;
-  for (int k = 0; k < size; ++k) rates[k] = task.method != nullptr ? qv[k] - task.w[k] : task.c * qv[k] + task.w[k];
-  form_.project(rates, move);
+  form_.rates(work_, particular, r, arena_);
+  if (!is_first) return PointStatus::ok;
+  for (int k = 0; k < size; ++k)
+    change_[index(k)] = task.method != nullptr ? qv[k] - task.w[k] : task.c * qv[k] + task.w[k];
+  form_.project(change_.data(), stage_moves_.data() + static_cast<std::ptrdiff_t>(i) * d);
   return PointStatus::ok;
 }
 
@@ -200,7 +198,7 @@ PointStatus MultibodySystem::iterate(const Task& task) {
   is_slow_ = false;
   for (int iteration = 0; iteration < most; ++iteration) {
     for (int i = 0; i < s; ++i) {
-      const PointStatus status = read_stage(task, i);
+      const PointStatus status = read_stage(task, i, iteration == 0);
       if (status != PointStatus::ok) return status;
     }
     add_slopes(task);
@@ -211,6 +209,9 @@ PointStatus MultibodySystem::iterate(const Task& task) {
       std::copy_n(r.data, d, z.data);
       solve_lu(lu, matrix_pivots_.data(), z.data);
     }
+    // As Q1^T p = 0 the changes of Q1^T q and Q1^T v are known.
+    const double rate_of_moves = task.method != nullptr ? 1.0 : task.c;
+    for (int k = 0; k < s * d; ++k) stage_moves_[index(k)] += rate_of_moves * stage_z_[index(k)];
     double norm = 0.0;
     for (int i = 0; i < s; ++i) {
       double* qv = stage(i);
