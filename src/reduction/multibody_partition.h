@@ -66,6 +66,13 @@ class Tangent {
   double smallest_pivot() const { return pivot_; }
   // Of det C Q2.
   int sign() const { return sign_; }
+  // Of the constraints on the straight way from rows B at another point to C: how many combinations of them vanish,
+  // each once, which is where sB + (1 - s) C is singular on Q2, and the row that turns most.
+  struct Passage {
+    int count = 0;
+    int row = -1;
+  };
+  Passage passage_from(const Partition& partition, ConstView B, Arena& arena) const;
 
  private:
   bool invert(const Partition& partition, View C2);
@@ -76,7 +83,7 @@ class Tangent {
 
   int rank_ = 0;
   bool is_complete_ = false;
-  Matrix C_;   // independent rows in their units
+  Matrix C_;  // independent rows in their units
   Matrix T_;
   Matrix N_;   // for these rows, where they are few
   Matrix lu_;  // (C Q2)^-1 then, else the factors of C Q2

@@ -119,6 +119,11 @@ class MultibodySystem final : public DaeSystem {
     bool operator==(const Orientation&) const = default;
   };
 
+  // Of the constraints on both levels.
+  struct Passage {
+    Tangent::Passage positions, velocities;
+  };
+
   static Orientation orientation_of(const Tangents& tangents) {
     return {tangents.positions.sign(), tangents.of_velocities().sign()};
   }
@@ -146,7 +151,8 @@ class MultibodySystem final : public DaeSystem {
   void read_inconsistency(const MultibodyPoint& point);
   const MultibodyPoint& point_at(const double* x);
   double largest_turn() const;
-  void note_change(const MultibodyPoint& point);
+  Passage passage_of_step();
+  void note_change(const MultibodyPoint& point, const Passage& passage);
   void rebuild(bool has_linearization, double c, double rate);
   bool is_hopeless(PointStatus status) const;
   bool difference_of_forces(const MultibodyPoint& point, double* mudot);

@@ -120,6 +120,40 @@ TEST_P(SingularConfiguration, IsFoundAndNotPassedSilently) {
   EXPECT_NE(run.message().find("holonomic constraint 0"), std::string::npos) << run.message();
 }
 
+// Two or three of them that do the same: the determinant of two does not change its sign.
+TEST_P(SingularConfiguration, OfTwoMechanismsAtOnceAreNotPassedSilently) {
+  struct Twins {
+    int count;
+    static int of(void* user) { return static_cast<const Twins*>(user)->count; }
+  };
+  for (int count : {2, 3}) {
+    Twins twins{count};
+    sfdae_multibody_problem problem = multibody_problem_of(2 * count, count);
+    problem.user = &twins;
+    problem.forces = CrankAndRod::forces;
+    problem.constraints = [](double t, const double* q, double* g, void* user) {
+      for (int k = 0; k < Twins::of(user); ++k) CrankAndRod::constraints(t, q + 2 * k, g + k, nullptr);
+      return 0;
+    };
+    problem.constraint_jacobian = [](double, const double* q, double* g_q, void* user) {
+      const int rows = Twins::of(user);
+      for (int j = 0; j < 2 * rows; ++j) g_q[j / 2 + rows * j] = std::cos(q[j]);
+      return 0;
+    };
+    std::vector<double> x(static_cast<std::size_t>(5 * count));
+    for (std::size_t j = 0; j < static_cast<std::size_t>(2 * count); ++j) {
+      const double sign = j % 2 == 0 ? 1.0 : -1.0;
+      x[j] = 0.1 * sign;
+      x[j + static_cast<std::size_t>(2 * count)] = sign;
+    }
+    MultibodyRun run(problem, options_of(GetParam(), 1e-6));
+    ASSERT_EQ(run.start(0.0, 3.0, x), SFDAE_OK) << run.message();
+    EXPECT_EQ(run.advance(3.0), SFDAE_CHARACTERISTICS_CHANGED) << run.message();
+    EXPECT_NEAR(run.t, 0.5 * pi - 0.1, 1e-4);
+    EXPECT_NE(run.message().find("vanishes"), std::string::npos) << run.message();
+  }
+}
+
 TEST_P(SingularConfiguration, IsRefusedAtTheStart) {
   MultibodyRun run(CrankAndRod::problem(), options_of(GetParam(), 1e-6));
   EXPECT_EQ(run.start(0.0, 3.0, {0.5 * pi, -0.5 * pi, 1.0, -1.0, 0.0}), SFDAE_CHARACTERISTICS_CHANGED)
