@@ -72,6 +72,7 @@ RankDecision choose_partition(const ConstraintRows& constraints, Coordinates coo
   RankScale scale;
   scale.noise = row_noise;
   scale.dimension = std::max(n, count);
+  scale.rank_tol = partition.rank_tol;
   RankDecision decision = decide_rank(gradients.data, std::min(n, count), gradients.ld + 1, scale);
   decision.subject = Subject::constraints;
   decision.rows = count;

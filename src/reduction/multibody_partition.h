@@ -32,6 +32,7 @@ struct Partition {
   Matrix Q;  // [Q2 Q1]
   int rank = 0;
   std::vector<int> rows;  // `rank` independent constraints come first
+  double rank_tol = 0.0;  // > 0: what counts as zero, rows being of unit length; 0: rounding errors
 };
 
 // Chooses directions, and as many independent rows as known_rank says; -1: as are found. Returns what is found.

@@ -47,15 +47,15 @@ MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Traits& traits
     throw Failure(SFDAE_SINGULAR, format("[M C^T; C 0] is singular at t = %.15g.", t_));
 }
 
-MultibodySystem::MultibodySystem(MultibodyProblem& problem, Coordinates coordinates, Archive& saved)
-    : problem_(problem), sizes_(problem.sizes()) {
-  traits_.coordinates = coordinates;
+MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Traits& traits, Archive& saved)
+    : problem_(problem), sizes_(problem.sizes()), traits_(traits) {
   archive(saved);
 }
 
 void MultibodySystem::resize() {
   const std::size_t d = index(analysis_.values.d), size = index(leading_size());
   form_.resize(sizes_, traits_.ranks.positions, traits_.ranks.velocities);
+  form_.set_rank_tol(traits_.rank_tol);
   jacobian_ = MultibodyJacobian(sizes_);
   // Operations of both ways, about.
   constexpr double worthwhile = 1.2;

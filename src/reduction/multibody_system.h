@@ -36,12 +36,13 @@ class MultibodySystem final : public DaeSystem {
   struct Traits {
     MultibodyRanks ranks;
     Coordinates coordinates = Coordinates::orthogonal;
+    double rank_tol = 0.0;  // by which the ranks were decided; 0: by rounding errors
   };
   // At consistent q and v. Throws Failure.
   MultibodySystem(MultibodyProblem& problem, const Traits& traits, IndexAnalysis analysis, const double* q,
                   const double* v);
-  // As it was when it was archived. Throws DamagedArchive.
-  MultibodySystem(MultibodyProblem& problem, Coordinates coordinates, Archive& archive);
+  // As it was when it was archived, ranks included. Throws DamagedArchive.
+  MultibodySystem(MultibodyProblem& problem, const Traits& traits, Archive& archive);
 
   int equations() const override { return unknowns(); }
   int unknowns() const override { return sizes_.unknowns(); }
