@@ -63,7 +63,7 @@ PointStatus MultibodySystem::linearize(double t, const double* qv) {
   measure_noise();
   ++reductions_;
   ++factorizations_;
-  is_linearized_ = true;
+  is_linearized_ = is_fresh_ = true;
   rate_ = 1.0;
   return PointStatus::ok;
 }
@@ -224,7 +224,10 @@ PointStatus MultibodySystem::iterate(const Task& task) {
       norm = std::max(norm, change_norm(task, change_.data()));
     }
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    if (has_converged(iteration, norm, before)) return PointStatus::ok;
+    if (has_converged(iteration, norm, before)) {
+      judge_linearization(s, iteration + 1);
+      return PointStatus::ok;
+    }
     if (iteration > 1 && norm > slowest * before) return PointStatus::not_converged;
     before = norm;
   }
@@ -252,6 +255,24 @@ bool MultibodySystem::has_converged(int iteration, double norm, double before) {
   if (iteration > 1 && norm <= 0.1 * newton_tolerance) return true;
   if (iteration > 0 && rate_ >= 1.0) return false;
   return rate / (1.0 - rate) * norm <= newton_tolerance || norm <= negligible;
+}
+
+// A new linearization for the next step pays if it saves enough iterations; how many it needs, and how many more the one
+// of the step before, is known from the steps taken last.
+void MultibodySystem::judge_linearization(int s, int iterations) {
+  // Every so often one is kept to see.
+  constexpr int most_in_a_row = 10;
+  // In evaluations of one stage, measured: the linear algebra of its own grows faster than theirs.
+  const double cost = 2.0 + differential() / 8.0;
+  if (is_fresh_) {
+    fresh_iterations_ = iterations;
+    if (fresh_in_a_row_ < most_in_a_row) ++fresh_in_a_row_;
+    else fresh_in_a_row_ = kept_iterations_ = 0;
+  } else {
+    kept_iterations_ = iterations;
+  }
+  is_fresh_ = false;
+  if (s * (kept_iterations_ - fresh_iterations_) >= cost) is_slow_ = true;
 }
 
 bool MultibodySystem::is_hopeless(PointStatus status) const {
