@@ -139,7 +139,7 @@ class MultibodySystem final : public DaeSystem {
   bool has_converged(int iteration, double norm, double before);
   void judge_linearization(int s, int iterations);
   double change_norm(const Task& task, const double* change) const;
-  void error_of_forces(double* yz, double* dmu);
+  void error_of_forces(View yz, View dmu);
   PointStatus solve_points(const Task& task, const double* guess);
   PointStatus project_positions(MultibodyPoint& point);
   PointStatus settle(MultibodyPoint& point);
