@@ -126,6 +126,13 @@ void MultibodyForm::project(const double* qv, double* yz) const {
   multiply(1.0, Op::transposed, velocities().Q1(), qv + sizes_.positions, 0.0, yz + dq_);
 }
 
+void MultibodyForm::project(ConstView qv, View yz) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities, count = qv.cols;
+  multiply(1.0, Op::transposed, positions_.Q1(), Op::plain, qv.top(nq), 0.0, yz.top(dq_));
+  multiply(1.0, Op::transposed, velocities().Q1(), Op::plain, qv.block(nq, 0, nv, count), 0.0,
+           yz.block(dq_, 0, dv_, count));
+}
+
 void MultibodyForm::particular(const Tangents& tangents, const Residuals& residuals, double* qv, Arena& arena) const {
   const int nq = sizes_.positions, nc = sizes_.constraints();
   tangents.positions.correction(positions_, residuals.g, qv, arena);
@@ -165,6 +172,14 @@ void MultibodyForm::expand(const Tangents& tangents, const double* yz, double* q
     multiply(1.0, Op::plain, velocity_q_, qv, 0.0, velocity);
   }
   tangents.of_velocities().along(velocities(), yz + dq_, velocity, qv + sizes_.positions, arena);
+}
+
+void MultibodyForm::expand(ConstView yz, View qv) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities, count = yz.cols;
+  const View dv = qv.block(nq, 0, nv, count);
+  multiply(1.0, Op::plain, tangents_.positions.T(), Op::plain, yz.top(dq_), 0.0, qv.top(nq));
+  multiply(1.0, Op::plain, tangents_.of_velocities().T(), Op::plain, yz.block(dq_, 0, dv_, count), 0.0, dv);
+  if (has_velocity_q_) multiply(1.0, Op::plain, Z_, Op::plain, yz.top(dq_), 1.0, dv);
 }
 
 }  // namespace sfdae::core

@@ -71,6 +71,8 @@ class MultibodyForm {
   }
   // (y, z) of (q, v).
   void project(const double* qv, double* yz) const;
+  // The same for columns.
+  void project(ConstView qv, View yz) const;
   // dq, dv := -N (residuals), both residuals complete, N from some point nearby.
   struct Residuals {
     const double* g;
@@ -81,6 +83,8 @@ class MultibodyForm {
   void rates(const MultibodyPoint& point, const double* change, double* yz, Arena& arena) const;
   // qv := (T_q y, T_v z - N_v (C v + r)_q T_q y), T and N from some point nearby.
   void expand(const Tangents& tangents, const double* yz, double* qv, Arena& arena) const;
+  // The same for columns, T and N from the linearization.
+  void expand(ConstView yz, View qv) const;
 
  private:
   MultibodySizes sizes_;

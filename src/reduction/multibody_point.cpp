@@ -171,6 +171,10 @@ void MultibodyPoint::solve(double* yz) const {
   if (order_ > 0) solve_lu(ConstView{K_.data(), order_, order_, order_}, pivots_.data(), yz);
 }
 
+void MultibodyPoint::solve(View yz) const {
+  if (order_ > 0) solve_lu(ConstView{K_.data(), order_, order_, order_}, pivots_.data(), yz);
+}
+
 void MultibodyPoint::solve_transposed(View yz) const {
   if (order_ > 0) solve_lu_transposed(ConstView{K_.data(), order_, order_, order_}, pivots_.data(), yz);
 }

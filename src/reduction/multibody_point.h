@@ -47,6 +47,7 @@ class MultibodyPoint {
   bool solve_along(const Partition& partition, const Tangent& tangent, Arena& arena);
   // (y; z) := K^-1 (y; z)
   void solve(double* yz) const;
+  void solve(View yz) const;
   void solve_transposed(View yz) const;
   int order() const { return order_; }
   // mu of least norm with the same C^T mu.

@@ -103,7 +103,7 @@ class MultibodySystem final : public DaeSystem {
 
  private:
   // Errors of the iteration in units of the tolerance.
-  static constexpr double newton_tolerance = 0.02;
+  static constexpr double newton_tolerance = 0.003;
 
   // What is solved for s points together: D_h w_i = sum_j D_ij (w_j - w) / h, or c w + w_rest where there is no
   // method.
@@ -143,8 +143,9 @@ class MultibodySystem final : public DaeSystem {
   void add_slopes(const Task& task);
   PointStatus iterate(const Task& task);
   bool has_converged(int iteration, double norm, double before);
+  void judge_linearization(int s, int iterations);
   double change_norm(const Task& task, const double* change) const;
-  void error_of_forces(double* yz, double* dmu);
+  void error_of_forces(View yz, View dmu);
   PointStatus solve_points(const Task& task, const double* guess);
   PointStatus project_positions(MultibodyPoint& point);
   PointStatus settle(MultibodyPoint& point);
@@ -174,6 +175,10 @@ class MultibodySystem final : public DaeSystem {
   bool is_end_new_ = false;  // end_ is that of a step, or a start, not accepted yet
   bool is_linearized_ = false, is_slow_ = false;
   double rate_ = 1.0;
+  bool is_fresh_ = false;  // no step has been solved with the linearization
+  // Of the last steps: with new linearizations, and with those of steps before.
+  int fresh_iterations_ = 0, kept_iterations_ = 0;
+  int fresh_in_a_row_ = 0;
   Tangents end_tangents_;
   std::vector<Tangents> stage_tangents_;
   Orientation orientation_, end_orientation_;

@@ -63,7 +63,7 @@ PointStatus MultibodySystem::linearize(double t, const double* qv) {
   measure_noise();
   ++reductions_;
   ++factorizations_;
-  is_linearized_ = true;
+  is_linearized_ = is_fresh_ = true;
   rate_ = 1.0;
   return PointStatus::ok;
 }
@@ -224,7 +224,10 @@ PointStatus MultibodySystem::iterate(const Task& task) {
       norm = std::max(norm, change_norm(task, change_.data()));
     }
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    if (has_converged(iteration, norm, before)) return PointStatus::ok;
+    if (has_converged(iteration, norm, before)) {
+      judge_linearization(s, iteration + 1);
+      return PointStatus::ok;
+    }
     if (iteration > 1 && norm > slowest * before) return PointStatus::not_converged;
     before = norm;
   }
@@ -252,6 +255,24 @@ bool MultibodySystem::has_converged(int iteration, double norm, double before) {
   if (iteration > 1 && norm <= 0.1 * newton_tolerance) return true;
   if (iteration > 0 && rate_ >= 1.0) return false;
   return rate / (1.0 - rate) * norm <= newton_tolerance || norm <= negligible;
+}
+
+// A new linearization for the next step pays if it saves enough iterations; how many it needs, and how many more the one
+// of the step before, is known from the steps taken last.
+void MultibodySystem::judge_linearization(int s, int iterations) {
+  // Every so often one is kept to see.
+  constexpr int most_in_a_row = 10;
+  // In evaluations of one stage, measured: the linear algebra of its own grows faster than theirs.
+  const double cost = 2.0 + differential() / 8.0;
+  if (is_fresh_) {
+    fresh_iterations_ = iterations;
+    if (fresh_in_a_row_ < most_in_a_row) ++fresh_in_a_row_;
+    else fresh_in_a_row_ = kept_iterations_ = 0;
+  } else {
+    kept_iterations_ = iterations;
+  }
+  is_fresh_ = false;
+  if (s * (kept_iterations_ - fresh_iterations_) >= cost) is_slow_ = true;
 }
 
 bool MultibodySystem::is_hopeless(PointStatus status) const {
@@ -327,41 +348,41 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
 }
 
 void MultibodySystem::error_in_x(const double* dw, int count, double* dx) {
-  const int n = unknowns(), size = leading_size();
+  const int n = unknowns(), size = leading_size(), d = differential();
   const Arena::Frame frame(arena_);
-  double* yz = arena_.take(index(differential()) + 1);
-  for (int j = 0; j < count; ++j) {
-    double* to = dx + static_cast<std::ptrdiff_t>(j) * n;
-    form_.project(dw + static_cast<std::ptrdiff_t>(j) * size, yz);
-    form_.expand(form_.tangents(), yz, to, arena_);
-    error_of_forces(yz, to + size);
-  }
+  const View yz = arena_.matrix(d, count), to{dx, n, count, n};
+  form_.project(ConstView{dw, size, count, size}, yz);
+  form_.expand(yz, to.top(size));
+  error_of_forces(yz, to.block(size, 0, sizes_.constraints(), count));
 }
 
 // K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv), with (I - B / c)^-1 yz in place of yz:
 // what is stiff over the step has hardly any error, but mu depends on it very much. yz is overwritten.
-void MultibodySystem::error_of_forces(double* yz, double* dmu) {
+void MultibodySystem::error_of_forces(View yz, View dmu) {
   const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), d = differential(),
-            r = traits_.ranks.velocities;
+            r = traits_.ranks.velocities, count = yz.cols;
   const std::vector<int>& rows = form_.velocities().rows;
-  std::fill_n(dmu, nc, 0.0);
+  fill(dmu, 0.0);
   if (r == 0 || d == 0) return;
   const Arena::Frame frame(arena_);
-  double* dqv = arena_.take(index(leading_size()));
-  double* forces = arena_.take(index(nv + nc));
-  double* rest = arena_.take(index(nc));
+  const View dqv = arena_.matrix(leading_size(), count), forces = arena_.matrix(nv + r, count),
+             rest = arena_.matrix(nc, count);
   if (matrix_valid_) {
     solve_lu(ConstView{matrix_.data(), d, d, d}, matrix_pivots_.data(), yz);
-    for (int k = 0; k < d; ++k) yz[k] *= matrix_c_;
+    for (int j = 0; j < count; ++j)
+      for (int k = 0; k < d; ++k) yz(k, j) *= matrix_c_;
   }
-  form_.expand(form_.tangents(), yz, dqv, arena_);
-  multiply(1.0, Op::plain, jacobian_.force_q, dqv, 0.0, forces);
-  multiply(1.0, Op::plain, jacobian_.force_v, dqv + nq, 1.0, forces);
-  multiply(-1.0, Op::plain, jacobian_.acceleration_q, dqv, 0.0, rest);
-  multiply(-1.0, Op::plain, jacobian_.acceleration_v, dqv + nq, 1.0, rest);
-  for (int k = 0; k < r; ++k) forces[nv + k] = rest[rows[index(k)]];
+  form_.expand(yz, dqv);
+  const View dq = dqv.top(nq), dv = dqv.block(nq, 0, nv, count);
+  multiply(1.0, Op::plain, jacobian_.force_q, Op::plain, dq, 0.0, forces.top(nv));
+  multiply(1.0, Op::plain, jacobian_.force_v, Op::plain, dv, 1.0, forces.top(nv));
+  multiply(-1.0, Op::plain, jacobian_.acceleration_q, Op::plain, dq, 0.0, rest);
+  multiply(-1.0, Op::plain, jacobian_.acceleration_v, Op::plain, dv, 1.0, rest);
+  for (int j = 0; j < count; ++j)
+    for (int k = 0; k < r; ++k) forces(nv + k, j) = rest(rows[index(k)], j);
   linearized_.solve(forces);
-  for (int k = 0; k < r; ++k) dmu[rows[index(k)]] = forces[nv + k];
+  for (int j = 0; j < count; ++j)
+    for (int k = 0; k < r; ++k) dmu(rows[index(k)], j) = forces(nv + k, j);
 }
 
 }  // namespace sfdae::core
