@@ -166,9 +166,9 @@ typedef int (*sfdae_monitor_function)(const sfdae_progress *progress, void *user
 
 /* Integration methods. */
 #define SFDAE_METHOD_BDF 0       /* orders 1 to 5 */
-#define SFDAE_METHOD_RADAU 1     /* Radau IIA with 1, 3, 5 or 7 stages, orders 1, 5, 9, 13: fewer and longer steps where
-                                    the problem is smooth, the more so the tighter the tolerances */
-#define SFDAE_METHOD_AUTOMATIC 2 /* Radau; BDF from where frequent output or failing steps make that the better choice */
+#define SFDAE_METHOD_RADAU 1     /* Radau IIA with 1, 3, 5 or 7 stages, orders 1, 5, 9, 13: fewer and longer steps
+                                    where the problem is smooth, the more so the tighter the tolerances */
+#define SFDAE_METHOD_AUTOMATIC 2 /* Radau; BDF from where frequent output or failing steps make that better */
 
 /* Call sfdae_options_init first, then set members. */
 typedef struct sfdae_options {
@@ -213,8 +213,8 @@ typedef struct sfdae_options {
   void *monitor_user;             /* handed to the monitor */
 
   int method;                  /* SFDAE_METHOD_BDF (default), ...; a change takes effect with the next sfdae_start */
-  int min_stages, max_stages;  /* Radau: 1, 3, 5 or 7, defaults 1 and 7; equal: that number always (1 alone is for rough
-                                  problems: errors add up). A change takes effect with the next sfdae_start */
+  int min_stages, max_stages;  /* Radau: 1, 3, 5 or 7, defaults 1 and 7; equal: that number always (1 alone is for
+                                  rough problems: errors add up). A change takes effect with the next sfdae_start */
 } sfdae_options;
 
 /* Sets defaults. size: sizeof(sfdae_options) of the caller. */
@@ -333,7 +333,18 @@ SFDAE_API int sfdae_nonlinear_problem_init(sfdae_nonlinear_problem *problem, siz
  * The unknowns are x = (q, v, lambda, kappa). Only the constraints are differentiated (minimal extension), which
  * costs far less than the derivative array of the same equations as a nonlinear problem. [M C^T; C 0], C = [G; H],
  * has to be regular but for redundant constraints: M alone may be singular. Redundant constraints that agree are
- * reported, and lambda, kappa are then those of least norm. */
+ * reported, and lambda, kappa are then those of least norm. M need not be symmetric.
+ *
+ *  - SFDAE_INITIAL_NEAREST and _FIXED change positions (where q' = v) and velocities as little as possible in the
+ *    metric of the kinetic energy, v^T M v, if M is symmetric and positive definite and there are no initial_weights,
+ *   else in
+ *    the (weighted) 2-norm. lambda and kappa follow: values given count only if they are fixed or to be accepted.
+ *  - rank_tol: rows of [G; H] of length 1 depend on each other if what is left of one is below it.
+ *  - Singular configurations, where the rank of [G; H] drops, end with SFDAE_CHARACTERISTICS_CHANGED, also at the
+ *    start. Those that the motion touches without crossing them, so that det of the constraints keeps its sign, end
+ *   with
+ *    SFDAE_STEP_TOO_SMALL if forces grow beyond all bounds there, and are not seen otherwise.
+ *  - Options without a meaning here: reduction, time_scale, difference_derivatives, leading_term. */
 
 /* Callbacks return as all others do; arrays are column-major and filled with zeros before the call. The first kind
  * sees t and q, the second kind v, too. */
@@ -368,7 +379,7 @@ typedef struct sfdae_multibody_problem {
   int num_constraints;     /* nl, holonomic; default 0 */
   int num_nonholonomic;    /* nk; default 0 */
 
-  sfdae_multibody_equations_function equations; /* called once, by sfdae_create_multibody; no callback below is used */
+  sfdae_multibody_equations_function equations; /* called once, by sfdae_create_multibody, instead of all below */
 
   sfdae_position_function mass;                /* M, nv x nv; NULL: the identity */
   sfdae_velocity_function forces;              /* f, nv entries */
@@ -665,8 +676,8 @@ typedef struct sfdae_statistics {
   double first_step;        /* signed size of the first accepted step */
   long evaluations_F;       /* nonlinear: of F and its total derivatives along a jet, since creation */
   long linearizations;      /* likewise with their Jacobians */
-  double rounding;          /* nonlinear: largest rounding error of a component along the way, as the equations cause it,
-                               against the tolerance used for it; above 1 it was tested against that error instead */
+  double rounding;          /* nonlinear: largest rounding error of a component along the way, as the equations
+                               cause it, against the tolerance used for it; above 1 it was tested against that error instead */
 } sfdae_statistics;
 SFDAE_API int sfdae_statistics_init(sfdae_statistics *statistics, size_t size);
 SFDAE_API int sfdae_get_statistics(const sfdae_solver *solver, sfdae_statistics *result);
@@ -703,8 +714,8 @@ SFDAE_API int sfdae_get_strangeness_free(sfdae_solver *solver, double t, double 
  * sfdae_check_multibody_derivatives. */
 typedef struct sfdae_derivative_check {
   size_t size;
-  char function;        /* 'E', 'A' or 'f'; 'F', 'x' (F_x) or 'd' (F_x'); 'G' (g_q), 'T' (g_t), 'C' (gamma) or 'H' (eta);
-                           0 if nothing could be compared */
+  char function;        /* 'E', 'A' or 'f'; 'F', 'x' (F_x) or 'd' (F_x'); 'G' (g_q), 'T' (g_t), 'C' (gamma) or
+                           'H' (eta); 0 if nothing could be compared */
   int order;            /* of the derivative; >= 1, but for 'x' and 'd' */
   int row, column;      /* of the entry, from 0; column 0 for f and F */
   double supplied;      /* by the callback */
