@@ -135,7 +135,7 @@ class MultibodySystem final : public DaeSystem {
   void measure_noise_of_step();
   bool factor_step_matrices(const Task& task);
   PointStatus read_stage(const Task& task, int i, bool is_first);
-  void add_slopes(const Task& task);
+  void complete_residuals(const Task& task);
   PointStatus iterate(const Task& task);
   bool has_converged(int iteration, double norm, double before);
   void judge_linearization(int s, int iterations);
@@ -186,7 +186,8 @@ class MultibodySystem final : public DaeSystem {
   TransformedStages transformed_;
 
   std::vector<double> times_;
-  std::vector<double> stage_qv_, stage_particular_, stage_mu_, stage_moves_, stage_r_, stage_z_;
+  std::vector<double> stage_qv_, stage_particular_, stage_changes_, stage_mu_, stage_moves_, stage_r_, stage_z_;
+  std::vector<double> stage_rates_, stage_a_;
   std::vector<double> change_, residuals_;
   // What rounding errors do to changes of q and v: apart from those of accelerations, with them; and those, in (y,
   // z).
