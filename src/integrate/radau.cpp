@@ -30,6 +30,14 @@ constexpr double embedded_limit(int s, bool beside_difference) {
 // Steps of one stage, the choice for rough problems, must not grow over what makes them rough.
 constexpr double rough_growth = 2.0;
 
+StageCosts costs_of(const StrangenessFreeSystem& system) {
+  if (system.work_of_stages(1) <= 0.0)
+    return costs_of_reductions(system.unknowns(), system.differential() + system.undetermined());
+  StageCosts costs;
+  for (int s = 1; s <= max_stages; ++s) costs.work[index(s)] = system.work_of_stages(s);
+  return costs;
+}
+
 }  // namespace
 
 void Radau::set_options(const StepOptions& options) {
@@ -173,7 +181,7 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
     next_step_ = control_.rejected(tried_h_, terms);
     return StepOutcome::error_too_large;
   }
-  const StageCosts costs{system.unknowns(), system.differential() + system.undetermined()};
+  const StageCosts costs = costs_of(system);
   next_step_ = system.differential() == 0 ? control_.accepted_without_error(tried_h_)
                                           : control_.accepted(tried_h_, terms, costs, system.is_constant());
   if (s == 1 && system.differential() > 0)

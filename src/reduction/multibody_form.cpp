@@ -143,35 +143,41 @@ void MultibodyForm::particular(const Tangents& tangents, const Residuals& residu
   tangents.of_velocities().correction(velocities(), velocity, qv + nq, arena);
 }
 
-void MultibodyForm::rates(const MultibodyPoint& point, const double* change, double* yz, Arena& arena) const {
+void MultibodyForm::moved_rates(const MultibodyPoint& point, const double* change, double* rates, Arena& arena) const {
   const int nq = sizes_.positions, nv = sizes_.velocities;
   const ConstView S = point.terms.S;
   const double *dq = change, *dv = change + nq;
+  if (S.rows == 0) {
+    for (int k = 0; k < nv; ++k) rates[k] = point.v[index(k)] + dv[k];
+    return;
+  }
   const Arena::Frame frame(arena);
   double* moved = arena.take(index(nv));
   for (int k = 0; k < nv; ++k) moved[k] = point.v[index(k)] + dv[k];
-  const double* rates = moved;
-  if (S.rows > 0) {
-    double* along = arena.take(index(nq));
-    multiply(1.0, Op::plain, S, moved, 0.0, along);
-    multiply(1.0, Op::plain, kinematics_q_, dq, 1.0, along);
-    rates = along;
-  }
-  multiply(1.0, Op::transposed, positions_.Q1(), rates, 0.0, yz);
-  multiply(1.0, Op::transposed, velocities().Q1(), point.a.data(), 0.0, yz + dq_);
-  multiply(1.0, Op::plain, A_q_, dq, 1.0, yz + dq_);
-  multiply(1.0, Op::plain, A_v_, dv, 1.0, yz + dq_);
+  multiply(1.0, Op::plain, S, moved, 0.0, rates);
+  multiply(1.0, Op::plain, kinematics_q_, dq, 1.0, rates);
 }
 
-void MultibodyForm::expand(const Tangents& tangents, const double* yz, double* qv, Arena& arena) const {
-  tangents.positions.along(positions_, yz, nullptr, qv, arena);
+void MultibodyForm::rates(ConstView rates, ConstView a, ConstView changes, View yz) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities, count = yz.cols;
+  const View z = yz.block(dq_, 0, dv_, count);
+  multiply(1.0, Op::transposed, positions_.Q1(), Op::plain, rates, 0.0, yz.top(dq_));
+  multiply(1.0, Op::transposed, velocities().Q1(), Op::plain, a, 0.0, z);
+  multiply(1.0, Op::plain, A_q_, Op::plain, changes.top(nq), 1.0, z);
+  multiply(1.0, Op::plain, A_v_, Op::plain, changes.block(nq, 0, nv, count), 1.0, z);
+}
+
+void MultibodyForm::expand(const Tangents* tangents, ConstView yz, View qv, Arena& arena) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), count = yz.cols;
+  const View dq = qv.top(nq), dv = qv.block(nq, 0, nv, count);
   const Arena::Frame frame(arena);
-  double* velocity = nullptr;
-  if (has_velocity_q_) {
-    velocity = arena.take(index(sizes_.constraints()) + 1);
-    multiply(1.0, Op::plain, velocity_q_, qv, 0.0, velocity);
-  }
-  tangents.of_velocities().along(velocities(), yz + dq_, velocity, qv + sizes_.positions, arena);
+  const View velocity = arena.matrix(nc, count);
+  multiply(1.0, Op::plain, positions_.Q1(), Op::plain, yz.top(dq_), 0.0, dq);
+  multiply(1.0, Op::plain, velocities().Q1(), Op::plain, yz.block(dq_, 0, dv_, count), 0.0, dv);
+  for (int i = 0; i < count; ++i) tangents[i].positions.bend(positions_, nullptr, dq.column(i), arena);
+  if (has_velocity_q_) multiply(1.0, Op::plain, velocity_q_, Op::plain, dq, 0.0, velocity);
+  for (int i = 0; i < count; ++i)
+    tangents[i].of_velocities().bend(velocities(), has_velocity_q_ ? velocity.column(i) : nullptr, dv.column(i), arena);
 }
 
 void MultibodyForm::expand(ConstView yz, View qv) const {

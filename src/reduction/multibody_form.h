@@ -79,11 +79,13 @@ class MultibodyForm {
     const double* velocity;
   };
   void particular(const Tangents& tangents, const Residuals& residuals, double* qv, Arena& arena) const;
-  // yz := Q_q1^T (S v + S dv + (S v)_q dq) and Q_v1^T (a + a_q dq + a_v dv) for such changes
-  void rates(const MultibodyPoint& point, const double* change, double* yz, Arena& arena) const;
-  // qv := (T_q y, T_v z - N_v (C v + r)_q T_q y), T and N from some point nearby.
-  void expand(const Tangents& tangents, const double* yz, double* qv, Arena& arena) const;
-  // The same for columns, T and N from the linearization.
+  // rates := S v + S dv + (S v)_q dq for such changes of q and v at the point
+  void moved_rates(const MultibodyPoint& point, const double* change, double* rates, Arena& arena) const;
+  // yz := Q_q1^T rates and Q_v1^T (a + a_q dq + a_v dv), a column for each point.
+  void rates(ConstView rates, ConstView a, ConstView changes, View yz) const;
+  // qv := (T_q y, T_v z - N_v (C v + r)_q T_q y), a column for each point; T and N from these points.
+  void expand(const Tangents* tangents, ConstView yz, View qv, Arena& arena) const;
+  // The same with T and N from the linearization.
   void expand(ConstView yz, View qv) const;
 
  private:

@@ -175,14 +175,12 @@ void Tangent::subtract(const Partition& partition, double* b, double* w) const {
   multiply(-1.0, Op::plain, partition.Q2(), b, 1.0, w);
 }
 
-void Tangent::along(const Partition& partition, const double* y, const double* b, double* w, Arena& arena) const {
-  if (is_complete_) multiply(1.0, Op::plain, T(), y, 0.0, w);
-  else multiply(1.0, Op::plain, partition.Q1(), y, 0.0, w);
-  if (rank_ == 0 || (is_complete_ && b == nullptr)) return;
+void Tangent::bend(const Partition& partition, const double* b, double* w, Arena& arena) const {
+  if (rank_ == 0) return;
   const Arena::Frame frame(arena);
   double* rest = arena.take(index(rank_));
   if (b != nullptr) gather(partition, b, rest);
-  if (!is_complete_) multiply(1.0, Op::plain, rows(), w, b != nullptr ? 1.0 : 0.0, rest);
+  multiply(1.0, Op::plain, rows(), w, b != nullptr ? 1.0 : 0.0, rest);
   subtract(partition, rest, w);
 }
 

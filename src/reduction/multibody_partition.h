@@ -56,8 +56,8 @@ class Tangent {
   // The independent rows in their units, row k times units()[k].
   ConstView rows() const { return {C_.data(), rank_, T_.rows(), std::max(rank_, 1)}; }
   const double* units() const { return units_.data(); }
-  // w := T y - N b, b of all rows or none.
-  void along(const Partition& partition, const double* y, const double* b, double* w, Arena& arena) const;
+  // w := w - N (C w + b), b of all rows or none: T y - N b for w = Q1 y.
+  void bend(const Partition& partition, const double* b, double* w, Arena& arena) const;
   // w := -N b, b the independent ones of all residuals.
   void correction(const Partition& partition, const double* residuals, double* w, Arena& arena) const;
   // mu := the independent multipliers with Q2^T C^T mu = Q2^T force, the others zero.

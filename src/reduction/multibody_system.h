@@ -77,6 +77,7 @@ class MultibodySystem final : public DaeSystem {
   void leading(const double* x, double* w) override { std::copy_n(x, leading_size(), w); }
   int guess_order() const override { return 0; }
   PointStatus solve(const StepEquations& equations, double* x) override;
+  double work_of_stages(int s) const override;
   PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
   using StrangenessFreeSystem::error_in_x;
   void error_in_x(const double* dw, int count, double* dx) override;
@@ -140,7 +141,7 @@ class MultibodySystem final : public DaeSystem {
   void measure_noise_of_step();
   bool factor_step_matrices(const Task& task);
   PointStatus read_stage(const Task& task, int i, bool is_first);
-  void add_slopes(const Task& task);
+  void complete_residuals(const Task& task);
   PointStatus iterate(const Task& task);
   bool has_converged(int iteration, double norm, double before);
   void judge_linearization(int s, int iterations);
@@ -192,7 +193,8 @@ class MultibodySystem final : public DaeSystem {
   TransformedStages transformed_;
 
   std::vector<double> times_;
-  std::vector<double> stage_qv_, stage_particular_, stage_mu_, stage_moves_, stage_r_, stage_z_;
+  std::vector<double> stage_qv_, stage_particular_, stage_changes_, stage_mu_, stage_moves_, stage_r_, stage_z_;
+  std::vector<double> stage_rates_, stage_a_;
   std::vector<double> change_, residuals_;
   // What rounding errors do to changes of q and v: apart from those of accelerations, with them; and those, in (y,
   // z).

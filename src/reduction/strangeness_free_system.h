@@ -71,6 +71,8 @@ class StrangenessFreeSystem {
   // linear.
   virtual int guess_order() const { return -1; }
   virtual PointStatus solve(const StepEquations& equations, double* x) = 0;
+  // Work of solve_stages in units of its own; 0: that of a reduction at each stage and of one system for all of them.
+  virtual double work_of_stages(int) const { return 0.0; }
   // Solves F1(t_i, x_i, D_h w_i) = 0, F2(t_i, x_i) = 0 and U_i^T D_h x_i = 0 for all stages i together; x: n x s,
   // w: leading_size() x s. The system stands at t_end afterwards, or else at t_reached, the stage that has trouble.
   virtual PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) = 0;
