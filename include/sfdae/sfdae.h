@@ -677,7 +677,8 @@ typedef struct sfdae_statistics {
   long evaluations_F;       /* nonlinear: of F and its total derivatives along a jet, since creation */
   long linearizations;      /* likewise with their Jacobians */
   double rounding;          /* nonlinear: largest rounding error of a component along the way, as the equations
-                               cause it, against the tolerance used for it; above 1 it was tested against that error instead */
+                               cause it, against the tolerance used for it; above 1 it was tested against that
+                               error instead */
 } sfdae_statistics;
 SFDAE_API int sfdae_statistics_init(sfdae_statistics *statistics, size_t size);
 SFDAE_API int sfdae_get_statistics(const sfdae_solver *solver, sfdae_statistics *result);

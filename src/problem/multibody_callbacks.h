@@ -20,8 +20,7 @@ class CallbackMultibody final : public MultibodyProblem {
   Trouble constraints(double t, const double* q, double* g) override;
   Trouble at_position(double t, const double* q, MultibodyTerms& terms) override;
   Trouble at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) override;
-  Trouble linearize(double t, const double* q, const double* v, const double* a, const double* mu,
-                    const MultibodyTerms& terms, MultibodyJacobian& jacobian) override;
+  Trouble linearize(const MultibodyMotion& motion, const MultibodyTerms& terms, MultibodyJacobian& jacobian) override;
   void check_rates(double t, const double* q) override;
 
   const sfdae_multibody_problem& functions() const { return functions_; }

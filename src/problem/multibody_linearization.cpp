@@ -147,10 +147,11 @@ bool CallbackMultibody::velocity_column(const Point& at, int j, const std::vecto
   return true;
 }
 
-Trouble CallbackMultibody::linearize(double t, const double* q, const double* v, const double* a, const double* mu,
-                                     const MultibodyTerms& terms, MultibodyJacobian& jacobian) {
+Trouble CallbackMultibody::linearize(const MultibodyMotion& motion, const MultibodyTerms& terms,
+                                     MultibodyJacobian& jacobian) {
   Trouble trouble;
   ++linearizations_;
+  const auto [t, q, v, a, mu] = motion;
   const int nq = sizes().positions, nv = sizes().velocities, rows = sizes().constraints();
   if (has_kinematics() && jacobian.kinematics_q.cols() == 0) jacobian.kinematics_q = Matrix(nq, nq);
   if (!residuals({t, q, v}, a, mu, base_, trouble)) return trouble;

@@ -36,6 +36,15 @@ struct MultibodyTerms {
   std::vector<double> acceleration_rest;  // s
 };
 
+// A point with accelerations and forces of constraints: those of the motion through it, or what is held for them.
+struct MultibodyMotion {
+  double t;
+  const double* q;
+  const double* v;
+  const double* a;
+  const double* mu;
+};
+
 // Derivatives with respect to q and v of what an iteration solves, with v' = a and mu held.
 struct MultibodyJacobian {
   explicit MultibodyJacobian(const MultibodySizes& sizes = {});
@@ -59,8 +68,8 @@ class MultibodyProblem : public Problem {
   // All.
   virtual Trouble at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) = 0;
   // terms: those at (t, q, v).
-  virtual Trouble linearize(double t, const double* q, const double* v, const double* a, const double* mu,
-                            const MultibodyTerms& terms, MultibodyJacobian& jacobian) = 0;
+  virtual Trouble linearize(const MultibodyMotion& motion, const MultibodyTerms& terms,
+                            MultibodyJacobian& jacobian) = 0;
 
   // Throws Failure if g turns out to depend on t though its derivative by t was not given.
   virtual void check_rates(double, const double*) {}

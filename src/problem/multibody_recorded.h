@@ -33,8 +33,7 @@ class RecordedMultibody final : public MultibodyProblem {
   Trouble constraints(double t, const double* q, double* g) override;
   Trouble at_position(double t, const double* q, MultibodyTerms& terms) override;
   Trouble at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) override;
-  Trouble linearize(double t, const double* q, const double* v, const double* a, const double* mu,
-                    const MultibodyTerms& terms, MultibodyJacobian& jacobian) override;
+  Trouble linearize(const MultibodyMotion& motion, const MultibodyTerms& terms, MultibodyJacobian& jacobian) override;
   TaylorEvaluator* evaluator() override { return &*all_; }
   void parameters_changed() override;
 

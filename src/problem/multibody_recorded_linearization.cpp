@@ -157,8 +157,9 @@ bool RecordedMultibody::linearize_nonholonomic(const MultibodyTerms& terms, Mult
   return true;
 }
 
-Trouble RecordedMultibody::linearize(double t, const double* q, const double* v, const double* a, const double* mu,
-                                     const MultibodyTerms& terms, MultibodyJacobian& jacobian) {
+Trouble RecordedMultibody::linearize(const MultibodyMotion& motion, const MultibodyTerms& terms,
+                                     MultibodyJacobian& jacobian) {
+  const auto [t, q, v, a, mu] = motion;
   Trouble trouble = begin(t);
   ++linearizations_;
   if (trouble.status != SFDAE_OK) return trouble;

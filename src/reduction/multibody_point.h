@@ -26,6 +26,7 @@ class MultibodyPoint {
   // Of the rows of g and of C v + r: the lengths of their gradients, S not taken for smaller than it is.
   std::vector<double> position_units, velocity_units;
 
+  MultibodyMotion motion() const { return {t, q.data(), v.data(), a.data(), mu.data()}; }
   void set(double new_t, const double* new_q, const double* new_v);
   ConstraintRows position_rows() const { return {terms.g_q.view(), position_units.data()}; }
   ConstraintRows velocity_rows() const { return {terms.C.view(), velocity_units.data()}; }
