@@ -123,6 +123,16 @@ int Radau::polynomial_of_nodes(const RadauMethod& method) {
   return 2 * count - 1;
 }
 
+// The collocation polynomial of the last step errs less there than one through nodes farther away: 3 and 20 times with 5
+// and 7 stages and equal steps. Its derivatives are worse, where guesses need them.
+int Radau::polynomial_of_prediction(const StrangenessFreeSystem& system, const RadauMethod& method) {
+  constexpr int least_order = 5;
+  constexpr double same = 1e-6;
+  const bool has_collocation = system.guess_order() == 0 && count_ >= 2 && last_order_ >= least_order &&
+                               std::fabs(nodes_[0].t - nodes_[1].t - last_step_) <= same * std::fabs(last_step_);
+  return has_collocation ? collocation_polynomial() : polynomial_of_nodes(method);
+}
+
 // By the polynomial in the table of the given degree; degree 0: by the tangent.
 Guess Radau::guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t, int degree) {
   const int order = system.guess_order(), s = method.s();
@@ -166,7 +176,7 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   if (system.guess_order() >= 0) {
     // Iterations are judged by the tolerances at the last node, whatever was tried since.
     weights.update(last.x.data());
-    prediction = guess(system, method, last, t, polynomial_of_nodes(method));
+    prediction = guess(system, method, last, t, polynomial_of_prediction(system, method));
     prediction.inverse_weights = weights.inverse();
   }
   const StageEquations equations{method.stages, last.t, t, last.w.data(), last.x.data(), prediction};
@@ -175,6 +185,7 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   const std::size_t n = last.x.size();
   if (!all_finite(stage_x_.data(), n * index(s))) return StepOutcome::not_finite;
   take_last_stage(method, last, tried_);
+  system.correct_slopes(tried_.wdot.data(), tried_.xdot.data());
   update(weights, last, tried_);
   const ErrorTerms terms = estimate_errors(system, weights, method);
   if (!(terms.error <= 1.0)) {

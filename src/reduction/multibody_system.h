@@ -78,6 +78,7 @@ class MultibodySystem final : public DaeSystem {
   int guess_order() const override { return 0; }
   PointStatus solve(const StepEquations& equations, double* x) override;
   double work_of_stages(int s) const override;
+  void correct_slopes(double* wdot, double* xdot) override;
   PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
   using StrangenessFreeSystem::error_in_x;
   void error_in_x(const double* dw, int count, double* dx) override;

@@ -358,6 +358,15 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
   return PointStatus::ok;
 }
 
+// Along Q2, g_q q' + g_t = 0 and C v' + s = 0; directions in Q1 of later partitions may be among them.
+void MultibodySystem::correct_slopes(double* wdot, double* xdot) {
+  const MultibodyTerms& terms = end_.terms;
+  end_tangents_.positions.bend(form_.positions(), terms.velocity_rest.data(), wdot, arena_);
+  end_tangents_.of_velocities().bend(form_.velocities(), terms.acceleration_rest.data(), wdot + sizes_.positions,
+                                     arena_);
+  std::copy_n(wdot, leading_size(), xdot);
+}
+
 void MultibodySystem::error_in_x(const double* dw, int count, double* dx) {
   const int n = unknowns(), size = leading_size(), d = differential();
   const Arena::Frame frame(arena_);

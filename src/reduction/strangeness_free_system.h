@@ -76,6 +76,9 @@ class StrangenessFreeSystem {
   // Solves F1(t_i, x_i, D_h w_i) = 0, F2(t_i, x_i) = 0 and U_i^T D_h x_i = 0 for all stages i together; x: n x s,
   // w: leading_size() x s. The system stands at t_end afterwards, or else at t_reached, the stage that has trouble.
   virtual PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) = 0;
+  // At the point solved last, w' and x' of which are those of a polynomial that fulfils F1 there: corrects what F2
+  // prescribes of them, where that is known at no cost.
+  virtual void correct_slopes(double*, double*) {}
   // The changes of x, with F2 kept, that belong to changes of w; free directions have none. One column for each:
   // leading_size() x count in dw, n x count in dx.
   virtual void error_in_x(const double* dw, int count, double* dx) = 0;
