@@ -29,7 +29,9 @@ constexpr double consistent_residual = 1e-9;
 constexpr double ease_of_y = 1e3;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 double length(const double* v, std::size_t count) {
   double sum = 0.0;
@@ -52,7 +54,8 @@ double JetSolver::residual_norm(const Jet& jet, int level) {
   const int m = problem_.m();
   residuals_.resize(index(m) * index(level + 1));
   const Trouble trouble = problem_.residuals(jet.t, jet.x.data(), level, residuals_.data());
-  if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED || trouble.status == SFDAE_ORDER_MISSING)
+  if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED ||
+      trouble.status == SFDAE_ORDER_MISSING)
     throw Failure(trouble.status, trouble.message());
   if (trouble.status != SFDAE_OK) return infinity;
   double power = 1.0;
@@ -84,8 +87,8 @@ JetSolver::Trial JetSolver::try_change(const Jet& jet, int level, const Vector& 
   return trial;
 }
 
-// The smallest change of x by the staged elimination. noise: of the coefficients, as they are not those of a consistent
-// jet.
+// The smallest change of x by the staged elimination. noise: of the coefficients, as they are not those of a
+// consistent jet.
 bool JetSolver::staged_change(const Jet& jet, int level, NoiseModel model, double noise, Vector& change) {
   const int m = problem_.m(), n = jet.n;
   const Arena::Frame frame(arena_);
@@ -211,11 +214,12 @@ void JetSolver::give_up(const Jet& jet, int level) {
                    : format(" derivative %d of equation %d by %.3g,", k, i, value);
   }
   text.back() = '.';
-  throw Failure(SFDAE_NO_CONSISTENT_VALUES, text + " Give a better guess, fix fewer components, or check the equations.");
+  throw Failure(SFDAE_NO_CONSISTENT_VALUES,
+                text + " Give a better guess, fix fewer components, or check the equations.");
 }
 
-// Pivots that vanish at consistent jets do not do so here: what is below the residuals counts as noise, relative to the
-// coefficients.
+// Pivots that vanish at consistent jets do not do so here: what is below the residuals counts as noise, relative to
+// the coefficients.
 double JetSolver::residual_noise(int level) const {
   constexpr double most = 1e-4;
   return std::min(most, norm_ / std::max(data_.norm(level), 1e-300));
@@ -243,8 +247,9 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, int level) {
   return best;
 }
 
-// Products of unknowns that are far off make residuals grow at first, though the next steps remove them all: that is how a
-// pendulum at rest below its support finds its force. Undamped steps from `trial` on; the jet stays if they lead nowhere.
+// Products of unknowns that are far off make residuals grow at first, though the next steps remove them all: that is
+// how a pendulum at rest below its support finds its force. Undamped steps from `trial` on; the jet stays if they
+// lead nowhere.
 bool JetSolver::run_freely(Jet& jet, int level, Trial trial) {
   constexpr int most = 5;
   constexpr double too_far = 1e4;
@@ -292,8 +297,8 @@ void JetSolver::find(Jet& jet, int level) {
   }
 }
 
-// y alone changes: true if F_level = 0 to rounding then, and nothing calls for a change of x. Large y alone may fulfil the
-// equations near points that are not consistent.
+// y alone changes: true if F_level = 0 to rounding then, and nothing calls for a change of x. Large y alone may
+// fulfil the equations near points that are not consistent.
 bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
   constexpr int most = 12;
   constexpr double rounding = 1e-14, negligible = 1e-12;

@@ -40,8 +40,8 @@ class JetSolver {
 
   // Components of x that must not change (n flags, or empty).
   void set_fixed(std::vector<char> fixed) { fixed_ = std::move(fixed); }
-  // Makes the jet, of order level + 1 at least, fulfil F_level = 0 as well as rounding permits. Throws Failure: trouble
-  // with the equations, SFDAE_NO_CONSISTENT_VALUES.
+  // Makes the jet, of order level + 1 at least, fulfil F_level = 0 as well as rounding permits. Throws Failure:
+  // trouble with the equations, SFDAE_NO_CONSISTENT_VALUES.
   void solve(Jet& jet, int level);
 
  private:
@@ -93,7 +93,8 @@ class JetCoefficients final : public CoefficientSource {
   bool is_constant() const override { return false; }
   Trouble evaluate(double, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each,
                    const std::vector<double>* preferred_rows = nullptr) override {
-    return problem_.linearize(jet_.t, jet_.x.data(), orders, {time_scale, rows, preferred_rows, &column_scale_}, data);
+    return problem_.linearize(jet_.t, jet_.x.data(), orders, {time_scale, rows, preferred_rows, &column_scale_},
+                              data);
   }
   void set_column_scale(std::vector<double> scale) override { column_scale_ = std::move(scale); }
 
