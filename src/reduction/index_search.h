@@ -54,6 +54,7 @@ class IndexSearch {
   bool agrees_with_other_time_scales(int level, const LevelReading& reading);
   bool survives_perturbations(int level, double time_scale, const std::vector<RankDecision>& decisions, double margin,
                               Trust trust);
+  void doubt_cancellations(int level, LevelReading& reading, std::vector<RankDecision>& decisions);
   void perturb(int level, std::minstd_rand& generator);
   bool follows(const CharacteristicValues& below, const CharacteristicValues& values, const PointRanks& ranks) const;
   bool leaves_out_rows() const { return !differentiations_.empty(); }
