@@ -296,4 +296,22 @@ int determinant_sign(View a, Arena& arena) {
   return sign;
 }
 
+int count_negative_eigenvalues(View a, Arena& arena) {
+  // Rounding errors make a pair of complex ones of two that are equal.
+  constexpr double nearly_real = 1e-6;
+  const int n = a.cols, length = 8 * n + 1;
+  const Arena::Frame frame(arena);
+  const std::size_t size = static_cast<std::size_t>(n);
+  double *real = arena.take(size + 1), *imaginary = arena.take(size + 1);
+  double unused = 0.0;
+  int info = 0;
+  if (n > 0)
+    dgeev_("N", "N", &n, a.data, &a.ld, real, imaginary, &unused, &unit_stride, &unused, &unit_stride,
+           arena.take(static_cast<std::size_t>(length)), &length, &info);
+  int count = 0;
+  for (int k = info; k < n; ++k)
+    if (real[k] < 0.0 && std::fabs(imaginary[k]) <= -nearly_real * real[k]) ++count;
+  return count;
+}
+
 }  // namespace sfdae::core

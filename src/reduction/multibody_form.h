@@ -35,6 +35,8 @@ class MultibodyForm {
  public:
   // Room, and the ranks of g_q and C.
   void resize(const MultibodySizes& sizes, int position_rank, int velocity_rank);
+  // By which ranks are decided; 0: by rounding errors.
+  void set_rank_tol(double rank_tol) { positions_.rank_tol = velocities_.rank_tol = rank_tol; }
 
   int unknowns() const { return dq_ + dv_; }
   int position_unknowns() const { return dq_; }

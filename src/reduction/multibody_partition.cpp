@@ -32,6 +32,23 @@ void choose_components(View rows, Partition& partition, Arena& arena) {
   for (int j = 0; j < n; ++j) partition.Q(pivots[j], j) = 1.0;
 }
 
+// By elimination with X + X^T.
+bool has_positive_symmetric_part(ConstView X, Arena& arena) {
+  const int n = X.cols;
+  const Arena::Frame frame(arena);
+  const View A = arena.matrix(n, n);
+  for (int j = 0; j < n; ++j)
+    for (int i = j; i < n; ++i) A(i, j) = X(i, j) + X(j, i);
+  for (int k = 0; k < n; ++k) {
+    if (!(A(k, k) > 0.0)) return false;
+    for (int j = k + 1; j < n; ++j) {
+      const double factor = A(j, k) / A(k, k);
+      for (int i = j; i < n; ++i) A(i, j) -= factor * A(i, k);
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 void Partition::resize(int directions, int constraints) {
@@ -55,6 +72,7 @@ RankDecision choose_partition(const ConstraintRows& constraints, Coordinates coo
   RankScale scale;
   scale.noise = row_noise;
   scale.dimension = std::max(n, count);
+  scale.rank_tol = partition.rank_tol;
   RankDecision decision = decide_rank(gradients.data, std::min(n, count), gradients.ld + 1, scale);
   decision.subject = Subject::constraints;
   decision.rows = count;
@@ -164,6 +182,27 @@ void Tangent::bend(const Partition& partition, const double* b, double* w, Arena
   if (b != nullptr) gather(partition, b, rest);
   multiply(1.0, Op::plain, rows(), w, b != nullptr ? 1.0 : 0.0, rest);
   subtract(partition, rest, w);
+}
+
+// The negative eigenvalues of X = B Q2 (C Q2)^-1; there are none if its symmetric part is positive definite.
+Tangent::Passage Tangent::passage_from(const Partition& partition, ConstView B, Arena& arena) const {
+  const int r = rank_, n = T_.rows();
+  if (r == 0) return {};
+  const Arena::Frame frame(arena);
+  const View independent = arena.matrix(r, n), Xt = arena.matrix(r, r);
+  for (int j = 0; j < n; ++j)
+    for (int k = 0; k < r; ++k) independent(k, j) = units_[index(k)] * B(partition.rows[index(k)], j);
+  if (r <= most_explicit) {
+    multiply(1.0, Op::transposed, N_.view().columns(0, r), Op::transposed, independent, 0.0, Xt);
+  } else {
+    multiply(1.0, Op::transposed, partition.Q2(), Op::transposed, independent, 0.0, Xt);
+    solve_lu_transposed(ConstView{lu_.data(), r, r, r}, pivots_.data(), Xt);
+  }
+  if (has_positive_symmetric_part(Xt, arena)) return {};
+  int most = 0;
+  for (int k = 1; k < r; ++k)
+    if (Xt(k, k) < Xt(most, most)) most = k;
+  return {count_negative_eigenvalues(Xt, arena), partition.rows[index(most)]};
 }
 
 void Tangent::correction(const Partition& partition, const double* residuals, double* w, Arena& arena) const {

@@ -32,6 +32,7 @@ struct Partition {
   Matrix Q;  // [Q2 Q1]
   int rank = 0;
   std::vector<int> rows;  // `rank` independent constraints come first
+  double rank_tol = 0.0;  // > 0: what counts as zero, rows being of unit length; 0: rounding errors
 };
 
 // Chooses directions, and as many independent rows as known_rank says; -1: as are found. Returns what is found.
@@ -66,6 +67,13 @@ class Tangent {
   double smallest_pivot() const { return pivot_; }
   // Of det C Q2.
   int sign() const { return sign_; }
+  // Of the constraints on the straight way from rows B at another point to C: how many combinations of them vanish,
+  // each once, which is where sB + (1 - s) C is singular on Q2, and the row that turns most.
+  struct Passage {
+    int count = 0;
+    int row = -1;
+  };
+  Passage passage_from(const Partition& partition, ConstView B, Arena& arena) const;
 
  private:
   bool invert(const Partition& partition, View C2);
@@ -76,7 +84,7 @@ class Tangent {
 
   int rank_ = 0;
   bool is_complete_ = false;
-  Matrix C_;   // independent rows in their units
+  Matrix C_;  // independent rows in their units
   Matrix T_;
   Matrix N_;   // for these rows, where they are few
   Matrix lu_;  // (C Q2)^-1 then, else the factors of C Q2

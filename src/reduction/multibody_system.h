@@ -36,12 +36,13 @@ class MultibodySystem final : public DaeSystem {
   struct Traits {
     MultibodyRanks ranks;
     Coordinates coordinates = Coordinates::orthogonal;
+    double rank_tol = 0.0;  // by which the ranks were decided; 0: by rounding errors
   };
   // At consistent q and v. Throws Failure.
   MultibodySystem(MultibodyProblem& problem, const Traits& traits, IndexAnalysis analysis, const double* q,
                   const double* v);
-  // As it was when it was archived. Throws DamagedArchive.
-  MultibodySystem(MultibodyProblem& problem, Coordinates coordinates, Archive& archive);
+  // As it was when it was archived, ranks included. Throws DamagedArchive.
+  MultibodySystem(MultibodyProblem& problem, const Traits& traits, Archive& archive);
 
   int equations() const override { return unknowns(); }
   int unknowns() const override { return sizes_.unknowns(); }
@@ -122,6 +123,11 @@ class MultibodySystem final : public DaeSystem {
     bool operator==(const Orientation&) const = default;
   };
 
+  // Of the constraints on both levels.
+  struct Passage {
+    Tangent::Passage positions, velocities;
+  };
+
   static Orientation orientation_of(const Tangents& tangents) {
     return {tangents.positions.sign(), tangents.of_velocities().sign()};
   }
@@ -151,7 +157,8 @@ class MultibodySystem final : public DaeSystem {
   void read_inconsistency(const MultibodyPoint& point);
   const MultibodyPoint& point_at(const double* x);
   double largest_turn() const;
-  void note_change(const MultibodyPoint& point);
+  Passage passage_of_step();
+  void note_change(const MultibodyPoint& point, const Passage& passage);
   void rebuild(bool has_linearization, double c, double rate);
   bool is_hopeless(PointStatus status) const;
   bool difference_of_forces(const MultibodyPoint& point, double* mudot);
@@ -168,7 +175,7 @@ class MultibodySystem final : public DaeSystem {
   MultibodyForm form_;
   MultibodyJacobian jacobian_;
   MultibodyPoint linearized_, work_, end_, accepted_;
-  MultibodyPoint chosen_;  // where the partition is from: its t, q and v
+  MultibodyPoint chosen_;    // where the partition is from: its t, q and v
   bool is_end_new_ = false;  // end_ is that of a step, or a start, not accepted yet
   bool is_linearized_ = false, is_slow_ = false;
   double rate_ = 1.0;

@@ -58,8 +58,7 @@ PointStatus MultibodySystem::linearize(double t, const double* qv) {
   }
   if (!linearized_.factor(form_.velocities().rows, traits_.ranks.velocities)) return PointStatus::singular;
   linearized_.solve_accelerations(form_.velocities().rows, traits_.ranks.velocities);
-  trouble_ = problem_.linearize(t, linearized_.q.data(), linearized_.v.data(), linearized_.a.data(),
-                                linearized_.mu.data(), linearized_.terms, jacobian_);
+  trouble_ = problem_.linearize(linearized_.motion(), linearized_.terms, jacobian_);
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   form_.build(linearized_, jacobian_, arena_);
   measure_noise();
@@ -184,8 +183,8 @@ void MultibodySystem::complete_residuals(const Task& task) {
   const int d = differential(), ld = std::max(d, 1), s = task.s, size = leading_size(), nq = sizes_.positions,
             nv = sizes_.velocities;
   const View r{stage_r_.data(), d, s, ld};
-  form_.rates({stage_rates_.data(), nq, s, nq}, {stage_a_.data(), nv, s, nv}, {stage_particular_.data(), size, s, size},
-              r);
+  form_.rates({stage_rates_.data(), nq, s, nq}, {stage_a_.data(), nv, s, nv},
+              {stage_particular_.data(), size, s, size}, r);
   if (task.method != nullptr)
     multiply(-1.0 / task.h, Op::plain, ConstView{stage_moves_.data(), d, s, ld}, Op::transposed,
              ConstView{task.method->D.data(), s, s, s}, 1.0, r);
