@@ -259,8 +259,8 @@ bool MultibodySystem::has_converged(const Task& task, int iteration, double norm
   return rate / (1.0 - rate) * norm <= newton_tolerance || norm <= negligible;
 }
 
-// A new linearization for the next step pays if it saves enough iterations; how many it needs, and how many more the one
-// of the step before, is known from the steps taken last.
+// A new linearization for the next step pays if it saves enough iterations; how many it needs, and how many more the
+// one of the step before, is known from the steps taken last.
 void MultibodySystem::judge_linearization(int s, int iterations) {
   // Every so often one is kept to see.
   constexpr int most_in_a_row = 10;
@@ -326,8 +326,8 @@ PointStatus MultibodySystem::solve(const StepEquations& equations, double* x) {
   return PointStatus::ok;
 }
 
-// In floating-point operations: evaluations, what is done once a step as if it were some more of them, and the factors
-// of the decoupled systems, a real one and (s - 1) / 2 complex ones.
+// In floating-point operations: evaluations, what is done once a step as if it were some more of them, and the
+// factors of the decoupled systems, a real one and (s - 1) / 2 complex ones.
 double MultibodySystem::work_of_stages(int s) const {
   // Measured on the pendulum, where there is hardly anything else, and from all problems of the test set.
   constexpr double overhead = 2000.0, iterations = 3.0, once = 8.0;
