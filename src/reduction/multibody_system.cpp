@@ -182,7 +182,7 @@ PointStatus MultibodySystem::settle(MultibodyPoint& point) {
   point.measure_rows();
   if (!form_.build_tangents(point, end_tangents_, arena_)) return PointStatus::singular;
   // Linear in v: once is enough, but for what depends on v.
-  constexpr double negligible = 1e-12;
+  constexpr double negligible = 1e-13;
   point.velocity_residuals(residuals_.data());
   end_tangents_.of_velocities().correction(form_.velocities(), residuals_.data(), change_.data(), arena_);
   for (int k = 0; k < sizes_.velocities; ++k) point.v[index(k)] += change_[index(k)];

@@ -225,7 +225,7 @@ PointStatus MultibodySystem::iterate(const Task& task) {
     for (int i = 0; i < s; ++i)
       norm = std::max(norm, change_norm(task, stage_changes_.data() + static_cast<std::ptrdiff_t>(i) * size));
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    if (has_converged(iteration, norm, before)) {
+    if (has_converged(task, iteration, norm, before)) {
       judge_linearization(s, iteration + 1);
       return PointStatus::ok;
     }
@@ -246,20 +246,23 @@ double MultibodySystem::change_norm(const Task& task, const double* change) cons
 }
 
 // The error left is rate / (1 - rate) times the last change.
-bool MultibodySystem::has_converged(int iteration, double norm, double before) {
+bool MultibodySystem::has_converged(const Task& task, int iteration, double norm, double before) {
   constexpr double negligible = 1e-9;
+  const double newton_tolerance = task.method != nullptr ? stage_tolerance : step_tolerance;
   if (iteration > 0) rate_ = before > 0.0 ? norm / before : 0.0;
   is_slow_ = iteration >= 3 || (iteration > 0 && rate_ > 0.3 && norm > negligible);
   // A rate from another point is trusted less.
-  const double rate = std::clamp(rate_, iteration == 0 ? 0.05 : 1e-3, 0.99);
+  const double rate = std::clamp(rate_, iteration == 0 ? 0.05 : 0.03, 0.99);
   // Changes that stop becoming smaller far below the tolerance are rounding errors.
   if (iteration > 1 && norm <= 0.1 * newton_tolerance) return true;
   if (iteration > 0 && rate_ >= 1.0) return false;
+  // Slopes amplify errors of stages, and a first change that is small by chance would tell nothing of the others.
+  if (iteration == 0 && task.method != nullptr) return norm <= negligible;
   return rate / (1.0 - rate) * norm <= newton_tolerance || norm <= negligible;
 }
 
-// A new linearization for the next step pays if it saves enough iterations; how many it needs, and how many more the one
-// of the step before, is known from the steps taken last.
+// A new linearization for the next step pays if it saves enough iterations; how many it needs, and how many more the
+// one of the step before, is known from the steps taken last.
 void MultibodySystem::judge_linearization(int s, int iterations) {
   // Every so often one is kept to see.
   constexpr int most_in_a_row = 10;
@@ -325,8 +328,8 @@ PointStatus MultibodySystem::solve(const StepEquations& equations, double* x) {
   return PointStatus::ok;
 }
 
-// In floating-point operations: evaluations, what is done once a step as if it were some more of them, and the factors
-// of the decoupled systems, a real one and (s - 1) / 2 complex ones.
+// In floating-point operations: evaluations, what is done once a step as if it were some more of them, and the
+// factors of the decoupled systems, a real one and (s - 1) / 2 complex ones.
 double MultibodySystem::work_of_stages(int s) const {
   // Measured on the pendulum, where there is hardly anything else, and from all problems of the test set.
   constexpr double overhead = 2000.0, iterations = 3.0, once = 8.0;
@@ -345,7 +348,12 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
   const Task task{s, &equations.method, h, 0.0, equations.w, equations.guess.inverse_weights};
   const PointStatus status = solve_points(task, equations.guess.taylor);
   if (status != PointStatus::ok) return status;
-  // mu of the stages within is that of the last iteration: nothing but guesses depends on it.
+  // mu of the stages within is that before the last change: slopes of mu depend on it.
+  const Arena::Frame frame(arena_);
+  const View dmu = arena_.matrix(nc, s);
+  change_of_forces({stage_changes_.data(), size, s, size}, dmu);
+  for (int i = 0; i < s; ++i)
+    for (int k = 0; k < nc; ++k) stage_mu_[index(i * nc + k)] += dmu(k, i);
   std::copy(end_.q.begin(), end_.q.end(), stage(s - 1));
   std::copy(end_.v.begin(), end_.v.end(), stage(s - 1) + sizes_.positions);
   std::copy_n(end_.mu.data(), nc, stage_mu_.data() + static_cast<std::ptrdiff_t>(s - 1) * nc);
@@ -376,24 +384,32 @@ void MultibodySystem::error_in_x(const double* dw, int count, double* dx) {
   error_of_forces(yz, to.block(size, 0, sizes_.constraints(), count));
 }
 
-// K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv), with (I - B / c)^-1 yz in place of yz:
-// what is stiff over the step has hardly any error, but mu depends on it very much. yz is overwritten.
+// With (I - B / c)^-1 yz in place of yz: what is stiff over the step has hardly any error, but mu depends on it very
+// much. yz is overwritten.
 void MultibodySystem::error_of_forces(View yz, View dmu) {
-  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), d = differential(),
-            r = traits_.ranks.velocities, count = yz.cols;
-  const std::vector<int>& rows = form_.velocities().rows;
-  fill(dmu, 0.0);
-  if (r == 0 || d == 0) return;
+  const int d = differential(), count = yz.cols;
+  if (d == 0) return fill(dmu, 0.0);
   const Arena::Frame frame(arena_);
-  const View dqv = arena_.matrix(leading_size(), count), forces = arena_.matrix(nv + r, count),
-             rest = arena_.matrix(nc, count);
+  const View dqv = arena_.matrix(leading_size(), count);
   if (matrix_valid_) {
     solve_lu(ConstView{matrix_.data(), d, d, d}, matrix_pivots_.data(), yz);
     for (int j = 0; j < count; ++j)
       for (int k = 0; k < d; ++k) yz(k, j) *= matrix_c_;
   }
   form_.expand(yz, dqv);
-  const View dq = dqv.top(nq), dv = dqv.block(nq, 0, nv, count);
+  change_of_forces(dqv, dmu);
+}
+
+// K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv), from the linearization.
+void MultibodySystem::change_of_forces(ConstView dqv, View dmu) {
+  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), r = traits_.ranks.velocities,
+            count = dqv.cols;
+  const std::vector<int>& rows = form_.velocities().rows;
+  fill(dmu, 0.0);
+  if (r == 0) return;
+  const Arena::Frame frame(arena_);
+  const View forces = arena_.matrix(nv + r, count), rest = arena_.matrix(nc, count);
+  const ConstView dq = dqv.top(nq), dv = dqv.block(nq, 0, nv, count);
   multiply(1.0, Op::plain, jacobian_.force_q, Op::plain, dq, 0.0, forces.top(nv));
   multiply(1.0, Op::plain, jacobian_.force_v, Op::plain, dv, 1.0, forces.top(nv));
   multiply(-1.0, Op::plain, jacobian_.acceleration_q, Op::plain, dq, 0.0, rest);

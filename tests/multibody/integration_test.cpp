@@ -56,8 +56,10 @@ TEST_P(Integration, OutputsOfAnyDensityAreConsistentAndTheSame) {
     EXPECT_NEAR(x[4], x[2] * x[2] + x[3] * x[3] - x[1], 1e-12);
     EXPECT_EQ(xdot[0], x[2]);
     EXPECT_NEAR(xdot[2], -x[4] * x[0], 1e-12);
-    // lambda' = 2 v v' - v_2 = -3 v_2
-    EXPECT_NEAR(xdot[4], -3.0 * x[3], GetParam() == SFDAE_METHOD_RADAU ? 1e-7 : 1e-3);
+    // lambda' = 2 v v' - v_2 = -3 v_2. Ends of Radau steps have the slope of a polynomial, its error being that of the
+    // iteration over the step size 0.01; points within have the exact one.
+    const bool is_end = dense.statistics().t_internal == dense.t;
+    EXPECT_NEAR(xdot[4], -3.0 * x[3], GetParam() == SFDAE_METHOD_BDF ? 1e-3 : is_end ? 1e-6 : 1e-7);
   }
   ASSERT_EQ(sparse.advance(3.0), SFDAE_OK);
   for (std::size_t i = 0; i < start.size(); ++i) EXPECT_NEAR(sparse.x[i], dense.x[i], 1e-5);
