@@ -257,6 +257,8 @@ bool MultibodySystem::has_converged(const Task& task, int iteration, double norm
   // Changes that stop becoming smaller far below the tolerance are rounding errors.
   if (iteration > 1 && norm <= 0.1 * newton_tolerance) return true;
   if (iteration > 0 && rate_ >= 1.0) return false;
+  // Slopes amplify errors of stages, and a first change that is small by chance would tell nothing of the others.
+  if (iteration == 0 && task.method != nullptr) return norm <= negligible;
   return rate / (1.0 - rate) * norm <= newton_tolerance || norm <= negligible;
 }
 
