@@ -143,7 +143,8 @@ void MultibodyForm::particular(const Tangents& tangents, const Residuals& residu
   tangents.of_velocities().correction(velocities(), velocity, qv + nq, arena);
 }
 
-void MultibodyForm::moved_rates(const MultibodyPoint& point, const double* change, double* rates, Arena& arena) const {
+void MultibodyForm::moved_rates(const MultibodyPoint& point, const double* change, double* rates,
+                                Arena& arena) const {
   const int nq = sizes_.positions, nv = sizes_.velocities;
   const ConstView S = point.terms.S;
   const double *dq = change, *dv = change + nq;
@@ -177,7 +178,8 @@ void MultibodyForm::expand(const Tangents* tangents, ConstView yz, View qv, Aren
   for (int i = 0; i < count; ++i) tangents[i].positions.bend(positions_, nullptr, dq.column(i), arena);
   if (has_velocity_q_) multiply(1.0, Op::plain, velocity_q_, Op::plain, dq, 0.0, velocity);
   for (int i = 0; i < count; ++i)
-    tangents[i].of_velocities().bend(velocities(), has_velocity_q_ ? velocity.column(i) : nullptr, dv.column(i), arena);
+    tangents[i].of_velocities().bend(velocities(), has_velocity_q_ ? velocity.column(i) : nullptr, dv.column(i),
+                                     arena);
 }
 
 void MultibodyForm::expand(ConstView yz, View qv) const {

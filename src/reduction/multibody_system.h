@@ -103,8 +103,8 @@ class MultibodySystem final : public DaeSystem {
   long factorizations() const override { return factorizations_; }
 
  private:
-  // Errors of the iteration in units of the tolerance, of BDF and of stages. The longer steps of the latter reach more
-  // digits than the tolerance asks for: with 0.02 up to 1.5 of them are lost, and 0.003 costs 5 percent.
+  // Errors of the iteration in units of the tolerance, of BDF and of stages. The longer steps of the latter reach
+  // more digits than the tolerance asks for: with 0.02 up to 1.5 of them are lost, and 0.003 costs 5 percent.
   static constexpr double step_tolerance = 0.02, stage_tolerance = 0.003;
 
   // What is solved for s points together: D_h w_i = sum_j D_ij (w_j - w) / h, or c w + w_rest where there is no

@@ -184,8 +184,8 @@ void MultibodySystem::complete_residuals(const Task& task) {
   const int d = differential(), ld = std::max(d, 1), s = task.s, size = leading_size(), nq = sizes_.positions,
             nv = sizes_.velocities;
   const View r{stage_r_.data(), d, s, ld};
-  form_.rates({stage_rates_.data(), nq, s, nq}, {stage_a_.data(), nv, s, nv}, {stage_particular_.data(), size, s, size},
-              r);
+  form_.rates({stage_rates_.data(), nq, s, nq}, {stage_a_.data(), nv, s, nv},
+              {stage_particular_.data(), size, s, size}, r);
   if (task.method != nullptr)
     multiply(-1.0 / task.h, Op::plain, ConstView{stage_moves_.data(), d, s, ld}, Op::transposed,
              ConstView{task.method->D.data(), s, s, s}, 1.0, r);
@@ -262,8 +262,8 @@ bool MultibodySystem::has_converged(const Task& task, int iteration, double norm
   return rate / (1.0 - rate) * norm <= newton_tolerance || norm <= negligible;
 }
 
-// A new linearization for the next step pays if it saves enough iterations; how many it needs, and how many more the one
-// of the step before, is known from the steps taken last.
+// A new linearization for the next step pays if it saves enough iterations; how many it needs, and how many more the
+// one of the step before, is known from the steps taken last.
 void MultibodySystem::judge_linearization(int s, int iterations) {
   // Every so often one is kept to see.
   constexpr int most_in_a_row = 10;
@@ -329,8 +329,8 @@ PointStatus MultibodySystem::solve(const StepEquations& equations, double* x) {
   return PointStatus::ok;
 }
 
-// In floating-point operations: evaluations, what is done once a step as if it were some more of them, and the factors
-// of the decoupled systems, a real one and (s - 1) / 2 complex ones.
+// In floating-point operations: evaluations, what is done once a step as if it were some more of them, and the
+// factors of the decoupled systems, a real one and (s - 1) / 2 complex ones.
 double MultibodySystem::work_of_stages(int s) const {
   // Measured on the pendulum, where there is hardly anything else, and from all problems of the test set.
   constexpr double overhead = 2000.0, iterations = 3.0, once = 8.0;
