@@ -123,8 +123,8 @@ int Radau::polynomial_of_nodes(const RadauMethod& method) {
   return 2 * count - 1;
 }
 
-// The collocation polynomial of the last step errs less there than one through nodes farther away: 3 and 20 times with 5
-// and 7 stages and equal steps. Its derivatives are worse, where guesses need them.
+// The collocation polynomial of the last step errs less there than one through nodes farther away: 3 and 20 times with
+// 5 and 7 stages and equal steps. Its derivatives are worse, where guesses need them.
 int Radau::polynomial_of_prediction(const StrangenessFreeSystem& system, const RadauMethod& method) {
   constexpr int least_order = 5;
   constexpr double same = 1e-6;

@@ -1,4 +1,4 @@
-// Points of a mechanical system that are asked for: x, x', checkpoints.
+// Points of a mechanical system that are asked for: x, x', errors in x, checkpoints.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
@@ -128,6 +128,61 @@ bool MultibodySystem::difference_of_forces(const MultibodyPoint& point, double* 
     for (int i = 0; i < nc; ++i) mudot[i] += weight * mu[i];
   }
   return all_finite(mudot, index(nc));
+}
+
+// Along Q2, g_q q' + g_t = 0 and C v' + s = 0; directions in Q1 of later partitions may be among them.
+void MultibodySystem::correct_slopes(double* wdot, double* xdot) {
+  const MultibodyTerms& terms = end_.terms;
+  end_tangents_.positions.bend(form_.positions(), terms.velocity_rest.data(), wdot, arena_);
+  end_tangents_.of_velocities().bend(form_.velocities(), terms.acceleration_rest.data(), wdot + sizes_.positions,
+                                     arena_);
+  std::copy_n(wdot, leading_size(), xdot);
+}
+
+void MultibodySystem::error_in_x(const double* dw, int count, double* dx) {
+  const int n = unknowns(), size = leading_size(), d = differential();
+  const Arena::Frame frame(arena_);
+  const View yz = arena_.matrix(d, count), to{dx, n, count, n};
+  form_.project(ConstView{dw, size, count, size}, yz);
+  form_.expand(yz, to.top(size));
+  error_of_forces(yz, to.block(size, 0, sizes_.constraints(), count));
+}
+
+// With (I - B / c)^-1 yz in place of yz: what is stiff over the step has hardly any error, but mu depends on it very
+// much. yz is overwritten.
+void MultibodySystem::error_of_forces(View yz, View dmu) {
+  const int d = differential(), count = yz.cols;
+  if (d == 0) return fill(dmu, 0.0);
+  const Arena::Frame frame(arena_);
+  const View dqv = arena_.matrix(leading_size(), count);
+  if (matrix_valid_) {
+    solve_lu(ConstView{matrix_.data(), d, d, d}, matrix_pivots_.data(), yz);
+    for (int j = 0; j < count; ++j)
+      for (int k = 0; k < d; ++k) yz(k, j) *= matrix_c_;
+  }
+  form_.expand(yz, dqv);
+  change_of_forces(dqv, dmu);
+}
+
+// K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv), from the linearization.
+void MultibodySystem::change_of_forces(ConstView dqv, View dmu) {
+  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), r = traits_.ranks.velocities,
+            count = dqv.cols;
+  const std::vector<int>& rows = form_.velocities().rows;
+  fill(dmu, 0.0);
+  if (r == 0) return;
+  const Arena::Frame frame(arena_);
+  const View forces = arena_.matrix(nv + r, count), rest = arena_.matrix(nc, count);
+  const ConstView dq = dqv.top(nq), dv = dqv.block(nq, 0, nv, count);
+  multiply(1.0, Op::plain, jacobian_.force_q, Op::plain, dq, 0.0, forces.top(nv));
+  multiply(1.0, Op::plain, jacobian_.force_v, Op::plain, dv, 1.0, forces.top(nv));
+  multiply(-1.0, Op::plain, jacobian_.acceleration_q, Op::plain, dq, 0.0, rest);
+  multiply(-1.0, Op::plain, jacobian_.acceleration_v, Op::plain, dv, 1.0, rest);
+  for (int j = 0; j < count; ++j)
+    for (int k = 0; k < r; ++k) forces(nv + k, j) = rest(rows[index(k)], j);
+  linearized_.solve(forces);
+  for (int j = 0; j < count; ++j)
+    for (int k = 0; k < r; ++k) dmu(rows[index(k)], j) = forces(nv + k, j);
 }
 
 void MultibodySystem::archive(Archive& archive) {
