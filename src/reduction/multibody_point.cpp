@@ -15,10 +15,18 @@ std::size_t index(int i) {
   return static_cast<std::size_t>(i);
 }
 
+// Squares that would overflow or vanish are taken of entries relative to the largest one.
 double row_length(ConstView a, int i) {
+  constexpr double smallest = 1e-280, largest = 1e280;
   double sum = 0.0;
   for (int j = 0; j < a.cols; ++j) sum += a(i, j) * a(i, j);
-  return std::sqrt(sum);
+  if (sum > smallest && sum < largest) return std::sqrt(sum);
+  double scale = 0.0;
+  for (int j = 0; j < a.cols; ++j) scale = std::max(scale, std::fabs(a(i, j)));
+  if (scale == 0.0) return 0.0;
+  sum = 0.0;
+  for (int j = 0; j < a.cols; ++j) sum += std::pow(a(i, j) / scale, 2);
+  return scale * std::sqrt(sum);
 }
 
 // Frobenius norm for one column.
