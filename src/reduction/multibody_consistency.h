@@ -38,6 +38,7 @@ class MultibodyConsistency {
   Matrix metric(int first, int count, bool by_mass) const;
   Matrix scaled_rows(const ConstraintRows& rows) const;
   double residual(const std::vector<double>& q);
+  double position_tolerance() const;
   void approach(std::vector<double>& q);
   bool improve(std::vector<double>& q, double& residual);
   void slide(const std::vector<double>& given, std::vector<double>& q);
@@ -46,6 +47,7 @@ class MultibodyConsistency {
   MultibodyRanks local_ranks(std::vector<RankDecision>* decisions);
   void check_nearby(const std::vector<double>& q, const MultibodyRanks& ranks);
   void check_matrix(int rank, std::vector<RankDecision>& decisions);
+  Matrix reduced_mass(const Matrix& M, Matrix& gradients);
   bool has_fixed(int first, int count) const;
   std::string name_of(int constraint) const;
 

@@ -56,7 +56,8 @@ MultibodyRanks MultibodyConsistency::ranks(const Vector& q, std::vector<RankDeci
 void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& known) {
   constexpr double distance = 1e-3, vanishing = 1e-6;
   const Vector units = point_.position_units;
-  const double largest = max_abs(q.data(), sizes_.positions), size = largest > 0.0 ? largest : 1.0;
+  const double largest = max_abs(q.data(), sizes_.positions),
+               size = largest > 0.0 ? std::max(largest, position_tolerance()) : 1.0;
   Vector beside(q);
   // No direction in particular, and the same in every run.
   for (std::size_t i = 0; i < q.size(); ++i)
@@ -88,47 +89,68 @@ void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& k
              t_, known.velocities, sizes_.constraints(), found.velocities));
 }
 
-// K, every unknown in its unit, has to be regular.
+// K, every unknown in its unit, has to be regular. C has full rank: K is regular where T^T M T is, C T = 0, and so
+// constraints that are nearly dependent have no influence.
 void MultibodyConsistency::check_matrix(int rank, std::vector<RankDecision>& decisions) {
-  const int nv = sizes_.velocities;
-  const Matrix& M = point_.terms.M;
+  const int nv = sizes_.velocities, open = nv - rank;
+  Matrix M = point_.terms.M;
   Partition partition;
   partition.resize(nv, sizes_.constraints());
-  choose_partition(point_.velocity_rows(), Coordinates::orthogonal, rank, partition, arena_);
+  const RankDecision constraints =
+      choose_partition(point_.velocity_rows(), Coordinates::orthogonal, rank, partition, arena_);
+  // Squares of that are pivots of K.
+  constexpr double nearly_dependent = 3e-8;
+  if (rank > 0 && constraints.rank >= rank && constraints.kept < nearly_dependent)
+    throw Failure(SFDAE_RANK_UNCLEAR,
+                  format("constraints nearly depend on each other at t = %.15g, without being redundant: of gradients "
+                         "in units of their lengths one is only %.2g away from those of the others, which is too little "
+                         "for forces. Leave it out, or write it in another way.",
+                         t_, constraints.kept));
   const double mass = max_abs(M);
-  Vector unit(index(nv + rank), 1.0);
-  for (int j = 0; j < nv; ++j) unit[index(j)] = 1.0 / std::sqrt(std::max({std::fabs(M(j, j)), 1e-8 * mass, 1e-300}));
-  Matrix K(nv + rank, nv + rank);
+  Vector unit(index(nv), 1.0);
+  for (int j = 0; j < nv; ++j)
+    unit[index(j)] = 1.0 / std::sqrt(std::max({std::fabs(M(j, j)), 1e-8 * mass, 1e-280}));
+  Matrix gradients(nv, rank);
   for (int j = 0; j < nv; ++j) {
-    for (int i = 0; i < nv; ++i) K(i, j) = unit[index(i)] * unit[index(j)] * M(i, j);
-    for (int k = 0; k < rank; ++k) K(nv + k, j) = unit[index(j)] * point_.terms.C(partition.rows[index(k)], j);
+    for (int i = 0; i < nv; ++i) M(i, j) *= unit[index(i)] * unit[index(j)];
+    for (int k = 0; k < rank; ++k) {
+      const int row = partition.rows[index(k)];
+      gradients(j, k) = unit[index(j)] * (point_.terms.C(row, j) / point_.velocity_units[index(row)]);
+    }
   }
-  for (int k = 0; k < rank; ++k) {
-    double sum = 0.0;
-    for (int j = 0; j < nv; ++j) sum += K(nv + k, j) * K(nv + k, j);
-    for (int j = 0; j < nv; ++j) K(j, nv + k) = K(nv + k, j) /= std::sqrt(sum);
-  }
-  const auto judge = [&](ConstView matrix) {
-    Matrix work = to_matrix(matrix);
-    Vector tau(index(matrix.cols) + 1);
-    std::vector<int> pivots(index(matrix.cols) + 1);
-    factor_qr_pivoted(work, pivots.data(), tau.data(), arena_);
+  const auto judge = [&](Matrix matrix) {
+    Vector tau(index(matrix.cols()) + 1);
+    std::vector<int> pivots(index(matrix.cols()) + 1);
+    factor_qr_pivoted(matrix, pivots.data(), tau.data(), arena_);
     RankScale scale;
     scale.noise = 8.0 * unit_roundoff;
-    scale.norm = std::max(max_abs(matrix), 1e-300);
-    scale.dimension = matrix.cols;
-    return decide_rank(work.data(), matrix.cols, matrix.cols + 1, scale);
+    scale.norm = std::max(max_abs(M), 1e-300);
+    scale.dimension = nv;
+    return decide_rank(matrix.data(), matrix.cols(), matrix.cols() + 1, scale);
   };
-  rank_of_mass_ = judge(to_matrix(K.view().block(0, 0, nv, nv))).rank;
-  RankDecision decision = judge(K);
+  rank_of_mass_ = judge(M).rank;
+  RankDecision decision = judge(reduced_mass(M, gradients));
   decision.t = t_;
   decision.subject = Subject::array;
-  decision.rows = decision.cols = nv + rank;
+  decision.rows = decision.cols = open;
   decisions.push_back(decision);
-  if (decision.rank == nv + rank && mass > 0.0) return;
+  if (decision.rank == open) return;
   throw Failure(SFDAE_SINGULAR, format("[M C^T; C 0] is singular at t = %.15g: M is singular on velocities that the "
                                        "constraints leave open, and %d acceleration(s) are not determined.",
-                                       t_, nv + rank - decision.rank));
+                                       t_, open - decision.rank));
+}
+
+// T^T M T, T orthonormal, gradients^T T = 0. gradients is overwritten.
+Matrix MultibodyConsistency::reduced_mass(const Matrix& M, Matrix& gradients) {
+  const int nv = M.rows(), rank = gradients.cols();
+  Matrix Q = identity(nv);
+  if (rank > 0) {
+    Vector tau(index(rank) + 1);
+    factor_qr(gradients, tau.data(), arena_);
+    form_q(gradients, rank, tau.data(), Q, arena_);
+  }
+  const ConstView T = Q.view().columns(rank, nv - rank);
+  return transpose_product(T, product(M, T));
 }
 
 }  // namespace sfdae::core
