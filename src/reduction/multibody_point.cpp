@@ -146,7 +146,7 @@ void MultibodyPoint::solve_transposed(View yz) const {
 }
 
 // The part of mu in the range of C, which is that of C Q2: C^T mu stays.
-void MultibodyPoint::shorten(const Partition& partition, Arena& arena) {
+void MultibodyPoint::shorten(const Partition& partition, double* forces, Arena& arena) const {
   const int nc = terms.C.rows(), r = partition.rank;
   if (r == nc || r == 0) return;
   const Arena::Frame frame(arena);
@@ -155,12 +155,12 @@ void MultibodyPoint::shorten(const Partition& partition, Arena& arena) {
   double* part = arena.take(index(nc));
   multiply(1.0, Op::plain, terms.C, Op::plain, partition.Q2(), 0.0, range);
   factor_qr(range, tau, arena);
-  std::copy_n(mu.data(), nc, part);
+  std::copy_n(forces, nc, part);
   const View column{part, nc, 1, nc};
   apply_q(Op::transposed, range, r, tau, column, arena);
   std::fill(part + r, part + nc, 0.0);
   apply_q(Op::plain, range, r, tau, column, arena);
-  std::copy_n(part, nc, mu.data());
+  std::copy_n(part, nc, forces);
 }
 
 }  // namespace sfdae::core

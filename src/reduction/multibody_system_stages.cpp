@@ -362,6 +362,8 @@ void MultibodySystem::error_of_forces(double* yz, double* dmu) {
   for (int k = 0; k < r; ++k) forces[nv + k] = rest[rows[index(k)]];
   linearized_.solve(forces);
   for (int k = 0; k < r; ++k) dmu[rows[index(k)]] = forces[nv + k];
+  // As mu itself: with other units of the constraints the part that does not matter may be by far the largest.
+  linearized_.shorten(form_.velocities(), dmu, arena_);
 }
 
 }  // namespace sfdae::core
