@@ -102,9 +102,9 @@ void MultibodyConsistency::check_matrix(int rank, std::vector<RankDecision>& dec
   constexpr double nearly_dependent = 3e-8;
   if (rank > 0 && constraints.rank >= rank && constraints.kept < nearly_dependent)
     throw Failure(SFDAE_RANK_UNCLEAR,
-                  format("constraints nearly depend on each other at t = %.15g, without being redundant: of gradients "
-                         "in units of their lengths one is only %.2g away from those of the others, which is too little "
-                         "for forces. Leave it out, or write it in another way.",
+                  format("constraints nearly depend on each other at t = %.15g, without being redundant: of "
+                         "gradients in units of their lengths one is only %.2g away from those of the others, which "
+                         "is too little for forces. Leave it out, or write it in another way.",
                          t_, constraints.kept));
   const double mass = max_abs(M);
   Vector unit(index(nv), 1.0);

@@ -245,8 +245,8 @@ void MultibodySystem::read_inconsistency(const MultibodyPoint& point) {
       inconsistent_row_ = static_cast<int>(i);
     }
   };
-  // What is a thousandth of the tolerances counts as little as 1e-8, the contradiction that is refused by default: where
-  // values are near zero it may be nothing but rounding errors.
+  // What is a thousandth of the tolerances counts as little as 1e-8, the contradiction that is refused by default:
+  // where values are near zero it may be nothing but rounding errors.
   constexpr double tolerances = 1e5;
   const auto size = [&](const std::vector<double>& values, const double* inverse_weights) {
     double floor = 0.0;

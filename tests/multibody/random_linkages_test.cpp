@@ -157,7 +157,8 @@ struct Linkage {
       for (int k = 0; k < n; ++k) {
         f[at(j)] = f[at(j)] + W[at(k + j * n)] * force[at(k)];
         for (int i = 0; i < n; ++i)
-          M[at(i + j * n)] = M[at(i + j * n)] + W[at(k + i * n)] * Number(masses[at(k / dimension)]) * W[at(k + j * n)];
+          M[at(i + j * n)] =
+              M[at(i + j * n)] + W[at(k + i * n)] * Number(masses[at(k / dimension)]) * W[at(k + j * n)];
       }
   }
 };
@@ -287,8 +288,10 @@ Linkage plain_linkage(Draw& draw, Numbers<double>& p) {
   if (same(linkage.bars.back())) linkage.bars.pop_back();
   for (Bar& bar : linkage.bars) {
     double sum = 0.0;
-    for (int k = 0; k < linkage.dimension; ++k)
-      sum += std::pow(p[at(bar.from * linkage.dimension + k)] - (bar.to < 0 ? 0.0 : p[at(bar.to * linkage.dimension + k)]), 2);
+    for (int k = 0; k < linkage.dimension; ++k) {
+      const double other = bar.to < 0 ? 0.0 : p[at(bar.to * linkage.dimension + k)];
+      sum += std::pow(p[at(bar.from * linkage.dimension + k)] - other, 2);
+    }
     bar.length = std::sqrt(sum);
   }
   linkage.units.assign(linkage.bars.size(), 1.0);
