@@ -166,9 +166,9 @@ typedef int (*sfdae_monitor_function)(const sfdae_progress *progress, void *user
 
 /* Integration methods. */
 #define SFDAE_METHOD_BDF 0       /* orders 1 to 5 */
-#define SFDAE_METHOD_RADAU 1     /* Radau IIA with 1, 3, 5 or 7 stages, orders 1, 5, 9, 13: fewer and longer steps where
-                                    the problem is smooth, the more so the tighter the tolerances */
-#define SFDAE_METHOD_AUTOMATIC 2 /* Radau; BDF from where frequent output or failing steps make that the better choice */
+#define SFDAE_METHOD_RADAU 1     /* Radau IIA with 1, 3, 5 or 7 stages, orders 1, 5, 9, 13: fewer and longer steps
+                                    where the problem is smooth, the more so the tighter the tolerances */
+#define SFDAE_METHOD_AUTOMATIC 2 /* Radau; BDF from where frequent output or failing steps make that better */
 
 /* Call sfdae_options_init first, then set members. */
 typedef struct sfdae_options {
@@ -213,8 +213,8 @@ typedef struct sfdae_options {
   void *monitor_user;             /* handed to the monitor */
 
   int method;                  /* SFDAE_METHOD_BDF (default), ...; a change takes effect with the next sfdae_start */
-  int min_stages, max_stages;  /* Radau: 1, 3, 5 or 7, defaults 1 and 7; equal: that number always (1 alone is for rough
-                                  problems: errors add up). A change takes effect with the next sfdae_start */
+  int min_stages, max_stages;  /* Radau: 1, 3, 5 or 7, defaults 1 and 7; equal: that number always (1 alone is for
+                                  rough problems: errors add up). A change takes effect with the next sfdae_start */
 } sfdae_options;
 
 /* Sets defaults. size: sizeof(sfdae_options) of the caller. */
@@ -223,8 +223,8 @@ SFDAE_API int sfdae_options_init(sfdae_options *options, size_t size);
 /* ---- Recorded equations ---------------------------------------------------------------------- */
 
 /* Equations can be written once, as formulas: a function of the user applies the functions below to t, x and x', the
- * library records what it does, and computes values, Taylor coefficients and Jacobians from the record. That function is
- * called once. It may contain loops and functions of its own, but there are no values yet to branch on: see
+ * library records what it does, and computes values, Taylor coefficients and Jacobians from the record. That function
+ * is called once. It may contain loops and functions of its own, but there are no values yet to branch on: see
  * sfdae_choose. */
 typedef struct sfdae_record sfdae_record; /* a recording under way; ends when the user's function returns */
 
@@ -235,9 +235,9 @@ typedef struct sfdae_expression {
   int node;
 } sfdae_expression;
 
-/* Writes the m entries of F(t, x, x'), all of them, for n unknowns x and their derivatives xdot. Returns 0, or another
- * value to give up. Mistakes (an entry forgotten, expressions of different recordings mixed, numbers that are not
- * finite) make the call that records fail with SFDAE_ILLEGAL_ARGUMENT and a message that names the first one. */
+/* Writes the m entries of F(t, x, x'), all of them, for n unknowns x and their derivatives xdot. Returns 0, or
+ * another value to give up. Mistakes (an entry forgotten, expressions of different recordings mixed, numbers that are
+ * not finite) make the call that records fail with SFDAE_ILLEGAL_ARGUMENT and a message that names the first one. */
 typedef int (*sfdae_equations_function)(sfdae_record *record, sfdae_expression t, const sfdae_expression *x,
                                         const sfdae_expression *xdot, sfdae_expression *residual, void *user);
 
@@ -288,15 +288,15 @@ SFDAE_API sfdae_expression sfdae_choose(sfdae_expression c, sfdae_expression a, 
 /* Total derivative of the given order of F, F_x and F_x' along a jet, at t. derivatives: n x (order + 2), column k is
  * the k-th derivative of x. F: m entries, d^order/dt^order of F(t, x, x'). F_x, F_xdot: m x n entries, the total
  * derivatives of the Jacobians of F with respect to x and x', or NULL if they are not asked for. Plain derivatives.
- * All arrays are filled with zeros before the call. Orders asked for: 0 ... mu + 1 in the analysis (higher ones, up to
- * max_index + 1, where the hypothesis seems not to hold at mu) and for derivatives of the solution, 0 ... mu in steps.
- * SFDAE_ORDER_NOT_AVAILABLE is a possible answer to those above mu. */
+ * All arrays are filled with zeros before the call. Orders asked for: 0 ... mu + 1 in the analysis (higher ones, up
+ * to max_index + 1, where the hypothesis seems not to hold at mu) and for derivatives of the solution, 0 ... mu in
+ * steps. SFDAE_ORDER_NOT_AVAILABLE is a possible answer to those above mu. */
 typedef int (*sfdae_total_derivative_function)(double t, int order, const double *derivatives, double *F, double *F_x,
                                                double *F_xdot, void *user);
 
-/* Nonlinear problem F(t, x, x') = 0. Call sfdae_nonlinear_problem_init first, then set members: exactly one of the three
- * functions. Recorded equations are differentiated by the library; those that are linear in x and x' are solved as
- * linear problems. */
+/* Nonlinear problem F(t, x, x') = 0. Call sfdae_nonlinear_problem_init first, then set members: exactly one of the
+ * three functions. Recorded equations are differentiated by the library; those that are linear in x and x' are solved
+ * as linear problems. */
 typedef struct sfdae_nonlinear_problem {
   size_t size;            /* set by sfdae_nonlinear_problem_init */
   int num_equations;      /* m, 1 ... 5000 */
@@ -313,8 +313,8 @@ typedef struct sfdae_nonlinear_problem {
 
   /* NULL (default): every equation is differentiated as often as the index asks for. Else m counts, 0 ... 12:
    * equation i is differentiated that often at most, which makes the derivative array smaller (minimal extension).
-   * Counts that are too small are told (SFDAE_INDEX_TOO_HIGH). For x' one more derivative is used. Linear equations are
-   * treated as nonlinear ones. */
+   * Counts that are too small are told (SFDAE_INDEX_TOO_HIGH). For x' one more derivative is used. Linear equations
+   * are treated as nonlinear ones. */
   const int *differentiations;
 } sfdae_nonlinear_problem;
 
@@ -330,13 +330,24 @@ SFDAE_API int sfdae_nonlinear_problem_init(sfdae_nonlinear_problem *problem, siz
  *     0 = g(t,q)                                                holonomic constraints
  *     0 = H(t,q) v + h(t,q)                                     nonholonomic constraints
  *
- * The unknowns are x = (q, v, lambda, kappa). Only the constraints are differentiated (minimal extension), which costs
- * far less than the derivative array of the same equations as a nonlinear problem. [M C^T; C 0], C = [G; H], has to be
- * regular but for redundant constraints: M alone may be singular. Redundant constraints that agree are reported, and
- * lambda, kappa are then those of least norm. */
+ * The unknowns are x = (q, v, lambda, kappa). Only the constraints are differentiated (minimal extension), which
+ * costs far less than the derivative array of the same equations as a nonlinear problem. [M C^T; C 0], C = [G; H],
+ * has to be regular but for redundant constraints: M alone may be singular. Redundant constraints that agree are
+ * reported, and lambda, kappa are then those of least norm. M need not be symmetric.
+ *
+ *  - SFDAE_INITIAL_NEAREST and _FIXED change positions (where q' = v) and velocities as little as possible in the
+ *    metric of the kinetic energy, v^T M v, if M is symmetric and positive definite and there are no initial_weights,
+ *   else in
+ *    the (weighted) 2-norm. lambda and kappa follow: values given count only if they are fixed or to be accepted.
+ *  - rank_tol: rows of [G; H] of length 1 depend on each other if what is left of one is below it.
+ *  - Singular configurations, where the rank of [G; H] drops, end with SFDAE_CHARACTERISTICS_CHANGED, also at the
+ *    start. Those that the motion touches without crossing them, so that det of the constraints keeps its sign, end
+ *   with
+ *    SFDAE_STEP_TOO_SMALL if forces grow beyond all bounds there, and are not seen otherwise.
+ *  - Options without a meaning here: reduction, time_scale, difference_derivatives, leading_term. */
 
-/* Callbacks return as all others do; arrays are column-major and filled with zeros before the call. The first kind sees
- * t and q, the second kind v, too. */
+/* Callbacks return as all others do; arrays are column-major and filled with zeros before the call. The first kind
+ * sees t and q, the second kind v, too. */
 typedef int (*sfdae_position_function)(double t, const double *q, double *result, void *user);
 typedef int (*sfdae_velocity_function)(double t, const double *q, const double *v, double *result, void *user);
 
@@ -368,7 +379,7 @@ typedef struct sfdae_multibody_problem {
   int num_constraints;     /* nl, holonomic; default 0 */
   int num_nonholonomic;    /* nk; default 0 */
 
-  sfdae_multibody_equations_function equations; /* called once, by sfdae_create_multibody; then no callback below is used */
+  sfdae_multibody_equations_function equations; /* called once, by sfdae_create_multibody, instead of all below */
 
   sfdae_position_function mass;                /* M, nv x nv; NULL: the identity */
   sfdae_velocity_function forces;              /* f, nv entries */
@@ -378,8 +389,8 @@ typedef struct sfdae_multibody_problem {
   sfdae_position_function kinematics;          /* S, nq x nv; NULL: the identity, nq = nv */
   sfdae_position_function nonholonomic_matrix; /* H, nk x nv */
   sfdae_position_function nonholonomic_offset; /* h, nk entries; NULL: h = 0 */
-  /* What is left of twice (once) differentiated constraints without v': G v' + gamma = 0, nl entries, H v' + eta = 0, nk
-   * entries. NULL: differences of G (of H and h) along v. */
+  /* What is left of twice (once) differentiated constraints without v': G v' + gamma = 0, nl entries, H v' + eta = 0,
+   * nk entries. NULL: differences of G (of H and h) along v. */
   sfdae_velocity_function constraint_curvature;  /* gamma = (dG/dt) v + d(g_t)/dt */
   sfdae_velocity_function nonholonomic_curvature; /* eta = (dH/dt) v + dh/dt */
 
@@ -399,7 +410,7 @@ typedef struct sfdae_multibody_report {
   int redundant;               /* of these, those that follow from the others */
   int degrees_of_freedom;      /* nv - rank [G; H]: independent velocities */
   int position_freedom;        /* nq - rank g_q: independent positions */
-  double condition;            /* of the partition in use: norm of the inverse of C Q2 times that of C; 1 is perfect */
+  double condition;            /* of the partition in use: |(C Q2)^-1| |C|, rows in their units; 1 is perfect */
   long partitions;             /* chosen since sfdae_start, 1 at first */
   double position_residual;    /* max |g|, each row in units of its gradient */
   double velocity_residual;    /* max |G v + g_t|, |H v + h|, likewise */
@@ -421,9 +432,9 @@ SFDAE_API int sfdae_create_linear(sfdae_solver **solver, const sfdae_linear_prob
 SFDAE_API int sfdae_create_nonlinear(sfdae_solver **solver, const sfdae_nonlinear_problem *problem,
                                      const sfdae_options *options);
 
-/* The same for a multibody system. The result of sfdae_get_multibody_report is for such solvers only; all else is as for
- * nonlinear problems with x = (q, v, lambda, kappa): strangeness index 2 (1 without holonomic constraints, 0 without
- * any), d = independent positions and velocities, a = all other unknowns. */
+/* The same for a multibody system. The result of sfdae_get_multibody_report is for such solvers only; all else is as
+ * for nonlinear problems with x = (q, v, lambda, kappa): strangeness index 2 (1 without holonomic constraints, 0
+ * without any), d = independent positions and velocities, a = all other unknowns. */
 SFDAE_API int sfdae_create_multibody(sfdae_solver **solver, const sfdae_multibody_problem *problem,
                                      const sfdae_options *options);
 
@@ -438,8 +449,9 @@ SFDAE_API int sfdae_check_nonlinear(const sfdae_nonlinear_problem *problem, cons
 SFDAE_API int sfdae_check_multibody(const sfdae_multibody_problem *problem, const sfdae_options *options, char *text,
                                     size_t length);
 
-/* Parameters of recorded equations, by name. sfdae_set_parameter changes one without recording anew; an integration under
- * way is lost, sfdae_start has to follow. SFDAE_ILLEGAL_ARGUMENT: no parameter of that name, or a value that is not finite. */
+/* Parameters of recorded equations, by name. sfdae_set_parameter changes one without recording anew; an integration
+ * under way is lost, sfdae_start has to follow. SFDAE_ILLEGAL_ARGUMENT: no parameter of that name, or a value that is
+ * not finite. */
 SFDAE_API int sfdae_set_parameter(sfdae_solver *solver, const char *name, double value);
 SFDAE_API int sfdae_get_parameter(const sfdae_solver *solver, const char *name, double *value);
 
@@ -482,8 +494,8 @@ SFDAE_API int sfdae_characteristics_init(sfdae_characteristics *characteristics,
  * Remarks: SFDAE_NOT_UNIQUE. Failures: callbacks, structure. */
 SFDAE_API int sfdae_analyze(sfdae_solver *solver, double t, double toward, sfdae_characteristics *result);
 
-/* The same along the solution through a point near x (n values, which need not be consistent and are not changed). For
- * nonlinear problems, where sfdae_analyze answers SFDAE_ILLEGAL_ARGUMENT; for linear ones x does not matter. Also
+/* The same along the solution through a point near x (n values, which need not be consistent and are not changed).
+ * For nonlinear problems, where sfdae_analyze answers SFDAE_ILLEGAL_ARGUMENT; for linear ones x does not matter. Also
  * SFDAE_NO_CONSISTENT_VALUES. sfdae_start does this where it has not been done. */
 SFDAE_API int sfdae_analyze_at(sfdae_solver *solver, double t, double toward, const double *x,
                                sfdae_characteristics *result);
@@ -579,8 +591,8 @@ SFDAE_API int sfdae_start(sfdae_solver *solver, double t, double toward, double 
  * Steps of Radau end at tout until there are enough of them to interpolate accurately; those of BDF do not depend
  * on tout. tout must lie in the direction of integration, at or behind the last point returned; the direction is
  * set by sfdae_start.
- * Remarks: SFDAE_STOPPED, SFDAE_INCONSISTENCY_IGNORED, SFDAE_EVENT. Failures: callbacks, SFDAE_CHARACTERISTICS_CHANGED,
- * SFDAE_INCONSISTENT_EQUATIONS, integration, SFDAE_NOT_STARTED. */
+ * Remarks: SFDAE_STOPPED, SFDAE_INCONSISTENCY_IGNORED, SFDAE_EVENT. Failures: callbacks,
+ * SFDAE_CHARACTERISTICS_CHANGED, SFDAE_INCONSISTENT_EQUATIONS, integration, SFDAE_NOT_STARTED. */
 SFDAE_API int sfdae_advance(sfdae_solver *solver, double tout, double *t, double *x, double *xdot);
 
 /* One-step mode: takes one step toward tout and returns SFDAE_STEP_TAKEN with the point reached, or SFDAE_OK
@@ -599,9 +611,9 @@ SFDAE_API int sfdae_get_checkpoint_length(sfdae_solver *solver, size_t *length);
 SFDAE_API int sfdae_save_checkpoint(sfdae_solver *solver, double *checkpoint, size_t length);
 
 /* Continues from a checkpoint instead of sfdae_start: sfdae_advance is next. The solver has to be created with the
- * problem and the options that the checkpoint was made with (tolerances, limits and the monitor may differ); no callback of a
- * linear problem is called; a nonlinear one is linearized as it was. An integration under way is lost. SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or does not fit;
- * then nothing is started. */
+ * problem and the options that the checkpoint was made with (tolerances, limits and the monitor may differ); no
+ * callback of a linear problem is called; a nonlinear one is linearized as it was. An integration under way is lost.
+ * SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or does not fit; then nothing is started. */
 SFDAE_API int sfdae_restore_checkpoint(sfdae_solver *solver, const double *checkpoint, size_t length);
 
 /* ---- Events ---------------------------------------------------------------------------------- */
@@ -610,39 +622,39 @@ SFDAE_API int sfdae_restore_checkpoint(sfdae_solver *solver, const double *check
  * (cannot evaluate here: SFDAE_CALLBACK_FAILED) or a negative value (stop at once: SFDAE_CALLBACK_STOPPED). */
 typedef int (*sfdae_event_function)(double t, const double *x, const double *xdot, double *g, void *user);
 
-/* An event happens where a g_i becomes zero or changes its sign. sfdae_advance and sfdae_step then return SFDAE_EVENT with
- * t, x, xdot there: the zero itself or, within rounding errors of t, the first point behind it; x satisfies all
+/* An event happens where a g_i becomes zero or changes its sign. sfdae_advance and sfdae_step then return SFDAE_EVENT
+ * with t, x, xdot there: the zero itself or, within rounding errors of t, the first point behind it; x satisfies all
  * constraints, and g_i is as small as rounding allows. Called again they go on; to change x, call sfdae_start at t.
  *
- * directions: NULL or num_events numbers: +1 only rising zeros count (from - to + in the direction of integration), -1 only
- * falling ones, 0 both. num_events: 1 ... 10000, or 0 to have no events any more. Events are searched from the point
- * returned last or the next start on. They survive sfdae_start, sfdae_analyze and sfdae_set_options.
+ * directions: NULL or num_events numbers: +1 only rising zeros count (from - to + in the direction of integration),
+ * -1 only falling ones, 0 both. num_events: 1 ... 10000, or 0 to have no events any more. Events are searched from
+ * the point returned last or the next start on. They survive sfdae_start, sfdae_analyze and sfdae_set_options.
  *
- *  - Events are returned in their order; those that are one but for rounding errors together. Only events up to tout count,
- *    tout included.
+ *  - Events are returned in their order; those that are one but for rounding errors together. Only events up to tout
+ *    count, tout included.
  *  - Nothing happens twice: after its event a g_i is armed again once it has left zero. Where it is zero at the start
- *    (a zero within rounding errors of the start counts as such), or after sfdae_start at the point of its event, it is
- *    armed by its first values that are not; where it stays zero, or is nothing but rounding errors, it is silent.
- *  - Two zeros of one g_i within a step are found where the values of g_i at a few points of the step show that it bends
- *    toward zero in between. A zero without change of sign is found only if g_i is exactly zero at a point looked at.
- *    Jumps of g_i count as zeros. Motions smaller than the tolerances mean nothing. Without differential equations (d = 0)
- *    steps go to tout at once: 33 points at least are looked at, at each one reduction is made. With BDF, where algebraic
- *    components vary much faster than the others, limit max_step.
- *  - g_i is evaluated at values with the accuracy of interpolation, which may violate constraints slightly; failures there
- *    do no harm. Failures on the solution itself end the call (SFDAE_NOT_FINITE for NaN or Inf).
- *  - Without success, with SFDAE_STOPPED for example, sfdae_advance returns the point up to which events have been searched.
- *    If the monitor stops a step with an event in it, the event is returned instead.
+ *    (a zero within rounding errors of the start counts as such), or after sfdae_start at the point of its event, it
+ *    is armed by its first values that are not; where it stays zero, or is nothing but rounding errors, it is silent.
+ *  - Two zeros of one g_i within a step are found where the values of g_i at a few points of the step show that it
+ *    bends toward zero in between. A zero without change of sign is found only if g_i is exactly zero at a point
+ *    looked at. Jumps of g_i count as zeros. Motions smaller than the tolerances mean nothing. Without differential
+ *    equations (d = 0) steps go to tout at once: 33 points at least are looked at, at each one reduction is made.
+ *    With BDF, where algebraic components vary much faster than the others, limit max_step.
+ *  - g_i is evaluated at values with the accuracy of interpolation, which may violate constraints slightly; failures
+ *    there do no harm. Failures on the solution itself end the call (SFDAE_NOT_FINITE for NaN or Inf).
+ *  - Without success, with SFDAE_STOPPED for example, sfdae_advance returns the point up to which events have been
+ *    searched. If the monitor stops a step with an event in it, the event is returned instead.
  *  - Checkpoints contain the signs of all g_i, not the functions: set the same number of events before restoring. */
-SFDAE_API int sfdae_set_events(sfdae_solver *solver, int num_events, sfdae_event_function function, const int *directions,
-                               void *user);
+SFDAE_API int sfdae_set_events(sfdae_solver *solver, int num_events, sfdae_event_function function,
+                               const int *directions, void *user);
 
 /* Which events happened at the point that was returned with SFDAE_EVENT: num_events entries, +1 where g_i was rising,
  * -1 where it was falling, else 0. All 0 before the first event and when the integration has gone on. */
 SFDAE_API int sfdae_get_events(const sfdae_solver *solver, int *which);
 
 /* The solution at any t within the last step taken (t_internal - last_step ... t_internal in sfdae_statistics), be it
- * behind or beyond the point returned last. x (n values) satisfies all constraints; xdot (n values) may be NULL. The point
- * reached stays. Failures: as of sfdae_advance; SFDAE_ILLEGAL_ARGUMENT for other t. */
+ * behind or beyond the point returned last. x (n values) satisfies all constraints; xdot (n values) may be NULL. The
+ * point reached stays. Failures: as of sfdae_advance; SFDAE_ILLEGAL_ARGUMENT for other t. */
 SFDAE_API int sfdae_interpolate(sfdae_solver *solver, double t, double *x, double *xdot);
 
 /* Counts since sfdae_start, except where stated. */
@@ -664,16 +676,17 @@ typedef struct sfdae_statistics {
   double first_step;        /* signed size of the first accepted step */
   long evaluations_F;       /* nonlinear: of F and its total derivatives along a jet, since creation */
   long linearizations;      /* likewise with their Jacobians */
-  double rounding;          /* nonlinear: largest rounding error of a component along the way, as the equations cause it,
-                               against the tolerance used for it; above 1 it was tested against that error instead */
+  double rounding;          /* nonlinear: largest rounding error of a component along the way, as the equations
+                               cause it, against the tolerance used for it; above 1 it was tested against that
+                               error instead */
 } sfdae_statistics;
 SFDAE_API int sfdae_statistics_init(sfdae_statistics *statistics, size_t size);
 SFDAE_API int sfdae_get_statistics(const sfdae_solver *solver, sfdae_statistics *result);
 
 /* ---- Looking inside -------------------------------------------------------------------------- */
 
-/* The derivative array, the projectors and the strangeness-free system below are those of linear problems, recorded ones
- * included. For nonlinear problems, where they depend on more than t, the answer is SFDAE_ILLEGAL_ARGUMENT. */
+/* The derivative array, the projectors and the strangeness-free system below are those of linear problems, recorded
+ * ones included. For nonlinear problems, where they depend on more than t, the answer is SFDAE_ILLEGAL_ARGUMENT. */
 
 /* The diagnostics report as text: index analysis with every rank decision, initial values, integration.
  * Writes at most length characters, final zero included. *needed (may be NULL): length of the whole text + 1. */
@@ -698,11 +711,12 @@ SFDAE_API int sfdae_get_projectors(sfdae_solver *solver, double t, double *Z1, d
 SFDAE_API int sfdae_get_strangeness_free(sfdae_solver *solver, double t, double *E1, double *A1, double *f1,
                                          double *A2, double *f2, double *residual);
 
-/* Worst mismatch found by sfdae_check_derivatives, sfdae_check_total_derivatives or sfdae_check_multibody_derivatives. */
+/* Worst mismatch found by sfdae_check_derivatives, sfdae_check_total_derivatives or
+ * sfdae_check_multibody_derivatives. */
 typedef struct sfdae_derivative_check {
   size_t size;
-  char function;        /* 'E', 'A' or 'f'; 'F', 'x' (F_x) or 'd' (F_x'); 'G' (g_q), 'T' (g_t), 'C' (gamma) or 'H' (eta);
-                           0 if nothing could be compared */
+  char function;        /* 'E', 'A' or 'f'; 'F', 'x' (F_x) or 'd' (F_x'); 'G' (g_q), 'T' (g_t), 'C' (gamma) or
+                           'H' (eta); 0 if nothing could be compared */
   int order;            /* of the derivative; >= 1, but for 'x' and 'd' */
   int row, column;      /* of the entry, from 0; column 0 for f and F */
   double supplied;      /* by the callback */
@@ -718,10 +732,11 @@ SFDAE_API int sfdae_derivative_check_init(sfdae_derivative_check *check, size_t 
  * are not available are passed over. */
 SFDAE_API int sfdae_check_derivatives(sfdae_solver *solver, double t, int max_order, sfdae_derivative_check *result);
 
-/* The same for the total derivatives that sfdae_nonlinear_problem.total_derivative supplies along a jet, which need not be
- * consistent: derivatives, n x (max_order + 2), as that function gets them; best without zeros. F of the orders 1 ...
- * max_order (0 ... 13) is compared with differences in t of the order below, F_x and F_x' of the orders 0 ... max_order with
- * differences of F with respect to x and x'. SFDAE_ILLEGAL_ARGUMENT if the library differentiates by itself. */
+/* The same for the total derivatives that sfdae_nonlinear_problem.total_derivative supplies along a jet, which need
+ * not be consistent: derivatives, n x (max_order + 2), as that function gets them; best without zeros. F of the
+ * orders 1 ... max_order (0 ... 13) is compared with differences in t of the order below, F_x and F_x' of the orders
+ * 0 ... max_order with differences of F with respect to x and x'. SFDAE_ILLEGAL_ARGUMENT if the library
+ * differentiates by itself. */
 SFDAE_API int sfdae_check_total_derivatives(sfdae_solver *solver, double t, const double *derivatives, int max_order,
                                             sfdae_derivative_check *result);
 
@@ -729,10 +744,10 @@ SFDAE_API int sfdae_check_total_derivatives(sfdae_solver *solver, double t, cons
  * SFDAE_ILLEGAL_ARGUMENT for other problems. */
 SFDAE_API int sfdae_get_multibody_report(const sfdae_solver *solver, sfdae_multibody_report *report);
 
-/* Compares g_q, g_t, gamma and eta as callbacks supply them with differences near (t, q, v), where derivatives of g_q, of S
- * and of H are those along (1, S v), and reports the worst mismatch; sfdae_message says it in words if it is suspicious. A
- * constraint_rate that is missing counts as zero; gamma and eta are compared if they are supplied, and g_q and g_t are right.
- * SFDAE_ILLEGAL_ARGUMENT for recorded systems. */
+/* Compares g_q, g_t, gamma and eta as callbacks supply them with differences near (t, q, v), where derivatives of
+ * g_q, of S and of H are those along (1, S v), and reports the worst mismatch; sfdae_message says it in words if it
+ * is suspicious. A constraint_rate that is missing counts as zero; gamma and eta are compared if they are supplied,
+ * and g_q and g_t are right. SFDAE_ILLEGAL_ARGUMENT for recorded systems. */
 SFDAE_API int sfdae_check_multibody_derivatives(sfdae_solver *solver, double t, const double *q, const double *v,
                                                 sfdae_derivative_check *result);
 

@@ -38,7 +38,7 @@ class MultibodyModel final : public Model {
     request.set_tolerances(tolerances.rtol, tolerances.atol, point.x);
     MultibodyConsistency consistency(*problem_, point.t, request, options.integration.ignore_inconsistency);
     const std::vector<double> q = consistency.positions(point.x);
-    const MultibodyRanks ranks = consistency.ranks(q, decisions);
+    const MultibodyRanks ranks = consistency.ranks(q, options.analysis.rank_tol, decisions);
     const std::vector<double> v = consistency.velocities(q, point.x + sizes.positions, ranks.velocities);
     IndexAnalysis analysis;
     analysis.values = characteristic_values(sizes, ranks);
@@ -49,8 +49,8 @@ class MultibodyModel final : public Model {
     analysis.t = point.t;
     analysis.v_hat = sizes.constraints() - ranks.velocities;
     analysis.rank_E = sizes.positions + consistency.rank_of_mass();
-    return std::make_unique<MultibodySystem>(*problem_, MultibodySystem::Traits{ranks, coordinates_},
-                                             std::move(analysis), q.data(), v.data());
+    return std::make_unique<MultibodySystem>(*problem_, traits(ranks, options.analysis), std::move(analysis),
+                                             q.data(), v.data());
   }
 
   std::unique_ptr<DaeSystem> copy_of(const DaeSystem& system, const SolverOptions&) override {
@@ -103,9 +103,11 @@ class MultibodyModel final : public Model {
     return std::make_unique<MultibodyChanges>(static_cast<MultibodySystem&>(system));
   }
 
-  CheckpointTarget checkpoint_target(const AnalysisSettings&) override {
+  CheckpointTarget checkpoint_target(const AnalysisSettings& settings) override {
     return {n(), n(),
-            [this](Archive& archive) { return std::make_unique<MultibodySystem>(*problem_, coordinates_, archive); },
+            [this, settings](Archive& archive) {
+              return std::make_unique<MultibodySystem>(*problem_, traits({}, settings), archive);
+            },
             [this](DaeSystem& system) { return detector(system); }};
   }
 
@@ -115,6 +117,10 @@ class MultibodyModel final : public Model {
   }
 
  private:
+  MultibodySystem::Traits traits(const MultibodyRanks& ranks, const AnalysisSettings& settings) const {
+    return {ranks, coordinates_, settings.rank_tol};
+  }
+
   static void stand_at(MultibodySystem& system, double t, const std::vector<double>& q,
                        const std::vector<double>& v) {
     const PointStatus status = system.stand_at(t, q.data(), v.data());

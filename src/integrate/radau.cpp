@@ -30,6 +30,14 @@ constexpr double embedded_limit(int s, bool beside_difference) {
 // Steps of one stage, the choice for rough problems, must not grow over what makes them rough.
 constexpr double rough_growth = 2.0;
 
+StageCosts costs_of(const StrangenessFreeSystem& system) {
+  if (system.work_of_stages(1) <= 0.0)
+    return costs_of_reductions(system.unknowns(), system.differential() + system.undetermined());
+  StageCosts costs;
+  for (int s = 1; s <= max_stages; ++s) costs.work[index(s)] = system.work_of_stages(s);
+  return costs;
+}
+
 }  // namespace
 
 void Radau::set_options(const StepOptions& options) {
@@ -115,6 +123,16 @@ int Radau::polynomial_of_nodes(const RadauMethod& method) {
   return 2 * count - 1;
 }
 
+// The collocation polynomial of the last step errs less there than one through nodes farther away: 3 and 20 times with 5
+// and 7 stages and equal steps. Its derivatives are worse, where guesses need them.
+int Radau::polynomial_of_prediction(const StrangenessFreeSystem& system, const RadauMethod& method) {
+  constexpr int least_order = 5;
+  constexpr double same = 1e-6;
+  const bool has_collocation = system.guess_order() == 0 && count_ >= 2 && last_order_ >= least_order &&
+                               std::fabs(nodes_[0].t - nodes_[1].t - last_step_) <= same * std::fabs(last_step_);
+  return has_collocation ? collocation_polynomial() : polynomial_of_nodes(method);
+}
+
 // By the polynomial in the table of the given degree; degree 0: by the tangent.
 Guess Radau::guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t, int degree) {
   const int order = system.guess_order(), s = method.s();
@@ -158,7 +176,7 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   if (system.guess_order() >= 0) {
     // Iterations are judged by the tolerances at the last node, whatever was tried since.
     weights.update(last.x.data());
-    prediction = guess(system, method, last, t, polynomial_of_nodes(method));
+    prediction = guess(system, method, last, t, polynomial_of_prediction(system, method));
     prediction.inverse_weights = weights.inverse();
   }
   const StageEquations equations{method.stages, last.t, t, last.w.data(), last.x.data(), prediction};
@@ -167,13 +185,14 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   const std::size_t n = last.x.size();
   if (!all_finite(stage_x_.data(), n * index(s))) return StepOutcome::not_finite;
   take_last_stage(method, last, tried_);
+  system.correct_slopes(tried_.wdot.data(), tried_.xdot.data());
   update(weights, last, tried_);
   const ErrorTerms terms = estimate_errors(system, weights, method);
   if (!(terms.error <= 1.0)) {
     next_step_ = control_.rejected(tried_h_, terms);
     return StepOutcome::error_too_large;
   }
-  const StageCosts costs{system.unknowns(), system.differential() + system.undetermined()};
+  const StageCosts costs = costs_of(system);
   next_step_ = system.differential() == 0 ? control_.accepted_without_error(tried_h_)
                                           : control_.accepted(tried_h_, terms, costs, system.is_constant());
   if (s == 1 && system.differential() > 0)

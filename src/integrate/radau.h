@@ -67,6 +67,7 @@ class Radau final : public Stepper {
   void resize(std::size_t n, std::size_t size_w);
   int polynomial_of_nodes(const RadauMethod& method);
   int collocation_polynomial();
+  int polynomial_of_prediction(const StrangenessFreeSystem& system, const RadauMethod& method);
   // Predicted stages of a step from start to t, for systems that ask for them.
   Guess guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t, int degree);
   PointStatus solve_within(StrangenessFreeSystem& system, ErrorWeights& weights, double t);

@@ -23,11 +23,6 @@ constexpr double reduction_cost = 15.0;
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-double work(int s, const StageCosts& costs) {
-  const double n = costs.unknowns, q = costs.stage_size, small_matrix = 20.0 * n * n;
-  return s * (reduction_cost * n * n * n + small_matrix) + 2.0 / 3.0 * std::pow(s * q, 3) + 2.0 * s * s * q * q * n;
-}
-
 // |h^k w[k]| from the values known, which fall or grow geometrically between and beyond them.
 double decay_at(int k, const ErrorTerms& terms) {
   int below = 0, above = 0, highest = 0, before = 0;
@@ -54,6 +49,15 @@ double decay_at(int k, const ErrorTerms& terms) {
 
 }  // namespace
 
+StageCosts costs_of_reductions(int unknowns, int stage_size) {
+  const double n = unknowns, q = stage_size, small_matrix = 20.0 * n * n;
+  StageCosts costs;
+  for (int s = 1; s <= max_stages; ++s)
+    costs.work[index(s)] = s * (reduction_cost * n * n * n + small_matrix) + 2.0 / 3.0 * std::pow(s * q, 3) +
+                           2.0 * s * s * q * q * n;
+  return costs;
+}
+
 void RadauControl::start(const StepOptions& options) {
   *this = RadauControl();
   set_options(options);
@@ -79,13 +83,13 @@ double RadauControl::step_for_stages(int s, const ErrorTerms& terms) const {
 
 // The number of stages with the best progress for its work; returns the ratio of step sizes that goes with it.
 double RadauControl::choose_stages(const ErrorTerms& terms, const StageCosts& costs, double ratio) {
-  const double present = step_for_stages(stages_, terms) / work(stages_, costs);
+  const double present = step_for_stages(stages_, terms) / costs.work[index(stages_)];
   int best = stages_;
   double best_progress = worthwhile * present;
   for (int s : {stages_ - 2, stages_ + 2}) {
     if (s < options_.min_stages || s > options_.max_stages) continue;
     if (s < stages_ && steps_with_stages_ < 2) continue;
-    const double progress = step_for_stages(s, terms) / work(s, costs) / (s == 1 ? reluctance : 1.0);
+    const double progress = step_for_stages(s, terms) / costs.work[index(s)] / (s == 1 ? reluctance : 1.0);
     if (progress > best_progress) {
       best = s;
       best_progress = progress;

@@ -22,11 +22,12 @@ struct ErrorTerms {
   ErrorTerms() { decay.fill(-1.0); }
 };
 
-// Dimensions that costs depend on.
+// What a step of so many stages costs.
 struct StageCosts {
-  int unknowns = 1;   // n
-  int stage_size = 1; // d + u
+  std::array<double, max_stages + 1> work{};
 };
+// Where each stage has a reduction of its own; n unknowns, d + u = q of them in the system for all stages.
+StageCosts costs_of_reductions(int n, int q);
 
 class RadauControl {
  public:

@@ -203,7 +203,7 @@ void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
   const bool needs_x = options_.interpolates || system.guess_order() >= 0;
   for (int i = 0; i < count; ++i) this->archive(archive, nodes_[index(i)], i == 0 || needs_x);
   for (int i = 0; i < inner; ++i) this->archive(archive, inner_[index(i)], true);
-  if (options_.interpolates && system.guess_order() >= 0 && last_order_ > 0)
+  if ((options_.interpolates || system.guess_order() == 0) && system.guess_order() >= 0 && last_order_ > 0)
     archive.reals(last_stages_.data(), nodes_[0].x.size() * index((last_order_ + 1) / 2));
 }
 

@@ -17,6 +17,8 @@ namespace {
 // Measured crossovers (OpenBLAS, one thread): loops win below these sizes.
 constexpr int small_qr_columns = 24;
 constexpr int small_lu_order = 16;
+constexpr int small_complex_order = 12;
+constexpr int few_entries = 16;
 constexpr double small_product_flops = 2.0 * 12 * 12 * 12;
 
 const double one = 1.0;
@@ -67,6 +69,7 @@ void multiply(double alpha, Op op_a, ConstView a, const double* x, double beta, 
   const int length = op_a == Op::plain ? a.rows : a.cols;
   const View result{y, length, 1, length > 0 ? length : 1};
   if (a.rows == 0 || a.cols == 0) return scale(result, beta);
+  if (op_a == Op::plain && a.rows * a.cols <= few_entries) return small::multiply_few(alpha, a, x, beta, y);
   if (static_cast<double>(a.rows) * a.cols > 32.0 * 32.0) {
     dgemv_(letter(op_a), &a.rows, &a.cols, &alpha, a.data, &a.ld, x, &unit_stride, &beta, y, &unit_stride);
     return;
@@ -230,6 +233,7 @@ bool invert_small(View a, double* pivots, int& sign) {
 
 bool factor_lu(ComplexView a, int* pivots) {
   if (a.cols == 0) return true;
+  if (a.cols <= small_complex_order) return small::factor_lu(a, pivots);
   int info = 0;
   zgetrf_(&a.rows, &a.cols, a.data, &a.ld, pivots, &info);
   return info == 0;
@@ -237,6 +241,7 @@ bool factor_lu(ComplexView a, int* pivots) {
 
 void solve_lu(ComplexView lu, const int* pivots, std::complex<double>* x) {
   if (lu.cols == 0) return;
+  if (lu.cols <= small_complex_order) return small::solve_lu(lu, pivots, x);
   const int one = 1;
   int info = 0;
   zgetrs_("N", &lu.cols, &one, lu.data, &lu.ld, pivots, x, &lu.cols, &info);
@@ -289,6 +294,24 @@ int determinant_sign(View a, Arena& arena) {
     if (a(k, k) < 0.0) sign = -sign;
   }
   return sign;
+}
+
+int count_negative_eigenvalues(View a, Arena& arena) {
+  // Rounding errors make a pair of complex ones of two that are equal.
+  constexpr double nearly_real = 1e-6;
+  const int n = a.cols, length = 8 * n + 1;
+  const Arena::Frame frame(arena);
+  const std::size_t size = static_cast<std::size_t>(n);
+  double *real = arena.take(size + 1), *imaginary = arena.take(size + 1);
+  double unused = 0.0;
+  int info = 0;
+  if (n > 0)
+    dgeev_("N", "N", &n, a.data, &a.ld, real, imaginary, &unused, &unit_stride, &unused, &unit_stride,
+           arena.take(static_cast<std::size_t>(length)), &length, &info);
+  int count = 0;
+  for (int k = info; k < n; ++k)
+    if (real[k] < 0.0 && std::fabs(imaginary[k]) <= -nearly_real * real[k]) ++count;
+  return count;
 }
 
 }  // namespace sfdae::core

@@ -33,8 +33,8 @@ void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Are
 void form_q(ConstView factors, int count, const double* tau, View q, Arena& arena);
 
 // R upper triangular, of order r.cols, stored in the upper triangle of r.
-void solve_upper(Op op, ConstView r, View b);    // B := op(R)^-1 B
-void solve_upper_right(ConstView r, View b);     // B := B R^-1
+void solve_upper(Op op, ConstView r, View b);  // B := op(R)^-1 B
+void solve_upper_right(ConstView r, View b);   // B := B R^-1
 
 // P A = L U in place; false if a pivot vanishes (nothing may be solved then).
 bool factor_lu(View a, int* pivots);
@@ -63,5 +63,7 @@ Matrix range_basis(ConstView a, int rank);
 std::vector<double> least_squares(ConstView a, const std::vector<double>& b, double threshold);
 // sign of det A, 0 if a pivot vanishes; A is destroyed.
 int determinant_sign(View a, Arena& arena);
+// How many eigenvalues are real and negative, or are so but for rounding errors; A is destroyed.
+int count_negative_eigenvalues(View a, Arena& arena);
 
 }  // namespace sfdae::core

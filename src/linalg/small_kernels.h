@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <utility>
 
 #include "linalg/matrix.h"
@@ -151,6 +152,57 @@ inline bool factor_lu(View a, int* pivots) {
     for (int j = k + 1; j < a.cols; ++j) add_scaled(a.rows - k - 1, -a(k, j), x + k + 1, &a(k, j) + 1);
   }
   return true;
+}
+
+// Without the checks for infinite parts that complex products have.
+inline std::complex<double> product(std::complex<double> a, std::complex<double> b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+inline std::complex<double> quotient(std::complex<double> a, std::complex<double> b) {
+  const double square = b.real() * b.real() + b.imag() * b.imag();
+  const bool in_range = square > 1e-290 && square < 1e290;
+  if (!in_range) return a / b;
+  const std::complex<double> c = product(a, std::conj(b));
+  return {c.real() / square, c.imag() / square};
+}
+
+inline bool factor_lu(ComplexView a, int* pivots) {
+  const auto size = [](std::complex<double> z) { return std::fabs(z.real()) + std::fabs(z.imag()); };
+  for (int k = 0; k < a.cols; ++k) {
+    std::complex<double>* x = a.column(k);
+    int best = k;
+    for (int i = k + 1; i < a.rows; ++i)
+      if (size(x[i]) > size(x[best])) best = i;
+    pivots[k] = best + 1;
+    if (x[best] == 0.0) return false;
+    if (best != k)
+      for (int j = 0; j < a.cols; ++j) std::swap(a(k, j), a(best, j));
+    for (int i = k + 1; i < a.rows; ++i) x[i] = quotient(x[i], x[k]);
+    for (int j = k + 1; j < a.cols; ++j)
+      for (int i = k + 1; i < a.rows; ++i) a(i, j) -= product(x[i], a(k, j));
+  }
+  return true;
+}
+
+inline void solve_lu(ComplexView lu, const int* pivots, std::complex<double>* x) {
+  const int order = lu.cols;
+  for (int k = 0; k < order; ++k) std::swap(x[k], x[pivots[k] - 1]);
+  for (int k = 0; k < order; ++k)
+    for (int i = k + 1; i < order; ++i) x[i] -= product(lu(i, k), x[k]);
+  for (int k = order - 1; k >= 0; --k) {
+    x[k] = quotient(x[k], lu(k, k));
+    for (int i = 0; i < k; ++i) x[i] -= product(lu(i, k), x[k]);
+  }
+}
+
+// y := alpha A x + beta y for few entries of A.
+inline void multiply_few(double alpha, ConstView a, const double* x, double beta, double* y) {
+  for (int i = 0; i < a.rows; ++i) {
+    double sum = 0.0;
+    for (int k = 0; k < a.cols; ++k) sum += a(i, k) * x[k];
+    y[i] = beta == 0.0 ? alpha * sum : alpha * sum + beta * y[i];
+  }
 }
 
 // A := A^-1 by Gauss-Jordan elimination with pivoting, for well-conditioned matrices; the pivots are returned, and the

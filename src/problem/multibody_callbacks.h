@@ -20,8 +20,7 @@ class CallbackMultibody final : public MultibodyProblem {
   Trouble constraints(double t, const double* q, double* g) override;
   Trouble at_position(double t, const double* q, MultibodyTerms& terms) override;
   Trouble at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) override;
-  Trouble linearize(double t, const double* q, const double* v, const double* a, const double* mu,
-                    const MultibodyTerms& terms, MultibodyJacobian& jacobian) override;
+  Trouble linearize(const MultibodyMotion& motion, const MultibodyTerms& terms, MultibodyJacobian& jacobian) override;
   void check_rates(double t, const double* q) override;
 
   const sfdae_multibody_problem& functions() const { return functions_; }
@@ -106,7 +105,7 @@ class CallbackMultibody final : public MultibodyProblem {
   MultibodyTerms probe_;           // at other points
   std::vector<double> direction_;  // S v
   std::vector<double> shifted_q_, shifted_direction_;
-  std::vector<DifferenceFormula> formulas_;  // by shift
+  std::vector<DifferenceFormula> formulas_;   // by shift
   double good_step_ = 0.0, good_time_ = 0.0;  // spacings of the last differences along the motion and in t
   std::vector<double> samples_, values_, errors_, along_, in_time_;
   Residuals base_, moved_;

@@ -18,8 +18,8 @@ namespace {
 // Increments relative to the size of a component: of values, of what is a difference itself.
 const double increment = std::sqrt(unit_roundoff);
 constexpr double wide_increment = 1e-5;
-// Of low-order differences along the motion: of values, of what is divided by an increment again. The latter is relative
-// to the spacing of nine points that has proved good.
+// Of low-order differences along the motion: of values, of what is divided by an increment again. The latter is
+// relative to the spacing of nine points that has proved good.
 constexpr double spacing = 1e-5, rough_spacing = 1.0 / 64.0;
 
 // Column j of a Jacobian.
@@ -147,10 +147,11 @@ bool CallbackMultibody::velocity_column(const Point& at, int j, const std::vecto
   return true;
 }
 
-Trouble CallbackMultibody::linearize(double t, const double* q, const double* v, const double* a, const double* mu,
-                                     const MultibodyTerms& terms, MultibodyJacobian& jacobian) {
+Trouble CallbackMultibody::linearize(const MultibodyMotion& motion, const MultibodyTerms& terms,
+                                     MultibodyJacobian& jacobian) {
   Trouble trouble;
   ++linearizations_;
+  const auto [t, q, v, a, mu] = motion;
   const int nq = sizes().positions, nv = sizes().velocities, rows = sizes().constraints();
   if (has_kinematics() && jacobian.kinematics_q.cols() == 0) jacobian.kinematics_q = Matrix(nq, nq);
   if (!residuals({t, q, v}, a, mu, base_, trouble)) return trouble;

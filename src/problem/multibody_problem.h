@@ -2,8 +2,8 @@
 //
 //     q' = S v,   M v' = f - C^T mu,   0 = g(t, q),   0 = C v + r,   0 = C v' + s
 //
-// with C = [g_q S; H], mu = (lambda, kappa), r = (g_t, h) and s = (gamma, eta), the last two rows of constraints being
-// those on the levels of velocities and accelerations.
+// with C = [g_q S; H], mu = (lambda, kappa), r = (g_t, h) and s = (gamma, eta), the last two rows of constraints
+// being those on the levels of velocities and accelerations.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,10 +16,10 @@
 namespace sfdae::core {
 
 struct MultibodySizes {
-  int positions = 0;      // nq
-  int velocities = 0;     // nv
-  int holonomic = 0;      // nl
-  int nonholonomic = 0;   // nk
+  int positions = 0;     // nq
+  int velocities = 0;    // nv
+  int holonomic = 0;     // nl
+  int nonholonomic = 0;  // nk
   int constraints() const { return holonomic + nonholonomic; }
   int unknowns() const { return positions + velocities + constraints(); }
 };
@@ -27,13 +27,22 @@ struct MultibodySizes {
 // At (t, q): all but f and s; at (t, q, v): these, too.
 struct MultibodyTerms {
   explicit MultibodyTerms(const MultibodySizes& sizes = {});
-  Matrix M;                          // nv x nv
-  Matrix S;                          // nq x nv, from the first evaluation on; empty where it is the identity
-  Matrix g_q;                        // nl x nq
-  Matrix C;                          // (nl + nk) x nv
+  Matrix M;    // nv x nv
+  Matrix S;    // nq x nv, from the first evaluation on; empty where it is the identity
+  Matrix g_q;  // nl x nq
+  Matrix C;    // (nl + nk) x nv
   std::vector<double> g, f;
   std::vector<double> velocity_rest;      // r
   std::vector<double> acceleration_rest;  // s
+};
+
+// A point with accelerations and forces of constraints: those of the motion through it, or what is held for them.
+struct MultibodyMotion {
+  double t;
+  const double* q;
+  const double* v;
+  const double* a;
+  const double* mu;
 };
 
 // Derivatives with respect to q and v of what an iteration solves, with v' = a and mu held.
@@ -59,8 +68,8 @@ class MultibodyProblem : public Problem {
   // All.
   virtual Trouble at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) = 0;
   // terms: those at (t, q, v).
-  virtual Trouble linearize(double t, const double* q, const double* v, const double* a, const double* mu,
-                            const MultibodyTerms& terms, MultibodyJacobian& jacobian) = 0;
+  virtual Trouble linearize(const MultibodyMotion& motion, const MultibodyTerms& terms,
+                            MultibodyJacobian& jacobian) = 0;
 
   // Throws Failure if g turns out to depend on t though its derivative by t was not given.
   virtual void check_rates(double, const double*) {}

@@ -12,9 +12,13 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t size(int count) { return static_cast<std::size_t>(count); }
+std::size_t size(int count) {
+  return static_cast<std::size_t>(count);
+}
 
-bool is_number(const Recorder& recorder, int node) { return recorder.node(node).operation == Operation::constant; }
+bool is_number(const Recorder& recorder, int node) {
+  return recorder.node(node).operation == Operation::constant;
+}
 
 bool is_identity(const Recorder& recorder, const std::vector<int>& S, int rows, int cols) {
   if (rows != cols) return false;

@@ -1,9 +1,9 @@
 // A mechanical system given by recorded formulas.
 //
 // Along q(t + s) = q + q_1 s + q_2 s^2 with q_1 = S v and 2 q_2 = S a + (dS/dt) v the constraints are
-// g + g_1 s + g_2 s^2 with g_1 = G v + g_t and 2 g_2 = G a + gamma: without a, g_2 gives gamma. As the derivative of g_k
-// by q_j is (g_q)_(k-j), Taylor coefficients of g_q are all that an iteration's Jacobian needs of the constraints.
-// SPDX-License-Identifier: BSD-3-Clause
+// g + g_1 s + g_2 s^2 with g_1 = G v + g_t and 2 g_2 = G a + gamma: without a, g_2 gives gamma. As the derivative of
+// g_k by q_j is (g_q)_(k-j), Taylor coefficients of g_q are all that an iteration's Jacobian needs of the
+// constraints. SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <memory>
@@ -33,8 +33,7 @@ class RecordedMultibody final : public MultibodyProblem {
   Trouble constraints(double t, const double* q, double* g) override;
   Trouble at_position(double t, const double* q, MultibodyTerms& terms) override;
   Trouble at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) override;
-  Trouble linearize(double t, const double* q, const double* v, const double* a, const double* mu,
-                    const MultibodyTerms& terms, MultibodyJacobian& jacobian) override;
+  Trouble linearize(const MultibodyMotion& motion, const MultibodyTerms& terms, MultibodyJacobian& jacobian) override;
   TaylorEvaluator* evaluator() override { return &*all_; }
   void parameters_changed() override;
 

@@ -16,7 +16,9 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t size(int count) { return static_cast<std::size_t>(count); }
+std::size_t size(int count) {
+  return static_cast<std::size_t>(count);
+}
 
 // to := factor from
 void copy_multiple(double factor, ConstView from, View to) {
@@ -57,8 +59,8 @@ bool RecordedMultibody::linearize_balance(const double* a, const double* mu, con
   return true;
 }
 
-// S^T (lambda^T g)_qq, column by column: the first coefficients of gradients of lambda^T g along q + s e_j, less those
-// that come from t + s.
+// S^T (lambda^T g)_qq, column by column: the first coefficients of gradients of lambda^T g along q + s e_j, less
+// those that come from t + s.
 bool RecordedMultibody::subtract_curvature(const double* q, const MultibodyTerms& terms, View force_q,
                                            Trouble& trouble) {
   const int nq = sizes().positions;
@@ -155,8 +157,9 @@ bool RecordedMultibody::linearize_nonholonomic(const MultibodyTerms& terms, Mult
   return true;
 }
 
-Trouble RecordedMultibody::linearize(double t, const double* q, const double* v, const double* a, const double* mu,
-                                     const MultibodyTerms& terms, MultibodyJacobian& jacobian) {
+Trouble RecordedMultibody::linearize(const MultibodyMotion& motion, const MultibodyTerms& terms,
+                                     MultibodyJacobian& jacobian) {
+  const auto [t, q, v, a, mu] = motion;
   Trouble trouble = begin(t);
   ++linearizations_;
   if (trouble.status != SFDAE_OK) return trouble;

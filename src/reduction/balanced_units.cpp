@@ -17,8 +17,8 @@ struct LogEntry {
   double size;  // log2
 };
 
-// Entries of a row that are this small against its largest one may be rounding errors; those of A count without the unit of
-// time.
+// Entries of a row that are this small against its largest one may be rounding errors; those of A count without the
+// unit of time.
 constexpr double negligible = 1e-14;
 constexpr int sweeps = 100;
 constexpr double largest_exponent = 300.0;
@@ -37,8 +37,8 @@ void relax(std::vector<double>& unknowns, const std::vector<double>& r, const st
 }
 
 // Unknowns that no differential equation contains: as large as the others in the equation where they are largest.
-void scale_others(const TaylorData& data, const std::vector<char>& is_differential, const std::vector<char>& is_scaled,
-                  std::vector<double>& c) {
+void scale_others(const TaylorData& data, const std::vector<char>& is_differential,
+                  const std::vector<char>& is_scaled, std::vector<double>& c) {
   const ConstView A = data.A(0);
   const double threshold = negligible * data.time_scale;
   std::vector<double> largest(static_cast<std::size_t>(A.rows), 0.0);
@@ -69,7 +69,8 @@ std::vector<double> balanced_units(CoefficientSource& source, double t, double t
   TaylorData data;
   const Trouble trouble = source.evaluate(t, {0, 0, -1}, tau, data);
   if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
-  std::vector<char> is_differential(static_cast<std::size_t>(data.m), 0), is_scaled(static_cast<std::size_t>(data.n), 0);
+  std::vector<char> is_differential(static_cast<std::size_t>(data.m), 0),
+      is_scaled(static_cast<std::size_t>(data.n), 0);
   for (int j = 0; j < data.n; ++j)
     for (int i = 0; i < data.m; ++i)
       if (std::fabs(data.E(0)(i, j)) > negligible) is_differential[static_cast<std::size_t>(i)] = 1;

@@ -1,9 +1,11 @@
 // Units of the unknowns that fit a unit of time.
 //
-// A structure of fast and slow parts written in metres and seconds, q' = v, v' = w, M w + K q = f with K / M = 1e12, looks as
-// if M were nothing. In the fast unit of time, with units of v and w that go with it, everything is of order one.
+// A structure of fast and slow parts written in metres and seconds, q' = v, v' = w, M w + K q = f with K / M = 1e12,
+// looks as if M were nothing. In the fast unit of time, with units of v and w that go with it, everything is of order
+// one.
 //
-// [CR72] A. R. Curtis, J. K. Reid: On the automatic scaling of matrices for Gaussian elimination. IMA J. Appl. Math. 10
+// [CR72] A. R. Curtis, J. K. Reid: On the automatic scaling of matrices for Gaussian elimination. IMA J. Appl. Math.
+// 10
 //        (1972) 118-124.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
@@ -14,9 +16,9 @@
 
 namespace sfdae::core {
 
-// Powers of two, one for each unknown: in the equations that contain derivatives, the entries of E and tau A at t are as
-// near to one as possible in the mean square of their logarithms [CR72]. Throws Failure. The column scale of the source
-// is changed.
+// Powers of two, one for each unknown: in the equations that contain derivatives, the entries of E and tau A at t are
+// as near to one as possible in the mean square of their logarithms [CR72]. Throws Failure. The column scale of the
+// source is changed.
 std::vector<double> balanced_units(CoefficientSource& source, double t, double tau);
 
 }  // namespace sfdae::core

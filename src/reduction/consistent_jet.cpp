@@ -29,7 +29,9 @@ constexpr double consistent_residual = 1e-9;
 constexpr double ease_of_y = 1e3;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 double length(const double* v, std::size_t count) {
   double sum = 0.0;
@@ -52,7 +54,8 @@ double JetSolver::residual_norm(const Jet& jet, int level) {
   const int m = problem_.m();
   residuals_.resize(index(m) * index(level + 1));
   const Trouble trouble = problem_.residuals(jet.t, jet.x.data(), level, residuals_.data());
-  if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED || trouble.status == SFDAE_ORDER_MISSING)
+  if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED ||
+      trouble.status == SFDAE_ORDER_MISSING)
     throw Failure(trouble.status, trouble.message());
   if (trouble.status != SFDAE_OK) return infinity;
   double power = 1.0;
@@ -84,8 +87,8 @@ JetSolver::Trial JetSolver::try_change(const Jet& jet, int level, const Vector& 
   return trial;
 }
 
-// The smallest change of x by the staged elimination. noise: of the coefficients, as they are not those of a consistent
-// jet.
+// The smallest change of x by the staged elimination. noise: of the coefficients, as they are not those of a
+// consistent jet.
 bool JetSolver::staged_change(const Jet& jet, int level, NoiseModel model, double noise, Vector& change) {
   const int m = problem_.m(), n = jet.n;
   const Arena::Frame frame(arena_);
@@ -155,13 +158,13 @@ bool JetSolver::damped_change(const Jet& jet, int level, double damping, Vector&
   return all_finite(change.data(), change.size());
 }
 
-// The smallest change in units of U, singular values at the level of the residuals dropped.
-bool JetSolver::dense_change(const Jet& jet, int level, Vector& change) {
+// The smallest change in units of U. Singular values at the level of the residuals are dropped, up to most_dropped.
+bool JetSolver::dense_change(const Jet& jet, int level, double most_dropped, Vector& change) {
   const Vector unit = unit_changes(jet, level);
   const Matrix J = scaled_array(data_, level, unit);
   const double size = max_abs(J);
   if (!std::isfinite(size)) return false;
-  const double threshold = std::max(1e-12, std::min(1e-4, 10.0 * norm_ / std::max(size, 1e-300))) * size;
+  const double threshold = std::max(1e-12, std::min(most_dropped, 10.0 * norm_ / std::max(size, 1e-300))) * size;
   change = least_squares(J, Vector(data_.f(0), data_.f(0) + J.rows()), threshold);
   for (std::size_t j = 0; j < change.size(); ++j) change[j] *= unit[j];
   return all_finite(change.data(), change.size());
@@ -211,11 +214,12 @@ void JetSolver::give_up(const Jet& jet, int level) {
                    : format(" derivative %d of equation %d by %.3g,", k, i, value);
   }
   text.back() = '.';
-  throw Failure(SFDAE_NO_CONSISTENT_VALUES, text + " Give a better guess, fix fewer components, or check the equations.");
+  throw Failure(SFDAE_NO_CONSISTENT_VALUES,
+                text + " Give a better guess, fix fewer components, or check the equations.");
 }
 
-// Pivots that vanish at consistent jets do not do so here: what is below the residuals counts as noise, relative to the
-// coefficients.
+// Pivots that vanish at consistent jets do not do so here: what is below the residuals counts as noise, relative to
+// the coefficients.
 double JetSolver::residual_noise(int level) const {
   constexpr double most = 1e-4;
   return std::min(most, norm_ / std::max(data_.norm(level), 1e-300));
@@ -226,7 +230,7 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, int level) {
   Vector change;
   Trial best;
   if (!fixed_.empty()) {
-    if (dense_change(jet, level, change)) best = try_change(jet, level, change);
+    if (dense_change(jet, level, 1e-4, change)) best = try_change(jet, level, change);
     return best;
   }
   struct Attempt {
@@ -243,8 +247,9 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet, int level) {
   return best;
 }
 
-// Products of unknowns that are far off make residuals grow at first, though the next steps remove them all: that is how a
-// pendulum at rest below its support finds its force. Undamped steps from `trial` on; the jet stays if they lead nowhere.
+// Products of unknowns that are far off make residuals grow at first, though the next steps remove them all: that is
+// how a pendulum at rest below its support finds its force. Undamped steps from `trial` on; the jet stays if they
+// lead nowhere.
 bool JetSolver::run_freely(Jet& jet, int level, Trial trial) {
   constexpr int most = 5;
   constexpr double too_far = 1e4;
@@ -284,13 +289,16 @@ void JetSolver::find(Jet& jet, int level) {
     search(jet, level, false);
   } catch (const Failure& failure) {
     if (failure.status() != SFDAE_NO_CONSISTENT_VALUES) throw;
+    // What has no derivative may be far off alone: forces have other units.
+    jet = start;
+    if (solve_for_algebraic(jet, level) && solve_for_derivatives(jet, level)) return;
     jet = start;
     search(jet, level, true);
   }
 }
 
-// y alone changes: true if F_level = 0 to rounding then, and nothing calls for a change of x. Large y alone may fulfil the
-// equations near points that are not consistent.
+// y alone changes: true if F_level = 0 to rounding then, and nothing calls for a change of x. Large y alone may
+// fulfil the equations near points that are not consistent.
 bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
   constexpr int most = 12;
   constexpr double rounding = 1e-14, negligible = 1e-12;
@@ -318,6 +326,37 @@ bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
     linearize(jet, level, data_.time_scale);
   }
   return norm_ == 0.0;
+}
+
+// y and those components of x change whose derivatives are in no equation: true if F_level = 0 then.
+bool JetSolver::solve_for_algebraic(Jet& jet, int level) {
+  constexpr int most = 8;
+  const std::vector<char> fixed_by_user = fixed_;
+  linearize(jet, level, 0.0);
+  fixed_.resize(index(jet.n), 0);
+  bool any_free = false;
+  for (int j = 0; j < jet.n; ++j) {
+    for (int k = 0; k <= level && fixed_[index(j)] == 0; ++k)
+      if (max_abs(data_.E(k).column(j), data_.m) > 0.0) fixed_[index(j)] = 1;
+    any_free = any_free || fixed_[index(j)] == 0;
+  }
+  // Products of unknowns that are far off make residuals grow at first.
+  constexpr double too_far = 1e12;
+  const double first = norm_;
+  bool goes_on = any_free;
+  Vector change;
+  for (int iteration = 0; iteration < most && goes_on && norm_ > 0.0; ++iteration) {
+    goes_on = dense_change(jet, level, 0.0, change);
+    if (!goes_on) break;
+    Trial trial = try_change(jet, level, change);
+    goes_on = trial.valid && trial.norm <= too_far * first;
+    if (is_converged(jet, level, consistent_residual) && trial.norm > good_reduction * norm_) goes_on = false;
+    if (!goes_on) break;
+    jet = std::move(trial.jet);
+    linearize(jet, level, data_.time_scale);
+  }
+  fixed_ = fixed_by_user;
+  return any_free && (norm_ == 0.0 || is_converged(jet, level, consistent_residual));
 }
 
 // Of the last staged_change, for another change of x.

@@ -40,8 +40,8 @@ class JetSolver {
 
   // Components of x that must not change (n flags, or empty).
   void set_fixed(std::vector<char> fixed) { fixed_ = std::move(fixed); }
-  // Makes the jet, of order level + 1 at least, fulfil F_level = 0 as well as rounding permits. Throws Failure: trouble
-  // with the equations, SFDAE_NO_CONSISTENT_VALUES.
+  // Makes the jet, of order level + 1 at least, fulfil F_level = 0 as well as rounding permits. Throws Failure:
+  // trouble with the equations, SFDAE_NO_CONSISTENT_VALUES.
   void solve(Jet& jet, int level);
 
  private:
@@ -59,12 +59,13 @@ class JetSolver {
   Trial undamped_trial(const Jet& jet, int level);
   void find(Jet& jet, int level);
   bool solve_for_derivatives(Jet& jet, int level);
+  bool solve_for_algebraic(Jet& jet, int level);
   void recover_derivatives(int level, std::vector<double>& change);
   void search(Jet& jet, int level, bool may_run_freely);
   bool run_freely(Jet& jet, int level, Trial trial);
   bool staged_change(const Jet& jet, int level, NoiseModel model, double noise, std::vector<double>& change);
   bool damped_change(const Jet& jet, int level, double damping, std::vector<double>& change);
-  bool dense_change(const Jet& jet, int level, std::vector<double>& change);
+  bool dense_change(const Jet& jet, int level, double most_dropped, std::vector<double>& change);
   std::vector<double> unit_changes(const Jet& jet, int level) const;
   // Residuals relative to what was added up in them.
   bool is_converged(const Jet& jet, int level, double tolerance) const;
@@ -92,7 +93,8 @@ class JetCoefficients final : public CoefficientSource {
   bool is_constant() const override { return false; }
   Trouble evaluate(double, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each,
                    const std::vector<double>* preferred_rows = nullptr) override {
-    return problem_.linearize(jet_.t, jet_.x.data(), orders, {time_scale, rows, preferred_rows, &column_scale_}, data);
+    return problem_.linearize(jet_.t, jet_.x.data(), orders, {time_scale, rows, preferred_rows, &column_scale_},
+                              data);
   }
   void set_column_scale(std::vector<double> scale) override { column_scale_ = std::move(scale); }
 

@@ -17,7 +17,9 @@ using Vector = std::vector<double>;
 // Relative accuracy to which fixed components must fit the constraints.
 constexpr double fixed_tolerance = 1e-9;
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 // (I - T2 T2^T) x - xp: the violation of the constraints as a vector; its length is that of A2 x + f2.
 Vector violation(const NullSpaceForm& form, const Vector& x) {
@@ -56,8 +58,8 @@ Vector nearest(const NullSpaceForm& form, const Vector& x, const Vector& inverse
 }
 
 // The fixed components alone: T2_J z = x_J - xp_J has to be solvable; N spans what they leave open.
-void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request, const Vector& x, double t, Vector& z0,
-                   Matrix& N) {
+void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request, const Vector& x, double t,
+                   Vector& z0, Matrix& N) {
   const int count = static_cast<int>(std::count(request.fixed.begin(), request.fixed.end(), 1));
   Matrix J(count, form.unknowns());
   Vector missing(index(count));
@@ -89,8 +91,8 @@ void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request,
   N = to_matrix(decomposition.V.view().columns(rank, form.unknowns() - rank));
 }
 
-// z0: E1 (xp + T2 z0 - x) = 0; N spans what that leaves open, the free directions. With Z1 spanning the range of E T2 these
-// are the normal equations of min |E (xp + T2 z - x)|: E x changes as little as possible.
+// z0: E1 (xp + T2 z0 - x) = 0; N spans what that leaves open, the free directions. With Z1 spanning the range of E T2
+// these are the normal equations of min |E (xp + T2 z - x)|: E x changes as little as possible.
 void keep_differential(const NullSpaceForm& form, const TaylorData& data, const Vector& x, Vector& z0, Matrix& N) {
   const int n = form.n, m = form.m, unknowns = form.unknowns(), u = form.u;
   Matrix E = to_matrix(data.E(0));
@@ -117,7 +119,8 @@ Vector consistent_point(const NullSpaceForm& form, const TaylorData& data, const
   Vector x(user_x), inverse_weights(scale);
   for (int i = 0; i < n; ++i) x[index(i)] /= scale[index(i)];
   for (int i = 0; i < n && !request.weights.empty(); ++i) inverse_weights[index(i)] /= request.weights[index(i)];
-  const bool plain_norm = std::all_of(inverse_weights.begin(), inverse_weights.end(), [](double w) { return w == 1.0; });
+  const bool plain_norm =
+      std::all_of(inverse_weights.begin(), inverse_weights.end(), [](double w) { return w == 1.0; });
   Vector z0(index(form.unknowns()) + 1, 0.0);
   Matrix N = identity(form.unknowns());
   if (request.kind == InitialValues::fixed) satisfy_fixed(form, request, x, data.t, z0, N);

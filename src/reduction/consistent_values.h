@@ -8,8 +8,8 @@
 
 namespace sfdae::core {
 
-// keep_differential: x changes in the null space of E1 = Z1^T E only, Z1 the range of E T2 with rows as the user scaled
-// them; exactly one such point is consistent where u = 0, and at least one always, as E1 T2 has full row rank.
+// keep_differential: x changes in the null space of E1 = Z1^T E only, Z1 the range of E T2 with rows as the user
+// scaled them; exactly one such point is consistent where u = 0, and at least one always, as E1 T2 has full row rank.
 enum class InitialValues { nearest, fixed, accept, keep_differential };
 
 struct ConsistencyRequest {
@@ -30,15 +30,17 @@ struct ConsistencyResult {
   double residual_before = 0.0;  // 2-norm of A2 x + f2, rows of A2 orthonormal: distance to the constraints
   double residual_after = 0.0;
   double largest_change = 0.0;
-  int component = -1;            // of the largest change
+  int component = -1;  // of the largest change
 };
 
-// The consistent x = xp + T2 z of a form in the unknowns x_j / scale_j, chosen as requested for the given x, both in the
-// user's units. Throws Failure SFDAE_FIXED_VALUES.
-std::vector<double> consistent_point(const NullSpaceForm& form, const TaylorData& data, const std::vector<double>& scale,
-                                     const ConsistencyRequest& request, const std::vector<double>& x);
+// The consistent x = xp + T2 z of a form in the unknowns x_j / scale_j, chosen as requested for the given x, both in
+// the user's units. Throws Failure SFDAE_FIXED_VALUES.
+std::vector<double> consistent_point(const NullSpaceForm& form, const TaylorData& data,
+                                     const std::vector<double>& scale, const ConsistencyRequest& request,
+                                     const std::vector<double>& x);
 
-// largest_change and component of the result; what is more than tolerances allow is refused for InitialValues::accept.
+// largest_change and component of the result; what is more than tolerances allow is refused for
+// InitialValues::accept.
 void report_change(const ConsistencyRequest& request, double t, const std::vector<double>& given,
                    const std::vector<double>& consistent, ConsistencyResult& result);
 

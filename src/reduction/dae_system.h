@@ -1,5 +1,5 @@
-// What the driver of an integration sees of a system: beyond what integrators need, how it came about and how it is doing.
-// SPDX-License-Identifier: BSD-3-Clause
+// What the driver of an integration sees of a system: beyond what integrators need, how it came about and how it is
+// doing. SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <string>
@@ -26,9 +26,10 @@ class DaeSystem : public StrangenessFreeSystem {
   // Contradiction of redundant equations, relative.
   virtual double inconsistency() const = 0;
   virtual std::string inconsistency_message() const {
-    return format("redundant equations contradict each other at t = %.15g: relative residual %.3g of Z3^T g = 0. There is "
-                  "no solution; correct the equations, or set ignore_inconsistency.",
-                  t(), inconsistency());
+    return format(
+        "redundant equations contradict each other at t = %.15g: relative residual %.3g of Z3^T g = 0. There is "
+        "no solution; correct the equations, or set ignore_inconsistency.",
+        t(), inconsistency());
   }
   // What there is to say about a change of the characteristic values that was met last; empty: nothing.
   virtual std::string about_change() const { return {}; }
@@ -40,8 +41,8 @@ class DaeSystem : public StrangenessFreeSystem {
   // rank E has turned out not to be constant: another leading term from now on.
   virtual void give_up_projector() {}
   // x' of the solution through the consistent x at the current point, free directions held; true if it comes from the
-  // derivative array, false if it had to be computed otherwise, looking in the given direction (+1 or -1). The current
-  // point is still the same afterwards.
+  // derivative array, false if it had to be computed otherwise, looking in the given direction (+1 or -1). The
+  // current point is still the same afterwards.
   virtual bool consistent_derivative(const double* x, double direction, double* xdot) = 0;
   // The same from the derivative array only; false, and xdot as it was, if that is not possible.
   virtual bool exact_derivative(const double* x, double* xdot) = 0;

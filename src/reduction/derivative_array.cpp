@@ -74,7 +74,8 @@ Projectors projectors(LinearSystem& system, double t) {
   const Matrix unit = identity(rows);
   const Carried carried = settings.by_singular_values ? eliminate_by_svd(data, mu, unit, judge, arena)
                                                       : eliminate(data, mu, unit, 1, judge, arena);
-  // Within the left null space, Z2 is where N has its rank a, Z3 the rest; decided with scaled data, as the ranks were.
+  // Within the left null space, Z2 is where N has its rank a, Z3 the rest; decided with scaled data, as the ranks
+  // were.
   const Svd split = svd(carried.constraints);
   const int v_hat = carried.rows - a;
   if (v_hat != system.analysis().v_hat)
@@ -83,7 +84,8 @@ Projectors projectors(LinearSystem& system, double t) {
   Matrix Z(rows, carried.rows);  // [Z3 Z2]
   multiply(1.0, Op::transposed, carried.rhs, Op::plain, split.U.view().columns(a, v_hat), 0.0,
            Z.view().columns(0, v_hat));
-  multiply(1.0, Op::transposed, carried.rhs, Op::plain, split.U.view().columns(0, a), 0.0, Z.view().columns(v_hat, a));
+  multiply(1.0, Op::transposed, carried.rhs, Op::plain, split.U.view().columns(0, a), 0.0,
+           Z.view().columns(v_hat, a));
   // Row block i of the scaled array is D tau^(i+1) / i! times that of the classical one.
   double factor = 1.0;
   for (int i = 0; i <= mu; ++i) {

@@ -168,8 +168,8 @@ View determining_rows(const TaylorData& data, const DiagonalBlock& block, int i,
   return rows;
 }
 
-// The rest of y_j: rows of T that are independent determine it and leave. Rows of errors come first in T and `rows`, at
-// the end behind those that leave. norm: of the rows of the stage in y_j. Returns the number of rows that leave.
+// The rest of y_j: rows of T that are independent determine it and leave. Rows of errors come first in T and `rows`,
+// at the end behind those that leave. norm: of the rows of the stage in y_j. Returns the number of rows that leave.
 int release_rows(View T, double norm, int j, View rows, Judge& judge, Arena& arena, StoredElimination* store) {
   const int error_rows = judge.error_rows(), c = T.rows - error_rows;
   if (c == 0 || T.cols == 0) return 0;

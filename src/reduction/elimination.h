@@ -23,12 +23,12 @@ namespace sfdae::core {
 // Rows free of y_{last_stage}, ..., y_{level+1}; they live in the arena.
 struct Carried {
   int rows = 0;
-  int rank_E = 0;      // of E_0
-  View y;              // rows x (last_stage - 1) n, empty if last_stage = 1
-  View constraints;    // A^: rows x n
-  View rhs;            // rows x rhs.cols
+  int rank_E = 0;    // of E_0
+  View y;            // rows x (last_stage - 1) n, empty if last_stage = 1
+  View constraints;  // A^: rows x n
+  View rhs;          // rows x rhs.cols
   // Orthogonal factorization of E_0: E_0 P = Q [R11 R12; 0 0].
-  View R;              // m x n, R11 and R12 in the first rank_E rows
+  View R;  // m x n, R11 and R12 in the first rank_E rows
   const int* pivots = nullptr;
 };
 

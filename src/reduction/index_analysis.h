@@ -46,10 +46,10 @@ struct IndexAnalysis {
   CharacteristicValues values;
   double t = 0.0;
   double time_scale = 1.0;
-  int v_hat = 0;               // redundant rows of level mu
+  int v_hat = 0;  // redundant rows of level mu
   int rank_E = 0;
   NoiseModel noise = NoiseModel::carried;  // by which the ranks are right
-  bool rank_E_constant = true; // the same at the nearby point
+  bool rank_E_constant = true;             // the same at the nearby point
 };
 
 // Analysis at t and at a nearby point toward `toward`. Throws Failure: trouble with callbacks, SFDAE_INDEX_TOO_HIGH,
@@ -60,8 +60,8 @@ IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward,
 
 // Whether the values known hold at t although the propagated noise would not let them: judged by the effect of trial
 // perturbations. Throws Failure if a callback fails.
-bool known_values_hold(CoefficientSource& problem, double t, const AnalysisSettings& settings, const IndexAnalysis& known,
-                       Arena& arena);
+bool known_values_hold(CoefficientSource& problem, double t, const AnalysisSettings& settings,
+                       const IndexAnalysis& known, Arena& arena);
 
 // The smallest level at t alone; never throws for structural reasons: mu = -1 if no level up to max_index holds or a
 // decision is unclear.

@@ -1,15 +1,15 @@
 // Rank decisions of one reduction: noise propagated from stage to stage, decisions recorded.
 //
 // eps is the unit roundoff, or the relative error of the derivatives if that is larger; p is the smallest pivot kept
-// so far, relative to the norm of its stage: a null vector of a matrix with relative pivot p is known to eps / p only.
-// Rounding errors then amount to
+// so far, relative to the norm of its stage: a null vector of a matrix with relative pivot p is known to eps / p
+// only. Rounding errors then amount to
 //   E_0            eps |E_0|
 //   later stages   e, at least eps |stage|
 //   A^             e, at least eps |A|
 //   E T2           eps |E_0| max(1, e / (eps sigma_a(A^)))
 // with e what becomes of errors that enter the rows carried: eps |E_0| at first, then eps |data| in the columns of
-// derivatives and eps |A| in those of x at every stage. Staged elimination carries rows of errors along. For the array
-// as a whole, e = eps |A| / p.
+// derivatives and eps |A| in those of x at every stage. Staged elimination carries rows of errors along. For the
+// array as a whole, e = eps |A| / p.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -32,8 +32,8 @@ struct RankList {
 };
 
 // Where the noise of a decision comes from: errors carried along (e above), the smallest pivot alone (e = eps |data|
-// / p, which several stages that amplify one after the other exceed), or the data without propagation. What the latter
-// two say has to be confirmed by perturbations of the data, or by ranks already known.
+// / p, which several stages that amplify one after the other exceed), or the data without propagation. What the
+// latter two say has to be confirmed by perturbations of the data, or by ranks already known.
 enum class NoiseModel { carried, pivots, data };
 
 class Judge {
@@ -63,8 +63,8 @@ class Judge {
   // Rows of errors that are eliminated above the rows carried, as those are: all that happens to rows is linear in
   // them, so what becomes of errors of the size that enters at every stage is the noise of the decisions. (Bounds by
   // norms and pivots of every stage are too large by 1e4 at mu = 4, and the smallest pivot alone misses that stages
-  // amplify one after the other: by |E^-1 A| tau each, 1e6 in all with tau = 128.) Two rows, as a single one happens to
-  // be small now and then: 30 instead of 40 named errors in 5000 stiff problems.
+  // amplify one after the other: by |E^-1 A| tau each, 1e6 in all with tau = 128.) Two rows, as a single one happens
+  // to be small now and then: 30 instead of 40 named errors in 5000 stiff problems.
   int error_rows() const { return settings_.noise == NoiseModel::carried ? 2 : 0; }
   // Errors of rows that enter at a stage, in the columns of derivatives and in those of x; absolute.
   double entering_error() const { return eps_ * norm_; }
@@ -80,7 +80,7 @@ class Judge {
   const RankList& ranks() const { return ranks_; }
   // False if known ranks could not be taken, as there were other decisions to make than those they are from.
   bool fits_known_ranks() const { return fits_; }
-  double smallest_pivot() const { return pivot_; }       // p
+  double smallest_pivot() const { return pivot_; }                 // p
   double kept_constraints() const { return kept_constraints_; }    // sigma_a relative to |A|, 1 if a = 0
   double kept_differential() const { return kept_differential_; }  // sigma_d relative to |E|, 1 if d = 0
 

@@ -51,14 +51,13 @@ void LinearSystem::archive(Archive& archive) {
   problem_.archive(archive);
   if (archive.is_reading()) {
     const int m = problem_.m(), n = problem_.n(), rank_bound = std::min(m, n);
-    const bool plausible = values.mu >= 0 && values.mu <= max_derivative_order && values.d >= 0 && values.a >= 0 &&
-                           values.d + values.a + values.v == m && values.d + values.a + values.u == n &&
-                           undetermined() >= 0 && analysis_.rank_E >= 0 && analysis_.rank_E <= rank_bound &&
-                           analysis_.v_hat >= 0 && analysis_.v_hat <= (values.mu + 1) * m &&
-                           std::isfinite(analysis_.time_scale) && analysis_.time_scale > 0.0 &&
-                           leading_ >= LeadingTerm::projector && leading_ <= LeadingTerm::identity &&
-                           rows_ >= RowScaling::each && rows_ <= RowScaling::common &&
-                           analysis_.noise >= NoiseModel::carried && analysis_.noise <= NoiseModel::data;
+    const bool plausible =
+        values.mu >= 0 && values.mu <= max_derivative_order && values.d >= 0 && values.a >= 0 &&
+        values.d + values.a + values.v == m && values.d + values.a + values.u == n && undetermined() >= 0 &&
+        analysis_.rank_E >= 0 && analysis_.rank_E <= rank_bound && analysis_.v_hat >= 0 &&
+        analysis_.v_hat <= (values.mu + 1) * m && std::isfinite(analysis_.time_scale) && analysis_.time_scale > 0.0 &&
+        leading_ >= LeadingTerm::projector && leading_ <= LeadingTerm::identity && rows_ >= RowScaling::each &&
+        rows_ <= RowScaling::common && analysis_.noise >= NoiseModel::carried && analysis_.noise <= NoiseModel::data;
     if (!plausible) throw DamagedArchive();
     resize();
   }
@@ -205,8 +204,8 @@ PointStatus LinearSystem::move_to(double t) {
   matrix_valid_ = false;
   num_stage_traces_ = 0;
   PointStatus status = reduce(t, analysis_.time_scale, current(), rows_);
-  // Before the values are declared to have changed: rows that are small by cancellation must not be scaled up, and data
-  // that have grown or shrunk may need another time scale.
+  // Before the values are declared to have changed: rows that are small by cancellation must not be scaled up, and
+  // data that have grown or shrunk may need another time scale.
   if (status == PointStatus::changed) status = reduce(t, analysis_.time_scale, current(), RowScaling::common);
   // The other ways to take noise into account; without propagation it has to be measured.
   const NoiseModel first = noise_;
@@ -268,8 +267,7 @@ void LinearSystem::differential_rows(const double* w, double* q) {
   double* Ew = arena_.take(static_cast<std::size_t>(data.m));
   if (leading_ == LeadingTerm::matrix)
     for (int i = 0; i < data.m; ++i) Ew[i] = w[i] * data.row_scale[static_cast<std::size_t>(i)];
-  else
-    multiply(1.0, Op::plain, data.E(0), w, 0.0, Ew);
+  else multiply(1.0, Op::plain, data.E(0), w, 0.0, Ew);
   multiply(1.0, Op::transposed, current().form.Z1(), Ew, 0.0, q);
 }
 
@@ -319,7 +317,8 @@ void LinearSystem::error_in_x(const double* dw, int count, double* dx) {
   const TaylorData& data = current().data;
   const int m = problem_.m(), n = problem_.n();
   const Arena::Frame frame(arena_);
-  const View Ew = arena_.matrix(m, count), q = arena_.matrix(form.d, count), z = arena_.matrix(form.unknowns(), count);
+  const View Ew = arena_.matrix(m, count), q = arena_.matrix(form.d, count),
+             z = arena_.matrix(form.unknowns(), count);
   const ConstView w{dw, leading_size(), count, leading_size()};
   if (leading_ == LeadingTerm::matrix) {
     for (int k = 0; k < count; ++k)
@@ -383,7 +382,8 @@ void LinearSystem::correct_scaled_derivative(double c, const double* x, double* 
     // (c tau G - B) z = c tau q: the residual as a step of size 1 / c would damp it.
     for (int i = 0; i < form.d; ++i) z[i] = c * point.data.time_scale * q[i];
     std::fill_n(z + form.d, form.u, 0.0);
-    solve_lu({matrix_.data(), form.unknowns(), form.unknowns(), std::max(form.unknowns(), 1)}, matrix_pivots_.data(), z);
+    solve_lu({matrix_.data(), form.unknowns(), form.unknowns(), std::max(form.unknowns(), 1)}, matrix_pivots_.data(),
+             z);
   }
   multiply(1.0, Op::plain, form.T2(), z, 1.0, xdot);
 }

@@ -9,9 +9,9 @@
 
 #include "linalg/archive.h"
 #include "problem/linear_problem.h"
+#include "reduction/dae_system.h"
 #include "reduction/index_analysis.h"
 #include "reduction/null_space_form.h"
-#include "reduction/dae_system.h"
 #include "reduction/transformed_stages.h"
 
 namespace sfdae::core {
@@ -57,8 +57,8 @@ class LinearSystem final : public DaeSystem {
   double inconsistency() const override;
   // Largest entries of the rows of [E A], unscaled.
   const std::vector<double>& row_norms() const { return current().data.row_norm; }
-  // The largest row over the smallest, at this point or at the one accepted last, whichever is less: it diverges where a
-  // row vanishes.
+  // The largest row over the smallest, at this point or at the one accepted last, whichever is less: it diverges
+  // where a row vanishes.
   double row_ratio() const;
   // How rows are scaled from now on; RowScaling::each unless set.
   void set_row_scaling(RowScaling rows) { rows_ = rows; }
@@ -102,10 +102,10 @@ class LinearSystem final : public DaeSystem {
 
   // What the stages of a step leave behind, side by side; q = d + u unknowns each, X_i = [T2 xp] at stage i.
   struct Stages {
-    std::vector<double> X, Y;    // n x s(q+1): X_i; leading_size() x s(q+1): W_i X_i
-    std::vector<double> L;       // s d x leading_size(): Z1^T E, without the E for W = E
-    std::vector<double> B, tau;  // d x s(q+1): [B b]; time scales
-    std::vector<double> V;       // s u x n: (T2 Uz)^T
+    std::vector<double> X, Y;                     // n x s(q+1): X_i; leading_size() x s(q+1): W_i X_i
+    std::vector<double> L;                        // s d x leading_size(): Z1^T E, without the E for W = E
+    std::vector<double> B, tau;                   // d x s(q+1): [B b]; time scales
+    std::vector<double> V;                        // s u x n: (T2 Uz)^T
     std::vector<double> products, free_products;  // L Y, V X
     std::vector<double> matrix, z;
     std::vector<int> pivots;
@@ -121,7 +121,8 @@ class LinearSystem final : public DaeSystem {
   Point& current() { return points_[current_]; }
   const Point& current() const { return points_[current_]; }
   Point& reference() { return points_[1 - current_]; }
-  // Unknowns are kept as x_j / column_scale[j]. Inward: x itself if there is no scaling, else scaled values in `buffer`.
+  // Unknowns are kept as x_j / column_scale[j]. Inward: x itself if there is no scaling, else scaled values in
+  // `buffer`.
   const double* inward(const double* x, double* buffer) const;
   void outward(double* x) const;
   void scale_prescribed_values();

@@ -153,14 +153,16 @@ void LinearSystem::leading_derivative(const double* x, const double* xdot, doubl
     if (!E_varies) return;
     std::vector<double> h(static_cast<std::size_t>(m));
     multiply(per_tau, Op::plain, point.data.E(1), x, 0.0, h.data());
-    for (int i = 0; i < m; ++i) wdot[i] += h[static_cast<std::size_t>(i)] / point.data.row_scale[static_cast<std::size_t>(i)];
+    for (int i = 0; i < m; ++i)
+      wdot[i] += h[static_cast<std::size_t>(i)] / point.data.row_scale[static_cast<std::size_t>(i)];
     return;
   }
   leading_of(xdot, wdot);
   if (leading_ == LeadingTerm::identity || !E_varies) return;
   // P' = S + S^T with S = E^+ E' (I - P), for constant rank.
   const Svd decomposition = svd(point.data.E(0));
-  std::vector<double> kernel_part(x, x + n), h(static_cast<std::size_t>(std::max(m, n))), s(static_cast<std::size_t>(n), 0.0);
+  std::vector<double> kernel_part(x, x + n), h(static_cast<std::size_t>(std::max(m, n))),
+      s(static_cast<std::size_t>(n), 0.0);
   std::vector<double> Px(x, x + n);
   point.form.project(Px.data(), arena_);
   for (int i = 0; i < n; ++i) kernel_part[static_cast<std::size_t>(i)] -= Px[static_cast<std::size_t>(i)];
@@ -182,8 +184,7 @@ void LinearSystem::leading_derivative(const double* x, const double* xdot, doubl
   multiply(per_tau, Op::transposed, point.data.E(1), e.data(), 0.0, back.data());
   std::vector<double> projected = back;
   point.form.project(projected.data(), arena_);
-  for (int i = 0; i < n; ++i)
-    wdot[i] += back[static_cast<std::size_t>(i)] - projected[static_cast<std::size_t>(i)];
+  for (int i = 0; i < n; ++i) wdot[i] += back[static_cast<std::size_t>(i)] - projected[static_cast<std::size_t>(i)];
 }
 
 }  // namespace sfdae::core

@@ -33,6 +33,14 @@ void demand(const Trouble& trouble) {
   if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
 }
 
+bool is_symmetric(const Matrix& A) {
+  const double small = 1e-12 * max_abs(A);
+  for (int j = 0; j < A.cols(); ++j)
+    for (int i = 0; i < j; ++i)
+      if (std::fabs(A(i, j) - A(j, i)) > small) return false;
+  return true;
+}
+
 // R with A = R^T R; false if A is not positive definite by a margin.
 bool factor_cholesky(Matrix& A) {
   constexpr double margin = 1e-12;
@@ -106,7 +114,7 @@ Matrix MultibodyConsistency::metric(int first, int count, bool by_mass) const {
   if (request_.weights.empty() && by_mass) {
     for (int j = 0; j < size; ++j)
       for (int i = 0; i < size; ++i) R(i, j) = point_.terms.M(open[index(i)], open[index(j)]);
-    if (factor_cholesky(R)) {
+    if (is_symmetric(R) && factor_cholesky(R)) {
       Matrix inverse = identity(size);
       solve_upper(Op::plain, R, inverse);
       for (int j = 0; j < size; ++j)

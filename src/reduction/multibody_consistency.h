@@ -3,8 +3,8 @@
 // Positions move by damped Gauss-Newton steps (Levenberg-Marquardt with a parameter that vanishes with the residual,
 // so that constraints which depend on each other only where they hold do no harm) and then along the constraints to
 // the point nearest to what was given; velocities by one linear step. The norm is that of the kinetic energy, where M
-// is positive definite; for positions, where q' = v besides. Else, or where weights are given, it is the (weighted)
-// 2-norm.
+// is symmetric and positive definite; for positions, where q' = v besides. Else, or where weights are given, it is
+// the (weighted) 2-norm.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -26,8 +26,8 @@ class MultibodyConsistency {
 
   // All throw Failure. Of q given:
   std::vector<double> positions(const double* q);
-  // At consistent positions: ranks, and whether K is regular.
-  MultibodyRanks ranks(const std::vector<double>& q, std::vector<RankDecision>& decisions);
+  // At consistent positions: ranks, and whether K is regular. rank_tol: as of partitions.
+  MultibodyRanks ranks(const std::vector<double>& q, double rank_tol, std::vector<RankDecision>& decisions);
   int rank_of_mass() const { return rank_of_mass_; }
   bool has_contradiction() const { return has_contradiction_; }
   // Velocities that fit q, of v given.
@@ -47,7 +47,6 @@ class MultibodyConsistency {
   MultibodyRanks local_ranks(std::vector<RankDecision>* decisions);
   void check_nearby(const std::vector<double>& q, const MultibodyRanks& ranks);
   void check_matrix(int rank, std::vector<RankDecision>& decisions);
-  Matrix reduced_mass(const Matrix& M, Matrix& gradients);
   bool has_fixed(int first, int count) const;
   std::string name_of(int constraint) const;
 
@@ -59,6 +58,7 @@ class MultibodyConsistency {
   Matrix directions_;  // of positions: dq = P p, |p| the norm
   std::vector<double> scaled_g_;
   Arena arena_;
+  double rank_tol_ = 0.0;
   int rank_of_mass_ = 0;
   bool tolerant_, has_contradiction_ = false;
 };

@@ -18,6 +18,36 @@ std::size_t index(int i) {
   return static_cast<std::size_t>(i);
 }
 
+// Rows of length 1; or orthonormal ones that span the same.
+Matrix unit_rows(ConstView rows) {
+  Matrix result = to_matrix(rows);
+  for (int i = 0; i < rows.rows; ++i) {
+    double sum = 0.0;
+    for (int j = 0; j < rows.cols; ++j) sum += rows(i, j) * rows(i, j);
+    for (int j = 0; j < rows.cols && sum > 0.0; ++j) result(i, j) /= std::sqrt(sum);
+  }
+  return result;
+}
+Matrix orthonormal_rows(ConstView rows, Arena& arena) {
+  Matrix work = transpose(unit_rows(rows)), basis(rows.cols, rows.rows);
+  Vector tau(index(std::max(rows.rows, rows.cols)) + 1);
+  factor_qr(work, tau.data(), arena);
+  form_q(work, rows.rows, tau.data(), basis, arena);
+  return transpose(basis);
+}
+
+RankDecision judge_matrix(ConstView matrix, Arena& arena) {
+  Matrix work = to_matrix(matrix);
+  Vector tau(index(matrix.cols) + 1);
+  std::vector<int> pivots(index(matrix.cols) + 1);
+  factor_qr_pivoted(work, pivots.data(), tau.data(), arena);
+  RankScale scale;
+  scale.noise = 8.0 * unit_roundoff;
+  scale.norm = std::max(max_abs(matrix), 1e-300);
+  scale.dimension = matrix.cols;
+  return decide_rank(work.data(), matrix.cols, matrix.cols + 1, scale);
+}
+
 }  // namespace
 
 MultibodyRanks MultibodyConsistency::local_ranks(std::vector<RankDecision>* decisions) {
@@ -25,14 +55,18 @@ MultibodyRanks MultibodyConsistency::local_ranks(std::vector<RankDecision>* deci
     if (rows.matrix.rows == 0) return 0;
     Partition partition;
     partition.resize(directions, rows.matrix.rows);
+    partition.rank_tol = rank_tol_;
     RankDecision decision = choose_partition(rows, Coordinates::orthogonal, -1, partition, arena_);
     decision.t = t_;
     decision.level = level;
     if (decisions != nullptr) {
       decisions->push_back(decision);
       if (decision.verdict == Verdict::unclear)
-        throw Failure(SFDAE_RANK_UNCLEAR,
-                      "whether constraints depend on each other is not clear: " + describe(decision));
+        throw Failure(
+            SFDAE_RANK_UNCLEAR,
+            "whether constraints depend on each other is not clear: " + describe(decision) +
+                format(". Set rank_tol between %.1e and 1 to have them dependent, below to have them independent.",
+                       2.0 * decision.kept));
     }
     return decision.rank;
   };
@@ -43,7 +77,8 @@ MultibodyRanks MultibodyConsistency::local_ranks(std::vector<RankDecision>* deci
   return ranks;
 }
 
-MultibodyRanks MultibodyConsistency::ranks(const Vector& q, std::vector<RankDecision>& decisions) {
+MultibodyRanks MultibodyConsistency::ranks(const Vector& q, double rank_tol, std::vector<RankDecision>& decisions) {
+  rank_tol_ = rank_tol;
   look_at(q);
   const MultibodyRanks ranks = local_ranks(&decisions);
   check_matrix(ranks.velocities, decisions);
@@ -89,68 +124,45 @@ void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& k
              t_, known.velocities, sizes_.constraints(), found.velocities));
 }
 
-// K, every unknown in its unit, has to be regular. C has full rank: K is regular where T^T M T is, C T = 0, and so
-// constraints that are nearly dependent have no influence.
+// K, every unknown in its unit, has to be regular.
 void MultibodyConsistency::check_matrix(int rank, std::vector<RankDecision>& decisions) {
-  const int nv = sizes_.velocities, open = nv - rank;
-  Matrix M = point_.terms.M;
+  const int nv = sizes_.velocities;
+  const Matrix& M = point_.terms.M;
   Partition partition;
   partition.resize(nv, sizes_.constraints());
-  const RankDecision constraints =
-      choose_partition(point_.velocity_rows(), Coordinates::orthogonal, rank, partition, arena_);
-  // Squares of that are pivots of K.
-  constexpr double nearly_dependent = 3e-8;
-  if (rank > 0 && constraints.rank >= rank && constraints.kept < nearly_dependent)
-    throw Failure(SFDAE_RANK_UNCLEAR,
-                  format("constraints nearly depend on each other at t = %.15g, without being redundant: of "
-                         "gradients in units of their lengths one is only %.2g away from those of the others, which "
-                         "is too little for forces. Leave it out, or write it in another way.",
-                         t_, constraints.kept));
+  choose_partition(point_.velocity_rows(), Coordinates::orthogonal, rank, partition, arena_);
   const double mass = max_abs(M);
-  Vector unit(index(nv), 1.0);
-  for (int j = 0; j < nv; ++j)
-    unit[index(j)] = 1.0 / std::sqrt(std::max({std::fabs(M(j, j)), 1e-8 * mass, 1e-280}));
-  Matrix gradients(nv, rank);
+  Vector unit(index(nv + rank), 1.0);
+  for (int j = 0; j < nv; ++j) unit[index(j)] = 1.0 / std::sqrt(std::max({std::fabs(M(j, j)), 1e-8 * mass, 1e-300}));
+  Matrix K(nv + rank, nv + rank), C(rank, nv);
   for (int j = 0; j < nv; ++j) {
-    for (int i = 0; i < nv; ++i) M(i, j) *= unit[index(i)] * unit[index(j)];
-    for (int k = 0; k < rank; ++k) {
-      const int row = partition.rows[index(k)];
-      gradients(j, k) = unit[index(j)] * (point_.terms.C(row, j) / point_.velocity_units[index(row)]);
-    }
+    for (int i = 0; i < nv; ++i) K(i, j) = unit[index(i)] * unit[index(j)] * M(i, j);
+    for (int k = 0; k < rank; ++k) C(k, j) = unit[index(j)] * point_.terms.C(partition.rows[index(k)], j);
   }
-  const auto judge = [&](Matrix matrix) {
-    Vector tau(index(matrix.cols()) + 1);
-    std::vector<int> pivots(index(matrix.cols()) + 1);
-    factor_qr_pivoted(matrix, pivots.data(), tau.data(), arena_);
-    RankScale scale;
-    scale.noise = 8.0 * unit_roundoff;
-    scale.norm = std::max(max_abs(M), 1e-300);
-    scale.dimension = nv;
-    return decide_rank(matrix.data(), matrix.cols(), matrix.cols() + 1, scale);
+  const auto judge_with = [&](const Matrix& rows) {
+    for (int k = 0; k < rank; ++k)
+      for (int j = 0; j < nv; ++j) K(nv + k, j) = K(j, nv + k) = rows(k, j);
+    return judge_matrix(K, arena_);
   };
-  rank_of_mass_ = judge(M).rank;
-  RankDecision decision = judge(reduced_mass(M, gradients));
+  rank_of_mass_ = judge_matrix(to_matrix(K.view().block(0, 0, nv, nv)), arena_).rank;
+  RankDecision decision = judge_with(unit_rows(C));
   decision.t = t_;
   decision.subject = Subject::array;
-  decision.rows = decision.cols = open;
+  decision.rows = decision.cols = nv + rank;
   decisions.push_back(decision);
-  if (decision.rank == open) return;
+  const bool has_mass = mass > 0.0 || rank == nv;
+  if (decision.rank == nv + rank && has_mass) return;
+  // The condition of K is the square of that of C: without it, M is left as the reason.
+  const int missing = nv + rank - judge_with(orthonormal_rows(C, arena_)).rank;
+  if (missing == 0 && has_mass)
+    throw Failure(
+        SFDAE_SINGULAR,
+        format("[M C^T; C 0] is singular to working accuracy at t = %.15g: the constraints nearly depend on "
+               "each other. Set rank_tol to have those that nearly do count as dependent.",
+               t_));
   throw Failure(SFDAE_SINGULAR, format("[M C^T; C 0] is singular at t = %.15g: M is singular on velocities that the "
                                        "constraints leave open, and %d acceleration(s) are not determined.",
-                                       t_, open - decision.rank));
-}
-
-// T^T M T, T orthonormal, gradients^T T = 0. gradients is overwritten.
-Matrix MultibodyConsistency::reduced_mass(const Matrix& M, Matrix& gradients) {
-  const int nv = M.rows(), rank = gradients.cols();
-  Matrix Q = identity(nv);
-  if (rank > 0) {
-    Vector tau(index(rank) + 1);
-    factor_qr(gradients, tau.data(), arena_);
-    form_q(gradients, rank, tau.data(), Q, arena_);
-  }
-  const ConstView T = Q.view().columns(rank, nv - rank);
-  return transpose_product(T, product(M, T));
+                                       t_, missing));
 }
 
 }  // namespace sfdae::core

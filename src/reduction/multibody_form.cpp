@@ -64,6 +64,12 @@ bool MultibodyForm::build_tangents(const MultibodyPoint& point, Tangents& tangen
   return same_rows_ ? fits : tangents.velocities.build(velocities_, point.velocity_rows(), arena) && fits;
 }
 
+bool MultibodyForm::fit_tangents(const MultibodyPoint& point, Tangents& tangents) const {
+  tangents.same_rows = same_rows_;
+  const bool fits = tangents.positions.fit(positions_, point.position_rows());
+  return same_rows_ ? fits : tangents.velocities.fit(velocities_, point.velocity_rows()) && fits;
+}
+
 void MultibodyForm::build(const MultibodyPoint& point, const MultibodyJacobian& jacobian, Arena& arena) {
   const int nq = sizes_.positions, nv = sizes_.velocities, r = velocities().rank;
   const Arena::Frame frame(arena);
@@ -120,6 +126,13 @@ void MultibodyForm::project(const double* qv, double* yz) const {
   multiply(1.0, Op::transposed, velocities().Q1(), qv + sizes_.positions, 0.0, yz + dq_);
 }
 
+void MultibodyForm::project(ConstView qv, View yz) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities, count = qv.cols;
+  multiply(1.0, Op::transposed, positions_.Q1(), Op::plain, qv.top(nq), 0.0, yz.top(dq_));
+  multiply(1.0, Op::transposed, velocities().Q1(), Op::plain, qv.block(nq, 0, nv, count), 0.0,
+           yz.block(dq_, 0, dv_, count));
+}
+
 void MultibodyForm::particular(const Tangents& tangents, const Residuals& residuals, double* qv, Arena& arena) const {
   const int nq = sizes_.positions, nc = sizes_.constraints();
   tangents.positions.correction(positions_, residuals.g, qv, arena);
@@ -130,34 +143,51 @@ void MultibodyForm::particular(const Tangents& tangents, const Residuals& residu
   tangents.of_velocities().correction(velocities(), velocity, qv + nq, arena);
 }
 
-void MultibodyForm::add_particular_rates(ConstView S, const double* qv, double* yz, Arena& arena) const {
+void MultibodyForm::moved_rates(const MultibodyPoint& point, const double* change, double* rates,
+                                Arena& arena) const {
   const int nq = sizes_.positions, nv = sizes_.velocities;
-  const double *dq = qv, *dv = qv + nq;
-  const Arena::Frame frame(arena);
-  double* rates = arena.take(index(nq));
+  const ConstView S = point.terms.S;
+  const double *dq = change, *dv = change + nq;
   if (S.rows == 0) {
-    std::copy_n(dv, nv, rates);
-  } else {
-    multiply(1.0, Op::plain, S, dv, 0.0, rates);
-    multiply(1.0, Op::plain, kinematics_q_, dq, 1.0, rates);
+    for (int k = 0; k < nv; ++k) rates[k] = point.v[index(k)] + dv[k];
+    return;
   }
-  multiply(1.0, Op::transposed, positions_.Q1(), rates, 1.0, yz);
-  multiply(1.0, Op::plain, A_q_, dq, 1.0, yz + dq_);
-  multiply(1.0, Op::plain, A_v_, dv, 1.0, yz + dq_);
+  const Arena::Frame frame(arena);
+  double* moved = arena.take(index(nv));
+  for (int k = 0; k < nv; ++k) moved[k] = point.v[index(k)] + dv[k];
+  multiply(1.0, Op::plain, S, moved, 0.0, rates);
+  multiply(1.0, Op::plain, kinematics_q_, dq, 1.0, rates);
 }
 
-void MultibodyForm::expand(const Tangents& tangents, const double* yz, double* qv, Arena& arena) const {
-  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints();
-  multiply(1.0, Op::plain, tangents.positions.T(), yz, 0.0, qv);
-  double* dv = qv + nq;
-  std::fill_n(dv, nv, 0.0);
-  if (has_velocity_q_) {
-    const Arena::Frame frame(arena);
-    double* velocity = arena.take(index(nc) + 1);
-    multiply(1.0, Op::plain, velocity_q_, qv, 0.0, velocity);
-    tangents.of_velocities().correction(velocities(), velocity, dv, arena);
-  }
-  multiply(1.0, Op::plain, tangents.of_velocities().T(), yz + dq_, 1.0, dv);
+void MultibodyForm::rates(ConstView rates, ConstView a, ConstView changes, View yz) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities, count = yz.cols;
+  const View z = yz.block(dq_, 0, dv_, count);
+  multiply(1.0, Op::transposed, positions_.Q1(), Op::plain, rates, 0.0, yz.top(dq_));
+  multiply(1.0, Op::transposed, velocities().Q1(), Op::plain, a, 0.0, z);
+  multiply(1.0, Op::plain, A_q_, Op::plain, changes.top(nq), 1.0, z);
+  multiply(1.0, Op::plain, A_v_, Op::plain, changes.block(nq, 0, nv, count), 1.0, z);
+}
+
+void MultibodyForm::expand(const Tangents* tangents, ConstView yz, View qv, Arena& arena) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), count = yz.cols;
+  const View dq = qv.top(nq), dv = qv.block(nq, 0, nv, count);
+  const Arena::Frame frame(arena);
+  const View velocity = arena.matrix(nc, count);
+  multiply(1.0, Op::plain, positions_.Q1(), Op::plain, yz.top(dq_), 0.0, dq);
+  multiply(1.0, Op::plain, velocities().Q1(), Op::plain, yz.block(dq_, 0, dv_, count), 0.0, dv);
+  for (int i = 0; i < count; ++i) tangents[i].positions.bend(positions_, nullptr, dq.column(i), arena);
+  if (has_velocity_q_) multiply(1.0, Op::plain, velocity_q_, Op::plain, dq, 0.0, velocity);
+  for (int i = 0; i < count; ++i)
+    tangents[i].of_velocities().bend(velocities(), has_velocity_q_ ? velocity.column(i) : nullptr, dv.column(i),
+                                     arena);
+}
+
+void MultibodyForm::expand(ConstView yz, View qv) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities, count = yz.cols;
+  const View dv = qv.block(nq, 0, nv, count);
+  multiply(1.0, Op::plain, tangents_.positions.T(), Op::plain, yz.top(dq_), 0.0, qv.top(nq));
+  multiply(1.0, Op::plain, tangents_.of_velocities().T(), Op::plain, yz.block(dq_, 0, dv_, count), 0.0, dv);
+  if (has_velocity_q_) multiply(1.0, Op::plain, Z_, Op::plain, yz.top(dq_), 1.0, dv);
 }
 
 }  // namespace sfdae::core

@@ -27,6 +27,7 @@ struct Tangents {
   Tangent positions, velocities;
   bool same_rows = false;
   const Tangent& of_velocities() const { return same_rows ? positions : velocities; }
+  Tangent& of_velocities() { return same_rows ? positions : velocities; }
   double turn() const { return same_rows ? positions.turn() : std::max(positions.turn(), velocities.turn()); }
 };
 
@@ -34,6 +35,8 @@ class MultibodyForm {
  public:
   // Room, and the ranks of g_q and C.
   void resize(const MultibodySizes& sizes, int position_rank, int velocity_rank);
+  // By which ranks are decided; 0: by rounding errors.
+  void set_rank_tol(double rank_tol) { positions_.rank_tol = velocities_.rank_tol = rank_tol; }
 
   int unknowns() const { return dq_ + dv_; }
   int position_unknowns() const { return dq_; }
@@ -51,7 +54,9 @@ class MultibodyForm {
   void judge(const MultibodyPoint& point, Arena& arena, int& row, double& rest) const;
   // T and N at a point; false if the partition does not fit it at all.
   bool build_tangents(const MultibodyPoint& point, Tangents& tangents, Arena& arena) const;
-  // The same for the point of the linearization.
+  // The same without T.
+  bool fit_tangents(const MultibodyPoint& point, Tangents& tangents) const;
+  // For the point of the linearization.
   bool build_tangents(const MultibodyPoint& point, Arena& arena) { return build_tangents(point, tangents_, arena); }
   // B, after build_tangents; point: K factored there, a and mu known.
   void build(const MultibodyPoint& point, const MultibodyJacobian& jacobian, Arena& arena);
@@ -66,16 +71,22 @@ class MultibodyForm {
   }
   // (y, z) of (q, v).
   void project(const double* qv, double* yz) const;
+  // The same for columns.
+  void project(ConstView qv, View yz) const;
   // dq, dv := -N (residuals), both residuals complete, N from some point nearby.
   struct Residuals {
     const double* g;
     const double* velocity;
   };
   void particular(const Tangents& tangents, const Residuals& residuals, double* qv, Arena& arena) const;
-  // rates := Q_q1^T S dv_p + Q_q1^T (S v)_q dq_p and Q_v1^T (a_q dq_p + a_v dv_p) for such changes
-  void add_particular_rates(ConstView S, const double* qv, double* yz, Arena& arena) const;
-  // qv := (T_q y, T_v z - N_v (C v + r)_q T_q y), T and N from some point nearby.
-  void expand(const Tangents& tangents, const double* yz, double* qv, Arena& arena) const;
+  // rates := S v + S dv + (S v)_q dq for such changes of q and v at the point
+  void moved_rates(const MultibodyPoint& point, const double* change, double* rates, Arena& arena) const;
+  // yz := Q_q1^T rates and Q_v1^T (a + a_q dq + a_v dv), a column for each point.
+  void rates(ConstView rates, ConstView a, ConstView changes, View yz) const;
+  // qv := (T_q y, T_v z - N_v (C v + r)_q T_q y), a column for each point; T and N from these points.
+  void expand(const Tangents* tangents, ConstView yz, View qv, Arena& arena) const;
+  // The same with T and N from the linearization.
+  void expand(ConstView yz, View qv) const;
 
  private:
   MultibodySizes sizes_;

@@ -32,37 +32,62 @@ struct Partition {
   Matrix Q;  // [Q2 Q1]
   int rank = 0;
   std::vector<int> rows;  // `rank` independent constraints come first
+  double rank_tol = 0.0;  // > 0: what counts as zero, rows being of unit length; 0: rounding errors
 };
 
 // Chooses directions, and as many independent rows as known_rank says; -1: as are found. Returns what is found.
 RankDecision choose_partition(const ConstraintRows& constraints, Coordinates coordinates, int known_rank,
                               Partition& partition, Arena& arena);
 
-// T and N for C at some point.
+// T and N for C at some point. Where there are few uses of them, T is not formed: T y = Q1 y - N C Q1 y.
 class Tangent {
  public:
   void resize(int directions, int constraints);
-  // False if C Q2 is singular.
-  bool build(const Partition& partition, const ConstraintRows& constraints, Arena& arena);
+  // Without T. False if C Q2 is singular.
+  bool fit(const Partition& partition, const ConstraintRows& constraints);
+  // T and E, after fit; false if they are not finite.
+  bool complete(const Partition& partition, Arena& arena);
+  bool build(const Partition& partition, const ConstraintRows& constraints, Arena& arena) {
+    return fit(partition, constraints) && complete(partition, arena);
+  }
+  bool is_complete() const { return is_complete_; }
+  // Once complete.
   ConstView T() const { return {T_.data(), T_.rows(), T_.rows() - rank_, std::max(T_.rows(), 1)}; }
+  // The independent rows in their units, row k times units()[k].
+  ConstView rows() const { return {C_.data(), rank_, T_.rows(), std::max(rank_, 1)}; }
+  const double* units() const { return units_.data(); }
+  // w := w - N (C w + b), b of all rows or none: T y - N b for w = Q1 y.
+  void bend(const Partition& partition, const double* b, double* w, Arena& arena) const;
   // w := -N b, b the independent ones of all residuals.
   void correction(const Partition& partition, const double* residuals, double* w, Arena& arena) const;
   // mu := the independent multipliers with Q2^T C^T mu = Q2^T force, the others zero.
   void multipliers(const Partition& partition, const double* force, double* mu, Arena& arena) const;
-  // max |E|: the tangent of the angle, about, by which C has turned since the choice.
+  // max |E|, once complete: the tangent of the angle, about, by which C has turned since the choice.
   double turn() const { return turn_; }
   double smallest_pivot() const { return pivot_; }
   // Of det C Q2.
   int sign() const { return sign_; }
+  // Of the constraints on the straight way from rows B at another point to C: how many combinations of them vanish,
+  // each once, which is where sB + (1 - s) C is singular on Q2, and the row that turns most.
+  struct Passage {
+    int count = 0;
+    int row = -1;
+  };
+  Passage passage_from(const Partition& partition, ConstView B, Arena& arena) const;
 
  private:
   bool invert(const Partition& partition, View C2);
   bool factor(View C2);
+  void gather(const Partition& partition, const double* residuals, double* b) const;
+  // w -= N b, rows of b in their units; b is overwritten.
+  void subtract(const Partition& partition, double* b, double* w) const;
 
   int rank_ = 0;
+  bool is_complete_ = false;
+  Matrix C_;  // independent rows in their units
   Matrix T_;
-  Matrix N_;   // n x rows, all rows, where there are few independent ones
-  Matrix lu_;  // (C Q2)^-1 then, else the factors of C Q2; rows in their units
+  Matrix N_;   // for these rows, where they are few
+  Matrix lu_;  // (C Q2)^-1 then, else the factors of C Q2
   std::vector<int> pivots_;
   std::vector<double> units_;
   double turn_ = 0.0, pivot_ = 1.0;

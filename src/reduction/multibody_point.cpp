@@ -37,9 +37,12 @@ double mean_length(ConstView a) {
 }
 
 bool is_diagonal(ConstView a) {
-  for (int j = 0; j < a.cols; ++j)
-    for (int i = 0; i < a.rows; ++i)
-      if (i != j && a(i, j) != 0.0) return false;
+  for (int j = 0; j < a.cols; ++j) {
+    const double* column = a.column(j);
+    int others = 0;  // counted without branches, as there are none as a rule
+    for (int i = 0; i < a.rows; ++i) others += column[i] != 0.0 ? 1 : 0;
+    if (others > (column[j] != 0.0 ? 1 : 0)) return false;
+  }
   return true;
 }
 
@@ -115,6 +118,41 @@ void MultibodyPoint::solve_accelerations(const std::vector<int>& rows, int rank)
   for (int k = 0; k < rank; ++k) mu[index(rows[index(k)])] = solution_[index(nv + k)];
 }
 
+bool MultibodyPoint::solve_by_masses(const Partition& partition, const Tangent& tangent, Arena& arena) {
+  // Beyond that C M^-1 C^T would be worse conditioned than K by too much.
+  constexpr double smallest_ratio = 1e-4;
+  const int nv = terms.M.rows(), r = partition.rank;
+  const ConstView M = terms.M, C = tangent.rows();
+  double least = M(0, 0), greatest = least;
+  for (int j = 1; j < nv; ++j) {
+    least = std::min(least, M(j, j));
+    greatest = std::max(greatest, M(j, j));
+  }
+  if (!(least > smallest_ratio * greatest) || !is_diagonal(M)) return false;
+  const Arena::Frame frame(arena);
+  double* inverse = arena.take(index(nv));
+  double* b = arena.take(index(r) + 1);
+  const View CM = arena.matrix(r, nv), reduced = arena.matrix(r, r);
+  int* pivots = arena.integers(r + 1);
+  for (int j = 0; j < nv; ++j) {
+    inverse[j] = 1.0 / M(j, j);
+    for (int k = 0; k < r; ++k) CM(k, j) = C(k, j) * inverse[j];
+  }
+  std::copy_n(terms.f.data(), nv, a.data());
+  std::fill(mu.begin(), mu.end(), 0.0);
+  if (r > 0) {
+    for (int k = 0; k < r; ++k) b[k] = tangent.units()[k] * terms.acceleration_rest[index(partition.rows[index(k)])];
+    multiply(1.0, Op::plain, CM, terms.f.data(), 1.0, b);
+    multiply(1.0, Op::plain, CM, Op::transposed, C, 0.0, reduced);
+    if (!factor_lu(reduced, pivots)) return false;
+    solve_lu(reduced, pivots, b);
+    multiply(-1.0, Op::transposed, C, b, 1.0, a.data());
+    for (int k = 0; k < r; ++k) mu[index(partition.rows[index(k)])] = tangent.units()[k] * b[k];
+  }
+  for (int j = 0; j < nv; ++j) a[index(j)] *= inverse[j];
+  return true;
+}
+
 bool MultibodyPoint::solve_along(const Partition& partition, const Tangent& tangent, Arena& arena) {
   const int nv = terms.M.rows(), d = nv - partition.rank;
   const ConstView T = tangent.T();
@@ -138,6 +176,10 @@ bool MultibodyPoint::solve_along(const Partition& partition, const Tangent& tang
 }
 
 void MultibodyPoint::solve(double* yz) const {
+  if (order_ > 0) solve_lu(ConstView{K_.data(), order_, order_, order_}, pivots_.data(), yz);
+}
+
+void MultibodyPoint::solve(View yz) const {
   if (order_ > 0) solve_lu(ConstView{K_.data(), order_, order_, order_}, pivots_.data(), yz);
 }
 

@@ -26,6 +26,7 @@ class MultibodyPoint {
   // Of the rows of g and of C v + r: the lengths of their gradients, S not taken for smaller than it is.
   std::vector<double> position_units, velocity_units;
 
+  MultibodyMotion motion() const { return {t, q.data(), v.data(), a.data(), mu.data()}; }
   void set(double new_t, const double* new_q, const double* new_v);
   ConstraintRows position_rows() const { return {terms.g_q.view(), position_units.data()}; }
   ConstraintRows velocity_rows() const { return {terms.C.view(), velocity_units.data()}; }
@@ -39,11 +40,15 @@ class MultibodyPoint {
   bool factor(const std::vector<int>& rows, int rank);
   // a and mu from terms.
   void solve_accelerations(const std::vector<int>& rows, int rank);
+  // The same for a diagonal mass of positive entries that do not differ too much: (C M^-1 C^T) mu = C M^-1 f + s.
+  // False if it is none, or that matrix is singular.
+  bool solve_by_masses(const Partition& partition, const Tangent& tangent, Arena& arena);
   // The same without K: a = T y - N s with T^T M T y = T^T (f + M N s), which is cheaper where few directions are
   // free. False if T^T M T is singular.
   bool solve_along(const Partition& partition, const Tangent& tangent, Arena& arena);
   // (y; z) := K^-1 (y; z)
   void solve(double* yz) const;
+  void solve(View yz) const;
   void solve_transposed(View yz) const;
   int order() const { return order_; }
   // mu of least norm with the same C^T mu.

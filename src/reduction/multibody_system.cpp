@@ -47,15 +47,15 @@ MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Traits& traits
     throw Failure(SFDAE_SINGULAR, format("[M C^T; C 0] is singular at t = %.15g.", t_));
 }
 
-MultibodySystem::MultibodySystem(MultibodyProblem& problem, Coordinates coordinates, Archive& saved)
-    : problem_(problem), sizes_(problem.sizes()) {
-  traits_.coordinates = coordinates;
+MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Traits& traits, Archive& saved)
+    : problem_(problem), sizes_(problem.sizes()), traits_(traits) {
   archive(saved);
 }
 
 void MultibodySystem::resize() {
   const std::size_t d = index(analysis_.values.d), size = index(leading_size());
   form_.resize(sizes_, traits_.ranks.positions, traits_.ranks.velocities);
+  form_.set_rank_tol(traits_.rank_tol);
   jacobian_ = MultibodyJacobian(sizes_);
   // Operations of both ways, about.
   constexpr double worthwhile = 1.2;
@@ -121,11 +121,18 @@ PointStatus MultibodySystem::evaluate(MultibodyPoint& point) {
   return PointStatus::ok;
 }
 
-PointStatus MultibodySystem::accelerate(MultibodyPoint& point, const Tangents& tangents) {
+PointStatus MultibodySystem::accelerate(MultibodyPoint& point, Tangents& tangents) {
+  // Below, C M^-1 C^T is too badly conditioned, as its condition is the square of that of C.
+  constexpr double well_posed = 1e-2;
   ++factorizations_;
   const Partition& partition = form_.velocities();
-  if (along_tangents_)
-    return point.solve_along(partition, tangents.of_velocities(), arena_) ? PointStatus::ok : PointStatus::singular;
+  Tangent& tangent = tangents.of_velocities();
+  if (tangent.smallest_pivot() > well_posed && point.solve_by_masses(partition, tangent, arena_))
+    return PointStatus::ok;
+  if (along_tangents_) {
+    if (!tangent.is_complete()) tangent.complete(partition, arena_);
+    return point.solve_along(partition, tangent, arena_) ? PointStatus::ok : PointStatus::singular;
+  }
   if (!point.factor(partition.rows, partition.rank)) return PointStatus::singular;
   point.solve_accelerations(partition.rows, partition.rank);
   return PointStatus::ok;
@@ -198,37 +205,57 @@ PointStatus MultibodySystem::settle(MultibodyPoint& point) {
 }
 
 // After a step: det C Q2 changes its sign where a configuration is singular, unless the constraints have turned too
-// far from the partition for that to mean anything.
+// far from the partition for that to mean anything. Where two mechanisms are singular at once, the sign stays: what
+// tells then is the way of all constraints from the point accepted last.
 PointStatus MultibodySystem::look_at(const MultibodyPoint& point) {
   const bool has_turned = end_tangents_.turn() > largest_turn();
   if (has_turned) is_slow_ = true;
   end_orientation_ = orientation_of(end_tangents_);
-  if (end_orientation_ == orientation_) return PointStatus::ok;
+  const Passage passage = passage_of_step();
+  if (end_orientation_ == orientation_ && passage.positions.count + passage.velocities.count == 0)
+    return PointStatus::ok;
   if (has_turned && std::fabs(point.t - accepted_.t) > 1e-6 * std::fabs(accepted_.t) && !has_changed_) {
     is_linearized_ = false;
     return PointStatus::not_converged;
   }
-  note_change(point);
+  note_change(point, passage);
   return PointStatus::changed;
 }
 
-// Which constraint vanishes, in the units of its gradient, relative to the others.
-void MultibodySystem::note_change(const MultibodyPoint& point) {
+// From the point accepted last to the end of the step.
+MultibodySystem::Passage MultibodySystem::passage_of_step() {
+  Passage passage;
+  passage.positions =
+      end_tangents_.positions.passage_from(form_.positions(), accepted_.position_rows().matrix, arena_);
+  passage.velocities = form_.tangents().same_rows
+                           ? passage.positions
+                           : end_tangents_.velocities.passage_from(form_.velocities(), accepted_.terms.C, arena_);
+  return passage;
+}
+
+// Which constraint vanishes, in the units of its gradient, relative to the others, or altogether.
+void MultibodySystem::note_change(const MultibodyPoint& point, const Passage& passage) {
+  constexpr double independent = 0.1;
   has_changed_ = true;
   form_.judge(point, arena_, vanishing_row_, vanishing_value_);
+  if (vanishing_value_ > independent) {
+    vanishing_value_ = 0.0;
+    if (passage.velocities.row >= 0) vanishing_row_ = passage.velocities.row;
+  }
   changed_ranks_ = traits_.ranks;
-  if (end_orientation_.velocities != orientation_.velocities) --changed_ranks_.velocities;
-  if (end_orientation_.positions != orientation_.positions) --changed_ranks_.positions;
+  const auto lost = [](bool has_turned_over, int count) { return std::max(count, has_turned_over ? 1 : 0); };
+  changed_ranks_.velocities -= lost(end_orientation_.velocities != orientation_.velocities, passage.velocities.count);
+  changed_ranks_.positions -= lost(end_orientation_.positions != orientation_.positions, passage.positions.count);
 }
 
 std::string MultibodySystem::about_change() const {
   if (!has_changed_) return {};
   const bool is_holonomic = vanishing_row_ < sizes_.holonomic;
-  return format(
-      " The configuration is singular: the gradient of %s constraint %d depends on those of the others, with "
-      "singular value %.2g.",
-      is_holonomic ? "holonomic" : "nonholonomic", is_holonomic ? vanishing_row_ : vanishing_row_ - sizes_.holonomic,
-      vanishing_value_);
+  const std::string gradient = format(" The configuration is singular: the gradient of %s constraint %d ",
+                                      is_holonomic ? "holonomic" : "nonholonomic",
+                                      is_holonomic ? vanishing_row_ : vanishing_row_ - sizes_.holonomic);
+  if (vanishing_value_ == 0.0) return gradient + "vanishes.";
+  return gradient + format("depends on those of the others, with singular value %.2g.", vanishing_value_);
 }
 
 // Constraints that follow from others hold with them, or there is no solution.

@@ -36,12 +36,13 @@ class MultibodySystem final : public DaeSystem {
   struct Traits {
     MultibodyRanks ranks;
     Coordinates coordinates = Coordinates::orthogonal;
+    double rank_tol = 0.0;  // by which the ranks were decided; 0: by rounding errors
   };
   // At consistent q and v. Throws Failure.
   MultibodySystem(MultibodyProblem& problem, const Traits& traits, IndexAnalysis analysis, const double* q,
                   const double* v);
-  // As it was when it was archived. Throws DamagedArchive.
-  MultibodySystem(MultibodyProblem& problem, Coordinates coordinates, Archive& archive);
+  // As it was when it was archived, ranks included. Throws DamagedArchive.
+  MultibodySystem(MultibodyProblem& problem, const Traits& traits, Archive& archive);
 
   int equations() const override { return unknowns(); }
   int unknowns() const override { return sizes_.unknowns(); }
@@ -76,6 +77,8 @@ class MultibodySystem final : public DaeSystem {
   void leading(const double* x, double* w) override { std::copy_n(x, leading_size(), w); }
   int guess_order() const override { return 0; }
   PointStatus solve(const StepEquations& equations, double* x) override;
+  double work_of_stages(int s) const override;
+  void correct_slopes(double* wdot, double* xdot) override;
   PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
   using StrangenessFreeSystem::error_in_x;
   void error_in_x(const double* dw, int count, double* dx) override;
@@ -102,7 +105,7 @@ class MultibodySystem final : public DaeSystem {
 
  private:
   // Errors of the iteration in units of the tolerance.
-  static constexpr double newton_tolerance = 0.02;
+  static constexpr double newton_tolerance = 0.003;
 
   // What is solved for s points together: D_h w_i = sum_j D_ij (w_j - w) / h, or c w + w_rest where there is no
   // method.
@@ -119,6 +122,11 @@ class MultibodySystem final : public DaeSystem {
     bool operator==(const Orientation&) const = default;
   };
 
+  // Of the constraints on both levels.
+  struct Passage {
+    Tangent::Passage positions, velocities;
+  };
+
   static Orientation orientation_of(const Tangents& tangents) {
     return {tangents.positions.sign(), tangents.of_velocities().sign()};
   }
@@ -127,18 +135,19 @@ class MultibodySystem final : public DaeSystem {
   double* stage(int i) { return stage_qv_.data() + static_cast<std::ptrdiff_t>(i) * leading_size(); }
   PointStatus evaluate(MultibodyPoint& point);
   // The same where terms and tangents are known.
-  PointStatus accelerate(MultibodyPoint& point, const Tangents& tangents);
+  PointStatus accelerate(MultibodyPoint& point, Tangents& tangents);
   PointStatus linearize(double t, const double* qv);
   PointStatus choose_partition();
   void measure_noise();
   void measure_noise_of_step();
   bool factor_step_matrices(const Task& task);
-  PointStatus read_stage(const Task& task, int i);
-  void add_slopes(const Task& task);
+  PointStatus read_stage(const Task& task, int i, bool is_first);
+  void complete_residuals(const Task& task);
   PointStatus iterate(const Task& task);
   bool has_converged(int iteration, double norm, double before);
+  void judge_linearization(int s, int iterations);
   double change_norm(const Task& task, const double* change) const;
-  void error_of_forces(double* yz, double* dmu);
+  void error_of_forces(View yz, View dmu);
   PointStatus solve_points(const Task& task, const double* guess);
   PointStatus project_positions(MultibodyPoint& point);
   PointStatus settle(MultibodyPoint& point);
@@ -146,7 +155,8 @@ class MultibodySystem final : public DaeSystem {
   void read_inconsistency(const MultibodyPoint& point);
   const MultibodyPoint& point_at(const double* x);
   double largest_turn() const;
-  void note_change(const MultibodyPoint& point);
+  Passage passage_of_step();
+  void note_change(const MultibodyPoint& point, const Passage& passage);
   void rebuild(bool has_linearization, double c, double rate);
   bool is_hopeless(PointStatus status) const;
   bool difference_of_forces(const MultibodyPoint& point, double* mudot);
@@ -163,10 +173,14 @@ class MultibodySystem final : public DaeSystem {
   MultibodyForm form_;
   MultibodyJacobian jacobian_;
   MultibodyPoint linearized_, work_, end_, accepted_;
-  MultibodyPoint chosen_;  // where the partition is from: its t, q and v
+  MultibodyPoint chosen_;    // where the partition is from: its t, q and v
   bool is_end_new_ = false;  // end_ is that of a step, or a start, not accepted yet
   bool is_linearized_ = false, is_slow_ = false;
   double rate_ = 1.0;
+  bool is_fresh_ = false;  // no step has been solved with the linearization
+  // Of the last steps: with new linearizations, and with those of steps before.
+  int fresh_iterations_ = 0, kept_iterations_ = 0;
+  int fresh_in_a_row_ = 0;
   Tangents end_tangents_;
   std::vector<Tangents> stage_tangents_;
   Orientation orientation_, end_orientation_;
@@ -180,7 +194,8 @@ class MultibodySystem final : public DaeSystem {
   TransformedStages transformed_;
 
   std::vector<double> times_;
-  std::vector<double> stage_qv_, stage_particular_, stage_mu_, stage_moves_, stage_r_, stage_z_;
+  std::vector<double> stage_qv_, stage_particular_, stage_changes_, stage_mu_, stage_moves_, stage_r_, stage_z_;
+  std::vector<double> stage_rates_, stage_a_;
   std::vector<double> change_, residuals_;
   std::vector<double> inverse_weights_;  // those of the last step, 0 before the first
   // What rounding errors do to changes of q and v: apart from those of accelerations, with them; and those, in (y,

@@ -135,6 +135,7 @@ void MultibodySystem::archive(Archive& archive) {
   bool has_matrix = matrix_valid_, has_linearization = is_linearized_;
   archive.small(ranks.positions, ranks.velocities, analysis_.rank_E, has_matrix, has_linearization, is_slow_,
                 orientation_.positions, orientation_.velocities);
+  archive.small(is_fresh_, fresh_iterations_, kept_iterations_, fresh_in_a_row_);
   long unused = 0;
   archive.counts(partitions_, unused);
   for (double* value : {&analysis_.t, &rate_, &matrix_c_}) archive.real(*value);
@@ -163,7 +164,7 @@ void MultibodySystem::archive(Archive& archive) {
 // The partition and the linearization as they were. c != 0: steps that differ from it by rounding are taken with this
 // very matrix.
 void MultibodySystem::rebuild(bool has_linearization, double c, double rate) {
-  const bool was_slow = is_slow_;
+  const bool was_slow = is_slow_, was_fresh = is_fresh_;
   const MultibodyPoint where = linearized_;
   t_ = accepted_.t;
   trouble_ = problem_.at_velocity(t_, accepted_.q.data(), accepted_.v.data(), accepted_.terms);
@@ -184,6 +185,7 @@ void MultibodySystem::rebuild(bool has_linearization, double c, double rate) {
   if (linearize(where.t, change_.data()) != PointStatus::ok) throw DamagedArchive();
   is_linearized_ = has_linearization;
   is_slow_ = was_slow;
+  is_fresh_ = was_fresh;
   rate_ = rate;
   matrix_valid_ = false;
   if (c == 0.0) return;

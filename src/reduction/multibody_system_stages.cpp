@@ -37,7 +37,9 @@ void MultibodySystem::resize_stages(int s) {
   };
   while (stage_tangents_.size() < stages) form_.resize_tangents(stage_tangents_.emplace_back());
   grow(times_, stages);
-  for (auto* values : {&stage_qv_, &stage_particular_}) grow(*values, stages * size);
+  for (auto* values : {&stage_qv_, &stage_particular_, &stage_changes_}) grow(*values, stages * size);
+  grow(stage_rates_, stages * index(sizes_.positions));
+  grow(stage_a_, stages * index(sizes_.velocities));
   grow(stage_mu_, stages * nc);
   for (auto* values : {&stage_moves_, &stage_r_, &stage_z_}) grow(*values, stages * d);
 }
@@ -56,14 +58,13 @@ PointStatus MultibodySystem::linearize(double t, const double* qv) {
   }
   if (!linearized_.factor(form_.velocities().rows, traits_.ranks.velocities)) return PointStatus::singular;
   linearized_.solve_accelerations(form_.velocities().rows, traits_.ranks.velocities);
-  trouble_ = problem_.linearize(t, linearized_.q.data(), linearized_.v.data(), linearized_.a.data(),
-                                linearized_.mu.data(), linearized_.terms, jacobian_);
+  trouble_ = problem_.linearize(linearized_.motion(), linearized_.terms, jacobian_);
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
   form_.build(linearized_, jacobian_, arena_);
   measure_noise();
   ++reductions_;
   ++factorizations_;
-  is_linearized_ = true;
+  is_linearized_ = is_fresh_ = true;
   rate_ = 1.0;
   return PointStatus::ok;
 }
@@ -114,7 +115,8 @@ void MultibodySystem::measure_noise() {
   for (int k = 0; k < nq; ++k) rates[k] = sign(k) * std::fabs(point.q[index(k)]);
   for (int k = 0; k < nv; ++k) rates[nq + k] = sign(k) * std::fabs(point.v[index(k)]);
   form_.project(rates, yz);
-  form_.expand(form_.tangents(), yz, change_.data(), arena_);
+  const int d = differential(), ld = std::max(d, 1);
+  form_.expand(ConstView{yz, d, 1, ld}, View{change_.data(), nq + nv, 1, nq + nv});
   for (int k = 0; k < nq + nv; ++k)
     noise_at_rest_[index(k)] =
         std::fabs(noise_at_rest_[index(k)]) + std::fabs(change_[index(k)]) + std::fabs(rates[k]);
@@ -127,7 +129,7 @@ void MultibodySystem::measure_noise_of_step() {
   double* yz = arena_.take(index(d) + 1);
   std::copy_n(noise_of_rates_.data(), d, yz);
   solve_lu(ConstView{matrix_.data(), d, d, std::max(d, 1)}, matrix_pivots_.data(), yz);
-  form_.expand(form_.tangents(), yz, noise_.data(), arena_);
+  form_.expand(ConstView{yz, d, 1, std::max(d, 1)}, View{noise_.data(), leading_size(), 1, leading_size()});
   for (int k = 0; k < leading_size(); ++k)
     noise_[index(k)] = samples * (std::fabs(noise_[index(k)]) + noise_at_rest_[index(k)]);
 }
@@ -150,44 +152,44 @@ bool MultibodySystem::factor_step_matrices(const Task& task) {
 }
 
 // Right-hand side of stage i but for slopes, and its particular change.
-PointStatus MultibodySystem::read_stage(const Task& task, int i) {
+PointStatus MultibodySystem::read_stage(const Task& task, int i, bool is_first) {
   const int nq = sizes_.positions, size = leading_size(), d = differential(), nc = sizes_.constraints();
   const double* qv = stage(i);
   work_.set(times_[index(i)], qv, qv + nq);
   trouble_ = problem_.at_velocity(work_.t, work_.q.data(), work_.v.data(), work_.terms);
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
-  work_.measure_rows();
+  // Rows are about as long as at the linearization.
+  work_.position_units = linearized_.position_units;
+  work_.velocity_units = linearized_.velocity_units;
   Tangents& tangents = stage_tangents_[index(i)];
-  if (!form_.build_tangents(work_, tangents, arena_)) return PointStatus::singular;
+  if (!form_.fit_tangents(work_, tangents)) return PointStatus::singular;
   const PointStatus status = accelerate(work_, tangents);
   if (status != PointStatus::ok) return status;
   std::copy_n(work_.mu.data(), nc, stage_mu_.data() + static_cast<std::ptrdiff_t>(i) * nc);
   double* particular = stage_particular_.data() + static_cast<std::ptrdiff_t>(i) * size;
-  double* r = stage_r_.data() + static_cast<std::ptrdiff_t>(i) * d;
-  const Arena::Frame frame(arena_);
-  double* rates = arena_.take(index(size));
-  work_.rates(rates);
-  std::copy(work_.a.begin(), work_.a.end(), rates + nq);
-  form_.project(rates, r);
   work_.velocity_residuals(residuals_.data());
   form_.particular(tangents, {work_.terms.g.data(), residuals_.data()}, particular, arena_);
-  form_.add_particular_rates(work_.terms.S, particular, r, arena_);
-  double* move = stage_moves_.data() + static_cast<std::ptrdiff_t>(i) * d;
-  for (int k = 0; k < size; ++k) rates[k] = task.method != nullptr ? qv[k] - task.w[k] : task.c * qv[k] + task.w[k];
-  form_.project(rates, move);
+  form_.moved_rates(work_, particular, stage_rates_.data() + static_cast<std::ptrdiff_t>(i) * nq, arena_);
+  std::copy(work_.a.begin(), work_.a.end(), stage_a_.begin() + static_cast<std::ptrdiff_t>(i) * sizes_.velocities);
+  if (!is_first) return PointStatus::ok;
+  for (int k = 0; k < size; ++k)
+    change_[index(k)] = task.method != nullptr ? qv[k] - task.w[k] : task.c * qv[k] + task.w[k];
+  form_.project(change_.data(), stage_moves_.data() + static_cast<std::ptrdiff_t>(i) * d);
   return PointStatus::ok;
 }
 
-// r := r - Q1^T D_h w
-void MultibodySystem::add_slopes(const Task& task) {
-  const int d = differential(), s = task.s;
-  for (int i = 0; i < s; ++i)
-    for (int j = 0; j < s; ++j) {
-      const double weight = task.method != nullptr ? task.method->D_at(i, j) / task.h : 1.0;
-      const double* move = stage_moves_.data() + static_cast<std::ptrdiff_t>(j) * d;
-      double* r = stage_r_.data() + static_cast<std::ptrdiff_t>(i) * d;
-      for (int k = 0; k < d; ++k) r[k] -= weight * move[k];
-    }
+// r := Q1^T (q', v') - Q1^T D_h w
+void MultibodySystem::complete_residuals(const Task& task) {
+  const int d = differential(), ld = std::max(d, 1), s = task.s, size = leading_size(), nq = sizes_.positions,
+            nv = sizes_.velocities;
+  const View r{stage_r_.data(), d, s, ld};
+  form_.rates({stage_rates_.data(), nq, s, nq}, {stage_a_.data(), nv, s, nv},
+              {stage_particular_.data(), size, s, size}, r);
+  if (task.method != nullptr)
+    multiply(-1.0 / task.h, Op::plain, ConstView{stage_moves_.data(), d, s, ld}, Op::transposed,
+             ConstView{task.method->D.data(), s, s, s}, 1.0, r);
+  else
+    for (int k = 0; k < d; ++k) r.data[k] -= stage_moves_[index(k)];
 }
 
 PointStatus MultibodySystem::iterate(const Task& task) {
@@ -200,10 +202,10 @@ PointStatus MultibodySystem::iterate(const Task& task) {
   is_slow_ = false;
   for (int iteration = 0; iteration < most; ++iteration) {
     for (int i = 0; i < s; ++i) {
-      const PointStatus status = read_stage(task, i);
+      const PointStatus status = read_stage(task, i, iteration == 0);
       if (status != PointStatus::ok) return status;
     }
-    add_slopes(task);
+    complete_residuals(task);
     const View r{stage_r_.data(), d, s, ld}, z{stage_z_.data(), d, s, ld};
     if (task.method != nullptr) {
       transformed_.solve(*task.method, lu, matrix_pivots_.data(), r, z, arena_);
@@ -211,19 +213,22 @@ PointStatus MultibodySystem::iterate(const Task& task) {
       std::copy_n(r.data, d, z.data);
       solve_lu(lu, matrix_pivots_.data(), z.data);
     }
+    // As Q1^T p = 0 the changes of Q1^T q and Q1^T v are known.
+    const double rate_of_moves = task.method != nullptr ? 1.0 : task.c;
+    for (int k = 0; k < s * d; ++k) stage_moves_[index(k)] += rate_of_moves * stage_z_[index(k)];
+    form_.expand(stage_tangents_.data(), z, {stage_changes_.data(), size, s, size}, arena_);
     double norm = 0.0;
-    for (int i = 0; i < s; ++i) {
-      double* qv = stage(i);
-      const double* particular = stage_particular_.data() + static_cast<std::ptrdiff_t>(i) * size;
-      form_.expand(stage_tangents_[index(i)], z.column(i), change_.data(), arena_);
-      for (int k = 0; k < size; ++k) {
-        change_[index(k)] += particular[k];
-        qv[k] += change_[index(k)];
-      }
-      norm = std::max(norm, change_norm(task, change_.data()));
+    for (int k = 0; k < s * size; ++k) {
+      stage_changes_[index(k)] += stage_particular_[index(k)];
+      stage_qv_[index(k)] += stage_changes_[index(k)];
     }
+    for (int i = 0; i < s; ++i)
+      norm = std::max(norm, change_norm(task, stage_changes_.data() + static_cast<std::ptrdiff_t>(i) * size));
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    if (has_converged(iteration, norm, before)) return PointStatus::ok;
+    if (has_converged(iteration, norm, before)) {
+      judge_linearization(s, iteration + 1);
+      return PointStatus::ok;
+    }
     if (iteration > 1 && norm > slowest * before) return PointStatus::not_converged;
     before = norm;
   }
@@ -251,6 +256,24 @@ bool MultibodySystem::has_converged(int iteration, double norm, double before) {
   if (iteration > 1 && norm <= 0.1 * newton_tolerance) return true;
   if (iteration > 0 && rate_ >= 1.0) return false;
   return rate / (1.0 - rate) * norm <= newton_tolerance || norm <= negligible;
+}
+
+// A new linearization for the next step pays if it saves enough iterations; how many it needs, and how many more the one
+// of the step before, is known from the steps taken last.
+void MultibodySystem::judge_linearization(int s, int iterations) {
+  // Every so often one is kept to see.
+  constexpr int most_in_a_row = 10;
+  // In evaluations of one stage, measured: the linear algebra of its own grows faster than theirs.
+  const double cost = 2.0 + differential() / 8.0;
+  if (is_fresh_) {
+    fresh_iterations_ = iterations;
+    if (fresh_in_a_row_ < most_in_a_row) ++fresh_in_a_row_;
+    else fresh_in_a_row_ = kept_iterations_ = 0;
+  } else {
+    kept_iterations_ = iterations;
+  }
+  is_fresh_ = false;
+  if (s * (kept_iterations_ - fresh_iterations_) >= cost) is_slow_ = true;
 }
 
 bool MultibodySystem::is_hopeless(PointStatus status) const {
@@ -303,6 +326,16 @@ PointStatus MultibodySystem::solve(const StepEquations& equations, double* x) {
   return PointStatus::ok;
 }
 
+// In floating-point operations: evaluations, what is done once a step as if it were some more of them, and the factors
+// of the decoupled systems, a real one and (s - 1) / 2 complex ones.
+double MultibodySystem::work_of_stages(int s) const {
+  // Measured on the pendulum, where there is hardly anything else, and from all problems of the test set.
+  constexpr double overhead = 2000.0, iterations = 3.0, once = 8.0;
+  const double n = leading_size(), r = traits_.ranks.velocities, d = differential();
+  const double evaluation = overhead + 4.0 * n * r * r + 8.0 * n * n, systems = 2.0 * s - 1.0;
+  return (iterations * s + once) * evaluation + systems * (2.0 / 3.0 * d * d * d + 2.0 * iterations * d * d);
+}
+
 PointStatus MultibodySystem::solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) {
   const int s = equations.method.s, n = unknowns(), size = leading_size(), nc = sizes_.constraints();
   const double h = equations.t_end - equations.t;
@@ -326,44 +359,53 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
   return PointStatus::ok;
 }
 
+// Along Q2, g_q q' + g_t = 0 and C v' + s = 0; directions in Q1 of later partitions may be among them.
+void MultibodySystem::correct_slopes(double* wdot, double* xdot) {
+  const MultibodyTerms& terms = end_.terms;
+  end_tangents_.positions.bend(form_.positions(), terms.velocity_rest.data(), wdot, arena_);
+  end_tangents_.of_velocities().bend(form_.velocities(), terms.acceleration_rest.data(), wdot + sizes_.positions,
+                                     arena_);
+  std::copy_n(wdot, leading_size(), xdot);
+}
+
 void MultibodySystem::error_in_x(const double* dw, int count, double* dx) {
-  const int n = unknowns(), size = leading_size();
+  const int n = unknowns(), size = leading_size(), d = differential();
   const Arena::Frame frame(arena_);
-  double* yz = arena_.take(index(differential()) + 1);
-  for (int j = 0; j < count; ++j) {
-    double* to = dx + static_cast<std::ptrdiff_t>(j) * n;
-    form_.project(dw + static_cast<std::ptrdiff_t>(j) * size, yz);
-    form_.expand(form_.tangents(), yz, to, arena_);
-    error_of_forces(yz, to + size);
-  }
+  const View yz = arena_.matrix(d, count), to{dx, n, count, n};
+  form_.project(ConstView{dw, size, count, size}, yz);
+  form_.expand(yz, to.top(size));
+  error_of_forces(yz, to.block(size, 0, sizes_.constraints(), count));
 }
 
 // K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv), with (I - B / c)^-1 yz in place of yz:
 // what is stiff over the step has hardly any error, but mu depends on it very much. yz is overwritten.
-void MultibodySystem::error_of_forces(double* yz, double* dmu) {
+void MultibodySystem::error_of_forces(View yz, View dmu) {
   const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), d = differential(),
-            r = traits_.ranks.velocities;
+            r = traits_.ranks.velocities, count = yz.cols;
   const std::vector<int>& rows = form_.velocities().rows;
-  std::fill_n(dmu, nc, 0.0);
+  fill(dmu, 0.0);
   if (r == 0 || d == 0) return;
   const Arena::Frame frame(arena_);
-  double* dqv = arena_.take(index(leading_size()));
-  double* forces = arena_.take(index(nv + nc));
-  double* rest = arena_.take(index(nc));
+  const View dqv = arena_.matrix(leading_size(), count), forces = arena_.matrix(nv + r, count),
+             rest = arena_.matrix(nc, count);
   if (matrix_valid_) {
     solve_lu(ConstView{matrix_.data(), d, d, d}, matrix_pivots_.data(), yz);
-    for (int k = 0; k < d; ++k) yz[k] *= matrix_c_;
+    for (int j = 0; j < count; ++j)
+      for (int k = 0; k < d; ++k) yz(k, j) *= matrix_c_;
   }
-  form_.expand(form_.tangents(), yz, dqv, arena_);
-  multiply(1.0, Op::plain, jacobian_.force_q, dqv, 0.0, forces);
-  multiply(1.0, Op::plain, jacobian_.force_v, dqv + nq, 1.0, forces);
-  multiply(-1.0, Op::plain, jacobian_.acceleration_q, dqv, 0.0, rest);
-  multiply(-1.0, Op::plain, jacobian_.acceleration_v, dqv + nq, 1.0, rest);
-  for (int k = 0; k < r; ++k) forces[nv + k] = rest[rows[index(k)]];
+  form_.expand(yz, dqv);
+  const View dq = dqv.top(nq), dv = dqv.block(nq, 0, nv, count);
+  multiply(1.0, Op::plain, jacobian_.force_q, Op::plain, dq, 0.0, forces.top(nv));
+  multiply(1.0, Op::plain, jacobian_.force_v, Op::plain, dv, 1.0, forces.top(nv));
+  multiply(-1.0, Op::plain, jacobian_.acceleration_q, Op::plain, dq, 0.0, rest);
+  multiply(-1.0, Op::plain, jacobian_.acceleration_v, Op::plain, dv, 1.0, rest);
+  for (int j = 0; j < count; ++j)
+    for (int k = 0; k < r; ++k) forces(nv + k, j) = rest(rows[index(k)], j);
   linearized_.solve(forces);
-  for (int k = 0; k < r; ++k) dmu[rows[index(k)]] = forces[nv + k];
+  for (int j = 0; j < count; ++j)
+    for (int k = 0; k < r; ++k) dmu(rows[index(k)], j) = forces(nv + k, j);
   // As mu itself: with other units of the constraints the part that does not matter may be by far the largest.
-  linearized_.shorten(form_.velocities(), dmu, arena_);
+  for (int j = 0; j < count; ++j) linearized_.shorten(form_.velocities(), dmu.column(j), arena_);
 }
 
 }  // namespace sfdae::core

@@ -14,7 +14,9 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 // Linearizations are renewed, and characteristic values checked, after this many points at the latest.
 constexpr int oldest = 10;
@@ -86,8 +88,7 @@ PointStatus NonlinearSystem::move_to(double t) {
 void NonlinearSystem::interpolate_jet(double t) {
   const double span = accepted_.t - before_.t;
   const double weight = span != 0.0 ? (t - before_.t) / span : 1.0;
-  for (std::size_t i = 0; i < jet_.x.size(); ++i)
-    jet_.x[i] = before_.x[i] + weight * (accepted_.x[i] - before_.x[i]);
+  for (std::size_t i = 0; i < jet_.x.size(); ++i) jet_.x[i] = before_.x[i] + weight * (accepted_.x[i] - before_.x[i]);
   jet_.t = t;
 }
 
@@ -136,7 +137,9 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
                   format("the prescribed components do not determine the free part of the solution at t = %.15g: "
                          "choose others.",
                          jet.t));
-  const bool same = has_constraints && ranks.d == values.d && (!judged || stages_rise(judge.ranks(), mu, std::min(data_.m, data_.n)));
+  const bool is_plausible =
+      !judged || !data_.differentiations.empty() || stages_rise(judge.ranks(), mu, std::min(data_.m, data_.n));
+  const bool same = has_constraints && ranks.d == values.d && is_plausible;
   if (same) {
     is_linearized_ = true;
     ranks_ = judge.ranks();
@@ -145,17 +148,19 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   }
   if (!judged) return PointStatus::changed;
   // The cheap estimate of the noise may be too large or too small.
-  if (const std::optional<RankList> found = matching_ranks(data_, mu, analysis_, settings_.rank_tol, {arena_, reading_form_})) {
+  if (const std::optional<RankList> found =
+          matching_ranks(data_, mu, analysis_, settings_.rank_tol, {arena_, reading_form_})) {
     ranks_ = *found;
     return renew(jet, false);
   }
   JetCoefficients source(problem_, jet, column_scale_);
-  if (ranks_.count == 0 || !known_values_hold(source, jet.t, settings_, analysis_, arena_)) return PointStatus::changed;
+  if (ranks_.count == 0 || !known_values_hold(source, jet.t, settings_, analysis_, arena_))
+    return PointStatus::changed;
   return renew(jet, false);
 }
 
-// Errors of a rounding of what is added up in each equation, of either sign, go the way of residuals. One sample tells
-// their size to some factor.
+// Errors of a rounding of what is added up in each equation, of either sign, go the way of residuals. One sample
+// tells their size to some factor.
 void NonlinearSystem::measure_noise(const Jet& jet) {
   const int mu = analysis_.values.mu, m = problem_.m(), n = problem_.n();
   const Arena::Frame frame(arena_);
@@ -164,7 +169,8 @@ void NonlinearSystem::measure_noise(const Jet& jet) {
   for (int k = 0; k <= mu + 1; ++k) {
     const double factor = k == 0 ? 1.0 : k * (power *= data_.time_scale);
     for (int j = 0; j < n; ++j)
-      size[k * n + j] = std::fabs(factor * jet.column(k)[j]) / (column_scale_.empty() ? 1.0 : column_scale_[index(j)]);
+      size[k * n + j] =
+          std::fabs(factor * jet.column(k)[j]) / (column_scale_.empty() ? 1.0 : column_scale_[index(j)]);
   }
   double* errors = arena_.zeros(index(m) * index(mu + 1) + 1);
   const auto add = [&](ConstView block, double factor, const double* values, double* to) {
@@ -191,7 +197,8 @@ void NonlinearSystem::measure_noise(const Jet& jet) {
   elimination_.recover(data_, {errors, transformed_f_.data()}, noise_.data(), noise_.data() + n, arena_);
   constexpr double samples = 8.0;
   for (double& noise : noise_) noise = samples * std::fabs(noise);
-  for (std::size_t j = 0; j < index(n); ++j) rounding_errors_[j] = noise_[j] * (column_scale_.empty() ? 1.0 : column_scale_[j]);
+  for (std::size_t j = 0; j < index(n); ++j)
+    rounding_errors_[j] = noise_[j] * (column_scale_.empty() ? 1.0 : column_scale_[j]);
 }
 
 // z_: Z1^T E (xp + T2 z) = 0.
@@ -202,8 +209,8 @@ void NonlinearSystem::keep_differential_part() {
   form_.solve_G(q, z_.data(), arena_);
 }
 
-// Ranks hold on F_mu = 0 only: pivots that vanish there are as large as the residuals that the iteration has left. With the
-// known ranks these become rounding errors in a few iterations, unless the ranks do not hold.
+// Ranks hold on F_mu = 0 only: pivots that vanish there are as large as the residuals that the iteration has left.
+// With the known ranks these become rounding errors in a few iterations, unless the ranks do not hold.
 PointStatus NonlinearSystem::renew_judged(const Jet& jet) {
   const PointStatus status = renew(jet, true);
   if (status != PointStatus::changed || ranks_.count == 0) return status;
@@ -238,8 +245,9 @@ PointStatus NonlinearSystem::match_known_ranks(const Jet& jet) {
                                           preferred_rows_.empty() ? nullptr : &preferred_rows_, &column_scale_};
   trouble_ = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, next_data_);
   if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
-  return matching_ranks(next_data_, mu, analysis_, settings_.rank_tol, {arena_, reading_form_}) ? PointStatus::ok
-                                                                                                : PointStatus::changed;
+  return matching_ranks(next_data_, mu, analysis_, settings_.rank_tol, {arena_, reading_form_})
+             ? PointStatus::ok
+             : PointStatus::changed;
 }
 
 bool NonlinearSystem::is_hopeless(PointStatus status) const {
@@ -254,7 +262,8 @@ PointStatus NonlinearSystem::iterate_from_guess(const Task& task) {
   });
 }
 
-// After a point has converged: the linearization is renewed there where it has become slow; ranks are judged now and then.
+// After a point has converged: the linearization is renewed there where it has become slow; ranks are judged now and
+// then.
 PointStatus NonlinearSystem::review(bool renews) {
   ++unjudged_;
   const bool contradicts = inconsistency_ > contradiction;
@@ -280,9 +289,9 @@ void NonlinearSystem::guess_jet(double t, const Guess& guess, int block, Jet& je
     guess_between(guess, taylor, jet);
     return;
   }
-  // y: that of the last point and what the polynomial says about its change. What no equation determines stays: errors of
-  // the polynomial's derivatives would add up there, to 1e24 within hundreds of steps, and drown the rest in rounding.
-  // Derivatives that change by more than their size are nothing but errors.
+  // y: that of the last point and what the polynomial says about its change. What no equation determines stays:
+  // errors of the polynomial's derivatives would add up there, to 1e24 within hundreds of steps, and drown the rest
+  // in rounding. Derivatives that change by more than their size are nothing but errors.
   for (std::size_t k = n; k < size; k += n) {
     double change = 0.0, before = 0.0;
     for (std::size_t i = k; i < k + n; ++i) {
@@ -309,7 +318,8 @@ void NonlinearSystem::guess_between(const Guess& guess, const double* taylor, Je
 
 PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
   guess_jet(jet_.t, equations.guess, 0, jet_);
-  const Task task{true, equations.c, equations.w_rest, equations.x_rest, equations.guess.inverse_weights, newton_tolerance};
+  const Task task{
+      true, equations.c, equations.w_rest, equations.x_rest, equations.guess.inverse_weights, newton_tolerance};
   PointStatus status = iterate_from_guess(task);
   if (status == PointStatus::ok) status = review(true);
   std::copy_n(jet_.x.data(), problem_.n(), x);

@@ -3,11 +3,11 @@
 // All equations are solved by a chord iteration. The derivative array is linearized at some jet nearby and eliminated
 // once; after that every iteration transforms residuals only (stored_elimination.h), solves for the change
 // dx = xp + T2 z as for a linear problem (null_space_form.h, W = I), and recovers the change of y. Z1 is that of the
-// linearization. Linearizations serve many points; they are renewed where the iteration is slow, with the ranks judged
-// at a point that has converged.
+// linearization. Linearizations serve many points; they are renewed where the iteration is slow, with the ranks
+// judged at a point that has converged.
 //
-// [KM06] P. Kunkel, V. Mehrmann: Differential-Algebraic Equations: Analysis and Numerical Solution. EMS, 2006, ch. 4, 6.
-// SPDX-License-Identifier: BSD-3-Clause
+// [KM06] P. Kunkel, V. Mehrmann: Differential-Algebraic Equations: Analysis and Numerical Solution. EMS, 2006, ch. 4,
+// 6. SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <algorithm>
@@ -150,8 +150,8 @@ class NonlinearSystem final : public DaeSystem {
   std::vector<double> preferred_rows_;
   std::vector<double> noise_;  // scaled x, y_1, ..., of the last linearization
   std::vector<double> rounding_errors_;
-  int age_ = 0;             // points solved with it
-  int unjudged_ = 0;        // points since ranks were judged
+  int age_ = 0;       // points solved with it
+  int unjudged_ = 0;  // points since ranks were judged
   double examined_t_ = std::numeric_limits<double>::quiet_NaN();
   double kept_constraints_ = 1.0, kept_differential_ = 1.0, pivot_ = 1.0;
   std::vector<double> matrix_;
@@ -162,12 +162,12 @@ class NonlinearSystem final : public DaeSystem {
 
   Jet jet_, accepted_, before_;  // the current one, the one accepted last, and the one before that
   Jet polished_;
-  Jet linearized_;               // where the linearization is from
-  bool is_linearized_ = false;   // successfully
+  Jet linearized_;              // where the linearization is from
+  bool is_linearized_ = false;  // successfully
   bool linearized_judged_ = false;
   std::vector<double> linearized_rows_;  // row factors preferred for it
   bool is_slow_ = false;
-  double rate_ = 1.0;            // of the last iteration
+  double rate_ = 1.0;  // of the last iteration
   double inconsistency_ = 0.0;
   std::vector<double> prescribed_values_;
   std::vector<double> F_, array_f_, transformed_f_, change_, y_change_, xdot_, z_;
@@ -187,7 +187,8 @@ class NonlinearSystem final : public DaeSystem {
   long reductions_ = 0, factorizations_ = 0;
 };
 
-// Linearizes anew at the point accepted last, where ranks can be judged, and if need be at the start of the iteration.
+// Linearizes anew at the point accepted last, where ranks can be judged, and if need be at the start of the
+// iteration.
 template <class Iteration>
 PointStatus NonlinearSystem::iterate_with_renewal(const Jet& start, Iteration iteration) {
   PointStatus status = iteration();

@@ -13,7 +13,9 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 }  // namespace
 
@@ -41,7 +43,8 @@ bool NonlinearSystem::solve_next_level(const double* x) {
     if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED)
       throw Failure(trouble.status, trouble.message());
     if (trouble.status != SFDAE_OK) return false;
-    const std::optional<RankList> ranks = matching_ranks(next_data_, level, analysis_, settings_.rank_tol, {arena_, reading_form_});
+    const std::optional<RankList> ranks =
+        matching_ranks(next_data_, level, analysis_, settings_.rank_tol, {arena_, reading_form_});
     if (!ranks) return false;
     const Judge::Settings judging{settings_.rank_tol, false, NoiseModel::pivots, &*ranks};
     Judge judge(next_data_, level, judging, nullptr);

@@ -10,7 +10,9 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 }  // namespace
 
@@ -82,8 +84,8 @@ void NonlinearSystem::apply_change(const double* dx, const double* f, const doub
   }
 }
 
-// Of the last change, in units of the tolerance, or relative to x without weights. step: the changes of y count as far as
-// they act over it.
+// Of the last change, in units of the tolerance, or relative to x without weights. step: the changes of y count as
+// far as they act over it.
 double NonlinearSystem::change_norm(const Task& task, const double* dx, const Jet& jet) const {
   const int n = problem_.n();
   const auto unit = [&](int i) { return column_scale_.empty() ? 1.0 : column_scale_[index(i)]; };
@@ -105,7 +107,8 @@ double NonlinearSystem::change_norm(const Task& task, const double* dx, const Je
         size_y = std::max(size_y, k * power * std::fabs(jet.column(k)[i]) / unit(i));
       }
     }
-    return std::max(size > 0.0 ? norm / size : norm, size_y > 0.0 ? share_of_y * norm_y / std::max(size, size_y) : 0.0);
+    return std::max(size > 0.0 ? norm / size : norm,
+                    size_y > 0.0 ? share_of_y * norm_y / std::max(size, size_y) : 0.0);
   }
   for (int i = 0; i < n; ++i) norm = std::max(norm, above_noise(dx[i], index(i)) * unit(i) * task.inverse_weights[i]);
   const double ratio = 1.0 / (std::fabs(task.c) * data_.time_scale);
@@ -113,7 +116,8 @@ double NonlinearSystem::change_norm(const Task& task, const double* dx, const Je
   for (int k = 1; k <= analysis_.values.mu + 1; ++k) {
     power *= ratio;
     const double* change = y_change_.data() + static_cast<std::ptrdiff_t>(k - 1) * n;
-    for (int i = 0; i < n; ++i) norm = std::max(norm, power / k * above_noise(change[i], index(k * n + i)) * unit(i) * task.inverse_weights[i]);
+    for (int i = 0; i < n; ++i)
+      norm = std::max(norm, power / k * above_noise(change[i], index(k * n + i)) * unit(i) * task.inverse_weights[i]);
   }
   return norm;
 }
@@ -164,7 +168,8 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     // Without a step, what one iteration gains the next may lose in part: linearizations are from elsewhere.
     const double reference = task.has_step ? before : std::max(before, earlier);
-    if (has_converged(task, iteration, norm, reference) && derivatives_follow(jet, iteration, residual, largest_residual)) {
+    if (has_converged(task, iteration, norm, reference) &&
+        derivatives_follow(jet, iteration, residual, largest_residual)) {
       read_inconsistency(task, jet);
       // Known ranks may not fit the jet that was linearized.
       const bool is_doubtful = task.has_step && !linearized_judged_ && inconsistency_ > contradiction;
@@ -207,8 +212,8 @@ bool NonlinearSystem::has_converged(const Task& task, int iteration, double norm
   return rate / (1.0 - rate) * norm <= task.tolerance || norm <= negligible;
 }
 
-// Changes of y count little in short steps. Where they lead nowhere, so that residuals stay, the constraints for x are those
-// of a wrong y.
+// Changes of y count little in short steps. Where they lead nowhere, so that residuals stay, the constraints for x
+// are those of a wrong y.
 bool NonlinearSystem::derivatives_follow(const Jet& jet, int iteration, double residual, double largest) const {
   constexpr double reduction = 0.5, negligible = 1e-10;
   if (iteration == 0 || residual <= reduction * largest) return true;
@@ -216,7 +221,8 @@ bool NonlinearSystem::derivatives_follow(const Jet& jet, int iteration, double r
   for (int k = 0; k <= analysis_.values.mu + 1; ++k) {
     const double factor = k == 0 ? 1.0 : k * (power *= data_.time_scale);
     for (int j = 0; j < problem_.n(); ++j)
-      size = std::max(size, factor * std::fabs(jet.column(k)[j]) / (column_scale_.empty() ? 1.0 : column_scale_[index(j)]));
+      size = std::max(size,
+                      factor * std::fabs(jet.column(k)[j]) / (column_scale_.empty() ? 1.0 : column_scale_[index(j)]));
   }
   return residual <= negligible * size * data_.norm(analysis_.values.mu);
 }

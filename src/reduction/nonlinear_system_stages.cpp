@@ -2,7 +2,8 @@
 //
 // Stage i has its own x_i, y_i; with dx_i = xp_i + T2 z_i the equations of all stages are
 //
-//     tau/h sum_j D_ij (g0_j + G z_j) - B z_i = b_i,      b_i = Z1^T (A xp_i - tau F(t_i, x_i, sum_j D_ij (x_j - x) / h))
+//     tau/h sum_j D_ij (g0_j + G z_j) - B z_i = b_i,      b_i = Z1^T (A xp_i - tau F(t_i, x_i, sum_j D_ij (x_j - x) /
+// h))
 //     tau/h sum_j D_ij Uz^T z_j = -tau/h Uz^T T2^T sum_j D_ij (x_j - x)
 //
 // which transformed_stages.h decouples.
@@ -17,7 +18,9 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 }  // namespace
 
@@ -129,8 +132,8 @@ PointStatus NonlinearSystem::read_stage_inputs(double t) {
   return trouble_.status == SFDAE_OK ? PointStatus::ok : PointStatus::trouble;
 }
 
-// Known ranks that do not fit the jet of the linearization leave out equations that are not redundant: they contradict the
-// others then.
+// Known ranks that do not fit the jet of the linearization leave out equations that are not redundant: they
+// contradict the others then.
 PointStatus NonlinearSystem::check_redundant(const Task& task, const Jet& jet) {
   inconsistency_ = 0.0;
   if (analysis_.v_hat == 0) return PointStatus::ok;

@@ -16,13 +16,17 @@ namespace {
 
 using Vector = std::vector<double>;
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 // One linearization of the constraints at a jet.
 class LinearizedConstraints {
  public:
   LinearizedConstraints(NonlinearProblem& problem, const IndexAnalysis& analysis, const Vector& column_scale)
-      : problem_(problem), analysis_(analysis), column_scale_(column_scale),
+      : problem_(problem),
+        analysis_(analysis),
+        column_scale_(column_scale),
         scale_(column_scale.empty() ? Vector(index(problem.n()), 1.0) : column_scale) {}
 
   void linearize(const Jet& jet) {
@@ -42,8 +46,8 @@ class LinearizedConstraints {
   }
   bool has_known_ranks() const { return has_known_ranks_; }
 
-  // Moves the jet by the change that brings x nearest to the target within the linearized constraints. Returns its size
-  // relative to x.
+  // Moves the jet by the change that brings x nearest to the target within the linearized constraints. Returns its
+  // size relative to x.
   double move(const ConsistencyRequest& request, const Vector& target, Jet& jet) {
     const int n = problem_.n(), mu = analysis_.values.mu;
     Vector missing(index(n));
@@ -105,8 +109,8 @@ double distance_between(const Vector& a, const double* b, const Vector& weights)
 ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const IndexAnalysis& analysis,
                                           const Vector& column_scale, const ConsistencyRequest& request,
                                           const Jet& start, const Vector& x) {
-  // The iteration leaves out the curvature of the constraints and converges linearly where x is far from them: accurate
-  // to this it is as near as anybody wants.
+  // The iteration leaves out the curvature of the constraints and converges linearly where x is far from them:
+  // accurate to this it is as near as anybody wants.
   constexpr double accuracy = 1e-8;
   constexpr int most = 30;
   const int mu = analysis.values.mu;

@@ -30,9 +30,9 @@ enum class LeadingTerm { automatic, projector, matrix, identity };
 // Dimensions that a point is found to have.
 struct PointRanks {
   int rank_E = 0;
-  int a = 0;      // without prescribed components
+  int a = 0;  // without prescribed components
   int d = 0;
-  int v_hat = 0;  // rows carried that are redundant
+  int v_hat = 0;                  // rows carried that are redundant
   bool prescription_fits = true;  // the prescribed components determine as many free ones
 };
 
@@ -55,18 +55,18 @@ class NullSpaceForm {
   void replace_rhs(const TaylorData& data, const double* f_hat, Prescription prescription, Arena& arena);
 
   int m = 0, n = 0;
-  int a = 0, d = 0, u = 0;                 // a with, u without the prescribed components
-  int unknowns() const { return d + u; }   // columns of T2, unknowns of a step
+  int a = 0, d = 0, u = 0;                // a with, u without the prescribed components
+  int unknowns() const { return d + u; }  // columns of T2, unknowns of a step
 
   ConstView T2() const { return {T2_.data(), n, unknowns(), std::max(n, 1)}; }
   const double* xp() const { return T2_.data() + static_cast<std::ptrdiff_t>(unknowns()) * n; }
   ConstView Z1() const { return {Z1_.data(), m, d, std::max(m, 1)}; }
-  ConstView G() const { return {G_.data(), d, unknowns(), std::max(d, 1)}; }    // Z1^T E T2
-  ConstView B() const { return {B_.data(), d, unknowns(), std::max(d, 1)}; }    // Z1^T C T2
+  ConstView G() const { return {G_.data(), d, unknowns(), std::max(d, 1)}; }                   // Z1^T E T2
+  ConstView B() const { return {B_.data(), d, unknowns(), std::max(d, 1)}; }                   // Z1^T C T2
   const double* b() const { return B_.data() + static_cast<std::ptrdiff_t>(unknowns()) * d; }  // Z1^T (C xp + f)
-  ConstView T2_xp() const { return {T2_.data(), n, unknowns() + 1, std::max(n, 1)}; }    // [T2 xp]
-  ConstView B_b() const { return {B_.data(), d, unknowns() + 1, std::max(d, 1)}; }       // [B b]
-  const double* g0() const { return g0_.data(); }                               // Z1^T E xp
+  ConstView T2_xp() const { return {T2_.data(), n, unknowns() + 1, std::max(n, 1)}; }          // [T2 xp]
+  ConstView B_b() const { return {B_.data(), d, unknowns() + 1, std::max(d, 1)}; }             // [B b]
+  const double* g0() const { return g0_.data(); }                                              // Z1^T E xp
   ConstView Uz() const { return {Uz_.data(), unknowns(), u, std::max(unknowns(), 1)}; }
   ConstView kernel() const { return {K_.data(), n, kernel_, std::max(n, 1)}; }  // K: orthonormal, E K = 0
   // Contradiction of redundant equations: largest entry of Z3^T g relative to the entries of f^ and x.
@@ -107,13 +107,13 @@ class NullSpaceForm {
   LeadingTerm leading_ = LeadingTerm::projector;
   std::vector<double> T2_;  // [T2 | xp]
   std::vector<double> Z1_, G_, B_, Uz_, g0_, K_;
-  std::vector<double> R3_;            // u = 0: R of E T2; u > 0: R of its transpose
-  std::vector<double> Qg_;            // u > 0: rows of G
+  std::vector<double> R3_;  // u = 0: R of E T2; u > 0: R of its transpose
+  std::vector<double> Qg_;  // u > 0: rows of G
   std::vector<int> pivots3_;
-  std::vector<double> factors_, tau_; // QR of A^^T, n x carried rows
+  std::vector<double> factors_, tau_;  // QR of A^^T, n x carried rows
   std::vector<int> pivots_;
   int carried_ = 0, rank_ = 0, kernel_ = 0;
-  std::vector<double> P1_, Rp_;       // prescribed: directions n x np in which they act, and their R
+  std::vector<double> P1_, Rp_;  // prescribed: directions n x np in which they act, and their R
   double inconsistency_ = 0.0;
 };
 

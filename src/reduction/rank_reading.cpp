@@ -37,7 +37,7 @@ std::optional<RankList> matching_ranks(const TaylorData& data, int level, const 
   for (NoiseModel noise : {NoiseModel::pivots, NoiseModel::carried, NoiseModel::data}) {
     const RankReading reading = read_ranks(data, level, {rank_tol, false, noise, nullptr}, room);
     if (reading.ranks.a == values.a && reading.ranks.d == values.d && reading.ranks.v_hat == v_hat &&
-        stages_rise(reading.list, level, std::min(data.m, data.n)))
+        (!data.differentiations.empty() || stages_rise(reading.list, level, std::min(data.m, data.n))))
       return reading.list;
   }
   return std::nullopt;

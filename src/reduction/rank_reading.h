@@ -25,9 +25,9 @@ struct ReadingRoom {
 
 RankReading read_ranks(const TaylorData& data, int level, const Judge::Settings& settings, ReadingRoom room);
 
-// Stage k + 1 is about derivatives of one order less, with the rows of one more level: what determines y_j at stage k does
-// so, differentiated, for y_(j+1) then, so that ranks do not fall. Residuals mistaken for pivots make them.
-// full_rank: min(m, n).
+// Stage k + 1 is about derivatives of one order less, with the rows of one more level: what determines y_j at stage k
+// does so, differentiated, for y_(j+1) then, so that ranks do not fall. Residuals mistaken for pivots make them.
+// full_rank: min(m, n). Where rows are left out of the array, they may fall.
 bool stages_rise(const RankList& list, int level, int full_rank);
 
 // Ranks that agree with the values known, by one noise model or another; level: mu, or above.

@@ -15,7 +15,8 @@ using StageMatrix = std::array<double, static_cast<std::size_t>(max_stages* max_
 
 // The polynomial of degree s through w at t and at the stages t + c_i h has the slope sum_j D_ij (w_j - w) / h at
 // stage i; c_s = 1. D is the inverse of the Runge-Kutta matrix. Its eigenvalues are one real one, gamma, and (s-1)/2
-// conjugate pairs lambda_k = alpha_k + i beta_k:  T^-1 D T has the diagonal blocks gamma and [alpha beta; -beta alpha].
+// conjugate pairs lambda_k = alpha_k + i beta_k:  T^-1 D T has the diagonal blocks gamma and [alpha beta; -beta
+// alpha].
 struct StageMethod {
   int s = 0;
   std::array<double, max_stages> c{};

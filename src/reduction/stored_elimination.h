@@ -19,11 +19,11 @@ namespace sfdae::core {
 
 class StoredElimination {
  public:
-  // f of (level + 1) m entries is transformed along: f^ = Z^T f, carried_rows() entries, comes first in `transformed`,
-  // of the size of f; what recover() needs follows.
+  // f of (level + 1) m entries is transformed along: f^ = Z^T f, carried_rows() entries, comes first in
+  // `transformed`, of the size of f; what recover() needs follows.
   void transform(const double* f, double* transformed, Arena& arena) const;
-  // A solution y_1, ..., y_{level+1} of M y = N x + f for a given x, where there is one. data: the coefficients that were
-  // eliminated. y: n x (level + 1).
+  // A solution y_1, ..., y_{level+1} of M y = N x + f for a given x, where there is one. data: the coefficients that
+  // were eliminated. y: n x (level + 1).
   struct RightHandSide {
     const double* f;
     const double* transformed;

@@ -1,7 +1,7 @@
 // The stages of an implicit Runge-Kutta step decoupled, where one form holds for all of them.
 //
-// The s (d + u) equations  tau/h sum_j D_ij [G; Uz^T] z_j - [B; 0] z_i = r_i  become, transformed by T, one real system
-// and (s-1)/2 complex ones of order d + u [HW96, IV.8].
+// The s (d + u) equations  tau/h sum_j D_ij [G; Uz^T] z_j - [B; 0] z_i = r_i  become, transformed by T, one real
+// system and (s-1)/2 complex ones of order d + u [HW96, IV.8].
 //
 // [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -22,8 +22,8 @@ namespace sfdae::core {
 
 class TransformedStages {
  public:
-  // Factors [c tau G - B; c tau Uz^T] for c = lambda_k / h, h = gamma / c_real, unless that is done. False if singular.
-  // count: of factorizations, raised.
+  // Factors [c tau G - B; c tau Uz^T] for c = lambda_k / h, h = gamma / c_real, unless that is done. False if
+  // singular. count: of factorizations, raised.
   // Form: has unknowns() and step_matrix() as NullSpaceForm.
   template <class Form>
   bool factor(const Form& form, double tau, const StageMethod& method, double c_real, long& count);

@@ -29,7 +29,7 @@ ErrorTerms error_of(double error, int exponent) {
   return terms;
 }
 
-constexpr StageCosts costs{10, 5};
+const StageCosts costs = costs_of_reductions(10, 5);
 
 // safety error^(-1/exponent)
 TEST(RadauControl, TheNextStepHasTheErrorAllowedLessSafety) {

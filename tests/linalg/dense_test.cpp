@@ -85,6 +85,27 @@ Matrix well_conditioned_upper(int order, std::uint64_t seed) {
   return r;
 }
 
+// B diag(...) B^-1 with blocks of complex eigenvalues 2 (cos phi +- i sin phi) at the end; two equal ones among the
+// real.
+TEST(NegativeEigenvalues, AreCountedIfTheyAreReal) {
+  const std::vector<double> real = {-3.0, 2.0, -0.5, -0.5, 1e-3, 4.0};
+  const int n = 10;
+  Matrix D(n, n);
+  for (int k = 0; k < 6; ++k) D(k, k) = real[size(k)];
+  for (int k = 6; k < n; k += 2) {
+    const double phi = k == 6 ? 3.0 : 1.0;
+    D(k, k) = D(k + 1, k + 1) = 2.0 * std::cos(phi);
+    D(k, k + 1) = 2.0 * std::sin(phi);
+    D(k + 1, k) = -D(k, k + 1);
+  }
+  const Svd basis = svd(random_matrix(n, n, 5));
+  Matrix A = product(product(basis.U, D), transpose(basis.U));
+  Arena arena;
+  EXPECT_EQ(count_negative_eigenvalues(A, arena), 3);
+  Matrix empty;
+  EXPECT_EQ(count_negative_eigenvalues(empty, arena), 0);
+}
+
 }  // namespace
 
 // ---- Products ----

@@ -43,6 +43,53 @@ TEST(RedundantConstraints, ContradictionIsRefusedWithTheConstraintAndItsSize) {
   }
 }
 
+// The second constraint is the first one and a small multiple of q_3.
+sfdae_multibody_problem nearly_redundant(double* small) {
+  sfdae_multibody_problem problem = multibody_problem_of(3, 2);
+  problem.user = small;
+  problem.forces = [](double, const double*, const double*, double* f, void*) {
+    f[1] = -1.0;
+    return 0;
+  };
+  problem.constraints = [](double, const double* q, double* g, void* user) {
+    g[0] = 0.5 * (q[0] * q[0] + q[1] * q[1] - 1.0);
+    g[1] = g[0] + *static_cast<const double*>(user) * q[2];
+    return 0;
+  };
+  problem.constraint_jacobian = [](double, const double* q, double* g_q, void* user) {
+    g_q[0] = g_q[1] = q[0];
+    g_q[2] = g_q[3] = q[1];
+    g_q[5] = *static_cast<const double*>(user);
+    return 0;
+  };
+  return problem;
+}
+
+// What is too near to the rounding errors to be judged, or regular but not so to working accuracy, is left to the
+// user.
+TEST(RedundantConstraints, NearOnesAreDecidedByTheTolerance) {
+  struct Case {
+    double small;
+    int status;
+  };
+  for (Case one : {Case{3e-13, SFDAE_RANK_UNCLEAR}, Case{1e-10, SFDAE_SINGULAR}}) {
+    for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+      sfdae_options options = options_of(method, 1e-8);
+      const std::vector<double> start = {0.6, -0.8, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+      MultibodyRun undecided(nearly_redundant(&one.small), options);
+      EXPECT_EQ(undecided.start(0.0, 3.0, start), one.status);
+      EXPECT_NE(undecided.message().find("rank_tol"), std::string::npos) << undecided.message();
+      options.rank_tol = 1e-6;
+      MultibodyRun run(nearly_redundant(&one.small), options);
+      ASSERT_EQ(run.start(0.0, 3.0, start), SFDAE_OK) << run.message();
+      EXPECT_EQ(run.report().redundant, 1);
+      ASSERT_EQ(run.advance(3.0), SFDAE_OK) << run.message();
+      EXPECT_NEAR(0.5 * (run.x[3] * run.x[3] + run.x[4] * run.x[4]) + run.x[1], -0.8, 1e-6);
+      EXPECT_NEAR(run.x[6], run.x[7], 1e-9);
+    }
+  }
+}
+
 // The motion is that of the constraint chosen among the two.
 TEST(RedundantConstraints, ContradictionIsIgnoredIfAskedFor) {
   Pendulum pendulum{2, 1e-4};
@@ -118,6 +165,40 @@ TEST_P(SingularConfiguration, IsFoundAndNotPassedSilently) {
   EXPECT_NEAR(run.t, 0.5 * pi - 0.1, 1e-4);
   EXPECT_NE(run.message().find("singular"), std::string::npos) << run.message();
   EXPECT_NE(run.message().find("holonomic constraint 0"), std::string::npos) << run.message();
+}
+
+// Two or three of them that do the same: the determinant of two does not change its sign.
+TEST_P(SingularConfiguration, OfTwoMechanismsAtOnceAreNotPassedSilently) {
+  struct Twins {
+    int count;
+    static int of(void* user) { return static_cast<const Twins*>(user)->count; }
+  };
+  for (int count : {2, 3}) {
+    Twins twins{count};
+    sfdae_multibody_problem problem = multibody_problem_of(2 * count, count);
+    problem.user = &twins;
+    problem.forces = CrankAndRod::forces;
+    problem.constraints = [](double t, const double* q, double* g, void* user) {
+      for (int k = 0; k < Twins::of(user); ++k) CrankAndRod::constraints(t, q + 2 * k, g + k, nullptr);
+      return 0;
+    };
+    problem.constraint_jacobian = [](double, const double* q, double* g_q, void* user) {
+      const int rows = Twins::of(user);
+      for (int j = 0; j < 2 * rows; ++j) g_q[j / 2 + rows * j] = std::cos(q[j]);
+      return 0;
+    };
+    std::vector<double> x(static_cast<std::size_t>(5 * count));
+    for (std::size_t j = 0; j < static_cast<std::size_t>(2 * count); ++j) {
+      const double sign = j % 2 == 0 ? 1.0 : -1.0;
+      x[j] = 0.1 * sign;
+      x[j + static_cast<std::size_t>(2 * count)] = sign;
+    }
+    MultibodyRun run(problem, options_of(GetParam(), 1e-6));
+    ASSERT_EQ(run.start(0.0, 3.0, x), SFDAE_OK) << run.message();
+    EXPECT_EQ(run.advance(3.0), SFDAE_CHARACTERISTICS_CHANGED) << run.message();
+    EXPECT_NEAR(run.t, 0.5 * pi - 0.1, 1e-4);
+    EXPECT_NE(run.message().find("vanishes"), std::string::npos) << run.message();
+  }
 }
 
 TEST_P(SingularConfiguration, IsRefusedAtTheStart) {

@@ -60,6 +60,26 @@ TEST_F(InitialValues, HeavyComponentsMoveLess) {
   EXPECT_NEAR(4.0 * (run.x[2] - given[2]) / run.x[0], (run.x[3] - given[3]) / run.x[1], 1e-12);
 }
 
+// M that is not symmetric is no energy: changes are measured in the 2-norm. The equations stay those that are given.
+TEST_F(InitialValues, MassesNeedNotBeSymmetric) {
+  sfdae_multibody_problem problem = pendulum.problem();
+  problem.mass = [](double, const double*, double* M, void*) {
+    M[0] = 4.0;
+    M[1] = 1.0;
+    M[3] = 2.0;
+    return 0;
+  };
+  MultibodyRun run(problem, options);
+  const std::vector<double> given = {0.7, -0.8, 0.3, 0.4, 0.0};
+  ASSERT_EQ(run.start(0.0, 1.0, given), SFDAE_OK) << run.message();
+  EXPECT_NEAR((run.x[0] - given[0]) / run.x[0], (run.x[1] - given[1]) / run.x[1], 1e-6);
+  EXPECT_NEAR((run.x[2] - given[2]) / run.x[0], (run.x[3] - given[3]) / run.x[1], 1e-12);
+  ASSERT_EQ(run.advance(1.0), SFDAE_OK) << run.message();
+  const std::vector<double>&x = run.x, &xdot = run.xdot;
+  EXPECT_NEAR(4.0 * xdot[2], -x[4] * x[0], 1e-13);
+  EXPECT_NEAR(xdot[2] + 2.0 * xdot[3], -1.0 - x[4] * x[1], 1e-13);
+}
+
 TEST_F(InitialValues, WeightsOfTheUserCount) {
   const std::vector<double> weights = {1.0, 100.0, 1.0, 100.0, 1.0};
   options.initial_weights = weights.data();

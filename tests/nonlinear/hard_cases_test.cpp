@@ -208,6 +208,45 @@ TEST(Units, MayBeGigameters) {
   }
 }
 
+// The same motion in units of length, mass and time that differ by four orders of magnitude and more. The force is not
+// given: 0 is far from what it is.
+TEST(Units, DoNotMatterToAPendulumWithoutItsForce) {
+  int errors = 0, all = 0;
+  for (const double L : {1e-4, 1e-2, 1.0, 1e2, 1e4})
+    for (const double M : {1e-4, 1.0, 1e4})
+      for (const double T : {1e-2, 1.0, 1e2}) {
+        SCOPED_TRACE(testing::Message() << "L = " << L << ", M = " << M << ", T = " << T);
+        const double g = 9.81 * L / (T * T), v = L / T, force = M / (T * T);
+        const auto equations = equations_of(5, 5, [=](const auto&, const auto* x, const auto* xdot, auto* F) {
+          F[0] = xdot[0] - x[2];
+          F[1] = xdot[1] - x[3];
+          F[2] = M * xdot[2] + 2.0 * x[0] * x[4];
+          F[3] = M * xdot[3] + 2.0 * x[1] * x[4] + M * g;
+          F[4] = x[0] * x[0] + x[1] * x[1] - L * L;
+        });
+        sfdae_options options = options_with(1e-6);
+        const std::vector<double> weights = {L, L, v, v, 1e6 * force};
+        std::vector<double> atol = weights;
+        for (double& a : atol) a *= 1e-6;
+        options.atol_vector = atol.data();
+        options.initial_weights = weights.data();
+        NonlinearRun run(equations, options);
+        const int status = run.start(0.0, T, {0.6 * L, -0.8 * L, 0.8 * v, 0.6 * v, 0.0});
+        ++all;
+        if (status < 0) {
+          ++errors;
+          EXPECT_TRUE(status == SFDAE_NO_CONSISTENT_VALUES || status == SFDAE_RANK_UNCLEAR) << status_text(run, status);
+          continue;
+        }
+        EXPECT_EQ(run.values(), (CharacteristicValues{2, 2, 3, 0, 0}));
+        const double x = run.x[0] / L, y = run.x[1] / L, speed = std::hypot(run.x[2], run.x[3]) / v;
+        EXPECT_NEAR(x * x + y * y, 1.0, 1e-12);
+        // 2 lambda L^2 = m (v^2 - g y)
+        EXPECT_NEAR(2.0 * run.x[4] / force, speed * speed - 9.81 * y, 1e-6 * (1.0 + std::abs(run.x[4] / force)));
+      }
+  EXPECT_LE(errors, all / 5);
+}
+
 TEST(Contradictions, AreRefused) {
   const auto equations = [](double rate, double offset) {
     return equations_of(3, 2, [rate, offset](const auto& t, const auto* x, const auto* xdot, auto* F) {

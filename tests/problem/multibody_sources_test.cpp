@@ -142,7 +142,7 @@ TEST_P(MultibodySources, LinearizesWhatIsSolved) {
   MultibodyTerms terms(problem_->sizes());
   MultibodyJacobian jacobian(problem_->sizes());
   ASSERT_EQ(problem_->at_velocity(t0, q0, v0, terms).status, SFDAE_OK);
-  ASSERT_EQ(problem_->linearize(t0, q0, v0, a0, mu0, terms, jacobian).status, SFDAE_OK);
+  ASSERT_EQ(problem_->linearize({t0, q0, v0, a0, mu0}, terms, jacobian).status, SFDAE_OK);
   // The differences of this test are exact to about 1e-11; those of callbacks to the square root of rounding, and wider
   // where values are differences, too.
   const double tolerance = source() == Source::recorded ? 1e-9 : 1e-6;
@@ -192,7 +192,7 @@ TEST(MultibodyCallbacks, TakeNoDifferencesFromBeyondLimits) {
     latest = 0.0;
     problem->set_limits(-10.0, t0 + room);
     ASSERT_EQ(problem->at_velocity(t0, q0, v0, limited).status, SFDAE_OK);
-    ASSERT_EQ(problem->linearize(t0, q0, v0, a0, mu0, limited, jacobian).status, SFDAE_OK);
+    ASSERT_EQ(problem->linearize({t0, q0, v0, a0, mu0}, limited, jacobian).status, SFDAE_OK);
     EXPECT_LE(latest, t0 + room);
     for (std::size_t i = 0; i < nl + nk; ++i)
       EXPECT_NEAR(limited.acceleration_rest[i], free.acceleration_rest[i], 1e-9) << room;

@@ -1,0 +1,78 @@
+// A search up the levels of the derivative array at one point, for the smallest at which the hypothesis of
+// index_analysis.h holds.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <random>
+#include <vector>
+
+#include "reduction/index_analysis.h"
+#include "reduction/null_space_form.h"
+
+namespace sfdae::core {
+
+// What level l of the array says at one point.
+struct LevelReading {
+  PointRanks ranks;
+  double time_scale = 1.0;
+  bool clear = true;
+  NoiseModel noise = NoiseModel::carried;  // others are confirmed by perturbations
+  RankDecision doubtful;                   // the first unclear decision
+  RankDecision weakest;                    // the one that stands out least
+  bool follows = true;                     // from the level below
+};
+
+// What a search leads to.
+struct SearchResult {
+  CharacteristicValues values;
+  LevelReading last;
+  std::vector<CharacteristicValues> levels;  // for messages: what each level said, d that of rank(E T2)
+};
+
+class IndexSearch {
+ public:
+  // log: gets all rank decisions; may be null.
+  IndexSearch(CoefficientSource& problem, double t, const AnalysisSettings& settings, Arena& arena,
+              std::vector<RankDecision>* log);
+
+  // From level 0 up, to the smallest one at which the hypothesis holds.
+  SearchResult search(int max_index);
+  // A level whose decisions are clear, or confirmed by another reading.
+  LevelReading read_confirmed(int level);
+  // Values at a level known to be mu; v^ of the level below is found on the way.
+  CharacteristicValues values_at(int level);
+  // Whether the ranks are those expected, and stay so under perturbations.
+  bool has_ranks(int level, double time_scale, const PointRanks& expected);
+
+ private:
+  // What perturbations need not confirm: decisions that the propagated noise makes clear, or none at all.
+  enum class Trust { clear_ones, none };
+
+  LevelReading read(int level, double time_scale);
+  bool holds_above(int level, const CharacteristicValues& values, const PointRanks& ranks);
+  void measure(int level, LevelReading& reading, std::vector<RankDecision>& decisions);
+  bool agrees_with_other_time_scales(int level, const LevelReading& reading);
+  bool survives_perturbations(int level, double time_scale, const std::vector<RankDecision>& decisions, double margin,
+                              Trust trust);
+  void perturb(int level, std::minstd_rand& generator);
+  bool follows(const CharacteristicValues& below, const CharacteristicValues& values, const PointRanks& ranks) const;
+  bool leaves_out_rows() const { return !differentiations_.empty(); }
+  int highest_level() const;
+  CharacteristicValues values_of(int level, const LevelReading& reading, int v_hat_below) const;
+  void evaluate(int level, double time_scale);
+  LevelReading judge_level(int level);
+
+  CoefficientSource& problem_;
+  double t_;
+  const AnalysisSettings& settings_;
+  Arena& arena_;
+  std::vector<RankDecision>* log_;
+  Judge::Settings judging_;
+  RowScaling rows_;
+  std::vector<int> differentiations_;
+  TaylorData data_;
+  NullSpaceForm form_;
+  std::vector<RankDecision> latest_;
+};
+
+}  // namespace sfdae::core
