@@ -33,8 +33,10 @@ class MultibodyModel final : public Model {
     decisions.clear();
     const MultibodySizes& sizes = problem_->sizes();
     problem_->check_rates(point.t, point.x);
-    MultibodyConsistency consistency(*problem_, point.t, options.consistency,
-                                     options.integration.ignore_inconsistency);
+    ConsistencyRequest request = options.consistency;
+    const Tolerances& tolerances = options.integration.tolerances;
+    request.set_tolerances(tolerances.rtol, tolerances.atol, point.x);
+    MultibodyConsistency consistency(*problem_, point.t, request, options.integration.ignore_inconsistency);
     const std::vector<double> q = consistency.positions(point.x);
     const MultibodyRanks ranks = consistency.ranks(q, options.analysis.rank_tol, decisions);
     const std::vector<double> v = consistency.velocities(q, point.x + sizes.positions, ranks.velocities);

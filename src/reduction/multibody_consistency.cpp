@@ -167,18 +167,24 @@ bool MultibodyConsistency::improve(Vector& q, double& norm) {
   return false;
 }
 
+// The smallest one; 0 if there is none.
+double MultibodyConsistency::position_tolerance() const {
+  const auto& all = request_.tolerances;
+  return all.empty() ? 0.0 : *std::min_element(all.begin(), all.begin() + sizes_.positions);
+}
+
 void MultibodyConsistency::approach(Vector& q) {
   constexpr int most = 100;
-  constexpr double rounding = 1e-12, negligible = 4.0 * unit_roundoff;
+  constexpr double rounding = 1e-12, negligible = 4.0 * unit_roundoff, far_below_tolerance = 1e-6;
   double norm = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
     const bool is_better = improve(q, norm);
     if (norm <= negligible * size_of(q)) return;
     if (is_better) continue;
-    if (norm <= rounding * size_of(q)) return;
     break;
   }
-  if (norm <= rounding * size_of(q)) return;
+  // Rounding errors of g know lengths other than q, which may be zero.
+  if (norm <= std::max(rounding * size_of(q), far_below_tolerance * position_tolerance())) return;
   refuse_positions(q, norm);
 }
 
@@ -297,7 +303,8 @@ Vector MultibodyConsistency::velocities(const Vector& q, const double* given, in
   read();
   const auto worst = std::max_element(residuals.begin(), residuals.end(),
                                       [](double a, double b) { return std::fabs(a) < std::fabs(b); });
-  double size = size_of(point_.v);
+  // Those given count, too: where nothing can move, v is rounding errors of them.
+  double size = std::max(size_of(point_.v), size_of(Vector(given, given + nv)));
   for (int i = 0; i < nc; ++i)
     if (point_.velocity_units[index(i)] > 0.0)
       size = std::max(size, std::fabs(point_.terms.velocity_rest[index(i)]) / point_.velocity_units[index(i)]);

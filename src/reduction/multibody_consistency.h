@@ -38,6 +38,7 @@ class MultibodyConsistency {
   Matrix metric(int first, int count, bool by_mass) const;
   Matrix scaled_rows(const ConstraintRows& rows) const;
   double residual(const std::vector<double>& q);
+  double position_tolerance() const;
   void approach(std::vector<double>& q);
   bool improve(std::vector<double>& q, double& residual);
   void slide(const std::vector<double>& given, std::vector<double>& q);

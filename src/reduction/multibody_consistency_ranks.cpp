@@ -91,7 +91,8 @@ MultibodyRanks MultibodyConsistency::ranks(const Vector& q, double rank_tol, std
 void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& known) {
   constexpr double distance = 1e-3, vanishing = 1e-6;
   const Vector units = point_.position_units;
-  const double largest = max_abs(q.data(), sizes_.positions), size = largest > 0.0 ? largest : 1.0;
+  const double largest = max_abs(q.data(), sizes_.positions),
+               size = largest > 0.0 ? std::max(largest, position_tolerance()) : 1.0;
   Vector beside(q);
   // No direction in particular, and the same in every run.
   for (std::size_t i = 0; i < q.size(); ++i)
@@ -149,10 +150,11 @@ void MultibodyConsistency::check_matrix(int rank, std::vector<RankDecision>& dec
   decision.subject = Subject::array;
   decision.rows = decision.cols = nv + rank;
   decisions.push_back(decision);
-  if (decision.rank == nv + rank && mass > 0.0) return;
+  const bool has_mass = mass > 0.0 || rank == nv;
+  if (decision.rank == nv + rank && has_mass) return;
   // The condition of K is the square of that of C: without it, M is left as the reason.
   const int missing = nv + rank - judge_with(orthonormal_rows(C, arena_)).rank;
-  if (missing == 0 && mass > 0.0)
+  if (missing == 0 && has_mass)
     throw Failure(
         SFDAE_SINGULAR,
         format("[M C^T; C 0] is singular to working accuracy at t = %.15g: the constraints nearly depend on "

@@ -15,10 +15,18 @@ std::size_t index(int i) {
   return static_cast<std::size_t>(i);
 }
 
+// Squares that would overflow or vanish are taken of entries relative to the largest one.
 double row_length(ConstView a, int i) {
+  constexpr double smallest = 1e-280, largest = 1e280;
   double sum = 0.0;
   for (int j = 0; j < a.cols; ++j) sum += a(i, j) * a(i, j);
-  return std::sqrt(sum);
+  if (sum > smallest && sum < largest) return std::sqrt(sum);
+  double scale = 0.0;
+  for (int j = 0; j < a.cols; ++j) scale = std::max(scale, std::fabs(a(i, j)));
+  if (scale == 0.0) return 0.0;
+  sum = 0.0;
+  for (int j = 0; j < a.cols; ++j) sum += std::pow(a(i, j) / scale, 2);
+  return scale * std::sqrt(sum);
 }
 
 // Frobenius norm for one column.
@@ -180,7 +188,7 @@ void MultibodyPoint::solve_transposed(View yz) const {
 }
 
 // The part of mu in the range of C, which is that of C Q2: C^T mu stays.
-void MultibodyPoint::shorten(const Partition& partition, Arena& arena) {
+void MultibodyPoint::shorten(const Partition& partition, double* forces, Arena& arena) const {
   const int nc = terms.C.rows(), r = partition.rank;
   if (r == nc || r == 0) return;
   const Arena::Frame frame(arena);
@@ -189,12 +197,12 @@ void MultibodyPoint::shorten(const Partition& partition, Arena& arena) {
   double* part = arena.take(index(nc));
   multiply(1.0, Op::plain, terms.C, Op::plain, partition.Q2(), 0.0, range);
   factor_qr(range, tau, arena);
-  std::copy_n(mu.data(), nc, part);
+  std::copy_n(forces, nc, part);
   const View column{part, nc, 1, nc};
   apply_q(Op::transposed, range, r, tau, column, arena);
   std::fill(part + r, part + nc, 0.0);
   apply_q(Op::plain, range, r, tau, column, arena);
-  std::copy_n(part, nc, mu.data());
+  std::copy_n(part, nc, forces);
 }
 
 }  // namespace sfdae::core

@@ -52,7 +52,8 @@ class MultibodyPoint {
   void solve_transposed(View yz) const;
   int order() const { return order_; }
   // mu of least norm with the same C^T mu.
-  void shorten(const Partition& partition, Arena& arena);
+  void shorten(const Partition& partition, Arena& arena) { shorten(partition, mu.data(), arena); }
+  void shorten(const Partition& partition, double* forces, Arena& arena) const;
 
  private:
   int order_ = 0;

@@ -199,6 +199,7 @@ class MultibodySystem final : public DaeSystem {
   std::vector<double> stage_qv_, stage_particular_, stage_changes_, stage_mu_, stage_moves_, stage_r_, stage_z_;
   std::vector<double> stage_rates_, stage_a_;
   std::vector<double> change_, residuals_;
+  std::vector<double> inverse_weights_;  // those of the last step, 0 before the first
   // What rounding errors do to changes of q and v: apart from those of accelerations, with them; and those, in (y,
   // z).
   std::vector<double> noise_at_rest_, noise_, noise_of_rates_;

@@ -183,6 +183,8 @@ void MultibodySystem::change_of_forces(ConstView dqv, View dmu) {
   linearized_.solve(forces);
   for (int j = 0; j < count; ++j)
     for (int k = 0; k < r; ++k) dmu(rows[index(k)], j) = forces(nv + k, j);
+  // As mu itself: with other units of the constraints the part that does not matter may be by far the largest.
+  for (int j = 0; j < count; ++j) linearized_.shorten(form_.velocities(), dmu.column(j), arena_);
 }
 
 void MultibodySystem::archive(Archive& archive) {

@@ -286,6 +286,7 @@ bool MultibodySystem::is_hopeless(PointStatus status) const {
 // guess: predicted x of each point. The middle one is where one linearization serves all of them best.
 PointStatus MultibodySystem::solve_points(const Task& task, const double* guess) {
   const int n = unknowns(), size = leading_size(), middle = task.s / 2;
+  std::copy_n(task.inverse_weights, size, inverse_weights_.data());
   const auto start = [&] {
     for (int i = 0; i < task.s; ++i) std::copy_n(guess + static_cast<std::ptrdiff_t>(i) * n, size, stage(i));
   };

@@ -1,0 +1,206 @@
+// Multibody systems where positions, velocities or masses vanish, and where units of constraints differ very much.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pendulum.h"
+
+namespace sfdae::test {
+namespace {
+
+class SmallValues : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Methods, SmallValues, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
+
+// The pendulum of length 1 seen from its lowest point, damped: g is rounded as lengths of 1 are, wherever q is. The
+// constraint is repeated in other units.
+struct LowPendulum {
+  int copies = 1;
+  double damping = 0.0;
+  double unit = 2.0;   // of each copy in that of the one before
+  double first = 1.0;  // unit
+
+  sfdae_multibody_problem problem() {
+    sfdae_multibody_problem result = multibody_problem_of(2, copies);
+    result.user = this;
+    result.forces = [](double, const double*, const double* v, double* f, void* user) {
+      const auto& self = *static_cast<LowPendulum*>(user);
+      f[0] = -self.damping * v[0];
+      f[1] = -1.0 - self.damping * v[1];
+      return 0;
+    };
+    result.constraints = [](double, const double* q, double* g, void* user) {
+      const auto& self = *static_cast<LowPendulum*>(user);
+      for (int i = 0; i < self.copies; ++i)
+        g[i] = self.first * std::pow(self.unit, i) * 0.5 * (q[0] * q[0] + (q[1] - 1.0) * (q[1] - 1.0) - 1.0);
+      return 0;
+    };
+    result.constraint_jacobian = [](double, const double* q, double* g_q, void* user) {
+      const auto& self = *static_cast<LowPendulum*>(user);
+      for (int i = 0; i < self.copies; ++i) {
+        g_q[i] = self.first * std::pow(self.unit, i) * q[0];
+        g_q[i + self.copies] = self.first * std::pow(self.unit, i) * (q[1] - 1.0);
+      }
+      return 0;
+    };
+    return result;
+  }
+};
+
+TEST_P(SmallValues, MotionsComeToRestAtTheOrigin) {
+  for (const int copies : {1, 2})
+    for (const double tol : {1e-7, 1e-11}) {
+      LowPendulum pendulum{copies, 3.0};
+      MultibodyRun run(pendulum.problem(), options_of(GetParam(), tol));
+      ASSERT_EQ(run.start(0.0, 200.0, {0.3, 0.0, 0.0, 0.0}), SFDAE_OK) << run.message();
+      ASSERT_EQ(run.advance(200.0), SFDAE_OK) << run.message();
+      EXPECT_LE(std::fabs(run.x[0]), 10.0 * tol);
+      EXPECT_LE(std::fabs(run.x[1]), 1e-15);
+    }
+}
+
+TEST_P(SmallValues, EventsAtTheOriginAreReachedAndStartedFrom) {
+  for (const int copies : {1, 2}) {
+    LowPendulum pendulum{copies};
+    MultibodyRun run(pendulum.problem(), options_of(GetParam(), 1e-8));
+    ASSERT_EQ(run.start(0.0, 30.0, {0.3, 0.05, 0.0, 0.0}), SFDAE_OK) << run.message();
+    const auto crossing = [](double, const double* x, const double*, double* g, void*) {
+      g[0] = x[0];
+      return 0;
+    };
+    ASSERT_EQ(sfdae_set_events(run.solver.get(), 1, crossing, nullptr, nullptr), SFDAE_OK);
+    double before = 0.0, period = 0.0;
+    for (int k = 0; k < 6; ++k) {
+      ASSERT_EQ(run.advance(30.0), SFDAE_EVENT) << run.message();
+      if (k == 1) period = run.t - before;
+      if (k > 1) {
+        EXPECT_NEAR(run.t - before, period, 1e-5);
+      }
+      before = run.t;
+      ASSERT_EQ(run.start(run.t, 30.0, run.x), SFDAE_OK) << run.message();
+    }
+  }
+}
+
+// 200 steps are many times what either method needs, whatever the unit of the copy.
+TEST_P(SmallValues, UnitsOfRedundantConstraintsDoNotMatter) {
+  for (const double unit : {1.0, 1e-6, 1e6}) {
+    LowPendulum pendulum{2, 0.0, unit};
+    MultibodyRun run(pendulum.problem(), options_of(GetParam(), 1e-6));
+    ASSERT_EQ(run.start(0.0, 2.0, {0.8, 0.4, 0.0, 0.0}), SFDAE_OK) << run.message();
+    ASSERT_EQ(run.advance(2.0), SFDAE_OK) << run.message();
+    EXPECT_LE(run.statistics().steps, 200) << unit;
+  }
+}
+
+// Squares of this gradient overflow, but there is a constraint all the same.
+TEST_P(SmallValues, UnitsNearOverflowDoNotHideConstraints) {
+  LowPendulum pendulum{1, 0.0, 1.0, 1e200};
+  MultibodyRun run(pendulum.problem(), options_of(GetParam(), 1e-8));
+  // Too much for the matrix of the equations, perhaps, but then that is said.
+  if (run.start(0.0, 2.0, {0.3, 0.05, 0.0, 0.0}) == SFDAE_SINGULAR) return;
+  ASSERT_EQ(run.status, SFDAE_OK) << run.message();
+  EXPECT_EQ(run.report().degrees_of_freedom, 1);
+}
+
+// v_1 = 0 and v_1 + q_2 v_2 = 0: nothing moves, and what is left of v is rounding errors.
+TEST_P(SmallValues, NothingMoves) {
+  sfdae_multibody_problem problem = multibody_problem_of(2, 0);
+  problem.num_nonholonomic = 2;
+  problem.forces = [](double, const double*, const double*, double* f, void*) {
+    f[0] = f[1] = 1.0;
+    return 0;
+  };
+  problem.nonholonomic_matrix = [](double, const double* q, double* H, void*) {
+    H[0] = H[1] = 1.0;
+    H[3] = q[1];
+    return 0;
+  };
+  MultibodyRun run(problem, options_of(GetParam(), 1e-8));
+  ASSERT_EQ(run.start(0.0, 2.0, {0.0, 1.0, 0.3, 1.0}), SFDAE_OK) << run.message();
+  ASSERT_EQ(run.advance(2.0), SFDAE_OK) << run.message();
+  EXPECT_NEAR(run.x[0], 0.0, 1e-14);
+  EXPECT_NEAR(run.x[1], 1.0, 1e-14);
+}
+
+// M = 0 and q = sin t by a constraint: lambda is the force, 3.
+TEST_P(SmallValues, NoMassIsNeededWhereConstraintsDetermineTheMotion) {
+  sfdae_multibody_problem problem = multibody_problem_of(1, 1);
+  problem.mass = [](double, const double*, double*, void*) { return 0; };
+  problem.forces = [](double, const double*, const double*, double* f, void*) {
+    f[0] = 3.0;
+    return 0;
+  };
+  problem.constraints = [](double t, const double* q, double* g, void*) {
+    g[0] = q[0] - std::sin(t);
+    return 0;
+  };
+  problem.constraint_jacobian = [](double, const double*, double* g_q, void*) {
+    g_q[0] = 1.0;
+    return 0;
+  };
+  problem.constraint_rate = [](double t, const double*, double* g_t, void*) {
+    g_t[0] = -std::cos(t);
+    return 0;
+  };
+  MultibodyRun run(problem, options_of(GetParam(), 1e-8));
+  ASSERT_EQ(run.start(0.0, 3.0, {0.0, 0.0, 0.0}), SFDAE_OK) << run.message();
+  ASSERT_EQ(run.advance(3.0), SFDAE_OK) << run.message();
+  EXPECT_NEAR(run.x[0], std::sin(3.0), 1e-14);
+  EXPECT_NEAR(run.x[2], 3.0, 1e-13);
+}
+
+// |q|^2 = 1 and |q|^2 + 2 angle z = 1, so that z = 0: forces of the size 1 / angle, up to where they make no sense.
+TEST_P(SmallValues, ConstraintsMayNearlyDependOnEachOther) {
+  for (const double angle : {1e-3, 1e-6, 1e-9, 1e-10}) {
+    double user = angle;
+    sfdae_multibody_problem problem = multibody_problem_of(3, 2);
+    problem.user = &user;
+    problem.forces = [](double, const double*, const double*, double* f, void*) {
+      f[1] = f[2] = -1.0;
+      return 0;
+    };
+    problem.constraints = [](double, const double* q, double* g, void* data) {
+      g[0] = 0.5 * (q[0] * q[0] + q[1] * q[1] - 1.0);
+      g[1] = g[0] + *static_cast<double*>(data) * q[2];
+      return 0;
+    };
+    problem.constraint_jacobian = [](double, const double* q, double* g_q, void* data) {
+      g_q[0] = g_q[1] = q[0];
+      g_q[2] = g_q[3] = q[1];
+      g_q[5] = *static_cast<double*>(data);
+      return 0;
+    };
+    MultibodyRun run(problem, options_of(GetParam(), 1e-7));
+    const std::vector<double> start = {std::sin(0.4), -std::cos(0.4), 0.0};
+    if (angle < 5e-8) {
+      EXPECT_EQ(run.start(0.0, 2.0, start), SFDAE_SINGULAR) << angle;
+      continue;
+    }
+    ASSERT_EQ(run.start(0.0, 2.0, start), SFDAE_OK) << run.message();
+    ASSERT_EQ(run.advance(2.0), SFDAE_OK) << run.message();
+    EXPECT_NEAR(0.5 * (run.x[3] * run.x[3] + run.x[4] * run.x[4]) + run.x[1], -std::cos(0.4), 1e-5);
+    EXPECT_NEAR(run.x[7] * angle, -1.0, 1e-6);
+  }
+}
+
+// The only point has no gradient, from wherever it is approached.
+TEST_P(SmallValues, PointsWithoutGradientAreRefused) {
+  sfdae_multibody_problem problem = multibody_problem_of(2, 1);
+  problem.forces = [](double, const double*, const double*, double*, void*) { return 0; };
+  problem.constraints = [](double, const double* q, double* g, void*) {
+    g[0] = q[0] * q[0] + q[1] * q[1];
+    return 0;
+  };
+  problem.constraint_jacobian = [](double, const double* q, double* g_q, void*) {
+    for (int i = 0; i < 2; ++i) g_q[i] = 2.0 * q[i];
+    return 0;
+  };
+  for (const double distance : {0.0, 1e-9, 1e-3, 1.0}) {
+    MultibodyRun run(problem, options_of(GetParam(), 1e-7));
+    EXPECT_EQ(run.start(0.0, 1.0, {distance, 2.0 * distance}), SFDAE_CHARACTERISTICS_CHANGED) << run.message();
+  }
+}
+
+}  // namespace
+}  // namespace sfdae::test
