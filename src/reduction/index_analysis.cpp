@@ -190,10 +190,12 @@ std::optional<Reading> read_in_other_units(CoefficientSource& problem, double t,
     if (best && !(best->analysis.values == reading.analysis.values)) return std::nullopt;
     ++agreeing;
     if (gap >= clear_by_far) ++clear;
-    if (!best || smallest_gap(reading.decisions) > smallest_gap(best->decisions)) best = std::move(reading);
+    const bool is_best = !best || gap > smallest_gap(best->decisions);
+    if (is_best) best = std::move(reading);
+    // Behind the clearest one faster units have nothing to add.
+    if (agreeing >= 3 && clear >= 2 && smallest_kept(best->decisions) >= least_kept && !is_best) return best;
   }
-  const bool counts = agreeing >= 3 && clear >= 2 && smallest_kept(best->decisions) >= least_kept;
-  return counts ? std::move(best) : std::nullopt;
+  return std::nullopt;
 }
 
 }  // namespace

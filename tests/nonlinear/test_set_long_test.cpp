@@ -92,7 +92,7 @@ struct PeerDigits {
 const std::map<std::string, PeerDigits> peers = {{"pendulum", {{2.3, 4.0, 5.8}, {3.1, 4.7, 6.3}}},
                                                  {"car_axis", {{1.7, 2.7, 4.6}, {2.1, 4.3, 6.0}}},
                                                  {"andrews", {{3.5, 4.5, 6.7}, {5.1, 6.3, 8.9}}},
-                                                 {"slider_crank", {{3.4, 5.0, 0.0}, {0.0, 0.0, 0.0}}},
+                                                 {"slider_crank", {{3.4, 5.0, 0.0}, {6.3, 7.5, 0.0}}},
                                                  {"fekete", {{3.4, 4.8, 6.3}, {3.7, 5.9, 7.1}}},
                                                  {"transistor_amplifier", {{3.2, 5.7, 7.6}, {4.6, 6.2, 8.4}}},
                                                  {"akzo", {{2.8, 4.8, 6.2}, {4.2, 5.4, 6.7}}},
@@ -102,12 +102,12 @@ const std::map<std::string, PeerDigits> peers = {{"pendulum", {{2.3, 4.0, 5.8}, 
 std::vector<double> initial_weights(const TestProblem& p) {
   if (p.name != "slider_crank") return {};
   std::vector<double> weights(size(p.n), 1.0);
-  std::fill(weights.begin() + 14, weights.end(), 1e6);
+  std::fill(weights.begin() + 14, weights.end(), 1e3);
   return weights;
 }
 
-// Digits at the end of an integration scatter where the tolerance is loose: those of BDF on Andrews' mechanism do. Left out,
-// as other codes are better: the flexible slider crank by Radau, and at 1e-8, below the rounding errors of its accelerations.
+// Digits at the end of an integration scatter where the tolerance is loose: those of BDF on Andrews' mechanism do. Of the
+// flexible slider crank the given digits allow 7.3; 1e-8 is below the rounding errors of its accelerations.
 TEST(DigitsOfTheTestSet, AreThoseOfOtherSolvers) {
   for_each_problem_of_test_set([](const TestProblem& p, const auto& equations) {
     const auto known = peers.find(p.name);
@@ -123,7 +123,9 @@ TEST(DigitsOfTheTestSet, AreThoseOfOtherSolvers) {
         std::vector<double> x;
         ASSERT_EQ(solve(p, equations, options, x), SFDAE_OK);
         const double ours = correct_digits(p, p.references.back(), x.data());
-        const double scatter = p.name == "andrews" && method == SFDAE_METHOD_BDF && i == 0 ? 1.0 : 0.0;
+        const double scatter = p.name == "andrews" && method == SFDAE_METHOD_BDF && i == 0 ? 1.0
+                               : p.name == "slider_crank"                                   ? 0.3
+                                                                                            : 0.0;
         EXPECT_GE(ours, theirs - scatter);
         RecordProperty(p.name + "_" + std::to_string(method) + "_" + std::to_string(i), std::to_string(ours));
       }
