@@ -1,5 +1,4 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!
 ! Which torques u move the hand of a robot arm with two links and an elastic joint along a path?
 !
 !     x1' = v1,  x2' = v2,  x3' = v3
@@ -20,17 +19,12 @@ module robot_arm_problem
 contains
   subroutine equations(self, t, x, xdot, residual)
     class(robot_arm_dae), intent(inout) :: self
-    type(expression), intent(in) :: t
-    type(expression), intent(in) :: x(:)
-    type(expression), intent(in) :: xdot(:)
+    type(expression), intent(in) :: t, x(:), xdot(:)
     type(expression), intent(inout) :: residual(:)
     type(expression) :: a, b, c, d, first, both, spring
     a = 2 / (2 - cos(x(3))**2)
-    b = a / 2 * cos(x(3))
-    c = a / 2 * sin(x(3))
-    d = c * cos(x(3))
-    first = x(4)**2
-    both = (x(4) + x(6))**2
+    b = a / 2 * cos(x(3)); c = a / 2 * sin(x(3)); d = c * cos(x(3))
+    first = x(4)**2; both = (x(4) + x(6))**2
     spring = 2 * x(3) - x(2)
     associate (u1 => x(7), u2 => x(8), r => residual)
       r(1:3) = xdot(1:3) - x(4:6)

@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: BSD-3-Clause
- *
  * A two-transistor amplifier as nodal analysis gives it, one equation for each of the nodes 1 ... 8, with the signal
  * 0.1 V sin(200 pi t) at the input and 6 V supply. U: voltages of the nodes; currents into a node add up to zero:
  *
@@ -7,11 +6,9 @@
  *     node 2:  (6 - U2) / R - U2 / R + C1 (U1 - U2)' - 0.01 I(U2 - U3) = 0, and so on
  *
  * A transistor with the voltage U between base and emitter takes 0.01 I(U) from the base and 0.99 I(U) from the
- * collector, I(U) = 1e-6 A (exp(U / 26 mV) - 1). Strangeness index 0, d = 5, a = 3.
- * Reference values: test set for IVP solvers. */
+ * collector, I(U) = 1e-6 A (exp(U / 26 mV) - 1). Strangeness index 0, d = 5, a = 3. Reference values: IVP test set. */
 #include <math.h>
 #include <stdio.h>
-
 #include <sfdae/sfdae.h>
 
 /* Every element adds its current to the nodes that it connects. */
@@ -38,8 +35,7 @@ static int equations(sfdae_record *record, sfdae_expression t, const sfdae_expre
   conductor(1 / 1000.0, sfdae_multiply(sfdae_number(0.1), sfdae_sin(wt)), U[0], &F[0]);
   for (k = 1; k < 7; k++) if (k != 2 && k != 5) conductor(1 / R, supply, U[k], &F[k]);
   for (k = 1; k < 8; k++) if (k != 3 && k != 6) conductor(1 / R, ground, U[k], &F[k]);
-  transistor(U, 1, 3, F);
-  transistor(U, 4, 6, F);
+  transistor(U, 1, 3, F), transistor(U, 4, 6, F);
   for (k = 0; k < 5; k++) {
     conductor(C[k], to[k] < 0 ? ground : Udot[to[k]], Udot[from[k]], &F[from[k]]);
     if (to[k] >= 0) conductor(C[k], Udot[from[k]], Udot[to[k]], &F[to[k]]);
@@ -51,17 +47,14 @@ int main(void) {
   double t = 0, U[8] = {0, 3, 3, 6, 3, 3, 6, 0}, error = HUGE_VAL;
   sfdae_nonlinear_problem problem;
   sfdae_solver *solver = NULL;
-  int status;
-
-  sfdae_nonlinear_problem_init(&problem, sizeof problem);
+  int status = sfdae_nonlinear_problem_init(&problem, sizeof problem);
   problem.num_equations = problem.num_unknowns = 8;
   problem.equations = equations;
   status = sfdae_create_nonlinear(&solver, &problem, NULL);
   if (status >= 0) status = sfdae_start(solver, 0, 0.2, U, NULL);
   if (status >= 0) status = sfdae_advance(solver, 0.2, &t, U, NULL);
   if (status >= 0) error = fmax(fabs(U[6] - 4.770927631616772), fabs(U[7] - 1.236995868091548));
-  printf("%s %s\n", sfdae_status_name(status), sfdae_message(solver));
-  printf("U7 = %.6f, U8 = %.6f, error %.1e\n", U[6], U[7], error);
+  printf("U7 = %.6f, U8 = %.6f, error %.1e %s\n", U[6], U[7], error, sfdae_message(solver));
   sfdae_destroy(&solver);
   return !(error < 1e-4);
 }
