@@ -22,8 +22,10 @@ std::size_t index(int i) {
 Matrix unit_rows(ConstView rows) {
   Matrix result = to_matrix(rows);
   for (int i = 0; i < rows.rows; ++i) {
-    double sum = 0.0;
-    for (int j = 0; j < rows.cols; ++j) sum += rows(i, j) * rows(i, j);
+    double largest = 0.0, sum = 0.0;
+    for (int j = 0; j < rows.cols; ++j) largest = std::max(largest, std::fabs(rows(i, j)));
+    for (int j = 0; j < rows.cols && largest > 0.0; ++j) result(i, j) /= largest;
+    for (int j = 0; j < rows.cols; ++j) sum += result(i, j) * result(i, j);
     for (int j = 0; j < rows.cols && sum > 0.0; ++j) result(i, j) /= std::sqrt(sum);
   }
   return result;

@@ -17,15 +17,13 @@ std::size_t index(int i) {
 
 // Squares that would overflow or vanish are taken of entries relative to the largest one.
 double row_length(ConstView a, int i) {
-  constexpr double smallest = 1e-280, largest = 1e280;
-  double sum = 0.0;
-  for (int j = 0; j < a.cols; ++j) sum += a(i, j) * a(i, j);
-  if (sum > smallest && sum < largest) return std::sqrt(sum);
+  constexpr double smallest = 1e-140, largest = 1e140;
   double scale = 0.0;
   for (int j = 0; j < a.cols; ++j) scale = std::max(scale, std::fabs(a(i, j)));
   if (scale == 0.0) return 0.0;
-  sum = 0.0;
-  for (int j = 0; j < a.cols; ++j) sum += std::pow(a(i, j) / scale, 2);
+  if (scale > smallest && scale < largest) scale = 1.0;
+  double sum = 0.0;
+  for (int j = 0; j < a.cols; ++j) sum += (a(i, j) / scale) * (a(i, j) / scale);
   return scale * std::sqrt(sum);
 }
 
