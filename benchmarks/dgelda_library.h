@@ -73,7 +73,10 @@ inline void fdif(const int*, const double* t, const int* order, double* values, 
 class DgeldaProblem {
  public:
   DgeldaProblem(const DgeldaLibrary& library, Replay& functions, Method method, double tol)
-      : dgelda_(library.dgelda), functions_(functions), method_(static_cast<int>(method)), tol_(tol),
+      : dgelda_(library.dgelda),
+        functions_(functions),
+        method_(static_cast<int>(method)),
+        tol_(tol),
         n_(functions.family().n()) {
     const int n = n_, q = default_mxindx + 1;
     const bool is_bdf = method == Method::bdf;
@@ -135,8 +138,7 @@ inline void repeat_callbacks(Replay& functions, std::vector<double>& buffer) {
   functions.rewind();
   for (const RecordedCall& call : functions.calls()) {
     int ierr = 0;
-    if (call.function == Callback::f)
-      user::fdif(&n, &call.t, &call.order, buffer.data(), ipar, &rpar, &ierr);
+    if (call.function == Callback::f) user::fdif(&n, &call.t, &call.order, buffer.data(), ipar, &rpar, &ierr);
     else
       (call.function == Callback::E ? user::edif : user::adif)(&n, &call.t, &call.order, buffer.data(),
                                                                &call.leading_dimension, ipar, &rpar, &ierr);

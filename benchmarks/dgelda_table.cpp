@@ -138,8 +138,17 @@ void print_cost(Comparison& comparison) {
   const Settings& settings = comparison.settings;
   if (!settings.csv)
     std::printf("Cost, rtol = atol = %.0e; microseconds per successful step, GELDA's as published\n", settings.tol);
-  const TextTable table({{"problem", -7}, {"n", 4}, {"mu", 3}, {"method", -6}, {"library", -7}, {"steps", 6},
-                         {"attempts", 8}, {"callbacks", 10}, {"step", 10}, {"GELDA", 10}, {"step/GELDA", 10},
+  const TextTable table({{"problem", -7},
+                         {"n", 4},
+                         {"mu", 3},
+                         {"method", -6},
+                         {"library", -7},
+                         {"steps", 6},
+                         {"attempts", 8},
+                         {"callbacks", 10},
+                         {"step", 10},
+                         {"GELDA", 10},
+                         {"step/GELDA", 10},
                          {"step/first", 10}},
                         settings.csv);
   for (const PublishedCost& published : published_kron_cost)
@@ -233,8 +242,8 @@ WorkCurve accuracy_rows(Comparison& comparison, const TextTable& table, std::siz
   for (double tol : {1e-3, 1e-5, 1e-7, 1e-9}) {
     char tol_text[16];
     std::snprintf(tol_text, sizeof tol_text, "%.0e", tol);
-    std::vector<std::string> cells = {problem_name(family), text(family->n()), text(family->values().mu),
-                                      name(item.method), comparison.label(library), tol_text};
+    std::vector<std::string> cells = {problem_name(family), text(family->n()),         text(family->values().mu),
+                                      name(item.method),    comparison.label(library), tol_text};
     try {
       const Accuracy run = measure_accuracy(comparison.libraries[library], family, item.method, tol);
       add_point(curve, run.step_error * tol, run.counts.attempts());
@@ -274,16 +283,25 @@ void print_equal_error(const std::vector<EqualError>& comparisons, bool csv) {
 void print_accuracy(Comparison& comparison) {
   const bool csv = comparison.settings.csv;
   if (!csv) std::printf("Accuracy; errors in units of the tolerance, GELDA's as published\n");
-  const TextTable table({{"problem", -7}, {"n", 4}, {"mu", 3}, {"method", -6}, {"library", -7}, {"tol", 8},
-                         {"steps", 6}, {"attempts", 8}, {"evaluations", 11}, {"error", 8}, {"at end", 8},
-                         {"GELDA steps", 11}, {"GELDA error", 11}},
+  const TextTable table({{"problem", -7},
+                         {"n", 4},
+                         {"mu", 3},
+                         {"method", -6},
+                         {"library", -7},
+                         {"tol", 8},
+                         {"steps", 6},
+                         {"attempts", 8},
+                         {"evaluations", 11},
+                         {"error", 8},
+                         {"at end", 8},
+                         {"GELDA steps", 11},
+                         {"GELDA error", 11}},
                         csv);
   const Family kron = sfdae_test::kron(32, 2, 0.5), chain = sfdae_test::chain(10, 2);
   std::vector<EqualError> ratios;
-  for (const AccuracyCase& item : {AccuracyCase{kron, Method::bdf, published_bdf_runs},
-                                   AccuracyCase{kron, Method::radau, published_radau_runs},
-                                   AccuracyCase{chain, Method::bdf, nullptr},
-                                   AccuracyCase{chain, Method::radau, nullptr}}) {
+  for (const AccuracyCase& item :
+       {AccuracyCase{kron, Method::bdf, published_bdf_runs}, AccuracyCase{kron, Method::radau, published_radau_runs},
+        AccuracyCase{chain, Method::bdf, nullptr}, AccuracyCase{chain, Method::radau, nullptr}}) {
     WorkCurve first;
     for (std::size_t i = 0; i < comparison.libraries.size(); ++i) {
       const WorkCurve curve = accuracy_rows(comparison, table, i, item);

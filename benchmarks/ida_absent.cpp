@@ -4,12 +4,8 @@
 
 namespace sfdae_bench {
 
-bool ida_is_available() {
-  return false;
-}
+bool ida_is_available() { return false; }
 
-SolverRun solve_with_ida(const PeerProblem&, double) {
-  return {.failure = "SUNDIALS was not found"};
-}
+SolverRun solve_with_ida(const PeerProblem&, double) { return {.failure = "SUNDIALS was not found"}; }
 
 }  // namespace sfdae_bench

@@ -119,12 +119,8 @@ class Ida {
 
 }  // namespace
 
-bool ida_is_available() {
-  return true;
-}
+bool ida_is_available() { return true; }
 
-SolverRun solve_with_ida(const PeerProblem& problem, double tol) {
-  return Ida(problem, tol).run();
-}
+SolverRun solve_with_ida(const PeerProblem& problem, double tol) { return Ida(problem, tol).run(); }
 
 }  // namespace sfdae_bench

@@ -8,9 +8,9 @@
 
 #include "family_problem.h"
 #include "linalg/dense.h"
+#include "problem/linear_problem.h"
 #include "reduction/elimination.h"
 #include "reduction/null_space_form.h"
-#include "problem/linear_problem.h"
 
 namespace {
 

@@ -16,8 +16,8 @@
 #include "replay.h"
 
 extern "C" {
-void dgesvd_(const char*, const char*, const int*, const int*, double*, const int*, double*, double*, const int*, double*,
-             const int*, double*, const int*, int*);
+void dgesvd_(const char*, const char*, const int*, const int*, double*, const int*, double*, double*, const int*,
+             double*, const int*, double*, const int*, int*);
 void dgetrf_(const int*, const int*, double*, const int*, int*, int*);
 }
 
@@ -67,8 +67,8 @@ double time_dgesvd(const Matrix& M) {
   return microseconds([&] {
     copy(M, work);
     int info = 0;
-    dgesvd_("A", "N", &rows, &cols, work.data(), &rows, s.data(), U.data(), &rows, &none, &one, scratch.data(), &length,
-            &info);
+    dgesvd_("A", "N", &rows, &cols, work.data(), &rows, s.data(), U.data(), &rows, &none, &one, scratch.data(),
+            &length, &info);
   });
 }
 
@@ -150,8 +150,8 @@ int main(int argc, char** argv) {
   const int largest = argc > 1 ? std::atoi(argv[1]) : 100;
   const double lu100 = time_dgetrf(100);
   std::printf("dgetrf n = 100: %.1f us; step (scaled) refers to a machine where it takes 52 us\n", lu100);
-  std::printf("%4s %3s %10s %14s %10s %12s %10s %12s %10s\n", "n", "mu", "step", "step (scaled)", "reduction", "dgesvd",
-              "dgetrf", "svd/reduct.", "step/LU");
+  std::printf("%4s %3s %10s %14s %10s %12s %10s %12s %10s\n", "n", "mu", "step", "step (scaled)", "reduction",
+              "dgesvd", "dgetrf", "svd/reduct.", "step/LU");
   for (int n : {4, 8, 16, 32, 64, 100}) {
     if (n > largest) break;
     const double lu = time_dgetrf(n);

@@ -25,10 +25,8 @@ class TextTable {
   void row(const std::vector<std::string>& cells) const {
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       const std::string cell = i < cells.size() ? cells[i] : "";
-      if (csv_)
-        std::printf("%s%s", i > 0 ? "," : "", quoted(cell).c_str());
-      else
-        std::printf("%s%*s", i > 0 ? " " : "", columns_[i].width, cell.empty() ? "-" : cell.c_str());
+      if (csv_) std::printf("%s%s", i > 0 ? "," : "", quoted(cell).c_str());
+      else std::printf("%s%*s", i > 0 ? " " : "", columns_[i].width, cell.empty() ? "-" : cell.c_str());
     }
     std::printf("\n");
     std::fflush(stdout);

@@ -22,14 +22,15 @@ void run(const std::shared_ptr<const LinearFamily>& family, double t0, double t1
     FamilyProblem problem(family, hooks);
     const auto start = std::chrono::steady_clock::now();
     const FamilyRun result = run_family(problem, t0, t1, options_with_tolerance(tol));
-    const double elapsed = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+    const double elapsed =
+        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
     if (result.status < 0) {
       std::printf("\"%s\",%.0e,failed: %s\n", family->name().c_str(), tol, sfdae_status_name(result.status));
       continue;
     }
     std::printf("\"%s\",%.0e,%ld,%ld,%ld,%.3g,%.3g,%.3g,%.1f\n", family->name().c_str(), tol, result.statistics.steps,
-                result.statistics.error_failures, result.statistics.reductions, result.step_error, result.output_error,
-                result.step_error * tol, elapsed - 1e6 * problem.seconds());
+                result.statistics.error_failures, result.statistics.reductions, result.step_error,
+                result.output_error, result.step_error * tol, elapsed - 1e6 * problem.seconds());
   }
 }
 

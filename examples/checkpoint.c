@@ -12,19 +12,19 @@
 
 #include <sfdae/sfdae.h>
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   (void)t, (void)order, (void)user; /* constant: only order 0 is asked for */
   matrix[0] = matrix[4] = 1;
   return 0;
 }
 
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   (void)t, (void)order, (void)user;
   matrix[0] = -1, matrix[0 + 3 * 2] = matrix[1 + 3 * 2] = matrix[2 + 3 * 1] = 1;
   return 0;
 }
 
-static int f(double t, int order, double *vector, void *user) {
+static int f(double t, int order, double* vector, void* user) {
   (void)user;
   vector[2] = -sin(t + order * acos(0.0));
   return 0;
@@ -36,7 +36,7 @@ int main(void) {
   sfdae_linear_problem problem;
   sfdae_options options;
   sfdae_solver *first = NULL, *second = NULL;
-  FILE *file = tmpfile();
+  FILE* file = tmpfile();
   int status;
 
   sfdae_linear_problem_init(&problem, sizeof problem);

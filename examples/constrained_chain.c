@@ -52,14 +52,14 @@ static double series(double (*link)(int), int i, int k) {
 
 static double binomial(int n, int k) { return k == 0 ? 1 : binomial(n, k - 1) * (n - k + 1) / k; }
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   int i;
   (void)t, (void)order, (void)user; /* constant: only order 0 is asked for */
   for (i = 1; i <= MASSES; i++) matrix[(Q + i - 1) * (N + 1)] = 1, matrix[(V + i - 1) * (N + 1)] = mass(i);
   return 0;
 }
 
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   int i, j, k;
   (void)user;
   for (i = 1; i <= MASSES; i++)
@@ -76,11 +76,11 @@ static int A(double t, int order, double *matrix, void *user) {
 }
 
 /* f1 = M q'' + K q + D q' - G^T lambda,  f3 = -G q;  products are differentiated by Leibniz' rule. */
-static int f(double t, int order, double *vector, void *user) {
+static int f(double t, int order, double* vector, void* user) {
   int i, j, k, l;
   (void)user;
   for (i = 1; i <= MASSES; i++) {
-    double *f1 = &vector[V + i - 1];
+    double* f1 = &vector[V + i - 1];
     *f1 = mass(i) * position(i, t, order + 2);
     for (k = 1; k <= MASSES; k++)
       *f1 += series(spring, i, k) * position(k, t, order) + series(damper, i, k) * position(k, t, order + 1);
@@ -94,7 +94,7 @@ static int f(double t, int order, double *vector, void *user) {
   return 0;
 }
 
-static void exact(double t, double *x) {
+static void exact(double t, double* x) {
   int i;
   for (i = 1; i <= MASSES; i++) x[Q + i - 1] = position(i, t, 0), x[V + i - 1] = position(i, t, 1);
   for (i = 1; i <= LINKS; i++) x[LAMBDA + i - 1] = multiplier(i, t, 0);
@@ -103,7 +103,7 @@ static void exact(double t, double *x) {
 /* ---- What is checked ------------------------------------------------------------------------------------------ */
 
 /* Largest error in units of rtol |x| + atol. */
-static double error_of(double t, const double *x) {
+static double error_of(double t, const double* x) {
   double xe[N], error = 0;
   int i;
   exact(t, xe);
@@ -112,7 +112,7 @@ static double error_of(double t, const double *x) {
 }
 
 /* Largest |A x + f| of rows first ... end - 1 of a matrix with `end` rows, in units of the rounding errors of it. */
-static double largest_residual(const double *matrix, const double *vector, int first, int end, const double *x) {
+static double largest_residual(const double* matrix, const double* vector, int first, int end, const double* x) {
   double largest = 0;
   int i, j;
   for (i = first; i < end; i++) {
@@ -124,14 +124,14 @@ static double largest_residual(const double *matrix, const double *vector, int f
 }
 
 /* All constraints, the hidden ones included: A2 x + f2. */
-static double residual_of(sfdae_solver *solver, double t, const double *x) {
+static double residual_of(sfdae_solver* solver, double t, const double* x) {
   double A2[A_COUNT * N], f2[A_COUNT];
   const int status = sfdae_get_strangeness_free(solver, t, NULL, NULL, NULL, A2, f2, NULL);
   return status < 0 ? HUGE_VAL : largest_residual(A2, f2, 0, A_COUNT, x);
 }
 
 /* The constraints as they were given: G q + f3, the last rows of A x + f. */
-static double raw_residual_of(double t, const double *x) {
+static double raw_residual_of(double t, const double* x) {
   double matrix[N * N] = {0}, vector[N] = {0};
   A(t, 0, matrix, NULL);
   f(t, 0, vector, NULL);
@@ -141,7 +141,7 @@ static double raw_residual_of(double t, const double *x) {
 /* Inconsistent start values. The solver goes to the nearest consistent point; the consistent points at t are those
  * with A2 x + f2 = 0, so it comes back to the exact values if and only if they were left in a direction
  * A2^T c, at right angles to all consistent ones. Any other perturbation would start another solution. */
-static int inconsistent_values(sfdae_solver *solver, double t, double *x) {
+static int inconsistent_values(sfdae_solver* solver, double t, double* x) {
   double A2[A_COUNT * N];
   int i, j;
   const int status = sfdae_get_strangeness_free(solver, t, NULL, NULL, NULL, A2, NULL, NULL);
@@ -152,28 +152,28 @@ static int inconsistent_values(sfdae_solver *solver, double t, double *x) {
 }
 
 static void plot(void) {
-  FILE *script = fopen("constrained_chain.gp", "w");
+  FILE* script = fopen("constrained_chain.gp", "w");
   if (!script) return;
-  fputs("set terminal svg size 900,700 font 'Helvetica,14' background 'white'\n"
-        "set output 'constrained_chain.svg'\nset datafile separator ','\nset multiplot\nset lmargin 10\n"
-        "set rmargin 18\nset grid lc rgb '#dddddd'\nset key outside right top\nset border 3\nset tics nomirror\n"
-        "data = 'constrained_chain.csv'\ncolors = '#1b6ca8 #57a0d3 #2e8b57 #8fbc5a #d95f02 #b03060'\n"
-        "set title 'Ten masses, two turning constraints'\n"
-        "set origin 0,0.35\nset size 1,0.65\nset yrange [-1.1:1.1]\nset format x ''\n"
-        "plot for [i=2:7] data using 1:i with lines lw 2 lc rgb word(colors, i-1) title columnheader(i)\n"
-        "unset title\nset xlabel 't'\nset logscale y\n"
-        "set origin 0,0\nset size 1,0.38\nset yrange [0.01:20]\nset format x '%g'\n"
-        "plot data using 1:8 with lines lw 2 lc rgb '#444444' title columnheader(8)\n",
-        script);
+  fputs(
+      "set terminal svg size 900,700 font 'Helvetica,14' background 'white'\n"
+      "set output 'constrained_chain.svg'\nset datafile separator ','\nset multiplot\nset lmargin 10\n"
+      "set rmargin 18\nset grid lc rgb '#dddddd'\nset key outside right top\nset border 3\nset tics nomirror\n"
+      "data = 'constrained_chain.csv'\ncolors = '#1b6ca8 #57a0d3 #2e8b57 #8fbc5a #d95f02 #b03060'\n"
+      "set title 'Ten masses, two turning constraints'\n"
+      "set origin 0,0.35\nset size 1,0.65\nset yrange [-1.1:1.1]\nset format x ''\n"
+      "plot for [i=2:7] data using 1:i with lines lw 2 lc rgb word(colors, i-1) title columnheader(i)\n"
+      "unset title\nset xlabel 't'\nset logscale y\n"
+      "set origin 0,0\nset size 1,0.38\nset yrange [0.01:20]\nset format x '%g'\n"
+      "plot data using 1:8 with lines lw 2 lc rgb '#444444' title columnheader(8)\n",
+      script);
   fclose(script);
   if (system("command -v gnuplot > /dev/null 2>&1 && gnuplot constrained_chain.gp") == 0)
     puts("wrote constrained_chain.svg");
-  else
-    puts("no gnuplot found: constrained_chain.gp would plot constrained_chain.csv");
+  else puts("no gnuplot found: constrained_chain.gp would plot constrained_chain.csv");
 }
 
 /* Integrates, fills the table and the file; worst: largest error and residuals met. */
-static int integrate(sfdae_solver *solver, double *x, FILE *csv, double worst[3]) {
+static int integrate(sfdae_solver* solver, double* x, FILE* csv, double worst[3]) {
   int k;
   puts("      t         q1         q5    lambda1   error/tol   A2 x + f2    G q + f3   (in roundings)");
   if (csv) fputs("t,q1,q2,q5,q10,lambda1,lambda2,error/tol\n", csv);
@@ -185,8 +185,7 @@ static int integrate(sfdae_solver *solver, double *x, FILE *csv, double worst[3]
     worst[0] = fmax(worst[0], e), worst[1] = fmax(worst[1], r), worst[2] = fmax(worst[2], s);
     if (csv)
       fprintf(csv, "%g,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.3g\n", t, x[0], x[1], x[4], x[9], x[LAMBDA], x[LAMBDA + 1], e);
-    if (k % 50 == 0)
-      printf("%7.3f %10.6f %10.6f %10.6f %11.2g %11.2g %11.2g\n", t, x[0], x[4], x[LAMBDA], e, r, s);
+    if (k % 50 == 0) printf("%7.3f %10.6f %10.6f %10.6f %11.2g %11.2g %11.2g\n", t, x[0], x[4], x[LAMBDA], e, r, s);
   }
   return SFDAE_OK;
 }
@@ -195,8 +194,8 @@ int main(void) {
   sfdae_linear_problem problem;
   sfdae_options options;
   sfdae_statistics statistics;
-  sfdae_solver *solver = NULL;
-  FILE *csv = fopen("constrained_chain.csv", "w");
+  sfdae_solver* solver = NULL;
+  FILE* csv = fopen("constrained_chain.csv", "w");
   double x[N], worst[3] = {0, 0, 0};
   char report[20000];
   int status;

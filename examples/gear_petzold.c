@@ -13,21 +13,21 @@
 
 #include <sfdae/sfdae.h>
 
-static int E(double t, int order, double *matrix, void *user) {
-  const double eta = *(const double *)user;
+static int E(double t, int order, double* matrix, void* user) {
+  const double eta = *(const double*)user;
   if (order == 0) matrix[1] = 1, matrix[3] = eta * t;
   if (order == 1) matrix[3] = eta;
   return 0;
 }
 
-static int A(double t, int order, double *matrix, void *user) {
-  const double eta = *(const double *)user;
+static int A(double t, int order, double* matrix, void* user) {
+  const double eta = *(const double*)user;
   if (order == 0) matrix[0] = -1, matrix[2] = -eta * t, matrix[3] = -(1 + eta);
   if (order == 1) matrix[2] = -eta;
   return 0;
 }
 
-static int f(double t, int order, double *vector, void *user) {
+static int f(double t, int order, double* vector, void* user) {
   (void)user;
   vector[0] = order % 2 ? -exp(-t) : exp(-t);
   return 0;
@@ -39,7 +39,7 @@ int main(void) {
   for (k = 0; k < 6; k++) {
     const double eta = etas[k];
     sfdae_linear_problem problem;
-    sfdae_solver *solver = NULL;
+    sfdae_solver* solver = NULL;
     double t = 0, x[2] = {0, 0}, error = HUGE_VAL;
     int status;
     sfdae_linear_problem_init(&problem, sizeof problem);

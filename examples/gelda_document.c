@@ -12,21 +12,21 @@
 
 #include <sfdae/sfdae.h>
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   (void)user;
   if (order == 0) matrix[1] = 1, matrix[3] = -t; /* column by column: rows 0 and 1 of column 0, then column 1 */
   if (order == 1) matrix[3] = -1;
   return 0;
 }
 
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   (void)user;
   if (order == 0) matrix[0] = -1, matrix[2] = t;
   if (order == 1) matrix[2] = 1;
   return 0;
 }
 
-static int f(double t, int order, double *vector, void *user) {
+static int f(double t, int order, double* vector, void* user) {
   (void)user;
   vector[0] = order % 2 ? -exp(-t) : exp(-t);
   return 0;
@@ -35,7 +35,7 @@ static int f(double t, int order, double *vector, void *user) {
 int main(void) {
   sfdae_linear_problem problem;
   sfdae_characteristics c;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   double t = 0, x[2] = {5, -3}; /* anything: the start finds the consistent values */
   double error = HUGE_VAL;
   int status;

@@ -12,13 +12,13 @@
 
 #include <sfdae/sfdae.h>
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = matrix[4] = 1;
   return 0;
 }
 
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   const double k = (order == 0 ? 1 : 0) + 0.5 * sin(t + order * acos(0.0));
   (void)user;
   matrix[0] = -k, matrix[1] = k;
@@ -26,8 +26,8 @@ static int A(double t, int order, double *matrix, void *user) {
   return 0;
 }
 
-static int f(double t, int order, double *vector, void *user) {
-  const double leak = *(const double *)user;
+static int f(double t, int order, double* vector, void* user) {
+  const double leak = *(const double*)user;
   if (order == 0) vector[2] = -1 - leak * t;
   if (order == 1) vector[2] = -leak;
   return 0;
@@ -36,7 +36,7 @@ static int f(double t, int order, double *vector, void *user) {
 int main(void) {
   sfdae_linear_problem problem;
   sfdae_characteristics c;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   double leak = 0, t = 0, x[2] = {0.9, 0.1}, exact = 0.9 * exp(-3 - (1 - cos(3)) / 2), error = HUGE_VAL, law = 1;
   int status, contradiction;
 

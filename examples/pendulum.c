@@ -12,8 +12,8 @@
 
 #include <sfdae/sfdae.h>
 
-static int equations(sfdae_record *record, sfdae_expression t, const sfdae_expression *x, const sfdae_expression *xdot,
-                     sfdae_expression *F, void *user) {
+static int equations(sfdae_record* record, sfdae_expression t, const sfdae_expression* x,
+                     const sfdae_expression* xdot, sfdae_expression* F, void* user) {
   const sfdae_expression one = sfdae_number(1), two = sfdae_number(2), g = sfdae_parameter(record, "g", 9.81);
   const sfdae_expression force = sfdae_multiply(two, x[4]);
   (void)t, (void)user;
@@ -28,7 +28,7 @@ static int equations(sfdae_record *record, sfdae_expression t, const sfdae_expre
 int main(void) {
   sfdae_nonlinear_problem problem;
   sfdae_options options;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   double t = 0, x[5] = {1, 0, 0, 0, 0}, energy = 0, violation = 0;
   int k, status;
 
@@ -48,8 +48,8 @@ int main(void) {
     violation = fmax(violation, fabs(x[2] * x[2] + x[3] * x[3] - 9.81 * x[1] - 2 * x[4]));
     printf("t = %4.1f   position (%9.6f, %9.6f)   force in the rod %9.6f\n", t, x[0], x[1], 2 * x[4]);
   }
-  printf("%s %s\nerror of the energy %.1e, of the constraints %.1e\n", sfdae_status_name(status), sfdae_message(solver),
-         energy, violation);
+  printf("%s %s\nerror of the energy %.1e, of the constraints %.1e\n", sfdae_status_name(status),
+         sfdae_message(solver), energy, violation);
   sfdae_destroy(&solver);
   return !(status >= 0 && t == 10 && energy < 1e-6 && violation < 1e-11);
 }

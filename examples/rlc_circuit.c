@@ -15,13 +15,13 @@
 
 enum { E1, E2, E3, IL, IV, N };
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   (void)t, (void)order, (void)user; /* constant: only order 0 is asked for */
   matrix[0 + N * E1] = matrix[2 + N * E3] = matrix[3 + N * IL] = 1;
   return 0;
 }
 
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   (void)t, (void)order, (void)user;
   matrix[0 + N * E1] = -1, matrix[0 + N * E2] = 1, matrix[0 + N * IV] = -1;
   matrix[1 + N * E1] = 1, matrix[1 + N * E2] = -1, matrix[1 + N * IL] = -1;
@@ -29,7 +29,7 @@ static int A(double t, int order, double *matrix, void *user) {
   return 0;
 }
 
-static int f(double t, int order, double *vector, void *user) {
+static int f(double t, int order, double* vector, void* user) {
   (void)user;
   vector[4] = sin(t + order * acos(0.0));
   return 0;
@@ -44,7 +44,7 @@ int main(void) {
   double t = 0, x[N] = {9, 9, 0, 0, 9}, error = 0; /* inconsistent: e1, e2, iV are wrong */
   sfdae_linear_problem problem;
   sfdae_options options;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   int status, k;
 
   sfdae_linear_problem_init(&problem, sizeof problem);

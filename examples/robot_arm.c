@@ -22,7 +22,7 @@ static expr sub(expr a, expr b) { return sfdae_subtract(a, b); }
 static expr mul(expr a, expr b) { return sfdae_multiply(a, b); }
 static expr times(double number, expr a) { return mul(num(number), a); }
 
-static int equations(sfdae_record *record, expr t, const expr *x, const expr *xdot, expr *F, void *user) {
+static int equations(sfdae_record* record, expr t, const expr* x, const expr* xdot, expr* F, void* user) {
   const expr cosine = sfdae_cos(x[2]), a = sfdae_divide(num(2), sub(num(2), mul(cosine, cosine)));
   const expr b = times(0.5, mul(a, cosine)), c = times(0.5, mul(a, sfdae_sin(x[2]))), d = mul(c, cosine);
   const expr first = mul(x[3], x[3]), both = mul(add(x[3], x[5]), add(x[3], x[5])), hand = add(x[0], x[2]);
@@ -44,7 +44,7 @@ static int equations(sfdae_record *record, expr t, const expr *x, const expr *xd
 int main(void) {
   double t = 0, x[8] = {0, 1, 1, 0, 0, 0, 0, 0}, error = HUGE_VAL; /* roughly: the start finds consistent values */
   sfdae_nonlinear_problem problem;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   int status;
   sfdae_nonlinear_problem_init(&problem, sizeof problem);
   problem.num_equations = problem.num_unknowns = 8;

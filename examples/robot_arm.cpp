@@ -45,7 +45,8 @@ int main() try {
     std::cout << "t = " << point.t << "   torques " << point.x[6] << ", " << point.x[7] << '\n';
   }
   const sfdae::Characteristics c = solver.characteristics();
-  std::cout << "mu = " << c.strangeness_index << ", error " << error << ", " << solver.statistics().steps << " steps\n";
+  std::cout << "mu = " << c.strangeness_index << ", error " << error << ", " << solver.statistics().steps
+            << " steps\n";
   error = std::max(error, std::abs(point.x[6] - 13.59126060175974609888));
   return !(error < 1e-10 && c.strangeness_index == 4 && c.differential == 0 && c.algebraic == 8);
 } catch (const sfdae::Error& error) {

@@ -19,8 +19,8 @@ int main(void) {
   sfdae_options options;
   sfdae_multibody_report report;
   sfdae_statistics statistics;
-  sfdae_solver *solver = NULL;
-  FILE *csv = fopen("squeezer.csv", "w");
+  sfdae_solver* solver = NULL;
+  FILE* csv = fopen("squeezer.csv", "w");
   double t = 0, x[20] = {0}, error = 0, violation = 0;
   int k, i, status;
 
@@ -50,7 +50,8 @@ int main(void) {
   sfdae_get_multibody_report(solver, &report);
   sfdae_get_statistics(solver, &statistics);
   printf("%s %s\n%ld steps, %d degree of freedom; error %.1e, constraints violated by %.1e\n",
-         sfdae_status_name(status), sfdae_message(solver), statistics.steps, report.degrees_of_freedom, error, violation);
+         sfdae_status_name(status), sfdae_message(solver), statistics.steps, report.degrees_of_freedom, error,
+         violation);
   if (csv) fclose(csv);
   sfdae_destroy(&solver);
   return !(status >= 0 && report.degrees_of_freedom == 1 && error < 1e-6 && violation < 1e-13);

@@ -17,16 +17,18 @@ static const double c0 = 4530, l0 = .07785, motor = .033, d = .028, da = .0115, 
 static const double ss = .035, sa = .01874, sb = .01043, sc = .018, sd = .02, ta = .02308, tb = .00916, u = .04;
 static const double ua = .01228, ub = .00449, zf = .02, zt = .04, ee = .02 - .01421, zz = .02 - .01421;
 
-static const double angles_at_start[7] = {-0.0617138900142764496, 0, 0.455279819163070380, 0.222668390165885885,
-                                          0.487364979543842550, -0.222668390165885885, 1.23054744454982119};
-static const double angles_at_end[7] = {15.8107711951537071, -15.7563710584118394, 0.0408222401196458049,
+static const double angles_at_start[7] = {-0.0617138900142764496, 0,
+                                          0.455279819163070380,   0.222668390165885885,
+                                          0.487364979543842550,   -0.222668390165885885,
+                                          1.23054744454982119};
+static const double angles_at_end[7] = {15.8107711951537071,   -15.7563710584118394, 0.0408222401196458049,
                                         -0.534730116342079594, 0.524409965879954069, 0.534730116342079594,
                                         1.04808074104193787};
 
 /* Entry (i, j) of a symmetric 7 x 7 matrix. */
-static void set(double *M, int i, int j, double value) { M[i + 7 * j] = M[j + 7 * i] = value; }
+static void set(double* M, int i, int j, double value) { M[i + 7 * j] = M[j + 7 * i] = value; }
 
-static int mass(double t, const double *q, double *M, void *user) {
+static int mass(double t, const double* q, double* M, void* user) {
   const double c_th = cos(q[1]), s_ph = sin(q[3]), s_om = sin(q[5]);
   (void)t, (void)user;
   set(M, 0, 0, m1 * ra * ra + m2 * (rr * rr - 2 * da * rr * c_th + da * da) + I1 + I2);
@@ -42,7 +44,7 @@ static int mass(double t, const double *q, double *M, void *user) {
   return 0;
 }
 
-static int forces(double t, const double *q, const double *v, double *f, void *user) {
+static int forces(double t, const double* q, const double* v, double* f, void* user) {
   const double s = sin(q[2]), c = cos(q[2]), x = sd * c + sc * s + xb - xc, y = sd * s - sc * c + yb - yc;
   const double spring = -c0 * (1 - l0 / sqrt(x * x + y * y));
   (void)t, (void)user;
@@ -56,7 +58,7 @@ static int forces(double t, const double *q, const double *v, double *f, void *u
   return 0;
 }
 
-static int constraints(double t, const double *q, double *g, void *user) {
+static int constraints(double t, const double* q, double* g, void* user) {
   const double x = rr * cos(q[0]) - d * cos(q[0] + q[1]), y = rr * sin(q[0]) - d * sin(q[0] + q[1]);
   (void)t, (void)user;
   g[0] = x - ss * sin(q[2]) - xb;
@@ -68,7 +70,7 @@ static int constraints(double t, const double *q, double *g, void *user) {
   return 0;
 }
 
-static int constraint_jacobian(double t, const double *q, double *g_q, void *user) {
+static int constraint_jacobian(double t, const double* q, double* g_q, void* user) {
   int i;
   (void)t, (void)user;
   for (i = 0; i < 6; i += 2) {

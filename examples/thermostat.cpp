@@ -28,13 +28,12 @@ int main() try {
   sfdae::Options options;
   options.rtol = options.atol = 1e-9;
   sfdae::Solver solver(problem, options);
-  solver.set_events(
-      2,
-      [](double, sfdae::ConstVectorRef x, sfdae::ConstVectorRef, sfdae::VectorRef g) {
-        g[0] = x[0] - 22;
-        g[1] = x[0] - 20;
-      },
-      {+1, -1});
+  solver.set_events(2,
+                    [](double, sfdae::ConstVectorRef x, sfdae::ConstVectorRef, sfdae::VectorRef g) {
+                      g[0] = x[0] - 22;
+                      g[1] = x[0] - 20;
+                    },
+                    {+1, -1});
 
   sfdae::Point point{0.0, {20.0, p}, {}};
   solver.start(point, tend);

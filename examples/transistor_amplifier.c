@@ -8,14 +8,14 @@
  * A transistor with the voltage U between base and emitter takes 0.01 I(U) from the base and 0.99 I(U) from the
  * collector, I(U) = 1e-6 A (exp(U / 26 mV) - 1). Strangeness index 0, d = 5, a = 3. Reference values: IVP test set. */
 #include <math.h>
-#include <stdio.h>
 #include <sfdae/sfdae.h>
+#include <stdio.h>
 
 /* Every element adds its current to the nodes that it connects. */
-static void conductor(double G, sfdae_expression from, sfdae_expression to, sfdae_expression *into) {
+static void conductor(double G, sfdae_expression from, sfdae_expression to, sfdae_expression* into) {
   *into = sfdae_add(*into, sfdae_multiply(sfdae_number(G), sfdae_subtract(from, to)));
 }
-static void transistor(const sfdae_expression *U, int base, int collector, sfdae_expression *F) {
+static void transistor(const sfdae_expression* U, int base, int collector, sfdae_expression* F) {
   sfdae_expression u = sfdae_divide(sfdae_subtract(U[base], U[base + 1]), sfdae_number(0.026));
   sfdae_expression I = sfdae_multiply(sfdae_number(1e-6), sfdae_subtract(sfdae_exp(u), sfdae_number(1)));
   F[base] = sfdae_subtract(F[base], sfdae_multiply(sfdae_number(0.01), I));
@@ -23,8 +23,8 @@ static void transistor(const sfdae_expression *U, int base, int collector, sfdae
   F[collector] = sfdae_subtract(F[collector], sfdae_multiply(sfdae_number(0.99), I));
 }
 
-static int equations(sfdae_record *record, sfdae_expression t, const sfdae_expression *U, const sfdae_expression *Udot,
-                     sfdae_expression *F, void *user) {
+static int equations(sfdae_record* record, sfdae_expression t, const sfdae_expression* U,
+                     const sfdae_expression* Udot, sfdae_expression* F, void* user) {
   static const int from[5] = {0, 3, 6, 2, 5}, to[5] = {1, 4, 7, -1, -1};
   static const double C[5] = {1e-6, 3e-6, 5e-6, 2e-6, 4e-6}, R = 9000;
   const sfdae_expression ground = sfdae_number(0), supply = sfdae_parameter(record, "supply", 6);
@@ -33,8 +33,10 @@ static int equations(sfdae_record *record, sfdae_expression t, const sfdae_expre
   (void)user;
   for (k = 0; k < 8; k++) F[k] = ground;
   conductor(1 / 1000.0, sfdae_multiply(sfdae_number(0.1), sfdae_sin(wt)), U[0], &F[0]);
-  for (k = 1; k < 7; k++) if (k != 2 && k != 5) conductor(1 / R, supply, U[k], &F[k]);
-  for (k = 1; k < 8; k++) if (k != 3 && k != 6) conductor(1 / R, ground, U[k], &F[k]);
+  for (k = 1; k < 7; k++)
+    if (k != 2 && k != 5) conductor(1 / R, supply, U[k], &F[k]);
+  for (k = 1; k < 8; k++)
+    if (k != 3 && k != 6) conductor(1 / R, ground, U[k], &F[k]);
   transistor(U, 1, 3, F), transistor(U, 4, 6, F);
   for (k = 0; k < 5; k++) {
     conductor(C[k], to[k] < 0 ? ground : Udot[to[k]], Udot[from[k]], &F[from[k]]);
@@ -46,7 +48,7 @@ static int equations(sfdae_record *record, sfdae_expression t, const sfdae_expre
 int main(void) {
   double t = 0, U[8] = {0, 3, 3, 6, 3, 3, 6, 0}, error = HUGE_VAL;
   sfdae_nonlinear_problem problem;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   int status = sfdae_nonlinear_problem_init(&problem, sizeof problem);
   problem.num_equations = problem.num_unknowns = 8;
   problem.equations = equations;

@@ -14,19 +14,19 @@
 
 #include <sfdae/sfdae.h>
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   (void)t, (void)order, (void)user;
   matrix[0] = matrix[3] = 1;
   return 0;
 }
 
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   (void)t, (void)order, (void)user;
   matrix[2] = 1, matrix[3] = -1, matrix[5] = 1;
   return 0;
 }
 
-static int force(double t, int order, double *values, void *user) {
+static int force(double t, int order, double* values, void* user) {
   (void)order, (void)user;
   values[0] = cos(t);
   return 0;
@@ -40,7 +40,7 @@ static double solve(int prescribe) {
   const double p = (prescribe ? (sin(tend) - cos(tend) + 1) / 2 : F * tend) + c * (1 - e);
   double t = 0, x[3] = {0, 1, 0.25}, error;
   sfdae_linear_problem problem;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   int status;
   sfdae_linear_problem_init(&problem, sizeof problem);
   problem.num_equations = 2, problem.num_unknowns = 3;

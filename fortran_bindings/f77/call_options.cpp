@@ -76,12 +76,14 @@ int read_stepping(const Arguments& arguments, bool is_first_call, Options& optio
     stepping.fastest_rise = arguments.rwork(13);
     if (!std::isgreater(stepping.safety, 0.001) || !std::isless(stepping.safety, 1.0)) return code::bad_safety;
     if (!std::isgreaterequal(stepping.fastest_fall, 1.0) || !std::islessequal(stepping.fastest_rise, 1.0) ||
-        std::isless(stepping.fastest_rise, 0.0)) return code::bad_ratios;
+        std::isless(stepping.fastest_rise, 0.0))
+      return code::bad_ratios;
   }
   if (arguments.flag(17) || !is_first_call) {
     stepping.keep_from = arguments.rwork(14);
     stepping.keep_to = arguments.rwork(15);
-    if (!std::islessequal(stepping.keep_from, 1.0) || !std::isgreaterequal(stepping.keep_to, 1.0)) return code::bad_quotients;
+    if (!std::islessequal(stepping.keep_from, 1.0) || !std::isgreaterequal(stepping.keep_to, 1.0))
+      return code::bad_quotients;
   }
   return code::ok;
 }
@@ -167,7 +169,8 @@ int check_continuation(const Arguments& arguments, const Options& options, doubl
   if (tout == t) return code::tout_is_t;
   if (!are_finite(t, tout)) return code::tout_too_close;
   if (options.stop_time) {
-    if (!std::isfinite(*options.stop_time) || (*options.stop_time - t_internal) * direction < 0.0) return code::stop_behind;
+    if (!std::isfinite(*options.stop_time) || (*options.stop_time - t_internal) * direction < 0.0)
+      return code::stop_behind;
     if ((*options.stop_time - tout) * direction < 0.0) return code::stop_before_tout;
   }
   return (tout - t) * direction < 0.0 ? code::wrong_direction : code::ok;

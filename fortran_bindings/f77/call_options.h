@@ -80,8 +80,8 @@ struct Options {
   int max_order = 5;
   int max_index = 3;
   std::int64_t max_steps = 10000;
-  double max_step = 0.0;       // 0: none
-  double initial_step = 0.0;   // H0 with its sign
+  double max_step = 0.0;      // 0: none
+  double initial_step = 0.0;  // H0 with its sign
   bool has_initial_step = false;
   std::optional<double> stop_time;
   core::StepOptions stepping;

@@ -90,7 +90,8 @@ bool CallState::save(const Progress& progress, const std::vector<double>& matric
 std::unique_ptr<core::DaeSystem> CallState::restore_system(const core::CheckpointTarget& target,
                                                            const Progress& progress) const {
   const std::size_t constants = size_of_matrices(progress.is_constant);
-  core::Archive archive = core::Archive::reader(&arguments_.rwork(first_real) + constants, saved_length() - constants);
+  core::Archive archive =
+      core::Archive::reader(&arguments_.rwork(first_real) + constants, saved_length() - constants);
   return target.system(archive);
 }
 

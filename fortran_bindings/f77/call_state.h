@@ -43,13 +43,14 @@ class CallState {
 
   // Of the state loaded. The two latter throw core::Failure SFDAE_ILLEGAL_ARGUMENT or core::DamagedArchive.
   const double* matrices() const { return &arguments_.rwork(first_real); }
-  std::unique_ptr<core::DaeSystem> restore_system(const core::CheckpointTarget& target, const Progress& progress) const;
+  std::unique_ptr<core::DaeSystem> restore_system(const core::CheckpointTarget& target,
+                                                  const Progress& progress) const;
   core::Restored restore(const core::CheckpointTarget& target, const core::IntegrationOptions& options,
                          const Progress& progress) const;
 
  private:
   static constexpr int first_real = 21;
-  static constexpr int word = 16, sum = 17, kind = 18;                        // in IWORK
+  static constexpr int word = 16, sum = 17, kind = 18;                      // in IWORK
   static constexpr int t_start = 5, t_returned = 6, span = 8, length = 10;  // in RWORK
   std::size_t size_of_matrices(bool is_constant) const;
   std::size_t saved_length() const;

@@ -11,7 +11,6 @@
 #include "linalg/rank.h"
 #include "problem/failure.h"
 #include "problem/linear_problem.h"
-#include "problem/linear_problem.h"
 #include "reduction/elimination.h"
 
 namespace sfdae::f77 {

@@ -27,8 +27,8 @@ void DgeldaCall::analyze(double toward) {
   set_differences();
   std::vector<core::RankDecision> decisions;
   core::IndexAnalysis analysis = core::analyze_index(*problem_, t_, toward, settings_, arena_, decisions);
-  system_ = std::make_unique<core::LinearSystem>(*problem_, settings_, std::move(analysis),
-                                                 core::LeadingTerm::automatic);
+  system_ =
+      std::make_unique<core::LinearSystem>(*problem_, settings_, std::move(analysis), core::LeadingTerm::automatic);
 }
 
 void DgeldaCall::settle_at_values() {

@@ -35,8 +35,8 @@ void scale_rows(Matrix& A, std::vector<double>& b) {
 bool smallest_solution(const Matrix& AK, const std::vector<double>& b, double noise, std::vector<double>& y) {
   const Svd decomposition = svd(AK);
   const int rows = AK.rows(), count = static_cast<int>(decomposition.s.size());
-  const int rank = decide_rank(decomposition.s.data(), count, 1,
-                               {noise, 1.0, std::max({rows, AK.cols(), 1}), 0.0, 0.0}).rank;
+  const int rank =
+      decide_rank(decomposition.s.data(), count, 1, {noise, 1.0, std::max({rows, AK.cols(), 1}), 0.0, 0.0}).rank;
   if (rank < rows) return false;
   std::vector<double> coefficients(size(rows), 0.0);
   multiply(1.0, Op::transposed, decomposition.U, b.data(), 0.0, coefficients.data());

@@ -49,7 +49,8 @@ int IntegrationCall::dispatch() {
   const int phase = arguments_.info[1];
   if (phase == -1) {
     // Where IWORK was too short to keep the last IERR, that was the failure.
-    const bool is_illegal = arguments_.liw < shortest_iwork || code::is_illegal_input(arguments_.iwork.get(last_ierr));
+    const bool is_illegal =
+        arguments_.liw < shortest_iwork || code::is_illegal_input(arguments_.iwork.get(last_ierr));
     return is_illegal ? called_after_illegal_input : called_after_failure;
   }
   if (phase < -1) return code::bad_info;
@@ -71,8 +72,8 @@ int IntegrationCall::first_call() {
   if (!std::isfinite(t_) || !std::isfinite(arguments_.tout)) return code::tout_too_close;
   state_.invalidate();
   store_options(arguments_, options_);
-  for (int position : {next_order, last_order, steps_before, steps, evaluations, factorizations, error_failures,
-                       other_failures})
+  for (int position :
+       {next_order, last_order, steps_before, steps, evaluations, factorizations, error_failures, other_failures})
     arguments_.iwork.set(position, 0);
   if (!options_.has_initial_step) arguments_.rwork(next_step) = 0.0;
   arguments_.rwork(t_internal) = t_;
@@ -258,7 +259,8 @@ int IntegrationCall::advance() {
   if (!has_passed_tout(t_) || t_ == arguments_.tout) progress_.t_returned = t_;
   // An integration that has seen a change does not go on: from here another one will.
   progress_.is_running = !is_no_change;
-  return state_.save(progress_, matrices(), *system_, is_no_change ? nullptr : integration_.get()) ? ierr : not_reduced;
+  return state_.save(progress_, matrices(), *system_, is_no_change ? nullptr : integration_.get()) ? ierr
+                                                                                                   : not_reduced;
 }
 
 core::CharacteristicValues IntegrationCall::new_values() {

@@ -37,21 +37,24 @@ constexpr Entry interruptions[] = {
      "solution near T; larger tolerances may help. INFO(1) = 1 tries again."},
     {-8, "The matrix of the step is singular, whatever the step size.",
      "The system may have no unique solution near T, or its coefficients may differ very much in size."},
-    {-10, "A subroutine of the user returned IERR = -1, or NaN or Inf, again and again; smaller steps did not cure it.",
+    {-10,
+     "A subroutine of the user returned IERR = -1, or NaN or Inf, again and again; smaller steps did not cure it.",
      "The solution or the coefficients may cease to exist here. Look at what EDIF, ADIF, FDIF do beyond T."},
     {-21, "A subroutine of the user returned IERR = -2: a derivative is needed that it does not provide.",
      "Provide derivatives of E, A and f up to the order of the strangeness index."},
-    {-22, "The strangeness index could not be determined: it is above the limit, or a rank decision is not clear, or a "
+    {-22,
+     "The strangeness index could not be determined: it is above the limit, or a rank decision is not clear, or a "
      "subroutine of the user failed.",
-     "If CVAL(1) = -1, raise the limit by INFO(10) = 1 and IWORK(4). Check the derivatives that EDIF and ADIF return; "
+     "If CVAL(1) = -1, raise the limit by INFO(10) = 1 and IWORK(4). Check the derivatives that EDIF and ADIF "
+     "return; "
      "scale equations and unknowns to comparable size; start at another point if this one is exceptional."},
     {-23, "The system without strangeness could not be formed.",
      "Check that E, A and their derivatives are finite and not very different in size."},
-    {-24, "There is no consistent initial value: the algebraic equations cannot be solved, or redundant equations "
+    {-24,
+     "There is no consistent initial value: the algebraic equations cannot be solved, or redundant equations "
      "contradict each other.",
      "Check the equations: where some follow from others, f has to fit. X must be finite."},
-    {-25, "There is no initial derivative: the differential equations cannot be solved for it.",
-     "Check E near T."},
+    {-25, "There is no initial derivative: the differential equations cannot be solved for it.", "Check E near T."},
     {-26, "The characteristic values have changed: the problem has another structure here than at the start.",
      "Start a new problem behind this point (INFO(1) = 0) if the change is meant."}};
 
@@ -99,7 +102,8 @@ std::string integer(const char* name, std::int64_t value) {
 // The first tolerance below zero.
 std::string negative_tolerance(const char* name, const double* values, std::int64_t count) {
   for (std::int64_t i = 0; i < count; ++i)
-    if (std::isless(values[i], 0.0)) return format("%s(%lld) = %.6g.", name, static_cast<long long>(i + 1), values[i]);
+    if (std::isless(values[i], 0.0))
+      return format("%s(%lld) = %.6g.", name, static_cast<long long>(i + 1), values[i]);
   return "";
 }
 
@@ -229,8 +233,8 @@ SFDAE_F77_ROUTINE(void, dgeerm,
                    const Integer*, const double*, const Integer* iwork, const Integer* liw, const double* rwork,
                    const Integer* lrw, const double* rtol, const double* atol, const Integer* method,
                    const Integer* info, const Integer*, const Integer* ierr),
-                  (nullptr, nullptr, nullptr, neq, t, tout, x, nullptr, cval, nullptr, nullptr, iwork, liw, rwork, lrw,
-                   rtol, atol, method, info, nullptr, ierr)) {
+                  (nullptr, nullptr, nullptr, neq, t, tout, x, nullptr, cval, nullptr, nullptr, iwork, liw, rwork,
+                   lrw, rtol, atol, method, info, nullptr, ierr)) {
   if (*ierr >= 0) return;
   (void)guarded([&] {
     CallFacts facts;

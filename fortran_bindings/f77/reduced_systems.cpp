@@ -113,8 +113,8 @@ SFDAE_F77_ROUTINE(void, dnfix1,
     const ReducedSystem reduced{{z2q, ldz2q}, {z1, ldz1}, {e, lde}, {a, lda}, f};
     const int order = to_int(n), level = to_int(m), most = to_int(lmax);
     if (*mconst != 0) {
-      const bool sensible = is_dimension(order) && level >= 0 && level <= most &&
-                            is_dimension((std::int64_t{level} + 1) * order);
+      const bool sensible =
+          is_dimension(order) && level >= 0 && level <= most && is_dimension((std::int64_t{level} + 1) * order);
       StageRanks known{order, sensible ? (level + 1) * order : -1, to_int(id), to_int(ia), to_int(iu), 0};
       if (!known.possible() || !reduced.Z2Q.holds(known.rows) || !reduced.Z1.holds(order))
         return no_characteristic_values;

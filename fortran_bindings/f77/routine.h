@@ -12,8 +12,8 @@ namespace sfdae::f77 {
 
 // Values of IERR that the helper routines share.
 inline constexpr int argument_error = -3;
-inline constexpr int not_converged = -4;      // a singular value decomposition failed, or was given NaN or Inf
-inline constexpr int work_too_small = -5;     // LRWORK, or memory
+inline constexpr int not_converged = -4;       // a singular value decomposition failed, or was given NaN or Inf
+inline constexpr int work_too_small = -5;      // LRWORK, or memory
 inline constexpr int ranks_contradict = -100;  // a rank decision is not clear
 // Those of the initialisation and of a step.
 inline constexpr int no_characteristic_values = -22;
@@ -30,7 +30,8 @@ inline bool is_dimension(std::int64_t n) { return n >= 1 && n <= largest_dimensi
 template <class Integer>
 int to_int(const Integer* value) {
   const std::int64_t wide = *value;
-  return wide > std::numeric_limits<int>::max() || wide < std::numeric_limits<int>::min() ? -1 : static_cast<int>(wide);
+  return wide > std::numeric_limits<int>::max() || wide < std::numeric_limits<int>::min() ? -1
+                                                                                          : static_cast<int>(wide);
 }
 
 // Runs the body, which returns a value of IERR; nothing escapes.
@@ -83,19 +84,19 @@ inline bool is_finite(core::ConstView a) {
 // SFDAE_F77_ROUTINE(result, name, (parameters, in terms of Integer), (their names)) { body }
 //
 // defines the entries name_, name_64_ and name_64__ of one body, a template over Integer.
-#define SFDAE_F77_ROUTINE(result, name, PARAMETERS, ARGUMENTS)                                         \
-  namespace name##_entries {                                                                           \
-  template <class Integer>                                                                             \
-  result run PARAMETERS noexcept;                                                                      \
-  namespace narrow {                                                                                   \
-  using Integer = std::int32_t;                                                                        \
-  extern "C" SFDAE_F77_EXPORT result name##_ PARAMETERS noexcept { return run<Integer> ARGUMENTS; }    \
-  }                                                                                                    \
-  namespace wide {                                                                                     \
-  using Integer = std::int64_t;                                                                        \
-  extern "C" SFDAE_F77_EXPORT result name##_64_ PARAMETERS noexcept { return run<Integer> ARGUMENTS; } \
-  extern "C" SFDAE_F77_EXPORT __attribute__((alias(#name "_64_"))) result name##_64__ PARAMETERS noexcept; \
-  }                                                                                                    \
-  }                                                                                                    \
-  template <class Integer>                                                                             \
+#define SFDAE_F77_ROUTINE(result, name, PARAMETERS, ARGUMENTS)                                               \
+  namespace name##_entries {                                                                                 \
+    template <class Integer>                                                                                 \
+    result run PARAMETERS noexcept;                                                                          \
+    namespace narrow {                                                                                       \
+    using Integer = std::int32_t;                                                                            \
+    extern "C" SFDAE_F77_EXPORT result name##_ PARAMETERS noexcept { return run<Integer> ARGUMENTS; }        \
+    }                                                                                                        \
+    namespace wide {                                                                                         \
+    using Integer = std::int64_t;                                                                            \
+    extern "C" SFDAE_F77_EXPORT result name##_64_ PARAMETERS noexcept { return run<Integer> ARGUMENTS; }     \
+    extern "C" SFDAE_F77_EXPORT __attribute__((alias(#name "_64_"))) result name##_64__ PARAMETERS noexcept; \
+    }                                                                                                        \
+  }                                                                                                          \
+  template <class Integer>                                                                                   \
   result name##_entries::run PARAMETERS noexcept

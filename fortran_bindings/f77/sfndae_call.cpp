@@ -30,7 +30,8 @@ void SfndaeCall::analyze(double toward) {
 
 void SfndaeCall::find_values() {
   stage_ = Stage::values;
-  core::Consistent found = model_->consistent_values(*system_, *solver_options_, {t_, t_ + progress_.span, x_.data()});
+  core::Consistent found =
+      model_->consistent_values(*system_, *solver_options_, {t_, t_ + progress_.span, x_.data()});
   x_ = std::move(found.x);
   xdot_ = std::move(found.xdot);
 }
@@ -41,9 +42,7 @@ void SfndaeCall::settle_at_values() {
   if (jet.t != t_ || !std::equal(x_.begin(), x_.end(), jet.column(0))) find_values();
 }
 
-core::CharacteristicValues SfndaeCall::local_values(double t) {
-  return model_->detector(*system_)->values_at(t);
-}
+core::CharacteristicValues SfndaeCall::local_values(double t) { return model_->detector(*system_)->values_at(t); }
 
 int SfndaeCall::code_of(int status) const {
   const bool is_failure = status == SFDAE_CALLBACK_FAILED || status == SFDAE_NOT_FINITE;

@@ -13,9 +13,10 @@
 namespace sfdae::f77 {
 
 template <class Integer>
-using TotalDerivative = void (*)(const double* t, const Integer* order, const Integer* n, const Integer* m, double* jet,
-                                 const Integer* ld_jet, double* F, double* F_x, const Integer* ld_F_x, double* F_xdot,
-                                 const Integer* ld_F_xdot, Integer* ipar, double* rpar, Integer* ierr);
+using TotalDerivative = void (*)(const double* t, const Integer* order, const Integer* n, const Integer* m,
+                                 double* jet, const Integer* ld_jet, double* F, double* F_x, const Integer* ld_F_x,
+                                 double* F_xdot, const Integer* ld_F_xdot, Integer* ipar, double* rpar,
+                                 Integer* ierr);
 
 class SfndaeProblem : public UserProblem {
  public:
@@ -38,7 +39,7 @@ class SfndaeProblem : public UserProblem {
   }
 
   int m_, n_;
-  std::vector<double> jet_;                // the user's own copy
+  std::vector<double> jet_;                     // the user's own copy
   std::vector<double> unused_x_, unused_xdot_;  // Jacobians that the core does not ask for
 };
 

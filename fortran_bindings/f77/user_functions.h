@@ -22,9 +22,9 @@ using VectorFunction = void (*)(const Integer* n, const double* t, const Integer
 
 // What a call of a user's function comes to.
 inline constexpr int function_ok = 0;
-inline constexpr int function_failed = -1;           // at this T
+inline constexpr int function_failed = -1;  // at this T
 inline constexpr int order_not_available = -2;
-inline constexpr int wrong_integer_width = -140;     // the function was compiled with another width of INTEGER
+inline constexpr int wrong_integer_width = -140;  // the function was compiled with another width of INTEGER
 
 // An INTEGER handed to a user's function. With 32 bits, the word behind it makes a function compiled for 64 bits read
 // the right value, and tells afterwards whether one wrote to it.
@@ -51,7 +51,9 @@ class IntegerArgument<std::int64_t> {
  public:
   explicit IntegerArgument(int value) : value_(value) {}
   std::int64_t* address() { return &value_; }
-  int value() const { return value_ == 0 ? 0 : value_ == order_not_available ? order_not_available : function_failed; }
+  int value() const {
+    return value_ == 0 ? 0 : value_ == order_not_available ? order_not_available : function_failed;
+  }
   void watch() {}
   // A negative number of 32 bits above zeros.
   bool is_overrun() const { return value_ > INT32_MAX && value_ <= UINT32_MAX; }
@@ -80,11 +82,10 @@ struct UserFunctions {
   int call(char which, int n, double t, int order, double* values, int leading_dimension) const {
     IntegerArgument<Integer> n_argument(n), order_argument(order), leading(leading_dimension), ierr(0);
     ierr.watch();
-    if (which == 'f')
-      fdif(n_argument.address(), &t, order_argument.address(), values, ipar, rpar, ierr.address());
+    if (which == 'f') fdif(n_argument.address(), &t, order_argument.address(), values, ipar, rpar, ierr.address());
     else
-      (which == 'E' ? edif : adif)(n_argument.address(), &t, order_argument.address(), values, leading.address(), ipar,
-                                   rpar, ierr.address());
+      (which == 'E' ? edif : adif)(n_argument.address(), &t, order_argument.address(), values, leading.address(),
+                                   ipar, rpar, ierr.address());
     return code_of(ierr);
   }
 };

@@ -28,16 +28,12 @@ class UserProblem {
   int result_of(int code) {
     switch (code) {
       case function_ok: return 0;
-      case order_not_available:
-        trouble_ = SFDAE_ORDER_MISSING;
-        return SFDAE_ORDER_NOT_AVAILABLE;
+      case order_not_available: trouble_ = SFDAE_ORDER_MISSING; return SFDAE_ORDER_NOT_AVAILABLE;
       case wrong_integer_width:
         has_wrong_width_ = true;
         trouble_ = SFDAE_CALLBACK_STOPPED;
         return stop_at_once;
-      default:
-        trouble_ = SFDAE_CALLBACK_FAILED;
-        return point_failed;
+      default: trouble_ = SFDAE_CALLBACK_FAILED; return point_failed;
     }
   }
   int stop_for_missing_derivative() {

@@ -38,8 +38,12 @@ class Expression {
 };
 
 inline Expression operator+(const Expression& a, const Expression& b) noexcept { return sfdae_add(a.c(), b.c()); }
-inline Expression operator-(const Expression& a, const Expression& b) noexcept { return sfdae_subtract(a.c(), b.c()); }
-inline Expression operator*(const Expression& a, const Expression& b) noexcept { return sfdae_multiply(a.c(), b.c()); }
+inline Expression operator-(const Expression& a, const Expression& b) noexcept {
+  return sfdae_subtract(a.c(), b.c());
+}
+inline Expression operator*(const Expression& a, const Expression& b) noexcept {
+  return sfdae_multiply(a.c(), b.c());
+}
 inline Expression operator/(const Expression& a, const Expression& b) noexcept { return sfdae_divide(a.c(), b.c()); }
 inline Expression operator-(const Expression& a) noexcept { return sfdae_negate(a.c()); }
 inline Expression operator+(const Expression& a) noexcept { return a; }
@@ -66,9 +70,7 @@ inline Expression max(const Expression& a, const Expression& b) noexcept { retur
 inline Expression choose(const Expression& c, const Expression& a, const Expression& b) noexcept {
   return sfdae_choose(c.c(), a.c(), b.c());
 }
-inline double choose(double c, double a, double b) noexcept {
-  return c > 0.0 ? a : b;
-}
+inline double choose(double c, double a, double b) noexcept { return c > 0.0 ? a : b; }
 
 /// See sfdae_parameter.
 inline Expression parameter(sfdae_record* record, const std::string& name, double value) noexcept {

@@ -4,8 +4,8 @@
 #ifndef SFDAE_PROBLEM_HPP
 #define SFDAE_PROBLEM_HPP
 
-#include <sfdae/expression.hpp>
 #include <sfdae/sfdae.h>
+#include <sfdae/expression.hpp>
 
 #include <cstddef>
 #include <functional>
@@ -135,8 +135,8 @@ struct NonlinearProblem {
   EquationsFunction equations;               ///< recorded when a solver is created
   LinearEquationsFunction linear_equations;  ///< likewise
   TotalDerivativeFunction total_derivative;
-  std::vector<int> prescribed;       ///< indices of the components that are prescribed, u > 0 only
-  VectorFunction prescribed_values;  ///< writes their values; order is 0
+  std::vector<int> prescribed;        ///< indices of the components that are prescribed, u > 0 only
+  VectorFunction prescribed_values;   ///< writes their values; order is 0
   std::vector<int> differentiations;  ///< none, or how often each equation is differentiated at most
 };
 
@@ -171,17 +171,17 @@ struct MultibodyProblem {
   int num_velocities;
   int num_constraints;
   int num_nonholonomic = 0;
-  MultibodyEquationsFunction equations;    ///< recorded when a solver is created
-  PositionMatrixFunction mass;             ///< M; not given: the identity
-  VelocityVectorFunction forces;           ///< f
-  PositionVectorFunction constraints;      ///< g
-  PositionMatrixFunction constraint_jacobian;  ///< g_q
-  PositionVectorFunction constraint_rate;  ///< g_t; not given: g does not depend on t
-  PositionMatrixFunction kinematics;       ///< S; not given: the identity
-  PositionMatrixFunction nonholonomic_matrix;  ///< H
-  PositionVectorFunction nonholonomic_offset;  ///< h; not given: h = 0
-  VelocityVectorFunction constraint_curvature;     ///< gamma; not given: differences
-  VelocityVectorFunction nonholonomic_curvature;   ///< eta; not given: differences
+  MultibodyEquationsFunction equations;           ///< recorded when a solver is created
+  PositionMatrixFunction mass;                    ///< M; not given: the identity
+  VelocityVectorFunction forces;                  ///< f
+  PositionVectorFunction constraints;             ///< g
+  PositionMatrixFunction constraint_jacobian;     ///< g_q
+  PositionVectorFunction constraint_rate;         ///< g_t; not given: g does not depend on t
+  PositionMatrixFunction kinematics;              ///< S; not given: the identity
+  PositionMatrixFunction nonholonomic_matrix;     ///< H
+  PositionVectorFunction nonholonomic_offset;     ///< h; not given: h = 0
+  VelocityVectorFunction constraint_curvature;    ///< gamma; not given: differences
+  VelocityVectorFunction nonholonomic_curvature;  ///< eta; not given: differences
   int coordinates = SFDAE_COORDINATES_ORTHOGONAL;
 };
 

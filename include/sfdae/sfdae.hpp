@@ -23,8 +23,8 @@
 #ifndef SFDAE_SFDAE_HPP
 #define SFDAE_SFDAE_HPP
 
-#include <sfdae/problem.hpp>
 #include <sfdae/sfdae.h>
+#include <sfdae/problem.hpp>
 
 #include <cstddef>
 #include <exception>
@@ -48,14 +48,10 @@ using MultibodyReport = sfdae_multibody_report;
 using Progress = sfdae_progress;
 
 /// Version of the library that is running.
-inline const char* version() noexcept {
-  return sfdae_version();
-}
+inline const char* version() noexcept { return sfdae_version(); }
 
 /// Name of a status, for example "SFDAE_STEP_TOO_SMALL".
-inline const char* status_name(int status) noexcept {
-  return sfdae_status_name(status);
-}
+inline const char* status_name(int status) noexcept { return sfdae_status_name(status); }
 
 /// A failure of the library: status() < 0, what() says what, where and what to do next.
 class Error : public std::runtime_error {
@@ -159,11 +155,13 @@ class Solver {
   }
   static std::string check(const NonlinearProblem& problem, const Options& options = {}) {
     State state(problem, options.monitor);
-    return complaint(sfdae_check_nonlinear, in_c(problem, &state), in_c(options, problem.num_unknowns, &state), state);
+    return complaint(sfdae_check_nonlinear, in_c(problem, &state), in_c(options, problem.num_unknowns, &state),
+                     state);
   }
   static std::string check(const MultibodyProblem& problem, const Options& options = {}) {
     State state(problem, options.monitor);
-    return complaint(sfdae_check_multibody, in_c(problem, &state), in_c(options, problem.num_unknowns(), &state), state);
+    return complaint(sfdae_check_multibody, in_c(problem, &state), in_c(options, problem.num_unknowns(), &state),
+                     state);
   }
 
   /// Replaces the options, the monitor included; the point reached stays. See sfdae_set_options for those that
@@ -388,9 +386,15 @@ class Solver {
   struct State {
     template <class AnyProblem>
     State(AnyProblem p, Monitor m)
-        : num_equations(p.num_equations), num_unknowns(p.num_unknowns), problem(std::move(p)), monitor(std::move(m)) {}
+        : num_equations(p.num_equations),
+          num_unknowns(p.num_unknowns),
+          problem(std::move(p)),
+          monitor(std::move(m)) {}
     State(MultibodyProblem p, Monitor m)
-        : num_equations(p.num_unknowns()), num_unknowns(p.num_unknowns()), problem(std::move(p)), monitor(std::move(m)) {}
+        : num_equations(p.num_unknowns()),
+          num_unknowns(p.num_unknowns()),
+          problem(std::move(p)),
+          monitor(std::move(m)) {}
     ~State() { sfdae_destroy(&solver); }
     State(const State&) = delete;
     State& operator=(const State&) = delete;
@@ -431,8 +435,9 @@ class Solver {
 
   static int call_f(double t, int order, double* values, void* user) noexcept {
     State& state = *static_cast<State*>(user);
-    return state.guarded(
-        [&] { return std::get<LinearProblem>(state.problem).f.call(t, order, {values, state.num_equations}); });
+    return state.guarded([&] {
+      return std::get<LinearProblem>(state.problem).f.call(t, order, {values, state.num_equations});
+    });
   }
 
   template <class AnyProblem>
@@ -444,8 +449,8 @@ class Solver {
     });
   }
 
-  static int call_equations(sfdae_record*, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
-                            sfdae_expression* residual, void* user) noexcept {
+  static int call_equations(sfdae_record*, sfdae_expression t, const sfdae_expression* x,
+                            const sfdae_expression* xdot, sfdae_expression* residual, void* user) noexcept {
     State& state = *static_cast<State*>(user);
     return state.guarded([&] {
       const int m = state.num_equations, n = state.num_unknowns;
@@ -578,7 +583,8 @@ class Solver {
 
   static sfdae_multibody_problem in_c(const MultibodyProblem& problem, State* user) {
     using P = MultibodyProblem;
-    constexpr auto nq = &P::num_positions, nv = &P::num_velocities, nl = &P::num_constraints, nk = &P::num_nonholonomic;
+    constexpr auto nq = &P::num_positions, nv = &P::num_velocities, nl = &P::num_constraints,
+                   nk = &P::num_nonholonomic;
     sfdae_multibody_problem c;
     sfdae_multibody_problem_init(&c, sizeof c);
     c.num_positions = problem.num_positions;
@@ -595,8 +601,7 @@ class Solver {
     c.kinematics = problem.kinematics ? call_position_matrix<&P::kinematics, nq, nv> : nullptr;
     c.nonholonomic_matrix =
         problem.nonholonomic_matrix ? call_position_matrix<&P::nonholonomic_matrix, nk, nv> : nullptr;
-    c.nonholonomic_offset =
-        problem.nonholonomic_offset ? call_position_vector<&P::nonholonomic_offset, nk> : nullptr;
+    c.nonholonomic_offset = problem.nonholonomic_offset ? call_position_vector<&P::nonholonomic_offset, nk> : nullptr;
     c.constraint_curvature =
         problem.constraint_curvature ? call_velocity_vector<&P::constraint_curvature, nl> : nullptr;
     c.nonholonomic_curvature =

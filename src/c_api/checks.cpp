@@ -25,30 +25,36 @@ CallResult check_tolerances(const sfdae_options& options, int n) {
     const double atol = options.atol_vector ? options.atol_vector[i] : options.atol;
     if (!is_size(rtol) || rtol >= 1.0)
       return illegal_argument(format("rtol of component %d is %g; it must be in [0, 1).", i, rtol));
-    if (!is_size(atol)) return illegal_argument(format("atol of component %d is %g; it must be finite and >= 0.", i, atol));
-    if (rtol == 0.0 && atol == 0.0) return illegal_argument(format("rtol and atol of component %d are both zero.", i));
+    if (!is_size(atol))
+      return illegal_argument(format("atol of component %d is %g; it must be finite and >= 0.", i, atol));
+    if (rtol == 0.0 && atol == 0.0)
+      return illegal_argument(format("rtol and atol of component %d are both zero.", i));
   }
   return {};
 }
 
 CallResult check_initial_values(const sfdae_options& options, int n) {
   if (options.initial_values < SFDAE_INITIAL_NEAREST || options.initial_values > SFDAE_INITIAL_ACCEPT)
-    return illegal_argument(format("initial_values is %d; it must be one of SFDAE_INITIAL_...", options.initial_values));
+    return illegal_argument(
+        format("initial_values is %d; it must be one of SFDAE_INITIAL_...", options.initial_values));
   if (options.initial_values == SFDAE_INITIAL_FIXED) {
-    if (options.fixed == nullptr) return illegal_argument("initial_values is SFDAE_INITIAL_FIXED, but fixed is NULL.");
+    if (options.fixed == nullptr)
+      return illegal_argument("initial_values is SFDAE_INITIAL_FIXED, but fixed is NULL.");
     for (int i = 0; i < n; ++i)
       if (!is_flag(options.fixed[i]))
         return illegal_argument(format("fixed[%d] is %d; flags are 0 or 1.", i, options.fixed[i]));
   }
   for (int i = 0; i < n && options.initial_weights != nullptr; ++i)
     if (!is_size(options.initial_weights[i]) || options.initial_weights[i] == 0.0)
-      return illegal_argument(format("initial_weights[%d] is %g; weights must be positive.", i, options.initial_weights[i]));
+      return illegal_argument(
+          format("initial_weights[%d] is %g; weights must be positive.", i, options.initial_weights[i]));
   return {};
 }
 
 CallResult check_dimensions(int m, int n) {
   if (m < 0 || n < 0 || m > largest_dimension || n > largest_dimension)
-    return illegal_argument(format("num_equations = %d, num_unknowns = %d: must be 1 ... %d.", m, n, largest_dimension));
+    return illegal_argument(
+        format("num_equations = %d, num_unknowns = %d: must be 1 ... %d.", m, n, largest_dimension));
   if (m == 0 || n == 0)
     return {SFDAE_EMPTY_PROBLEM, format("num_equations = %d, num_unknowns = %d: there is nothing to solve.", m, n)};
   return {};
@@ -65,8 +71,10 @@ CallResult check_prescribed(const AnyProblem& problem) {
   std::vector<char> seen(static_cast<std::size_t>(n), 0);
   for (int i = 0; i < problem.num_prescribed; ++i) {
     const int j = problem.prescribed[i];
-    if (j < 0 || j >= n) return illegal_argument(format("prescribed[%d] = %d; components are 0 ... %d.", i, j, n - 1));
-    if (seen[static_cast<std::size_t>(j)] != 0) return illegal_argument(format("component %d is prescribed twice.", j));
+    if (j < 0 || j >= n)
+      return illegal_argument(format("prescribed[%d] = %d; components are 0 ... %d.", i, j, n - 1));
+    if (seen[static_cast<std::size_t>(j)] != 0)
+      return illegal_argument(format("component %d is prescribed twice.", j));
     seen[static_cast<std::size_t>(j)] = 1;
   }
   return {};
@@ -79,19 +87,21 @@ CallResult check_problem(const sfdae_linear_problem& problem) {
     return result;
   if (problem.E == nullptr || problem.A == nullptr) return illegal_argument("the callbacks E and A must be set.");
   if (!is_flag(problem.constant_E) || !is_flag(problem.constant_A))
-    return illegal_argument(format("constant_E = %d, constant_A = %d: flags are 0 or 1.", problem.constant_E, problem.constant_A));
+    return illegal_argument(
+        format("constant_E = %d, constant_A = %d: flags are 0 or 1.", problem.constant_E, problem.constant_A));
   return check_prescribed(problem);
 }
 
 CallResult check_problem(const sfdae_nonlinear_problem& problem) {
   if (CallResult result = check_dimensions(problem.num_equations, problem.num_unknowns); result.status != SFDAE_OK)
     return result;
-  const int functions = (problem.equations != nullptr) + (problem.linear_equations != nullptr) +
-                        (problem.total_derivative != nullptr);
+  const int functions =
+      (problem.equations != nullptr) + (problem.linear_equations != nullptr) + (problem.total_derivative != nullptr);
   if (functions != 1)
-    return illegal_argument(format("%d of the functions equations, linear_equations and total_derivative are set; it must "
-                                   "be one.",
-                                   functions));
+    return illegal_argument(
+        format("%d of the functions equations, linear_equations and total_derivative are set; it must "
+               "be one.",
+               functions));
   for (int i = 0; problem.differentiations != nullptr && i < problem.num_equations; ++i)
     if (problem.differentiations[i] < 0 || problem.differentiations[i] > max_strangeness_index)
       return illegal_argument(format("differentiations[%d] = %d; it must be 0 ... %d.", i,
@@ -122,14 +132,16 @@ CallResult check_problem(const sfdae_multibody_problem& problem) {
             nk = problem.num_nonholonomic;
   for (int count : {nq, nv, nl, nk})
     if (count < 0 || count > largest_dimension)
-      return illegal_argument(format("num_positions = %d, num_velocities = %d, num_constraints = %d, num_nonholonomic = %d: "
-                                     "must be 0 ... %d.",
-                                     nq, nv, nl, nk, largest_dimension));
+      return illegal_argument(
+          format("num_positions = %d, num_velocities = %d, num_constraints = %d, num_nonholonomic = %d: "
+                 "must be 0 ... %d.",
+                 nq, nv, nl, nk, largest_dimension));
   if (nq == 0) return {SFDAE_EMPTY_PROBLEM, "num_positions = 0: there is nothing to move."};
   if (nq + (nv > 0 ? nv : nq) + nl + nk > largest_dimension)
     return illegal_argument(format("there are more than %d unknowns.", largest_dimension));
   if (problem.coordinates != SFDAE_COORDINATES_ORTHOGONAL && problem.coordinates != SFDAE_COORDINATES_PERMUTATION)
-    return illegal_argument(format("coordinates is %d; it must be one of SFDAE_COORDINATES_...", problem.coordinates));
+    return illegal_argument(
+        format("coordinates is %d; it must be one of SFDAE_COORDINATES_...", problem.coordinates));
   return problem.equations != nullptr ? CallResult{} : check_functions(problem);
 }
 
@@ -137,12 +149,14 @@ CallResult check_options(const sfdae_options& options, int n) {
   if (CallResult result = check_tolerances(options, n); result.status != SFDAE_OK) return result;
   if (CallResult result = check_initial_values(options, n); result.status != SFDAE_OK) return result;
   if (options.max_index < 0 || options.max_index > max_strangeness_index)
-    return illegal_argument(format("max_index is %d; it must be 0 ... %d.", options.max_index, max_strangeness_index));
+    return illegal_argument(
+        format("max_index is %d; it must be 0 ... %d.", options.max_index, max_strangeness_index));
   if (options.reduction != SFDAE_REDUCTION_STAGED && options.reduction != SFDAE_REDUCTION_SVD)
     return illegal_argument(format("reduction is %d; it must be one of SFDAE_REDUCTION_...", options.reduction));
   if (!is_size(options.rank_tol) || options.rank_tol >= 1.0)
     return illegal_argument(format("rank_tol is %g; it must be in [0, 1).", options.rank_tol));
-  if (!is_size(options.time_scale)) return illegal_argument(format("time_scale is %g; it must be finite, >= 0.", options.time_scale));
+  if (!is_size(options.time_scale))
+    return illegal_argument(format("time_scale is %g; it must be finite, >= 0.", options.time_scale));
   if (!is_flag(options.difference_derivatives) || !is_flag(options.ignore_inconsistency) ||
       !is_flag(options.use_stop_time))
     return illegal_argument("difference_derivatives, ignore_inconsistency and use_stop_time are flags: 0 or 1.");
@@ -152,8 +166,10 @@ CallResult check_options(const sfdae_options& options, int n) {
     return illegal_argument(format("consistency_tol is %g; it must be in (0, 1).", options.consistency_tol));
   if (options.max_order < 1 || options.max_order > max_bdf_order)
     return illegal_argument(format("max_order is %d; it must be 1 ... %d.", options.max_order, max_bdf_order));
-  if (!is_size(options.initial_step)) return illegal_argument(format("initial_step is %g; it must be finite, >= 0.", options.initial_step));
-  if (!is_size(options.max_step)) return illegal_argument(format("max_step is %g; it must be finite, >= 0.", options.max_step));
+  if (!is_size(options.initial_step))
+    return illegal_argument(format("initial_step is %g; it must be finite, >= 0.", options.initial_step));
+  if (!is_size(options.max_step))
+    return illegal_argument(format("max_step is %g; it must be finite, >= 0.", options.max_step));
   if (options.use_stop_time == 1 && !std::isfinite(options.stop_time))
     return illegal_argument(format("stop_time is %g; it must be finite.", options.stop_time));
   if (options.max_steps < 1) return illegal_argument(format("max_steps is %ld; it must be >= 1.", options.max_steps));
@@ -163,8 +179,9 @@ CallResult check_options(const sfdae_options& options, int n) {
     return illegal_argument(format("method is %d; it must be one of SFDAE_METHOD_...", options.method));
   const auto is_stages = [](int s) { return s >= 1 && s <= max_stages && s % 2 == 1; };
   if (!is_stages(options.min_stages) || !is_stages(options.max_stages) || options.min_stages > options.max_stages)
-    return illegal_argument(format("min_stages = %d, max_stages = %d; both must be 1, 3, 5 or 7, min_stages <= max_stages.",
-                                   options.min_stages, options.max_stages));
+    return illegal_argument(
+        format("min_stages = %d, max_stages = %d; both must be 1, 3, 5 or 7, min_stages <= max_stages.",
+               options.min_stages, options.max_stages));
   return {};
 }
 

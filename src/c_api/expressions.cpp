@@ -62,15 +62,17 @@ sfdae_expression combine(const Operands& operands, Action action, Number number)
 }
 
 sfdae_expression unary(Operation operation, const sfdae_expression& a) {
-  return combine({name_of(operation), {a}},
-                 [&](Recorder& recorder, const int* nodes) { return recorder.apply(operation, nodes[0]); },
-                 [&] { return evaluate(operation, a.value); });
+  return combine(
+      {name_of(operation), {a}},
+      [&](Recorder& recorder, const int* nodes) { return recorder.apply(operation, nodes[0]); },
+      [&] { return evaluate(operation, a.value); });
 }
 
 sfdae_expression binary(Operation operation, const sfdae_expression& a, const sfdae_expression& b) {
-  return combine({name_of(operation), {a, b}},
-                 [&](Recorder& recorder, const int* nodes) { return recorder.apply(operation, nodes[0], nodes[1]); },
-                 [&] { return evaluate(operation, a.value, b.value); });
+  return combine(
+      {name_of(operation), {a, b}},
+      [&](Recorder& recorder, const int* nodes) { return recorder.apply(operation, nodes[0], nodes[1]); },
+      [&] { return evaluate(operation, a.value, b.value); });
 }
 
 std::shared_ptr<const Record> finished(sfdae_record& record, const std::vector<int>& residuals) {
@@ -203,23 +205,27 @@ sfdae_expression sfdae_cosh(sfdae_expression a) { return unary(Operation::cosh, 
 sfdae_expression sfdae_tanh(sfdae_expression a) { return unary(Operation::tanh, a); }
 
 sfdae_expression sfdae_abs(sfdae_expression a) {
-  return combine({"abs", {a}}, [](Recorder& recorder, const int* nodes) { return recorder.abs(nodes[0]); },
-                 [&] { return evaluate(Operation::choose, -a.value, -a.value, a.value); });
+  return combine(
+      {"abs", {a}}, [](Recorder& recorder, const int* nodes) { return recorder.abs(nodes[0]); },
+      [&] { return evaluate(Operation::choose, -a.value, -a.value, a.value); });
 }
 
 sfdae_expression sfdae_min(sfdae_expression a, sfdae_expression b) {
-  return combine({"min", {a, b}}, [](Recorder& recorder, const int* nodes) { return recorder.min(nodes[0], nodes[1]); },
-                 [&] { return evaluate(Operation::choose, b.value - a.value, a.value, b.value); });
+  return combine(
+      {"min", {a, b}}, [](Recorder& recorder, const int* nodes) { return recorder.min(nodes[0], nodes[1]); },
+      [&] { return evaluate(Operation::choose, b.value - a.value, a.value, b.value); });
 }
 
 sfdae_expression sfdae_max(sfdae_expression a, sfdae_expression b) {
-  return combine({"max", {a, b}}, [](Recorder& recorder, const int* nodes) { return recorder.max(nodes[0], nodes[1]); },
-                 [&] { return evaluate(Operation::choose, a.value - b.value, a.value, b.value); });
+  return combine(
+      {"max", {a, b}}, [](Recorder& recorder, const int* nodes) { return recorder.max(nodes[0], nodes[1]); },
+      [&] { return evaluate(Operation::choose, a.value - b.value, a.value, b.value); });
 }
 
 sfdae_expression sfdae_choose(sfdae_expression c, sfdae_expression a, sfdae_expression b) {
   const auto record = [](Recorder& recorder, const int* nodes) {
     return recorder.apply(Operation::choose, nodes[0], nodes[1], nodes[2]);
   };
-  return combine({"choose", {c, a, b}}, record, [&] { return evaluate(Operation::choose, c.value, a.value, b.value); });
+  return combine({"choose", {c, a, b}}, record,
+                 [&] { return evaluate(Operation::choose, c.value, a.value, b.value); });
 }

@@ -21,8 +21,17 @@ sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
   const CharacteristicValues& values = analysis.values;
   double smallest_gap = 1e300;
   for (const RankDecision& decision : solver.decisions) smallest_gap = std::min(smallest_gap, decision.gap);
-  return {sizeof(sfdae_characteristics), analysis.t, values.mu, values.d, values.a, values.u, values.v,
-          analysis.rank_E, static_cast<int>(solver.system->leading_term()), analysis.time_scale, smallest_gap};
+  return {sizeof(sfdae_characteristics),
+          analysis.t,
+          values.mu,
+          values.d,
+          values.a,
+          values.u,
+          values.v,
+          analysis.rank_E,
+          static_cast<int>(solver.system->leading_term()),
+          analysis.time_scale,
+          smallest_gap};
 }
 
 sfdae_statistics statistics_of(const sfdae_solver& solver) {
@@ -50,9 +59,20 @@ sfdae_statistics statistics_of(const sfdae_solver& solver) {
 }
 
 sfdae_decision public_decision(const RankDecision& decision) {
-  return {sizeof(sfdae_decision), decision.t, decision.level, decision.stage, static_cast<int>(decision.subject),
-          decision.rows, decision.cols, decision.rank, decision.kept, decision.dropped, decision.noise,
-          decision.threshold, decision.gap, static_cast<int>(decision.verdict)};
+  return {sizeof(sfdae_decision),
+          decision.t,
+          decision.level,
+          decision.stage,
+          static_cast<int>(decision.subject),
+          decision.rows,
+          decision.cols,
+          decision.rank,
+          decision.kept,
+          decision.dropped,
+          decision.noise,
+          decision.threshold,
+          decision.gap,
+          static_cast<int>(decision.verdict)};
 }
 
 namespace {
@@ -64,7 +84,9 @@ void copy_out(ConstView from, double* to) {
 
 CallResult linear_only() { return illegal_argument("the problem is not linear."); }
 
-CallResult no_struct() { return illegal_argument("the result is NULL or its size is not set: call its init function."); }
+CallResult no_struct() {
+  return illegal_argument("the result is NULL or its size is not set: call its init function.");
+}
 
 std::string name_of(const DerivativeMismatch& mismatch) {
   switch (mismatch.function) {
@@ -148,7 +170,8 @@ int sfdae_get_decision(const sfdae_solver* solver, int index, sfdae_decision* re
     if (!is_usable(result)) return no_struct();
     const int count = static_cast<int>(solver->decisions.size());
     if (count == 0) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
-    if (index < 0 || index >= count) return illegal_argument(format("index %d; there are %d decisions.", index, count));
+    if (index < 0 || index >= count)
+      return illegal_argument(format("index %d; there are %d decisions.", index, count));
     fill_struct(result, public_decision(solver->decisions[static_cast<std::size_t>(index)]));
     return {};
   });
@@ -250,7 +273,8 @@ int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, doubl
 int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_order, sfdae_derivative_check* result) {
   return guarded(solver, [&]() -> CallResult {
     if (!std::isfinite(t) || max_order < 1 || max_order > max_derivative_order)
-      return illegal_argument(format("t = %g, max_order = %d: it must be 1 ... %d.", t, max_order, max_derivative_order));
+      return illegal_argument(
+          format("t = %g, max_order = %d: it must be 1 ... %d.", t, max_order, max_derivative_order));
     if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
     LinearProblem* linear = solver->model->linear();
     if (linear == nullptr) return linear_only();
@@ -262,7 +286,8 @@ int sfdae_check_total_derivatives(sfdae_solver* solver, double t, const double* 
                                   sfdae_derivative_check* result) {
   return guarded(solver, [&]() -> CallResult {
     if (!std::isfinite(t) || max_order < 0 || max_order > max_derivative_order)
-      return illegal_argument(format("t = %g, max_order = %d: it must be 0 ... %d.", t, max_order, max_derivative_order));
+      return illegal_argument(
+          format("t = %g, max_order = %d: it must be 0 ... %d.", t, max_order, max_derivative_order));
     if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
     const std::size_t count = static_cast<std::size_t>(solver->model->n()) * static_cast<std::size_t>(max_order + 2);
     if (derivatives == nullptr) return illegal_argument("derivatives is NULL.");

@@ -69,8 +69,13 @@ Consistent LinearModel::consistent_values(DaeSystem& any_system, const SolverOpt
   result.xdot.resize(static_cast<std::size_t>(n()));
   const bool exact = system.consistent_derivative(result.x.data(), point.toward < t ? -1.0 : 1.0, result.xdot.data());
   demand_finite_derivative(result.xdot, t);
-  result.report = {sizeof(sfdae_initial_report), t, found.residual_before, found.residual_after, found.largest_change,
-                   found.component, exact ? 1 : 0};
+  result.report = {sizeof(sfdae_initial_report),
+                   t,
+                   found.residual_before,
+                   found.residual_after,
+                   found.largest_change,
+                   found.component,
+                   exact ? 1 : 0};
   return result;
 }
 

@@ -18,7 +18,8 @@ class LinearModel : public Model {
   std::unique_ptr<DaeSystem> analyze(const PointOfInterest& point, const SolverOptions& options,
                                      std::vector<RankDecision>& decisions) override;
   std::unique_ptr<DaeSystem> copy_of(const DaeSystem& system, const SolverOptions& options) override;
-  Consistent consistent_values(DaeSystem& system, const SolverOptions& options, const PointOfInterest& point) override;
+  Consistent consistent_values(DaeSystem& system, const SolverOptions& options,
+                               const PointOfInterest& point) override;
   std::unique_ptr<ChangeDetector> detector(DaeSystem& system) override;
   CheckpointTarget checkpoint_target(const AnalysisSettings& settings) override {
     return linear_target(problem_, settings);

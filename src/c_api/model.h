@@ -61,7 +61,8 @@ class Model {
   // A system like the given one on which questions can be asked without disturbing the integration.
   virtual std::unique_ptr<DaeSystem> copy_of(const DaeSystem& system, const SolverOptions& options) = 0;
   // Consistent values near x, x' in the direction toward `toward`; the system stands there afterwards.
-  virtual Consistent consistent_values(DaeSystem& system, const SolverOptions& options, const PointOfInterest& point) = 0;
+  virtual Consistent consistent_values(DaeSystem& system, const SolverOptions& options,
+                                       const PointOfInterest& point) = 0;
   virtual std::unique_ptr<ChangeDetector> detector(DaeSystem& system) = 0;
   virtual CheckpointTarget checkpoint_target(const AnalysisSettings& settings) = 0;
   virtual void count_evaluations(sfdae_statistics& statistics) const = 0;

@@ -18,7 +18,8 @@ namespace {
 
 PrescribedInputs inputs_of(const sfdae_nonlinear_problem& problem) {
   return {{problem.prescribed, problem.prescribed + (problem.prescribed != nullptr ? problem.num_prescribed : 0)},
-          problem.prescribed_values, problem.user};
+          problem.prescribed_values,
+          problem.user};
 }
 
 // Empty where nothing is left out of any array.
@@ -56,11 +57,12 @@ class NonlinearModel final : public Model {
 
   std::unique_ptr<DaeSystem> copy_of(const DaeSystem& system, const SolverOptions& options) override {
     const auto& original = static_cast<const NonlinearSystem&>(system);
-    return std::make_unique<NonlinearSystem>(*problem_, options.analysis, original.analysis(), original.column_scale(),
-                                             original.jet());
+    return std::make_unique<NonlinearSystem>(*problem_, options.analysis, original.analysis(),
+                                             original.column_scale(), original.jet());
   }
 
-  Consistent consistent_values(DaeSystem& any_system, const SolverOptions& options, const PointOfInterest& point) override {
+  Consistent consistent_values(DaeSystem& any_system, const SolverOptions& options,
+                               const PointOfInterest& point) override {
     NonlinearSystem& system = static_cast<NonlinearSystem&>(any_system);
     const double t = point.t;
     Consistent result;
@@ -90,10 +92,16 @@ class NonlinearModel final : public Model {
     result.x.assign(system.jet().x.data(), system.jet().x.data() + n());
     if (request.kind == InitialValues::accept) result.x.assign(point.x, point.x + n());
     result.xdot.resize(static_cast<std::size_t>(n()));
-    const bool exact = system.consistent_derivative(result.x.data(), point.toward < t ? -1.0 : 1.0, result.xdot.data());
+    const bool exact =
+        system.consistent_derivative(result.x.data(), point.toward < t ? -1.0 : 1.0, result.xdot.data());
     demand_finite_derivative(result.xdot, t);
-    result.report = {sizeof(sfdae_initial_report), t, found.change.residual_before, found.change.residual_after,
-                     found.change.largest_change, found.change.component, exact ? 1 : 0};
+    result.report = {sizeof(sfdae_initial_report),
+                     t,
+                     found.change.residual_before,
+                     found.change.residual_after,
+                     found.change.largest_change,
+                     found.change.component,
+                     exact ? 1 : 0};
     return result;
   }
 
@@ -103,7 +111,9 @@ class NonlinearModel final : public Model {
 
   CheckpointTarget checkpoint_target(const AnalysisSettings& settings) override {
     return {m(), n(),
-            [this, &settings](Archive& archive) { return std::make_unique<NonlinearSystem>(*problem_, settings, archive); },
+            [this, &settings](Archive& archive) {
+              return std::make_unique<NonlinearSystem>(*problem_, settings, archive);
+            },
             [this](DaeSystem& system) { return detector(system); }};
   }
 
@@ -177,7 +187,8 @@ class RecordedLinearModel final : public Model {
   std::unique_ptr<DaeSystem> copy_of(const DaeSystem& system, const SolverOptions& options) override {
     return model_.copy_of(system, options);
   }
-  Consistent consistent_values(DaeSystem& system, const SolverOptions& options, const PointOfInterest& point) override {
+  Consistent consistent_values(DaeSystem& system, const SolverOptions& options,
+                               const PointOfInterest& point) override {
     return model_.consistent_values(system, options, point);
   }
   std::unique_ptr<ChangeDetector> detector(DaeSystem& system) override { return model_.detector(system); }

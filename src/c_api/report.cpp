@@ -29,8 +29,8 @@ std::string decision_table(const std::vector<RankDecision>& decisions) {
   std::string text = "  t             level  matrix  size       rank  smallest kept  largest dropped  decision\n";
   for (const RankDecision& decision : decisions)
     text += format("  %-12.6g  %-5d  %-6s  %-9s  %-4d  %-13.1e  %-15.1e  %s\n", decision.t, decision.level,
-                   matrix_name(decision).c_str(), format("%dx%d", decision.rows, decision.cols).c_str(), decision.rank,
-                   decision.kept, decision.dropped, name_of(decision.verdict));
+                   matrix_name(decision).c_str(), format("%dx%d", decision.rows, decision.cols).c_str(),
+                   decision.rank, decision.kept, decision.dropped, name_of(decision.verdict));
   return text;
 }
 
@@ -38,8 +38,7 @@ std::string analysis_report(const sfdae_solver& solver) {
   const IndexAnalysis& analysis = solver.system->analysis();
   const CharacteristicValues& values = analysis.values;
   std::string text = format("strangeness index %d", values.mu);
-  if (values.u == 0 && values.v == 0)
-    text += format(" (differentiation index %d)", values.a > 0 ? values.mu + 1 : 0);
+  if (values.u == 0 && values.v == 0) text += format(" (differentiation index %d)", values.a > 0 ? values.mu + 1 : 0);
   text += format(": d = %d, a = %d, u = %d, v = %d\n", values.d, values.a, values.u, values.v);
   double gap = 1e300;
   Verdict worst = Verdict::clear;
@@ -51,7 +50,8 @@ std::string analysis_report(const sfdae_solver& solver) {
                         : worst == Verdict::confirmed ? "doubtful decisions were confirmed by a second reading"
                         : worst == Verdict::user      ? "ranks were decided by rank_tol"
                                                       : "not every decision is safe";
-  if (!solver.decisions.empty()) text += summary + (gap < 1e300 ? format(": smallest gap %.0e\n", gap) : std::string("\n"));
+  if (!solver.decisions.empty())
+    text += summary + (gap < 1e300 ? format(": smallest gap %.0e\n", gap) : std::string("\n"));
   constexpr const char* leading[] = {"", "W = E^+ E", "W = E", "W = I"};
   text += format("time scale %.3g, leading term %s\n", analysis.time_scale,
                  leading[static_cast<int>(solver.system->leading_term())]);
@@ -68,12 +68,14 @@ std::string initial_report(const sfdae_initial_report& report) {
 
 std::string constraints_report(const sfdae_solver& solver) {
   const sfdae_multibody_report report = report_of(static_cast<const MultibodySystem&>(*solver.system));
-  std::string text = format("Multibody system: %d holonomic and %d nonholonomic constraints", report.holonomic,
-                            report.nonholonomic);
+  std::string text =
+      format("Multibody system: %d holonomic and %d nonholonomic constraints", report.holonomic, report.nonholonomic);
   if (report.redundant > 0) text += format(", %d of them redundant", report.redundant);
-  text += format("; %d degrees of freedom, %d independent positions\n", report.degrees_of_freedom, report.position_freedom);
-  text += format("  at t = %.10g: partition number %ld, of condition %.2g; residuals %.1e (positions), %.1e (velocities)\n",
-                 report.t, report.partitions, report.condition, report.position_residual, report.velocity_residual);
+  text += format("; %d degrees of freedom, %d independent positions\n", report.degrees_of_freedom,
+                 report.position_freedom);
+  text += format(
+      "  at t = %.10g: partition number %ld, of condition %.2g; residuals %.1e (positions), %.1e (velocities)\n",
+      report.t, report.partitions, report.condition, report.position_residual, report.velocity_residual);
   return text;
 }
 
@@ -82,15 +84,16 @@ std::string method_name(const sfdae_solver& solver, int order) {
   const bool automatic = solver.options.integration.method == Method::automatic;
   std::string name = "BDF";
   if (solver.integration->method() == Method::radau)
-    name = order > 0 ? format("Radau IIA with %d stage%s", (order + 1) / 2, order > 1 ? "s" : "") : std::string("Radau IIA");
+    name = order > 0 ? format("Radau IIA with %d stage%s", (order + 1) / 2, order > 1 ? "s" : "")
+                     : std::string("Radau IIA");
   return automatic ? name + " (chosen automatically)" : name;
 }
 
 std::string integration_report(const sfdae_solver& solver) {
   const sfdae_statistics s = statistics_of(solver);
-  std::string text = format("Integration to t = %.10g by %s: %ld steps, %ld error test failures, %ld other failures\n",
-                            s.t_internal, method_name(solver, s.last_order).c_str(), s.steps, s.error_failures,
-                            s.other_failures);
+  std::string text =
+      format("Integration to t = %.10g by %s: %ld steps, %ld error test failures, %ld other failures\n", s.t_internal,
+             method_name(solver, s.last_order).c_str(), s.steps, s.error_failures, s.other_failures);
   text += format("  %ld reductions, %ld factorizations, ", s.reductions, s.factorizations);
   text += solver.model->linear() != nullptr
               ? format("%ld / %ld / %ld calls of E / A / f\n", s.evaluations_E, s.evaluations_A, s.evaluations_f)
@@ -100,7 +103,8 @@ std::string integration_report(const sfdae_solver& solver) {
   text += format("  last step %.3g of order %d, next %.3g; smallest kept value %.1e\n", s.last_step, s.last_order,
                  s.next_step, s.smallest_kept);
   if (s.rounding > 1.0)
-    text += format("  rounding errors of the equations exceed the tolerance of a component by a factor %.1e\n", s.rounding);
+    text += format("  rounding errors of the equations exceed the tolerance of a component by a factor %.1e\n",
+                   s.rounding);
   if (solver.system->analysis().values.v > 0)
     text += format("  largest relative residual of redundant equations %.1e\n", s.consistency);
   return text;
@@ -131,8 +135,7 @@ extern "C" {
 
 const char* sfdae_status_name(int status) {
 #define SFDAE_NAME(name) \
-  case name:             \
-    return #name;
+  case name: return #name;
   switch (status) {
     SFDAE_NAME(SFDAE_OK)
     SFDAE_NAME(SFDAE_STEP_TAKEN)
@@ -162,8 +165,7 @@ const char* sfdae_status_name(int status) {
     SFDAE_NAME(SFDAE_SINGULAR)
     SFDAE_NAME(SFDAE_TOLERANCE_TOO_SMALL)
     SFDAE_NAME(SFDAE_INTERNAL)
-    default:
-      return "unknown status";
+    default: return "unknown status";
   }
 #undef SFDAE_NAME
 }

@@ -13,9 +13,7 @@ namespace sfdae::core {
 
 namespace {
 
-CallResult not_started(const char* first) {
-  return {SFDAE_NOT_STARTED, format("call %s first.", first)};
-}
+CallResult not_started(const char* first) { return {SFDAE_NOT_STARTED, format("call %s first.", first)}; }
 
 bool finite_vector(const double* values, int n) { return all_finite(values, static_cast<std::size_t>(n)); }
 
@@ -32,9 +30,10 @@ CallResult remark(const sfdae_solver& solver, bool contradiction) {
     return {SFDAE_INCONSISTENCY_IGNORED, "redundant equations contradict each other; ignored as asked for."};
   const int u = solver.system->undetermined();
   if (u == 0) return {};
-  return {SFDAE_NOT_UNIQUE, format("the solution is not unique: %d component(s) are free (u = %d). The free part is held "
-                                   "constant; prescribe components to choose another solution.",
-                                   u, solver.system->analysis().values.u)};
+  return {SFDAE_NOT_UNIQUE,
+          format("the solution is not unique: %d component(s) are free (u = %d). The free part is held "
+                 "constant; prescribe components to choose another solution.",
+                 u, solver.system->analysis().values.u)};
 }
 
 }  // namespace
@@ -104,7 +103,8 @@ template <class Problem>
 CallResult read_arguments(const Problem* problem, const sfdae_options* options, const Problem& defaults,
                           Arguments<Problem>& result) {
   if (problem == nullptr) return illegal_argument("problem is NULL.");
-  if (!is_plausible_size(problem->size)) return illegal_argument("problem->size is not set: call the init function of problems.");
+  if (!is_plausible_size(problem->size))
+    return illegal_argument("problem->size is not set: call the init function of problems.");
   if (options != nullptr && !is_plausible_size(options->size))
     return illegal_argument("options->size is not set: call sfdae_options_init.");
   result.problem = read_struct(*problem, defaults);
@@ -209,11 +209,13 @@ int sfdae_create_linear(sfdae_solver** solver, const sfdae_linear_problem* probl
   return create(solver, problem, options, default_problem(), linear_model);
 }
 
-int sfdae_create_nonlinear(sfdae_solver** solver, const sfdae_nonlinear_problem* problem, const sfdae_options* options) {
+int sfdae_create_nonlinear(sfdae_solver** solver, const sfdae_nonlinear_problem* problem,
+                           const sfdae_options* options) {
   return create(solver, problem, options, default_nonlinear_problem(), nonlinear_model);
 }
 
-int sfdae_create_multibody(sfdae_solver** solver, const sfdae_multibody_problem* problem, const sfdae_options* options) {
+int sfdae_create_multibody(sfdae_solver** solver, const sfdae_multibody_problem* problem,
+                           const sfdae_options* options) {
   return create(solver, problem, options, default_multibody_problem(), multibody_model);
 }
 
@@ -294,7 +296,8 @@ int sfdae_set_parameter(sfdae_solver* solver, const char* name, double value) {
     TaylorEvaluator* evaluator = solver->model->evaluator();
     const auto index = evaluator != nullptr ? evaluator->find_parameter(name) : std::nullopt;
     if (!index) return illegal_argument(format("there is no parameter \"%.60s\" in the equations.", name));
-    if (!std::isfinite(value)) return illegal_argument(format("the value of parameter \"%.60s\" is %g.", name, value));
+    if (!std::isfinite(value))
+      return illegal_argument(format("the value of parameter \"%.60s\" is %g.", name, value));
     evaluator->set_parameter(*index, value);
     solver->model->parameters_changed();
     solver->integration.reset();
@@ -364,7 +367,8 @@ int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t lengt
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
     if (!solver->integration) return not_started("sfdae_start");
     const std::size_t needed = checkpoint_size(*solver->system, *solver->integration);
-    if (length < needed) return illegal_argument(format("length = %zu, but the checkpoint has %zu doubles.", length, needed));
+    if (length < needed)
+      return illegal_argument(format("length = %zu, but the checkpoint has %zu doubles.", length, needed));
     save_checkpoint(*solver->system, *solver->integration, checkpoint);
     return {};
   });

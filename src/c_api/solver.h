@@ -27,7 +27,7 @@ struct sfdae_solver {
   std::vector<sfdae::core::RankDecision> decisions;  // of the last analysis, failed or not
   // After an analysis:
   std::unique_ptr<sfdae::core::DaeSystem> system;
-  double direction = 1.0;  // of the nearby point of the analysis
+  double direction = 1.0;                       // of the nearby point of the analysis
   std::unique_ptr<sfdae::core::Events> events;  // options.integration points to them
   // After a start:
   std::unique_ptr<sfdae::core::Integration> integration;

@@ -66,7 +66,9 @@ int sfdae_options_init(sfdae_options* options, size_t size) { return initialize(
 int sfdae_characteristics_init(sfdae_characteristics* characteristics, size_t size) {
   return initialize(characteristics, size, sfdae_characteristics{});
 }
-int sfdae_decision_init(sfdae_decision* decision, size_t size) { return initialize(decision, size, sfdae_decision{}); }
+int sfdae_decision_init(sfdae_decision* decision, size_t size) {
+  return initialize(decision, size, sfdae_decision{});
+}
 int sfdae_change_init(sfdae_change* change, size_t size) { return initialize(change, size, sfdae_change{}); }
 int sfdae_initial_report_init(sfdae_initial_report* report, size_t size) {
   return initialize(report, size, sfdae_initial_report{});

@@ -12,9 +12,9 @@ namespace sfdae::core {
 struct EvaluationFailure {
   enum class Kind {
     none,
-    undefined,       // log of -1, division by 0
-    not_smooth,      // derivative of sqrt at 0
-    not_finite       // overflow, or an argument that is not finite
+    undefined,   // log of -1, division by 0
+    not_smooth,  // derivative of sqrt at 0
+    not_finite   // overflow, or an argument that is not finite
   };
   Kind kind = Kind::none;
   int equation = -1;           // -1: none in particular

@@ -43,7 +43,7 @@ class Record {
     std::vector<Node> nodes;
     std::vector<double> constants;
     std::vector<Parameter> parameters;
-    std::vector<int> residuals;  // nodes, one for each equation
+    std::vector<int> residuals;      // nodes, one for each equation
     std::vector<std::string> names;  // of equations; empty: numbers are names enough
   };
 

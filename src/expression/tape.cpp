@@ -171,9 +171,7 @@ class Builder {
     const int p = tape_.p_of[at(i)], q = tape_.q_of[at(i)];
     switch (node.operation) {
       case Operation::negate: return add_edge(EdgeCode::negate, i, node.a, -1);
-      case Operation::add:
-        add_edge(EdgeCode::pass, i, node.a, -1);
-        return add_edge(EdgeCode::pass, i, node.b, -1);
+      case Operation::add: add_edge(EdgeCode::pass, i, node.a, -1); return add_edge(EdgeCode::pass, i, node.b, -1);
       case Operation::subtract:
         add_edge(EdgeCode::pass, i, node.a, -1);
         return add_edge(EdgeCode::negate, i, node.b, -1);

@@ -12,7 +12,9 @@
 namespace sfdae::core {
 
 enum class Code : std::uint8_t {
-  negate, add, subtract,
+  negate,
+  add,
+  subtract,
   multiply,
   scale,             // p = -1; v = a b, b constant in time
   divide,            // p = 1 / b, q = a / b^2
@@ -20,12 +22,16 @@ enum class Code : std::uint8_t {
   power,             // p = b a^(b-1)
   sqrt,              // p = 1 / (2 v)
   exp,
-  log,               // p = 1 / a
-  sin_cos,           // v = sin a, p = cos a
-  sinh_cosh,         // v = sinh a, p = cosh a
-  tan, tanh, asin, acos, atan,  // p: derivative by a
-  atan2,             // p, q: derivatives by a, b
-  choose             // v = b if a > 0, else c
+  log,        // p = 1 / a
+  sin_cos,    // v = sin a, p = cos a
+  sinh_cosh,  // v = sinh a, p = cosh a
+  tan,
+  tanh,
+  asin,
+  acos,
+  atan,   // p: derivative by a
+  atan2,  // p, q: derivatives by a, b
+  choose  // v = b if a > 0, else c
 };
 
 // Slots of the result, the operands and the derivatives that are needed; -1: none.
@@ -51,8 +57,8 @@ Code code_of(Operation operation);
 // How a derivative is handed from a value to one of its operands.
 struct Edge {
   EdgeCode code;
-  bool is_first;      // = instead of +=
-  bool from_number;   // adjoint(from) is constant in time
+  bool is_first;     // = instead of +=
+  bool from_number;  // adjoint(from) is constant in time
   int from, to;
   int factor;  // slot, -1: none
 };

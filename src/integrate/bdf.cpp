@@ -99,7 +99,8 @@ void Bdf::start(StrangenessFreeSystem& system, const StartingPoint& point, doubl
 }
 
 void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
-  const std::size_t n = static_cast<std::size_t>(system.unknowns()), size_w = static_cast<std::size_t>(system.leading_size());
+  const std::size_t n = static_cast<std::size_t>(system.unknowns()),
+                    size_w = static_cast<std::size_t>(system.leading_size());
   // More points than the highest order needs are not kept.
   int points = std::min(points_, max_order_ + 3);
   archive.small(points, fictitious_, last_order_);

@@ -26,7 +26,8 @@ class Probe {
  public:
   Probe(LinearSystem& system, double left, double right)
       : system_(system.problem(), system.settings(), system.analysis(), system.leading_term()),
-        resolution_(std::max(1e-9 * std::fabs(right - left), 8.0 * unit_roundoff * std::max(std::fabs(left), std::fabs(right)))) {
+        resolution_(std::max(1e-9 * std::fabs(right - left),
+                             8.0 * unit_roundoff * std::max(std::fabs(left), std::fabs(right)))) {
     // A row that vanishes must not be scaled up again.
     if (system.row_ratio() <= moderate_row_ratio) rows_ = RowScaling::common;
     system_.set_row_scaling(rows_);
@@ -129,8 +130,8 @@ void ChangeWatch::start(double direction) {
   if (system_.differential() > 0 || system_.is_constant()) return;
   // With d = 0 steps go anywhere at once: the trend at the start comes from a point beside it.
   const double t = system_.t();
-  const double distance = std::min(0.7e-3 * std::min(system_.data().time_scale, 1.0),
-                                   system_.problem().room(t, direction));
+  const double distance =
+      std::min(0.7e-3 * std::min(system_.data().time_scale, 1.0), system_.problem().room(t, direction));
   system_.accept();
   if (distance <= 0.0) return;
   const PointStatus status = system_.move_to(t + direction * distance);

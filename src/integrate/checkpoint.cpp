@@ -68,8 +68,10 @@ Restored restore_checkpoint(const CheckpointTarget& target, const IntegrationOpt
     if (header.version != layout || header.length <= 0 || static_cast<std::size_t>(header.length) > length)
       throw DamagedArchive();
     if (header.m != target.m || header.n != target.n)
-      throw Failure(SFDAE_ILLEGAL_ARGUMENT, format("the checkpoint is that of a problem with %d equations in %d unknowns, "
-                                                   "not %d in %d.", header.m, header.n, target.m, target.n));
+      throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                    format("the checkpoint is that of a problem with %d equations in %d unknowns, "
+                           "not %d in %d.",
+                           header.m, header.n, target.m, target.n));
     const std::size_t total = static_cast<std::size_t>(header.length);
     if (sum != checksum(from + start.size(), total - start.size())) throw DamagedArchive();
     Archive archive = Archive::reader(from + start.size(), total - start.size());
@@ -80,7 +82,8 @@ Restored restore_checkpoint(const CheckpointTarget& target, const IntegrationOpt
     if (archive.size() != total - start.size()) throw DamagedArchive();
     return restored;
   } catch (const DamagedArchive&) {
-    throw Failure(SFDAE_ILLEGAL_ARGUMENT, "this is not a checkpoint, or it was made with other options or is damaged.");
+    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                  "this is not a checkpoint, or it was made with other options or is damaged.");
   }
 }
 

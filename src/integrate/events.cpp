@@ -110,7 +110,8 @@ bool ZeroBracket::place(double t, const Vector& g) {
 
 EventSearch::EventSearch(std::vector<int> directions) : directions_(std::move(directions)) {
   const std::size_t size = directions_.size();
-  for (Vector* v : {&g_, &threshold_, &size_, &trial_, &rough_before_, &rough_after_, &noise_, &from_.g}) v->assign(size, 0.0);
+  for (Vector* v : {&g_, &threshold_, &size_, &trial_, &rough_before_, &rough_after_, &noise_, &from_.g})
+    v->assign(size, 0.0);
   for (std::vector<int>* v : {&signs_, &fired_, &vain_, &watched_}) v->assign(size, 0);
   pending_.resize(max_pending);
   for (Sample& sample : pending_) {

@@ -59,7 +59,7 @@ class ZeroBracket {
   int last_side_ = 0;       // which end was replaced last: -1 before, +1 after
   double old_width_ = 0.0;  // at the beginning of a few steps
   int steps_ = 0;
-  int slow_rounds_ = 0;     // in which the width was not halved
+  int slow_rounds_ = 0;  // in which the width was not halved
 };
 
 class EventSearch {
@@ -111,7 +111,7 @@ class EventSearch {
   double t_ = 0.0;
   std::vector<double> g_;
   std::vector<int> signs_, fired_;
-  std::vector<int> vain_;  // attempts in vain to arm a function, since the start or its event
+  std::vector<int> vain_;                 // attempts in vain to arm a function, since the start or its event
   std::vector<double> threshold_, size_;  // size_: of g around its event
   double start_ = 0.0, start_rounding_ = 0.0;
 

@@ -24,8 +24,9 @@ CallResult failure_result(const Failure& failure) { return {failure.status(), fa
 
 }  // namespace
 
-Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector, const IntegrationOptions& options,
-                         double t, double toward, const Vector& x, const Vector& xdot)
+Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector,
+                         const IntegrationOptions& options, double t, double toward, const Vector& x,
+                         const Vector& xdot)
     : system_(system),
       options_(options),
       chosen_(options.method),
@@ -43,8 +44,8 @@ Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> dete
   detector_->start(direction_);
 }
 
-Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector, const IntegrationOptions& options,
-                         Archive& saved)
+Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector,
+                         const IntegrationOptions& options, Archive& saved)
     : system_(system), options_(options), chosen_(options.method), detector_(std::move(detector)) {
   create_stepper(options.method);
   set_options(options);
@@ -139,8 +140,7 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
                                            "sfdae_start to change direction.",
                                            tout, last_returned_)};
   if (options_.stop_time && (*options_.stop_time - tout) * direction_ < 0.0)
-    return {SFDAE_ILLEGAL_ARGUMENT,
-            format("tout = %.15g lies beyond stop_time = %.15g.", tout, *options_.stop_time)};
+    return {SFDAE_ILLEGAL_ARGUMENT, format("tout = %.15g lies beyond stop_time = %.15g.", tout, *options_.stop_time)};
   inconsistent_ = false;
   CallResult result;
   try {
@@ -167,7 +167,8 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
 
 void Integration::restart_at_last_point(Method method) {
   const double t = stepper_->t(), step = std::fabs(stepper_->next_step());
-  if (system_.move_to(t) == PointStatus::trouble) throw Failure(system_.trouble().status, system_.trouble().message());
+  if (system_.move_to(t) == PointStatus::trouble)
+    throw Failure(system_.trouble().status, system_.trouble().message());
   const Vector x = stepper_->x();
   Vector xdot(x.size());
   system_.consistent_derivative(x.data(), direction_, xdot.data());
@@ -189,9 +190,10 @@ CallResult Integration::run(double tout, bool one_step) {
       return {SFDAE_STOPPED, format("stopped on request at t = %.15g; the call can be repeated.", stepper_->t())};
     if (change_ && has_passed(change_->t_before)) return changed_result();
     if (attempts >= options_.max_steps)
-      return {SFDAE_MAX_STEPS, format("%ld steps attempted without reaching tout = %.15g; t = %.15g. Call again, raise "
-                                      "max_steps, or loosen the tolerances.",
-                                      options_.max_steps, tout, stepper_->t())};
+      return {SFDAE_MAX_STEPS,
+              format("%ld steps attempted without reaching tout = %.15g; t = %.15g. Call again, raise "
+                     "max_steps, or loosen the tolerances.",
+                     options_.max_steps, tout, stepper_->t())};
     if (weights_.rounding(stepper_->x().data()) > 1.0)
       return {SFDAE_TOLERANCE_TOO_SMALL,
               format("the tolerances are too small for the precision of the machine at t = %.15g: multiply them by "
@@ -248,8 +250,8 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   // interpolation would not be accurate this is the cheapest way, too.
   constexpr double nearly = 1e-4;
   double uncut = 0.0;
-  const bool may_land = (options_.never_pass_output || !stepper_->interpolates_well()) &&
-                        !(end && (tout - *end) * direction_ > 0.0);
+  const bool may_land =
+      (options_.never_pass_output || !stepper_->interpolates_well()) && !(end && (tout - *end) * direction_ > 0.0);
   if (may_land && (target - tout) * direction_ > -nearly * std::fabs(h)) {
     uncut = h;
     target = tout;
@@ -284,27 +286,26 @@ std::optional<CallResult> Integration::accept_step(double h) {
   }
   detector_->accept();
   counts_.rounding = std::max(counts_.rounding, weights_.floor_ratio());
-  counts_.smallest_kept = std::min({counts_.smallest_kept, system_.smallest_pivot(), system_.kept_constraints(),
-                                    system_.kept_differential()});
+  counts_.smallest_kept = std::min(
+      {counts_.smallest_kept, system_.smallest_pivot(), system_.kept_constraints(), system_.kept_differential()});
   stepper_->commit();
   system_.accept();
   if (counts_.steps++ == 0) counts_.first_step = h;
   output_rate_ += forgetting * (outputs_ - output_rate_);
   outputs_ = 0;
   if (options_.monitor != nullptr) {
-    const sfdae_progress progress{sizeof(sfdae_progress), stepper_->t(), h, stepper_->order(), counts_.steps,
-                                  system_.unknowns(), stepper_->x().data()};
+    const sfdae_progress progress{sizeof(sfdae_progress), stepper_->t(),       h, stepper_->order(), counts_.steps,
+                                  system_.unknowns(),     stepper_->x().data()};
     if (options_.monitor(&progress, options_.monitor_user) != 0)
-      return CallResult{SFDAE_STOPPED, format("stopped by the monitor at t = %.15g; the call can be repeated.", stepper_->t())};
+      return CallResult{SFDAE_STOPPED,
+                        format("stopped by the monitor at t = %.15g; the call can be repeated.", stepper_->t())};
   }
   return std::nullopt;
 }
 
 std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, double h, double tout) {
   switch (outcome) {
-    case StepOutcome::error_too_large:
-      ++counts_.error_failures;
-      return std::nullopt;
+    case StepOutcome::error_too_large: ++counts_.error_failures; return std::nullopt;
     case StepOutcome::trouble:
       if (!system_.trouble().is_recoverable())
         return CallResult{system_.trouble().status, system_.trouble().message()};
@@ -329,8 +330,7 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
         return std::nullopt;
       }
       break;
-    default:
-      break;
+    default: break;
   }
   ++counts_.other_failures;
   stepper_->reduce_after_failure(h);
@@ -350,18 +350,22 @@ CallResult Integration::step_too_small(StepOutcome outcome) {
   if (outcome == StepOutcome::trouble)
     return {system_.trouble().status, system_.trouble().message() + " Smaller steps did not help."};
   if (outcome == StepOutcome::singular)
-    return {SFDAE_SINGULAR, format("the matrix of the step is singular beyond t = %.15g for every step size tried.", t)};
+    return {SFDAE_SINGULAR,
+            format("the matrix of the step is singular beyond t = %.15g for every step size tried.", t)};
   if (outcome == StepOutcome::not_converged)
-    return {SFDAE_STEP_TOO_SMALL,
-            format("the nonlinear equations of the step have no solution near the predicted one beyond t = %.15g, however "
-                   "small the step. The solution may end or have a singularity there.",
-                   t)};
+    return {
+        SFDAE_STEP_TOO_SMALL,
+        format(
+            "the nonlinear equations of the step have no solution near the predicted one beyond t = %.15g, however "
+            "small the step. The solution may end or have a singularity there.",
+            t)};
   if (outcome == StepOutcome::not_finite)
     return {SFDAE_STEP_TOO_SMALL, format("the solution overflows beyond t = %.15g.", t)};
   const int i = weights_.worst(stepper_->error().data());
-  std::string message = format("the error test fails at t = %.15g with the smallest step, %.3g; the error sits in "
-                               "x[%d] = %.6g.",
-                               t, stepper_->next_step(), i, stepper_->x()[static_cast<std::size_t>(i)]);
+  std::string message = format(
+      "the error test fails at t = %.15g with the smallest step, %.3g; the error sits in "
+      "x[%d] = %.6g.",
+      t, stepper_->next_step(), i, stepper_->x()[static_cast<std::size_t>(i)]);
   if (weights_.tolerance(i, stepper_->x().data()) == 0.0) message += " Its tolerance is zero there: give it an atol.";
   else message += " The data may jump there, or the solution has a singularity: stop at such a point and restart.";
   return {SFDAE_STEP_TOO_SMALL, message};
@@ -409,8 +413,9 @@ void Integration::evaluate(double tout, bool may_refine, double* x, double* xdot
   const bool at_step = tout == stepper_->t();
   if (!(at_step && system_.t() == tout)) {
     const auto move = [&] {
-      return at_step || !may_refine ? system_.move_to(tout)
-                                    : stepper_->refine(system_, weights_, tout, scratch_w_.data(), x_free.data(), xdot);
+      return at_step || !may_refine
+                 ? system_.move_to(tout)
+                 : stepper_->refine(system_, weights_, tout, scratch_w_.data(), x_free.data(), xdot);
     };
     PointStatus status = move();
     // There is no other point to try; the same one again helps where a function failed for reasons that have passed.
@@ -436,10 +441,11 @@ void Integration::evaluate(double tout, bool may_refine, double* x, double* xdot
   if (at_step && system_.guess_order() < 0) std::copy(stepper_->x().begin(), stepper_->x().end(), x);
   else system_.restore(scratch_w_.data(), at_step ? stepper_->x().data() : x_free.data(), x);
   if (system_.examine() == PointStatus::changed)
-    throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                  format("the characteristic values known do not hold at t = %.15g any more: they have changed since t = "
-                         "%.15g or before. Analyze the problem behind the change.",
-                         tout, stepper_->t() - stepper_->last_step()));
+    throw Failure(
+        SFDAE_CHARACTERISTICS_CHANGED,
+        format("the characteristic values known do not hold at t = %.15g any more: they have changed since t = "
+               "%.15g or before. Analyze the problem behind the change.",
+               tout, stepper_->t() - stepper_->last_step()));
   // The slope of a polynomial of high degree over a long step is not as accurate as x is.
   const bool is_within_long_step = method_ == Method::radau && !at_step && wants_slopes_;
   if (!wants_slopes_ && system_.guess_order() >= 0) std::fill_n(xdot, system_.unknowns(), 0.0);

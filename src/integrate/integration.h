@@ -25,10 +25,10 @@ struct IntegrationOptions {
   Tolerances tolerances;
   Method method = Method::bdf;
   StepOptions stepping;
-  bool never_pass_output = false; // steps end at tout instead of being interpolated
-  bool short_checkpoints = false; // without what only statistics need
-  double initial_step = 0.0;     // 0: chosen
-  double max_step = 0.0;         // 0: none
+  bool never_pass_output = false;  // steps end at tout instead of being interpolated
+  bool short_checkpoints = false;  // without what only statistics need
+  double initial_step = 0.0;       // 0: chosen
+  double max_step = 0.0;           // 0: none
   std::optional<double> stop_time;
   long max_steps = 100000;
   bool ignore_inconsistency = false;
@@ -56,8 +56,8 @@ struct CallResult {
 class Integration {
  public:
   // Starts at the consistent point (t, x) with derivative xdot, toward the given time; the system stands at t.
-  Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector, const IntegrationOptions& options, double t,
-              double toward, const std::vector<double>& x, const std::vector<double>& xdot);
+  Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector, const IntegrationOptions& options,
+              double t, double toward, const std::vector<double>& x, const std::vector<double>& xdot);
   // Goes on from where it was when it was archived. Throws DamagedArchive.
   Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector, const IntegrationOptions& options,
               Archive& archive);
@@ -132,7 +132,7 @@ class Integration {
   long reductions_before_ = 0, factorizations_before_ = 0;  // of the system, before the start
   std::optional<LocatedChange> change_;
   bool wants_slopes_ = true;
-  bool inconsistent_ = false;   // seen in this call and ignored
+  bool inconsistent_ = false;  // seen in this call and ignored
   std::vector<double> scratch_w_, scratch_x_;
   double span_ = 0.0;  // the interval of interest
 };

@@ -43,8 +43,9 @@ Failure failure_of(int status, double t, const std::vector<double>& g) {
   if (status < 0)
     return Failure(SFDAE_CALLBACK_STOPPED, format("the event function returned %d at t = %.15g.", status, t));
   if (status > 0)
-    return Failure(SFDAE_CALLBACK_FAILED,
-                   format("the event function returned %d at t = %.15g: it must be defined on the solution.", status, t));
+    return Failure(
+        SFDAE_CALLBACK_FAILED,
+        format("the event function returned %d at t = %.15g: it must be defined on the solution.", status, t));
   const auto bad = std::find_if(g.begin(), g.end(), [](double value) { return !std::isfinite(value); });
   return Failure(SFDAE_NOT_FINITE, format("g[%d] of the event function is %g at t = %.15g.",
                                           static_cast<int>(bad - g.begin()), *bad, t));
@@ -63,10 +64,11 @@ void Events::resize(std::size_t n) {
 void forget_search(Events& events) { events.search.reset(); }
 
 void throw_events_differ(bool are_set) {
-  throw Failure(SFDAE_ILLEGAL_ARGUMENT, are_set ? "the checkpoint is one of an integration without events: remove them, "
-                                                  "restore, and set them again."
-                                                : "the checkpoint is one of an integration with events: call "
-                                                  "sfdae_set_events first.");
+  throw Failure(SFDAE_ILLEGAL_ARGUMENT, are_set
+                                            ? "the checkpoint is one of an integration without events: remove them, "
+                                              "restore, and set them again."
+                                            : "the checkpoint is one of an integration with events: call "
+                                              "sfdae_set_events first.");
 }
 
 class Integration::StepValues final : public EventValues {
@@ -78,7 +80,8 @@ class Integration::StepValues final : public EventValues {
     if (integration_.system_.differential() == 0) return false;
     Events::Point& rough = events_.rough;
     integration_.stepper_->interpolate(t, integration_.scratch_w_.data(), rough.x.data(), rough.xdot.data());
-    if (!all_finite(rough.x.data(), rough.x.size()) || !all_finite(rough.xdot.data(), rough.xdot.size())) return false;
+    if (!all_finite(rough.x.data(), rough.x.size()) || !all_finite(rough.xdot.data(), rough.xdot.size()))
+      return false;
     const int status = call(events_, t, rough, events_.g_rough);
     stop_if_asked(t);
     // What violates the constraints a little may be where g is not defined.
@@ -97,8 +100,8 @@ class Integration::StepValues final : public EventValues {
     integration_.want_exact_slopes(false);
     integration_.evaluate(t, false, events_.now.x.data(), events_.now.xdot.data());
     integration_.want_exact_slopes(true);
-    const bool is_known = call(events_, t, events_.now, events_.g_now) == 0 &&
-                          all_finite(events_.g_now.data(), events_.g_now.size());
+    const bool is_known =
+        call(events_, t, events_.now, events_.g_now) == 0 && all_finite(events_.g_now.data(), events_.g_now.size());
     for (std::size_t i = 0; i < error.size(); ++i) {
       const double difference = std::fabs(error[i] - events_.g_now[i]);
       const bool matters = is_known && difference > 1e-4 * std::max(std::fabs(error[i]), std::fabs(events_.g_now[i]));
@@ -140,7 +143,8 @@ class Integration::StepValues final : public EventValues {
  private:
   void stop_if_asked(double t) {
     if (integration_.system_.problem().stop_is_requested())
-      throw Failure(SFDAE_STOPPED, format("stopped on request in the event function at t = %.15g; the call can be repeated.", t));
+      throw Failure(SFDAE_STOPPED,
+                    format("stopped on request in the event function at t = %.15g; the call can be repeated.", t));
   }
 
   Integration& integration_;
@@ -165,8 +169,8 @@ void Integration::refine_for_events() {
     const int before = stepper_->refined_points();
     const double t = stepper_->t() - part * stepper_->last_step();
     stepper_->interpolate(t, scratch_w_.data(), events.rough.x.data(), events.rough.xdot.data());
-    const PointStatus status = stepper_->refine(system_, weights_, t, scratch_w_.data(), events.rough.x.data(),
-                                                events.rough.xdot.data());
+    const PointStatus status =
+        stepper_->refine(system_, weights_, t, scratch_w_.data(), events.rough.x.data(), events.rough.xdot.data());
     if (status == PointStatus::trouble && !system_.trouble().is_recoverable())
       throw Failure(system_.trouble().status, system_.trouble().message());
     if (stepper_->refined_points() == before) return;
@@ -212,7 +216,8 @@ void Integration::return_searched_point(double& t, double* x, double* xdot) cons
 CallResult Integration::interpolate(double t, double* x, double* xdot) {
   const double end = stepper_->t(), start = end - stepper_->last_step();
   if ((t - start) * direction_ < 0.0 || (end - t) * direction_ < 0.0)
-    return {SFDAE_ILLEGAL_ARGUMENT, format("t = %.15g lies outside of the last step, from %.15g to %.15g.", t, start, end)};
+    return {SFDAE_ILLEGAL_ARGUMENT,
+            format("t = %.15g lies outside of the last step, from %.15g to %.15g.", t, start, end)};
   const std::size_t n = static_cast<std::size_t>(system_.unknowns());
   std::vector<double> values(n), slopes(n);
   evaluate(t, true, values.data(), slopes.data());
@@ -226,8 +231,9 @@ void Integration::archive_events(Archive& archive) {
   int count = events.search.count();
   archive.small(count);
   if (count != events.search.count())
-    throw Failure(SFDAE_ILLEGAL_ARGUMENT, format("the checkpoint is one of an integration with %d events, but %d are set.",
-                                                 count, events.search.count()));
+    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                  format("the checkpoint is one of an integration with %d events, but %d are set.", count,
+                         events.search.count()));
   archive.real(span_);
   events.search.archive(archive);
   if (!events.search.is_started()) return;

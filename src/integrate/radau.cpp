@@ -134,7 +134,8 @@ int Radau::polynomial_of_prediction(const StrangenessFreeSystem& system, const R
 }
 
 // By the polynomial in the table of the given degree; degree 0: by the tangent.
-Guess Radau::guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t, int degree) {
+Guess Radau::guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t,
+                   int degree) {
   const int order = system.guess_order(), s = method.s();
   const std::size_t n = start.x.size(), block = n * index(order + 1);
   if (guess_.size() < block * index(s)) guess_.resize(block * index(s));
@@ -222,7 +223,8 @@ void Radau::take_last_stage(const RadauMethod& method, const Node& start, Node& 
   slope_of_stages(s, last_row, s, start.x, stage_x_, node.t - start.t, node.xdot.data());
 }
 
-ErrorTerms Radau::estimate_errors(StrangenessFreeSystem& system, const ErrorWeights& weights, const RadauMethod& method) {
+ErrorTerms Radau::estimate_errors(StrangenessFreeSystem& system, const ErrorWeights& weights,
+                                  const RadauMethod& method) {
   ErrorTerms terms;
   if (system.differential() == 0) {
     std::fill(error_.begin(), error_.end(), 0.0);
@@ -251,8 +253,7 @@ ErrorTerms Radau::estimate_errors(StrangenessFreeSystem& system, const ErrorWeig
   } else {
     const double guard = weights.norm(mapped_.data(), (s + 1.0) / (2.0 * s)) / embedded_limit(s, has_difference);
     if (has_difference) terms.decay[index(2 * s)] = weights.norm(difference);
-    const double by_difference =
-        has_difference ? method.error_constant * terms.decay[index(2 * s)] : 0.0;
+    const double by_difference = has_difference ? method.error_constant * terms.decay[index(2 * s)] : 0.0;
     terms.error = std::max(guard, by_difference);
     terms.exponent = guard > by_difference ? s + 1 : 2 * s;
     if (terms.exponent == 2 * s) std::copy_n(difference, n, error_.data());
@@ -262,8 +263,8 @@ ErrorTerms Radau::estimate_errors(StrangenessFreeSystem& system, const ErrorWeig
 }
 
 // Divided differences of orders 1 ... s over the start and the stages, in units of h.
-void Radau::decay_of_differences(StrangenessFreeSystem& system, const ErrorWeights& weights, const RadauMethod& method,
-                                 ErrorTerms& terms) {
+void Radau::decay_of_differences(StrangenessFreeSystem& system, const ErrorWeights& weights,
+                                 const RadauMethod& method, ErrorTerms& terms) {
   const int s = method.s();
   const std::size_t n = nodes_[0].x.size(), size_w = nodes_[0].w.size();
   const auto node = [&](int i) { return i == 0 ? 0.0 : method.stages.c[index(i - 1)]; };

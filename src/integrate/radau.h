@@ -69,7 +69,8 @@ class Radau final : public Stepper {
   int collocation_polynomial();
   int polynomial_of_prediction(const StrangenessFreeSystem& system, const RadauMethod& method);
   // Predicted stages of a step from start to t, for systems that ask for them.
-  Guess guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t, int degree);
+  Guess guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t,
+              int degree);
   PointStatus solve_within(StrangenessFreeSystem& system, ErrorWeights& weights, double t);
   int wanted_stages(const StrangenessFreeSystem& system) const;
   void update(ErrorWeights& weights, const Node& start, const Node& end);
@@ -81,7 +82,8 @@ class Radau final : public Stepper {
   void hermite_difference(int order);
   // Both ends of the step and the nodes nearest to t; returns how many.
   int choose_nodes(double t);
-  void hermite_polynomial(const std::vector<double> Node::*values, const std::vector<double> Node::*slopes, int count);
+  void hermite_polynomial(const std::vector<double> Node::*values, const std::vector<double> Node::*slopes,
+                          int count);
   void evaluate_hermite(int count, double t, std::size_t size, double* value, double* slope) const;
   void archive(Archive& archive, Node& node, bool with_x);
 

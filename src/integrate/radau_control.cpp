@@ -53,8 +53,8 @@ StageCosts costs_of_reductions(int unknowns, int stage_size) {
   const double n = unknowns, q = stage_size, small_matrix = 20.0 * n * n;
   StageCosts costs;
   for (int s = 1; s <= max_stages; ++s)
-    costs.work[index(s)] = s * (reduction_cost * n * n * n + small_matrix) + 2.0 / 3.0 * std::pow(s * q, 3) +
-                           2.0 * s * s * q * q * n;
+    costs.work[index(s)] =
+        s * (reduction_cost * n * n * n + small_matrix) + 2.0 / 3.0 * std::pow(s * q, 3) + 2.0 * s * s * q * q * n;
   return costs;
 }
 

@@ -15,8 +15,8 @@ namespace sfdae::core {
 
 // Scaled norms of a step of size h; an error above 1 is too large.
 struct ErrorTerms {
-  double error = 0.0;   // the one that decides
-  int exponent = 1;     // it behaves like h^exponent
+  double error = 0.0;  // the one that decides
+  int exponent = 1;    // it behaves like h^exponent
   // |h^k w[k]|, w[k] the divided difference of order k: how the solution decays. Negative where unknown.
   std::array<double, 2 * max_stages + 1> decay{};
   ErrorTerms() { decay.fill(-1.0); }
@@ -58,7 +58,7 @@ class RadauControl {
   StepOptions options_;
   int stages_ = 3;
   int failures_ = 0;
-  int steps_with_stages_ = 0;   // accepted
+  int steps_with_stages_ = 0;  // accepted
   bool any_accepted_ = false;
   double last_h_ = 0.0, last_error_ = 0.0;  // of the step accepted last, 0 if it cannot be compared with
 };

@@ -117,9 +117,11 @@ PointStatus Radau::solve_within(StrangenessFreeSystem& system, ErrorWeights& wei
       prediction.inverse_weights = weights.inverse();
       prediction.taylor_at_start = guess_start_.data();
     }
-    PointStatus status = system.solve_stages(
-        {method.stages, from.t, within_.t, from.w.data(), from.x.data(), prediction}, stage_x_.data(), stage_w_.data(), tried_.t);
-    if (status == PointStatus::ok && !all_finite(stage_x_.data(), n * index(method.s()))) status = PointStatus::not_converged;
+    PointStatus status =
+        system.solve_stages({method.stages, from.t, within_.t, from.w.data(), from.x.data(), prediction},
+                            stage_x_.data(), stage_w_.data(), tried_.t);
+    if (status == PointStatus::ok && !all_finite(stage_x_.data(), n * index(method.s())))
+      status = PointStatus::not_converged;
     if (status == PointStatus::ok) {
       take_last_stage(method, from, within_);
       if (is_last) return status;
@@ -189,8 +191,8 @@ void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
     if (!is_number(options_.min_stages) || !is_number(options_.max_stages) ||
         options_.min_stages > options_.max_stages || !is_number(first_stages_))
       throw DamagedArchive();
-    if (count < 1 || count > options_.max_stages + 1 || last_order_ < 0 || last_order_ > 2 * options_.max_stages - 1 || inner < 0 ||
-        inner > inner_capacity)
+    if (count < 1 || count > options_.max_stages + 1 || last_order_ < 0 ||
+        last_order_ > 2 * options_.max_stages - 1 || inner < 0 || inner > inner_capacity)
       throw DamagedArchive();
     count_ = count;
     inner_count_ = inner;

@@ -15,10 +15,12 @@ namespace sfdae::core {
 enum class StepOutcome {
   accepted,
   error_too_large,
-  singular,    // the matrix of the step
+  singular,       // the matrix of the step
   not_converged,  // nonlinear equations
-  not_finite,  // overflow on the way
-  trouble, changed, leading_changed  // as PointStatus
+  not_finite,     // overflow on the way
+  trouble,
+  changed,
+  leading_changed  // as PointStatus
 };
 
 // nullopt for PointStatus::ok.
@@ -29,7 +31,7 @@ struct StepOptions {
   int max_order = 5;  // BDF
   // Radau IIA: numbers of stages, odd.
   int min_stages = 1, max_stages = 7;
-  bool classical_control = false;              // else predictive
+  bool classical_control = false;  // else predictive
   double safety = 0.9;
   double fastest_fall = 5.0, fastest_rise = 0.125;  // h_old / h_new stays in [fastest_rise, fastest_fall]
   // Whether points within steps are asked for.
@@ -74,7 +76,7 @@ class Stepper {
   virtual double next_step() const = 0;
   virtual void set_next_step(double h) = 0;
   virtual double last_step() const = 0;
-  virtual int order() const = 0;       // of the last step, 0 before the first
+  virtual int order() const = 0;  // of the last step, 0 before the first
   virtual int next_order() const = 0;
   virtual int failures_in_a_row() const = 0;
   // Of the last step: D_h w = c w + ...; infinite before the first.

@@ -43,7 +43,9 @@ void Archive::reals(std::vector<double>& values, std::size_t count) {
 }
 
 void Archive::counts(long& first, long& second) {
-  const auto cut = [](long value) { return static_cast<double>(std::clamp(value, 0L, static_cast<long>(count_radix) - 1)); };
+  const auto cut = [](long value) {
+    return static_cast<double>(std::clamp(value, 0L, static_cast<long>(count_radix) - 1));
+  };
   double number = cut(first) * count_radix + cut(second);
   real(number);
   if (!is_reading()) return;

@@ -29,7 +29,9 @@ const char* letter(Op op) { return op == Op::plain ? "N" : "T"; }
 // Workspace that lets the blocked LAPACK routines run at full speed.
 int work_length(int rows, int cols) { return 64 * std::max({rows, cols, 1}) + 65 * 64; }
 
-bool is_small_qr(ConstView a) { return std::min(a.rows, a.cols) <= small_qr_columns && a.rows <= 2 * small_qr_columns; }
+bool is_small_qr(ConstView a) {
+  return std::min(a.rows, a.cols) <= small_qr_columns && a.rows <= 2 * small_qr_columns;
+}
 
 void scale(View c, double beta) {
   if (beta == 1.0) return;

@@ -40,7 +40,8 @@ class Matrix {
  public:
   Matrix() = default;
   Matrix(int rows, int cols)
-      : rows_(rows), cols_(cols),
+      : rows_(rows),
+        cols_(cols),
         entries_(static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols) + 1, 0.0) {}
 
   int rows() const { return rows_; }

@@ -44,7 +44,8 @@ RankDecision decide_rank(const double* values, int count, int stride, const Rank
     decision.verdict = Verdict::unclear;
   else if (rank == 0) decision.verdict = Verdict::clear;
   else
-    decision.verdict = decision.gap >= clear_gap && kept >= clear_margin * threshold ? Verdict::clear : Verdict::unclear;
+    decision.verdict =
+        decision.gap >= clear_gap && kept >= clear_margin * threshold ? Verdict::clear : Verdict::unclear;
   return decision;
 }
 

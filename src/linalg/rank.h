@@ -21,11 +21,11 @@ struct RankDecision {
   int rows = 0;
   int cols = 0;
   int rank = 0;
-  double kept = 0.0;       // smallest value kept, relative to the norm of the data, 0 if none is
-  double dropped = 0.0;    // largest value dropped, 0 if none is
+  double kept = 0.0;     // smallest value kept, relative to the norm of the data, 0 if none is
+  double dropped = 0.0;  // largest value dropped, 0 if none is
   double noise = 0.0;
   double threshold = 0.0;
-  double gap = 0.0;        // kept / max(dropped, noise); 1e300 if nothing was kept
+  double gap = 0.0;  // kept / max(dropped, noise); 1e300 if nothing was kept
   Verdict verdict = Verdict::clear;
 };
 
@@ -40,8 +40,9 @@ struct RankScale {
   double norm = 1.0;      // of the data
   int dimension = 1;      // of the matrices that went into the one judged: errors of entries add up
   double rank_tol = 0.0;  // > 0 overrides the threshold: rank_tol * norm
-  double least_noise = 0.0;  // rounding errors of the matrix itself: the noise is never less. A value dropped although
-                             // it lies well above is doubtful: 0 turns that off
+  double least_noise =
+      0.0;  // rounding errors of the matrix itself: the noise is never less. A value dropped although
+            // it lies well above is doubtful: 0 turns that off
 };
 
 // Judges `count` decreasing magnitudes values[0], values[stride], ...

@@ -20,8 +20,8 @@ void compare(LinearProblem& problem, char which, double t, int order, Derivative
   // Relative spacing: 1 near t = 0, |t| far away.
   const double unit = std::max(1.0, std::fabs(t) * 1e-3);
   compare_with_differences(
-      supplied, unit, [&](double offset, double* values) { return problem.call(which, t + offset, order - 1, values); },
-      worst);
+      supplied, unit,
+      [&](double offset, double* values) { return problem.call(which, t + offset, order - 1, values); }, worst);
 }
 
 }  // namespace

@@ -64,8 +64,14 @@ void compare_with_differences(const SuppliedDerivative& supplied, double unit, c
     const std::size_t at = static_cast<std::size_t>(i);
     const double error = std::fabs(supplied.values[at] - differences.values[at]) / scale;
     if (worst.function != 0 && error * worst.uncertainty <= worst.error * relative) continue;
-    worst = {supplied.function,   supplied.order,         i % supplied.rows, supplied.first_column + i / supplied.rows,
-             supplied.values[at], differences.values[at], error,             relative};
+    worst = {supplied.function,
+             supplied.order,
+             i % supplied.rows,
+             supplied.first_column + i / supplied.rows,
+             supplied.values[at],
+             differences.values[at],
+             error,
+             relative};
   }
 }
 

@@ -26,7 +26,8 @@ std::vector<double> difference_weights(double at, const std::vector<double>& nod
       product *= gap;
       if (j == i - 1)
         for (int k = std::min(i, highest); k >= 0; --k)
-          w(k, i) = previous_product / product * ((k > 0 ? k * w(k - 1, i - 1) : 0.0) - (x(i - 1) - at) * w(k, i - 1));
+          w(k, i) =
+              previous_product / product * ((k > 0 ? k * w(k - 1, i - 1) : 0.0) - (x(i - 1) - at) * w(k, i - 1));
       for (int k = std::min(i, highest); k >= 0; --k)
         w(k, j) = ((x(i) - at) * w(k, j) - (k > 0 ? k * w(k - 1, j) : 0.0)) / gap;
     }

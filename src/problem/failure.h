@@ -23,6 +23,7 @@ class Failure : public std::exception {
 #if defined(__GNUC__)
 __attribute__((format(printf, 1, 2)))
 #endif
-std::string format(const char* pattern, ...);
+std::string
+format(const char* pattern, ...);
 
 }  // namespace sfdae::core

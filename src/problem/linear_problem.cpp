@@ -15,9 +15,7 @@ namespace {
 
 constexpr int max_difference_order = 6;
 
-double largest_entry(const double* values, int count) {
-  return max_abs({values, count, 1, std::max(count, 1)});
-}
+double largest_entry(const double* values, int count) { return max_abs({values, count, 1, std::max(count, 1)}); }
 
 }  // namespace
 
@@ -27,20 +25,22 @@ std::string Trouble::message() const {
     case SFDAE_CALLBACK_STOPPED:
       return format("%s returned %d (stop) for derivative order %d at t = %.15g.", function, code, order, t);
     case SFDAE_CALLBACK_FAILED:
-      return format("%s returned %d (cannot evaluate) for derivative order %d at t = %.15g.", function, code, order, t);
+      return format("%s returned %d (cannot evaluate) for derivative order %d at t = %.15g.", function, code, order,
+                    t);
     case SFDAE_NOT_FINITE:
-      if (row < 0) return format("the coefficients at t = %.15g differ so much in size that they overflow: rescale.", t);
-      return format("%s returned NaN, Inf or a number near overflow in row %d, column %d of derivative order %d at "
-                    "t = %.15g. Return 1 from the callback to have the step reduced.",
-                    function, row, column, order, t);
+      if (row < 0)
+        return format("the coefficients at t = %.15g differ so much in size that they overflow: rescale.", t);
+      return format(
+          "%s returned NaN, Inf or a number near overflow in row %d, column %d of derivative order %d at "
+          "t = %.15g. Return 1 from the callback to have the step reduced.",
+          function, row, column, order, t);
     case SFDAE_ORDER_MISSING:
-      return format("%s does not provide derivative order %d, which is needed at t = %.15g. Provide it, or set the "
-                    "option difference_derivatives.",
-                    function, order, t);
-    case SFDAE_STOPPED:
-      return format("stopped on request at t = %.15g; the call can be repeated.", t);
-    default:
-      return "";
+      return format(
+          "%s does not provide derivative order %d, which is needed at t = %.15g. Provide it, or set the "
+          "option difference_derivatives.",
+          function, order, t);
+    case SFDAE_STOPPED: return format("stopped on request at t = %.15g; the call can be repeated.", t);
+    default: return "";
   }
 }
 
@@ -89,7 +89,7 @@ Trouble LinearProblem::call(char which, double t, int order, double* values) {
                  : which == 'A' ? problem_.A(t, order, values, problem_.user)
                                 : problem_.f(t, order, values, problem_.user);
   if (trouble.code != 0) {
-    trouble.status = trouble.code < 0                           ? SFDAE_CALLBACK_STOPPED
+    trouble.status = trouble.code < 0                            ? SFDAE_CALLBACK_STOPPED
                      : trouble.code == SFDAE_ORDER_NOT_AVAILABLE ? SFDAE_ORDER_MISSING
                                                                  : SFDAE_CALLBACK_FAILED;
     if (explanation_ && trouble.status == SFDAE_CALLBACK_FAILED) {
@@ -154,8 +154,8 @@ Trouble LinearProblem::sample(Function& function, double t, double& step, std::v
   shift = fitting_shift(below, above, step);
   samples.resize(static_cast<std::size_t>(points) * static_cast<std::size_t>(count));
   for (int i = 0; i < points; ++i) {
-    const Trouble trouble = call(function.name, t + (i - shift) * step, 0,
-                                 samples.data() + static_cast<std::ptrdiff_t>(i) * count);
+    const Trouble trouble =
+        call(function.name, t + (i - shift) * step, 0, samples.data() + static_cast<std::ptrdiff_t>(i) * count);
     if (trouble.status != SFDAE_OK) return trouble;
   }
   return {};

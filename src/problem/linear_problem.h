@@ -75,7 +75,7 @@ class LinearProblem final : public Problem, public CoefficientSource {
     bool constant;
     long calls = 0;
     int highest_order = std::numeric_limits<int>::max();  // known to be available
-    double difference_step = 0.0;                          // 0: not chosen yet
+    double difference_step = 0.0;                         // 0: not chosen yet
     std::vector<double> constant_value;
   };
 

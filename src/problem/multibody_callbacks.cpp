@@ -12,9 +12,7 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t size(int count) {
-  return static_cast<std::size_t>(count);
-}
+std::size_t size(int count) { return static_cast<std::size_t>(count); }
 
 View as_view(std::vector<double>& values) {
   const int count = static_cast<int>(values.size());

@@ -15,9 +15,7 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t size(int count) {
-  return static_cast<std::size_t>(count);
-}
+std::size_t size(int count) { return static_cast<std::size_t>(count); }
 
 class Checker {
  public:

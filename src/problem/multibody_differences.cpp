@@ -29,9 +29,7 @@ double CallbackMultibody::unit_of(const double* values, int count, int j) {
   return largest == 0.0 ? 1.0 : std::max(std::fabs(values[j]), 1e-2 * largest);
 }
 
-double CallbackMultibody::unit_of_time(double t) {
-  return std::max(1.0, 1e-3 * std::fabs(t));
-}
+double CallbackMultibody::unit_of_time(double t) { return std::max(1.0, 1e-3 * std::fabs(t)); }
 
 void CallbackMultibody::velocity_of(const Matrix& S, const double* v, double* velocity) const {
   if (has_kinematics()) multiply(1.0, Op::plain, S, v, 0.0, velocity);

@@ -12,13 +12,9 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t size(int count) {
-  return static_cast<std::size_t>(count);
-}
+std::size_t size(int count) { return static_cast<std::size_t>(count); }
 
-bool is_number(const Recorder& recorder, int node) {
-  return recorder.node(node).operation == Operation::constant;
-}
+bool is_number(const Recorder& recorder, int node) { return recorder.node(node).operation == Operation::constant; }
 
 bool is_identity(const Recorder& recorder, const std::vector<int>& S, int rows, int cols) {
   if (rows != cols) return false;
@@ -99,16 +95,11 @@ RecordedMultibody::RecordedMultibody(Recorder& recorder, const MultibodyFormulas
 
 double* RecordedMultibody::entries_of(MultibodyTerms& terms, Part part) {
   switch (part) {
-    case Part::M:
-      return terms.M.data();
-    case Part::S:
-      return terms.S.data();
-    case Part::C:
-      return terms.C.data();
-    case Part::rest:
-      return terms.velocity_rest.data();
-    default:
-      return terms.f.data();
+    case Part::M: return terms.M.data();
+    case Part::S: return terms.S.data();
+    case Part::C: return terms.C.data();
+    case Part::rest: return terms.velocity_rest.data();
+    default: return terms.f.data();
   }
 }
 

@@ -16,9 +16,7 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t size(int count) {
-  return static_cast<std::size_t>(count);
-}
+std::size_t size(int count) { return static_cast<std::size_t>(count); }
 
 // to := factor from
 void copy_multiple(double factor, ConstView from, View to) {

@@ -53,7 +53,8 @@ Trouble NonlinearProblem::residuals(double t, const double* jet, int order, doub
   return trouble;
 }
 
-Trouble NonlinearProblem::linearize(double t, const double* jet, Orders orders, const Scaling& scaling, TaylorData& data) {
+Trouble NonlinearProblem::linearize(double t, const double* jet, Orders orders, const Scaling& scaling,
+                                    TaylorData& data) {
   Trouble trouble = stopped(t);
   if (trouble.status != SFDAE_OK) return trouble;
   ++linearizations_;
@@ -118,7 +119,8 @@ Trouble RecordedProblem::failure(double t) const {
   trouble.status = SFDAE_NOT_FINITE;
   trouble.t = t;
   trouble.row = evaluator_.failure().equation;
-  trouble.detail = "the equations cannot be evaluated" + format(" at t = %.15g: ", t) + evaluator_.failure().message + ".";
+  trouble.detail =
+      "the equations cannot be evaluated" + format(" at t = %.15g: ", t) + evaluator_.failure().message + ".";
   return trouble;
 }
 
@@ -144,7 +146,8 @@ void CallbackProblem::to_derivatives(const double* jet, int order) {
   }
 }
 
-Trouble CallbackProblem::call(double t, int order, const double* derivatives, double* F, double* F_x, double* F_xdot) {
+Trouble CallbackProblem::call(double t, int order, const double* derivatives, double* F, double* F_x,
+                              double* F_xdot) {
   const std::size_t m_size = index(m()), area = m_size * index(n());
   std::fill_n(F, m_size, 0.0);
   if (F_x != nullptr) std::fill_n(F_x, area, 0.0);
@@ -155,7 +158,7 @@ Trouble CallbackProblem::call(double t, int order, const double* derivatives, do
   trouble.t = t;
   trouble.code = function_(t, order, derivatives, F, F_x, F_xdot, user_);
   if (trouble.code != 0) {
-    trouble.status = trouble.code < 0                           ? SFDAE_CALLBACK_STOPPED
+    trouble.status = trouble.code < 0                            ? SFDAE_CALLBACK_STOPPED
                      : trouble.code == SFDAE_ORDER_NOT_AVAILABLE ? SFDAE_ORDER_MISSING
                                                                  : SFDAE_CALLBACK_FAILED;
     return trouble;

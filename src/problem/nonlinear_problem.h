@@ -48,7 +48,7 @@ class NonlinearProblem : public Problem {
   };
   Trouble linearize(double t, const double* jet, Orders orders, const Scaling& scaling, TaylorData& data);
 
-  long evaluations() const { return evaluations_; }          // of F along jets
+  long evaluations() const { return evaluations_; }  // of F along jets
   long linearizations() const { return linearizations_; }
 
  protected:

@@ -16,8 +16,8 @@ struct Trouble {
   int status = SFDAE_OK;
   const char* function = "";
   int order = 0;
-  int code = 0;      // what the callback returned
-  int row = 0;       // of the first entry that is not finite
+  int code = 0;  // what the callback returned
+  int row = 0;   // of the first entry that is not finite
   int column = 0;
   double t = 0.0;
   std::string detail;  // what there is to say instead of function and order

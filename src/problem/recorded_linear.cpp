@@ -52,7 +52,8 @@ bool RecordedLinearCoefficients::evaluate(double t, int order) {
   F_xdot_.resize(m * n * count);
   F_x_.resize(m * n * count);
   known_order_ = -1;
-  if (!evaluator_.gradients(t, jet_.data(), {order, order, order}, F_.data(), F_xdot_.data(), F_x_.data())) return false;
+  if (!evaluator_.gradients(t, jet_.data(), {order, order, order}, F_.data(), F_xdot_.data(), F_x_.data()))
+    return false;
   known_t_ = t;
   known_order_ = order;
   return true;

@@ -121,8 +121,7 @@ double TaylorData::choose_time_scale() const {
   const auto growth = [](const auto& norms, int order) {
     double tau = infinity;
     for (int k = 1; k <= order; ++k)
-      if (norms[index(k)] > 0.0 && norms[0] > 0.0)
-        tau = std::min(tau, std::pow(norms[0] / norms[index(k)], 1.0 / k));
+      if (norms[index(k)] > 0.0 && norms[0] > 0.0) tau = std::min(tau, std::pow(norms[0] / norms[index(k)], 1.0 / k));
     return tau;
   };
   const double grown_A = growth(norm_A_, orders.A);

@@ -23,9 +23,14 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 class Checker {
  public:
   Checker(CallbackProblem& problem, double t, const double* derivatives, int max_order)
-      : problem_(problem), t_(t), columns_(max_order + 2),
-        jet_(derivatives, derivatives + index(problem.n()) * index(columns_)), F_(index(problem.m())),
-        F_x_(F_.size() * index(problem.n())), F_xdot_(F_x_.size()), F_x_below_(F_x_.size()) {}
+      : problem_(problem),
+        t_(t),
+        columns_(max_order + 2),
+        jet_(derivatives, derivatives + index(problem.n()) * index(columns_)),
+        F_(index(problem.m())),
+        F_x_(F_.size() * index(problem.n())),
+        F_xdot_(F_x_.size()),
+        F_x_below_(F_x_.size()) {}
 
   // False if the order is not available.
   bool check(int order) {
@@ -89,8 +94,9 @@ class Checker {
       for (int i = 0; i < m && F_x_below != nullptr; ++i) values[i] -= order * offset * F_x_below[i];
       return trouble;
     };
-    compare_with_differences({which, order, problem_.m(), j, {supplied.begin() + first, supplied.begin() + first + m}},
-                             std::max(1.0, std::fabs(jet_[position])), F, worst_);
+    compare_with_differences(
+        {which, order, problem_.m(), j, {supplied.begin() + first, supplied.begin() + first + m}},
+        std::max(1.0, std::fabs(jet_[position])), F, worst_);
   }
 
   CallbackProblem& problem_;
@@ -102,7 +108,8 @@ class Checker {
 
 }  // namespace
 
-DerivativeMismatch check_total_derivatives(CallbackProblem& problem, double t, const double* derivatives, int max_order) {
+DerivativeMismatch check_total_derivatives(CallbackProblem& problem, double t, const double* derivatives,
+                                           int max_order) {
   Checker checker(problem, t, derivatives, max_order);
   // An order is judged by the one below: beyond the first mistake nothing can be said.
   for (int order = 0; order <= max_order && !checker.worst().suspicious(); ++order)

@@ -29,9 +29,7 @@ constexpr double consistent_residual = 1e-9;
 constexpr double ease_of_y = 1e3;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 double length(const double* v, std::size_t count) {
   double sum = 0.0;

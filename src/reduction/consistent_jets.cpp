@@ -8,9 +8,7 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

@@ -17,9 +17,7 @@ using Vector = std::vector<double>;
 // Relative accuracy to which fixed components must fit the constraints.
 constexpr double fixed_tolerance = 1e-9;
 
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // (I - T2 T2^T) x - xp: the violation of the constraints as a vector; its length is that of A2 x + f2.
 Vector violation(const NullSpaceForm& form, const Vector& x) {

@@ -31,9 +31,7 @@ constexpr double decisive_gap = 1e9;
 double clearness(const RankDecision& decision) {
   return decision.rank > 0 ? decision.gap : 1.0 / std::max(decision.noise, 1e-300);
 }
-bool is_weaker(const RankDecision& one, const RankDecision& other) {
-  return clearness(one) < clearness(other);
-}
+bool is_weaker(const RankDecision& one, const RankDecision& other) { return clearness(one) < clearness(other); }
 
 }  // namespace
 

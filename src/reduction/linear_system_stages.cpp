@@ -19,13 +19,9 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t area(int rows, int cols) {
-  return static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
-}
+std::size_t area(int rows, int cols) { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols); }
 
-View view(std::vector<double>& values, int rows, int cols) {
-  return {values.data(), rows, cols, std::max(rows, 1)};
-}
+View view(std::vector<double>& values, int rows, int cols) { return {values.data(), rows, cols, std::max(rows, 1)}; }
 
 }  // namespace
 

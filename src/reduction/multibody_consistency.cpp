@@ -14,9 +14,7 @@ namespace {
 
 using Vector = std::vector<double>;
 
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 double length(const Vector& values) {
   double sum = 0.0;

@@ -14,9 +14,7 @@ namespace {
 
 using Vector = std::vector<double>;
 
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Rows of length 1; or orthonormal ones that span the same.
 Matrix unit_rows(ConstView rows) {

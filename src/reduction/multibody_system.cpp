@@ -12,13 +12,9 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-double largest(const std::vector<double>& values) {
-  return max_abs(values.data(), static_cast<int>(values.size()));
-}
+double largest(const std::vector<double>& values) { return max_abs(values.data(), static_cast<int>(values.size())); }
 
 // What residuals are compared with.
 double size_of(const std::vector<double>& values) {

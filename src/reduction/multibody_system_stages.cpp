@@ -17,17 +17,13 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
 // A partition from which the constraints have turned by more than 45 degrees is replaced; components as they are
 // differ by a factor from the beginning.
-double MultibodySystem::largest_turn() const {
-  return traits_.coordinates == Coordinates::orthogonal ? 1.0 : 10.0;
-}
+double MultibodySystem::largest_turn() const { return traits_.coordinates == Coordinates::orthogonal ? 1.0 : 10.0; }
 
 void MultibodySystem::resize_stages(int s) {
   const std::size_t stages = index(s), size = index(leading_size()), d = index(differential()),

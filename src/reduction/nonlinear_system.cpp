@@ -14,9 +14,7 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Linearizations are renewed, and characteristic values checked, after this many points at the latest.
 constexpr int oldest = 10;

@@ -16,9 +16,7 @@ namespace {
 
 using Vector = std::vector<double>;
 
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // One linearization of the constraints at a jet.
 class LinearizedConstraints {

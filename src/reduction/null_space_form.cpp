@@ -10,9 +10,7 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t area(int rows, int cols) {
-  return static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols) + 1;
-}
+std::size_t area(int rows, int cols) { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols) + 1; }
 
 }  // namespace
 

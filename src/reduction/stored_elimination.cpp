@@ -10,17 +10,13 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Up to this many unknowns the equations of a stage are solved for y_j beforehand: overhead of calls outweighs
 // arithmetic.
 constexpr int largest_combined = 12;
 
-View column(double* values, int rows) {
-  return {values, rows, 1, std::max(rows, 1)};
-}
+View column(double* values, int rows) { return {values, rows, 1, std::max(rows, 1)}; }
 
 }  // namespace
 
@@ -68,9 +64,7 @@ void StoredElimination::keep_reflections(ConstView X, const double* tau) {
   stage_->X_tau.assign(tau, tau + X.cols);
 }
 
-void StoredElimination::keep_combination(ConstView W) {
-  stage_->W.keep(W);
-}
+void StoredElimination::keep_combination(ConstView W) { stage_->W.keep(W); }
 
 void StoredElimination::keep_leaving(ConstView T, const int* pivots, const double* tau, ConstView rows) {
   stage_->leaving = rows.rows;

@@ -24,35 +24,35 @@
 /* ---- The problem and what goes wrong in it ------------------------------------------------------ */
 
 enum kind { POSITIVE, LARGEST, NEGATIVE, SMALLEST, NOT_A_NUMBER, INFINITE, NO_ORDER, STOP, KINDS };
-static const char *const kind_names[KINDS] = {"1",   "INT_MAX", "-7",       "INT_MIN",
+static const char* const kind_names[KINDS] = {"1",   "INT_MAX", "-7",       "INT_MIN",
                                               "NaN", "Inf",     "no order", "request_stop"};
 
 typedef struct {
-  sfdae_solver *solver;
-  char function;    /* 'E', 'A', 'f', 'p' (prescribed values), 'm' (monitor) or 0: none goes wrong */
+  sfdae_solver* solver;
+  char function; /* 'E', 'A', 'f', 'p' (prescribed values), 'm' (monitor) or 0: none goes wrong */
   enum kind kind;
-  long call;        /* the call that goes wrong, counted from 1; 0: those at t > after */
+  long call; /* the call that goes wrong, counted from 1; 0: those at t > after */
   double after;
-  int no_orders;    /* 1: only order 0 can be provided */
-  long calls;       /* of the function that goes wrong */
-  int order;        /* asked for in the call that went wrong */
+  int no_orders; /* 1: only order 0 can be provided */
+  long calls;    /* of the function that goes wrong */
+  int order;     /* asked for in the call that went wrong */
   int highest_order;
-  int inside;       /* in the callback: what to do with the solver */
+  int inside; /* in the callback: what to do with the solver */
 } plan;
 
 #define TOL 1e-4
 static int method = SFDAE_METHOD_BDF; /* of all solvers */
 enum { M = 4, N = 5 };
 
-static void use_solver_from_inside(sfdae_solver *solver);
+static void use_solver_from_inside(sfdae_solver* solver);
 
-static void expect_zeros(const double *values, int count) {
+static void expect_zeros(const double* values, int count) {
   int i;
   for (i = 0; i < count; i++) CHECK(values[i] == 0);
 }
 
 /* Returns what the callback shall return; spoils its values if that is the fault. */
-static int fault(plan *p, char function, double t, int order, double *values) {
+static int fault(plan* p, char function, double t, int order, double* values) {
   int strikes;
   if (order > p->highest_order) p->highest_order = order;
   if (p->inside && function == p->function) use_solver_from_inside(p->solver);
@@ -79,14 +79,14 @@ static int fault(plan *p, char function, double t, int order, double *values) {
 static double s(double t, int order) { return (order == 0 ? 2 : 0) + sin(t + order * acos(0.0)); }
 static double sine(double w, double t, int order) { return pow(w, order) * sin(w * t + order * acos(0.0)); }
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   expect_zeros(matrix, M * N);
   matrix[0] = s(t, order);
   if (order == 0) matrix[5] = matrix[10] = 1;
-  return fault((plan *)user, 'E', t, order, matrix);
+  return fault((plan*)user, 'E', t, order, matrix);
 }
 
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   expect_zeros(matrix, M * N);
   matrix[0 + 4 * 1] = s(t, order);
   if (order == 0) {
@@ -96,31 +96,31 @@ static int A(double t, int order, double *matrix, void *user) {
     matrix[3 + 4 * 2] = 1;
     matrix[1 + 4 * 4] = 1;
   }
-  return fault((plan *)user, 'A', t, order, matrix);
+  return fault((plan*)user, 'A', t, order, matrix);
 }
 
-static int f(double t, int order, double *vector, void *user) {
+static int f(double t, int order, double* vector, void* user) {
   expect_zeros(vector, 4);
   vector[1] = -sine(1, t, order + 1);
   vector[3] = -sine(2, t, order);
-  return fault((plan *)user, 'f', t, order, vector);
+  return fault((plan*)user, 'f', t, order, vector);
 }
 
-static int prescribed(double t, int order, double *values, void *user) {
+static int prescribed(double t, int order, double* values, void* user) {
   CHECK(values[0] == 0 && order == 0);
   values[0] = cos(t);
-  return fault((plan *)user, 'p', t, order, values);
+  return fault((plan*)user, 'p', t, order, values);
 }
 
-static int monitor(const sfdae_progress *progress, void *user) {
-  plan *p = (plan *)user;
+static int monitor(const sfdae_progress* progress, void* user) {
+  plan* p = (plan*)user;
   double spoiled[1];
   if (p->function != 'm') return 0;
   if (p->inside) use_solver_from_inside(p->solver);
   return fault(p, 'm', progress->t, 0, spoiled);
 }
 
-static void exact(double t, double *x) {
+static void exact(double t, double* x) {
   x[0] = cos(t);
   x[1] = -sin(t);
   x[2] = cos(t) + sin(2 * t);
@@ -129,7 +129,7 @@ static void exact(double t, double *x) {
 }
 
 /* The error stays below 10 times the tolerance. */
-static int accurate(double t, const double *x) {
+static int accurate(double t, const double* x) {
   double xe[N];
   int i;
   exact(t, xe);
@@ -138,7 +138,7 @@ static int accurate(double t, const double *x) {
   return 1;
 }
 
-static sfdae_options loose_options(plan *p) {
+static sfdae_options loose_options(plan* p) {
   sfdae_options options;
   sfdae_options_init(&options, sizeof options);
   options.rtol = options.atol = TOL;
@@ -148,7 +148,7 @@ static sfdae_options loose_options(plan *p) {
   return options;
 }
 
-static sfdae_linear_problem problem_with(plan *p) {
+static sfdae_linear_problem problem_with(plan* p) {
   static const int last[1] = {N - 1};
   sfdae_linear_problem problem;
   sfdae_linear_problem_init(&problem, sizeof problem);
@@ -164,10 +164,10 @@ static sfdae_linear_problem problem_with(plan *p) {
   return problem;
 }
 
-static sfdae_solver *create(plan *p) {
+static sfdae_solver* create(plan* p) {
   sfdae_options options = loose_options(p);
   sfdae_linear_problem problem = problem_with(p);
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   CHECK_STATUS(sfdae_create_linear(&solver, &problem, &options), SFDAE_OK);
   p->solver = solver;
   return solver;
@@ -179,7 +179,7 @@ static plan no_fault(void) {
   return p;
 }
 
-static void works(sfdae_solver *solver) {
+static void works(sfdae_solver* solver) {
   double t = -1, x[N];
   exact(0, x);
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
@@ -192,7 +192,7 @@ static void works(sfdae_solver *solver) {
 
 static const double unset = -12345.678; /* outputs that nobody has written */
 
-static int run_analyze(sfdae_solver *solver) {
+static int run_analyze(sfdae_solver* solver) {
   sfdae_characteristics c, before;
   int status;
   sfdae_characteristics_init(&c, sizeof c);
@@ -203,7 +203,7 @@ static int run_analyze(sfdae_solver *solver) {
   return status;
 }
 
-static int initial(sfdae_solver *solver, int start) {
+static int initial(sfdae_solver* solver, int start) {
   double x[N], before[N], xdot[N] = {unset, unset, unset, unset, unset};
   int status;
   exact(0, x);
@@ -214,12 +214,12 @@ static int initial(sfdae_solver *solver, int start) {
   else CHECK(memcmp(x, before, sizeof x) == 0 && xdot[0] == unset && xdot[3] == unset);
   return status;
 }
-static int run_start(sfdae_solver *solver) { return initial(solver, 1); }
-static int run_make_consistent(sfdae_solver *solver) { return initial(solver, 0); }
+static int run_start(sfdae_solver* solver) { return initial(solver, 1); }
+static int run_make_consistent(sfdae_solver* solver) { return initial(solver, 0); }
 
 /* Whatever happens on the way, the last accepted point is returned; the last step may have gone past tout = 1. */
 static const double farthest = 2;
-static int run_advance(sfdae_solver *solver) {
+static int run_advance(sfdae_solver* solver) {
   double t = unset, x[N] = {unset, unset, unset, unset, unset}, xdot[N];
   const int status = sfdae_advance(solver, 1, &t, x, xdot);
   CHECK(t >= 0 && t <= farthest && accurate(t, x));
@@ -227,7 +227,7 @@ static int run_advance(sfdae_solver *solver) {
   return status;
 }
 
-static int run_steps(sfdae_solver *solver) {
+static int run_steps(sfdae_solver* solver) {
   double t = unset, x[N] = {unset, unset, unset, unset, unset}, before = 0;
   int status;
   do {
@@ -238,7 +238,7 @@ static int run_steps(sfdae_solver *solver) {
   return status;
 }
 
-static int run_derivative_array(sfdae_solver *solver) {
+static int run_derivative_array(sfdae_solver* solver) {
   double array[80], right[40], g[8];
   int status;
   array[0] = right[0] = g[0] = unset;
@@ -248,7 +248,7 @@ static int run_derivative_array(sfdae_solver *solver) {
   return status;
 }
 
-static int run_projectors(sfdae_solver *solver) {
+static int run_projectors(sfdae_solver* solver) {
   double Z1[8], Z2[16], T2[15];
   int status, vhat = -1;
   Z1[0] = Z2[0] = T2[0] = unset;
@@ -258,7 +258,7 @@ static int run_projectors(sfdae_solver *solver) {
   return status;
 }
 
-static int run_strangeness_free(sfdae_solver *solver) {
+static int run_strangeness_free(sfdae_solver* solver) {
   double E1[10], A1[10], f1[2], A2[10], f2[2], residual = unset;
   int status;
   E1[0] = A2[0] = unset;
@@ -268,7 +268,7 @@ static int run_strangeness_free(sfdae_solver *solver) {
   return status;
 }
 
-static int run_check_derivatives(sfdae_solver *solver) {
+static int run_check_derivatives(sfdae_solver* solver) {
   sfdae_derivative_check check;
   sfdae_derivative_check_init(&check, sizeof check);
   return sfdae_check_derivatives(solver, 0.5, 2, &check);
@@ -276,8 +276,8 @@ static int run_check_derivatives(sfdae_solver *solver) {
 
 enum preparation { NOTHING, ANALYZED, STARTED };
 static const struct phase {
-  const char *name;
-  int (*run)(sfdae_solver *);
+  const char* name;
+  int (*run)(sfdae_solver*);
   enum preparation before;
   int integrates; /* a smaller step may help */
 } phases[] = {
@@ -294,7 +294,7 @@ static const struct phase {
 };
 enum { PHASES = sizeof phases / sizeof phases[0] };
 
-static void prepare(sfdae_solver *solver, enum preparation before) {
+static void prepare(sfdae_solver* solver, enum preparation before) {
   double x[N];
   exact(0, x);
   if (before == ANALYZED) CHECK_STATUS(sfdae_analyze(solver, 0, 1, NULL), SFDAE_OK);
@@ -321,9 +321,9 @@ static int documented(enum kind kind, int order, int status, int spared) {
 }
 
 /* Lets the call number `call` go wrong; 0 if there was no such call. */
-static int call_goes_wrong(const struct phase *phase, char function, enum kind kind, long call) {
+static int call_goes_wrong(const struct phase* phase, char function, enum kind kind, long call) {
   plan p = no_fault();
-  sfdae_solver *solver = create(&p);
+  sfdae_solver* solver = create(&p);
   const int failures_before = failures;
   int status, struck, spared;
   prepare(solver, phase->before);
@@ -374,7 +374,7 @@ static void every_monitor_call_may_stop(void) {
   long call = 1;
   for (;; call++) {
     plan p = no_fault();
-    sfdae_solver *solver = create(&p);
+    sfdae_solver* solver = create(&p);
     double t = unset, x[N];
     int status;
     prepare(solver, STARTED);
@@ -401,14 +401,16 @@ static void functions_end_before_tout(void) {
   static const struct {
     enum kind kind;
     int status;
-  } table[] = {{POSITIVE, SFDAE_CALLBACK_FAILED}, {NOT_A_NUMBER, SFDAE_NOT_FINITE}, {INFINITE, SFDAE_NOT_FINITE},
+  } table[] = {{POSITIVE, SFDAE_CALLBACK_FAILED},
+               {NOT_A_NUMBER, SFDAE_NOT_FINITE},
+               {INFINITE, SFDAE_NOT_FINITE},
                {NEGATIVE, SFDAE_CALLBACK_STOPPED}};
   static const char functions[] = {'E', 'A', 'f', 'p'};
   int i, k;
   for (i = 0; i < 4; i++)
     for (k = 0; k < 4; k++) {
       plan p = no_fault();
-      sfdae_solver *solver = create(&p);
+      sfdae_solver* solver = create(&p);
       double t = unset, x[N];
       p.function = functions[k];
       p.kind = table[i].kind;
@@ -428,7 +430,7 @@ static void functions_end_before_tout(void) {
 
 static void derivatives_that_are_missing_are_named_or_differenced(void) {
   plan p = no_fault();
-  sfdae_solver *solver = create(&p);
+  sfdae_solver* solver = create(&p);
   sfdae_options options = loose_options(&p);
   double x[N];
   exact(0, x);
@@ -446,7 +448,7 @@ static void derivatives_that_are_missing_are_named_or_differenced(void) {
 
 static void no_order_is_asked_for_that_the_header_does_not_name(void) {
   plan p = no_fault();
-  sfdae_solver *solver = create(&p);
+  sfdae_solver* solver = create(&p);
   double t, x[N];
   exact(0, x);
   CHECK_STATUS(sfdae_analyze(solver, 0, 1, NULL), SFDAE_OK);
@@ -472,17 +474,17 @@ static void no_order_is_asked_for_that_the_header_does_not_name(void) {
   sfdae_destroy(&solver);
 }
 
-static int constant_matrix(double t, int order, double *matrix, void *user) {
+static int constant_matrix(double t, int order, double* matrix, void* user) {
   (void)t;
   CHECK(order == 0);
-  ++*(int *)user;
+  ++*(int*)user;
   matrix[0] = 1;
   return 0;
 }
 
 static void constant_matrices_are_asked_for_once(void) {
   sfdae_linear_problem problem;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   double t, x[1] = {1}, E1[1], array[4];
   int calls = 0;
   sfdae_linear_problem_init(&problem, sizeof problem);
@@ -505,8 +507,8 @@ static void constant_matrices_are_asked_for_once(void) {
 
 static int inside_uses = 0;
 
-static void use_solver_from_inside(sfdae_solver *solver) {
-  sfdae_solver *copy = solver;
+static void use_solver_from_inside(sfdae_solver* solver) {
+  sfdae_solver* copy = solver;
   sfdae_options options;
   sfdae_characteristics c;
   sfdae_decision decision;
@@ -562,7 +564,7 @@ static void solver_is_busy_in_its_own_callbacks(void) {
   for (phase = 0; phase < PHASES; phase++)
     for (function = 0; function < 5; function++) {
       plan p = no_fault();
-      sfdae_solver *solver = create(&p);
+      sfdae_solver* solver = create(&p);
       const int failures_before = failures;
       if (functions[function] == 'm' && !phases[phase].integrates) {
         sfdae_destroy(&solver);
@@ -589,8 +591,8 @@ static void solver_is_busy_in_its_own_callbacks(void) {
 }
 
 /* Other solvers are free: one problem may solve another one in its callback. */
-static sfdae_solver *other;
-static int f_solves_another(double t, int order, double *vector, void *user) {
+static sfdae_solver* other;
+static int f_solves_another(double t, int order, double* vector, void* user) {
   double x[N], t_other;
   exact(0, x);
   CHECK_STATUS(sfdae_start(other, 0, 1, x, NULL), SFDAE_OK);
@@ -602,7 +604,7 @@ static void other_solvers_may_be_used_in_callbacks(void) {
   plan p = no_fault(), q = no_fault();
   sfdae_linear_problem problem = problem_with(&p);
   sfdae_options options = loose_options(&p);
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   other = create(&q);
   problem.f = f_solves_another;
   CHECK_STATUS(sfdae_create_linear(&solver, &problem, &options), SFDAE_OK);
@@ -617,7 +619,7 @@ static void requests_are_kept_for_the_next_call(void) {
   int phase;
   for (phase = 0; phase < PHASES; phase++) {
     plan p = no_fault();
-    sfdae_solver *solver = create(&p);
+    sfdae_solver* solver = create(&p);
     const int failures_before = failures;
     prepare(solver, phases[phase].before);
     CHECK_STATUS(sfdae_request_stop(solver), SFDAE_OK);
@@ -630,22 +632,22 @@ static void requests_are_kept_for_the_next_call(void) {
   }
 }
 
-static void *request_soon(void *solver) {
+static void* request_soon(void* solver) {
   const struct timespec while_it_runs = {0, 50000000};
   nanosleep(&while_it_runs, NULL);
-  CHECK_STATUS(sfdae_request_stop((sfdae_solver *)solver), SFDAE_OK);
+  CHECK_STATUS(sfdae_request_stop((sfdae_solver*)solver), SFDAE_OK);
   return NULL;
 }
 
-static sfdae_solver *solver_to_stop;
+static sfdae_solver* solver_to_stop;
 static void on_signal(int number) {
   (void)number;
   sfdae_request_stop(solver_to_stop);
 }
 
 /* A solution that would take 1e9 steps. */
-static sfdae_solver *endless(plan *p) {
-  sfdae_solver *solver = create(p);
+static sfdae_solver* endless(plan* p) {
+  sfdae_solver* solver = create(p);
   sfdae_options options = loose_options(p);
   options.max_step = 1e-6;
   options.max_steps = LONG_MAX;
@@ -656,7 +658,7 @@ static sfdae_solver *endless(plan *p) {
 
 static void other_threads_may_stop(void) {
   plan p = no_fault();
-  sfdae_solver *solver = endless(&p);
+  sfdae_solver* solver = endless(&p);
   pthread_t thread;
   double t = unset, x[N];
   CHECK(pthread_create(&thread, NULL, request_soon, solver) == 0);
@@ -670,7 +672,7 @@ static void other_threads_may_stop(void) {
 
 static void signal_handlers_may_stop(void) {
   plan p = no_fault();
-  sfdae_solver *solver = endless(&p);
+  sfdae_solver* solver = endless(&p);
   double t = unset, x[N];
   solver_to_stop = solver;
   CHECK(signal(SIGALRM, on_signal) != SIG_ERR);

@@ -17,10 +17,10 @@
 #include "checks.h"
 
 /* Bytes that no call that fails may change. */
-static void guard(void *bytes, size_t length) { memset(bytes, 0xA5, length); }
+static void guard(void* bytes, size_t length) { memset(bytes, 0xA5, length); }
 
-static int guarded(const void *bytes, size_t length) {
-  const unsigned char *byte = (const unsigned char *)bytes;
+static int guarded(const void* bytes, size_t length) {
+  const unsigned char* byte = (const unsigned char*)bytes;
   size_t i;
   for (i = 0; i < length; i++)
     if (byte[i] != 0xA5) return 0;
@@ -34,14 +34,14 @@ enum { N = 4 };
 
 typedef struct {
   long calls;
-  int no_orders;    /* 1: order 0 only */
-  double ends_at;   /* no values beyond */
-  long stop_at;     /* the call that asks `solver` to stop */
-  long last_step;   /* that the monitor lets go on */
-  sfdae_solver *solver;
+  int no_orders;  /* 1: order 0 only */
+  double ends_at; /* no values beyond */
+  long stop_at;   /* the call that asks `solver` to stop */
+  long last_step; /* that the monitor lets go on */
+  sfdae_solver* solver;
 } record;
 
-static int seen(record *r, double t, int order) {
+static int seen(record* r, double t, int order) {
   if (++r->calls == r->stop_at) CHECK_STATUS(sfdae_request_stop(r->solver), SFDAE_OK);
   if (t > r->ends_at) return 1;
   return order > 0 && r->no_orders ? SFDAE_ORDER_NOT_AVAILABLE : 0;
@@ -49,75 +49,76 @@ static int seen(record *r, double t, int order) {
 
 static double s(double t, int order) { return (order == 0 ? 2 : 0) + sin(t + order * acos(0.0)); }
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   matrix[0] = s(t, order);
   if (order == 0) matrix[5] = matrix[10] = 1;
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   matrix[0 + N * 1] = s(t, order);
   if (order == 0) matrix[1 + N * 0] = matrix[3 + N * 0] = -1, matrix[2 + N * 3] = matrix[3 + N * 2] = 1;
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
-static int f(double t, int order, double *vector, void *user) {
+static int f(double t, int order, double* vector, void* user) {
   vector[3] = -pow(0.5, order) * cos(t / 2 + order * acos(0.0));
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
 /* Constant: s = 1. */
-static int E_constant(double t, int order, double *matrix, void *user) {
+static int E_constant(double t, int order, double* matrix, void* user) {
   if (order == 0) matrix[0] = matrix[5] = matrix[10] = 1;
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
-static int A_constant(double t, int order, double *matrix, void *user) {
+static int A_constant(double t, int order, double* matrix, void* user) {
   if (order == 0) matrix[N] = matrix[2 + N * 3] = matrix[3 + N * 2] = 1, matrix[1] = matrix[3] = -1;
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
 /* A change of the characteristic values: the second equation becomes (t - 3/2) x2' = x2 + ..., x as before, so that errors
  * behave like t - 3/2. */
-static int E_changing(double t, int order, double *matrix, void *user) {
+static int E_changing(double t, int order, double* matrix, void* user) {
   const int status = E(t, order, matrix, user);
   matrix[5] = order == 0 ? t - 1.5 : order == 1;
   return status;
 }
 
-static int A_changing(double t, int order, double *matrix, void *user) {
+static int A_changing(double t, int order, double* matrix, void* user) {
   const int status = A(t, order, matrix, user);
   matrix[1] = 0, matrix[5] = order == 0;
   return status;
 }
 
-static int f_changing(double t, int order, double *vector, void *user) {
+static int f_changing(double t, int order, double* vector, void* user) {
   /* sin t - (t - 3/2) cos t and its derivatives */
-  vector[1] = sin(t + order * acos(0.0)) - (t - 1.5) * cos(t + order * acos(0.0)) - order * cos(t + (order - 1) * acos(0.0));
+  vector[1] =
+      sin(t + order * acos(0.0)) - (t - 1.5) * cos(t + order * acos(0.0)) - order * cos(t + (order - 1) * acos(0.0));
   return f(t, order, vector, user);
 }
 
 /* Without x4' and with a prescribed x4: three equations, u = 1. */
-static int E_free(double t, int order, double *matrix, void *user) {
+static int E_free(double t, int order, double* matrix, void* user) {
   if (order == 0) matrix[0] = matrix[4] = matrix[8] = 1;
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
-static int A_free(double t, int order, double *matrix, void *user) {
+static int A_free(double t, int order, double* matrix, void* user) {
   if (order == 0) matrix[3] = matrix[2 + 3 * 3] = 1, matrix[1] = -1;
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
-static int prescribed_x4(double t, int order, double *values, void *user) {
+static int prescribed_x4(double t, int order, double* values, void* user) {
   values[0] = -sin(t) - sin(t / 2) / 2;
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
-static void exact(double t, double *x) {
+static void exact(double t, double* x) {
   x[0] = cos(t), x[1] = -sin(t), x[2] = cos(t) + cos(t / 2), x[3] = -sin(t) - sin(t / 2) / 2;
 }
 
-static int accurate(double t, const double *x) {
+static int accurate(double t, const double* x) {
   double xe[N];
   int i;
   exact(t, xe);
@@ -134,11 +135,11 @@ typedef struct {
   record r;
 } setting;
 
-static int stop_after_steps(const sfdae_progress *progress, void *user) {
-  return progress->steps == ((const setting *)user)->r.last_step;
+static int stop_after_steps(const sfdae_progress* progress, void* user) {
+  return progress->steps == ((const setting*)user)->r.last_step;
 }
 
-static void initialize(setting *s_, int method) {
+static void initialize(setting* s_, int method) {
   const record r = {0, 0, HUGE_VAL, 0, 0, NULL};
   s_->r = r;
   sfdae_linear_problem_init(&s_->problem, sizeof s_->problem);
@@ -150,29 +151,29 @@ static void initialize(setting *s_, int method) {
   s_->options.method = method;
 }
 
-static sfdae_solver *create(setting *s_) {
+static sfdae_solver* create(setting* s_) {
   CHECK_STATUS(sfdae_create_linear(&s_->r.solver, &s_->problem, &s_->options), SFDAE_OK);
   return s_->r.solver;
 }
 
-static sfdae_solver *create_and_start(setting *s_, double t, double toward) {
+static sfdae_solver* create_and_start(setting* s_, double t, double toward) {
   double x[N];
-  sfdae_solver *solver = create(s_);
+  sfdae_solver* solver = create(s_);
   exact(t, x);
   CHECK_STATUS(sfdae_start(solver, t, toward, x, NULL), SFDAE_OK);
   return solver;
 }
 
 typedef struct {
-  double *values;
+  double* values;
   size_t length;
 } checkpoint;
 
-static checkpoint save(sfdae_solver *solver) {
+static checkpoint save(sfdae_solver* solver) {
   checkpoint c = {NULL, 0};
   CHECK_STATUS(sfdae_get_checkpoint_length(solver, &c.length), SFDAE_OK);
   CHECK(c.length > 0);
-  c.values = (double *)malloc((c.length + 1) * sizeof(double));
+  c.values = (double*)malloc((c.length + 1) * sizeof(double));
   if (!c.values) abort();
   guard(c.values, (c.length + 1) * sizeof(double));
   CHECK_STATUS(sfdae_save_checkpoint(solver, c.values, c.length), SFDAE_OK);
@@ -181,7 +182,7 @@ static checkpoint save(sfdae_solver *solver) {
 }
 
 /* Nothing but the numbers survives. No callback is called. */
-static void interrupt(setting *s_, sfdae_solver **solver) {
+static void interrupt(setting* s_, sfdae_solver** solver) {
   checkpoint c = save(*solver);
   const long calls = s_->r.calls;
   CHECK_STATUS(sfdae_destroy(solver), SFDAE_OK);
@@ -192,7 +193,7 @@ static void interrupt(setting *s_, sfdae_solver **solver) {
   free(c.values);
 }
 
-static sfdae_statistics statistics(const sfdae_solver *solver) {
+static sfdae_statistics statistics(const sfdae_solver* solver) {
   sfdae_statistics result;
   sfdae_statistics_init(&result, sizeof result);
   CHECK_STATUS(sfdae_get_statistics(solver, &result), SFDAE_OK);
@@ -201,7 +202,7 @@ static sfdae_statistics statistics(const sfdae_solver *solver) {
   return result;
 }
 
-static int same_statistics(const sfdae_solver *one, const sfdae_solver *other) {
+static int same_statistics(const sfdae_solver* one, const sfdae_solver* other) {
   const sfdae_statistics a = statistics(one), b = statistics(other);
   return a.steps == b.steps && a.error_failures == b.error_failures && a.other_failures == b.other_failures &&
          a.last_order == b.last_order && a.next_order == b.next_order && a.last_step == b.last_step &&
@@ -210,9 +211,9 @@ static int same_statistics(const sfdae_solver *one, const sfdae_solver *other) {
 }
 
 /* One call on both: status, t, x, x' and counts agree in every bit. Returns the status. */
-static int advance_both(sfdae_solver *plain, sfdae_solver *broken, double tout, int one_step, double *t) {
+static int advance_both(sfdae_solver* plain, sfdae_solver* broken, double tout, int one_step, double* t) {
   double t_plain = -7, t_broken = -7, x[N] = {0}, y[N] = {0}, xdot[N] = {0}, ydot[N] = {0};
-  int (*const call)(sfdae_solver *, double, double *, double *, double *) = one_step ? sfdae_step : sfdae_advance;
+  int (*const call)(sfdae_solver*, double, double*, double*, double*) = one_step ? sfdae_step : sfdae_advance;
   const int status = call(plain, tout, &t_plain, x, xdot);
   CHECK_STATUS(call(broken, tout, &t_broken, y, ydot), status);
   CHECK(t_plain == t_broken);
@@ -230,9 +231,9 @@ static int advance_both(sfdae_solver *plain, sfdae_solver *broken, double tout, 
 static const int fourth[1] = {3};
 static const double rtol_vector[N] = {1e-6, 1e-7, 0, 1e-6}, atol_vector[N] = {1e-6, 1e-7, 1e-6, 1e-8};
 
-static const char *vary(setting *s_, int variant) {
-  sfdae_linear_problem *p = &s_->problem;
-  sfdae_options *o = &s_->options;
+static const char* vary(setting* s_, int variant) {
+  sfdae_linear_problem* p = &s_->problem;
+  sfdae_options* o = &s_->options;
   switch (variant) {
     case 0: return "defaults";
     case 1: o->reduction = SFDAE_REDUCTION_SVD; return "SVD";
@@ -243,7 +244,9 @@ static const char *vary(setting *s_, int variant) {
     case 6: o->time_scale = 0.125, o->rank_tol = 1e-10; return "time scale, rank tolerance";
     case 7: o->max_step = 0.05, o->initial_step = 1e-3; return "limited steps";
     case 8: o->difference_derivatives = 1, s_->r.no_orders = 1; return "differences";
-    case 9: o->difference_derivatives = 1, o->difference_step = 1e-2, s_->r.no_orders = 1; return "differences, step given";
+    case 9:
+      o->difference_derivatives = 1, o->difference_step = 1e-2, s_->r.no_orders = 1;
+      return "differences, step given";
     case 10: p->E = E_constant, p->A = A_constant, p->constant_E = p->constant_A = 1; return "constant matrices";
     case 11: p->E = E_constant, p->constant_E = 1, p->A = A_constant; return "constant E";
     case 12:
@@ -258,7 +261,7 @@ static void interrupted_runs_go_on_in_every_bit(void) {
   int method, variant, direction;
   for (method = SFDAE_METHOD_BDF; method <= SFDAE_METHOD_AUTOMATIC; method++)
     for (variant = 0;; variant++) {
-      const char *name = NULL;
+      const char* name = NULL;
       for (direction = -1; direction <= 1; direction += 2) {
         const double t0 = direction > 0 ? 0 : 4;
         const int failures_before = failures;
@@ -313,7 +316,7 @@ enum early { MONITOR, REQUEST, MAX_STEPS, NO_VALUES, CHANGE, EARLY };
 static const int early_status[EARLY] = {SFDAE_STOPPED, SFDAE_STOPPED, SFDAE_MAX_STEPS, SFDAE_CALLBACK_FAILED,
                                         SFDAE_CHARACTERISTICS_CHANGED};
 
-static void ends_early(setting *s_, int method, enum early early) {
+static void ends_early(setting* s_, int method, enum early early) {
   initialize(s_, method);
   if (early == MONITOR) s_->options.monitor = stop_after_steps, s_->options.monitor_user = s_;
   if (early == MAX_STEPS) s_->options.max_steps = 2;
@@ -367,9 +370,9 @@ static void checkpoints_survive_a_text_file(void) {
     plain = create_and_start(&one, 0, 4);
     for (k = 0; k <= 3; k++) { /* at the start, too, where there are infinities */
       checkpoint c;
-      FILE *file = tmpfile();
+      FILE* file = tmpfile();
       size_t i, length = 0;
-      double *values;
+      double* values;
       if (k > 0) CHECK_STATUS(sfdae_advance(plain, k, &t, x, NULL), SFDAE_OK);
       c = save(plain);
       if (!file) abort();
@@ -377,7 +380,7 @@ static void checkpoints_survive_a_text_file(void) {
       for (i = 0; i < c.length; i++) fprintf(file, "%.17g\n", c.values[i]);
       rewind(file);
       CHECK(fscanf(file, "%zu", &length) == 1 && length == c.length);
-      values = (double *)malloc(c.length * sizeof(double));
+      values = (double*)malloc(c.length * sizeof(double));
       if (!values) abort();
       for (i = 0; i < c.length; i++) CHECK(fscanf(file, "%lf", &values[i]) == 1);
       fclose(file);
@@ -396,11 +399,12 @@ static void checkpoints_survive_a_text_file(void) {
 /* ---- What is refused ----------------------------------------------------------------------------------------- */
 
 /* Refused with a reason, and nothing is started. */
-static void refused(int line, sfdae_solver *solver, const double *values, size_t length) {
+static void refused(int line, sfdae_solver* solver, const double* values, size_t length) {
   double t, x[N];
   const int before = failures;
   guard(&t, sizeof t), guard(x, sizeof x);
-  check_status(__FILE__, line, "sfdae_restore_checkpoint", sfdae_restore_checkpoint(solver, values, length), SFDAE_ILLEGAL_ARGUMENT);
+  check_status(__FILE__, line, "sfdae_restore_checkpoint", sfdae_restore_checkpoint(solver, values, length),
+               SFDAE_ILLEGAL_ARGUMENT);
   CHECK(sfdae_message(solver)[0] != 0);
   CHECK_STATUS(sfdae_advance(solver, 4, &t, x, NULL), SFDAE_NOT_STARTED);
   CHECK(guarded(&t, sizeof t) && guarded(x, sizeof x));
@@ -412,7 +416,7 @@ static void damage_is_noticed(void) {
   int method;
   for (method = SFDAE_METHOD_BDF; method <= SFDAE_METHOD_AUTOMATIC; method++) {
     setting one;
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     checkpoint c;
     double t, x[N], zeros[500] = {0};
     size_t i;
@@ -424,7 +428,7 @@ static void damage_is_noticed(void) {
     for (i = 0; i < c.length; i++) {
       const double intact = c.values[i], wrong[] = {NAN, INFINITY, -1, 0.5, 1e300, -intact};
       for (bit = 0; bit < 64; bit++) { /* every single bit */
-        unsigned char *byte = (unsigned char *)&c.values[i] + bit / 8;
+        unsigned char* byte = (unsigned char*)&c.values[i] + bit / 8;
         *byte = (unsigned char)(*byte ^ (1u << bit % 8));
         REFUSED(solver, c.values, c.length);
         c.values[i] = intact;
@@ -467,7 +471,7 @@ static void foreign_checkpoints_do_no_harm(void) {
     for (k = 0; k < 4; k++) {
       static const int stages[4][2] = {{1, 7}, {7, 7}, {1, 1}, {3, 5}};
       setting one, two;
-      sfdae_solver *solver;
+      sfdae_solver* solver;
       checkpoint c;
       double t, x[N];
       int l;
@@ -511,7 +515,7 @@ static void foreign_checkpoints_do_no_harm(void) {
 
 static void wrong_arguments_are_refused(void) {
   setting one;
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   checkpoint c;
   double values[1000], t, x[N];
   size_t length, i;

@@ -12,10 +12,11 @@ static int failures = 0;
   ((condition) ? (void)0 : (void)(failures++, fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition)))
 #define CHECK_STATUS(call, expected) check_status(__FILE__, __LINE__, #call, (call), (expected))
 
-static void check_status(const char *file, int line, const char *call, int status, int expected) {
+static void check_status(const char* file, int line, const char* call, int status, int expected) {
   if (status == expected) return;
   failures++;
-  fprintf(stderr, "%s:%d: %s is %s, not %s\n", file, line, call, sfdae_status_name(status), sfdae_status_name(expected));
+  fprintf(stderr, "%s:%d: %s is %s, not %s\n", file, line, call, sfdae_status_name(status),
+          sfdae_status_name(expected));
 }
 
 #endif

@@ -28,7 +28,7 @@ static double entry(char function, int i, int j, double t, int order) {
   return (1 + 0.5 * i - 0.25 * j) * pow(w, order) * cos(w * t + q + order * acos(0.0));
 }
 
-static int matrix_function(const mistake *wrong, char function, double t, int order, double *matrix, int columns) {
+static int matrix_function(const mistake* wrong, char function, double t, int order, double* matrix, int columns) {
   int i, j;
   if (order > wrong->highest) return SFDAE_ORDER_NOT_AVAILABLE;
   for (j = 0; j < columns; j++)
@@ -38,19 +38,19 @@ static int matrix_function(const mistake *wrong, char function, double t, int or
   return 0;
 }
 
-static int E(double t, int order, double *matrix, void *user) {
-  return matrix_function((const mistake *)user, 'E', t, order, matrix, N);
+static int E(double t, int order, double* matrix, void* user) {
+  return matrix_function((const mistake*)user, 'E', t, order, matrix, N);
 }
-static int A(double t, int order, double *matrix, void *user) {
-  return matrix_function((const mistake *)user, 'A', t, order, matrix, N);
+static int A(double t, int order, double* matrix, void* user) {
+  return matrix_function((const mistake*)user, 'A', t, order, matrix, N);
 }
-static int f(double t, int order, double *vector, void *user) {
-  return matrix_function((const mistake *)user, 'f', t, order, vector, 1);
+static int f(double t, int order, double* vector, void* user) {
+  return matrix_function((const mistake*)user, 'f', t, order, vector, 1);
 }
 
-static sfdae_solver *create(mistake *wrong) {
+static sfdae_solver* create(mistake* wrong) {
   sfdae_linear_problem problem;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_linear_problem_init(&problem, sizeof problem);
   problem.num_equations = M;
   problem.num_unknowns = N;
@@ -62,9 +62,9 @@ static sfdae_solver *create(mistake *wrong) {
   return solver;
 }
 
-static sfdae_derivative_check check(mistake *wrong, double t, int max_order) {
+static sfdae_derivative_check check(mistake* wrong, double t, int max_order) {
   sfdae_derivative_check result;
-  sfdae_solver *solver = create(wrong);
+  sfdae_solver* solver = create(wrong);
   sfdae_derivative_check_init(&result, sizeof result);
   CHECK_STATUS(sfdae_check_derivatives(solver, t, max_order, &result), SFDAE_OK);
   CHECK(result.size == sizeof result);
@@ -146,7 +146,7 @@ static void missing_orders_are_passed_over(void) {
   CHECK(result.function != 0 && result.order == 1 && !result.suspicious);
 }
 
-static int constant(double t, int order, double *matrix, void *user) {
+static int constant(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   CHECK(order == 0);
   matrix[0] = 1;
@@ -156,7 +156,7 @@ static int constant(double t, int order, double *matrix, void *user) {
 static void constants_have_nothing_to_compare(void) {
   sfdae_linear_problem problem;
   sfdae_derivative_check result;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_linear_problem_init(&problem, sizeof problem);
   sfdae_derivative_check_init(&result, sizeof result);
   problem.num_equations = problem.num_unknowns = 1;

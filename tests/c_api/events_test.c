@@ -18,12 +18,12 @@ enum { N = 4, MOST = 8 };
 
 static const double pi = 3.14159265358979323846;
 
-static int oscillator_E(double t, int order, double *E, void *user) {
+static int oscillator_E(double t, int order, double* E, void* user) {
   (void)t, (void)user;
   if (order == 0) E[0] = E[1 + N] = 1;
   return 0;
 }
-static int oscillator_A(double t, int order, double *A, void *user) {
+static int oscillator_A(double t, int order, double* A, void* user) {
   (void)t, (void)user;
   if (order > 0) return 0;
   A[0 + N] = 1, A[1] = -1;
@@ -31,38 +31,38 @@ static int oscillator_A(double t, int order, double *A, void *user) {
   A[3 + 2 * N] = -2, A[3 + 3 * N] = 1;
   return 0;
 }
-static int oscillator_f(double t, int order, double *f, void *user) {
+static int oscillator_f(double t, int order, double* f, void* user) {
   (void)user;
   f[2] = -pow(3, order) * cos(3 * t + order * pi / 2);
   return 0;
 }
-static int ball_E(double t, int order, double *E, void *user) {
+static int ball_E(double t, int order, double* E, void* user) {
   (void)t, (void)user;
   if (order == 0) E[0] = E[1 + N] = E[2 + 3 * N] = 1;
   return 0;
 }
-static int ball_A(double t, int order, double *A, void *user) {
+static int ball_A(double t, int order, double* A, void* user) {
   (void)t, (void)user;
   if (order == 0) A[0 + N] = A[2 + 2 * N] = A[3 + 3 * N] = 1;
   return 0;
 }
-static int ball_f(double t, int order, double *f, void *user) {
+static int ball_f(double t, int order, double* f, void* user) {
   (void)t, (void)user;
   if (order == 0) f[1] = -GRAVITY;
   return 0;
 }
 /* d = 0: x1 = sin t, x2 = x1', x3 = t, x4 = cos(40 t). */
-static int algebraic_E(double t, int order, double *E, void *user) {
+static int algebraic_E(double t, int order, double* E, void* user) {
   (void)t, (void)user;
   if (order == 0) E[1] = 1;
   return 0;
 }
-static int algebraic_A(double t, int order, double *A, void *user) {
+static int algebraic_A(double t, int order, double* A, void* user) {
   (void)t, (void)user;
   if (order == 0) A[0] = A[1 + N] = A[2 + 2 * N] = A[3 + 3 * N] = 1;
   return 0;
 }
-static int algebraic_f(double t, int order, double *f, void *user) {
+static int algebraic_f(double t, int order, double* f, void* user) {
   (void)user;
   f[0] = -sin(t + order * pi / 2);
   f[2] = order == 0 ? -t : order == 1 ? -1 : 0;
@@ -72,15 +72,15 @@ static int algebraic_f(double t, int order, double *f, void *user) {
 
 /* What the event function does, and what it sees. */
 typedef struct world {
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   int count;
   double level, nan_from, stop_at, fail_from;
   long calls;
-  int (*g)(double t, const double *x, const double *xdot, double *g, void *user);
+  int (*g)(double t, const double* x, const double* xdot, double* g, void* user);
 } world;
 
-static int call_g(double t, const double *x, const double *xdot, double *g, void *user) {
-  world *w = (world *)user;
+static int call_g(double t, const double* x, const double* xdot, double* g, void* user) {
+  world* w = (world*)user;
   int i;
   for (i = 0; i < w->count; i++) CHECK(g[i] == 0);
   w->calls++;
@@ -93,33 +93,33 @@ static int call_g(double t, const double *x, const double *xdot, double *g, void
   return t > w->fail_from ? 7 : 0;
 }
 
-static int g_x1(double t, const double *x, const double *xdot, double *g, void *user) {
+static int g_x1(double t, const double* x, const double* xdot, double* g, void* user) {
   (void)t, (void)xdot;
-  g[0] = x[0] - ((world *)user)->level;
+  g[0] = x[0] - ((world*)user)->level;
   return 0;
 }
-static int g_t(double t, const double *x, const double *xdot, double *g, void *user) {
+static int g_t(double t, const double* x, const double* xdot, double* g, void* user) {
   (void)x, (void)xdot;
-  g[0] = t - ((world *)user)->level;
+  g[0] = t - ((world*)user)->level;
   return 0;
 }
-static int g_x3(double t, const double *x, const double *xdot, double *g, void *user) {
+static int g_x3(double t, const double* x, const double* xdot, double* g, void* user) {
   (void)t, (void)xdot;
-  g[0] = x[2] - ((world *)user)->level;
+  g[0] = x[2] - ((world*)user)->level;
   return 0;
 }
-static int g_x2dot(double t, const double *x, const double *xdot, double *g, void *user) {
+static int g_x2dot(double t, const double* x, const double* xdot, double* g, void* user) {
   (void)t, (void)x;
-  g[0] = xdot[1] - ((world *)user)->level;
+  g[0] = xdot[1] - ((world*)user)->level;
   return 0;
 }
-static int g_x4(double t, const double *x, const double *xdot, double *g, void *user) {
+static int g_x4(double t, const double* x, const double* xdot, double* g, void* user) {
   (void)t, (void)xdot;
-  g[0] = x[3] - ((world *)user)->level;
+  g[0] = x[3] - ((world*)user)->level;
   return 0;
 }
 /* Simultaneous, opposite, nothing but rounding errors, identically zero, a time between. */
-static int g_many(double t, const double *x, const double *xdot, double *g, void *user) {
+static int g_many(double t, const double* x, const double* xdot, double* g, void* user) {
   (void)xdot, (void)user;
   g[0] = x[0];
   g[1] = -7 * x[0];
@@ -130,7 +130,7 @@ static int g_many(double t, const double *x, const double *xdot, double *g, void
 }
 
 /* Defined on the solution only. */
-static int g_strict(double t, const double *x, const double *xdot, double *g, void *user) {
+static int g_strict(double t, const double* x, const double* xdot, double* g, void* user) {
   (void)user, (void)xdot;
   g[0] = fabs(x[2] - x[0] - x[1] - cos(3 * t)) > 1e-13 ? sqrt(-1.0) : x[2];
   return 0;
@@ -138,11 +138,11 @@ static int g_strict(double t, const double *x, const double *xdot, double *g, vo
 
 static world here;
 
-static sfdae_solver *create(sfdae_matrix_function E, sfdae_matrix_function A, sfdae_vector_function f, int method,
-                            const sfdae_options *changed) {
+static sfdae_solver* create(sfdae_matrix_function E, sfdae_matrix_function A, sfdae_vector_function f, int method,
+                            const sfdae_options* changed) {
   sfdae_linear_problem problem;
   sfdae_options options;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_linear_problem_init(&problem, sizeof problem);
   problem.num_equations = problem.num_unknowns = N;
   problem.E = E, problem.A = A, problem.f = f;
@@ -155,15 +155,15 @@ static sfdae_solver *create(sfdae_matrix_function E, sfdae_matrix_function A, sf
   return solver;
 }
 
-static void watch(sfdae_solver *solver, int count, sfdae_event_function g, double level, const int *directions) {
+static void watch(sfdae_solver* solver, int count, sfdae_event_function g, double level, const int* directions) {
   memset(&here, 0, sizeof here);
   here.solver = solver, here.count = count, here.level = level, here.g = g;
   here.nan_from = here.stop_at = here.fail_from = HUGE_VAL;
   CHECK_STATUS(sfdae_set_events(solver, count, call_g, directions, &here), SFDAE_OK);
 }
 
-static sfdae_solver *oscillator(int method, double t0, double toward) {
-  sfdae_solver *solver = create(oscillator_E, oscillator_A, oscillator_f, method, NULL);
+static sfdae_solver* oscillator(int method, double t0, double toward) {
+  sfdae_solver* solver = create(oscillator_E, oscillator_A, oscillator_f, method, NULL);
   double x[N] = {sin(t0), cos(t0), 0, 0};
   x[2] = x[0] + x[1] + cos(3 * t0), x[3] = 2 * x[2];
   CHECK_STATUS(sfdae_start(solver, t0, toward, x, NULL), SFDAE_OK);
@@ -171,7 +171,7 @@ static sfdae_solver *oscillator(int method, double t0, double toward) {
 }
 
 /* The constraints of the oscillator hold to rounding. */
-static void check_constraints(double t, const double *x) {
+static void check_constraints(double t, const double* x) {
   CHECK(fabs(x[2] - x[0] - x[1] - cos(3 * t)) <= 40 * DBL_EPSILON);
   CHECK(fabs(x[3] - 2 * x[2]) <= 40 * DBL_EPSILON);
 }
@@ -184,7 +184,7 @@ static void zeros_of_an_oscillation(void) {
   int method, backward, k;
   FOR_METHODS(method) for (backward = 0; backward <= 1; backward++) {
     const double sign = backward ? -1 : 1, end = sign * 20;
-    sfdae_solver *solver = oscillator(method, sign * 0.5, end);
+    sfdae_solver* solver = oscillator(method, sign * 0.5, end);
     double t = 0, x[N], xdot[N];
     int which = 5;
     watch(solver, 1, g_x1, 0, NULL);
@@ -211,14 +211,13 @@ static void times_are_exact(void) {
   static const double levels[] = {0.3, 1e-3, 7.7, 10, 1e-9};
   int method, i, one_step;
   FOR_METHODS(method) for (i = 0; i < 5; i++) for (one_step = 0; one_step <= 1; one_step++) {
-    sfdae_solver *solver = oscillator(method, 0, 10);
+    sfdae_solver* solver = oscillator(method, 0, 10);
     double t = 0, x[N];
     int status = SFDAE_STEP_TAKEN;
     watch(solver, 1, g_t, levels[i], NULL);
     if (one_step)
       while (status == SFDAE_STEP_TAKEN) status = sfdae_step(solver, 10, &t, x, NULL);
-    else
-      status = sfdae_advance(solver, 10, &t, x, NULL);
+    else status = sfdae_advance(solver, 10, &t, x, NULL);
     CHECK(status == SFDAE_EVENT);
     CHECK(t >= levels[i] && t <= levels[i] * (1 + 4 * DBL_EPSILON));
     check_constraints(t, x);
@@ -233,7 +232,7 @@ static void times_are_exact(void) {
 static void algebraic_components_and_slopes(void) {
   int method;
   FOR_METHODS(method) {
-    sfdae_solver *solver = oscillator(method, 0, 10);
+    sfdae_solver* solver = oscillator(method, 0, 10);
     double t = 0, x[N], xdot[N], last = 0;
     int count = 0, status;
     watch(solver, 1, g_x3, 0.4, NULL);
@@ -272,7 +271,7 @@ static void algebraic_components_and_slopes(void) {
 static void directions_are_filtered(void) {
   int method, direction, k;
   FOR_METHODS(method) for (direction = -1; direction <= 1; direction += 2) {
-    sfdae_solver *solver = oscillator(method, 0.5, 30);
+    sfdae_solver* solver = oscillator(method, 0.5, 30);
     double t = 0, x[N];
     int which = 0;
     watch(solver, 1, g_x1, 0, &direction);
@@ -289,7 +288,7 @@ static void directions_are_filtered(void) {
 static void simultaneous_events_and_silent_functions(void) {
   int method;
   FOR_METHODS(method) {
-    sfdae_solver *solver = oscillator(method, 0, 7);
+    sfdae_solver* solver = oscillator(method, 0, 7);
     double t = 0, x[N];
     int which[5];
     const int first[5] = {-1, 1, 0, 0, 0}, second[5] = {0, 0, 0, 0, 1}, third[5] = {1, -1, 0, 0, 0};
@@ -314,7 +313,7 @@ static void double_zeros_within_a_step(void) {
   int method, i;
   FOR_METHODS(method) for (i = 0; i < 3; i++) {
     const double s = acos(1 - depths[i]);
-    sfdae_solver *solver = oscillator(method, 0, 3);
+    sfdae_solver* solver = oscillator(method, 0, 3);
     double t = 0, x[N];
     watch(solver, 1, g_x1, 1 - depths[i], NULL);
     CHECK_STATUS(sfdae_advance(solver, 3, &t, x, NULL), SFDAE_EVENT);
@@ -330,7 +329,7 @@ static void double_zeros_within_a_step(void) {
 static void events_and_outputs(void) {
   int method, k;
   FOR_METHODS(method) {
-    sfdae_solver *solver = oscillator(method, 0, 10);
+    sfdae_solver* solver = oscillator(method, 0, 10);
     double t = 0, x[N], y[N], ydot[N], at;
     int which, events = 0;
     watch(solver, 1, g_t, 2, NULL);
@@ -379,7 +378,7 @@ static void events_at_the_stop_time(void) {
   int method;
   FOR_METHODS(method) {
     sfdae_options options;
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     double t = 0, x[N] = {0, 1, 2, 4};
     sfdae_options_init(&options, sizeof options);
     options.use_stop_time = 1, options.stop_time = 3;
@@ -397,7 +396,7 @@ static void events_at_the_stop_time(void) {
 static void functions_defined_on_the_solution_only(void) {
   int method;
   FOR_METHODS(method) {
-    sfdae_solver *solver = oscillator(method, 0, 10);
+    sfdae_solver* solver = oscillator(method, 0, 10);
     double t = 0, x[N];
     int events = 0, status;
     watch(solver, 1, g_strict, 0, NULL);
@@ -423,13 +422,14 @@ static void clustered_outputs_hide_nothing(void) {
   int method, run;
   FOR_METHODS(method) for (run = 0; run < 40; run++) {
     const double level = -0.8 + 0.04 * run;
-    sfdae_solver *solver = oscillator(method, 0, 20);
+    sfdae_solver* solver = oscillator(method, 0, 20);
     double t = 0, x[N], tout = 0, old = 2 - level, now;
     int k, exact = 0, events = 0, status;
     watch(solver, 1, g_x3, level, NULL);
     for (k = 1; tout < 20; k++) {
       tout = fmin(20, tout + pow(10, -1.5 + 1.5 * sin(k * k + run))); /* 0.001 ... 1 */
-      while ((status = sfdae_advance(solver, tout, &t, x, NULL)) == SFDAE_EVENT && events++ < 100) CHECK(fabs(x[2] - level) <= 1e-13);
+      while ((status = sfdae_advance(solver, tout, &t, x, NULL)) == SFDAE_EVENT && events++ < 100)
+        CHECK(fabs(x[2] - level) <= 1e-13);
       CHECK(status == SFDAE_OK);
     }
     for (k = 1; k <= 200000; k++, old = now) {
@@ -447,31 +447,33 @@ static void clustered_outputs_hide_nothing(void) {
 /* From height 1 at rest: impacts at T, T + 2 r T, T + 2 (r + r^2) T, ..., T = sqrt(2 / G), each with r times the speed. */
 static void bouncing_ball(void) {
   int method, backward, direction, k;
-  FOR_METHODS(method) for (backward = 0; backward <= 1; backward++) for (direction = -1; direction <= 0; direction++) {
-    const double sign = backward ? -1 : 1, r = 0.8, T = sqrt(2 / GRAVITY), end = sign * 10;
-    sfdae_solver *solver = create(ball_E, ball_A, ball_f, method, NULL);
-    double t = 0, x[N] = {1, 0, 0, 0}, impact = T, flight = T;
-    watch(solver, 1, g_x1, 0, &direction);
-    CHECK_STATUS(sfdae_start(solver, 0, end, x, NULL), SFDAE_OK);
-    for (k = 1; k <= 25; k++) {
-      CHECK_STATUS(sfdae_advance(solver, end, &t, x, NULL), SFDAE_EVENT);
-      CHECK(fabs(t - sign * impact) <= 200 * TOL * k);
-      CHECK(fabs(x[0]) <= 1e-14 && fabs(x[2]) <= 1e-14 && fabs(x[3]) <= 1e-14);
-      CHECK(fabs(x[1] + sign * GRAVITY * T * pow(r, k - 1)) <= 1000 * TOL * k);
-      x[1] = -r * x[1];
-      flight *= r;
-      impact += 2 * flight;
-      CHECK_STATUS(sfdae_start(solver, t, end, x, NULL), SFDAE_OK);
+  FOR_METHODS(method)
+  for (backward = 0; backward <= 1; backward++)
+    for (direction = -1; direction <= 0; direction++) {
+      const double sign = backward ? -1 : 1, r = 0.8, T = sqrt(2 / GRAVITY), end = sign * 10;
+      sfdae_solver* solver = create(ball_E, ball_A, ball_f, method, NULL);
+      double t = 0, x[N] = {1, 0, 0, 0}, impact = T, flight = T;
+      watch(solver, 1, g_x1, 0, &direction);
+      CHECK_STATUS(sfdae_start(solver, 0, end, x, NULL), SFDAE_OK);
+      for (k = 1; k <= 25; k++) {
+        CHECK_STATUS(sfdae_advance(solver, end, &t, x, NULL), SFDAE_EVENT);
+        CHECK(fabs(t - sign * impact) <= 200 * TOL * k);
+        CHECK(fabs(x[0]) <= 1e-14 && fabs(x[2]) <= 1e-14 && fabs(x[3]) <= 1e-14);
+        CHECK(fabs(x[1] + sign * GRAVITY * T * pow(r, k - 1)) <= 1000 * TOL * k);
+        x[1] = -r * x[1];
+        flight *= r;
+        impact += 2 * flight;
+        CHECK_STATUS(sfdae_start(solver, t, end, x, NULL), SFDAE_OK);
+      }
+      sfdae_destroy(&solver);
     }
-    sfdae_destroy(&solver);
-  }
 }
 
 /* A restart at the point of an event without any change does not see it again; nor does a start on a zero. */
 static void restarts_do_not_repeat_events(void) {
   int method, k, round;
   FOR_METHODS(method) {
-    sfdae_solver *solver = oscillator(method, 0, 20);
+    sfdae_solver* solver = oscillator(method, 0, 20);
     double t = 0, x[N];
     watch(solver, 1, g_x1, 0, NULL);
     for (k = 1; k <= 5; k++) {
@@ -494,7 +496,7 @@ static void failures_of_the_event_function(void) {
   int method, kind;
   FOR_METHODS(method) for (kind = 0; kind < 3; kind++) {
     static const int expected[] = {SFDAE_NOT_FINITE, SFDAE_CALLBACK_FAILED, SFDAE_STOPPED};
-    sfdae_solver *solver = oscillator(method, 0, 10);
+    sfdae_solver* solver = oscillator(method, 0, 10);
     double t = -1, x[N] = {9, 9, 9, 9};
     watch(solver, 1, g_x1, 0.5, NULL);
     if (kind == 0) here.nan_from = 2;
@@ -512,7 +514,7 @@ static void failures_of_the_event_function(void) {
     sfdae_destroy(&solver);
   }
   FOR_METHODS(method) { /* at the start */
-    sfdae_solver *solver = oscillator(method, 0, 10);
+    sfdae_solver* solver = oscillator(method, 0, 10);
     double t = -1, x[N];
     watch(solver, 1, g_x1, 0.5, NULL);
     here.nan_from = -1;
@@ -525,7 +527,7 @@ static void failures_of_the_event_function(void) {
   }
 }
 
-static int stop_always(const sfdae_progress *progress, void *user) {
+static int stop_always(const sfdae_progress* progress, void* user) {
   (void)progress, (void)user;
   return 1;
 }
@@ -535,7 +537,7 @@ static void calls_that_end_early(void) {
   int method, kind;
   FOR_METHODS(method) for (kind = 0; kind < 2; kind++) {
     sfdae_options options;
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     double t = 0, x[N] = {0, 1, 2, 4}, last = 0;
     int events = 0, status, calls = 0;
     sfdae_options_init(&options, sizeof options);
@@ -561,7 +563,7 @@ static void calls_that_end_early(void) {
 static void problems_without_dynamics(void) {
   int method, k;
   FOR_METHODS(method) {
-    sfdae_solver *solver = create(algebraic_E, algebraic_A, algebraic_f, method, NULL);
+    sfdae_solver* solver = create(algebraic_E, algebraic_A, algebraic_f, method, NULL);
     double t = 0, x[N] = {0, 1, 0, 1};
     int status, events = 0;
     watch(solver, 1, g_x1, 0, NULL);
@@ -593,12 +595,12 @@ static void checkpoints_contain_the_signs(void) {
     double t = 0, u = 0, x[N], y[N], xdot[N], ydot[N], tout = 0;
     int calls = 0, status, events = 0, which[5], which_broken[5];
     size_t length;
-    double *values;
+    double* values;
     watch(plain, 5, g_many, 0, NULL);
     watch(broken, 5, g_many, 0, NULL);
     while (t < 10 && calls < 1000) {
       CHECK_STATUS(sfdae_get_checkpoint_length(broken, &length), SFDAE_OK);
-      values = (double *)malloc(length * sizeof *values);
+      values = (double*)malloc(length * sizeof *values);
       CHECK_STATUS(sfdae_save_checkpoint(broken, values, length), SFDAE_OK);
       sfdae_destroy(&broken);
       broken = create(oscillator_E, oscillator_A, oscillator_f, method, NULL);
@@ -633,10 +635,10 @@ static void checkpoints_contain_the_signs(void) {
 
 /* ---- Arguments -------------------------------------------------------------------------------------------------- */
 
-static int g_busy(double t, const double *x, const double *xdot, double *g, void *user) {
+static int g_busy(double t, const double* x, const double* xdot, double* g, void* user) {
   int which = 3;
   double y[N];
-  world *w = (world *)user;
+  world* w = (world*)user;
   CHECK_STATUS(sfdae_set_events(w->solver, 0, NULL, NULL, NULL), SFDAE_BUSY);
   CHECK_STATUS(sfdae_interpolate(w->solver, t, y, NULL), SFDAE_BUSY);
   CHECK_STATUS(sfdae_get_events(w->solver, &which), SFDAE_OK);
@@ -648,7 +650,7 @@ static void arguments_and_changes(void) {
   double t = 0, x[N] = {0, 1, 2, 4};
   int which = 9;
   sfdae_options options;
-  sfdae_solver *solver = create(oscillator_E, oscillator_A, oscillator_f, SFDAE_METHOD_RADAU, NULL);
+  sfdae_solver* solver = create(oscillator_E, oscillator_A, oscillator_f, SFDAE_METHOD_RADAU, NULL);
   CHECK_STATUS(sfdae_set_events(NULL, 1, call_g, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);
   CHECK_STATUS(sfdae_set_events(solver, -1, call_g, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);
   CHECK_STATUS(sfdae_set_events(solver, 1, NULL, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);

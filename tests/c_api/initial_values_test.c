@@ -17,13 +17,13 @@
 
 static double g(double t, int order) { return pow(2, order) * sin(2 * t + order * acos(0.0)); }
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = matrix[4] = 1;
   return 0;
 }
 
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) {
     matrix[0 + 3 * 2] = 1;
@@ -34,14 +34,14 @@ static int A(double t, int order, double *matrix, void *user) {
   return 0;
 }
 
-static int f(double t, int order, double *vector, void *user) {
+static int f(double t, int order, double* vector, void* user) {
   (void)user;
   vector[2] = -g(t, order);
   return 0;
 }
 
 /* The same without derivatives. */
-static int f_alone(double t, int order, double *vector, void *user) {
+static int f_alone(double t, int order, double* vector, void* user) {
   return order ? SFDAE_ORDER_NOT_AVAILABLE : f(t, order, vector, user);
 }
 
@@ -51,9 +51,9 @@ static sfdae_options defaults(void) {
   return options;
 }
 
-static sfdae_solver *create_with(const sfdae_options *options, sfdae_vector_function f_or_f_alone) {
+static sfdae_solver* create_with(const sfdae_options* options, sfdae_vector_function f_or_f_alone) {
   sfdae_linear_problem problem;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_linear_problem_init(&problem, sizeof problem);
   problem.num_equations = problem.num_unknowns = 3;
   problem.E = E;
@@ -63,7 +63,7 @@ static sfdae_solver *create_with(const sfdae_options *options, sfdae_vector_func
   return solver;
 }
 
-static sfdae_solver *create(const sfdae_options *options) { return create_with(options, f); }
+static sfdae_solver* create(const sfdae_options* options) { return create_with(options, f); }
 
 static const double guess[3] = {0.3, -0.8, 1.7};
 static const double t0 = 0.4;
@@ -71,22 +71,22 @@ static const double rounding = 1000 * DBL_EPSILON; /* a few dozen operations on 
 
 static int near(double a, double b) { return fabs(a - b) <= rounding; }
 
-static int is_point(const double *x, double t, double c) {
+static int is_point(const double* x, double t, double c) {
   return near(x[0], g(t, 0) - 2 * c) && near(x[1], c) && near(x[2], g(t, 1) + 2 * c);
 }
 
-static int is_derivative(const double *xdot, const double *x, double t) {
+static int is_derivative(const double* xdot, const double* x, double t) {
   return near(xdot[0], x[2]) && near(xdot[1], -x[1]) && near(xdot[2], g(t, 2) - 2 * x[1]);
 }
 
 /* The point x(c) where sum ((x_i - guess_i) / w_i)^2 is smallest. */
-static double nearest(double t, const double *y, const double *w) {
+static double nearest(double t, const double* y, const double* w) {
   const double w1 = 1 / (w[0] * w[0]), w2 = 1 / (w[1] * w[1]), w3 = 1 / (w[2] * w[2]);
   return (2 * w1 * (g(t, 0) - y[0]) + w2 * y[1] + 2 * w3 * (y[2] - g(t, 1))) / (4 * w1 + w2 + 4 * w3);
 }
 
 /* Distance from y to the consistent points. */
-static double distance(double t, const double *y) {
+static double distance(double t, const double* y) {
   static const double ones[3] = {1, 1, 1};
   const double c = nearest(t, y, ones);
   const double d1 = y[0] - g(t, 0) + 2 * c, d2 = y[1] - c, d3 = y[2] - g(t, 1) - 2 * c;
@@ -96,7 +96,7 @@ static double distance(double t, const double *y) {
 /* What the report says about the last change from y to x. With rows a_i of A2 of norm 1 the residuals a_i (y - y*),
  * y* the consistent point nearest to y, are at most |y - y*|; the two rows [1 2 0] and [0 -2 1] or combinations of
  * them are far enough from parallel that one is at least a tenth of it. */
-static void check_report(sfdae_solver *solver, double t, const double *y, const double *x) {
+static void check_report(sfdae_solver* solver, double t, const double* y, const double* x) {
   sfdae_initial_report report;
   double change = 0;
   int component = -1, j;
@@ -114,10 +114,10 @@ static void check_report(sfdae_solver *solver, double t, const double *y, const 
 }
 
 /* start and make_consistent do the same to x and xdot. */
-static void becomes(int line, const sfdae_options *options, const double *y, double c) {
+static void becomes(int line, const sfdae_options* options, const double* y, double c) {
   int start;
   for (start = 0; start <= 1; start++) {
-    sfdae_solver *solver = create(options);
+    sfdae_solver* solver = create(options);
     double x[3], xdot[3];
     const int failures_before = failures;
     memcpy(x, y, sizeof x);
@@ -132,10 +132,10 @@ static void becomes(int line, const sfdae_options *options, const double *y, dou
 }
 #define BECOMES(options, y, c) becomes(__LINE__, (options), (y), (c))
 
-static void is_refused(int line, const sfdae_options *options, const double *y, int expected) {
+static void is_refused(int line, const sfdae_options* options, const double* y, int expected) {
   int start;
   for (start = 0; start <= 1; start++) {
-    sfdae_solver *solver = create(options);
+    sfdae_solver* solver = create(options);
     double x[3], xdot[3] = {-77, -77, -77};
     memcpy(x, y, sizeof x);
     check_status(__FILE__, line, "start or make_consistent",
@@ -180,7 +180,7 @@ static void fixed_components_stay(void) {
 static void fixed_components_stay_exactly(void) {
   static const int second[3] = {0, 1, 0};
   sfdae_options options = defaults();
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   double x[3];
   memcpy(x, guess, sizeof x);
   options.initial_values = SFDAE_INITIAL_FIXED;
@@ -213,7 +213,7 @@ static void contradictory_fixed_components_are_refused(void) {
 
 static void accepted_values_do_not_change(void) {
   sfdae_options options = defaults();
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   double x[3], before[3], xdot[3];
   options.initial_values = SFDAE_INITIAL_ACCEPT;
   x[0] = g(t0, 0) - 2 * 0.7;
@@ -232,7 +232,7 @@ static void accepted_values_do_not_change(void) {
 
 /* Violations that rounding explains are no reason to move a consistent point. */
 static void consistent_values_stay(void) {
-  sfdae_solver *solver = create(NULL);
+  sfdae_solver* solver = create(NULL);
   double x[3], before[3], xdot[3];
   x[0] = g(t0, 0) - 2 * 0.7;
   x[1] = 0.7;
@@ -250,7 +250,7 @@ static void consistent_values_stay(void) {
 static void derivative_says_where_it_comes_from(void) {
   sfdae_options options = defaults();
   sfdae_initial_report report;
-  sfdae_solver *solver = create(&options);
+  sfdae_solver* solver = create(&options);
   double x[3], xdot[3];
   sfdae_initial_report_init(&report, sizeof report);
   CHECK(sfdae_get_initial_report(solver, &report) < 0);
@@ -283,7 +283,7 @@ static void derivative_says_where_it_comes_from(void) {
 }
 
 static void make_consistent_leaves_the_point_reached(void) {
-  sfdae_solver *solver = create(NULL);
+  sfdae_solver* solver = create(NULL);
   double t, x[3] = {0, 1, 0}, y[3], c;
   CHECK_STATUS(sfdae_start(solver, 0, 2, x, NULL), SFDAE_OK);
   c = x[1];
@@ -300,26 +300,26 @@ static void make_consistent_leaves_the_point_reached(void) {
 /* ---- Free components --------------------------------------------------------------------------------- */
 
 /* x1' = -x1 + x2, x2 is free. */
-static int control_E(double t, int order, double *matrix, void *user) {
+static int control_E(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = 1;
   return 0;
 }
-static int control_A(double t, int order, double *matrix, void *user) {
+static int control_A(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = -1, matrix[1] = 1;
   return 0;
 }
-static int input(double t, int order, double *values, void *user) {
+static int input(double t, int order, double* values, void* user) {
   (void)user;
   CHECK(order == 0);
   values[0] = cos(t);
   return 0;
 }
 
-static sfdae_solver *create_control(int prescribed) {
+static sfdae_solver* create_control(int prescribed) {
   sfdae_linear_problem problem;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_linear_problem_init(&problem, sizeof problem);
   problem.num_equations = 1;
   problem.num_unknowns = 2;
@@ -334,7 +334,7 @@ static sfdae_solver *create_control(int prescribed) {
 
 /* x(0) = (3, 2) is consistent; x' of minimum norm leaves x2 where it is, and so does the integration. */
 static void free_components_are_held(void) {
-  sfdae_solver *solver = create_control(-1);
+  sfdae_solver* solver = create_control(-1);
   double t, x[2] = {3, 2}, xdot[2];
   CHECK(sfdae_start(solver, 0, 1, x, xdot) >= 0);
   CHECK(near(x[0], 3) && near(x[1], 2) && near(xdot[0], -1) && near(xdot[1], 0));
@@ -346,7 +346,7 @@ static void free_components_are_held(void) {
 
 /* With x2 = cos t:  x1 = (cos t + sin t) / 2 + c e^-t. Only x2 changes to become consistent. */
 static void prescribed_components_follow_their_values(void) {
-  sfdae_solver *solver = create_control(1);
+  sfdae_solver* solver = create_control(1);
   double t, x[2] = {3, 2}, xdot[2];
   CHECK(sfdae_start(solver, 0, 1, x, xdot) >= 0);
   CHECK(near(x[0], 3) && near(x[1], 1) && near(xdot[0], -2));
@@ -359,7 +359,7 @@ static void prescribed_components_follow_their_values(void) {
 
 /* x1 has its own equation: prescribing it does not determine x2 in x1' = -x1 + x2 without a derivative. */
 static void prescriptions_that_do_not_fit_are_refused(void) {
-  sfdae_solver *solver = create_control(0);
+  sfdae_solver* solver = create_control(0);
   double x[2] = {3, 2}, xdot[2] = {-77, -77};
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, xdot), SFDAE_PRESCRIPTION_SINGULAR);
   CHECK(x[0] == 3 && x[1] == 2 && xdot[0] == -77 && xdot[1] == -77);
@@ -370,18 +370,18 @@ static void prescriptions_that_do_not_fit_are_refused(void) {
 /* ---- Redundant equations -------------------------------------------------------------------------------- */
 
 /* x1' = 0 and x1 = 1 + slope t: contradictory unless slope = 0. */
-static int law_E(double t, int order, double *matrix, void *user) {
+static int law_E(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = 1;
   return 0;
 }
-static int law_A(double t, int order, double *matrix, void *user) {
+static int law_A(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[1] = -1;
   return 0;
 }
-static int law_f(double t, int order, double *vector, void *user) {
-  const double slope = *(const double *)user;
+static int law_f(double t, int order, double* vector, void* user) {
+  const double slope = *(const double*)user;
   if (order == 0) vector[1] = 1 + slope * t;
   if (order == 1) vector[1] = slope;
   return 0;
@@ -390,7 +390,7 @@ static int law_f(double t, int order, double *vector, void *user) {
 static void contradictions_are_refused_or_ignored(void) {
   sfdae_linear_problem problem;
   sfdae_options options = defaults();
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   double slope = 0, t, x[1] = {5}, residual;
   sfdae_linear_problem_init(&problem, sizeof problem);
   problem.num_equations = 2;

@@ -17,23 +17,23 @@
 #include "checks.h"
 
 /* Bytes that no call that fails may change. */
-static void guard(void *bytes, size_t length) { memset(bytes, 0xA5, length); }
+static void guard(void* bytes, size_t length) { memset(bytes, 0xA5, length); }
 
-static int guarded(const void *bytes, size_t length) {
-  const unsigned char *byte = (const unsigned char *)bytes;
+static int guarded(const void* bytes, size_t length) {
+  const unsigned char* byte = (const unsigned char*)bytes;
   size_t i;
   for (i = 0; i < length; i++)
     if (byte[i] != 0xA5) return 0;
   return 1;
 }
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = matrix[5] = matrix[10] = 1;
   return 0;
 }
 
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) {
     matrix[0 + 4 * 1] = 1;
@@ -45,7 +45,7 @@ static int A(double t, int order, double *matrix, void *user) {
   return 0;
 }
 
-static int prescribe_zero(double t, int order, double *values, void *user) {
+static int prescribe_zero(double t, int order, double* values, void* user) {
   (void)t, (void)order, (void)values, (void)user;
   return 0;
 }
@@ -66,7 +66,7 @@ static sfdae_options default_options(void) {
 }
 
 /* The error stays below 10 times the tolerance. */
-static int accurate(const double *x, double t, double rtol, double atol) {
+static int accurate(const double* x, double t, double rtol, double atol) {
   const double exact[4] = {cos(t), -sin(t), cos(t), -sin(t)};
   int i;
   for (i = 0; i < 4; i++)
@@ -74,7 +74,7 @@ static int accurate(const double *x, double t, double rtol, double atol) {
   return 1;
 }
 
-static void solve_and_check(sfdae_solver *solver) {
+static void solve_and_check(sfdae_solver* solver) {
   double t = 0, x[4] = {1, 0, 1, 0};
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_advance(solver, 1, &t, x, NULL), SFDAE_OK);
@@ -85,10 +85,11 @@ static void solve_and_check(sfdae_solver *solver) {
 /* ---- Names and version ------------------------------------------------------------------------ */
 
 static void every_status_has_its_name(void) {
-#define NAMED(status) {status, #status}
+#define NAMED(status) \
+  { status, #status }
   static const struct {
     int status;
-    const char *name;
+    const char* name;
   } table[] = {
       NAMED(SFDAE_OK),
       NAMED(SFDAE_STEP_TAKEN),
@@ -139,23 +140,23 @@ typedef union {
   size_t size;
 } any_struct;
 
-typedef int (*any_init)(any_struct *, size_t);
+typedef int (*any_init)(any_struct*, size_t);
 
-static int init_problem(any_struct *s, size_t size) {
-  return sfdae_linear_problem_init((sfdae_linear_problem *)s, size);
+static int init_problem(any_struct* s, size_t size) {
+  return sfdae_linear_problem_init((sfdae_linear_problem*)s, size);
 }
-static int init_options(any_struct *s, size_t size) { return sfdae_options_init((sfdae_options *)s, size); }
-static int init_characteristics(any_struct *s, size_t size) {
-  return sfdae_characteristics_init((sfdae_characteristics *)s, size);
+static int init_options(any_struct* s, size_t size) { return sfdae_options_init((sfdae_options*)s, size); }
+static int init_characteristics(any_struct* s, size_t size) {
+  return sfdae_characteristics_init((sfdae_characteristics*)s, size);
 }
-static int init_decision(any_struct *s, size_t size) { return sfdae_decision_init((sfdae_decision *)s, size); }
-static int init_change(any_struct *s, size_t size) { return sfdae_change_init((sfdae_change *)s, size); }
-static int init_report(any_struct *s, size_t size) {
-  return sfdae_initial_report_init((sfdae_initial_report *)s, size);
+static int init_decision(any_struct* s, size_t size) { return sfdae_decision_init((sfdae_decision*)s, size); }
+static int init_change(any_struct* s, size_t size) { return sfdae_change_init((sfdae_change*)s, size); }
+static int init_report(any_struct* s, size_t size) {
+  return sfdae_initial_report_init((sfdae_initial_report*)s, size);
 }
-static int init_statistics(any_struct *s, size_t size) { return sfdae_statistics_init((sfdae_statistics *)s, size); }
-static int init_check(any_struct *s, size_t size) {
-  return sfdae_derivative_check_init((sfdae_derivative_check *)s, size);
+static int init_statistics(any_struct* s, size_t size) { return sfdae_statistics_init((sfdae_statistics*)s, size); }
+static int init_check(any_struct* s, size_t size) {
+  return sfdae_derivative_check_init((sfdae_derivative_check*)s, size);
 }
 
 static void init_writes_no_more_than_its_caller_has(void) {
@@ -163,10 +164,14 @@ static void init_writes_no_more_than_its_caller_has(void) {
     any_init init;
     size_t size;
   } table[] = {
-      {init_problem, sizeof(sfdae_linear_problem)},      {init_options, sizeof(sfdae_options)},
-      {init_characteristics, sizeof(sfdae_characteristics)}, {init_decision, sizeof(sfdae_decision)},
-      {init_change, sizeof(sfdae_change)},               {init_report, sizeof(sfdae_initial_report)},
-      {init_statistics, sizeof(sfdae_statistics)},       {init_check, sizeof(sfdae_derivative_check)},
+      {init_problem, sizeof(sfdae_linear_problem)},
+      {init_options, sizeof(sfdae_options)},
+      {init_characteristics, sizeof(sfdae_characteristics)},
+      {init_decision, sizeof(sfdae_decision)},
+      {init_change, sizeof(sfdae_change)},
+      {init_report, sizeof(sfdae_initial_report)},
+      {init_statistics, sizeof(sfdae_statistics)},
+      {init_check, sizeof(sfdae_derivative_check)},
   };
   size_t i, size;
   for (i = 0; i < sizeof table / sizeof table[0]; i++) {
@@ -219,7 +224,7 @@ static void problems_and_options_of_other_sizes_work(void) {
   } p;
   const size_t older = offsetof(sfdae_options, initial_values);
   sfdae_linear_problem problem = oscillator();
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
 
   guard(&o, sizeof o);
   CHECK_STATUS(sfdae_options_init(&o.options, older), SFDAE_OK);
@@ -244,7 +249,7 @@ static void problems_and_options_of_other_sizes_work(void) {
 static void forgotten_init_is_noticed(void) {
   sfdae_linear_problem problem = oscillator();
   sfdae_options options = default_options();
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   problem.size = 0;
   CHECK_STATUS(sfdae_create_linear(&solver, &problem, NULL), SFDAE_ILLEGAL_ARGUMENT);
   problem = oscillator();
@@ -257,7 +262,7 @@ static void forgotten_init_is_noticed(void) {
 
 static void results_are_written_as_far_as_the_caller_knows_them(void) {
   sfdae_linear_problem problem = oscillator();
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_characteristics c;
   sfdae_statistics s;
   const size_t older_c = offsetof(sfdae_characteristics, undetermined);
@@ -268,13 +273,13 @@ static void results_are_written_as_far_as_the_caller_knows_them(void) {
   CHECK_STATUS(sfdae_characteristics_init(&c, older_c), SFDAE_OK);
   CHECK_STATUS(sfdae_analyze(solver, 0, 1, &c), SFDAE_OK);
   CHECK(c.size == older_c && c.strangeness_index == 1 && c.differential == 2 && c.algebraic == 2);
-  CHECK(guarded((unsigned char *)&c + older_c, sizeof c - older_c));
+  CHECK(guarded((unsigned char*)&c + older_c, sizeof c - older_c));
 
   guard(&s, sizeof s);
   CHECK_STATUS(sfdae_statistics_init(&s, older_s), SFDAE_OK);
   CHECK_STATUS(sfdae_get_statistics(solver, &s), SFDAE_OK);
   CHECK(s.size == older_s);
-  CHECK(guarded((unsigned char *)&s + older_s, sizeof s - older_s));
+  CHECK(guarded((unsigned char*)&s + older_s, sizeof s - older_s));
 
   c.size = 0;
   CHECK_STATUS(sfdae_get_characteristics(solver, &c), SFDAE_ILLEGAL_ARGUMENT);
@@ -287,16 +292,17 @@ static void results_are_written_as_far_as_the_caller_knows_them(void) {
 /* ---- Creating --------------------------------------------------------------------------------- */
 
 /* Creation, check and, for options, replacement refuse with the status and a reason. */
-static void refused(int line, const sfdae_linear_problem *problem, const sfdae_options *options, int expected) {
+static void refused(int line, const sfdae_linear_problem* problem, const sfdae_options* options, int expected) {
   static int nothing;
-  sfdae_solver *solver = (sfdae_solver *)(void *)&nothing;
+  sfdae_solver* solver = (sfdae_solver*)(void*)&nothing;
   char text[512], tiny[4];
   check_status(__FILE__, line, "sfdae_create_linear", sfdae_create_linear(&solver, problem, options), expected);
   CHECK(solver == NULL);
   if (solver) sfdae_destroy(&solver);
 
   guard(text, sizeof text);
-  check_status(__FILE__, line, "sfdae_check_linear", sfdae_check_linear(problem, options, text, sizeof text), expected);
+  check_status(__FILE__, line, "sfdae_check_linear", sfdae_check_linear(problem, options, text, sizeof text),
+               expected);
   CHECK(memchr(text, 0, sizeof text) != NULL && text[0] != 0);
 
   guard(tiny, sizeof tiny);
@@ -355,7 +361,7 @@ static void negative_sizes_are_refused(void) {
   size_t i;
   for (i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
     sfdae_linear_problem problem = oscillator();
-    sfdae_solver *solver = NULL;
+    sfdae_solver* solver = NULL;
     int status;
     problem.num_equations = sizes[i][0];
     problem.num_unknowns = sizes[i][1];
@@ -366,9 +372,9 @@ static void negative_sizes_are_refused(void) {
 }
 
 /* A wrong value refused at creation, at the check and later: the options in use stay. */
-static void wrong_option(int line, const sfdae_options *options) {
+static void wrong_option(int line, const sfdae_options* options) {
   sfdae_linear_problem problem = oscillator();
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   double t = -1, x[4] = {1, 0, 1, 0};
   refused(line, &problem, options, SFDAE_ILLEGAL_ARGUMENT);
   CHECK_STATUS(sfdae_create_linear(&solver, &problem, NULL), SFDAE_OK);
@@ -381,11 +387,11 @@ static void wrong_option(int line, const sfdae_options *options) {
   sfdae_destroy(&solver);
 }
 
-#define WRONG(member, value)                        \
-  do {                                              \
-    sfdae_options options_ = default_options();     \
-    options_.member = (value);                      \
-    wrong_option(__LINE__, &options_);              \
+#define WRONG(member, value)                    \
+  do {                                          \
+    sfdae_options options_ = default_options(); \
+    options_.member = (value);                  \
+    wrong_option(__LINE__, &options_);          \
   } while (0)
 
 static void wrong_options_are_refused(void) {
@@ -397,8 +403,15 @@ static void wrong_options_are_refused(void) {
   sfdae_options options;
   size_t i;
 
-  WRONG(rtol, NAN); WRONG(rtol, INFINITY); WRONG(rtol, -1e-6); WRONG(rtol, 1.0); WRONG(rtol, 2.0);
-  WRONG(atol, NAN); WRONG(atol, INFINITY); WRONG(atol, -INFINITY); WRONG(atol, -1e-6);
+  WRONG(rtol, NAN);
+  WRONG(rtol, INFINITY);
+  WRONG(rtol, -1e-6);
+  WRONG(rtol, 1.0);
+  WRONG(rtol, 2.0);
+  WRONG(atol, NAN);
+  WRONG(atol, INFINITY);
+  WRONG(atol, -INFINITY);
+  WRONG(atol, -1e-6);
   for (i = 0; i < 3; i++) {
     WRONG(rtol_vector, bad_tolerances[i]);
     WRONG(atol_vector, bad_tolerances[i]);
@@ -412,22 +425,45 @@ static void wrong_options_are_refused(void) {
   options.rtol_vector = options.atol_vector = one_zero;
   wrong_option(__LINE__, &options);
 
-  WRONG(max_index, -1); WRONG(max_index, 13); WRONG(max_index, INT_MAX); WRONG(max_index, INT_MIN);
-  WRONG(reduction, -1); WRONG(reduction, 2);
-  WRONG(rank_tol, NAN); WRONG(rank_tol, INFINITY); WRONG(rank_tol, -1e-9); WRONG(rank_tol, 1.0);
-  WRONG(time_scale, NAN); WRONG(time_scale, INFINITY); WRONG(time_scale, -1.0);
-  WRONG(difference_step, NAN); WRONG(difference_step, INFINITY); WRONG(difference_step, -1e-3);
+  WRONG(max_index, -1);
+  WRONG(max_index, 13);
+  WRONG(max_index, INT_MAX);
+  WRONG(max_index, INT_MIN);
+  WRONG(reduction, -1);
+  WRONG(reduction, 2);
+  WRONG(rank_tol, NAN);
+  WRONG(rank_tol, INFINITY);
+  WRONG(rank_tol, -1e-9);
+  WRONG(rank_tol, 1.0);
+  WRONG(time_scale, NAN);
+  WRONG(time_scale, INFINITY);
+  WRONG(time_scale, -1.0);
+  WRONG(difference_step, NAN);
+  WRONG(difference_step, INFINITY);
+  WRONG(difference_step, -1e-3);
 
-  WRONG(initial_values, -1); WRONG(initial_values, 3);
+  WRONG(initial_values, -1);
+  WRONG(initial_values, 3);
   WRONG(initial_values, SFDAE_INITIAL_FIXED); /* without flags */
   for (i = 0; i < 5; i++) WRONG(initial_weights, bad_weights[i]);
-  WRONG(consistency_tol, NAN); WRONG(consistency_tol, 0.0); WRONG(consistency_tol, -1e-8); WRONG(consistency_tol, 1.0);
+  WRONG(consistency_tol, NAN);
+  WRONG(consistency_tol, 0.0);
+  WRONG(consistency_tol, -1e-8);
+  WRONG(consistency_tol, 1.0);
 
-  WRONG(max_order, 0); WRONG(max_order, 6); WRONG(max_order, -1);
-  WRONG(initial_step, NAN); WRONG(initial_step, INFINITY); WRONG(initial_step, -1e-3);
-  WRONG(max_step, NAN); WRONG(max_step, -1.0);
-  WRONG(max_steps, 0); WRONG(max_steps, -1); WRONG(max_steps, LONG_MIN);
-  WRONG(leading_term, -1); WRONG(leading_term, 4);
+  WRONG(max_order, 0);
+  WRONG(max_order, 6);
+  WRONG(max_order, -1);
+  WRONG(initial_step, NAN);
+  WRONG(initial_step, INFINITY);
+  WRONG(initial_step, -1e-3);
+  WRONG(max_step, NAN);
+  WRONG(max_step, -1.0);
+  WRONG(max_steps, 0);
+  WRONG(max_steps, -1);
+  WRONG(max_steps, LONG_MIN);
+  WRONG(leading_term, -1);
+  WRONG(leading_term, 4);
   options = default_options();
   options.use_stop_time = 1;
   options.stop_time = NAN;
@@ -437,7 +473,7 @@ static void wrong_options_are_refused(void) {
 static void unused_members_are_not_judged(void) {
   sfdae_linear_problem problem = oscillator();
   sfdae_options options = default_options();
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   static const double tolerances[4] = {1e-6, 1e-6, 1e-6, 1e-6};
   options.stop_time = NAN; /* use_stop_time = 0 */
   options.rtol_vector = options.atol_vector = tolerances;
@@ -450,7 +486,7 @@ static void unused_members_are_not_judged(void) {
 static void everything_is_copied(void) {
   sfdae_linear_problem problem = oscillator();
   sfdae_options options = default_options();
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   double rtol[4] = {1e-6, 1e-6, 1e-6, 1e-6}, atol[4] = {1e-6, 1e-6, 1e-6, 1e-6}, weights[4] = {1, 2, 3, 4};
   int fixed[4] = {0, 0, 0, 0};
   options.rtol_vector = rtol;
@@ -471,7 +507,7 @@ static void everything_is_copied(void) {
 
 static void destroy_allows_nothing(void) {
   sfdae_linear_problem problem = oscillator();
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   CHECK_STATUS(sfdae_destroy(NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
   CHECK_STATUS(sfdae_create_linear(&solver, &problem, NULL), SFDAE_OK);
@@ -531,15 +567,15 @@ static void no_solver_is_refused_everywhere(void) {
 }
 
 /* A call on `solver` that fails as expected and explains itself. */
-#define FAILS(call, expected)                  \
-  do {                                         \
-    CHECK_STATUS(call, expected);              \
-    CHECK(sfdae_message(solver)[0] != 0);      \
+#define FAILS(call, expected)             \
+  do {                                    \
+    CHECK_STATUS(call, expected);         \
+    CHECK(sfdae_message(solver)[0] != 0); \
   } while (0)
 
 static void calls_too_early_are_refused(void) {
   sfdae_linear_problem problem = oscillator();
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_characteristics c, c_before;
   sfdae_change change, change_before;
   double t, x[4], xdot[4], M[64];
@@ -581,7 +617,7 @@ static void calls_too_early_are_refused(void) {
 static void wrong_arguments_are_refused(void) {
   static const double wrong_times[] = {NAN, INFINITY, -INFINITY};
   sfdae_linear_problem problem = oscillator();
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_characteristics c;
   sfdae_derivative_check check, check_before;
   double t, x[4], xdot[4], M[1024], start[4] = {1, 0, 1, 0};
@@ -660,7 +696,7 @@ static void wrong_arguments_are_refused(void) {
 static void prescribing_what_is_determined_fails(void) {
   static const int first[1] = {0};
   sfdae_linear_problem problem = oscillator();
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   double x[4] = {1, 0, 1, 0}, before[4];
   int status;
   memcpy(before, x, sizeof x);
@@ -678,7 +714,7 @@ static void prescribing_what_is_determined_fails(void) {
 static void too_small_a_max_index_is_said(void) {
   sfdae_linear_problem problem = oscillator();
   sfdae_options options = default_options();
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_characteristics c, before;
   double x[4] = {1, 0, 1, 0};
   sfdae_characteristics_init(&c, sizeof c);
@@ -697,7 +733,7 @@ static void too_small_a_max_index_is_said(void) {
 
 static void solvers_are_independent(void) {
   enum { COUNT = 8 };
-  sfdae_solver *solver[COUNT];
+  sfdae_solver* solver[COUNT];
   double t[COUNT], x[COUNT][4];
   int i, k;
   for (i = 0; i < COUNT; i++) {

@@ -19,46 +19,49 @@
 typedef struct {
   int method, min_stages, max_stages;
 } choice;
-static const choice choices[] = {{SFDAE_METHOD_RADAU, 1, 7}, {SFDAE_METHOD_RADAU, 3, 3}, {SFDAE_METHOD_RADAU, 5, 5},
-                                 {SFDAE_METHOD_RADAU, 7, 7}, {SFDAE_METHOD_AUTOMATIC, 1, 7}};
+static const choice choices[] = {{SFDAE_METHOD_RADAU, 1, 7},
+                                 {SFDAE_METHOD_RADAU, 3, 3},
+                                 {SFDAE_METHOD_RADAU, 5, 5},
+                                 {SFDAE_METHOD_RADAU, 7, 7},
+                                 {SFDAE_METHOD_AUTOMATIC, 1, 7}};
 enum { CHOICES = sizeof choices / sizeof choices[0], N = 4 };
 
 /* What the callbacks see. */
 typedef struct {
   double min_t, max_t;
-  double wobble;     /* of s */
-  int no_orders;     /* 1: order 0 only */
+  double wobble; /* of s */
+  int no_orders; /* 1: order 0 only */
   long calls;
-  long stop_at;      /* the call that asks `solver` to stop */
-  sfdae_solver *solver;
+  long stop_at; /* the call that asks `solver` to stop */
+  sfdae_solver* solver;
 } record;
 
-static int seen(record *r, double t, int order) {
+static int seen(record* r, double t, int order) {
   r->min_t = fmin(r->min_t, t);
   r->max_t = fmax(r->max_t, t);
   if (++r->calls == r->stop_at) CHECK_STATUS(sfdae_request_stop(r->solver), SFDAE_OK);
   return order > 0 && r->no_orders ? SFDAE_ORDER_NOT_AVAILABLE : 0;
 }
 
-static double s(const record *r, double t, int order) {
+static double s(const record* r, double t, int order) {
   return (order == 0 ? 2 : 0) + r->wobble * sin(t + order * acos(0.0));
 }
 
-static int E(double t, int order, double *matrix, void *user) {
-  matrix[0] = s((record *)user, t, order);
+static int E(double t, int order, double* matrix, void* user) {
+  matrix[0] = s((record*)user, t, order);
   if (order == 0) matrix[5] = matrix[10] = 1;
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
-static int A(double t, int order, double *matrix, void *user) {
-  matrix[0 + N * 1] = s((record *)user, t, order);
+static int A(double t, int order, double* matrix, void* user) {
+  matrix[0 + N * 1] = s((record*)user, t, order);
   if (order == 0) matrix[1 + N * 0] = matrix[3 + N * 0] = -1, matrix[2 + N * 3] = matrix[3 + N * 2] = 1;
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
-static int f(double t, int order, double *vector, void *user) {
+static int f(double t, int order, double* vector, void* user) {
   vector[3] = -pow(0.5, order) * cos(t / 2 + order * acos(0.0));
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
 static record everything(void) {
@@ -74,7 +77,7 @@ static sfdae_options options_for(choice c, double tol) {
   return options;
 }
 
-static sfdae_linear_problem problem_with(record *r) {
+static sfdae_linear_problem problem_with(record* r) {
   sfdae_linear_problem problem;
   sfdae_linear_problem_init(&problem, sizeof problem);
   problem.num_equations = problem.num_unknowns = N;
@@ -83,19 +86,19 @@ static sfdae_linear_problem problem_with(record *r) {
   return problem;
 }
 
-static sfdae_solver *create(record *r, const sfdae_options *options) {
+static sfdae_solver* create(record* r, const sfdae_options* options) {
   const sfdae_linear_problem problem = problem_with(r);
   CHECK_STATUS(sfdae_create_linear(&r->solver, &problem, options), SFDAE_OK);
   return r->solver;
 }
 
-static void exact(double t, double *x, double *xdot) {
+static void exact(double t, double* x, double* xdot) {
   x[0] = cos(t), x[1] = -sin(t), x[2] = cos(t) + cos(t / 2), x[3] = -sin(t) - sin(t / 2) / 2;
   xdot[0] = -sin(t), xdot[1] = -cos(t), xdot[2] = x[3], xdot[3] = -cos(t) - cos(t / 2) / 4;
 }
 
 /* Largest error of x in units of the tolerance. */
-static double error_of(double t, const double *x, double tol) {
+static double error_of(double t, const double* x, double tol) {
   double xe[N], xdote[N], largest = 0;
   int i;
   exact(t, xe, xdote);
@@ -103,7 +106,7 @@ static double error_of(double t, const double *x, double tol) {
   return largest;
 }
 
-static double slope_error_of(double t, const double *xdot) {
+static double slope_error_of(double t, const double* xdot) {
   double xe[N], xdote[N], largest = 0;
   int i;
   exact(t, xe, xdote);
@@ -111,27 +114,28 @@ static double slope_error_of(double t, const double *xdot) {
   return largest;
 }
 
-static int accurate(double t, const double *x, double tol) { return error_of(t, x, tol) <= 10; }
+static int accurate(double t, const double* x, double tol) { return error_of(t, x, tol) <= 10; }
 
 /* All constraints, the hidden one included. */
-static int on_constraints(double t, const double *x) {
-  return fabs(x[2] - x[0] - cos(t / 2)) <= 100 * DBL_EPSILON && fabs(x[3] - x[1] + sin(t / 2) / 2) <= 100 * DBL_EPSILON;
+static int on_constraints(double t, const double* x) {
+  return fabs(x[2] - x[0] - cos(t / 2)) <= 100 * DBL_EPSILON &&
+         fabs(x[3] - x[1] + sin(t / 2) / 2) <= 100 * DBL_EPSILON;
 }
 
-static void start(sfdae_solver *solver, double t, double toward) {
+static void start(sfdae_solver* solver, double t, double toward) {
   double x[N], xdot[N];
   exact(t, x, xdot);
   CHECK_STATUS(sfdae_start(solver, t, toward, x, NULL), SFDAE_OK);
 }
 
-static sfdae_statistics statistics(const sfdae_solver *solver) {
+static sfdae_statistics statistics(const sfdae_solver* solver) {
   sfdae_statistics result;
   sfdae_statistics_init(&result, sizeof result);
   CHECK_STATUS(sfdae_get_statistics(solver, &result), SFDAE_OK);
   return result;
 }
 
-static int report_contains(const sfdae_solver *solver, const char *words) {
+static int report_contains(const sfdae_solver* solver, const char* words) {
   char text[8000];
   CHECK_STATUS(sfdae_report(solver, text, sizeof text, NULL), SFDAE_OK);
   return strstr(text, words) != NULL;
@@ -141,16 +145,25 @@ static int report_contains(const sfdae_solver *solver, const char *words) {
 
 /* Refused at creation, by the check and later; an integration under way does not notice. */
 static void illegal_methods_and_stages_are_refused(void) {
-  static const choice wrong[] = {
-      {-1, 1, 7}, {3, 1, 7},  {1000000, 1, 7}, {SFDAE_METHOD_RADAU, 0, 7}, {SFDAE_METHOD_RADAU, -1, 7},
-      {SFDAE_METHOD_RADAU, 2, 7}, {SFDAE_METHOD_RADAU, 1, 4}, {SFDAE_METHOD_RADAU, 1, 9}, {SFDAE_METHOD_RADAU, 9, 9},
-      {SFDAE_METHOD_RADAU, 5, 3}, {SFDAE_METHOD_RADAU, 1, 0}, {SFDAE_METHOD_BDF, 0, 0}, {SFDAE_METHOD_AUTOMATIC, 7, 1}};
+  static const choice wrong[] = {{-1, 1, 7},
+                                 {3, 1, 7},
+                                 {1000000, 1, 7},
+                                 {SFDAE_METHOD_RADAU, 0, 7},
+                                 {SFDAE_METHOD_RADAU, -1, 7},
+                                 {SFDAE_METHOD_RADAU, 2, 7},
+                                 {SFDAE_METHOD_RADAU, 1, 4},
+                                 {SFDAE_METHOD_RADAU, 1, 9},
+                                 {SFDAE_METHOD_RADAU, 9, 9},
+                                 {SFDAE_METHOD_RADAU, 5, 3},
+                                 {SFDAE_METHOD_RADAU, 1, 0},
+                                 {SFDAE_METHOD_BDF, 0, 0},
+                                 {SFDAE_METHOD_AUTOMATIC, 7, 1}};
   size_t i;
   for (i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
     record r = everything(), q = everything();
     const sfdae_linear_problem problem = problem_with(&r);
     const sfdae_options bad = options_for(wrong[i], 1e-3), good = options_for(choices[0], 1e-6);
-    sfdae_solver *solver = (sfdae_solver *)(void *)&r, *undisturbed;
+    sfdae_solver *solver = (sfdae_solver*)(void*)&r, *undisturbed;
     double t, x[N], y[N];
     char text[512];
     CHECK_STATUS(sfdae_create_linear(&solver, &problem, &bad), SFDAE_ILLEGAL_ARGUMENT);
@@ -175,10 +188,10 @@ static void a_new_method_takes_effect_with_the_next_start(void) {
   for (from = SFDAE_METHOD_BDF; from <= SFDAE_METHOD_RADAU; from++)
     for (to = SFDAE_METHOD_BDF; to <= SFDAE_METHOD_AUTOMATIC; to++) {
       const choice before = {from, 1, 7}, after = {to, 1, 7};
-      const char *const name = from == SFDAE_METHOD_BDF ? "by BDF" : "by Radau IIA";
+      const char* const name = from == SFDAE_METHOD_BDF ? "by BDF" : "by Radau IIA";
       record r = everything();
       sfdae_options options = options_for(before, 1e-6);
-      sfdae_solver *solver = create(&r, &options);
+      sfdae_solver* solver = create(&r, &options);
       double t, x[N];
       int k;
       start(solver, 0, 10);
@@ -200,7 +213,7 @@ static void new_stages_take_effect_with_the_next_start(void) {
   const choice first = {SFDAE_METHOD_RADAU, 1, 1};
   record r = everything();
   sfdae_options options = options_for(first, 1e-4);
-  sfdae_solver *solver = create(&r, &options);
+  sfdae_solver* solver = create(&r, &options);
   double t, x[N];
   int k, i;
   for (k = 0; k < 6; k++) {
@@ -228,8 +241,8 @@ typedef struct {
   int lowest, highest; /* order */
 } observer;
 
-static int observe(const sfdae_progress *progress, void *user) {
-  observer *o = (observer *)user;
+static int observe(const sfdae_progress* progress, void* user) {
+  observer* o = (observer*)user;
   o->calls++;
   CHECK(progress->num_unknowns == N && progress->steps == o->calls);
   CHECK(fabs(progress->t - o->t - progress->step) <= 10 * DBL_EPSILON * fmax(1, fabs(progress->t)));
@@ -254,7 +267,7 @@ static void fixed_numbers_of_stages_have_their_orders(void) {
     record r = everything();
     observer o = observer_with_tolerance(1e-4);
     sfdae_options options = options_for(fixed, 1e-4);
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     char name[64];
     double t, x[N];
     o.order_1 = stages == 1;
@@ -275,7 +288,7 @@ static double error_with_step(int stages, double h) {
   const choice fixed = {SFDAE_METHOD_RADAU, stages, stages};
   record r = everything();
   sfdae_options options = options_for(fixed, 0.9);
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   double t, x[N];
   r.wobble = 0; /* 1 / (1 + s^2) has poles near the real axis, which hide the order of long steps */
   options.initial_step = options.max_step = h;
@@ -342,7 +355,7 @@ static void every_output_is_accurate_and_consistent(void) {
         const double t0 = direction > 0 ? 0 : 10, tol = tolerances[k];
         record r = everything();
         const sfdae_options options = options_for(choices[c], tol);
-        sfdae_solver *solver = create(&r, &options);
+        sfdae_solver* solver = create(&r, &options);
         double t, x[N], xdot[N], worst = 0, worst_slope = 0;
         sfdae_statistics found;
         start(solver, t0, t0 + 10 * direction);
@@ -357,8 +370,8 @@ static void every_output_is_accurate_and_consistent(void) {
         CHECK(direction * found.last_step > 0 && direction * found.next_step > 0 && direction * found.first_step > 0);
         if (worst > 10 || worst_slope > 10 * 3) {
           failures++;
-          fprintf(stderr, "%s:%d: choice %d, tol %g, direction %d: error %g tolerances, of h x' %g\n",
-                  __FILE__, __LINE__, c, tol, direction, worst, worst_slope);
+          fprintf(stderr, "%s:%d: choice %d, tol %g, direction %d: error %g tolerances, of h x' %g\n", __FILE__,
+                  __LINE__, c, tol, direction, worst, worst_slope);
         }
         sfdae_destroy(&solver);
       }
@@ -393,7 +406,7 @@ static void single_steps_lead_to_tout(void) {
   for (c = 0; c < CHOICES; c++) {
     record r = everything();
     const sfdae_options options = options_for(choices[c], 1e-6);
-    sfdae_solver *solver = create(&r, &options);
+    sfdae_solver* solver = create(&r, &options);
     double t = 0, x[N], xdot[N], before = 0;
     long steps = 0;
     int status;
@@ -417,7 +430,7 @@ static void there_and_back_again(void) {
   for (c = 0; c < CHOICES; c++) {
     record r = everything();
     const sfdae_options options = options_for(choices[c], 1e-6);
-    sfdae_solver *solver = create(&r, &options);
+    sfdae_solver* solver = create(&r, &options);
     double t, x[N];
     start(solver, 0, 10);
     CHECK_STATUS(sfdae_advance(solver, 10, &t, x, NULL), SFDAE_OK);
@@ -434,7 +447,7 @@ static void automatic_is_bdf_where_output_is_frequent(void) {
   const choice automatic = {SFDAE_METHOD_AUTOMATIC, 1, 7};
   record r = everything();
   const sfdae_options options = options_for(automatic, 1e-6);
-  sfdae_solver *solver = create(&r, &options);
+  sfdae_solver* solver = create(&r, &options);
   double t, x[N];
   int i;
   start(solver, 0, 10);
@@ -459,7 +472,7 @@ static void nothing_is_evaluated_beyond_the_stop_time(void) {
         const double t0 = 1, stop = t0 + direction * 2;
         record r = everything();
         sfdae_options options = options_for(choices[c], 1e-5);
-        sfdae_solver *solver;
+        sfdae_solver* solver;
         double t, x[N];
         int i;
         options.use_stop_time = 1, options.stop_time = stop;
@@ -489,7 +502,7 @@ static void stop_time_may_be_close(void) {
     for (k = 0; k < 4; k++) {
       record r = everything();
       sfdae_options options = options_for(choices[c], 1e-6);
-      sfdae_solver *solver;
+      sfdae_solver* solver;
       const double stop = 1 + spans[k];
       double t, x[N];
       options.use_stop_time = 1, options.stop_time = stop;
@@ -506,7 +519,7 @@ static void max_steps_interrupts(void) {
   for (c = 0; c < CHOICES; c++) {
     record r = everything();
     sfdae_options options = options_for(choices[c], 1e-6);
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     double t = 0, x[N], before = 0;
     int status, calls = 0;
     options.max_steps = 2;
@@ -530,7 +543,7 @@ static void monitor_sees_every_step_and_may_stop_it(void) {
       record r = everything();
       observer o = observer_with_tolerance(1e-6);
       sfdae_options options = options_for(choices[c], 1e-6);
-      sfdae_solver *solver;
+      sfdae_solver* solver;
       double t, x[N], end[N];
       options.monitor = observe, options.monitor_user = &o;
       solver = create(&r, &options);
@@ -559,7 +572,7 @@ static void stop_requests_are_obeyed_at_every_callback(void) {
     for (call = 1; call <= 2000; call += 1 + call / 20) {
       record r = everything();
       const sfdae_options options = options_for(choices[c], 1e-4);
-      sfdae_solver *solver = create(&r, &options);
+      sfdae_solver* solver = create(&r, &options);
       double t, x[N];
       int status;
       start(solver, 0, 4);

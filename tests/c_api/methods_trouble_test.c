@@ -15,8 +15,9 @@
 
 static const struct {
   int method, min_stages, max_stages;
-} choices[] = {{SFDAE_METHOD_BDF, 1, 7},   {SFDAE_METHOD_RADAU, 1, 7}, {SFDAE_METHOD_RADAU, 1, 1}, {SFDAE_METHOD_RADAU, 3, 3},
-               {SFDAE_METHOD_RADAU, 5, 5}, {SFDAE_METHOD_RADAU, 7, 7}, {SFDAE_METHOD_AUTOMATIC, 1, 7}};
+} choices[] = {{SFDAE_METHOD_BDF, 1, 7},      {SFDAE_METHOD_RADAU, 1, 7}, {SFDAE_METHOD_RADAU, 1, 1},
+               {SFDAE_METHOD_RADAU, 3, 3},    {SFDAE_METHOD_RADAU, 5, 5}, {SFDAE_METHOD_RADAU, 7, 7},
+               {SFDAE_METHOD_AUTOMATIC, 1, 7}};
 enum { CHOICES = sizeof choices / sizeof choices[0] };
 static int choice; /* of all solvers at present */
 
@@ -40,13 +41,13 @@ static sfdae_linear_problem problem_of_size(int m, int n) {
   return problem;
 }
 
-static sfdae_solver *create(const sfdae_linear_problem *problem, const sfdae_options *options) {
-  sfdae_solver *solver = NULL;
+static sfdae_solver* create(const sfdae_linear_problem* problem, const sfdae_options* options) {
+  sfdae_solver* solver = NULL;
   CHECK_STATUS(sfdae_create_linear(&solver, problem, options), SFDAE_OK);
   return solver;
 }
 
-static sfdae_statistics statistics(const sfdae_solver *solver) {
+static sfdae_statistics statistics(const sfdae_solver* solver) {
   sfdae_statistics result;
   sfdae_statistics_init(&result, sizeof result);
   CHECK_STATUS(sfdae_get_statistics(solver, &result), SFDAE_OK);
@@ -73,31 +74,31 @@ typedef struct {
   double at;
 } change_data;
 
-static int E_changing(double t, int order, double *matrix, void *user) {
-  const change_data *c = (const change_data *)user;
+static int E_changing(double t, int order, double* matrix, void* user) {
+  const change_data* c = (const change_data*)user;
   if (order == 0) matrix[0] = 1;
   if (c->kind <= DECAYING_E) matrix[3] = order == 0 ? t - c->at : order == 1;
   if (c->kind == NEW_EQUATION && order == 0) matrix[3] = t < c->at;
   return 0;
 }
 
-static double A_22(double t, int order, const change_data *c) {
+static double A_22(double t, int order, const change_data* c) {
   if (c->kind == VANISHING_A) return order == 0 ? t - c->at : order == 1;
   return order > 0 ? 0 : c->kind == VANISHING_E ? 1 : -1;
 }
 
-static int A_changing(double t, int order, double *matrix, void *user) {
+static int A_changing(double t, int order, double* matrix, void* user) {
   if (order == 0) matrix[0] = -1;
-  matrix[3] = A_22(t, order, (const change_data *)user);
+  matrix[3] = A_22(t, order, (const change_data*)user);
   return 0;
 }
 
-static int f_changing(double t, int order, double *vector, void *user) {
-  vector[1] = -A_22(t, order, (const change_data *)user);
+static int f_changing(double t, int order, double* vector, void* user) {
+  vector[1] = -A_22(t, order, (const change_data*)user);
   return 0;
 }
 
-static sfdae_linear_problem changing(change_data *data) {
+static sfdae_linear_problem changing(change_data* data) {
   sfdae_linear_problem problem = problem_of_size(2, 2);
   problem.E = E_changing, problem.A = A_changing, problem.f = f_changing;
   problem.user = data;
@@ -105,11 +106,11 @@ static sfdae_linear_problem changing(change_data *data) {
 }
 
 /* From t0 across `at`; a step never is longer than the way. */
-static void change_is_located(change_data *data, double t0, double end) {
+static void change_is_located(change_data* data, double t0, double end) {
   const double way = end - t0, sign = way > 0 ? 1 : -1;
   const sfdae_linear_problem problem = changing(data);
   const sfdae_options options = options_with_tolerance(1e-6);
-  sfdae_solver *solver = create(&problem, &options);
+  sfdae_solver* solver = create(&problem, &options);
   sfdae_change change;
   double t = t0, x[2], growth;
   x[0] = exp(-t0), x[1] = 1;
@@ -171,7 +172,7 @@ static void changes_are_located_in_single_steps(void) {
     change_data data;
     sfdae_options options = options_with_tolerance(1e-6);
     sfdae_linear_problem problem;
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     sfdae_change change;
     double t = 0, x[2] = {1, 1};
     int status = SFDAE_STEP_TAKEN, i;
@@ -202,7 +203,7 @@ typedef struct {
   long calls_behind;
 } ending;
 
-static int value_at(ending *e, char function, double t, double *values) {
+static int value_at(ending* e, char function, double t, double* values) {
   if (e->function != function || !(t > e->after) || e->times == 0) return 0;
   e->calls_behind++;
   if (e->times > 0) e->times--;
@@ -210,29 +211,29 @@ static int value_at(ending *e, char function, double t, double *values) {
   return e->status;
 }
 
-static int E_ending(double t, int order, double *matrix, void *user) {
+static int E_ending(double t, int order, double* matrix, void* user) {
   if (order == 0) matrix[0] = 1;
-  return value_at((ending *)user, 'E', t, matrix);
+  return value_at((ending*)user, 'E', t, matrix);
 }
 
-static int A_ending(double t, int order, double *matrix, void *user) {
+static int A_ending(double t, int order, double* matrix, void* user) {
   if (order == 0) matrix[0] = matrix[1] = -1, matrix[3] = 1;
-  return value_at((ending *)user, 'A', t, matrix);
+  return value_at((ending*)user, 'A', t, matrix);
 }
 
-static int f_ending(double t, int order, double *vector, void *user) {
+static int f_ending(double t, int order, double* vector, void* user) {
   vector[0] = cosine(t, order) + sine(t, order);
-  return value_at((ending *)user, 'f', t, vector);
+  return value_at((ending*)user, 'f', t, vector);
 }
 
-static sfdae_linear_problem problem_that_ends(ending *e) {
+static sfdae_linear_problem problem_that_ends(ending* e) {
   sfdae_linear_problem problem = problem_of_size(2, 2);
   problem.E = E_ending, problem.A = A_ending, problem.f = f_ending;
   problem.user = e;
   return problem;
 }
 
-static int is_ending_solution(double t, const double *x, double tol) {
+static int is_ending_solution(double t, const double* x, double tol) {
   return near(x[0], sin(t) + exp(-t), tol) && fabs(x[0] - x[1]) <= 100 * DBL_EPSILON;
 }
 
@@ -246,7 +247,7 @@ static void functions_may_end(void) {
       ending e = {0, 0, HUGE_VAL, -1, 0};
       const sfdae_linear_problem problem = problem_that_ends(&e);
       const sfdae_options options = options_with_tolerance(tol);
-      sfdae_solver *solver = create(&problem, &options);
+      sfdae_solver* solver = create(&problem, &options);
       const int before = failures;
       double t = 0, x[2] = {1, 1}, reached;
       CHECK_STATUS(sfdae_start(solver, 0, 4, x, NULL), SFDAE_OK);
@@ -274,7 +275,7 @@ static void a_few_failures_are_survived(void) {
     ending e = {0, 0, HUGE_VAL, -1, 0};
     const sfdae_linear_problem problem = problem_that_ends(&e);
     const sfdae_options options = options_with_tolerance(1e-5);
-    sfdae_solver *solver = create(&problem, &options);
+    sfdae_solver* solver = create(&problem, &options);
     double t = 0, x[2] = {1, 1};
     CHECK_STATUS(sfdae_start(solver, 0, 4, x, NULL), SFDAE_OK);
     e.function = 'f', e.status = status, e.after = 2.71, e.times = 4;
@@ -288,20 +289,20 @@ static void a_few_failures_are_survived(void) {
 /* ---- u > 0 -------------------------------------------------------------------------------------------------- */
 
 /* x1' = x2, x2' = -x2 + (1 + t/2) x3: x3 is free, or prescribed such that x2 = sin t. */
-static int E_cart(double t, int order, double *matrix, void *user) {
+static int E_cart(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = matrix[3] = 1;
   return 0;
 }
 
-static int A_cart(double t, int order, double *matrix, void *user) {
+static int A_cart(double t, int order, double* matrix, void* user) {
   (void)user;
   if (order == 0) matrix[2] = 1, matrix[3] = -1;
   matrix[5] = order == 0 ? 1 + t / 2 : order == 1 ? 0.5 : 0;
   return 0;
 }
 
-static int prescribed_force(double t, int order, double *values, void *user) {
+static int prescribed_force(double t, int order, double* values, void* user) {
   (void)user;
   CHECK(order == 0);
   values[0] = (cos(t) + sin(t)) / (1 + t / 2);
@@ -313,7 +314,7 @@ static void free_components_are_held_or_prescribed(void) {
   static const double tol = 1e-6;
   sfdae_linear_problem problem = problem_of_size(2, 3);
   const sfdae_options options = options_with_tolerance(tol);
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   double t, x[3] = {0, 1, 0.25};
   int i;
   problem.E = E_cart, problem.A = A_cart;
@@ -346,20 +347,20 @@ typedef struct {
   double leak, from;
 } leaking;
 
-static int E_leaking(double t, int order, double *matrix, void *user) {
+static int E_leaking(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = matrix[4] = 1;
   return 0;
 }
 
-static int A_leaking(double t, int order, double *matrix, void *user) {
+static int A_leaking(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = -1, matrix[1] = matrix[2] = matrix[5] = 1;
   return 0;
 }
 
-static int f_leaking(double t, int order, double *vector, void *user) {
-  const leaking *l = (const leaking *)user;
+static int f_leaking(double t, int order, double* vector, void* user) {
+  const leaking* l = (const leaking*)user;
   const double s = fmax(t - l->from, 0), falling[4] = {s * s * s, 3 * s * s, 6 * s, 6};
   vector[2] = -(order == 0) - l->leak * (order > 3 || s == 0 ? 0 : falling[order]);
   return 0;
@@ -370,7 +371,7 @@ static void contradictions_are_detected(void) {
   leaking l = {0, 1.5};
   sfdae_linear_problem problem = problem_of_size(3, 2);
   sfdae_options options = options_with_tolerance(tol);
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   double t, x[2] = {0.9, 0.1};
   problem.E = E_leaking, problem.A = A_leaking, problem.f = f_leaking;
   problem.user = &l;
@@ -397,21 +398,21 @@ static void contradictions_are_detected(void) {
 /* ---- d = 0, constant matrices ---------------------------------------------------------------------------------- */
 
 /* 0 = -x1 + t x2 + e^-t, x1' - t x2' = 0:  d = 0; x1 = t x2 + e^-t, x2 = e^-t. */
-static int E_document(double t, int order, double *matrix, void *user) {
+static int E_document(double t, int order, double* matrix, void* user) {
   (void)user;
   if (order == 0) matrix[1] = 1, matrix[3] = -t;
   if (order == 1) matrix[3] = -1;
   return 0;
 }
 
-static int A_document(double t, int order, double *matrix, void *user) {
+static int A_document(double t, int order, double* matrix, void* user) {
   (void)user;
   if (order == 0) matrix[0] = -1, matrix[2] = t;
   if (order == 1) matrix[2] = 1;
   return 0;
 }
 
-static int f_document(double t, int order, double *vector, void *user) {
+static int f_document(double t, int order, double* vector, void* user) {
   (void)user;
   vector[0] = order % 2 ? -exp(-t) : exp(-t);
   return 0;
@@ -420,7 +421,7 @@ static int f_document(double t, int order, double *vector, void *user) {
 static void without_dynamics_every_point_is_exact(void) {
   sfdae_linear_problem problem = problem_of_size(2, 2);
   const sfdae_options options = options_with_tolerance(1e-3);
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   double t, x[2] = {3, 3}, xdot[2];
   int i;
   problem.E = E_document, problem.A = A_document, problem.f = f_document;
@@ -441,24 +442,24 @@ typedef struct {
   long calls_E, calls_A;
 } counter;
 
-static int E_constant(double t, int order, double *matrix, void *user) {
+static int E_constant(double t, int order, double* matrix, void* user) {
   (void)t;
   CHECK(order == 0);
-  ((counter *)user)->calls_E++;
+  ((counter*)user)->calls_E++;
   matrix[0] = matrix[5] = matrix[10] = 1;
   return 0;
 }
 
-static int A_constant(double t, int order, double *matrix, void *user) {
+static int A_constant(double t, int order, double* matrix, void* user) {
   (void)t;
   CHECK(order == 0);
-  ((counter *)user)->calls_A++;
+  ((counter*)user)->calls_A++;
   matrix[0 + 4 * 1] = matrix[2 + 4 * 3] = matrix[3 + 4 * 2] = 1;
   matrix[1 + 4 * 0] = matrix[3 + 4 * 0] = -1;
   return 0;
 }
 
-static int f_constant(double t, int order, double *vector, void *user) {
+static int f_constant(double t, int order, double* vector, void* user) {
   (void)user;
   vector[3] = -pow(0.5, order) * cosine(t / 2, order);
   return 0;
@@ -469,7 +470,7 @@ static void constant_matrices_are_asked_for_once(void) {
   counter calls = {0, 0};
   sfdae_linear_problem problem = problem_of_size(4, 4);
   sfdae_options options = options_with_tolerance(tol);
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   sfdae_statistics s;
   double t, x[4] = {1, 0, 2, 0};
   int i;

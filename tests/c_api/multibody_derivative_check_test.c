@@ -14,43 +14,43 @@
 static double wrong[4]; /* added to g_q, g_t, gamma, eta */
 static int status_of_g;
 
-static int forces(double t, const double *q, const double *v, double *f, void *user) {
+static int forces(double t, const double* q, const double* v, double* f, void* user) {
   (void)t, (void)q, (void)v, (void)f, (void)user;
   return 0;
 }
-static int g(double t, const double *q, double *result, void *user) {
+static int g(double t, const double* q, double* result, void* user) {
   (void)user;
   result[0] = q[0] * sin(t) - q[1] * cos(t);
   return status_of_g;
 }
-static int g_q(double t, const double *q, double *result, void *user) {
+static int g_q(double t, const double* q, double* result, void* user) {
   (void)q, (void)user;
   result[0] = sin(t);
   result[1] = wrong[0] - cos(t);
   return 0;
 }
-static int g_t(double t, const double *q, double *result, void *user) {
+static int g_t(double t, const double* q, double* result, void* user) {
   (void)user;
   result[0] = q[0] * cos(t) + q[1] * sin(t) + wrong[1];
   return 0;
 }
-static int gamma_of(double t, const double *q, const double *v, double *result, void *user) {
+static int gamma_of(double t, const double* q, const double* v, double* result, void* user) {
   (void)user;
   result[0] = 2 * (v[0] * cos(t) + v[1] * sin(t)) - q[0] * sin(t) + q[1] * cos(t) + wrong[2];
   return 0;
 }
-static int H(double t, const double *q, double *result, void *user) {
+static int H(double t, const double* q, double* result, void* user) {
   (void)t, (void)user;
   result[0] = q[0];
   result[1] = q[1];
   return 0;
 }
-static int h(double t, const double *q, double *result, void *user) {
+static int h(double t, const double* q, double* result, void* user) {
   (void)q, (void)user;
   result[0] = -t;
   return 0;
 }
-static int eta(double t, const double *q, const double *v, double *result, void *user) {
+static int eta(double t, const double* q, const double* v, double* result, void* user) {
   (void)t, (void)q, (void)user;
   result[0] = v[0] * v[0] + v[1] * v[1] - 1 + wrong[3];
   return 0;
@@ -75,17 +75,17 @@ static sfdae_multibody_problem bead(void) {
 
 static const double q[2] = {0.6, 0.7}, v[2] = {1.5, -2};
 
-static sfdae_solver *created(const sfdae_multibody_problem *problem) {
-  sfdae_solver *solver = NULL;
+static sfdae_solver* created(const sfdae_multibody_problem* problem) {
+  sfdae_solver* solver = NULL;
   CHECK_STATUS(sfdae_create_multibody(&solver, problem, NULL), SFDAE_OK);
   return solver;
 }
 
 static void mistakes_are_found(void) {
   static const char names[] = "GTCH";
-  static const char *const words[] = {"g_q", "g_t", "gamma", "eta"};
+  static const char* const words[] = {"g_q", "g_t", "gamma", "eta"};
   const sfdae_multibody_problem problem = bead();
-  sfdae_solver *solver = created(&problem);
+  sfdae_solver* solver = created(&problem);
   sfdae_derivative_check result;
   int i;
   sfdae_derivative_check_init(&result, sizeof result);
@@ -105,8 +105,8 @@ static void mistakes_are_found(void) {
   sfdae_destroy(&solver);
 }
 
-static int recorded(sfdae_record *record, sfdae_expression t, const sfdae_expression *x, const sfdae_expression *xdot,
-                    const sfdae_multibody_formulas *formulas, void *user) {
+static int recorded(sfdae_record* record, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
+                    const sfdae_multibody_formulas* formulas, void* user) {
   (void)record, (void)t, (void)x, (void)xdot, (void)formulas, (void)user;
   return 0;
 }
@@ -114,7 +114,7 @@ static int recorded(sfdae_record *record, sfdae_expression t, const sfdae_expres
 static void wrong_arguments_are_refused(void) {
   const double bad[2] = {0, NAN};
   sfdae_multibody_problem problem = bead();
-  sfdae_solver *solver = created(&problem);
+  sfdae_solver* solver = created(&problem);
   sfdae_derivative_check result, before;
   sfdae_derivative_check_init(&result, sizeof result);
   before = result;

@@ -9,18 +9,18 @@
 #include "nonlinear_pendulum.h"
 
 enum kind { POSITIVE, LARGEST, NEGATIVE, SMALLEST, NOT_A_NUMBER, INFINITE, NO_ORDER, STOP, GARBAGE, KINDS };
-static const char *const kind_names[KINDS] = {"1",   "INT_MAX",  "-7",           "INT_MIN", "NaN",
+static const char* const kind_names[KINDS] = {"1",   "INT_MAX",  "-7",           "INT_MIN", "NaN",
                                               "Inf", "no order", "request_stop", "garbage"};
 
 typedef struct {
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   char function; /* 'F', 'x' (F_x), 'd' (F_x'), 'p' (prescribed values) or 0: none goes wrong */
   enum kind kind;
-  long call;     /* the call that goes wrong, counted from 1; 0: those at t > after */
+  long call; /* the call that goes wrong, counted from 1; 0: those at t > after */
   double after;
-  long calls;    /* of the function that goes wrong */
-  int order;     /* asked for in the call that went wrong */
-  int inside;    /* use the solver */
+  long calls; /* of the function that goes wrong */
+  int order;  /* asked for in the call that went wrong */
+  int inside; /* use the solver */
 } plan;
 
 #define TOL 1e-4
@@ -28,7 +28,7 @@ static int method;
 static const double last = 0.5;
 static int garbage; /* values may be, too */
 
-static void use_solver_from_inside(sfdae_solver *solver) {
+static void use_solver_from_inside(sfdae_solver* solver) {
   sfdae_characteristics c;
   sfdae_statistics s;
   sfdae_options options = default_options();
@@ -49,7 +49,7 @@ static void use_solver_from_inside(sfdae_solver *solver) {
 }
 
 /* Returns what the callback shall return; spoils its values if that is the fault. */
-static int fault(plan *p, char function, double t, int order, double *values) {
+static int fault(plan* p, char function, double t, int order, double* values) {
   if (values == NULL || function != p->function) return 0;
   if (p->inside) use_solver_from_inside(p->solver);
   p->calls++;
@@ -69,8 +69,9 @@ static int fault(plan *p, char function, double t, int order, double *values) {
   }
 }
 
-static int total_derivative(double t, int order, const double *jet, double *F, double *F_x, double *F_xdot, void *user) {
-  plan *p = (plan *)user;
+static int total_derivative(double t, int order, const double* jet, double* F, double* F_x, double* F_xdot,
+                            void* user) {
+  plan* p = (plan*)user;
   int status, i;
   for (i = 0; i < M; i++) CHECK(F[i] == 0);
   for (i = 0; i < M * N; i++) CHECK((!F_x || F_x[i] == 0) && (!F_xdot || F_xdot[i] == 0));
@@ -82,12 +83,12 @@ static int total_derivative(double t, int order, const double *jet, double *F, d
   return status;
 }
 
-static int prescribed(double t, int order, double *values, void *user) {
+static int prescribed(double t, int order, double* values, void* user) {
   const int status = push(t, order, values, NULL);
-  return status ? status : fault((plan *)user, 'p', t, order, values);
+  return status ? status : fault((plan*)user, 'p', t, order, values);
 }
 
-static sfdae_solver *create(plan *p) {
+static sfdae_solver* create(plan* p) {
   sfdae_nonlinear_problem problem = pendulum_problem();
   sfdae_options options = default_options();
   options.rtol = options.atol = TOL;
@@ -105,7 +106,7 @@ static plan no_fault(void) {
   return p;
 }
 
-static void works(sfdae_solver *solver) {
+static void works(sfdae_solver* solver) {
   double t = -1, x[N];
   exact(0, x);
   CHECK_STATUS(sfdae_start(solver, 0, last, x, NULL), SFDAE_OK);
@@ -116,7 +117,7 @@ static void works(sfdae_solver *solver) {
 
 /* ---- Phases: one call each, with what it promises about its outputs ------------------------------- */
 
-static int run_analyze(sfdae_solver *solver) {
+static int run_analyze(sfdae_solver* solver) {
   sfdae_characteristics c, before;
   double x[N];
   int status;
@@ -130,7 +131,7 @@ static int run_analyze(sfdae_solver *solver) {
   return status;
 }
 
-static int initial(sfdae_solver *solver, int start) {
+static int initial(sfdae_solver* solver, int start) {
   double x[N], before[N], xdot[N] = {unset, unset, unset, unset, unset, unset};
   int status;
   exact(0, x);
@@ -141,11 +142,11 @@ static int initial(sfdae_solver *solver, int start) {
   else CHECK(memcmp(x, before, sizeof x) == 0 && xdot[0] == unset && xdot[3] == unset);
   return status;
 }
-static int run_start(sfdae_solver *solver) { return initial(solver, 1); }
-static int run_make_consistent(sfdae_solver *solver) { return initial(solver, 0); }
+static int run_start(sfdae_solver* solver) { return initial(solver, 1); }
+static int run_make_consistent(sfdae_solver* solver) { return initial(solver, 0); }
 
 /* Whatever happens on the way, the last accepted point is returned; the last step may have gone past the end. */
-static int run_advance(sfdae_solver *solver) {
+static int run_advance(sfdae_solver* solver) {
   double t = unset, x[N] = {unset, unset, unset, unset, unset, unset}, xdot[N];
   const int status = sfdae_advance(solver, last, &t, x, xdot);
   CHECK(t >= 0 && t <= 4 * last && (garbage || accurate(t, x, TOL)));
@@ -153,7 +154,7 @@ static int run_advance(sfdae_solver *solver) {
   return status;
 }
 
-static int run_steps(sfdae_solver *solver) {
+static int run_steps(sfdae_solver* solver) {
   double t = unset, x[N] = {unset, unset, unset, unset, unset, unset}, before = 0;
   int status;
   do {
@@ -164,7 +165,7 @@ static int run_steps(sfdae_solver *solver) {
   return status;
 }
 
-static int run_check(sfdae_solver *solver) {
+static int run_check(sfdae_solver* solver) {
   sfdae_derivative_check check;
   double jet[N * 3];
   int i;
@@ -175,18 +176,18 @@ static int run_check(sfdae_solver *solver) {
 
 enum preparation { NOTHING, ANALYZED, STARTED };
 static const struct phase {
-  const char *name;
-  int (*run)(sfdae_solver *);
+  const char* name;
+  int (*run)(sfdae_solver*);
   enum preparation before;
 } phases[] = {
-    {"analyze", run_analyze, NOTHING},  {"make_consistent", run_make_consistent, NOTHING},
-    {"start", run_start, NOTHING},      {"start, analyzed", run_start, ANALYZED},
-    {"advance", run_advance, STARTED},  {"step", run_steps, STARTED},
+    {"analyze", run_analyze, NOTHING}, {"make_consistent", run_make_consistent, NOTHING},
+    {"start", run_start, NOTHING},     {"start, analyzed", run_start, ANALYZED},
+    {"advance", run_advance, STARTED}, {"step", run_steps, STARTED},
     {"check", run_check, NOTHING},
 };
 enum { PHASES = sizeof phases / sizeof phases[0] };
 
-static void prepare(sfdae_solver *solver, enum preparation before) {
+static void prepare(sfdae_solver* solver, enum preparation before) {
   double x[N];
   exact(0, x);
   if (before == ANALYZED) CHECK_STATUS(sfdae_analyze_at(solver, 0, last, x, NULL), SFDAE_OK);
@@ -214,9 +215,9 @@ static int documented(enum kind kind, int order, int status) {
 }
 
 /* Lets the call number `call` go wrong; 0 if there was no such call. */
-static int call_goes_wrong(const struct phase *phase, char function, enum kind kind, long call) {
+static int call_goes_wrong(const struct phase* phase, char function, enum kind kind, long call) {
   plan p = no_fault();
-  sfdae_solver *solver = create(&p);
+  sfdae_solver* solver = create(&p);
   const int failures_before = failures;
   int status, struck;
   prepare(solver, phase->before);
@@ -265,7 +266,7 @@ static void functions_may_end(void) {
   for (function = 0; function < 3; function++)
     for (k = 0; k < 4; k++) {
       plan p = no_fault();
-      sfdae_solver *solver = create(&p);
+      sfdae_solver* solver = create(&p);
       double t = unset, x[N];
       prepare(solver, STARTED);
       p.function = functions[function];
@@ -288,7 +289,7 @@ static void the_solver_is_busy_in_its_callbacks(void) {
   for (k = 0; k < 2; k++)
     for (phase = 0; phase < PHASES; phase++) {
       plan p = no_fault();
-      sfdae_solver *solver = create(&p);
+      sfdae_solver* solver = create(&p);
       prepare(solver, phases[phase].before);
       p.function = functions[k];
       p.inside = 1;

@@ -13,14 +13,14 @@ typedef struct {
   char function; /* 'F', 'x', 'd' or 0 */
   int order, row, column;
   double offset;
-  int highest; /* order that is available */
+  int highest;   /* order that is available */
   double domain; /* no values for t beyond */
 } mistake;
 
 /* F2^(k) offset by one derivative alone: that of order k + 1 remains the derivative of what is right, so that order k + 1
  * does not fit any more, either; the first one counts. */
-static int derivative(double t, int k, const double *jet, double *F, double *F_x, double *F_xdot, void *user) {
-  const mistake *wrong = (const mistake *)user;
+static int derivative(double t, int k, const double* jet, double* F, double* F_x, double* F_xdot, void* user) {
+  const mistake* wrong = (const mistake*)user;
   if (k > wrong->highest) return SFDAE_ORDER_NOT_AVAILABLE;
   if (t > wrong->domain) return 1;
   pendulum_derivative(t, k, jet, F, F_x, F_xdot, NULL);
@@ -31,15 +31,15 @@ static int derivative(double t, int k, const double *jet, double *F, double *F_x
   return 0;
 }
 
-static void any_jet(double scale, double *jet) {
+static void any_jet(double scale, double* jet) {
   int i;
   for (i = 0; i < N * (HIGHEST + 2); i++) jet[i] = scale * cos(1.0 + 2.3 * i);
 }
 
-static sfdae_derivative_check check(mistake *wrong, double t, double scale, int max_order) {
+static sfdae_derivative_check check(mistake* wrong, double t, double scale, int max_order) {
   sfdae_nonlinear_problem problem = pendulum_problem();
   sfdae_derivative_check result;
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   double jet[N * (HIGHEST + 2)];
   any_jet(scale, jet);
   problem.total_derivative = derivative;
@@ -132,7 +132,7 @@ static void wrong_arguments_are_refused(void) {
   sfdae_nonlinear_problem problem = pendulum_problem();
   sfdae_derivative_check result, before;
   double jet[N * (HIGHEST + 2)];
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   int k;
   any_jet(1, jet);
   problem.total_derivative = derivative;

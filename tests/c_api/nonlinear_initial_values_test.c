@@ -20,7 +20,7 @@ static void the_nearest_point_is_found(void) {
   for (k = 0; k < 2; k++) {
     sfdae_nonlinear_problem problem = form(k);
     sfdae_options options = default_options();
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     sfdae_initial_report report;
     double x[N] = {0.36, -1.02, 0.5, 0.1, 0.7, 0}, xdot[N];
     const double length = sqrt(x[0] * x[0] + x[1] * x[1]), x1 = x[0] / length, x2 = x[1] / length;
@@ -43,7 +43,7 @@ static void values_that_are_consistent_stay(void) {
   int k, i;
   for (k = 0; k < 2; k++) {
     sfdae_nonlinear_problem problem = form(k);
-    sfdae_solver *solver = CREATE(&problem, NULL);
+    sfdae_solver* solver = CREATE(&problem, NULL);
     double x[N], before[N], xdot[N], ahead[N], behind[N];
     const double h = 1e-5;
     exact(0.7, x);
@@ -64,7 +64,7 @@ static void fixed_components_stay(void) {
   for (k = 0; k < 2; k++) {
     sfdae_nonlinear_problem problem = form(k);
     sfdae_options options = default_options();
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     double x[N] = {0.6, -0.7, 0.5, 0, 0, 0}, t = unset, before[N];
     static const int all[N] = {1, 1, 1, 1, 1, 1};
     options.initial_values = SFDAE_INITIAL_FIXED;
@@ -91,7 +91,7 @@ static void given_values_are_taken_or_refused(void) {
   for (k = 0; k < 2; k++) {
     sfdae_nonlinear_problem problem = form(k);
     sfdae_options options = default_options();
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     double x[N], before[N], t = unset;
     options.initial_values = SFDAE_INITIAL_ACCEPT;
     solver = CREATE(&problem, &options);
@@ -122,7 +122,7 @@ static void weights_count(void) {
     int light;
     for (light = 0; light < 2; light++) {
       sfdae_options options = default_options();
-      sfdae_solver *solver;
+      sfdae_solver* solver;
       weights[0] = light ? 1e-4 : 1;
       options.initial_weights = weights;
       solver = CREATE(&problem, &options);
@@ -144,7 +144,7 @@ static void guesses_need_not_be_consistent(void) {
   for (k = 0; k < 2; k++)
     for (i = 0; i < 4; i++) {
       sfdae_nonlinear_problem problem = form(k);
-      sfdae_solver *solver = CREATE(&problem, NULL);
+      sfdae_solver* solver = CREATE(&problem, NULL);
       sfdae_characteristics c;
       double x[N], before[N];
       sfdae_characteristics_init(&c, sizeof c);
@@ -159,8 +159,8 @@ static void guesses_need_not_be_consistent(void) {
 }
 
 /* x1^2 + x2^2 + 1 = 0 */
-static int no_solution(sfdae_record *record, sfdae_expression t, const sfdae_expression *x, const sfdae_expression *xdot,
-                       sfdae_expression *F, void *user) {
+static int no_solution(sfdae_record* record, sfdae_expression t, const sfdae_expression* x,
+                       const sfdae_expression* xdot, sfdae_expression* F, void* user) {
   (void)record, (void)t, (void)user;
   F[0] = sfdae_subtract(xdot[0], x[1]);
   F[1] = sfdae_add(sfdae_add(sfdae_multiply(x[0], x[0]), sfdae_multiply(x[1], x[1])), sfdae_number(1));
@@ -169,7 +169,7 @@ static int no_solution(sfdae_record *record, sfdae_expression t, const sfdae_exp
 
 static void what_does_not_exist_is_not_found(void) {
   sfdae_nonlinear_problem problem = pendulum_problem();
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   double x[2] = {1, 2};
   problem.num_equations = problem.num_unknowns = 2;
   problem.num_prescribed = 0;

@@ -31,7 +31,7 @@ static void both_forms_are_accurate_forward_and_backward(void) {
           const double tol = tolerances[i];
           sfdae_nonlinear_problem problem = form(k);
           sfdae_options options = options_for(method, tol);
-          sfdae_solver *solver = CREATE(&problem, &options);
+          sfdae_solver* solver = CREATE(&problem, &options);
           sfdae_characteristics c;
           double t = unset, x[N], xdot[N], from[N];
           int step;
@@ -63,7 +63,7 @@ static void both_forms_do_the_same(void) {
     for (k = 0; k < 2; k++) {
       sfdae_nonlinear_problem problem = form(k);
       sfdae_options options = options_for(method, 1e-7);
-      sfdae_solver *solver = CREATE(&problem, &options);
+      sfdae_solver* solver = CREATE(&problem, &options);
       double t;
       exact(0, x[k]);
       sfdae_start(solver, 0, 2, x[k], NULL);
@@ -83,7 +83,7 @@ static void steps_are_taken_one_by_one(void) {
   for (method = 0; method < 2; method++) {
     sfdae_nonlinear_problem problem = recorded_pendulum();
     sfdae_options options = options_for(method, 1e-6);
-    sfdae_solver *solver = CREATE(&problem, &options);
+    sfdae_solver* solver = CREATE(&problem, &options);
     double t = 0, before = 0, x[N];
     long steps = 0;
     int status;
@@ -102,7 +102,7 @@ static void steps_are_taken_one_by_one(void) {
 /* After an event, say. */
 static void restarts_take_other_values(void) {
   sfdae_nonlinear_problem problem = recorded_pendulum();
-  sfdae_solver *solver = CREATE(&problem, NULL);
+  sfdae_solver* solver = CREATE(&problem, NULL);
   double t = unset, x[N];
   int k;
   exact(0, x);
@@ -124,7 +124,7 @@ static void what_is_free_is_held(void) {
   for (method = 0; method < 2; method++) {
     sfdae_nonlinear_problem problem = recorded_pendulum();
     sfdae_options options = options_for(method, 1e-6);
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     double t = unset, x[N];
     problem.num_prescribed = 0;
     problem.prescribed_values = NULL;
@@ -141,7 +141,7 @@ static void what_is_free_is_held(void) {
 static void wrong_inputs_are_refused(void) {
   static const int position[1] = {0}, both[2] = {4, 5};
   sfdae_nonlinear_problem problem = recorded_pendulum();
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   double x[N], before[N];
   problem.prescribed = position;
   solver = CREATE(&problem, NULL);
@@ -161,8 +161,8 @@ static void wrong_inputs_are_refused(void) {
 /* ---- Redundant, overdetermined, linear ------------------------------------------------------------ */
 
 /* The length twice, with two multipliers: v = u = 1. x = (cos t, sin t, -sin t, cos t), x5 + x6 = 1/2. */
-static int redundant_equations(sfdae_record *record, sfdae_expression t, const sfdae_expression *x,
-                               const sfdae_expression *xdot, sfdae_expression *F, void *user) {
+static int redundant_equations(sfdae_record* record, sfdae_expression t, const sfdae_expression* x,
+                               const sfdae_expression* xdot, sfdae_expression* F, void* user) {
   const sfdae_expression rod = sfdae_multiply(sfdae_number(2), sfdae_add(x[4], x[5]));
   const sfdae_expression square = sfdae_add(sfdae_multiply(x[0], x[0]), sfdae_multiply(x[1], x[1]));
   (void)record, (void)t, (void)user;
@@ -181,7 +181,7 @@ static void redundant_constraints_are_found(void) {
     sfdae_nonlinear_problem problem = pendulum_problem();
     sfdae_options options = options_for(method, 1e-7);
     sfdae_characteristics c;
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     double t = unset, x[N] = {1, 0, 0, 1, 0.25, 0.25};
     problem.num_equations = N;
     problem.num_prescribed = 0;
@@ -207,8 +207,8 @@ static void redundant_constraints_are_found(void) {
 }
 
 /* Three equations for two unknowns: x1' = x2, x1^2 + x2^2 = 1, x2' = -x1. One of them follows. x = (sin t, cos t). */
-static int overdetermined_equations(sfdae_record *record, sfdae_expression t, const sfdae_expression *x,
-                                    const sfdae_expression *xdot, sfdae_expression *F, void *user) {
+static int overdetermined_equations(sfdae_record* record, sfdae_expression t, const sfdae_expression* x,
+                                    const sfdae_expression* xdot, sfdae_expression* F, void* user) {
   (void)record, (void)t, (void)user;
   F[0] = sfdae_subtract(xdot[0], x[1]);
   F[1] = sfdae_add(xdot[1], x[0]);
@@ -223,7 +223,7 @@ static void overdetermined_problems_are_solved(void) {
     sfdae_nonlinear_problem problem = pendulum_problem();
     sfdae_options options = options_for(method, 1e-7);
     sfdae_characteristics c;
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     double t = unset, x[2] = {0, 1.1};
     problem.num_equations = 3;
     problem.num_unknowns = 2;
@@ -245,8 +245,8 @@ static void overdetermined_problems_are_solved(void) {
 /* Gear & Petzold: x1 + eta t x2 = e^-t,  x1' + eta t x2' + (1 + eta) x2 = 0; x = ((1 - eta t) e^-t, e^-t). mu = 1, a = 2. */
 static const double eta = -1;
 
-static int gear_petzold(sfdae_record *record, sfdae_expression t, const sfdae_expression *x, const sfdae_expression *xdot,
-                        sfdae_expression *F, void *user) {
+static int gear_petzold(sfdae_record* record, sfdae_expression t, const sfdae_expression* x,
+                        const sfdae_expression* xdot, sfdae_expression* F, void* user) {
   const sfdae_expression eta_t = sfdae_multiply(sfdae_parameter(record, "eta", eta), t);
   (void)user;
   F[0] = sfdae_subtract(sfdae_add(x[0], sfdae_multiply(eta_t, x[1])), sfdae_exp(sfdae_negate(t)));
@@ -255,8 +255,8 @@ static int gear_petzold(sfdae_record *record, sfdae_expression t, const sfdae_ex
   return 0;
 }
 
-static int gear_petzold_coefficients(sfdae_record *record, sfdae_expression t, sfdae_expression *E, sfdae_expression *A,
-                                     sfdae_expression *f, void *user) {
+static int gear_petzold_coefficients(sfdae_record* record, sfdae_expression t, sfdae_expression* E,
+                                     sfdae_expression* A, sfdae_expression* f, void* user) {
   const sfdae_expression eta_t = sfdae_multiply(sfdae_parameter(record, "eta", eta), t);
   (void)user;
   E[1] = A[0] = sfdae_number(1);
@@ -266,25 +266,25 @@ static int gear_petzold_coefficients(sfdae_record *record, sfdae_expression t, s
   return 0;
 }
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   (void)user;
   if (order == 0) matrix[1] = 1;
   if (order <= 1) matrix[3] = order == 0 ? eta * t : eta;
   return 0;
 }
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   (void)user;
   if (order == 0) matrix[0] = 1, matrix[3] = -(1 + eta);
   if (order <= 1) matrix[2] = order == 0 ? eta * t : eta;
   return 0;
 }
-static int f(double t, int order, double *vector, void *user) {
+static int f(double t, int order, double* vector, void* user) {
   (void)user;
   vector[0] = order % 2 ? exp(-t) : -exp(-t);
   return 0;
 }
 
-static void solve_linear(sfdae_solver *solver, double *x, double *M_array) {
+static void solve_linear(sfdae_solver* solver, double* x, double* M_array) {
   sfdae_derivative_check check;
   sfdae_characteristics c;
   double t = unset, T2[4], A2[4];
@@ -311,7 +311,7 @@ static void linear_equations_are_solved_as_linear_problems(void) {
   for (form_of_problem = 0; form_of_problem < 3; form_of_problem++) {
     sfdae_nonlinear_problem problem = pendulum_problem();
     sfdae_linear_problem linear;
-    sfdae_solver *solver = NULL;
+    sfdae_solver* solver = NULL;
     problem.num_equations = problem.num_unknowns = 2;
     problem.num_prescribed = 0;
     if (form_of_problem == 0) problem.equations = gear_petzold;
@@ -337,10 +337,10 @@ static void linear_equations_are_solved_as_linear_problems(void) {
 
 /* ---- Checkpoints ---------------------------------------------------------------------------------- */
 
-static double *save(sfdae_solver *solver, size_t *length) {
-  double *checkpoint;
+static double* save(sfdae_solver* solver, size_t* length) {
+  double* checkpoint;
   CHECK_STATUS(sfdae_get_checkpoint_length(solver, length), SFDAE_OK);
-  checkpoint = (double *)malloc(*length * sizeof *checkpoint);
+  checkpoint = (double*)malloc(*length * sizeof *checkpoint);
   CHECK_STATUS(sfdae_save_checkpoint(solver, checkpoint, *length), SFDAE_OK);
   return checkpoint;
 }
@@ -354,7 +354,7 @@ static void restored_runs_go_on(void) {
       for (i = 0; i < 6; i++) {
         sfdae_nonlinear_problem problem = form(k);
         sfdae_options options = options_for(method, 1e-7);
-        sfdae_solver *solver = CREATE(&problem, &options);
+        sfdae_solver* solver = CREATE(&problem, &options);
         double t, x[N], other_t, other_x[N], *checkpoint;
         size_t length;
         exact(0, x);
@@ -380,7 +380,7 @@ static void damaged_checkpoints_are_survived(void) {
   for (method = 0; method < 2; method++) {
     sfdae_nonlinear_problem problem = recorded_pendulum();
     sfdae_options options = options_for(method, 1e-4);
-    sfdae_solver *solver = CREATE(&problem, &options);
+    sfdae_solver* solver = CREATE(&problem, &options);
     double t, x[N], *checkpoint;
     size_t length, i;
     int k;

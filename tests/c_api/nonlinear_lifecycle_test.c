@@ -10,7 +10,7 @@
 
 #define TOL 1e-6
 
-static void solve_and_check(sfdae_solver *solver) {
+static void solve_and_check(sfdae_solver* solver) {
   double t = 0, x[N];
   exact(0, x);
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
@@ -40,9 +40,9 @@ static void init_writes_no_more_than_its_caller_has(void) {
 }
 
 /* Creation and check refuse with the status and a reason. */
-static void refused(int line, const sfdae_nonlinear_problem *problem, const sfdae_options *options, int expected) {
+static void refused(int line, const sfdae_nonlinear_problem* problem, const sfdae_options* options, int expected) {
   static int nothing;
-  sfdae_solver *solver = (sfdae_solver *)(void *)&nothing;
+  sfdae_solver* solver = (sfdae_solver*)(void*)&nothing;
   char text[512], tiny[4];
   check_status(__FILE__, line, "sfdae_create_nonlinear", sfdae_create_nonlinear(&solver, problem, options), expected);
   CHECK(solver == NULL);
@@ -57,8 +57,8 @@ static void refused(int line, const sfdae_nonlinear_problem *problem, const sfda
 }
 #define REFUSED(problem, options, expected) refused(__LINE__, (problem), (options), (expected))
 
-static int linear_equations(sfdae_record *record, sfdae_expression t, sfdae_expression *E, sfdae_expression *A,
-                            sfdae_expression *f, void *user) {
+static int linear_equations(sfdae_record* record, sfdae_expression t, sfdae_expression* E, sfdae_expression* A,
+                            sfdae_expression* f, void* user) {
   (void)record, (void)t, (void)E, (void)A, (void)f, (void)user;
   return 0;
 }
@@ -136,9 +136,9 @@ typedef struct {
   int calls;
 } recording;
 
-static int mistaken(sfdae_record *record, sfdae_expression t, const sfdae_expression *x, const sfdae_expression *xdot,
-                    sfdae_expression *F, void *user) {
-  recording *r = (recording *)user;
+static int mistaken(sfdae_record* record, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
+                    sfdae_expression* F, void* user) {
+  recording* r = (recording*)user;
   const sfdae_expression last = F[M - 1];
   r->calls++;
   pendulum_equations(record, t, x, xdot, F, NULL);
@@ -161,7 +161,7 @@ static void mistakes_in_equations_are_refused(void) {
                                          SFDAE_ILLEGAL_ARGUMENT,
                                          SFDAE_CALLBACK_STOPPED,
                                          SFDAE_CALLBACK_FAILED};
-  static const char *const words[MISTAKES] = {"", "residual[4]", "finite", "no value", "-1", "1"};
+  static const char* const words[MISTAKES] = {"", "residual[4]", "finite", "no value", "-1", "1"};
   sfdae_nonlinear_problem problem = recorded_pendulum();
   recording r;
   int mistake;
@@ -169,7 +169,7 @@ static void mistakes_in_equations_are_refused(void) {
   problem.equations = mistaken;
   problem.user = &r;
   for (mistake = 0; mistake < MISTAKES; mistake++) {
-    sfdae_solver *solver = NULL;
+    sfdae_solver* solver = NULL;
     char text[256];
     r.mistake = (enum mistake)mistake;
     r.calls = 0;
@@ -192,7 +192,7 @@ static void everything_is_copied(void) {
   double tolerances[N] = {TOL, TOL, TOL, TOL, TOL, TOL};
   sfdae_nonlinear_problem problem = recorded_pendulum();
   sfdae_options options = default_options();
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   problem.prescribed = &component;
   options.rtol_vector = options.atol_vector = tolerances;
   solver = CREATE(&problem, &options);
@@ -227,7 +227,7 @@ static void wrong_points_are_refused(void) {
   problems[0] = recorded_pendulum();
   problems[1] = differentiated_pendulum();
   for (k = 0; k < 2; k++) {
-    sfdae_solver *solver = CREATE(&problems[k], NULL);
+    sfdae_solver* solver = CREATE(&problems[k], NULL);
     sfdae_characteristics c;
     double x[N], xdot[N];
     exact(0, x);
@@ -267,7 +267,7 @@ static void absurd_guesses_are_survived(void) {
   for (k = 0; k < 2; k++)
     for (i = 0; i < 8; i++)
       for (j = -1; j < N; j++) {
-        sfdae_solver *solver = CREATE(&problems[k], NULL);
+        sfdae_solver* solver = CREATE(&problems[k], NULL);
         double x[N], before[N];
         int status, l;
         exact(0, x);
@@ -286,7 +286,7 @@ static void absurd_guesses_are_survived(void) {
 
 static void calls_too_early_are_refused(void) {
   sfdae_nonlinear_problem problem = recorded_pendulum();
-  sfdae_solver *solver = CREATE(&problem, NULL);
+  sfdae_solver* solver = CREATE(&problem, NULL);
   sfdae_characteristics c;
   sfdae_initial_report report;
   double t = unset, x[N];
@@ -308,7 +308,7 @@ static void calls_too_early_are_refused(void) {
 /* Linear problems alone have arrays that depend on t alone. */
 static void arrays_of_linear_problems_are_refused(void) {
   sfdae_nonlinear_problem problem = recorded_pendulum();
-  sfdae_solver *solver = CREATE(&problem, NULL);
+  sfdae_solver* solver = CREATE(&problem, NULL);
   sfdae_derivative_check check;
   double array[M * N], x[N];
   int vhat = -3;
@@ -328,14 +328,14 @@ static void arrays_of_linear_problems_are_refused(void) {
 /* ---- Parameters and options --------------------------------------------------------------------- */
 
 /* With g = 0 and no force it goes round: x = (cos t, sin t), x5 = 1/2. */
-static int no_push(double t, int order, double *values, void *user) {
+static int no_push(double t, int order, double* values, void* user) {
   (void)t, (void)order, (void)values, (void)user;
   return 0;
 }
 
 static void parameters_can_be_changed(void) {
   sfdae_nonlinear_problem problem = recorded_pendulum();
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   double value = unset, t = unset, x[N];
   problem.prescribed_values = no_push;
   solver = CREATE(&problem, NULL);
@@ -378,7 +378,7 @@ static void parameters_can_be_changed(void) {
 
 static void options_can_be_changed(void) {
   sfdae_nonlinear_problem problem = recorded_pendulum();
-  sfdae_solver *solver = CREATE(&problem, NULL);
+  sfdae_solver* solver = CREATE(&problem, NULL);
   sfdae_options options = default_options();
   sfdae_statistics before, after;
   double t = unset, x[N];
@@ -419,7 +419,7 @@ static void options_can_be_changed(void) {
 
 static void requests_to_stop_are_obeyed(void) {
   sfdae_nonlinear_problem problem = recorded_pendulum();
-  sfdae_solver *solver = CREATE(&problem, NULL);
+  sfdae_solver* solver = CREATE(&problem, NULL);
   double t = unset, x[N];
   exact(0, x);
   CHECK_STATUS(sfdae_request_stop(solver), SFDAE_OK);

@@ -25,17 +25,17 @@ static const double unset = -12345.678; /* outputs that nobody has written */
 static const int force_component[1] = {N - 1};
 
 /* Bytes that no call that fails may change. */
-static inline void guard(void *bytes, size_t length) { memset(bytes, 0xA5, length); }
+static inline void guard(void* bytes, size_t length) { memset(bytes, 0xA5, length); }
 
-static inline int guarded(const void *bytes, size_t length) {
-  const unsigned char *byte = (const unsigned char *)bytes;
+static inline int guarded(const void* bytes, size_t length) {
+  const unsigned char* byte = (const unsigned char*)bytes;
   size_t i;
   for (i = 0; i < length; i++)
     if (byte[i] != 0xA5) return 0;
   return 1;
 }
 
-static inline void exact(double t, double *x) {
+static inline void exact(double t, double* x) {
   const double p = sin(t) / 2 - acos(0.0), p1 = cos(t) / 2, p2 = -sin(t) / 2;
   x[0] = cos(p);
   x[1] = sin(p);
@@ -52,7 +52,7 @@ static inline double force(double t) {
 }
 
 /* The error stays below 10 times the tolerance. */
-static inline int accurate(double t, const double *x, double tol) {
+static inline int accurate(double t, const double* x, double tol) {
   double xe[N];
   int i;
   exact(t, xe);
@@ -62,14 +62,14 @@ static inline int accurate(double t, const double *x, double tol) {
 }
 
 /* Largest residual of the constraints, hidden ones included. */
-static inline double violation(const double *x) {
+static inline double violation(const double* x) {
   const double position = x[0] * x[0] + x[1] * x[1] - 1, velocity = x[0] * x[2] + x[1] * x[3];
   const double acceleration = x[2] * x[2] + x[3] * x[3] - 2 * x[4] + x[0] * x[5] - gravity * x[1];
   return fmax(fabs(position), fmax(fabs(velocity), fabs(acceleration)));
 }
 
-static inline int pendulum_equations(sfdae_record *record, sfdae_expression t, const sfdae_expression *x,
-                                     const sfdae_expression *xdot, sfdae_expression *F, void *user) {
+static inline int pendulum_equations(sfdae_record* record, sfdae_expression t, const sfdae_expression* x,
+                                     const sfdae_expression* xdot, sfdae_expression* F, void* user) {
   const sfdae_expression rod = sfdae_multiply(sfdae_number(2), x[4]), g = sfdae_parameter(record, "g", gravity);
   (void)t, (void)user;
   F[0] = sfdae_subtract(xdot[0], x[2]);
@@ -82,8 +82,8 @@ static inline int pendulum_equations(sfdae_record *record, sfdae_expression t, c
 }
 
 /* Order k by the rule of Leibniz. */
-static inline int pendulum_derivative(double t, int k, const double *jet, double *F, double *F_x, double *F_xdot,
-                                      void *user) {
+static inline int pendulum_derivative(double t, int k, const double* jet, double* F, double* F_x, double* F_xdot,
+                                      void* user) {
   double binomial = 1;
   int i;
   (void)t, (void)user;
@@ -109,7 +109,7 @@ static inline int pendulum_derivative(double t, int k, const double *jet, double
   return 0;
 }
 
-static inline int push(double t, int order, double *values, void *user) {
+static inline int push(double t, int order, double* values, void* user) {
   (void)user;
   CHECK(order == 0 && values[0] == 0);
   values[0] = force(t);
@@ -146,8 +146,9 @@ static inline sfdae_options default_options(void) {
   return options;
 }
 
-static inline sfdae_solver *create_solver(int line, const sfdae_nonlinear_problem *problem, const sfdae_options *options) {
-  sfdae_solver *solver = NULL;
+static inline sfdae_solver* create_solver(int line, const sfdae_nonlinear_problem* problem,
+                                          const sfdae_options* options) {
+  sfdae_solver* solver = NULL;
   check_status(__FILE__, line, "sfdae_create_nonlinear", sfdae_create_nonlinear(&solver, problem, options), SFDAE_OK);
   return solver;
 }

@@ -19,19 +19,19 @@ static double cosine(double t, int order) { return cos(t + order * half_pi); }
 
 /* GELDA's document problem:  0 = -x1 + t x2 + e^-t,  x1' - t x2' = 0;  x = ((1 + t) e^-t, e^-t).
  * mu = 1, d = 0, a = 2; M has rank 2 of 4 rows: vhat = 0. */
-static int gelda_E(double t, int order, double *matrix, void *user) {
+static int gelda_E(double t, int order, double* matrix, void* user) {
   (void)user;
   if (order == 0) matrix[1] = 1, matrix[3] = -t;
   if (order == 1) matrix[3] = -1;
   return 0;
 }
-static int gelda_A(double t, int order, double *matrix, void *user) {
+static int gelda_A(double t, int order, double* matrix, void* user) {
   (void)user;
   if (order == 0) matrix[0] = -1, matrix[2] = t;
   if (order == 1) matrix[2] = 1;
   return 0;
 }
-static int gelda_f(double t, int order, double *vector, void *user) {
+static int gelda_f(double t, int order, double* vector, void* user) {
   (void)user;
   vector[0] = order % 2 ? -exp(-t) : exp(-t);
   return 0;
@@ -40,12 +40,12 @@ static int gelda_f(double t, int order, double *vector, void *user) {
 /* A reaction with its conservation law, 3 equations for 2 unknowns, k = 1 + sin(t) / 2:
  * x1' = -k x1,  x2' = k x1,  0 = x1 + x2 - 1.  The derivative of the law follows from the others:
  * mu = 1, d = 1, a = 1, v = 1; M has rank 4 of 6 rows: vhat = 1. */
-static int reaction_E(double t, int order, double *matrix, void *user) {
+static int reaction_E(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = matrix[4] = 1;
   return 0;
 }
-static int reaction_A(double t, int order, double *matrix, void *user) {
+static int reaction_A(double t, int order, double* matrix, void* user) {
   const double k = (order == 0 ? 1 : 0) + 0.5 * sine(t, order);
   (void)user;
   matrix[0] = -k;
@@ -53,7 +53,7 @@ static int reaction_A(double t, int order, double *matrix, void *user) {
   if (order == 0) matrix[2] = matrix[5] = 1;
   return 0;
 }
-static int reaction_f(double t, int order, double *vector, void *user) {
+static int reaction_f(double t, int order, double* vector, void* user) {
   (void)t, (void)user;
   if (order == 0) vector[2] = -1;
   return 0;
@@ -62,14 +62,14 @@ static int reaction_f(double t, int order, double *vector, void *user) {
 /* 3 equations for 4 unknowns:  c x1' + s x2' = x3 + s,  0 = c x1 + s x2 + e^-t,  x4' = x1 - x4 + 1,
  * c = cos t, s = sin t. The derivative of the second row and the first give 0 = x3 + s - s x1 + c x2 - e^-t:
  * mu = 1, d = 1, a = 2, u = 1; M has rank 4 of 6 rows: vhat = 0. */
-static int turning_E(double t, int order, double *matrix, void *user) {
+static int turning_E(double t, int order, double* matrix, void* user) {
   (void)user;
   matrix[0] = cosine(t, order);
   matrix[3] = sine(t, order);
   if (order == 0) matrix[2 + 3 * 3] = 1;
   return 0;
 }
-static int turning_A(double t, int order, double *matrix, void *user) {
+static int turning_A(double t, int order, double* matrix, void* user) {
   (void)user;
   matrix[1 + 3 * 0] = cosine(t, order);
   matrix[1 + 3 * 1] = sine(t, order);
@@ -80,7 +80,7 @@ static int turning_A(double t, int order, double *matrix, void *user) {
   }
   return 0;
 }
-static int turning_f(double t, int order, double *vector, void *user) {
+static int turning_f(double t, int order, double* vector, void* user) {
   (void)user;
   vector[0] = sine(t, order);
   vector[1] = order % 2 ? -exp(-t) : exp(-t);
@@ -89,19 +89,19 @@ static int turning_f(double t, int order, double *vector, void *user) {
 }
 
 /* x1' = x2, x2' = -x1: mu = 0, d = 2, and nothing else. */
-static int spring_E(double t, int order, double *matrix, void *user) {
+static int spring_E(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = matrix[3] = 1;
   return 0;
 }
-static int spring_A(double t, int order, double *matrix, void *user) {
+static int spring_A(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[1] = -1, matrix[2] = 1;
   return 0;
 }
 
 static const struct example {
-  const char *name;
+  const char* name;
   int m, n;
   sfdae_matrix_function E, A;
   sfdae_vector_function f;
@@ -113,10 +113,10 @@ static const struct example {
     {"spring", 2, 2, spring_E, spring_A, NULL, 0, 2, 0, 0, 0, 0},
 };
 
-static sfdae_solver *create(const struct example *example, int reduction) {
+static sfdae_solver* create(const struct example* example, int reduction) {
   sfdae_linear_problem problem;
   sfdae_options options;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_linear_problem_init(&problem, sizeof problem);
   sfdae_options_init(&options, sizeof options);
   options.reduction = reduction;
@@ -134,7 +134,7 @@ static sfdae_solver *create(const struct example *example, int reduction) {
 enum { ENTRIES = 64 };
 
 /* X^T Y, X is r x p, Y is r x q. */
-static void transpose_product(const double *X, const double *Y, int r, int p, int q, double *result) {
+static void transpose_product(const double* X, const double* Y, int r, int p, int q, double* result) {
   int i, j, k;
   for (j = 0; j < q; j++)
     for (i = 0; i < p; i++) {
@@ -145,7 +145,7 @@ static void transpose_product(const double *X, const double *Y, int r, int p, in
 }
 
 /* X Y, X is r x p, Y is p x q. */
-static void product(const double *X, const double *Y, int r, int p, int q, double *result) {
+static void product(const double* X, const double* Y, int r, int p, int q, double* result) {
   int i, j, k;
   for (j = 0; j < q; j++)
     for (i = 0; i < r; i++) {
@@ -155,7 +155,7 @@ static void product(const double *X, const double *Y, int r, int p, int q, doubl
     }
 }
 
-static double max_abs(const double *X, int count) {
+static double max_abs(const double* X, int count) {
   double max = 0;
   int i;
   for (i = 0; i < count; i++) {
@@ -165,7 +165,7 @@ static double max_abs(const double *X, int count) {
   return max;
 }
 
-static double max_difference(const double *X, const double *Y, int count) {
+static double max_difference(const double* X, const double* Y, int count) {
   double max = 0;
   int i;
   for (i = 0; i < count; i++) {
@@ -181,7 +181,7 @@ static double larger(double a, double b) { return a > b ? a : b; }
 /* What rounding errors amount to in sums of a few terms of size `scale`. */
 static double rounding(double scale) { return 100 * DBL_EPSILON * larger(scale, 1); }
 
-static int orthonormal(const double *Q, int rows, int columns) {
+static int orthonormal(const double* Q, int rows, int columns) {
   double product_with_itself[ENTRIES];
   int i;
   transpose_product(Q, Q, rows, columns, columns, product_with_itself);
@@ -190,7 +190,7 @@ static int orthonormal(const double *Q, int rows, int columns) {
 }
 
 /* Rank of X by elimination with full pivoting; for matrices whose rank is obvious. */
-static int rank_of(const double *matrix, int rows, int columns) {
+static int rank_of(const double* matrix, int rows, int columns) {
   double X[ENTRIES];
   const double size = larger(max_abs(matrix, rows * columns), DBL_MIN);
   int rank, i, j;
@@ -225,14 +225,14 @@ static int rank_of(const double *matrix, int rows, int columns) {
  *   E' - A = [1 -1/2; 0 -1],   E'' - 2 A' = [0 -2; 0 0],   2 E' - A = [1 -1/2; 0 -2] */
 static void array_has_the_blocks_computed_by_hand(void) {
   static const double M_rows[6][6] = {
-      {0, 0, 0, 0, 0, 0},       {1, -0.5, 0, 0, 0, 0},    /* E */
-      {1, -0.5, 0, 0, 0, 0},    {0, -1, 1, -0.5, 0, 0},   /* E' - A, E */
-      {0, -2, 1, -0.5, 0, 0},   {0, 0, 0, -2, 1, -0.5},   /* E'' - 2 A', 2 E' - A, E */
+      {0, 0, 0, 0, 0, 0},     {1, -0.5, 0, 0, 0, 0},  /* E */
+      {1, -0.5, 0, 0, 0, 0},  {0, -1, 1, -0.5, 0, 0}, /* E' - A, E */
+      {0, -2, 1, -0.5, 0, 0}, {0, 0, 0, -2, 1, -0.5}, /* E'' - 2 A', 2 E' - A, E */
   };
   static const double N_rows[6][2] = {{-1, 0.5}, {0, 0}, {0, 1}, {0, 0}, {0, 0}, {0, 0}};
   const double e = exp(-0.5);
   const double g_rows[6] = {e, 0, -e, 0, e, 0};
-  sfdae_solver *solver = create(&examples[0], SFDAE_REDUCTION_STAGED);
+  sfdae_solver* solver = create(&examples[0], SFDAE_REDUCTION_STAGED);
   double M[36], N[12], g[6];
   int level, i, j;
   for (level = 0; level <= 2; level++) {
@@ -251,7 +251,7 @@ static void array_has_the_blocks_computed_by_hand(void) {
 static void exact_solution_satisfies_the_array(void) {
   enum { LEVEL = 4, ROWS = 2 * (LEVEL + 1) };
   const double t = 0.3;
-  sfdae_solver *solver = create(&examples[0], SFDAE_REDUCTION_STAGED);
+  sfdae_solver* solver = create(&examples[0], SFDAE_REDUCTION_STAGED);
   double M[ROWS * ROWS], N[ROWS * 2], g[ROWS], y[ROWS], x[2], My[ROWS], Nx[ROWS];
   int i, k;
   x[0] = (1 + t) * exp(-t);
@@ -270,7 +270,7 @@ static void exact_solution_satisfies_the_array(void) {
 }
 
 static void parts_of_the_array_may_be_left_out(void) {
-  sfdae_solver *solver = create(&examples[0], SFDAE_REDUCTION_STAGED);
+  sfdae_solver* solver = create(&examples[0], SFDAE_REDUCTION_STAGED);
   double M[16], N[8], g[4], M_alone[16], N_alone[8], g_alone[4];
   CHECK_STATUS(sfdae_get_derivative_array(solver, 0.5, 1, M, N, g), SFDAE_OK);
   CHECK_STATUS(sfdae_get_derivative_array(solver, 0.5, 1, M_alone, NULL, NULL), SFDAE_OK);
@@ -283,7 +283,7 @@ static void parts_of_the_array_may_be_left_out(void) {
 
 /* ---- Projectors ------------------------------------------------------------------------------------------ */
 
-static void check_characteristics(const struct example *example, sfdae_solver *solver) {
+static void check_characteristics(const struct example* example, sfdae_solver* solver) {
   sfdae_characteristics c;
   sfdae_characteristics_init(&c, sizeof c);
   CHECK_STATUS(sfdae_analyze(solver, 0.2, 1, &c), example->u ? SFDAE_NOT_UNIQUE : SFDAE_OK);
@@ -291,7 +291,7 @@ static void check_characteristics(const struct example *example, sfdae_solver *s
   CHECK(c.undetermined == example->u && c.redundant == example->v);
 }
 
-static void check_point(const struct example *example, sfdae_solver *solver, double t) {
+static void check_point(const struct example* example, sfdae_solver* solver, double t) {
   const int m = example->m, n = example->n, d = example->d, a = example->a;
   const int rows = (example->mu + 1) * m, columns = (example->mu + 1) * n;
   double M[ENTRIES], N[ENTRIES], g[ENTRIES], E[ENTRIES] = {0}, A[ENTRIES] = {0}, f[ENTRIES] = {0};
@@ -362,7 +362,7 @@ static void projectors_have_their_defining_properties(void) {
   int reduction, i;
   for (k = 0; k < sizeof examples / sizeof examples[0]; k++)
     for (reduction = SFDAE_REDUCTION_STAGED; reduction <= SFDAE_REDUCTION_SVD; reduction++) {
-      sfdae_solver *solver = create(&examples[k], reduction);
+      sfdae_solver* solver = create(&examples[k], reduction);
       const int failures_before = failures;
       check_characteristics(&examples[k], solver);
       for (i = 0; i <= 20; i++) check_point(&examples[k], solver, 0.2 + 0.31 * i);
@@ -372,8 +372,8 @@ static void projectors_have_their_defining_properties(void) {
 }
 
 static void each_projector_may_be_asked_for_alone(void) {
-  const struct example *example = &examples[1];
-  sfdae_solver *solver = create(example, SFDAE_REDUCTION_STAGED);
+  const struct example* example = &examples[1];
+  sfdae_solver* solver = create(example, SFDAE_REDUCTION_STAGED);
   double Z1[3], Z2[6], Z3[6], T2[2], alone[6], E1[2], A1[2], f1[1], A2[2], f2[1], residual, residual_alone;
   int vhat;
   check_characteristics(example, solver);
@@ -406,8 +406,8 @@ static void each_projector_may_be_asked_for_alone(void) {
 
 /* Looking at other points does not disturb the integration. */
 static void looking_inside_leaves_the_integration_alone(void) {
-  sfdae_solver *looked_at = create(&examples[1], SFDAE_REDUCTION_STAGED);
-  sfdae_solver *left_alone = create(&examples[1], SFDAE_REDUCTION_STAGED);
+  sfdae_solver* looked_at = create(&examples[1], SFDAE_REDUCTION_STAGED);
+  sfdae_solver* left_alone = create(&examples[1], SFDAE_REDUCTION_STAGED);
   double t, x[2] = {0.8, 0.2}, y[2] = {0.8, 0.2}, E1[2], Z2[6];
   int i;
   CHECK_STATUS(sfdae_start(looked_at, 0, 2, x, NULL), SFDAE_OK);

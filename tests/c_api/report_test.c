@@ -13,29 +13,29 @@
 
 #include "checks.h"
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   (void)user;
   if (order == 0) matrix[1] = 1, matrix[3] = -t;
   if (order == 1) matrix[3] = -1;
   return 0;
 }
 
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   (void)user;
   if (order == 0) matrix[0] = -1, matrix[2] = t;
   if (order == 1) matrix[2] = 1;
   return 0;
 }
 
-static int f(double t, int order, double *vector, void *user) {
+static int f(double t, int order, double* vector, void* user) {
   (void)user;
   vector[0] = order % 2 ? -exp(-t) : exp(-t);
   return 0;
 }
 
-static sfdae_solver *create(const sfdae_options *options) {
+static sfdae_solver* create(const sfdae_options* options) {
   sfdae_linear_problem problem;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_linear_problem_init(&problem, sizeof problem);
   problem.num_equations = problem.num_unknowns = 2;
   problem.E = E;
@@ -45,7 +45,7 @@ static sfdae_solver *create(const sfdae_options *options) {
   return solver;
 }
 
-static void solve(sfdae_solver *solver) {
+static void solve(sfdae_solver* solver) {
   double t, x[2] = {3, 3};
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_advance(solver, 1, &t, x, NULL), SFDAE_OK);
@@ -54,13 +54,13 @@ static void solve(sfdae_solver *solver) {
 /* ---- Report ------------------------------------------------------------------------------------- */
 
 /* Every length gives the beginning of the text and a final zero, and writes nothing behind. */
-static void lengths_are_respected(const sfdae_solver *solver) {
+static void lengths_are_respected(const sfdae_solver* solver) {
   size_t needed = 0, length, again;
   char *whole, *part;
   CHECK_STATUS(sfdae_report(solver, NULL, 0, &needed), SFDAE_OK);
   CHECK(needed >= 1);
-  whole = (char *)malloc(needed);
-  part = (char *)malloc(needed + 8);
+  whole = (char*)malloc(needed);
+  part = (char*)malloc(needed + 8);
   if (!whole || !part) abort();
   memset(whole, '#', needed);
   CHECK_STATUS(sfdae_report(solver, whole, needed, &again), SFDAE_OK);
@@ -84,7 +84,7 @@ static void lengths_are_respected(const sfdae_solver *solver) {
 }
 
 static void report_is_complete_in_every_phase(void) {
-  sfdae_solver *solver = create(NULL);
+  sfdae_solver* solver = create(NULL);
   char before[8000], analyzed[8000], solved[8000];
   size_t needed = 17;
   CHECK_STATUS(sfdae_report(solver, NULL, 5, &needed), SFDAE_ILLEGAL_ARGUMENT);
@@ -106,7 +106,7 @@ static void report_is_complete_in_every_phase(void) {
 /* ---- Rank decisions -------------------------------------------------------------------------------- */
 
 /* Every decision is consistent in itself; returns the smallest gap between kept and dropped values. */
-static double check_decisions(const sfdae_solver *solver, int max_index) {
+static double check_decisions(const sfdae_solver* solver, int max_index) {
   double smallest = HUGE_VAL;
   int count = -1, i;
   CHECK_STATUS(sfdae_get_num_decisions(solver, &count), SFDAE_OK);
@@ -130,13 +130,14 @@ static double check_decisions(const sfdae_solver *solver, int max_index) {
       const double gap = d.kept / (d.dropped > d.noise ? d.dropped : d.noise);
       CHECK(fabs(d.gap - gap) <= 1e-12 * gap);
     }
-    CHECK(d.verdict == SFDAE_VERDICT_CLEAR || d.verdict == SFDAE_VERDICT_CONFIRMED || d.verdict == SFDAE_VERDICT_USER);
+    CHECK(d.verdict == SFDAE_VERDICT_CLEAR || d.verdict == SFDAE_VERDICT_CONFIRMED ||
+          d.verdict == SFDAE_VERDICT_USER);
     if (d.rank > 0 && d.gap < smallest) smallest = d.gap;
   }
   return smallest;
 }
 
-static int count_decisions(const sfdae_solver *solver, int what, int verdict) {
+static int count_decisions(const sfdae_solver* solver, int what, int verdict) {
   int count = 0, found = 0, i;
   sfdae_get_num_decisions(solver, &count);
   for (i = 0; i < count; i++) {
@@ -149,7 +150,7 @@ static int count_decisions(const sfdae_solver *solver, int what, int verdict) {
 }
 
 static void decisions_support_the_characteristics(void) {
-  sfdae_solver *solver = create(NULL);
+  sfdae_solver* solver = create(NULL);
   sfdae_characteristics c;
   double smallest;
   sfdae_characteristics_init(&c, sizeof c);
@@ -168,7 +169,7 @@ static void decisions_support_the_characteristics(void) {
 
 static void svd_judges_the_whole_array(void) {
   sfdae_options options;
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   sfdae_characteristics c;
   sfdae_options_init(&options, sizeof options);
   sfdae_characteristics_init(&c, sizeof c);
@@ -183,7 +184,7 @@ static void svd_judges_the_whole_array(void) {
 
 static void rank_tol_decides_instead(void) {
   sfdae_options options;
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   int count, i;
   sfdae_options_init(&options, sizeof options);
   options.rank_tol = 1e-9;
@@ -200,7 +201,7 @@ static void rank_tol_decides_instead(void) {
 }
 
 static void decisions_that_do_not_exist_are_refused(void) {
-  sfdae_solver *solver = create(NULL);
+  sfdae_solver* solver = create(NULL);
   sfdae_decision d, before;
   int count = -1;
   sfdae_decision_init(&d, sizeof d);
@@ -218,13 +219,13 @@ static void decisions_that_do_not_exist_are_refused(void) {
 
 /* ---- Unclear ranks ------------------------------------------------------------------------------------ */
 
-static int E_unclear(double t, int order, double *matrix, void *user) {
+static int E_unclear(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = 1, matrix[3] = 1e-14;
   return 0;
 }
 
-static int A_decay(double t, int order, double *matrix, void *user) {
+static int A_decay(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = matrix[3] = -1;
   return 0;
@@ -234,7 +235,7 @@ static int A_decay(double t, int order, double *matrix, void *user) {
 static void unclear_ranks_are_an_error_that_rank_tol_resolves(void) {
   sfdae_linear_problem problem;
   sfdae_options options;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_characteristics c;
   char text[8000];
   sfdae_linear_problem_init(&problem, sizeof problem);
@@ -263,20 +264,20 @@ static void unclear_ranks_are_an_error_that_rank_tol_resolves(void) {
 /* ---- Changes of the characteristic values ------------------------------------------------------------- */
 
 /* x1' = -x1,  (t - 1/2) x2' = x2 - 1:  (0, 2, 0) but (0, 1, 1) at t = 1/2.  x = (e^-t, 1) */
-static int E_passes_zero(double t, int order, double *matrix, void *user) {
+static int E_passes_zero(double t, int order, double* matrix, void* user) {
   (void)user;
   if (order == 0) matrix[0] = 1, matrix[3] = t - 0.5;
   if (order == 1) matrix[3] = 1;
   return 0;
 }
 
-static int A_saddle(double t, int order, double *matrix, void *user) {
+static int A_saddle(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = -1, matrix[3] = 1;
   return 0;
 }
 
-static int f_saddle(double t, int order, double *vector, void *user) {
+static int f_saddle(double t, int order, double* vector, void* user) {
   (void)t, (void)user;
   if (order == 0) vector[1] = -1;
   return 0;
@@ -284,7 +285,7 @@ static int f_saddle(double t, int order, double *vector, void *user) {
 
 static void changes_are_located(void) {
   sfdae_linear_problem problem;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_change change;
   double t, x[2] = {1, 1};
   sfdae_linear_problem_init(&problem, sizeof problem);
@@ -306,8 +307,7 @@ static void changes_are_located(void) {
   CHECK(change.old_undetermined == 0 && change.old_redundant == 0);
   if (change.new_strangeness_index == -1)
     CHECK(change.new_differential == -1 && change.new_algebraic == -1 && change.new_redundant == -1);
-  else
-    CHECK(change.new_strangeness_index == 0 && change.new_differential == 1 && change.new_algebraic == 1);
+  else CHECK(change.new_strangeness_index == 0 && change.new_differential == 1 && change.new_algebraic == 1);
 
   /* Behind the change a new analysis goes on. */
   x[0] = exp(-0.6);

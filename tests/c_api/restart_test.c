@@ -21,18 +21,18 @@ typedef struct {
   int orders; /* 0: order 0 only */
 } record;
 
-static int seen(record *r, double t, int order) {
+static int seen(record* r, double t, int order) {
   if (t < r->min_t) r->min_t = t;
   if (t > r->max_t) r->max_t = t;
   return order > 0 && !r->orders ? SFDAE_ORDER_NOT_AVAILABLE : 0;
 }
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   if (order == 0) matrix[0] = matrix[5] = matrix[10] = 1;
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   if (order == 0) {
     matrix[0 + 4 * 1] = 1;
     matrix[1 + 4 * 0] = -1;
@@ -40,12 +40,12 @@ static int A(double t, int order, double *matrix, void *user) {
     matrix[3 + 4 * 0] = -1;
     matrix[3 + 4 * 2] = 1;
   }
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
-static int f(double t, int order, double *vector, void *user) {
+static int f(double t, int order, double* vector, void* user) {
   vector[3] = -pow(0.5, order) * cos(t / 2 + order * acos(0.0));
-  return seen((record *)user, t, order);
+  return seen((record*)user, t, order);
 }
 
 static record everything(void) {
@@ -60,9 +60,9 @@ static sfdae_options with_tolerance(double tol) {
   return options;
 }
 
-static sfdae_solver *create(record *r, const sfdae_options *options) {
+static sfdae_solver* create(record* r, const sfdae_options* options) {
   sfdae_linear_problem problem;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   sfdae_linear_problem_init(&problem, sizeof problem);
   problem.num_equations = problem.num_unknowns = 4;
   problem.E = E;
@@ -73,14 +73,14 @@ static sfdae_solver *create(record *r, const sfdae_options *options) {
   return solver;
 }
 
-static void exact(double t, double *x) {
+static void exact(double t, double* x) {
   x[0] = cos(t);
   x[1] = -sin(t);
   x[2] = cos(t) + cos(t / 2);
   x[3] = -sin(t) - sin(t / 2) / 2;
 }
 
-static void exact_derivative(double t, double *xdot) {
+static void exact_derivative(double t, double* xdot) {
   xdot[0] = -sin(t);
   xdot[1] = -cos(t);
   xdot[2] = -sin(t) - sin(t / 2) / 2;
@@ -88,7 +88,7 @@ static void exact_derivative(double t, double *xdot) {
 }
 
 /* Within 30 times the tolerance: errors of an undamped oscillation add up over ten units of time. */
-static int accurate(double t, const double *x, double tol) {
+static int accurate(double t, const double* x, double tol) {
   double xe[4];
   int i;
   exact(t, xe);
@@ -98,7 +98,7 @@ static int accurate(double t, const double *x, double tol) {
 }
 
 /* Slopes have the error of x over the step size, which is above 1e-2 here. */
-static int accurate_derivative(double t, const double *xdot, double tol) {
+static int accurate_derivative(double t, const double* xdot, double tol) {
   double xe[4];
   int i;
   exact_derivative(t, xe);
@@ -108,18 +108,19 @@ static int accurate_derivative(double t, const double *xdot, double tol) {
 }
 
 /* All constraints, the hidden one included. */
-static int on_constraints(double t, const double *x) {
-  return fabs(x[2] - x[0] - cos(t / 2)) <= 100 * DBL_EPSILON && fabs(x[3] - x[1] + sin(t / 2) / 2) <= 100 * DBL_EPSILON;
+static int on_constraints(double t, const double* x) {
+  return fabs(x[2] - x[0] - cos(t / 2)) <= 100 * DBL_EPSILON &&
+         fabs(x[3] - x[1] + sin(t / 2) / 2) <= 100 * DBL_EPSILON;
 }
 
-static sfdae_statistics statistics(const sfdae_solver *solver) {
+static sfdae_statistics statistics(const sfdae_solver* solver) {
   sfdae_statistics s;
   sfdae_statistics_init(&s, sizeof s);
   CHECK_STATUS(sfdae_get_statistics(solver, &s), SFDAE_OK);
   return s;
 }
 
-static void start(sfdae_solver *solver, double t, double toward) {
+static void start(sfdae_solver* solver, double t, double toward) {
   double x[4];
   exact(t, x);
   CHECK_STATUS(sfdae_start(solver, t, toward, x, NULL), SFDAE_OK);
@@ -134,7 +135,7 @@ static void every_output_is_accurate_and_consistent(void) {
     for (direction = -1; direction <= 1; direction += 2) {
       record r = everything();
       sfdae_options options = with_tolerance(tolerances[k]);
-      sfdae_solver *solver = create(&r, &options);
+      sfdae_solver* solver = create(&r, &options);
       const double t0 = direction > 0 ? 0 : 10;
       double t, x[4], xdot[4];
       sfdae_statistics s;
@@ -157,7 +158,7 @@ static void every_output_is_accurate_and_consistent(void) {
 static void points_within_the_last_step_cost_no_step(void) {
   record r = everything();
   sfdae_options options = with_tolerance(1e-6);
-  sfdae_solver *solver = create(&r, &options);
+  sfdae_solver* solver = create(&r, &options);
   double t, x[4], xdot[4], again[4];
   sfdae_statistics s;
   long steps;
@@ -186,7 +187,7 @@ static void points_within_the_last_step_cost_no_step(void) {
 
 static void start_is_its_own_output(void) {
   record r = everything();
-  sfdae_solver *solver = create(&r, NULL);
+  sfdae_solver* solver = create(&r, NULL);
   double t = -1, x[4], xdot[4], y[4];
   exact(0, x);
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, xdot), SFDAE_OK);
@@ -219,7 +220,7 @@ static void frequent_output_changes_nothing(void) {
 
 static void single_steps_lead_to_tout(void) {
   record r = everything();
-  sfdae_solver *solver = create(&r, NULL);
+  sfdae_solver* solver = create(&r, NULL);
   double t = 0, x[4], xdot[4], before = 0;
   long steps = 0;
   int status;
@@ -242,7 +243,7 @@ static void single_steps_lead_to_tout(void) {
 
 static void restarts_need_no_new_analysis(void) {
   record r = everything();
-  sfdae_solver *solver = create(&r, NULL);
+  sfdae_solver* solver = create(&r, NULL);
   sfdae_characteristics c;
   double t, x[4];
   sfdae_characteristics_init(&c, sizeof c);
@@ -266,7 +267,7 @@ static void restarts_need_no_new_analysis(void) {
 
 static void there_and_back_again(void) {
   record r = everything();
-  sfdae_solver *solver = create(&r, NULL);
+  sfdae_solver* solver = create(&r, NULL);
   double t, x[4];
   start(solver, 0, 10);
   CHECK_STATUS(sfdae_advance(solver, 10, &t, x, NULL), SFDAE_OK);
@@ -285,7 +286,7 @@ static void nothing_is_evaluated_beyond_the_stop_time(void) {
     for (direction = -1; direction <= 1; direction += 2) {
       record r = everything();
       sfdae_options options = with_tolerance(1e-5);
-      sfdae_solver *solver;
+      sfdae_solver* solver;
       const double t0 = 1, stop = t0 + direction * 2;
       double t, x[4];
       int i;
@@ -321,7 +322,7 @@ static void stop_time_may_be_close(void) {
   for (k = 0; k < 4; k++) {
     record r = everything();
     sfdae_options options = with_tolerance(1e-6);
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     const double stop = 1 + spans[k];
     double t, x[4];
     options.use_stop_time = 1;
@@ -339,7 +340,7 @@ static void stop_time_may_be_close(void) {
 static void max_steps_interrupts(void) {
   record r = everything();
   sfdae_options options = with_tolerance(1e-6);
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   double t = 0, x[4], before = 0;
   int status, calls = 0;
   options.max_steps = 3;
@@ -363,8 +364,8 @@ typedef struct {
   double tol;
 } observer;
 
-static int observe(const sfdae_progress *progress, void *user) {
-  observer *o = (observer *)user;
+static int observe(const sfdae_progress* progress, void* user) {
+  observer* o = (observer*)user;
   o->calls++;
   CHECK(progress->size >= sizeof(sfdae_progress));
   CHECK(progress->num_unknowns == 4 && progress->order >= 1 && progress->order <= 5 && progress->step != 0);
@@ -390,7 +391,7 @@ static void monitor_sees_every_step(void) {
     record r = everything();
     observer o = observer_with_tolerance(1e-6);
     sfdae_options options = with_tolerance(1e-6);
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     double t, x[4];
     int i;
     options.monitor = observe;
@@ -434,7 +435,7 @@ static void steps_obey_their_options(void) {
   record r = everything();
   observer o = observer_with_tolerance(1e-4);
   sfdae_options options = with_tolerance(1e-4);
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   double t, x[4];
   options.monitor = observe;
   options.monitor_user = &o;
@@ -459,7 +460,7 @@ static void first_step_may_be_given(void) {
   for (direction = -1; direction <= 1; direction += 2) {
     record r = everything();
     sfdae_options options = with_tolerance(1e-5);
-    sfdae_solver *solver;
+    sfdae_solver* solver;
     double t, x[4];
     options.initial_step = 1e-4; /* accurate enough to be accepted: its local error is below 1e-8 */
     solver = create(&r, &options);
@@ -474,7 +475,7 @@ static void first_step_may_be_given(void) {
 static void first_step_that_is_too_long_is_reduced(void) {
   record r = everything();
   sfdae_options options = with_tolerance(1e-6);
-  sfdae_solver *solver;
+  sfdae_solver* solver;
   double t, x[4];
   options.initial_step = 100;
   solver = create(&r, &options);
@@ -491,7 +492,7 @@ static void options_may_change_on_the_way(void) {
   static const double vector[4] = {1e-8, 1e-8, 1e-8, 1e-8};
   record r = everything();
   sfdae_options options = with_tolerance(1e-4);
-  sfdae_solver *solver = create(&r, &options);
+  sfdae_solver* solver = create(&r, &options);
   double t, x[4];
   start(solver, 0, 10);
   CHECK_STATUS(sfdae_advance(solver, 1, &t, x, NULL), SFDAE_OK);
@@ -509,7 +510,7 @@ static void options_of_the_analysis_need_a_new_start(void) {
   for (which = 0; which < 7; which++) {
     record r = everything();
     sfdae_options options = with_tolerance(1e-6);
-    sfdae_solver *solver = create(&r, &options);
+    sfdae_solver* solver = create(&r, &options);
     double t = -1, x[4] = {7, 7, 7, 7};
     start(solver, 0, 10);
     CHECK_STATUS(sfdae_set_options(solver, &options), SFDAE_OK); /* the same ones: nothing happens */
@@ -538,7 +539,7 @@ static void options_of_the_analysis_need_a_new_start(void) {
 static void tolerances_below_rounding_are_refused_or_met(void) {
   record r = everything();
   sfdae_options options = with_tolerance(1e-300);
-  sfdae_solver *solver = create(&r, &options);
+  sfdae_solver* solver = create(&r, &options);
   double t = -1, x[4];
   int status;
   exact(0, x);

@@ -43,9 +43,7 @@ sfdae::LinearProblem oscillator() {
   return problem;
 }
 
-sfdae::Point start_point() {
-  return {0.0, {1.0, 0.0, 0.0}, {}};
-}
+sfdae::Point start_point() { return {0.0, {1.0, 0.0, 0.0}, {}}; }
 
 // Within 10 times the default tolerances.
 void expect_exact(const sfdae::Point& point) {
@@ -404,7 +402,8 @@ TEST(Solver, PassesOnExceptionsOfEventFunctions) {
   sfdae::Point point = start_point();
   bool fails = true;
   EXPECT_THROW(solver.set_events(2, nullptr), sfdae::Error);
-  EXPECT_THROW(solver.set_events(2, [](double, sfdae::ConstVectorRef, sfdae::ConstVectorRef, VectorRef) {}, {1}), sfdae::Error);
+  EXPECT_THROW(solver.set_events(2, [](double, sfdae::ConstVectorRef, sfdae::ConstVectorRef, VectorRef) {}, {1}),
+               sfdae::Error);
   solver.set_events(1, [&fails](double t, sfdae::ConstVectorRef, sfdae::ConstVectorRef, VectorRef g) {
     if (fails && t > 0.5) throw std::domain_error("as it happens");
     g[0] = t - 1.5;

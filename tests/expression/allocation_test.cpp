@@ -36,7 +36,8 @@ TEST(Allocation, HappensInTheFirstEvaluationOnly) {
   Recording recording(2);
   const auto& x = recording.x;
   const Term p = recording.parameter("p", 2.0);
-  TaylorEvaluator evaluator(recording.finish({recording.xdot[0] - atan(x[1]) * sin(recording.t), pow(x[0], p) * x[1]}));
+  TaylorEvaluator evaluator(
+      recording.finish({recording.xdot[0] - atan(x[1]) * sin(recording.t), pow(x[0], p) * x[1]}));
   std::vector<double> jet(2 * 8, 0.5), F(2 * 7), F_xdot(4 * 7), F_x(4 * 7);
   const auto evaluate_all = [&](int highest) {
     bool fine = true;

@@ -24,7 +24,8 @@ using Formula = std::function<Term(const Term&)>;
 
 // Equations x = 0 and f(x) = 0; x(s) = x0 + s.
 struct Trial {
-  Trial(const Formula& f, double x0) : recording(1), evaluator(recording.finish({recording.x[0], f(recording.x[0])})) {
+  Trial(const Formula& f, double x0)
+      : recording(1), evaluator(recording.finish({recording.x[0], f(recording.x[0])})) {
     jet = {x0, 1.0, 0.0, 0.0, 0.0};
   }
   bool values(int order) { return evaluator.values(0.0, jet.data(), order, F); }

@@ -29,9 +29,7 @@ class Recorded : public testing::Test {
 
 void expect_same(const Term& a, const Term& b) { EXPECT_EQ(a.node, b.node); }
 
-void expect_number(const Term& a, double value) {
-  EXPECT_EQ(a.node, a.recorder->constant(value));
-}
+void expect_number(const Term& a, double value) { EXPECT_EQ(a.node, a.recorder->constant(value)); }
 
 }  // namespace
 

@@ -96,9 +96,7 @@ class EveryOperation : public testing::TestWithParam<Operator> {
 
 // Largest |F| on the circle over radius^k bounds |F_k|, and rounding errors of the oracle scale alike.
 constexpr double radius = 0.25;
-double coefficient_tolerance(int k) {
-  return 1e-13 * std::pow(radius, -k);
-}
+double coefficient_tolerance(int k) { return 1e-13 * std::pow(radius, -k); }
 
 // Central differences in one coefficient of the jet.
 Numbers difference(const Record& record, const Numbers& jet, std::size_t entry, int order) {

@@ -314,8 +314,7 @@ TEST(Dnfval, GivesTheValuesOfTheArraysThatDnfindMakes) {
     call.find(t);
     ASSERT_EQ(call.ierr, 0);
     const int nq = call.nq();
-    const PairResult found =
-        pair_values(to_matrix(call.EQ.block(nq, nq)), to_matrix(call.AQ.block(nq, family->n())));
+    const PairResult found = pair_values(to_matrix(call.EQ.block(nq, nq)), to_matrix(call.AQ.block(nq, family->n())));
     EXPECT_EQ(found.ierr, 0);
     EXPECT_EQ(found.r, call.ireq);
   }

@@ -19,12 +19,8 @@ using namespace sfdae_test;
 using Family = std::shared_ptr<const LinearFamily>;
 using Functions = DgeldaFamily<std::int32_t>;
 
-Family shared(std::unique_ptr<LinearFamily> family) {
-  return family;
-}
-Family shared(LinearTestProblem item) {
-  return std::move(item.family);
-}
+Family shared(std::unique_ptr<LinearFamily> family) { return family; }
+Family shared(LinearTestProblem item) { return std::move(item.family); }
 
 // Of a component of size 1 in one step.
 constexpr double step_rounding = 100.0 * std::numeric_limits<double>::epsilon();
@@ -123,14 +119,10 @@ TEST_P(DgeldaDefects, StiffnessDoesNotChangeTheCharacteristicValues) {
   }
 }
 
-TEST_P(DgeldaDefects, ARowPairScaledBy1eMinus12KeepsItsEquations) {
-  expect_solved(shared(scaled_row(1e-12)), 1e-6);
-}
+TEST_P(DgeldaDefects, ARowPairScaledBy1eMinus12KeepsItsEquations) { expect_solved(shared(scaled_row(1e-12)), 1e-6); }
 
 // diag(1, 1e-14) x' = diag(-1, -1e-14) x is badly scaled, nothing more.
-TEST_P(DgeldaDefects, ABadlyScaledEquationStaysDifferential) {
-  expect_solved(shared(badly_scaled_ode()), 1e-6);
-}
+TEST_P(DgeldaDefects, ABadlyScaledEquationStaysDifferential) { expect_solved(shared(badly_scaled_ode()), 1e-6); }
 
 // eps x_2' = -x_2 is a differential equation for eps = 1e-12, -22 around 1e-14, algebraic below 1e-15.
 TEST_P(DgeldaDefects, SingularPerturbationsAreToldFromConstraints) {

@@ -79,9 +79,7 @@ class FortranArray {
 };
 
 // Lengths of the work arrays as documented. q = mxindx + 1.
-inline std::int64_t documented_liw(int n, int method) {
-  return method == 1 ? 20 + 2 * n : 20 + 6 * n;
-}
+inline std::int64_t documented_liw(int n, int method) { return method == 1 ? 20 + 2 * n : 20 + 6 * n; }
 inline std::int64_t documented_lrw(int n, int method, int maxord = 5, int mxindx = 3) {
   const std::int64_t q = mxindx + 1;
   return method == 1 ? 50 + (21 + maxord + 14 * mxindx) * n + (6 + mxindx + 6 * q * q) * n * n

@@ -16,9 +16,7 @@ namespace {
 using namespace sfdae_test;
 
 // With SFDAE_TEST_SCALE below 1 a part of the cases, spread evenly.
-bool is_skipped(int number) {
-  return number % (100 / scaled_count(100)) != 0;
-}
+bool is_skipped(int number) { return number % (100 / scaled_count(100)) != 0; }
 
 class DgeldaFamilies : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Methods, DgeldaFamilies, testing::Values(1, 2), method_name);

@@ -65,8 +65,13 @@ template <class Integer = std::int32_t>
 class DgeldaRun {
  public:
   DgeldaRun(UserData user_data, int method_number, int max_order = 5, int max_index = 3)
-      : user(std::move(user_data)), method(method_number), n(user.n), x(size(n), 0.0), xprime(size(n), 0.0),
-        info(20, 0), cval(4, -77) {
+      : user(std::move(user_data)),
+        method(method_number),
+        n(user.n),
+        x(size(n), 0.0),
+        xprime(size(n), 0.0),
+        info(20, 0),
+        cval(4, -77) {
     lrw = static_cast<Integer>(documented_lrw(user.n, method_number, max_order, max_index));
     liw = static_cast<Integer>(documented_liw(user.n, method_number));
     rwork.assign(size(lrw) + guards, std::numeric_limits<double>::quiet_NaN());
@@ -89,8 +94,9 @@ class DgeldaRun {
     static_assert(sizeof pointer <= sizeof rpar);
     std::memcpy(&rpar, &pointer, sizeof pointer);
     Integer ipar = 0;
-    entry(Functions::edif, Functions::adif, Functions::fdif, &n, &t, &tout, x.data(), xprime.data(), cval.data(), &ipar,
-          &rpar, iwork.data(), &liw, rwork.data(), &lrw, rtol.data(), atol.data(), &method, info.data(), &iwarn, &ierr);
+    entry(Functions::edif, Functions::adif, Functions::fdif, &n, &t, &tout, x.data(), xprime.data(), cval.data(),
+          &ipar, &rpar, iwork.data(), &liw, rwork.data(), &lrw, rtol.data(), atol.data(), &method, info.data(),
+          &iwarn, &ierr);
     return ierr;
   }
   Integer call(double tout) {
@@ -115,7 +121,9 @@ class DgeldaRun {
 
  private:
   template <class Number>
-  static std::size_t size(Number value) { return static_cast<std::size_t>(value); }
+  static std::size_t size(Number value) {
+    return static_cast<std::size_t>(value);
+  }
   static constexpr std::size_t guards = 64;
 };
 

@@ -214,8 +214,7 @@ TEST(Dgelda, NamesWhatIsWrongWithItsInput) {
   EXPECT_EQ(code_after([](DgeldaRun<>& r) { --r.lrw; }), -105);
   EXPECT_EQ(code_after([](DgeldaRun<>& r) { --r.liw; }), -106);
   EXPECT_EQ(code_after([](DgeldaRun<>& r) { --r.liw; }, 2), -106);
-  for (int length : {0, 1, 3, 19, -5})
-    EXPECT_EQ(code_after([=](DgeldaRun<>& r) { r.liw = length; }), -106) << length;
+  for (int length : {0, 1, 3, 19, -5}) EXPECT_EQ(code_after([=](DgeldaRun<>& r) { r.liw = length; }), -106) << length;
   EXPECT_EQ(code_after(real(7, 2, 0.0)), -111);
   EXPECT_EQ(code_after(integer(14, 20, 0)), -120);
   EXPECT_EQ(code_after(reals(16, 11, {1.0, 5.0, 0.1})), -121);
@@ -231,7 +230,12 @@ TEST(Dgelda, NamesWhatIsWrongWithItsInput) {
   EXPECT_EQ(code_after(other_method), -132);
   EXPECT_EQ(code_after([](DgeldaRun<>& r) { r.t = 1.0; }, 1, 1.0 + 4e-16), -115);
   EXPECT_EQ(code_after([](DgeldaRun<>& r) { r.t = NAN; }), -115);
-  EXPECT_EQ(code_after([](DgeldaRun<>& r) { r.rtol[0] = 1e-3; r.atol[0] = 0.0; r.x = {0.0, 0.0}; }), -114);
+  EXPECT_EQ(code_after([](DgeldaRun<>& r) {
+              r.rtol[0] = 1e-3;
+              r.atol[0] = 0.0;
+              r.x = {0.0, 0.0};
+            }),
+            -114);
   EXPECT_EQ(code_after(real(8, 3, -0.1)), -112);
   EXPECT_EQ(code_after(real(8, 3, 0.0)), -113);
   EXPECT_EQ(code_after(real(4, 1, -1.0)), -116);
@@ -281,7 +285,8 @@ TEST_P(Methods, NeverEvaluateBeyondTheStopPoint) {
   run.x = {0.5, 0.5};
   run.set_real(4, 1, 1.0);
   run.info[2] = 1;
-  while (run.call(1.0) == 1) {}
+  while (run.call(1.0) == 1) {
+  }
   EXPECT_TRUE(run.ierr == 2 || run.ierr == 3) << run.ierr;
   EXPECT_EQ(run.t, 1.0);
   EXPECT_LE(farthest, 1.0);
@@ -338,9 +343,9 @@ TEST_P(Methods, ReportTroubleWithTheFunctions) {
     int order, answer, expected;
   };
   const double nowhere = -1e300;
-  for (const Trouble& trouble : {Trouble{nowhere, 0, -1, -22}, Trouble{nowhere, 0, -2, -21}, Trouble{0.5, 0, -1, -10},
-                                 Trouble{0.5, 0, 7, -10}, Trouble{0.5, 0, -2, -21}, Trouble{0.5, 0, 100, -10},
-                                 Trouble{nowhere, 0, 100, -22}}) {
+  for (const Trouble& trouble :
+       {Trouble{nowhere, 0, -1, -22}, Trouble{nowhere, 0, -2, -21}, Trouble{0.5, 0, -1, -10}, Trouble{0.5, 0, 7, -10},
+        Trouble{0.5, 0, -2, -21}, Trouble{0.5, 0, 100, -10}, Trouble{nowhere, 0, 100, -22}}) {
     UserData data = decay();
     const auto f = data.f;
     data.f = [&](double t, int order, double* values) {

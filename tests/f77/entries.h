@@ -34,14 +34,14 @@ using Dnfotr = void(const I* n, const I* nq, const I* id, const I* ia, const I* 
 template <class I>
 using Dnfred = void(const I* n, const I* nq, const I* id, const I* ia, const I* iu, const I* ireq, const double* eq,
                     const I* ldeq, const double* aq, const I* ldaq, const double* fq, double* z2q, const I* ldz2q,
-                    double* z1, const I* ldz1, double* e, const I* lde, double* a, const I* lda, double* f, double* ah,
-                    const I* ldah, double* rwork, const I* lrwork, I* ierr) noexcept;
+                    double* z1, const I* ldz1, double* e, const I* lde, double* a, const I* lda, double* f,
+                    double* ah, const I* ldah, double* rwork, const I* lrwork, I* ierr) noexcept;
 template <class I>
 using Dnfix1 = void(Matrices<I> edif, Matrices<I> adif, Vectors<I> fdif, const I* n, const double* t, const I* lmax,
                     const I* m, const I* id, const I* ia, const I* iu, I* ireq, I* mq, I* idq, I* iaq, I* iuq,
-                    double* e, const I* lde, double* a, const I* lda, double* f, double* eq, const I* ldeq, double* aq,
-                    const I* ldaq, double* fq, double* z1, const I* ldz1, double* z2q, const I* ldz2q, double* ah,
-                    const I* ldah, I* ipar, double* rpar, double* rwork, const I* lrwork, const I* mconst,
+                    double* e, const I* lde, double* a, const I* lda, double* f, double* eq, const I* ldeq,
+                    double* aq, const I* ldaq, double* fq, double* z1, const I* ldz1, double* z2q, const I* ldz2q,
+                    double* ah, const I* ldah, I* ipar, double* rpar, double* rwork, const I* lrwork, const I* mconst,
                     I* ierr) noexcept;
 template <class I>
 using Dnfini = void(const I* n, const I* id, const I* ia, const I* iu, double* x, const double* e, const I* lde,

@@ -21,9 +21,9 @@ namespace sfdae_test {
 struct FamilyUser {
   const LinearFamily* family;
   int highest_order = max_family_order;
-  int failing_code = 0;      // returned by ADIF at order failing_order
+  int failing_code = 0;  // returned by ADIF at order failing_order
   int failing_order = -1;
-  bool poison = false;       // FDIF returns NaN
+  bool poison = false;  // FDIF returns NaN
   int highest_asked = -1;
   long calls = 0;
   std::vector<char> sequence;  // which function, order by order
@@ -52,7 +52,9 @@ void write_matrix(FamilyUser& user, char which, double t, I order, double* out, 
 }
 
 template <class I>
-FamilyUser& user_of(double* rpar) { return *reinterpret_cast<FamilyUser*>(rpar); }
+FamilyUser& user_of(double* rpar) {
+  return *reinterpret_cast<FamilyUser*>(rpar);
+}
 
 template <class I>
 void edif(const I*, const double* t, const I* order, double* e, const I* lde, I*, double* rpar, I* ierr) {
@@ -109,8 +111,15 @@ struct Call {
         n(static_cast<I>(family->n())),
         lmax(static_cast<I>(most_levels)),
         rows(family->n() * (most_levels + 1)),
-        AH(rows, rows), EQ(rows, rows), AQ(rows, family->n()), FQ(rows, 1), ZQ(rows, rows), E(family->n(), family->n()),
-        A(family->n(), family->n()), F(family->n(), 1), Z1(family->n(), family->n()),
+        AH(rows, rows),
+        EQ(rows, rows),
+        AQ(rows, family->n()),
+        FQ(rows, 1),
+        ZQ(rows, rows),
+        E(family->n(), family->n()),
+        A(family->n(), family->n()),
+        F(family->n(), 1),
+        Z1(family->n(), family->n()),
         lrwork(static_cast<I>(3 * rows * rows + 6 * rows)) {}
 
   double* rpar() { return reinterpret_cast<double*>(&user); }

@@ -44,9 +44,7 @@ std::vector<Setting> all_settings() {
 }
 
 // With SFDAE_TEST_SCALE below 1 not every call, but some spread evenly.
-long stride() {
-  return 100 / scaled_count(100);
-}
+long stride() { return 100 / scaled_count(100); }
 
 class Faults : public testing::TestWithParam<Setting> {
  protected:

@@ -25,9 +25,15 @@ using Family = std::shared_ptr<const LinearFamily>;
 // E1 random d x n, A2 random a x n, in the first d + a rows of square matrices.
 struct System {
   System(int order, int differential, int algebraic, std::uint64_t seed)
-      : n(order), d(differential), a(algebraic), u(order - differential - algebraic),
-        E(order, order), A(random_matrix(order, order, seed + 1)), f(random_vector(order, seed + 2)),
-        x(random_vector(order, seed + 3)), lrwork(algebraic + order) {
+      : n(order),
+        d(differential),
+        a(algebraic),
+        u(order - differential - algebraic),
+        E(order, order),
+        A(random_matrix(order, order, seed + 1)),
+        f(random_vector(order, seed + 2)),
+        x(random_vector(order, seed + 3)),
+        lrwork(algebraic + order) {
     const Matrix rows = random_matrix(order, order, seed);
     sfdae::core::copy(rows.view().top(d), E.view().top(d));
   }

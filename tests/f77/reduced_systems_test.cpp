@@ -238,7 +238,8 @@ TEST(Dnfred, ReportsContradictionsInTheLastEntriesOfF) {
       call.reduce();
       ASSERT_EQ(call.ierr, 0);
       const ConstView rest = call.F.block(call.n, 1).block(call.d + call.a, 0, call.u, 1);
-      if (rho == 0.0) EXPECT_LE(largest(rest), rounding(call.n) * std::max(1.0, largest(call.FQ.block(call.nq(), 1))));
+      if (rho == 0.0)
+        EXPECT_LE(largest(rest), rounding(call.n) * std::max(1.0, largest(call.FQ.block(call.nq(), 1))));
       else EXPECT_GT(largest(rest), 1e-3) << seed;
     }
   }

@@ -30,7 +30,9 @@ inline KnownNonlinear nonlinear_ode() {
                                                }),
           {1.0, 0.0},
           {0, 2, 0, 0, 0},
-          [](double t) -> std::vector<double> { return {1.0 / (1.0 + t), std::log1p(t)}; }};
+          [](double t) -> std::vector<double> {
+            return {1.0 / (1.0 + t), std::log1p(t)};
+          }};
 }
 
 // Two discs coupled by a spring, a pendulum on the first: which torque on the second makes the first one turn by sin t?
@@ -63,7 +65,9 @@ inline KnownNonlinear free_component() {
                                                }),
           {1.0, 1.0},
           {0, 1, 0, 1, 0},
-          [](double t) -> std::vector<double> { return {1.0 / (1.0 + t), 1.0}; }};
+          [](double t) -> std::vector<double> {
+            return {1.0 / (1.0 + t), 1.0};
+          }};
 }
 
 // x1' = -x1^2, x2 = x1^2, and again: 3 (x2 - x1^2) = contradiction.
@@ -76,7 +80,9 @@ inline KnownNonlinear redundant_equation(double contradiction = 0.0) {
               }),
           {1.0, 1.0},
           {0, 1, 1, 0, 1},
-          [](double t) -> std::vector<double> { return {1.0 / (1.0 + t), 1.0 / ((1.0 + t) * (1.0 + t))}; }};
+          [](double t) -> std::vector<double> {
+            return {1.0 / (1.0 + t), 1.0 / ((1.0 + t) * (1.0 + t))};
+          }};
 }
 
 inline KnownNonlinear pendulum_problem() {

@@ -18,10 +18,10 @@
 namespace sfdae_test {
 
 template <class I>
-using SfndaeFunction = void(sfdae::f77::TotalDerivative<I> ndif, const I* n, const I* m, double* t, const double* tout,
-                            double* x, double* xprime, I* cval, I* ipar, double* rpar, I* iwork, const I* liw,
-                            double* rwork, const I* lrw, double* rtol, double* atol, const I* method, I* info, I* iwarn,
-                            I* ierr) noexcept;
+using SfndaeFunction = void(sfdae::f77::TotalDerivative<I> ndif, const I* n, const I* m, double* t,
+                            const double* tout, double* x, double* xprime, I* cval, I* ipar, double* rpar, I* iwork,
+                            const I* liw, double* rwork, const I* lrw, double* rtol, double* atol, const I* method,
+                            I* info, I* iwarn, I* ierr) noexcept;
 
 }  // namespace sfdae_test
 
@@ -49,7 +49,8 @@ class NonlinearEquations {
   // derivatives: n x (order + 2). F: m, F_x and F_xdot: m x n, or null. False where they are not defined.
   bool evaluate(double t, int order, const double* derivatives, double* F, double* F_x, double* F_xdot) {
     const std::size_t unknowns = index(n), rows = index(m), area = unknowns * rows, levels = index(order) + 1;
-    std::vector<double> jet(unknowns * (levels + 1)), all_F(rows * levels), all_x(area * levels), all_xdot(area * levels);
+    std::vector<double> jet(unknowns * (levels + 1)), all_F(rows * levels), all_x(area * levels),
+        all_xdot(area * levels);
     for (std::size_t i = 0; i < jet.size(); ++i)
       jet[i] = derivatives[i] / derivative_factor(static_cast<int>(i / unknowns));
     if (!evaluator_->gradients(t, jet.data(), {order, order, order}, all_F.data(), all_xdot.data(), all_x.data()))
@@ -57,7 +58,8 @@ class NonlinearEquations {
     const double factor = derivative_factor(order);
     for (std::size_t i = 0; i < rows; ++i) F[i] = factor * all_F[rows * index(order) + i];
     for (std::size_t i = 0; i < area && F_x != nullptr; ++i) F_x[i] = factor * all_x[area * index(order) + i];
-    for (std::size_t i = 0; i < area && F_xdot != nullptr; ++i) F_xdot[i] = factor * all_xdot[area * index(order) + i];
+    for (std::size_t i = 0; i < area && F_xdot != nullptr; ++i)
+      F_xdot[i] = factor * all_xdot[area * index(order) + i];
     return true;
   }
 
@@ -145,8 +147,8 @@ struct SfndaeRun {
            rwork.guards_intact() && rtol.guards_intact() && atol.guards_intact() && info.guards_intact();
   }
   std::vector<int> characteristics() const {
-    return {static_cast<int>(cval(1)), static_cast<int>(cval(2)), static_cast<int>(cval(3)), static_cast<int>(cval(4)),
-            static_cast<int>(cval(5))};
+    return {static_cast<int>(cval(1)), static_cast<int>(cval(2)), static_cast<int>(cval(3)),
+            static_cast<int>(cval(4)), static_cast<int>(cval(5))};
   }
 
   SfndaeFunction<I>* entry = [] {

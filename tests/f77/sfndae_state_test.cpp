@@ -135,16 +135,15 @@ TEST(SfndaeStateBdf, CallsGiveTheBitsOfOneLiveSolver) {
 // Units that differ (columns are scaled), free components, redundant equations; all orders and limits of the index.
 TEST_P(SfndaeState, FitsTheDocumentedLength) {
   const auto equations_of = [](int n, bool in_other_units, int more, int fewer) {
-    return std::make_shared<NonlinearEquations>(
-        n, [=](const Term& t, const Term* x, const Term* xdot) {
-          std::vector<Term> F;
-          for (int i = 0; i < n - fewer; ++i) {
-            const double unit = in_other_units && i == 0 ? 1e-6 : 1.0;
-            F.push_back(xdot[i] / unit + (1.0 + i) * x[i] / unit * (1.0 + x[i] * x[i] / (unit * unit)) - cos(t));
-          }
-          for (int i = 0; i < more; ++i) F.push_back(2.0 * F[0]);
-          return F;
-        });
+    return std::make_shared<NonlinearEquations>(n, [=](const Term& t, const Term* x, const Term* xdot) {
+      std::vector<Term> F;
+      for (int i = 0; i < n - fewer; ++i) {
+        const double unit = in_other_units && i == 0 ? 1e-6 : 1.0;
+        F.push_back(xdot[i] / unit + (1.0 + i) * x[i] / unit * (1.0 + x[i] * x[i] / (unit * unit)) - cos(t));
+      }
+      for (int i = 0; i < more; ++i) F.push_back(2.0 * F[0]);
+      return F;
+    });
   };
   for (int n = 1; n <= 6; ++n)
     for (int max_index : {0, 1, 5})
@@ -215,7 +214,7 @@ TEST(SfndaeStateBdf, ArraysOfTheOtherRoutineAreRefused) {
   double tout = 1.0;
   const auto nothing = [](auto...) {};
   dgelda_(nothing, nothing, nothing, &run.n, &run.t, &tout, run.x.data(), run.xprime.data(), run.cval.data(), nullptr,
-          nullptr, run.iwork.data(), &run.liw, run.rwork.data(), &run.lrw, run.rtol.data(), run.atol.data(), &run.method,
-          run.info.data(), &run.iwarn, &run.ierr);
+          nullptr, run.iwork.data(), &run.liw, run.rwork.data(), &run.lrw, run.rtol.data(), run.atol.data(),
+          &run.method, run.info.data(), &run.iwarn, &run.ierr);
   EXPECT_EQ(run.ierr, -101);
 }

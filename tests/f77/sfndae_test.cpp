@@ -61,7 +61,9 @@ TEST_P(SfndaeMethods, HighIndexWithoutDynamicsIsSolved) {
 
 TEST_P(SfndaeMethods, FreeComponentsAreHeldAndWarnedOf) { expect_solved<std::int32_t>(free_component(), GetParam()); }
 
-TEST_P(SfndaeMethods, RedundantEquationsAreAccepted) { expect_solved<std::int32_t>(redundant_equation(), GetParam()); }
+TEST_P(SfndaeMethods, RedundantEquationsAreAccepted) {
+  expect_solved<std::int32_t>(redundant_equation(), GetParam());
+}
 
 TEST_P(SfndaeMethods, RedundantEquationsThatContradictEachOtherAreRefused) {
   const KnownNonlinear problem = redundant_equation(0.1);

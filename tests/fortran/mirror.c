@@ -4,83 +4,99 @@
  * mirror_test.f90 reads them. */
 #include <sfdae/sfdae.h>
 
-size_t fill_characteristics(sfdae_characteristics *s);
-size_t fill_decision(sfdae_decision *s);
-size_t fill_change(sfdae_change *s);
-size_t fill_initial_report(sfdae_initial_report *s);
-size_t fill_statistics(sfdae_statistics *s);
-size_t fill_derivative_check(sfdae_derivative_check *s);
-size_t fill_progress(sfdae_progress *s);
-size_t fill_linear_problem(sfdae_linear_problem *s);
-size_t fill_nonlinear_problem(sfdae_nonlinear_problem *s);
-size_t fill_multibody_problem(sfdae_multibody_problem *s);
-size_t fill_multibody_formulas(sfdae_multibody_formulas *s);
-size_t fill_multibody_report(sfdae_multibody_report *s);
-size_t fill_options(sfdae_options *s);
-size_t fill_expression(sfdae_expression *s);
+size_t fill_characteristics(sfdae_characteristics* s);
+size_t fill_decision(sfdae_decision* s);
+size_t fill_change(sfdae_change* s);
+size_t fill_initial_report(sfdae_initial_report* s);
+size_t fill_statistics(sfdae_statistics* s);
+size_t fill_derivative_check(sfdae_derivative_check* s);
+size_t fill_progress(sfdae_progress* s);
+size_t fill_linear_problem(sfdae_linear_problem* s);
+size_t fill_nonlinear_problem(sfdae_nonlinear_problem* s);
+size_t fill_multibody_problem(sfdae_multibody_problem* s);
+size_t fill_multibody_formulas(sfdae_multibody_formulas* s);
+size_t fill_multibody_report(sfdae_multibody_report* s);
+size_t fill_options(sfdae_options* s);
+size_t fill_expression(sfdae_expression* s);
 
 /* Addresses stand for numbers: entry k of this array for k. */
 static double numbers[32];
 static int integers[32];
-static int matrix_1(double t, int order, double *m, void *user) { (void)t, (void)order, (void)m, (void)user; return 1; }
-static int matrix_2(double t, int order, double *m, void *user) { (void)t, (void)order, (void)m, (void)user; return 2; }
-static int vector_3(double t, int order, double *v, void *user) { (void)t, (void)order, (void)v, (void)user; return 3; }
-static int vector_4(double t, int order, double *v, void *user) { (void)t, (void)order, (void)v, (void)user; return 4; }
-static int monitor_5(const sfdae_progress *progress, void *user) { (void)progress, (void)user; return 5; }
+static int matrix_1(double t, int order, double* m, void* user) {
+  (void)t, (void)order, (void)m, (void)user;
+  return 1;
+}
+static int matrix_2(double t, int order, double* m, void* user) {
+  (void)t, (void)order, (void)m, (void)user;
+  return 2;
+}
+static int vector_3(double t, int order, double* v, void* user) {
+  (void)t, (void)order, (void)v, (void)user;
+  return 3;
+}
+static int vector_4(double t, int order, double* v, void* user) {
+  (void)t, (void)order, (void)v, (void)user;
+  return 4;
+}
+static int monitor_5(const sfdae_progress* progress, void* user) {
+  (void)progress, (void)user;
+  return 5;
+}
 
-size_t fill_characteristics(sfdae_characteristics *s) {
+size_t fill_characteristics(sfdae_characteristics* s) {
   const sfdae_characteristics value = {1, 2.0, 3, 4, 5, 6, 7, 8, 9, 10.0, 11.0};
   *s = value;
   return sizeof value;
 }
 
-size_t fill_decision(sfdae_decision *s) {
+size_t fill_decision(sfdae_decision* s) {
   const sfdae_decision value = {1, 2.0, 3, 4, 5, 6, 7, 8, 9.0, 10.0, 11.0, 12.0, 13.0, 14};
   *s = value;
   return sizeof value;
 }
 
-size_t fill_change(sfdae_change *s) {
+size_t fill_change(sfdae_change* s) {
   const sfdae_change value = {1, 2.0, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
   *s = value;
   return sizeof value;
 }
 
-size_t fill_initial_report(sfdae_initial_report *s) {
+size_t fill_initial_report(sfdae_initial_report* s) {
   const sfdae_initial_report value = {1, 2.0, 3.0, 4.0, 5.0, 6, 7};
   *s = value;
   return sizeof value;
 }
 
-size_t fill_statistics(sfdae_statistics *s) {
-  const sfdae_statistics value = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18, 19, 20.0};
+size_t fill_statistics(sfdae_statistics* s) {
+  const sfdae_statistics value = {1,  2,    3,    4,    5,    6,    7,    8,  9,  10,
+                                  11, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18, 19, 20.0};
   *s = value;
   return sizeof value;
 }
 
-size_t fill_derivative_check(sfdae_derivative_check *s) {
+size_t fill_derivative_check(sfdae_derivative_check* s) {
   const sfdae_derivative_check value = {1, '2', 3, 4, 5, 6.0, 7.0, 8.0, 9.0, 10};
   *s = value;
   return sizeof value;
 }
 
-size_t fill_progress(sfdae_progress *s) {
+size_t fill_progress(sfdae_progress* s) {
   const sfdae_progress value = {1, 2.0, 3.0, 4, 5, 6, &numbers[7]};
   *s = value;
   numbers[7] = 7.0;
   return sizeof value;
 }
 
-size_t fill_linear_problem(sfdae_linear_problem *s) {
-  const sfdae_linear_problem value = {1,        2, 3, matrix_1,     matrix_2, vector_3,
-                                      7,        8, 9, &integers[10], vector_4, &integers[12]};
+size_t fill_linear_problem(sfdae_linear_problem* s) {
+  const sfdae_linear_problem value = {1, 2, 3, matrix_1,      matrix_2, vector_3,
+                                      7, 8, 9, &integers[10], vector_4, &integers[12]};
   *s = value;
   integers[10] = 10, integers[12] = 12;
   return sizeof value;
 }
 
 /* Functions of other types, under the type that the test calls them by. */
-size_t fill_nonlinear_problem(sfdae_nonlinear_problem *s) {
+size_t fill_nonlinear_problem(sfdae_nonlinear_problem* s) {
   const sfdae_nonlinear_problem value = {1,
                                          2,
                                          3,
@@ -97,7 +113,7 @@ size_t fill_nonlinear_problem(sfdae_nonlinear_problem *s) {
   return sizeof value;
 }
 
-size_t fill_multibody_problem(sfdae_multibody_problem *s) {
+size_t fill_multibody_problem(sfdae_multibody_problem* s) {
   const sfdae_multibody_problem value = {1,
                                          2,
                                          3,
@@ -121,7 +137,7 @@ size_t fill_multibody_problem(sfdae_multibody_problem *s) {
   return sizeof value;
 }
 
-size_t fill_multibody_formulas(sfdae_multibody_formulas *s) {
+size_t fill_multibody_formulas(sfdae_multibody_formulas* s) {
   static sfdae_expression places[7];
   const sfdae_multibody_formulas value = {&places[1], &places[2], &places[3], &places[4], &places[5], &places[6]};
   int i;
@@ -130,25 +146,25 @@ size_t fill_multibody_formulas(sfdae_multibody_formulas *s) {
   return sizeof value;
 }
 
-size_t fill_multibody_report(sfdae_multibody_report *s) {
+size_t fill_multibody_report(sfdae_multibody_report* s) {
   const sfdae_multibody_report value = {1, 2.0, 3, 4, 5, 6, 7, 8.0, 9, 10.0, 11.0};
   *s = value;
   return sizeof value;
 }
 
-size_t fill_options(sfdae_options *s) {
-  const sfdae_options value = {1,    2.0, 3.0,           &numbers[4],  &numbers[5], 6,    7,  8.0,  9.0,
-                               10,   11.0, 12,           &integers[13], &numbers[14], 15, 16.0, 17,  18.0,
-                               19.0, 20,  21.0,          22,           23,          monitor_5, &integers[25],
-                               26,   27,   28};
+size_t fill_options(sfdae_options* s) {
+  const sfdae_options value = {
+      1,  2.0,           3.0,           &numbers[4], &numbers[5], 6,  7,    8.0,  9.0, 10,   11.0,
+      12, &integers[13], &numbers[14],  15,          16.0,        17, 18.0, 19.0, 20,  21.0, 22,
+      23, monitor_5,     &integers[25], 26,          27,          28};
   *s = value;
   numbers[4] = 4.0, numbers[5] = 5.0, integers[13] = 13, numbers[14] = 14.0, integers[25] = 25;
   return sizeof value;
 }
 
-size_t fill_expression(sfdae_expression *s) {
+size_t fill_expression(sfdae_expression* s) {
   sfdae_expression value;
-  value.record = (sfdae_record *)(void *)&numbers[1];
+  value.record = (sfdae_record*)(void*)&numbers[1];
   value.value = 2.0;
   value.node = 3;
   *s = value;

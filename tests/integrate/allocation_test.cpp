@@ -152,7 +152,8 @@ int hyperbola(double, int order, const double* x, double* F, double* F_x, double
 }
 
 // From the consistent x at t0.
-long allocations_in_nonlinear_steps(const sfdae_nonlinear_problem& problem, double t0, std::vector<double> x, int method) {
+long allocations_in_nonlinear_steps(const sfdae_nonlinear_problem& problem, double t0, std::vector<double> x,
+                                    int method) {
   sfdae_options options = options_with_tolerance(1e-6);
   options.method = method;
   options.max_step = 0.01;
@@ -163,7 +164,8 @@ long allocations_in_nonlinear_steps(const sfdae_nonlinear_problem& problem, doub
   double t = t0;
   int status = SFDAE_STEP_TAKEN;
   // Judged linearizations, at the latest after 20 points, and slopes within steps have come by at least once.
-  while (status == SFDAE_STEP_TAKEN && t <= t0 + 0.5) status = sfdae_step(solver, t0 + 1.0, &t, x.data(), xdot.data());
+  while (status == SFDAE_STEP_TAKEN && t <= t0 + 0.5)
+    status = sfdae_step(solver, t0 + 1.0, &t, x.data(), xdot.data());
   EXPECT_EQ(status, SFDAE_STEP_TAKEN) << sfdae_message(solver);
   allocations = 0;
   long steps = 0;
@@ -194,12 +196,16 @@ long allocations_in_recorded_steps(const TestProblem& p, const Equations& equati
 
 long allocations_of_formulas(const char* name, int method) {
   const FormulaProblem& p = formula_problem(name);
-  const auto equations = [&p](int, const auto& t, const auto* x, const auto* xdot, auto* F) { p.residual(t, x, xdot, F); };
+  const auto equations = [&p](int, const auto& t, const auto* x, const auto* xdot, auto* F) {
+    p.residual(t, x, xdot, F);
+  };
   return allocations_in_recorded_steps(p.data, equations, method);
 }
 
 TEST(Allocation, NonlinearStepsAllocateNothingAfterTheFirst) {
-  const auto falling = [](int, const auto& t, const auto* x, const auto* xdot, auto* F) { pendulum_residual(t, x, xdot, F); };
+  const auto falling = [](int, const auto& t, const auto* x, const auto* xdot, auto* F) {
+    pendulum_residual(t, x, xdot, F);
+  };
   sfdae_nonlinear_problem by_callback;
   sfdae_nonlinear_problem_init(&by_callback, sizeof by_callback);
   by_callback.num_equations = by_callback.num_unknowns = 2;

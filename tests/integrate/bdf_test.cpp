@@ -34,7 +34,8 @@ class BdfRun {
     std::vector<double> w(static_cast<std::size_t>(system_->leading_size())), wdot(w);
     system_->leading(x.data(), w.data());
     system_->leading_derivative(x.data(), xdot.data(), wdot.data());
-    weights_.set({std::vector<double>(n, 1e6), std::vector<double>(n, 1e6)}, Tightening::sixth_root);  // every step is accepted
+    weights_.set({std::vector<double>(n, 1e6), std::vector<double>(n, 1e6)},
+                 Tightening::sixth_root);  // every step is accepted
     bdf_.start(*system_, {0.0, x, xdot, w, wdot}, h);
     system_->accept();
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A checkpoint contains all that the continuation depends on: runs that are saved, destroyed and restored between all
 // calls agree in every bit with runs that are not.
-#include "integrate/change_watch.h"
 #include "integrate/checkpoint.h"
+#include "integrate/change_watch.h"
 
 #include <gtest/gtest.h>
 
@@ -35,11 +35,14 @@ IntegrationOptions options_for(int n, double tol, Method method) {
 struct Trip {
   Trip(const FamilyPointer& family, Method method, bool constant)
       : analyzed(family, 0.0, 1.0, LeadingTerm::automatic, {},
-                 [constant](sfdae_test::FamilyProblem& callbacks) { if (constant) callbacks.declare_constants(); }),
+                 [constant](sfdae_test::FamilyProblem& callbacks) {
+                   if (constant) callbacks.declare_constants();
+                 }),
         options(options_for(analyzed.callbacks.n(), 1e-5, method)) {
     const Vector start = analyzed.exact(0.0), slope = analyzed.exact_derivative(0.0);
     EXPECT_EQ(analyzed.system.move_to(0.0), PointStatus::ok);
-    integration = std::make_unique<Integration>(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options, 0.0, 1.0, start, slope);
+    integration = std::make_unique<Integration>(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system),
+                                                options, 0.0, 1.0, start, slope);
     system = &analyzed.system;
     x = start;
     xdot = slope;
@@ -94,10 +97,10 @@ const Method methods[] = {Method::bdf, Method::radau, Method::automatic};
 TEST(Checkpoint, ContinuesInEveryBitAsIfNothingHadHappened) {
   for (Method method : methods) {
     for (int mu = 0; mu <= 3; ++mu) compare(sfdae_test::kron(8, mu), method);
-    compare(sfdae_test::kron(8, 1, 0.5, 2), method);       // free components
+    compare(sfdae_test::kron(8, 1, 0.5, 2), method);  // free components
     compare(sfdae_test::chain(4, 2), method);
     compare(sfdae_test::rotated_ode(sfdae_test::RowOperation::scaling, 5.0), method);
-    compare(sfdae_test::kron(3, 2), method);               // no dynamics
+    compare(sfdae_test::kron(3, 2), method);  // no dynamics
   }
 }
 

@@ -82,7 +82,8 @@ void compare(const FamilyPointer& family, int method, double tol, bool backward,
     const double size = 1.0 + std::fabs(levels[index(event.component)]);
     // Rounding errors of x grow with the number of differentiations.
     const double rounding = 64 * std::numeric_limits<double>::epsilon() * std::pow(10.0, family->values().mu);
-    EXPECT_LE(std::fabs(event.value), rounding * (size + std::fabs(slope[index(event.component)]))) << family->name() << method;
+    EXPECT_LE(std::fabs(event.value), rounding * (size + std::fabs(slope[index(event.component)])))
+        << family->name() << method;
     EXPECT_LE(std::fabs(exact[index(event.component)] - levels[index(event.component)]), error * size)
         << family->name() << " method " << method << " tol " << tol << " t " << event.t;
   }
@@ -131,9 +132,11 @@ TEST(EventFamilies, ConstantMatricesAndMechanics) {
 
 /// BDF steps do not depend on events nor on outputs: changes of sign at 3000 outputs are the events. With free components.
 TEST(EventFamilies, EventsAreTheCrossingsThatOutputsShow) {
-  for (const FamilyPointer& family : {FamilyPointer(kron(8, 1, 2.0, 2)), FamilyPointer(kron(6, 0, 2.0)), FamilyPointer(chain(4, 2))}) {
+  for (const FamilyPointer& family :
+       {FamilyPointer(kron(8, 1, 2.0, 2)), FamilyPointer(kron(6, 0, 2.0)), FamilyPointer(chain(4, 2))}) {
     Vector levels(index(family->n()));
-    Journey first(family, SFDAE_METHOD_BDF, 1e-6), plain(family, SFDAE_METHOD_BDF, 1e-6), run(family, SFDAE_METHOD_BDF, 1e-6);
+    Journey first(family, SFDAE_METHOD_BDF, 1e-6), plain(family, SFDAE_METHOD_BDF, 1e-6),
+        run(family, SFDAE_METHOD_BDF, 1e-6);
     first.start(0.0, 3.0);
     EXPECT_EQ(sfdae_advance(first.solver, 1.234567, &first.t, levels.data(), nullptr), SFDAE_OK);
     plain.start(0.0, 3.0);
@@ -163,7 +166,8 @@ TEST(EventFamilies, EventsAreTheCrossingsThatOutputsShow) {
     EXPECT_EQ(a.steps, b.steps);
     EXPECT_EQ(a.next_step, b.next_step);
     // A step costs no reduction more, an event about ten.
-    EXPECT_LE(b.reductions, b.steps + b.error_failures + b.other_failures + 3 + 16 * static_cast<long>(events.size()));
+    EXPECT_LE(b.reductions,
+              b.steps + b.error_failures + b.other_failures + 3 + 16 * static_cast<long>(events.size()));
   }
 }
 

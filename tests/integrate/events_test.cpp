@@ -108,12 +108,12 @@ TEST(ZeroBracket, ResolvesZerosToRoundingInFewEvaluations) {
       {[](double t) { return t + 0.3; }, 1.0, -1.0, -0.3, 5},  // backward
       {[](double t) { return std::cos(t); }, 0.0, 3.0, pi / 2, 10},
       {[](double t) { return std::exp(-t) - 1e-3; }, 0.0, 50.0, std::log(1e3), 40},
-      {[](double t) { return std::pow(2.0 - t, 9); }, 0.0, 3.1, 2.0, 120},          // of ninth order
-      {[](double t) { return t < 0.7 ? 1.0 : -1e-9; }, 0.0, 1.0, 0.7, 70},           // jumps
+      {[](double t) { return std::pow(2.0 - t, 9); }, 0.0, 3.1, 2.0, 120},  // of ninth order
+      {[](double t) { return t < 0.7 ? 1.0 : -1e-9; }, 0.0, 1.0, 0.7, 70},  // jumps
       {[](double t) { return t < 0.7 ? 1e-9 : -1.0; }, 0.0, 1.0, 0.7, 70},
-      {[](double t) { return std::max(0.0, 0.7 - t); }, 0.0, 1.0, 0.7, 70},          // stays zero
+      {[](double t) { return std::max(0.0, 0.7 - t); }, 0.0, 1.0, 0.7, 70},  // stays zero
       {[](double t) { return 1e-300 * (0.3 - t); }, 0.0, 1.0, 0.3, 5},
-      {[](double t) { return -1e300 * t; }, -1.0, 1.0, 0.0, 60},                     // at t = 0
+      {[](double t) { return -1e300 * t; }, -1.0, 1.0, 0.0, 60},  // at t = 0
   };
   for (const auto& c : cases) {
     const auto [count, zero] = resolve(c.g, c.a, c.b);
@@ -126,7 +126,8 @@ TEST(ZeroBracket, NeedsNoMoreThanAFewTimesBisectionEver) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   for (int i = 0; i < 2000; ++i) {
-    const double zero = uniform(random), power = std::exp(6 * uniform(random) - 3), left = std::exp(40 * uniform(random) - 20);
+    const double zero = uniform(random), power = std::exp(6 * uniform(random) - 3),
+                 left = std::exp(40 * uniform(random) - 20);
     const auto g = [&](double t) {
       const double value = std::pow(std::fabs(t - zero), power);
       return t < zero ? left * value : t > zero ? -value : 0.0;
@@ -182,10 +183,10 @@ TEST(EventSearch, FindsTwoZerosBetweenTwoPoints) {
 
 TEST(EventSearch, IsSilentWhereNothingHappens) {
   const Functions silent[] = {
-      [](double, Vector& g) { g[0] = 0.0; },                          // always zero
-      [](double t, Vector& g) { g[0] = t <= 1.0 ? 0.0 : t - 1.0; },   // leaves zero
-      [](double t, Vector& g) { g[0] = t; },                          // zero at the start
-      [](double t, Vector& g) { g[0] = t - 1e-17; },                  // but for rounding errors
+      [](double, Vector& g) { g[0] = 0.0; },                         // always zero
+      [](double t, Vector& g) { g[0] = t <= 1.0 ? 0.0 : t - 1.0; },  // leaves zero
+      [](double t, Vector& g) { g[0] = t; },                         // zero at the start
+      [](double t, Vector& g) { g[0] = t - 1e-17; },                 // but for rounding errors
       [](double t, Vector& g) { g[0] = (t - 0.3) * (t - 0.3) + 1e-12; },
       [](double t, Vector& g) { g[0] = 1.0 / (1.0 + t); },
   };

@@ -137,7 +137,9 @@ TEST(GeldaDefects, SingularPerturbationsAreToldFromConstraints) {
 }
 
 // diag(1, 1e-14) x' = diag(-1, -1e-14) x is badly scaled, nothing more.
-TEST(GeldaDefects, ABadlyScaledEquationStaysDifferential) { expect_solved(shared(badly_scaled_ode()), 0.0, 1.0, 1e-6); }
+TEST(GeldaDefects, ABadlyScaledEquationStaysDifferential) {
+  expect_solved(shared(badly_scaled_ode()), 0.0, 1.0, 1e-6);
+}
 
 // Item 5.
 TEST(GeldaDefects, SingularPencilsAndMissingEquationsAreClassified) {
@@ -224,7 +226,8 @@ TEST(GeldaDefects, AChangeOverAnIntervalIsLocatedAndNamed) {
 TEST(GeldaDefects, ContradictingRedundantEquationsAreReported) {
   for (double rho : {1.0, 1e-3, 1e-6}) {
     FamilyProblem problem(shared(redundant_row(rho)));
-    EXPECT_EQ(run_family(problem, 0.0, 1.0, options_with_tolerance(1e-6)).status, SFDAE_INCONSISTENT_EQUATIONS) << rho;
+    EXPECT_EQ(run_family(problem, 0.0, 1.0, options_with_tolerance(1e-6)).status, SFDAE_INCONSISTENT_EQUATIONS)
+        << rho;
     sfdae_options options = options_with_tolerance(1e-6);
     options.ignore_inconsistency = 1;
     EXPECT_EQ(run_family(problem, 0.0, 1.0, options).status, SFDAE_INCONSISTENCY_IGNORED) << rho;

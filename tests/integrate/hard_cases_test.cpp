@@ -108,7 +108,9 @@ TEST(HardCases, PeriodicDataAreSeenWhateverTheInterval) {
     const double w = 2.0 * pi;
     problem.E = [](double, int k, double* m) { return k == 0 ? (m[0] = 1, 0) : 0; };
     problem.A = [](double, int k, double* m) { return k == 0 ? (m[0] = -1, 0) : 0; };
-    problem.f = [=](double t, int k, double* v) { return v[0] = 5.0 * std::pow(w, k) * std::sin(w * t + k * pi / 2), 0; };
+    problem.f = [=](double t, int k, double* v) {
+      return v[0] = 5.0 * std::pow(w, k) * std::sin(w * t + k * pi / 2), 0;
+    };
     Solved s(problem, sfdae_test::options_with_tolerance(1e-4));
     double x = 0.0, t = 0.0;
     ASSERT_EQ(sfdae_start(s.solver, 0.0, periods, &x, nullptr), SFDAE_OK);
@@ -162,14 +164,16 @@ TEST(HardCases, DifferenceDerivativesDoNotDependOnTheUnitOfTime) {
       problem.f = [=](double t, int k, double* v) {
         if (k > 0) return SFDAE_ORDER_NOT_AVAILABLE;
         const double s = t / unit;
-        v[0] = weight(t) * std::cos(s + 1) - std::sin(s), v[1] = std::cos(s + 2) - std::sin(s + 1), v[2] = -std::sin(s + 2);
+        v[0] = weight(t) * std::cos(s + 1) - std::sin(s), v[1] = std::cos(s + 2) - std::sin(s + 1),
+        v[2] = -std::sin(s + 2);
         return 0;
       };
       sfdae_options options = sfdae_test::options_with_tolerance(1e-6);
       options.difference_derivatives = 1;
       Solved s(problem, options);
       double x[] = {0.0, std::sin(1.0), std::sin(2.0), 1.0}, t = 0.0;
-      ASSERT_EQ(sfdae_start(s.solver, 0.0, 3.0 * unit, x, nullptr), SFDAE_OK) << unit << ": " << sfdae_message(s.solver);
+      ASSERT_EQ(sfdae_start(s.solver, 0.0, 3.0 * unit, x, nullptr), SFDAE_OK)
+          << unit << ": " << sfdae_message(s.solver);
       sfdae_get_characteristics(s.solver, &s.values);
       EXPECT_EQ(s.values.strangeness_index, 2);
       EXPECT_EQ(s.values.differential, 1);
@@ -271,7 +275,9 @@ TEST(HardCases, NothingIsEvaluatedBeyondTheStopTime) {
     Problem problem;
     problem.n = 1;
     double latest = t0;
-    problem.E = [&](double t, int k, double* m) { return latest = std::max(latest, t), k == 0 ? (m[0] = 1.0 + 0.1 * t, 0) : (m[0] = k == 1 ? 0.1 : 0.0, 0); };
+    problem.E = [&](double t, int k, double* m) {
+      return latest = std::max(latest, t), k == 0 ? (m[0] = 1.0 + 0.1 * t, 0) : (m[0] = k == 1 ? 0.1 : 0.0, 0);
+    };
     problem.A = [&](double t, int k, double* m) { return latest = std::max(latest, t), k == 0 ? (m[0] = -1, 0) : 0; };
     problem.f = [&](double t, int, double*) { return latest = std::max(latest, t), 0; };
     sfdae_options options = sfdae_test::options_with_tolerance(1e-5);
@@ -293,7 +299,7 @@ TEST(HardCases, TheUnitOfTimeDoesNotChangeTheIndex) {
     problem.n = 3;
     const double c = std::cos(0.7), d = std::sin(0.7);
     const double Q[3][3] = {{c, -d, 0}, {d * c, c * c, -d}, {d * d, c * d, c}};
-    const auto conjugated = [Q](const double (&N)[3][3], double* m) {
+    const auto conjugated = [Q](const double(&N)[3][3], double* m) {
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
           for (int k = 0; k < 3; ++k)

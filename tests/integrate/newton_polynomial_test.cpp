@@ -26,7 +26,8 @@ Jet polynomial(const std::vector<double>& coefficients, const Jet& t) {
 }
 
 // Divided differences of a function given by its values at the times, one vector of values for each.
-std::vector<std::vector<double>> divided_differences(std::vector<std::vector<double>> values, const std::vector<double>& times) {
+std::vector<std::vector<double>> divided_differences(std::vector<std::vector<double>> values,
+                                                     const std::vector<double>& times) {
   for (std::size_t level = 1; level < times.size(); ++level)
     for (std::size_t i = times.size() - 1; i >= level; --i)
       for (std::size_t r = 0; r < values[i].size(); ++r)
@@ -44,7 +45,8 @@ TEST(NewtonPolynomial, HasTheTaylorCoefficientsOfThePolynomial) {
         for (double t : {-0.4, 0.0, 0.31, 1.7}) {
           std::vector<double> times;
           std::vector<std::vector<double>> coefficients, values;
-          for (int r = 0; r < 3; ++r) coefficients.push_back(sfdae_test::random_vector(degree + 1, 11 + static_cast<unsigned>(r)));
+          for (int r = 0; r < 3; ++r)
+            coefficients.push_back(sfdae_test::random_vector(degree + 1, 11 + static_cast<unsigned>(r)));
           for (int i = 0; i <= degree; ++i) {
             times.push_back(direction * (0.3 - 0.2 * i - 0.05 * i * i));
             values.emplace_back();

@@ -29,9 +29,11 @@ using Vector = std::vector<double>;
 // Steps of sizes of the test's choice, all accepted.
 class RadauRun {
  public:
-  RadauRun(const FamilyPointer& family, int stages, LeadingTerm leading = LeadingTerm::automatic, bool constant = false)
-      : analyzed_(family, 0.0, 1.0, leading, {},
-                  [constant](sfdae_test::FamilyProblem& callbacks) { if (constant) callbacks.declare_constants(); }) {
+  RadauRun(const FamilyPointer& family, int stages, LeadingTerm leading = LeadingTerm::automatic,
+           bool constant = false)
+      : analyzed_(family, 0.0, 1.0, leading, {}, [constant](sfdae_test::FamilyProblem& callbacks) {
+          if (constant) callbacks.declare_constants();
+        }) {
     const Vector x = analyzed_.exact(0.0), xdot = analyzed_.exact_derivative(0.0);
     LinearSystem& system = analyzed_.system;
     EXPECT_EQ(system.move_to(0.0), PointStatus::ok);
@@ -101,7 +103,8 @@ class RadauOrder : public testing::TestWithParam<OrderCase> {};
 // The order is 2s - 1 at the nodes, algebraic components included.
 TEST_P(RadauOrder, IsTwiceTheStagesLessOne) {
   const OrderCase& given = GetParam();
-  EXPECT_NEAR(observed_order(oscillation(given.omega), given.stages, given.steps, false), 2 * given.stages - 1, 0.04 * (2 * given.stages - 1) + 0.1);
+  EXPECT_NEAR(observed_order(oscillation(given.omega), given.stages, given.steps, false), 2 * given.stages - 1,
+              0.04 * (2 * given.stages - 1) + 0.1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Family, RadauOrder,
@@ -161,7 +164,8 @@ TEST(Radau, RowOperationsDoNotMatter) {
   RadauRun plain(sfdae_test::rotated_ode(sfdae_test::RowOperation::none), 3);
   for (auto rows : {sfdae_test::RowOperation::scaling, sfdae_test::RowOperation::rotation}) {
     RadauRun run(sfdae_test::rotated_ode(rows, 50.0), 3);
-    EXPECT_LE(run.error_at_one(5), 3.0 * RadauRun(sfdae_test::rotated_ode(sfdae_test::RowOperation::none), 3).error_at_one(5));
+    EXPECT_LE(run.error_at_one(5),
+              3.0 * RadauRun(sfdae_test::rotated_ode(sfdae_test::RowOperation::none), 3).error_at_one(5));
   }
 }
 
@@ -200,8 +204,7 @@ Solve solve(const FamilyPointer& family, double tol, int outputs, const Integrat
   };
   Solve result;
   double t = 0.0;
-  for (int i = 1; i <= outputs && result.status >= 0; ++i)
-    do {
+  for (int i = 1; i <= outputs && result.status >= 0; ++i) do {
       result.status = integration.advance(t1 * i / outputs, true, t, x.data(), xdot.data()).status;
       const Stepper& stepper = integration.stepper();
       result.step_error = std::max(result.step_error, scaled(stepper.x(), stepper.t()));
@@ -245,7 +248,8 @@ TEST(RadauIntegration, TightTolerancesAreMetWithHighOrders) {
 
 TEST(RadauIntegration, NumbersOfStagesStayWithinTheirLimits) {
   for (int stages : {1, 3, 5, 7}) {
-    const Solve result = solve(sfdae_test::kron(8, 1), stages == 1 ? 1e-3 : 1e-6, 3, with(Method::radau, stages, stages));
+    const Solve result =
+        solve(sfdae_test::kron(8, 1), stages == 1 ? 1e-3 : 1e-6, 3, with(Method::radau, stages, stages));
     EXPECT_EQ(result.status, SFDAE_OK) << stages;
     EXPECT_EQ(result.highest_order, 2 * stages - 1);
     // Order 1 does not keep global errors near local ones.
@@ -279,7 +283,8 @@ TEST(RadauIntegration, NeverPassesOutputsIfAskedNotTo) {
   Vector x = analyzed.exact(0.0), xdot = analyzed.exact_derivative(0.0);
   options.tolerances = {Vector(8, 1e-5), Vector(8, 1e-5)};
   analyzed.system.move_to(0.0);
-  Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options, 0.0, 1.0, x, xdot);
+  Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options, 0.0, 1.0, x,
+                          xdot);
   double t = 0.0;
   for (double tout : {0.1, 0.15, 1.0, 2.0}) {
     ASSERT_EQ(integration.advance(tout, false, t, x.data(), xdot.data()).status, SFDAE_OK);
@@ -333,7 +338,8 @@ TEST(RadauIntegration, AToleranceThatIsAbsoluteIsMetWhateverRtolIs) {
     IntegrationOptions options = with(Method::radau, 3, 3);
     options.tolerances = {Vector(2, rtol), Vector(2, atol)};
     analyzed.system.move_to(0.0);
-    Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options, 0.0, 1.0, x, xdot);
+    Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options, 0.0, 1.0, x,
+                            xdot);
     double t = 0.0, worst = 0.0;
     while (integration.advance(1.0, true, t, x.data(), xdot.data()).status == SFDAE_STEP_TAKEN)
       worst = std::max(worst, RadauRun::difference(x, analyzed.exact(t)));
@@ -369,7 +375,8 @@ TEST(RadauIntegration, TheStepPlannedBeforeAnOutputIsTakenBehindIt) {
   Vector x = analyzed.exact(0.0), xdot = analyzed.exact_derivative(0.0);
   options.tolerances = {Vector(8, 1e-6), Vector(8, 1e-6)};
   analyzed.system.move_to(0.0);
-  Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options, 0.0, 2.0, x, xdot);
+  Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options, 0.0, 2.0, x,
+                          xdot);
   double t = 0.0;
   ASSERT_EQ(integration.advance(0.5, false, t, x.data(), xdot.data()).status, SFDAE_OK);
   const double planned = integration.stepper().next_step();

@@ -29,7 +29,16 @@ struct State {
 };
 
 State example() {
-  return {7, -1, 65534, 0, true, Colour::green, (1L << 26) - 1, 12345L, -std::numeric_limits<double>::infinity(), {1.0, -0.0, 1e-310}};
+  return {7,
+          -1,
+          65534,
+          0,
+          true,
+          Colour::green,
+          (1L << 26) - 1,
+          12345L,
+          -std::numeric_limits<double>::infinity(),
+          {1.0, -0.0, 1e-310}};
 }
 
 std::vector<double> written(State state) {
@@ -82,7 +91,8 @@ TEST(Archive, RefusesNaNEverywhere) {
 }
 
 TEST(Archive, RefusesNumbersThatItCannotHaveWritten) {
-  for (double wrong : {0.5, -1.0, 1e300, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (double wrong :
+       {0.5, -1.0, 1e300, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     for (std::size_t at : {0u, 2u}) {
       std::vector<double> values = written(example());
       values[at] = wrong;

@@ -68,9 +68,7 @@ Matrix upper_triangle(ConstView a) {
   return r;
 }
 
-Matrix op(Op which, ConstView a) {
-  return which == Op::plain ? to_matrix(a) : transposed(a);
-}
+Matrix op(Op which, ConstView a) { return which == Op::plain ? to_matrix(a) : transposed(a); }
 
 // Rank r, singular values between 1 and about rows cols.
 Matrix matrix_of_rank(int rows, int cols, int rank, std::uint64_t seed) {

@@ -14,9 +14,7 @@ namespace {
 constexpr double noise = 1e-12;
 
 // Threshold = 10 dimension noise, the factor stated in design and source.
-constexpr double threshold(int dimension) {
-  return 10.0 * dimension * noise;
-}
+constexpr double threshold(int dimension) { return 10.0 * dimension * noise; }
 
 RankDecision decide(const std::vector<double>& values, const RankScale& scale) {
   return decide_rank(values.data(), static_cast<int>(values.size()), 1, scale);

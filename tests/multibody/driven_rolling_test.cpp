@@ -65,9 +65,7 @@ MultibodyProblem recorded() {
   return problem;
 }
 
-Formulas<double> numbers(double t, const double* q, const double* v) {
-  return Formulas<double>(t, q, v);
-}
+Formulas<double> numbers(double t, const double* q, const double* v) { return Formulas<double>(t, q, v); }
 constexpr double at_rest[3] = {0.0, 0.0, 0.0};
 
 MultibodyProblem from_callbacks() {

@@ -73,8 +73,8 @@ struct Linkage {
     Numbers<Number> p(s);
     const int n = size();
     for (int i = 0; i < n && !bend.empty(); ++i)
-      p[at(i)] = p[at(i)] + Number(bend[at(i)]) * sin(Number(frequency[at(i)]) * s[at((i + 1) % n)] +
-                                                       Number(phase[at(i)]));
+      p[at(i)] =
+          p[at(i)] + Number(bend[at(i)]) * sin(Number(frequency[at(i)]) * s[at((i + 1) % n)] + Number(phase[at(i)]));
     return p;
   }
 

@@ -28,8 +28,6 @@ TEST(TightTolerances, AreReachedByBothMethods) {
 
 // The rounding errors of small velocities are those of the large ones that constraints couple them with: an iteration
 // that compares each component with itself does not converge.
-TEST(TightTolerances, AreReachedWhereComponentsDifferInSize) {
-  expect_digits(1e-11, SFDAE_METHOD_BDF, 9.0);
-}
+TEST(TightTolerances, AreReachedWhereComponentsDifferInSize) { expect_digits(1e-11, SFDAE_METHOD_BDF, 9.0); }
 
 }  // namespace

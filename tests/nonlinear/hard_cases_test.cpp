@@ -235,7 +235,8 @@ TEST(Units, DoNotMatterToAPendulumWithoutItsForce) {
         ++all;
         if (status < 0) {
           ++errors;
-          EXPECT_TRUE(status == SFDAE_NO_CONSISTENT_VALUES || status == SFDAE_RANK_UNCLEAR) << status_text(run, status);
+          EXPECT_TRUE(status == SFDAE_NO_CONSISTENT_VALUES || status == SFDAE_RANK_UNCLEAR)
+              << status_text(run, status);
           continue;
         }
         EXPECT_EQ(run.values(), (CharacteristicValues{2, 2, 3, 0, 0}));

@@ -23,9 +23,7 @@ NonlinearEquations turned_by_hidden_component(double strength) {
     F[2] = sin(angle) * dynamics + cos(angle) * constraint;
   });
 }
-double exact_w(double t) {
-  return 0.5 * (std::sin(t) - std::cos(t)) + 0.5 * std::exp(-t);
-}
+double exact_w(double t) { return 0.5 * (std::sin(t) - std::cos(t)) + 0.5 * std::exp(-t); }
 
 TEST(MixedEquations, AreSolvedThoughRanksHoldOnTheSolutionOnly) {
   for (const double strength : {0.3, 1.0})

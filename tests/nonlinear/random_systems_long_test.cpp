@@ -22,9 +22,7 @@ NonlinearEquations recorded(const RandomSystem& system) {
   });
 }
 
-RandomSystem random_system(unsigned seed) {
-  return {RandomSystem::random_shape(seed + 1), 7 * seed + 3};
-}
+RandomSystem random_system(unsigned seed) { return {RandomSystem::random_shape(seed + 1), 7 * seed + 3}; }
 
 bool says_that_nothing_is_known(int status) {
   return status == SFDAE_RANK_UNCLEAR || status == SFDAE_NO_CONSISTENT_VALUES ||

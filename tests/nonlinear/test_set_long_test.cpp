@@ -89,14 +89,11 @@ int solve(const TestProblem& p, const Equations& equations, sfdae_options option
 struct PeerDigits {
   std::array<double, 3> bdf, radau;
 };
-const std::map<std::string, PeerDigits> peers = {{"pendulum", {{2.3, 4.0, 5.8}, {3.1, 4.7, 6.3}}},
-                                                 {"car_axis", {{1.7, 2.7, 4.6}, {2.1, 4.3, 6.0}}},
-                                                 {"andrews", {{3.5, 4.5, 6.7}, {5.1, 6.3, 8.9}}},
-                                                 {"slider_crank", {{3.4, 5.0, 0.0}, {6.3, 7.5, 0.0}}},
-                                                 {"fekete", {{3.4, 4.8, 6.3}, {3.7, 5.9, 7.1}}},
-                                                 {"transistor_amplifier", {{3.2, 5.7, 7.6}, {4.6, 6.2, 8.4}}},
-                                                 {"akzo", {{2.8, 4.8, 6.2}, {4.2, 5.4, 6.7}}},
-                                                 {"nand", {{5.2, 6.8, 8.6}, {0.0, 0.0, 0.0}}}};
+const std::map<std::string, PeerDigits> peers = {
+    {"pendulum", {{2.3, 4.0, 5.8}, {3.1, 4.7, 6.3}}}, {"car_axis", {{1.7, 2.7, 4.6}, {2.1, 4.3, 6.0}}},
+    {"andrews", {{3.5, 4.5, 6.7}, {5.1, 6.3, 8.9}}},  {"slider_crank", {{3.4, 5.0, 0.0}, {6.3, 7.5, 0.0}}},
+    {"fekete", {{3.4, 4.8, 6.3}, {3.7, 5.9, 7.1}}},   {"transistor_amplifier", {{3.2, 5.7, 7.6}, {4.6, 6.2, 8.4}}},
+    {"akzo", {{2.8, 4.8, 6.2}, {4.2, 5.4, 6.7}}},     {"nand", {{5.2, 6.8, 8.6}, {0.0, 0.0, 0.0}}}};
 
 // Of the flexible slider crank positions and velocities are given to 9 digits, and accelerations follow.
 std::vector<double> initial_weights(const TestProblem& p) {
@@ -124,8 +121,8 @@ TEST(DigitsOfTheTestSet, AreThoseOfOtherSolvers) {
         ASSERT_EQ(solve(p, equations, options, x), SFDAE_OK);
         const double ours = correct_digits(p, p.references.back(), x.data());
         const double scatter = p.name == "andrews" && method == SFDAE_METHOD_BDF && i == 0 ? 1.0
-                               : p.name == "slider_crank"                                   ? 0.3
-                                                                                            : 0.0;
+                               : p.name == "slider_crank"                                  ? 0.3
+                                                                                           : 0.0;
         EXPECT_GE(ours, theirs - scatter);
         RecordProperty(p.name + "_" + std::to_string(method) + "_" + std::to_string(i), std::to_string(ours));
       }

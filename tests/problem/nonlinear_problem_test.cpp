@@ -53,7 +53,8 @@ Series series(double t, int order, const double* coefficients) {
     xdot[j] = derivative(x[j]);
   }
   const Jet time = Jet::variable(t, order);
-  return {residuals(time, x.data(), xdot.data()), gradient_x(time, x.data(), xdot.data()), gradient_xdot(time, x.data())};
+  return {residuals(time, x.data(), xdot.data()), gradient_x(time, x.data(), xdot.data()),
+          gradient_xdot(time, x.data())};
 }
 
 // What the callback does besides its duty.
@@ -63,7 +64,8 @@ struct Behavior {
   int calls = 0;
 };
 
-int total_derivatives(double t, int order, const double* derivatives, double* F, double* F_x, double* F_xdot, void* user) {
+int total_derivatives(double t, int order, const double* derivatives, double* F, double* F_x, double* F_xdot,
+                      void* user) {
   Behavior& behavior = *static_cast<Behavior*>(user);
   ++behavior.calls;
   if (order >= behavior.from_order && behavior.code != 0) return behavior.code;
@@ -106,7 +108,8 @@ TEST(NonlinearProblem, HasTheTaylorCoefficientsOfItsResiduals) {
       std::vector<double> F(m * size(order + 1));
       ASSERT_EQ(problem->residuals(0.7, jet.data(), order, F.data()).status, SFDAE_OK);
       for (int k = 0; k <= order; ++k)
-        for (std::size_t i = 0; i < m; ++i) EXPECT_NEAR(F[i + m * size(k)], expected.F[i][k], rounding(order + 4)) << k;
+        for (std::size_t i = 0; i < m; ++i)
+          EXPECT_NEAR(F[i + m * size(k)], expected.F[i][k], rounding(order + 4)) << k;
     }
   EXPECT_EQ(by_record.evaluations(), 4);
   EXPECT_EQ(by_record.linearizations(), 0);
@@ -126,13 +129,16 @@ TEST(NonlinearProblem, LinearizesWithTheScalingOfLinearProblems) {
           const std::vector<double> jet = jet_of_order(highest + 1);
           const Series expected = series(-0.4, highest, jet.data());
           TaylorData data;
-          ASSERT_EQ(problem->linearize(-0.4, jet.data(), orders, {tau, RowScaling::each, nullptr, columns}, data).status, SFDAE_OK);
+          ASSERT_EQ(
+              problem->linearize(-0.4, jet.data(), orders, {tau, RowScaling::each, nullptr, columns}, data).status,
+              SFDAE_OK);
           EXPECT_EQ(data.time_scale, tau);
           for (int k = 0; k <= highest; ++k)
             for (int i = 0; i < m; ++i) {
               const double D = data.row_scale[size(i)];
               EXPECT_EQ(D, std::ldexp(1.0, std::ilogb(D)));
-              const double power = D * std::pow(tau, k), tolerance = rounding(highest + 4) * 32.0 * power * std::max(1.0, tau);
+              const double power = D * std::pow(tau, k),
+                           tolerance = rounding(highest + 4) * 32.0 * power * std::max(1.0, tau);
               if (k <= orders.f) {
                 EXPECT_NEAR(data.f(k)[i], -power * tau * expected.F[size(i)][k], tolerance) << k;
               }
@@ -154,7 +160,9 @@ TEST(CallbackProblem, TellsHowTheFunctionFailed) {
   struct Case {
     int code, status;
   };
-  for (const Case c : {Case{1, SFDAE_CALLBACK_FAILED}, {-3, SFDAE_CALLBACK_STOPPED}, {SFDAE_ORDER_NOT_AVAILABLE, SFDAE_ORDER_MISSING}})
+  for (const Case c : {Case{1, SFDAE_CALLBACK_FAILED},
+                       {-3, SFDAE_CALLBACK_STOPPED},
+                       {SFDAE_ORDER_NOT_AVAILABLE, SFDAE_ORDER_MISSING}})
     for (int order : {0, 2}) {
       Behavior behavior{.code = c.code, .from_order = order};
       CallbackProblem problem(m, n, total_derivatives, &behavior, {});
@@ -204,7 +212,8 @@ TEST(RecordedProblem, NamesTheEquationThatCannotBeEvaluated) {
       EXPECT_NE(trouble.message().find("t = 0.25"), std::string::npos) << trouble.message();
     }
     TaylorData data;
-    EXPECT_EQ(problem.linearize(0.25, jet.data(), {0, order, order}, {}, data).status == SFDAE_OK, trouble.status == SFDAE_OK && x2 > 0.0);
+    EXPECT_EQ(problem.linearize(0.25, jet.data(), {0, order, order}, {}, data).status == SFDAE_OK,
+              trouble.status == SFDAE_OK && x2 > 0.0);
     return trouble.status;
   };
   EXPECT_EQ(status_at(1.0, 1.0, 1), SFDAE_OK);
@@ -253,7 +262,8 @@ TEST(NonlinearProblem, HandsOutPrescribedValuesAndTheirTrouble) {
     return t < 1.0 ? 0 : from.code;
   };
   Behavior behavior;
-  CallbackProblem problem(m, n, total_derivatives, &behavior, {{2, 0}, values, &input}), without(m, n, total_derivatives, &behavior, {});
+  CallbackProblem problem(m, n, total_derivatives, &behavior, {{2, 0}, values, &input}),
+      without(m, n, total_derivatives, &behavior, {});
   double got[2];
   EXPECT_EQ(problem.evaluate_prescribed(0.5, got).status, SFDAE_OK);
   EXPECT_EQ(got[0], 1.0);

@@ -72,7 +72,8 @@ TEST(RecordedLinear, AnswersForAnyOrderAtAnyTime) {
     double t;
     int order;
   };
-  for (const Question q : {Question{0.0, 0}, {0.0, 3}, {0.0, 1}, {1.5, 1}, {1.5, 0}, {0.0, 6}, {-0.7, 0}, {1.5, 5}, {1.5, 6}})
+  for (const Question q :
+       {Question{0.0, 0}, {0.0, 3}, {0.0, 1}, {1.5, 1}, {1.5, 0}, {0.0, 6}, {-0.7, 0}, {1.5, 5}, {1.5, 6}})
     expect_derivatives(problem, q.t, q.order, 2.0);
 }
 

@@ -32,8 +32,8 @@ struct Units {
   double row(int i) const { return i % 2 == 0 ? rows : 1.0; }
   double unknown(int j) const { return j % 3 == 1 ? unknowns : 1.0; }
   std::string name() const {
-    return "rows " + std::to_string(std::log10(rows)) + ", unknowns " + std::to_string(std::log10(unknowns)) + ", time " +
-           std::to_string(std::log10(time));
+    return "rows " + std::to_string(std::log10(rows)) + ", unknowns " + std::to_string(std::log10(unknowns)) +
+           ", time " + std::to_string(std::log10(time));
   }
 };
 
@@ -52,11 +52,16 @@ std::vector<Units> all_units() {
 // A family with x_j = c_j z_j and t = T s: E -> R E C / T, A -> R A C, f -> R f, and T^k for derivatives.
 class Rescaled {
  public:
-  Rescaled(std::shared_ptr<const sfdae_test::LinearFamily> family, Units units) : inner_(std::move(family)), units_(units) {
+  Rescaled(std::shared_ptr<const sfdae_test::LinearFamily> family, Units units)
+      : inner_(std::move(family)), units_(units) {
     problem = inner_.problem;
     problem.user = this;
-    problem.E = [](double s, int k, double* E, void* self) { return static_cast<Rescaled*>(self)->matrix(s, k, E, true); };
-    problem.A = [](double s, int k, double* A, void* self) { return static_cast<Rescaled*>(self)->matrix(s, k, A, false); };
+    problem.E = [](double s, int k, double* E, void* self) {
+      return static_cast<Rescaled*>(self)->matrix(s, k, E, true);
+    };
+    problem.A = [](double s, int k, double* A, void* self) {
+      return static_cast<Rescaled*>(self)->matrix(s, k, A, false);
+    };
     problem.f = [](double s, int k, double* f, void* user) {
       Rescaled& self = *static_cast<Rescaled*>(user);
       const int status = self.inner_.problem.f(s * self.units_.time, k, f, self.inner_.problem.user);
@@ -113,14 +118,15 @@ struct FastStructure {
 };
 
 // "" for the characteristic values expected, else what was found or failed.
-std::string analysis_of(CoefficientSource& source, double t, double toward, const sfdae_test::CharacteristicValues& expected,
-                        int& status) {
+std::string analysis_of(CoefficientSource& source, double t, double toward,
+                        const sfdae_test::CharacteristicValues& expected, int& status) {
   Arena arena;
   std::vector<RankDecision> decisions;
   status = SFDAE_OK;
   try {
     const CharacteristicValues found = analyze_index(source, t, toward, {}, arena, decisions).values;
-    if (found.mu == expected.mu && found.d == expected.d && found.a == expected.a && found.u == expected.u && found.v == expected.v)
+    if (found.mu == expected.mu && found.d == expected.d && found.a == expected.a && found.u == expected.u &&
+        found.v == expected.v)
       return "";
     return describe(found);
   } catch (const Failure& failure) {
@@ -173,7 +179,9 @@ TEST(BalancedUnits, AreFiniteWhereNothingIsThereToBalance) {
   struct Matrices {
     Vector E, A;
   };
-  for (Matrices matrices : {Matrices{{0, 0, 0, 0}, {0, 0, 0, 0}}, {{1, 0, 0, 0}, {0, 0, 0, 0}}, {{0, 0, 0, 0}, {1e-9, 0, 1e9, 1}},
+  for (Matrices matrices : {Matrices{{0, 0, 0, 0}, {0, 0, 0, 0}},
+                            {{1, 0, 0, 0}, {0, 0, 0, 0}},
+                            {{0, 0, 0, 0}, {1e-9, 0, 1e9, 1}},
                             {{1e-300, 0, 0, 0}, {1, 1, 1e300, 0}}}) {
     sfdae_linear_problem callbacks{};
     callbacks.size = sizeof callbacks;
@@ -209,7 +217,8 @@ TEST(Units, ChangeNoCharacteristicValuesOfLinearProblems) {
       Rescaled rescaled(family, units);
       LinearProblem problem(rescaled.problem);
       int status = SFDAE_OK;
-      const std::string difference = analysis_of(problem, 0.3 / units.time, 1.0 / units.time, family->values(), status);
+      const std::string difference =
+          analysis_of(problem, 0.3 / units.time, 1.0 / units.time, family->values(), status);
       ++all;
       if (status == SFDAE_RANK_UNCLEAR) ++unclear;
       else EXPECT_EQ(difference, "");

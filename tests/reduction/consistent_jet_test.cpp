@@ -72,8 +72,11 @@ double relative_residual(NonlinearProblem& problem, const Jet& jet, int level) {
       double terms = 1.0;
       for (int l = 0; l <= k; ++l)
         for (std::size_t j = 0; j < n; ++j)
-          terms += (std::fabs(data.E(l)(static_cast<int>(i), static_cast<int>(j))) * (k - l + 1) * std::fabs(jet.column(k - l + 1)[j]) +
-                    std::fabs(data.A(l)(static_cast<int>(i), static_cast<int>(j))) * std::fabs(jet.column(k - l)[j])) / data.row_scale[i];
+          terms +=
+              (std::fabs(data.E(l)(static_cast<int>(i), static_cast<int>(j))) * (k - l + 1) *
+                   std::fabs(jet.column(k - l + 1)[j]) +
+               std::fabs(data.A(l)(static_cast<int>(i), static_cast<int>(j))) * std::fabs(jet.column(k - l)[j])) /
+              data.row_scale[i];
       const double residual = std::fabs(F[i + m * size(k)]);
       worst = std::max(worst, std::isnan(residual) ? INFINITY : residual / terms);
     }
@@ -193,7 +196,9 @@ TEST(JetSolver, NamesWhatRemainsWhereFixedComponentsAreImpossible) {
 TEST(JetSolver, NamesTheDerivativeThatCannotBeFulfilled) {
   sfdae_test::Recording square(1), contradiction(2);
   const auto no_square = square.finish({square.x[0] * square.x[0] + 1.0});
-  const auto no_rate = contradiction.finish({contradiction.x[0] * contradiction.x[0], contradiction.x[0] * (1.0 + contradiction.x[1] * 0.0) - contradiction.t});
+  const auto no_rate =
+      contradiction.finish({contradiction.x[0] * contradiction.x[0],
+                            contradiction.x[0] * (1.0 + contradiction.x[1] * 0.0) - contradiction.t});
   const std::vector<double> units;
   for (double guess : {0.0, 1.0, -40.0}) {
     NonlinearExample example(no_square);
@@ -208,7 +213,8 @@ TEST(JetSolver, NamesTheDerivativeThatCannotBeFulfilled) {
   JetSolver solver(*example.problem, units);
   solver.solve(jet, 0);
   Report report;
-  for (int level = 1; level <= 2 && report.status == SFDAE_OK; ++level) report = report_of([&] { solver.solve(jet, level); });
+  for (int level = 1; level <= 2 && report.status == SFDAE_OK; ++level)
+    report = report_of([&] { solver.solve(jet, level); });
   EXPECT_EQ(report.status, SFDAE_NO_CONSISTENT_VALUES);
   EXPECT_NE(report.message.find("derivative "), std::string::npos) << report.message;
 }
@@ -248,7 +254,8 @@ TEST(ConsistentJets, SupplyTheIndexAnalysisFromGuesses) {
       EXPECT_EQ(example.analysis.values.mu, e.mu);
       EXPECT_EQ(example.analysis.values.d, e.d);
       // Where pivots vanish with the residuals convergence is linear at the end.
-      EXPECT_LE(relative_residual(*example.problem, example.jet, e.mu), (e.name == "rising" ? 100.0 : 1.0) * rounding(10 * example.jet.n));
+      EXPECT_LE(relative_residual(*example.problem, example.jet, e.mu),
+                (e.name == "rising" ? 100.0 : 1.0) * rounding(10 * example.jet.n));
     }
 }
 

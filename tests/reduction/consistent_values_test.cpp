@@ -217,7 +217,8 @@ TEST(ConsistentValues, KeepDifferentialDoesNotDependOnUnits) {
       LinearProblem problem(callbacks);
       Arena arena;
       std::vector<RankDecision> decisions;
-      LinearSystem system(problem, {}, analyze_index(problem, 0.0, 1.0, {}, arena, decisions), LeadingTerm::automatic);
+      LinearSystem system(problem, {}, analyze_index(problem, 0.0, 1.0, {}, arena, decisions),
+                          LeadingTerm::automatic);
       ASSERT_EQ(system.move_to(0.0), PointStatus::ok);
       ConsistencyRequest request;
       request.kind = InitialValues::keep_differential;

@@ -1,7 +1,7 @@
 // Strangeness index and characteristic values.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/linear_problem.h"
 #include "reduction/index_analysis.h"
+#include "problem/linear_problem.h"
 
 #include <gtest/gtest.h>
 
@@ -59,7 +59,8 @@ TEST_P(IndexAnalysisBothWays, KnowsTheFamilies) {
     for (int u : {0, 1, 2})
       for (double w : {0.5, 2.0}) {
         const std::shared_ptr<const LinearFamily> family = sfdae_test::kron(9, mu, w, u);
-        EXPECT_EQ(describe(analyze(family, 0.2, 1.0, settings).values), describe(expected(*family))) << family->name();
+        EXPECT_EQ(describe(analyze(family, 0.2, 1.0, settings).values), describe(expected(*family)))
+            << family->name();
       }
   const std::shared_ptr<const LinearFamily> chain = sfdae_test::chain(6, 2);
   EXPECT_EQ(describe(analyze(chain, 0.2, 1.0, settings).values), "mu = 2, d = 8, a = 6, u = 0, v = 0");

@@ -106,9 +106,7 @@ Matrix seen_by_constraints(const LinearSystem& system, const Matrix& v) {
 }
 
 // U = T2 Uz
-Matrix free_directions(const LinearSystem& system) {
-  return times(system.form().T2(), system.form().Uz());
-}
+Matrix free_directions(const LinearSystem& system) { return times(system.form().T2(), system.form().Uz()); }
 
 double tolerance(const LinearSystem& system) {
   const double scale = std::max({1.0, system.data().norm(12), system.data().norm_f(12)});

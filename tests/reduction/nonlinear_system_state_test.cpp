@@ -45,13 +45,15 @@ PointStatus solve_stages(NonlinearSystem& system, int s, double h, Vector& x) {
   const std::size_t block = system.jet().x.size(), n = size(system.jet().n);
   const Vector start = values_of(system);
   Vector taylor(block * size(s), 0.0), before(block, 0.0), weights(n, 1e12), w(n * size(s));
-  for (int i = 0; i < s; ++i) std::copy(start.begin(), start.end(), taylor.begin() + static_cast<std::ptrdiff_t>(block) * i);
+  for (int i = 0; i < s; ++i)
+    std::copy(start.begin(), start.end(), taylor.begin() + static_cast<std::ptrdiff_t>(block) * i);
   std::copy(start.begin(), start.end(), before.begin());
   x.resize(n * size(s));
   double reached = 0.0;
   if (system.move_to(h) != PointStatus::ok) return PointStatus::trouble;
-  return system.solve_stages({radau_method(s).stages, 0.0, h, start.data(), start.data(), {taylor.data(), before.data(), weights.data()}},
-                             x.data(), w.data(), reached);
+  return system.solve_stages(
+      {radau_method(s).stages, 0.0, h, start.data(), start.data(), {taylor.data(), before.data(), weights.data()}},
+      x.data(), w.data(), reached);
 }
 
 // One step of implicit Euler, the guess as constant as the point before.
@@ -62,13 +64,15 @@ Vector step_from(NonlinearSystem& system, const Vector& x0, double t) {
   std::copy(x0.begin(), x0.end(), taylor.begin());
   std::copy(x0.begin(), x0.end(), before.begin());
   EXPECT_EQ(system.move_to(t), PointStatus::ok);
-  EXPECT_EQ(system.solve({c, rest.data(), rest.data(), {taylor.data(), before.data(), weights.data()}}, x.data()), PointStatus::ok);
+  EXPECT_EQ(system.solve({c, rest.data(), rest.data(), {taylor.data(), before.data(), weights.data()}}, x.data()),
+            PointStatus::ok);
   return x;
 }
 
 bool same_bits(const Vector& a, const Vector& b) {
   bool same = a.size() == b.size();
-  for (std::size_t i = 0; same && i < a.size(); ++i) same = std::bit_cast<std::uint64_t>(a[i]) == std::bit_cast<std::uint64_t>(b[i]);
+  for (std::size_t i = 0; same && i < a.size(); ++i)
+    same = std::bit_cast<std::uint64_t>(a[i]) == std::bit_cast<std::uint64_t>(b[i]);
   return same;
 }
 
@@ -107,7 +111,8 @@ TEST(PrescribedComponents, MoveTheStartWhereItDiffers) {
 // At an inner stage, at the end, and everywhere: never a solution with other inputs than those prescribed.
 TEST(PrescribedComponents, TroubleAtAnyStageIsTroubleOfTheStep) {
   for (int s : {1, 3, 5})
-    for (const Input& bad : {Input{0.06, 0.09, 1}, Input{0.06, 0.09, -1}, Input{0.06, 0.09, 0}, Input{0.05, 9.0, 1}}) {
+    for (const Input& bad :
+         {Input{0.06, 0.09, 1}, Input{0.06, 0.09, -1}, Input{0.06, 0.09, 0}, Input{0.05, 9.0, 1}}) {
       Input input;
       NonlinearExample e(sfdae_test::record_with_free_component(), {{2}, input_values, &input});
       e.analyze(0.0, 1.0, {1.0, 1.0, 0.3});
@@ -146,7 +151,9 @@ TEST(NonlinearSystem, GoesOnFromAnArchiveAsIfNothingHadHappened) {
     NonlinearExample e(sfdae_test::record_of_pendulum());
     const double c = std::cos(0.6), s = std::sin(0.6);
     e.analyze(0.0, 1.0, {s, -c, 0.7 * c, 0.7 * s, 0.49 + sfdae_test::Pendulum::gravity * c});
-    if (scaled) e.system = std::make_unique<NonlinearSystem>(*e.problem, e.settings, e.analysis, Vector{1.0, 1.0, 4.0, 4.0, 0.125}, e.jet);
+    if (scaled)
+      e.system = std::make_unique<NonlinearSystem>(*e.problem, e.settings, e.analysis,
+                                                   Vector{1.0, 1.0, 4.0, 4.0, 0.125}, e.jet);
     Vector x = values_of(*e.system);
     for (int k = 1; k <= 30; ++k) {
       x = step_from(*e.system, x, 1e-3 * k);
@@ -191,7 +198,8 @@ TEST(NonlinearSystem, RefusesDamagedArchives) {
   };
   EXPECT_NO_THROW(read(state));
   for (std::size_t length = 1; length < state.size(); ++length)
-    EXPECT_THROW(read(Vector(state.begin(), state.begin() + static_cast<std::ptrdiff_t>(length))), DamagedArchive) << length;
+    EXPECT_THROW(read(Vector(state.begin(), state.begin() + static_cast<std::ptrdiff_t>(length))), DamagedArchive)
+        << length;
   for (std::size_t i = 0; i < state.size(); ++i) {
     Vector damaged = state;
     damaged[i] = std::nan("");

@@ -143,11 +143,13 @@ TEST(NonlinearSystem, SolvesTheStagesOfRadau) {
       const std::size_t block = e.system->jet().x.size();
       Vector taylor(block * size(s), 0.0), before(block, 0.0), weights(2, 1e13), x(size(2 * s)), w(x);
       const Vector start = {1.0, 1.0};
-      for (int i = 0; i < s; ++i) std::copy(start.begin(), start.end(), taylor.begin() + static_cast<std::ptrdiff_t>(block) * i);
+      for (int i = 0; i < s; ++i)
+        std::copy(start.begin(), start.end(), taylor.begin() + static_cast<std::ptrdiff_t>(block) * i);
       std::copy(start.begin(), start.end(), before.begin());
       double reached = 0.0;
       ASSERT_EQ(e.system->move_to(h), PointStatus::ok);
-      const StageEquations equations{method, 0.0, h, start.data(), start.data(), {taylor.data(), before.data(), weights.data()}};
+      const StageEquations equations{method,       0.0,          h,
+                                     start.data(), start.data(), {taylor.data(), before.data(), weights.data()}};
       ASSERT_EQ(e.system->solve_stages(equations, x.data(), w.data(), reached), PointStatus::ok) << s;
       EXPECT_EQ(reached, h);
       EXPECT_EQ(x, w);
@@ -173,7 +175,8 @@ TEST(NonlinearSystem, ErrorsOfComponentsKeepTheConstraints) {
   NonlinearExample e(sfdae_test::record_of_pendulum());
   const Vector x = pendulum_at(0.6, speed), any = {0.3, -0.2, 0.5, 0.1, 99.0};
   e.analyze(0.0, 1.0, x);
-  Vector open = {-alpha * x[1], alpha * x[0], -beta * x[1] - alpha * speed * x[0], beta * x[0] - alpha * speed * x[1], 0.0};
+  Vector open = {-alpha * x[1], alpha * x[0], -beta * x[1] - alpha * speed * x[0], beta * x[0] - alpha * speed * x[1],
+                 0.0};
   open[4] = 2.0 * (x[2] * open[2] + x[3] * open[3]) - g * open[1];
   Vector same(5), dx(5), two(10);
   e.system->error_in_x(open.data(), 1, same.data());
@@ -220,10 +223,12 @@ TEST(NonlinearSystem, KnowsTheDerivativeOfTheSolution) {
       double largest = 0.0;
       for (const auto& jet : exact) largest = std::max(largest, std::fabs(jet[1]));
       // mu + 1 derivatives of the arm: pivots of about 1e-4.
-      for (std::size_t i = 0; i < exact.size(); ++i) EXPECT_NEAR(xdot[i], exact[i][1], 1e5 * rounding(8) * largest) << name << i;
+      for (std::size_t i = 0; i < exact.size(); ++i)
+        EXPECT_NEAR(xdot[i], exact[i][1], 1e5 * rounding(8) * largest) << name << i;
       Vector without_array(exact.size());
       EXPECT_TRUE(e.system->consistent_derivative(values_of(*e.system).data(), 1.0, without_array.data()));
-      for (std::size_t i = 0; i < exact.size(); ++i) EXPECT_NEAR(without_array[i], exact[i][1], 1e5 * rounding(8) * largest);
+      for (std::size_t i = 0; i < exact.size(); ++i)
+        EXPECT_NEAR(without_array[i], exact[i][1], 1e5 * rounding(8) * largest);
     }
 }
 

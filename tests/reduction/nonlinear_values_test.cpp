@@ -32,7 +32,8 @@ Vector pendulum_at(double angle, double speed) {
 
 double distance_to(const Vector& x, const Vector& given, const Vector& weights) {
   double sum = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) sum += std::pow((x[i] - given[i]) / (weights.empty() ? 1.0 : weights[i]), 2);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    sum += std::pow((x[i] - given[i]) / (weights.empty() ? 1.0 : weights[i]), 2);
   return std::sqrt(sum);
 }
 
@@ -92,7 +93,8 @@ TEST(NonlinearValues, NearestIsTheNearestPoint) {
   for (const Vector& weights : {Vector{}, Vector{1.0, 1.0, 3.0, 3.0, 20.0}, Vector{0.01, 1.0, 1.0, 1.0, 10.0}})
     for (double amount : {1e-6, 1e-3, 0.1})
       for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-        SCOPED_TRACE(std::to_string(amount) + ", seed " + std::to_string(seed) + (weights.empty() ? "" : ", weights"));
+        SCOPED_TRACE(std::to_string(amount) + ", seed " + std::to_string(seed) +
+                     (weights.empty() ? "" : ", weights"));
         Pendulum p;
         Vector given = pendulum_at(0.6, 0.7);
         const Vector error = sfdae_test::random_vector(5, seed);
@@ -147,7 +149,13 @@ TEST(NonlinearValues, ContradictingFixedComponentsAreNamed) {
   EXPECT_TRUE(status == SFDAE_NO_CONSISTENT_VALUES || status == SFDAE_FIXED_VALUES) << status;
   EXPECT_FALSE(message.empty());
   ConsistentJetResult result;
-  EXPECT_EQ(status_of([&] { result = on.choose(request, {0.6, -0.8, 0.1, 0.0, 8.0}); }, message), SFDAE_OK) << message;
+  EXPECT_EQ(status_of(
+                [&] {
+                  result = on.choose(request, {0.6, -0.8, 0.1, 0.0, 8.0});
+                },
+                message),
+            SFDAE_OK)
+      << message;
   expect_consistent(values_of(result.jet), 100.0 * rounding(5));
 }
 

@@ -58,7 +58,9 @@ Tally classify(int first, int count, const RandomOptions& random, int reduction)
 
 class RandomProblems : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Reductions, RandomProblems, testing::Values(SFDAE_REDUCTION_STAGED, SFDAE_REDUCTION_SVD),
-                         [](const auto& instance) { return instance.param == SFDAE_REDUCTION_SVD ? "svd" : "staged"; });
+                         [](const auto& instance) {
+                           return instance.param == SFDAE_REDUCTION_SVD ? "svd" : "staged";
+                         });
 
 TEST_P(RandomProblems, AllHaveTheRightCharacteristicValues) {
   const int count = scaled_count(10000);

@@ -37,7 +37,9 @@ struct Analyzed {
   std::vector<RankDecision> decisions;
   IndexAnalysis analysis;
   explicit Analyzed(const Family& family)
-      : callbacks(family), problem(callbacks.problem), analysis(analyze_index(problem, 0.2, 1.0, settings, arena, decisions)) {}
+      : callbacks(family),
+        problem(callbacks.problem),
+        analysis(analyze_index(problem, 0.2, 1.0, settings, arena, decisions)) {}
   TaylorData data_at(double t, int level) {
     TaylorData data;
     EXPECT_EQ(problem.evaluate(t, {level, level, level}, analysis.time_scale, data).status, SFDAE_OK);
@@ -53,7 +55,8 @@ TEST(RankReading, AgreesWithTheValuesOfTheFamily) {
     Analyzed p(family);
     const auto expected = family->values();
     for (NoiseModel noise : {NoiseModel::carried, NoiseModel::pivots}) {
-      const RankReading reading = read_ranks(p.data_at(0.4, expected.mu), expected.mu, {0.0, false, noise, nullptr}, {p.arena, p.form});
+      const RankReading reading =
+          read_ranks(p.data_at(0.4, expected.mu), expected.mu, {0.0, false, noise, nullptr}, {p.arena, p.form});
       EXPECT_EQ(reading.ranks.a, expected.a);
       EXPECT_EQ(reading.ranks.d, expected.d);
     }

@@ -37,7 +37,8 @@ struct Stored {
         carried(eliminate(data, level, data.f_stack(level), 1, judge, arena, &store)) {}
   // Multipliers up to 100, and errors eps |data| / p of null vectors.
   double tolerance(const TaylorData& data, int level) const {
-    return rounding((level + 1) * (data.m + data.n)) * 100.0 * std::max(1.0, data.norm(level)) / judge.smallest_pivot();
+    return rounding((level + 1) * (data.m + data.n)) * 100.0 * std::max(1.0, data.norm(level)) /
+           judge.smallest_pivot();
   }
 };
 
@@ -73,12 +74,23 @@ std::vector<Case> cases() {
   };
   std::vector<Case> all;
   // 12 unknowns are the most whose equations are solved for y beforehand.
-  for (const Shape s : {Shape{1, 1, 0}, {1, 1, 1}, {3, 5, 2}, {5, 3, 2}, {4, 4, 0}, {4, 4, 4}, {6, 6, 3}, {12, 12, 7},
-                        {13, 13, 7}, {20, 20, 20}, {10, 16, 6}, {16, 11, 6}, {17, 14, 0}})
+  for (const Shape s : {Shape{1, 1, 0},
+                        {1, 1, 1},
+                        {3, 5, 2},
+                        {5, 3, 2},
+                        {4, 4, 0},
+                        {4, 4, 4},
+                        {6, 6, 3},
+                        {12, 12, 7},
+                        {13, 13, 7},
+                        {20, 20, 20},
+                        {10, 16, 6},
+                        {16, 11, 6},
+                        {17, 14, 0}})
     for (int level : {0, 1, 2, 4})
       for (std::uint64_t seed : {1u, 2u}) {
-        const std::string name = std::to_string(s.m) + " x " + std::to_string(s.n) + ", rank " + std::to_string(s.rank) +
-                                 ", level " + std::to_string(level);
+        const std::string name = std::to_string(s.m) + " x " + std::to_string(s.n) + ", rank " +
+                                 std::to_string(s.rank) + ", level " + std::to_string(level);
         all.push_back({name, random_taylor_data(s.m, s.n, level, s.rank, seed), level});
         if (s.m < 3) continue;
         all.push_back({name + ", redundant", all.back().data, level});
@@ -87,8 +99,9 @@ std::vector<Case> cases() {
   for (int n : {6, 12, 13, 18})
     for (double p : {0.5, 1e-3, 1e-5})
       for (int level : {1, 2, 3})
-        all.push_back({"n = " + std::to_string(n) + ", pivot " + std::to_string(p) + ", level " + std::to_string(level),
-                       data_with_small_pivot(n, level, p, 7), level});
+        all.push_back(
+            {"n = " + std::to_string(n) + ", pivot " + std::to_string(p) + ", level " + std::to_string(level),
+             data_with_small_pivot(n, level, p, 7), level});
   return all;
 }
 
@@ -135,7 +148,8 @@ TEST(StoredElimination, RecoversDerivativesOfEveryConsistentX) {
       EXPECT_NEAR(left(i, 0) + f_hat[size(i)], 0.0, n * stored.tolerance(c.data, c.level)) << i;
     stored.store.recover(c.data, {f.data(), f_hat.data()}, x.data(), y.data(), stored.arena);
     const Matrix right = sfdae_test::sum(1.0, times(N, column(x)), 1.0, f);
-    EXPECT_LE(distance(times(M, column(y)), right), n * stored.tolerance(c.data, c.level) * std::max(1.0, largest(y)));
+    EXPECT_LE(distance(times(M, column(y)), right),
+              n * stored.tolerance(c.data, c.level) * std::max(1.0, largest(y)));
   }
 }
 

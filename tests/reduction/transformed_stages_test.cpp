@@ -62,7 +62,9 @@ struct RealMatrix {
   std::vector<int> pivots;
   int q;
   RealMatrix(const NullSpaceForm& form, double c_tau)
-      : entries(size(form.unknowns()) * size(form.unknowns()) + 1), pivots(size(form.unknowns()) + 1), q(form.unknowns()) {
+      : entries(size(form.unknowns()) * size(form.unknowns()) + 1),
+        pivots(size(form.unknowns()) + 1),
+        q(form.unknowns()) {
     form.step_matrix(c_tau, View{entries.data(), q, q, std::max(q, 1)});
     EXPECT_TRUE(factor_lu(View{entries.data(), q, q, std::max(q, 1)}, pivots.data()));
   }

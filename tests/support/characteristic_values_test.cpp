@@ -58,8 +58,8 @@ Svd svd(Matrix M) {
   }
   std::vector<double> work(size(workspace));
   int info = 0;
-  dgesvd_("A", "A", &M.rows, &M.columns, M.data.data(), &M.rows, result.values.data(), result.U.data.data(),
-          &M.rows, result.VT.data.data(), &M.columns, work.data(), &workspace, &info);
+  dgesvd_("A", "A", &M.rows, &M.columns, M.data.data(), &M.rows, result.values.data(), result.U.data.data(), &M.rows,
+          result.VT.data.data(), &M.columns, work.data(), &workspace, &info);
   EXPECT_EQ(info, 0);
   return result;
 }
@@ -169,10 +169,8 @@ int expect_characteristic_values(const std::vector<std::unique_ptr<LinearFamily>
   for (const auto& family : families) {
     SCOPED_TRACE(family->name());
     const Determination found = characteristic_values(*family, t, family->values().mu + 1);
-    if (found.clear)
-      EXPECT_EQ(found.values, family->values());
-    else
-      ++unclear;
+    if (found.clear) EXPECT_EQ(found.values, family->values());
+    else ++unclear;
   }
   return unclear;
 }

@@ -108,8 +108,7 @@ TEST(Families, ExactSolutionsSatisfyTheEquations) {
         }
         // Cancelled terms: at least a row of E or A times the solution.
         double row = 0.0;
-        for (int j = 0; j < n; ++j)
-          row = std::max({row, std::abs(E[size(i + j * m)]), std::abs(A[size(i + j * m)])});
+        for (int j = 0; j < n; ++j) row = std::max({row, std::abs(E[size(i + j * m)]), std::abs(A[size(i + j * m)])});
         EXPECT_LE(std::abs(residual), rounding(n) * (terms + row * max_abs(x))) << "t = " << t << ", row " << i;
       }
     }
@@ -271,8 +270,8 @@ TEST(Random, FamiliesCoverTheStructures) {
 // ---- Callbacks ------------------------------------------------------------------------------------------------
 
 TEST(FamilyProblem, CallbacksGiveTheDerivativesOfTheFamilyInWhateverOrderTheyAreAskedFor) {
-  const std::shared_ptr<const LinearFamily> families[] = {
-      kron(6, 2), kron(6, 2, 0.0), chain(5, 2), random_family(3), rotated_ode(RowOperation::scaling)};
+  const std::shared_ptr<const LinearFamily> families[] = {kron(6, 2), kron(6, 2, 0.0), chain(5, 2), random_family(3),
+                                                          rotated_ode(RowOperation::scaling)};
   for (const auto& family : families) {
     SCOPED_TRACE(family->name());
     FamilyProblem p(family);

@@ -132,10 +132,8 @@ const FamilyProblem::Slot& FamilyProblem::slot(Cache& cache, double t, int order
 void FamilyProblem::build(Slot& slot, bool matrices) const {
   const std::size_t length = size(m()) * (matrices ? size(n()) : 1);
   for (auto& values : slot.values) values.resize(length * size(slot.order + 1));
-  if (matrices)
-    family_->matrix_coefficients(slot.t, slot.order, slot.values[0].data(), slot.values[1].data());
-  else
-    family_->vector_coefficients(slot.t, slot.order, slot.values[0].data());
+  if (matrices) family_->matrix_coefficients(slot.t, slot.order, slot.values[0].data(), slot.values[1].data());
+  else family_->vector_coefficients(slot.t, slot.order, slot.values[0].data());
 
   for (auto& values : slot.values)
     for (int k = 2; k <= slot.order; ++k)

@@ -35,8 +35,8 @@ struct CallbackHooks {
 };
 
 // The usual hooks.
-std::function<int(const Call&)> return_at_call(long number, int status);           // at that call alone
-std::function<int(const Call&)> return_behind(double t, int status);               // at every call with time > t
+std::function<int(const Call&)> return_at_call(long number, int status);  // at that call alone
+std::function<int(const Call&)> return_behind(double t, int status);      // at every call with time > t
 std::function<void(const Call&, std::span<double>)> poison_behind(double t, double value);  // first entry, time > t
 
 // E, A, f and all their orders at one t share the Taylor coefficients, and the last few t are kept.
@@ -57,11 +57,11 @@ class FamilyProblem {
   int n() const { return family_->n(); }
 
   // Counts since construction or the last reset, calls that failed included.
-  long calls(Callback function) const;             // of all orders
+  long calls(Callback function) const;  // of all orders
   long calls(Callback function, int order) const;
   long calls() const { return count_; }
   int highest_order_asked() const { return highest_order_asked_; }  // -1: none
-  double seconds() const { return seconds_; }  // spent in callbacks, if measure_time
+  double seconds() const { return seconds_; }                       // spent in callbacks, if measure_time
   void reset_counts();
 
  private:

@@ -12,17 +12,17 @@
 namespace sfdae_test {
 
 struct FamilyRun {
-  int status = SFDAE_OK;       // of the call that ended the run
+  int status = SFDAE_OK;  // of the call that ended the run
   std::string message;
-  double t = 0.0;              // reached
+  double t = 0.0;  // reached
   std::vector<double> x, xdot;
-  double step_error = 0.0;     // max |e_i| / (rtol |x_i| + atol) over all steps
-  double output_error = 0.0;   // and over all outputs
+  double step_error = 0.0;           // max |e_i| / (rtol |x_i| + atol) over all steps
+  double output_error = 0.0;         // and over all outputs
   double initial_slope_error = 0.0;  // max |x'(t0) - exact|
-  double slope_error = 0.0;    // max |x' - exact| / (1 + |exact|) over all outputs
+  double slope_error = 0.0;          // max |x' - exact| / (1 + |exact|) over all outputs
   sfdae_statistics statistics{};
   sfdae_characteristics characteristics{};
-  sfdae_change change{};       // if status is SFDAE_CHARACTERISTICS_CHANGED
+  sfdae_change change{};  // if status is SFDAE_CHARACTERISTICS_CHANGED
   long attempts() const { return statistics.steps + statistics.error_failures + statistics.other_failures; }
 };
 

@@ -20,10 +20,8 @@ class FormulaFamily : public LinearFamily {
   }
 
   void vector_coefficients(double t, int order, double* f) const override {
-    if (formulas_.f)
-      write(formulas_.f, t, order, 1, f);
-    else
-      std::fill_n(f, m() * (order + 1), 0.0);
+    if (formulas_.f) write(formulas_.f, t, order, 1, f);
+    else std::fill_n(f, m() * (order + 1), 0.0);
   }
 
   bool constant_E() const override { return formulas_.constant_E; }

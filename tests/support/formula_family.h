@@ -16,7 +16,7 @@ using Entries = std::vector<Jet>;  // of a matrix: row by row, as on paper
 using Formula = std::function<Entries(const Jet& t)>;
 
 struct Formulas {
-  Formula E, A;          // m n entries each
+  Formula E, A;             // m n entries each
   Formula f = nullptr;      // m entries; empty: f = 0
   Formula exact = nullptr;  // n entries; empty: not known
   bool constant_E = false;

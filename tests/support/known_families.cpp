@@ -61,7 +61,10 @@ class Chain : public LinearFamily {
       : LinearFamily("chain(" + std::to_string(m) + ", " + std::to_string(c) + ", omega=" + text(omega) +
                          ", sigma=" + text(sigma) + ")",
                      {2, 2 * m - 2 * c, 3 * c, 0, 0}),
-        masses_(m), constraints_(c), omega_(omega), sigma_(sigma) {}
+        masses_(m),
+        constraints_(c),
+        omega_(omega),
+        sigma_(sigma) {}
 
   void matrix_coefficients(double t, int order, double* E, double* A) const override;
   void vector_coefficients(double t, int order, double* f) const override;

@@ -19,13 +19,9 @@ namespace sfdae_test {
 inline constexpr double unit_roundoff = 0.5 * std::numeric_limits<double>::epsilon();
 
 // Rounding errors of orthogonal transformations and sums of n terms of size 1, with room for a few in a row.
-inline double rounding(int n) {
-  return 100.0 * std::max(n, 1) * unit_roundoff;
-}
+inline double rounding(int n) { return 100.0 * std::max(n, 1) * unit_roundoff; }
 
-inline std::size_t size(int i) {
-  return static_cast<std::size_t>(i);
-}
+inline std::size_t size(int i) { return static_cast<std::size_t>(i); }
 
 // Entries uniform in [-1, 1).
 inline sfdae::core::Matrix random_matrix(int rows, int cols, std::uint64_t seed) {

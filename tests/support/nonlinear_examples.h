@@ -23,7 +23,9 @@ using RecordPointer = std::shared_ptr<const Record>;
 
 inline RecordPointer record_of_formulas(const std::string& name) {
   const FormulaProblem& p = formula_problem(name);
-  const auto equations = [&p](int, const auto& t, const auto* x, const auto* xdot, auto* F) { p.residual(t, x, xdot, F); };
+  const auto equations = [&p](int, const auto& t, const auto* x, const auto* xdot, auto* F) {
+    p.residual(t, x, xdot, F);
+  };
   RecordedEquations<decltype(equations)> recorded(p.data, equations);
   return sfdae::core::record_equations(&decltype(recorded)::write, p.data.m, p.data.n, &recorded);
 }
@@ -31,7 +33,9 @@ inline RecordPointer record_of_formulas(const std::string& name) {
 // mu = 2, d = 2, a = 3.
 inline RecordPointer record_of_pendulum() {
   const TestProblem p = pendulum();
-  const auto equations = [](int, const auto& t, const auto* x, const auto* xdot, auto* F) { pendulum_residual(t, x, xdot, F); };
+  const auto equations = [](int, const auto& t, const auto* x, const auto* xdot, auto* F) {
+    pendulum_residual(t, x, xdot, F);
+  };
   RecordedEquations<decltype(equations)> recorded(p, equations);
   return sfdae::core::record_equations(&decltype(recorded)::write, p.m, p.n, &recorded);
 }

@@ -117,8 +117,7 @@ void add_dynamics(BlockSum& sum, RandomNumbers& random, double sigma) {
   const double re = -sigma * random.uniform(0.2, 1.0);
   if (std::min(sum.free_rows(), sum.free_columns()) >= 2 && random.integer(0, 1) == 1)
     sum.add_complex_pair(re, sigma * random.uniform(0.5, 2.0));
-  else
-    sum.add_real_eigenvalue(re);
+  else sum.add_real_eigenvalue(re);
 }
 
 BlockSum random_blocks(RandomNumbers& random, const RandomOptions& options) {
@@ -129,12 +128,9 @@ BlockSum random_blocks(RandomNumbers& random, const RandomOptions& options) {
   // One block that makes mu what it is; it also makes sure that there is an equation and an unknown.
   const bool tall_allowed = options.singular_blocks && options.max_redundant > 0 && mu > 0;
   const bool first_tall = tall_allowed && random.integer(0, 3) == 0;
-  if (first_tall)
-    sum.add_tall(mu);
-  else if (mu > 0 || random.integer(0, 1) == 0)
-    sum.add_nilpotent(mu + 1);
-  else
-    add_dynamics(sum, random, options.sigma);
+  if (first_tall) sum.add_tall(mu);
+  else if (mu > 0 || random.integer(0, 1) == 0) sum.add_nilpotent(mu + 1);
+  else add_dynamics(sum, random, options.sigma);
 
   for (int u = random.integer(0, options.max_undetermined); u > 0; --u) {
     const int k = options.singular_blocks ? random.integer(0, 3) : 0;
@@ -146,10 +142,8 @@ BlockSum random_blocks(RandomNumbers& random, const RandomOptions& options) {
   }
   while (sum.free_rows() > 0 && sum.free_columns() > 0) {
     const int room = std::min(sum.free_rows(), sum.free_columns());
-    if (random.integer(0, 1) == 0)
-      add_dynamics(sum, random, options.sigma);
-    else
-      sum.add_nilpotent(random.integer(1, std::min(mu + 1, room)));
+    if (random.integer(0, 1) == 0) add_dynamics(sum, random, options.sigma);
+    else sum.add_nilpotent(random.integer(1, std::min(mu + 1, room)));
   }
   return sum;
 }
@@ -164,8 +158,7 @@ SmoothTransformation random_transformation(RandomNumbers& random, int size, cons
     const double phase = random.uniform(-pi, pi);
     T.rotations.push_back({i, j, phase, options.w * random.uniform(-1.0, 1.0)});
   }
-  for (int i = 0; options.scalings && i < size; ++i)
-    T.scalings.push_back({0.3, random.uniform(-pi, pi), options.w});
+  for (int i = 0; options.scalings && i < size; ++i) T.scalings.push_back({0.3, random.uniform(-pi, pi), options.w});
   return T;
 }
 

@@ -11,11 +11,11 @@
 namespace sfdae_test {
 
 struct RandomOptions {
-  int max_size = 20;        // bound of m and n
-  int mu = -1;              // -1: random, 0..max_mu
+  int max_size = 20;  // bound of m and n
+  int mu = -1;        // -1: random, 0..max_mu
   int max_mu = 4;
-  int max_undetermined = 2; // bound of u
-  int max_redundant = 2;    // bound of v
+  int max_undetermined = 2;     // bound of u
+  int max_redundant = 2;        // bound of v
   bool singular_blocks = true;  // u and v also from the singular blocks of Kronecker, not only from zeros
   double w = 0.5;               // the planes of P and Q turn at random speeds in [-w, w]
   bool scalings = true;         // P and Q also contain diagonal factors 1 + 0.3 sin(...): not orthogonal

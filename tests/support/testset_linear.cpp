@@ -101,12 +101,12 @@ LinearTestProblem index4_indigo() {
                          0, 0, 0, 1, 0, 0,  //
                          0, 0, 0, 0, 1, 0,  //
                          0, 0, 0, 0, 0, 0},
-                        {0, -1, 1, 0, 0, 0,  //
-                         0, 0, -1, 1, 0, 0,  //
-                         0, 0, 0, -1, 1, 0,  //
-                         0, 0, 0, 0, -1, 1,  //
-                         0, 0, 0, 0, 0, -1,  //
-                         1, 1, 1, 1, 1, 0});
+                        {0, -1, 1,  0,  0,  0,   //
+                         0, 0,  -1, 1,  0,  0,   //
+                         0, 0,  0,  -1, 1,  0,   //
+                         0, 0,  0,  0,  -1, 1,   //
+                         0, 0,  0,  0,  0,  -1,  //
+                         1, 1,  1,  1,  1,  0});
   p.f = [](const Jet& t) -> Entries {
     const auto [s, c] = sine_cosine(t);
     return {c, c, c, c, c + s, -5 * s};
@@ -128,13 +128,17 @@ LinearTestProblem ascher_petzold_ind2(double b) {
   Formulas p = constant({1, 0, 0, 0, 1, 0, 0, 0, 0}, {});
   p.constant_A = false;
   p.A = [=](const Jet& t) -> Entries {
-    return {b - 1 / (2 - t), 0,         b * (2 - t),  //
-            (b - 1) / (2 - t), -1,      b - 1,        //
-            2 + t,             t * t - 4, 0};
+    return {b - 1 / (2 - t),
+            0,
+            b * (2 - t),  //
+            (b - 1) / (2 - t),
+            -1,
+            b - 1,  //
+            2 + t,
+            t * t - 4,
+            0};
   };
-  p.f = [](const Jet& t) -> Entries {
-    return {(3 - t) / (2 - t) * exp(t), 2 * exp(t), -(t * t + t - 2) * exp(t)};
-  };
+  p.f = [](const Jet& t) -> Entries { return {(3 - t) / (2 - t) * exp(t), 2 * exp(t), -(t * t + t - 2) * exp(t)}; };
   p.exact = [](const Jet& t) -> Entries { return {exp(t), exp(t), -exp(t) / (2 - t)}; };
   return problem(named("ascher_petzold_ind2", b), {1, 1, 2, 0, 0}, p, 0.0, 1.0);
 }
@@ -310,11 +314,11 @@ LinearTestProblem rlc_circuit() {
                          0, 0, C, 0, 0,  //
                          0, 0, 0, L, 0,  //
                          0, 0, 0, 0, 0},
-                        {G, -G, 0,  0, 1,  //
-                         -G, G, 0,  1, 0,  //
-                         0,  0, 0,  1, 0,  //
-                         0,  1, -1, 0, 0,  //
-                         1,  0, 0,  0, 0});
+                        {G,  -G, 0,  0, 1,  //
+                         -G, G,  0,  1, 0,  //
+                         0,  0,  0,  1, 0,  //
+                         0,  1,  -1, 0, 0,  //
+                         1,  0,  0,  0, 0});
   p.f = [](const Jet& t) -> Entries { return {0, 0, 0, 0, -sin(t)}; };
   p.exact = [](const Jet& t) -> Entries {
     const Jet e3 = 0.2 * sin(t) - 0.6 * cos(t) + exp(-t) - 0.4 * exp(-2 * t);

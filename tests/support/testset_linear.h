@@ -24,17 +24,17 @@ struct LinearTestProblem {
 // Characteristic values are written (mu; d, a, u, v).
 
 // ---- Literature ----
-LinearTestProblem km_ex31_underdet();    // (1; 0, 1, 1, 1) [KM06, Ex. 3.1]: c(t) (t, 1) solves for every c
-LinearTestProblem km_ex32_gelda_demo();  // (1; 0, 2, 0, 0) [KM06, Ex. 3.2]: singular pencils, unique solution
+LinearTestProblem km_ex31_underdet();        // (1; 0, 1, 1, 1) [KM06, Ex. 3.1]: c(t) (t, 1) solves for every c
+LinearTestProblem km_ex32_gelda_demo();      // (1; 0, 2, 0, 0) [KM06, Ex. 3.2]: singular pencils, unique solution
 LinearTestProblem gear_petzold(double eta);  // (1; 0, 2, 0, 0) [GP84]; the pencil is singular for eta = -1
-LinearTestProblem rankdrop_t();          // (1; 0, 2, 0, 0), E = [0 t; 0 0], A = I; t = 0 alone says mu = 0
-LinearTestProblem nilpotent(int n);      // (n-1; 0, n, 0, 0), one Jordan block, f_i = sin t
-LinearTestProblem index4_indigo();       // (3; 2, 4, 0, 0)
-LinearTestProblem brenan_index1();       // (0; 1, 1, 0, 0) [BCP96, ch. 4]
+LinearTestProblem rankdrop_t();              // (1; 0, 2, 0, 0), E = [0 t; 0 0], A = I; t = 0 alone says mu = 0
+LinearTestProblem nilpotent(int n);          // (n-1; 0, n, 0, 0), one Jordan block, f_i = sin t
+LinearTestProblem index4_indigo();           // (3; 2, 4, 0, 0)
+LinearTestProblem brenan_index1();           // (0; 1, 1, 0, 0) [BCP96, ch. 4]
 LinearTestProblem ascher_petzold_ind2(double stiffness = 50.0);  // (1; 1, 2, 0, 0) [AP98]
-LinearTestProblem lin_overdet_consistent();  // (1; 1, 1, 0, 1), 3 equations, 2 unknowns
-LinearTestProblem lin_underdet();            // (1; 0, 2, 1, 0), 2 equations, 3 unknowns
-LinearTestProblem crane_mass_spring();       // (4; 0, 5, 0, 0), the force that moves a mass along a given path
+LinearTestProblem lin_overdet_consistent();                      // (1; 1, 1, 0, 1), 3 equations, 2 unknowns
+LinearTestProblem lin_underdet();                                // (1; 0, 2, 1, 0), 2 equations, 3 unknowns
+LinearTestProblem crane_mass_spring();  // (4; 0, 5, 0, 0), the force that moves a mass along a given path
 
 // ---- Rows and columns that hide something ----
 LinearTestProblem dense_rows(double w);  // (0; 1, 1, 0, 0), rows mixed by a rotation of speed w; constant if w = 0
@@ -48,7 +48,7 @@ LinearTestProblem scaled_row(double factor = 1e-12);  // (0; 2, 1, 0, 0), a diff
 LinearTestProblem redundant_row(double rho);
 
 // ---- Small numbers ----
-LinearTestProblem singular_perturbation(double eps);  // (0; 2, 0, 0, 0), E = diag(1, eps), A = -I, eps > 0
+LinearTestProblem singular_perturbation(double eps);     // (0; 2, 0, 0, 0), E = diag(1, eps), A = -I, eps > 0
 LinearTestProblem badly_scaled_ode(double eps = 1e-14);  // (0; 2, 0, 0, 0), E = diag(1, eps), A = diag(-1, -eps)
 
 // ---- Characteristic values that change ----

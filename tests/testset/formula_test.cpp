@@ -15,9 +15,7 @@ using sfdae_test::FormulaScope;
 using sfdae_test::Jet;
 using sfdae_test::Json;
 
-double value(const char* source) {
-  return Formula(source).evaluate(FormulaScope<double>{.t = 3.0});
-}
+double value(const char* source) { return Formula(source).evaluate(FormulaScope<double>{.t = 3.0}); }
 
 TEST(Formula, FollowsTheUsualPrecedence) {
   EXPECT_EQ(value("2+3*4"), 14.0);

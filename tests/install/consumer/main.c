@@ -6,19 +6,19 @@
 
 #include <sfdae/sfdae.h>
 
-static int E(double t, int order, double *matrix, void *user) {
+static int E(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[0] = 1;
   return 0;
 }
 
-static int A(double t, int order, double *matrix, void *user) {
+static int A(double t, int order, double* matrix, void* user) {
   (void)t, (void)user;
   if (order == 0) matrix[2] = 1, matrix[1] = 1;
   return 0;
 }
 
-static int f(double t, int order, double *vector, void *user) {
+static int f(double t, int order, double* vector, void* user) {
   (void)user;
   vector[1] = -sin(t + order * acos(0.0));
   return 0;
@@ -26,7 +26,7 @@ static int f(double t, int order, double *vector, void *user) {
 
 int main(void) {
   sfdae_linear_problem problem;
-  sfdae_solver *solver = NULL;
+  sfdae_solver* solver = NULL;
   double t = 0, x[2] = {0, 0}, error = 1;
   int status;
 

@@ -124,8 +124,6 @@ class FormulaReader {
   std::size_t at_ = 0;
 };
 
-Formula::Formula(std::string_view source) {
-  FormulaReader(source, nodes_).formula();
-}
+Formula::Formula(std::string_view source) { FormulaReader(source, nodes_).formula(); }
 
 }  // namespace sfdae_test

@@ -62,10 +62,8 @@ class Formula {
 template <class V>
 V Formula::leaf(const FormulaScope<V>& scope, const Node& node) const {
   switch (node.kind) {
-    case Kind::number:
-      return V(node.number);
-    case Kind::t:
-      return scope.t;
+    case Kind::number: return V(node.number);
+    case Kind::t: return scope.t;
     case Kind::x:
     case Kind::xdot: {
       const V* variable = node.kind == Kind::x ? scope.x : scope.xdot;
@@ -87,26 +85,16 @@ V Formula::evaluate(const FormulaScope<V>& scope, std::size_t at) const {
   if (node.kind <= Kind::xdot) return leaf(scope, node);
   const V a = evaluate(scope, node.left);
   switch (node.kind) {
-    case Kind::add:
-      return a + evaluate(scope, node.right);
-    case Kind::subtract:
-      return a - evaluate(scope, node.right);
-    case Kind::multiply:
-      return a * evaluate(scope, node.right);
-    case Kind::divide:
-      return a / evaluate(scope, node.right);
-    case Kind::negate:
-      return -a;
-    case Kind::power:
-      return pow(a, node.number);
-    case Kind::sin:
-      return sin(a);
-    case Kind::cos:
-      return cos(a);
-    case Kind::exp:
-      return exp(a);
-    default:
-      return sqrt(a);
+    case Kind::add: return a + evaluate(scope, node.right);
+    case Kind::subtract: return a - evaluate(scope, node.right);
+    case Kind::multiply: return a * evaluate(scope, node.right);
+    case Kind::divide: return a / evaluate(scope, node.right);
+    case Kind::negate: return -a;
+    case Kind::power: return pow(a, node.number);
+    case Kind::sin: return sin(a);
+    case Kind::cos: return cos(a);
+    case Kind::exp: return exp(a);
+    default: return sqrt(a);
   }
 }
 

@@ -10,9 +10,7 @@ namespace sfdae_test {
 
 namespace {
 
-int integer(const Json& value) {
-  return static_cast<int>(value.number);
-}
+int integer(const Json& value) { return static_cast<int>(value.number); }
 
 // Numbers, or numbers as text with more digits than a double has.
 std::vector<double> numbers(const Json& list) {
@@ -114,16 +112,11 @@ std::vector<Jet> FormulaProblem::exact(double t, int order) const {
   // The recursion, the crane and the arm differentiate the path up to n times.
   const Jet time = Jet::variable(t, std::min(order + data.n, max_jet_order));
   switch (solution) {
-    case ExactSolution::formulas:
-      return in_order(exact_formulas_at(time), order);
-    case ExactSolution::recursion:
-      return in_order(exact_recursion(time), order);
-    case ExactSolution::crane:
-      return in_order(exact_crane(time), order);
-    case ExactSolution::robot_arm:
-      return in_order(exact_robot_arm(time), order);
-    default:
-      throw std::logic_error("no exact solution of " + data.name);
+    case ExactSolution::formulas: return in_order(exact_formulas_at(time), order);
+    case ExactSolution::recursion: return in_order(exact_recursion(time), order);
+    case ExactSolution::crane: return in_order(exact_crane(time), order);
+    case ExactSolution::robot_arm: return in_order(exact_robot_arm(time), order);
+    default: throw std::logic_error("no exact solution of " + data.name);
   }
 }
 

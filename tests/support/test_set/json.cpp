@@ -40,19 +40,15 @@ class Reader {
 
   Json any() {
     switch (peek()) {
-      case '{':
-        return object();
-      case '[':
-        return list();
+      case '{': return object();
+      case '[': return list();
       case '"': {
         Json value{.kind = Json::Kind::text};
         value.text = text();
         return value;
       }
-      case 'n':
-        return null();
-      default:
-        return number();
+      case 'n': return null();
+      default: return number();
     }
   }
   Json null() {
@@ -119,9 +115,7 @@ const Json& Json::at(std::string_view key) const {
   return *value;
 }
 
-Json read_json(std::string_view source) {
-  return Reader(source).document();
-}
+Json read_json(std::string_view source) { return Reader(source).document(); }
 
 Json read_json_file(const std::string& path) {
   std::ifstream file(path);

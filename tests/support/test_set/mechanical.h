@@ -27,12 +27,9 @@ void constraints_at(ConstraintLevel level, const V& t, const V* x, const V* a, V
   const V* p = x;
   const V* v = x + System::positions;
   switch (level) {
-    case ConstraintLevel::position:
-      return System::constraints(t, p, g);
-    case ConstraintLevel::velocity:
-      return System::velocity_constraints(t, p, v, g);
-    case ConstraintLevel::acceleration:
-      return System::acceleration_constraints(t, p, v, a, g);
+    case ConstraintLevel::position: return System::constraints(t, p, g);
+    case ConstraintLevel::velocity: return System::velocity_constraints(t, p, v, g);
+    case ConstraintLevel::acceleration: return System::acceleration_constraints(t, p, v, a, g);
   }
 }
 

@@ -19,18 +19,10 @@ V square(const V& a) {
 using sfdae::choose;  // a if c > 0, else b: of numbers and of recorded expressions
 
 // A branch of a function of a series is that of its first coefficient.
-inline Jet choose(const Jet& c, const Jet& a, const Jet& b) {
-  return c[0] > 0.0 ? a : b;
-}
-inline Jet min(const Jet& a, const Jet& b) {
-  return b[0] < a[0] ? b : a;
-}
-inline Jet max(const Jet& a, const Jet& b) {
-  return a[0] < b[0] ? b : a;
-}
-inline Jet abs(const Jet& a) {
-  return a[0] < 0.0 ? -a : a;
-}
+inline Jet choose(const Jet& c, const Jet& a, const Jet& b) { return c[0] > 0.0 ? a : b; }
+inline Jet min(const Jet& a, const Jet& b) { return b[0] < a[0] ? b : a; }
+inline Jet max(const Jet& a, const Jet& b) { return a[0] < b[0] ? b : a; }
+inline Jet abs(const Jet& a) { return a[0] < 0.0 ? -a : a; }
 
 // y y = a, solved for one coefficient after the other; a(0) > 0.
 inline Jet sqrt(const Jet& a) {
