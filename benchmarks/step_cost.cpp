@@ -12,8 +12,8 @@
 
 #include "linalg/dense.h"
 #include "reduction/elimination.h"
-#include "reduction/linear_system.h"
 #include "replay.h"
+#include "system/linear_system.h"
 
 extern "C" {
 void dgesvd_(const char*, const char*, const int*, const int*, double*, const int*, double*, double*, const int*,

@@ -6,7 +6,7 @@
 
 #include "linalg/matrix.h"
 #include "problem/failure.h"
-#include "reduction/consistent_values.h"
+#include "system/consistent_values.h"
 
 namespace sfdae::f77 {
 

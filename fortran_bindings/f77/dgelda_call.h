@@ -6,7 +6,7 @@
 
 #include "f77/dgelda_problem.h"
 #include "f77/integration_call.h"
-#include "reduction/linear_system.h"
+#include "system/linear_system.h"
 
 namespace sfdae::f77 {
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "integrate/nonlinear_changes.h"
 #include "linalg/matrix.h"
 #include "problem/failure.h"
+#include "system/nonlinear_changes.h"
 
 namespace sfdae::f77 {
 

@@ -9,8 +9,8 @@
 #include "c_api/structs.h"
 #include "linalg/dense.h"
 #include "linalg/matrix.h"
+#include "multibody/multibody_derivative_check.h"
 #include "problem/derivative_check.h"
-#include "problem/multibody_derivative_check.h"
 #include "problem/total_derivative_check.h"
 #include "reduction/derivative_array.h"
 

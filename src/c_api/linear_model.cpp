@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "integrate/change_watch.h"
 #include "linalg/matrix.h"
 #include "problem/failure.h"
+#include "system/change_watch.h"
 
 namespace sfdae::core {
 

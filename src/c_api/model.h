@@ -8,11 +8,11 @@
 
 #include "integrate/checkpoint.h"
 #include "integrate/integration.h"
+#include "multibody/multibody_problem.h"
 #include "problem/linear_problem.h"
-#include "problem/multibody_problem.h"
 #include "problem/nonlinear_problem.h"
-#include "reduction/consistent_values.h"
 #include "sfdae/sfdae.h"
+#include "system/consistent_values.h"
 
 namespace sfdae::core {
 

@@ -7,9 +7,9 @@
 
 #include "c_api/model.h"
 #include "c_api/multibody_recording.h"
-#include "integrate/multibody_changes.h"
+#include "multibody/multibody_changes.h"
+#include "multibody/multibody_consistency.h"
 #include "problem/failure.h"
-#include "reduction/multibody_consistency.h"
 
 namespace sfdae::core {
 

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "reduction/multibody_system.h"
+#include "multibody/multibody_system.h"
 #include "sfdae/sfdae.h"
 
 namespace sfdae::core {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "c_api/recording.h"
+#include "multibody/multibody_callbacks.h"
+#include "multibody/multibody_recorded.h"
 #include "problem/failure.h"
-#include "problem/multibody_callbacks.h"
-#include "problem/multibody_recorded.h"
 
 namespace sfdae::core {
 

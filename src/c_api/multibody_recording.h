@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "problem/multibody_problem.h"
+#include "multibody/multibody_problem.h"
 #include "sfdae/sfdae.h"
 
 namespace sfdae::core {

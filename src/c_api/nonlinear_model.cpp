@@ -6,11 +6,11 @@
 #include "c_api/expressions.h"
 #include "c_api/linear_model.h"
 #include "c_api/model.h"
-#include "integrate/nonlinear_changes.h"
 #include "problem/failure.h"
 #include "problem/recorded_linear.h"
-#include "reduction/nonlinear_system.h"
-#include "reduction/nonlinear_values.h"
+#include "system/nonlinear_changes.h"
+#include "system/nonlinear_system.h"
+#include "system/nonlinear_values.h"
 
 namespace sfdae::core {
 

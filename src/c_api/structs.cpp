@@ -3,7 +3,7 @@
 #include "c_api/structs.h"
 
 #include "integrate/step_control.h"
-#include "reduction/stage_method.h"
+#include "system/stage_method.h"
 
 namespace sfdae::core {
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/checkpoint.h"
 
-#include "integrate/change_watch.h"
 #include "problem/failure.h"
+#include "system/change_watch.h"
 
 namespace sfdae::core {
 

@@ -10,7 +10,7 @@
 #include <memory>
 
 #include "integrate/integration.h"
-#include "reduction/linear_system.h"
+#include "system/linear_system.h"
 
 namespace sfdae::core {
 

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "integrate/bdf.h"
-#include "integrate/change_detector.h"
 #include "integrate/error_weights.h"
 #include "integrate/radau.h"
 #include "integrate/stepper.h"
-#include "reduction/dae_system.h"
+#include "system/change_detector.h"
+#include "system/dae_system.h"
 
 namespace sfdae::core {
 

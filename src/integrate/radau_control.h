@@ -9,7 +9,7 @@
 
 #include "integrate/stepper.h"
 #include "linalg/archive.h"
-#include "reduction/stage_method.h"
+#include "system/stage_method.h"
 
 namespace sfdae::core {
 

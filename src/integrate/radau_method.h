@@ -7,7 +7,7 @@
 
 #include <array>
 
-#include "reduction/stage_method.h"
+#include "system/stage_method.h"
 
 namespace sfdae::core {
 

@@ -8,7 +8,7 @@
 
 #include "integrate/error_weights.h"
 #include "linalg/archive.h"
-#include "reduction/strangeness_free_system.h"
+#include "system/strangeness_free_system.h"
 
 namespace sfdae::core {
 

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "reduction/linear_system.h"
+#include "system/linear_system.h"
 
 namespace sfdae::core {
 

@@ -9,7 +9,7 @@
 
 #include "family_run.h"
 #include "reduction/index_analysis.h"
-#include "reduction/linear_system.h"
+#include "system/linear_system.h"
 
 namespace {
 

@@ -2,7 +2,7 @@
 // A checkpoint contains all that the continuation depends on: runs that are saved, destroyed and restored between all
 // calls agree in every bit with runs that are not.
 #include "integrate/checkpoint.h"
-#include "integrate/change_watch.h"
+#include "system/change_watch.h"
 
 #include <gtest/gtest.h>
 

@@ -13,9 +13,9 @@
 #include "analyzed_problem.h"
 #include "family_run.h"
 #include "formula_family.h"
-#include "integrate/change_watch.h"
 #include "integrate/integration.h"
 #include "linear_family.h"
+#include "system/change_watch.h"
 
 using namespace sfdae::core;
 using sfdae_test::AnalyzedProblem;

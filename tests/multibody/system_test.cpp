@@ -6,8 +6,8 @@
 
 #include "c_api/multibody_recording.h"
 #include "integrate/radau_method.h"
+#include "multibody/multibody_system.h"
 #include "pendulum.h"
-#include "reduction/multibody_system.h"
 
 namespace sfdae::test {
 namespace {

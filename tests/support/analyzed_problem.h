@@ -12,7 +12,7 @@
 #include "linalg/arena.h"
 #include "problem/linear_problem.h"
 #include "reduction/index_analysis.h"
-#include "reduction/linear_system.h"
+#include "system/linear_system.h"
 
 namespace sfdae_test {
 

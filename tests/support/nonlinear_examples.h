@@ -10,9 +10,9 @@
 
 #include "c_api/expressions.h"
 #include "recorded.h"
-#include "reduction/consistent_jet.h"
 #include "reduction/index_analysis.h"
-#include "reduction/nonlinear_system.h"
+#include "system/consistent_jet.h"
+#include "system/nonlinear_system.h"
 #include "test_set/formula_problems.h"
 #include "test_set/pendulum.h"
 #include "test_set/recorded.h"

@@ -1,0 +1,191 @@
+// The user's functions of a mechanical system.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "multibody/multibody_callbacks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/dense.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+std::size_t size(int count) { return static_cast<std::size_t>(count); }
+
+View as_view(std::vector<double>& values) {
+  const int count = static_cast<int>(values.size());
+  return {values.data(), count, 1, std::max(count, 1)};
+}
+
+void describe_code(const char* name, Trouble& trouble) {
+  trouble.status = trouble.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
+  trouble.detail = format("%s returned %d (%s) at t = %.15g.", name, trouble.code,
+                          trouble.code < 0 ? "stop" : "cannot evaluate", trouble.t);
+}
+
+void describe_entry(const char* name, ConstView result, Trouble& trouble) {
+  trouble.status = SFDAE_NOT_FINITE;
+  int first = 0;
+  while (all_finite(result.data + first, 1)) ++first;
+  trouble.row = first % result.rows;
+  trouble.column = first / result.rows;
+  trouble.detail = format(
+      "%s returned NaN, Inf or a number near overflow in row %d, column %d at t = %.15g. Return 1 "
+      "from the callback to have the step reduced.",
+      name, trouble.row, trouble.column, trouble.t);
+}
+
+}  // namespace
+
+MultibodySizes sizes_of(const sfdae_multibody_problem& problem) {
+  const int velocities = problem.num_velocities == 0 ? problem.num_positions : problem.num_velocities;
+  return {problem.num_positions, velocities, problem.num_constraints, problem.num_nonholonomic};
+}
+
+CallbackMultibody::Residuals::Residuals(const MultibodySizes& sizes)
+    : force(size(sizes.velocities)),
+      acceleration(size(sizes.constraints())),
+      velocity(size(sizes.constraints())),
+      kinematics(size(sizes.positions)) {}
+
+CallbackMultibody::CallbackMultibody(const sfdae_multibody_problem& problem)
+    : MultibodyProblem(sizes_of(problem)),
+      functions_(problem),
+      gamma_by_differences_(sizes().holonomic > 0 && problem.constraint_curvature == nullptr),
+      eta_by_differences_(sizes().nonholonomic > 0 && problem.nonholonomic_curvature == nullptr),
+      H_(sizes().nonholonomic, sizes().velocities),
+      probe_(sizes()),
+      direction_(size(sizes().positions)),
+      shifted_q_(direction_),
+      shifted_direction_(direction_),
+      base_(sizes()),
+      moved_(sizes()),
+      moved_q_(direction_),
+      moved_v_(size(sizes().velocities)) {
+  constexpr int points = DifferenceFormula::points;
+  const std::size_t rows = size(sizes().constraints());
+  for (int shift = 0; shift < points; ++shift) formulas_.emplace_back(shift, 1);
+  samples_.resize(rows * points);
+  for (auto* values : {&values_, &errors_, &along_, &in_time_, &rough_base_, &rough_moved_}) values->resize(rows);
+}
+
+template <class Call>
+bool CallbackMultibody::checked(const char* name, double t, View result, Trouble& trouble, Call call) {
+  const std::size_t count = size(result.rows) * size(result.cols);
+  if (count == 0) return true;
+  std::fill_n(result.data, count, 0.0);
+  trouble.function = name;
+  trouble.t = t;
+  if (stop_is_requested()) {
+    trouble.status = SFDAE_STOPPED;
+    return false;
+  }
+  trouble.code = call(result.data);
+  if (trouble.code != 0) describe_code(name, trouble);
+  else if (!all_finite(result.data, count)) describe_entry(name, result, trouble);
+  return trouble.status == SFDAE_OK;
+}
+
+// A function that is not given is zero.
+bool CallbackMultibody::call(const char* name, sfdae_position_function function, const Point& at, View result,
+                             Trouble& trouble) {
+  return checked(name, at.t, result, trouble, [&](double* values) {
+    return function == nullptr ? 0 : function(at.t, at.q, values, functions_.user);
+  });
+}
+
+bool CallbackMultibody::call(const char* name, sfdae_velocity_function function, const Point& at, View result,
+                             Trouble& trouble) {
+  return checked(name, at.t, result, trouble, [&](double* values) {
+    return function == nullptr ? 0 : function(at.t, at.q, at.v, values, functions_.user);
+  });
+}
+
+bool CallbackMultibody::evaluate_mass(const Point& at, Matrix& M, Trouble& trouble) {
+  if (functions_.mass != nullptr) return call("mass", functions_.mass, at, M, trouble);
+  fill(M, 0.0);
+  for (int i = 0; i < M.rows(); ++i) M(i, i) = 1.0;
+  return true;
+}
+
+bool CallbackMultibody::evaluate_constraints(const Point& at, MultibodyTerms& terms, Trouble& trouble) {
+  const int nv = sizes().velocities, nl = sizes().holonomic, nk = sizes().nonholonomic;
+  if (has_kinematics()) {
+    if (terms.S.cols() == 0) terms.S = Matrix(sizes().positions, nv);
+    if (!call("kinematics", functions_.kinematics, at, terms.S, trouble)) return false;
+  }
+  double* const rest = terms.velocity_rest.data();
+  const View g_t{rest, nl, 1, std::max(nl, 1)}, h{rest + nl, nk, 1, std::max(nk, 1)};
+  if (!call("constraint_jacobian", functions_.constraint_jacobian, at, terms.g_q, trouble) ||
+      !call("constraint_rate", functions_.constraint_rate, at, g_t, trouble) ||
+      !call("nonholonomic_matrix", functions_.nonholonomic_matrix, at, H_, trouble) ||
+      !call("nonholonomic_offset", functions_.nonholonomic_offset, at, h, trouble))
+    return false;
+  const View C = terms.C;
+  if (nl > 0 && has_kinematics()) multiply(1.0, Op::plain, terms.g_q, Op::plain, terms.S, 0.0, C.block(0, 0, nl, nv));
+  else if (nl > 0) copy(terms.g_q, C.block(0, 0, nl, nv));
+  if (nk > 0) copy(H_, C.block(nl, 0, nk, nv));
+  return true;
+}
+
+bool CallbackMultibody::evaluate_curvatures(const Point& at, double* s, Trouble& trouble) {
+  const int nl = sizes().holonomic, nk = sizes().nonholonomic;
+  return call("constraint_curvature", functions_.constraint_curvature, at, {s, nl, 1, std::max(nl, 1)}, trouble) &&
+         call("nonholonomic_curvature", functions_.nonholonomic_curvature, at, {s + nl, nk, 1, std::max(nk, 1)},
+              trouble);
+}
+
+Trouble CallbackMultibody::constraints(double t, const double* q, double* g) {
+  Trouble trouble;
+  ++evaluations_;
+  const int nl = sizes().holonomic;
+  call("constraints", functions_.constraints, {t, q, nullptr}, {g, nl, 1, std::max(nl, 1)}, trouble);
+  return trouble;
+}
+
+Trouble CallbackMultibody::at_position(double t, const double* q, MultibodyTerms& terms) {
+  Trouble trouble;
+  ++evaluations_;
+  const Point at{t, q, nullptr};
+  (void)(call("constraints", functions_.constraints, at, as_view(terms.g), trouble) &&
+         evaluate_mass(at, terms.M, trouble) && evaluate_constraints(at, terms, trouble));
+  return trouble;
+}
+
+Trouble CallbackMultibody::at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) {
+  Trouble trouble = at_position(t, q, terms);
+  if (trouble.status != SFDAE_OK) return trouble;
+  const Point at{t, q, v};
+  double* const s = terms.acceleration_rest.data();
+  (void)(call("forces", functions_.forces, at, as_view(terms.f), trouble) && evaluate_curvatures(at, s, trouble) &&
+         (!needs_differences() || add_differences(at, terms, s, trouble)));
+  return trouble;
+}
+
+void CallbackMultibody::check_rates(double t, const double* q) {
+  if (sizes().holonomic == 0 || functions_.constraint_rate != nullptr) return;
+  std::vector<double> here(size(sizes().holonomic)), later(here);
+  const double forward = room(t, 1.0), backward = room(t, -1.0), step = 1e-3 * std::max(1.0, std::fabs(t));
+  const double offset = forward >= backward ? std::min(step, forward) : -std::min(step, backward);
+  const auto evaluate = [&](double at, double* g) {
+    const Trouble trouble = constraints(at, q, g);
+    if (trouble.status != SFDAE_OK && !trouble.is_recoverable()) throw Failure(trouble.status, trouble.message());
+    return trouble.status == SFDAE_OK;
+  };
+  // Two offsets, for the sake of periodic functions.
+  for (const double part : {1.0, 0.31}) {
+    // The same numbers give the same values: whatever changes depends on t.
+    if (!evaluate(t, here.data()) || !evaluate(t + part * offset, later.data())) continue;
+    for (std::size_t i = 0; i < here.size(); ++i)
+      if (here[i] != later[i])
+        throw Failure(
+            SFDAE_ILLEGAL_ARGUMENT,
+            format("constraint %d depends on t (%.15g at t = %.15g, %.15g at t = %.15g with the same q), but "
+                   "there is no constraint_rate: provide the derivative of g by t.",
+                   static_cast<int>(i), here[i], t, later[i], t + part * offset));
+  }
+}
+
+}  // namespace sfdae::core

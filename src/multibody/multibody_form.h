@@ -1,0 +1,102 @@
+// The strangeness-free system of a mechanical system, linearized at one point, in local coordinates.
+//
+//     Q_q1^T (q' - S v) = 0,  Q_v1^T (v' - a(t, q, v)) = 0,  g = 0,  C v + r = 0
+//
+// With (y, z) = (Q_q1^T q, Q_v1^T v) and the T and N of the constraints, changes that solve the linearized
+// constraints are
+//
+//     dq = T_q y - N_q g,   dv = T_v z - N_v (C v + r + (C v + r)_q dq)
+//
+// and the differential equations become (y, z)' = B (y, z) + ...: steps solve for d unknowns, with matrices c I - B.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "linalg/arena.h"
+#include "linalg/matrix.h"
+#include "multibody/multibody_partition.h"
+#include "multibody/multibody_point.h"
+#include "multibody/multibody_problem.h"
+
+namespace sfdae::core {
+
+// Of the constraints on both levels; one for both where their rows are the same.
+struct Tangents {
+  Tangent positions, velocities;
+  bool same_rows = false;
+  const Tangent& of_velocities() const { return same_rows ? positions : velocities; }
+  Tangent& of_velocities() { return same_rows ? positions : velocities; }
+  double turn() const { return same_rows ? positions.turn() : std::max(positions.turn(), velocities.turn()); }
+};
+
+class MultibodyForm {
+ public:
+  // Room, and the ranks of g_q and C.
+  void resize(const MultibodySizes& sizes, int position_rank, int velocity_rank);
+  // By which ranks are decided; 0: by rounding errors.
+  void set_rank_tol(double rank_tol) { positions_.rank_tol = velocities_.rank_tol = rank_tol; }
+
+  int unknowns() const { return dq_ + dv_; }
+  int position_unknowns() const { return dq_; }
+  const Partition& positions() const { return positions_; }
+  const Partition& velocities() const { return same_rows_ ? positions_ : velocities_; }
+  const Tangents& tangents() const { return tangents_; }
+  void resize_tangents(Tangents& tangents) const;
+
+  // New partitions at the point; what is found of the ranks.
+  struct Ranks {
+    RankDecision positions, velocities;
+  };
+  Ranks choose(const MultibodyPoint& point, Coordinates coordinates, Arena& arena);
+  // The row of C that depends most on the others at the point, and what is left of it, in units of its length.
+  void judge(const MultibodyPoint& point, Arena& arena, int& row, double& rest) const;
+  // T and N at a point; false if the partition does not fit it at all.
+  bool build_tangents(const MultibodyPoint& point, Tangents& tangents, Arena& arena) const;
+  // The same without T.
+  bool fit_tangents(const MultibodyPoint& point, Tangents& tangents) const;
+  // For the point of the linearization.
+  bool build_tangents(const MultibodyPoint& point, Arena& arena) { return build_tangents(point, tangents_, arena); }
+  // B, after build_tangents; point: K factored there, a and mu known.
+  void build(const MultibodyPoint& point, const MultibodyJacobian& jacobian, Arena& arena);
+
+  // M := c I - B
+  template <class Scalar>
+  void step_matrix(Scalar c, BasicView<Scalar> M) const {
+    for (int j = 0; j < unknowns(); ++j) {
+      for (int i = 0; i < unknowns(); ++i) M(i, j) = -B_(i, j);
+      M(j, j) += c;
+    }
+  }
+  // (y, z) of (q, v).
+  void project(const double* qv, double* yz) const;
+  // The same for columns.
+  void project(ConstView qv, View yz) const;
+  // dq, dv := -N (residuals), both residuals complete, N from some point nearby.
+  struct Residuals {
+    const double* g;
+    const double* velocity;
+  };
+  void particular(const Tangents& tangents, const Residuals& residuals, double* qv, Arena& arena) const;
+  // rates := S v + S dv + (S v)_q dq for such changes of q and v at the point
+  void moved_rates(const MultibodyPoint& point, const double* change, double* rates, Arena& arena) const;
+  // yz := Q_q1^T rates and Q_v1^T (a + a_q dq + a_v dv), a column for each point.
+  void rates(ConstView rates, ConstView a, ConstView changes, View yz) const;
+  // qv := (T_q y, T_v z - N_v (C v + r)_q T_q y), a column for each point; T and N from these points.
+  void expand(const Tangents* tangents, ConstView yz, View qv, Arena& arena) const;
+  // The same with T and N from the linearization.
+  void expand(ConstView yz, View qv) const;
+
+ private:
+  MultibodySizes sizes_;
+  bool same_rows_ = false;  // one set of rows on both levels: S the identity, no nonholonomic constraints
+  int dq_ = 0, dv_ = 0;
+  Partition positions_, velocities_;
+  Tangents tangents_;
+  Matrix velocity_q_, kinematics_q_;  // of the Jacobian
+  bool has_velocity_q_ = false;
+  Matrix Z_, A_q_, A_v_, B_;  // nv x dq; Q_v1^T a_q, Q_v1^T a_v
+};
+
+}  // namespace sfdae::core

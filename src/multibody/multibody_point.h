@@ -1,0 +1,65 @@
+// A mechanical system with constraints at one point (t, q, v): accelerations and forces of constraints.
+//
+//     K (a; mu) = (f; -s),   K = [M C^T; C 0]
+//
+// with independent rows of C; the other mu are zero until the solution of least norm is asked for.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/arena.h"
+#include "linalg/matrix.h"
+#include "multibody/multibody_partition.h"
+#include "multibody/multibody_problem.h"
+
+namespace sfdae::core {
+
+class MultibodyPoint {
+ public:
+  void resize(const MultibodySizes& sizes);
+
+  double t = 0.0;
+  std::vector<double> q, v;
+  MultibodyTerms terms;
+  std::vector<double> a, mu;
+  // Of the rows of g and of C v + r: the lengths of their gradients, S not taken for smaller than it is.
+  std::vector<double> position_units, velocity_units;
+
+  MultibodyMotion motion() const { return {t, q.data(), v.data(), a.data(), mu.data()}; }
+  void set(double new_t, const double* new_q, const double* new_v);
+  ConstraintRows position_rows() const { return {terms.g_q.view(), position_units.data()}; }
+  ConstraintRows velocity_rows() const { return {terms.C.view(), velocity_units.data()}; }
+  void measure_rows();
+  // C v + r, all rows.
+  void velocity_residuals(double* residuals) const;
+  // q' = S v
+  void rates(double* rates) const;
+
+  // Factors K with the independent rows; false if it is singular.
+  bool factor(const std::vector<int>& rows, int rank);
+  // a and mu from terms.
+  void solve_accelerations(const std::vector<int>& rows, int rank);
+  // The same for a diagonal mass of positive entries that do not differ too much: (C M^-1 C^T) mu = C M^-1 f + s.
+  // False if it is none, or that matrix is singular.
+  bool solve_by_masses(const Partition& partition, const Tangent& tangent, Arena& arena);
+  // The same without K: a = T y - N s with T^T M T y = T^T (f + M N s), which is cheaper where few directions are
+  // free. False if T^T M T is singular.
+  bool solve_along(const Partition& partition, const Tangent& tangent, Arena& arena);
+  // (y; z) := K^-1 (y; z)
+  void solve(double* yz) const;
+  void solve(View yz) const;
+  void solve_transposed(View yz) const;
+  int order() const { return order_; }
+  // mu of least norm with the same C^T mu.
+  void shorten(const Partition& partition, Arena& arena) { shorten(partition, mu.data(), arena); }
+  void shorten(const Partition& partition, double* forces, Arena& arena) const;
+
+ private:
+  int order_ = 0;
+  Matrix K_;
+  std::vector<int> pivots_;
+  std::vector<double> solution_;
+};
+
+}  // namespace sfdae::core

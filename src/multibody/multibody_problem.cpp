@@ -1,0 +1,29 @@
+// What problems with mechanical systems deliver.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "multibody/multibody_problem.h"
+
+namespace sfdae::core {
+
+namespace {
+
+std::size_t size(int count) { return static_cast<std::size_t>(count); }
+
+}  // namespace
+
+MultibodyTerms::MultibodyTerms(const MultibodySizes& sizes)
+    : M(sizes.velocities, sizes.velocities),
+      g_q(sizes.holonomic, sizes.positions),
+      C(sizes.constraints(), sizes.velocities),
+      g(size(sizes.holonomic)),
+      f(size(sizes.velocities)),
+      velocity_rest(size(sizes.constraints())),
+      acceleration_rest(size(sizes.constraints())) {}
+
+MultibodyJacobian::MultibodyJacobian(const MultibodySizes& sizes)
+    : force_q(sizes.velocities, sizes.positions),
+      force_v(sizes.velocities, sizes.velocities),
+      acceleration_q(sizes.constraints(), sizes.positions),
+      acceleration_v(sizes.constraints(), sizes.velocities),
+      velocity_q(sizes.constraints(), sizes.positions) {}
+
+}  // namespace sfdae::core

@@ -1,0 +1,69 @@
+// Jets, and those of a nonlinear problem near a guess.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "system/consistent_jet.h"
+
+namespace sfdae::core {
+
+namespace {
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+void Jet::set_order(int new_order) {
+  x.resize(index(n) * index(new_order + 1), 0.0);
+  order = new_order;
+}
+
+void Jet::shift(double h) {
+  // Horner's scheme, repeated.
+  for (int low = 0; low < order; ++low)
+    for (int k = order - 1; k >= low; --k)
+      for (int i = 0; i < n; ++i) column(k)[i] += h * column(k + 1)[i];
+  t += h;
+}
+
+ConsistentJets::ConsistentJets(NonlinearProblem& problem, double t, const double* x, std::vector<char> fixed)
+    : problem_(problem), fixed_(std::move(fixed)) {
+  Point first;
+  first.jet.t = t;
+  first.jet.n = problem.n();
+  first.jet.x.assign(x, x + problem.n());
+  points_.push_back(std::move(first));
+}
+
+// A new point starts from the Taylor polynomial of the first one.
+ConsistentJets::Point& ConsistentJets::point_at(double t) {
+  for (Point& point : points_)
+    if (point.jet.t == t) return point;
+  points_.push_back(points_.front());
+  Point& point = points_.back();
+  const int level = std::max(points_.front().level, 0);
+  if (point.jet.order > level) point.jet.set_order(level);  // the highest coefficients are not determined
+  point.jet.shift(t - point.jet.t);
+  point.jet.t = t;
+  point.level = -1;
+  return point;
+}
+
+const Jet& ConsistentJets::jet_at(double t, int level) {
+  Point& point = point_at(t);
+  JetSolver solver(problem_, column_scale_);
+  if (t == points_.front().jet.t) solver.set_fixed(fixed_);
+  while (point.level < level) {
+    solver.solve(point.jet, point.level + 1);
+    ++point.level;
+  }
+  return point.jet;
+}
+
+Trouble ConsistentJets::evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows,
+                                 const std::vector<double>* preferred_rows) {
+  const int level = std::max({orders.E, orders.A, orders.f});
+  const Jet& jet = jet_at(t, level);
+  return problem_.linearize(t, jet.x.data(), orders, {time_scale, rows, preferred_rows, &column_scale_}, data);
+}
+
+}  // namespace sfdae::core

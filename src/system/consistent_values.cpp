@@ -1,0 +1,182 @@
+// Consistent initial values of a linear problem. In null-space form every consistent x is xp + T2 z.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/consistent_values.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/dense.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+// Relative accuracy to which fixed components must fit the constraints.
+constexpr double fixed_tolerance = 1e-9;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// (I - T2 T2^T) x - xp: the violation of the constraints as a vector; its length is that of A2 x + f2.
+Vector violation(const NullSpaceForm& form, const Vector& x) {
+  Vector along(index(form.unknowns()) + 1), r(x);
+  multiply(1.0, Op::transposed, form.T2(), x.data(), 0.0, along.data());
+  multiply(-1.0, Op::plain, form.T2(), along.data(), 1.0, r.data());
+  for (int i = 0; i < form.n; ++i) r[index(i)] -= form.xp()[i];
+  return r;
+}
+
+double length(const Vector& v) {
+  double sum = 0.0;
+  const double scale = max_abs({v.data(), static_cast<int>(v.size()), 1, 1});
+  if (scale == 0.0) return 0.0;
+  for (double entry : v) sum += (entry / scale) * (entry / scale);
+  return scale * std::sqrt(sum);
+}
+
+// Minimizes || D^-1 (xp + T2 z - x) || over z = z0 + N y; rows of zero weight are left out.
+Vector nearest(const NullSpaceForm& form, const Vector& x, const Vector& inverse_weights, const Vector& z0,
+               const Matrix& N) {
+  const int n = form.n;
+  Matrix rows = product(form.T2(), N);
+  Vector target(x), base(form.xp(), form.xp() + n);
+  multiply(1.0, Op::plain, form.T2(), z0.data(), 1.0, base.data());
+  for (int i = 0; i < n; ++i) {
+    const double scale = inverse_weights[index(i)];
+    target[index(i)] = scale * (x[index(i)] - base[index(i)]);
+    for (int j = 0; j < rows.cols(); ++j) rows(i, j) *= scale;
+  }
+  const Vector y = least_squares(rows, target, n * unit_roundoff * max_abs(rows));
+  Vector z(z0), result(form.xp(), form.xp() + n);
+  multiply(1.0, Op::plain, N, y.data(), 1.0, z.data());
+  multiply(1.0, Op::plain, form.T2(), z.data(), 1.0, result.data());
+  return result;
+}
+
+// The fixed components alone: T2_J z = x_J - xp_J has to be solvable; N spans what they leave open.
+void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request, const Vector& x, double t,
+                   Vector& z0, Matrix& N) {
+  const int count = static_cast<int>(std::count(request.fixed.begin(), request.fixed.end(), 1));
+  Matrix J(count, form.unknowns());
+  Vector missing(index(count));
+  std::vector<int> components;
+  for (int i = 0, row = 0; i < form.n; ++i) {
+    if (request.fixed[index(i)] == 0) continue;
+    components.push_back(i);
+    for (int j = 0; j < J.cols(); ++j) J(row, j) = form.T2()(i, j);
+    missing[index(row++)] = x[index(i)] - form.xp()[i];
+  }
+  // T2 has orthonormal columns: singular values of its rows are cosines, 1e-9 is as good as none.
+  const Svd decomposition = svd(J);
+  int rank = 0;
+  for (double s : decomposition.s) rank += s > fixed_tolerance ? 1 : 0;
+  z0 = least_squares(J, missing, fixed_tolerance);
+  Vector residual(missing);
+  if (count > 0) multiply(-1.0, Op::plain, J, z0.data(), 1.0, residual.data());
+  for (int row = 0; row < count; ++row) {
+    // Relative to what was added up in this component.
+    const int i = components[index(row)];
+    double size = std::max({std::fabs(x[index(i)]), std::fabs(form.xp()[i]), request.least_size});
+    for (int j = 0; j < J.cols(); ++j) size = std::max(size, std::fabs(J(row, j) * z0[index(j)]));
+    if (std::fabs(residual[index(row)]) > fixed_tolerance * size)
+      throw Failure(SFDAE_FIXED_VALUES,
+                    format("the fixed components contradict the constraints at t = %.15g: x[%d] = %.6g would have to "
+                           "change by %.3g. Fix fewer components, or correct their values.",
+                           t, components[index(row)], x[index(components[index(row)])], -residual[index(row)]));
+  }
+  N = to_matrix(decomposition.V.view().columns(rank, form.unknowns() - rank));
+}
+
+// z0: E1 (xp + T2 z0 - x) = 0; N spans what that leaves open, the free directions. With Z1 spanning the range of E T2
+// these are the normal equations of min |E (xp + T2 z - x)|: E x changes as little as possible.
+void keep_differential(const NullSpaceForm& form, const TaylorData& data, const Vector& x, Vector& z0, Matrix& N) {
+  const int n = form.n, m = form.m, unknowns = form.unknowns(), u = form.u;
+  Matrix E = to_matrix(data.E(0));
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < n; ++j) E(i, j) /= data.row_scale[index(i)];
+  // Rows of Uz^T make the rank full; they keep z0 out of the free directions.
+  Matrix rows(m + u, unknowns);
+  multiply(1.0, Op::plain, E, Op::plain, form.T2(), 0.0, rows.view().top(m));
+  for (int i = 0; i < u; ++i)
+    for (int j = 0; j < unknowns; ++j) rows(m + i, j) = form.Uz()(j, i);
+  Vector target(index(m + u), 0.0), missing(x);
+  for (int i = 0; i < n; ++i) missing[index(i)] -= form.xp()[i];
+  multiply(1.0, Op::plain, E, missing.data(), 0.0, target.data());
+  z0 = least_squares(rows, target, 0.0);
+  N = to_matrix(form.Uz());
+}
+
+}  // namespace
+
+Vector consistent_point(const NullSpaceForm& form, const TaylorData& data, const Vector& scale,
+                        const ConsistencyRequest& request, const Vector& user_x) {
+  // The null-space form is that of scaled unknowns.
+  const int n = form.n;
+  Vector x(user_x), inverse_weights(scale);
+  for (int i = 0; i < n; ++i) x[index(i)] /= scale[index(i)];
+  for (int i = 0; i < n && !request.weights.empty(); ++i) inverse_weights[index(i)] /= request.weights[index(i)];
+  const bool plain_norm =
+      std::all_of(inverse_weights.begin(), inverse_weights.end(), [](double w) { return w == 1.0; });
+  Vector z0(index(form.unknowns()) + 1, 0.0);
+  Matrix N = identity(form.unknowns());
+  if (request.kind == InitialValues::fixed) satisfy_fixed(form, request, x, data.t, z0, N);
+  if (request.kind == InitialValues::keep_differential) keep_differential(form, data, x, z0, N);
+  Vector consistent(form.xp(), form.xp() + n);
+  const bool any_change = request.kind == InitialValues::nearest || request.kind == InitialValues::accept;
+  if (plain_norm && any_change) {
+    // xp + T2 T2^T x
+    multiply(1.0, Op::transposed, form.T2(), x.data(), 0.0, z0.data());
+    multiply(1.0, Op::plain, form.T2(), z0.data(), 1.0, consistent.data());
+  } else {
+    consistent = nearest(form, x, inverse_weights, z0, N);
+  }
+  for (int i = 0; i < n; ++i) consistent[index(i)] *= scale[index(i)];
+  if (request.kind == InitialValues::fixed)
+    for (int i = 0; i < n; ++i)
+      if (request.fixed[index(i)] != 0) consistent[index(i)] = user_x[index(i)];
+  return consistent;
+}
+
+void report_change(const ConsistencyRequest& request, double t, const Vector& given, const Vector& consistent,
+                   ConsistencyResult& result) {
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const double change = std::fabs(consistent[i] - given[i]);
+    if (request.kind == InitialValues::accept) {
+      if (change > request.tolerances[i])
+        throw Failure(SFDAE_INCONSISTENT_VALUES,
+                      format("initial values violate the constraints at t = %.15g: residual %.3g, the nearest "
+                             "consistent point differs by %.3g in x[%d]. Let them be made consistent, or correct x.",
+                             t, result.residual_before, change, static_cast<int>(i)));
+    } else if (change > result.largest_change) {
+      result.largest_change = change;
+      result.component = static_cast<int>(i);
+    }
+  }
+  if (!all_finite(consistent.data(), consistent.size()))
+    throw Failure(SFDAE_NOT_FINITE, format("consistent values at t = %.15g overflow: rescale the problem.", t));
+}
+
+ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, Vector& user_x) {
+  const NullSpaceForm& form = system.form();
+  const std::size_t n = index(form.n);
+  // Norms and reports are the user's.
+  const Vector scale = system.problem().column_scale().empty() ? Vector(n, 1.0) : system.problem().column_scale();
+  const auto violation_of = [&](const Vector& values) {
+    Vector scaled(values);
+    for (std::size_t i = 0; i < n; ++i) scaled[i] /= scale[i];
+    Vector r = violation(form, scaled);
+    for (std::size_t i = 0; i < n; ++i) r[i] *= scale[i];
+    return length(r);
+  };
+  ConsistencyResult result;
+  result.residual_before = violation_of(user_x);
+  const Vector consistent = consistent_point(form, system.data(), scale, request, user_x);
+  report_change(request, system.t(), user_x, consistent, result);
+  if (request.kind != InitialValues::accept) user_x = consistent;
+  result.residual_after = request.kind == InitialValues::accept ? result.residual_before : violation_of(user_x);
+  return result;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,51 @@
+// Consistent initial values of a linear problem: A2 x + f2 = 0.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "system/linear_system.h"
+
+namespace sfdae::core {
+
+// keep_differential: x changes in the null space of E1 = Z1^T E only, Z1 the range of E T2 with rows as the user
+// scaled them; exactly one such point is consistent where u = 0, and at least one always, as E1 T2 has full row rank.
+enum class InitialValues { nearest, fixed, accept, keep_differential };
+
+struct ConsistencyRequest {
+  InitialValues kind = InitialValues::nearest;
+  std::vector<char> fixed;      // kind fixed: n flags
+  std::vector<double> weights;  // empty or n positive weights
+  // Fixed components fit the constraints if the rest is small against this.
+  double least_size = 0.0;
+  // accept: largest |change_i| to the nearest consistent point that passes.
+  std::vector<double> tolerances;
+  void set_tolerances(const std::vector<double>& rtol, const std::vector<double>& atol, const double* x) {
+    tolerances.resize(rtol.size());
+    for (std::size_t i = 0; i < rtol.size(); ++i) tolerances[i] = rtol[i] * (x[i] < 0.0 ? -x[i] : x[i]) + atol[i];
+  }
+};
+
+struct ConsistencyResult {
+  double residual_before = 0.0;  // 2-norm of A2 x + f2, rows of A2 orthonormal: distance to the constraints
+  double residual_after = 0.0;
+  double largest_change = 0.0;
+  int component = -1;  // of the largest change
+};
+
+// The consistent x = xp + T2 z of a form in the unknowns x_j / scale_j, chosen as requested for the given x, both in
+// the user's units. Throws Failure SFDAE_FIXED_VALUES.
+std::vector<double> consistent_point(const NullSpaceForm& form, const TaylorData& data,
+                                     const std::vector<double>& scale, const ConsistencyRequest& request,
+                                     const std::vector<double>& x);
+
+// largest_change and component of the result; what is more than tolerances allow is refused for
+// InitialValues::accept.
+void report_change(const ConsistencyRequest& request, double t, const std::vector<double>& given,
+                   const std::vector<double>& consistent, ConsistencyResult& result);
+
+// Makes x (n values) consistent at the point the system was moved to. Throws Failure SFDAE_INCONSISTENT_VALUES or
+// SFDAE_FIXED_VALUES and leaves x as it was then.
+ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, std::vector<double>& x);
+
+}  // namespace sfdae::core

@@ -1,0 +1,156 @@
+// Consistent initial values of a nonlinear problem: x is moved along the constraints toward what was given.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/nonlinear_values.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/dense.h"
+#include "problem/failure.h"
+#include "reduction/elimination.h"
+#include "reduction/rank_sequence.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// One linearization of the constraints at a jet.
+class LinearizedConstraints {
+ public:
+  LinearizedConstraints(NonlinearProblem& problem, const IndexAnalysis& analysis, const Vector& column_scale)
+      : problem_(problem),
+        analysis_(analysis),
+        column_scale_(column_scale),
+        scale_(column_scale.empty() ? Vector(index(problem.n()), 1.0) : column_scale) {}
+
+  void linearize(const Jet& jet) {
+    const int mu = analysis_.values.mu;
+    const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each, nullptr, &column_scale_};
+    const Trouble trouble = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
+    if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+    const std::optional<RankList> ranks = matching_ranks(data_, mu, analysis_, 0.0, {arena_, form_});
+    has_known_ranks_ = ranks.has_value();
+    if (!ranks) return;
+    const Judge::Settings settings{0.0, false, NoiseModel::pivots, &*ranks};
+    Judge judge(data_, mu, settings, nullptr);
+    const Arena::Frame frame(arena_);
+    const Carried carried = eliminate(data_, mu, data_.f_stack(mu), 1, judge, arena_, &elimination_);
+    form_.resize(problem_.m(), problem_.n(), 0, carried.rows);
+    form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
+  }
+  bool has_known_ranks() const { return has_known_ranks_; }
+
+  // Moves the jet by the change that brings x nearest to the target within the linearized constraints. Returns its
+  // size relative to x.
+  double move(const ConsistencyRequest& request, const Vector& target, Jet& jet) {
+    const int n = problem_.n(), mu = analysis_.values.mu;
+    Vector missing(index(n));
+    double size = 0.0;
+    for (int i = 0; i < n; ++i) {
+      missing[index(i)] = target[index(i)] - jet.x[index(i)];
+      size = std::max(size, std::fabs(jet.x[index(i)]) / scale_[index(i)]);
+    }
+    ConsistencyRequest relative = request;
+    relative.least_size = size;
+    Vector dx = consistent_point(form_, data_, scale_, relative, missing);
+    double largest = 0.0;
+    for (int i = 0; i < n; ++i) {
+      dx[index(i)] /= scale_[index(i)];
+      largest = std::max(largest, std::fabs(dx[index(i)]));
+    }
+    Vector transformed(index(problem_.m() * (mu + 1)) + 1), dy(index(n * (mu + 1)));
+    elimination_.transform(data_.f(0), transformed.data(), arena_);
+    elimination_.recover(data_, {data_.f(0), transformed.data()}, dx.data(), dy.data(), arena_);
+    double power = 1.0;
+    for (int k = 0; k <= mu + 1; ++k) {
+      const double factor = k == 0 ? 1.0 : 1.0 / (k * (power *= data_.time_scale));
+      const double* change = k == 0 ? dx.data() : dy.data() + static_cast<std::ptrdiff_t>(k - 1) * n;
+      for (int i = 0; i < n; ++i) jet.column(k)[i] += factor * change[i] * scale_[index(i)];
+    }
+    return size > 0.0 ? largest / size : largest;
+  }
+
+  double distance() const {
+    double sum = 0.0;
+    for (int i = 0; i < form_.n; ++i) sum += std::pow(form_.xp()[i] * scale_[index(i)], 2);
+    return std::sqrt(sum);
+  }
+
+ private:
+  NonlinearProblem& problem_;
+  const IndexAnalysis& analysis_;
+  const Vector& column_scale_;
+  Vector scale_;
+  TaylorData data_;
+  NullSpaceForm form_;
+  StoredElimination elimination_;
+  Arena arena_;
+  bool has_known_ranks_ = true;
+};
+
+// weights: empty, or units of the components.
+double distance_between(const Vector& a, const double* b, const Vector& weights) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double difference = (a[i] - b[i]) / (weights.empty() ? 1.0 : weights[i]);
+    sum += difference * difference;
+  }
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const IndexAnalysis& analysis,
+                                          const Vector& column_scale, const ConsistencyRequest& request,
+                                          const Jet& start, const Vector& x) {
+  // The iteration leaves out the curvature of the constraints and converges linearly where x is far from them:
+  // accurate to this it is as near as anybody wants.
+  constexpr double accuracy = 1e-8;
+  constexpr int most = 30;
+  const int mu = analysis.values.mu;
+  ConsistentJetResult result;
+  result.jet = start;
+  result.jet.set_order(mu + 1);
+  JetSolver solver(problem, column_scale);
+  if (request.kind == InitialValues::fixed) solver.set_fixed(request.fixed);
+  LinearizedConstraints constraints(problem, analysis, column_scale);
+  double before = 0.0;
+  for (int iteration = 0; iteration < most; ++iteration) {
+    constraints.linearize(result.jet);
+    if (!constraints.has_known_ranks()) {
+      if (iteration > 0) break;  // wandered off: the last point is consistent
+      throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                    "the characteristic values known (" + describe(analysis.values) +
+                        format(") do not hold at t = %.15g. Analyze the problem there.", start.t));
+    }
+    Jet next = result.jet;
+    const double change = constraints.move(request, x, next);
+    if (iteration > 0 && change > before) break;
+    if (change > 1e-15) {
+      try {
+        solver.solve(next, mu);
+      } catch (const Failure& failure) {
+        if (failure.status() != SFDAE_NO_CONSISTENT_VALUES && failure.status() != SFDAE_NOT_FINITE) throw;
+        break;
+      }
+      // Nearer than before, or as near as it gets.
+      const double distance = distance_between(x, next.x.data(), request.weights);
+      if (iteration > 0 && distance > 1.01 * distance_between(x, result.jet.x.data(), request.weights)) break;
+      result.jet = next;
+    }
+    if (change < accuracy) break;
+    before = change;
+  }
+  constraints.linearize(result.jet);
+  const Vector found(result.jet.x.data(), result.jet.x.data() + problem.n());
+  result.change.residual_before = distance_between(x, found.data(), {});
+  result.change.residual_after = constraints.distance();
+  report_change(request, start.t, x, found, result.change);
+  return result;
+}
+
+}  // namespace sfdae::core

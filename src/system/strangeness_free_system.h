@@ -1,0 +1,93 @@
+// What integrators see of a problem: its strangeness-free system.
+//
+//     F1(t, x, w') = 0   (d equations),   F2(t, x) = 0   (a equations),   w = W(t) x
+//
+// consistent at any t. Nothing here knows of indices or derivative arrays.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "system/stage_method.h"
+
+namespace sfdae::core {
+
+enum class PointStatus {
+  ok,
+  trouble,          // a callback failed; what(): trouble()
+  changed,          // the characteristic values differ from those known
+  leading_changed,  // they hold, but rank E differs: W of the history does not fit this point
+  singular,         // the equations to be solved at the point (or at several) have no unique solution
+  not_converged     // nonlinear equations, with no solution found near the guess
+};
+
+// What the iteration for nonlinear equations starts from and is measured by.
+struct Guess {
+  // Taylor coefficients of the predicted x, n x (guess_order() + 1): at the point, or a block for each stage.
+  const double* taylor = nullptr;
+  // Those of the same polynomial at the point accepted last.
+  const double* taylor_before = nullptr;
+  // Of the components of x: an error of one unit is as large as the tolerance.
+  const double* inverse_weights = nullptr;
+  // Points between the last two accepted ones: those at the first of them.
+  const double* taylor_at_start = nullptr;
+};
+
+// F1(t, x, c W x + w_rest) = 0, F2(t, x) = 0 and U^T (c x + x_rest) = 0, U an orthonormal basis of the free
+// directions.
+struct StepEquations {
+  double c;
+  const double* w_rest;
+  const double* x_rest;
+  Guess guess;
+};
+
+// The stages of one step from (t, x), w = W x, to t_end = t + h.
+struct StageEquations {
+  const StageMethod& method;
+  double t, t_end;
+  const double* w;
+  const double* x;
+  Guess guess;
+};
+
+class StrangenessFreeSystem {
+ public:
+  virtual ~StrangenessFreeSystem() = default;
+
+  virtual int unknowns() const = 0;      // n
+  virtual int differential() const = 0;  // d
+  virtual int undetermined() const = 0;  // u, free components that remain
+  virtual int leading_size() const = 0;  // entries of w: n, or m where W = E
+  // True if the same matrices hold at every t, so that factorizations can be kept.
+  virtual bool is_constant() const = 0;
+
+  // Evaluates the system at t; the functions below refer to this point.
+  virtual PointStatus move_to(double t) = 0;
+  // Keeps the point as the last accepted one while move_to tries others.
+  virtual void accept() = 0;
+
+  // w := W x.
+  virtual void leading(const double* x, double* w) = 0;
+  // Highest order of the Taylor coefficients that a guess has to provide; -1: none is needed, the equations are
+  // linear.
+  virtual int guess_order() const { return -1; }
+  virtual PointStatus solve(const StepEquations& equations, double* x) = 0;
+  // Work of solve_stages in units of its own; 0: that of a reduction at each stage and of one system for all of them.
+  virtual double work_of_stages(int) const { return 0.0; }
+  // Solves F1(t_i, x_i, D_h w_i) = 0, F2(t_i, x_i) = 0 and U_i^T D_h x_i = 0 for all stages i together; x: n x s,
+  // w: leading_size() x s. The system stands at t_end afterwards, or else at t_reached, the stage that has trouble.
+  virtual PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) = 0;
+  // At the point solved last, w' and x' of which are those of a polynomial that fulfils F1 there: corrects what F2
+  // prescribes of them, where that is known at no cost.
+  virtual void correct_slopes(double*, double*) {}
+  // The changes of x, with F2 kept, that belong to changes of w; free directions have none. One column for each:
+  // leading_size() x count in dw, n x count in dx.
+  virtual void error_in_x(const double* dw, int count, double* dx) = 0;
+  void error_in_x(const double* dw, double* dx) { error_in_x(dw, 1, dx); }
+  // x with F2(t, x) = 0 whose w and whose free part are those given (x_free: a good guess of x).
+  virtual void restore(const double* w, const double* x_free, double* x) = 0;
+  // Corrects xdot within the directions that F2 leaves open toward F1(t, x, .) = 0. In components that are stiff over
+  // the time 1 / |c| the residual of F1 is that of the error of x, and they stay; c = infinity: F1 = 0 exactly.
+  virtual void correct_derivative(double c, const double* x, double* xdot) = 0;
+};
+
+}  // namespace sfdae::core

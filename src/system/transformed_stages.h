@@ -1,0 +1,65 @@
+// The stages of an implicit Runge-Kutta step decoupled, where one form holds for all of them.
+//
+// The s (d + u) equations  tau/h sum_j D_ij [G; Uz^T] z_j - [B; 0] z_i = r_i  become, transformed by T, one real
+// system and (s-1)/2 complex ones of order d + u [HW96, IV.8].
+//
+// [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <complex>
+#include <vector>
+
+#include "linalg/arena.h"
+#include "linalg/dense.h"
+#include "linalg/matrix.h"
+#include "reduction/null_space_form.h"
+#include "system/stage_method.h"
+
+namespace sfdae::core {
+
+class TransformedStages {
+ public:
+  // Factors [c tau G - B; c tau Uz^T] for c = lambda_k / h, h = gamma / c_real, unless that is done. False if
+  // singular. count: of factorizations, raised.
+  // Form: has unknowns() and step_matrix() as NullSpaceForm.
+  template <class Form>
+  bool factor(const Form& form, double tau, const StageMethod& method, double c_real, long& count);
+  // Another form holds from now on.
+  void forget();
+  // lu, pivots: the factored matrix for c_real. r, z: a column for each stage.
+  void solve(const StageMethod& method, ConstView lu, const int* pivots, ConstView r, View z, Arena& arena);
+
+ private:
+  static constexpr std::size_t max_pairs = (max_stages - 1) / 2;
+  std::array<std::vector<std::complex<double>>, max_pairs> matrices_;
+  std::array<std::vector<int>, max_pairs> pivots_;
+  std::array<std::complex<double>, max_pairs> values_{};
+  std::vector<std::complex<double>> omega_;
+};
+
+template <class Form>
+bool TransformedStages::factor(const Form& form, double tau, const StageMethod& method, double c_real, long& count) {
+  const int q = form.unknowns();
+  const std::size_t order = static_cast<std::size_t>(q);
+  omega_.resize(order + 1);
+  for (std::size_t k = 0; 2 * static_cast<int>(k) + 2 < method.s; ++k) {
+    const std::complex<double> c = method.lambda[k] * (c_real / method.gamma);
+    std::vector<std::complex<double>>& matrix = matrices_[k];
+    if (!matrix.empty() && values_[k] == c) continue;
+    matrix.resize(order * order + 1);
+    pivots_[k].resize(order + 1);
+    const ComplexView M{matrix.data(), q, q, std::max(q, 1)};
+    form.step_matrix(c * tau, M);
+    if (q > 0) ++count;
+    values_[k] = c;
+    if (factor_lu(M, pivots_[k].data())) continue;
+    matrix.clear();
+    return false;
+  }
+  return true;
+}
+
+}  // namespace sfdae::core
