@@ -69,8 +69,8 @@ Matrix null_space(LinearProblem& problem, const IndexAnalysis& analysis) {
   const int mu = analysis.values.mu, rows = (mu + 1) * problem.m();
   const int rank = rows - analysis.values.a - analysis.v_hat;
   TaylorData data;
-  const Trouble trouble = problem.evaluate(analysis.t, {mu, mu, -1}, analysis.time_scale, data);
-  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  const CallbackError error = problem.evaluate(analysis.t, {mu, mu, -1}, analysis.time_scale, data);
+  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
   std::vector<double> factors;
   double factor = 1.0;
   for (int i = 0; i <= mu; ++i) {

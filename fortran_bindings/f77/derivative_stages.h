@@ -23,9 +23,9 @@ class PointDerivatives {
   PointDerivatives(int n, Function function) : n_(n), function_(std::move(function)) {}
 
   int n() const { return n_; }
-  // The first trouble of a function, 0: none. NaN and Inf are trouble.
+  // The first error of a function, 0: none. NaN and Inf are errors.
   int code() const { return code_; }
-  // All orders up to `order`; returns code(). After trouble no function is called any more.
+  // All orders up to `order`; returns code(). After a failure no function is called any more.
   int fetch(int order);
   core::ConstView E(int k) const { return {E_[static_cast<std::size_t>(k)].data(), n_, n_, n_}; }
   core::ConstView A(int k) const { return {A_[static_cast<std::size_t>(k)].data(), n_, n_, n_}; }

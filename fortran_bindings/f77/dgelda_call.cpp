@@ -31,21 +31,21 @@ void DgeldaCall::analyze(double toward) {
       std::make_unique<core::LinearSystem>(*problem_, settings_, std::move(analysis), core::LeadingTerm::automatic);
 }
 
-void DgeldaCall::settle_at_values() {
+void DgeldaCall::return_to_values() {
   set_differences();
   core::PointStatus status = system_->move_to(t_);
   if (status == core::PointStatus::leading_changed) {
     system_->give_up_projector();
     status = system_->move_to(t_);
   }
-  if (status == core::PointStatus::trouble) throw core::Failure(system_->trouble().status, "");
+  if (status == core::PointStatus::callback_error) throw core::Failure(system_->callback_error().status, "");
   if (status == core::PointStatus::changed) throw core::Failure(SFDAE_CHARACTERISTICS_CHANGED, "");
   if (system_->inconsistency() > core::IntegrationOptions().consistency_tol)
     throw core::Failure(SFDAE_INCONSISTENT_EQUATIONS, "");
 }
 
 void DgeldaCall::find_values() {
-  settle_at_values();
+  return_to_values();
   stage_ = Stage::values;
   if (!arguments_.flag(11)) {
     core::ConsistencyRequest request;

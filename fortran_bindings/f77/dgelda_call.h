@@ -21,7 +21,7 @@ class DgeldaCall final : public IntegrationCall {
   const std::vector<double>& matrices() const override { return user_.matrices(); }
   void analyze(double toward) override;
   void find_values() override;
-  void settle_at_values() override;
+  void return_to_values() override;
   core::CharacteristicValues local_values(double t) override;
 
  private:

@@ -93,8 +93,8 @@ int IntegrationCall::first_call() {
     find_initial_point(hint != 0.0 ? hint : 1.0);
   } catch (const core::Failure& failure) {
     // Nobody said that the functions are defined on this side of T.
-    const bool is_trouble = failure.status() == SFDAE_CALLBACK_FAILED || failure.status() == SFDAE_NOT_FINITE;
-    if (hint != 0.0 || !is_trouble || user_.last_t() == t_) throw;
+    const bool is_callback_error = failure.status() == SFDAE_CALLBACK_FAILED || failure.status() == SFDAE_NOT_FINITE;
+    if (hint != 0.0 || !is_callback_error || user_.last_t() == t_) throw;
     find_initial_point(-1.0);
   }
   publish_values();
@@ -175,7 +175,7 @@ int IntegrationCall::start_later() {
     begin_interval(arguments_.tout);
     system_ = state_.restore_system(target(), progress_);
   }
-  settle_at_values();
+  return_to_values();
   return start_integration();
 }
 
@@ -197,7 +197,7 @@ int IntegrationCall::go_on() {
   try {
     restored = state_.restore(target(), options_of_integration(), progress_);
   } catch (const core::Failure&) {
-    return user_.trouble() != SFDAE_OK ? code_of(user_.trouble()) : code::bad_info;
+    return user_.callback_error() != SFDAE_OK ? code_of(user_.callback_error()) : code::bad_info;
   }
   system_ = std::move(restored.system);
   integration_ = std::move(restored.integration);
@@ -248,7 +248,7 @@ int IntegrationCall::advance() {
   if (result.status == SFDAE_ILLEGAL_ARGUMENT) return code::wrong_direction;
   if (user_.lacks_derivative()) result.status = SFDAE_CALLBACK_STOPPED;
   const bool is_no_change = !has_passed_tout(t_) && is_failure_taken_for_change(result.status);
-  const int ierr = code_of(is_no_change ? user_.trouble() : result.status);
+  const int ierr = code_of(is_no_change ? user_.callback_error() : result.status);
   publish_values();
   publish_counts(user_.points() - points_before);
   if (ierr == tolerances_too_small) enlarge_tolerances();
@@ -271,7 +271,7 @@ core::CharacteristicValues IntegrationCall::new_values() {
 // Steps that become ever shorter before a point where a function fails look like a change at last, to the same values or
 // to none.
 bool IntegrationCall::is_failure_taken_for_change(int status) {
-  if (status != SFDAE_CHARACTERISTICS_CHANGED || user_.trouble() == SFDAE_OK) return false;
+  if (status != SFDAE_CHARACTERISTICS_CHANGED || user_.callback_error() == SFDAE_OK) return false;
   const core::CharacteristicValues found = new_values();
   return found.mu < 0 || found == system_->analysis().values;
 }

@@ -40,7 +40,7 @@ class IntegrationCall {
   // Makes x_ consistent as INFO says; x' into xdot_. The system stands there afterwards.
   virtual void find_values() = 0;
   // The system is moved to x_, which was consistent when it was returned.
-  virtual void settle_at_values() = 0;
+  virtual void return_to_values() = 0;
   // Characteristic values where they have changed.
   virtual core::CharacteristicValues local_values(double t) = 0;
   virtual int code_of(int status) const;

@@ -56,7 +56,7 @@ constexpr Entry interruptions[] = {
      "Check the equations: where some follow from others, f has to fit. X must be finite."},
     {-25, "There is no initial derivative: the differential equations cannot be solved for it.", "Check E near T."},
     {-26, "The characteristic values have changed: the problem has another structure here than at the start.",
-     "Start a new problem behind this point (INFO(1) = 0) if the change is meant."}};
+     "Start a new problem after this point (INFO(1) = 0) if the change is meant."}};
 
 // Illegal input: nothing was done.
 constexpr Entry refusals[] = {
@@ -70,14 +70,14 @@ constexpr Entry refusals[] = {
     {-107, "A relative tolerance is negative.", ""},
     {-108, "An absolute tolerance is negative.", ""},
     {-109, "All tolerances are zero.", "Set RTOL or ATOL to the accuracy wanted."},
-    {-110, "INFO(4) = 1, but TSTOP = RWORK(1) lies before TOUT.", "Set TSTOP at TOUT or behind it."},
+    {-110, "INFO(4) = 1, but TSTOP = RWORK(1) lies before TOUT.", "Set TSTOP at TOUT or after it."},
     {-111, "INFO(7) = 1, but the largest step size RWORK(2) is not positive.", ""},
-    {-112, "TOUT lies behind in the direction of integration, or the first step size RWORK(3) points away from it.",
+    {-112, "TOUT lies before T in the direction of integration, or the first step size RWORK(3) points away from it.",
      "To turn round start a new problem with INFO(1) = 0."},
     {-113, "INFO(8) = 1, but the first step size RWORK(3) is zero.", ""},
     {-114, "The weight RTOL*abs(X(i))+ATOL of a component is not positive.", "Set ATOL > 0 for it."},
-    {-115, "TOUT is too close to T to start.", "Choose TOUT farther away."},
-    {-116, "INFO(4) = 1, but TSTOP = RWORK(1) lies behind T already.", "Set TSTOP farther away, or INFO(4) = 0."},
+    {-115, "TOUT is too close to T to start.", "Choose TOUT at a larger distance."},
+    {-116, "INFO(4) = 1, but TSTOP = RWORK(1) lies before T already.", "Set TSTOP at a larger distance, or INFO(4) = 0."},
     {-119, "TOUT equals T, which is allowed at the first call only.", "Set a new TOUT."},
     {-120, "INFO(14) = 1, but IWORK(20), the number of steps allowed, is not positive.", ""},
     {-121, "INFO(16) = 1, but RWORK(11) = SAFE does not lie between 0.001 and 1.", ""},

@@ -37,7 +37,7 @@ void SfndaeCall::find_values() {
 }
 
 // X may have been changed since it was returned, and the system may be that of another direction.
-void SfndaeCall::settle_at_values() {
+void SfndaeCall::return_to_values() {
   const core::Jet& jet = static_cast<const core::NonlinearSystem&>(*system_).jet();
   if (jet.t != t_ || !std::equal(x_.begin(), x_.end(), jet.column(0))) find_values();
 }
@@ -48,7 +48,7 @@ int SfndaeCall::code_of(int status) const {
   const bool is_failure = status == SFDAE_CALLBACK_FAILED || status == SFDAE_NOT_FINITE;
   if (!is_failure) return IntegrationCall::code_of(status);
   // NDIF is what everything depends on: its failures have their own code at the start, too.
-  if (user_.trouble() != SFDAE_OK) return functions_failed;
+  if (user_.callback_error() != SFDAE_OK) return functions_failed;
   // Iterations have diverged so far that NDIF was not asked any more.
   return IntegrationCall::code_of(stage_ == Stage::integration ? SFDAE_STEP_TOO_SMALL : SFDAE_NO_CONSISTENT_VALUES);
 }

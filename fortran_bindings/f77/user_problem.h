@@ -16,7 +16,7 @@ class UserProblem {
 
   bool has_wrong_width() const { return has_wrong_width_; }
   bool lacks_derivative() const { return lacks_derivative_; }  // one that could not be done without
-  int trouble() const { return trouble_; }                     // the last one: SFDAE_...
+  int callback_error() const { return callback_error_; }       // the last one: SFDAE_...
   double last_t() const { return last_t_; }                    // at which a subroutine was called
   // Points at which the equations were evaluated.
   long points() const { return points_; }
@@ -28,12 +28,12 @@ class UserProblem {
   int result_of(int code) {
     switch (code) {
       case function_ok: return 0;
-      case order_not_available: trouble_ = SFDAE_ORDER_MISSING; return SFDAE_ORDER_NOT_AVAILABLE;
+      case order_not_available: callback_error_ = SFDAE_ORDER_MISSING; return SFDAE_ORDER_NOT_AVAILABLE;
       case wrong_integer_width:
         has_wrong_width_ = true;
-        trouble_ = SFDAE_CALLBACK_STOPPED;
+        callback_error_ = SFDAE_CALLBACK_STOPPED;
         return stop_at_once;
-      default: trouble_ = SFDAE_CALLBACK_FAILED; return point_failed;
+      default: callback_error_ = SFDAE_CALLBACK_FAILED; return point_failed;
     }
   }
   int stop_for_missing_derivative() {
@@ -48,7 +48,7 @@ class UserProblem {
  private:
   bool has_wrong_width_ = false;
   bool lacks_derivative_ = false;
-  int trouble_ = SFDAE_OK;
+  int callback_error_ = SFDAE_OK;
   double last_t_ = 0.0;
   long points_ = 0;
 };

@@ -101,7 +101,7 @@ std::string name_of(const DerivativeMismatch& mismatch) {
 }
 
 // Passes a mismatch on, with words if it is suspicious.
-CallResult tell_mismatch(const DerivativeMismatch& worst, sfdae_derivative_check* result) {
+CallResult report_mismatch(const DerivativeMismatch& worst, sfdae_derivative_check* result) {
   fill_struct(result, {sizeof *result, worst.function, worst.order, worst.row, worst.column, worst.supplied,
                        worst.difference, worst.error, worst.uncertainty, worst.suspicious() ? 1 : 0});
   if (!worst.suspicious()) return {};
@@ -116,7 +116,7 @@ bool is_usable(const Struct* result) {
 
 // Read-only calls are allowed from callbacks too. They leave the message alone unless they fail.
 template <class Body>
-int reading(const sfdae_solver* solver, Body body) noexcept {
+int query(const sfdae_solver* solver, Body body) noexcept {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
   try {
     const CallResult result = body();
@@ -138,7 +138,7 @@ using namespace sfdae::core;
 extern "C" {
 
 int sfdae_get_characteristics(const sfdae_solver* solver, sfdae_characteristics* result) {
-  return reading(solver, [&]() -> CallResult {
+  return query(solver, [&]() -> CallResult {
     if (!is_usable(result)) return no_struct();
     if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
     fill_struct(result, characteristics_of(*solver));
@@ -147,7 +147,7 @@ int sfdae_get_characteristics(const sfdae_solver* solver, sfdae_characteristics*
 }
 
 int sfdae_get_multibody_report(const sfdae_solver* solver, sfdae_multibody_report* report) {
-  return reading(solver, [&]() -> CallResult {
+  return query(solver, [&]() -> CallResult {
     if (!is_usable(report)) return no_struct();
     if (solver->model->multibody() == nullptr) return illegal_argument("the problem is not a multibody system.");
     if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze_at or sfdae_start first."};
@@ -157,7 +157,7 @@ int sfdae_get_multibody_report(const sfdae_solver* solver, sfdae_multibody_repor
 }
 
 int sfdae_get_num_decisions(const sfdae_solver* solver, int* count) {
-  return reading(solver, [&]() -> CallResult {
+  return query(solver, [&]() -> CallResult {
     if (count == nullptr) return illegal_argument("count is NULL.");
     if (solver->decisions.empty()) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
     *count = static_cast<int>(solver->decisions.size());
@@ -166,7 +166,7 @@ int sfdae_get_num_decisions(const sfdae_solver* solver, int* count) {
 }
 
 int sfdae_get_decision(const sfdae_solver* solver, int index, sfdae_decision* result) {
-  return reading(solver, [&]() -> CallResult {
+  return query(solver, [&]() -> CallResult {
     if (!is_usable(result)) return no_struct();
     const int count = static_cast<int>(solver->decisions.size());
     if (count == 0) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
@@ -178,7 +178,7 @@ int sfdae_get_decision(const sfdae_solver* solver, int index, sfdae_decision* re
 }
 
 int sfdae_get_change(const sfdae_solver* solver, sfdae_change* result) {
-  return reading(solver, [&]() -> CallResult {
+  return query(solver, [&]() -> CallResult {
     if (!is_usable(result)) return no_struct();
     if (!solver->integration || !solver->integration->change())
       return {SFDAE_NOT_STARTED, "no change of characteristic values has been met."};
@@ -192,7 +192,7 @@ int sfdae_get_change(const sfdae_solver* solver, sfdae_change* result) {
 }
 
 int sfdae_get_initial_report(const sfdae_solver* solver, sfdae_initial_report* result) {
-  return reading(solver, [&]() -> CallResult {
+  return query(solver, [&]() -> CallResult {
     if (!is_usable(result)) return no_struct();
     if (!solver->initial_report) return {SFDAE_NOT_STARTED, "call sfdae_start or sfdae_make_consistent first."};
     fill_struct(result, *solver->initial_report);
@@ -201,7 +201,7 @@ int sfdae_get_initial_report(const sfdae_solver* solver, sfdae_initial_report* r
 }
 
 int sfdae_get_statistics(const sfdae_solver* solver, sfdae_statistics* result) {
-  return reading(solver, [&]() -> CallResult {
+  return query(solver, [&]() -> CallResult {
     if (!is_usable(result)) return no_struct();
     fill_struct(result, statistics_of(*solver));
     return {};
@@ -209,7 +209,7 @@ int sfdae_get_statistics(const sfdae_solver* solver, sfdae_statistics* result) {
 }
 
 int sfdae_report(const sfdae_solver* solver, char* text, size_t length, size_t* needed) {
-  return reading(solver, [&]() -> CallResult {
+  return query(solver, [&]() -> CallResult {
     if (text == nullptr && length > 0) return illegal_argument("text is NULL.");
     const std::string report = report_of(*solver);
     if (length > 0) std::snprintf(text, length, "%s", report.c_str());
@@ -278,7 +278,7 @@ int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_order, sfdae
     if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
     LinearProblem* linear = solver->model->linear();
     if (linear == nullptr) return linear_only();
-    return tell_mismatch(check_derivatives(*linear, t, max_order), result);
+    return report_mismatch(check_derivatives(*linear, t, max_order), result);
   });
 }
 
@@ -294,7 +294,7 @@ int sfdae_check_total_derivatives(sfdae_solver* solver, double t, const double* 
     if (!all_finite(derivatives, count)) return illegal_argument("derivatives contains NaN or Inf.");
     auto* callback = dynamic_cast<CallbackProblem*>(solver->model->nonlinear());
     if (callback == nullptr) return illegal_argument("there is no callback for total derivatives.");
-    return tell_mismatch(check_total_derivatives(*callback, t, derivatives, max_order), result);
+    return report_mismatch(check_total_derivatives(*callback, t, derivatives, max_order), result);
   });
 }
 
@@ -311,12 +311,12 @@ int sfdae_check_multibody_derivatives(sfdae_solver* solver, double t, const doub
     if (!all_finite(q, static_cast<std::size_t>(sizes.positions)) ||
         !all_finite(v, static_cast<std::size_t>(sizes.velocities)))
       return illegal_argument("q or v contains NaN or Inf.");
-    return tell_mismatch(check_multibody_derivatives(*callbacks, t, q, v), result);
+    return report_mismatch(check_multibody_derivatives(*callbacks, t, q, v), result);
   });
 }
 
 int sfdae_get_parameter(const sfdae_solver* solver, const char* name, double* value) {
-  return reading(solver, [&]() -> CallResult {
+  return query(solver, [&]() -> CallResult {
     if (name == nullptr || value == nullptr) return illegal_argument("name or value is NULL.");
     TaylorEvaluator* evaluator = solver->model->evaluator();
     const auto index = evaluator != nullptr ? evaluator->find_parameter(name) : std::nullopt;

@@ -41,7 +41,8 @@ void move_system(DaeSystem& system, double t) {
     system.give_up_projector();
     status = system.move_to(t);
   }
-  if (status == PointStatus::trouble) throw Failure(system.trouble().status, system.trouble().message());
+  if (status == PointStatus::callback_error)
+    throw Failure(system.callback_error().status, system.callback_error().message());
   if (status == PointStatus::changed)
     throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
                   "the characteristic values known (" + describe(system.analysis().values) +

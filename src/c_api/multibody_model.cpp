@@ -74,7 +74,7 @@ class MultibodyModel final : public Model {
     const std::vector<double> q = consistency.positions(point.x);
     const std::vector<double> v =
         consistency.velocities(q, point.x + sizes.positions, system.traits().ranks.velocities);
-    stand_at(system, point.t, q, v);
+    set_point(system, point.t, q, v);
     const MultibodyPoint& found = system.accepted_point();
     Consistent result;
     result.contradiction = consistency.has_contradiction();
@@ -121,10 +121,11 @@ class MultibodyModel final : public Model {
     return {ranks, coordinates_, settings.rank_tol};
   }
 
-  static void stand_at(MultibodySystem& system, double t, const std::vector<double>& q,
-                       const std::vector<double>& v) {
-    const PointStatus status = system.stand_at(t, q.data(), v.data());
-    if (status == PointStatus::trouble) throw Failure(system.trouble().status, system.trouble().message());
+  static void set_point(MultibodySystem& system, double t, const std::vector<double>& q,
+                        const std::vector<double>& v) {
+    const PointStatus status = system.set_point(t, q.data(), v.data());
+    if (status == PointStatus::callback_error)
+      throw Failure(system.callback_error().status, system.callback_error().message());
     if (status != PointStatus::ok)
       throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
                     "the characteristic values known (" + describe(system.analysis().values) +

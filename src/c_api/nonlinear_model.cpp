@@ -82,8 +82,9 @@ class NonlinearModel final : public Model {
     }
     const ConsistentJetResult found =
         choose_consistent_jet(*problem_, system.analysis(), system.column_scale(), request, start, result.x);
-    const PointStatus status = system.stand_at(found.jet);
-    if (status == PointStatus::trouble) throw Failure(system.trouble().status, system.trouble().message());
+    const PointStatus status = system.set_point(found.jet);
+    if (status == PointStatus::callback_error)
+      throw Failure(system.callback_error().status, system.callback_error().message());
     if (status != PointStatus::ok)
       throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
                     "the characteristic values known (" + describe(system.analysis().values) +

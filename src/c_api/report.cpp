@@ -47,7 +47,7 @@ std::string analysis_report(const sfdae_solver& solver) {
     worst = std::max(worst, decision.verdict);
   }
   const char* summary = worst == Verdict::clear       ? "every decision is safe"
-                        : worst == Verdict::confirmed ? "doubtful decisions were confirmed by a second reading"
+                        : worst == Verdict::confirmed ? "doubtful decisions were confirmed by a second computation"
                         : worst == Verdict::user      ? "ranks were decided by rank_tol"
                                                       : "not every decision is safe";
   if (!solver.decisions.empty())

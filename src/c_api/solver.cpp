@@ -25,7 +25,7 @@ void set_limits(sfdae_solver& solver, double t, double direction) {
   else solver.problem().set_limits(std::min(stop, t), t);
 }
 
-CallResult remark(const sfdae_solver& solver, bool contradiction) {
+CallResult warning_of(const sfdae_solver& solver, bool contradiction) {
   if (contradiction)
     return {SFDAE_INCONSISTENCY_IGNORED, "redundant equations contradict each other; ignored as asked for."};
   const int u = solver.system->undetermined();
@@ -142,7 +142,7 @@ int create(sfdae_solver** solver, const Problem* problem, const sfdae_options* o
       .status;
 }
 
-int tell(const CallResult& result, char* text, size_t length) {
+int copy_message(const CallResult& result, char* text, size_t length) {
   if (text != nullptr && length > 0) std::snprintf(text, length, "%s", result.message.c_str());
   return result.status;
 }
@@ -178,7 +178,7 @@ int sfdae_check_linear(const sfdae_linear_problem* problem, const sfdae_options*
     Arguments<sfdae_linear_problem> arguments;
     return read_arguments(problem, options, default_problem(), arguments);
   });
-  return tell(result, text, length);
+  return copy_message(result, text, length);
 }
 
 int sfdae_check_nonlinear(const sfdae_nonlinear_problem* problem, const sfdae_options* options, char* text,
@@ -190,7 +190,7 @@ int sfdae_check_nonlinear(const sfdae_nonlinear_problem* problem, const sfdae_op
     if (checked.status == SFDAE_OK) nonlinear_model(arguments.problem);
     return checked;
   });
-  return tell(result, text, length);
+  return copy_message(result, text, length);
 }
 
 int sfdae_check_multibody(const sfdae_multibody_problem* problem, const sfdae_options* options, char* text,
@@ -202,7 +202,7 @@ int sfdae_check_multibody(const sfdae_multibody_problem* problem, const sfdae_op
     if (checked.status == SFDAE_OK) multibody_model(arguments.problem);
     return checked;
   });
-  return tell(result, text, length);
+  return copy_message(result, text, length);
 }
 
 int sfdae_create_linear(sfdae_solver** solver, const sfdae_linear_problem* problem, const sfdae_options* options) {
@@ -274,7 +274,7 @@ int sfdae_analyze(sfdae_solver* solver, double t, double toward, sfdae_character
       return illegal_argument("the characteristic values of a nonlinear problem depend on x: call sfdae_analyze_at.");
     analyze(*solver, {t, toward, nullptr});
     if (result != nullptr) fill_struct(result, characteristics_of(*solver));
-    return remark(*solver, false);
+    return warning_of(*solver, false);
   });
 }
 
@@ -286,7 +286,7 @@ int sfdae_analyze_at(sfdae_solver* solver, double t, double toward, const double
       return illegal_argument("result->size is not set: call sfdae_characteristics_init.");
     analyze(*solver, {t, toward, x});
     if (result != nullptr) fill_struct(result, characteristics_of(*solver));
-    return remark(*solver, false);
+    return warning_of(*solver, false);
   });
 }
 
@@ -318,7 +318,7 @@ int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdo
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = found.report;
-    return remark(*solver, found.contradiction);
+    return warning_of(*solver, found.contradiction);
   });
 }
 
@@ -341,7 +341,7 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = found.report;
-    return remark(*solver, found.contradiction);
+    return warning_of(*solver, found.contradiction);
   });
 }
 

@@ -136,7 +136,7 @@ void Integration::begin(double t, const Vector& x, const Vector& xdot) {
 
 CallResult Integration::advance(double tout, bool one_step, double& t, double* x, double* xdot) {
   if ((tout - last_returned_) * direction_ < 0.0)
-    return {SFDAE_ILLEGAL_ARGUMENT, format("tout = %.15g lies behind t = %.15g in the direction of integration. Use "
+    return {SFDAE_ILLEGAL_ARGUMENT, format("tout = %.15g lies before t = %.15g in the direction of integration. Use "
                                            "sfdae_start to change direction.",
                                            tout, last_returned_)};
   if (options_.stop_time && (*options_.stop_time - tout) * direction_ < 0.0)
@@ -167,8 +167,8 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
 
 void Integration::restart_at_last_point(Method method) {
   const double t = stepper_->t(), step = std::fabs(stepper_->next_step());
-  if (system_.move_to(t) == PointStatus::trouble)
-    throw Failure(system_.trouble().status, system_.trouble().message());
+  if (system_.move_to(t) == PointStatus::callback_error)
+    throw Failure(system_.callback_error().status, system_.callback_error().message());
   const Vector x = stepper_->x();
   Vector xdot(x.size());
   system_.consistent_derivative(x.data(), direction_, xdot.data());
@@ -306,9 +306,9 @@ std::optional<CallResult> Integration::accept_step(double h) {
 std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, double h, double tout) {
   switch (outcome) {
     case StepOutcome::error_too_large: ++counts_.error_failures; return std::nullopt;
-    case StepOutcome::trouble:
-      if (!system_.trouble().is_recoverable())
-        return CallResult{system_.trouble().status, system_.trouble().message()};
+    case StepOutcome::callback_error:
+      if (!system_.callback_error().is_recoverable())
+        return CallResult{system_.callback_error().status, system_.callback_error().message()};
       break;
     case StepOutcome::leading_changed: {
       // rank E is not constant, though the hypothesis holds: w = P x has no continuous meaning, w = E x has.
@@ -347,8 +347,8 @@ CallResult Integration::step_too_small(StepOutcome outcome) {
     change_ = LocatedChange{t, stepper_->tried_t(), detector_->values_at(stepper_->tried_t())};
     return changed_result();
   }
-  if (outcome == StepOutcome::trouble)
-    return {system_.trouble().status, system_.trouble().message() + " Smaller steps did not help."};
+  if (outcome == StepOutcome::callback_error)
+    return {system_.callback_error().status, system_.callback_error().message() + " Smaller steps did not help."};
   if (outcome == StepOutcome::singular)
     return {SFDAE_SINGULAR,
             format("the matrix of the step is singular beyond t = %.15g for every step size tried.", t)};
@@ -375,7 +375,7 @@ CallResult Integration::changed_result() const {
   return {SFDAE_CHARACTERISTICS_CHANGED,
           "characteristic values changed from (" + describe(system_.analysis().values) + ") to (" +
               describe(change_->new_values) +
-              format(") at t = %.12g. Call sfdae_analyze and sfdae_start behind that point.", change_->t) +
+              format(") at t = %.12g. Call sfdae_analyze and sfdae_start after that point.", change_->t) +
               system_.about_change()};
 }
 
@@ -419,8 +419,9 @@ void Integration::evaluate(double tout, bool may_refine, double* x, double* xdot
     };
     PointStatus status = move();
     // There is no other point to try; the same one again helps where a function failed for reasons that have passed.
-    if (status == PointStatus::trouble && system_.trouble().is_recoverable()) status = move();
-    if (status == PointStatus::trouble) throw Failure(system_.trouble().status, system_.trouble().message());
+    if (status == PointStatus::callback_error && system_.callback_error().is_recoverable()) status = move();
+    if (status == PointStatus::callback_error)
+      throw Failure(system_.callback_error().status, system_.callback_error().message());
     if (status == PointStatus::changed)
       throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
                     format("the characteristic values do not hold at t = %.15g, an isolated point: choose another "
@@ -440,11 +441,11 @@ void Integration::evaluate(double tout, bool may_refine, double* x, double* xdot
   // Iterations for nonlinear equations end when errors are small against the tolerances: the constraints want more.
   if (at_step && system_.guess_order() < 0) std::copy(stepper_->x().begin(), stepper_->x().end(), x);
   else system_.restore(scratch_w_.data(), at_step ? stepper_->x().data() : x_free.data(), x);
-  if (system_.examine() == PointStatus::changed)
+  if (system_.check_ranks() == PointStatus::changed)
     throw Failure(
         SFDAE_CHARACTERISTICS_CHANGED,
         format("the characteristic values known do not hold at t = %.15g any more: they have changed since t = "
-               "%.15g or before. Analyze the problem behind the change.",
+               "%.15g or before. Analyze the problem after the change.",
                tout, stepper_->t() - stepper_->last_step()));
   // The slope of a polynomial of high degree over a long step is not as accurate as x is.
   const bool is_within_long_step = method_ == Method::radau && !at_step && wants_slopes_;

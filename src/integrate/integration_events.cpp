@@ -171,8 +171,8 @@ void Integration::refine_for_events() {
     stepper_->interpolate(t, scratch_w_.data(), events.rough.x.data(), events.rough.xdot.data());
     const PointStatus status =
         stepper_->refine(system_, weights_, t, scratch_w_.data(), events.rough.x.data(), events.rough.xdot.data());
-    if (status == PointStatus::trouble && !system_.trouble().is_recoverable())
-      throw Failure(system_.trouble().status, system_.trouble().message());
+    if (status == PointStatus::callback_error && !system_.callback_error().is_recoverable())
+      throw Failure(system_.callback_error().status, system_.callback_error().message());
     if (stepper_->refined_points() == before) return;
   }
 }
@@ -198,7 +198,7 @@ std::optional<CallResult> Integration::search_events(double tout) {
     values.measure_rough_error(stepper_->t() - 0.4 * stepper_->last_step());
   }
   if (!events.search.search(values, to, halvings_for_events(from, to))) return std::nullopt;
-  return CallResult{SFDAE_EVENT, format("event at t = %.15g: sfdae_get_events tells which. Advance again to go on.",
+  return CallResult{SFDAE_EVENT, format("event at t = %.15g: sfdae_get_events reports which. Advance again to go on.",
                                         events.search.t())};
 }
 

@@ -31,10 +31,10 @@ constexpr double embedded_limit(int s, bool beside_difference) {
 constexpr double rough_growth = 2.0;
 
 StageCosts costs_of(const StrangenessFreeSystem& system) {
-  if (system.work_of_stages(1) <= 0.0)
+  if (system.stage_cost(1) <= 0.0)
     return costs_of_reductions(system.unknowns(), system.differential() + system.undetermined());
   StageCosts costs;
-  for (int s = 1; s <= max_stages; ++s) costs.work[index(s)] = system.work_of_stages(s);
+  for (int s = 1; s <= max_stages; ++s) costs.work[index(s)] = system.stage_cost(s);
   return costs;
 }
 

@@ -98,7 +98,7 @@ void Radau::interpolate(double t, double* w, double* x, double* xdot) {
 }
 
 // The stages of a step from the start of the last one to t, or of a few shorter ones if they have no solution: within_ is
-// the end. tried_.t: the stage that has trouble.
+// the end. tried_.t: the stage that fails.
 PointStatus Radau::solve_within(StrangenessFreeSystem& system, ErrorWeights& weights, double t) {
   constexpr int most_halvings = 4;
   const RadauMethod& method = radau_method((last_order_ + 1) / 2);
@@ -155,8 +155,9 @@ PointStatus Radau::refine(StrangenessFreeSystem& system, ErrorWeights& weights, 
   if (weights.norm(mapped_.data()) <= limit) return PointStatus::ok;
   tried_.t = t;
   const PointStatus stages = solve_within(system, weights, t);
-  // A stage may have trouble that the point itself does not have: then the polynomial has to do.
-  if (stages != PointStatus::ok) return stages == PointStatus::trouble && tried_.t == t ? stages : system.move_to(t);
+  // A stage may fail where the point itself does not: then the polynomial has to do.
+  if (stages != PointStatus::ok)
+    return stages == PointStatus::callback_error && tried_.t == t ? stages : system.move_to(t);
   // Of points that nearly coincide the newest is kept, and none that nearly coincides with an end: the divided differences
   // would be rounding errors.
   const auto is_near = [&](double other) { return std::fabs(other - t) < coincidence * std::fabs(last_step_); };

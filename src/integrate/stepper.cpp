@@ -6,7 +6,7 @@ namespace sfdae::core {
 
 std::optional<StepOutcome> failed_outcome(PointStatus status) {
   switch (status) {
-    case PointStatus::trouble: return StepOutcome::trouble;
+    case PointStatus::callback_error: return StepOutcome::callback_error;
     case PointStatus::changed: return StepOutcome::changed;
     case PointStatus::leading_changed: return StepOutcome::leading_changed;
     case PointStatus::singular: return StepOutcome::singular;

@@ -18,7 +18,7 @@ enum class StepOutcome {
   singular,       // the matrix of the step
   not_converged,  // nonlinear equations
   not_finite,     // overflow on the way
-  trouble,
+  callback_error,
   changed,
   leading_changed  // as PointStatus
 };
@@ -67,7 +67,7 @@ class Stepper {
   virtual void commit() = 0;
   // Gives up an attempt for reasons of the caller's (a smaller step is wanted).
   virtual void withdraw() = 0;
-  // After trouble: next_step() becomes smaller.
+  // After a failure: next_step() becomes smaller.
   virtual void reduce_after_failure(double h) = 0;
 
   virtual double t() const = 0;

@@ -19,22 +19,22 @@ View as_view(std::vector<double>& values) {
   return {values.data(), count, 1, std::max(count, 1)};
 }
 
-void describe_code(const char* name, Trouble& trouble) {
-  trouble.status = trouble.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
-  trouble.detail = format("%s returned %d (%s) at t = %.15g.", name, trouble.code,
-                          trouble.code < 0 ? "stop" : "cannot evaluate", trouble.t);
+void describe_code(const char* name, CallbackError& error) {
+  error.status = error.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
+  error.detail = format("%s returned %d (%s) at t = %.15g.", name, error.code,
+                        error.code < 0 ? "stop" : "cannot evaluate", error.t);
 }
 
-void describe_entry(const char* name, ConstView result, Trouble& trouble) {
-  trouble.status = SFDAE_NOT_FINITE;
+void describe_entry(const char* name, ConstView result, CallbackError& error) {
+  error.status = SFDAE_NOT_FINITE;
   int first = 0;
   while (all_finite(result.data + first, 1)) ++first;
-  trouble.row = first % result.rows;
-  trouble.column = first / result.rows;
-  trouble.detail = format(
+  error.row = first % result.rows;
+  error.column = first / result.rows;
+  error.detail = format(
       "%s returned NaN, Inf or a number near overflow in row %d, column %d at t = %.15g. Return 1 "
       "from the callback to have the step reduced.",
-      name, trouble.row, trouble.column, trouble.t);
+      name, error.row, error.column, error.t);
 }
 
 }  // namespace
@@ -72,56 +72,56 @@ CallbackMultibody::CallbackMultibody(const sfdae_multibody_problem& problem)
 }
 
 template <class Call>
-bool CallbackMultibody::checked(const char* name, double t, View result, Trouble& trouble, Call call) {
+bool CallbackMultibody::checked(const char* name, double t, View result, CallbackError& error, Call call) {
   const std::size_t count = size(result.rows) * size(result.cols);
   if (count == 0) return true;
   std::fill_n(result.data, count, 0.0);
-  trouble.function = name;
-  trouble.t = t;
+  error.function = name;
+  error.t = t;
   if (stop_is_requested()) {
-    trouble.status = SFDAE_STOPPED;
+    error.status = SFDAE_STOPPED;
     return false;
   }
-  trouble.code = call(result.data);
-  if (trouble.code != 0) describe_code(name, trouble);
-  else if (!all_finite(result.data, count)) describe_entry(name, result, trouble);
-  return trouble.status == SFDAE_OK;
+  error.code = call(result.data);
+  if (error.code != 0) describe_code(name, error);
+  else if (!all_finite(result.data, count)) describe_entry(name, result, error);
+  return error.status == SFDAE_OK;
 }
 
 // A function that is not given is zero.
 bool CallbackMultibody::call(const char* name, sfdae_position_function function, const Point& at, View result,
-                             Trouble& trouble) {
-  return checked(name, at.t, result, trouble, [&](double* values) {
+                             CallbackError& error) {
+  return checked(name, at.t, result, error, [&](double* values) {
     return function == nullptr ? 0 : function(at.t, at.q, values, functions_.user);
   });
 }
 
 bool CallbackMultibody::call(const char* name, sfdae_velocity_function function, const Point& at, View result,
-                             Trouble& trouble) {
-  return checked(name, at.t, result, trouble, [&](double* values) {
+                             CallbackError& error) {
+  return checked(name, at.t, result, error, [&](double* values) {
     return function == nullptr ? 0 : function(at.t, at.q, at.v, values, functions_.user);
   });
 }
 
-bool CallbackMultibody::evaluate_mass(const Point& at, Matrix& M, Trouble& trouble) {
-  if (functions_.mass != nullptr) return call("mass", functions_.mass, at, M, trouble);
+bool CallbackMultibody::evaluate_mass(const Point& at, Matrix& M, CallbackError& error) {
+  if (functions_.mass != nullptr) return call("mass", functions_.mass, at, M, error);
   fill(M, 0.0);
   for (int i = 0; i < M.rows(); ++i) M(i, i) = 1.0;
   return true;
 }
 
-bool CallbackMultibody::evaluate_constraints(const Point& at, MultibodyTerms& terms, Trouble& trouble) {
+bool CallbackMultibody::evaluate_constraints(const Point& at, MultibodyTerms& terms, CallbackError& error) {
   const int nv = sizes().velocities, nl = sizes().holonomic, nk = sizes().nonholonomic;
   if (has_kinematics()) {
     if (terms.S.cols() == 0) terms.S = Matrix(sizes().positions, nv);
-    if (!call("kinematics", functions_.kinematics, at, terms.S, trouble)) return false;
+    if (!call("kinematics", functions_.kinematics, at, terms.S, error)) return false;
   }
   double* const rest = terms.velocity_rest.data();
   const View g_t{rest, nl, 1, std::max(nl, 1)}, h{rest + nl, nk, 1, std::max(nk, 1)};
-  if (!call("constraint_jacobian", functions_.constraint_jacobian, at, terms.g_q, trouble) ||
-      !call("constraint_rate", functions_.constraint_rate, at, g_t, trouble) ||
-      !call("nonholonomic_matrix", functions_.nonholonomic_matrix, at, H_, trouble) ||
-      !call("nonholonomic_offset", functions_.nonholonomic_offset, at, h, trouble))
+  if (!call("constraint_jacobian", functions_.constraint_jacobian, at, terms.g_q, error) ||
+      !call("constraint_rate", functions_.constraint_rate, at, g_t, error) ||
+      !call("nonholonomic_matrix", functions_.nonholonomic_matrix, at, H_, error) ||
+      !call("nonholonomic_offset", functions_.nonholonomic_offset, at, h, error))
     return false;
   const View C = terms.C;
   if (nl > 0 && has_kinematics()) multiply(1.0, Op::plain, terms.g_q, Op::plain, terms.S, 0.0, C.block(0, 0, nl, nv));
@@ -130,38 +130,38 @@ bool CallbackMultibody::evaluate_constraints(const Point& at, MultibodyTerms& te
   return true;
 }
 
-bool CallbackMultibody::evaluate_curvatures(const Point& at, double* s, Trouble& trouble) {
+bool CallbackMultibody::evaluate_curvatures(const Point& at, double* s, CallbackError& error) {
   const int nl = sizes().holonomic, nk = sizes().nonholonomic;
-  return call("constraint_curvature", functions_.constraint_curvature, at, {s, nl, 1, std::max(nl, 1)}, trouble) &&
+  return call("constraint_curvature", functions_.constraint_curvature, at, {s, nl, 1, std::max(nl, 1)}, error) &&
          call("nonholonomic_curvature", functions_.nonholonomic_curvature, at, {s + nl, nk, 1, std::max(nk, 1)},
-              trouble);
+              error);
 }
 
-Trouble CallbackMultibody::constraints(double t, const double* q, double* g) {
-  Trouble trouble;
+CallbackError CallbackMultibody::constraints(double t, const double* q, double* g) {
+  CallbackError error;
   ++evaluations_;
   const int nl = sizes().holonomic;
-  call("constraints", functions_.constraints, {t, q, nullptr}, {g, nl, 1, std::max(nl, 1)}, trouble);
-  return trouble;
+  call("constraints", functions_.constraints, {t, q, nullptr}, {g, nl, 1, std::max(nl, 1)}, error);
+  return error;
 }
 
-Trouble CallbackMultibody::at_position(double t, const double* q, MultibodyTerms& terms) {
-  Trouble trouble;
+CallbackError CallbackMultibody::at_position(double t, const double* q, MultibodyTerms& terms) {
+  CallbackError error;
   ++evaluations_;
   const Point at{t, q, nullptr};
-  (void)(call("constraints", functions_.constraints, at, as_view(terms.g), trouble) &&
-         evaluate_mass(at, terms.M, trouble) && evaluate_constraints(at, terms, trouble));
-  return trouble;
+  (void)(call("constraints", functions_.constraints, at, as_view(terms.g), error) &&
+         evaluate_mass(at, terms.M, error) && evaluate_constraints(at, terms, error));
+  return error;
 }
 
-Trouble CallbackMultibody::at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) {
-  Trouble trouble = at_position(t, q, terms);
-  if (trouble.status != SFDAE_OK) return trouble;
+CallbackError CallbackMultibody::at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) {
+  CallbackError error = at_position(t, q, terms);
+  if (error.status != SFDAE_OK) return error;
   const Point at{t, q, v};
   double* const s = terms.acceleration_rest.data();
-  (void)(call("forces", functions_.forces, at, as_view(terms.f), trouble) && evaluate_curvatures(at, s, trouble) &&
-         (!needs_differences() || add_differences(at, terms, s, trouble)));
-  return trouble;
+  (void)(call("forces", functions_.forces, at, as_view(terms.f), error) && evaluate_curvatures(at, s, error) &&
+         (!needs_differences() || add_differences(at, terms, s, error)));
+  return error;
 }
 
 void CallbackMultibody::check_rates(double t, const double* q) {
@@ -170,9 +170,9 @@ void CallbackMultibody::check_rates(double t, const double* q) {
   const double forward = room(t, 1.0), backward = room(t, -1.0), step = 1e-3 * std::max(1.0, std::fabs(t));
   const double offset = forward >= backward ? std::min(step, forward) : -std::min(step, backward);
   const auto evaluate = [&](double at, double* g) {
-    const Trouble trouble = constraints(at, q, g);
-    if (trouble.status != SFDAE_OK && !trouble.is_recoverable()) throw Failure(trouble.status, trouble.message());
-    return trouble.status == SFDAE_OK;
+    const CallbackError error = constraints(at, q, g);
+    if (error.status != SFDAE_OK && !error.is_recoverable()) throw Failure(error.status, error.message());
+    return error.status == SFDAE_OK;
   };
   // Two offsets, for the sake of periodic functions.
   for (const double part : {1.0, 0.31}) {

@@ -17,10 +17,11 @@ class CallbackMultibody final : public MultibodyProblem {
   explicit CallbackMultibody(const sfdae_multibody_problem& problem);
 
   bool has_kinematics() const override { return functions_.kinematics != nullptr; }
-  Trouble constraints(double t, const double* q, double* g) override;
-  Trouble at_position(double t, const double* q, MultibodyTerms& terms) override;
-  Trouble at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) override;
-  Trouble linearize(const MultibodyMotion& motion, const MultibodyTerms& terms, MultibodyJacobian& jacobian) override;
+  CallbackError constraints(double t, const double* q, double* g) override;
+  CallbackError at_position(double t, const double* q, MultibodyTerms& terms) override;
+  CallbackError at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) override;
+  CallbackError linearize(const MultibodyState& state, const MultibodyTerms& terms,
+                          MultibodyJacobian& jacobian) override;
   void check_rates(double t, const double* q) override;
 
   const sfdae_multibody_problem& functions() const { return functions_; }
@@ -57,16 +58,16 @@ class CallbackMultibody final : public MultibodyProblem {
     Increments steps;
   };
 
-  // These return false with trouble.
+  // These return false if a callback fails.
   template <class Call>
-  bool checked(const char* name, double t, View result, Trouble& trouble, Call call);
-  bool call(const char* name, sfdae_position_function function, const Point& at, View result, Trouble& trouble);
-  bool call(const char* name, sfdae_velocity_function function, const Point& at, View result, Trouble& trouble);
-  bool evaluate_mass(const Point& at, Matrix& M, Trouble& trouble);
+  bool checked(const char* name, double t, View result, CallbackError& error, Call call);
+  bool call(const char* name, sfdae_position_function function, const Point& at, View result, CallbackError& error);
+  bool call(const char* name, sfdae_velocity_function function, const Point& at, View result, CallbackError& error);
+  bool evaluate_mass(const Point& at, Matrix& M, CallbackError& error);
   // S, g_q, C, r.
-  bool evaluate_constraints(const Point& at, MultibodyTerms& terms, Trouble& trouble);
+  bool evaluate_constraints(const Point& at, MultibodyTerms& terms, CallbackError& error);
   // Those parts of s that are given.
-  bool evaluate_curvatures(const Point& at, double* s, Trouble& trouble);
+  bool evaluate_curvatures(const Point& at, double* s, CallbackError& error);
 
   bool needs_differences() const { return gamma_by_differences_ || eta_by_differences_; }
   bool may_depend_on_time() const {
@@ -74,12 +75,12 @@ class CallbackMultibody final : public MultibodyProblem {
   }
   void velocity_of(const Matrix& S, const double* v, double* velocity) const;
   // Those rows of C v + r whose derivatives along the motion are not given; 0 in others.
-  bool undifferentiated(const Point& at, double* values, Trouble& trouble);
-  bool at_offset(const Point& at, const Line& line, double offset, double* values, Trouble& trouble);
+  bool undifferentiated(const Point& at, double* values, CallbackError& error);
+  bool at_offset(const Point& at, const Line& line, double offset, double* values, CallbackError& error);
   bool improve(int shift, double step, double* derivative);
   // line.step becomes the spacing that was good.
-  bool differentiate(const Point& at, Line& line, double* derivative, Trouble& trouble);
-  bool add_differences(const Point& at, const MultibodyTerms& terms, double* s, Trouble& trouble);
+  bool differentiate(const Point& at, Line& line, double* derivative, CallbackError& error);
+  bool add_differences(const Point& at, const MultibodyTerms& terms, double* s, CallbackError& error);
   double step_along_motion(const double* q) const;
 
   // Size of a component, as far as it can be told from the vector.
@@ -87,17 +88,17 @@ class CallbackMultibody final : public MultibodyProblem {
   static double unit_of_time(double t);
 
   // For columns of the Jacobian.
-  bool residuals(const Point& at, const double* a, const double* mu, Residuals& result, Trouble& trouble);
+  bool residuals(const Point& at, const double* a, const double* mu, Residuals& result, CallbackError& error);
   Increments increments(double t, double along, double in_time) const;
   // Low-order differences in place of add_differences.
-  bool rough_rest(const Point& at, const Increments& steps, double* s, Trouble& trouble);
-  bool add_rate_of_C(const Point& at, const Increments& steps, View rate, Trouble& trouble);
+  bool rough_rest(const Point& at, const Increments& steps, double* s, CallbackError& error);
+  bool add_rate_of_C(const Point& at, const Increments& steps, View rate, CallbackError& error);
   // Moves component j to where `evaluate` succeeds; returns by how much, or 0.
   template <class Evaluate>
-  double move(const double* values, int j, std::vector<double>& moved, Trouble& trouble, Evaluate evaluate);
-  bool position_column(const LinearizationPoint& point, int j, MultibodyJacobian& jacobian, Trouble& trouble);
-  bool add_rough_column(const LinearizationPoint& point, int j, double offset, View column, Trouble& trouble);
-  bool velocity_column(const Point& at, int j, const std::vector<double>& forces, View force_v, Trouble& trouble);
+  double move(const double* values, int j, std::vector<double>& moved, CallbackError& error, Evaluate evaluate);
+  bool position_column(const LinearizationPoint& point, int j, MultibodyJacobian& jacobian, CallbackError& error);
+  bool add_rough_column(const LinearizationPoint& point, int j, double offset, View column, CallbackError& error);
+  bool velocity_column(const Point& at, int j, const std::vector<double>& forces, View force_v, CallbackError& error);
 
   sfdae_multibody_problem functions_;
   bool gamma_by_differences_, eta_by_differences_;

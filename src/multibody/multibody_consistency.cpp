@@ -27,8 +27,8 @@ double size_of(const Vector& values) {
   return size > 0.0 ? size : 1.0;
 }
 
-void demand(const Trouble& trouble) {
-  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+void demand(const CallbackError& error) {
+  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
 }
 
 bool is_symmetric(const Matrix& A) {
@@ -83,7 +83,7 @@ MultibodyConsistency::MultibodyConsistency(MultibodyProblem& problem, double t, 
   point_.t = t;
 }
 
-void MultibodyConsistency::look_at(const Vector& q) {
+void MultibodyConsistency::evaluate_at(const Vector& q) {
   point_.q = q;
   demand(problem_.at_position(t_, q.data(), point_.terms));
   point_.measure_rows();
@@ -144,7 +144,7 @@ double MultibodyConsistency::residual(const Vector& q) {
 bool MultibodyConsistency::improve(Vector& q, double& norm) {
   constexpr int halvings = 12;
   constexpr double strongest = 0.1, least_gain = 1e-6;
-  look_at(q);
+  evaluate_at(q);
   norm = residual(q);
   const Svd J = svd(product(scaled_rows(point_.position_rows()), directions_));
   if (J.s.empty() || J.s.front() == 0.0) return false;
@@ -189,7 +189,7 @@ void MultibodyConsistency::approach(Vector& q) {
 // Where no direction makes residuals smaller, constraints contradict each other, or fixed values contradict them.
 void MultibodyConsistency::refuse_positions(const Vector& q, double norm) {
   constexpr double stationary = 1e-2;
-  look_at(q);
+  evaluate_at(q);
   residual(q);
   const Matrix J = product(scaled_rows(point_.position_rows()), directions_);
   Vector slope(index(J.cols()) + 1, 0.0);
@@ -224,7 +224,7 @@ void MultibodyConsistency::refuse_positions(const Vector& q, double norm) {
 }
 
 // Along the constraints toward what was given; linear convergence where it is far away, and it need not be exact.
-void MultibodyConsistency::slide(const Vector& given, Vector& q) {
+void MultibodyConsistency::minimize_change(const Vector& given, Vector& q) {
   constexpr int most = 30;
   constexpr double accuracy = 1e-8, dependent = 1e-7;
   if (directions_.cols() == 0) return;
@@ -237,7 +237,7 @@ void MultibodyConsistency::slide(const Vector& given, Vector& q) {
   const auto in_metric = [&](const Vector& dq) { return damped_solution(metric, dq, 0.0, 0.0); };
   double last_step = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
-    look_at(q);
+    evaluate_at(q);
     residual(q);
     const Matrix J = product(scaled_rows(point_.position_rows()), directions_);
     const Svd decomposition = svd(J);
@@ -269,10 +269,10 @@ Vector MultibodyConsistency::positions(const double* given) {
   const Vector start(given, given + sizes_.positions);
   Vector q(start);
   if (sizes_.holonomic == 0) return q;
-  look_at(q);
+  evaluate_at(q);
   directions_ = metric(0, sizes_.positions, point_.terms.S.rows() == 0);
   approach(q);
-  slide(start, q);
+  minimize_change(start, q);
   return q;
 }
 
@@ -281,7 +281,7 @@ Vector MultibodyConsistency::velocities(const Vector& q, const double* given, in
   const int nv = sizes_.velocities, nc = sizes_.constraints();
   Vector v(given, given + nv);
   if (nc == 0) return v;
-  look_at(q);
+  evaluate_at(q);
   point_.v = v;
   const Matrix P = metric(sizes_.positions, nv, true);
   const Svd C = svd(product(scaled_rows(point_.velocity_rows()), P));

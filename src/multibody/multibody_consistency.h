@@ -34,14 +34,14 @@ class MultibodyConsistency {
   std::vector<double> velocities(const std::vector<double>& q, const double* v, int rank);
 
  private:
-  void look_at(const std::vector<double>& q);
+  void evaluate_at(const std::vector<double>& q);
   Matrix metric(int first, int count, bool by_mass) const;
   Matrix scaled_rows(const ConstraintRows& rows) const;
   double residual(const std::vector<double>& q);
   double position_tolerance() const;
   void approach(std::vector<double>& q);
   bool improve(std::vector<double>& q, double& residual);
-  void slide(const std::vector<double>& given, std::vector<double>& q);
+  void minimize_change(const std::vector<double>& given, std::vector<double>& q);
   // Returns if that is tolerated.
   void refuse_positions(const std::vector<double>& q, double residual);
   MultibodyRanks local_ranks(std::vector<RankDecision>* decisions);

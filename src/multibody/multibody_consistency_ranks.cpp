@@ -79,7 +79,7 @@ MultibodyRanks MultibodyConsistency::local_ranks(std::vector<RankDecision>* deci
 
 MultibodyRanks MultibodyConsistency::ranks(const Vector& q, double rank_tol, std::vector<RankDecision>& decisions) {
   rank_tol_ = rank_tol;
-  look_at(q);
+  evaluate_at(q);
   const MultibodyRanks ranks = local_ranks(&decisions);
   check_matrix(ranks.velocities, decisions);
   if (sizes_.holonomic > 0) check_nearby(q, ranks);
@@ -99,7 +99,7 @@ void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& k
     beside[i] += distance * size * std::sin(1.0 + 2.3 * static_cast<double>(i));
   MultibodyRanks found;
   try {
-    look_at(beside);
+    evaluate_at(beside);
     for (int i = 0; i < sizes_.holonomic; ++i)
       if (units[index(i)] < vanishing * point_.position_units[index(i)])
         throw Failure(
@@ -108,7 +108,7 @@ void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& k
                    "write the constraint so that its gradient does not vanish where it holds.",
                    t_, name_of(i).c_str()));
     approach(beside);
-    look_at(beside);
+    evaluate_at(beside);
     found = local_ranks(nullptr);
   } catch (const Failure& failure) {
     // A neighbour that cannot be reached says nothing.

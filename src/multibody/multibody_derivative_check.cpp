@@ -27,8 +27,8 @@ class Checker {
         terms_(sizes()),
         moved_terms_(sizes()),
         moved_q_(q_) {
-    const Trouble trouble = problem_.at_velocity(t_, q_.data(), v_.data(), terms_);
-    if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+    const CallbackError error = problem_.at_velocity(t_, q_.data(), v_.data(), terms_);
+    if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
   }
 
   DerivativeMismatch worst() {
@@ -85,11 +85,11 @@ class Checker {
       if (velocity[j] != 0.0) unit = std::min(unit, std::max(1.0, std::fabs(q_[j])) / std::fabs(velocity[j]));
     const auto of_velocities = [&](double offset, double* values) {
       for (std::size_t j = 0; j < q_.size(); ++j) moved_q_[j] = q_[j] + offset * velocity[j];
-      const Trouble trouble = problem_.at_position(t_ + offset, moved_q_.data(), moved_terms_);
+      const CallbackError error = problem_.at_position(t_ + offset, moved_q_.data(), moved_terms_);
       residual = moved_terms_.velocity_rest;
       multiply(1.0, Op::plain, moved_terms_.C, v_.data(), 1.0, residual.data());
       std::copy_n(residual.begin() + first, rows, values);
-      return trouble;
+      return error;
     };
     const auto s = terms_.acceleration_rest.begin() + first;
     compare_with_differences({name, 1, rows, 0, {s, s + rows}}, unit, of_velocities, worst_);

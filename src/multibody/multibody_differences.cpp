@@ -36,24 +36,24 @@ void CallbackMultibody::velocity_of(const Matrix& S, const double* v, double* ve
   else std::copy_n(v, sizes().positions, velocity);
 }
 
-bool CallbackMultibody::undifferentiated(const Point& at, double* values, Trouble& trouble) {
+bool CallbackMultibody::undifferentiated(const Point& at, double* values, CallbackError& callback_error) {
   const int nl = sizes().holonomic, nk = sizes().nonholonomic;
   const View g_t{values, nl, 1, std::max(nl, 1)}, h{values + nl, nk, 1, std::max(nk, 1)};
   std::fill_n(values, sizes().constraints(), 0.0);
   if (gamma_by_differences_) {
     if (has_kinematics()) {
       if (probe_.S.cols() == 0) probe_.S = Matrix(sizes().positions, sizes().velocities);
-      if (!call("kinematics", functions_.kinematics, at, probe_.S, trouble)) return false;
+      if (!call("kinematics", functions_.kinematics, at, probe_.S, callback_error)) return false;
     }
-    if (!call("constraint_jacobian", functions_.constraint_jacobian, at, probe_.g_q, trouble) ||
-        !call("constraint_rate", functions_.constraint_rate, at, g_t, trouble))
+    if (!call("constraint_jacobian", functions_.constraint_jacobian, at, probe_.g_q, callback_error) ||
+        !call("constraint_rate", functions_.constraint_rate, at, g_t, callback_error))
       return false;
     velocity_of(probe_.S, at.v, shifted_direction_.data());
     multiply(1.0, Op::plain, probe_.g_q, shifted_direction_.data(), 1.0, g_t.data);
   }
   if (!eta_by_differences_) return true;
-  if (!call("nonholonomic_matrix", functions_.nonholonomic_matrix, at, H_, trouble) ||
-      !call("nonholonomic_offset", functions_.nonholonomic_offset, at, h, trouble))
+  if (!call("nonholonomic_matrix", functions_.nonholonomic_matrix, at, H_, callback_error) ||
+      !call("nonholonomic_offset", functions_.nonholonomic_offset, at, h, callback_error))
     return false;
   multiply(1.0, Op::plain, H_, at.v, 1.0, h.data);
   return true;
@@ -61,10 +61,10 @@ bool CallbackMultibody::undifferentiated(const Point& at, double* values, Troubl
 
 // direction_ is S v.
 bool CallbackMultibody::at_offset(const Point& at, const Line& line, double offset, double* values,
-                                  Trouble& trouble) {
+                                  CallbackError& callback_error) {
   std::copy_n(at.q, sizes().positions, shifted_q_.data());
   for (std::size_t i = 0; i < shifted_q_.size(); ++i) shifted_q_[i] += offset * line.q_rate * direction_[i];
-  return undifferentiated({at.t + offset * line.t_rate, shifted_q_.data(), at.v}, values, trouble);
+  return undifferentiated({at.t + offset * line.t_rate, shifted_q_.data(), at.v}, values, callback_error);
 }
 
 // False if a row is not accurate enough yet at this spacing. Rows are judged by themselves: their units may differ.
@@ -82,10 +82,11 @@ bool CallbackMultibody::improve(int shift, double step, double* derivative) {
   return done;
 }
 
-bool CallbackMultibody::differentiate(const Point& at, Line& line, double* derivative, Trouble& trouble) {
+bool CallbackMultibody::differentiate(const Point& at, Line& line, double* derivative,
+                                      CallbackError& callback_error) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   double wanted = line.step;
-  Trouble last;
+  CallbackError last;
   std::fill(errors_.begin(), errors_.end(), infinity);
   for (int attempt = 0; attempt < spacings; ++attempt, wanted /= 4.0) {
     double step = wanted;
@@ -103,7 +104,7 @@ bool CallbackMultibody::differentiate(const Point& at, Line& line, double* deriv
   }
   const bool found = errors_.front() < infinity;
   if (found && (last.status == SFDAE_OK || last.is_recoverable())) return true;
-  trouble = last;
+  callback_error = last;
   return false;
 }
 
@@ -117,7 +118,8 @@ double CallbackMultibody::step_along_motion(const double* q) const {
   return step;
 }
 
-bool CallbackMultibody::add_differences(const Point& at, const MultibodyTerms& terms, double* s, Trouble& trouble) {
+bool CallbackMultibody::add_differences(const Point& at, const MultibodyTerms& terms, double* s,
+                                        CallbackError& callback_error) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const int rows = sizes().constraints();
   velocity_of(terms.S, at.v, direction_.data());
@@ -126,14 +128,14 @@ bool CallbackMultibody::add_differences(const Point& at, const MultibodyTerms& t
   Line along{0.0, 1.0, widest_spacing * step_along_motion(at.q), infinity, infinity};
   good_step_ = 0.0;
   if (along.step < infinity) {
-    if (!differentiate(at, along, along_.data(), trouble)) return false;
+    if (!differentiate(at, along, along_.data(), callback_error)) return false;
     good_step_ = along.step;
   }
   const double before = std::max(room(at.t, -1.0), 0.0), after = std::max(room(at.t, 1.0), 0.0);
   Line in_time{1.0, 0.0, widest_spacing * unit_of_time(at.t), before, after};
   good_time_ = 0.0;
   if (may_depend_on_time() && before + after > 0.0) {
-    if (!differentiate(at, in_time, in_time_.data(), trouble)) return false;
+    if (!differentiate(at, in_time, in_time_.data(), callback_error)) return false;
     good_time_ = in_time.step;
   }
   for (int i = 0; i < rows; ++i) s[i] += along_[static_cast<std::size_t>(i)] + in_time_[static_cast<std::size_t>(i)];

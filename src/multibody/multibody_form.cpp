@@ -173,11 +173,11 @@ void MultibodyForm::expand(const Tangents* tangents, ConstView yz, View qv, Aren
   const View velocity = arena.matrix(nc, count);
   multiply(1.0, Op::plain, positions_.Q1(), Op::plain, yz.top(dq_), 0.0, dq);
   multiply(1.0, Op::plain, velocities().Q1(), Op::plain, yz.block(dq_, 0, dv_, count), 0.0, dv);
-  for (int i = 0; i < count; ++i) tangents[i].positions.bend(positions_, nullptr, dq.column(i), arena);
+  for (int i = 0; i < count; ++i) tangents[i].positions.enforce(positions_, nullptr, dq.column(i), arena);
   if (has_velocity_q_) multiply(1.0, Op::plain, velocity_q_, Op::plain, dq, 0.0, velocity);
   for (int i = 0; i < count; ++i)
-    tangents[i].of_velocities().bend(velocities(), has_velocity_q_ ? velocity.column(i) : nullptr, dv.column(i),
-                                     arena);
+    tangents[i].of_velocities().enforce(velocities(), has_velocity_q_ ? velocity.column(i) : nullptr, dv.column(i),
+                                        arena);
 }
 
 void MultibodyForm::expand(ConstView yz, View qv) const {

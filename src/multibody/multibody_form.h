@@ -28,7 +28,9 @@ struct Tangents {
   bool same_rows = false;
   const Tangent& of_velocities() const { return same_rows ? positions : velocities; }
   Tangent& of_velocities() { return same_rows ? positions : velocities; }
-  double turn() const { return same_rows ? positions.turn() : std::max(positions.turn(), velocities.turn()); }
+  double rotation() const {
+    return same_rows ? positions.rotation() : std::max(positions.rotation(), velocities.rotation());
+  }
 };
 
 class MultibodyForm {

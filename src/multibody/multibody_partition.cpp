@@ -120,7 +120,7 @@ bool Tangent::fit(const Partition& partition, const ConstraintRows& constraints)
   const int n = partition.Q.rows(), r = partition.rank;
   rank_ = r;
   is_complete_ = false;
-  turn_ = 0.0;
+  rotation_ = 0.0;
   pivot_ = 1.0;
   sign_ = 1;
   if (r == 0) return true;
@@ -157,9 +157,9 @@ bool Tangent::complete(const Partition& partition, Arena& arena) {
   } else {
     solve_lu(ConstView{lu_.data(), r, r, r}, pivots_.data(), E);
   }
-  turn_ = max_abs(E);
+  rotation_ = max_abs(E);
   multiply(-1.0, Op::plain, partition.Q2(), Op::plain, E, 1.0, T);
-  return std::isfinite(turn_);
+  return std::isfinite(rotation_);
 }
 
 void Tangent::gather(const Partition& partition, const double* residuals, double* b) const {
@@ -173,7 +173,7 @@ void Tangent::subtract(const Partition& partition, double* b, double* w) const {
   multiply(-1.0, Op::plain, partition.Q2(), b, 1.0, w);
 }
 
-void Tangent::bend(const Partition& partition, const double* b, double* w, Arena& arena) const {
+void Tangent::enforce(const Partition& partition, const double* b, double* w, Arena& arena) const {
   if (rank_ == 0) return;
   const Arena::Frame frame(arena);
   double* rest = arena.take(index(rank_));

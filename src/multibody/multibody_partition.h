@@ -57,13 +57,13 @@ class Tangent {
   ConstView rows() const { return {C_.data(), rank_, T_.rows(), std::max(rank_, 1)}; }
   const double* units() const { return units_.data(); }
   // w := w - N (C w + b), b of all rows or none: T y - N b for w = Q1 y.
-  void bend(const Partition& partition, const double* b, double* w, Arena& arena) const;
+  void enforce(const Partition& partition, const double* b, double* w, Arena& arena) const;
   // w := -N b, b the independent ones of all residuals.
   void correction(const Partition& partition, const double* residuals, double* w, Arena& arena) const;
   // mu := the independent multipliers with Q2^T C^T mu = Q2^T force, the others zero.
   void multipliers(const Partition& partition, const double* force, double* mu, Arena& arena) const;
   // max |E|, once complete: the tangent of the angle, about, by which C has turned since the choice.
-  double turn() const { return turn_; }
+  double rotation() const { return rotation_; }
   double smallest_pivot() const { return pivot_; }
   // Of det C Q2.
   int sign() const { return sign_; }
@@ -90,7 +90,7 @@ class Tangent {
   Matrix lu_;  // (C Q2)^-1 then, else the factors of C Q2
   std::vector<int> pivots_;
   std::vector<double> units_;
-  double turn_ = 0.0, pivot_ = 1.0;
+  double rotation_ = 0.0, pivot_ = 1.0;
   int sign_ = 1;
 };
 

@@ -184,7 +184,7 @@ void MultibodyPoint::solve_transposed(View yz) const {
 }
 
 // The part of mu in the range of C, which is that of C Q2: C^T mu stays.
-void MultibodyPoint::shorten(const Partition& partition, double* forces, Arena& arena) const {
+void MultibodyPoint::take_least_norm(const Partition& partition, double* forces, Arena& arena) const {
   const int nc = terms.C.rows(), r = partition.rank;
   if (r == nc || r == 0) return;
   const Arena::Frame frame(arena);

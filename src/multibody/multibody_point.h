@@ -26,7 +26,7 @@ class MultibodyPoint {
   // Of the rows of g and of C v + r: the lengths of their gradients, S not taken for smaller than it is.
   std::vector<double> position_units, velocity_units;
 
-  MultibodyMotion motion() const { return {t, q.data(), v.data(), a.data(), mu.data()}; }
+  MultibodyState state() const { return {t, q.data(), v.data(), a.data(), mu.data()}; }
   void set(double new_t, const double* new_q, const double* new_v);
   ConstraintRows position_rows() const { return {terms.g_q.view(), position_units.data()}; }
   ConstraintRows velocity_rows() const { return {terms.C.view(), velocity_units.data()}; }
@@ -52,8 +52,8 @@ class MultibodyPoint {
   void solve_transposed(View yz) const;
   int order() const { return order_; }
   // mu of least norm with the same C^T mu.
-  void shorten(const Partition& partition, Arena& arena) { shorten(partition, mu.data(), arena); }
-  void shorten(const Partition& partition, double* forces, Arena& arena) const;
+  void take_least_norm(const Partition& partition, Arena& arena) { take_least_norm(partition, mu.data(), arena); }
+  void take_least_norm(const Partition& partition, double* forces, Arena& arena) const;
 
  private:
   int order_ = 0;

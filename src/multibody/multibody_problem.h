@@ -37,7 +37,7 @@ struct MultibodyTerms {
 };
 
 // A point with accelerations and forces of constraints: those of the motion through it, or what is held for them.
-struct MultibodyMotion {
+struct MultibodyState {
   double t;
   const double* q;
   const double* v;
@@ -62,14 +62,14 @@ class MultibodyProblem : public Problem {
   virtual bool has_kinematics() const = 0;  // S is not the identity
 
   // g alone.
-  virtual Trouble constraints(double t, const double* q, double* g) = 0;
+  virtual CallbackError constraints(double t, const double* q, double* g) = 0;
   // All but f and s.
-  virtual Trouble at_position(double t, const double* q, MultibodyTerms& terms) = 0;
+  virtual CallbackError at_position(double t, const double* q, MultibodyTerms& terms) = 0;
   // All.
-  virtual Trouble at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) = 0;
+  virtual CallbackError at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) = 0;
   // terms: those at (t, q, v).
-  virtual Trouble linearize(const MultibodyMotion& motion, const MultibodyTerms& terms,
-                            MultibodyJacobian& jacobian) = 0;
+  virtual CallbackError linearize(const MultibodyState& state, const MultibodyTerms& terms,
+                                  MultibodyJacobian& jacobian) = 0;
 
   // Throws Failure if g turns out to depend on t though its derivative by t was not given.
   virtual void check_rates(double, const double*) {}

@@ -186,24 +186,25 @@ void RecordedMultibody::parameters_changed() {
       for (int i = 0; i < num_parameters_; ++i) (*other)->set_parameter(i, all_->parameter(i));
 }
 
-Trouble RecordedMultibody::begin(double t) const {
-  Trouble trouble;
-  trouble.t = t;
-  if (stop_is_requested()) trouble.status = SFDAE_STOPPED;
-  return trouble;
+CallbackError RecordedMultibody::begin(double t) const {
+  CallbackError error;
+  error.t = t;
+  if (stop_is_requested()) error.status = SFDAE_STOPPED;
+  return error;
 }
 
-bool RecordedMultibody::failed(const TaylorEvaluator& evaluator, Trouble& trouble) {
-  trouble.status = SFDAE_NOT_FINITE;
-  trouble.row = evaluator.failure().equation;
-  trouble.detail =
-      format("the formulas cannot be evaluated at t = %.15g: ", trouble.t) + evaluator.failure().message + ".";
+bool RecordedMultibody::failed(const TaylorEvaluator& evaluator, CallbackError& error) {
+  error.status = SFDAE_NOT_FINITE;
+  error.row = evaluator.failure().equation;
+  error.detail =
+      format("the formulas cannot be evaluated at t = %.15g: ", error.t) + evaluator.failure().message + ".";
   return false;
 }
 
-bool RecordedMultibody::evaluate_values(const double* x, bool with_forces, MultibodyTerms& terms, Trouble& trouble) {
+bool RecordedMultibody::evaluate_values(const double* x, bool with_forces, MultibodyTerms& terms,
+                                        CallbackError& error) {
   TaylorEvaluator& evaluator = with_forces ? *all_ : *position_;
-  if (!evaluator.values(trouble.t, x, 0, values_.data())) return failed(evaluator, trouble);
+  if (!evaluator.values(error.t, x, 0, values_.data())) return failed(evaluator, error);
   if (kinematics_ && terms.S.cols() == 0) terms.S = numbers_.S;
   const auto copy_numbers = [&](Part part, std::size_t count) {
     std::copy_n(entries_of(numbers_, part), count, entries_of(terms, part));
@@ -219,20 +220,20 @@ bool RecordedMultibody::evaluate_values(const double* x, bool with_forces, Multi
   return true;
 }
 
-Trouble RecordedMultibody::constraints(double t, const double* q, double* g) {
-  Trouble trouble = begin(t);
+CallbackError RecordedMultibody::constraints(double t, const double* q, double* g) {
+  CallbackError error = begin(t);
   ++evaluations_;
-  if (trouble.status != SFDAE_OK || !constraints_) return trouble;
-  if (!constraints_->values(t, q, 0, g)) failed(*constraints_, trouble);
-  return trouble;
+  if (error.status != SFDAE_OK || !constraints_) return error;
+  if (!constraints_->values(t, q, 0, g)) failed(*constraints_, error);
+  return error;
 }
 
 // Along q_jet_, up to q_2 (order 2) or with q_1 = 0.
-bool RecordedMultibody::evaluate_constraints(int order, MultibodyTerms& terms, Trouble& trouble) {
+bool RecordedMultibody::evaluate_constraints(int order, MultibodyTerms& terms, CallbackError& error) {
   const int nl = sizes().holonomic, nq = sizes().positions, nv = sizes().velocities;
   if (!constraints_) return true;
-  if (!constraints_->gradients(trouble.t, q_jet_.data(), {order, -1, 0}, g_jet_.data(), nullptr, terms.g_q.data()))
-    return failed(*constraints_, trouble);
+  if (!constraints_->gradients(error.t, q_jet_.data(), {order, -1, 0}, g_jet_.data(), nullptr, terms.g_q.data()))
+    return failed(*constraints_, error);
   const double* const g_1 = g_jet_.data() + nl;
   std::copy_n(g_jet_.data(), nl, terms.g.data());
   const View G = terms.C.view().block(0, 0, nl, nv);
@@ -244,15 +245,15 @@ bool RecordedMultibody::evaluate_constraints(int order, MultibodyTerms& terms, T
   return true;
 }
 
-Trouble RecordedMultibody::at_position(double t, const double* q, MultibodyTerms& terms) {
-  Trouble trouble = begin(t);
+CallbackError RecordedMultibody::at_position(double t, const double* q, MultibodyTerms& terms) {
+  CallbackError error = begin(t);
   ++evaluations_;
-  if (trouble.status != SFDAE_OK || !evaluate_values(q, false, terms, trouble)) return trouble;
+  if (error.status != SFDAE_OK || !evaluate_values(q, false, terms, error)) return error;
   const std::size_t nq = size(sizes().positions);
   std::copy_n(q, nq, q_jet_.data());
   std::fill_n(q_jet_.data() + nq, nq, 0.0);
-  evaluate_constraints(rheonomic_ ? 1 : 0, terms, trouble);
-  return trouble;
+  evaluate_constraints(rheonomic_ ? 1 : 0, terms, error);
+  return error;
 }
 
 void RecordedMultibody::set_jet(const double* q, const double* v, const double* v_1, const MultibodyTerms& terms) {
@@ -271,26 +272,26 @@ void RecordedMultibody::set_jet(const double* q, const double* v, const double* 
   else std::fill_n(jet_.data() + 2 * nq + nv, nv, 0.0);
 }
 
-Trouble RecordedMultibody::at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) {
-  Trouble trouble = begin(t);
+CallbackError RecordedMultibody::at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) {
+  CallbackError error = begin(t);
   ++evaluations_;
-  if (trouble.status != SFDAE_OK) return trouble;
+  if (error.status != SFDAE_OK) return error;
   const int nq = sizes().positions, nl = sizes().holonomic, nk = sizes().nonholonomic;
   std::copy_n(q, nq, jet_.data());
   std::copy_n(v, sizes().velocities, jet_.data() + nq);
-  if (!evaluate_values(jet_.data(), true, terms, trouble)) return trouble;
+  if (!evaluate_values(jet_.data(), true, terms, error)) return error;
   set_jet(q, v, nullptr, terms);
   double* const s = terms.acceleration_rest.data();
   if (kinematics_) {
-    if (!kinematics_->values(t, jet_.data(), 1, rates_.data())) return failed(*kinematics_, trouble), trouble;
+    if (!kinematics_->values(t, jet_.data(), 1, rates_.data())) return failed(*kinematics_, error), error;
     for (int i = 0; i < nq; ++i) q_jet_[size(2 * nq + i)] = 0.5 * rates_[size(nq + i)];
   }
-  if (!evaluate_constraints(2, terms, trouble)) return trouble;
+  if (!evaluate_constraints(2, terms, error)) return error;
   for (int i = 0; i < nl; ++i) s[i] = 2.0 * g_jet_[size(2 * nl + i)];
-  if (!nonholonomic_) return trouble;
-  if (!nonholonomic_->values(t, jet_.data(), 1, rates_.data())) return failed(*nonholonomic_, trouble), trouble;
+  if (!nonholonomic_) return error;
+  if (!nonholonomic_->values(t, jet_.data(), 1, rates_.data())) return failed(*nonholonomic_, error), error;
   std::copy_n(rates_.data() + nk, nk, s + nl);
-  return trouble;
+  return error;
 }
 
 }  // namespace sfdae::core

@@ -30,10 +30,11 @@ class RecordedMultibody final : public MultibodyProblem {
   RecordedMultibody(Recorder& recorder, const MultibodyFormulas& formulas);
 
   bool has_kinematics() const override { return kinematics_.has_value(); }
-  Trouble constraints(double t, const double* q, double* g) override;
-  Trouble at_position(double t, const double* q, MultibodyTerms& terms) override;
-  Trouble at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) override;
-  Trouble linearize(const MultibodyMotion& motion, const MultibodyTerms& terms, MultibodyJacobian& jacobian) override;
+  CallbackError constraints(double t, const double* q, double* g) override;
+  CallbackError at_position(double t, const double* q, MultibodyTerms& terms) override;
+  CallbackError at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) override;
+  CallbackError linearize(const MultibodyState& state, const MultibodyTerms& terms,
+                          MultibodyJacobian& jacobian) override;
   TaylorEvaluator* evaluator() override { return &*all_; }
   void parameters_changed() override;
 
@@ -68,22 +69,22 @@ class RecordedMultibody final : public MultibodyProblem {
   void record_balance(Recorder& recorder, const MultibodyFormulas& formulas);
   void allocate();
 
-  // Trouble knows the time.
-  Trouble begin(double t) const;
-  static bool failed(const TaylorEvaluator& evaluator, Trouble& trouble);
+  // Errors know the time.
+  CallbackError begin(double t) const;
+  static bool failed(const TaylorEvaluator& evaluator, CallbackError& error);
   // All but f, g and g_q; or f, too. x: (q, v).
-  bool evaluate_values(const double* x, bool with_forces, MultibodyTerms& terms, Trouble& trouble);
+  bool evaluate_values(const double* x, bool with_forces, MultibodyTerms& terms, CallbackError& error);
   // The jets, with v_1 (null: 0); q_2 = (dS/dt v + S v_1) / 2 is left to be computed where S is not the identity.
   void set_jet(const double* q, const double* v, const double* v_1, const MultibodyTerms& terms);
   // g, g_q, G and g_t along q_jet_, order 2; or with q_1 = 0, lower orders.
-  bool evaluate_constraints(int order, MultibodyTerms& terms, Trouble& trouble);
+  bool evaluate_constraints(int order, MultibodyTerms& terms, CallbackError& error);
 
   bool linearize_balance(const double* a, const double* mu, const MultibodyTerms& terms, MultibodyJacobian& jacobian,
-                         Trouble& trouble);
-  bool subtract_curvature(const double* q, const MultibodyTerms& terms, View force_q, Trouble& trouble);
-  bool linearize_kinematics(const MultibodyTerms& terms, MultibodyJacobian& jacobian, Trouble& trouble);
-  bool linearize_holonomic(const MultibodyTerms& terms, MultibodyJacobian& jacobian, Trouble& trouble);
-  bool linearize_nonholonomic(const MultibodyTerms& terms, MultibodyJacobian& jacobian, Trouble& trouble);
+                         CallbackError& error);
+  bool subtract_curvature(const double* q, const MultibodyTerms& terms, View force_q, CallbackError& error);
+  bool linearize_kinematics(const MultibodyTerms& terms, MultibodyJacobian& jacobian, CallbackError& error);
+  bool linearize_holonomic(const MultibodyTerms& terms, MultibodyJacobian& jacobian, CallbackError& error);
+  bool linearize_nonholonomic(const MultibodyTerms& terms, MultibodyJacobian& jacobian, CallbackError& error);
 
   int num_parameters_;      // the user's
   bool rheonomic_ = false;  // g depends on t

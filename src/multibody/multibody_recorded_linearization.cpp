@@ -36,7 +36,7 @@ void add_product(double factor, ConstView a, ConstView b, View to) {
 }  // namespace
 
 bool RecordedMultibody::linearize_balance(const double* a, const double* mu, const MultibodyTerms& terms,
-                                          MultibodyJacobian& jacobian, Trouble& trouble) {
+                                          MultibodyJacobian& jacobian, CallbackError& error) {
   const int nq = sizes().positions, nv = sizes().velocities, nl = sizes().holonomic;
   const auto hold = [](TaylorEvaluator& evaluator, const std::vector<int>& parameters, const double* values) {
     for (std::size_t i = 0; i < parameters.size(); ++i) evaluator.set_parameter(parameters[i], values[i]);
@@ -49,8 +49,8 @@ bool RecordedMultibody::linearize_balance(const double* a, const double* mu, con
     hold(*balance_, held_.p, rates_.data());
   }
   if (curvature_) hold(*curvature_, held_.lambda, mu);
-  if (!balance_->gradients(trouble.t, jet_.data(), {-1, -1, 0}, nullptr, nullptr, gradients_.data()))
-    return failed(*balance_, trouble);
+  if (!balance_->gradients(error.t, jet_.data(), {-1, -1, 0}, nullptr, nullptr, gradients_.data()))
+    return failed(*balance_, error);
   const std::size_t area = size(nv) * size(nq);
   std::copy_n(gradients_.data(), area, jacobian.force_q.data());
   std::copy_n(gradients_.data() + area, size(nv) * size(nv), jacobian.force_v.data());
@@ -60,16 +60,16 @@ bool RecordedMultibody::linearize_balance(const double* a, const double* mu, con
 // S^T (lambda^T g)_qq, column by column: the first coefficients of gradients of lambda^T g along q + s e_j, less
 // those that come from t + s.
 bool RecordedMultibody::subtract_curvature(const double* q, const MultibodyTerms& terms, View force_q,
-                                           Trouble& trouble) {
+                                           CallbackError& error) {
   const int nq = sizes().positions;
   double *const direction = q_jet_.data() + nq, *const in_time = rates_.data();
   std::copy_n(q, nq, q_jet_.data());
   std::fill_n(direction, nq, 0.0);
   std::fill_n(in_time, nq, 0.0);
   const auto evaluate = [&] {
-    return curvature_->gradients(trouble.t, q_jet_.data(), {-1, -1, 1}, nullptr, nullptr,
+    return curvature_->gradients(error.t, q_jet_.data(), {-1, -1, 1}, nullptr, nullptr,
                                  curvature_gradients_.data()) ||
-           failed(*curvature_, trouble);
+           failed(*curvature_, error);
   };
   if (rheonomic_ && !curved_.empty()) {
     if (!evaluate()) return false;
@@ -90,11 +90,11 @@ bool RecordedMultibody::subtract_curvature(const double* q, const MultibodyTerms
 
 // Completes the jet by q_2.
 bool RecordedMultibody::linearize_kinematics(const MultibodyTerms& terms, MultibodyJacobian& jacobian,
-                                             Trouble& trouble) {
+                                             CallbackError& error) {
   const int nq = sizes().positions, nv = sizes().velocities, n = nq + nv;
   if (jacobian.kinematics_q.cols() == 0) jacobian.kinematics_q = Matrix(nq, nq);
-  if (!kinematics_->gradients(trouble.t, jet_.data(), {1, -1, 1}, rates_.data(), nullptr, gradients_.data()))
-    return failed(*kinematics_, trouble);
+  if (!kinematics_->gradients(error.t, jet_.data(), {1, -1, 1}, rates_.data(), nullptr, gradients_.data()))
+    return failed(*kinematics_, error);
   for (int i = 0; i < nq; ++i) q_jet_[size(2 * nq + i)] = 0.5 * rates_[size(nq + i)];
   const ConstView first{gradients_.data(), nq, n, nq}, second{gradients_.data() + size(nq) * size(n), nq, n, nq};
   const ConstView K = first.columns(0, nq);
@@ -107,11 +107,11 @@ bool RecordedMultibody::linearize_kinematics(const MultibodyTerms& terms, Multib
 }
 
 bool RecordedMultibody::linearize_holonomic(const MultibodyTerms& terms, MultibodyJacobian& jacobian,
-                                            Trouble& trouble) {
+                                            CallbackError& error) {
   const int nq = sizes().positions, nl = sizes().holonomic;
   if (!constraints_) return true;
-  if (!constraints_->gradients(trouble.t, q_jet_.data(), {-1, -1, 2}, nullptr, nullptr, gradients_.data()))
-    return failed(*constraints_, trouble);
+  if (!constraints_->gradients(error.t, q_jet_.data(), {-1, -1, 2}, nullptr, nullptr, gradients_.data()))
+    return failed(*constraints_, error);
   const auto coefficient = [&](int k) -> ConstView {
     return {gradients_.data() + size(k) * size(nl) * size(nq), nl, nq, nl};
   };
@@ -133,11 +133,11 @@ bool RecordedMultibody::linearize_holonomic(const MultibodyTerms& terms, Multibo
 }
 
 bool RecordedMultibody::linearize_nonholonomic(const MultibodyTerms& terms, MultibodyJacobian& jacobian,
-                                               Trouble& trouble) {
+                                               CallbackError& error) {
   const int nq = sizes().positions, nv = sizes().velocities, nl = sizes().holonomic, nk = sizes().nonholonomic;
   if (!nonholonomic_) return true;
-  if (!nonholonomic_->gradients(trouble.t, jet_.data(), {-1, -1, 1}, nullptr, nullptr, gradients_.data()))
-    return failed(*nonholonomic_, trouble);
+  if (!nonholonomic_->gradients(error.t, jet_.data(), {-1, -1, 1}, nullptr, nullptr, gradients_.data()))
+    return failed(*nonholonomic_, error);
   const int n = nq + nv;
   const ConstView first{gradients_.data(), nk, n, nk}, second{gradients_.data() + size(nk) * size(n), nk, n, nk};
   const ConstView y_q = first.columns(0, nq);
@@ -155,18 +155,18 @@ bool RecordedMultibody::linearize_nonholonomic(const MultibodyTerms& terms, Mult
   return true;
 }
 
-Trouble RecordedMultibody::linearize(const MultibodyMotion& motion, const MultibodyTerms& terms,
-                                     MultibodyJacobian& jacobian) {
-  const auto [t, q, v, a, mu] = motion;
-  Trouble trouble = begin(t);
+CallbackError RecordedMultibody::linearize(const MultibodyState& state, const MultibodyTerms& terms,
+                                           MultibodyJacobian& jacobian) {
+  const auto [t, q, v, a, mu] = state;
+  CallbackError error = begin(t);
   ++linearizations_;
-  if (trouble.status != SFDAE_OK) return trouble;
+  if (error.status != SFDAE_OK) return error;
   set_jet(q, v, a, terms);
-  (void)(linearize_balance(a, mu, terms, jacobian, trouble) &&
-         (!kinematics_ || linearize_kinematics(terms, jacobian, trouble)) &&
-         linearize_holonomic(terms, jacobian, trouble) && linearize_nonholonomic(terms, jacobian, trouble) &&
-         subtract_curvature(q, terms, jacobian.force_q, trouble));
-  return trouble;
+  (void)(linearize_balance(a, mu, terms, jacobian, error) &&
+         (!kinematics_ || linearize_kinematics(terms, jacobian, error)) &&
+         linearize_holonomic(terms, jacobian, error) && linearize_nonholonomic(terms, jacobian, error) &&
+         subtract_curvature(q, terms, jacobian.force_q, error));
+  return error;
 }
 
 }  // namespace sfdae::core

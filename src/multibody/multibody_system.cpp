@@ -37,8 +37,8 @@ MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Traits& traits
                                  const double* q, const double* v)
     : problem_(problem), sizes_(problem.sizes()), traits_(traits), analysis_(std::move(analysis)) {
   resize();
-  const PointStatus status = stand_at(analysis_.t, q, v);
-  if (status == PointStatus::trouble) throw Failure(trouble_.status, trouble_.message());
+  const PointStatus status = set_point(analysis_.t, q, v);
+  if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
   if (status == PointStatus::singular)
     throw Failure(SFDAE_SINGULAR, format("[M C^T; C 0] is singular at t = %.15g.", t_));
 }
@@ -70,11 +70,11 @@ void MultibodySystem::resize() {
   residuals_.assign(index(sizes_.constraints()) + 1, 0.0);
 }
 
-PointStatus MultibodySystem::stand_at(double t, const double* q, const double* v) {
+PointStatus MultibodySystem::set_point(double t, const double* q, const double* v) {
   t_ = t;
   accepted_.set(t, q, v);
-  trouble_ = problem_.at_velocity(t, accepted_.q.data(), accepted_.v.data(), accepted_.terms);
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  callback_error_ = problem_.at_velocity(t, accepted_.q.data(), accepted_.v.data(), accepted_.terms);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   accepted_.measure_rows();
   partitions_ = 0;
   std::copy_n(q, sizes_.positions, change_.data());
@@ -86,7 +86,7 @@ PointStatus MultibodySystem::stand_at(double t, const double* q, const double* v
     return PointStatus::changed;
   }
   end_ = accepted_;
-  status = settle(end_);
+  status = project(end_);
   if (status != PointStatus::ok) return status;
   end_orientation_ = orientation_ = orientation_of(end_tangents_);
   is_end_new_ = true;
@@ -109,8 +109,8 @@ void MultibodySystem::accept() {
 
 // a and mu at the point.
 PointStatus MultibodySystem::evaluate(MultibodyPoint& point) {
-  trouble_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  callback_error_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   ++factorizations_;
   if (!point.factor(form_.velocities().rows, traits_.ranks.velocities)) return PointStatus::singular;
   point.solve_accelerations(form_.velocities().rows, traits_.ranks.velocities);
@@ -144,8 +144,8 @@ PointStatus MultibodySystem::project_positions(MultibodyPoint& point) {
   double before = 0.0;
   int at_point = 0;  // iterations with N at the point itself
   for (int iteration = 0; iteration < most; ++iteration) {
-    trouble_ = problem_.constraints(point.t, point.q.data(), point.terms.g.data());
-    if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+    callback_error_ = problem_.constraints(point.t, point.q.data(), point.terms.g.data());
+    if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
     tangent->correction(form_.positions(), point.terms.g.data(), change_.data(), arena_);
     if (tangent != &form_.tangents().positions) ++at_point;
     double norm = 0.0, in_tolerances = 0.0;
@@ -165,8 +165,8 @@ PointStatus MultibodySystem::project_positions(MultibodyPoint& point) {
     before = norm;
     if (rate < slow || iteration == 0) continue;
     // N at the point itself.
-    trouble_ = problem_.at_position(point.t, point.q.data(), point.terms);
-    if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+    callback_error_ = problem_.at_position(point.t, point.q.data(), point.terms);
+    if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
     point.measure_rows();
     if (!end_tangents_.positions.build(form_.positions(), point.position_rows(), arena_))
       return PointStatus::singular;
@@ -176,11 +176,11 @@ PointStatus MultibodySystem::project_positions(MultibodyPoint& point) {
 }
 
 // Constraints on both levels hold to rounding, and a and mu are known, at a point near by.
-PointStatus MultibodySystem::settle(MultibodyPoint& point) {
+PointStatus MultibodySystem::project(MultibodyPoint& point) {
   PointStatus status = project_positions(point);
   if (status != PointStatus::ok) return status;
-  trouble_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  callback_error_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   point.measure_rows();
   if (!form_.build_tangents(point, end_tangents_, arena_)) return PointStatus::singular;
   // Linear in v: once is enough, but for what depends on v.
@@ -189,12 +189,12 @@ PointStatus MultibodySystem::settle(MultibodyPoint& point) {
   end_tangents_.of_velocities().correction(form_.velocities(), residuals_.data(), change_.data(), arena_);
   for (int k = 0; k < sizes_.velocities; ++k) point.v[index(k)] += change_[index(k)];
   if (max_abs(change_.data(), sizes_.velocities) > negligible * largest(point.v)) {
-    trouble_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
-    if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+    callback_error_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
+    if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   }
   status = accelerate(point, end_tangents_);
   if (status != PointStatus::ok) return status;
-  point.shorten(form_.velocities(), arena_);
+  point.take_least_norm(form_.velocities(), arena_);
   kept_ = std::min(end_tangents_.positions.smallest_pivot(), end_tangents_.of_velocities().smallest_pivot());
   read_inconsistency(point);
   return PointStatus::ok;
@@ -203,14 +203,14 @@ PointStatus MultibodySystem::settle(MultibodyPoint& point) {
 // After a step: det C Q2 changes its sign where a configuration is singular, unless the constraints have turned too
 // far from the partition for that to mean anything. Where two mechanisms are singular at once, the sign stays: what
 // tells then is the way of all constraints from the point accepted last.
-PointStatus MultibodySystem::look_at(const MultibodyPoint& point) {
-  const bool has_turned = end_tangents_.turn() > largest_turn();
-  if (has_turned) is_slow_ = true;
+PointStatus MultibodySystem::check_ranks(const MultibodyPoint& point) {
+  const bool has_rotated = end_tangents_.rotation() > largest_rotation();
+  if (has_rotated) is_slow_ = true;
   end_orientation_ = orientation_of(end_tangents_);
   const Passage passage = passage_of_step();
   if (end_orientation_ == orientation_ && passage.positions.count + passage.velocities.count == 0)
     return PointStatus::ok;
-  if (has_turned && std::fabs(point.t - accepted_.t) > 1e-6 * std::fabs(accepted_.t) && !has_changed_) {
+  if (has_rotated && std::fabs(point.t - accepted_.t) > 1e-6 * std::fabs(accepted_.t) && !has_changed_) {
     is_linearized_ = false;
     return PointStatus::not_converged;
   }

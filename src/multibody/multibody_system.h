@@ -53,13 +53,13 @@ class MultibodySystem final : public DaeSystem {
   MultibodyProblem& problem() override { return problem_; }
   const IndexAnalysis& analysis() const override { return analysis_; }
   LeadingTerm leading_term() const override { return LeadingTerm::identity; }
-  const Trouble& trouble() const override { return trouble_; }
+  const CallbackError& callback_error() const override { return callback_error_; }
   double t() const override { return t_; }
   const Traits& traits() const { return traits_; }
   const MultibodySizes& sizes() const { return sizes_; }
 
   // A consistent point becomes the current and accepted one.
-  PointStatus stand_at(double t, const double* q, const double* v);
+  PointStatus set_point(double t, const double* q, const double* v);
   // The point accepted last.
   const MultibodyPoint& accepted_point() const { return accepted_; }
   long partitions() const { return partitions_; }
@@ -77,7 +77,7 @@ class MultibodySystem final : public DaeSystem {
   void leading(const double* x, double* w) override { std::copy_n(x, leading_size(), w); }
   int guess_order() const override { return 0; }
   PointStatus solve(const StepEquations& equations, double* x) override;
-  double work_of_stages(int s) const override;
+  double stage_cost(int s) const override;
   void correct_slopes(double* wdot, double* xdot) override;
   PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
   using StrangenessFreeSystem::error_in_x;
@@ -152,11 +152,11 @@ class MultibodySystem final : public DaeSystem {
   void change_of_forces(ConstView dqv, View dmu);
   PointStatus solve_points(const Task& task, const double* guess);
   PointStatus project_positions(MultibodyPoint& point);
-  PointStatus settle(MultibodyPoint& point);
-  PointStatus look_at(const MultibodyPoint& point);
+  PointStatus project(MultibodyPoint& point);
+  PointStatus check_ranks(const MultibodyPoint& point);
   void read_inconsistency(const MultibodyPoint& point);
   const MultibodyPoint& point_at(const double* x);
-  double largest_turn() const;
+  double largest_rotation() const;
   Passage passage_of_step();
   void note_change(const MultibodyPoint& point, const Passage& passage);
   void rebuild(bool has_linearization, double c, double rate);
@@ -168,7 +168,7 @@ class MultibodySystem final : public DaeSystem {
   MultibodySizes sizes_;
   Traits traits_;
   IndexAnalysis analysis_;
-  Trouble trouble_;
+  CallbackError callback_error_;
   Arena arena_;
   double t_ = 0.0;
 

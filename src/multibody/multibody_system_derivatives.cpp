@@ -25,8 +25,8 @@ void MultibodySystem::restore(const double*, const double* x_free, double* x) {
   if (!is_at(accepted_)) {
     is_end_new_ = false;
     end_.set(t_, x_free, x_free + nq);
-    const PointStatus status = settle(end_);
-    if (status == PointStatus::trouble) throw Failure(trouble_.status, trouble_.message());
+    const PointStatus status = project(end_);
+    if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
     if (status != PointStatus::ok)
       throw Failure(SFDAE_NO_CONSISTENT_VALUES,
                     format("no values consistent with the constraints were found at t = %.15g.", t_));
@@ -47,10 +47,10 @@ const MultibodyPoint& MultibodySystem::point_at(const double* x) {
   is_end_new_ = false;
   end_.set(t_, x, x + nq);
   const PointStatus status = evaluate(end_);
-  if (status == PointStatus::trouble) throw Failure(trouble_.status, trouble_.message());
+  if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
   if (status != PointStatus::ok) throw Failure(SFDAE_SINGULAR, format("[M C^T; C 0] is singular at t = %.15g.", t_));
   end_.measure_rows();
-  end_.shorten(form_.velocities(), arena_);
+  end_.take_least_norm(form_.velocities(), arena_);
   return end_;
 }
 
@@ -88,7 +88,7 @@ PointStatus MultibodySystem::forces_beside(const MultibodyPoint& point, double s
   for (std::size_t i = 0; i < work_.v.size(); ++i) work_.v[i] = point.v[i] + s * point.a[i];
   const PointStatus status = evaluate(work_);
   if (status != PointStatus::ok) return status;
-  work_.shorten(form_.velocities(), arena_);
+  work_.take_least_norm(form_.velocities(), arena_);
   std::copy_n(work_.mu.data(), sizes_.constraints(), mu);
   return PointStatus::ok;
 }
@@ -119,8 +119,8 @@ bool MultibodySystem::difference_of_forces(const MultibodyPoint& point, double* 
     const double weight = (is_central ? central_weights[k] : side_weights[k]) / (12.0 * s);
     if (place == 0) std::copy_n(point.mu.data(), nc, mu);
     else if (forces_beside(point, place * s, mu) != PointStatus::ok) {
-      if (trouble_.status != SFDAE_OK && !trouble_.is_recoverable())
-        throw Failure(trouble_.status, trouble_.message());
+      if (callback_error_.status != SFDAE_OK && !callback_error_.is_recoverable())
+        throw Failure(callback_error_.status, callback_error_.message());
       return false;
     }
     for (int i = 0; i < nc; ++i) mudot[i] += weight * mu[i];
@@ -131,9 +131,9 @@ bool MultibodySystem::difference_of_forces(const MultibodyPoint& point, double* 
 // Along Q2, g_q q' + g_t = 0 and C v' + s = 0; directions in Q1 of later partitions may be among them.
 void MultibodySystem::correct_slopes(double* wdot, double* xdot) {
   const MultibodyTerms& terms = end_.terms;
-  end_tangents_.positions.bend(form_.positions(), terms.velocity_rest.data(), wdot, arena_);
-  end_tangents_.of_velocities().bend(form_.velocities(), terms.acceleration_rest.data(), wdot + sizes_.positions,
-                                     arena_);
+  end_tangents_.positions.enforce(form_.positions(), terms.velocity_rest.data(), wdot, arena_);
+  end_tangents_.of_velocities().enforce(form_.velocities(), terms.acceleration_rest.data(), wdot + sizes_.positions,
+                                        arena_);
   std::copy_n(wdot, leading_size(), xdot);
 }
 
@@ -182,7 +182,7 @@ void MultibodySystem::change_of_forces(ConstView dqv, View dmu) {
   for (int j = 0; j < count; ++j)
     for (int k = 0; k < r; ++k) dmu(rows[index(k)], j) = forces(nv + k, j);
   // As mu itself: with other units of the constraints the part that does not matter may be by far the largest.
-  for (int j = 0; j < count; ++j) linearized_.shorten(form_.velocities(), dmu.column(j), arena_);
+  for (int j = 0; j < count; ++j) linearized_.take_least_norm(form_.velocities(), dmu.column(j), arena_);
 }
 
 void MultibodySystem::archive(Archive& archive) {
@@ -222,15 +222,15 @@ void MultibodySystem::rebuild(bool has_linearization, double c, double rate) {
   const bool was_slow = is_slow_, was_fresh = is_fresh_;
   const MultibodyPoint where = linearized_;
   t_ = accepted_.t;
-  trouble_ = problem_.at_velocity(t_, accepted_.q.data(), accepted_.v.data(), accepted_.terms);
-  if (trouble_.status != SFDAE_OK) throw DamagedArchive();
+  callback_error_ = problem_.at_velocity(t_, accepted_.q.data(), accepted_.v.data(), accepted_.terms);
+  if (callback_error_.status != SFDAE_OK) throw DamagedArchive();
   accepted_.measure_rows();
   end_ = accepted_;
   const Orientation orientation = orientation_;
   const long partitions = partitions_;
   linearized_.set(chosen_.t, chosen_.q.data(), chosen_.v.data());
-  trouble_ = problem_.at_position(chosen_.t, chosen_.q.data(), linearized_.terms);
-  if (trouble_.status != SFDAE_OK) throw DamagedArchive();
+  callback_error_ = problem_.at_position(chosen_.t, chosen_.q.data(), linearized_.terms);
+  if (callback_error_.status != SFDAE_OK) throw DamagedArchive();
   linearized_.measure_rows();
   if (choose_partition() != PointStatus::ok) throw DamagedArchive();
   partitions_ = partitions;

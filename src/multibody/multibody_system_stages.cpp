@@ -23,7 +23,9 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // A partition from which the constraints have turned by more than 45 degrees is replaced; components as they are
 // differ by a factor from the beginning.
-double MultibodySystem::largest_turn() const { return traits_.coordinates == Coordinates::orthogonal ? 1.0 : 10.0; }
+double MultibodySystem::largest_rotation() const {
+  return traits_.coordinates == Coordinates::orthogonal ? 1.0 : 10.0;
+}
 
 void MultibodySystem::resize_stages(int s) {
   const std::size_t stages = index(s), size = index(leading_size()), d = index(differential()),
@@ -45,17 +47,18 @@ PointStatus MultibodySystem::linearize(double t, const double* qv) {
   matrix_valid_ = false;
   transformed_.forget();
   linearized_.set(t, qv, qv + sizes_.positions);
-  trouble_ = problem_.at_velocity(t, linearized_.q.data(), linearized_.v.data(), linearized_.terms);
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  callback_error_ = problem_.at_velocity(t, linearized_.q.data(), linearized_.v.data(), linearized_.terms);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   linearized_.measure_rows();
-  if (partitions_ == 0 || !form_.build_tangents(linearized_, arena_) || form_.tangents().turn() > largest_turn()) {
+  if (partitions_ == 0 || !form_.build_tangents(linearized_, arena_) ||
+      form_.tangents().rotation() > largest_rotation()) {
     const PointStatus status = choose_partition();
     if (status != PointStatus::ok) return status;
   }
   if (!linearized_.factor(form_.velocities().rows, traits_.ranks.velocities)) return PointStatus::singular;
   linearized_.solve_accelerations(form_.velocities().rows, traits_.ranks.velocities);
-  trouble_ = problem_.linearize(linearized_.motion(), linearized_.terms, jacobian_);
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  callback_error_ = problem_.linearize(linearized_.state(), linearized_.terms, jacobian_);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   form_.build(linearized_, jacobian_, arena_);
   measure_noise();
   ++reductions_;
@@ -152,8 +155,8 @@ PointStatus MultibodySystem::read_stage(const Task& task, int i, bool is_first) 
   const int nq = sizes_.positions, size = leading_size(), d = differential(), nc = sizes_.constraints();
   const double* qv = stage(i);
   work_.set(times_[index(i)], qv, qv + nq);
-  trouble_ = problem_.at_velocity(work_.t, work_.q.data(), work_.v.data(), work_.terms);
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  callback_error_ = problem_.at_velocity(work_.t, work_.q.data(), work_.v.data(), work_.terms);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   // Rows are about as long as at the linearization.
   work_.position_units = linearized_.position_units;
   work_.velocity_units = linearized_.velocity_units;
@@ -276,7 +279,8 @@ void MultibodySystem::judge_linearization(int s, int iterations) {
 }
 
 bool MultibodySystem::is_hopeless(PointStatus status) const {
-  return status == PointStatus::changed || (status == PointStatus::trouble && !trouble_.is_recoverable());
+  return status == PointStatus::changed ||
+         (status == PointStatus::callback_error && !callback_error_.is_recoverable());
 }
 
 // guess: predicted x of each point. The middle one is where one linearization serves all of them best.
@@ -300,10 +304,10 @@ PointStatus MultibodySystem::solve_points(const Task& task, const double* guess)
     const double* last = stage(task.s - 1);
     end_.set(times_[index(task.s - 1)], last, last + sizes_.positions);
     is_end_new_ = false;
-    status = settle(end_);
+    status = project(end_);
   }
   if (status == PointStatus::ok) {
-    status = look_at(end_);
+    status = check_ranks(end_);
     is_end_new_ = status == PointStatus::ok;
     return status;
   }
@@ -327,7 +331,7 @@ PointStatus MultibodySystem::solve(const StepEquations& equations, double* x) {
 
 // In floating-point operations: evaluations, what is done once a step as if it were some more of them, and the
 // factors of the decoupled systems, a real one and (s - 1) / 2 complex ones.
-double MultibodySystem::work_of_stages(int s) const {
+double MultibodySystem::stage_cost(int s) const {
   // Measured on the pendulum, where there is hardly anything else, and from all problems of the test set.
   constexpr double overhead = 2000.0, iterations = 3.0, once = 8.0;
   const double n = leading_size(), r = traits_.ranks.velocities, d = differential();

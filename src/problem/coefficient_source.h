@@ -21,9 +21,9 @@ class CoefficientSource {
   virtual bool checks_next_level() const { return false; }
   // Coefficients up to the orders asked for at t, scaled with the given time scale (0: chosen). rows, preferred_rows: as
   // for TaylorData::scale. A stop request ends the evaluation with SFDAE_STOPPED.
-  virtual Trouble evaluate(double t, Orders orders, double time_scale, TaylorData& data,
-                           RowScaling rows = RowScaling::each,
-                           const std::vector<double>* preferred_rows = nullptr) = 0;
+  virtual CallbackError evaluate(double t, Orders orders, double time_scale, TaylorData& data,
+                                 RowScaling rows = RowScaling::each,
+                                 const std::vector<double>* preferred_rows = nullptr) = 0;
   // evaluate() multiplies column j of E and A by scale[j] (powers of two) from now on: unknowns x_j / scale[j]. Empty: 1.
   virtual void set_column_scale(std::vector<double> scale) = 0;
 

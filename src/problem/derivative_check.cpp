@@ -14,9 +14,9 @@ namespace {
 void compare(LinearProblem& problem, char which, double t, int order, DerivativeMismatch& worst) {
   const int rows = problem.m(), count = which == 'f' ? rows : rows * problem.n();
   SuppliedDerivative supplied{which, order, rows, 0, std::vector<double>(static_cast<std::size_t>(count))};
-  const Trouble trouble = problem.call(which, t, order, supplied.values.data());
-  if (trouble.status == SFDAE_ORDER_MISSING) return;
-  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  const CallbackError error = problem.call(which, t, order, supplied.values.data());
+  if (error.status == SFDAE_ORDER_MISSING) return;
+  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
   // Relative spacing: 1 near t = 0, |t| far away.
   const double unit = std::max(1.0, std::fabs(t) * 1e-3);
   compare_with_differences(

@@ -36,9 +36,10 @@ Differences best_differences(int count, double unit, const OffsetFunction& funct
   for (int attempt = 0; attempt < spacings; ++attempt, h /= 4.0) {
     bool reached = true;
     for (int i = 0; i < points && reached; ++i) {
-      const Trouble trouble = function((i - points / 2) * h, one.data());
-      if (trouble.status != SFDAE_OK && !trouble.is_recoverable()) throw Failure(trouble.status, trouble.message());
-      reached = trouble.status == SFDAE_OK;
+      const CallbackError callback_error = function((i - points / 2) * h, one.data());
+      if (callback_error.status != SFDAE_OK && !callback_error.is_recoverable())
+        throw Failure(callback_error.status, callback_error.message());
+      reached = callback_error.status == SFDAE_OK;
       std::copy(one.begin(), one.end(), samples.begin() + static_cast<std::ptrdiff_t>(i) * count);
     }
     if (!reached) continue;  // out of the domain of the function: closer points

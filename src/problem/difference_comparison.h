@@ -26,7 +26,7 @@ struct SuppliedDerivative {
 };
 
 // Writes the function that is differentiated, at an offset from the point.
-using OffsetFunction = std::function<Trouble(double offset, double* values)>;
+using OffsetFunction = std::function<CallbackError(double offset, double* values)>;
 
 // Differences at spacings of 0.1 unit and less; `worst` becomes the worst mismatch, measured by error / uncertainty, of the
 // entries and what it was before. Throws Failure if the function fails for good.

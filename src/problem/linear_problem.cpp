@@ -19,7 +19,7 @@ double largest_entry(const double* values, int count) { return max_abs({values, 
 
 }  // namespace
 
-std::string Trouble::message() const {
+std::string CallbackError::message() const {
   if (!detail.empty()) return detail;
   switch (status) {
     case SFDAE_CALLBACK_STOPPED:
@@ -71,52 +71,52 @@ void LinearProblem::archive(Archive& archive) {
   for (Function& function : functions_) archive.real(function.difference_step);
 }
 
-Trouble LinearProblem::call(char which, double t, int order, double* values) {
+CallbackError LinearProblem::call(char which, double t, int order, double* values) {
   Function& function = functions_[slot(which)];
   const int count = function.rows * function.columns;
   std::fill_n(values, count, 0.0);
-  Trouble trouble;
-  trouble.function = function.name == 'E' ? "E" : function.name == 'A' ? "A" : "f";
-  trouble.order = order;
-  trouble.t = t;
+  CallbackError callback_error;
+  callback_error.function = function.name == 'E' ? "E" : function.name == 'A' ? "A" : "f";
+  callback_error.order = order;
+  callback_error.t = t;
   if (stop_is_requested()) {
-    trouble.status = SFDAE_STOPPED;
-    return trouble;
+    callback_error.status = SFDAE_STOPPED;
+    return callback_error;
   }
-  if (which == 'f' && problem_.f == nullptr) return trouble;
+  if (which == 'f' && problem_.f == nullptr) return callback_error;
   ++function.calls;
-  trouble.code = which == 'E'   ? problem_.E(t, order, values, problem_.user)
-                 : which == 'A' ? problem_.A(t, order, values, problem_.user)
-                                : problem_.f(t, order, values, problem_.user);
-  if (trouble.code != 0) {
-    trouble.status = trouble.code < 0                            ? SFDAE_CALLBACK_STOPPED
-                     : trouble.code == SFDAE_ORDER_NOT_AVAILABLE ? SFDAE_ORDER_MISSING
-                                                                 : SFDAE_CALLBACK_FAILED;
-    if (explanation_ && trouble.status == SFDAE_CALLBACK_FAILED) {
-      trouble.status = SFDAE_NOT_FINITE;
-      trouble.detail = explanation_(t);
+  callback_error.code = which == 'E'   ? problem_.E(t, order, values, problem_.user)
+                        : which == 'A' ? problem_.A(t, order, values, problem_.user)
+                                       : problem_.f(t, order, values, problem_.user);
+  if (callback_error.code != 0) {
+    callback_error.status = callback_error.code < 0                            ? SFDAE_CALLBACK_STOPPED
+                            : callback_error.code == SFDAE_ORDER_NOT_AVAILABLE ? SFDAE_ORDER_MISSING
+                                                                               : SFDAE_CALLBACK_FAILED;
+    if (explanation_ && callback_error.status == SFDAE_CALLBACK_FAILED) {
+      callback_error.status = SFDAE_NOT_FINITE;
+      callback_error.detail = explanation_(t);
     }
-    return trouble;
+    return callback_error;
   }
   if (!all_finite(values, static_cast<std::size_t>(count))) {
-    trouble.status = SFDAE_NOT_FINITE;
+    callback_error.status = SFDAE_NOT_FINITE;
     int first = 0;
     while (all_finite(values + first, 1)) ++first;
-    trouble.row = first % function.rows;
-    trouble.column = first / function.rows;
+    callback_error.row = first % function.rows;
+    callback_error.column = first / function.rows;
   }
-  return trouble;
+  return callback_error;
 }
 
 // All orders 0..order of one function, errors[k] that of differences relative to the largest value of its order.
-Trouble LinearProblem::fill(Function& function, double t, int order, double* values, double* errors) {
+CallbackError LinearProblem::fill(Function& function, double t, int order, double* values, double* errors) {
   const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(function.rows) * function.columns;
   std::fill_n(errors, max_derivative_order + 1, 0.0);
   if (function.constant) {
     if (function.constant_value.empty()) {
       std::vector<double> value(static_cast<std::size_t>(count));
-      const Trouble trouble = call(function.name, t, 0, value.data());
-      if (trouble.status != SFDAE_OK) return trouble;
+      const CallbackError callback_error = call(function.name, t, 0, value.data());
+      if (callback_error.status != SFDAE_OK) return callback_error;
       function.constant_value = value;
     }
     std::copy(function.constant_value.begin(), function.constant_value.end(), values);
@@ -124,29 +124,30 @@ Trouble LinearProblem::fill(Function& function, double t, int order, double* val
     return {};
   }
   for (int k = 0; k <= order; ++k) {
-    Trouble trouble;
+    CallbackError callback_error;
     if (k <= function.highest_order) {
-      trouble = call(function.name, t, k, values + count * k);
-      if (trouble.status == SFDAE_OK) continue;
-      if (trouble.status != SFDAE_ORDER_MISSING) return trouble;
+      callback_error = call(function.name, t, k, values + count * k);
+      if (callback_error.status == SFDAE_OK) continue;
+      if (callback_error.status != SFDAE_ORDER_MISSING) return callback_error;
       if (k > 0 && differences_.allowed) function.highest_order = k - 1;
     }
     // Formulas of nine points give six orders with an accuracy worth having.
     if (!differences_.allowed || k == 0 || order > max_difference_order) {
-      if (trouble.status == SFDAE_OK) {
-        trouble.status = SFDAE_ORDER_MISSING;
-        trouble.function = function.name == 'E' ? "E" : function.name == 'A' ? "A" : "f";
-        trouble.order = k;
-        trouble.t = t;
+      if (callback_error.status == SFDAE_OK) {
+        callback_error.status = SFDAE_ORDER_MISSING;
+        callback_error.function = function.name == 'E' ? "E" : function.name == 'A' ? "A" : "f";
+        callback_error.order = k;
+        callback_error.t = t;
       }
-      return trouble;
+      return callback_error;
     }
     return differentiate(function, t, k, order, values, errors);
   }
   return {};
 }
 
-Trouble LinearProblem::sample(Function& function, double t, double& step, std::vector<double>& samples, int& shift) {
+CallbackError LinearProblem::sample(Function& function, double t, double& step, std::vector<double>& samples,
+                                    int& shift) {
   constexpr int points = DifferenceFormula::points;
   const int count = function.rows * function.columns;
   // Centred, or moved so that all points lie within the limits, which may be closer than the points.
@@ -154,15 +155,15 @@ Trouble LinearProblem::sample(Function& function, double t, double& step, std::v
   shift = fitting_shift(below, above, step);
   samples.resize(static_cast<std::size_t>(points) * static_cast<std::size_t>(count));
   for (int i = 0; i < points; ++i) {
-    const Trouble trouble =
+    const CallbackError callback_error =
         call(function.name, t + (i - shift) * step, 0, samples.data() + static_cast<std::ptrdiff_t>(i) * count);
-    if (trouble.status != SFDAE_OK) return trouble;
+    if (callback_error.status != SFDAE_OK) return callback_error;
   }
   return {};
 }
 
 // Halves the step while the worst relative error of the derivatives falls.
-Trouble LinearProblem::choose_difference_step(Function& function, double t, int last) {
+CallbackError LinearProblem::choose_difference_step(Function& function, double t, int last) {
   if (differences_.step > 0.0) {
     function.difference_step = differences_.step;
     return {};
@@ -171,14 +172,15 @@ Trouble LinearProblem::choose_difference_step(Function& function, double t, int 
   std::vector<double> samples, derivative(static_cast<std::size_t>(count));
   double best_error = std::numeric_limits<double>::infinity();
   double wanted = differences_.span / 16.0;
-  Trouble trouble, last_trouble;
+  CallbackError callback_error, last_error;
   for (int attempt = 0; attempt < 24; ++attempt, wanted /= 2.0) {
     int shift = 0;
     double step = wanted;
-    trouble = sample(function, t, step, samples, shift);
-    if (trouble.status == SFDAE_CALLBACK_STOPPED || trouble.status == SFDAE_STOPPED) return trouble;
-    if (trouble.status != SFDAE_OK) {
-      last_trouble = trouble;
+    callback_error = sample(function, t, step, samples, shift);
+    if (callback_error.status == SFDAE_CALLBACK_STOPPED || callback_error.status == SFDAE_STOPPED)
+      return callback_error;
+    if (callback_error.status != SFDAE_OK) {
+      last_error = callback_error;
       continue;  // the points reach out of the domain of the function
     }
     const DifferenceFormula formula(shift, last);
@@ -197,21 +199,21 @@ Trouble LinearProblem::choose_difference_step(Function& function, double t, int 
       function.difference_step = step;
     }
   }
-  return function.difference_step > 0.0 ? Trouble{} : last_trouble;
+  return function.difference_step > 0.0 ? CallbackError{} : last_error;
 }
 
-Trouble LinearProblem::differentiate(Function& function, double t, int first, int last, double* values,
-                                     double* errors) {
+CallbackError LinearProblem::differentiate(Function& function, double t, int first, int last, double* values,
+                                           double* errors) {
   const int count = function.rows * function.columns;
   if (function.difference_step == 0.0) {
-    const Trouble trouble = choose_difference_step(function, t, last);
-    if (trouble.status != SFDAE_OK) return trouble;
+    const CallbackError callback_error = choose_difference_step(function, t, last);
+    if (callback_error.status != SFDAE_OK) return callback_error;
   }
   std::vector<double> samples;
   int shift = 0;
   double step = function.difference_step;
-  const Trouble trouble = sample(function, t, step, samples, shift);
-  if (trouble.status != SFDAE_OK) return trouble;
+  const CallbackError callback_error = sample(function, t, step, samples, shift);
+  if (callback_error.status != SFDAE_OK) return callback_error;
   const DifferenceFormula formula(shift, last);
   const double size = largest_entry(samples.data(), static_cast<int>(samples.size()));
   for (int k = first; k <= last; ++k) {
@@ -226,41 +228,42 @@ Trouble LinearProblem::differentiate(Function& function, double t, int first, in
   return {};
 }
 
-Trouble LinearProblem::evaluate_plain(double t, Orders orders, TaylorData& data) {
+CallbackError LinearProblem::evaluate_plain(double t, Orders orders, TaylorData& data) {
   data.resize(m(), n(), orders);
   data.t = t;
-  Trouble trouble;
-  if (orders.E >= 0) trouble = fill(functions_[0], t, orders.E, data.E(0).data, data.error_E.data());
-  if (trouble.status == SFDAE_OK && orders.A >= 0)
-    trouble = fill(functions_[1], t, orders.A, data.A(0).data, data.error_A.data());
-  if (trouble.status == SFDAE_OK && orders.f >= 0)
-    trouble = fill(functions_[2], t, orders.f, data.f(0), data.error_f.data());
-  return trouble;
+  CallbackError callback_error;
+  if (orders.E >= 0) callback_error = fill(functions_[0], t, orders.E, data.E(0).data, data.error_E.data());
+  if (callback_error.status == SFDAE_OK && orders.A >= 0)
+    callback_error = fill(functions_[1], t, orders.A, data.A(0).data, data.error_A.data());
+  if (callback_error.status == SFDAE_OK && orders.f >= 0)
+    callback_error = fill(functions_[2], t, orders.f, data.f(0), data.error_f.data());
+  return callback_error;
 }
 
-Trouble LinearProblem::evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows,
-                                const std::vector<double>* preferred_rows) {
-  Trouble trouble = evaluate_plain(t, orders, data);
-  if (trouble.status == SFDAE_OK && !column_scale_.empty()) data.scale_columns(column_scale_);
-  if (trouble.status == SFDAE_OK && !data.scale(time_scale, rows, preferred_rows)) {
-    trouble.status = SFDAE_NOT_FINITE;
-    trouble.row = -1;
-    trouble.t = t;
+CallbackError LinearProblem::evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows,
+                                      const std::vector<double>* preferred_rows) {
+  CallbackError callback_error = evaluate_plain(t, orders, data);
+  if (callback_error.status == SFDAE_OK && !column_scale_.empty()) data.scale_columns(column_scale_);
+  if (callback_error.status == SFDAE_OK && !data.scale(time_scale, rows, preferred_rows)) {
+    callback_error.status = SFDAE_NOT_FINITE;
+    callback_error.row = -1;
+    callback_error.t = t;
   }
-  return trouble;
+  return callback_error;
 }
 
-Trouble LinearProblem::evaluate_prescribed(double t, double* values) {
+CallbackError LinearProblem::evaluate_prescribed(double t, double* values) {
   const int count = problem_.num_prescribed;
-  Trouble trouble;
-  if (count == 0) return trouble;
+  CallbackError callback_error;
+  if (count == 0) return callback_error;
   std::fill_n(values, count, 0.0);
-  trouble.function = "prescribed_values";
-  trouble.t = t;
-  trouble.code = problem_.prescribed_values(t, 0, values, problem_.user);
-  if (trouble.code != 0) trouble.status = trouble.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
-  else if (!all_finite(values, static_cast<std::size_t>(count))) trouble.status = SFDAE_NOT_FINITE;
-  return trouble;
+  callback_error.function = "prescribed_values";
+  callback_error.t = t;
+  callback_error.code = problem_.prescribed_values(t, 0, values, problem_.user);
+  if (callback_error.code != 0)
+    callback_error.status = callback_error.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
+  else if (!all_finite(values, static_cast<std::size_t>(count))) callback_error.status = SFDAE_NOT_FINITE;
+  return callback_error;
 }
 
 }  // namespace sfdae::core

@@ -37,17 +37,18 @@ class LinearProblem final : public Problem, public CoefficientSource {
   // Derivatives up to the orders asked for, scaled to Taylor coefficients with the given time scale (0: chosen).
   // A stop request ends the evaluation with SFDAE_STOPPED.
   // preferred_rows: as for TaylorData::scale.
-  Trouble evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each,
-                   const std::vector<double>* preferred_rows = nullptr) override;
+  CallbackError evaluate(double t, Orders orders, double time_scale, TaylorData& data,
+                         RowScaling rows = RowScaling::each,
+                         const std::vector<double>* preferred_rows = nullptr) override;
   void set_column_scale(std::vector<double> scale) override { column_scale_ = std::move(scale); }
   const std::vector<double>& column_scale() const { return column_scale_; }
   // Plain derivatives of the orders asked for, unscaled.
-  Trouble evaluate_plain(double t, Orders orders, TaylorData& data);
+  CallbackError evaluate_plain(double t, Orders orders, TaylorData& data);
   // Values of the prescribed components.
-  Trouble evaluate_prescribed(double t, double* values);
+  CallbackError evaluate_prescribed(double t, double* values);
 
   // One derivative straight from the callback: which = 'E', 'A' or 'f'. No differences.
-  Trouble call(char which, double t, int order, double* values);
+  CallbackError call(char which, double t, int order, double* values);
 
   // What stands behind callbacks that cannot evaluate, where they know it.
   void set_explanation(std::function<std::string(double t)> explanation) { explanation_ = std::move(explanation); }
@@ -80,12 +81,12 @@ class LinearProblem final : public Problem, public CoefficientSource {
   };
 
   static std::size_t slot(char which) { return which == 'E' ? 0u : which == 'A' ? 1u : 2u; }
-  Trouble fill(Function& function, double t, int order, double* values, double* errors);
+  CallbackError fill(Function& function, double t, int order, double* values, double* errors);
   // errors[k]: of the k-th derivative, relative to the largest value of the function.
-  Trouble differentiate(Function& function, double t, int first, int last, double* values, double* errors);
+  CallbackError differentiate(Function& function, double t, int first, int last, double* values, double* errors);
   // The step is made smaller where the limits are too close.
-  Trouble sample(Function& function, double t, double& step, std::vector<double>& samples, int& shift);
-  Trouble choose_difference_step(Function& function, double t, int last);
+  CallbackError sample(Function& function, double t, double& step, std::vector<double>& samples, int& shift);
+  CallbackError choose_difference_step(Function& function, double t, int last);
 
   sfdae_linear_problem problem_;
   std::vector<int> prescribed_;

@@ -22,51 +22,51 @@ void multiply_all(double factor, double* values, std::size_t count) {
 
 }  // namespace
 
-Trouble NonlinearProblem::stopped(double t) const {
-  Trouble trouble;
-  if (stop_is_requested()) trouble.status = SFDAE_STOPPED;
-  trouble.t = t;
-  return trouble;
+CallbackError NonlinearProblem::stopped(double t) const {
+  CallbackError error;
+  if (stop_is_requested()) error.status = SFDAE_STOPPED;
+  error.t = t;
+  return error;
 }
 
-Trouble NonlinearProblem::evaluate_prescribed(double t, double* values) {
-  Trouble trouble;
-  if (inputs_.components.empty()) return trouble;
+CallbackError NonlinearProblem::evaluate_prescribed(double t, double* values) {
+  CallbackError error;
+  if (inputs_.components.empty()) return error;
   const std::size_t count = inputs_.components.size();
   std::fill_n(values, count, 0.0);
-  trouble.function = "prescribed_values";
-  trouble.t = t;
-  trouble.code = inputs_.values(t, 0, values, inputs_.user);
-  if (trouble.code != 0) trouble.status = trouble.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
-  else if (!all_finite(values, count)) trouble.status = SFDAE_NOT_FINITE;
-  return trouble;
+  error.function = "prescribed_values";
+  error.t = t;
+  error.code = inputs_.values(t, 0, values, inputs_.user);
+  if (error.code != 0) error.status = error.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
+  else if (!all_finite(values, count)) error.status = SFDAE_NOT_FINITE;
+  return error;
 }
 
-Trouble NonlinearProblem::residuals(double t, const double* jet, int order, double* F) {
-  Trouble trouble = stopped(t);
-  if (trouble.status != SFDAE_OK) return trouble;
+CallbackError NonlinearProblem::residuals(double t, const double* jet, int order, double* F) {
+  CallbackError error = stopped(t);
+  if (error.status != SFDAE_OK) return error;
   ++evaluations_;
-  trouble = evaluate_values(t, jet, order, F);
-  if (differentiations_.empty()) return trouble;
+  error = evaluate_values(t, jet, order, F);
+  if (differentiations_.empty()) return error;
   for (int i = 0; i < m_; ++i)
     for (int k = differentiations_[index(i)] + 1; k <= order; ++k) F[i + k * m_] = 0.0;
-  return trouble;
+  return error;
 }
 
-Trouble NonlinearProblem::linearize(double t, const double* jet, Orders orders, const Scaling& scaling,
-                                    TaylorData& data) {
-  Trouble trouble = stopped(t);
-  if (trouble.status != SFDAE_OK) return trouble;
+CallbackError NonlinearProblem::linearize(double t, const double* jet, Orders orders, const Scaling& scaling,
+                                          TaylorData& data) {
+  CallbackError error = stopped(t);
+  if (error.status != SFDAE_OK) return error;
   ++linearizations_;
   data.resize(m_, n_, orders);
   data.differentiations = differentiations_;
   if (scaling.once_more)
     for (int& count : data.differentiations) ++count;
   data.t = t;
-  trouble = evaluate_gradients(t, jet, orders, data);
-  if (trouble.status != SFDAE_OK) return trouble;
-  trouble = drop_rounding_errors(t, jet, orders, data);
-  if (trouble.status != SFDAE_OK) return trouble;
+  error = evaluate_gradients(t, jet, orders, data);
+  if (error.status != SFDAE_OK) return error;
+  error = drop_rounding_errors(t, jet, orders, data);
+  if (error.status != SFDAE_OK) return error;
   data.clear_unused_rows();
   // TaylorData scales plain derivatives.
   const std::size_t area = index(m_) * index(n_);
@@ -79,15 +79,15 @@ Trouble NonlinearProblem::linearize(double t, const double* jet, Orders orders, 
   }
   if (scaling.columns != nullptr && !scaling.columns->empty()) data.scale_columns(*scaling.columns);
   if (!data.scale(scaling.time_scale, scaling.rows, scaling.preferred_rows)) {
-    trouble.status = SFDAE_NOT_FINITE;
-    trouble.row = -1;
+    error.status = SFDAE_NOT_FINITE;
+    error.row = -1;
   }
-  return trouble;
+  return error;
 }
 
 // F_x' far below F_x is suspected to be a sum of terms that cancel, a multiple of a constraint for example: then it changes
 // by about its size when the jet does by a few roundings, and the unit of time must not follow it.
-Trouble NonlinearProblem::drop_rounding_errors(double t, const double* jet, Orders orders, TaylorData& data) {
+CallbackError NonlinearProblem::drop_rounding_errors(double t, const double* jet, Orders orders, TaylorData& data) {
   constexpr double suspicious = 1e-10, few = 32.0, moving = 0.01;
   constexpr int samples = 2;
   data.E0_was_rounding = false;
@@ -104,8 +104,8 @@ Trouble NonlinearProblem::drop_rounding_errors(double t, const double* jet, Orde
   for (int sample = 0; sample < samples; ++sample) {
     for (std::size_t i = 0; i < length; ++i)
       moved[i] = jet[i] * (1.0 + few * unit_roundoff * (2e-9 * static_cast<double>(generator() % 1000000001u) - 1.0));
-    const Trouble trouble = evaluate_gradients(t, moved.data(), {0, 0, -1}, nearby);
-    if (trouble.status != SFDAE_OK) return trouble;
+    const CallbackError error = evaluate_gradients(t, moved.data(), {0, 0, -1}, nearby);
+    if (error.status != SFDAE_OK) return error;
     for (std::size_t i = 0; i < area; ++i)
       change = std::max(change, std::fabs(nearby.E(0).data[i] - data.E(0).data[i]));
   }
@@ -114,26 +114,26 @@ Trouble NonlinearProblem::drop_rounding_errors(double t, const double* jet, Orde
   return {};
 }
 
-Trouble RecordedProblem::failure(double t) const {
-  Trouble trouble;
-  trouble.status = SFDAE_NOT_FINITE;
-  trouble.t = t;
-  trouble.row = evaluator_.failure().equation;
-  trouble.detail =
+CallbackError RecordedProblem::failure(double t) const {
+  CallbackError error;
+  error.status = SFDAE_NOT_FINITE;
+  error.t = t;
+  error.row = evaluator_.failure().equation;
+  error.detail =
       "the equations cannot be evaluated" + format(" at t = %.15g: ", t) + evaluator_.failure().message + ".";
-  return trouble;
+  return error;
 }
 
-Trouble RecordedProblem::evaluate_values(double t, const double* jet, int order, double* F) {
-  return evaluator_.values(t, jet, order, F) ? Trouble() : failure(t);
+CallbackError RecordedProblem::evaluate_values(double t, const double* jet, int order, double* F) {
+  return evaluator_.values(t, jet, order, F) ? CallbackError() : failure(t);
 }
 
-Trouble RecordedProblem::evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) {
+CallbackError RecordedProblem::evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) {
   const SeriesOrders wanted{orders.f, orders.E, orders.A};
   double* E = orders.E >= 0 ? data.E(0).data : nullptr;
   double* A = orders.A >= 0 ? data.A(0).data : nullptr;
   double* F = orders.f >= 0 ? data.f(0) : nullptr;
-  return evaluator_.gradients(t, jet, wanted, F, E, A, &data.differentiations) ? Trouble() : failure(t);
+  return evaluator_.gradients(t, jet, wanted, F, E, A, &data.differentiations) ? CallbackError() : failure(t);
 }
 
 void CallbackProblem::to_derivatives(const double* jet, int order) {
@@ -146,52 +146,52 @@ void CallbackProblem::to_derivatives(const double* jet, int order) {
   }
 }
 
-Trouble CallbackProblem::call(double t, int order, const double* derivatives, double* F, double* F_x,
-                              double* F_xdot) {
+CallbackError CallbackProblem::call(double t, int order, const double* derivatives, double* F, double* F_x,
+                                    double* F_xdot) {
   const std::size_t m_size = index(m()), area = m_size * index(n());
   std::fill_n(F, m_size, 0.0);
   if (F_x != nullptr) std::fill_n(F_x, area, 0.0);
   if (F_xdot != nullptr) std::fill_n(F_xdot, area, 0.0);
-  Trouble trouble;
-  trouble.function = "F";
-  trouble.order = order;
-  trouble.t = t;
-  trouble.code = function_(t, order, derivatives, F, F_x, F_xdot, user_);
-  if (trouble.code != 0) {
-    trouble.status = trouble.code < 0                            ? SFDAE_CALLBACK_STOPPED
-                     : trouble.code == SFDAE_ORDER_NOT_AVAILABLE ? SFDAE_ORDER_MISSING
-                                                                 : SFDAE_CALLBACK_FAILED;
-    return trouble;
+  CallbackError error;
+  error.function = "F";
+  error.order = order;
+  error.t = t;
+  error.code = function_(t, order, derivatives, F, F_x, F_xdot, user_);
+  if (error.code != 0) {
+    error.status = error.code < 0                            ? SFDAE_CALLBACK_STOPPED
+                   : error.code == SFDAE_ORDER_NOT_AVAILABLE ? SFDAE_ORDER_MISSING
+                                                             : SFDAE_CALLBACK_FAILED;
+    return error;
   }
   const auto check = [&](const char* name, const double* values, std::size_t count) {
-    if (values == nullptr || trouble.status != SFDAE_OK || all_finite(values, count)) return;
-    trouble.status = SFDAE_NOT_FINITE;
-    trouble.function = name;
+    if (values == nullptr || error.status != SFDAE_OK || all_finite(values, count)) return;
+    error.status = SFDAE_NOT_FINITE;
+    error.function = name;
     int first = 0;
     while (all_finite(values + first, 1)) ++first;
-    trouble.row = first % m();
-    trouble.column = first / m();
+    error.row = first % m();
+    error.column = first / m();
   };
   check("F", F, m_size);
   check("F_x", F_x, area);
   check("F_xdot", F_xdot, area);
-  return trouble;
+  return error;
 }
 
-Trouble CallbackProblem::evaluate_values(double t, const double* jet, int order, double* F) {
+CallbackError CallbackProblem::evaluate_values(double t, const double* jet, int order, double* F) {
   to_derivatives(jet, order + 1);
   double factorial = 1.0;
   for (int k = 0; k <= order; ++k) {
     factorial *= std::max(k, 1);
     double* F_k = F + index(m()) * index(k);
-    const Trouble trouble = call(t, k, derivatives_.data(), F_k, nullptr, nullptr);
-    if (trouble.status != SFDAE_OK) return trouble;
+    const CallbackError error = call(t, k, derivatives_.data(), F_k, nullptr, nullptr);
+    if (error.status != SFDAE_OK) return error;
     for (int i = 0; i < m(); ++i) F_k[i] /= factorial;
   }
   return {};
 }
 
-Trouble CallbackProblem::evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) {
+CallbackError CallbackProblem::evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) {
   const int highest = std::max({orders.E, orders.A, orders.f});
   to_derivatives(jet, highest + 1);
   unused_.resize(index(m()));
@@ -201,8 +201,8 @@ Trouble CallbackProblem::evaluate_gradients(double t, const double* jet, Orders 
     double* F = k <= orders.f ? data.f(k) : unused_.data();
     double* A = k <= orders.A ? data.A(k).data : nullptr;
     double* E = k <= orders.E ? data.E(k).data : nullptr;
-    const Trouble trouble = call(t, k, derivatives_.data(), F, A, E);
-    if (trouble.status != SFDAE_OK) return trouble;
+    const CallbackError error = call(t, k, derivatives_.data(), F, A, E);
+    if (error.status != SFDAE_OK) return error;
     const std::size_t area = index(m()) * index(n());
     multiply_all(1.0 / factorial, F, index(m()));
     if (A != nullptr) multiply_all(1.0 / factorial, A, area);

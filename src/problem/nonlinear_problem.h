@@ -32,10 +32,10 @@ class NonlinearProblem : public Problem {
   void set_differentiations(std::vector<int> counts) { differentiations_ = std::move(counts); }
   const std::vector<int>& differentiations() const { return differentiations_; }
   // Values of the prescribed components.
-  Trouble evaluate_prescribed(double t, double* values);
+  CallbackError evaluate_prescribed(double t, double* values);
 
   // F: m x (order + 1), Taylor coefficients of F along a jet of order + 1.
-  Trouble residuals(double t, const double* jet, int order, double* F);
+  CallbackError residuals(double t, const double* jet, int order, double* F);
   // E(k) = (F_x')_k, A(k) = -(F_x)_k, f(k) = -F_k along a jet of order highest + 1: Taylor coefficients in
   // time_scale, scaled as TaylorData does (rows, preferred_rows), with column j of E and A multiplied by
   // column_scale[j] (may be empty).
@@ -46,7 +46,7 @@ class NonlinearProblem : public Problem {
     const std::vector<double>* columns = nullptr;
     bool once_more = false;  // every equation may be differentiated once more
   };
-  Trouble linearize(double t, const double* jet, Orders orders, const Scaling& scaling, TaylorData& data);
+  CallbackError linearize(double t, const double* jet, Orders orders, const Scaling& scaling, TaylorData& data);
 
   long evaluations() const { return evaluations_; }  // of F along jets
   long linearizations() const { return linearizations_; }
@@ -54,13 +54,13 @@ class NonlinearProblem : public Problem {
  protected:
   NonlinearProblem(int m, int n, PrescribedInputs inputs) : m_(m), n_(n), inputs_(std::move(inputs)) {}
 
-  virtual Trouble evaluate_values(double t, const double* jet, int order, double* F) = 0;
+  virtual CallbackError evaluate_values(double t, const double* jet, int order, double* F) = 0;
   // Plain Taylor coefficients of F, F_x' and F_x into f(k), E(k), A(k).
-  virtual Trouble evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) = 0;
+  virtual CallbackError evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) = 0;
 
  private:
-  Trouble stopped(double t) const;
-  Trouble drop_rounding_errors(double t, const double* jet, Orders orders, TaylorData& data);
+  CallbackError stopped(double t) const;
+  CallbackError drop_rounding_errors(double t, const double* jet, Orders orders, TaylorData& data);
 
   int m_, n_;
   PrescribedInputs inputs_;
@@ -76,11 +76,11 @@ class RecordedProblem final : public NonlinearProblem {
   TaylorEvaluator& evaluator() { return evaluator_; }
 
  protected:
-  Trouble evaluate_values(double t, const double* jet, int order, double* F) override;
-  Trouble evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) override;
+  CallbackError evaluate_values(double t, const double* jet, int order, double* F) override;
+  CallbackError evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) override;
 
  private:
-  Trouble failure(double t) const;
+  CallbackError failure(double t) const;
   TaylorEvaluator evaluator_;
 };
 
@@ -91,11 +91,11 @@ class CallbackProblem final : public NonlinearProblem {
       : NonlinearProblem(m, n, std::move(inputs)), function_(function), user_(user) {}
 
   // One order straight from the callback, plain derivatives; F_x and F_xdot may be null. jet: plain derivatives of x.
-  Trouble call(double t, int order, const double* derivatives, double* F, double* F_x, double* F_xdot);
+  CallbackError call(double t, int order, const double* derivatives, double* F, double* F_x, double* F_xdot);
 
  protected:
-  Trouble evaluate_values(double t, const double* jet, int order, double* F) override;
-  Trouble evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) override;
+  CallbackError evaluate_values(double t, const double* jet, int order, double* F) override;
+  CallbackError evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) override;
 
  private:
   void to_derivatives(const double* jet, int order);

@@ -1,4 +1,4 @@
-// What all problems have in common, whatever their equations: trouble with the user's functions, requests to stop, limits.
+// What all problems have in common, whatever their equations: errors of callbacks, requests to stop, limits.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 // What went wrong in a callback. status: SFDAE_OK, _CALLBACK_STOPPED, _CALLBACK_FAILED, _NOT_FINITE, _ORDER_MISSING
 // or _STOPPED (a stop request).
-struct Trouble {
+struct CallbackError {
   int status = SFDAE_OK;
   const char* function = "";
   int order = 0;

@@ -35,9 +35,9 @@ class Checker {
   // False if the order is not available.
   bool check(int order) {
     F_x_below_.swap(F_x_);
-    const Trouble trouble = call(t_, order, jet_, {F_.data(), F_x_.data(), F_xdot_.data()});
-    if (trouble.status == SFDAE_ORDER_MISSING) return false;
-    if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+    const CallbackError error = call(t_, order, jet_, {F_.data(), F_x_.data(), F_xdot_.data()});
+    if (error.status == SFDAE_ORDER_MISSING) return false;
+    if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
     if (order > 0) compare_F(order);
     // Jacobians are judged by an F that is right.
     for (int j = 0; j < problem_.n() && !worst_.suspicious(); ++j) compare_column('x', order, j);
@@ -53,9 +53,9 @@ class Checker {
     double *F_x = nullptr, *F_xdot = nullptr;
   };
 
-  Trouble call(double t, int order, const std::vector<double>& jet, const Outputs& to) {
+  CallbackError call(double t, int order, const std::vector<double>& jet, const Outputs& to) {
     if (!problem_.stop_is_requested()) return problem_.call(t, order, jet.data(), to.F, to.F_x, to.F_xdot);
-    Trouble stopped;
+    CallbackError stopped;
     stopped.status = SFDAE_STOPPED;
     stopped.t = t;
     return stopped;
@@ -90,9 +90,9 @@ class Checker {
     std::vector<double> jet(jet_);
     const auto F = [&](double offset, double* values) {
       jet[position] = jet_[position] + offset;
-      const Trouble trouble = call(t_, order, jet, {values});
+      const CallbackError error = call(t_, order, jet, {values});
       for (int i = 0; i < m && F_x_below != nullptr; ++i) values[i] -= order * offset * F_x_below[i];
-      return trouble;
+      return error;
     };
     compare_with_differences(
         {which, order, problem_.m(), j, {supplied.begin() + first, supplied.begin() + first + m}},

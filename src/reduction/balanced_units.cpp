@@ -67,8 +67,8 @@ void scale_others(const TaylorData& data, const std::vector<char>& is_differenti
 std::vector<double> balanced_units(CoefficientSource& source, double t, double tau) {
   source.set_column_scale({});
   TaylorData data;
-  const Trouble trouble = source.evaluate(t, {0, 0, -1}, tau, data);
-  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  const CallbackError error = source.evaluate(t, {0, 0, -1}, tau, data);
+  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
   std::vector<char> is_differential(static_cast<std::size_t>(data.m), 0),
       is_scaled(static_cast<std::size_t>(data.n), 0);
   for (int j = 0; j < data.n; ++j)

@@ -42,8 +42,8 @@ Matrix orthonormalized(Matrix a) {
 
 DerivativeArray derivative_array(LinearProblem& problem, double t, int level) {
   TaylorData data;
-  const Trouble trouble = problem.evaluate_plain(t, {level, level, level}, data);
-  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  const CallbackError error = problem.evaluate_plain(t, {level, level, level}, data);
+  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
   const int m = problem.m(), n = problem.n();
   DerivativeArray array{Matrix((level + 1) * m, (level + 1) * n), Matrix((level + 1) * m, n), {}};
   for (int i = 0; i <= level; ++i) {
@@ -63,8 +63,8 @@ Projectors projectors(LinearSystem& system, double t) {
   const int mu = system.analysis().values.mu, a = system.analysis().values.a, d = system.analysis().values.d;
   const int m = problem.m(), rows = (mu + 1) * m;
   TaylorData data;
-  const Trouble trouble = problem.evaluate(t, {mu, mu, 0}, system.analysis().time_scale, data);
-  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  const CallbackError error = problem.evaluate(t, {mu, mu, 0}, system.analysis().time_scale, data);
+  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
 
   // Carrying the identity along gives Z^T, the transformation itself, for the scaled array.
   Judge::Settings settings{system.settings().rank_tol, system.settings().by_svd, system.analysis().noise};

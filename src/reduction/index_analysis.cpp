@@ -16,8 +16,8 @@ namespace sfdae::core {
 namespace {
 
 // What the analysis would say if the doubtful value were decided by rank_tol.
-std::string reading_with(CoefficientSource& problem, double t, AnalysisSettings settings, double rank_tol,
-                         Arena& arena) {
+std::string result_with(CoefficientSource& problem, double t, AnalysisSettings settings, double rank_tol,
+                        Arena& arena) {
   settings.rank_tol = rank_tol;
   const CharacteristicValues values = find_local_values(problem, t, settings, arena);
   return values.mu >= 0 ? "the characteristic values are " + describe(values)
@@ -25,8 +25,8 @@ std::string reading_with(CoefficientSource& problem, double t, AnalysisSettings 
 }
 
 [[noreturn]] void report_unclear(CoefficientSource& problem, double t, const AnalysisSettings& settings,
-                                 const LevelReading& reading, Arena& arena) {
-  const RankDecision& decision = reading.doubtful;
+                                 const LevelResult& found, Arena& arena) {
+  const RankDecision& decision = found.doubtful;
   // The value in doubt is the smallest one kept, or, where that stands clear or there is none, the largest one
   // dropped.
   const bool doubts_kept = decision.rank > 0 && (decision.gap < clear_gap || decision.dropped <= decision.noise);
@@ -35,11 +35,11 @@ std::string reading_with(CoefficientSource& problem, double t, AnalysisSettings 
   const double keep_tol = std::min(std::sqrt(value * below), 0.5);
   const double drop_tol = std::min(3.0 * value, 0.5);
   const int rank = doubts_kept ? decision.rank : decision.rank + 1;
-  const std::string kept = reading_with(problem, t, settings, keep_tol, arena);
-  const std::string dropped = reading_with(problem, t, settings, drop_tol, arena);
+  const std::string kept = result_with(problem, t, settings, keep_tol, arena);
+  const std::string dropped = result_with(problem, t, settings, drop_tol, arena);
   throw Failure(SFDAE_RANK_UNCLEAR,
                 describe(decision) +
-                    (reading.follows ? " is not clear." : " does not fit the ranks of the level below.") +
+                    (found.follows ? " is not clear." : " does not fit the ranks of the level below.") +
                     format(" With rank %d ", rank) + kept + format("; with rank %d ", rank - 1) + dropped +
                     format(". Try rank_tol = %.1e or %.1e, or scale the equations.", keep_tol, drop_tol));
 }
@@ -90,8 +90,8 @@ std::vector<double> choose_column_scale(CoefficientSource& problem, double t) {
   for (int sweep = 0; sweep < 2; ++sweep) {
     problem.set_column_scale(scale);
     TaylorData data;
-    const Trouble trouble = problem.evaluate(t, {0, 0, -1}, 0.0, data);
-    if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+    const CallbackError error = problem.evaluate(t, {0, 0, -1}, 0.0, data);
+    if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
     std::vector<double> size(n);
     double largest = 0.0, smallest = std::numeric_limits<double>::infinity();
     for (std::size_t j = 0; j < n; ++j) {
@@ -123,10 +123,10 @@ IndexAnalysis analyze_in_units(CoefficientSource& problem, double t, double towa
       const CharacteristicValues raised = again.values_at(mu);
       if (raise_here) {
         here.values = raised;
-        const LevelReading reading = again.read_confirmed(mu);
-        here.time_scale = reading.time_scale;
-        here.v_hat = reading.ranks.v_hat;
-        here.noise = reading.noise;
+        const LevelResult found = again.determine_confirmed(mu);
+        here.time_scale = found.time_scale;
+        here.v_hat = found.ranks.v_hat;
+        here.noise = found.noise;
       }
       const CharacteristicValues& other = raise_here ? there.values : raised;
       if (!(here.values == other))
@@ -159,39 +159,39 @@ double smallest_kept(const std::vector<RankDecision>& decisions) {
 // in two of them, supported by a third, and contradicted in none, counts: the reading with the largest gap. Units that are
 // much too fast shrink every value by the same factor from level to level: where the smallest one kept is small, the next
 // one would be lost among rounding errors, and ranks agree in being wrong.
-struct Reading {
+struct UnitsResult {
   IndexAnalysis analysis;
   std::vector<RankDecision> decisions;
   std::vector<double> columns;
 };
 
-std::optional<Reading> read_in_other_units(CoefficientSource& problem, double t, double toward,
-                                           const AnalysisSettings& settings, Arena& arena) {
+std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& problem, double t, double toward,
+                                                  const AnalysisSettings& settings, Arena& arena) {
   constexpr double clear_by_far = 1e6, supporting = 1e4, ratio = 1.0 / 8.0, least_kept = 1e-6;
-  std::optional<Reading> best;
+  std::optional<UnitsResult> best;
   int agreeing = 0, clear = 0;
   double tau = 1.0;
   for (int attempt = 0; attempt < 13; ++attempt, tau *= ratio) {
-    Reading reading;
+    UnitsResult found;
     AnalysisSettings scaled = settings;
     scaled.time_scale = tau;
     try {
-      reading.columns = balanced_units(problem, t, tau);
-      problem.set_column_scale(reading.columns);
-      reading.analysis = analyze_in_units(problem, t, toward, scaled, arena, reading.decisions);
+      found.columns = balanced_units(problem, t, tau);
+      problem.set_column_scale(found.columns);
+      found.analysis = analyze_in_units(problem, t, toward, scaled, arena, found.decisions);
     } catch (const Failure& failure) {
       if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
       continue;
     }
-    const bool is_clear = std::all_of(reading.decisions.begin(), reading.decisions.end(),
+    const bool is_clear = std::all_of(found.decisions.begin(), found.decisions.end(),
                                       [](const RankDecision& d) { return d.verdict == Verdict::clear; });
-    const double gap = smallest_gap(reading.decisions);
+    const double gap = smallest_gap(found.decisions);
     if (!is_clear || gap < supporting) continue;
-    if (best && !(best->analysis.values == reading.analysis.values)) return std::nullopt;
+    if (best && !(best->analysis.values == found.analysis.values)) return std::nullopt;
     ++agreeing;
     if (gap >= clear_by_far) ++clear;
     const bool is_best = !best || gap > smallest_gap(best->decisions);
-    if (is_best) best = std::move(reading);
+    if (is_best) best = std::move(found);
     // Behind the clearest one faster units have nothing to add.
     if (agreeing >= 3 && clear >= 2 && smallest_kept(best->decisions) >= least_kept && !is_best) return best;
   }
@@ -246,10 +246,10 @@ IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward,
     return analyze_in_units(problem, t, toward, settings, arena, decisions);
   } catch (const Failure& failure) {
     if (failure.status() != SFDAE_RANK_UNCLEAR || settings.rank_tol > 0.0 || settings.time_scale > 0.0) throw;
-    if (std::optional<Reading> reading = read_in_other_units(problem, t, toward, settings, arena)) {
-      problem.set_column_scale(reading->columns);
-      decisions = std::move(reading->decisions);
-      return reading->analysis;
+    if (std::optional<UnitsResult> found = analyze_in_other_units(problem, t, toward, settings, arena)) {
+      problem.set_column_scale(found->columns);
+      decisions = std::move(found->decisions);
+      return found->analysis;
     }
     problem.set_column_scale({});
     problem.set_column_scale(choose_column_scale(problem, t));

@@ -52,7 +52,7 @@ struct IndexAnalysis {
   bool rank_E_constant = true;             // the same at the nearby point
 };
 
-// Analysis at t and at a nearby point toward `toward`. Throws Failure: trouble with callbacks, SFDAE_INDEX_TOO_HIGH,
+// Analysis at t and at a nearby point toward `toward`. Throws Failure: errors of callbacks, SFDAE_INDEX_TOO_HIGH,
 // SFDAE_RANK_UNCLEAR, SFDAE_CHARACTERISTICS_CHANGED if t itself is an exceptional point.
 // decisions: all that were made, also when it throws.
 IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,

@@ -46,43 +46,42 @@ IndexSearch::IndexSearch(CoefficientSource& problem, double t, const AnalysisSet
       rows_(settings.rows),
       differentiations_(problem.differentiations()) {}
 
-LevelReading IndexSearch::read(int level, double time_scale) {
+LevelResult IndexSearch::determine(int level, double time_scale) {
   evaluate(level, time_scale);
   return judge_level(level);
 }
 
-LevelReading IndexSearch::read_confirmed(int level) {
-  LevelReading reading = read(level, settings_.time_scale);
+LevelResult IndexSearch::determine_confirmed(int level) {
+  LevelResult found = determine(level, settings_.time_scale);
   std::vector<RankDecision> decisions = latest_;
-  if (!reading.clear && data_.row_scale_ratio() <= moderate_row_ratio) {
+  if (!found.clear && data_.row_scale_ratio() <= moderate_row_ratio) {
     rows_ = RowScaling::common;
-    const LevelReading unscaled = read(level, settings_.time_scale);
+    const LevelResult unscaled = determine(level, settings_.time_scale);
     if (unscaled.clear) {
-      reading = unscaled;
+      found = unscaled;
       decisions = latest_;
     }
     rows_ = settings_.rows;
   }
-  if (!reading.clear) measure(level, reading, decisions);
-  if (reading.clear && settings_.rank_tol == 0.0) doubt_cancellations(level, reading, decisions);
+  if (!found.clear) measure(level, found, decisions);
+  if (found.clear && settings_.rank_tol == 0.0) doubt_cancellations(level, found, decisions);
   if (log_ != nullptr) log_->insert(log_->end(), decisions.begin(), decisions.end());
-  return reading;
+  return found;
 }
 
 CharacteristicValues IndexSearch::values_at(int level) {
-  const int below = level > 0 ? read_confirmed(level - 1).ranks.v_hat : 0;
-  return values_of(level, read_confirmed(level), below);
+  const int below = level > 0 ? determine_confirmed(level - 1).ranks.v_hat : 0;
+  return values_of(level, determine_confirmed(level), below);
 }
 
 bool IndexSearch::has_ranks(int level, double time_scale, const PointRanks& expected) {
   judging_.noise = NoiseModel::data;
   judging_.by_singular_values = true;
-  const LevelReading reading = read(level, time_scale);
-  if (reading.ranks.a != expected.a || reading.ranks.d != expected.d || reading.ranks.v_hat != expected.v_hat)
-    return false;
+  const LevelResult found = determine(level, time_scale);
+  if (found.ranks.a != expected.a || found.ranks.d != expected.d || found.ranks.v_hat != expected.v_hat) return false;
   std::vector<RankDecision> decisions = latest_;
   for (RankDecision& decision : decisions) decision.verdict = Verdict::unclear;  // have to be confirmed
-  return survives_perturbations(level, reading.time_scale, decisions, confirming_margin, Trust::clear_ones);
+  return survives_perturbations(level, found.time_scale, decisions, confirming_margin, Trust::clear_ones);
 }
 
 SearchResult IndexSearch::search(int max_index) {
@@ -90,7 +89,7 @@ SearchResult IndexSearch::search(int max_index) {
   int v_hat_below = 0;
   for (int level = 0; level <= std::min(max_index, highest_level()); ++level) {
     const RankDecision weakest_below = result.last.weakest;
-    result.last = read_confirmed(level);
+    result.last = determine_confirmed(level);
     if (!result.last.clear) return result;
     const CharacteristicValues values = values_of(level, result.last, v_hat_below);
     if (level > 0 && !follows(result.levels.back(), values, result.last.ranks)) {
@@ -114,7 +113,7 @@ SearchResult IndexSearch::search(int max_index) {
 bool IndexSearch::holds_above(int level, const CharacteristicValues& values, const PointRanks& ranks) {
   if (!problem_.checks_next_level() || level >= std::min(max_derivative_order, highest_level())) return true;
   try {
-    const LevelReading above = read_confirmed(level + 1);
+    const LevelResult above = determine_confirmed(level + 1);
     if (leaves_out_rows()) return !above.clear || (above.ranks.a == values.a && above.ranks.d == values.d);
     return !above.clear ||
            (above.ranks.a == values.a && above.ranks.d == values.d && above.ranks.v_hat == ranks.v_hat + values.v);
@@ -128,45 +127,44 @@ bool IndexSearch::holds_above(int level, const CharacteristicValues& values, con
 // itself are undecided. Which of them are signals is measured by perturbing the data by a few roundings: first a
 // reading that keeps them all, then one that drops those below the noise of the smallest pivot, then one that drops
 // them all, then other time scales. What survives is confirmed.
-void IndexSearch::measure(int level, LevelReading& reading, std::vector<RankDecision>& decisions) {
+void IndexSearch::measure(int level, LevelResult& found, std::vector<RankDecision>& decisions) {
   struct Attempt {
     NoiseModel noise;
     double margin;
     Trust trust;
   };
   bool confirmed = false;
-  const double tau = reading.time_scale;
+  const double tau = found.time_scale;
   // Singular values throughout: pivots may change their order under perturbations.
   judging_.by_singular_values = true;
   for (const Attempt& attempt : {Attempt{NoiseModel::data, keeping_margin, Trust::none},
                                  Attempt{NoiseModel::pivots, confirming_margin, Trust::none},
                                  Attempt{NoiseModel::carried, confirming_margin, Trust::clear_ones}}) {
     judging_.noise = attempt.noise;
-    LevelReading candidate = read(level, tau);
+    LevelResult candidate = determine(level, tau);
     candidate.noise = attempt.noise;
     const std::vector<RankDecision> made = latest_;
     if (attempt.noise == NoiseModel::pivots && !candidate.clear) continue;
     if (!survives_perturbations(level, tau, made, attempt.margin, attempt.trust)) continue;
     confirmed = true;
-    reading = candidate;
+    found = candidate;
     decisions = made;
     break;
   }
   judging_.noise = NoiseModel::carried;
   judging_.by_singular_values = settings_.by_svd;
-  if (!confirmed && !agrees_with_other_time_scales(level, reading)) return;
-  reading.clear = true;
+  if (!confirmed && !agrees_with_other_time_scales(level, found)) return;
+  found.clear = true;
   for (RankDecision& decision : decisions)
     if (decision.verdict == Verdict::unclear) decision.verdict = Verdict::confirmed;
 }
 
-bool IndexSearch::agrees_with_other_time_scales(int level, const LevelReading& reading) {
+bool IndexSearch::agrees_with_other_time_scales(int level, const LevelResult& found) {
   bool agrees = false;
   for (double factor : {1.0 / 8.0, 4.0}) {
-    const LevelReading other = read(level, reading.time_scale * factor);
+    const LevelResult other = determine(level, found.time_scale * factor);
     if (!other.clear) continue;
-    if (other.ranks.a != reading.ranks.a || other.ranks.d != reading.ranks.d ||
-        other.ranks.v_hat != reading.ranks.v_hat)
+    if (other.ranks.a != found.ranks.a || other.ranks.d != found.ranks.d || other.ranks.v_hat != found.ranks.v_hat)
       return false;
     agrees = true;
   }
@@ -207,13 +205,13 @@ bool IndexSearch::survives_perturbations(int level, double time_scale, const std
   return true;
 }
 
-void IndexSearch::doubt_cancellations(int level, LevelReading& reading, std::vector<RankDecision>& decisions) {
+void IndexSearch::doubt_cancellations(int level, LevelResult& found, std::vector<RankDecision>& decisions) {
   const auto is_tiny = [](const RankDecision& d) { return d.rank > 0 && d.kept < least_trusted; };
   if (std::none_of(decisions.begin(), decisions.end(), is_tiny)) return;
-  read(level, reading.time_scale);
+  determine(level, found.time_scale);
   const std::vector<RankDecision> before = latest_;
   std::minstd_rand generator(1);
-  evaluate(level, reading.time_scale);
+  evaluate(level, found.time_scale);
   const auto change = [&](View block) {
     for (int j = 0; j < block.cols; ++j)
       for (int i = 0; i < block.rows; ++i)
@@ -230,11 +228,11 @@ void IndexSearch::doubt_cancellations(int level, LevelReading& reading, std::vec
     moves = latest_[q].rank != before[q].rank ||
             (is_tiny(before[q]) && std::fabs(latest_[q].kept - before[q].kept) > firm * before[q].kept);
   if (!moves) return;
-  reading.clear = false;
+  found.clear = false;
   for (RankDecision& decision : decisions) {
     if (!is_tiny(decision)) continue;
     decision.verdict = Verdict::unclear;
-    reading.doubtful = decision;
+    found.doubtful = decision;
   }
 }
 
@@ -270,24 +268,24 @@ int IndexSearch::highest_level() const {
 
 // Without all rows: each constraint that differentiation adds takes one from rank(E T2) at most, so that d + a
 // never becomes smaller. Once it is m, or d and a are those expected, all have been found.
-CharacteristicValues IndexSearch::values_of(int level, const LevelReading& reading, int v_hat_below) const {
+CharacteristicValues IndexSearch::values_of(int level, const LevelResult& found, int v_hat_below) const {
   if (leaves_out_rows()) {
     const CharacteristicValues& expected = settings_.expected;
-    const int d = reading.ranks.d, a = reading.ranks.a, v = problem_.m() - d - a;
-    const bool found = expected.mu < 0 ? v == 0 : d == expected.d && a == expected.a;
-    return {found ? level : -1, d, a, problem_.n() - a - d, v};
+    const int d = found.ranks.d, a = found.ranks.a, v = problem_.m() - d - a;
+    const bool is_found = expected.mu < 0 ? v == 0 : d == expected.d && a == expected.a;
+    return {is_found ? level : -1, d, a, problem_.n() - a - d, v};
   }
-  const int a = reading.ranks.a, v = reading.ranks.v_hat - v_hat_below, d = problem_.m() - a - v;
-  return {reading.ranks.d == d ? level : -1, d, a, problem_.n() - a - d, v};
+  const int a = found.ranks.a, v = found.ranks.v_hat - v_hat_below, d = problem_.m() - a - v;
+  return {found.ranks.d == d ? level : -1, d, a, problem_.n() - a - d, v};
 }
 
 void IndexSearch::evaluate(int level, double time_scale) {
-  const Trouble trouble = problem_.evaluate(t_, {level, level, 0}, time_scale, data_, rows_);
-  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  const CallbackError error = problem_.evaluate(t_, {level, level, 0}, time_scale, data_, rows_);
+  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
 }
 
 // Ranks of level `level` from the data evaluated; the decisions are left in latest_.
-LevelReading IndexSearch::judge_level(int level) {
+LevelResult IndexSearch::judge_level(int level) {
   latest_.clear();
   Judge judge(data_, level, judging_, &latest_);
   const Arena::Frame frame(arena_);
@@ -295,15 +293,14 @@ LevelReading IndexSearch::judge_level(int level) {
   const Carried carried = settings_.by_svd ? eliminate_by_svd(data_, level, no_rhs, judge, arena_)
                                            : eliminate(data_, level, no_rhs, 1, judge, arena_);
   form_.resize(problem_.m(), problem_.n(), 0, carried.rows);
-  LevelReading reading;
-  reading.ranks = form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
-  reading.time_scale = data_.time_scale;
-  reading.clear = judge.all_clear();
-  if (!latest_.empty()) reading.weakest = *std::min_element(latest_.begin(), latest_.end(), is_weaker);
+  LevelResult found;
+  found.ranks = form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
+  found.time_scale = data_.time_scale;
+  found.clear = judge.all_clear();
+  if (!latest_.empty()) found.weakest = *std::min_element(latest_.begin(), latest_.end(), is_weaker);
   for (const RankDecision& decision : latest_)
-    if (decision.verdict == Verdict::unclear && reading.doubtful.verdict == Verdict::clear)
-      reading.doubtful = decision;
-  return reading;
+    if (decision.verdict == Verdict::unclear && found.doubtful.verdict == Verdict::clear) found.doubtful = decision;
+  return found;
 }
 
 }  // namespace sfdae::core

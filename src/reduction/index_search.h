@@ -12,7 +12,7 @@
 namespace sfdae::core {
 
 // What level l of the array says at one point.
-struct LevelReading {
+struct LevelResult {
   PointRanks ranks;
   double time_scale = 1.0;
   bool clear = true;
@@ -25,7 +25,7 @@ struct LevelReading {
 // What a search leads to.
 struct SearchResult {
   CharacteristicValues values;
-  LevelReading last;
+  LevelResult last;
   std::vector<CharacteristicValues> levels;  // for messages: what each level said, d that of rank(E T2)
 };
 
@@ -38,7 +38,7 @@ class IndexSearch {
   // From level 0 up, to the smallest one at which the hypothesis holds.
   SearchResult search(int max_index);
   // A level whose decisions are clear, or confirmed by another reading.
-  LevelReading read_confirmed(int level);
+  LevelResult determine_confirmed(int level);
   // Values at a level known to be mu; v^ of the level below is found on the way.
   CharacteristicValues values_at(int level);
   // Whether the ranks are those expected, and stay so under perturbations.
@@ -48,20 +48,20 @@ class IndexSearch {
   // What perturbations need not confirm: decisions that the propagated noise makes clear, or none at all.
   enum class Trust { clear_ones, none };
 
-  LevelReading read(int level, double time_scale);
+  LevelResult determine(int level, double time_scale);
   bool holds_above(int level, const CharacteristicValues& values, const PointRanks& ranks);
-  void measure(int level, LevelReading& reading, std::vector<RankDecision>& decisions);
-  bool agrees_with_other_time_scales(int level, const LevelReading& reading);
+  void measure(int level, LevelResult& found, std::vector<RankDecision>& decisions);
+  bool agrees_with_other_time_scales(int level, const LevelResult& found);
   bool survives_perturbations(int level, double time_scale, const std::vector<RankDecision>& decisions, double margin,
                               Trust trust);
-  void doubt_cancellations(int level, LevelReading& reading, std::vector<RankDecision>& decisions);
+  void doubt_cancellations(int level, LevelResult& found, std::vector<RankDecision>& decisions);
   void perturb(int level, std::minstd_rand& generator);
   bool follows(const CharacteristicValues& below, const CharacteristicValues& values, const PointRanks& ranks) const;
   bool leaves_out_rows() const { return !differentiations_.empty(); }
   int highest_level() const;
-  CharacteristicValues values_of(int level, const LevelReading& reading, int v_hat_below) const;
+  CharacteristicValues values_of(int level, const LevelResult& found, int v_hat_below) const;
   void evaluate(int level, double time_scale);
-  LevelReading judge_level(int level);
+  LevelResult judge_level(int level);
 
   CoefficientSource& problem_;
   double t_;

@@ -25,7 +25,7 @@ Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::v
 
 int Judge::take_known_rank(ConstView r, double norm, double& kept) {
   const int count = std::min(r.rows, r.cols);
-  const RankList& known = *settings_.known_ranks;
+  const RankSequence& known = *settings_.known_ranks;
   int rank = ranks_.count < known.count ? known.rank[ranks_.count] : count + 1;
   if (rank > count) {
     fits_ = false;

@@ -24,7 +24,7 @@
 namespace sfdae::core {
 
 // Ranks of all decisions of one reduction in their order.
-struct RankList {
+struct RankSequence {
   // Blocks of the diagonal and stages of every level, the constraints, E T2.
   std::array<int, 2 * (max_derivative_order + 1) + 4> rank{};
   std::size_t count = 0;
@@ -44,7 +44,7 @@ class Judge {
     NoiseModel noise = NoiseModel::carried;
     // Ranks of all decisions in their order, which are taken as known; values near the point they were found at tell
     // nothing. Nullptr: decided.
-    const RankList* known_ranks = nullptr;
+    const RankSequence* known_ranks = nullptr;
   };
 
   // log: where decisions are recorded, and a sign that unclear ones are to be read again by singular values;
@@ -77,7 +77,7 @@ class Judge {
 
   bool keeps_originals() const { return log_ != nullptr || settings_.by_singular_values; }
   bool all_clear() const { return all_clear_; }
-  const RankList& ranks() const { return ranks_; }
+  const RankSequence& ranks() const { return ranks_; }
   // False if known ranks could not be taken, as there were other decisions to make than those they are from.
   bool fits_known_ranks() const { return fits_; }
   double smallest_pivot() const { return pivot_; }                 // p
@@ -102,7 +102,7 @@ class Judge {
   double kept_differential_ = 1.0;
   bool has_constraints_ = false;
   bool fits_ = true;
-  RankList ranks_;
+  RankSequence ranks_;
   bool all_clear_ = true;
 };
 

@@ -8,7 +8,7 @@
 
 namespace sfdae::core {
 
-RankReading read_ranks(const TaylorData& data, int level, const Judge::Settings& settings, ReadingRoom room) {
+RankResult determine_ranks(const TaylorData& data, int level, const Judge::Settings& settings, RankWorkspace room) {
   Arena& arena = room.arena;
   Judge judge(data, level, settings, nullptr);
   const Arena::Frame frame(arena);
@@ -17,28 +17,28 @@ RankReading read_ranks(const TaylorData& data, int level, const Judge::Settings&
   const Carried carried = eliminate(data, level, rhs, 1, judge, arena);
   NullSpaceForm& form = room.form;
   form.resize(data.m, data.n, 0, carried.rows);
-  RankReading reading;
-  reading.ranks = form.build(data, carried, {}, LeadingTerm::identity, judge, arena);
-  reading.list = judge.ranks();
-  return reading;
+  RankResult found;
+  found.ranks = form.build(data, carried, {}, LeadingTerm::identity, judge, arena);
+  found.list = judge.ranks();
+  return found;
 }
 
-bool stages_rise(const RankList& list, int level, int full_rank) {
+bool stages_rise(const RankSequence& list, int level, int full_rank) {
   if (list.rank[0] == full_rank) return true;  // nothing is left for later stages
   for (std::size_t k = 2; k <= static_cast<std::size_t>(level); ++k)
     if (list.rank[k] < list.rank[k - 1]) return false;
   return true;
 }
 
-std::optional<RankList> matching_ranks(const TaylorData& data, int level, const IndexAnalysis& known, double rank_tol,
-                                       ReadingRoom room) {
+std::optional<RankSequence> matching_ranks(const TaylorData& data, int level, const IndexAnalysis& known,
+                                           double rank_tol, RankWorkspace room) {
   const CharacteristicValues& values = known.values;
   const int v_hat = known.v_hat + (level - values.mu) * values.v;
   for (NoiseModel noise : {NoiseModel::pivots, NoiseModel::carried, NoiseModel::data}) {
-    const RankReading reading = read_ranks(data, level, {rank_tol, false, noise, nullptr}, room);
-    if (reading.ranks.a == values.a && reading.ranks.d == values.d && reading.ranks.v_hat == v_hat &&
-        (!data.differentiations.empty() || stages_rise(reading.list, level, std::min(data.m, data.n))))
-      return reading.list;
+    const RankResult found = determine_ranks(data, level, {rank_tol, false, noise, nullptr}, room);
+    if (found.ranks.a == values.a && found.ranks.d == values.d && found.ranks.v_hat == v_hat &&
+        (!data.differentiations.empty() || stages_rise(found.list, level, std::min(data.m, data.n))))
+      return found.list;
   }
   return std::nullopt;
 }

@@ -12,26 +12,26 @@
 
 namespace sfdae::core {
 
-struct RankReading {
-  RankList list;
+struct RankResult {
+  RankSequence list;
   PointRanks ranks;
 };
 
-// Memory that readings use again.
-struct ReadingRoom {
+// Memory that results use again.
+struct RankWorkspace {
   Arena& arena;
   NullSpaceForm& form;
 };
 
-RankReading read_ranks(const TaylorData& data, int level, const Judge::Settings& settings, ReadingRoom room);
+RankResult determine_ranks(const TaylorData& data, int level, const Judge::Settings& settings, RankWorkspace room);
 
 // Stage k + 1 is about derivatives of one order less, with the rows of one more level: what determines y_j at stage k
 // does so, differentiated, for y_(j+1) then, so that ranks do not fall. Residuals mistaken for pivots make them.
 // full_rank: min(m, n). Where rows are left out of the array, they may fall.
-bool stages_rise(const RankList& list, int level, int full_rank);
+bool stages_rise(const RankSequence& list, int level, int full_rank);
 
 // Ranks that agree with the values known, by one noise model or another; level: mu, or above.
-std::optional<RankList> matching_ranks(const TaylorData& data, int level, const IndexAnalysis& known, double rank_tol,
-                                       ReadingRoom room);
+std::optional<RankSequence> matching_ranks(const TaylorData& data, int level, const IndexAnalysis& known,
+                                           double rank_tol, RankWorkspace room);
 
 }  // namespace sfdae::core

@@ -41,15 +41,15 @@ class Probe {
       status = system_.move_to(t);
       system_.set_row_scaling(rows_);
     }
-    if (status == PointStatus::trouble && !system_.trouble().is_recoverable())
-      throw Failure(system_.trouble().status, system_.trouble().message());
+    if (status == PointStatus::callback_error && !system_.callback_error().is_recoverable())
+      throw Failure(system_.callback_error().status, system_.callback_error().message());
     // A point that cannot be evaluated says nothing: what is found with it does not count.
-    if (status == PointStatus::trouble) has_trouble_ = true;
+    if (status == PointStatus::callback_error) has_failed_ = true;
     return status != PointStatus::changed;
   }
   double kept() const { return std::min(system_.kept_constraints(), system_.kept_differential()); }
   double kept_at(double t) { return holds_at(t) ? kept() : 0.0; }
-  bool has_trouble() const { return has_trouble_; }
+  bool has_failed() const { return has_failed_; }
   bool is_resolved(double left, double right) const { return std::fabs(right - left) <= resolution_; }
   LinearSystem& system() { return system_; }
 
@@ -74,7 +74,7 @@ class Probe {
  private:
   LinearSystem system_;
   RowScaling rows_ = RowScaling::each;
-  bool has_trouble_ = false;
+  bool has_failed_ = false;
   double resolution_;
 };
 
@@ -135,8 +135,8 @@ void ChangeWatch::start(double direction) {
   system_.accept();
   if (distance <= 0.0) return;
   const PointStatus status = system_.move_to(t + direction * distance);
-  if (status == PointStatus::trouble && !system_.trouble().is_recoverable())
-    throw Failure(system_.trouble().status, system_.trouble().message());
+  if (status == PointStatus::callback_error && !system_.callback_error().is_recoverable())
+    throw Failure(system_.callback_error().status, system_.callback_error().message());
   if (status == PointStatus::ok) accept();
 }
 
@@ -226,7 +226,7 @@ std::optional<LocatedChange> ChangeWatch::locate(double left, double right, bool
     if (!change) change = follow_dip(probe, left, right);
   }
   // The same values on closer inspection: no change.
-  if (probe.has_trouble() || (change && change->new_values == system_.analysis().values)) change.reset();
+  if (probe.has_failed() || (change && change->new_values == system_.analysis().values)) change.reset();
   return change;
 }
 

@@ -43,19 +43,18 @@ void JetSolver::linearize(const Jet& jet, int level, double time_scale) {
   NonlinearProblem::Scaling scaling;
   scaling.time_scale = time_scale;
   scaling.columns = &column_scale_;
-  const Trouble trouble = problem_.linearize(jet.t, jet.x.data(), {level, level, level}, scaling, data_);
-  if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
+  const CallbackError error = problem_.linearize(jet.t, jet.x.data(), {level, level, level}, scaling, data_);
+  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
   norm_ = length(data_.f(0), index(problem_.m()) * index(level + 1));
 }
 
 double JetSolver::residual_norm(const Jet& jet, int level) {
   const int m = problem_.m();
   residuals_.resize(index(m) * index(level + 1));
-  const Trouble trouble = problem_.residuals(jet.t, jet.x.data(), level, residuals_.data());
-  if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED ||
-      trouble.status == SFDAE_ORDER_MISSING)
-    throw Failure(trouble.status, trouble.message());
-  if (trouble.status != SFDAE_OK) return infinity;
+  const CallbackError error = problem_.residuals(jet.t, jet.x.data(), level, residuals_.data());
+  if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED || error.status == SFDAE_ORDER_MISSING)
+    throw Failure(error.status, error.message());
+  if (error.status != SFDAE_OK) return infinity;
   double power = 1.0;
   for (int k = 0; k <= level; ++k) {
     power *= data_.time_scale;
@@ -91,7 +90,7 @@ bool JetSolver::staged_change(const Jet& jet, int level, NoiseModel model, doubl
   const int m = problem_.m(), n = jet.n;
   const Arena::Frame frame(arena_);
   data_.residual_noise = noise;
-  const RankReading reading = read_ranks(data_, level, {0.0, false, model, nullptr}, {arena_, form_});
+  const RankResult reading = determine_ranks(data_, level, {0.0, false, model, nullptr}, {arena_, form_});
   const Judge::Settings settings{0.0, false, NoiseModel::pivots, &reading.list};
   Judge judge(data_, level, settings, nullptr);
   const Carried carried = eliminate(data_, level, data_.f_stack(level), 1, judge, arena_, &stored_);

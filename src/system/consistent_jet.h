@@ -41,7 +41,7 @@ class JetSolver {
   // Components of x that must not change (n flags, or empty).
   void set_fixed(std::vector<char> fixed) { fixed_ = std::move(fixed); }
   // Makes the jet, of order level + 1 at least, fulfil F_level = 0 as well as rounding permits. Throws Failure:
-  // trouble with the equations, SFDAE_NO_CONSISTENT_VALUES.
+  // errors of callbacks, SFDAE_NO_CONSISTENT_VALUES.
   void solve(Jet& jet, int level);
 
  private:
@@ -91,8 +91,9 @@ class JetCoefficients final : public CoefficientSource {
   int n() const override { return problem_.n(); }
   std::vector<int> differentiations() const override { return problem_.differentiations(); }
   bool is_constant() const override { return false; }
-  Trouble evaluate(double, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each,
-                   const std::vector<double>* preferred_rows = nullptr) override {
+  CallbackError evaluate(double, Orders orders, double time_scale, TaylorData& data,
+                         RowScaling rows = RowScaling::each,
+                         const std::vector<double>* preferred_rows = nullptr) override {
     return problem_.linearize(jet_.t, jet_.x.data(), orders, {time_scale, rows, preferred_rows, &column_scale_},
                               data);
   }
@@ -115,8 +116,9 @@ class ConsistentJets final : public CoefficientSource {
   bool is_constant() const override { return false; }
   bool checks_next_level() const override { return true; }
   // The jet at t becomes consistent up to the highest order asked for. Throws Failure as JetSolver::solve does.
-  Trouble evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows = RowScaling::each,
-                   const std::vector<double>* preferred_rows = nullptr) override;
+  CallbackError evaluate(double t, Orders orders, double time_scale, TaylorData& data,
+                         RowScaling rows = RowScaling::each,
+                         const std::vector<double>* preferred_rows = nullptr) override;
   void set_column_scale(std::vector<double> scale) override { column_scale_ = std::move(scale); }
   const std::vector<double>& column_scale() const { return column_scale_; }
 

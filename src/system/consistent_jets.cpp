@@ -59,8 +59,8 @@ const Jet& ConsistentJets::jet_at(double t, int level) {
   return point.jet;
 }
 
-Trouble ConsistentJets::evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows,
-                                 const std::vector<double>* preferred_rows) {
+CallbackError ConsistentJets::evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows,
+                                       const std::vector<double>* preferred_rows) {
   const int level = std::max({orders.E, orders.A, orders.f});
   const Jet& jet = jet_at(t, level);
   return problem_.linearize(t, jet.x.data(), orders, {time_scale, rows, preferred_rows, &column_scale_}, data);

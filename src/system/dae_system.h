@@ -19,7 +19,7 @@ class DaeSystem : public StrangenessFreeSystem {
   virtual Problem& problem() = 0;
   virtual const IndexAnalysis& analysis() const = 0;
   virtual LeadingTerm leading_term() const = 0;
-  virtual const Trouble& trouble() const = 0;  // the last one
+  virtual const CallbackError& callback_error() const = 0;  // the last one
   // The point moved to last.
   virtual double t() const = 0;
 
@@ -54,7 +54,7 @@ class DaeSystem : public StrangenessFreeSystem {
 
   // Whether the characteristic values hold at the current point, where that has not been looked at. What later steps
   // depend on stays as it is.
-  virtual PointStatus examine() { return PointStatus::ok; }
+  virtual PointStatus check_ranks() { return PointStatus::ok; }
 
   virtual void archive(Archive& archive) = 0;
   virtual long reductions() const = 0;

@@ -22,7 +22,7 @@ LinearSystem::LinearSystem(LinearProblem& problem, const AnalysisSettings& setti
                   format("%d components are prescribed, but only u = %d are free.",
                          static_cast<int>(problem_.prescribed().size()), analysis_.values.u));
   resize();
-  settle_leading_term();
+  choose_leading_term();
 }
 
 LinearSystem::LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, Archive& saved)
@@ -76,7 +76,7 @@ void LinearSystem::archive(Archive& archive) {
   point.t = std::numeric_limits<double>::quiet_NaN();
 }
 
-void LinearSystem::settle_leading_term() {
+void LinearSystem::choose_leading_term() {
   if (leading_ == LeadingTerm::automatic)
     leading_ = analysis_.rank_E_constant ? LeadingTerm::projector : LeadingTerm::matrix;
   if (leading_ == LeadingTerm::projector && !analysis_.rank_E_constant) leading_ = LeadingTerm::matrix;
@@ -92,12 +92,12 @@ void LinearSystem::settle_leading_term() {
   }
   // mu = 0 would not need derivatives otherwise: do without where there are none.
   TaylorData data;
-  const Trouble trouble = problem_.evaluate_plain(analysis_.t, {1, -1, -1}, data);
-  if (trouble.status == SFDAE_ORDER_MISSING) {
+  const CallbackError error = problem_.evaluate_plain(analysis_.t, {1, -1, -1}, data);
+  if (error.status == SFDAE_ORDER_MISSING) {
     leading_ = LeadingTerm::identity;
     needs_E1_ = false;
-  } else if (trouble.status != SFDAE_OK) {
-    throw Failure(trouble.status, trouble.message());
+  } else if (error.status != SFDAE_OK) {
+    throw Failure(error.status, error.message());
   }
 }
 
@@ -116,7 +116,7 @@ void LinearSystem::outward(double* x) const {
 void LinearSystem::give_up_projector() {
   analysis_.rank_E_constant = false;
   leading_ = LeadingTerm::automatic;
-  settle_leading_term();
+  choose_leading_term();
   constant_ready_ = false;
   stages_.transformed.forget();
 }
@@ -136,10 +136,11 @@ void LinearSystem::scale_prescribed_values() {
 PointStatus LinearSystem::reduce(double t, double time_scale, Point& point, RowScaling rows) {
   const int mu = analysis_.values.mu;
   point.t = std::numeric_limits<double>::quiet_NaN();  // until it is complete
-  trouble_ = problem_.evaluate(t, orders(), time_scale, point.data, rows,
-                               preferred_rows_.empty() ? nullptr : &preferred_rows_);
-  if (trouble_.status == SFDAE_OK) trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  callback_error_ = problem_.evaluate(t, orders(), time_scale, point.data, rows,
+                                      preferred_rows_.empty() ? nullptr : &preferred_rows_);
+  if (callback_error_.status == SFDAE_OK)
+    callback_error_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   scale_prescribed_values();
   ++reductions_;
   const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, noise_};
@@ -179,9 +180,10 @@ PointStatus LinearSystem::reduce(double t, double time_scale, Point& point, RowS
 PointStatus LinearSystem::reduce_constant(double t, Point& point) {
   const int mu = analysis_.values.mu;
   point.t = std::numeric_limits<double>::quiet_NaN();
-  trouble_ = problem_.evaluate_plain(t, {-1, -1, mu}, rhs_);
-  if (trouble_.status == SFDAE_OK) trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  callback_error_ = problem_.evaluate_plain(t, {-1, -1, mu}, rhs_);
+  if (callback_error_.status == SFDAE_OK)
+    callback_error_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   scale_prescribed_values();
   double factor = 1.0;
   for (int k = 0; k <= mu; ++k) {
@@ -220,8 +222,8 @@ PointStatus LinearSystem::move_to(double t) {
   for (double factor : {1.0, 0.125}) {
     if (status != PointStatus::changed || settings_.time_scale > 0.0) break;
     TaylorData& data = current().data;
-    trouble_ = problem_.evaluate(t, orders(), 0.0, data);
-    if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+    callback_error_ = problem_.evaluate(t, orders(), 0.0, data);
+    if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
     status = reduce(t, data.time_scale * factor, current(), rows_);
   }
   if (status != PointStatus::ok || !problem_.is_constant()) return status;

@@ -44,7 +44,7 @@ class LinearSystem final : public DaeSystem {
   LeadingTerm leading_term() const override { return leading_; }
   // W = E (or I where E' is missing) from now on, as rank E has turned out not to be constant.
   void give_up_projector() override;
-  const Trouble& trouble() const override { return trouble_; }
+  const CallbackError& callback_error() const override { return callback_error_; }
   LinearProblem& problem() override { return problem_; }
   const AnalysisSettings& settings() const { return settings_; }
   Arena& arena() { return arena_; }
@@ -139,7 +139,7 @@ class LinearSystem final : public DaeSystem {
   bool derivative_from_array(const double* x, double* xdot);
   bool exact_scaled_derivative(const double* x, double* xdot);
   void derivative_from_differences(const double* x, double direction, double* xdot);
-  void settle_leading_term();
+  void choose_leading_term();
 
   LinearProblem& problem_;
   AnalysisSettings settings_;
@@ -155,7 +155,7 @@ class LinearSystem final : public DaeSystem {
   Point points_[2];
   int current_ = 0;
   bool accepted_ = false;  // the current point is: move_to has to fill the other one
-  Trouble trouble_;
+  CallbackError callback_error_;
   std::vector<double> prescribed_values_;
   // Iteration matrix, factored; for constant problems it is kept as long as c stays.
   std::vector<double> matrix_;

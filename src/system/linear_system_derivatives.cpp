@@ -65,10 +65,10 @@ bool LinearSystem::derivative_from_array(const double* x, double* xdot) {
   if (level > highest && (settings_.orders_up_to_mu_only || !problem_.is_constant())) return false;
   TaylorData data;
   const double t = current().t;
-  const Trouble trouble = problem_.evaluate(t, {level, level, level}, current().data.time_scale, data);
-  if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED)
-    throw Failure(trouble.status, trouble.message());
-  if (trouble.status != SFDAE_OK) return false;
+  const CallbackError error = problem_.evaluate(t, {level, level, level}, current().data.time_scale, data);
+  if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED)
+    throw Failure(error.status, error.message());
+  if (error.status != SFDAE_OK) return false;
   const Judge::Settings judging{settings_.rank_tol, false, analysis_.noise};
   Judge judge(data, level, judging, nullptr);
   const Arena::Frame frame(arena_);
@@ -120,8 +120,8 @@ void LinearSystem::derivative_from_differences(const double* x, double direction
     int k = 1;
     for (; k < 5; ++k) {
       const PointStatus status = move_to(t + k * step);
-      if (status == PointStatus::trouble && !trouble_.is_recoverable())
-        throw Failure(trouble_.status, trouble_.message());
+      if (status == PointStatus::callback_error && !callback_error_.is_recoverable())
+        throw Failure(callback_error_.status, callback_error_.message());
       if (status != PointStatus::ok) break;
       evaluate_psi(psi);
       for (int i = 0; i < n; ++i) xdot[i] += weights[k] / step * (psi[static_cast<std::size_t>(i)] - x[i]);
@@ -131,8 +131,8 @@ void LinearSystem::derivative_from_differences(const double* x, double direction
   }
   if (constant_ready_) {
     // It was fine before: a failure that has passed is none.
-    if (move_to(t) != PointStatus::ok && (!trouble_.is_recoverable() || move_to(t) != PointStatus::ok))
-      throw Failure(trouble_.status, trouble_.message());
+    if (move_to(t) != PointStatus::ok && (!callback_error_.is_recoverable() || move_to(t) != PointStatus::ok))
+      throw Failure(callback_error_.status, callback_error_.message());
   } else {
     current_ = 1 - current_;
     accepted_ = true;

@@ -31,7 +31,7 @@ NonlinearSystem::NonlinearSystem(NonlinearProblem& problem, const AnalysisSettin
                   format("%d components are prescribed, but only u = %d are free.",
                          static_cast<int>(problem_.prescribed().size()), analysis_.values.u));
   resize();
-  if (stand_at(jet) == PointStatus::trouble) throw Failure(trouble_.status, trouble_.message());
+  if (set_point(jet) == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
 }
 
 NonlinearSystem::NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, Archive& saved)
@@ -57,13 +57,13 @@ void NonlinearSystem::resize() {
   }
 }
 
-PointStatus NonlinearSystem::stand_at(const Jet& jet) {
+PointStatus NonlinearSystem::set_point(const Jet& jet) {
   jet_ = jet;
   jet_.set_order(analysis_.values.mu + 1);
   accepted_ = before_ = jet_;
   rate_ = 1.0;
-  trouble_ = problem_.evaluate_prescribed(jet_.t, prescribed_values_.data());
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  callback_error_ = problem_.evaluate_prescribed(jet_.t, prescribed_values_.data());
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   return renew(jet_, true);
 }
 
@@ -75,8 +75,8 @@ void NonlinearSystem::apply_inputs() {
 }
 
 PointStatus NonlinearSystem::move_to(double t) {
-  trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  callback_error_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   if (t == accepted_.t) jet_ = accepted_;
   else if (t != jet_.t) interpolate_jet(t);
   return PointStatus::ok;
@@ -109,8 +109,8 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   else linearized_rows_ = preferred_rows_;
   const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each,
                                           preferred_rows_.empty() ? nullptr : &preferred_rows_, &column_scale_};
-  trouble_ = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  callback_error_ = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   ++reductions_;
   preferred_rows_.assign(data_.row_scale.begin(), data_.row_scale.end());
   const NoiseModel noise = analysis_.noise == NoiseModel::data ? NoiseModel::data : NoiseModel::pivots;
@@ -146,8 +146,8 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   }
   if (!judged) return PointStatus::changed;
   // The cheap estimate of the noise may be too large or too small.
-  if (const std::optional<RankList> found =
-          matching_ranks(data_, mu, analysis_, settings_.rank_tol, {arena_, reading_form_})) {
+  if (const std::optional<RankSequence> found =
+          matching_ranks(data_, mu, analysis_, settings_.rank_tol, {arena_, rank_form_})) {
     ranks_ = *found;
     return renew(jet, false);
   }
@@ -217,8 +217,8 @@ PointStatus NonlinearSystem::renew_judged(const Jet& jet) {
   return renew(polished_, true);
 }
 
-PointStatus NonlinearSystem::examine() {
-  if (unjudged_ == 0 || examined_t_ == jet_.t) return PointStatus::ok;
+PointStatus NonlinearSystem::check_ranks() {
+  if (unjudged_ == 0 || checked_t_ == jet_.t) return PointStatus::ok;
   PointStatus status = match_known_ranks(jet_);
   if (status == PointStatus::changed) {
     // What the iteration has left as residuals looks like pivots that do not vanish.
@@ -233,7 +233,7 @@ PointStatus NonlinearSystem::examine() {
     JetCoefficients source(problem_, jet_, column_scale_);
     if (known_values_hold(source, jet_.t, settings_, analysis_, arena_)) status = PointStatus::ok;
   }
-  if (status == PointStatus::ok) examined_t_ = jet_.t;
+  if (status == PointStatus::ok) checked_t_ = jet_.t;
   return status;
 }
 
@@ -241,15 +241,15 @@ PointStatus NonlinearSystem::match_known_ranks(const Jet& jet) {
   const int mu = analysis_.values.mu;
   const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each,
                                           preferred_rows_.empty() ? nullptr : &preferred_rows_, &column_scale_};
-  trouble_ = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, next_data_);
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
-  return matching_ranks(next_data_, mu, analysis_, settings_.rank_tol, {arena_, reading_form_})
-             ? PointStatus::ok
-             : PointStatus::changed;
+  callback_error_ = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, next_data_);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  return matching_ranks(next_data_, mu, analysis_, settings_.rank_tol, {arena_, rank_form_}) ? PointStatus::ok
+                                                                                             : PointStatus::changed;
 }
 
 bool NonlinearSystem::is_hopeless(PointStatus status) const {
-  return status == PointStatus::changed || (status == PointStatus::trouble && !trouble_.is_recoverable());
+  return status == PointStatus::changed ||
+         (status == PointStatus::callback_error && !callback_error_.is_recoverable());
 }
 
 PointStatus NonlinearSystem::iterate_from_guess(const Task& task) {
@@ -348,7 +348,7 @@ void NonlinearSystem::restore(const double*, const double* x_free, double* x) {
   const bool was_slow = is_slow_;
   const PointStatus status = is_linearized_ ? iterate(Task{}, jet_) : PointStatus::not_converged;
   is_slow_ = was_slow;
-  if (status == PointStatus::trouble) throw Failure(trouble_.status, trouble_.message());
+  if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
   if (status != PointStatus::ok && problem_.prescribed().empty()) {
     // Between the ends of a long step the linearization, or derivatives, may be too far off.
     jet_ = start_;

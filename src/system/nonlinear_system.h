@@ -39,11 +39,11 @@ class NonlinearSystem final : public DaeSystem {
   NonlinearProblem& problem() override { return problem_; }
   const IndexAnalysis& analysis() const override { return analysis_; }
   LeadingTerm leading_term() const override { return LeadingTerm::identity; }
-  const Trouble& trouble() const override { return trouble_; }
+  const CallbackError& callback_error() const override { return callback_error_; }
   double t() const override { return jet_.t; }
 
   // A point consistent up to level mu becomes the current and accepted one; the ranks are judged there.
-  PointStatus stand_at(const Jet& jet);
+  PointStatus set_point(const Jet& jet);
   // Prescribed components at the current point get their values, others change as little as they must.
   void apply_inputs();
   // The current jet, x = column 0.
@@ -67,7 +67,7 @@ class NonlinearSystem final : public DaeSystem {
   double kept_constraints() const override { return kept_constraints_; }
   double kept_differential() const override { return kept_differential_; }
   double smallest_pivot() const override { return pivot_; }
-  PointStatus examine() override;
+  PointStatus check_ranks() override;
   const double* rounding_errors() const override { return rounding_errors_.data(); }
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
   bool exact_derivative(const double* x, double* xdot) override;
@@ -128,7 +128,7 @@ class NonlinearSystem final : public DaeSystem {
   PointStatus read_stages(const StageEquations& equations, View r);
   PointStatus read_stage_inputs(double t);
   void resize_stages(int s);
-  PointStatus examine_last_stage(int s);
+  PointStatus check_last_stage(int s);
   void correct_differential_part(const double* x, double* xdot);
   bool solve_next_level(const double* x);
   void hold_free_directions(double* xdot);
@@ -138,7 +138,7 @@ class NonlinearSystem final : public DaeSystem {
   AnalysisSettings settings_;
   IndexAnalysis analysis_;
   std::vector<double> column_scale_;
-  Trouble trouble_;
+  CallbackError callback_error_;
   Arena arena_;
 
   // The last linearization.
@@ -146,13 +146,13 @@ class NonlinearSystem final : public DaeSystem {
   StoredElimination elimination_;
   std::vector<char> determined_;  // components of y
   NullSpaceForm form_;
-  RankList ranks_;
+  RankSequence ranks_;
   std::vector<double> preferred_rows_;
   std::vector<double> noise_;  // scaled x, y_1, ..., of the last linearization
   std::vector<double> rounding_errors_;
   int age_ = 0;       // points solved with it
   int unjudged_ = 0;  // points since ranks were judged
-  double examined_t_ = std::numeric_limits<double>::quiet_NaN();
+  double checked_t_ = std::numeric_limits<double>::quiet_NaN();
   double kept_constraints_ = 1.0, kept_differential_ = 1.0, pivot_ = 1.0;
   std::vector<double> matrix_;
   std::vector<int> matrix_pivots_;
@@ -180,7 +180,7 @@ class NonlinearSystem final : public DaeSystem {
   Jet next_jet_;
   TaylorData next_data_;
   StoredElimination next_elimination_;
-  NullSpaceForm reading_form_;
+  NullSpaceForm rank_form_;
   Jet next_trial_;
   std::vector<double> next_transformed_, next_change_;
 

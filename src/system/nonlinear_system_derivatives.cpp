@@ -36,13 +36,13 @@ bool NonlinearSystem::solve_next_level(const double* x) {
   double before = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
     const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each, nullptr, &column_scale_, true};
-    const Trouble trouble = problem_.linearize(next.t, next.x.data(), {level, level, level}, scaling, next_data_);
-    if (trouble.status == SFDAE_ORDER_MISSING) has_next_level_ = Availability::no;
-    if (trouble.status == SFDAE_STOPPED || trouble.status == SFDAE_CALLBACK_STOPPED)
-      throw Failure(trouble.status, trouble.message());
-    if (trouble.status != SFDAE_OK) return false;
-    const std::optional<RankList> ranks =
-        matching_ranks(next_data_, level, analysis_, settings_.rank_tol, {arena_, reading_form_});
+    const CallbackError error = problem_.linearize(next.t, next.x.data(), {level, level, level}, scaling, next_data_);
+    if (error.status == SFDAE_ORDER_MISSING) has_next_level_ = Availability::no;
+    if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED)
+      throw Failure(error.status, error.message());
+    if (error.status != SFDAE_OK) return false;
+    const std::optional<RankSequence> ranks =
+        matching_ranks(next_data_, level, analysis_, settings_.rank_tol, {arena_, rank_form_});
     if (!ranks) return false;
     const Judge::Settings judging{settings_.rank_tol, false, NoiseModel::pivots, &*ranks};
     Judge judge(next_data_, level, judging, nullptr);
@@ -110,7 +110,7 @@ void NonlinearSystem::correct_derivative(double, const double* x, double* xdot) 
 void NonlinearSystem::correct_differential_part(const double* x, double* xdot) {
   const int n = problem_.n(), d = form_.d;
   if (differential_residuals(jet_.t, x, xdot) != PointStatus::ok) {
-    if (!trouble_.is_recoverable()) throw Failure(trouble_.status, trouble_.message());
+    if (!callback_error_.is_recoverable()) throw Failure(callback_error_.status, callback_error_.message());
     return;
   }
   const Arena::Frame frame(arena_);
@@ -155,14 +155,14 @@ void NonlinearSystem::archive(Archive& archive) {
   if (!archive.is_reading()) return;
   // The linearization as it was.
   const Jet where = linearized_;
-  const RankList ranks = ranks_;
+  const RankSequence ranks = ranks_;
   const int age = age_, unjudged = unjudged_;
   const double rate = rate_;
   const bool judged = linearized_judged_;
   preferred_rows_ = linearized_rows_;
   jet_ = accepted_;
-  trouble_ = problem_.evaluate_prescribed(where.t, prescribed_values_.data());
-  if (trouble_.status != SFDAE_OK || renew(where, false) != PointStatus::ok) throw DamagedArchive();
+  callback_error_ = problem_.evaluate_prescribed(where.t, prescribed_values_.data());
+  if (callback_error_.status != SFDAE_OK || renew(where, false) != PointStatus::ok) throw DamagedArchive();
   ranks_ = ranks;
   age_ = age;
   unjudged_ = unjudged;

@@ -29,8 +29,8 @@ bool NonlinearSystem::factor_step_matrix(double c) {
 
 PointStatus NonlinearSystem::array_residuals(const Jet& jet, double* f) {
   const int mu = analysis_.values.mu, m = problem_.m();
-  trouble_ = problem_.residuals(jet.t, jet.x.data(), mu, f);
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  callback_error_ = problem_.residuals(jet.t, jet.x.data(), mu, f);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   double power = -1.0;
   for (int k = 0; k <= mu; ++k) {
     power *= data_.time_scale;
@@ -45,8 +45,8 @@ PointStatus NonlinearSystem::differential_residuals(double t, const double* x, c
   double* jet = arena_.take(2 * n);
   std::copy_n(x, n, jet);
   std::copy_n(xdot, n, jet + n);
-  trouble_ = problem_.residuals(t, jet, 0, data_.f(0));
-  if (trouble_.status != SFDAE_OK) return PointStatus::trouble;
+  callback_error_ = problem_.residuals(t, jet, 0, data_.f(0));
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   for (int i = 0; i < problem_.m(); ++i) data_.f(0)[i] *= -data_.time_scale * data_.row_scale[index(i)];
   return PointStatus::ok;
 }

@@ -42,13 +42,13 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
   PointStatus status = s > 1 ? renew(middle, false) : iterate_with_renewal(middle, iterate);
   if (s > 1) {
     if (status == PointStatus::ok) status = iterate();
-    if (status == PointStatus::ok) status = examine_last_stage(s);
-    if (status != PointStatus::ok && !(status == PointStatus::trouble && !trouble_.is_recoverable())) {
+    if (status == PointStatus::ok) status = check_last_stage(s);
+    if (status != PointStatus::ok && !(status == PointStatus::callback_error && !callback_error_.is_recoverable())) {
       rate_ = 1.0;
       const bool is_near_start = std::fabs(equations.t_end - before_.t) < std::fabs(equations.t_end - accepted_.t);
       status = renew_judged(is_near_start ? before_ : accepted_);
       if (status == PointStatus::ok) status = iterate();
-      if (status == PointStatus::ok) status = examine_last_stage(s);
+      if (status == PointStatus::ok) status = check_last_stage(s);
     }
   }
   if (status != PointStatus::ok) return status;
@@ -60,10 +60,10 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
   return s == 1 ? review(true) : PointStatus::ok;
 }
 
-PointStatus NonlinearSystem::examine_last_stage(int s) {
+PointStatus NonlinearSystem::check_last_stage(int s) {
   jet_ = stages_[index(s - 1)];
   ++unjudged_;
-  const PointStatus status = examine();
+  const PointStatus status = check_ranks();
   if (status == PointStatus::ok) unjudged_ = 0;
   return status;
 }
@@ -126,8 +126,8 @@ PointStatus NonlinearSystem::read_stages(const StageEquations& equations, View r
 
 PointStatus NonlinearSystem::read_stage_inputs(double t) {
   if (problem_.prescribed().empty()) return PointStatus::ok;
-  trouble_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
-  return trouble_.status == SFDAE_OK ? PointStatus::ok : PointStatus::trouble;
+  callback_error_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
+  return callback_error_.status == SFDAE_OK ? PointStatus::ok : PointStatus::callback_error;
 }
 
 // Known ranks that do not fit the jet of the linearization leave out equations that are not redundant: they

@@ -30,9 +30,9 @@ class LinearizedConstraints {
   void linearize(const Jet& jet) {
     const int mu = analysis_.values.mu;
     const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each, nullptr, &column_scale_};
-    const Trouble trouble = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
-    if (trouble.status != SFDAE_OK) throw Failure(trouble.status, trouble.message());
-    const std::optional<RankList> ranks = matching_ranks(data_, mu, analysis_, 0.0, {arena_, form_});
+    const CallbackError error = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
+    if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
+    const std::optional<RankSequence> ranks = matching_ranks(data_, mu, analysis_, 0.0, {arena_, form_});
     has_known_ranks_ = ranks.has_value();
     if (!ranks) return;
     const Judge::Settings settings{0.0, false, NoiseModel::pivots, &*ranks};

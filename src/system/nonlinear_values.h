@@ -16,8 +16,8 @@ struct ConsistentJetResult {
 };
 
 // From a jet near x that is consistent up to level mu to the one that is chosen as requested. Throws Failure:
-// SFDAE_INCONSISTENT_VALUES, SFDAE_FIXED_VALUES, SFDAE_NO_CONSISTENT_VALUES, SFDAE_CHARACTERISTICS_CHANGED, trouble
-// with the equations.
+// SFDAE_INCONSISTENT_VALUES, SFDAE_FIXED_VALUES, SFDAE_NO_CONSISTENT_VALUES, SFDAE_CHARACTERISTICS_CHANGED, errors
+// of callbacks.
 ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const IndexAnalysis& analysis,
                                           const std::vector<double>& column_scale, const ConsistencyRequest& request,
                                           const Jet& start, const std::vector<double>& x);

@@ -12,7 +12,7 @@ namespace sfdae::core {
 
 enum class PointStatus {
   ok,
-  trouble,          // a callback failed; what(): trouble()
+  callback_error,   // a callback failed: see callback_error()
   changed,          // the characteristic values differ from those known
   leading_changed,  // they hold, but rank E differs: W of the history does not fit this point
   singular,         // the equations to be solved at the point (or at several) have no unique solution
@@ -72,9 +72,9 @@ class StrangenessFreeSystem {
   virtual int guess_order() const { return -1; }
   virtual PointStatus solve(const StepEquations& equations, double* x) = 0;
   // Work of solve_stages in units of its own; 0: that of a reduction at each stage and of one system for all of them.
-  virtual double work_of_stages(int) const { return 0.0; }
+  virtual double stage_cost(int) const { return 0.0; }
   // Solves F1(t_i, x_i, D_h w_i) = 0, F2(t_i, x_i) = 0 and U_i^T D_h x_i = 0 for all stages i together; x: n x s,
-  // w: leading_size() x s. The system stands at t_end afterwards, or else at t_reached, the stage that has trouble.
+  // w: leading_size() x s. The system stands at t_end afterwards, or else at t_reached, the stage that fails.
   virtual PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) = 0;
   // At the point solved last, w' and x' of which are those of a polynomial that fulfils F1 there: corrects what F2
   // prescribes of them, where that is known at no cost.

@@ -338,26 +338,27 @@ TEST_P(Methods, EnlargeTolerancesThatAreTooSmall) {
 }
 
 TEST_P(Methods, ReportTroubleWithTheFunctions) {
-  struct Trouble {
+  struct CallbackError {
     double from;
     int order, answer, expected;
   };
   const double nowhere = -1e300;
-  for (const Trouble& trouble :
-       {Trouble{nowhere, 0, -1, -22}, Trouble{nowhere, 0, -2, -21}, Trouble{0.5, 0, -1, -10}, Trouble{0.5, 0, 7, -10},
-        Trouble{0.5, 0, -2, -21}, Trouble{0.5, 0, 100, -10}, Trouble{nowhere, 0, 100, -22}}) {
+  for (const CallbackError& error :
+       {CallbackError{nowhere, 0, -1, -22}, CallbackError{nowhere, 0, -2, -21}, CallbackError{0.5, 0, -1, -10},
+        CallbackError{0.5, 0, 7, -10}, CallbackError{0.5, 0, -2, -21}, CallbackError{0.5, 0, 100, -10},
+        CallbackError{nowhere, 0, 100, -22}}) {
     UserData data = decay();
     const auto f = data.f;
     data.f = [&](double t, int order, double* values) {
       f(t, order, values);
-      if (t < trouble.from || order < trouble.order) return 0;
-      if (trouble.answer < 100) return trouble.answer;
+      if (t < error.from || order < error.order) return 0;
+      if (error.answer < 100) return error.answer;
       values[0] = NAN;
       return 0;
     };
     DgeldaRun run(data, GetParam());
     run.x = {0.5, 0.5};
-    EXPECT_EQ(run.call(1.0), trouble.expected) << trouble.answer << " from " << trouble.from;
+    EXPECT_EQ(run.call(1.0), error.expected) << error.answer << " from " << error.from;
     EXPECT_EQ(run.info[0], -1);
     EXPECT_LE(run.t, 0.5);
     if (run.t > 0.0) {

@@ -131,12 +131,12 @@ TEST_F(Arguments, IndexAboveTheMaximumIsSaid) {
 }
 
 // A callback that fails beyond some height, for a while or for ever.
-struct Trouble {
+struct CallbackError {
   int status = 1;
   double beyond = 0.5;
   bool as_nan = false;
   static int forces(double t, const double*, const double*, double* f, void* user) {
-    const auto& self = *static_cast<const Trouble*>(user);
+    const auto& self = *static_cast<const CallbackError*>(user);
     f[1] = -1.0;
     if (t <= self.beyond) return 0;
     if (self.as_nan) f[1] = std::numeric_limits<double>::quiet_NaN();
@@ -155,15 +155,15 @@ struct Trouble {
 
 TEST_F(Arguments, TroubleInCallbacksEndsWithItsName) {
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
-    const std::pair<Trouble, int> cases[] = {{{-1, 0.5, false}, SFDAE_CALLBACK_STOPPED},
-                                             {{1, 0.5, false}, SFDAE_CALLBACK_FAILED},
-                                             {{0, 0.5, true}, SFDAE_NOT_FINITE}};
-    for (const auto& [trouble, expected] : cases) {
-      Trouble user = trouble;
+    const std::pair<CallbackError, int> cases[] = {{{-1, 0.5, false}, SFDAE_CALLBACK_STOPPED},
+                                                   {{1, 0.5, false}, SFDAE_CALLBACK_FAILED},
+                                                   {{0, 0.5, true}, SFDAE_NOT_FINITE}};
+    for (const auto& [error, expected] : cases) {
+      CallbackError user = error;
       sfdae_multibody_problem failing = multibody_problem_of(2, 1);
-      failing.forces = Trouble::forces;
-      failing.constraints = Trouble::constraints;
-      failing.constraint_jacobian = Trouble::jacobian;
+      failing.forces = CallbackError::forces;
+      failing.constraints = CallbackError::constraints;
+      failing.constraint_jacobian = CallbackError::jacobian;
       failing.user = &user;
       MultibodyRun run(failing, options_of(method, 1e-6));
       ASSERT_EQ(run.start(0.0, 1.0, Pendulum::state(0.5, 0.2)), SFDAE_OK) << run.message();

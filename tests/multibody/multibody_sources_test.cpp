@@ -245,9 +245,9 @@ TEST(MultibodyCallbacks, KeepDifferencesWithinTheDomainOfFunctions) {
   const double q[] = {0.0}, outside[] = {0.1}, v[] = {3.0};
   ASSERT_EQ(problem->at_velocity(0.0, q, v, terms).status, SFDAE_OK);
   EXPECT_NEAR(terms.acceleration_rest[0], 18.0, 1e-9);
-  Trouble trouble = problem->at_velocity(0.0, outside, v, terms);
-  EXPECT_EQ(trouble.status, SFDAE_CALLBACK_FAILED);
-  EXPECT_NE(trouble.message().find("constraint_jacobian returned 1"), std::string::npos) << trouble.message();
+  CallbackError error = problem->at_velocity(0.0, outside, v, terms);
+  EXPECT_EQ(error.status, SFDAE_CALLBACK_FAILED);
+  EXPECT_NE(error.message().find("constraint_jacobian returned 1"), std::string::npos) << error.message();
   code = -3;
   EXPECT_EQ(problem->at_velocity(0.0, q, v, terms).status, SFDAE_CALLBACK_STOPPED);
 }
@@ -261,11 +261,11 @@ TEST(MultibodyCallbacks, NameEntriesThatAreNotFinite) {
   };
   const auto problem = multibody_problem(functions);
   MultibodyTerms terms(problem->sizes());
-  const Trouble trouble = problem->at_velocity(t0, q0, v0, terms);
-  EXPECT_EQ(trouble.status, SFDAE_NOT_FINITE);
-  EXPECT_EQ(trouble.row, 2);
-  EXPECT_EQ(trouble.column, 1);
-  EXPECT_NE(trouble.message().find("kinematics returned NaN"), std::string::npos) << trouble.message();
+  const CallbackError error = problem->at_velocity(t0, q0, v0, terms);
+  EXPECT_EQ(error.status, SFDAE_NOT_FINITE);
+  EXPECT_EQ(error.row, 2);
+  EXPECT_EQ(error.column, 1);
+  EXPECT_NE(error.message().find("kinematics returned NaN"), std::string::npos) << error.message();
 }
 
 TEST(MultibodyCallbacks, ConstraintsThatMoveNeedTheirRate) {

@@ -60,7 +60,7 @@ struct Linkage {
   std::vector<Bar> bars;
   Numbers<double> masses;
   // Phi, S, and the constraints: units, and combinations of others, which come last.
-  Numbers<double> bend, frequency, phase, skew, units;
+  Numbers<double> enforce, frequency, phase, skew, units;
   int copies = 0;
 
   int size() const { return dimension * bodies; }
@@ -72,9 +72,9 @@ struct Linkage {
     using std::sin;
     Numbers<Number> p(s);
     const int n = size();
-    for (int i = 0; i < n && !bend.empty(); ++i)
-      p[at(i)] =
-          p[at(i)] + Number(bend[at(i)]) * sin(Number(frequency[at(i)]) * s[at((i + 1) % n)] + Number(phase[at(i)]));
+    for (int i = 0; i < n && !enforce.empty(); ++i)
+      p[at(i)] = p[at(i)] +
+                 Number(enforce[at(i)]) * sin(Number(frequency[at(i)]) * s[at((i + 1) % n)] + Number(phase[at(i)]));
     return p;
   }
 
@@ -133,13 +133,13 @@ struct Linkage {
       for (int j = 0; j < n; ++j)
         bends[at(i)] = bends[at(i)] - Number(skew[at(i + j * n)]) * sin(s[at(j)]) * rates[at(j)] * u[at(j)];
     accelerations = bends;
-    for (int i = 0; i < n && !bend.empty(); ++i) {
+    for (int i = 0; i < n && !enforce.empty(); ++i) {
       const int next = (i + 1) % n;
       const Number w(frequency[at(i)]), angle = w * s[at(next)] + Number(phase[at(i)]);
-      const Number slope = Number(bend[at(i)]) * w * cos(angle);
+      const Number slope = Number(enforce[at(i)]) * w * cos(angle);
       for (int j = 0; j < n; ++j) W[at(i + j * n)] = W[at(i + j * n)] + slope * S[at(next + j * n)];
       accelerations[at(i)] = accelerations[at(i)] + slope * bends[at(next)] -
-                             Number(bend[at(i)]) * w * w * sin(angle) * rates[at(next)] * rates[at(next)];
+                             Number(enforce[at(i)]) * w * w * sin(angle) * rates[at(next)] * rates[at(next)];
     }
     for (int i = 0; i < n; ++i) {
       const double mass = masses[at(i / dimension)], weight = i % dimension == dimension - 1 ? -mass : 0.0;
@@ -302,7 +302,7 @@ Linkage disguised(const Linkage& plain, Draw& draw) {
   Linkage linkage = plain;
   const int n = linkage.size();
   if (draw.below(3) > 0) {
-    linkage.bend = draw.some(n, 0.3);
+    linkage.enforce = draw.some(n, 0.3);
     linkage.frequency = draw.some(n, 1.5);
     linkage.phase = draw.some(n, 3.0);
   }

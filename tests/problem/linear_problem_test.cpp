@@ -196,15 +196,15 @@ TEST(LinearProblem, NumbersThatAreNotFiniteAreFoundByRowAndColumn) {
       probe.value = bad;
       LinearProblem problem(probe.problem);
       TaylorData data;
-      const Trouble trouble = problem.evaluate(0.25, {0, 0, 0}, 0.0, data);
-      EXPECT_EQ(trouble.status, SFDAE_NOT_FINITE);
-      EXPECT_EQ(trouble.row, entry % 2);
-      EXPECT_EQ(trouble.column, entry / 2);
-      EXPECT_STREQ(trouble.function, "E");
-      EXPECT_EQ(trouble.order, 0);
-      EXPECT_EQ(trouble.t, 0.25);
-      EXPECT_TRUE(trouble.is_recoverable());
-      EXPECT_NE(trouble.message().find("row " + std::to_string(entry % 2)), std::string::npos);
+      const CallbackError error = problem.evaluate(0.25, {0, 0, 0}, 0.0, data);
+      EXPECT_EQ(error.status, SFDAE_NOT_FINITE);
+      EXPECT_EQ(error.row, entry % 2);
+      EXPECT_EQ(error.column, entry / 2);
+      EXPECT_STREQ(error.function, "E");
+      EXPECT_EQ(error.order, 0);
+      EXPECT_EQ(error.t, 0.25);
+      EXPECT_TRUE(error.is_recoverable());
+      EXPECT_NE(error.message().find("row " + std::to_string(entry % 2)), std::string::npos);
     }
 }
 
@@ -218,9 +218,9 @@ TEST(LinearProblem, NumbersTooLargeForProductsAreRefused) {
   };
   LinearProblem problem(probe.problem);
   TaylorData data;
-  const Trouble trouble = problem.evaluate(0.0, {0, 0, 0}, 0.0, data);
-  EXPECT_EQ(trouble.status, SFDAE_NOT_FINITE);
-  EXPECT_FALSE(trouble.message().empty());
+  const CallbackError error = problem.evaluate(0.0, {0, 0, 0}, 0.0, data);
+  EXPECT_EQ(error.status, SFDAE_NOT_FINITE);
+  EXPECT_FALSE(error.message().empty());
 }
 
 TEST(LinearProblem, ReturnCodesBecomeStatuses) {
@@ -237,14 +237,14 @@ TEST(LinearProblem, ReturnCodesBecomeStatuses) {
     callbacks.hooks.status = sfdae_test::return_at_call(4, c.code);  // E twice, A order 0, A order 1
     LinearProblem problem(callbacks.problem);
     TaylorData data;
-    const Trouble trouble = problem.evaluate(0.5, {1, 1, 1}, 0.0, data);
-    EXPECT_EQ(trouble.status, c.status);
-    EXPECT_EQ(trouble.code, c.code);
-    EXPECT_STREQ(trouble.function, "A");
-    EXPECT_EQ(trouble.order, 1);
-    EXPECT_EQ(trouble.t, 0.5);
-    EXPECT_EQ(trouble.is_recoverable(), c.recoverable);
-    EXPECT_FALSE(trouble.message().empty());
+    const CallbackError error = problem.evaluate(0.5, {1, 1, 1}, 0.0, data);
+    EXPECT_EQ(error.status, c.status);
+    EXPECT_EQ(error.code, c.code);
+    EXPECT_STREQ(error.function, "A");
+    EXPECT_EQ(error.order, 1);
+    EXPECT_EQ(error.t, 0.5);
+    EXPECT_EQ(error.is_recoverable(), c.recoverable);
+    EXPECT_FALSE(error.message().empty());
     EXPECT_EQ(callbacks.calls(), 4);  // nothing is called afterwards
   }
 }
@@ -296,10 +296,10 @@ TEST(LinearProblem, AMissingOrderIsNamedUnlessDifferencesAreAllowed) {
   callbacks.hooks.highest_order = 1;
   LinearProblem problem(callbacks.problem);
   TaylorData data;
-  const Trouble trouble = problem.evaluate_plain(0.5, {1, 2, 1}, data);
-  EXPECT_EQ(trouble.status, SFDAE_ORDER_MISSING);
-  EXPECT_STREQ(trouble.function, "A");
-  EXPECT_EQ(trouble.order, 2);
+  const CallbackError error = problem.evaluate_plain(0.5, {1, 2, 1}, data);
+  EXPECT_EQ(error.status, SFDAE_ORDER_MISSING);
+  EXPECT_STREQ(error.function, "A");
+  EXPECT_EQ(error.order, 2);
   problem.set_differences({true, 0.0, 1.0});
   EXPECT_EQ(problem.evaluate_plain(0.5, {1, 2, 1}, data).status, SFDAE_OK);
 }
@@ -310,9 +310,9 @@ TEST(LinearProblem, OrderZeroCannotBeReplaced) {
   LinearProblem problem(callbacks.problem);
   problem.set_differences({true, 0.0, 1.0});
   TaylorData data;
-  const Trouble trouble = problem.evaluate_plain(0.5, {1, 1, 1}, data);
-  EXPECT_EQ(trouble.status, SFDAE_ORDER_MISSING);
-  EXPECT_EQ(trouble.order, 0);
+  const CallbackError error = problem.evaluate_plain(0.5, {1, 1, 1}, data);
+  EXPECT_EQ(error.status, SFDAE_ORDER_MISSING);
+  EXPECT_EQ(error.order, 0);
 }
 
 // The reported error is an estimate: the true one may be a few times as large.

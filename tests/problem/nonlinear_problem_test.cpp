@@ -169,13 +169,13 @@ TEST(CallbackProblem, TellsHowTheFunctionFailed) {
       const std::vector<double> jet = jet_of_order(4);
       std::vector<double> F(m * 4);
       TaylorData data;
-      for (const Trouble& trouble : {problem.residuals(0.5, jet.data(), 3, F.data()),
-                                     problem.linearize(0.5, jet.data(), {3, 3, 3}, {}, data)}) {
-        EXPECT_EQ(trouble.status, c.status);
-        EXPECT_EQ(trouble.code, c.code);
-        EXPECT_EQ(trouble.order, order);
-        EXPECT_EQ(trouble.t, 0.5);
-        EXPECT_STREQ(trouble.function, "F");
+      for (const CallbackError& error : {problem.residuals(0.5, jet.data(), 3, F.data()),
+                                         problem.linearize(0.5, jet.data(), {3, 3, 3}, {}, data)}) {
+        EXPECT_EQ(error.status, c.status);
+        EXPECT_EQ(error.code, c.code);
+        EXPECT_EQ(error.order, order);
+        EXPECT_EQ(error.t, 0.5);
+        EXPECT_STREQ(error.function, "F");
       }
       EXPECT_EQ(behavior.calls, 2 * (order + 1));  // not asked any further
     }
@@ -188,14 +188,14 @@ TEST(CallbackProblem, NamesTheFirstEntryThatIsNotFinite) {
     CallbackProblem problem(m, n, total_derivatives, &behavior, {});
     const std::vector<double> jet = jet_of_order(3);
     TaylorData data;
-    const Trouble trouble = problem.linearize(0.5, jet.data(), {2, 2, 2}, {}, data);
-    EXPECT_EQ(trouble.status, SFDAE_NOT_FINITE);
-    EXPECT_STREQ(trouble.function, names[array]);
-    EXPECT_EQ(trouble.order, 1);
-    EXPECT_EQ(trouble.row, 1);
-    EXPECT_EQ(trouble.column, array == 0 ? 0 : 1);
-    EXPECT_TRUE(trouble.is_recoverable());
-    EXPECT_FALSE(trouble.message().empty());
+    const CallbackError error = problem.linearize(0.5, jet.data(), {2, 2, 2}, {}, data);
+    EXPECT_EQ(error.status, SFDAE_NOT_FINITE);
+    EXPECT_STREQ(error.function, names[array]);
+    EXPECT_EQ(error.order, 1);
+    EXPECT_EQ(error.row, 1);
+    EXPECT_EQ(error.column, array == 0 ? 0 : 1);
+    EXPECT_TRUE(error.is_recoverable());
+    EXPECT_FALSE(error.message().empty());
   }
 }
 
@@ -206,15 +206,15 @@ TEST(RecordedProblem, NamesTheEquationThatCannotBeEvaluated) {
   const auto status_at = [&](double x1, double x2, int order) {
     const std::vector<double> jet = {x1, x2, 0.5, 0.5, 0.0, 0.0};
     std::vector<double> F(4);
-    const Trouble trouble = problem.residuals(0.25, jet.data(), order, F.data());
-    if (trouble.status != SFDAE_OK) {
-      EXPECT_EQ(trouble.row, std::isnan(x1) ? -1 : 1);
-      EXPECT_NE(trouble.message().find("t = 0.25"), std::string::npos) << trouble.message();
+    const CallbackError error = problem.residuals(0.25, jet.data(), order, F.data());
+    if (error.status != SFDAE_OK) {
+      EXPECT_EQ(error.row, std::isnan(x1) ? -1 : 1);
+      EXPECT_NE(error.message().find("t = 0.25"), std::string::npos) << error.message();
     }
     TaylorData data;
     EXPECT_EQ(problem.linearize(0.25, jet.data(), {0, order, order}, {}, data).status == SFDAE_OK,
-              trouble.status == SFDAE_OK && x2 > 0.0);
-    return trouble.status;
+              error.status == SFDAE_OK && x2 > 0.0);
+    return error.status;
   };
   EXPECT_EQ(status_at(1.0, 1.0, 1), SFDAE_OK);
   EXPECT_EQ(status_at(-1.0, 1.0, 0), SFDAE_NOT_FINITE);
@@ -229,9 +229,9 @@ TEST(NonlinearProblem, TellsThatScalingOverflows) {
   RecordedProblem problem(r.finish({1e70 * r.xdot[0] * r.xdot[0] + r.x[0] + r.x[1]}), {});
   const double jet[] = {1.0, 1.0, 1e250, 1.0};
   TaylorData data;
-  const Trouble trouble = problem.linearize(0.0, jet, {0, 0, 0}, {1.0, RowScaling::each, nullptr, nullptr}, data);
-  EXPECT_EQ(trouble.status, SFDAE_NOT_FINITE);
-  EXPECT_FALSE(trouble.message().empty());
+  const CallbackError error = problem.linearize(0.0, jet, {0, 0, 0}, {1.0, RowScaling::each, nullptr, nullptr}, data);
+  EXPECT_EQ(error.status, SFDAE_NOT_FINITE);
+  EXPECT_FALSE(error.message().empty());
 }
 
 TEST(NonlinearProblem, AsksForNothingOnceAStopIsRequested) {
@@ -273,9 +273,9 @@ TEST(NonlinearProblem, HandsOutPrescribedValuesAndTheirTrouble) {
   input.code = -7;
   EXPECT_EQ(problem.evaluate_prescribed(2.0, got).status, SFDAE_CALLBACK_STOPPED);
   input = {0, INFINITY};
-  const Trouble trouble = problem.evaluate_prescribed(2.0, got);
-  EXPECT_EQ(trouble.status, SFDAE_NOT_FINITE);
-  EXPECT_NE(trouble.message().find("prescribed_values"), std::string::npos) << trouble.message();
+  const CallbackError error = problem.evaluate_prescribed(2.0, got);
+  EXPECT_EQ(error.status, SFDAE_NOT_FINITE);
+  EXPECT_NE(error.message().find("prescribed_values"), std::string::npos) << error.message();
   EXPECT_EQ(without.evaluate_prescribed(0.5, nullptr).status, SFDAE_OK);
 }
 

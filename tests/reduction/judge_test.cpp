@@ -195,7 +195,7 @@ TEST(Judge, OfTheWholeArrayUsesItsLargerDimension) {
 // Whatever the values are: those near the point that the ranks are from tell nothing.
 TEST(Judge, TakesKnownRanksInTheirOrder) {
   const TaylorData data = data_of(1.0, 2.0);
-  RankList known;
+  RankSequence known;
   for (int rank : {1, 0, 2, 1}) known.add(rank);
   const Judge::Settings settings{0.0, false, NoiseModel::carried, &known};
   Judge judge(data, 1, settings, nullptr);
@@ -213,10 +213,10 @@ TEST(Judge, TakesKnownRanksInTheirOrder) {
 
 TEST(Judge, TellsThatKnownRanksAreThoseOfOtherDecisions) {
   const TaylorData data = data_of(1.0, 1.0);
-  RankList too_few, too_large;
+  RankSequence too_few, too_large;
   too_few.add(1);
   too_large.add(3);
-  for (const RankList* known : {&too_few, &too_large}) {
+  for (const RankSequence* known : {&too_few, &too_large}) {
     const Judge::Settings settings{0.0, false, NoiseModel::pivots, known};
     Judge judge(data, 1, settings, nullptr);
     EXPECT_LE(judge.decide_diagonal_block(diagonal(1.0, 1.0), {}), 2);

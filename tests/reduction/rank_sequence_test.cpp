@@ -49,22 +49,22 @@ struct Analyzed {
 
 }  // namespace
 
-TEST(RankReading, AgreesWithTheValuesOfTheFamily) {
+TEST(RankResult, AgreesWithTheValuesOfTheFamily) {
   for (const Family& family : families()) {
     SCOPED_TRACE(family->name());
     Analyzed p(family);
     const auto expected = family->values();
     for (NoiseModel noise : {NoiseModel::carried, NoiseModel::pivots}) {
-      const RankReading reading =
-          read_ranks(p.data_at(0.4, expected.mu), expected.mu, {0.0, false, noise, nullptr}, {p.arena, p.form});
-      EXPECT_EQ(reading.ranks.a, expected.a);
-      EXPECT_EQ(reading.ranks.d, expected.d);
+      const RankResult found =
+          determine_ranks(p.data_at(0.4, expected.mu), expected.mu, {0.0, false, noise, nullptr}, {p.arena, p.form});
+      EXPECT_EQ(found.ranks.a, expected.a);
+      EXPECT_EQ(found.ranks.d, expected.d);
     }
   }
 }
 
 // Level mu + 1 has v more redundant rows, and the same a and d.
-TEST(RankReading, MatchesKnownValuesAtTheirLevelAndAbove) {
+TEST(RankResult, MatchesKnownValuesAtTheirLevelAndAbove) {
   for (const Family& family : families()) {
     SCOPED_TRACE(family->name());
     Analyzed p(family);
@@ -84,9 +84,9 @@ TEST(RankReading, MatchesKnownValuesAtTheirLevelAndAbove) {
 }
 
 // Coupled chains of a differential-algebraic system of index 4: 4 pivots in E_0 and none later but those of the shorter one.
-TEST(RankReading, StagesRiseUnlessResidualsArePivots) {
+TEST(RankResult, StagesRiseUnlessResidualsArePivots) {
   const auto list_of = [](std::initializer_list<int> ranks) {
-    RankList list;
+    RankSequence list;
     for (const int rank : ranks) list.add(rank);
     return list;
   };
@@ -95,7 +95,7 @@ TEST(RankReading, StagesRiseUnlessResidualsArePivots) {
   EXPECT_TRUE(stages_rise(list_of({6, 4, 2}), 4, 6));
 }
 
-TEST(RankReading, MatchesNoOtherValues) {
+TEST(RankResult, MatchesNoOtherValues) {
   for (const Family& family : families()) {
     SCOPED_TRACE(family->name());
     Analyzed p(family);

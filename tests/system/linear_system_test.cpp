@@ -371,8 +371,8 @@ TEST(LinearSystem, TellsFailingCallbacksFromChangedValuesAndFromAChangedRankOfE)
   AnalyzedProblem failing(Family(sfdae_test::kron(6, 1)), 0.2, 1.0);
   failing.callbacks.hooks.status = sfdae_test::return_behind(0.5, 3);
   EXPECT_EQ(failing.system.move_to(0.4), PointStatus::ok);
-  EXPECT_EQ(failing.system.move_to(0.6), PointStatus::trouble);
-  EXPECT_EQ(failing.system.trouble().status, SFDAE_CALLBACK_FAILED);
+  EXPECT_EQ(failing.system.move_to(0.6), PointStatus::callback_error);
+  EXPECT_EQ(failing.system.callback_error().status, SFDAE_CALLBACK_FAILED);
   EXPECT_EQ(failing.system.move_to(0.45), PointStatus::ok);
 
   AnalyzedProblem changing(Family(sfdae_test::changing_structure(0.4).family), 0.2, 0.3);

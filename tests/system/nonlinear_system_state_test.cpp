@@ -50,7 +50,7 @@ PointStatus solve_stages(NonlinearSystem& system, int s, double h, Vector& x) {
   std::copy(start.begin(), start.end(), before.begin());
   x.resize(n * size(s));
   double reached = 0.0;
-  if (system.move_to(h) != PointStatus::ok) return PointStatus::trouble;
+  if (system.move_to(h) != PointStatus::ok) return PointStatus::callback_error;
   return system.solve_stages(
       {radau_method(s).stages, 0.0, h, start.data(), start.data(), {taylor.data(), before.data(), weights.data()}},
       x.data(), w.data(), reached);
@@ -119,7 +119,7 @@ TEST(PrescribedComponents, TroubleAtAnyStageIsTroubleOfTheStep) {
       input = bad;
       Vector x;
       const bool is_met = s > 1 || bad.bad_to > 0.1;  // stages of s = 3: 0.016, 0.064; of s = 5: ..., 0.058, 0.086
-      EXPECT_EQ(solve_stages(*e.system, s, 0.1, x), is_met ? PointStatus::trouble : PointStatus::ok)
+      EXPECT_EQ(solve_stages(*e.system, s, 0.1, x), is_met ? PointStatus::callback_error : PointStatus::ok)
           << s << ", " << bad.bad_from << ", code " << bad.code;
     }
 }

@@ -68,7 +68,7 @@ Step euler(NonlinearSystem& system, const Vector& x0, double t, double tolerance
   Vector rest(x0);
   for (double& value : rest) value *= -c;
   const ConstantGuess guess(system, x0, tolerance);
-  if (system.move_to(t) != PointStatus::ok) return {PointStatus::trouble, x0};
+  if (system.move_to(t) != PointStatus::ok) return {PointStatus::callback_error, x0};
   Vector x(x0);
   const PointStatus status = system.solve({c, rest.data(), rest.data(), guess.guess()}, x.data());
   return {status, x};
