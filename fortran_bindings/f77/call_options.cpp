@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "linalg/index.h"
+
 namespace sfdae::f77 {
 
 namespace {
@@ -178,12 +180,12 @@ int check_continuation(const Arguments& arguments, const Options& options, doubl
 
 core::IntegrationOptions integration_options(const Arguments& arguments, const Options& options) {
   core::IntegrationOptions result;
-  const std::size_t n = static_cast<std::size_t>(arguments.n);
+  const std::size_t n = core::index(arguments.n);
   result.tolerances.rtol.resize(n);
   result.tolerances.atol.resize(n);
   for (int i = 0; i < arguments.n; ++i) {
-    result.tolerances.rtol[static_cast<std::size_t>(i)] = arguments.rtol_of(i);
-    result.tolerances.atol[static_cast<std::size_t>(i)] = arguments.atol_of(i);
+    result.tolerances.rtol[core::index(i)] = arguments.rtol_of(i);
+    result.tolerances.atol[core::index(i)] = arguments.atol_of(i);
   }
   result.method = arguments.method == radau_method ? core::Method::radau : core::Method::bdf;
   result.never_pass_output = arguments.method == radau_method;

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "linalg/archive.h"
+#include "linalg/index.h"
 
 namespace sfdae::f77 {
 
@@ -23,7 +24,7 @@ bool is_whole(double value) { return value == std::floor(value); }
 void CallState::invalidate() { arguments_.iwork.set(word, 0); }
 
 std::size_t CallState::size_of_matrices(bool is_constant) const {
-  const std::size_t n = static_cast<std::size_t>(arguments_.n);
+  const std::size_t n = core::index(arguments_.n);
   return is_constant ? 2 * n * n : 0;
 }
 

@@ -5,6 +5,7 @@
 #include "f77/derivative_stages.h"
 #include "f77/routine.h"
 #include "f77/user_functions.h"
+#include "linalg/index.h"
 
 namespace sfdae::f77 {
 
@@ -22,7 +23,7 @@ int evaluate_stage(const UserFunctions<Integer>& functions, double t, int level,
   if (code == 0) code = functions.call('A', n, t, level, A.data, A.ld);
   if (code == 0) code = functions.call('f', n, t, level, f, n);
   if (code != 0) return code;
-  const bool finite = is_finite(E) && is_finite(A) && core::all_finite(f, static_cast<std::size_t>(n));
+  const bool finite = is_finite(E) && is_finite(A) && core::all_finite(f, core::index(n));
   return finite ? function_ok : function_failed;
 }
 

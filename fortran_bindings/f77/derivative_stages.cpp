@@ -8,6 +8,7 @@
 #include "f77/orthogonal_factors.h"
 #include "f77/user_functions.h"
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "linalg/rank.h"
 #include "problem/failure.h"
 #include "problem/linear_problem.h"
@@ -18,8 +19,6 @@ namespace sfdae::f77 {
 using namespace core;
 
 namespace {
-
-std::size_t size(int i) { return static_cast<std::size_t>(i); }
 
 double binomial(int n, int k) {
   double result = 1.0;
@@ -96,7 +95,7 @@ int rank_of(const Svd& decomposition, double noise, double norm, double& kept) {
 
 void PointDerivatives::fetch(char which, int order, int count, std::vector<std::vector<double>>& values) {
   if (code_ != 0) return;
-  std::vector<double> derivative(size(count), 0.0);
+  std::vector<double> derivative(core::index(count), 0.0);
   code_ = function_(which, order, derivative.data());
   if (code_ == 0 && !all_finite(derivative.data(), derivative.size())) code_ = function_failed;
   values.push_back(std::move(derivative));

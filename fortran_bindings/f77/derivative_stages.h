@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "f77/routine.h"
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "reduction/index_analysis.h"
 
@@ -27,9 +28,9 @@ class PointDerivatives {
   int code() const { return code_; }
   // All orders up to `order`; returns code(). After a failure no function is called any more.
   int fetch(int order);
-  core::ConstView E(int k) const { return {E_[static_cast<std::size_t>(k)].data(), n_, n_, n_}; }
-  core::ConstView A(int k) const { return {A_[static_cast<std::size_t>(k)].data(), n_, n_, n_}; }
-  const double* f(int k) const { return f_[static_cast<std::size_t>(k)].data(); }
+  core::ConstView E(int k) const { return {E_[core::index(k)].data(), n_, n_, n_}; }
+  core::ConstView A(int k) const { return {A_[core::index(k)].data(), n_, n_, n_}; }
+  const double* f(int k) const { return f_[core::index(k)].data(); }
 
  private:
   void fetch(char which, int order, int count, std::vector<std::vector<double>>& values);

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "linalg/index.h"
+
 namespace sfdae::f77 {
 
 namespace {
 
-std::size_t square(int n) { return static_cast<std::size_t>(n) * static_cast<std::size_t>(n); }
+std::size_t square(int n) { return core::index(n) * core::index(n); }
 
 }  // namespace
 

@@ -10,6 +10,7 @@
 #include "f77/routine.h"
 #include "f77/user_functions.h"
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "linalg/rank.h"
 
 namespace sfdae::f77 {
@@ -18,8 +19,6 @@ using namespace core;
 
 namespace {
 
-std::size_t size(int i) { return static_cast<std::size_t>(i); }
-
 // Rows of A y = b made comparable in size, which changes no solution. The factors are powers of two.
 void scale_rows(Matrix& A, std::vector<double>& b) {
   for (int i = 0; i < A.rows(); ++i) {
@@ -27,7 +26,7 @@ void scale_rows(Matrix& A, std::vector<double>& b) {
     if (largest == 0.0) continue;
     const double factor = std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1000, 1000));
     for (int j = 0; j < A.cols(); ++j) A(i, j) *= factor;
-    b[size(i)] *= factor;
+    b[index(i)] *= factor;
   }
 }
 
@@ -38,10 +37,10 @@ bool smallest_solution(const Matrix& AK, const std::vector<double>& b, double no
   const int rank =
       decide_rank(decomposition.s.data(), count, 1, {noise, 1.0, std::max({rows, AK.cols(), 1}), 0.0, 0.0}).rank;
   if (rank < rows) return false;
-  std::vector<double> coefficients(size(rows), 0.0);
+  std::vector<double> coefficients(index(rows), 0.0);
   multiply(1.0, Op::transposed, decomposition.U, b.data(), 0.0, coefficients.data());
-  for (int k = 0; k < rows; ++k) coefficients[size(k)] /= decomposition.s[size(k)];
-  y.assign(size(AK.cols()), 0.0);
+  for (int k = 0; k < rows; ++k) coefficients[index(k)] /= decomposition.s[index(k)];
+  y.assign(index(AK.cols()), 0.0);
   multiply(1.0, Op::plain, decomposition.V.view().columns(0, rows), coefficients.data(), 0.0, y.data());
   return all_finite(y.data(), y.size());
 }
@@ -56,7 +55,7 @@ std::vector<double> residual(ConstView A, const double* f, const double* x) {
 // Orthonormal basis of ker E1, and by how much it multiplies rounding errors: 1 over the smallest singular value kept.
 Matrix null_space(ConstView E1, double& uncertainty) {
   Matrix scaled = to_matrix(E1);
-  std::vector<double> unused(size(E1.rows), 0.0);
+  std::vector<double> unused(index(E1.rows), 0.0);
   scale_rows(scaled, unused);
   const Svd decomposition = svd(scaled);
   const int count = static_cast<int>(decomposition.s.size());
@@ -69,8 +68,8 @@ Matrix null_space(ConstView E1, double& uncertainty) {
 }  // namespace
 
 bool InitialSystem::is_finite() const {
-  return f77::is_finite(E1) && f77::is_finite(A1) && f77::is_finite(A2) && all_finite(f1, size(E1.rows)) &&
-         all_finite(f2, size(A2.rows));
+  return f77::is_finite(E1) && f77::is_finite(A1) && f77::is_finite(A2) && all_finite(f1, index(E1.rows)) &&
+         all_finite(f2, index(A2.rows));
 }
 
 bool make_consistent(const InitialSystem& system, Change change, double* x) {
@@ -111,7 +110,7 @@ int initialise(const StageRanks& ranks, const StageStorage& stage, const Reduced
   if (guarded([&] { return reduce(ranks, {stage.EQ, stage.AQ, stage.FQ}, reduced); }) != 0) return not_reduced;
   const InitialSystem system =
       initial_system(reduced.E.view(n, n), reduced.A.view(n, n), reduced.F, ranks.d, ranks.a);
-  if (!all_finite(start.x, size(n)) || !system.is_finite()) return no_consistent_value;
+  if (!all_finite(start.x, index(n)) || !system.is_finite()) return no_consistent_value;
   const auto solved = [](auto solve) { return guarded([&] { return solve() ? 0 : not_converged; }) == 0; };
   if (!start.take_x && !solved([&] { return make_consistent(system, Change::nearest, start.x); }))
     return no_consistent_value;
@@ -143,7 +142,7 @@ SFDAE_F77_ROUTINE(void, dnfini,
     if (!ranks.possible() || !E.holds(order) || !A.holds(order) || *method < 0 || *method > 1) return argument_error;
     if (*lrwork < std::int64_t{ranks.a} + order) return work_too_small;
     const InitialSystem system = initial_system(E.view(order, order), A.view(order, order), f, ranks.d, ranks.a);
-    if (!system.is_finite() || !sfdae::core::all_finite(x, static_cast<std::size_t>(order))) return not_converged;
+    if (!system.is_finite() || !sfdae::core::all_finite(x, sfdae::core::index(order))) return not_converged;
     const Change change = *method == 0 ? Change::nearest : Change::keep_differential;
     return make_consistent(system, change, x) ? 0 : no_consistent_value;
   });

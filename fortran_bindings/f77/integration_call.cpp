@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "f77/routine.h"
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "problem/failure.h"
 
@@ -58,7 +59,7 @@ int IntegrationCall::dispatch() {
   int result = is_first_call ? code::ok : state_.load(progress_);
   if (result == code::ok) result = read_options(arguments_, is_first_call, options_);
   if (result != code::ok) return result;
-  x_.resize(static_cast<std::size_t>(arguments_.n));
+  x_.resize(core::index(arguments_.n));
   xdot_.resize(x_.size());
   if (is_first_call) return first_call();
   t_ = progress_.t_returned;

@@ -12,6 +12,7 @@
 
 #include "linalg/arena.h"
 #include "linalg/dense.h"
+#include "linalg/index.h"
 
 namespace sfdae::f77 {
 
@@ -20,10 +21,9 @@ using namespace core;
 namespace {
 
 std::vector<double> row_sizes(ConstView a) {
-  std::vector<double> size(static_cast<std::size_t>(a.rows), 0.0);
+  std::vector<double> size(core::index(a.rows), 0.0);
   for (int j = 0; j < a.cols; ++j)
-    for (int i = 0; i < a.rows; ++i)
-      size[static_cast<std::size_t>(i)] = std::max(size[static_cast<std::size_t>(i)], std::fabs(a(i, j)));
+    for (int i = 0; i < a.rows; ++i) size[core::index(i)] = std::max(size[core::index(i)], std::fabs(a(i, j)));
   return size;
 }
 
@@ -37,9 +37,8 @@ std::vector<int> rows_by_size(ConstView a) {
   const std::vector<double> size = row_sizes(a);
   std::vector<int> order(size.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int i, int k) {
-    return size[static_cast<std::size_t>(i)] > size[static_cast<std::size_t>(k)];
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int i, int k) { return size[core::index(i)] > size[core::index(k)]; });
   return order;
 }
 
@@ -69,7 +68,7 @@ void raise_zero_rows(ConstView a, std::vector<double>& factors) {
 Matrix scaled_rows(const std::vector<double>& factors, ConstView a) {
   Matrix result = to_matrix(a);
   for (int j = 0; j < a.cols; ++j)
-    for (int i = 0; i < a.rows; ++i) result(i, j) *= factors[static_cast<std::size_t>(i)];
+    for (int i = 0; i < a.rows; ++i) result(i, j) *= factors[core::index(i)];
   return result;
 }
 
@@ -80,16 +79,16 @@ Matrix orthogonal_factor(ConstView a) {
   const double unit = factor_to_one(max_abs(a));
   Matrix factors(a.rows, a.cols);
   for (int j = 0; j < a.cols; ++j)
-    for (int i = 0; i < a.rows; ++i) factors(i, j) = unit * a(order[static_cast<std::size_t>(i)], j);
+    for (int i = 0; i < a.rows; ++i) factors(i, j) = unit * a(order[core::index(i)], j);
   Arena arena;
   const int count = std::min(a.rows, a.cols);
-  std::vector<int> pivots(static_cast<std::size_t>(a.cols));
-  std::vector<double> tau(static_cast<std::size_t>(count) + 1);
+  std::vector<int> pivots(core::index(a.cols));
+  std::vector<double> tau(core::index(count) + 1);
   factor_qr_pivoted(factors, pivots.data(), tau.data(), arena);
   Matrix sorted(a.rows, a.rows), Q(a.rows, a.rows);
   form_q(factors, count, tau.data(), sorted, arena);
   for (int j = 0; j < a.rows; ++j)
-    for (int i = 0; i < a.rows; ++i) Q(order[static_cast<std::size_t>(i)], j) = sorted(i, j);
+    for (int i = 0; i < a.rows; ++i) Q(order[core::index(i)], j) = sorted(i, j);
   return Q;
 }
 
@@ -100,7 +99,7 @@ Matrix left_factor(ConstView M, ConstView Z) {
   Matrix result(rows, rows);
   if (rank > 0) {
     // Of size 1, for products not to overflow.
-    const std::vector<double> unit(static_cast<std::size_t>(rows), factor_to_one(max_abs(M)));
+    const std::vector<double> unit(core::index(rows), factor_to_one(max_abs(M)));
     const Svd rest = svd(transpose_product(complement, scaled_rows(unit, M)));
     multiply(1.0, Op::plain, complement, Op::plain, rest.U, 0.0, result.view().columns(0, rank));
   }

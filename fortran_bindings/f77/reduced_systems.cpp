@@ -6,6 +6,7 @@
 #include "f77/reduced_system.h"
 #include "f77/routine.h"
 #include "f77/user_functions.h"
+#include "linalg/index.h"
 
 namespace sfdae::f77 {
 
@@ -19,7 +20,7 @@ int evaluate_right_side(const UserFunctions<Integer>& functions, const StageRank
     std::fill_n(f, ranks.n, 0.0);
     const int code = functions.call('f', ranks.n, t, k, f, ranks.n);
     if (code != 0) return code;
-    if (!core::all_finite(f, static_cast<std::size_t>(ranks.n))) return function_failed;
+    if (!core::all_finite(f, core::index(ranks.n))) return function_failed;
   }
   return 0;
 }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <new>
 
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 
 namespace sfdae::f77 {
@@ -73,7 +74,7 @@ struct ConstArray {
 // All entries of the view finite.
 inline bool is_finite(core::ConstView a) {
   for (int j = 0; j < a.cols; ++j)
-    if (!core::all_finite(a.column(j), static_cast<std::size_t>(a.rows))) return false;
+    if (!core::all_finite(a.column(j), core::index(a.rows))) return false;
   return true;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 
 namespace sfdae::f77 {
@@ -19,9 +20,9 @@ sfdae_nonlinear_problem SfndaeProblem::callbacks() {
 }
 
 int SfndaeProblem::evaluate(double t, int order, const double* derivatives, Arrays arrays) {
-  const std::size_t n = static_cast<std::size_t>(n_), area = static_cast<std::size_t>(m_) * n;
+  const std::size_t n = core::index(n_), area = core::index(m_) * n;
   count_point(t, order == 0);
-  jet_.assign(derivatives, derivatives + n * static_cast<std::size_t>(order + 2));
+  jet_.assign(derivatives, derivatives + n * core::index(order + 2));
   // An iteration that diverges: nothing to ask the user about.
   if (!core::all_finite(jet_.data(), jet_.size())) return point_failed;
   arrays.jet = jet_.data();
@@ -33,8 +34,8 @@ int SfndaeProblem::evaluate(double t, int order, const double* derivatives, Arra
   replace(arrays.F_x, unused_x_);
   replace(arrays.F_xdot, unused_xdot_);
   const int code = call_user(t, order, arrays);
-  const bool is_finite = core::all_finite(arrays.F, static_cast<std::size_t>(m_)) &&
-                         core::all_finite(arrays.F_x, area) && core::all_finite(arrays.F_xdot, area);
+  const bool is_finite = core::all_finite(arrays.F, core::index(m_)) && core::all_finite(arrays.F_x, area) &&
+                         core::all_finite(arrays.F_xdot, area);
   return result_of(code == function_ok && !is_finite ? function_failed : code);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "linalg/index.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -68,14 +69,13 @@ CallResult check_prescribed(const AnyProblem& problem) {
   if (problem.num_prescribed == 0) return {};
   if (problem.prescribed == nullptr || problem.prescribed_values == nullptr)
     return illegal_argument("num_prescribed > 0, but prescribed or prescribed_values is NULL.");
-  std::vector<char> seen(static_cast<std::size_t>(n), 0);
+  std::vector<char> seen(index(n), 0);
   for (int i = 0; i < problem.num_prescribed; ++i) {
     const int j = problem.prescribed[i];
     if (j < 0 || j >= n)
       return illegal_argument(format("prescribed[%d] = %d; components are 0 ... %d.", i, j, n - 1));
-    if (seen[static_cast<std::size_t>(j)] != 0)
-      return illegal_argument(format("component %d is prescribed twice.", j));
-    seen[static_cast<std::size_t>(j)] = 1;
+    if (seen[index(j)] != 0) return illegal_argument(format("component %d is prescribed twice.", j));
+    seen[index(j)] = 1;
   }
   return {};
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "c_api/solver.h"
+#include "linalg/index.h"
 
 using namespace sfdae::core;
 
@@ -32,7 +33,7 @@ int sfdae_set_events(sfdae_solver* solver, int num_events, sfdae_event_function 
     if (checked.status != SFDAE_OK) return checked;
     std::unique_ptr<Events> events;
     if (num_events > 0) {
-      std::vector<int> wanted(static_cast<std::size_t>(num_events), 0);
+      std::vector<int> wanted(index(num_events), 0);
       if (directions != nullptr) std::copy_n(directions, num_events, wanted.begin());
       events = std::make_unique<Events>(function, user, std::move(wanted));
     }
@@ -63,7 +64,7 @@ int sfdae_interpolate(sfdae_solver* solver, double t, double* x, double* xdot) {
     solver->integration->want_slopes(xdot != nullptr);
     std::vector<double> slopes;
     if (xdot == nullptr) {
-      slopes.resize(static_cast<std::size_t>(solver->model->n()));
+      slopes.resize(index(solver->model->n()));
       xdot = slopes.data();
     }
     return solver->integration->interpolate(t, x, xdot);

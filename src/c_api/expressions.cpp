@@ -12,6 +12,7 @@
 
 #include "c_api/recording.h"
 #include "expression/kernel.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -85,8 +86,6 @@ void add_term(Recorder& recorder, int& sum, Operation sign, std::pair<int, int> 
   sum = recorder.apply(sign, sum, recorder.apply(Operation::multiply, factors.first, factors.second));
 }
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 int node_of(sfdae_record& record, const sfdae_expression& operand, const std::string& where) {
@@ -120,7 +119,7 @@ void check_outcome(const sfdae_record& record, int returned) {
 
 std::shared_ptr<const Record> record_equations(sfdae_equations_function F, int m, int n, void* user) {
   sfdae_record record(n);
-  std::vector<sfdae_expression> x, xdot, residual(at(m), in(&record, not_set));
+  std::vector<sfdae_expression> x, xdot, residual(index(m), in(&record, not_set));
   for (int j = 0; j < n; ++j) {
     x.push_back(in(&record, record.recorder.unknown(j)));
     xdot.push_back(in(&record, record.recorder.derivative(j)));
@@ -129,7 +128,7 @@ std::shared_ptr<const Record> record_equations(sfdae_equations_function F, int m
   check_outcome(record, F(&record, t, x.data(), xdot.data(), residual.data(), user));
   std::vector<int> residuals;
   for (int i = 0; i < m; ++i) {
-    const sfdae_expression& entry = residual[at(i)];
+    const sfdae_expression& entry = residual[index(i)];
     if (entry.record == &record && entry.node == not_set)
       throw Failure(SFDAE_ILLEGAL_ARGUMENT, format("recording of equations: residual[%d] was not set.", i));
     residuals.push_back(node_of(record, entry, format("residual[%d]", i)));
@@ -142,20 +141,20 @@ std::shared_ptr<const Record> record_linear_equations(sfdae_linear_equations_fun
   sfdae_record record(n);
   Recorder& recorder = record.recorder;
   const sfdae_expression t = in(&record, recorder.time());
-  std::vector<sfdae_expression> E(at(m) * at(n), plain(0.0)), A(E), f(at(m), plain(0.0));
+  std::vector<sfdae_expression> E(index(m) * index(n), plain(0.0)), A(E), f(index(m), plain(0.0));
   check_outcome(record, coefficients(&record, t, E.data(), A.data(), f.data(), user));
   std::vector<int> residuals;
   for (int i = 0; i < m; ++i) {
     int residual = recorder.constant(0.0);
     for (int j = 0; j < n; ++j) {
-      const std::size_t entry = at(i) + at(j) * at(m);
+      const std::size_t entry = index(i) + index(j) * index(m);
       const int E_ij = node_of(record, E[entry], format("E(%d, %d)", i, j));
       const int A_ij = node_of(record, A[entry], format("A(%d, %d)", i, j));
       if (record.status != SFDAE_OK) break;
       add_term(recorder, residual, Operation::add, {E_ij, recorder.derivative(j)});
       add_term(recorder, residual, Operation::subtract, {A_ij, recorder.unknown(j)});
     }
-    const int f_i = node_of(record, f[at(i)], format("f(%d)", i));
+    const int f_i = node_of(record, f[index(i)], format("f(%d)", i));
     if (record.status == SFDAE_OK) residual = recorder.apply(Operation::subtract, residual, f_i);
     residuals.push_back(residual);
   }

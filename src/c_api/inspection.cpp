@@ -8,6 +8,7 @@
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "multibody/multibody_derivative_check.h"
 #include "problem/derivative_check.h"
@@ -289,7 +290,7 @@ int sfdae_check_total_derivatives(sfdae_solver* solver, double t, const double* 
       return illegal_argument(
           format("t = %g, max_order = %d: it must be 0 ... %d.", t, max_order, max_derivative_order));
     if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
-    const std::size_t count = static_cast<std::size_t>(solver->model->n()) * static_cast<std::size_t>(max_order + 2);
+    const std::size_t count = index(solver->model->n()) * index(max_order + 2);
     if (derivatives == nullptr) return illegal_argument("derivatives is NULL.");
     if (!all_finite(derivatives, count)) return illegal_argument("derivatives contains NaN or Inf.");
     auto* callback = dynamic_cast<CallbackProblem*>(solver->model->nonlinear());
@@ -308,8 +309,7 @@ int sfdae_check_multibody_derivatives(sfdae_solver* solver, double t, const doub
     if (callbacks == nullptr) return illegal_argument("recorded equations are differentiated by the library.");
     if (q == nullptr || v == nullptr) return illegal_argument("q or v is NULL.");
     const MultibodySizes& sizes = callbacks->sizes();
-    if (!all_finite(q, static_cast<std::size_t>(sizes.positions)) ||
-        !all_finite(v, static_cast<std::size_t>(sizes.velocities)))
+    if (!all_finite(q, index(sizes.positions)) || !all_finite(v, index(sizes.velocities)))
       return illegal_argument("q or v contains NaN or Inf.");
     return report_mismatch(check_multibody_derivatives(*callbacks, t, q, v), result);
   });

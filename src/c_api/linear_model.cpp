@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "problem/failure.h"
 #include "system/change_watch.h"
@@ -67,7 +68,7 @@ Consistent LinearModel::consistent_values(DaeSystem& any_system, const SolverOpt
   ConsistencyRequest request = options.consistency;
   request.set_tolerances(integration.tolerances.rtol, integration.tolerances.atol, point.x);
   const ConsistencyResult found = make_consistent(system, request, result.x);
-  result.xdot.resize(static_cast<std::size_t>(n()));
+  result.xdot.resize(index(n()));
   const bool exact = system.consistent_derivative(result.x.data(), point.toward < t ? -1.0 : 1.0, result.xdot.data());
   demand_finite_derivative(result.xdot, t);
   result.report = {sizeof(sfdae_initial_report),

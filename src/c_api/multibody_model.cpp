@@ -7,6 +7,7 @@
 
 #include "c_api/model.h"
 #include "c_api/multibody_recording.h"
+#include "linalg/index.h"
 #include "multibody/multibody_changes.h"
 #include "multibody/multibody_consistency.h"
 #include "problem/failure.h"
@@ -65,7 +66,7 @@ class MultibodyModel final : public Model {
                                const PointOfInterest& point) override {
     auto& system = static_cast<MultibodySystem&>(any_system);
     const MultibodySizes& sizes = problem_->sizes();
-    const std::size_t n = static_cast<std::size_t>(sizes.unknowns());
+    const std::size_t n = index(sizes.unknowns());
     const std::vector<double> given(point.x, point.x + n);
     ConsistencyRequest request = options.consistency;
     const Tolerances& tolerances = options.integration.tolerances;
@@ -83,7 +84,7 @@ class MultibodyModel final : public Model {
     result.x.insert(result.x.end(), found.mu.begin(), found.mu.begin() + sizes.constraints());
     keep_fixed(request, point.t, given, result.x);
     ConsistencyResult change;
-    const std::size_t size = static_cast<std::size_t>(system.leading_size());
+    const std::size_t size = index(system.leading_size());
     double sum = 0.0;
     for (std::size_t i = 0; i < size; ++i) sum += std::pow(result.x[i] - given[i], 2);
     change.residual_before = std::sqrt(sum);
@@ -138,7 +139,7 @@ class MultibodyModel final : public Model {
                   std::vector<double>& x) const {
     constexpr double fixed_tolerance = 1e-9;
     if (request.kind != InitialValues::fixed) return;
-    const std::size_t size = static_cast<std::size_t>(problem_->sizes().positions + problem_->sizes().velocities);
+    const std::size_t size = index(problem_->sizes().positions + problem_->sizes().velocities);
     double largest = 0.0;
     for (std::size_t i = size; i < x.size(); ++i) largest = std::max(largest, std::fabs(x[i]));
     for (std::size_t i = 0; i < x.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "c_api/recording.h"
+#include "linalg/index.h"
 #include "multibody/multibody_callbacks.h"
 #include "multibody/multibody_recorded.h"
 #include "problem/failure.h"
@@ -14,10 +15,8 @@ namespace sfdae::core {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 std::vector<sfdae_expression> zeros(int rows, int columns = 1) {
-  return std::vector<sfdae_expression>(at(rows) * at(columns), plain(0.0));
+  return std::vector<sfdae_expression>(index(rows) * index(columns), plain(0.0));
 }
 
 std::vector<sfdae_expression> unknowns(sfdae_record& record, int first, int count) {
@@ -47,12 +46,12 @@ std::vector<int> nodes_of(sfdae_record& record, const std::vector<sfdae_expressi
 
 // By node.
 std::vector<char> depends_on_velocities(const Recorder& recorder, int first_velocity) {
-  std::vector<char> depends(at(recorder.num_nodes()), 0);
+  std::vector<char> depends(index(recorder.num_nodes()), 0);
   for (int i = 0; i < recorder.num_nodes(); ++i) {
     const Node& node = recorder.node(i);
-    if (node.operation == Operation::unknown && node.a >= first_velocity) depends[at(i)] = 1;
+    if (node.operation == Operation::unknown && node.a >= first_velocity) depends[index(i)] = 1;
     for (int k = 0; k < num_operands(node.operation); ++k)
-      if (depends[at(node.operand(k))] != 0) depends[at(i)] = 1;
+      if (depends[index(node.operand(k))] != 0) depends[index(i)] = 1;
   }
   return depends;
 }
@@ -65,7 +64,7 @@ std::unique_ptr<MultibodyProblem> recorded_problem(const sfdae_multibody_problem
   const sfdae_expression t = in(&record, record.recorder.time());
   std::vector<sfdae_expression> M = zeros(nv, nv), f = zeros(nv), g = zeros(nl), S = zeros(nq, nv), H = zeros(nk, nv),
                                 h = zeros(nk);
-  for (int j = 0; nq == nv && j < nv; ++j) S[at(j) * at(nq + 1)] = plain(1.0);
+  for (int j = 0; nq == nv && j < nv; ++j) S[index(j) * index(nq + 1)] = plain(1.0);
   const sfdae_multibody_formulas places{M.data(), f.data(), g.data(), S.data(), H.data(), h.data()};
   check_outcome(record, problem.equations(&record, t, q.data(), v.data(), &places, problem.user));
   const MultibodyFormulas formulas{sizes,
@@ -78,7 +77,7 @@ std::unique_ptr<MultibodyProblem> recorded_problem(const sfdae_multibody_problem
   const std::vector<char> depends = depends_on_velocities(record.recorder, nq);
   const auto demand_independence = [&](const std::vector<int>& nodes, const Shape& shape) {
     for (std::size_t place = 0; place < nodes.size(); ++place)
-      if (depends[at(nodes[place])] != 0)
+      if (depends[index(nodes[place])] != 0)
         throw Failure(SFDAE_ILLEGAL_ARGUMENT, "recording of equations: " + shape.entry(place) +
                                                   " depends on v. Only f may: M, g, S, H and h depend on t and q.");
   };

@@ -6,6 +6,7 @@
 #include "c_api/expressions.h"
 #include "c_api/linear_model.h"
 #include "c_api/model.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 #include "problem/recorded_linear.h"
 #include "system/nonlinear_changes.h"
@@ -92,7 +93,7 @@ class NonlinearModel final : public Model {
     system.apply_inputs();
     result.x.assign(system.jet().x.data(), system.jet().x.data() + n());
     if (request.kind == InitialValues::accept) result.x.assign(point.x, point.x + n());
-    result.xdot.resize(static_cast<std::size_t>(n()));
+    result.xdot.resize(index(n()));
     const bool exact =
         system.consistent_derivative(result.x.data(), point.toward < t ? -1.0 : 1.0, result.xdot.data());
     demand_finite_derivative(result.xdot, t);

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "c_api/structs.h"
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 
 namespace sfdae::core {
@@ -15,7 +16,7 @@ namespace {
 
 CallResult not_started(const char* first) { return {SFDAE_NOT_STARTED, format("call %s first.", first)}; }
 
-bool finite_vector(const double* values, int n) { return all_finite(values, static_cast<std::size_t>(n)); }
+bool finite_vector(const double* values, int n) { return all_finite(values, index(n)); }
 
 // Nothing is evaluated beyond the stop time, and differences stay on this side of the start.
 void set_limits(sfdae_solver& solver, double t, double direction) {
@@ -154,7 +155,7 @@ CallResult advance(sfdae_solver* solver, double tout, bool one_step, double* t, 
   solver->integration->want_slopes(xdot != nullptr);
   std::vector<double> slopes;
   if (xdot == nullptr) {
-    slopes.resize(static_cast<std::size_t>(solver->model->n()));
+    slopes.resize(index(solver->model->n()));
     xdot = slopes.data();
   }
   return solver->integration->advance(tout, one_step, *t, x, xdot);

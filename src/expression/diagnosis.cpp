@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "expression/series.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -16,8 +17,6 @@ namespace sfdae::core {
 namespace {
 
 using Kind = EvaluationFailure::Kind;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // -1: all coefficients are finite.
 int first_bad_order(const double* series, int order) {
@@ -36,11 +35,11 @@ class Search {
   EvaluationFailure result() {
     const std::vector<int> nodes = chosen_nodes();
     for (int i : nodes) {
-      const int k = first_bad_order(slots_[tape_.slot_of[at(i)]], order_);
+      const int k = first_bad_order(slots_[tape_.slot_of[index(i)]], order_);
       if (k >= 0) return k == 0 ? undefined(i) : not_smooth(i, k);
     }
     for (int i : nodes)
-      for (int slot : {tape_.p_of[at(i)], tape_.q_of[at(i)]})
+      for (int slot : {tape_.p_of[index(i)], tape_.q_of[index(i)]})
         if (slot >= 0 && record_.is_active(i) && first_bad_order(slots_[slot], failed_.order_of_gradients) >= 0)
           return not_smooth(i, 1);
     return {Kind::not_finite, failed_.equation, "", "overflow" + in_equation()};
@@ -66,7 +65,7 @@ class Search {
     return {found.begin(), found.end()};
   }
 
-  double value(int node) const { return *slots_[tape_.slot_of[at(node)]]; }
+  double value(int node) const { return *slots_[tape_.slot_of[index(node)]]; }
   std::string in_equation() const { return " in " + record_.name(failed_.equation); }
 
   // "log of -1"
@@ -76,7 +75,7 @@ class Search {
       case Operation::divide: return format("division of %.6g by %.6g", value(node.a), value(node.b));
       case Operation::power: return format("%s %.6g^%.6g", name, value(node.a), value(node.b));
       case Operation::log_of_base: return format("%s of %.6g with a variable exponent", name, value(node.a));
-      case Operation::parameter: return "parameter " + record_.parameters()[at(node.a)].name;
+      case Operation::parameter: return "parameter " + record_.parameters()[index(node.a)].name;
       default: break;
     }
     if (num_operands(node.operation) == 2) return format("%s of %.6g and %.6g", name, value(node.a), value(node.b));

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "linalg/index.h"
+
 namespace sfdae::core {
 
 Dependence dependence_of(const Node& node, const Dependence* operands) {
@@ -52,14 +54,13 @@ Record::Record(Parts parts) : parts_(std::move(parts)) {
       // A choice between numbers has no derivative, and jumps.
       if (carrier.operation == Operation::choose && is_active(carrier.a)) jumps_ = true;
       if (!is_leaf(carrier.operation)) continue;
-      entries_[static_cast<std::size_t>(i)].push_back(
-          {carrier.a, carrier.operation == Operation::derivative, adjoint.dependence});
+      entries_[index(i)].push_back({carrier.a, carrier.operation == Operation::derivative, adjoint.dependence});
     }
 }
 
 std::string Record::name(int equation) const {
   if (parts_.names.empty()) return "equation " + std::to_string(equation);
-  return parts_.names[static_cast<std::size_t>(equation)];
+  return parts_.names[index(equation)];
 }
 
 bool Record::is_linear() const {
@@ -78,16 +79,14 @@ bool Record::is_constant(bool derivative) const {
 }
 
 BackwardWalk::BackwardWalk(const Record& record)
-    : record_(record),
-      visited_(static_cast<std::size_t>(record.num_nodes()), -1),
-      dependence_(static_cast<std::size_t>(record.num_nodes())) {}
+    : record_(record), visited_(index(record.num_nodes()), -1), dependence_(index(record.num_nodes())) {}
 
 const std::vector<Adjoint>& BackwardWalk::walk(int equation) {
   adjoints_.clear();
   const auto visit = [&](int node) {
-    if (!record_.is_active(node) || visited_[static_cast<std::size_t>(node)] == equation) return;
-    visited_[static_cast<std::size_t>(node)] = equation;
-    dependence_[static_cast<std::size_t>(node)] = 0;
+    if (!record_.is_active(node) || visited_[index(node)] == equation) return;
+    visited_[index(node)] = equation;
+    dependence_[index(node)] = 0;
     adjoints_.push_back({node, 0});
     stack_.push_back(node);
   };
@@ -100,11 +99,10 @@ const std::vector<Adjoint>& BackwardWalk::walk(int equation) {
   // Operands come before the node, so this order is one in which every adjoint is complete when it is reached.
   std::sort(adjoints_.begin(), adjoints_.end(), [](const Adjoint& v, const Adjoint& w) { return v.node > w.node; });
   for (Adjoint& adjoint : adjoints_) {
-    adjoint.dependence = dependence_[static_cast<std::size_t>(adjoint.node)];
+    adjoint.dependence = dependence_[index(adjoint.node)];
     const Node& node = record_.node(adjoint.node);
     for (int k = first_differentiated(node.operation); k < num_operands(node.operation); ++k)
-      dependence_[static_cast<std::size_t>(node.operand(k))] |=
-          adjoint.dependence | dependence_of_partial(record_, adjoint.node, k);
+      dependence_[index(node.operand(k))] |= adjoint.dependence | dependence_of_partial(record_, adjoint.node, k);
   }
   return adjoints_;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "expression/operation.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
@@ -52,17 +53,17 @@ class Record {
   int m() const { return static_cast<int>(parts_.residuals.size()); }
   int n() const { return parts_.num_unknowns; }
   int num_nodes() const { return static_cast<int>(parts_.nodes.size()); }
-  const Node& node(int i) const { return parts_.nodes[static_cast<std::size_t>(i)]; }
-  Dependence dependence(int i) const { return dependence_[static_cast<std::size_t>(i)]; }
+  const Node& node(int i) const { return parts_.nodes[index(i)]; }
+  Dependence dependence(int i) const { return dependence_[index(i)]; }
   bool is_active(int i) const { return (dependence(i) & on_state) != 0; }
-  double constant(int i) const { return parts_.constants[static_cast<std::size_t>(i)]; }
-  int residual(int equation) const { return parts_.residuals[static_cast<std::size_t>(equation)]; }
+  double constant(int i) const { return parts_.constants[index(i)]; }
+  int residual(int equation) const { return parts_.residuals[index(equation)]; }
   // As messages call it.
   std::string name(int equation) const;
   const std::vector<Parameter>& parameters() const { return parts_.parameters; }
 
   // Sparsity of F_x and F_x'.
-  const std::vector<Entry>& entries(int equation) const { return entries_[static_cast<std::size_t>(equation)]; }
+  const std::vector<Entry>& entries(int equation) const { return entries_[index(equation)]; }
 
   // F is affine in (x, x') with coefficients that depend on t and parameters only. Judged by form: x1 x1 - x1 x1
   // counts as nonlinear.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "expression/kernel.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
@@ -29,7 +30,7 @@ std::size_t Recorder::Hash::operator()(const std::array<int, 4>& key) const {
 
 std::optional<double> Recorder::number(int i) const {
   if (!is(i, Operation::constant)) return std::nullopt;
-  return parts_.constants[static_cast<std::size_t>(node(i).a)];
+  return parts_.constants[index(node(i).a)];
 }
 
 int Recorder::intern(const Node& node) {
@@ -146,7 +147,7 @@ int Recorder::power(int a, int b) {
     if (*exponent == std::floor(*exponent) && std::fabs(*exponent) <= highest_product)
       return integer_power(a, static_cast<int>(*exponent));
   }
-  if (!varies_in_time(dependence_[static_cast<std::size_t>(b)])) return intern({Operation::power, a, b});
+  if (!varies_in_time(dependence_[index(b)])) return intern({Operation::power, a, b});
   return apply(Operation::exp, apply(Operation::multiply, b, apply(Operation::log_of_base, a)));
 }
 

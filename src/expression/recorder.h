@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "expression/record.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
@@ -36,7 +37,7 @@ class Recorder {
   int abs(int a) { return apply(Operation::choose, apply(Operation::negate, a), apply(Operation::negate, a), a); }
 
   int num_parameters() const { return static_cast<int>(parts_.parameters.size()); }
-  const Node& node(int i) const { return parts_.nodes[static_cast<std::size_t>(i)]; }
+  const Node& node(int i) const { return parts_.nodes[index(i)]; }
   // The value of a constant.
   std::optional<double> number(int i) const;
 

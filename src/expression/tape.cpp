@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "linalg/index.h"
+
 namespace sfdae::core {
 
 Code code_of(Operation operation) {
@@ -35,8 +37,6 @@ Code code_of(Operation operation) {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 // Its derivative is neither a number nor a value that is there anyway.
 bool has_slope(Code code) {
   switch (code) {
@@ -53,12 +53,12 @@ bool has_slope(Code code) {
 
 // Nodes that equations depend on.
 std::vector<bool> live_nodes(const Record& record) {
-  std::vector<bool> live(at(record.num_nodes()), false);
-  for (int i = 0; i < record.m(); ++i) live[at(record.residual(i))] = true;
+  std::vector<bool> live(index(record.num_nodes()), false);
+  for (int i = 0; i < record.m(); ++i) live[index(record.residual(i))] = true;
   for (int i = record.num_nodes() - 1; i >= 0; --i) {
-    if (!live[at(i)]) continue;
+    if (!live[index(i)]) continue;
     const Node& node = record.node(i);
-    for (int k = 0; k < num_operands(node.operation); ++k) live[at(node.operand(k))] = true;
+    for (int k = 0; k < num_operands(node.operation); ++k) live[index(node.operand(k))] = true;
   }
   return live;
 }
@@ -69,15 +69,15 @@ class Builder {
 
   void build() {
     const std::vector<bool> live = live_nodes(record_);
-    for (auto* list : {&tape_.slot_of, &tape_.p_of, &tape_.q_of}) list->assign(at(record_.num_nodes()), -1);
-    partner_.assign(at(record_.num_nodes()), -1);
+    for (auto* list : {&tape_.slot_of, &tape_.p_of, &tape_.q_of}) list->assign(index(record_.num_nodes()), -1);
+    partner_.assign(index(record_.num_nodes()), -1);
     for (int i = 0; i < record_.num_nodes(); ++i) {
-      if (!live[at(i)]) continue;
+      if (!live[index(i)]) continue;
       if (is_leaf(record_.node(i).operation)) add_leaf(i);
       else add_instruction(i);
     }
     for (int i = 0; i < record_.m(); ++i) tape_.residuals.push_back(slot(record_.residual(i)));
-    touched_.assign(at(tape_.num_slots), -1);
+    touched_.assign(index(tape_.num_slots), -1);
     BackwardWalk backward(record_);
     for (int i = 0; i < record_.m(); ++i) add_edges(i, backward.walk(i));
     tape_.first_edge.push_back(tape_.edges.size());
@@ -85,12 +85,12 @@ class Builder {
   }
 
  private:
-  int slot(int node) const { return node < 0 ? -1 : tape_.slot_of[at(node)]; }
+  int slot(int node) const { return node < 0 ? -1 : tape_.slot_of[index(node)]; }
   bool is_number(int node) const { return !varies_in_time(record_.dependence(node)); }
 
   void add_leaf(int i) {
     const Node& node = record_.node(i);
-    const int slot = tape_.slot_of[at(i)] = tape_.num_slots++;
+    const int slot = tape_.slot_of[index(i)] = tape_.num_slots++;
     switch (node.operation) {
       case Operation::constant: tape_.constants.push_back({slot, node.a}); break;
       case Operation::parameter: tape_.parameters.push_back({slot, node.a}); break;
@@ -115,12 +115,12 @@ class Builder {
     if (has_slope(instruction.code)) instruction.p = tape_.num_slots++;
     if (instruction.code == Code::divide || instruction.code == Code::atan2) instruction.q = tape_.num_slots++;
     if (instruction.code == Code::choose && record_.is_active(i)) tape_.has_choices = true;
-    tape_.slot_of[at(i)] = instruction.v;
-    tape_.p_of[at(i)] = instruction.p;
-    tape_.q_of[at(i)] = instruction.q;
+    tape_.slot_of[index(i)] = instruction.v;
+    tape_.p_of[index(i)] = instruction.p;
+    tape_.q_of[index(i)] = instruction.q;
     if (node.operation == Operation::cos || node.operation == Operation::cosh) {
-      tape_.slot_of[at(i)] = instruction.p;
-      tape_.p_of[at(i)] = instruction.v;
+      tape_.slot_of[index(i)] = instruction.p;
+      tape_.p_of[index(i)] = instruction.v;
     }
     section(i).push_back(instruction);
   }
@@ -129,19 +129,19 @@ class Builder {
   bool share(int i) {
     const Node& node = record_.node(i);
     const bool is_circular = node.operation == Operation::sin || node.operation == Operation::cos;
-    auto& partner = is_circular ? partner_[at(node.a)] : hyperbolic_partner(node.a);
+    auto& partner = is_circular ? partner_[index(node.a)] : hyperbolic_partner(node.a);
     if (partner < 0) {
       partner = i;
       return false;
     }
-    tape_.slot_of[at(i)] = tape_.p_of[at(partner)];
-    tape_.p_of[at(i)] = tape_.slot_of[at(partner)];
+    tape_.slot_of[index(i)] = tape_.p_of[index(partner)];
+    tape_.p_of[index(i)] = tape_.slot_of[index(partner)];
     return true;
   }
 
   int& hyperbolic_partner(int node) {
-    if (hyperbolic_partner_.empty()) hyperbolic_partner_.assign(at(record_.num_nodes()), -1);
-    return hyperbolic_partner_[at(node)];
+    if (hyperbolic_partner_.empty()) hyperbolic_partner_.assign(index(record_.num_nodes()), -1);
+    return hyperbolic_partner_[index(node)];
   }
 
   // Products and quotients with numbers.
@@ -156,7 +156,7 @@ class Builder {
     tape_.first_edge.push_back(tape_.edges.size());
     tape_.first_target.push_back(tape_.targets.size());
     equation_ = equation;
-    if (!adjoints.empty()) touched_[at(slot(adjoints.front().node))] = equation;
+    if (!adjoints.empty()) touched_[index(slot(adjoints.front().node))] = equation;
     for (const Adjoint& adjoint : adjoints) {
       const Node& node = record_.node(adjoint.node);
       from_number_ = !varies_in_time(adjoint.dependence);
@@ -168,7 +168,7 @@ class Builder {
 
   void add_edges_of(int i) {
     const Node& node = record_.node(i);
-    const int p = tape_.p_of[at(i)], q = tape_.q_of[at(i)];
+    const int p = tape_.p_of[index(i)], q = tape_.q_of[index(i)];
     switch (node.operation) {
       case Operation::negate: return add_edge(EdgeCode::negate, i, node.a, -1);
       case Operation::add: add_edge(EdgeCode::pass, i, node.a, -1); return add_edge(EdgeCode::pass, i, node.b, -1);
@@ -195,8 +195,8 @@ class Builder {
 
   void add_edge(EdgeCode code, int from, int to, int factor) {
     if (!record_.is_active(to)) return;
-    const bool is_first = touched_[at(slot(to))] != equation_;
-    touched_[at(slot(to))] = equation_;
+    const bool is_first = touched_[index(slot(to))] != equation_;
+    touched_[index(slot(to))] = equation_;
     tape_.edges.push_back({code, is_first, from_number_, slot(from), slot(to), factor});
   }
 

@@ -10,12 +10,11 @@
 #include "expression/edges.h"
 #include "expression/kernel.h"
 #include "expression/quiet_arithmetic.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 using series::Fixed;
 
@@ -60,12 +59,12 @@ TaylorEvaluator::TaylorEvaluator(std::shared_ptr<const Record> record) : record_
 
 std::optional<int> TaylorEvaluator::find_parameter(const std::string& name) const {
   for (int i = 0; i < num_parameters(); ++i)
-    if (record_->parameters()[at(i)].name == name) return i;
+    if (record_->parameters()[index(i)].name == name) return i;
   return std::nullopt;
 }
 
-void TaylorEvaluator::set_parameter(int index, double value) {
-  parameters_[at(index)] = value;
+void TaylorEvaluator::set_parameter(int i, double value) {
+  parameters_[index(i)] = value;
   parameters_changed_ = true;
 }
 
@@ -89,24 +88,24 @@ bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders
 void TaylorEvaluator::reserve(int order) {
   if (order < stride_) return;
   stride_ = order + 1;
-  slots_.assign(at(tape_.num_slots) * at(stride_), 0.0);
-  adjoints_.assign(at(tape_.num_slots) * at(stride_), 0.0);
+  slots_.assign(index(tape_.num_slots) * index(stride_), 0.0);
+  adjoints_.assign(index(tape_.num_slots) * index(stride_), 0.0);
   program_ = {in_offsets(tape_.of_parameters, stride_), in_offsets(tape_.of_time, stride_),
               in_offsets(tape_.of_state, stride_), in_offsets(tape_.edges, stride_)};
   for (const Tape::Number& constant : tape_.constants)
-    slots_[at(constant.slot) * at(stride_)] = record_->constant(constant.index);
+    slots_[index(constant.slot) * index(stride_)] = record_->constant(constant.index);
   parameters_changed_ = true;
   time_order_ = -1;
 }
 
 bool TaylorEvaluator::load(double t, const double* jet, int order) {
   bool finite = std::isfinite(t);
-  const std::size_t n = at(record_->n());
+  const std::size_t n = index(record_->n());
   for (const Tape::Leaf& leaf : tape_.leaves) {
-    double* const to = slots_.data() + at(leaf.slot) * at(stride_);
+    double* const to = slots_.data() + index(leaf.slot) * index(stride_);
     const double* const from = jet + leaf.unknown + (leaf.derivative ? n : 0);
     for (int k = 0; k <= order; ++k) {
-      to[k] = leaf.derivative ? (k + 1) * from[at(k) * n] : from[at(k) * n];
+      to[k] = leaf.derivative ? (k + 1) * from[index(k) * n] : from[index(k) * n];
       finite = finite && std::isfinite(to[k]);
     }
   }
@@ -119,7 +118,7 @@ void TaylorEvaluator::run(double t, int order, bool with_slopes) {
   double* const slots = slots_.data();
   if (parameters_changed_) {
     for (const Tape::Number& parameter : tape_.parameters)
-      slots[at(parameter.slot) * at(stride_)] = parameters_[at(parameter.index)];
+      slots[index(parameter.slot) * index(stride_)] = parameters_[index(parameter.index)];
     // Coefficients of higher order stay 0.
     execute_all<false>(program_.of_parameters, slots, 0);
     parameters_changed_ = false;
@@ -127,8 +126,8 @@ void TaylorEvaluator::run(double t, int order, bool with_slopes) {
   }
   if (t != time_ || order > time_order_) {
     if (tape_.time >= 0) {
-      slots[at(tape_.time) * at(stride_)] = t;
-      if (order > 0) slots[at(tape_.time) * at(stride_) + 1] = 1.0;
+      slots[index(tape_.time) * index(stride_)] = t;
+      if (order > 0) slots[index(tape_.time) * index(stride_) + 1] = 1.0;
     }
     execute_all<false>(program_.of_time, slots, order);
     time_ = t;
@@ -142,10 +141,10 @@ bool TaylorEvaluator::write_values(int order, double* F) {
   if (order < 0) return true;
   const int m = record_->m();
   for (int i = 0; i < m; ++i) {
-    const double* const from = slots_.data() + at(tape_.residuals[at(i)]) * at(stride_);
+    const double* const from = slots_.data() + index(tape_.residuals[index(i)]) * index(stride_);
     bool finite = true;
     for (int k = 0; k <= order; ++k) {
-      F[at(i) + at(k) * at(m)] = from[k];
+      F[index(i) + index(k) * index(m)] = from[k];
       finite = finite && std::isfinite(from[k]);
     }
     if (!finite) return fail(i, order, -1);
@@ -157,22 +156,22 @@ bool TaylorEvaluator::write_gradients(SeriesOrders orders, double* F_xdot, doubl
                                       const std::vector<int>* limits) {
   const int order = orders.of_gradients();
   if (order < 0) return true;
-  const std::size_t area = at(record_->m()) * at(record_->n());
-  std::fill_n(F_xdot, area * at(orders.F_xdot + 1), 0.0);
-  std::fill_n(F_x, area * at(orders.F_x + 1), 0.0);
+  const std::size_t area = index(record_->m()) * index(record_->n());
+  std::fill_n(F_xdot, area * index(orders.F_xdot + 1), 0.0);
+  std::fill_n(F_x, area * index(orders.F_x + 1), 0.0);
   double* const adjoints = adjoints_.data();
   const auto sweep = [&](int i, auto G) {
-    double* const seed = adjoints + at(tape_.residuals[at(i)]) * at(stride_);
+    double* const seed = adjoints + index(tape_.residuals[index(i)]) * index(stride_);
     for (int k = 0; k <= G; ++k) seed[k] = 0.0;
     seed[0] = 1.0;
-    const Edge* const first = program_.edges.data() + tape_.first_edge[at(i)];
-    const Edge* const last = program_.edges.data() + tape_.first_edge[at(i + 1)];
+    const Edge* const first = program_.edges.data() + tape_.first_edge[index(i)];
+    const Edge* const last = program_.edges.data() + tape_.first_edge[index(i + 1)];
     if (tape_.has_choices) follow<true>(first, last, slots_.data(), adjoints, G);
     else follow<false>(first, last, slots_.data(), adjoints, G);
   };
   if (limits != nullptr && !limits->empty()) {
     for (int i = 0; i < record_->m(); ++i) {
-      const int limit = (*limits)[at(i)], own = std::min(order, limit);
+      const int limit = (*limits)[index(i)], own = std::min(order, limit);
       with_order(own, [&](auto G) { sweep(i, G); });
       const SeriesOrders wanted{orders.F, std::min(orders.F_xdot, limit), std::min(orders.F_x, limit)};
       if (!write_targets(i, wanted, F_xdot, F_x)) return fail(i, orders.F, own);
@@ -190,15 +189,15 @@ bool TaylorEvaluator::write_gradients(SeriesOrders orders, double* F_xdot, doubl
 
 // Entries of one row; false if one is not finite.
 bool TaylorEvaluator::write_targets(int equation, SeriesOrders orders, double* F_xdot, double* F_x) const {
-  const std::size_t m = at(record_->m()), area = m * at(record_->n());
+  const std::size_t m = index(record_->m()), area = m * index(record_->n());
   bool finite = true;
-  for (std::size_t e = tape_.first_target[at(equation)]; e < tape_.first_target[at(equation + 1)]; ++e) {
+  for (std::size_t e = tape_.first_target[index(equation)]; e < tape_.first_target[index(equation + 1)]; ++e) {
     const Tape::Leaf& leaf = tape_.targets[e];
-    const double* const from = adjoints_.data() + at(leaf.slot) * at(stride_);
-    double* const to = (leaf.derivative ? F_xdot : F_x) + at(equation) + at(leaf.unknown) * m;
+    const double* const from = adjoints_.data() + index(leaf.slot) * index(stride_);
+    double* const to = (leaf.derivative ? F_xdot : F_x) + index(equation) + index(leaf.unknown) * m;
     const int order = leaf.derivative ? orders.F_xdot : orders.F_x;
     for (int k = 0; k <= order; ++k) {
-      to[at(k) * area] = from[k];
+      to[index(k) * area] = from[k];
       finite = finite && std::isfinite(from[k]);
     }
   }

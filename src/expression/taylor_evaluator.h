@@ -18,6 +18,7 @@
 #include "expression/diagnosis.h"
 #include "expression/record.h"
 #include "expression/tape.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
@@ -49,8 +50,8 @@ class TaylorEvaluator {
 
   int num_parameters() const { return static_cast<int>(parameters_.size()); }
   std::optional<int> find_parameter(const std::string& name) const;
-  double parameter(int index) const { return parameters_[static_cast<std::size_t>(index)]; }
-  void set_parameter(int index, double value);
+  double parameter(int i) const { return parameters_[index(i)]; }
+  void set_parameter(int i, double value);
 
  private:
   // Indices that are slots in a tape are offsets here.

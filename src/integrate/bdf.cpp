@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "integrate/newton_polynomial.h"
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 
 namespace sfdae::core {
@@ -14,8 +15,6 @@ namespace sfdae::core {
 namespace {
 
 using Vector = std::vector<double>;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // alpha_k = 1 + 1/2 + ... + 1/k, the leading coefficient of BDF k for equal steps.
 constexpr double alpha[max_bdf_order + 1] = {0.0, 1.0, 1.5, 11.0 / 6.0, 25.0 / 12.0, 137.0 / 60.0};
@@ -99,8 +98,7 @@ void Bdf::start(StrangenessFreeSystem& system, const StartingPoint& point, doubl
 }
 
 void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
-  const std::size_t n = static_cast<std::size_t>(system.unknowns()),
-                    size_w = static_cast<std::size_t>(system.leading_size());
+  const std::size_t n = index(system.unknowns()), size_w = index(system.leading_size());
   // More points than the highest order needs are not kept.
   int points = std::min(points_, max_order_ + 3);
   archive.small(points, fictitious_, last_order_);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/checkpoint.h"
 
+#include "linalg/index.h"
 #include "problem/failure.h"
 #include "system/change_watch.h"
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "linalg/index.h"
 #include "linalg/rank.h"
 
 namespace sfdae::core {
@@ -16,8 +17,6 @@ namespace {
 constexpr double rounding_safety = 100.0;
 // Stands for 1 / 0, so that any error is too large but nothing overflows.
 constexpr double no_tolerance = 1e200;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

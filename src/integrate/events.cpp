@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "linalg/index.h"
+
 namespace sfdae::core {
 
 namespace {
@@ -31,7 +33,7 @@ constexpr int max_attempts = 6;
 // ---- ZeroBracket ----
 
 void ZeroBracket::resize(int count) {
-  const std::size_t size = static_cast<std::size_t>(count);
+  const std::size_t size = index(count);
   signs_.resize(size);
   g_before_.resize(size);
   g_after_.resize(size);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "integrate/integration_events.h"
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "problem/failure.h"
 
@@ -92,8 +93,8 @@ void Integration::archive(Archive& archive) {
     counts_ = all;
     reductions_before_ = system_.reductions() - all.reductions;
     factorizations_before_ = system_.factorizations() - all.factorizations;
-    scratch_w_.resize(static_cast<std::size_t>(system_.leading_size()));
-    scratch_x_.resize(static_cast<std::size_t>(system_.unknowns()));
+    scratch_w_.resize(index(system_.leading_size()));
+    scratch_x_.resize(index(system_.unknowns()));
     if (has_change) change_.emplace();
   }
   if (!has_change) return;
@@ -123,7 +124,7 @@ IntegrationCounts Integration::counts() const {
 
 void Integration::begin(double t, const Vector& x, const Vector& xdot) {
   const double h = direction_ * (options_.initial_step > 0.0 ? options_.initial_step : first_step_);
-  const std::size_t size = static_cast<std::size_t>(system_.leading_size());
+  const std::size_t size = index(system_.leading_size());
   Vector w(size), wdot(size);
   system_.leading(x.data(), w.data());
   system_.leading_derivative(x.data(), xdot.data(), wdot.data());
@@ -365,7 +366,7 @@ CallResult Integration::step_too_small(StepOutcome outcome) {
   std::string message = format(
       "the error test fails at t = %.15g with the smallest step, %.3g; the error sits in "
       "x[%d] = %.6g.",
-      t, stepper_->next_step(), i, stepper_->x()[static_cast<std::size_t>(i)]);
+      t, stepper_->next_step(), i, stepper_->x()[index(i)]);
   if (weights_.tolerance(i, stepper_->x().data()) == 0.0) message += " Its tolerance is zero there: give it an atol.";
   else message += " The data may jump there, or the solution has a singularity: stop at such a point and restart.";
   return {SFDAE_STEP_TOO_SMALL, message};
@@ -435,7 +436,7 @@ void Integration::evaluate(double tout, bool may_refine, double* x, double* xdot
   }
   if (must_restart_ && !at_step) {
     // The history is that of another leading term: x alone can be used.
-    scratch_w_.resize(static_cast<std::size_t>(system_.leading_size()));
+    scratch_w_.resize(index(system_.leading_size()));
     system_.leading(x_free.data(), scratch_w_.data());
   }
   // Iterations for nonlinear equations end when errors are small against the tolerances: the constraints want more.
@@ -453,7 +454,7 @@ void Integration::evaluate(double tout, bool may_refine, double* x, double* xdot
   else if (system_.differential() == 0) system_.consistent_derivative(x, direction_, xdot);
   else if (!(is_within_long_step && system_.exact_derivative(x, xdot)))
     system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
-  const std::size_t n = static_cast<std::size_t>(system_.unknowns());
+  const std::size_t n = index(system_.unknowns());
   if (!all_finite(xdot, n)) system_.consistent_derivative(x, direction_, xdot);
   if (!all_finite(x, n) || !all_finite(xdot, n))
     throw Failure(SFDAE_NOT_FINITE, format("the solution or its derivative overflows at t = %.15g.", tout));

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "integrate/integration.h"
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "problem/failure.h"
 
@@ -58,7 +59,7 @@ void Events::resize(std::size_t n) {
     point->x.resize(n);
     point->xdot.resize(n);
   }
-  for (std::vector<double>* g : {&g_now, &g_rough, &rough_error}) g->resize(static_cast<std::size_t>(search.count()));
+  for (std::vector<double>* g : {&g_now, &g_rough, &rough_error}) g->resize(index(search.count()));
 }
 
 void forget_search(Events& events) { events.search.reset(); }
@@ -179,7 +180,7 @@ void Integration::refine_for_events() {
 
 void Integration::start_events() {
   Events& events = *options_.events;
-  events.resize(static_cast<std::size_t>(system_.unknowns()));
+  events.resize(index(system_.unknowns()));
   StepValues values(*this);
   const double rounding = start_width * 2.0 * unit_roundoff * std::max(std::fabs(last_returned_), span_);
   events.search.start(values, last_returned_, rounding);
@@ -218,7 +219,7 @@ CallResult Integration::interpolate(double t, double* x, double* xdot) {
   if ((t - start) * direction_ < 0.0 || (end - t) * direction_ < 0.0)
     return {SFDAE_ILLEGAL_ARGUMENT,
             format("t = %.15g lies outside of the last step, from %.15g to %.15g.", t, start, end)};
-  const std::size_t n = static_cast<std::size_t>(system_.unknowns());
+  const std::size_t n = index(system_.unknowns());
   std::vector<double> values(n), slopes(n);
   evaluate(t, true, values.data(), slopes.data());
   std::copy(values.begin(), values.end(), x);
@@ -237,11 +238,11 @@ void Integration::archive_events(Archive& archive) {
   archive.real(span_);
   events.search.archive(archive);
   if (!events.search.is_started()) return;
-  const std::size_t n = static_cast<std::size_t>(system_.unknowns());
+  const std::size_t n = index(system_.unknowns());
   if (archive.is_reading()) events.resize(n);
   archive.reals(events.searched.x, n);
   archive.reals(events.searched.xdot, n);
-  archive.reals(events.rough_error, static_cast<std::size_t>(count));
+  archive.reals(events.rough_error, index(count));
 }
 
 }  // namespace sfdae::core

@@ -5,24 +5,26 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "linalg/index.h"
+
 namespace sfdae::core {
 
 // Taylor coefficients p^(k)(t) / k!, k = 0..order, of the polynomial of the given degree: size x (order + 1).
 template <class Table, class Times>
 void newton_taylor(const Table& table, const Times& times, int degree, double t, int order, std::size_t size,
                    double* coefficients) {
-  const auto column = [&](int k) { return coefficients + size * static_cast<std::size_t>(k); };
-  std::fill_n(column(0), size * static_cast<std::size_t>(order + 1), 0.0);
-  std::copy_n(table[static_cast<std::size_t>(degree)].data(), size, column(0));
+  const auto column = [&](int k) { return coefficients + size * index(k); };
+  std::fill_n(column(0), size * index(order + 1), 0.0);
+  std::copy_n(table[index(degree)].data(), size, column(0));
   for (int i = degree - 1; i >= 0; --i) {
-    const double gap = t - times[static_cast<std::size_t>(i)];
+    const double gap = t - times[index(i)];
     for (int k = std::min(order, degree - i); k > 0; --k) {
       double* __restrict to = column(k);
       const double* __restrict lower = column(k - 1);
       for (std::size_t r = 0; r < size; ++r) to[r] = to[r] * gap + lower[r];
     }
     double* __restrict value = column(0);
-    const double* __restrict d = table[static_cast<std::size_t>(i)].data();
+    const double* __restrict d = table[index(i)].data();
     for (std::size_t r = 0; r < size; ++r) value[r] = value[r] * gap + d[r];
   }
 }
@@ -33,11 +35,11 @@ template <class Table, class Times>
 void divided_differences(Table& table, const Times& times, int count, std::size_t size) {
   for (int k = 1; k < count; ++k)
     for (int i = count - 1; i >= k; --i) {
-      double* __restrict to = table[static_cast<std::size_t>(i)].data();
+      double* __restrict to = table[index(i)].data();
       // Slopes are divided differences of order 1 already, and stand where values of their nodes would.
       if (k == 1 && i % 2 == 1) continue;
-      const double* __restrict from = table[static_cast<std::size_t>(k == 1 ? i - 2 : i - 1)].data();
-      const double per_gap = 1.0 / (times[static_cast<std::size_t>(i)] - times[static_cast<std::size_t>(i - k)]);
+      const double* __restrict from = table[index(k == 1 ? i - 2 : i - 1)].data();
+      const double per_gap = 1.0 / (times[index(i)] - times[index(i - k)]);
       for (std::size_t r = 0; r < size; ++r) to[r] = (to[r] - from[r]) * per_gap;
     }
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "integrate/newton_polynomial.h"
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 
 namespace sfdae::core {
@@ -13,8 +14,6 @@ namespace sfdae::core {
 namespace {
 
 using Vector = std::vector<double>;
-
-constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data.
 constexpr double first_step_fraction = 0.0718281828;
@@ -70,7 +69,7 @@ void Radau::resize(std::size_t n, std::size_t size_w) {
     for (Node& node : inner_) resize_node(node);
   for (Node* node : {&within_, &within_from_}) resize_node(*node);
   resize_node(tried_);
-  const std::size_t stages = static_cast<std::size_t>(options_.max_stages);
+  const std::size_t stages = index(options_.max_stages);
   for (Vector* v : {&error_, &largest_x_, &scale_x_}) v->assign(n, 0.0);
   stage_x_.assign(n * stages, 0.0);
   last_stages_.assign(n * stages, 0.0);

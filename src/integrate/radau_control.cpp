@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "integrate/radau_method.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
@@ -20,8 +21,6 @@ constexpr double worthwhile = 1.2;
 constexpr double reluctance = 2.0;
 // A reduction in units of n^3 operations, about (12 to 16 for an index up to 2).
 constexpr double reduction_cost = 15.0;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // |h^k w[k]| from the values known, which fall or grow geometrically between and beyond them.
 double decay_at(int k, const ErrorTerms& terms) {

@@ -5,14 +5,13 @@
 #include <complex>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
 namespace {
 
 using Complex = std::complex<double>;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Zeros of P_s(2c - 1) - P_(s-1)(2c - 1), P Legendre polynomials; eigenvalues of D. Computed with 60 digits.
 struct Constants {

@@ -5,6 +5,7 @@
 
 #include "integrate/newton_polynomial.h"
 #include "integrate/radau.h"
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 
 namespace sfdae::core {
@@ -12,8 +13,6 @@ namespace sfdae::core {
 namespace {
 
 using Vector = std::vector<double>;
-
-constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Of the Hermite polynomial without its farthest node.
 constexpr double interpolation_error = 0.5, nonlinear_interpolation_error = 1e-3;
@@ -198,7 +197,7 @@ void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
     count_ = count;
     inner_count_ = inner;
     control_.set_options(options_);
-    resize(static_cast<std::size_t>(system.unknowns()), static_cast<std::size_t>(system.leading_size()));
+    resize(index(system.unknowns()), index(system.leading_size()));
   }
   control_.archive(archive);
   for (double* value : {&next_step_, &last_step_, &leading_coefficient_}) archive.real(*value);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 
 namespace sfdae::core {
@@ -56,10 +57,10 @@ class Arena {
 
   View matrix(int rows, int cols) {
     const int ld = padded_rows(rows);
-    return {take(static_cast<std::size_t>(ld) * static_cast<std::size_t>(cols)), rows, cols, ld};
+    return {take(index(ld) * index(cols)), rows, cols, ld};
   }
 
-  int* integers(int count) { return reinterpret_cast<int*>(take(static_cast<std::size_t>(count) / 2 + 1)); }
+  int* integers(int count) { return reinterpret_cast<int*>(take(index(count) / 2 + 1)); }
 
  private:
   struct Chunk {

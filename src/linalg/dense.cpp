@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "linalg/index.h"
 #include "linalg/lapack.h"
 #include "linalg/small_kernels.h"
 
@@ -100,18 +101,17 @@ void factor_qr(View a, double* tau, Arena& arena) {
   const Arena::Frame frame(arena);
   const int length = work_length(a.rows, a.cols);
   int info = 0;
-  dgeqrf_(&a.rows, &a.cols, a.data, &a.ld, tau, arena.take(static_cast<std::size_t>(length)), &length, &info);
+  dgeqrf_(&a.rows, &a.cols, a.data, &a.ld, tau, arena.take(index(length)), &length, &info);
 }
 
 void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena) {
   if (a.cols == 0) return;
   const Arena::Frame frame(arena);
-  if (a.rows == 0 || is_small_qr(a))
-    return small::factor_qr_pivoted(a, pivots, tau, arena.take(2 * static_cast<std::size_t>(a.cols)));
+  if (a.rows == 0 || is_small_qr(a)) return small::factor_qr_pivoted(a, pivots, tau, arena.take(2 * index(a.cols)));
   const int length = work_length(a.rows, a.cols);
   int info = 0;
   std::fill_n(pivots, a.cols, 0);
-  dgeqp3_(&a.rows, &a.cols, a.data, &a.ld, pivots, tau, arena.take(static_cast<std::size_t>(length)), &length, &info);
+  dgeqp3_(&a.rows, &a.cols, a.data, &a.ld, pivots, tau, arena.take(index(length)), &length, &info);
   for (int j = 0; j < a.cols; ++j) --pivots[j];
 }
 
@@ -129,7 +129,7 @@ void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Are
   const int length = work_length(c.rows, c.cols);
   int info = 0;
   dormqr_("L", letter(op), &c.rows, &c.cols, &count, factors.data, &factors.ld, tau, c.data, &c.ld,
-          arena.take(static_cast<std::size_t>(length)), &length, &info);
+          arena.take(index(length)), &length, &info);
 }
 
 void form_q(ConstView factors, int count, const double* tau, View q, Arena& arena) {
@@ -146,7 +146,7 @@ void form_q(ConstView factors, int count, const double* tau, View q, Arena& aren
   const Arena::Frame frame(arena);
   const int length = work_length(q.rows, q.cols);
   int info = 0;
-  dorgqr_(&q.rows, &q.cols, &count, q.data, &q.ld, tau, arena.take(static_cast<std::size_t>(length)), &length, &info);
+  dorgqr_(&q.rows, &q.cols, &count, q.data, &q.ld, tau, arena.take(index(length)), &length, &info);
 }
 
 void solve_upper(Op op, ConstView r, View b) {
@@ -251,12 +251,12 @@ void solve_lu(ComplexView lu, const int* pivots, std::complex<double>* x) {
 
 Svd svd(ConstView a) {
   Svd result{identity(a.rows), {}, identity(a.cols)};
-  result.s.assign(static_cast<std::size_t>(std::min(a.rows, a.cols)), 0.0);
+  result.s.assign(index(std::min(a.rows, a.cols)), 0.0);
   if (result.s.empty()) return result;
   Matrix work = to_matrix(a);
   Matrix vt(a.cols, a.cols);
   const int length = 10 * std::max(a.rows, a.cols) + 64 * (a.rows + a.cols);
-  std::vector<double> scratch(static_cast<std::size_t>(length));
+  std::vector<double> scratch(index(length));
   const int ld_u = a.rows, ld_vt = a.cols, ld_a = a.rows;
   int info = 0;
   dgesvd_("A", "A", &a.rows, &a.cols, work.data(), &ld_a, result.s.data(), result.U.data(), &ld_u, vt.data(), &ld_vt,
@@ -276,9 +276,9 @@ Matrix range_basis(ConstView a, int rank) {
 
 std::vector<double> least_squares(ConstView a, const std::vector<double>& b, double threshold) {
   const Svd decomposition = svd(a);
-  std::vector<double> x(static_cast<std::size_t>(a.cols), 0.0);
+  std::vector<double> x(index(a.cols), 0.0);
   for (int k = 0; k < static_cast<int>(decomposition.s.size()); ++k) {
-    const double s = decomposition.s[static_cast<std::size_t>(k)];
+    const double s = decomposition.s[index(k)];
     if (s <= threshold) break;
     const double coefficient = small::dot(a.rows, decomposition.U.view().column(k), b.data()) / s;
     small::add_scaled(a.cols, coefficient, decomposition.V.view().column(k), x.data());
@@ -303,13 +303,13 @@ int count_negative_eigenvalues(View a, Arena& arena) {
   constexpr double nearly_real = 1e-6;
   const int n = a.cols, length = 8 * n + 1;
   const Arena::Frame frame(arena);
-  const std::size_t size = static_cast<std::size_t>(n);
+  const std::size_t size = index(n);
   double *real = arena.take(size + 1), *imaginary = arena.take(size + 1);
   double unused = 0.0;
   int info = 0;
   if (n > 0)
     dgeev_("N", "N", &n, a.data, &a.ld, real, imaginary, &unused, &unit_stride, &unused, &unit_stride,
-           arena.take(static_cast<std::size_t>(length)), &length, &info);
+           arena.take(index(length)), &length, &info);
   int count = 0;
   for (int k = info; k < n; ++k)
     if (real[k] < 0.0 && std::fabs(imaginary[k]) <= -nearly_real * real[k]) ++count;

@@ -7,6 +7,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "linalg/index.h"
+
 namespace sfdae::core {
 
 // rows x cols, entry (i, j) at data[i + j * ld]. Copying a view copies the reference.
@@ -39,10 +41,7 @@ inline int padded_rows(int rows) {
 class Matrix {
  public:
   Matrix() = default;
-  Matrix(int rows, int cols)
-      : rows_(rows),
-        cols_(cols),
-        entries_(static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols) + 1, 0.0) {}
+  Matrix(int rows, int cols) : rows_(rows), cols_(cols), entries_(index(rows) * index(cols) + 1, 0.0) {}
 
   int rows() const { return rows_; }
   int cols() const { return cols_; }

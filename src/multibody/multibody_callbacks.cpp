@@ -6,13 +6,12 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
 
 namespace {
-
-std::size_t size(int count) { return static_cast<std::size_t>(count); }
 
 View as_view(std::vector<double>& values) {
   const int count = static_cast<int>(values.size());
@@ -45,10 +44,10 @@ MultibodySizes sizes_of(const sfdae_multibody_problem& problem) {
 }
 
 CallbackMultibody::Residuals::Residuals(const MultibodySizes& sizes)
-    : force(size(sizes.velocities)),
-      acceleration(size(sizes.constraints())),
-      velocity(size(sizes.constraints())),
-      kinematics(size(sizes.positions)) {}
+    : force(index(sizes.velocities)),
+      acceleration(index(sizes.constraints())),
+      velocity(index(sizes.constraints())),
+      kinematics(index(sizes.positions)) {}
 
 CallbackMultibody::CallbackMultibody(const sfdae_multibody_problem& problem)
     : MultibodyProblem(sizes_of(problem)),
@@ -57,15 +56,15 @@ CallbackMultibody::CallbackMultibody(const sfdae_multibody_problem& problem)
       eta_by_differences_(sizes().nonholonomic > 0 && problem.nonholonomic_curvature == nullptr),
       H_(sizes().nonholonomic, sizes().velocities),
       probe_(sizes()),
-      direction_(size(sizes().positions)),
+      direction_(index(sizes().positions)),
       shifted_q_(direction_),
       shifted_direction_(direction_),
       base_(sizes()),
       moved_(sizes()),
       moved_q_(direction_),
-      moved_v_(size(sizes().velocities)) {
+      moved_v_(index(sizes().velocities)) {
   constexpr int points = DifferenceFormula::points;
-  const std::size_t rows = size(sizes().constraints());
+  const std::size_t rows = index(sizes().constraints());
   for (int shift = 0; shift < points; ++shift) formulas_.emplace_back(shift, 1);
   samples_.resize(rows * points);
   for (auto* values : {&values_, &errors_, &along_, &in_time_, &rough_base_, &rough_moved_}) values->resize(rows);
@@ -73,7 +72,7 @@ CallbackMultibody::CallbackMultibody(const sfdae_multibody_problem& problem)
 
 template <class Call>
 bool CallbackMultibody::checked(const char* name, double t, View result, CallbackError& error, Call call) {
-  const std::size_t count = size(result.rows) * size(result.cols);
+  const std::size_t count = index(result.rows) * index(result.cols);
   if (count == 0) return true;
   std::fill_n(result.data, count, 0.0);
   error.function = name;
@@ -166,7 +165,7 @@ CallbackError CallbackMultibody::at_velocity(double t, const double* q, const do
 
 void CallbackMultibody::check_rates(double t, const double* q) {
   if (sizes().holonomic == 0 || functions_.constraint_rate != nullptr) return;
-  std::vector<double> here(size(sizes().holonomic)), later(here);
+  std::vector<double> here(index(sizes().holonomic)), later(here);
   const double forward = room(t, 1.0), backward = room(t, -1.0), step = 1e-3 * std::max(1.0, std::fabs(t));
   const double offset = forward >= backward ? std::min(step, forward) : -std::min(step, backward);
   const auto evaluate = [&](double at, double* g) {

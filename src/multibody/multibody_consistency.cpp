@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -13,8 +14,6 @@ namespace sfdae::core {
 namespace {
 
 using Vector = std::vector<double>;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 double length(const Vector& values) {
   double sum = 0.0;

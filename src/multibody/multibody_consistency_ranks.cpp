@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "multibody/multibody_consistency.h"
 #include "problem/failure.h"
 #include "reduction/index_analysis.h"
@@ -13,8 +14,6 @@ namespace sfdae::core {
 namespace {
 
 using Vector = std::vector<double>;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Rows of length 1; or orthonormal ones that span the same.
 Matrix unit_rows(ConstView rows) {

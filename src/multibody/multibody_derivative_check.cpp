@@ -9,13 +9,12 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
 
 namespace {
-
-std::size_t size(int count) { return static_cast<std::size_t>(count); }
 
 class Checker {
  public:
@@ -49,10 +48,10 @@ class Checker {
       const double* const column = terms_.g_q.view().column(j);
       const auto g = [&](double offset, double* values) {
         moved_q_ = q_;
-        moved_q_[size(j)] += offset;
+        moved_q_[index(j)] += offset;
         return problem_.constraints(t_, moved_q_.data(), values);
       };
-      compare_with_differences({'G', 1, nl, j, {column, column + nl}}, std::max(1.0, std::fabs(q_[size(j)])), g,
+      compare_with_differences({'G', 1, nl, j, {column, column + nl}}, std::max(1.0, std::fabs(q_[index(j)])), g,
                                worst_);
     }
   }
@@ -75,7 +74,7 @@ class Checker {
 
   // Rows of s from the first one.
   void check_curvature(char name, int first, int rows) {
-    std::vector<double> velocity(v_), residual(size(sizes().constraints()));
+    std::vector<double> velocity(v_), residual(index(sizes().constraints()));
     if (problem_.has_kinematics()) {
       velocity.resize(q_.size());
       multiply(1.0, Op::plain, terms_.S, v_.data(), 0.0, velocity.data());

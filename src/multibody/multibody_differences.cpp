@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "linalg/rank.h"
 #include "multibody/multibody_callbacks.h"
 
@@ -73,7 +74,7 @@ bool CallbackMultibody::improve(int shift, double step, double* derivative) {
   for (std::size_t row = 0; row < errors_.size(); ++row) {
     const double* const samples = samples_.data() + row * points;
     double value = 0.0, error = 0.0;
-    formulas_[static_cast<std::size_t>(shift)].apply(1, step, samples, 1, &value, &error);
+    formulas_[index(shift)].apply(1, step, samples, 1, &value, &error);
     if (error < errors_[row]) derivative[row] = value;
     errors_[row] = std::min(errors_[row], error);
     const double rounding = 100.0 * unit_roundoff * max_abs(samples, points) / step;
@@ -94,8 +95,7 @@ bool CallbackMultibody::differentiate(const Point& at, Line& line, double* deriv
     last = {};
     for (int i = 0; i < points && last.status == SFDAE_OK; ++i) {
       at_offset(at, line, (i - shift) * step, values_.data(), last);
-      for (std::size_t row = 0; row < values_.size(); ++row)
-        samples_[row * points + static_cast<std::size_t>(i)] = values_[row];
+      for (std::size_t row = 0; row < values_.size(); ++row) samples_[row * points + index(i)] = values_[row];
     }
     if (last.status != SFDAE_OK && !last.is_recoverable()) break;
     if (last.status != SFDAE_OK) continue;  // out of the domain of a function: closer points
@@ -113,8 +113,8 @@ double CallbackMultibody::step_along_motion(const double* q) const {
   const int nq = sizes().positions;
   double step = std::numeric_limits<double>::infinity();
   for (int j = 0; j < nq; ++j)
-    if (direction_[static_cast<std::size_t>(j)] != 0.0)
-      step = std::min(step, std::min(1.0, unit_of(q, nq, j)) / std::fabs(direction_[static_cast<std::size_t>(j)]));
+    if (direction_[index(j)] != 0.0)
+      step = std::min(step, std::min(1.0, unit_of(q, nq, j)) / std::fabs(direction_[index(j)]));
   return step;
 }
 
@@ -138,7 +138,7 @@ bool CallbackMultibody::add_differences(const Point& at, const MultibodyTerms& t
     if (!differentiate(at, in_time, in_time_.data(), callback_error)) return false;
     good_time_ = in_time.step;
   }
-  for (int i = 0; i < rows; ++i) s[i] += along_[static_cast<std::size_t>(i)] + in_time_[static_cast<std::size_t>(i)];
+  for (int i = 0; i < rows; ++i) s[i] += along_[index(i)] + in_time_[index(i)];
   return true;
 }
 

@@ -5,14 +5,9 @@
 #include <algorithm>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
-
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 void MultibodyForm::resize(const MultibodySizes& sizes, int position_rank, int velocity_rank) {
   const int nq = sizes.positions, nv = sizes.velocities, nl = sizes.holonomic, nc = sizes.constraints();

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "linalg/rank.h"
 #include "multibody/multibody_callbacks.h"
 
@@ -24,8 +25,7 @@ constexpr double spacing = 1e-5, rough_spacing = 1.0 / 64.0;
 
 // Column j of a Jacobian.
 void write_quotient(const std::vector<double>& moved, const std::vector<double>& base, double offset, View column) {
-  for (int i = 0; i < column.rows; ++i)
-    column(i, 0) = (moved[static_cast<std::size_t>(i)] - base[static_cast<std::size_t>(i)]) / offset;
+  for (int i = 0; i < column.rows; ++i) column(i, 0) = (moved[index(i)] - base[index(i)]) / offset;
 }
 
 }  // namespace
@@ -63,8 +63,7 @@ bool CallbackMultibody::rough_rest(const Point& at, const Increments& steps, dou
     if (before + after == 0.0) return true;
     if (!at_offset(at, line, after, along_.data(), error) || !at_offset(at, line, -before, in_time_.data(), error))
       return false;
-    for (int i = 0; i < rows; ++i)
-      s[i] += (along_[static_cast<std::size_t>(i)] - in_time_[static_cast<std::size_t>(i)]) / (before + after);
+    for (int i = 0; i < rows; ++i) s[i] += (along_[index(i)] - in_time_[index(i)]) / (before + after);
     return true;
   };
   return add({0.0, 1.0, 0.0, 0.0, 0.0}, steps.along, steps.along) &&
@@ -95,9 +94,9 @@ double CallbackMultibody::move(const double* values, int j, std::vector<double>&
   const double unit = unit_of(values, count, j);
   for (const double wanted : {increment * unit, -increment * unit}) {
     std::copy_n(values, count, moved.data());
-    moved[static_cast<std::size_t>(j)] += wanted;
+    moved[index(j)] += wanted;
     error = {};
-    if (evaluate()) return moved[static_cast<std::size_t>(j)] - values[j];
+    if (evaluate()) return moved[index(j)] - values[j];
     if (!error.is_recoverable()) return 0.0;
   }
   return 0.0;
@@ -123,12 +122,11 @@ bool CallbackMultibody::add_rough_column(const LinearizationPoint& point, int j,
                                          CallbackError& error) {
   const double* const q = point.at.q;
   const double wide = std::copysign(wide_increment * unit_of(q, sizes().positions, j), offset);
-  moved_q_[static_cast<std::size_t>(j)] = q[j] + wide;
+  moved_q_[index(j)] = q[j] + wide;
   for (std::size_t i = 0; i < direction_.size(); ++i)
     direction_[i] = base_.kinematics[i] + (moved_.kinematics[i] - base_.kinematics[i]) * (wide / offset);
   if (!rough_rest({point.at.t, moved_q_.data(), point.at.v}, point.steps, rough_moved_.data(), error)) return false;
-  for (int i = 0; i < column.rows; ++i)
-    column(i, 0) += (rough_moved_[static_cast<std::size_t>(i)] - rough_base_[static_cast<std::size_t>(i)]) / wide;
+  for (int i = 0; i < column.rows; ++i) column(i, 0) += (rough_moved_[index(i)] - rough_base_[index(i)]) / wide;
   return true;
 }
 

@@ -7,12 +7,11 @@
 #include <numeric>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // What rounding errors may leave in rows of unit length that depend on each other; gradients are sums of products.
 constexpr double row_noise = 8.0 * unit_roundoff;

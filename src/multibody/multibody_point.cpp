@@ -6,12 +6,11 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Squares that would overflow or vanish are taken of entries relative to the largest one.
 double row_length(ConstView a, int i) {

@@ -2,22 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_problem.h"
 
+#include "linalg/index.h"
+
 namespace sfdae::core {
-
-namespace {
-
-std::size_t size(int count) { return static_cast<std::size_t>(count); }
-
-}  // namespace
 
 MultibodyTerms::MultibodyTerms(const MultibodySizes& sizes)
     : M(sizes.velocities, sizes.velocities),
       g_q(sizes.holonomic, sizes.positions),
       C(sizes.constraints(), sizes.velocities),
-      g(size(sizes.holonomic)),
-      f(size(sizes.velocities)),
-      velocity_rest(size(sizes.constraints())),
-      acceleration_rest(size(sizes.constraints())) {}
+      g(index(sizes.holonomic)),
+      f(index(sizes.velocities)),
+      velocity_rest(index(sizes.constraints())),
+      acceleration_rest(index(sizes.constraints())) {}
 
 MultibodyJacobian::MultibodyJacobian(const MultibodySizes& sizes)
     : force_q(sizes.velocities, sizes.positions),

@@ -6,13 +6,12 @@
 #include <utility>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
 
 namespace {
-
-std::size_t size(int count) { return static_cast<std::size_t>(count); }
 
 bool is_number(const Recorder& recorder, int node) { return recorder.node(node).operation == Operation::constant; }
 
@@ -20,7 +19,7 @@ bool is_identity(const Recorder& recorder, const std::vector<int>& S, int rows, 
   if (rows != cols) return false;
   for (int j = 0; j < cols; ++j)
     for (int i = 0; i < rows; ++i) {
-      const int node = S[size(i) + size(j) * size(rows)];
+      const int node = S[index(i) + index(j) * index(rows)];
       if (!is_number(recorder, node) || recorder.number(node) != (i == j ? 1.0 : 0.0)) return false;
     }
   return true;
@@ -35,7 +34,7 @@ std::vector<std::string> numbered(const char* name, int count) {
 // A row or a column of a matrix of nodes.
 std::vector<int> row_of(const std::vector<int>& matrix, int rows, int row) {
   std::vector<int> entries;
-  for (std::size_t entry = size(row); entry < matrix.size(); entry += size(rows)) entries.push_back(matrix[entry]);
+  for (std::size_t entry = index(row); entry < matrix.size(); entry += index(rows)) entries.push_back(matrix[entry]);
   return entries;
 }
 std::vector<int> column_of(const std::vector<int>& matrix, int rows, int column) {
@@ -86,7 +85,7 @@ RecordedMultibody::RecordedMultibody(Recorder& recorder, const MultibodyFormulas
   if (nk > 0) {
     std::vector<int> levels = applied_to_v(formulas.H, nk);
     for (int i = 0; i < nk; ++i)
-      levels[size(i)] = recorder.apply(Operation::add, levels[size(i)], formulas.h[size(i)]);
+      levels[index(i)] = recorder.apply(Operation::add, levels[index(i)], formulas.h[index(i)]);
     nonholonomic_.emplace(recorder.excerpt(nq + nv, levels, numbered("H v + h", nk)));
   }
   record_balance(recorder, formulas);
@@ -107,8 +106,8 @@ void RecordedMultibody::add_values(const Recorder& recorder, const std::vector<i
                                    Values& values) {
   for (int j = 0; j < block.columns; ++j)
     for (int i = 0; i < block.rows; ++i) {
-      const int node = formulas[size(i) + size(j) * size(block.rows)];
-      const std::size_t entry = size(block.first + i) + size(j) * size(block.ld);
+      const int node = formulas[index(i) + index(j) * index(block.rows)];
+      const std::size_t entry = index(block.first + i) + index(j) * index(block.ld);
       if (const auto number = recorder.number(node)) {
         entries_of(numbers_, block.part)[entry] = *number;
         continue;
@@ -151,9 +150,9 @@ void RecordedMultibody::record_balance(Recorder& recorder, const MultibodyFormul
   };
   std::vector<int> balance = formulas.f;
   for (int i = 0; i < nv; ++i) {
-    subtract(balance[size(i)], row_of(formulas.M, nv, i), a);
-    if (kinematics_) subtract(balance[size(i)], column_of(formulas.S, nq, i), p);
-    if (nk > 0) subtract(balance[size(i)], column_of(formulas.H, nk, i), kappa);
+    subtract(balance[index(i)], row_of(formulas.M, nv, i), a);
+    if (kinematics_) subtract(balance[index(i)], column_of(formulas.S, nq, i), p);
+    if (nk > 0) subtract(balance[index(i)], column_of(formulas.H, nk, i), kappa);
   }
   balance_.emplace(recorder.excerpt(nq + nv, balance, numbered("f", nv)));
   if (nl > 0) {
@@ -166,9 +165,9 @@ void RecordedMultibody::record_balance(Recorder& recorder, const MultibodyFormul
 }
 
 void RecordedMultibody::allocate() {
-  const std::size_t nq = size(sizes().positions), nv = size(sizes().velocities), n = nq + nv;
-  const std::size_t nl = size(sizes().holonomic), nk = size(sizes().nonholonomic);
-  values_.resize(size(all_->record().m()));
+  const std::size_t nq = index(sizes().positions), nv = index(sizes().velocities), n = nq + nv;
+  const std::size_t nl = index(sizes().holonomic), nk = index(sizes().nonholonomic);
+  values_.resize(index(all_->record().m()));
   q_jet_.resize(4 * nq);
   jet_.resize(3 * n);
   g_jet_.resize(3 * nl);
@@ -209,11 +208,11 @@ bool RecordedMultibody::evaluate_values(const double* x, bool with_forces, Multi
   const auto copy_numbers = [&](Part part, std::size_t count) {
     std::copy_n(entries_of(numbers_, part), count, entries_of(terms, part));
   };
-  const std::size_t nv = size(sizes().velocities);
+  const std::size_t nv = index(sizes().velocities);
   copy_numbers(Part::M, nv * nv);
-  copy_numbers(Part::C, size(sizes().constraints()) * nv);
-  copy_numbers(Part::rest, size(sizes().constraints()));
-  if (kinematics_) copy_numbers(Part::S, size(sizes().positions) * nv);
+  copy_numbers(Part::C, index(sizes().constraints()) * nv);
+  copy_numbers(Part::rest, index(sizes().constraints()));
+  if (kinematics_) copy_numbers(Part::S, index(sizes().positions) * nv);
   if (with_forces) copy_numbers(Part::f, nv);
   for (const Place& place : with_forces ? all_places_ : position_places_)
     entries_of(terms, place.part)[place.entry] = values_[place.value];
@@ -249,7 +248,7 @@ CallbackError RecordedMultibody::at_position(double t, const double* q, Multibod
   CallbackError error = begin(t);
   ++evaluations_;
   if (error.status != SFDAE_OK || !evaluate_values(q, false, terms, error)) return error;
-  const std::size_t nq = size(sizes().positions);
+  const std::size_t nq = index(sizes().positions);
   std::copy_n(q, nq, q_jet_.data());
   std::fill_n(q_jet_.data() + nq, nq, 0.0);
   evaluate_constraints(rheonomic_ ? 1 : 0, terms, error);
@@ -257,7 +256,7 @@ CallbackError RecordedMultibody::at_position(double t, const double* q, Multibod
 }
 
 void RecordedMultibody::set_jet(const double* q, const double* v, const double* v_1, const MultibodyTerms& terms) {
-  const std::size_t nq = size(sizes().positions), nv = size(sizes().velocities);
+  const std::size_t nq = index(sizes().positions), nv = index(sizes().velocities);
   double* const q_1 = q_jet_.data() + nq;
   std::copy_n(q, nq, q_jet_.data());
   if (kinematics_) multiply(1.0, Op::plain, terms.S, v, 0.0, q_1);
@@ -284,10 +283,10 @@ CallbackError RecordedMultibody::at_velocity(double t, const double* q, const do
   double* const s = terms.acceleration_rest.data();
   if (kinematics_) {
     if (!kinematics_->values(t, jet_.data(), 1, rates_.data())) return failed(*kinematics_, error), error;
-    for (int i = 0; i < nq; ++i) q_jet_[size(2 * nq + i)] = 0.5 * rates_[size(nq + i)];
+    for (int i = 0; i < nq; ++i) q_jet_[index(2 * nq + i)] = 0.5 * rates_[index(nq + i)];
   }
   if (!evaluate_constraints(2, terms, error)) return error;
-  for (int i = 0; i < nl; ++i) s[i] = 2.0 * g_jet_[size(2 * nl + i)];
+  for (int i = 0; i < nl; ++i) s[i] = 2.0 * g_jet_[index(2 * nl + i)];
   if (!nonholonomic_) return error;
   if (!nonholonomic_->values(t, jet_.data(), 1, rates_.data())) return failed(*nonholonomic_, error), error;
   std::copy_n(rates_.data() + nk, nk, s + nl);

@@ -10,13 +10,12 @@
 #include <algorithm>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "multibody/multibody_recorded.h"
 
 namespace sfdae::core {
 
 namespace {
-
-std::size_t size(int count) { return static_cast<std::size_t>(count); }
 
 // to := factor from
 void copy_multiple(double factor, ConstView from, View to) {
@@ -51,9 +50,9 @@ bool RecordedMultibody::linearize_balance(const double* a, const double* mu, con
   if (curvature_) hold(*curvature_, held_.lambda, mu);
   if (!balance_->gradients(error.t, jet_.data(), {-1, -1, 0}, nullptr, nullptr, gradients_.data()))
     return failed(*balance_, error);
-  const std::size_t area = size(nv) * size(nq);
+  const std::size_t area = index(nv) * index(nq);
   std::copy_n(gradients_.data(), area, jacobian.force_q.data());
-  std::copy_n(gradients_.data() + area, size(nv) * size(nv), jacobian.force_v.data());
+  std::copy_n(gradients_.data() + area, index(nv) * index(nv), jacobian.force_v.data());
   return true;
 }
 
@@ -95,8 +94,8 @@ bool RecordedMultibody::linearize_kinematics(const MultibodyTerms& terms, Multib
   if (jacobian.kinematics_q.cols() == 0) jacobian.kinematics_q = Matrix(nq, nq);
   if (!kinematics_->gradients(error.t, jet_.data(), {1, -1, 1}, rates_.data(), nullptr, gradients_.data()))
     return failed(*kinematics_, error);
-  for (int i = 0; i < nq; ++i) q_jet_[size(2 * nq + i)] = 0.5 * rates_[size(nq + i)];
-  const ConstView first{gradients_.data(), nq, n, nq}, second{gradients_.data() + size(nq) * size(n), nq, n, nq};
+  for (int i = 0; i < nq; ++i) q_jet_[index(2 * nq + i)] = 0.5 * rates_[index(nq + i)];
+  const ConstView first{gradients_.data(), nq, n, nq}, second{gradients_.data() + index(nq) * index(n), nq, n, nq};
   const ConstView K = first.columns(0, nq);
   copy(K, jacobian.kinematics_q);
   copy(second.columns(0, nq), rate_q_);
@@ -113,7 +112,7 @@ bool RecordedMultibody::linearize_holonomic(const MultibodyTerms& terms, Multibo
   if (!constraints_->gradients(error.t, q_jet_.data(), {-1, -1, 2}, nullptr, nullptr, gradients_.data()))
     return failed(*constraints_, error);
   const auto coefficient = [&](int k) -> ConstView {
-    return {gradients_.data() + size(k) * size(nl) * size(nq), nl, nq, nl};
+    return {gradients_.data() + index(k) * index(nl) * index(nq), nl, nq, nl};
   };
   const View velocity_q = jacobian.velocity_q.view().top(nl), acceleration_q = jacobian.acceleration_q.view().top(nl);
   const View acceleration_v = jacobian.acceleration_v.view().top(nl);
@@ -139,7 +138,7 @@ bool RecordedMultibody::linearize_nonholonomic(const MultibodyTerms& terms, Mult
   if (!nonholonomic_->gradients(error.t, jet_.data(), {-1, -1, 1}, nullptr, nullptr, gradients_.data()))
     return failed(*nonholonomic_, error);
   const int n = nq + nv;
-  const ConstView first{gradients_.data(), nk, n, nk}, second{gradients_.data() + size(nk) * size(n), nk, n, nk};
+  const ConstView first{gradients_.data(), nk, n, nk}, second{gradients_.data() + index(nk) * index(n), nk, n, nk};
   const ConstView y_q = first.columns(0, nq);
   const View acceleration_q = jacobian.acceleration_q.view().block(nl, 0, nk, nq);
   const View acceleration_v = jacobian.acceleration_v.view().block(nl, 0, nk, nv);

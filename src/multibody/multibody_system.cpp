@@ -7,12 +7,11 @@
 #include <limits>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 double largest(const std::vector<double>& values) { return max_abs(values.data(), static_cast<int>(values.size())); }
 

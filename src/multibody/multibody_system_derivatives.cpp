@@ -4,15 +4,10 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "multibody/multibody_system.h"
 
 namespace sfdae::core {
-
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 // What later steps depend on stays as it is: points that are asked for must not change those that follow.
 void MultibodySystem::restore(const double*, const double* x_free, double* x) {

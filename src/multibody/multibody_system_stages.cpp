@@ -11,15 +11,10 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "multibody/multibody_system.h"
 
 namespace sfdae::core {
-
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 // A partition from which the constraints have turned by more than 45 degrees is replaced; components as they are
 // differ by a factor from the beginning.

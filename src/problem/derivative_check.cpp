@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/index.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -13,7 +14,7 @@ namespace {
 
 void compare(LinearProblem& problem, char which, double t, int order, DerivativeMismatch& worst) {
   const int rows = problem.m(), count = which == 'f' ? rows : rows * problem.n();
-  SuppliedDerivative supplied{which, order, rows, 0, std::vector<double>(static_cast<std::size_t>(count))};
+  SuppliedDerivative supplied{which, order, rows, 0, std::vector<double>(index(count))};
   const CallbackError error = problem.call(which, t, order, supplied.values.data());
   if (error.status == SFDAE_ORDER_MISSING) return;
   if (error.status != SFDAE_OK) throw Failure(error.status, error.message());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "linalg/rank.h"
 #include "problem/differences.h"
@@ -29,7 +30,7 @@ struct Differences {
 };
 
 Differences best_differences(int count, double unit, const OffsetFunction& function) {
-  const std::size_t size = static_cast<std::size_t>(count);
+  const std::size_t size = index(count);
   std::vector<double> candidate(size), samples(size * points), one(size);
   Differences best;
   double h = widest_spacing * unit;
@@ -62,7 +63,7 @@ void compare_with_differences(const SuppliedDerivative& supplied, double unit, c
   if (scale == 0.0) scale = 1.0;
   const double relative = std::max(differences.error / scale, least_uncertainty);
   for (int i = 0; i < count; ++i) {
-    const std::size_t at = static_cast<std::size_t>(i);
+    const std::size_t at = index(i);
     const double error = std::fabs(supplied.values[at] - differences.values[at]) / scale;
     if (worst.function != 0 && error * worst.uncertainty <= worst.error * relative) continue;
     worst = {supplied.function,

@@ -6,17 +6,16 @@
 #include <cmath>
 #include <cstddef>
 
+#include "linalg/index.h"
 #include "linalg/rank.h"
 
 namespace sfdae::core {
 
 std::vector<double> difference_weights(double at, const std::vector<double>& nodes, int highest) {
   const int count = static_cast<int>(nodes.size());
-  std::vector<double> weights(nodes.size() * static_cast<std::size_t>(highest + 1), 0.0);
-  const auto w = [&](int k, int i) -> double& {
-    return weights[static_cast<std::size_t>(k) * nodes.size() + static_cast<std::size_t>(i)];
-  };
-  const auto x = [&](int i) { return nodes[static_cast<std::size_t>(i)]; };
+  std::vector<double> weights(nodes.size() * index(highest + 1), 0.0);
+  const auto w = [&](int k, int i) -> double& { return weights[index(k) * nodes.size() + index(i)]; };
+  const auto x = [&](int i) { return nodes[index(i)]; };
   w(0, 0) = 1.0;
   double previous_product = 1.0;
   for (int i = 1; i < count; ++i) {

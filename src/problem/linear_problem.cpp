@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "problem/differences.h"
 #include "problem/failure.h"
@@ -64,7 +65,7 @@ void LinearProblem::set_differences(const DifferenceOptions& options) {
 void LinearProblem::archive(Archive& archive) {
   bool has_scale = !column_scale_.empty();
   archive.small(has_scale);
-  if (has_scale) archive.reals(column_scale_, static_cast<std::size_t>(n()));
+  if (has_scale) archive.reals(column_scale_, index(n()));
   else if (archive.is_reading()) column_scale_.clear();
   if (!differences_.allowed) return;
   for (double* value : {&differences_.span, &lowest_t_, &highest_t_}) archive.real(*value);
@@ -98,7 +99,7 @@ CallbackError LinearProblem::call(char which, double t, int order, double* value
     }
     return callback_error;
   }
-  if (!all_finite(values, static_cast<std::size_t>(count))) {
+  if (!all_finite(values, index(count))) {
     callback_error.status = SFDAE_NOT_FINITE;
     int first = 0;
     while (all_finite(values + first, 1)) ++first;
@@ -153,7 +154,7 @@ CallbackError LinearProblem::sample(Function& function, double t, double& step, 
   // Centred, or moved so that all points lie within the limits, which may be closer than the points.
   const double below = std::max(t - lowest_t_, 0.0), above = std::max(highest_t_ - t, 0.0);
   shift = fitting_shift(below, above, step);
-  samples.resize(static_cast<std::size_t>(points) * static_cast<std::size_t>(count));
+  samples.resize(index(points) * index(count));
   for (int i = 0; i < points; ++i) {
     const CallbackError callback_error =
         call(function.name, t + (i - shift) * step, 0, samples.data() + static_cast<std::ptrdiff_t>(i) * count);
@@ -169,7 +170,7 @@ CallbackError LinearProblem::choose_difference_step(Function& function, double t
     return {};
   }
   const int count = function.rows * function.columns;
-  std::vector<double> samples, derivative(static_cast<std::size_t>(count));
+  std::vector<double> samples, derivative(index(count));
   double best_error = std::numeric_limits<double>::infinity();
   double wanted = differences_.span / 16.0;
   CallbackError callback_error, last_error;
@@ -262,7 +263,7 @@ CallbackError LinearProblem::evaluate_prescribed(double t, double* values) {
   callback_error.code = problem_.prescribed_values(t, 0, values, problem_.user);
   if (callback_error.code != 0)
     callback_error.status = callback_error.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
-  else if (!all_finite(values, static_cast<std::size_t>(count))) callback_error.status = SFDAE_NOT_FINITE;
+  else if (!all_finite(values, index(count))) callback_error.status = SFDAE_NOT_FINITE;
   return callback_error;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "linalg/rank.h"
 #include "problem/failure.h"
@@ -13,8 +14,6 @@
 namespace sfdae::core {
 
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 void multiply_all(double factor, double* values, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) values[i] *= factor;

@@ -4,15 +4,10 @@
 
 #include <algorithm>
 
+#include "linalg/index.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
-
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 RecordedLinearCoefficients::RecordedLinearCoefficients(std::shared_ptr<const Record> record, PrescribedInputs inputs)
     : evaluator_(std::move(record)), inputs_(std::move(inputs)) {}

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "linalg/index.h"
 #include "linalg/rank.h"
 
 namespace sfdae::core {
@@ -14,8 +15,6 @@ namespace {
 
 // Products of a few scaled coefficients must stay finite.
 constexpr double largest_coefficient = 1e60;
-
-std::size_t index(int k) { return static_cast<std::size_t>(k); }
 
 // Scaling by it rounds nothing. Units of time beyond 1e39 would make right-hand sides overflow.
 double power_of_two_near(double x) {
@@ -32,7 +31,7 @@ void TaylorData::resize(int rows, int cols, Orders held) {
   m = rows;
   n = cols;
   orders = held;
-  const std::size_t size = static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
+  const std::size_t size = index(rows) * index(cols);
   E_.resize(std::max(E_.size(), size * index(held.E + 1)));
   A_.resize(std::max(A_.size(), size * index(held.A + 1)));
   f_.resize(std::max(f_.size(), index(rows) * index(held.f + 1) + 1));
@@ -158,7 +157,7 @@ bool TaylorData::scale(double tau, RowScaling rows, const std::vector<double>* p
 }
 
 void TaylorData::multiply_all(double factor) {
-  const std::size_t size = static_cast<std::size_t>(m) * static_cast<std::size_t>(n);
+  const std::size_t size = index(m) * index(n);
   multiply_entries(E_.data(), size * index(orders.E + 1), factor);
   multiply_entries(A_.data(), size * index(orders.A + 1), factor);
   multiply_entries(f_.data(), index(m) * index(orders.f + 1), factor);
@@ -193,7 +192,7 @@ void TaylorData::clear_unused_rows() {
 void TaylorData::rescale_time(double factor) {
   time_scale *= factor;
   if (factor == 1.0) return;
-  const std::size_t size = static_cast<std::size_t>(m) * static_cast<std::size_t>(n);
+  const std::size_t size = index(m) * index(n);
   double power = 1.0;
   for (int k = 0; k <= std::max({orders.E, orders.A, orders.f}); ++k) {
     if (k > 0) {

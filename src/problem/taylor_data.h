@@ -13,6 +13,7 @@
 #include <array>
 #include <vector>
 
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 
 namespace sfdae::core {
@@ -67,8 +68,8 @@ class TaylorData {
   double norm_f(int level) const;
   // The largest row over the smallest, as far as scaling evened it out.
   double row_scale_ratio() const;
-  bool is_zero_E(int k) const { return norm_E_[static_cast<std::size_t>(k)] == 0.0; }
-  bool is_zero_A(int k) const { return norm_A_[static_cast<std::size_t>(k)] == 0.0; }
+  bool is_zero_E(int k) const { return norm_E_[index(k)] == 0.0; }
+  bool is_zero_A(int k) const { return norm_A_[index(k)] == 0.0; }
   double norm_E0() const { return norm_E_[0]; }
   // Rounding errors of the data of level 0 and of derivatives, relative to norm().
   double noise(int level) const;
@@ -86,9 +87,7 @@ class TaylorData {
   std::array<double, max_derivative_order + 1> error_E{}, error_A{}, error_f{};
   // How often each row is differentiated at most: rows of higher levels of the array are left out. Empty: no limit.
   std::vector<int> differentiations;
-  bool has_row(int row, int level) const {
-    return differentiations.empty() || level <= differentiations[static_cast<std::size_t>(row)];
-  }
+  bool has_row(int row, int level) const { return differentiations.empty() || level <= differentiations[index(row)]; }
   // Whether level i has rows that level i + 1 has not.
   bool has_last_rows(int i) const {
     return std::find(differentiations.begin(), differentiations.end(), i) != differentiations.end();

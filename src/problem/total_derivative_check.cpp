@@ -12,13 +12,12 @@
 #include <cmath>
 #include <utility>
 
+#include "linalg/index.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
 
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 class Checker {
  public:

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "linalg/index.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -41,24 +42,23 @@ void scale_others(const TaylorData& data, const std::vector<char>& is_differenti
                   const std::vector<char>& is_scaled, std::vector<double>& c) {
   const ConstView A = data.A(0);
   const double threshold = negligible * data.time_scale;
-  std::vector<double> largest(static_cast<std::size_t>(A.rows), 0.0);
+  std::vector<double> largest(index(A.rows), 0.0);
   const auto size = [&](int i, int j) {
     const double a = std::fabs(A(i, j));
-    return a > threshold ? std::log2(a) + c[static_cast<std::size_t>(j)] : -2.0 * largest_exponent;
+    return a > threshold ? std::log2(a) + c[index(j)] : -2.0 * largest_exponent;
   };
   for (int i = 0; i < A.rows; ++i) {
-    largest[static_cast<std::size_t>(i)] = -2.0 * largest_exponent;
+    largest[index(i)] = -2.0 * largest_exponent;
     for (int j = 0; j < A.cols; ++j)
-      if (is_scaled[static_cast<std::size_t>(j)] != 0)
-        largest[static_cast<std::size_t>(i)] = std::max(largest[static_cast<std::size_t>(i)], size(i, j));
+      if (is_scaled[index(j)] != 0) largest[index(i)] = std::max(largest[index(i)], size(i, j));
   }
   for (int j = 0; j < A.cols; ++j) {
-    if (is_scaled[static_cast<std::size_t>(j)] != 0) continue;
+    if (is_scaled[index(j)] != 0) continue;
     double ratio = -2.0 * largest_exponent;
     for (int i = 0; i < A.rows; ++i)
-      if (is_differential[static_cast<std::size_t>(i)] == 0 && std::fabs(A(i, j)) > threshold)
-        ratio = std::max(ratio, size(i, j) - std::max(largest[static_cast<std::size_t>(i)], -largest_exponent));
-    if (ratio > -largest_exponent) c[static_cast<std::size_t>(j)] -= ratio;
+      if (is_differential[index(i)] == 0 && std::fabs(A(i, j)) > threshold)
+        ratio = std::max(ratio, size(i, j) - std::max(largest[index(i)], -largest_exponent));
+    if (ratio > -largest_exponent) c[index(j)] -= ratio;
   }
 }
 
@@ -69,25 +69,24 @@ std::vector<double> balanced_units(CoefficientSource& source, double t, double t
   TaylorData data;
   const CallbackError error = source.evaluate(t, {0, 0, -1}, tau, data);
   if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
-  std::vector<char> is_differential(static_cast<std::size_t>(data.m), 0),
-      is_scaled(static_cast<std::size_t>(data.n), 0);
+  std::vector<char> is_differential(index(data.m), 0), is_scaled(index(data.n), 0);
   for (int j = 0; j < data.n; ++j)
     for (int i = 0; i < data.m; ++i)
-      if (std::fabs(data.E(0)(i, j)) > negligible) is_differential[static_cast<std::size_t>(i)] = 1;
+      if (std::fabs(data.E(0)(i, j)) > negligible) is_differential[index(i)] = 1;
   std::vector<LogEntry> entries;
   for (bool is_E : {true, false}) {
     const ConstView matrix = is_E ? data.E(0) : data.A(0);
     const double threshold = is_E ? negligible : negligible * data.time_scale;
     for (int j = 0; j < data.n; ++j)
       for (int i = 0; i < data.m; ++i) {
-        const std::size_t row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
+        const std::size_t row = index(i), column = index(j);
         const double a = std::fabs(matrix(i, j));
         if (is_differential[row] == 0 || a <= threshold) continue;
         entries.push_back({row, column, std::log2(a)});
         is_scaled[column] = 1;
       }
   }
-  std::vector<double> r(static_cast<std::size_t>(data.m), 0.0), c(static_cast<std::size_t>(data.n), 0.0);
+  std::vector<double> r(index(data.m), 0.0), c(index(data.n), 0.0);
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     relax(r, r, c, entries, [](const LogEntry& e) { return e.row; });
     relax(c, r, c, entries, [](const LogEntry& e) { return e.column; });

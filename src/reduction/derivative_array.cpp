@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
 
@@ -31,7 +32,7 @@ Matrix orthonormalized(Matrix a) {
     const double size = max_abs(a.view().columns(j, 1));
     for (int i = 0; i < a.rows() && size > 0.0; ++i) a(i, j) /= size;
   }
-  std::vector<double> tau(static_cast<std::size_t>(a.cols()) + 1);
+  std::vector<double> tau(index(a.cols()) + 1);
   factor_qr(a, tau.data(), arena);
   Matrix q(a.rows(), a.cols());
   form_q(a, std::min(a.rows(), a.cols()), tau.data(), q, arena);
@@ -91,7 +92,7 @@ Projectors projectors(LinearSystem& system, double t) {
   for (int i = 0; i <= mu; ++i) {
     factor *= data.time_scale / std::max(i, 1);
     for (int row = 0; row < m; ++row)
-      for (int j = 0; j < Z.cols(); ++j) Z(i * m + row, j) *= factor * data.row_scale[static_cast<std::size_t>(row)];
+      for (int j = 0; j < Z.cols(); ++j) Z(i * m + row, j) *= factor * data.row_scale[index(row)];
   }
   Z = orthonormalized(std::move(Z));
 
@@ -99,9 +100,9 @@ Projectors projectors(LinearSystem& system, double t) {
   const Matrix kernel = to_matrix(split.V.view().columns(a, n - a));
   Matrix range = range_basis(product(data.E(0), kernel), d), T2 = kernel;
   for (int i = 0; i < m; ++i)
-    for (int j = 0; j < d; ++j) range(i, j) /= data.row_scale[static_cast<std::size_t>(i)];
+    for (int j = 0; j < d; ++j) range(i, j) /= data.row_scale[index(i)];
   for (int i = 0; i < n && !problem.column_scale().empty(); ++i)
-    for (int j = 0; j < T2.cols(); ++j) T2(i, j) *= problem.column_scale()[static_cast<std::size_t>(i)];
+    for (int j = 0; j < T2.cols(); ++j) T2(i, j) *= problem.column_scale()[index(i)];
   Projectors result;
   result.Z3 = to_matrix(Z.view().columns(0, v_hat));
   result.Z2 = to_matrix(Z.view().columns(v_hat, a));

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "reduction/stored_elimination.h"
 
 namespace sfdae::core {
@@ -48,7 +49,7 @@ DiagonalBlock factor_rows_of_level(const TaylorData& data, int i, Judge& judge, 
   fill(block.Q, 0.0);
   if (rows == 0) return block;
   copy(all.top(rows), block.factors);
-  double* tau = arena.take(static_cast<std::size_t>(std::min(rows, data.n)) + 1);
+  double* tau = arena.take(index(std::min(rows, data.n)) + 1);
   factor_qr_pivoted(block.factors, block.pivots, tau, arena);
   block.rank = judge.decide_diagonal_block(block.factors, all.top(rows));
   const View Q = arena.matrix(rows, rows);
@@ -67,7 +68,7 @@ DiagonalBlock factor_diagonal_block(const TaylorData& data, int i, Judge& judge,
   const ConstView E0 = data.E(0);
   DiagonalBlock block{arena.matrix(data.m, data.n), arena.integers(data.n), 0, arena.matrix(data.m, data.m)};
   copy(E0, block.factors);
-  double* tau = arena.take(static_cast<std::size_t>(std::min(data.m, data.n)) + 1);
+  double* tau = arena.take(index(std::min(data.m, data.n)) + 1);
   factor_qr_pivoted(block.factors, block.pivots, tau, arena);
   block.rank = judge.decide_diagonal_block(block.factors, E0);
   form_q(block.factors, block.rank, tau, block.Q, arena);
@@ -147,7 +148,7 @@ double eliminate_by_reflections(const DiagonalBlock& block, ConstView C1, View T
   const View mixing = beside.columns(T.cols + next.cols, c);
   fill(mixing, 0.0);
   for (int row = 0; row < c; ++row) mixing(r + row, row) = 1.0;
-  double* tau = arena.take(static_cast<std::size_t>(r) + 1);
+  double* tau = arena.take(index(r) + 1);
   factor_qr(X, tau, arena);
   apply_q(Op::transposed, X, r, tau, beside, arena);
   if (store != nullptr) store->keep_reflections(X, tau);
@@ -182,7 +183,7 @@ int release_rows(View T, double norm, int j, View rows, Judge& judge, Arena& are
     original = kept;
   }
   int* pivots = arena.integers(T.cols);
-  double* tau = arena.take(static_cast<std::size_t>(std::min(c, T.cols)) + 1);
+  double* tau = arena.take(index(std::min(c, T.cols)) + 1);
   factor_qr_pivoted(factors, pivots, tau, arena);
   judge.set_errors(max_abs(errors));
   const int leaving = judge.decide_stage(j, factors, original, norm);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "linalg/index.h"
 #include "problem/failure.h"
 #include "reduction/balanced_units.h"
 #include "reduction/index_search.h"
@@ -83,7 +84,7 @@ double nearby_point(double t, double toward, double time_scale) {
 // size. Columns below smallest_column are left alone: they may be rounding errors.
 std::vector<double> choose_column_scale(CoefficientSource& problem, double t) {
   constexpr double moderate_column_ratio = 1024.0, smallest_column = 1e-12;
-  const std::size_t n = static_cast<std::size_t>(problem.n());
+  const std::size_t n = index(problem.n());
   std::vector<double> scale(n, 1.0);
   bool needed = false;
   // Scaling of rows and columns depends on each other: two sweeps.

@@ -5,12 +5,13 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
 namespace {
 
-std::size_t area(int rows, int cols) { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols) + 1; }
+std::size_t area(int rows, int cols) { return index(rows) * index(cols) + 1; }
 
 }  // namespace
 
@@ -69,11 +70,11 @@ void NullSpaceForm::solve_constraints(const double* f_hat, double norm_f, Arena&
   // What is carried of f may be nothing but rounding errors of f.
   double scale = norm_f;
   for (int i = 0; i < carried_; ++i) scale = std::max(scale, std::fabs(f_hat[i]));
-  for (int i = 0; i < rank_; ++i) xp[i] = -f_hat[pivots_[static_cast<std::size_t>(i)]];
+  for (int i = 0; i < rank_; ++i) xp[i] = -f_hat[pivots_[index(i)]];
   solve_upper(Op::transposed, factors.block(0, 0, rank_, rank_), {xp, rank_, 1, n});
   double worst = 0.0;
   for (int i = rank_; i < carried_; ++i) {
-    double residual = f_hat[pivots_[static_cast<std::size_t>(i)]], size = scale;
+    double residual = f_hat[pivots_[index(i)]], size = scale;
     for (int k = 0; k < rank_; ++k) {
       residual += factors(k, i) * xp[k];
       size = std::max(size, std::fabs(factors(k, i) * xp[k]));
@@ -93,8 +94,8 @@ bool NullSpaceForm::build_prescription(const std::vector<int>& components, Arena
   const View factors = arena.matrix(columns, count);
   const View T2 = columns_T2(0, columns);
   for (int i = 0; i < count; ++i)
-    for (int j = 0; j < columns; ++j) factors(j, i) = T2(components[static_cast<std::size_t>(i)], j);
-  double* tau = arena.take(static_cast<std::size_t>(count));
+    for (int j = 0; j < columns; ++j) factors(j, i) = T2(components[index(i)], j);
+  double* tau = arena.take(index(count));
   factor_qr(factors, tau, arena);
   // T2 has orthonormal columns: values are sines of angles, and 1e-8 is the square root of rounding.
   for (int i = 0; i < count; ++i)
@@ -115,8 +116,7 @@ void NullSpaceForm::apply_prescription(Prescription prescription) {
   if (count == 0) return;
   double* xp = T2_.data() + static_cast<std::ptrdiff_t>(unknowns()) * n;
   double* missing = g0_.data();  // free until the differential equations are built; count <= n
-  for (int i = 0; i < count; ++i)
-    missing[i] = prescription.values[i] - xp[(*prescription.components)[static_cast<std::size_t>(i)]];
+  for (int i = 0; i < count; ++i) missing[i] = prescription.values[i] - xp[(*prescription.components)[index(i)]];
   solve_upper(Op::transposed, {Rp_.data(), count, count, count}, {missing, count, 1, count});
   multiply(1.0, Op::plain, ConstView{P1_.data(), n, count, n}, missing, 1.0, xp);
 }
@@ -136,7 +136,7 @@ void NullSpaceForm::build_kernel(const Carried& carried, Arena& arena) {
     for (int i = 0; i < r; ++i) basis(carried.pivots[i], j) = -top(i, j);
     basis(carried.pivots[r + j], j) = 1.0;
   }
-  double* tau = arena.take(static_cast<std::size_t>(kernel_));
+  double* tau = arena.take(index(kernel_));
   factor_qr(basis, tau, arena);
   form_q(basis, kernel_, tau, {K_.data(), n, kernel_, n}, arena);
 }
@@ -156,7 +156,7 @@ void NullSpaceForm::build_differential_equations(const TaylorData& data, Judge& 
     copy(factors, kept);
     original = kept;
   }
-  double* tau = arena.take(static_cast<std::size_t>(std::min(m, columns)) + 1);
+  double* tau = arena.take(index(std::min(m, columns)) + 1);
   int* pivots = arena.integers(columns);
   factor_qr_pivoted(factors, pivots, tau, arena);
   d = columns > 0 && m > 0 ? judge.decide_differential(factors, original) : 0;
@@ -202,25 +202,25 @@ void NullSpaceForm::factor_G(ConstView R3, const int* pivots, Arena& arena) {
   const View rows = arena.matrix(columns, d), Q = arena.matrix(columns, columns);
   for (int i = 0; i < d; ++i)
     for (int j = 0; j < columns; ++j) rows(j, i) = j >= i ? R3(i, j) : 0.0;
-  double* tau = arena.take(static_cast<std::size_t>(d) + 1);
+  double* tau = arena.take(index(d) + 1);
   factor_qr(rows, tau, arena);
   form_q(rows, d, tau, Q, arena);
   copy(rows.block(0, 0, d, d), {R3_.data(), d, d, std::max(d, 1)});
   for (int i = 0; i < columns; ++i) {
     const int row = pivots[i];
-    for (int j = 0; j < d; ++j) Qg_[static_cast<std::size_t>(j * columns + row)] = Q(i, j);
-    for (int j = 0; j < u; ++j) Uz_[static_cast<std::size_t>(j * columns + row)] = Q(i, d + j);
+    for (int j = 0; j < d; ++j) Qg_[index(j * columns + row)] = Q(i, j);
+    for (int j = 0; j < u; ++j) Uz_[index(j * columns + row)] = Q(i, d + j);
   }
 }
 
 void NullSpaceForm::solve_G(const double* q, double* z, Arena& arena) const {
   const Arena::Frame frame(arena);
-  double* y = arena.take(static_cast<std::size_t>(d) + 1);
+  double* y = arena.take(index(d) + 1);
   std::copy_n(q, d, y);
   const ConstView R{R3_.data(), d, d, std::max(d, 1)};
   if (u == 0) {
     solve_upper(Op::plain, R, {y, d, 1, std::max(d, 1)});
-    for (int i = 0; i < d; ++i) z[pivots3_[static_cast<std::size_t>(i)]] = y[i];
+    for (int i = 0; i < d; ++i) z[pivots3_[index(i)]] = y[i];
     return;
   }
   solve_upper(Op::transposed, R, {y, d, 1, std::max(d, 1)});
@@ -231,12 +231,12 @@ int NullSpaceForm::sign_of_G() const {
   // G is R3 with permuted columns: signs of the diagonal, and one for every cycle of even length.
   int sign = 1;
   for (int i = 0; i < d; ++i) {
-    const double r = R3_[static_cast<std::size_t>(i) * static_cast<std::size_t>(d + 1)];
+    const double r = R3_[index(i) * index(d + 1)];
     if (r == 0.0) return 0;
     if (r < 0.0) sign = -sign;
     int next = i, length = 0;
     do {
-      next = pivots3_[static_cast<std::size_t>(next)];
+      next = pivots3_[index(next)];
       ++length;
     } while (next > i);
     if (next == i && length % 2 == 0) sign = -sign;
@@ -247,7 +247,7 @@ int NullSpaceForm::sign_of_G() const {
 void NullSpaceForm::project(double* y, Arena& arena) const {
   if (kernel_ == 0) return;
   const Arena::Frame frame(arena);
-  double* coefficients = arena.take(static_cast<std::size_t>(kernel_));
+  double* coefficients = arena.take(index(kernel_));
   multiply(1.0, Op::transposed, kernel(), y, 0.0, coefficients);
   multiply(-1.0, Op::plain, kernel(), coefficients, 1.0, y);
 }
@@ -262,7 +262,7 @@ PointRanks NullSpaceForm::build(const TaylorData& data, const Carried& carried, 
   d = 0;
   u = n - a;
   const Arena::Frame frame(arena);
-  double* f_hat = arena.take(static_cast<std::size_t>(carried.rows) + 1);
+  double* f_hat = arena.take(index(carried.rows) + 1);
   for (int i = 0; i < carried.rows; ++i) f_hat[i] = carried.rhs(i, 0);
   solve_constraints(f_hat, data.norm_f(data.orders.f), arena);
   if (prescription.count() > 0 && ranks.prescription_fits) apply_prescription(prescription);
@@ -278,7 +278,7 @@ void NullSpaceForm::replace_rhs(const TaylorData& data, const double* f_hat, Pre
   solve_constraints(f_hat, norm_f, arena);
   apply_prescription(prescription);
   const Arena::Frame frame(arena);
-  double* h = arena.take(static_cast<std::size_t>(m));
+  double* h = arena.take(index(m));
   multiply(1.0, Op::plain, data.E(0), xp(), 0.0, h);
   multiply(1.0, Op::transposed, Z1(), h, 0.0, g0_.data());
   std::copy_n(data.f(0), m, h);
@@ -297,8 +297,8 @@ void NullSpaceForm::project(View Y, Arena& arena) const {
 void NullSpaceForm::archive_bases(Archive& archive) {
   archive.small(a, d, u);
   if (archive.is_reading() && (d < 0 || u < 0 || unknowns() > n || d > m)) throw DamagedArchive();
-  archive.reals(T2_.data(), static_cast<std::size_t>(n) * static_cast<std::size_t>(unknowns()));
-  archive.reals(Z1_.data(), static_cast<std::size_t>(m) * static_cast<std::size_t>(d));
+  archive.reals(T2_.data(), index(n) * index(unknowns()));
+  archive.reals(Z1_.data(), index(m) * index(d));
 }
 
 }  // namespace sfdae::core

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "linalg/index.h"
 #include "reduction/elimination.h"
 
 namespace sfdae::core {
@@ -25,7 +26,7 @@ RankResult determine_ranks(const TaylorData& data, int level, const Judge::Setti
 
 bool stages_rise(const RankSequence& list, int level, int full_rank) {
   if (list.rank[0] == full_rank) return true;  // nothing is left for later stages
-  for (std::size_t k = 2; k <= static_cast<std::size_t>(level); ++k)
+  for (std::size_t k = 2; k <= index(level); ++k)
     if (list.rank[k] < list.rank[k - 1]) return false;
   return true;
 }

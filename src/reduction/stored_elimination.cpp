@@ -5,12 +5,11 @@
 #include <algorithm>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
 
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Up to this many unknowns the equations of a stage are solved for y_j beforehand: overhead of calls outweighs
 // arithmetic.

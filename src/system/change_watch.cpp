@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/index.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -207,7 +208,7 @@ void ChangeWatch::archive(Archive& archive) {
   if (system_.is_constant()) return;
   archive.small(samples_);
   if (archive.is_reading() && (samples_ < 0 || samples_ > 2)) throw DamagedArchive();
-  const std::size_t count = static_cast<std::size_t>(system_.equations()) + 2;
+  const std::size_t count = index(system_.equations()) + 2;
   Sample* const newest_first[] = {&last_, &older_};
   for (int i = 0; i < samples_; ++i) {
     archive.real(newest_first[i]->t);

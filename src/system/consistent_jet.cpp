@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
 #include "reduction/null_space_form.h"
@@ -28,8 +29,6 @@ constexpr double consistent_residual = 1e-9;
 // y may change this much more easily than x.
 constexpr double ease_of_y = 1e3;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 double length(const double* v, std::size_t count) {
   double sum = 0.0;

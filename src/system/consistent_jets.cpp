@@ -2,15 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
+#include "linalg/index.h"
 #include "system/consistent_jet.h"
 
 namespace sfdae::core {
-
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 void Jet::set_order(int new_order) {
   x.resize(index(n) * index(new_order + 1), 0.0);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -16,8 +17,6 @@ using Vector = std::vector<double>;
 
 // Relative accuracy to which fixed components must fit the constraints.
 constexpr double fixed_tolerance = 1e-9;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // (I - T2 T2^T) x - xp: the violation of the constraints as a vector; its length is that of A2 x + f2.
 Vector violation(const NullSpaceForm& form, const Vector& x) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 #include "problem/taylor_data.h"
 #include "reduction/elimination.h"
@@ -35,7 +36,7 @@ void LinearSystem::resize() {
   for (Point& point : points_)
     point.form.resize(problem_.m(), problem_.n(), num_prescribed, analysis_.values.a + analysis_.v_hat);
   prescribed_values_.resize(problem_.prescribed().size() + 1);
-  const std::size_t order = static_cast<std::size_t>(problem_.n());
+  const std::size_t order = index(problem_.n());
   matrix_.resize(order * order + 1);
   matrix_pivots_.resize(order + 1);
   // Where ranks are only compared with those known, the cheaper model comes first.
@@ -69,7 +70,7 @@ void LinearSystem::archive(Archive& archive) {
   if (archive.is_reading()) accepted_ = true;
   Point& point = accepted_ ? current() : reference();
   archive.small(point.det_sign);
-  if (problem_.m() > 1) archive.reals(preferred_rows_, static_cast<std::size_t>(problem_.m()));
+  if (problem_.m() > 1) archive.reals(preferred_rows_, index(problem_.m()));
   point.form.archive_bases(archive);
   if (!archive.is_reading()) return;
   if (point.form.d != values.d || point.form.u != undetermined()) throw DamagedArchive();
@@ -130,7 +131,7 @@ void LinearSystem::scale_prescribed_values() {
   const std::vector<double>& scale = problem_.column_scale();
   if (scale.empty()) return;
   for (std::size_t i = 0; i < problem_.prescribed().size(); ++i)
-    prescribed_values_[i] /= scale[static_cast<std::size_t>(problem_.prescribed()[i])];
+    prescribed_values_[i] /= scale[index(problem_.prescribed()[i])];
 }
 
 PointStatus LinearSystem::reduce(double t, double time_scale, Point& point, RowScaling rows) {
@@ -189,10 +190,10 @@ PointStatus LinearSystem::reduce_constant(double t, Point& point) {
   for (int k = 0; k <= mu; ++k) {
     factor *= point.data.time_scale / std::max(k, 1);
     for (int i = 0; i < problem_.m(); ++i)
-      point.data.f(k)[i] = rhs_.f(k)[i] * factor * point.data.row_scale[static_cast<std::size_t>(i)];
+      point.data.f(k)[i] = rhs_.f(k)[i] * factor * point.data.row_scale[index(i)];
   }
   const Arena::Frame frame(arena_);
-  double* f_hat = arena_.take(static_cast<std::size_t>(Zt_.rows()) + 1);
+  double* f_hat = arena_.take(index(Zt_.rows()) + 1);
   multiply(1.0, Op::plain, Zt_, point.data.f(0), 0.0, f_hat);
   point.form.replace_rhs(point.data, f_hat, {&problem_.prescribed(), prescribed_values_.data()}, arena_);
   point.t = t;
@@ -249,14 +250,14 @@ double LinearSystem::inconsistency() const {
 
 void LinearSystem::leading(const double* x, double* w) {
   const Arena::Frame frame(arena_);
-  leading_of(inward(x, arena_.take(static_cast<std::size_t>(problem_.n()))), w);
+  leading_of(inward(x, arena_.take(index(problem_.n()))), w);
 }
 
 void LinearSystem::leading_of(const double* x, double* w) {
   const Point& point = current();
   if (leading_ == LeadingTerm::matrix) {
     multiply(1.0, Op::plain, point.data.E(0), x, 0.0, w);
-    for (int i = 0; i < problem_.m(); ++i) w[i] /= point.data.row_scale[static_cast<std::size_t>(i)];
+    for (int i = 0; i < problem_.m(); ++i) w[i] /= point.data.row_scale[index(i)];
     return;
   }
   std::copy_n(x, problem_.n(), w);
@@ -266,9 +267,9 @@ void LinearSystem::leading_of(const double* x, double* w) {
 void LinearSystem::differential_rows(const double* w, double* q) {
   const TaylorData& data = current().data;
   const Arena::Frame frame(arena_);
-  double* Ew = arena_.take(static_cast<std::size_t>(data.m));
+  double* Ew = arena_.take(index(data.m));
   if (leading_ == LeadingTerm::matrix)
-    for (int i = 0; i < data.m; ++i) Ew[i] = w[i] * data.row_scale[static_cast<std::size_t>(i)];
+    for (int i = 0; i < data.m; ++i) Ew[i] = w[i] * data.row_scale[index(i)];
   else multiply(1.0, Op::plain, data.E(0), w, 0.0, Ew);
   multiply(1.0, Op::transposed, current().form.Z1(), Ew, 0.0, q);
 }
@@ -298,12 +299,12 @@ PointStatus LinearSystem::solve(const StepEquations& equations, double* x) {
   const double tau = point.data.time_scale;
   const Arena::Frame frame(arena_);
   const View M{matrix_.data(), size, size, std::max(size, 1)};
-  double* z = arena_.take(static_cast<std::size_t>(size) + 1);
+  double* z = arena_.take(index(size) + 1);
   differential_rows(equations.w_rest, z);
   for (int i = 0; i < d; ++i) z[i] = form.b()[i] - tau * (c * form.g0()[i] + z[i]);
   if (form.u > 0) {
-    double* free_part = arena_.take(static_cast<std::size_t>(size));
-    const double* x_rest = inward(equations.x_rest, arena_.take(static_cast<std::size_t>(n)));
+    double* free_part = arena_.take(index(size));
+    const double* x_rest = inward(equations.x_rest, arena_.take(index(n)));
     multiply(1.0, Op::transposed, form.T2(), x_rest, 0.0, free_part);
     multiply(-tau, Op::transposed, form.Uz(), free_part, 0.0, z + d);
   }
@@ -324,7 +325,7 @@ void LinearSystem::error_in_x(const double* dw, int count, double* dx) {
   const ConstView w{dw, leading_size(), count, leading_size()};
   if (leading_ == LeadingTerm::matrix) {
     for (int k = 0; k < count; ++k)
-      for (int i = 0; i < m; ++i) Ew(i, k) = w(i, k) * data.row_scale[static_cast<std::size_t>(i)];
+      for (int i = 0; i < m; ++i) Ew(i, k) = w(i, k) * data.row_scale[index(i)];
   } else {
     multiply(1.0, Op::plain, data.E(0), Op::plain, w, 0.0, Ew);
   }
@@ -338,15 +339,15 @@ void LinearSystem::restore(const double* w, const double* x_free, double* x) {
   const NullSpaceForm& form = current().form;
   const int n = problem_.n(), size = form.unknowns();
   const Arena::Frame frame(arena_);
-  double* q = arena_.take(static_cast<std::size_t>(form.d) + 1);
-  double* z = arena_.take(static_cast<std::size_t>(size) + 1);
+  double* q = arena_.take(index(form.d) + 1);
+  double* z = arena_.take(index(size) + 1);
   differential_rows(w, q);
   for (int i = 0; i < form.d; ++i) q[i] -= form.g0()[i];
   form.solve_G(q, z, arena_);
   if (form.u > 0) {
-    double* along = arena_.take(static_cast<std::size_t>(size));
-    double* free_part = arena_.take(static_cast<std::size_t>(form.u));
-    x_free = inward(x_free, arena_.take(static_cast<std::size_t>(n)));
+    double* along = arena_.take(index(size));
+    double* free_part = arena_.take(index(form.u));
+    x_free = inward(x_free, arena_.take(index(n)));
     multiply(1.0, Op::transposed, form.T2(), x_free, 0.0, along);
     multiply(1.0, Op::transposed, form.Uz(), along, 0.0, free_part);
     multiply(1.0, Op::plain, form.Uz(), free_part, 1.0, z);
@@ -358,7 +359,7 @@ void LinearSystem::restore(const double* w, const double* x_free, double* x) {
 
 void LinearSystem::correct_derivative(double c, const double* x, double* xdot) {
   const Arena::Frame frame(arena_);
-  const std::size_t n = static_cast<std::size_t>(problem_.n());
+  const std::size_t n = index(problem_.n());
   std::copy_n(inward(xdot, arena_.take(n)), n, xdot);
   correct_scaled_derivative(c, inward(x, arena_.take(n)), xdot);
   outward(xdot);
@@ -368,9 +369,9 @@ void LinearSystem::correct_scaled_derivative(double c, const double* x, double* 
   const Point& point = current();
   const NullSpaceForm& form = point.form;
   const Arena::Frame frame(arena_);
-  double* h = arena_.take(static_cast<std::size_t>(problem_.m()));
-  double* q = arena_.take(static_cast<std::size_t>(form.d) + 1);
-  double* z = arena_.take(static_cast<std::size_t>(form.unknowns()) + 1);
+  double* h = arena_.take(index(problem_.m()));
+  double* q = arena_.take(index(form.d) + 1);
+  double* z = arena_.take(index(form.unknowns()) + 1);
   // E x' = (A x + f) / tau, all in scaled data.
   std::copy_n(point.data.f(0), problem_.m(), h);
   multiply(1.0, Op::plain, point.data.A(0), x, 1.0, h);

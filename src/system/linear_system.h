@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "linalg/archive.h"
+#include "linalg/index.h"
 #include "problem/linear_problem.h"
 #include "reduction/index_analysis.h"
 #include "reduction/null_space_form.h"
@@ -77,7 +78,7 @@ class LinearSystem final : public DaeSystem {
   // That of the current point.
   void trace(Trace& trace);
   int num_stage_traces() const { return num_stage_traces_; }
-  const Trace& stage_trace(int i) const { return stage_traces_[static_cast<std::size_t>(i)]; }
+  const Trace& stage_trace(int i) const { return stage_traces_[index(i)]; }
 
   // False if the sign of det[E1; A2] changed from the point accepted last to the current one, bases aligned: a
   // singular point lies between (or the bases turned too far to tell). Meaningful for u = 0 only, else true.

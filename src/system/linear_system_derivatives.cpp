@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "linalg/small_kernels.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
@@ -21,14 +22,14 @@ constexpr double difference_spacing = 2e-3;
 }  // namespace
 
 bool LinearSystem::consistent_derivative(const double* x, double direction, double* xdot) {
-  std::vector<double> buffer(static_cast<std::size_t>(problem_.n()));
+  std::vector<double> buffer(index(problem_.n()));
   const bool exact = consistent_scaled_derivative(inward(x, buffer.data()), direction, xdot);
   outward(xdot);
   return exact;
 }
 
 bool LinearSystem::exact_derivative(const double* x, double* xdot) {
-  std::vector<double> buffer(static_cast<std::size_t>(problem_.n()));
+  std::vector<double> buffer(index(problem_.n()));
   if (!exact_scaled_derivative(inward(x, buffer.data()), xdot)) return false;
   outward(xdot);
   return true;
@@ -40,8 +41,8 @@ bool LinearSystem::exact_scaled_derivative(const double* x, double* xdot) {
   const NullSpaceForm& form = current().form;
   if (form.u == 0) return true;
   const Arena::Frame frame(arena_);
-  double* along = arena_.take(static_cast<std::size_t>(form.unknowns()));
-  double* free_part = arena_.take(static_cast<std::size_t>(form.u));
+  double* along = arena_.take(index(form.unknowns()));
+  double* free_part = arena_.take(index(form.u));
   multiply(1.0, Op::transposed, form.T2(), xdot, 0.0, along);
   multiply(1.0, Op::transposed, form.Uz(), along, 0.0, free_part);
   multiply(1.0, Op::plain, form.Uz(), free_part, 0.0, along);
@@ -85,7 +86,7 @@ bool LinearSystem::derivative_from_array(const double* x, double* xdot) {
   multiply(1.0, Op::plain, carried.constraints, x, 1.0, r.data + m);
   // Basic solution of the given rank, in the variables that pivoting picks.
   int* pivots = arena_.integers(n);
-  double* tau = arena_.take(static_cast<std::size_t>(std::min(rows, n)) + 1);
+  double* tau = arena_.take(index(std::min(rows, n)) + 1);
   factor_qr_pivoted(S, pivots, tau, arena_);
   if (rank > 0 && std::fabs(S(rank - 1, rank - 1)) <= rows * unit_roundoff * std::fabs(S(0, 0))) return false;
   apply_q(Op::transposed, S, rank, tau, r, arena_);
@@ -106,7 +107,7 @@ void LinearSystem::derivative_from_differences(const double* x, double direction
   if (problem_.room(t, direction) < 4.0 * wanted && problem_.room(t, -direction) > problem_.room(t, direction))
     direction = -direction;
   double step = direction * std::min(wanted, problem_.room(t, direction) / 4.0);
-  std::vector<double> psi(static_cast<std::size_t>(n)), along(static_cast<std::size_t>(n) + 1), psi_here(psi);
+  std::vector<double> psi(index(n)), along(index(n) + 1), psi_here(psi);
   const auto evaluate_psi = [&](std::vector<double>& result) {
     const NullSpaceForm& form = current().form;
     multiply(1.0, Op::transposed, form.T2(), x, 0.0, along.data());
@@ -116,7 +117,7 @@ void LinearSystem::derivative_from_differences(const double* x, double direction
   evaluate_psi(psi_here);
   accept();
   for (int attempt = 0; attempt < 6; ++attempt, step /= 8.0) {
-    for (int i = 0; i < n; ++i) xdot[i] = weights[0] / step * (psi_here[static_cast<std::size_t>(i)] - x[i]);
+    for (int i = 0; i < n; ++i) xdot[i] = weights[0] / step * (psi_here[index(i)] - x[i]);
     int k = 1;
     for (; k < 5; ++k) {
       const PointStatus status = move_to(t + k * step);
@@ -124,7 +125,7 @@ void LinearSystem::derivative_from_differences(const double* x, double direction
         throw Failure(callback_error_.status, callback_error_.message());
       if (status != PointStatus::ok) break;
       evaluate_psi(psi);
-      for (int i = 0; i < n; ++i) xdot[i] += weights[k] / step * (psi[static_cast<std::size_t>(i)] - x[i]);
+      for (int i = 0; i < n; ++i) xdot[i] += weights[k] / step * (psi[index(i)] - x[i]);
     }
     if (k == 5) break;
     std::fill_n(xdot, n, 0.0);
@@ -140,7 +141,7 @@ void LinearSystem::derivative_from_differences(const double* x, double direction
 }
 
 void LinearSystem::leading_derivative(const double* x, const double* xdot, double* wdot) {
-  std::vector<double> x_buffer(static_cast<std::size_t>(problem_.n())), xdot_buffer(x_buffer);
+  std::vector<double> x_buffer(index(problem_.n())), xdot_buffer(x_buffer);
   x = inward(x, x_buffer.data());
   xdot = inward(xdot, xdot_buffer.data());
   const Point& point = current();
@@ -151,40 +152,38 @@ void LinearSystem::leading_derivative(const double* x, const double* xdot, doubl
     // (E x)' = E x' + E' x
     leading_of(xdot, wdot);
     if (!E_varies) return;
-    std::vector<double> h(static_cast<std::size_t>(m));
+    std::vector<double> h(index(m));
     multiply(per_tau, Op::plain, point.data.E(1), x, 0.0, h.data());
-    for (int i = 0; i < m; ++i)
-      wdot[i] += h[static_cast<std::size_t>(i)] / point.data.row_scale[static_cast<std::size_t>(i)];
+    for (int i = 0; i < m; ++i) wdot[i] += h[index(i)] / point.data.row_scale[index(i)];
     return;
   }
   leading_of(xdot, wdot);
   if (leading_ == LeadingTerm::identity || !E_varies) return;
   // P' = S + S^T with S = E^+ E' (I - P), for constant rank.
   const Svd decomposition = svd(point.data.E(0));
-  std::vector<double> kernel_part(x, x + n), h(static_cast<std::size_t>(std::max(m, n))),
-      s(static_cast<std::size_t>(n), 0.0);
+  std::vector<double> kernel_part(x, x + n), h(index(std::max(m, n))), s(index(n), 0.0);
   std::vector<double> Px(x, x + n);
   point.form.project(Px.data(), arena_);
-  for (int i = 0; i < n; ++i) kernel_part[static_cast<std::size_t>(i)] -= Px[static_cast<std::size_t>(i)];
+  for (int i = 0; i < n; ++i) kernel_part[index(i)] -= Px[index(i)];
   multiply(per_tau, Op::plain, point.data.E(1), kernel_part.data(), 0.0, h.data());
   const auto apply_pseudo_inverse = [&](bool transposed, const double* from, double* to, int from_size, int to_size) {
     const ConstView left = transposed ? decomposition.V.view() : decomposition.U.view();
     const ConstView right = transposed ? decomposition.U.view() : decomposition.V.view();
     std::fill_n(to, to_size, 0.0);
     for (int k = 0; k < analysis_.rank_E; ++k) {
-      const double c = small::dot(from_size, left.column(k), from) / decomposition.s[static_cast<std::size_t>(k)];
+      const double c = small::dot(from_size, left.column(k), from) / decomposition.s[index(k)];
       small::add_scaled(to_size, c, right.column(k), to);
     }
   };
   apply_pseudo_inverse(false, h.data(), s.data(), m, n);
-  for (int i = 0; i < n; ++i) wdot[i] += s[static_cast<std::size_t>(i)];
+  for (int i = 0; i < n; ++i) wdot[i] += s[index(i)];
   // S^T x = (I - P) E'^T E^+^T x
-  std::vector<double> e(static_cast<std::size_t>(m)), back(static_cast<std::size_t>(n));
+  std::vector<double> e(index(m)), back(index(n));
   apply_pseudo_inverse(true, x, e.data(), n, m);
   multiply(per_tau, Op::transposed, point.data.E(1), e.data(), 0.0, back.data());
   std::vector<double> projected = back;
   point.form.project(projected.data(), arena_);
-  for (int i = 0; i < n; ++i) wdot[i] += back[static_cast<std::size_t>(i)] - projected[static_cast<std::size_t>(i)];
+  for (int i = 0; i < n; ++i) wdot[i] += back[index(i)] - projected[index(i)];
 }
 
 }  // namespace sfdae::core

@@ -13,13 +13,14 @@
 #include <algorithm>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "system/linear_system.h"
 
 namespace sfdae::core {
 
 namespace {
 
-std::size_t area(int rows, int cols) { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols); }
+std::size_t area(int rows, int cols) { return index(rows) * index(cols); }
 
 View view(std::vector<double>& values, int rows, int cols) { return {values.data(), rows, cols, std::max(rows, 1)}; }
 
@@ -29,16 +30,16 @@ PointStatus LinearSystem::solve_stages(const StageEquations& equations, double* 
   const int s = equations.method.s;
   resize_stages(s);
   for (int i = 0; i < s; ++i) {
-    const double c = equations.method.c[static_cast<std::size_t>(i)];
+    const double c = equations.method.c[index(i)];
     t_reached = i == s - 1 ? equations.t_end : equations.t + c * (equations.t_end - equations.t);
     const PointStatus status = move_to(t_reached);
     if (status != PointStatus::ok) return status;
     keep_stage(i, s);
-    if (i < s - 1 && !problem_.is_constant()) trace(stage_traces_[static_cast<std::size_t>(i)]);
+    if (i < s - 1 && !problem_.is_constant()) trace(stage_traces_[index(i)]);
   }
   num_stage_traces_ = problem_.is_constant() ? 0 : s - 1;
   const Arena::Frame frame(arena_);
-  const double* x_start = inward(equations.x, arena_.take(static_cast<std::size_t>(problem_.n())));
+  const double* x_start = inward(equations.x, arena_.take(index(problem_.n())));
   if (problem_.is_constant()) {
     if (!solve_constant_stages(equations, x_start)) return PointStatus::singular;
   } else {
@@ -79,7 +80,7 @@ void LinearSystem::keep_stage(int i, int s) {
   const int n = problem_.n(), d = form.d, q = form.unknowns(), size_w = leading_size(), first = i * (q + 1);
   copy(form.T2_xp(), view(stages_.X, n, s * (q + 1)).columns(first, q + 1));
   copy(form.B_b(), view(stages_.B, d, s * (q + 1)).columns(first, q + 1));
-  stages_.tau[static_cast<std::size_t>(i)] = data.time_scale;
+  stages_.tau[index(i)] = data.time_scale;
   if (problem_.is_constant()) {
     // Only the last columns differ from stage to stage; g0 takes the place of W xp.
     std::copy_n(form.g0(), d, stages_.Y.data() + static_cast<std::ptrdiff_t>(i) * d);
@@ -90,9 +91,9 @@ void LinearSystem::keep_stage(int i, int s) {
   if (leading_ == LeadingTerm::matrix) {
     multiply(1.0, Op::plain, data.E(0), Op::plain, form.T2_xp(), 0.0, Y);
     for (int j = 0; j < Y.cols; ++j)
-      for (int k = 0; k < size_w; ++k) Y(k, j) /= data.row_scale[static_cast<std::size_t>(k)];
+      for (int k = 0; k < size_w; ++k) Y(k, j) /= data.row_scale[index(k)];
     for (int k = 0; k < size_w; ++k)
-      for (int r = 0; r < d; ++r) L(r, k) = form.Z1()(k, r) * data.row_scale[static_cast<std::size_t>(k)];
+      for (int r = 0; r < d; ++r) L(r, k) = form.Z1()(k, r) * data.row_scale[index(k)];
   } else {
     copy(form.T2_xp(), Y);
     if (leading_ == LeadingTerm::projector) form.project(Y, arena_);
@@ -127,7 +128,7 @@ void LinearSystem::assemble_stages(const StageEquations& equations, const double
     double* from_start = arena_.take(area(s * rows, 1));
     multiply(1.0, Op::plain, L, start, 0.0, from_start);
     for (int i = 0; i < s; ++i) {
-      const double factor = stages_.tau[static_cast<std::size_t>(i)] / h;
+      const double factor = stages_.tau[index(i)] / h;
       double* z = stages_.z.data() + static_cast<std::ptrdiff_t>(i) * q + at;
       std::fill_n(z, rows, 0.0);
       for (int j = 0; j < s; ++j) {
@@ -148,7 +149,7 @@ void LinearSystem::assemble_stages(const StageEquations& equations, const double
     const ConstView B_b = view(stages_.B, d, columns).columns(i * (q + 1), q + 1);
     for (int k = 0; k < q; ++k)
       for (int r = 0; r < d; ++r) M(i * q + r, i * q + k) -= B_b(r, k);
-    for (int r = 0; r < d; ++r) stages_.z[static_cast<std::size_t>(i * q + r)] += B_b(r, q);
+    for (int r = 0; r < d; ++r) stages_.z[index(i * q + r)] += B_b(r, q);
   }
 }
 

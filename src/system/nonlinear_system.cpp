@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
 #include "reduction/rank_sequence.h"
@@ -13,8 +14,6 @@
 namespace sfdae::core {
 
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Linearizations are renewed, and characteristic values checked, after this many points at the latest.
 constexpr int oldest = 10;

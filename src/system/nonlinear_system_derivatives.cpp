@@ -4,18 +4,13 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
 #include "reduction/rank_sequence.h"
 #include "system/nonlinear_system.h"
 
 namespace sfdae::core {
-
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 // y of F_{mu+1}(t, x, y) = 0 for the given x; y_1 = x' is determined but for free directions.
 bool NonlinearSystem::solve_next_level(const double* x) {
@@ -150,7 +145,7 @@ void NonlinearSystem::archive(Archive& archive) {
   int count = static_cast<int>(ranks_.count);
   archive.small(count);
   if (archive.is_reading() && (count < 0 || count > static_cast<int>(ranks_.rank.size()))) throw DamagedArchive();
-  ranks_.count = static_cast<std::size_t>(count);
+  ranks_.count = index(count);
   for (int i = 0; i < count; ++i) archive.small(ranks_.rank[index(i)]);
   if (!archive.is_reading()) return;
   // The linearization as it was.

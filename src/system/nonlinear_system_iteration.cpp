@@ -4,15 +4,10 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "system/nonlinear_system.h"
 
 namespace sfdae::core {
-
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 bool NonlinearSystem::factor_step_matrix(double c) {
   // Steps of one size differ in their last bits, as times are rounded.

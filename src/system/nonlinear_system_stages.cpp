@@ -12,15 +12,10 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "system/nonlinear_system.h"
 
 namespace sfdae::core {
-
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) {
   const int s = equations.method.s, n = problem_.n();

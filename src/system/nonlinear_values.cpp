@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
 #include "reduction/rank_sequence.h"
@@ -15,8 +16,6 @@ namespace sfdae::core {
 namespace {
 
 using Vector = std::vector<double>;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // One linearization of the constraints at a jet.
 class LinearizedConstraints {

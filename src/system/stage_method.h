@@ -6,12 +6,14 @@
 #include <complex>
 #include <cstddef>
 
+#include "linalg/index.h"
+
 namespace sfdae::core {
 
 inline constexpr int max_stages = 7;
 
 // s x s, entry (i, j) at [i + j s].
-using StageMatrix = std::array<double, static_cast<std::size_t>(max_stages* max_stages)>;
+using StageMatrix = std::array<double, index(max_stages* max_stages)>;
 
 // The polynomial of degree s through w at t and at the stages t + c_i h has the slope sum_j D_ij (w_j - w) / h at
 // stage i; c_s = 1. D is the inverse of the Runge-Kutta matrix. Its eigenvalues are one real one, gamma, and (s-1)/2
@@ -25,7 +27,7 @@ struct StageMethod {
   std::array<std::complex<double>, (max_stages - 1) / 2> lambda{};
   StageMatrix T{}, T_inverse{};
 
-  double D_at(int i, int j) const { return D[static_cast<std::size_t>(i + j * s)]; }
+  double D_at(int i, int j) const { return D[index(i + j * s)]; }
 };
 
 }  // namespace sfdae::core

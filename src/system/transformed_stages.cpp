@@ -5,14 +5,9 @@
 #include <algorithm>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
-
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 void TransformedStages::forget() {
   for (auto& matrix : matrices_) matrix.clear();

@@ -14,6 +14,7 @@
 
 #include "linalg/arena.h"
 #include "linalg/dense.h"
+#include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "reduction/null_space_form.h"
 #include "system/stage_method.h"
@@ -43,7 +44,7 @@ class TransformedStages {
 template <class Form>
 bool TransformedStages::factor(const Form& form, double tau, const StageMethod& method, double c_real, long& count) {
   const int q = form.unknowns();
-  const std::size_t order = static_cast<std::size_t>(q);
+  const std::size_t order = index(q);
   omega_.resize(order + 1);
   for (std::size_t k = 0; 2 * static_cast<int>(k) + 2 < method.s; ++k) {
     const std::complex<double> c = method.lambda[k] * (c_real / method.gamma);
