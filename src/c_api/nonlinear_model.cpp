@@ -58,8 +58,8 @@ class NonlinearModel final : public Model {
 
   std::unique_ptr<DaeSystem> copy_of(const DaeSystem& system, const SolverOptions& options) override {
     const auto& original = static_cast<const NonlinearSystem&>(system);
-    return std::make_unique<NonlinearSystem>(*problem_, options.analysis, original.analysis(),
-                                             original.column_scale(), original.jet());
+    return std::make_unique<NonlinearSystem>(*problem_, options.analysis, original.analysis(), original.units(),
+                                             original.jet());
   }
 
   Consistent consistent_values(DaeSystem& any_system, const SolverOptions& options,
@@ -77,12 +77,12 @@ class NonlinearModel final : public Model {
       start.t = t;
       start.x.assign(point.x, point.x + n());
       start.set_order(0);
-      JetSolver solver(*problem_, system.column_scale());
+      JetSolver solver(*problem_, system.units());
       solver.set_fixed(fixed(options));
       for (int level = 0; level <= system.analysis().values.mu; ++level) solver.solve(start, level);
     }
     const ConsistentJetResult found =
-        choose_consistent_jet(*problem_, system.analysis(), system.column_scale(), request, start, result.x);
+        choose_consistent_jet(*problem_, system.analysis(), system.units(), request, start, result.x);
     const PointStatus status = system.set_point(found.jet);
     if (status == PointStatus::callback_error)
       throw Failure(system.callback_error().status, system.callback_error().message());
@@ -130,7 +130,7 @@ class NonlinearModel final : public Model {
     ConsistentJets jets(*problem_, point.t, point.x, fixed(options));
     Arena arena;
     IndexAnalysis analysis = analyze_index(jets, point.t, point.toward, settings, arena, decisions);
-    return std::make_unique<NonlinearSystem>(*problem_, options.analysis, std::move(analysis), jets.column_scale(),
+    return std::make_unique<NonlinearSystem>(*problem_, options.analysis, std::move(analysis), jets.units(),
                                              jets.jet_at(point.t, analysis.values.mu));
   }
 

@@ -25,7 +25,7 @@ class CoefficientSource {
                                  RowScaling rows = RowScaling::each,
                                  const std::vector<double>* preferred_rows = nullptr) = 0;
   // evaluate() multiplies column j of E and A by scale[j] (powers of two) from now on: unknowns x_j / scale[j]. Empty: 1.
-  virtual void set_column_scale(std::vector<double> scale) = 0;
+  virtual void set_units(Units units) = 0;
 
  protected:
   ~CoefficientSource() = default;

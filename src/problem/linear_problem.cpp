@@ -63,10 +63,10 @@ void LinearProblem::set_differences(const DifferenceOptions& options) {
 }
 
 void LinearProblem::archive(Archive& archive) {
-  bool has_scale = !column_scale_.empty();
+  bool has_scale = !units_.are_one();
   archive.small(has_scale);
-  if (has_scale) archive.reals(column_scale_, index(n()));
-  else if (archive.is_reading()) column_scale_.clear();
+  if (has_scale) archive.reals(units_.values(), index(n()));
+  else if (archive.is_reading()) units_ = {};
   if (!differences_.allowed) return;
   for (double* value : {&differences_.span, &lowest_t_, &highest_t_}) archive.real(*value);
   for (Function& function : functions_) archive.real(function.difference_step);
@@ -244,7 +244,7 @@ CallbackError LinearProblem::evaluate_plain(double t, Orders orders, TaylorData&
 CallbackError LinearProblem::evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows,
                                       const std::vector<double>* preferred_rows) {
   CallbackError callback_error = evaluate_plain(t, orders, data);
-  if (callback_error.status == SFDAE_OK && !column_scale_.empty()) data.scale_columns(column_scale_);
+  if (callback_error.status == SFDAE_OK && !units_.are_one()) data.scale_columns(units_);
   if (callback_error.status == SFDAE_OK && !data.scale(time_scale, rows, preferred_rows)) {
     callback_error.status = SFDAE_NOT_FINITE;
     callback_error.row = -1;

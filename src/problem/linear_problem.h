@@ -40,8 +40,8 @@ class LinearProblem final : public Problem, public CoefficientSource {
   CallbackError evaluate(double t, Orders orders, double time_scale, TaylorData& data,
                          RowScaling rows = RowScaling::each,
                          const std::vector<double>* preferred_rows = nullptr) override;
-  void set_column_scale(std::vector<double> scale) override { column_scale_ = std::move(scale); }
-  const std::vector<double>& column_scale() const { return column_scale_; }
+  void set_units(Units units) override { units_ = std::move(units); }
+  const Units& units() const { return units_; }
   // Plain derivatives of the orders asked for, unscaled.
   CallbackError evaluate_plain(double t, Orders orders, TaylorData& data);
   // Values of the prescribed components.
@@ -90,7 +90,7 @@ class LinearProblem final : public Problem, public CoefficientSource {
 
   sfdae_linear_problem problem_;
   std::vector<int> prescribed_;
-  std::vector<double> column_scale_;
+  Units units_;
   std::array<Function, 3> functions_;
   DifferenceOptions differences_;
   std::function<std::string(double t)> explanation_;

@@ -76,7 +76,7 @@ CallbackError NonlinearProblem::linearize(double t, const double* jet, Orders or
     if (k <= orders.A) multiply_all(-factorial, data.A(k).data, area);
     if (k <= orders.f) multiply_all(-factorial, data.f(k), index(m_));
   }
-  if (scaling.columns != nullptr && !scaling.columns->empty()) data.scale_columns(*scaling.columns);
+  if (scaling.units != nullptr && !scaling.units->are_one()) data.scale_columns(*scaling.units);
   if (!data.scale(scaling.time_scale, scaling.rows, scaling.preferred_rows)) {
     error.status = SFDAE_NOT_FINITE;
     error.row = -1;

@@ -38,12 +38,12 @@ class NonlinearProblem : public Problem {
   CallbackError residuals(double t, const double* jet, int order, double* F);
   // E(k) = (F_x')_k, A(k) = -(F_x)_k, f(k) = -F_k along a jet of order highest + 1: Taylor coefficients in
   // time_scale, scaled as TaylorData does (rows, preferred_rows), with column j of E and A multiplied by
-  // column_scale[j] (may be empty).
+  // units[j] (may be empty).
   struct Scaling {
     double time_scale = 0.0;  // 0: chosen
     RowScaling rows = RowScaling::each;
     const std::vector<double>* preferred_rows = nullptr;
-    const std::vector<double>* columns = nullptr;
+    const Units* units = nullptr;
     bool once_more = false;  // every equation may be differentiated once more
   };
   CallbackError linearize(double t, const double* jet, Orders orders, const Scaling& scaling, TaylorData& data);

@@ -167,10 +167,10 @@ void TaylorData::multiply_all(double factor) {
   multiply_entries(norm_f_.data(), index(orders.f + 1), factor);
 }
 
-void TaylorData::scale_columns(const std::vector<double>& factors) {
+void TaylorData::scale_columns(const Units& factors) {
   const auto scale_all = [&](View block) {
     for (int j = 0; j < n; ++j)
-      if (factors[index(j)] != 1.0) multiply_entries(block.column(j), index(m), factors[index(j)]);
+      if (factors[j] != 1.0) multiply_entries(block.column(j), index(m), factors[j]);
   };
   for (int k = 0; k <= orders.E; ++k) scale_all(E(k));
   for (int k = 0; k <= orders.A; ++k) scale_all(A(k));

@@ -15,6 +15,7 @@
 
 #include "linalg/index.h"
 #include "linalg/matrix.h"
+#include "linalg/units.h"
 
 namespace sfdae::core {
 
@@ -54,7 +55,7 @@ class TaylorData {
   // Z1 picks, then depends smoothly on t from one point to the next.
   bool scale(double tau, RowScaling rows = RowScaling::each, const std::vector<double>* preferred = nullptr);
   // Multiplies column j of all E(k), A(k) by factors[j]; before scale().
-  void scale_columns(const std::vector<double>& factors);
+  void scale_columns(const Units& factors);
   // Multiplies the time scale by `factor` once more.
   void rescale_time(double factor);
 

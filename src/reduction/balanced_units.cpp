@@ -64,8 +64,8 @@ void scale_others(const TaylorData& data, const std::vector<char>& is_differenti
 
 }  // namespace
 
-std::vector<double> balanced_units(CoefficientSource& source, double t, double tau) {
-  source.set_column_scale({});
+Units balanced_units(CoefficientSource& source, double t, double tau) {
+  source.set_units({});
   TaylorData data;
   const CallbackError error = source.evaluate(t, {0, 0, -1}, tau, data);
   if (error.status != SFDAE_OK) throw Failure(error.status, error.message());

@@ -19,6 +19,6 @@ namespace sfdae::core {
 // Powers of two, one for each unknown: in the equations that contain derivatives, the entries of E and tau A at t are
 // as near to one as possible in the mean square of their logarithms [CR72]. Throws Failure. The column scale of the
 // source is changed.
-std::vector<double> balanced_units(CoefficientSource& source, double t, double tau);
+Units balanced_units(CoefficientSource& source, double t, double tau);
 
 }  // namespace sfdae::core

@@ -101,8 +101,8 @@ Projectors projectors(LinearSystem& system, double t) {
   Matrix range = range_basis(product(data.E(0), kernel), d), T2 = kernel;
   for (int i = 0; i < m; ++i)
     for (int j = 0; j < d; ++j) range(i, j) /= data.row_scale[index(i)];
-  for (int i = 0; i < n && !problem.column_scale().empty(); ++i)
-    for (int j = 0; j < T2.cols(); ++j) T2(i, j) *= problem.column_scale()[index(i)];
+  for (int i = 0; i < n && !problem.units().are_one(); ++i)
+    for (int j = 0; j < T2.cols(); ++j) T2(i, j) *= problem.units()[i];
   Projectors result;
   result.Z3 = to_matrix(Z.view().columns(0, v_hat));
   result.Z2 = to_matrix(Z.view().columns(v_hat, a));

@@ -82,14 +82,14 @@ double nearby_point(double t, double toward, double time_scale) {
 
 // Units of the unknowns: columns of [E A] that differ by more than moderate_column_ratio are scaled to comparable
 // size. Columns below smallest_column are left alone: they may be rounding errors.
-std::vector<double> choose_column_scale(CoefficientSource& problem, double t) {
+Units choose_units(CoefficientSource& problem, double t) {
   constexpr double moderate_column_ratio = 1024.0, smallest_column = 1e-12;
   const std::size_t n = index(problem.n());
   std::vector<double> scale(n, 1.0);
   bool needed = false;
   // Scaling of rows and columns depends on each other: two sweeps.
   for (int sweep = 0; sweep < 2; ++sweep) {
-    problem.set_column_scale(scale);
+    problem.set_units(scale);
     TaylorData data;
     const CallbackError error = problem.evaluate(t, {0, 0, -1}, 0.0, data);
     if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
@@ -105,7 +105,7 @@ std::vector<double> choose_column_scale(CoefficientSource& problem, double t) {
     for (std::size_t j = 0; j < n; ++j)
       if (size[j] > smallest_column * largest) scale[j] *= std::ldexp(1.0, -std::ilogb(size[j]));
   }
-  return needed ? scale : std::vector<double>();
+  return needed ? Units(scale) : Units();
 }
 
 // The analysis in the units of the unknowns that the problem has.
@@ -157,13 +157,13 @@ double smallest_kept(const std::vector<RankDecision>& decisions) {
 }
 
 // Reads the problem in faster and faster units of time, the units of the unknowns balanced for each. What is clear by far
-// in two of them, supported by a third, and contradicted in none, counts: the reading with the largest gap. Units that are
+// in two of them, supported by a third, and contradicted in none, counts: the result with the largest gap. Units that are
 // much too fast shrink every value by the same factor from level to level: where the smallest one kept is small, the next
 // one would be lost among rounding errors, and ranks agree in being wrong.
 struct UnitsResult {
   IndexAnalysis analysis;
   std::vector<RankDecision> decisions;
-  std::vector<double> columns;
+  Units units;
 };
 
 std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& problem, double t, double toward,
@@ -177,8 +177,8 @@ std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& problem, do
     AnalysisSettings scaled = settings;
     scaled.time_scale = tau;
     try {
-      found.columns = balanced_units(problem, t, tau);
-      problem.set_column_scale(found.columns);
+      found.units = balanced_units(problem, t, tau);
+      problem.set_units(found.units);
       found.analysis = analyze_in_units(problem, t, toward, scaled, arena, found.decisions);
     } catch (const Failure& failure) {
       if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
@@ -241,19 +241,19 @@ bool known_values_hold(CoefficientSource& problem, double t, const AnalysisSetti
 IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,
                             Arena& arena, std::vector<RankDecision>& decisions) {
   decisions.clear();
-  problem.set_column_scale({});
-  problem.set_column_scale(choose_column_scale(problem, t));
+  problem.set_units({});
+  problem.set_units(choose_units(problem, t));
   try {
     return analyze_in_units(problem, t, toward, settings, arena, decisions);
   } catch (const Failure& failure) {
     if (failure.status() != SFDAE_RANK_UNCLEAR || settings.rank_tol > 0.0 || settings.time_scale > 0.0) throw;
     if (std::optional<UnitsResult> found = analyze_in_other_units(problem, t, toward, settings, arena)) {
-      problem.set_column_scale(found->columns);
+      problem.set_units(found->units);
       decisions = std::move(found->decisions);
       return found->analysis;
     }
-    problem.set_column_scale({});
-    problem.set_column_scale(choose_column_scale(problem, t));
+    problem.set_units({});
+    problem.set_units(choose_units(problem, t));
     throw;
   }
 }

@@ -41,7 +41,7 @@ double length(const double* v, std::size_t count) {
 void JetSolver::linearize(const Jet& jet, int level, double time_scale) {
   NonlinearProblem::Scaling scaling;
   scaling.time_scale = time_scale;
-  scaling.columns = &column_scale_;
+  scaling.units = &units_;
   const CallbackError error = problem_.linearize(jet.t, jet.x.data(), {level, level, level}, scaling, data_);
   if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
   norm_ = length(data_.f(0), index(problem_.m()) * index(level + 1));
@@ -73,7 +73,7 @@ JetSolver::Trial JetSolver::try_change(const Jet& jet, int level, const Vector& 
   for (int k = 0; k <= level + 1; ++k) {
     const double factor = k == 0 ? 1.0 : 1.0 / (k * (power *= data_.time_scale));
     for (int i = 0; i < n; ++i) {
-      const double unit = column_scale_.empty() ? 1.0 : column_scale_[index(i)];
+      const double unit = units_[i];
       trial.jet.column(k)[i] += unit * factor * change[index(k * n + i)];
     }
   }
@@ -108,7 +108,7 @@ Vector JetSolver::unit_changes(const Jet& jet, int level) const {
   const int n = jet.n;
   Vector unit(index(n) * index(level + 2));
   for (int i = 0; i < n; ++i) {
-    const double scale = column_scale_.empty() ? 1.0 : column_scale_[index(i)];
+    const double scale = units_[i];
     const double size = std::max(1.0, std::fabs(jet.column(0)[i]) / scale);
     const bool is_fixed = !fixed_.empty() && fixed_[index(i)] != 0;
     unit[index(i)] = is_fixed ? 0.0 : size;
@@ -173,7 +173,7 @@ bool JetSolver::is_converged(const Jet& jet, int level, double tolerance) const 
   for (int k = 0; k <= level + 1; ++k) {
     const double to_scaled = k == 0 ? 1.0 : k * (power *= data_.time_scale);
     for (int j = 0; j < n; ++j) {
-      const double unit = column_scale_.empty() ? 1.0 : column_scale_[index(j)];
+      const double unit = units_[j];
       const double y = std::fabs(to_scaled * jet.column(k)[j] / unit);
       for (int i = 0; i <= level; ++i)
         for (int row = 0; row < m; ++row) {
@@ -314,8 +314,7 @@ bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
       trial = try_change(jet, level, change);
       if (trial.valid && trial.norm < still_gaining * before) break;
     }
-    for (std::size_t i = 0; i < n; ++i)
-      size = std::max(size, std::fabs(jet.x[i]) / (column_scale_.empty() ? 1.0 : column_scale_[i]));
+    for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::fabs(jet.x[i]) / units_[i]);
     if (!trial.valid || trial.norm >= still_gaining * before)
       return wanted <= negligible * size && is_converged(jet, level, rounding);
     jet = trial.jet;

@@ -35,8 +35,7 @@ struct Jet {
 // Gauss-Newton for F_l = 0 in (x, y), damped where it has to be [Levenberg and Marquardt], with a small change of x.
 class JetSolver {
  public:
-  JetSolver(NonlinearProblem& problem, const std::vector<double>& column_scale)
-      : problem_(problem), column_scale_(column_scale) {}
+  JetSolver(NonlinearProblem& problem, const Units& units) : problem_(problem), units_(units) {}
 
   // Components of x that must not change (n flags, or empty).
   void set_fixed(std::vector<char> fixed) { fixed_ = std::move(fixed); }
@@ -72,7 +71,7 @@ class JetSolver {
   [[noreturn]] void give_up(const Jet& jet, int level);
 
   NonlinearProblem& problem_;
-  const std::vector<double>& column_scale_;
+  const Units& units_;
   std::vector<char> fixed_;
   TaylorData data_;
   double norm_ = 0.0;  // of the residuals in data_
@@ -85,8 +84,8 @@ class JetSolver {
 // Taylor coefficients along one jet as it is.
 class JetCoefficients final : public CoefficientSource {
  public:
-  JetCoefficients(NonlinearProblem& problem, const Jet& jet, const std::vector<double>& column_scale)
-      : problem_(problem), jet_(jet), column_scale_(column_scale) {}
+  JetCoefficients(NonlinearProblem& problem, const Jet& jet, const Units& units)
+      : problem_(problem), jet_(jet), units_(units) {}
   int m() const override { return problem_.m(); }
   int n() const override { return problem_.n(); }
   std::vector<int> differentiations() const override { return problem_.differentiations(); }
@@ -94,15 +93,14 @@ class JetCoefficients final : public CoefficientSource {
   CallbackError evaluate(double, Orders orders, double time_scale, TaylorData& data,
                          RowScaling rows = RowScaling::each,
                          const std::vector<double>* preferred_rows = nullptr) override {
-    return problem_.linearize(jet_.t, jet_.x.data(), orders, {time_scale, rows, preferred_rows, &column_scale_},
-                              data);
+    return problem_.linearize(jet_.t, jet_.x.data(), orders, {time_scale, rows, preferred_rows, &units_}, data);
   }
-  void set_column_scale(std::vector<double> scale) override { column_scale_ = std::move(scale); }
+  void set_units(Units units) override { units_ = std::move(units); }
 
  private:
   NonlinearProblem& problem_;
   const Jet& jet_;
-  std::vector<double> column_scale_;
+  Units units_;
 };
 
 // Taylor coefficients along consistent jets through a guess: what the index analysis reads.
@@ -119,8 +117,8 @@ class ConsistentJets final : public CoefficientSource {
   CallbackError evaluate(double t, Orders orders, double time_scale, TaylorData& data,
                          RowScaling rows = RowScaling::each,
                          const std::vector<double>* preferred_rows = nullptr) override;
-  void set_column_scale(std::vector<double> scale) override { column_scale_ = std::move(scale); }
-  const std::vector<double>& column_scale() const { return column_scale_; }
+  void set_units(Units units) override { units_ = std::move(units); }
+  const Units& units() const { return units_; }
 
   // The jet at t, consistent up to the level.
   const Jet& jet_at(double t, int level);
@@ -133,7 +131,7 @@ class ConsistentJets final : public CoefficientSource {
   Point& point_at(double t);
 
   NonlinearProblem& problem_;
-  std::vector<double> column_scale_;
+  Units units_;
   std::vector<char> fixed_;
   std::deque<Point> points_;  // the first one is that of the guess
 };

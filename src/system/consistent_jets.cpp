@@ -45,7 +45,7 @@ ConsistentJets::Point& ConsistentJets::point_at(double t) {
 
 const Jet& ConsistentJets::jet_at(double t, int level) {
   Point& point = point_at(t);
-  JetSolver solver(problem_, column_scale_);
+  JetSolver solver(problem_, units_);
   if (t == points_.front().jet.t) solver.set_fixed(fixed_);
   while (point.level < level) {
     solver.solve(point.jet, point.level + 1);
@@ -58,7 +58,7 @@ CallbackError ConsistentJets::evaluate(double t, Orders orders, double time_scal
                                        const std::vector<double>* preferred_rows) {
   const int level = std::max({orders.E, orders.A, orders.f});
   const Jet& jet = jet_at(t, level);
-  return problem_.linearize(t, jet.x.data(), orders, {time_scale, rows, preferred_rows, &column_scale_}, data);
+  return problem_.linearize(t, jet.x.data(), orders, {time_scale, rows, preferred_rows, &units_}, data);
 }
 
 }  // namespace sfdae::core

@@ -109,12 +109,15 @@ void keep_differential(const NullSpaceForm& form, const TaylorData& data, const 
 
 }  // namespace
 
-Vector consistent_point(const NullSpaceForm& form, const TaylorData& data, const Vector& scale,
+Vector consistent_point(const NullSpaceForm& form, const TaylorData& data, const Units& units,
                         const ConsistencyRequest& request, const Vector& user_x) {
   // The null-space form is that of scaled unknowns.
   const int n = form.n;
-  Vector x(user_x), inverse_weights(scale);
-  for (int i = 0; i < n; ++i) x[index(i)] /= scale[index(i)];
+  Vector x(user_x), inverse_weights(index(n));
+  for (int i = 0; i < n; ++i) {
+    x[index(i)] /= units[i];
+    inverse_weights[index(i)] = units[i];
+  }
   for (int i = 0; i < n && !request.weights.empty(); ++i) inverse_weights[index(i)] /= request.weights[index(i)];
   const bool plain_norm =
       std::all_of(inverse_weights.begin(), inverse_weights.end(), [](double w) { return w == 1.0; });
@@ -131,7 +134,7 @@ Vector consistent_point(const NullSpaceForm& form, const TaylorData& data, const
   } else {
     consistent = nearest(form, x, inverse_weights, z0, N);
   }
-  for (int i = 0; i < n; ++i) consistent[index(i)] *= scale[index(i)];
+  for (int i = 0; i < n; ++i) consistent[index(i)] *= units[i];
   if (request.kind == InitialValues::fixed)
     for (int i = 0; i < n; ++i)
       if (request.fixed[index(i)] != 0) consistent[index(i)] = user_x[index(i)];
@@ -161,17 +164,17 @@ ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest
   const NullSpaceForm& form = system.form();
   const std::size_t n = index(form.n);
   // Norms and reports are the user's.
-  const Vector scale = system.problem().column_scale().empty() ? Vector(n, 1.0) : system.problem().column_scale();
+  const Units& units = system.problem().units();
   const auto violation_of = [&](const Vector& values) {
     Vector scaled(values);
-    for (std::size_t i = 0; i < n; ++i) scaled[i] /= scale[i];
+    for (std::size_t i = 0; i < n; ++i) scaled[i] /= units[i];
     Vector r = violation(form, scaled);
-    for (std::size_t i = 0; i < n; ++i) r[i] *= scale[i];
+    for (std::size_t i = 0; i < n; ++i) r[i] *= units[i];
     return length(r);
   };
   ConsistencyResult result;
   result.residual_before = violation_of(user_x);
-  const Vector consistent = consistent_point(form, system.data(), scale, request, user_x);
+  const Vector consistent = consistent_point(form, system.data(), units, request, user_x);
   report_change(request, system.t(), user_x, consistent, result);
   if (request.kind != InitialValues::accept) user_x = consistent;
   result.residual_after = request.kind == InitialValues::accept ? result.residual_before : violation_of(user_x);

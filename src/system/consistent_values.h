@@ -33,11 +33,10 @@ struct ConsistencyResult {
   int component = -1;  // of the largest change
 };
 
-// The consistent x = xp + T2 z of a form in the unknowns x_j / scale_j, chosen as requested for the given x, both in
+// The consistent x = xp + T2 z of a form in the unknowns x_j / unit_j, chosen as requested for the given x, both in
 // the user's units. Throws Failure SFDAE_FIXED_VALUES.
-std::vector<double> consistent_point(const NullSpaceForm& form, const TaylorData& data,
-                                     const std::vector<double>& scale, const ConsistencyRequest& request,
-                                     const std::vector<double>& x);
+std::vector<double> consistent_point(const NullSpaceForm& form, const TaylorData& data, const Units& units,
+                                     const ConsistencyRequest& request, const std::vector<double>& x);
 
 // largest_change and component of the result; what is more than tolerances allow is refused for
 // InitialValues::accept.

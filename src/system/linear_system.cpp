@@ -102,18 +102,6 @@ void LinearSystem::choose_leading_term() {
   }
 }
 
-const double* LinearSystem::inward(const double* x, double* buffer) const {
-  const std::vector<double>& scale = problem_.column_scale();
-  if (scale.empty()) return x;
-  for (std::size_t j = 0; j < scale.size(); ++j) buffer[j] = x[j] / scale[j];
-  return buffer;
-}
-
-void LinearSystem::outward(double* x) const {
-  const std::vector<double>& scale = problem_.column_scale();
-  for (std::size_t j = 0; j < scale.size(); ++j) x[j] *= scale[j];
-}
-
 void LinearSystem::give_up_projector() {
   analysis_.rank_E_constant = false;
   leading_ = LeadingTerm::automatic;
@@ -128,10 +116,9 @@ Orders LinearSystem::orders() const {
 }
 
 void LinearSystem::scale_prescribed_values() {
-  const std::vector<double>& scale = problem_.column_scale();
-  if (scale.empty()) return;
+  if (problem_.units().are_one()) return;
   for (std::size_t i = 0; i < problem_.prescribed().size(); ++i)
-    prescribed_values_[i] /= scale[index(problem_.prescribed()[i])];
+    prescribed_values_[i] /= problem_.units()[problem_.prescribed()[i]];
 }
 
 PointStatus LinearSystem::reduce(double t, double time_scale, Point& point, RowScaling rows) {

@@ -122,10 +122,8 @@ class LinearSystem final : public DaeSystem {
   Point& current() { return points_[current_]; }
   const Point& current() const { return points_[current_]; }
   Point& reference() { return points_[1 - current_]; }
-  // Unknowns are kept as x_j / column_scale[j]. Inward: x itself if there is no scaling, else scaled values in
-  // `buffer`.
-  const double* inward(const double* x, double* buffer) const;
-  void outward(double* x) const;
+  const double* inward(const double* x, double* buffer) const { return problem_.units().inward(x, buffer); }
+  void outward(double* x) const { problem_.units().outward(x); }
   void scale_prescribed_values();
   // The functions of the same purpose for scaled x.
   void leading_of(const double* x, double* w);

@@ -23,8 +23,8 @@ constexpr double no_preference = 1e300;
 }  // namespace
 
 NonlinearSystem::NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, IndexAnalysis analysis,
-                                 std::vector<double> column_scale, const Jet& jet)
-    : problem_(problem), settings_(settings), analysis_(std::move(analysis)), column_scale_(std::move(column_scale)) {
+                                 Units units, const Jet& jet)
+    : problem_(problem), settings_(settings), analysis_(std::move(analysis)), units_(std::move(units)) {
   if (undetermined() < 0)
     throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
                   format("%d components are prescribed, but only u = %d are free.",
@@ -107,7 +107,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   if (preferred_rows_.empty()) linearized_rows_.assign(index(problem_.m()), no_preference);
   else linearized_rows_ = preferred_rows_;
   const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each,
-                                          preferred_rows_.empty() ? nullptr : &preferred_rows_, &column_scale_};
+                                          preferred_rows_.empty() ? nullptr : &preferred_rows_, &units_};
   callback_error_ = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   ++reductions_;
@@ -150,7 +150,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
     ranks_ = *found;
     return renew(jet, false);
   }
-  JetCoefficients source(problem_, jet, column_scale_);
+  JetCoefficients source(problem_, jet, units_);
   if (ranks_.count == 0 || !known_values_hold(source, jet.t, settings_, analysis_, arena_))
     return PointStatus::changed;
   return renew(jet, false);
@@ -165,9 +165,7 @@ void NonlinearSystem::measure_noise(const Jet& jet) {
   double power = 1.0;
   for (int k = 0; k <= mu + 1; ++k) {
     const double factor = k == 0 ? 1.0 : k * (power *= data_.time_scale);
-    for (int j = 0; j < n; ++j)
-      size[k * n + j] =
-          std::fabs(factor * jet.column(k)[j]) / (column_scale_.empty() ? 1.0 : column_scale_[index(j)]);
+    for (int j = 0; j < n; ++j) size[k * n + j] = std::fabs(factor * jet.column(k)[j]) / units_[j];
   }
   double* errors = arena_.zeros(index(m) * index(mu + 1) + 1);
   const auto add = [&](ConstView block, double factor, const double* values, double* to) {
@@ -194,8 +192,7 @@ void NonlinearSystem::measure_noise(const Jet& jet) {
   elimination_.recover(data_, {errors, transformed_f_.data()}, noise_.data(), noise_.data() + n, arena_);
   constexpr double samples = 8.0;
   for (double& noise : noise_) noise = samples * std::fabs(noise);
-  for (std::size_t j = 0; j < index(n); ++j)
-    rounding_errors_[j] = noise_[j] * (column_scale_.empty() ? 1.0 : column_scale_[j]);
+  for (std::size_t j = 0; j < index(n); ++j) rounding_errors_[j] = noise_[j] * units_[j];
 }
 
 // z_: Z1^T E (xp + T2 z) = 0.
@@ -229,7 +226,7 @@ PointStatus NonlinearSystem::check_ranks() {
     rate_ = rate;
   }
   if (status == PointStatus::changed) {
-    JetCoefficients source(problem_, jet_, column_scale_);
+    JetCoefficients source(problem_, jet_, units_);
     if (known_values_hold(source, jet_.t, settings_, analysis_, arena_)) status = PointStatus::ok;
   }
   if (status == PointStatus::ok) checked_t_ = jet_.t;
@@ -239,7 +236,7 @@ PointStatus NonlinearSystem::check_ranks() {
 PointStatus NonlinearSystem::match_known_ranks(const Jet& jet) {
   const int mu = analysis_.values.mu;
   const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each,
-                                          preferred_rows_.empty() ? nullptr : &preferred_rows_, &column_scale_};
+                                          preferred_rows_.empty() ? nullptr : &preferred_rows_, &units_};
   callback_error_ = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, next_data_);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   return matching_ranks(next_data_, mu, analysis_, settings_.rank_tol, {arena_, rank_form_}) ? PointStatus::ok
@@ -292,7 +289,7 @@ void NonlinearSystem::guess_jet(double t, const Guess& guess, int block, Jet& je
   for (std::size_t k = n; k < size; k += n) {
     double change = 0.0, before = 0.0;
     for (std::size_t i = k; i < k + n; ++i) {
-      const double unit = column_scale_.empty() ? 1.0 : column_scale_[i - k];
+      const double unit = units_[i - k];
       jet.x[i] = determined_[i - n] != 0 ? taylor[i] - guess.taylor_before[i] : 0.0;
       change = std::max(change, std::fabs(jet.x[i]) / unit);
       before = std::max(before, std::fabs(accepted_.x[i]) / unit);
@@ -328,16 +325,15 @@ void NonlinearSystem::error_in_x(const double* dw, int count, double* dx) {
   const Arena::Frame frame(arena_);
   const View scaled = arena_.matrix(n, count), Ew = arena_.matrix(m, count), q = arena_.matrix(form_.d, count),
              z = arena_.matrix(form_.unknowns(), count);
-  const auto unit = [&](int i) { return column_scale_.empty() ? 1.0 : column_scale_[index(i)]; };
   for (int j = 0; j < count; ++j)
-    for (int i = 0; i < n; ++i) scaled(i, j) = dw[i + j * n] / unit(i);
+    for (int i = 0; i < n; ++i) scaled(i, j) = dw[i + j * n] / units_[i];
   multiply(1.0, Op::plain, data_.E(0), Op::plain, scaled, 0.0, Ew);
   multiply(1.0, Op::transposed, form_.Z1(), Op::plain, Ew, 0.0, q);
   for (int j = 0; j < count; ++j) form_.solve_G(q.column(j), z.column(j), arena_);
   const View to{dx, n, count, n};
   multiply(1.0, Op::plain, form_.T2(), Op::plain, z, 0.0, to);
   for (int j = 0; j < count; ++j)
-    for (int i = 0; i < n; ++i) to(i, j) *= unit(i);
+    for (int i = 0; i < n; ++i) to(i, j) *= units_[i];
 }
 
 // What later steps depend on stays as it is: points that are asked for must not change those that follow.
@@ -351,7 +347,7 @@ void NonlinearSystem::restore(const double*, const double* x_free, double* x) {
   if (status != PointStatus::ok && problem_.prescribed().empty()) {
     // Between the ends of a long step the linearization, or derivatives, may be too far off.
     jet_ = start_;
-    JetSolver(problem_, column_scale_).solve(jet_, analysis_.values.mu);
+    JetSolver(problem_, units_).solve(jet_, analysis_.values.mu);
   } else if (status != PointStatus::ok) {
     jet_ = start_;
     if (iterate_from_guess(Task{}) != PointStatus::ok)

@@ -25,8 +25,8 @@ namespace sfdae::core {
 class NonlinearSystem final : public DaeSystem {
  public:
   // jet: consistent up to level mu at analysis.t. Throws Failure.
-  NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, IndexAnalysis analysis,
-                  std::vector<double> column_scale, const Jet& jet);
+  NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, IndexAnalysis analysis, Units units,
+                  const Jet& jet);
   // As it was when it was archived. Throws DamagedArchive.
   NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, Archive& archive);
 
@@ -48,7 +48,7 @@ class NonlinearSystem final : public DaeSystem {
   void apply_inputs();
   // The current jet, x = column 0.
   const Jet& jet() const { return jet_; }
-  const std::vector<double>& column_scale() const { return column_scale_; }
+  const Units& units() const { return units_; }
   const AnalysisSettings& settings() const { return settings_; }
 
   PointStatus move_to(double t) override;
@@ -137,7 +137,7 @@ class NonlinearSystem final : public DaeSystem {
   NonlinearProblem& problem_;
   AnalysisSettings settings_;
   IndexAnalysis analysis_;
-  std::vector<double> column_scale_;
+  Units units_;
   CallbackError callback_error_;
   Arena arena_;
 

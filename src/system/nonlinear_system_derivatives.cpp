@@ -30,7 +30,7 @@ bool NonlinearSystem::solve_next_level(const double* x) {
   constexpr int most = 6;
   double before = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
-    const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each, nullptr, &column_scale_, true};
+    const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each, nullptr, &units_, true};
     const CallbackError error = problem_.linearize(next.t, next.x.data(), {level, level, level}, scaling, next_data_);
     if (error.status == SFDAE_ORDER_MISSING) has_next_level_ = Availability::no;
     if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED)
@@ -50,7 +50,7 @@ bool NonlinearSystem::solve_next_level(const double* x) {
     for (int k = 1; k <= level + 1; ++k) {
       power *= next_data_.time_scale;
       for (int i = 0; i < n; ++i) {
-        const double unit = column_scale_.empty() ? 1.0 : column_scale_[index(i)];
+        const double unit = units_[i];
         const double dy = change[index((k - 1) * n + i)];
         next.column(k)[i] += dy * unit / (k * power);
         if (k > 1) continue;
@@ -70,16 +70,15 @@ void NonlinearSystem::hold_free_directions(double* xdot) {
   if (form_.u == 0) return;
   const Arena::Frame frame(arena_);
   const int n = problem_.n();
-  const auto unit = [&](int i) { return column_scale_.empty() ? 1.0 : column_scale_[index(i)]; };
   double* scaled = arena_.take(index(n));
   double* along = arena_.take(index(form_.unknowns()));
   double* free_part = arena_.take(index(form_.u));
-  for (int i = 0; i < n; ++i) scaled[i] = xdot[i] / unit(i);
+  for (int i = 0; i < n; ++i) scaled[i] = xdot[i] / units_[i];
   multiply(1.0, Op::transposed, form_.T2(), scaled, 0.0, along);
   multiply(1.0, Op::transposed, form_.Uz(), along, 0.0, free_part);
   multiply(1.0, Op::plain, form_.Uz(), free_part, 0.0, along);
   multiply(-1.0, Op::plain, form_.T2(), along, 1.0, scaled);
-  for (int i = 0; i < n; ++i) xdot[i] = scaled[i] * unit(i);
+  for (int i = 0; i < n; ++i) xdot[i] = scaled[i] * units_[i];
 }
 
 bool NonlinearSystem::exact_derivative(const double* x, double* xdot) {
@@ -114,12 +113,12 @@ void NonlinearSystem::correct_differential_part(const double* x, double* xdot) {
   multiply(1.0 / data_.time_scale, Op::transposed, form_.Z1(), data_.f(0), 0.0, q);
   form_.solve_G(q, z_.data(), arena_);
   multiply(1.0, Op::plain, form_.T2(), z_.data(), 0.0, dx);
-  for (int i = 0; i < n; ++i) xdot[i] += dx[i] * (column_scale_.empty() ? 1.0 : column_scale_[index(i)]);
+  for (int i = 0; i < n; ++i) xdot[i] += dx[i] * units_[i];
 }
 
 void NonlinearSystem::archive(Archive& archive) {
   CharacteristicValues& values = analysis_.values;
-  bool has_scale = !column_scale_.empty(), has_matrix = matrix_valid_, has_next = next_jet_.n > 0;
+  bool has_scale = !units_.are_one(), has_matrix = matrix_valid_, has_next = next_jet_.n > 0;
   archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.noise,
                 analysis_.rank_E_constant, has_scale, linearized_judged_, age_, unjudged_);
   archive.small(has_matrix, has_next, has_next_level_);
@@ -135,7 +134,7 @@ void NonlinearSystem::archive(Archive& archive) {
     if (!plausible) throw DamagedArchive();
     resize();
   }
-  if (has_scale) archive.reals(column_scale_, index(n));
+  if (has_scale) archive.reals(units_.values(), index(n));
   for (Jet* jet : {&accepted_, &before_, &linearized_}) {
     archive.real(jet->t);
     archive.reals(jet->x, index(n) * index(values.mu + 2));

@@ -51,14 +51,13 @@ void NonlinearSystem::read_constraints(const Jet& jet, const double* f, double* 
   const Arena::Frame frame(arena_);
   elimination_.transform(f, transformed, arena_);
   double largest = 0.0;
-  for (int i = 0; i < problem_.n(); ++i)
-    largest = std::max(largest, std::fabs(jet.x[index(i)]) / (column_scale_.empty() ? 1.0 : column_scale_[index(i)]));
+  for (int i = 0; i < problem_.n(); ++i) largest = std::max(largest, std::fabs(jet.x[index(i)]) / units_[i]);
   data_.least_norm_f = data_.norm(analysis_.values.mu) * largest;
   const std::vector<int>& components = problem_.prescribed();
   double* missing = arena_.take(components.size() + 1);
   for (std::size_t q = 0; q < components.size(); ++q) {
     const std::size_t i = index(components[q]);
-    missing[q] = (prescribed_values_[q] - jet.x[i]) / (column_scale_.empty() ? 1.0 : column_scale_[i]);
+    missing[q] = (prescribed_values_[q] - jet.x[i]) / units_[i];
   }
   form_.replace_rhs(data_, transformed, {&components, missing}, arena_);
   data_.least_norm_f = 0.0;
@@ -73,7 +72,7 @@ void NonlinearSystem::apply_change(const double* dx, const double* f, const doub
     const double factor = k == 0 ? 1.0 : 1.0 / (k * (power *= data_.time_scale));
     const double* change = k == 0 ? dx : y_change_.data() + static_cast<std::ptrdiff_t>(k - 1) * n;
     double* to = jet.column(k);
-    for (int i = 0; i < n; ++i) to[i] += factor * change[i] * (column_scale_.empty() ? 1.0 : column_scale_[index(i)]);
+    for (int i = 0; i < n; ++i) to[i] += factor * change[i] * units_[i];
   }
 }
 
@@ -81,7 +80,6 @@ void NonlinearSystem::apply_change(const double* dx, const double* f, const doub
 // far as they act over it.
 double NonlinearSystem::change_norm(const Task& task, const double* dx, const Jet& jet) const {
   const int n = problem_.n();
-  const auto unit = [&](int i) { return column_scale_.empty() ? 1.0 : column_scale_[index(i)]; };
   // Rounding errors will not become less.
   const auto above_noise = [&](double change, std::size_t i) { return std::max(0.0, std::fabs(change) - noise_[i]); };
   double norm = 0.0;
@@ -91,26 +89,28 @@ double NonlinearSystem::change_norm(const Task& task, const double* dx, const Je
     double size = 0.0, size_y = 0.0, norm_y = 0.0, power = 1.0;
     for (int i = 0; i < n; ++i) {
       norm = std::max(norm, above_noise(dx[i], index(i)));
-      size = std::max(size, std::fabs(jet.x[index(i)]) / unit(i));
+      size = std::max(size, std::fabs(jet.x[index(i)]) / units_[i]);
     }
     for (int k = 1; k <= analysis_.values.mu + 1; ++k) {
       power *= data_.time_scale;
       for (int i = 0; i < n; ++i) {
         norm_y = std::max(norm_y, above_noise(y_change_[index((k - 1) * n + i)], index(k * n + i)));
-        size_y = std::max(size_y, k * power * std::fabs(jet.column(k)[i]) / unit(i));
+        size_y = std::max(size_y, k * power * std::fabs(jet.column(k)[i]) / units_[i]);
       }
     }
     return std::max(size > 0.0 ? norm / size : norm,
                     size_y > 0.0 ? share_of_y * norm_y / std::max(size, size_y) : 0.0);
   }
-  for (int i = 0; i < n; ++i) norm = std::max(norm, above_noise(dx[i], index(i)) * unit(i) * task.inverse_weights[i]);
+  for (int i = 0; i < n; ++i)
+    norm = std::max(norm, above_noise(dx[i], index(i)) * units_[i] * task.inverse_weights[i]);
   const double ratio = 1.0 / (std::fabs(task.c) * data_.time_scale);
   double power = 1.0;
   for (int k = 1; k <= analysis_.values.mu + 1; ++k) {
     power *= ratio;
     const double* change = y_change_.data() + static_cast<std::ptrdiff_t>(k - 1) * n;
     for (int i = 0; i < n; ++i)
-      norm = std::max(norm, power / k * above_noise(change[i], index(k * n + i)) * unit(i) * task.inverse_weights[i]);
+      norm =
+          std::max(norm, power / k * above_noise(change[i], index(k * n + i)) * units_[i] * task.inverse_weights[i]);
   }
   return norm;
 }
@@ -124,8 +124,7 @@ void NonlinearSystem::step_rhs(const Task& task, const Jet& jet, double* z) {
   const Arena::Frame frame(arena_);
   double* rest = arena_.take(index(n));
   double* along = arena_.take(index(form_.unknowns()));
-  for (int i = 0; i < n; ++i)
-    rest[i] = (task.c * jet.x[index(i)] + task.x_rest[i]) / (column_scale_.empty() ? 1.0 : column_scale_[index(i)]);
+  for (int i = 0; i < n; ++i) rest[i] = (task.c * jet.x[index(i)] + task.x_rest[i]) / units_[i];
   multiply(1.0, Op::transposed, form_.T2(), rest, 0.0, along);
   multiply(-tau, Op::transposed, form_.Uz(), along, 0.0, z + d);
 }
@@ -213,9 +212,7 @@ bool NonlinearSystem::derivatives_follow(const Jet& jet, int iteration, double r
   double size = 0.0, power = 1.0;
   for (int k = 0; k <= analysis_.values.mu + 1; ++k) {
     const double factor = k == 0 ? 1.0 : k * (power *= data_.time_scale);
-    for (int j = 0; j < problem_.n(); ++j)
-      size = std::max(size,
-                      factor * std::fabs(jet.column(k)[j]) / (column_scale_.empty() ? 1.0 : column_scale_[index(j)]));
+    for (int j = 0; j < problem_.n(); ++j) size = std::max(size, factor * std::fabs(jet.column(k)[j]) / units_[j]);
   }
   return residual <= negligible * size * data_.norm(analysis_.values.mu);
 }

@@ -109,7 +109,7 @@ PointStatus NonlinearSystem::read_stages(const StageEquations& equations, View r
     std::copy_n(form_.b(), d, r.column(i));
     std::copy_n(form_.g0(), d, g0.column(i));
     if (u == 0) continue;
-    for (int k = 0; k < n; ++k) rest[k] = xdot_[index(k)] / (column_scale_.empty() ? 1.0 : column_scale_[index(k)]);
+    for (int k = 0; k < n; ++k) rest[k] = xdot_[index(k)] / units_[k];
     multiply(1.0, Op::transposed, form_.T2(), rest, 0.0, along);
     multiply(-data_.time_scale, Op::transposed, form_.Uz(), along, 0.0, r.column(i) + d);
   }

@@ -20,15 +20,12 @@ using Vector = std::vector<double>;
 // One linearization of the constraints at a jet.
 class LinearizedConstraints {
  public:
-  LinearizedConstraints(NonlinearProblem& problem, const IndexAnalysis& analysis, const Vector& column_scale)
-      : problem_(problem),
-        analysis_(analysis),
-        column_scale_(column_scale),
-        scale_(column_scale.empty() ? Vector(index(problem.n()), 1.0) : column_scale) {}
+  LinearizedConstraints(NonlinearProblem& problem, const IndexAnalysis& analysis, const Units& units)
+      : problem_(problem), analysis_(analysis), units_(units) {}
 
   void linearize(const Jet& jet) {
     const int mu = analysis_.values.mu;
-    const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each, nullptr, &column_scale_};
+    const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each, nullptr, &units_};
     const CallbackError error = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
     if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
     const std::optional<RankSequence> ranks = matching_ranks(data_, mu, analysis_, 0.0, {arena_, form_});
@@ -51,14 +48,14 @@ class LinearizedConstraints {
     double size = 0.0;
     for (int i = 0; i < n; ++i) {
       missing[index(i)] = target[index(i)] - jet.x[index(i)];
-      size = std::max(size, std::fabs(jet.x[index(i)]) / scale_[index(i)]);
+      size = std::max(size, std::fabs(jet.x[index(i)]) / units_[i]);
     }
     ConsistencyRequest relative = request;
     relative.least_size = size;
-    Vector dx = consistent_point(form_, data_, scale_, relative, missing);
+    Vector dx = consistent_point(form_, data_, units_, relative, missing);
     double largest = 0.0;
     for (int i = 0; i < n; ++i) {
-      dx[index(i)] /= scale_[index(i)];
+      dx[index(i)] /= units_[i];
       largest = std::max(largest, std::fabs(dx[index(i)]));
     }
     Vector transformed(index(problem_.m() * (mu + 1)) + 1), dy(index(n * (mu + 1)));
@@ -68,22 +65,21 @@ class LinearizedConstraints {
     for (int k = 0; k <= mu + 1; ++k) {
       const double factor = k == 0 ? 1.0 : 1.0 / (k * (power *= data_.time_scale));
       const double* change = k == 0 ? dx.data() : dy.data() + static_cast<std::ptrdiff_t>(k - 1) * n;
-      for (int i = 0; i < n; ++i) jet.column(k)[i] += factor * change[i] * scale_[index(i)];
+      for (int i = 0; i < n; ++i) jet.column(k)[i] += factor * change[i] * units_[i];
     }
     return size > 0.0 ? largest / size : largest;
   }
 
   double distance() const {
     double sum = 0.0;
-    for (int i = 0; i < form_.n; ++i) sum += std::pow(form_.xp()[i] * scale_[index(i)], 2);
+    for (int i = 0; i < form_.n; ++i) sum += std::pow(form_.xp()[i] * units_[i], 2);
     return std::sqrt(sum);
   }
 
  private:
   NonlinearProblem& problem_;
   const IndexAnalysis& analysis_;
-  const Vector& column_scale_;
-  Vector scale_;
+  const Units& units_;
   TaylorData data_;
   NullSpaceForm form_;
   StoredElimination elimination_;
@@ -104,8 +100,8 @@ double distance_between(const Vector& a, const double* b, const Vector& weights)
 }  // namespace
 
 ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const IndexAnalysis& analysis,
-                                          const Vector& column_scale, const ConsistencyRequest& request,
-                                          const Jet& start, const Vector& x) {
+                                          const Units& units, const ConsistencyRequest& request, const Jet& start,
+                                          const Vector& x) {
   // The iteration leaves out the curvature of the constraints and converges linearly where x is far from them:
   // accurate to this it is as near as anybody wants.
   constexpr double accuracy = 1e-8;
@@ -114,9 +110,9 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
   ConsistentJetResult result;
   result.jet = start;
   result.jet.set_order(mu + 1);
-  JetSolver solver(problem, column_scale);
+  JetSolver solver(problem, units);
   if (request.kind == InitialValues::fixed) solver.set_fixed(request.fixed);
-  LinearizedConstraints constraints(problem, analysis, column_scale);
+  LinearizedConstraints constraints(problem, analysis, units);
   double before = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
     constraints.linearize(result.jet);

@@ -19,7 +19,7 @@ struct ConsistentJetResult {
 // SFDAE_INCONSISTENT_VALUES, SFDAE_FIXED_VALUES, SFDAE_NO_CONSISTENT_VALUES, SFDAE_CHARACTERISTICS_CHANGED, errors
 // of callbacks.
 ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const IndexAnalysis& analysis,
-                                          const std::vector<double>& column_scale, const ConsistencyRequest& request,
-                                          const Jet& start, const std::vector<double>& x);
+                                          const Units& units, const ConsistencyRequest& request, const Jet& start,
+                                          const std::vector<double>& x);
 
 }  // namespace sfdae::core

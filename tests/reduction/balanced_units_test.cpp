@@ -145,7 +145,7 @@ TEST(BalancedUnits, BringTheFastStructureToOrderOne) {
   const Vector units = balanced_units(problem, 0.0, tau);
   ASSERT_EQ(units.size(), 4u);
   for (double unit : units) EXPECT_EQ(unit, std::ldexp(1.0, std::ilogb(unit)));
-  problem.set_column_scale(units);
+  problem.set_units(units);
   TaylorData data;
   ASSERT_EQ(problem.evaluate(0.0, {0, 0, -1}, tau, data).status, SFDAE_OK);
   int entries = 0;

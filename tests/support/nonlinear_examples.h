@@ -75,9 +75,9 @@ struct NonlinearExample {
   void analyze(double t, double toward, const std::vector<double>& x, std::vector<char> fixed = {}) {
     sfdae::core::ConsistentJets jets(*problem, t, x.data(), std::move(fixed));
     analysis = sfdae::core::analyze_index(jets, t, toward, settings, arena, decisions);
-    column_scale = jets.column_scale();
+    units = jets.units();
     jet = jets.jet_at(t, analysis.values.mu);
-    system = std::make_unique<sfdae::core::NonlinearSystem>(*problem, settings, analysis, column_scale, jet);
+    system = std::make_unique<sfdae::core::NonlinearSystem>(*problem, settings, analysis, units, jet);
   }
 
   std::unique_ptr<sfdae::core::NonlinearProblem> problem;
@@ -85,7 +85,7 @@ struct NonlinearExample {
   sfdae::core::Arena arena;
   std::vector<sfdae::core::RankDecision> decisions;
   sfdae::core::IndexAnalysis analysis;
-  std::vector<double> column_scale;
+  Units units;
   sfdae::core::Jet jet;
   std::unique_ptr<sfdae::core::NonlinearSystem> system;
 };

@@ -60,10 +60,10 @@ struct Pendulum : NonlinearExample {
     Jet start;
     start.n = 5;
     start.x = given;
-    JetSolver solver(*problem, column_scale);
+    JetSolver solver(*problem, units);
     if (request.kind == InitialValues::fixed) solver.set_fixed(request.fixed);
     for (int level = 0; level <= 2; ++level) solver.solve(start, level);
-    return choose_consistent_jet(*problem, analysis, column_scale, request, start, given);
+    return choose_consistent_jet(*problem, analysis, units, request, start, given);
   }
 };
 
@@ -181,9 +181,9 @@ TEST(NonlinearValues, FreeComponentsStay) {
   Jet start;
   start.n = 3;
   start.x = given;
-  JetSolver(*example.problem, example.column_scale).solve(start, 0);
+  JetSolver(*example.problem, example.units).solve(start, 0);
   const ConsistentJetResult result =
-      choose_consistent_jet(*example.problem, example.analysis, example.column_scale, {}, start, given);
+      choose_consistent_jet(*example.problem, example.analysis, example.units, {}, start, given);
   const Vector x = values_of(result.jet);
   EXPECT_EQ(x[2], 0.7);
   EXPECT_NEAR(x[1], x[0] * x[0], 10.0 * rounding(3));
