@@ -41,9 +41,10 @@ if cmp -s "$place/before.txt" "$place/after.txt"; then
   echo "all $(wc -l <"$place/after.txt") runs agree"
   exit 0
 fi
-# Lines that are in one of the files only; each name once.
-sort "$place/before.txt" >"$place/before.sorted"
-sort "$place/after.txt" >"$place/after.sorted"
-comm -3 "$place/before.sorted" "$place/after.sorted" | awk '{ print $1 }' | sort -u
-echo "Details: diff of $place/{before,after}-build/benchmarks/result_hashes --text NAME" >&2
+awk 'NR == FNR { before[$1] = $2; next }
+     !($1 in before) { print $1 " (not in the first revision)"; next }
+     before[$1] != $2 { print $1 }
+     { delete before[$1] }
+     END { for (name in before) print name " (not in the second revision)" }' "$place/before.txt" "$place/after.txt"
+echo "Details: $place/before-build/benchmarks/result_hashes --text NAME, and after-build" >&2
 exit 1

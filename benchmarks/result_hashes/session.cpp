@@ -8,7 +8,7 @@ namespace sfdae_bench {
 
 Session::Session(Trace& trace, const Problem& problem, const sfdae_options& options)
     : t(problem.t0), x(problem.x0), trace_(trace), problem_(problem) {
-  xdot.resize(size(std::max(problem.n(), 0)));
+  xdot.resize(x.size());
   const sfdae_options with_monitor = observed(options);
   const int status = problem.create(&solver_, &with_monitor);
   trace_.text("create", sfdae_status_name(status));
