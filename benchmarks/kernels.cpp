@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "c_api/problems.h"
 #include "family_problem.h"
 #include "linalg/dense.h"
 #include "problem/linear_problem.h"
@@ -18,7 +19,7 @@ using namespace sfdae::core;
 
 TaylorData data_of(const std::shared_ptr<const sfdae_test::LinearFamily>& family, int mu) {
   sfdae_test::FamilyProblem problem(family);
-  LinearProblem linear(problem.problem);
+  LinearProblem linear(functions_of(problem.problem));
   TaylorData data;
   if (linear.evaluate(0.3, {std::max(mu, 1), mu, mu}, 0.0, data).status != SFDAE_OK) std::abort();
   return data;

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <vector>
 
+#include "c_api/problems.h"
 #include "linalg/dense.h"
 #include "reduction/elimination.h"
 #include "replay.h"
@@ -124,7 +125,7 @@ StepCost measure(int n, int mu) {
 
   // One reduction: evaluation apart.
   sfdae_test::FamilyProblem problem(family);
-  LinearProblem linear(problem.problem);
+  LinearProblem linear(functions_of(problem.problem));
   AnalysisSettings settings;
   Arena arena;
   std::vector<RankDecision> decisions;

@@ -88,18 +88,19 @@ bool CallState::save(const Progress& progress, const std::vector<double>& matric
   return true;
 }
 
-std::unique_ptr<core::DaeSystem> CallState::restore_system(const core::CheckpointTarget& target,
-                                                           const Progress& progress) const {
+void CallState::restore_system(core::Model& model, const core::ModelOptions& options,
+                               const Progress& progress) const {
   const std::size_t constants = size_of_matrices(progress.is_constant);
   core::Archive archive =
       core::Archive::reader(&arguments_.rwork(first_real) + constants, saved_length() - constants);
-  return target.system(archive);
+  model.restore(options, archive);
 }
 
-core::Restored CallState::restore(const core::CheckpointTarget& target, const core::IntegrationOptions& options,
-                                  const Progress& progress) const {
+std::unique_ptr<core::Integration> CallState::restore(core::Model& model, const core::ModelOptions& model_options,
+                                                      const core::IntegrationOptions& options,
+                                                      const Progress& progress) const {
   const std::size_t constants = size_of_matrices(progress.is_constant);
-  return core::restore_checkpoint(target, options, &arguments_.rwork(first_real) + constants,
+  return core::restore_checkpoint(model, model_options, options, &arguments_.rwork(first_real) + constants,
                                   saved_length() - constants);
 }
 

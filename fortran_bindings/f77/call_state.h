@@ -43,10 +43,9 @@ class CallState {
 
   // Of the state loaded. The two latter throw core::Failure SFDAE_ILLEGAL_ARGUMENT or core::DamagedArchive.
   const double* matrices() const { return &arguments_.rwork(first_real); }
-  std::unique_ptr<core::DaeSystem> restore_system(const core::CheckpointTarget& target,
-                                                  const Progress& progress) const;
-  core::Restored restore(const core::CheckpointTarget& target, const core::IntegrationOptions& options,
-                         const Progress& progress) const;
+  void restore_system(core::Model& model, const core::ModelOptions& options, const Progress& progress) const;
+  std::unique_ptr<core::Integration> restore(core::Model& model, const core::ModelOptions& model_options,
+                                             const core::IntegrationOptions& options, const Progress& progress) const;
 
  private:
   static constexpr int first_real = 21;

@@ -41,14 +41,13 @@ int copy_A(double, int order, double* out, void* user) {
   return 0;
 }
 
-sfdae_linear_problem as_problem(PointDerivatives& point) {
-  sfdae_linear_problem problem;
-  sfdae_linear_problem_init(&problem, sizeof problem);
-  problem.num_equations = problem.num_unknowns = point.n();
-  problem.E = copy_E;
-  problem.A = copy_A;
-  problem.user = &point;
-  return problem;
+LinearFunctions as_functions(PointDerivatives& point) {
+  LinearFunctions functions;
+  functions.m = functions.n = point.n();
+  functions.E = copy_E;
+  functions.A = copy_A;
+  functions.user = &point;
+  return functions;
 }
 
 void store_stage(const PointDerivatives& point, int level, const StageStorage& storage) {
@@ -134,7 +133,7 @@ int find_stage(PointDerivatives& point, double t, const SearchLimits& limits, co
     return argument_error;
   if (limits.lrwork < documented_work(most_rows)) return work_too_small;
   Arena arena;
-  LinearProblem problem(as_problem(point));
+  LinearProblem problem(as_functions(point));
   AnalysisSettings settings;
   settings.max_index = std::min(limits.max_level, max_strangeness_index);
   std::vector<RankDecision> decisions;

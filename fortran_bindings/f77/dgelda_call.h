@@ -6,7 +6,7 @@
 
 #include "f77/dgelda_problem.h"
 #include "f77/integration_call.h"
-#include "system/linear_system.h"
+#include "system/linear_model.h"
 
 namespace sfdae::f77 {
 
@@ -15,23 +15,18 @@ class DgeldaCall final : public IntegrationCall {
   DgeldaCall(const Arguments& arguments, DgeldaProblem& user) : IntegrationCall(arguments, user), user_(user) {}
 
  protected:
-  void create_problem() override;
-  core::Problem& problem() override { return *problem_; }
-  core::CheckpointTarget target() override;
+  void create_model() override;
+  core::LinearModel& model() override { return *model_; }
   const std::vector<double>& matrices() const override { return user_.matrices(); }
   void analyze(double toward) override;
   void find_values() override;
   void return_to_values() override;
-  core::CharacteristicValues local_values(double t) override;
 
  private:
-  core::LinearSystem& system() { return static_cast<core::LinearSystem&>(*system_); }
   void set_differences();
 
   DgeldaProblem& user_;
-  core::AnalysisSettings settings_;
-  core::Arena arena_;
-  std::optional<core::LinearProblem> problem_;
+  std::optional<core::LinearModel> model_;
 };
 
 }  // namespace sfdae::f77

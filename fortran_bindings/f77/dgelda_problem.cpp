@@ -20,16 +20,15 @@ void DgeldaProblem::set_matrices(const double* values) {
   has_E_ = has_A_ = true;
 }
 
-sfdae_linear_problem DgeldaProblem::callbacks() {
-  sfdae_linear_problem problem{};
-  problem.size = sizeof problem;
-  problem.num_equations = problem.num_unknowns = n_;
-  problem.E = callback<'E'>;
-  problem.A = callback<'A'>;
-  problem.f = callback<'f'>;
-  problem.constant_E = problem.constant_A = is_constant_ ? 1 : 0;
-  problem.user = this;
-  return problem;
+core::LinearFunctions DgeldaProblem::functions() {
+  core::LinearFunctions functions;
+  functions.m = functions.n = n_;
+  functions.E = callback<'E'>;
+  functions.A = callback<'A'>;
+  functions.f = callback<'f'>;
+  functions.user = this;
+  functions.constant_E = functions.constant_A = is_constant_;
+  return functions;
 }
 
 int DgeldaProblem::evaluate(char which, double t, int order, double* values) {

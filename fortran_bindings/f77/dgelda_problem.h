@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "f77/user_problem.h"
+#include "problem/linear_problem.h"
 
 namespace sfdae::f77 {
 
@@ -18,8 +19,8 @@ class DgeldaProblem : public UserProblem {
   // EDIF and ADIF are not called any more.
   void set_matrices(const double* values);
 
-  // For core::LinearProblem; this object must outlive it.
-  sfdae_linear_problem callbacks();
+  // For core::LinearModel; this object must outlive it.
+  core::LinearFunctions functions();
 
  protected:
   virtual int call_user(char which, double t, int order, double* values) = 0;

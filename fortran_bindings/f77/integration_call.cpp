@@ -63,7 +63,7 @@ int IntegrationCall::dispatch() {
   xdot_.resize(x_.size());
   if (is_first_call) return first_call();
   t_ = progress_.t_returned;
-  create_problem();
+  create_model();
   return progress_.is_running ? go_on() : start_later();
 }
 
@@ -81,7 +81,7 @@ int IntegrationCall::first_call() {
   arguments_.rwork(last_step) = 0.0;
   arguments_.rwork(roundoff) = std::numeric_limits<double>::epsilon();
   progress_.is_constant = arguments_.flag(5);
-  create_problem();
+  create_model();
   if (arguments_.tout != t_) {
     find_initial_point(arguments_.tout < t_ ? -1.0 : 1.0);
     const int result = check_start(arguments_, options_, t_, x_.data());
@@ -99,9 +99,9 @@ int IntegrationCall::first_call() {
     find_initial_point(-1.0);
   }
   publish_values();
-  system_->accept();
+  system().accept();
   progress_.t_returned = t_;
-  return state_.save(progress_, matrices(), *system_, nullptr) ? initial_values_found : not_reduced;
+  return state_.save(progress_, matrices(), system(), nullptr) ? initial_values_found : not_reduced;
 }
 
 // +1 or -1 if H0 or TSTOP tell, else 0.
@@ -146,7 +146,7 @@ void IntegrationCall::limit_evaluations() {
   };
   if (options_.stop_time) limit_to(*options_.stop_time);
   if (arguments_.method == radau_method) limit_to(arguments_.tout);
-  problem().set_limits(std::min(progress_.t_start, end), std::max(progress_.t_start, end));
+  model().problem().set_limits(std::min(progress_.t_start, end), std::max(progress_.t_start, end));
 }
 
 void IntegrationCall::begin_interval(double toward) {
@@ -174,7 +174,7 @@ int IntegrationCall::start_later() {
     analyze_toward(arguments_.tout);
   } else {
     begin_interval(arguments_.tout);
-    system_ = state_.restore_system(target(), progress_);
+    state_.restore_system(model(), model_options_, progress_);
   }
   return_to_values();
   return start_integration();
@@ -186,22 +186,19 @@ int IntegrationCall::start_integration() {
   progress_.is_running = true;
   core::IntegrationOptions options = options_of_integration();
   if (options_.has_initial_step) options.initial_step = std::fabs(options_.initial_step);
-  integration_ = std::make_unique<core::Integration>(*system_, target().detector(*system_), options, t_,
-                                                     arguments_.tout, x_, xdot_);
+  integration_ =
+      std::make_unique<core::Integration>(system(), model().change_watch(), options, t_, arguments_.tout, x_, xdot_);
   return advance();
 }
 
 int IntegrationCall::go_on() {
   stage_ = Stage::integration;
   limit_evaluations();
-  core::Restored restored;
   try {
-    restored = state_.restore(target(), options_of_integration(), progress_);
+    integration_ = state_.restore(model(), model_options_, options_of_integration(), progress_);
   } catch (const core::Failure&) {
     return user_.callback_error() != SFDAE_OK ? code_of(user_.callback_error()) : code::bad_info;
   }
-  system_ = std::move(restored.system);
-  integration_ = std::move(restored.integration);
   const core::Stepper& stepper = integration_->stepper();
   const int result = check_continuation(arguments_, options_, t_, stepper.t(), integration_->direction());
   return result == code::ok ? advance() : result;
@@ -260,13 +257,13 @@ int IntegrationCall::advance() {
   if (!has_passed_tout(t_) || t_ == arguments_.tout) progress_.t_returned = t_;
   // An integration that has seen a change does not go on: from here another one will.
   progress_.is_running = !is_no_change;
-  return state_.save(progress_, matrices(), *system_, is_no_change ? nullptr : integration_.get()) ? ierr
+  return state_.save(progress_, matrices(), system(), is_no_change ? nullptr : integration_.get()) ? ierr
                                                                                                    : not_reduced;
 }
 
 core::CharacteristicValues IntegrationCall::new_values() {
   const auto& change = integration_->change();
-  return change ? change->new_values : local_values(arguments_.tout);
+  return change ? change->new_values : system().values_at(arguments_.tout);
 }
 
 // Steps that become ever shorter before a point where a function fails look like a change at last, to the same values or
@@ -274,7 +271,7 @@ core::CharacteristicValues IntegrationCall::new_values() {
 bool IntegrationCall::is_failure_taken_for_change(int status) {
   if (status != SFDAE_CHARACTERISTICS_CHANGED || user_.callback_error() == SFDAE_OK) return false;
   const core::CharacteristicValues found = new_values();
-  return found.mu < 0 || found == system_->analysis().values;
+  return found.mu < 0 || found == system().analysis().values;
 }
 
 // By 100 eps |X| in the weighted norm, or somewhat more if it takes more for all components to fit.
@@ -332,8 +329,8 @@ void IntegrationCall::publish_characteristics(const core::CharacteristicValues& 
 }
 
 // T, X, XPRIME, CVAL.
-void IntegrationCall::publish_values() const {
-  const core::IndexAnalysis& analysis = system_->analysis();
+void IntegrationCall::publish_values() {
+  const core::IndexAnalysis& analysis = system().analysis();
   publish_characteristics(analysis.values);
   arguments_.iwork.set(array_rank, (analysis.values.mu + 1) * arguments_.m - analysis.values.a - analysis.v_hat);
   *arguments_.t = t_;

@@ -9,6 +9,7 @@
 #include "f77/call_state.h"
 #include "f77/user_problem.h"
 #include "integrate/integration.h"
+#include "system/model.h"
 
 namespace sfdae::f77 {
 
@@ -30,32 +31,31 @@ class IntegrationCall {
   IntegrationCall(const Arguments& arguments, const UserProblem& user);
 
   // Once the options and what is known from earlier calls have been read.
-  virtual void create_problem() = 0;
-  virtual core::Problem& problem() = 0;
-  virtual core::CheckpointTarget target() = 0;
+  virtual void create_model() = 0;
+  virtual core::Model& model() = 0;
   // E and A where they are constant.
   virtual const std::vector<double>& matrices() const = 0;
-  // Characteristic values at t_, near x_; creates system_. Throws core::Failure, as all that follow.
+  // Characteristic values at t_, near x_. Throws core::Failure, as all that follow.
   virtual void analyze(double toward) = 0;
   // Makes x_ consistent as INFO says; x' into xdot_. The system stands there afterwards.
   virtual void find_values() = 0;
   // The system is moved to x_, which was consistent when it was returned.
   virtual void return_to_values() = 0;
-  // Characteristic values where they have changed.
-  virtual core::CharacteristicValues local_values(double t) = 0;
   virtual int code_of(int status) const;
 
   [[noreturn]] void stop_for_values(Stage stage);
   core::AnalysisSettings settings() const;
 
+  core::DaeSystem& system() { return *model().system(); }
+
   const Arguments& arguments_;
   CallState state_;
   Options options_;
+  core::ModelOptions model_options_;
   Progress progress_;
   Stage stage_ = Stage::structure;
   double t_;
   std::vector<double> x_, xdot_;
-  std::unique_ptr<core::DaeSystem> system_;
 
  private:
   int dispatch();
@@ -78,7 +78,7 @@ class IntegrationCall {
   void enlarge_tolerances();
   bool has_zero_weight(const double* x) const;
   static int watch_weights(const sfdae_progress* progress, void* user);
-  void publish_values() const;
+  void publish_values();
   void publish_characteristics(const core::CharacteristicValues& values) const;
   void publish_counts(long points) const;
 

@@ -4,9 +4,9 @@
 
 #include <optional>
 
-#include "c_api/model.h"
 #include "f77/integration_call.h"
 #include "f77/sfndae_problem.h"
+#include "system/nonlinear_model.h"
 
 namespace sfdae::f77 {
 
@@ -15,21 +15,18 @@ class SfndaeCall final : public IntegrationCall {
   SfndaeCall(const Arguments& arguments, SfndaeProblem& user) : IntegrationCall(arguments, user), user_(user) {}
 
  protected:
-  void create_problem() override;
-  core::Problem& problem() override { return model_->problem(); }
-  core::CheckpointTarget target() override { return model_->checkpoint_target(solver_options_->analysis); }
+  void create_model() override;
+  core::NonlinearModel& model() override { return *model_; }
   const std::vector<double>& matrices() const override { return no_matrices_; }
   void analyze(double toward) override;
   void find_values() override;
   void return_to_values() override;
-  core::CharacteristicValues local_values(double t) override;
   int code_of(int status) const override;
 
  private:
   SfndaeProblem& user_;
   std::vector<double> no_matrices_;
-  std::unique_ptr<core::Model> model_;
-  std::optional<core::SolverOptions> solver_options_;
+  std::optional<core::NonlinearModel> model_;
 };
 
 }  // namespace sfdae::f77

@@ -9,14 +9,8 @@
 
 namespace sfdae::f77 {
 
-sfdae_nonlinear_problem SfndaeProblem::callbacks() {
-  sfdae_nonlinear_problem problem{};
-  problem.size = sizeof problem;
-  problem.num_equations = m_;
-  problem.num_unknowns = n_;
-  problem.total_derivative = callback;
-  problem.user = this;
-  return problem;
+std::unique_ptr<core::CallbackProblem> SfndaeProblem::problem() {
+  return std::make_unique<core::CallbackProblem>(m_, n_, callback, this, core::PrescribedInputs());
 }
 
 int SfndaeProblem::evaluate(double t, int order, const double* derivatives, Arrays arrays) {

@@ -6,9 +6,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "f77/user_problem.h"
+#include "problem/nonlinear_problem.h"
 
 namespace sfdae::f77 {
 
@@ -22,8 +24,8 @@ class SfndaeProblem : public UserProblem {
  public:
   SfndaeProblem(int m, int n) : m_(m), n_(n) {}
 
-  // For core::nonlinear_model; this object must outlive the model.
-  sfdae_nonlinear_problem callbacks();
+  // For core::NonlinearModel; this object must outlive it.
+  std::unique_ptr<core::CallbackProblem> problem();
 
  protected:
   struct Arrays {

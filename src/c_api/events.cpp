@@ -64,7 +64,7 @@ int sfdae_interpolate(sfdae_solver* solver, double t, double* x, double* xdot) {
     solver->integration->want_slopes(xdot != nullptr);
     std::vector<double> slopes;
     if (xdot == nullptr) {
-      slopes.resize(index(solver->model->n()));
+      slopes.resize(index(solver->model.n()));
       xdot = slopes.data();
     }
     return solver->integration->interpolate(t, x, xdot);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "c_api/multibody_model.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 #include "linalg/dense.h"
@@ -18,7 +17,7 @@
 namespace sfdae::core {
 
 sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
-  const IndexAnalysis& analysis = solver.system->analysis();
+  const IndexAnalysis& analysis = solver.system()->analysis();
   const CharacteristicValues& values = analysis.values;
   double smallest_gap = 1e300;
   for (const RankDecision& decision : solver.decisions) smallest_gap = std::min(smallest_gap, decision.gap);
@@ -30,7 +29,7 @@ sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
           values.u,
           values.v,
           analysis.rank_E,
-          static_cast<int>(solver.system->leading_term()),
+          static_cast<int>(solver.system()->leading_term()),
           analysis.time_scale,
           smallest_gap};
 }
@@ -38,7 +37,12 @@ sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
 sfdae_statistics statistics_of(const sfdae_solver& solver) {
   sfdae_statistics s{};
   s.size = sizeof s;
-  solver.model->count_evaluations(s);
+  const EvaluationCounts evaluations = solver.model.evaluations();
+  s.evaluations_E = evaluations.E;
+  s.evaluations_A = evaluations.A;
+  s.evaluations_f = evaluations.f;
+  s.evaluations_F = evaluations.F;
+  s.linearizations = evaluations.linearizations;
   if (!solver.integration) return s;
   const IntegrationCounts& counts = solver.integration->counts();
   const Stepper& stepper = solver.integration->stepper();
@@ -77,6 +81,20 @@ sfdae_decision public_decision(const RankDecision& decision) {
 }
 
 namespace {
+
+sfdae_multibody_report public_report(const ConstraintsReport& report) {
+  return {sizeof(sfdae_multibody_report),
+          report.t,
+          report.holonomic,
+          report.nonholonomic,
+          report.redundant,
+          report.degrees_of_freedom,
+          report.position_freedom,
+          report.condition,
+          report.partitions,
+          report.position_residual,
+          report.velocity_residual};
+}
 
 void copy_out(ConstView from, double* to) {
   if (to == nullptr || from.rows == 0 || from.cols == 0) return;
@@ -141,7 +159,7 @@ extern "C" {
 int sfdae_get_characteristics(const sfdae_solver* solver, sfdae_characteristics* result) {
   return query(solver, [&]() -> CallResult {
     if (!is_usable(result)) return no_struct();
-    if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
+    if (!solver->system()) return {SFDAE_NOT_STARTED, "call sfdae_analyze or sfdae_start first."};
     fill_struct(result, characteristics_of(*solver));
     return {};
   });
@@ -150,9 +168,9 @@ int sfdae_get_characteristics(const sfdae_solver* solver, sfdae_characteristics*
 int sfdae_get_multibody_report(const sfdae_solver* solver, sfdae_multibody_report* report) {
   return query(solver, [&]() -> CallResult {
     if (!is_usable(report)) return no_struct();
-    if (solver->model->multibody() == nullptr) return illegal_argument("the problem is not a multibody system.");
-    if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze_at or sfdae_start first."};
-    fill_struct(report, report_of(static_cast<const MultibodySystem&>(*solver->system)));
+    if (solver->kind.multibody == nullptr) return illegal_argument("the problem is not a multibody system.");
+    if (!solver->system()) return {SFDAE_NOT_STARTED, "call sfdae_analyze_at or sfdae_start first."};
+    fill_struct(report, public_report(solver->kind.multibody->constraints()));
     return {};
   });
 }
@@ -184,7 +202,7 @@ int sfdae_get_change(const sfdae_solver* solver, sfdae_change* result) {
     if (!solver->integration || !solver->integration->change())
       return {SFDAE_NOT_STARTED, "no change of characteristic values has been met."};
     const LocatedChange& change = *solver->integration->change();
-    const CharacteristicValues& was = solver->system->analysis().values;
+    const CharacteristicValues& was = solver->system()->analysis().values;
     const CharacteristicValues& is = change.new_values;
     fill_struct(result, sfdae_change{sizeof(sfdae_change), change.t, was.mu, was.d, was.a, was.u, was.v, is.mu, is.d,
                                      is.a, is.u, is.v});
@@ -223,9 +241,9 @@ int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double
   return guarded(solver, [&]() -> CallResult {
     if (!std::isfinite(t) || level < 0 || level > max_strangeness_index)
       return illegal_argument(format("t = %g, level = %d: level must be 0 ... %d.", t, level, max_strangeness_index));
-    LinearProblem* linear = solver->model->linear();
+    LinearModel* linear = solver->kind.linear;
     if (linear == nullptr) return linear_only();
-    const DerivativeArray array = derivative_array(*linear, t, level);
+    const DerivativeArray array = linear->derivative_array(t, level);
     copy_out(array.M, M);
     copy_out(array.N, N);
     if (g != nullptr) std::copy(array.g.begin(), array.g.end(), g);
@@ -236,10 +254,10 @@ int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double
 int sfdae_get_projectors(sfdae_solver* solver, double t, double* Z1, double* Z2, double* Z3, double* T2, int* vhat) {
   return guarded(solver, [&]() -> CallResult {
     if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
-    LinearProblem* linear = solver->model->linear();
+    LinearModel* linear = solver->kind.linear;
     if (linear == nullptr) return linear_only();
-    if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze first."};
-    const Projectors found = projectors(static_cast<LinearSystem&>(*solver->system), t);
+    if (!solver->system()) return {SFDAE_NOT_STARTED, "call sfdae_analyze first."};
+    const Projectors found = linear->projectors(t);
     copy_out(found.Z1, Z1);
     copy_out(found.Z2, Z2);
     copy_out(found.Z3, Z3);
@@ -253,11 +271,11 @@ int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, doubl
                                double* f2, double* residual) {
   return guarded(solver, [&]() -> CallResult {
     if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
-    LinearProblem* linear = solver->model->linear();
+    LinearModel* linear = solver->kind.linear;
     if (linear == nullptr) return linear_only();
-    if (!solver->system) return {SFDAE_NOT_STARTED, "call sfdae_analyze first."};
-    const Projectors found = projectors(static_cast<LinearSystem&>(*solver->system), t);
-    const DerivativeArray array = derivative_array(*linear, t, solver->system->analysis().values.mu);
+    if (!solver->system()) return {SFDAE_NOT_STARTED, "call sfdae_analyze first."};
+    const Projectors found = linear->projectors(t);
+    const DerivativeArray array = linear->derivative_array(t, linear->system()->analysis().values.mu);
     const int m = linear->m(), n = linear->n(), rows = array.M.rows();
     const ConstView g{array.g.data(), rows, 1, rows};
     const ConstView E = array.M.view().block(0, 0, m, n), A = array.N.view().block(0, 0, m, n);
@@ -277,9 +295,9 @@ int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_order, sfdae
       return illegal_argument(
           format("t = %g, max_order = %d: it must be 1 ... %d.", t, max_order, max_derivative_order));
     if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
-    LinearProblem* linear = solver->model->linear();
+    LinearModel* linear = solver->kind.linear;
     if (linear == nullptr) return linear_only();
-    return report_mismatch(check_derivatives(*linear, t, max_order), result);
+    return report_mismatch(check_derivatives(linear->problem(), t, max_order), result);
   });
 }
 
@@ -290,10 +308,10 @@ int sfdae_check_total_derivatives(sfdae_solver* solver, double t, const double* 
       return illegal_argument(
           format("t = %g, max_order = %d: it must be 0 ... %d.", t, max_order, max_derivative_order));
     if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
-    const std::size_t count = index(solver->model->n()) * index(max_order + 2);
+    const std::size_t count = index(solver->model.n()) * index(max_order + 2);
     if (derivatives == nullptr) return illegal_argument("derivatives is NULL.");
     if (!all_finite(derivatives, count)) return illegal_argument("derivatives contains NaN or Inf.");
-    auto* callback = dynamic_cast<CallbackProblem*>(solver->model->nonlinear());
+    CallbackProblem* callback = solver->kind.nonlinear != nullptr ? solver->kind.nonlinear->callback() : nullptr;
     if (callback == nullptr) return illegal_argument("there is no callback for total derivatives.");
     return report_mismatch(check_total_derivatives(*callback, t, derivatives, max_order), result);
   });
@@ -304,8 +322,8 @@ int sfdae_check_multibody_derivatives(sfdae_solver* solver, double t, const doub
   return guarded(solver, [&]() -> CallResult {
     if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
     if (!is_usable(result)) return no_struct();
-    if (solver->model->multibody() == nullptr) return illegal_argument("the problem is not a multibody system.");
-    auto* callbacks = dynamic_cast<CallbackMultibody*>(solver->model->multibody());
+    if (solver->kind.multibody == nullptr) return illegal_argument("the problem is not a multibody system.");
+    CallbackMultibody* callbacks = solver->kind.multibody->callbacks();
     if (callbacks == nullptr) return illegal_argument("recorded equations are differentiated by the library.");
     if (q == nullptr || v == nullptr) return illegal_argument("q or v is NULL.");
     const MultibodySizes& sizes = callbacks->sizes();
@@ -318,7 +336,7 @@ int sfdae_check_multibody_derivatives(sfdae_solver* solver, double t, const doub
 int sfdae_get_parameter(const sfdae_solver* solver, const char* name, double* value) {
   return query(solver, [&]() -> CallResult {
     if (name == nullptr || value == nullptr) return illegal_argument("name or value is NULL.");
-    TaylorEvaluator* evaluator = solver->model->evaluator();
+    TaylorEvaluator* evaluator = solver->model.evaluator();
     const auto index = evaluator != nullptr ? evaluator->find_parameter(name) : std::nullopt;
     if (!index) return illegal_argument(format("there is no parameter \"%.60s\" in the equations.", name));
     *value = evaluator->parameter(*index);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string>
 
-#include "c_api/multibody_model.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 
@@ -35,7 +34,7 @@ std::string decision_table(const std::vector<RankDecision>& decisions) {
 }
 
 std::string analysis_report(const sfdae_solver& solver) {
-  const IndexAnalysis& analysis = solver.system->analysis();
+  const IndexAnalysis& analysis = solver.system()->analysis();
   const CharacteristicValues& values = analysis.values;
   std::string text = format("strangeness index %d", values.mu);
   if (values.u == 0 && values.v == 0) text += format(" (differentiation index %d)", values.a > 0 ? values.mu + 1 : 0);
@@ -54,7 +53,7 @@ std::string analysis_report(const sfdae_solver& solver) {
     text += summary + (gap < 1e300 ? format(": smallest gap %.0e\n", gap) : std::string("\n"));
   constexpr const char* leading[] = {"", "W = E^+ E", "W = E", "W = I"};
   text += format("time scale %.3g, leading term %s\n", analysis.time_scale,
-                 leading[static_cast<int>(solver.system->leading_term())]);
+                 leading[static_cast<int>(solver.system()->leading_term())]);
   return text;
 }
 
@@ -67,7 +66,7 @@ std::string initial_report(const sfdae_initial_report& report) {
 }
 
 std::string constraints_report(const sfdae_solver& solver) {
-  const sfdae_multibody_report report = report_of(static_cast<const MultibodySystem&>(*solver.system));
+  const ConstraintsReport report = solver.kind.multibody->constraints();
   std::string text =
       format("Multibody system: %d holonomic and %d nonholonomic constraints", report.holonomic, report.nonholonomic);
   if (report.redundant > 0) text += format(", %d of them redundant", report.redundant);
@@ -95,9 +94,9 @@ std::string integration_report(const sfdae_solver& solver) {
       format("Integration to t = %.10g by %s: %ld steps, %ld error test failures, %ld other failures\n", s.t_internal,
              method_name(solver, s.last_order).c_str(), s.steps, s.error_failures, s.other_failures);
   text += format("  %ld reductions, %ld factorizations, ", s.reductions, s.factorizations);
-  text += solver.model->linear() != nullptr
+  text += solver.kind.linear != nullptr
               ? format("%ld / %ld / %ld calls of E / A / f\n", s.evaluations_E, s.evaluations_A, s.evaluations_f)
-          : solver.model->multibody() != nullptr
+          : solver.kind.multibody != nullptr
               ? format("%ld evaluations, %ld linearizations\n", s.evaluations_F, s.linearizations)
               : format("%ld evaluations of F along jets, %ld linearizations\n", s.evaluations_F, s.linearizations);
   text += format("  last step %.3g of order %d, next %.3g; smallest kept value %.1e\n", s.last_step, s.last_order,
@@ -105,7 +104,7 @@ std::string integration_report(const sfdae_solver& solver) {
   if (s.rounding > 1.0)
     text += format("  rounding errors of the equations exceed the tolerance of a component by a factor %.1e\n",
                    s.rounding);
-  if (solver.system->analysis().values.v > 0)
+  if (solver.system()->analysis().values.v > 0)
     text += format("  largest relative residual of redundant equations %.1e\n", s.consistency);
   return text;
 }
@@ -113,16 +112,16 @@ std::string integration_report(const sfdae_solver& solver) {
 }  // namespace
 
 std::string report_of(const sfdae_solver& solver) {
-  const int m = solver.model->m(), n = solver.model->n();
-  if (!solver.system && solver.decisions.empty())
+  const int m = solver.model.m(), n = solver.model.n();
+  if (solver.system() == nullptr && solver.decisions.empty())
     return format("no analysis yet (m = %d equations, n = %d unknowns)\n", m, n);
   // A checkpoint has the analysis without its decisions.
-  const double t = solver.decisions.empty() ? solver.system->analysis().t : solver.decisions.front().t;
+  const double t = solver.decisions.empty() ? solver.system()->analysis().t : solver.decisions.front().t;
   std::string text = format("Index analysis at t = %.10g (m = %d equations, n = %d unknowns)\n", t, m, n);
   text += solver.decisions.empty() ? "  restored from a checkpoint, without its rank decisions\n"
                                    : decision_table(solver.decisions);
-  text += solver.system ? analysis_report(solver) : "the analysis failed\n";
-  if (solver.system && solver.model->multibody() != nullptr) text += constraints_report(solver);
+  text += solver.system() != nullptr ? analysis_report(solver) : "the analysis failed\n";
+  if (solver.system() != nullptr && solver.kind.multibody != nullptr) text += constraints_report(solver);
   if (solver.initial_report) text += initial_report(*solver.initial_report);
   if (solver.integration) text += integration_report(solver);
   if (solver.message[0] != '\0') text += std::string("Last message: ") + solver.message + "\n";

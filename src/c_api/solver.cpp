@@ -26,31 +26,41 @@ void set_limits(sfdae_solver& solver, double t, double direction) {
   else solver.problem().set_limits(std::min(stop, t), t);
 }
 
+sfdae_initial_report report_of(const ConsistentPoint& point) {
+  return {sizeof(sfdae_initial_report),  point.t,
+          point.change.residual_before,  point.change.residual_after,
+          point.change.largest_change,   point.change.component,
+          point.derivative_exact ? 1 : 0};
+}
+
 CallResult warning_of(const sfdae_solver& solver, bool contradiction) {
   if (contradiction)
     return {SFDAE_INCONSISTENCY_IGNORED, "redundant equations contradict each other; ignored as asked for."};
-  const int u = solver.system->undetermined();
+  const int u = solver.system()->undetermined();
   if (u == 0) return {};
   return {SFDAE_NOT_UNIQUE,
           format("the solution is not unique: %d component(s) are free (u = %d). The free part is held "
                  "constant; prescribe components to choose another solution.",
-                 u, solver.system->analysis().values.u)};
+                 u, solver.system()->analysis().values.u)};
 }
 
 }  // namespace
 
 SolverOptions::SolverOptions(const sfdae_options& o, int n) {
-  analysis = {o.max_index, o.reduction == SFDAE_REDUCTION_SVD, o.rank_tol, o.time_scale};
-  differences = {o.difference_derivatives != 0, o.difference_step, 1.0};
-  leading = static_cast<LeadingTerm>(o.leading_term);
-  consistency.kind = static_cast<InitialValues>(o.initial_values);
+  model.analysis = {o.max_index, o.reduction == SFDAE_REDUCTION_SVD, o.rank_tol, o.time_scale};
+  model.differences = {o.difference_derivatives != 0, o.difference_step, 1.0};
+  model.leading = static_cast<LeadingTerm>(o.leading_term);
+  model.consistency.kind = static_cast<InitialValues>(o.initial_values);
   if (o.initial_values == SFDAE_INITIAL_FIXED)
-    for (int i = 0; i < n; ++i) consistency.fixed.push_back(static_cast<char>(o.fixed[i]));
-  if (o.initial_weights != nullptr) consistency.weights.assign(o.initial_weights, o.initial_weights + n);
+    for (int i = 0; i < n; ++i) model.consistency.fixed.push_back(static_cast<char>(o.fixed[i]));
+  if (o.initial_weights != nullptr) model.consistency.weights.assign(o.initial_weights, o.initial_weights + n);
   for (int i = 0; i < n; ++i) {
-    integration.tolerances.rtol.push_back(o.rtol_vector != nullptr ? o.rtol_vector[i] : o.rtol);
-    integration.tolerances.atol.push_back(o.atol_vector != nullptr ? o.atol_vector[i] : o.atol);
+    model.tolerances.rtol.push_back(o.rtol_vector != nullptr ? o.rtol_vector[i] : o.rtol);
+    model.tolerances.atol.push_back(o.atol_vector != nullptr ? o.atol_vector[i] : o.atol);
   }
+  model.ignore_inconsistency = o.ignore_inconsistency != 0;
+  model.consistency_tol = o.consistency_tol;
+  integration.tolerances = model.tolerances;
   integration.method = static_cast<Method>(o.method);
   integration.stepping.max_order = o.max_order;
   integration.stepping.min_stages = o.min_stages;
@@ -59,8 +69,8 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n) {
   integration.max_step = o.max_step;
   if (o.use_stop_time != 0) integration.stop_time = o.stop_time;
   integration.max_steps = o.max_steps;
-  integration.ignore_inconsistency = o.ignore_inconsistency != 0;
-  integration.consistency_tol = o.consistency_tol;
+  integration.ignore_inconsistency = model.ignore_inconsistency;
+  integration.consistency_tol = model.consistency_tol;
   integration.monitor = o.monitor;
   integration.monitor_user = o.monitor_user;
 }
@@ -71,10 +81,8 @@ void analyze(sfdae_solver& solver, PointOfInterest point) {
   if (stop && (*stop - point.toward) * direction < 0.0) point.toward = *stop;
   if (point.toward == t) throw Failure(SFDAE_ILLEGAL_ARGUMENT, format("t = %.15g lies at or beyond stop_time.", t));
   set_limits(solver, t, direction);
-  solver.integration.reset();
-  solver.system.reset();
-  solver.initial_report.reset();
-  solver.system = solver.model->analyze(point, solver.options, solver.decisions);
+  solver.forget_analysis();
+  solver.model.analyze(point, solver.options.model, solver.decisions);
   solver.direction = direction;
 }
 
@@ -128,9 +136,8 @@ CallResult caught(Body body) {
   }
 }
 
-template <class Problem, class MakeModel>
-int create(sfdae_solver** solver, const Problem* problem, const sfdae_options* options, const Problem& defaults,
-           MakeModel make_model) {
+template <class Problem>
+int create(sfdae_solver** solver, const Problem* problem, const sfdae_options* options, const Problem& defaults) {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
   *solver = nullptr;
   return caught([&]() -> CallResult {
@@ -155,7 +162,7 @@ CallResult advance(sfdae_solver* solver, double tout, bool one_step, double* t, 
   solver->integration->want_slopes(xdot != nullptr);
   std::vector<double> slopes;
   if (xdot == nullptr) {
-    slopes.resize(index(solver->model->n()));
+    slopes.resize(index(solver->model.n()));
     xdot = slopes.data();
   }
   return solver->integration->advance(tout, one_step, *t, x, xdot);
@@ -188,7 +195,7 @@ int sfdae_check_nonlinear(const sfdae_nonlinear_problem* problem, const sfdae_op
   const CallResult result = caught([&] {
     Arguments<sfdae_nonlinear_problem> arguments;
     const CallResult checked = read_arguments(problem, options, default_nonlinear_problem(), arguments);
-    if (checked.status == SFDAE_OK) nonlinear_model(arguments.problem);
+    if (checked.status == SFDAE_OK) make_model(arguments.problem);
     return checked;
   });
   return copy_message(result, text, length);
@@ -200,24 +207,24 @@ int sfdae_check_multibody(const sfdae_multibody_problem* problem, const sfdae_op
   const CallResult result = caught([&] {
     Arguments<sfdae_multibody_problem> arguments;
     const CallResult checked = read_arguments(problem, options, default_multibody_problem(), arguments);
-    if (checked.status == SFDAE_OK) multibody_model(arguments.problem);
+    if (checked.status == SFDAE_OK) make_model(arguments.problem);
     return checked;
   });
   return copy_message(result, text, length);
 }
 
 int sfdae_create_linear(sfdae_solver** solver, const sfdae_linear_problem* problem, const sfdae_options* options) {
-  return create(solver, problem, options, default_problem(), linear_model);
+  return create(solver, problem, options, default_problem());
 }
 
 int sfdae_create_nonlinear(sfdae_solver** solver, const sfdae_nonlinear_problem* problem,
                            const sfdae_options* options) {
-  return create(solver, problem, options, default_nonlinear_problem(), nonlinear_model);
+  return create(solver, problem, options, default_nonlinear_problem());
 }
 
 int sfdae_create_multibody(sfdae_solver** solver, const sfdae_multibody_problem* problem,
                            const sfdae_options* options) {
-  return create(solver, problem, options, default_multibody_problem(), multibody_model);
+  return create(solver, problem, options, default_multibody_problem());
 }
 
 int sfdae_destroy(sfdae_solver** solver) {
@@ -233,21 +240,19 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     if (options == nullptr || !is_plausible_size(options->size))
       return illegal_argument("options is NULL or its size is not set: call sfdae_options_init.");
     const sfdae_options copy = read_struct(*options, default_options());
-    const CallResult checked = check_options(copy, solver->model->n());
+    const CallResult checked = check_options(copy, solver->model.n());
     if (checked.status != SFDAE_OK) return checked;
-    SolverOptions fresh(copy, solver->model->n());
+    SolverOptions fresh(copy, solver->model.n());
     fresh.integration.events = solver->events.get();
-    const SolverOptions& old = solver->options;
+    const ModelOptions &old = solver->options.model, &now = fresh.model;
     const bool same_analysis =
-        fresh.analysis.max_index == old.analysis.max_index && fresh.analysis.by_svd == old.analysis.by_svd &&
-        fresh.analysis.rank_tol == old.analysis.rank_tol && fresh.analysis.time_scale == old.analysis.time_scale &&
-        fresh.differences.allowed == old.differences.allowed && fresh.differences.step == old.differences.step &&
-        fresh.leading == old.leading;
+        now.analysis.max_index == old.analysis.max_index && now.analysis.by_svd == old.analysis.by_svd &&
+        now.analysis.rank_tol == old.analysis.rank_tol && now.analysis.time_scale == old.analysis.time_scale &&
+        now.differences.allowed == old.differences.allowed && now.differences.step == old.differences.step &&
+        now.leading == old.leading;
     solver->options = fresh;
     if (!same_analysis) {
-      solver->integration.reset();
-      solver->system.reset();
-      solver->initial_report.reset();
+      solver->forget_analysis();
     }
     if (solver->integration) {
       solver->integration->set_options(fresh.integration);
@@ -271,7 +276,7 @@ int sfdae_analyze(sfdae_solver* solver, double t, double toward, sfdae_character
     if (checked.status != SFDAE_OK) return checked;
     if (result != nullptr && !is_plausible_size(result->size))
       return illegal_argument("result->size is not set: call sfdae_characteristics_init.");
-    if (solver->model->needs_x())
+    if (solver->model.needs_x())
       return illegal_argument("the characteristic values of a nonlinear problem depend on x: call sfdae_analyze_at.");
     analyze(*solver, {t, toward, nullptr});
     if (result != nullptr) fill_struct(result, characteristics_of(*solver));
@@ -281,7 +286,7 @@ int sfdae_analyze(sfdae_solver* solver, double t, double toward, sfdae_character
 
 int sfdae_analyze_at(sfdae_solver* solver, double t, double toward, const double* x, sfdae_characteristics* result) {
   return guarded(solver, [&]() -> CallResult {
-    CallResult checked = check_point(t, toward, x, solver->model->n());
+    CallResult checked = check_point(t, toward, x, solver->model.n());
     if (checked.status != SFDAE_OK) return checked;
     if (result != nullptr && !is_plausible_size(result->size))
       return illegal_argument("result->size is not set: call sfdae_characteristics_init.");
@@ -294,16 +299,14 @@ int sfdae_analyze_at(sfdae_solver* solver, double t, double toward, const double
 int sfdae_set_parameter(sfdae_solver* solver, const char* name, double value) {
   return guarded(solver, [&]() -> CallResult {
     if (name == nullptr) return illegal_argument("name is NULL.");
-    TaylorEvaluator* evaluator = solver->model->evaluator();
+    TaylorEvaluator* evaluator = solver->model.evaluator();
     const auto index = evaluator != nullptr ? evaluator->find_parameter(name) : std::nullopt;
     if (!index) return illegal_argument(format("there is no parameter \"%.60s\" in the equations.", name));
     if (!std::isfinite(value))
       return illegal_argument(format("the value of parameter \"%.60s\" is %g.", name, value));
     evaluator->set_parameter(*index, value);
-    solver->model->parameters_changed();
-    solver->integration.reset();
-    solver->system.reset();
-    solver->initial_report.reset();
+    solver->model.parameters_changed();
+    solver->forget_analysis();
     return {};
   });
 }
@@ -311,38 +314,37 @@ int sfdae_set_parameter(sfdae_solver* solver, const char* name, double value) {
 int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdot) {
   return guarded(solver, [&]() -> CallResult {
     const double toward = t + solver->direction * std::max(1.0, 1e-6 * std::fabs(t));
-    CallResult checked = check_point(t, toward, x, solver->model->n());
+    CallResult checked = check_point(t, toward, x, solver->model.n());
     if (checked.status != SFDAE_OK) return checked;
-    if (!solver->system) analyze(*solver, {t, toward, x});
-    const auto system = solver->model->copy_of(*solver->system, solver->options);
-    const Consistent found = solver->model->consistent_values(*system, solver->options, {t, toward, x});
+    if (!solver->system()) analyze(*solver, {t, toward, x});
+    const ConsistentPoint found = solver->model.consistent_point_beside({t, toward, x}, solver->options.model);
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
-    solver->initial_report = found.report;
-    return warning_of(*solver, found.contradiction);
+    solver->initial_report = report_of(found);
+    return warning_of(*solver, found.has_contradiction);
   });
 }
 
 int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double* xdot) {
   return guarded(solver, [&]() -> CallResult {
-    CallResult checked = check_point(t, toward, x, solver->model->n());
+    CallResult checked = check_point(t, toward, x, solver->model.n());
     if (checked.status != SFDAE_OK) return checked;
     const double direction = toward < t ? -1.0 : 1.0;
     const auto& stop = solver->options.integration.stop_time;
     if (stop && (*stop - t) * direction <= 0.0)
       return illegal_argument(format("t = %.15g lies at or beyond stop_time = %.15g.", t, *stop));
-    if (!solver->system || (direction != solver->direction && !solver->model->is_constant()))
+    if (!solver->system() || (direction != solver->direction && !solver->model.is_constant()))
       analyze(*solver, {t, toward, x});
     solver->direction = direction;
     solver->integration.reset();
     set_limits(*solver, t, direction);
-    const Consistent found = solver->model->consistent_values(*solver->system, solver->options, {t, toward, x});
-    solver->integration = std::make_unique<Integration>(*solver->system, solver->model->detector(*solver->system),
+    const ConsistentPoint found = solver->model.consistent_point({t, toward, x}, solver->options.model);
+    solver->integration = std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
                                                         solver->options.integration, t, toward, found.x, found.xdot);
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
-    solver->initial_report = found.report;
-    return warning_of(*solver, found.contradiction);
+    solver->initial_report = report_of(found);
+    return warning_of(*solver, found.has_contradiction);
   });
 }
 
@@ -358,7 +360,7 @@ int sfdae_get_checkpoint_length(sfdae_solver* solver, size_t* length) {
   return guarded(solver, [&]() -> CallResult {
     if (length == nullptr) return illegal_argument("length is NULL.");
     if (!solver->integration) return not_started("sfdae_start");
-    *length = checkpoint_size(*solver->system, *solver->integration);
+    *length = checkpoint_size(*solver->model.system(), *solver->integration);
     return {};
   });
 }
@@ -367,10 +369,10 @@ int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t lengt
   return guarded(solver, [&]() -> CallResult {
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
     if (!solver->integration) return not_started("sfdae_start");
-    const std::size_t needed = checkpoint_size(*solver->system, *solver->integration);
+    const std::size_t needed = checkpoint_size(*solver->model.system(), *solver->integration);
     if (length < needed)
       return illegal_argument(format("length = %zu, but the checkpoint has %zu doubles.", length, needed));
-    save_checkpoint(*solver->system, *solver->integration, checkpoint);
+    save_checkpoint(*solver->model.system(), *solver->integration, checkpoint);
     return {};
   });
 }
@@ -378,19 +380,15 @@ int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t lengt
 int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, size_t length) {
   return guarded(solver, [&]() -> CallResult {
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
-    solver->integration.reset();
-    solver->system.reset();
-    solver->initial_report.reset();
+    solver->forget_analysis();
     solver->decisions.clear();
-    solver->model->set_differences(solver->options.differences);
-    Restored restored = restore_checkpoint(solver->model->checkpoint_target(solver->options.analysis),
-                                           solver->options.integration, checkpoint, length);
-    solver->system = std::move(restored.system);
-    solver->integration = std::move(restored.integration);
+    solver->integration =
+        restore_checkpoint(solver->model, solver->options.model, solver->options.integration, checkpoint, length);
     solver->direction = solver->integration->direction();
     // Differences go on from where the integration started.
     const double start = solver->problem().limit_behind(solver->direction), t = solver->integration->stepper().t();
-    set_limits(*solver, solver->options.differences.allowed && std::isfinite(start) ? start : t, solver->direction);
+    set_limits(*solver, solver->options.model.differences.allowed && std::isfinite(start) ? start : t,
+               solver->direction);
     return {};
   });
 }

@@ -11,22 +11,41 @@
 #include <vector>
 
 #include "c_api/checks.h"
-#include "c_api/model.h"
+#include "c_api/problems.h"
+#include "integrate/checkpoint.h"
 #include "integrate/integration_events.h"
 #include "problem/failure.h"
 #include "sfdae/sfdae.h"
 
+namespace sfdae::core {
+
+// The user's options in the form that the core wants.
+struct SolverOptions {
+  SolverOptions(const sfdae_options& options, int n);
+  ModelOptions model;
+  IntegrationOptions integration;
+};
+
+}  // namespace sfdae::core
+
 struct sfdae_solver {
-  sfdae_solver(std::unique_ptr<sfdae::core::Model> its_model, const sfdae_options& user_options)
-      : model(std::move(its_model)), options(user_options, model->n()) {}
+  sfdae_solver(sfdae::core::AnyModel its_kind, const sfdae_options& user_options)
+      : kind(std::move(its_kind)), model(*kind.model), options(user_options, model.n()) {}
 
-  sfdae::core::Problem& problem() { return model->problem(); }
+  sfdae::core::Problem& problem() { return model.problem(); }
+  // Null before an analysis.
+  const sfdae::core::DaeSystem* system() const { return model.system(); }
+  void forget_analysis() {
+    integration.reset();
+    model.forget_system();
+    initial_report.reset();
+  }
 
-  std::unique_ptr<sfdae::core::Model> model;
+  sfdae::core::AnyModel kind;
+  sfdae::core::Model& model;
   sfdae::core::SolverOptions options;
   std::vector<sfdae::core::RankDecision> decisions;  // of the last analysis, failed or not
   // After an analysis:
-  std::unique_ptr<sfdae::core::DaeSystem> system;
   double direction = 1.0;                       // of the nearby point of the analysis
   std::unique_ptr<sfdae::core::Events> events;  // options.integration points to them
   // After a start:

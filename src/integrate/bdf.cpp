@@ -50,6 +50,11 @@ void evaluate_polynomial(const std::array<double, N>& times, const std::array<Ve
   }
 }
 
+// Taylor coefficients of a guess.
+std::size_t guess_columns(const StrangenessFreeSystem& system) {
+  return system.is_linear() ? 0 : index(system.taylor_order() + 1);
+}
+
 // The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data.
 constexpr double first_step_fraction = 0.7390851e-3;
 
@@ -81,8 +86,8 @@ void Bdf::resize(std::size_t n, std::size_t size_w) {
 
 void Bdf::start(StrangenessFreeSystem& system, const StartingPoint& point, double h) {
   resize(point.x.size(), point.w.size());
-  for (Vector* v : {&guess_, &guess_before_}) v->assign(point.x.size() * index(system.guess_order() + 1), 0.0);
-  needs_x_ = system.undetermined() > 0 || system.guess_order() >= 0;
+  for (Vector* v : {&guess_, &guess_before_}) v->assign(point.x.size() * guess_columns(system), 0.0);
+  needs_x_ = system.undetermined() > 0 || !system.is_linear();
   times_[0] = point.t;
   w_[0] = point.w;
   x_[0] = point.x;
@@ -106,8 +111,8 @@ void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
     if (points < 2 || points > capacity || last_order_ < 0 || last_order_ > max_bdf_order) throw DamagedArchive();
     points_ = points;
     resize(n, size_w);
-    for (Vector* v : {&guess_, &guess_before_}) v->assign(n * index(system.guess_order() + 1), 0.0);
-    needs_x_ = system.undetermined() > 0 || system.guess_order() >= 0;
+    for (Vector* v : {&guess_, &guess_before_}) v->assign(n * guess_columns(system), 0.0);
+    needs_x_ = system.undetermined() > 0 || !system.is_linear();
   }
   control_.archive(archive);
   for (double* value : {&next_step_, &last_step_, &leading_coefficient_}) archive.real(*value);
@@ -138,8 +143,8 @@ void Bdf::compute_differences(int count) {
 
 // The polynomial of the given degree through the last points.
 Guess Bdf::guess(const StrangenessFreeSystem& system, int degree, ErrorWeights& weights) {
-  const int order = system.guess_order();
-  if (order < 0) return {};
+  if (system.is_linear()) return {};
+  const int order = system.taylor_order();
   // Iterations are judged by the tolerances at the last point, whatever was tried since.
   weights.update(x_[0].data());
   const std::size_t n = x_[0].size();

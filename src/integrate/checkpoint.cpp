@@ -4,7 +4,6 @@
 
 #include "linalg/index.h"
 #include "problem/failure.h"
-#include "system/change_watch.h"
 
 namespace sfdae::core {
 
@@ -58,8 +57,9 @@ void save_checkpoint(DaeSystem& system, Integration& integration, double* to) {
   to[header_size] = checksum(to + header_size + 1, length - header_size - 1);
 }
 
-Restored restore_checkpoint(const CheckpointTarget& target, const IntegrationOptions& options, const double* from,
-                            std::size_t length) {
+std::unique_ptr<Integration> restore_checkpoint(Model& model, const ModelOptions& model_options,
+                                                const IntegrationOptions& options, const double* from,
+                                                std::size_t length) {
   try {
     Archive start = Archive::reader(from, length);
     Header header;
@@ -68,30 +68,26 @@ Restored restore_checkpoint(const CheckpointTarget& target, const IntegrationOpt
     start.real(sum);
     if (header.version != layout || header.length <= 0 || static_cast<std::size_t>(header.length) > length)
       throw DamagedArchive();
-    if (header.m != target.m || header.n != target.n)
+    if (header.m != model.m() || header.n != model.n())
       throw Failure(SFDAE_ILLEGAL_ARGUMENT,
                     format("the checkpoint is that of a problem with %d equations in %d unknowns, "
                            "not %d in %d.",
-                           header.m, header.n, target.m, target.n));
+                           header.m, header.n, model.m(), model.n()));
     const std::size_t total = static_cast<std::size_t>(header.length);
     if (sum != checksum(from + start.size(), total - start.size())) throw DamagedArchive();
     Archive archive = Archive::reader(from + start.size(), total - start.size());
-    Restored restored;
-    restored.system = target.system(archive);
-    restored.integration =
-        std::make_unique<Integration>(*restored.system, target.detector(*restored.system), options, archive);
+    model.restore(model_options, archive);
+    auto integration = std::make_unique<Integration>(*model.system(), model.change_watch(), options, archive);
     if (archive.size() != total - start.size()) throw DamagedArchive();
-    return restored;
+    return integration;
   } catch (const DamagedArchive&) {
+    model.forget_system();
     throw Failure(SFDAE_ILLEGAL_ARGUMENT,
                   "this is not a checkpoint, or it was made with other options or is damaged.");
+  } catch (...) {
+    model.forget_system();
+    throw;
   }
-}
-
-CheckpointTarget linear_target(LinearProblem& problem, const AnalysisSettings& settings) {
-  return {problem.m(), problem.n(),
-          [&](Archive& archive) { return std::make_unique<LinearSystem>(problem, settings, archive); },
-          [](DaeSystem& system) { return std::make_unique<ChangeWatch>(static_cast<LinearSystem&>(system)); }};
 }
 
 }  // namespace sfdae::core

@@ -6,11 +6,10 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <memory>
 
 #include "integrate/integration.h"
-#include "system/linear_system.h"
+#include "system/model.h"
 
 namespace sfdae::core {
 
@@ -18,24 +17,10 @@ namespace sfdae::core {
 std::size_t checkpoint_size(DaeSystem& system, Integration& integration);
 void save_checkpoint(DaeSystem& system, Integration& integration, double* to);
 
-// What a checkpoint is restored to.
-struct CheckpointTarget {
-  int m, n;
-  std::function<std::unique_ptr<DaeSystem>(Archive&)> system;
-  std::function<std::unique_ptr<ChangeDetector>(DaeSystem&)> detector;
-};
-
-struct Restored {
-  std::unique_ptr<DaeSystem> system;
-  std::unique_ptr<Integration> integration;
-};
-
-// Throws Failure SFDAE_ILLEGAL_ARGUMENT if it is not a checkpoint of such a problem, or damaged. length may be larger
-// than the checkpoint. No callback is called.
-Restored restore_checkpoint(const CheckpointTarget& target, const IntegrationOptions& options, const double* from,
-                            std::size_t length);
-
-// system is a LinearSystem. The problem has to live on.
-CheckpointTarget linear_target(LinearProblem& problem, const AnalysisSettings& settings);
+// The model gets its system again. Throws Failure SFDAE_ILLEGAL_ARGUMENT if it is not a checkpoint of such a problem, or
+// damaged; then the model has none. length may be larger than the checkpoint. No callback of a linear problem is called.
+std::unique_ptr<Integration> restore_checkpoint(Model& model, const ModelOptions& model_options,
+                                                const IntegrationOptions& options, const double* from,
+                                                std::size_t length);
 
 }  // namespace sfdae::core

@@ -4,11 +4,9 @@
 
 #include <vector>
 
-namespace sfdae::core {
+#include "system/tolerances.h"
 
-struct Tolerances {
-  std::vector<double> rtol, atol;  // n each
-};
+namespace sfdae::core {
 
 // What is done with the tolerances before errors are tested against them.
 enum class Tightening {

@@ -25,29 +25,28 @@ CallResult failure_result(const Failure& failure) { return {failure.status(), fa
 
 }  // namespace
 
-Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector,
-                         const IntegrationOptions& options, double t, double toward, const Vector& x,
-                         const Vector& xdot)
+Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, const IntegrationOptions& options,
+                         double t, double toward, const Vector& x, const Vector& xdot)
     : system_(system),
       options_(options),
       chosen_(options.method),
-      detector_(std::move(detector)),
+      watch_(std::move(watch)),
       direction_(toward < t ? -1.0 : 1.0),
       last_returned_(t),
-      reductions_before_(system.reductions()),
-      factorizations_before_(system.factorizations()),
+      reductions_before_(system.counts().reductions),
+      factorizations_before_(system.counts().factorizations),
       span_(std::fabs(toward - t)) {
   if (options.events != nullptr) forget_search(*options.events);
   create_stepper(options.method);
   set_options(options);
   first_step_ = stepper_->first_step(weights_, x.data(), xdot.data(), std::fabs(toward - t));
   begin(t, x, xdot);
-  detector_->start(direction_);
+  if (watch_) watch_->start(direction_);
 }
 
-Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector,
-                         const IntegrationOptions& options, Archive& saved)
-    : system_(system), options_(options), chosen_(options.method), detector_(std::move(detector)) {
+Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, const IntegrationOptions& options,
+                         Archive& saved)
+    : system_(system), options_(options), chosen_(options.method), watch_(std::move(watch)) {
   create_stepper(options.method);
   set_options(options);
   archive(saved);
@@ -87,12 +86,12 @@ void Integration::archive(Archive& archive) {
   archive.real(first_step_);
   archive.real(last_returned_);
   stepper_->archive(archive, system_);
-  if (!has_change) detector_->archive(archive);
+  if (!has_change && watch_) watch_->archive(archive);
   if (has_events) archive_events(archive);
   if (archive.is_reading()) {
     counts_ = all;
-    reductions_before_ = system_.reductions() - all.reductions;
-    factorizations_before_ = system_.factorizations() - all.factorizations;
+    reductions_before_ = system_.counts().reductions - all.reductions;
+    factorizations_before_ = system_.counts().factorizations - all.factorizations;
     scratch_w_.resize(index(system_.leading_size()));
     scratch_x_.resize(index(system_.unknowns()));
     if (has_change) change_.emplace();
@@ -108,7 +107,7 @@ void Integration::set_options(const IntegrationOptions& options) {
   options_ = options;
   // Errors of nonlinear mechanical systems grow along the solution: the users of other codes know this factor.
   constexpr double nonlinear_safety = 0.2;
-  weights_.set(options_.tolerances, stepper_->tightening(), system_.guess_order() >= 0 ? nonlinear_safety : 1.0);
+  weights_.set(options_.tolerances, stepper_->tightening(), system_.is_linear() ? 1.0 : nonlinear_safety);
   weights_.set_floor(system_.rounding_errors());
   if (!stepper_->x().empty()) weights_.update(stepper_->x().data());
   options_.stepping.interpolates = !options_.never_pass_output;
@@ -117,8 +116,8 @@ void Integration::set_options(const IntegrationOptions& options) {
 
 IntegrationCounts Integration::counts() const {
   IntegrationCounts counts = counts_;
-  counts.reductions = system_.reductions() - reductions_before_;
-  counts.factorizations = system_.factorizations() - factorizations_before_;
+  counts.reductions = system_.counts().reductions - reductions_before_;
+  counts.factorizations = system_.counts().factorizations - factorizations_before_;
   return counts;
 }
 
@@ -156,7 +155,7 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
     return_last_point(t, x, xdot);
     throw;
   }
-  if (result.status == SFDAE_STOPPED) system_.problem().take_stop_request();
+  if (result.status == SFDAE_STOPPED) system_.take_stop_request();
   if (result.status == SFDAE_OK && inconsistent_)
     result = {SFDAE_INCONSISTENCY_IGNORED,
               format("redundant equations contradict each other (relative residual %.3g); ignored as asked for.",
@@ -187,7 +186,7 @@ CallResult Integration::run(double tout, bool one_step) {
   // The last call gave up with a step that tells nothing about the solution.
   if (must_restart_ && !change_ && !has_passed(tout)) restart_at_last_point(method_);
   for (long attempts = 0; !has_passed(tout); ++attempts) {
-    if (system_.problem().stop_is_requested())
+    if (system_.stop_is_requested())
       return {SFDAE_STOPPED, format("stopped on request at t = %.15g; the call can be repeated.", stepper_->t())};
     if (change_ && has_passed(change_->t_before)) return changed_result();
     if (attempts >= options_.max_steps)
@@ -268,7 +267,8 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
 }
 
 std::optional<CallResult> Integration::accept_step(double h) {
-  const double inconsistency = system_.inconsistency();
+  const PointQuality quality = system_.quality();
+  const double inconsistency = quality.inconsistency;
   if (inconsistency > options_.consistency_tol) {
     if (!options_.ignore_inconsistency) {
       stepper_->withdraw();
@@ -277,18 +277,18 @@ std::optional<CallResult> Integration::accept_step(double h) {
     inconsistent_ = true;
   }
   counts_.inconsistency = std::max(counts_.inconsistency, inconsistency);
-  if (!change_) {
-    change_ = detector_->find(stepper_->t());
+  if (!change_ && watch_) {
+    change_ = watch_->find(stepper_->t());
     if (change_) {
       stepper_->withdraw();
       stepper_->set_next_step(h);
       return std::nullopt;
     }
   }
-  detector_->accept();
+  if (watch_) watch_->accept();
   counts_.rounding = std::max(counts_.rounding, weights_.floor_ratio());
-  counts_.smallest_kept = std::min(
-      {counts_.smallest_kept, system_.smallest_pivot(), system_.kept_constraints(), system_.kept_differential()});
+  counts_.smallest_kept =
+      std::min({counts_.smallest_kept, quality.smallest_pivot, quality.kept_constraints, quality.kept_differential});
   stepper_->commit();
   system_.accept();
   if (counts_.steps++ == 0) counts_.first_step = h;
@@ -321,13 +321,13 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
     }
     case StepOutcome::changed:
       if (std::fabs(h) > smallest_step(tout) * 64.0) {
-        change_ = detector_->locate(stepper_->t(), stepper_->tried_t());
+        if (watch_) change_ = watch_->locate(stepper_->t(), stepper_->tried_t());
         if (change_) {
           stepper_->withdraw();
           return std::nullopt;
         }
       } else {
-        change_ = LocatedChange{stepper_->t(), stepper_->tried_t(), detector_->values_at(stepper_->tried_t())};
+        change_ = LocatedChange{stepper_->t(), stepper_->tried_t(), system_.values_at(stepper_->tried_t())};
         return std::nullopt;
       }
       break;
@@ -345,7 +345,7 @@ CallResult Integration::step_too_small(StepOutcome outcome) {
   must_restart_ = true;
   const double t = stepper_->t();
   if (outcome == StepOutcome::changed) {
-    change_ = LocatedChange{t, stepper_->tried_t(), detector_->values_at(stepper_->tried_t())};
+    change_ = LocatedChange{t, stepper_->tried_t(), system_.values_at(stepper_->tried_t())};
     return changed_result();
   }
   if (outcome == StepOutcome::callback_error)
@@ -390,7 +390,7 @@ void Integration::return_last_point(double& t, double* x, double* xdot) {
 // The last point with its constraints fulfilled to rounding; as it is where that fails.
 void Integration::return_consistent_point(double& t, double* x, double* xdot) {
   return_last_point(t, x, xdot);
-  if (system_.guess_order() < 0 || t != stepper_->t()) return;
+  if (system_.is_linear() || t != stepper_->t()) return;
   try {
     if (system_.move_to(t) != PointStatus::ok) return;
     system_.restore(nullptr, stepper_->x().data(), x);
@@ -429,10 +429,11 @@ void Integration::evaluate(double tout, bool may_refine, double* x, double* xdot
                            "output time.",
                            tout));
   }
-  if (system_.inconsistency() > options_.consistency_tol) {
+  const double inconsistency = system_.quality().inconsistency;
+  if (inconsistency > options_.consistency_tol) {
     if (!options_.ignore_inconsistency) throw Failure(SFDAE_INCONSISTENT_EQUATIONS, system_.inconsistency_message());
     inconsistent_ = true;
-    counts_.inconsistency = std::max(counts_.inconsistency, system_.inconsistency());
+    counts_.inconsistency = std::max(counts_.inconsistency, inconsistency);
   }
   if (must_restart_ && !at_step) {
     // The history is that of another leading term: x alone can be used.
@@ -440,7 +441,7 @@ void Integration::evaluate(double tout, bool may_refine, double* x, double* xdot
     system_.leading(x_free.data(), scratch_w_.data());
   }
   // Iterations for nonlinear equations end when errors are small against the tolerances: the constraints want more.
-  if (at_step && system_.guess_order() < 0) std::copy(stepper_->x().begin(), stepper_->x().end(), x);
+  if (at_step && system_.is_linear()) std::copy(stepper_->x().begin(), stepper_->x().end(), x);
   else system_.restore(scratch_w_.data(), at_step ? stepper_->x().data() : x_free.data(), x);
   if (system_.check_ranks() == PointStatus::changed)
     throw Failure(
@@ -450,7 +451,7 @@ void Integration::evaluate(double tout, bool may_refine, double* x, double* xdot
                tout, stepper_->t() - stepper_->last_step()));
   // The slope of a polynomial of high degree over a long step is not as accurate as x is.
   const bool is_within_long_step = method_ == Method::radau && !at_step && wants_slopes_;
-  if (!wants_slopes_ && system_.guess_order() >= 0) std::fill_n(xdot, system_.unknowns(), 0.0);
+  if (!wants_slopes_ && !system_.is_linear()) std::fill_n(xdot, system_.unknowns(), 0.0);
   else if (system_.differential() == 0) system_.consistent_derivative(x, direction_, xdot);
   else if (!(is_within_long_step && system_.exact_derivative(x, xdot)))
     system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);

@@ -11,7 +11,7 @@
 #include "integrate/error_weights.h"
 #include "integrate/radau.h"
 #include "integrate/stepper.h"
-#include "system/change_detector.h"
+#include "system/change_watch.h"
 #include "system/dae_system.h"
 
 namespace sfdae::core {
@@ -55,11 +55,11 @@ struct CallResult {
 
 class Integration {
  public:
-  // Starts at the consistent point (t, x) with derivative xdot, toward the given time; the system stands at t.
-  Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector, const IntegrationOptions& options,
-              double t, double toward, const std::vector<double>& x, const std::vector<double>& xdot);
+  // watch: may be null. Starts at the consistent point (t, x) with derivative xdot, toward the given time; the system stands at t.
+  Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, const IntegrationOptions& options, double t,
+              double toward, const std::vector<double>& x, const std::vector<double>& xdot);
   // Goes on from where it was when it was archived. Throws DamagedArchive.
-  Integration(DaeSystem& system, std::unique_ptr<ChangeDetector> detector, const IntegrationOptions& options,
+  Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, const IntegrationOptions& options,
               Archive& archive);
   void archive(Archive& archive);
 
@@ -122,8 +122,8 @@ class Integration {
   std::unique_ptr<Stepper> stepper_;
   // Running means, for the automatic choice: failures per attempt, outputs per step.
   double failure_rate_ = 0.0, output_rate_ = 0.0;
-  int outputs_ = 0;  // since the last step
-  std::unique_ptr<ChangeDetector> detector_;
+  int outputs_ = 0;                     // since the last step
+  std::unique_ptr<ChangeWatch> watch_;  // none where points can be looked at in steps only
   double direction_ = 1.0;
   double last_returned_ = 0.0;
   double first_step_ = 0.0;

@@ -143,7 +143,7 @@ class Integration::StepValues final : public EventValues {
 
  private:
   void stop_if_asked(double t) {
-    if (integration_.system_.problem().stop_is_requested())
+    if (integration_.system_.stop_is_requested())
       throw Failure(SFDAE_STOPPED,
                     format("stopped on request in the event function at t = %.15g; the call can be repeated.", t));
   }

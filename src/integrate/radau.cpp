@@ -127,7 +127,7 @@ int Radau::polynomial_of_nodes(const RadauMethod& method) {
 int Radau::polynomial_of_prediction(const StrangenessFreeSystem& system, const RadauMethod& method) {
   constexpr int least_order = 5;
   constexpr double same = 1e-6;
-  const bool has_collocation = system.guess_order() == 0 && count_ >= 2 && last_order_ >= least_order &&
+  const bool has_collocation = system.guesses_values() && count_ >= 2 && last_order_ >= least_order &&
                                std::fabs(nodes_[0].t - nodes_[1].t - last_step_) <= same * std::fabs(last_step_);
   return has_collocation ? collocation_polynomial() : polynomial_of_nodes(method);
 }
@@ -135,7 +135,7 @@ int Radau::polynomial_of_prediction(const StrangenessFreeSystem& system, const R
 // By the polynomial in the table of the given degree; degree 0: by the tangent.
 Guess Radau::guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t,
                    int degree) {
-  const int order = system.guess_order(), s = method.s();
+  const int order = system.taylor_order(), s = method.s();
   const std::size_t n = start.x.size(), block = n * index(order + 1);
   if (guess_.size() < block * index(s)) guess_.resize(block * index(s));
   for (Vector* v : {&guess_before_, &guess_start_})
@@ -173,7 +173,7 @@ StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights
   tried_h_ = t - last.t;
   tried_stages_ = s;
   Guess prediction;
-  if (system.guess_order() >= 0) {
+  if (!system.is_linear()) {
     // Iterations are judged by the tolerances at the last node, whatever was tried since.
     weights.update(last.x.data());
     prediction = guess(system, method, last, t, polynomial_of_prediction(system, method));

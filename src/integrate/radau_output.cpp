@@ -102,7 +102,7 @@ PointStatus Radau::solve_within(StrangenessFreeSystem& system, ErrorWeights& wei
   constexpr int most_halvings = 4;
   const RadauMethod& method = radau_method((last_order_ + 1) / 2);
   const std::size_t n = nodes_[0].x.size();
-  const bool needs_guess = system.guess_order() >= 0;
+  const bool needs_guess = !system.is_linear();
   if (needs_guess) weights.update(nodes_[0].x.data());
   Node& from = within_from_;
   from = nodes_[1];
@@ -150,7 +150,7 @@ PointStatus Radau::refine(StrangenessFreeSystem& system, ErrorWeights& weights, 
   system.error_in_x(columns_.data(), mapped_.data());
   update(weights, nodes_[1], nodes_[0]);
   // What the iteration leaves of errors at the nodes is not seen by differences: more is asked for.
-  const double limit = system.guess_order() < 0 ? interpolation_error : nonlinear_interpolation_error;
+  const double limit = system.is_linear() ? interpolation_error : nonlinear_interpolation_error;
   if (weights.norm(mapped_.data()) <= limit) return PointStatus::ok;
   tried_.t = t;
   const PointStatus stages = solve_within(system, weights, t);
@@ -202,10 +202,10 @@ void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
   control_.archive(archive);
   for (double* value : {&next_step_, &last_step_, &leading_coefficient_}) archive.real(*value);
   // Guesses extrapolate x.
-  const bool needs_x = options_.interpolates || system.guess_order() >= 0;
+  const bool needs_x = options_.interpolates || !system.is_linear();
   for (int i = 0; i < count; ++i) this->archive(archive, nodes_[index(i)], i == 0 || needs_x);
   for (int i = 0; i < inner; ++i) this->archive(archive, inner_[index(i)], true);
-  if ((options_.interpolates || system.guess_order() == 0) && system.guess_order() >= 0 && last_order_ > 0)
+  if ((options_.interpolates || system.guesses_values()) && !system.is_linear() && last_order_ > 0)
     archive.reals(last_stages_.data(), nodes_[0].x.size() * index((last_order_ + 1) / 2));
 }
 

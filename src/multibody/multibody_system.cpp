@@ -32,9 +32,13 @@ CharacteristicValues characteristic_values(const MultibodySizes& sizes, const Mu
   return values;
 }
 
-MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Traits& traits, IndexAnalysis analysis,
+MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Settings& settings, IndexAnalysis analysis,
                                  const double* q, const double* v)
-    : problem_(problem), sizes_(problem.sizes()), traits_(traits), analysis_(std::move(analysis)) {
+    : DaeSystem(problem, problem.sizes().unknowns(), std::move(analysis), LeadingTerm::identity),
+      problem_(problem),
+      sizes_(problem.sizes()),
+      settings_(settings) {
+  update_traits();
   resize();
   const PointStatus status = set_point(analysis_.t, q, v);
   if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
@@ -42,19 +46,30 @@ MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Traits& traits
     throw Failure(SFDAE_SINGULAR, format("[M C^T; C 0] is singular at t = %.15g.", t_));
 }
 
-MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Traits& traits, Archive& saved)
-    : problem_(problem), sizes_(problem.sizes()), traits_(traits) {
+MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Settings& settings, Archive& saved)
+    : DaeSystem(problem, problem.sizes().unknowns(), {}, LeadingTerm::identity),
+      problem_(problem),
+      sizes_(problem.sizes()),
+      settings_(settings) {
   archive(saved);
 }
 
+void MultibodySystem::update_traits() {
+  traits_ = {.unknowns = sizes_.unknowns(),
+             .differential = analysis_.values.d,
+             .leading_size = sizes_.positions + sizes_.velocities};
+}
+
+CharacteristicValues MultibodySystem::values_at(double) { return characteristic_values(sizes_, changed_ranks_); }
+
 void MultibodySystem::resize() {
-  const std::size_t d = index(analysis_.values.d), size = index(leading_size());
-  form_.resize(sizes_, traits_.ranks.positions, traits_.ranks.velocities);
-  form_.set_rank_tol(traits_.rank_tol);
+  const std::size_t d = index(differential()), size = index(leading_size());
+  form_.resize(sizes_, settings_.ranks.positions, settings_.ranks.velocities);
+  form_.set_rank_tol(settings_.rank_tol);
   jacobian_ = MultibodyJacobian(sizes_);
   // Operations of both ways, about.
   constexpr double worthwhile = 1.2;
-  const double nv = sizes_.velocities, r = traits_.ranks.velocities, open = nv - r;
+  const double nv = sizes_.velocities, r = settings_.ranks.velocities, open = nv - r;
   const double along = 2.0 * nv * open * (nv + open) + 2.0 / 3.0 * std::pow(open, 3),
                whole = 2.0 / 3.0 * std::pow(nv + r, 3);
   along_tangents_ = r > 0 && worthwhile * along < whole;
@@ -62,8 +77,7 @@ void MultibodySystem::resize() {
   chosen_.q.resize(index(sizes_.positions));
   chosen_.v.resize(index(sizes_.velocities));
   form_.resize_tangents(end_tangents_);
-  matrix_.assign(d * d + 1, 0.0);
-  matrix_pivots_.assign(d + 1, 0);
+  matrix_.resize(differential());
   for (auto* values : {&change_, &noise_, &noise_at_rest_, &inverse_weights_}) values->assign(size + 1, 0.0);
   noise_of_rates_.assign(d + 1, 0.0);
   residuals_.assign(index(sizes_.constraints()) + 1, 0.0);
@@ -80,7 +94,7 @@ PointStatus MultibodySystem::set_point(double t, const double* q, const double* 
   std::copy_n(v, sizes_.velocities, change_.data() + sizes_.positions);
   PointStatus status = linearize(t, change_.data());
   if (status != PointStatus::ok) return status;
-  if (!(decided_ == traits_.ranks)) {
+  if (!(decided_ == settings_.ranks)) {
     changed_ranks_ = decided_;
     return PointStatus::changed;
   }
@@ -110,16 +124,16 @@ void MultibodySystem::accept() {
 PointStatus MultibodySystem::evaluate(MultibodyPoint& point) {
   callback_error_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
-  ++factorizations_;
-  if (!point.factor(form_.velocities().rows, traits_.ranks.velocities)) return PointStatus::singular;
-  point.solve_accelerations(form_.velocities().rows, traits_.ranks.velocities);
+  ++counts_.factorizations;
+  if (!point.factor(form_.velocities().rows, settings_.ranks.velocities)) return PointStatus::singular;
+  point.solve_accelerations(form_.velocities().rows, settings_.ranks.velocities);
   return PointStatus::ok;
 }
 
 PointStatus MultibodySystem::accelerate(MultibodyPoint& point, Tangents& tangents) {
   // Below, C M^-1 C^T is too badly conditioned, as its condition is the square of that of C.
   constexpr double well_posed = 1e-2;
-  ++factorizations_;
+  ++counts_.factorizations;
   const Partition& partition = form_.velocities();
   Tangent& tangent = tangents.of_velocities();
   if (tangent.smallest_pivot() > well_posed && point.solve_by_masses(partition, tangent, arena_))
@@ -137,7 +151,7 @@ PointStatus MultibodySystem::accelerate(MultibodyPoint& point, Tangents& tangent
 PointStatus MultibodySystem::project_positions(MultibodyPoint& point) {
   constexpr int most = 12;
   constexpr double negligible = 2.0 * unit_roundoff, small = 1e-11, slow = 1e-2, far_below_tolerance = 1e-3;
-  if (traits_.ranks.positions == 0) return PointStatus::ok;
+  if (settings_.ranks.positions == 0) return PointStatus::ok;
   const int nq = sizes_.positions;
   const Tangent* tangent = &form_.tangents().positions;
   double before = 0.0;
@@ -204,7 +218,7 @@ PointStatus MultibodySystem::project(MultibodyPoint& point) {
 // tells then is the way of all constraints from the point accepted last.
 PointStatus MultibodySystem::check_ranks(const MultibodyPoint& point) {
   const bool has_rotated = end_tangents_.rotation() > largest_rotation();
-  if (has_rotated) is_slow_ = true;
+  if (has_rotated) chord_.set_slow(true);
   end_orientation_ = orientation_of(end_tangents_);
   const Passage passage = passage_of_step();
   if (end_orientation_ == orientation_ && passage.positions.count + passage.velocities.count == 0)
@@ -237,7 +251,7 @@ void MultibodySystem::note_change(const MultibodyPoint& point, const Passage& pa
     vanishing_value_ = 0.0;
     if (passage.velocities.row >= 0) vanishing_row_ = passage.velocities.row;
   }
-  changed_ranks_ = traits_.ranks;
+  changed_ranks_ = settings_.ranks;
   const auto lost = [](bool has_turned_over, int count) { return std::max(count, has_turned_over ? 1 : 0); };
   changed_ranks_.velocities -= lost(end_orientation_.velocities != orientation_.velocities, passage.velocities.count);
   changed_ranks_.positions -= lost(end_orientation_.positions != orientation_.positions, passage.positions.count);

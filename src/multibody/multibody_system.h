@@ -18,8 +18,9 @@
 #include "multibody/multibody_form.h"
 #include "multibody/multibody_point.h"
 #include "multibody/multibody_problem.h"
+#include "system/chord_iteration.h"
 #include "system/dae_system.h"
-#include "system/transformed_stages.h"
+#include "system/step_matrix.h"
 
 namespace sfdae::core {
 
@@ -33,29 +34,20 @@ CharacteristicValues characteristic_values(const MultibodySizes& sizes, const Mu
 
 class MultibodySystem final : public DaeSystem {
  public:
-  struct Traits {
+  struct Settings {
     MultibodyRanks ranks;
     Coordinates coordinates = Coordinates::orthogonal;
     double rank_tol = 0.0;  // by which the ranks were decided; 0: by rounding errors
   };
   // At consistent q and v. Throws Failure.
-  MultibodySystem(MultibodyProblem& problem, const Traits& traits, IndexAnalysis analysis, const double* q,
+  MultibodySystem(MultibodyProblem& problem, const Settings& settings, IndexAnalysis analysis, const double* q,
                   const double* v);
   // As it was when it was archived, ranks included. Throws DamagedArchive.
-  MultibodySystem(MultibodyProblem& problem, const Traits& traits, Archive& archive);
+  MultibodySystem(MultibodyProblem& problem, const Settings& settings, Archive& archive);
 
-  int equations() const override { return unknowns(); }
-  int unknowns() const override { return sizes_.unknowns(); }
-  int differential() const override { return analysis_.values.d; }
-  int undetermined() const override { return 0; }
-  int leading_size() const override { return sizes_.positions + sizes_.velocities; }
-  bool is_constant() const override { return false; }
-  MultibodyProblem& problem() override { return problem_; }
-  const IndexAnalysis& analysis() const override { return analysis_; }
-  LeadingTerm leading_term() const override { return LeadingTerm::identity; }
-  const CallbackError& callback_error() const override { return callback_error_; }
+  MultibodyProblem& problem() { return problem_; }
   double t() const override { return t_; }
-  const Traits& traits() const { return traits_; }
+  const Settings& settings() const { return settings_; }
   const MultibodySizes& sizes() const { return sizes_; }
 
   // A consistent point becomes the current and accepted one.
@@ -68,14 +60,10 @@ class MultibodySystem final : public DaeSystem {
   // Largest residuals there, likewise.
   double position_residual() const;
   double velocity_residual() const;
-  // Ranks at the point where a change was met last, those of the constraints that vanish relative to others taken for
-  // zero.
-  MultibodyRanks changed_ranks() const { return changed_ranks_; }
 
   PointStatus move_to(double t) override;
   void accept() override;
   void leading(const double* x, double* w) override { std::copy_n(x, leading_size(), w); }
-  int guess_order() const override { return 0; }
   PointStatus solve(const StepEquations& equations, double* x) override;
   double stage_cost(int s) const override;
   void correct_slopes(double* wdot, double* xdot) override;
@@ -86,12 +74,12 @@ class MultibodySystem final : public DaeSystem {
   void restore(const double* w, const double* x_free, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
 
-  double inconsistency() const override { return inconsistency_; }
+  PointQuality quality() const override { return {inconsistency_, kept_, 1.0, kept_}; }
+  // q and v are known at points of the integration only, so that a change is located by its steps becoming short:
+  // the values where it was met last, whatever t is.
+  CharacteristicValues values_at(double t) override;
   std::string inconsistency_message() const override;
   std::string about_change() const override;
-  double kept_constraints() const override { return kept_; }
-  double kept_differential() const override { return 1.0; }
-  double smallest_pivot() const override { return kept_; }
   // False where mu' is a difference of mu along the solution.
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
   // mu' along the solution by differences of high order, too: nearly as accurate as if it came from more derivatives.
@@ -100,8 +88,6 @@ class MultibodySystem final : public DaeSystem {
     std::copy_n(xdot, leading_size(), wdot);
   }
   void archive(Archive& archive) override;
-  long reductions() const override { return reductions_; }
-  long factorizations() const override { return factorizations_; }
 
  private:
   // Errors of the iteration in units of the tolerance, of BDF and of stages. The longer steps of the latter reach
@@ -131,6 +117,7 @@ class MultibodySystem final : public DaeSystem {
   static Orientation orientation_of(const Tangents& tangents) {
     return {tangents.positions.sign(), tangents.of_velocities().sign()};
   }
+  void update_traits();
   void resize();
   void resize_stages(int s);
   double* stage(int i) { return stage_qv_.data() + static_cast<std::ptrdiff_t>(i) * leading_size(); }
@@ -160,15 +147,12 @@ class MultibodySystem final : public DaeSystem {
   Passage passage_of_step();
   void note_change(const MultibodyPoint& point, const Passage& passage);
   void rebuild(bool has_linearization, double c, double rate);
-  bool is_hopeless(PointStatus status) const;
   bool difference_of_forces(const MultibodyPoint& point, double* mudot);
   PointStatus forces_beside(const MultibodyPoint& point, double distance, double* mu);
 
   MultibodyProblem& problem_;
   MultibodySizes sizes_;
-  Traits traits_;
-  IndexAnalysis analysis_;
-  CallbackError callback_error_;
+  Settings settings_;
   Arena arena_;
   double t_ = 0.0;
 
@@ -177,8 +161,8 @@ class MultibodySystem final : public DaeSystem {
   MultibodyPoint linearized_, work_, end_, accepted_;
   MultibodyPoint chosen_;    // where the partition is from: its t, q and v
   bool is_end_new_ = false;  // end_ is that of a step, or a start, not accepted yet
-  bool is_linearized_ = false, is_slow_ = false;
-  double rate_ = 1.0;
+  bool is_linearized_ = false;
+  ChordIteration chord_;
   bool is_fresh_ = false;  // no step has been solved with the linearization
   // Of the last steps: with new linearizations, and with those of steps before.
   int fresh_iterations_ = 0, kept_iterations_ = 0;
@@ -189,11 +173,7 @@ class MultibodySystem final : public DaeSystem {
   long partitions_ = 0;
   bool along_tangents_ = false;  // how accelerations are determined
 
-  std::vector<double> matrix_;
-  std::vector<int> matrix_pivots_;
-  double matrix_c_ = 0.0;
-  bool matrix_valid_ = false;
-  TransformedStages transformed_;
+  StepMatrix matrix_;
 
   std::vector<double> times_;
   std::vector<double> stage_qv_, stage_particular_, stage_changes_, stage_mu_, stage_moves_, stage_r_, stage_z_;
@@ -207,11 +187,11 @@ class MultibodySystem final : public DaeSystem {
   double kept_ = 1.0, inconsistency_ = 0.0;
   int inconsistent_row_ = -1;
   MultibodyRanks decided_;  // when the partition was chosen
+  // Where a change was met last, those of the constraints that vanish relative to others taken for zero.
   MultibodyRanks changed_ranks_;
   int vanishing_row_ = -1;
   double vanishing_value_ = 0.0;
   bool has_changed_ = false;
-  long reductions_ = 0, factorizations_ = 0;
 };
 
 }  // namespace sfdae::core

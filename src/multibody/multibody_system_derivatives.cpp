@@ -98,7 +98,7 @@ bool MultibodySystem::difference_of_forces(const MultibodyPoint& point, double* 
   point.rates(rates);
   const double q = max_abs(point.q.data(), sizes_.positions), a = max_abs(point.a.data(), sizes_.velocities),
                speed = max_abs(rates, sizes_.positions);
-  double tau = matrix_valid_ && matrix_c_ != 0.0 ? 3.0 / std::fabs(matrix_c_) : 1.0;
+  double tau = matrix_.is_valid() && matrix_.c() != 0.0 ? 3.0 / std::fabs(matrix_.c()) : 1.0;
   if (q > 0.0 && speed > 0.0) tau = std::min(tau, q / speed);
   if (q > 0.0 && a > 0.0) tau = std::min(tau, std::sqrt(q / a));
   double s = std::max(part_of_time_scale * tau, 1e6 * unit_roundoff * std::fabs(point.t));
@@ -148,10 +148,10 @@ void MultibodySystem::error_of_forces(View yz, View dmu) {
   if (d == 0) return fill(dmu, 0.0);
   const Arena::Frame frame(arena_);
   const View dqv = arena_.matrix(leading_size(), count);
-  if (matrix_valid_) {
-    solve_lu(ConstView{matrix_.data(), d, d, d}, matrix_pivots_.data(), yz);
+  if (matrix_.is_valid()) {
+    matrix_.solve(yz);
     for (int j = 0; j < count; ++j)
-      for (int k = 0; k < d; ++k) yz(k, j) *= matrix_c_;
+      for (int k = 0; k < d; ++k) yz(k, j) *= matrix_.c();
   }
   form_.expand(yz, dqv);
   change_of_forces(dqv, dmu);
@@ -159,7 +159,7 @@ void MultibodySystem::error_of_forces(View yz, View dmu) {
 
 // K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv), from the linearization.
 void MultibodySystem::change_of_forces(ConstView dqv, View dmu) {
-  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), r = traits_.ranks.velocities,
+  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), r = settings_.ranks.velocities,
             count = dqv.cols;
   const std::vector<int>& rows = form_.velocities().rows;
   fill(dmu, 0.0);
@@ -181,15 +181,18 @@ void MultibodySystem::change_of_forces(ConstView dqv, View dmu) {
 }
 
 void MultibodySystem::archive(Archive& archive) {
-  MultibodyRanks& ranks = traits_.ranks;
-  bool has_matrix = matrix_valid_, has_linearization = is_linearized_;
-  archive.small(ranks.positions, ranks.velocities, analysis_.rank_E, has_matrix, has_linearization, is_slow_,
+  MultibodyRanks& ranks = settings_.ranks;
+  bool has_matrix = matrix_.is_valid(), is_slow = chord_.is_slow(), has_linearization = is_linearized_;
+  archive.small(ranks.positions, ranks.velocities, analysis_.rank_E, has_matrix, has_linearization, is_slow,
                 orientation_.positions, orientation_.velocities);
   archive.small(is_fresh_, fresh_iterations_, kept_iterations_, fresh_in_a_row_);
   long unused = 0;
   archive.counts(partitions_, unused);
-  for (double* value : {&analysis_.t, &rate_, &matrix_c_}) archive.real(*value);
-  const double rate = rate_, c = matrix_c_;
+  archive.real(analysis_.t);
+  chord_.archive_rate(archive);
+  matrix_.archive_c(archive);
+  chord_.set_slow(is_slow);
+  const double rate = chord_.rate(), c = matrix_.c();
   if (archive.is_reading()) {
     const bool plausible = ranks.positions >= 0 && ranks.positions <= std::min(sizes_.positions, sizes_.holonomic) &&
                            ranks.velocities >= 0 &&
@@ -197,6 +200,7 @@ void MultibodySystem::archive(Archive& archive) {
     if (!plausible || partitions_ < 1) throw DamagedArchive();
     analysis_.values = characteristic_values(sizes_, ranks);
     analysis_.v_hat = sizes_.constraints() - ranks.velocities;
+    update_traits();
     resize();
   }
   // Where there is no linearization, that at the last point will do.
@@ -214,7 +218,7 @@ void MultibodySystem::archive(Archive& archive) {
 // The partition and the linearization as they were. c != 0: steps that differ from it by rounding are taken with this
 // very matrix.
 void MultibodySystem::rebuild(bool has_linearization, double c, double rate) {
-  const bool was_slow = is_slow_, was_fresh = is_fresh_;
+  const bool was_slow = chord_.is_slow(), was_fresh = is_fresh_;
   const MultibodyPoint where = linearized_;
   t_ = accepted_.t;
   callback_error_ = problem_.at_velocity(t_, accepted_.q.data(), accepted_.v.data(), accepted_.terms);
@@ -234,16 +238,13 @@ void MultibodySystem::rebuild(bool has_linearization, double c, double rate) {
   std::copy(where.v.begin(), where.v.end(), change_.data() + sizes_.positions);
   if (linearize(where.t, change_.data()) != PointStatus::ok) throw DamagedArchive();
   is_linearized_ = has_linearization;
-  is_slow_ = was_slow;
+  chord_.set_slow(was_slow);
   is_fresh_ = was_fresh;
-  rate_ = rate;
-  matrix_valid_ = false;
+  chord_.set_rate(rate);
+  matrix_.forget();
   if (c == 0.0) return;
-  const View M{matrix_.data(), differential(), differential(), std::max(differential(), 1)};
-  form_.step_matrix(c, M);
-  matrix_valid_ = factor_lu(M, matrix_pivots_.data());
-  matrix_c_ = c;
-  if (matrix_valid_) measure_noise_of_step();
+  long uncounted = 0;
+  if (matrix_.factor(form_, 1.0, c, uncounted)) measure_noise_of_step();
 }
 
 }  // namespace sfdae::core

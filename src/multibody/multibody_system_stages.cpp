@@ -19,7 +19,7 @@ namespace sfdae::core {
 // A partition from which the constraints have turned by more than 45 degrees is replaced; components as they are
 // differ by a factor from the beginning.
 double MultibodySystem::largest_rotation() const {
-  return traits_.coordinates == Coordinates::orthogonal ? 1.0 : 10.0;
+  return settings_.coordinates == Coordinates::orthogonal ? 1.0 : 10.0;
 }
 
 void MultibodySystem::resize_stages(int s) {
@@ -39,8 +39,7 @@ void MultibodySystem::resize_stages(int s) {
 
 PointStatus MultibodySystem::linearize(double t, const double* qv) {
   is_linearized_ = false;
-  matrix_valid_ = false;
-  transformed_.forget();
+  matrix_.forget();
   linearized_.set(t, qv, qv + sizes_.positions);
   callback_error_ = problem_.at_velocity(t, linearized_.q.data(), linearized_.v.data(), linearized_.terms);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
@@ -50,22 +49,22 @@ PointStatus MultibodySystem::linearize(double t, const double* qv) {
     const PointStatus status = choose_partition();
     if (status != PointStatus::ok) return status;
   }
-  if (!linearized_.factor(form_.velocities().rows, traits_.ranks.velocities)) return PointStatus::singular;
-  linearized_.solve_accelerations(form_.velocities().rows, traits_.ranks.velocities);
+  if (!linearized_.factor(form_.velocities().rows, settings_.ranks.velocities)) return PointStatus::singular;
+  linearized_.solve_accelerations(form_.velocities().rows, settings_.ranks.velocities);
   callback_error_ = problem_.linearize(linearized_.state(), linearized_.terms, jacobian_);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   form_.build(linearized_, jacobian_, arena_);
   measure_noise();
-  ++reductions_;
-  ++factorizations_;
+  ++counts_.reductions;
+  ++counts_.factorizations;
   is_linearized_ = is_fresh_ = true;
-  rate_ = 1.0;
+  chord_.forget_rate();
   return PointStatus::ok;
 }
 
 // At the point to be linearized; the orientation is that of the point accepted last.
 PointStatus MultibodySystem::choose_partition() {
-  const MultibodyForm::Ranks found = form_.choose(linearized_, traits_.coordinates, arena_);
+  const MultibodyForm::Ranks found = form_.choose(linearized_, settings_.coordinates, arena_);
   decided_ = {found.positions.rank, found.velocities.rank};
   if (!form_.build_tangents(linearized_, arena_)) return PointStatus::singular;
   chosen_.set(linearized_.t, linearized_.q.data(), linearized_.v.data());
@@ -78,7 +77,7 @@ PointStatus MultibodySystem::choose_partition() {
 // tells their size to some factor.
 void MultibodySystem::measure_noise() {
   const int nq = sizes_.positions, nv = sizes_.velocities, nl = sizes_.holonomic, nc = sizes_.constraints(),
-            r = traits_.ranks.velocities;
+            r = settings_.ranks.velocities;
   const MultibodyPoint& point = linearized_;
   const MultibodyTerms& terms = point.terms;
   const Arena::Frame frame(arena_);
@@ -122,27 +121,19 @@ void MultibodySystem::measure_noise_of_step() {
   const Arena::Frame frame(arena_);
   double* yz = arena_.take(index(d) + 1);
   std::copy_n(noise_of_rates_.data(), d, yz);
-  solve_lu(ConstView{matrix_.data(), d, d, std::max(d, 1)}, matrix_pivots_.data(), yz);
+  matrix_.solve(yz);
   form_.expand(ConstView{yz, d, 1, std::max(d, 1)}, View{noise_.data(), leading_size(), 1, leading_size()});
   for (int k = 0; k < leading_size(); ++k)
     noise_[index(k)] = samples * (std::fabs(noise_[index(k)]) + noise_at_rest_[index(k)]);
 }
 
 bool MultibodySystem::factor_step_matrices(const Task& task) {
-  // Steps of one size differ in their last bits, as times are rounded.
-  constexpr double rounding_of_steps = 1e-13;
   const double c = task.method != nullptr ? task.method->gamma / task.h : task.c;
-  const int d = differential();
-  if (!matrix_valid_ || std::fabs(c - matrix_c_) > rounding_of_steps * std::fabs(c)) {
-    const View M{matrix_.data(), d, d, std::max(d, 1)};
-    form_.step_matrix(c, M);
-    matrix_valid_ = factor_lu(M, matrix_pivots_.data());
-    matrix_c_ = c;
-    if (d > 0) ++factorizations_;
-    if (matrix_valid_) measure_noise_of_step();
+  if (!matrix_.is_valid() || !matrix_.is_for(c)) {
+    if (!matrix_.factor(form_, 1.0, c, counts_.factorizations)) return false;
+    measure_noise_of_step();
   }
-  return matrix_valid_ &&
-         (task.method == nullptr || transformed_.factor(form_, 1.0, *task.method, matrix_c_, factorizations_));
+  return task.method == nullptr || matrix_.factor_stages(form_, 1.0, *task.method, counts_.factorizations);
 }
 
 // Right-hand side of stage i but for slopes, and its particular change.
@@ -187,13 +178,11 @@ void MultibodySystem::complete_residuals(const Task& task) {
 }
 
 PointStatus MultibodySystem::iterate(const Task& task) {
-  constexpr double slowest = 0.7;
   constexpr int most = 12;
   const int size = leading_size(), d = differential(), ld = std::max(d, 1), s = task.s;
   if (!factor_step_matrices(task)) return PointStatus::singular;
-  const ConstView lu{matrix_.data(), d, d, ld};
   double before = 0.0;
-  is_slow_ = false;
+  chord_.begin();
   for (int iteration = 0; iteration < most; ++iteration) {
     for (int i = 0; i < s; ++i) {
       const PointStatus status = read_stage(task, i, iteration == 0);
@@ -202,10 +191,10 @@ PointStatus MultibodySystem::iterate(const Task& task) {
     complete_residuals(task);
     const View r{stage_r_.data(), d, s, ld}, z{stage_z_.data(), d, s, ld};
     if (task.method != nullptr) {
-      transformed_.solve(*task.method, lu, matrix_pivots_.data(), r, z, arena_);
+      matrix_.solve_stages(*task.method, r, z, arena_);
     } else {
       std::copy_n(r.data, d, z.data);
-      solve_lu(lu, matrix_pivots_.data(), z.data);
+      matrix_.solve(z.data);
     }
     // As Q1^T p = 0 the changes of Q1^T q and Q1^T v are known.
     const double rate_of_moves = task.method != nullptr ? 1.0 : task.c;
@@ -223,7 +212,7 @@ PointStatus MultibodySystem::iterate(const Task& task) {
       judge_linearization(s, iteration + 1);
       return PointStatus::ok;
     }
-    if (iteration > 1 && norm > slowest * before) return PointStatus::not_converged;
+    if (ChordIteration::is_too_slow(iteration, norm, before)) return PointStatus::not_converged;
     before = norm;
   }
   return PointStatus::not_converged;
@@ -239,20 +228,12 @@ double MultibodySystem::change_norm(const Task& task, const double* change) cons
   return norm;
 }
 
-// The error left is rate / (1 - rate) times the last change.
+// Slopes amplify errors of stages: at least two changes are made.
 bool MultibodySystem::has_converged(const Task& task, int iteration, double norm, double before) {
-  constexpr double negligible = 1e-9;
-  const double newton_tolerance = task.method != nullptr ? stage_tolerance : step_tolerance;
-  if (iteration > 0) rate_ = before > 0.0 ? norm / before : 0.0;
-  is_slow_ = iteration >= 3 || (iteration > 0 && rate_ > 0.3 && norm > negligible);
-  // A rate from another point is trusted less.
-  const double rate = std::clamp(rate_, iteration == 0 ? 0.05 : 0.03, 0.99);
-  // Changes that stop becoming smaller far below the tolerance are rounding errors.
-  if (iteration > 1 && norm <= 0.1 * newton_tolerance) return true;
-  if (iteration > 0 && rate_ >= 1.0) return false;
-  // Slopes amplify errors of stages, and a first change that is small by chance would tell nothing of the others.
-  if (iteration == 0 && task.method != nullptr) return norm <= negligible;
-  return rate / (1.0 - rate) * norm <= newton_tolerance || norm <= negligible;
+  constexpr double least_rate = 0.03;
+  const bool has_stages = task.method != nullptr;
+  const ChordTarget target{has_stages ? stage_tolerance : step_tolerance, least_rate, has_stages};
+  return chord_.has_converged(target, iteration, norm, before);
 }
 
 // A new linearization for the next step pays if it saves enough iterations; how many it needs, and how many more the
@@ -270,12 +251,7 @@ void MultibodySystem::judge_linearization(int s, int iterations) {
     kept_iterations_ = iterations;
   }
   is_fresh_ = false;
-  if (s * (kept_iterations_ - fresh_iterations_) >= cost) is_slow_ = true;
-}
-
-bool MultibodySystem::is_hopeless(PointStatus status) const {
-  return status == PointStatus::changed ||
-         (status == PointStatus::callback_error && !callback_error_.is_recoverable());
+  if (s * (kept_iterations_ - fresh_iterations_) >= cost) chord_.set_slow(true);
 }
 
 // guess: predicted x of each point. The middle one is where one linearization serves all of them best.
@@ -286,7 +262,7 @@ PointStatus MultibodySystem::solve_points(const Task& task, const double* guess)
     for (int i = 0; i < task.s; ++i) std::copy_n(guess + static_cast<std::ptrdiff_t>(i) * n, size, stage(i));
   };
   PointStatus status = PointStatus::not_converged;
-  if (is_linearized_ && !is_slow_) {
+  if (is_linearized_ && !chord_.is_slow()) {
     start();
     status = iterate(task);
   }
@@ -329,7 +305,7 @@ PointStatus MultibodySystem::solve(const StepEquations& equations, double* x) {
 double MultibodySystem::stage_cost(int s) const {
   // Measured on the pendulum, where there is hardly anything else, and from all problems of the test set.
   constexpr double overhead = 2000.0, iterations = 3.0, once = 8.0;
-  const double n = leading_size(), r = traits_.ranks.velocities, d = differential();
+  const double n = leading_size(), r = settings_.ranks.velocities, d = differential();
   const double evaluation = overhead + 4.0 * n * r * r + 8.0 * n * n, systems = 2.0 * s - 1.0;
   return (iterations * s + once) * evaluation + systems * (2.0 / 3.0 * d * d * d + 2.0 * iterations * d * d);
 }

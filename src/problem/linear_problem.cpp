@@ -45,14 +45,11 @@ std::string CallbackError::message() const {
   }
 }
 
-LinearProblem::LinearProblem(const sfdae_linear_problem& problem)
-    : problem_(problem),
-      prescribed_(problem.prescribed, problem.prescribed + (problem.prescribed ? problem.num_prescribed : 0)),
-      functions_{Function{'E', m(), n(), problem.constant_E != 0, 0, std::numeric_limits<int>::max(), 0.0, {}},
-                 Function{'A', m(), n(), problem.constant_A != 0, 0, std::numeric_limits<int>::max(), 0.0, {}},
-                 Function{'f', m(), 1, problem.f == nullptr, 0, std::numeric_limits<int>::max(), 0.0, {}}} {
-  problem_.prescribed = prescribed_.data();
-}
+LinearProblem::LinearProblem(LinearFunctions user)
+    : user_(std::move(user)),
+      functions_{Function{'E', m(), n(), user_.constant_E, 0, std::numeric_limits<int>::max(), 0.0, {}},
+                 Function{'A', m(), n(), user_.constant_A, 0, std::numeric_limits<int>::max(), 0.0, {}},
+                 Function{'f', m(), 1, user_.f == nullptr, 0, std::numeric_limits<int>::max(), 0.0, {}}} {}
 
 void LinearProblem::set_differences(const DifferenceOptions& options) {
   differences_ = options;
@@ -84,11 +81,11 @@ CallbackError LinearProblem::call(char which, double t, int order, double* value
     callback_error.status = SFDAE_STOPPED;
     return callback_error;
   }
-  if (which == 'f' && problem_.f == nullptr) return callback_error;
+  if (which == 'f' && user_.f == nullptr) return callback_error;
   ++function.calls;
-  callback_error.code = which == 'E'   ? problem_.E(t, order, values, problem_.user)
-                        : which == 'A' ? problem_.A(t, order, values, problem_.user)
-                                       : problem_.f(t, order, values, problem_.user);
+  callback_error.code = which == 'E'   ? user_.E(t, order, values, user_.user)
+                        : which == 'A' ? user_.A(t, order, values, user_.user)
+                                       : user_.f(t, order, values, user_.user);
   if (callback_error.code != 0) {
     callback_error.status = callback_error.code < 0                            ? SFDAE_CALLBACK_STOPPED
                             : callback_error.code == SFDAE_ORDER_NOT_AVAILABLE ? SFDAE_ORDER_MISSING
@@ -254,13 +251,13 @@ CallbackError LinearProblem::evaluate(double t, Orders orders, double time_scale
 }
 
 CallbackError LinearProblem::evaluate_prescribed(double t, double* values) {
-  const int count = problem_.num_prescribed;
+  const int count = static_cast<int>(prescribed().size());
   CallbackError callback_error;
   if (count == 0) return callback_error;
   std::fill_n(values, count, 0.0);
   callback_error.function = "prescribed_values";
   callback_error.t = t;
-  callback_error.code = problem_.prescribed_values(t, 0, values, problem_.user);
+  callback_error.code = user_.inputs.values(t, 0, values, user_.inputs.user);
   if (callback_error.code != 0)
     callback_error.status = callback_error.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
   else if (!all_finite(values, index(count))) callback_error.status = SFDAE_NOT_FINITE;

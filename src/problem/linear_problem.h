@@ -23,16 +23,26 @@ struct DifferenceOptions {
   double span = 1.0;  // length of the interval of interest, a first guess for the step
 };
 
+// What the user gives: E and A are m x n.
+struct LinearFunctions {
+  int m = 0, n = 0;
+  sfdae_matrix_function E = nullptr, A = nullptr;
+  sfdae_vector_function f = nullptr;  // null: f = 0
+  void* user = nullptr;               // handed to these three
+  bool constant_E = false, constant_A = false;
+  PrescribedInputs inputs;
+};
+
 class LinearProblem final : public Problem, public CoefficientSource {
  public:
-  explicit LinearProblem(const sfdae_linear_problem& problem);
+  explicit LinearProblem(LinearFunctions user);
 
-  int m() const override { return problem_.num_equations; }
-  int n() const override { return problem_.num_unknowns; }
-  bool is_constant() const override { return problem_.constant_E != 0 && problem_.constant_A != 0; }
-  bool is_constant_E() const { return problem_.constant_E != 0; }
+  int m() const override { return user_.m; }
+  int n() const override { return user_.n; }
+  bool is_constant() const override { return user_.constant_E && user_.constant_A; }
+  bool is_constant_E() const { return user_.constant_E; }
   bool is_constant(char which) const { return functions_[slot(which)].constant; }
-  const std::vector<int>& prescribed() const { return prescribed_; }
+  const std::vector<int>& prescribed() const { return user_.inputs.components; }
 
   // Derivatives up to the orders asked for, scaled to Taylor coefficients with the given time scale (0: chosen).
   // A stop request ends the evaluation with SFDAE_STOPPED.
@@ -88,8 +98,7 @@ class LinearProblem final : public Problem, public CoefficientSource {
   CallbackError sample(Function& function, double t, double& step, std::vector<double>& samples, int& shift);
   CallbackError choose_difference_step(Function& function, double t, int last);
 
-  sfdae_linear_problem problem_;
-  std::vector<int> prescribed_;
+  LinearFunctions user_;
   Units units_;
   std::array<Function, 3> functions_;
   DifferenceOptions differences_;

@@ -12,13 +12,6 @@
 
 namespace sfdae::core {
 
-// Components prescribed as functions of time.
-struct PrescribedInputs {
-  std::vector<int> components;
-  sfdae_vector_function values = nullptr;
-  void* user = nullptr;
-};
-
 // A jet is n x (order + 1): column k holds the Taylor coefficients x_k of x(t + s) = sum x_k s^k.
 class NonlinearProblem : public Problem {
  public:

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "sfdae/sfdae.h"
 
@@ -25,6 +26,13 @@ struct CallbackError {
   // A smaller step may help.
   bool is_recoverable() const { return status == SFDAE_CALLBACK_FAILED || status == SFDAE_NOT_FINITE; }
   std::string message() const;
+};
+
+// Components prescribed as functions of time.
+struct PrescribedInputs {
+  std::vector<int> components;
+  sfdae_vector_function values = nullptr;
+  void* user = nullptr;
 };
 
 class Problem {

@@ -12,31 +12,25 @@ namespace sfdae::core {
 RecordedLinearCoefficients::RecordedLinearCoefficients(std::shared_ptr<const Record> record, PrescribedInputs inputs)
     : evaluator_(std::move(record)), inputs_(std::move(inputs)) {}
 
-sfdae_linear_problem RecordedLinearCoefficients::problem() {
+LinearFunctions RecordedLinearCoefficients::functions() {
   const Record& record = evaluator_.record();
-  sfdae_linear_problem problem{};
-  problem.size = sizeof problem;
-  problem.num_equations = record.m();
-  problem.num_unknowns = record.n();
-  problem.E = [](double t, int order, double* E, void* self) {
+  LinearFunctions functions;
+  functions.m = record.m();
+  functions.n = record.n();
+  functions.E = [](double t, int order, double* E, void* self) {
     return static_cast<RecordedLinearCoefficients*>(self)->derivative('E', t, order, E);
   };
-  problem.A = [](double t, int order, double* A, void* self) {
+  functions.A = [](double t, int order, double* A, void* self) {
     return static_cast<RecordedLinearCoefficients*>(self)->derivative('A', t, order, A);
   };
-  problem.f = [](double t, int order, double* f, void* self) {
+  functions.f = [](double t, int order, double* f, void* self) {
     return static_cast<RecordedLinearCoefficients*>(self)->derivative('f', t, order, f);
   };
-  problem.constant_E = record.is_constant_E() ? 1 : 0;
-  problem.constant_A = record.is_constant_A() ? 1 : 0;
-  problem.num_prescribed = static_cast<int>(inputs_.components.size());
-  problem.prescribed = inputs_.components.data();
-  problem.prescribed_values = [](double t, int order, double* values, void* self) {
-    const PrescribedInputs& inputs = static_cast<RecordedLinearCoefficients*>(self)->inputs_;
-    return inputs.values(t, order, values, inputs.user);
-  };
-  problem.user = this;
-  return problem;
+  functions.user = this;
+  functions.constant_E = record.is_constant_E();
+  functions.constant_A = record.is_constant_A();
+  functions.inputs = inputs_;
+  return functions;
 }
 
 bool RecordedLinearCoefficients::evaluate(double t, int order) {

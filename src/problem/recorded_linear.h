@@ -7,19 +7,19 @@
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
-#include "problem/nonlinear_problem.h"
+#include "problem/linear_problem.h"
 #include "sfdae/sfdae.h"
 
 namespace sfdae::core {
 
-// E = F_x', A = -F_x, f = -F at x = x' = 0, and their derivatives in t. Does not move: problem() points to it.
+// E = F_x', A = -F_x, f = -F at x = x' = 0, and their derivatives in t. Does not move: functions() point to it.
 class RecordedLinearCoefficients {
  public:
   RecordedLinearCoefficients(std::shared_ptr<const Record> record, PrescribedInputs inputs);
   RecordedLinearCoefficients(const RecordedLinearCoefficients&) = delete;
   RecordedLinearCoefficients& operator=(const RecordedLinearCoefficients&) = delete;
 
-  sfdae_linear_problem problem();
+  LinearFunctions functions();
   TaylorEvaluator& evaluator() { return evaluator_; }
   // Why the last evaluation failed.
   std::string failure(double t) const;

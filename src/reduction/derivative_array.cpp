@@ -59,27 +59,27 @@ DerivativeArray derivative_array(LinearProblem& problem, double t, int level) {
   return array;
 }
 
-Projectors projectors(LinearSystem& system, double t) {
-  LinearProblem& problem = system.problem();
-  const int mu = system.analysis().values.mu, a = system.analysis().values.a, d = system.analysis().values.d;
+Projectors projectors(LinearProblem& problem, const IndexAnalysis& known, const AnalysisSettings& settings,
+                      double t) {
+  const int mu = known.values.mu, a = known.values.a, d = known.values.d;
   const int m = problem.m(), rows = (mu + 1) * m;
   TaylorData data;
-  const CallbackError error = problem.evaluate(t, {mu, mu, 0}, system.analysis().time_scale, data);
+  const CallbackError error = problem.evaluate(t, {mu, mu, 0}, known.time_scale, data);
   if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
 
   // Carrying the identity along gives Z^T, the transformation itself, for the scaled array.
-  Judge::Settings settings{system.settings().rank_tol, system.settings().by_svd, system.analysis().noise};
-  Judge judge(data, mu, settings, nullptr);
-  Arena& arena = system.arena();
+  const Judge::Settings judging{settings.rank_tol, settings.by_svd, known.noise};
+  Judge judge(data, mu, judging, nullptr);
+  Arena arena;
   const Arena::Frame frame(arena);
   const Matrix unit = identity(rows);
-  const Carried carried = settings.by_singular_values ? eliminate_by_svd(data, mu, unit, judge, arena)
-                                                      : eliminate(data, mu, unit, 1, judge, arena);
+  const Carried carried =
+      settings.by_svd ? eliminate_by_svd(data, mu, unit, judge, arena) : eliminate(data, mu, unit, 1, judge, arena);
   // Within the left null space, Z2 is where N has its rank a, Z3 the rest; decided with scaled data, as the ranks
   // were.
   const Svd split = svd(carried.constraints);
   const int v_hat = carried.rows - a;
-  if (v_hat != system.analysis().v_hat)
+  if (v_hat != known.v_hat)
     throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
                   format("the characteristic values known do not hold at t = %.15g.", t));
   Matrix Z(rows, carried.rows);  // [Z3 Z2]

@@ -8,7 +8,8 @@
 
 #include <vector>
 
-#include "system/linear_system.h"
+#include "problem/linear_problem.h"
+#include "reduction/index_analysis.h"
 
 namespace sfdae::core {
 
@@ -21,13 +22,14 @@ struct DerivativeArray {
 // Throws Failure if a callback fails.
 DerivativeArray derivative_array(LinearProblem& problem, double t, int level);
 
-// Orthonormal columns; for the array of level mu at the point that the system was moved to.
+// Orthonormal columns; for the array of level mu.
 struct Projectors {
   Matrix Z1;  // m x d, range of E T2
   Matrix Z2;  // (mu+1)m x a, Z2^T M = 0, Z2^T N of full rank
   Matrix Z3;  // (mu+1)m x v^, Z3^T [M N] = 0
   Matrix T2;  // n x (n-a), Z2^T N T2 = 0
 };
-Projectors projectors(LinearSystem& system, double t);
+// known: by an analysis with these settings. Throws Failure if a callback fails, or the values do not hold at t.
+Projectors projectors(LinearProblem& problem, const IndexAnalysis& known, const AnalysisSettings& settings, double t);
 
 }  // namespace sfdae::core

@@ -200,10 +200,6 @@ void ChangeWatch::keep(const LinearSystem::Trace& trace, Sample& sample) {
   std::copy(trace.row_norms.begin(), trace.row_norms.end(), sample.values.begin() + 2);
 }
 
-CharacteristicValues ChangeWatch::values_at(double t) {
-  return find_local_values(system_.problem(), t, system_.settings(), system_.arena());
-}
-
 void ChangeWatch::archive(Archive& archive) {
   if (system_.is_constant()) return;
   archive.small(samples_);

@@ -9,21 +9,31 @@
 #include <optional>
 #include <vector>
 
-#include "system/change_detector.h"
+#include "linalg/archive.h"
 #include "system/linear_system.h"
 
 namespace sfdae::core {
 
+struct LocatedChange {
+  double t_before = 0.0;  // the values known still hold here
+  double t = 0.0;
+  CharacteristicValues new_values;
+};
+
 // For linear problems, where every point can be looked at.
-class ChangeWatch final : public ChangeDetector {
+class ChangeWatch {
  public:
   explicit ChangeWatch(LinearSystem& system) : system_(system) {}
-  void start(double direction) override;
-  std::optional<LocatedChange> find(double t_last) override;
-  void accept() override;
-  std::optional<LocatedChange> locate(double left, double right) override { return locate(left, right, true); }
-  CharacteristicValues values_at(double t) override;
-  void archive(Archive& archive) override;
+  // The current point of the system is the first one of an integration in the given direction.
+  void start(double direction);
+  // Looks for a change between the point accepted last, t_last, and the current one, at every point that the step went
+  // through.
+  std::optional<LocatedChange> find(double t_last);
+  // The current point of the system is accepted.
+  void accept();
+  // Looks for the change between left, where the values known hold, and right, where others do.
+  std::optional<LocatedChange> locate(double left, double right) { return locate(left, right, true); }
+  void archive(Archive& archive);
 
  private:
   struct Sample {

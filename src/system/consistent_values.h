@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "system/linear_system.h"
+#include "system/tolerances.h"
 
 namespace sfdae::core {
 
@@ -20,9 +21,10 @@ struct ConsistencyRequest {
   double least_size = 0.0;
   // accept: largest |change_i| to the nearest consistent point that passes.
   std::vector<double> tolerances;
-  void set_tolerances(const std::vector<double>& rtol, const std::vector<double>& atol, const double* x) {
-    tolerances.resize(rtol.size());
-    for (std::size_t i = 0; i < rtol.size(); ++i) tolerances[i] = rtol[i] * (x[i] < 0.0 ? -x[i] : x[i]) + atol[i];
+  void set_tolerances(const Tolerances& of, const double* x) {
+    tolerances.resize(of.rtol.size());
+    for (std::size_t i = 0; i < of.rtol.size(); ++i)
+      tolerances[i] = of.rtol[i] * (x[i] < 0.0 ? -x[i] : x[i]) + of.atol[i];
   }
 };
 

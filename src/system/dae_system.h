@@ -1,8 +1,10 @@
 // What the driver of an integration sees of a system: beyond what integrators need, how it came about and how it is
-// doing. SPDX-License-Identifier: BSD-3-Clause
+// doing.
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "linalg/archive.h"
 #include "problem/failure.h"
@@ -13,30 +15,37 @@
 
 namespace sfdae::core {
 
+// How far the decisions at a point are from others.
+struct PointQuality {
+  double inconsistency = 0.0;  // contradiction of redundant equations, relative
+  // Smallest values kept in the decisions on A^ and E T2, relative; they dip where characteristic values change.
+  double kept_constraints = 1.0, kept_differential = 1.0;
+  double smallest_pivot = 1.0;
+};
+
+struct SystemCounts {
+  long reductions = 0, factorizations = 0;
+};
+
 class DaeSystem : public StrangenessFreeSystem {
  public:
-  virtual int equations() const = 0;  // m
-  virtual Problem& problem() = 0;
-  virtual const IndexAnalysis& analysis() const = 0;
-  virtual LeadingTerm leading_term() const = 0;
-  virtual const CallbackError& callback_error() const = 0;  // the last one
-  // The point moved to last.
-  virtual double t() const = 0;
+  int equations() const { return equations_; }  // m
+  bool stop_is_requested() const { return problem_base_.stop_is_requested(); }
+  void take_stop_request() { problem_base_.take_stop_request(); }
+  const IndexAnalysis& analysis() const { return analysis_; }
+  LeadingTerm leading_term() const { return leading_; }
+  const CallbackError& callback_error() const { return callback_error_; }  // the last one
+  const SystemCounts& counts() const { return counts_; }
 
-  // Contradiction of redundant equations, relative.
-  virtual double inconsistency() const = 0;
-  virtual std::string inconsistency_message() const {
-    return format(
-        "redundant equations contradict each other at t = %.15g: relative residual %.3g of Z3^T g = 0. There is "
-        "no solution; correct the equations, or set ignore_inconsistency.",
-        t(), inconsistency());
-  }
+  // The current point.
+  virtual double t() const = 0;
+  virtual PointQuality quality() const = 0;
+  virtual std::string inconsistency_message() const;
   // What there is to say about a change of the characteristic values that was met last; empty: nothing.
   virtual std::string about_change() const { return {}; }
-  // Smallest values kept in the decisions on A^ and E T2, relative; they dip where characteristic values change.
-  virtual double kept_constraints() const = 0;
-  virtual double kept_differential() const = 0;
-  virtual double smallest_pivot() const = 0;
+  // The characteristic values that hold at t, or, where x is needed and not known there, at the point where a change
+  // was met last.
+  virtual CharacteristicValues values_at(double t) = 0;
 
   // rank E has turned out not to be constant: another leading term from now on.
   virtual void give_up_projector() {}
@@ -44,7 +53,7 @@ class DaeSystem : public StrangenessFreeSystem {
   // derivative array, false if it had to be computed otherwise, looking in the given direction (+1 or -1). The
   // current point is still the same afterwards.
   virtual bool consistent_derivative(const double* x, double direction, double* xdot) = 0;
-  // The same from the derivative array only; false, and xdot as it was, if that is not possible.
+  // x' from the derivative array only; false, and xdot as it was, if that is not possible.
   virtual bool exact_derivative(const double* x, double* xdot) = 0;
   // (W x)' given x and x' at the current point.
   virtual void leading_derivative(const double* x, const double* xdot, double* wdot) = 0;
@@ -52,13 +61,37 @@ class DaeSystem : public StrangenessFreeSystem {
   // Errors of the components of x that rounding in the equations causes near the point; null: negligible.
   virtual const double* rounding_errors() const { return nullptr; }
 
-  // Whether the characteristic values hold at the current point, where that has not been looked at. What later steps
+  // Whether the characteristic values hold at the current point, where that has not been checked. What later steps
   // depend on stays as it is.
   virtual PointStatus check_ranks() { return PointStatus::ok; }
 
   virtual void archive(Archive& archive) = 0;
-  virtual long reductions() const = 0;
-  virtual long factorizations() const = 0;
+
+ protected:
+  DaeSystem(Problem& problem, int equations, IndexAnalysis analysis, LeadingTerm leading)
+      : analysis_(std::move(analysis)), leading_(leading), problem_base_(problem), equations_(equations) {}
+
+  // No other guess or linearization will help.
+  bool is_hopeless(PointStatus status) const {
+    return status == PointStatus::changed ||
+           (status == PointStatus::callback_error && !callback_error_.is_recoverable());
+  }
+
+  IndexAnalysis analysis_;
+  LeadingTerm leading_;
+  CallbackError callback_error_;
+  SystemCounts counts_;
+
+ private:
+  Problem& problem_base_;
+  int equations_;
 };
+
+inline std::string DaeSystem::inconsistency_message() const {
+  return format(
+      "redundant equations contradict each other at t = %.15g: relative residual %.3g of Z3^T g = 0. There is "
+      "no solution; correct the equations, or set ignore_inconsistency.",
+      t(), quality().inconsistency);
+}
 
 }  // namespace sfdae::core

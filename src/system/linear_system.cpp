@@ -17,7 +17,8 @@ namespace sfdae::core {
 
 LinearSystem::LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, IndexAnalysis analysis,
                            LeadingTerm leading)
-    : problem_(problem), settings_(settings), analysis_(std::move(analysis)), leading_(leading) {
+    : DaeSystem(problem, problem.m(), std::move(analysis), leading), problem_(problem), settings_(settings) {
+  update_traits();
   if (undetermined() < 0)
     throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
                   format("%d components are prescribed, but only u = %d are free.",
@@ -27,8 +28,18 @@ LinearSystem::LinearSystem(LinearProblem& problem, const AnalysisSettings& setti
 }
 
 LinearSystem::LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, Archive& saved)
-    : problem_(problem), settings_(settings), leading_(LeadingTerm::automatic) {
+    : DaeSystem(problem, problem.m(), {}, LeadingTerm::automatic), problem_(problem), settings_(settings) {
   archive(saved);
+}
+
+void LinearSystem::update_traits() {
+  const int n = problem_.n(), num_prescribed = static_cast<int>(problem_.prescribed().size());
+  traits_ = {.unknowns = n,
+             .differential = analysis_.values.d,
+             .undetermined = analysis_.values.u - num_prescribed,
+             .leading_size = leading_ == LeadingTerm::matrix ? problem_.m() : n,
+             .is_constant = problem_.is_constant(),
+             .is_linear = true};
 }
 
 void LinearSystem::resize() {
@@ -36,9 +47,7 @@ void LinearSystem::resize() {
   for (Point& point : points_)
     point.form.resize(problem_.m(), problem_.n(), num_prescribed, analysis_.values.a + analysis_.v_hat);
   prescribed_values_.resize(problem_.prescribed().size() + 1);
-  const std::size_t order = index(problem_.n());
-  matrix_.resize(order * order + 1);
-  matrix_pivots_.resize(order + 1);
+  matrix_.resize(problem_.n());
   // Where ranks are only compared with those known, the cheaper model comes first.
   noise_ = analysis_.noise == NoiseModel::data ? NoiseModel::data : NoiseModel::pivots;
 }
@@ -51,6 +60,7 @@ void LinearSystem::archive(Archive& archive) {
   archive.real(analysis_.time_scale);
   problem_.archive(archive);
   if (archive.is_reading()) {
+    update_traits();
     const int m = problem_.m(), n = problem_.n(), rank_bound = std::min(m, n);
     const bool plausible =
         values.mu >= 0 && values.mu <= max_derivative_order && values.d >= 0 && values.a >= 0 &&
@@ -64,7 +74,7 @@ void LinearSystem::archive(Archive& archive) {
   }
   // The point accepted last, as the next one is compared with it. Constant matrices are reduced anew.
   if (problem_.is_constant()) {
-    archive.real(matrix_c_);
+    matrix_.archive_c(archive);
     return;
   }
   if (archive.is_reading()) accepted_ = true;
@@ -85,10 +95,12 @@ void LinearSystem::choose_leading_term() {
   const bool wants_E1 = !problem_.is_constant_E() && leading_ != LeadingTerm::identity &&
                         !(leading_ == LeadingTerm::projector && analysis_.rank_E == problem_.n());
   needs_E1_ = wants_E1;
+  update_traits();
   if (!wants_E1 || analysis_.values.mu >= 1) return;
   if (settings_.orders_up_to_mu_only) {
     leading_ = LeadingTerm::identity;
     needs_E1_ = false;
+    update_traits();
     return;
   }
   // mu = 0 would not need derivatives otherwise: do without where there are none.
@@ -97,6 +109,7 @@ void LinearSystem::choose_leading_term() {
   if (error.status == SFDAE_ORDER_MISSING) {
     leading_ = LeadingTerm::identity;
     needs_E1_ = false;
+    update_traits();
   } else if (error.status != SFDAE_OK) {
     throw Failure(error.status, error.message());
   }
@@ -107,7 +120,7 @@ void LinearSystem::give_up_projector() {
   leading_ = LeadingTerm::automatic;
   choose_leading_term();
   constant_ready_ = false;
-  stages_.transformed.forget();
+  matrix_.forget();
 }
 
 Orders LinearSystem::orders() const {
@@ -130,7 +143,7 @@ PointStatus LinearSystem::reduce(double t, double time_scale, Point& point, RowS
     callback_error_ = problem_.evaluate_prescribed(t, prescribed_values_.data());
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   scale_prescribed_values();
-  ++reductions_;
+  ++counts_.reductions;
   const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, noise_};
   Judge judge(point.data, mu, judging, nullptr);
   const Arena::Frame frame(arena_);
@@ -191,7 +204,7 @@ PointStatus LinearSystem::move_to(double t) {
   if (constant_ready_) return reduce_constant(t, current());
   if (accepted_) current_ = 1 - current_;
   accepted_ = false;
-  matrix_valid_ = false;
+  matrix_.forget();
   num_stage_traces_ = 0;
   PointStatus status = reduce(t, analysis_.time_scale, current(), rows_);
   // Before the values are declared to have changed: rows that are small by cancellation must not be scaled up, and
@@ -226,6 +239,13 @@ double LinearSystem::row_ratio() const {
   const auto [smallest, largest] = std::minmax_element(preferred_rows_.begin(), preferred_rows_.end());
   return std::min(here, *largest / *smallest);
 }
+
+PointQuality LinearSystem::quality() const {
+  const Point& point = current();
+  return {inconsistency(), point.kept_constraints, point.kept_differential, point.pivot};
+}
+
+CharacteristicValues LinearSystem::values_at(double t) { return find_local_values(problem_, t, settings_, arena_); }
 
 double LinearSystem::inconsistency() const {
   // Rounding errors and errors of derivatives, carried on by the elimination; three digits of safety.
@@ -263,18 +283,9 @@ void LinearSystem::differential_rows(const double* w, double* q) {
 
 // [c tau G - B; c tau Uz^T] = L U; kept for constant problems as long as c stays.
 bool LinearSystem::factor_step_matrix(double c) {
-  // Steps of one size differ in their last bits, as times are rounded.
-  constexpr double rounding_of_steps = 1e-13;
-  if (problem_.is_constant() && std::fabs(c - matrix_c_) <= rounding_of_steps * std::fabs(c)) c = matrix_c_;
-  const NullSpaceForm& form = current().form;
-  if (constant_ready_ && matrix_valid_ && matrix_c_ == c) return true;
-  const int size = form.unknowns();
-  const View M{matrix_.data(), size, size, std::max(size, 1)};
-  form.step_matrix(c * current().data.time_scale, M);
-  matrix_valid_ = factor_lu(M, matrix_pivots_.data());
-  matrix_c_ = c;
-  if (size > 0) ++factorizations_;
-  return matrix_valid_;
+  if (problem_.is_constant() && matrix_.is_for(c)) c = matrix_.c();
+  if (constant_ready_ && matrix_.is_valid() && matrix_.c() == c) return true;
+  return matrix_.factor(current().form, current().data.time_scale, c, counts_.factorizations);
 }
 
 PointStatus LinearSystem::solve(const StepEquations& equations, double* x) {
@@ -285,7 +296,6 @@ PointStatus LinearSystem::solve(const StepEquations& equations, double* x) {
   const int size = form.unknowns(), d = form.d, n = problem_.n();
   const double tau = point.data.time_scale;
   const Arena::Frame frame(arena_);
-  const View M{matrix_.data(), size, size, std::max(size, 1)};
   double* z = arena_.take(index(size) + 1);
   differential_rows(equations.w_rest, z);
   for (int i = 0; i < d; ++i) z[i] = form.b()[i] - tau * (c * form.g0()[i] + z[i]);
@@ -295,7 +305,7 @@ PointStatus LinearSystem::solve(const StepEquations& equations, double* x) {
     multiply(1.0, Op::transposed, form.T2(), x_rest, 0.0, free_part);
     multiply(-tau, Op::transposed, form.Uz(), free_part, 0.0, z + d);
   }
-  solve_lu(M, matrix_pivots_.data(), z);
+  matrix_.solve(z);
   std::copy_n(form.xp(), n, x);
   multiply(1.0, Op::plain, form.T2(), z, 1.0, x);
   outward(x);
@@ -372,8 +382,7 @@ void LinearSystem::correct_scaled_derivative(double c, const double* x, double* 
     // (c tau G - B) z = c tau q: the residual as a step of size 1 / c would damp it.
     for (int i = 0; i < form.d; ++i) z[i] = c * point.data.time_scale * q[i];
     std::fill_n(z + form.d, form.u, 0.0);
-    solve_lu({matrix_.data(), form.unknowns(), form.unknowns(), std::max(form.unknowns(), 1)}, matrix_pivots_.data(),
-             z);
+    matrix_.solve(z);
   }
   multiply(1.0, Op::plain, form.T2(), z, 1.0, xdot);
 }

@@ -13,7 +13,7 @@
 #include "reduction/index_analysis.h"
 #include "reduction/null_space_form.h"
 #include "system/dae_system.h"
-#include "system/transformed_stages.h"
+#include "system/step_matrix.h"
 
 namespace sfdae::core {
 
@@ -25,12 +25,6 @@ class LinearSystem final : public DaeSystem {
   // As it was when it was archived, except that it stands at no point until moved to one. Throws DamagedArchive.
   LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, Archive& archive);
 
-  int equations() const override { return problem_.m(); }
-  int unknowns() const override { return problem_.n(); }
-  int differential() const override { return analysis_.values.d; }
-  int leading_size() const override { return leading_ == LeadingTerm::matrix ? problem_.m() : problem_.n(); }
-  int undetermined() const override { return analysis_.values.u - static_cast<int>(problem_.prescribed().size()); }
-  bool is_constant() const override { return problem_.is_constant(); }
   PointStatus move_to(double t) override;
   void accept() override;
   void leading(const double* x, double* w) override;
@@ -41,12 +35,9 @@ class LinearSystem final : public DaeSystem {
   void restore(const double* w, const double* x_free, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
 
-  const IndexAnalysis& analysis() const override { return analysis_; }
-  LeadingTerm leading_term() const override { return leading_; }
   // W = E (or I where E' is missing) from now on, as rank E has turned out not to be constant.
   void give_up_projector() override;
-  const CallbackError& callback_error() const override { return callback_error_; }
-  LinearProblem& problem() override { return problem_; }
+  LinearProblem& problem() { return problem_; }
   const AnalysisSettings& settings() const { return settings_; }
   Arena& arena() { return arena_; }
 
@@ -54,8 +45,8 @@ class LinearSystem final : public DaeSystem {
   const NullSpaceForm& form() const { return current().form; }
   const TaylorData& data() const { return current().data; }
   double t() const override { return current().t; }
-  // 0 also where errors of difference derivatives explain it.
-  double inconsistency() const override;
+  PointQuality quality() const override;
+  CharacteristicValues values_at(double t) override;
   // Largest entries of the rows of [E A], unscaled.
   const std::vector<double>& row_norms() const { return current().data.row_norm; }
   // The largest row over the smallest, at this point or at the one accepted last, whichever is less: it diverges
@@ -63,9 +54,8 @@ class LinearSystem final : public DaeSystem {
   double row_ratio() const;
   // How rows are scaled from now on; RowScaling::each unless set.
   void set_row_scaling(RowScaling rows) { rows_ = rows; }
-  double kept_constraints() const override { return current().kept_constraints; }
-  double kept_differential() const override { return current().kept_differential; }
-  double smallest_pivot() const override { return current().pivot; }
+  double kept_constraints() const { return current().kept_constraints; }
+  double kept_differential() const { return current().kept_differential; }
 
   // What a change of the characteristic values would show in, at the points that the last step went through: at the
   // stages of a Runge-Kutta step, or at the current point alone.
@@ -84,8 +74,6 @@ class LinearSystem final : public DaeSystem {
   // singular point lies between (or the bases turned too far to tell). Meaningful for u = 0 only, else true.
   bool orientation_kept();
   void archive(Archive& archive) override;
-  long reductions() const override { return reductions_; }
-  long factorizations() const override { return factorizations_; }
 
   // The derivative of the constraints is computed by differences where it is not available.
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
@@ -110,10 +98,12 @@ class LinearSystem final : public DaeSystem {
     std::vector<double> products, free_products;  // L Y, V X
     std::vector<double> matrix, z;
     std::vector<int> pivots;
-    TransformedStages transformed;  // constant matrices
   };
 
+  void update_traits();
   void resize();
+  // 0 also where errors of difference derivatives explain it.
+  double inconsistency() const;
   void resize_stages(int s);
   void keep_stage(int i, int s);
   void assemble_stages(const StageEquations& equations, const double* x_start);
@@ -142,8 +132,6 @@ class LinearSystem final : public DaeSystem {
 
   LinearProblem& problem_;
   AnalysisSettings settings_;
-  IndexAnalysis analysis_;
-  LeadingTerm leading_;
   RowScaling rows_ = RowScaling::each;
   // Factors of the rows at the point accepted last, which are preferred: superconvergence needs equations that depend
   // smoothly on t, and jumps of kept values would look like changes.
@@ -154,13 +142,8 @@ class LinearSystem final : public DaeSystem {
   Point points_[2];
   int current_ = 0;
   bool accepted_ = false;  // the current point is: move_to has to fill the other one
-  CallbackError callback_error_;
   std::vector<double> prescribed_values_;
-  // Iteration matrix, factored; for constant problems it is kept as long as c stays.
-  std::vector<double> matrix_;
-  std::vector<int> matrix_pivots_;
-  double matrix_c_ = 0.0;
-  bool matrix_valid_ = false;
+  StepMatrix matrix_;  // for constant problems it is kept as long as c stays
   // Constant problems: f^ = Z^T (f_0, ..., f_mu).
   Matrix Zt_;
   TaylorData rhs_;
@@ -169,8 +152,6 @@ class LinearSystem final : public DaeSystem {
   // Of all stages but the last, which is the current point.
   std::array<Trace, max_stages - 1> stage_traces_;
   int num_stage_traces_ = 0;
-  long reductions_ = 0;
-  long factorizations_ = 0;
 };
 
 }  // namespace sfdae::core

@@ -46,7 +46,7 @@ PointStatus LinearSystem::solve_stages(const StageEquations& equations, double* 
     assemble_stages(equations, x_start);
     const int order = s * current().form.unknowns();
     const View M{stages_.matrix.data(), order, order, padded_rows(order)};
-    if (order > 0) ++factorizations_;
+    if (order > 0) ++counts_.factorizations;
     if (!factor_lu(M, stages_.pivots.data())) return PointStatus::singular;
     solve_lu(M, stages_.pivots.data(), stages_.z.data());
   }
@@ -183,10 +183,9 @@ bool LinearSystem::solve_constant_stages(const StageEquations& equations, const 
     }
   }
   if (!factor_step_matrix(method.gamma / h)) return false;
-  if (!stages_.transformed.factor(form, current().data.time_scale, method, matrix_c_, factorizations_)) return false;
-  const ConstView lu{matrix_.data(), q, q, std::max(q, 1)};
+  if (!matrix_.factor_stages(form, current().data.time_scale, method, counts_.factorizations)) return false;
   const View z{stages_.z.data(), q, s, std::max(q, 1)}, correction = arena_.matrix(std::max(q, 1), s);
-  stages_.transformed.solve(method, lu, matrix_pivots_.data(), r, z, arena_);
+  matrix_.solve_stages(method, r, z, arena_);
   // T is badly conditioned for many stages: the residual makes up for that.
   if (s <= 3) return true;
   const View Gz = arena_.matrix(std::max(q, 1), s);
@@ -194,7 +193,7 @@ bool LinearSystem::solve_constant_stages(const StageEquations& equations, const 
   if (u > 0) multiply(1.0, Op::transposed, form.Uz(), Op::plain, z, 0.0, Gz.block(d, 0, u, s));
   multiply(-factor, Op::plain, Gz.top(q), Op::transposed, ConstView{method.D.data(), s, s, s}, 1.0, r.top(q));
   multiply(1.0, Op::plain, form.B(), Op::plain, z, 1.0, r.top(d));
-  stages_.transformed.solve(method, lu, matrix_pivots_.data(), r, correction, arena_);
+  matrix_.solve_stages(method, r, correction, arena_);
   for (int i = 0; i < s; ++i)
     for (int k = 0; k < q; ++k) z(k, i) += correction(k, i);
   return true;

@@ -24,7 +24,11 @@ constexpr double no_preference = 1e300;
 
 NonlinearSystem::NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, IndexAnalysis analysis,
                                  Units units, const Jet& jet)
-    : problem_(problem), settings_(settings), analysis_(std::move(analysis)), units_(std::move(units)) {
+    : DaeSystem(problem, problem.m(), std::move(analysis), LeadingTerm::identity),
+      problem_(problem),
+      settings_(settings),
+      units_(std::move(units)) {
+  update_traits();
   if (undetermined() < 0)
     throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
                   format("%d components are prescribed, but only u = %d are free.",
@@ -34,8 +38,22 @@ NonlinearSystem::NonlinearSystem(NonlinearProblem& problem, const AnalysisSettin
 }
 
 NonlinearSystem::NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, Archive& saved)
-    : problem_(problem), settings_(settings) {
+    : DaeSystem(problem, problem.m(), {}, LeadingTerm::identity), problem_(problem), settings_(settings) {
   archive(saved);
+}
+
+void NonlinearSystem::update_traits() {
+  traits_ = {.unknowns = problem_.n(),
+             .differential = analysis_.values.d,
+             .undetermined = analysis_.values.u - static_cast<int>(problem_.prescribed().size()),
+             .leading_size = problem_.n(),
+             .taylor_order = analysis_.values.mu + 1};
+}
+
+CharacteristicValues NonlinearSystem::values_at(double) {
+  ConsistentJets jets(problem_, jet_.t, jet_.x.data(), {});
+  Arena arena;
+  return find_local_values(jets, jet_.t, settings_, arena);
 }
 
 void NonlinearSystem::resize() {
@@ -43,8 +61,7 @@ void NonlinearSystem::resize() {
   form_.resize(problem_.m(), problem_.n(), static_cast<int>(problem_.prescribed().size()),
                analysis_.values.a + analysis_.v_hat);
   prescribed_values_.resize(problem_.prescribed().size() + 1);
-  matrix_.resize(n * n + 1);
-  matrix_pivots_.resize(n + 1);
+  matrix_.resize(problem_.n());
   for (auto* v : {&F_, &array_f_, &transformed_f_}) v->assign(m * levels + 1, 0.0);
   for (auto* v : {&change_, &xdot_, &z_}) v->assign(n + 1, 0.0);
   y_change_.assign(n * levels + 1, 0.0);
@@ -60,7 +77,7 @@ PointStatus NonlinearSystem::set_point(const Jet& jet) {
   jet_ = jet;
   jet_.set_order(analysis_.values.mu + 1);
   accepted_ = before_ = jet_;
-  rate_ = 1.0;
+  chord_.forget_rate();
   callback_error_ = problem_.evaluate_prescribed(jet_.t, prescribed_values_.data());
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   return renew(jet_, true);
@@ -99,8 +116,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
   const int mu = analysis_.values.mu;
   age_ = 0;
   if (judged) unjudged_ = 0;
-  matrix_valid_ = false;
-  transformed_.forget();
+  matrix_.forget();
   linearized_ = jet;
   is_linearized_ = false;
   linearized_judged_ = judged;
@@ -110,7 +126,7 @@ PointStatus NonlinearSystem::renew(const Jet& jet, bool judged) {
                                           preferred_rows_.empty() ? nullptr : &preferred_rows_, &units_};
   callback_error_ = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
-  ++reductions_;
+  ++counts_.reductions;
   preferred_rows_.assign(data_.row_scale.begin(), data_.row_scale.end());
   const NoiseModel noise = analysis_.noise == NoiseModel::data ? NoiseModel::data : NoiseModel::pivots;
   Judge::Settings judging{settings_.rank_tol, false, noise, nullptr};
@@ -219,11 +235,9 @@ PointStatus NonlinearSystem::check_ranks() {
   if (status == PointStatus::changed) {
     // What the iteration has left as residuals looks like pivots that do not vanish.
     polished_ = jet_;
-    const bool was_slow = is_slow_;
-    const double rate = rate_;
+    const ChordIteration chord = chord_;
     if (iterate(Task{}, polished_) == PointStatus::ok) status = match_known_ranks(polished_);
-    is_slow_ = was_slow;
-    rate_ = rate;
+    chord_ = chord;
   }
   if (status == PointStatus::changed) {
     JetCoefficients source(problem_, jet_, units_);
@@ -243,11 +257,6 @@ PointStatus NonlinearSystem::match_known_ranks(const Jet& jet) {
                                                                                              : PointStatus::changed;
 }
 
-bool NonlinearSystem::is_hopeless(PointStatus status) const {
-  return status == PointStatus::changed ||
-         (status == PointStatus::callback_error && !callback_error_.is_recoverable());
-}
-
 PointStatus NonlinearSystem::iterate_from_guess(const Task& task) {
   start_ = jet_;
   return iterate_with_renewal(start_, [&] {
@@ -261,15 +270,15 @@ PointStatus NonlinearSystem::iterate_from_guess(const Task& task) {
 PointStatus NonlinearSystem::review(bool renews) {
   ++unjudged_;
   const bool contradicts = inconsistency_ > contradiction;
-  if (!(renews && is_slow_) && unjudged_ < oldest && !contradicts) return PointStatus::ok;
+  if (!(renews && chord_.is_slow()) && unjudged_ < oldest && !contradicts) return PointStatus::ok;
   const PointStatus status = renew_judged(jet_);
-  rate_ = std::min(rate_, 0.1);
+  chord_.set_rate(std::min(chord_.rate(), 0.1));
   if (status != PointStatus::ok || !contradicts) return status;
   // A linearization from elsewhere may have left residuals in redundant equations.
   polished_ = jet_;
-  const bool was_slow = is_slow_;
+  const bool was_slow = chord_.is_slow();
   iterate(Task{}, polished_);
-  is_slow_ = was_slow;
+  chord_.set_slow(was_slow);
   return PointStatus::ok;
 }
 
@@ -340,9 +349,9 @@ void NonlinearSystem::error_in_x(const double* dw, int count, double* dx) {
 void NonlinearSystem::restore(const double*, const double* x_free, double* x) {
   std::copy_n(x_free, problem_.n(), jet_.x.data());
   start_ = jet_;
-  const bool was_slow = is_slow_;
+  const bool was_slow = chord_.is_slow();
   const PointStatus status = is_linearized_ ? iterate(Task{}, jet_) : PointStatus::not_converged;
-  is_slow_ = was_slow;
+  chord_.set_slow(was_slow);
   if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
   if (status != PointStatus::ok && problem_.prescribed().empty()) {
     // Between the ends of a long step the linearization, or derivatives, may be too far off.

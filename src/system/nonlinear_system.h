@@ -16,9 +16,10 @@
 
 #include "linalg/archive.h"
 #include "reduction/stored_elimination.h"
+#include "system/chord_iteration.h"
 #include "system/consistent_jet.h"
 #include "system/dae_system.h"
-#include "system/transformed_stages.h"
+#include "system/step_matrix.h"
 
 namespace sfdae::core {
 
@@ -30,16 +31,7 @@ class NonlinearSystem final : public DaeSystem {
   // As it was when it was archived. Throws DamagedArchive.
   NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, Archive& archive);
 
-  int equations() const override { return problem_.m(); }
-  int unknowns() const override { return problem_.n(); }
-  int differential() const override { return analysis_.values.d; }
-  int undetermined() const override { return analysis_.values.u - static_cast<int>(problem_.prescribed().size()); }
-  int leading_size() const override { return problem_.n(); }
-  bool is_constant() const override { return false; }
-  NonlinearProblem& problem() override { return problem_; }
-  const IndexAnalysis& analysis() const override { return analysis_; }
-  LeadingTerm leading_term() const override { return LeadingTerm::identity; }
-  const CallbackError& callback_error() const override { return callback_error_; }
+  NonlinearProblem& problem() { return problem_; }
   double t() const override { return jet_.t; }
 
   // A point consistent up to level mu becomes the current and accepted one; the ranks are judged there.
@@ -54,7 +46,6 @@ class NonlinearSystem final : public DaeSystem {
   PointStatus move_to(double t) override;
   void accept() override;
   void leading(const double* x, double* w) override { std::copy_n(x, unknowns(), w); }
-  int guess_order() const override { return analysis_.values.mu + 1; }
   PointStatus solve(const StepEquations& equations, double* x) override;
   PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
   using StrangenessFreeSystem::error_in_x;
@@ -63,10 +54,10 @@ class NonlinearSystem final : public DaeSystem {
   void restore(const double* w, const double* x_free, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
 
-  double inconsistency() const override { return inconsistency_; }
-  double kept_constraints() const override { return kept_constraints_; }
-  double kept_differential() const override { return kept_differential_; }
-  double smallest_pivot() const override { return pivot_; }
+  PointQuality quality() const override { return {inconsistency_, kept_constraints_, kept_differential_, pivot_}; }
+  // At the current jet, whatever t is: x is known at points of the integration only, so that a change is located by
+  // its steps becoming short.
+  CharacteristicValues values_at(double t) override;
   PointStatus check_ranks() override;
   const double* rounding_errors() const override { return rounding_errors_.data(); }
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
@@ -75,8 +66,6 @@ class NonlinearSystem final : public DaeSystem {
     std::copy_n(xdot, unknowns(), wdot);
   }
   void archive(Archive& archive) override;
-  long reductions() const override { return reductions_; }
-  long factorizations() const override { return factorizations_; }
 
  private:
   // Errors of the iteration in units of the tolerance.
@@ -93,6 +82,7 @@ class NonlinearSystem final : public DaeSystem {
     const double* inverse_weights = nullptr;
     double tolerance = 0.0;  // of the weighted changes of x
   };
+  void update_traits();
   void resize();
   // Linearizes and eliminates at the jet. Known ranks are taken where they are not judged.
   PointStatus renew(const Jet& jet, bool judged);
@@ -115,7 +105,6 @@ class NonlinearSystem final : public DaeSystem {
   PointStatus check_redundant(const Task& task, const Jet& jet);
   bool has_converged(const Task& task, int iteration, double norm, double before);
   bool derivatives_follow(const Jet& jet, int iteration, double residual, double largest) const;
-  bool is_hopeless(PointStatus status) const;
   template <class Iteration>
   PointStatus iterate_with_renewal(const Jet& start, Iteration iteration);
   PointStatus iterate_from_guess(const Task& task);
@@ -136,9 +125,7 @@ class NonlinearSystem final : public DaeSystem {
 
   NonlinearProblem& problem_;
   AnalysisSettings settings_;
-  IndexAnalysis analysis_;
   Units units_;
-  CallbackError callback_error_;
   Arena arena_;
 
   // The last linearization.
@@ -154,11 +141,7 @@ class NonlinearSystem final : public DaeSystem {
   int unjudged_ = 0;  // points since ranks were judged
   double checked_t_ = std::numeric_limits<double>::quiet_NaN();
   double kept_constraints_ = 1.0, kept_differential_ = 1.0, pivot_ = 1.0;
-  std::vector<double> matrix_;
-  std::vector<int> matrix_pivots_;
-  double matrix_c_ = 0.0;
-  bool matrix_valid_ = false;
-  TransformedStages transformed_;
+  StepMatrix matrix_;
 
   Jet jet_, accepted_, before_;  // the current one, the one accepted last, and the one before that
   Jet polished_;
@@ -166,8 +149,7 @@ class NonlinearSystem final : public DaeSystem {
   bool is_linearized_ = false;  // successfully
   bool linearized_judged_ = false;
   std::vector<double> linearized_rows_;  // row factors preferred for it
-  bool is_slow_ = false;
-  double rate_ = 1.0;  // of the last iteration
+  ChordIteration chord_;
   double inconsistency_ = 0.0;
   std::vector<double> prescribed_values_;
   std::vector<double> F_, array_f_, transformed_f_, change_, y_change_, xdot_, z_;
@@ -183,8 +165,6 @@ class NonlinearSystem final : public DaeSystem {
   NullSpaceForm rank_form_;
   Jet next_trial_;
   std::vector<double> next_transformed_, next_change_;
-
-  long reductions_ = 0, factorizations_ = 0;
 };
 
 // Linearizes anew at the point accepted last, where ranks can be judged, and if need be at the start of the
@@ -194,12 +174,12 @@ PointStatus NonlinearSystem::iterate_with_renewal(const Jet& start, Iteration it
   PointStatus status = iteration();
   if (status == PointStatus::ok || is_hopeless(status)) return status;
   if (linearized_.t != accepted_.t) {
-    rate_ = 1.0;
+    chord_.forget_rate();
     status = renew_judged(accepted_);
     if (status == PointStatus::ok) status = iteration();
     if (status == PointStatus::ok || is_hopeless(status)) return status;
   }
-  rate_ = 1.0;
+  chord_.forget_rate();
   status = renew(start, false);
   return status == PointStatus::ok ? iteration() : status;
 }

@@ -118,15 +118,18 @@ void NonlinearSystem::correct_differential_part(const double* x, double* xdot) {
 
 void NonlinearSystem::archive(Archive& archive) {
   CharacteristicValues& values = analysis_.values;
-  bool has_scale = !units_.are_one(), has_matrix = matrix_valid_, has_next = next_jet_.n > 0;
+  bool has_scale = !units_.are_one(), has_matrix = matrix_.is_valid(), has_next = next_jet_.n > 0;
   archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.noise,
                 analysis_.rank_E_constant, has_scale, linearized_judged_, age_, unjudged_);
   archive.small(has_matrix, has_next, has_next_level_);
   // Where there is none, that of the last point will do.
   if (!archive.is_reading() && !is_linearized_) linearized_ = accepted_;
-  for (double* value : {&analysis_.t, &analysis_.time_scale, &rate_, &matrix_c_}) archive.real(*value);
+  for (double* value : {&analysis_.t, &analysis_.time_scale}) archive.real(*value);
+  chord_.archive_rate(archive);
+  matrix_.archive_c(archive);
   const int m = problem_.m(), n = problem_.n();
   if (archive.is_reading()) {
+    update_traits();
     const bool plausible = values.mu >= 0 && values.mu <= max_strangeness_index && values.d >= 0 && values.a >= 0 &&
                            values.d + values.a + values.v == m && values.d + values.a + values.u == n &&
                            undetermined() >= 0 && analysis_.v_hat >= 0 && analysis_.v_hat <= (values.mu + 1) * m &&
@@ -151,7 +154,7 @@ void NonlinearSystem::archive(Archive& archive) {
   const Jet where = linearized_;
   const RankSequence ranks = ranks_;
   const int age = age_, unjudged = unjudged_;
-  const double rate = rate_;
+  const double rate = chord_.rate();
   const bool judged = linearized_judged_;
   preferred_rows_ = linearized_rows_;
   jet_ = accepted_;
@@ -160,10 +163,10 @@ void NonlinearSystem::archive(Archive& archive) {
   ranks_ = ranks;
   age_ = age;
   unjudged_ = unjudged;
-  rate_ = rate;
+  chord_.set_rate(rate);
   linearized_judged_ = judged;
   // Steps that differ from it by rounding are taken with this very matrix.
-  if (has_matrix && !factor_step_matrix(matrix_c_)) throw DamagedArchive();
+  if (has_matrix && !factor_step_matrix(matrix_.c())) throw DamagedArchive();
 }
 
 // The column of next_jet_ that iterations start from.

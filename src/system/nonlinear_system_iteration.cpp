@@ -10,16 +10,8 @@
 namespace sfdae::core {
 
 bool NonlinearSystem::factor_step_matrix(double c) {
-  // Steps of one size differ in their last bits, as times are rounded.
-  constexpr double rounding_of_steps = 1e-13;
-  if (matrix_valid_ && std::fabs(c - matrix_c_) <= rounding_of_steps * std::fabs(c)) return true;
-  const int size = form_.unknowns();
-  const View M{matrix_.data(), size, size, std::max(size, 1)};
-  form_.step_matrix(c * data_.time_scale, M);
-  matrix_valid_ = factor_lu(M, matrix_pivots_.data());
-  matrix_c_ = c;
-  if (size > 0) ++factorizations_;
-  return matrix_valid_;
+  if (matrix_.is_valid() && matrix_.is_for(c)) return true;
+  return matrix_.factor(form_, data_.time_scale, c, counts_.factorizations);
 }
 
 PointStatus NonlinearSystem::array_residuals(const Jet& jet, double* f) {
@@ -130,12 +122,10 @@ void NonlinearSystem::step_rhs(const Task& task, const Jet& jet, double* z) {
 }
 
 PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
-  // Contractions slower than this are given up; iterations at most.
-  constexpr double slowest = 0.7;
   const int most = task.has_step ? 12 : 30, n = problem_.n();
   if (task.has_step && !factor_step_matrix(task.c)) return PointStatus::singular;
   double before = 0.0, earlier = 0.0, largest_residual = 0.0;
-  is_slow_ = false;
+  chord_.begin();
   for (int iteration = 0; iteration < most; ++iteration) {
     PointStatus status = array_residuals(jet, array_f_.data());
     if (status == PointStatus::ok && task.has_step) {
@@ -148,8 +138,7 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
     read_constraints(jet, array_f_.data(), transformed_f_.data());
     if (task.has_step) {
       step_rhs(task, jet, z_.data());
-      const int size = form_.unknowns();
-      solve_lu(ConstView{matrix_.data(), size, size, std::max(size, 1)}, matrix_pivots_.data(), z_.data());
+      matrix_.solve(z_.data());
     } else {
       keep_differential_part();
     }
@@ -167,7 +156,7 @@ PointStatus NonlinearSystem::iterate(const Task& task, Jet& jet) {
       const bool is_doubtful = task.has_step && !linearized_judged_ && inconsistency_ > contradiction;
       return is_doubtful ? PointStatus::not_converged : PointStatus::ok;
     }
-    if (iteration > 1 && norm > slowest * reference) return PointStatus::not_converged;
+    if (ChordIteration::is_too_slow(iteration, norm, reference)) return PointStatus::not_converged;
     earlier = before;
     before = norm;
   }
@@ -180,28 +169,19 @@ void NonlinearSystem::read_inconsistency(const Task& task, const Jet& jet) {
   inconsistency_ = is_noise ? 0.0 : form_.inconsistency();
   if (is_noise || task.inverse_weights == nullptr) return;
   polished_ = jet;
-  const bool was_slow = is_slow_;
+  const bool was_slow = chord_.is_slow();
   if (iterate(Task{}, polished_) != PointStatus::ok) inconsistency_ = std::min(inconsistency_, form_.inconsistency());
-  is_slow_ = was_slow;
+  chord_.set_slow(was_slow);
 }
 
-// The error left is rate / (1 - rate) times the last change.
 bool NonlinearSystem::has_converged(const Task& task, int iteration, double norm, double before) {
   if (task.inverse_weights == nullptr) {
     // To rounding: until changes stop becoming smaller.
     constexpr double negligible = 4.0 * unit_roundoff, small = 1e-13;
     return norm <= negligible || (iteration > 1 && norm <= small && norm > 0.5 * before);
   }
-  // Rounding errors of the equations may be all that is left.
-  constexpr double negligible = 1e-9;
-  if (iteration > 0) rate_ = before > 0.0 ? norm / before : 0.0;
-  is_slow_ = iteration >= 3 || (iteration > 0 && rate_ > 0.3 && norm > negligible);
-  // A rate from another point is trusted less.
-  const double rate = std::clamp(rate_, iteration == 0 ? 0.05 : 1e-3, 0.99);
-  // Changes that stop becoming smaller far below the tolerance are rounding errors.
-  if (iteration > 1 && norm <= 0.1 * task.tolerance) return true;
-  if (iteration > 0 && rate_ >= 1.0) return false;
-  return rate / (1.0 - rate) * norm <= task.tolerance || norm <= negligible;
+  constexpr double least_rate = 1e-3;
+  return chord_.has_converged({task.tolerance, least_rate}, iteration, norm, before);
 }
 
 // Changes of y count little in short steps. Where they lead nowhere, so that residuals stay, the constraints for x

@@ -39,7 +39,7 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
     if (status == PointStatus::ok) status = iterate();
     if (status == PointStatus::ok) status = check_last_stage(s);
     if (status != PointStatus::ok && !(status == PointStatus::callback_error && !callback_error_.is_recoverable())) {
-      rate_ = 1.0;
+      chord_.forget_rate();
       const bool is_near_start = std::fabs(equations.t_end - before_.t) < std::fabs(equations.t_end - accepted_.t);
       status = renew_judged(is_near_start ? before_ : accepted_);
       if (status == PointStatus::ok) status = iterate();
@@ -138,24 +138,22 @@ PointStatus NonlinearSystem::check_redundant(const Task& task, const Jet& jet) {
 }
 
 PointStatus NonlinearSystem::iterate_stages(const StageEquations& equations) {
-  constexpr double slowest = 0.7;
   constexpr int most = 20;
   const StageMethod& method = equations.method;
   const int s = method.s, n = problem_.n(), q = form_.unknowns();
   const std::ptrdiff_t rows = static_cast<std::ptrdiff_t>(problem_.m()) * (analysis_.values.mu + 1);
   const double h = equations.t_end - equations.t;
   if (!factor_step_matrix(method.gamma / h) ||
-      !transformed_.factor(form_, data_.time_scale, method, matrix_c_, factorizations_))
+      !matrix_.factor_stages(form_, data_.time_scale, method, counts_.factorizations))
     return PointStatus::singular;
-  const ConstView lu{matrix_.data(), q, q, std::max(q, 1)};
   const View r{stage_r_.data(), q, s, std::max(q, 1)}, z{stage_z_.data(), q, s, std::max(q, 1)};
   const Task task{true, 1.0 / h, nullptr, nullptr, equations.guess.inverse_weights, newton_tolerance};
   double before = 0.0;
-  is_slow_ = false;
+  chord_.begin();
   for (int iteration = 0; iteration < most; ++iteration) {
     const PointStatus status = read_stages(equations, r);
     if (status != PointStatus::ok) return status;
-    transformed_.solve(method, lu, matrix_pivots_.data(), r, z, arena_);
+    matrix_.solve_stages(method, r, z, arena_);
     double norm = 0.0;
     for (int i = 0; i < s; ++i) {
       double* dx = stage_xp_.data() + static_cast<std::ptrdiff_t>(i) * n;
@@ -165,7 +163,7 @@ PointStatus NonlinearSystem::iterate_stages(const StageEquations& equations) {
     }
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     if (has_converged(task, iteration, norm, before)) return check_redundant(task, stages_[index(s - 1)]);
-    if (iteration > 1 && norm > slowest * before) return PointStatus::not_converged;
+    if (ChordIteration::is_too_slow(iteration, norm, before)) return PointStatus::not_converged;
     before = norm;
   }
   return PointStatus::not_converged;

@@ -19,9 +19,23 @@ enum class PointStatus {
   not_converged     // nonlinear equations, with no solution found near the guess
 };
 
+// What a system is like, whatever the point.
+struct SystemTraits {
+  int unknowns = 0;      // n
+  int differential = 0;  // d
+  int undetermined = 0;  // u, free components that remain
+  int leading_size = 0;  // entries of w: n, or m where W = E
+  // The same matrices hold at every t, so that factorizations can be kept.
+  bool is_constant = false;
+  // The equations of a step are linear: they need no guess.
+  bool is_linear = false;
+  // Else the highest order of the Taylor coefficients that a guess has to provide; 0: values alone.
+  int taylor_order = 0;
+};
+
 // What the iteration for nonlinear equations starts from and is measured by.
 struct Guess {
-  // Taylor coefficients of the predicted x, n x (guess_order() + 1): at the point, or a block for each stage.
+  // Taylor coefficients of the predicted x, n x (taylor_order + 1): at the point, or a block for each stage.
   const double* taylor = nullptr;
   // Those of the same polynomial at the point accepted last.
   const double* taylor_before = nullptr;
@@ -53,23 +67,24 @@ class StrangenessFreeSystem {
  public:
   virtual ~StrangenessFreeSystem() = default;
 
-  virtual int unknowns() const = 0;      // n
-  virtual int differential() const = 0;  // d
-  virtual int undetermined() const = 0;  // u, free components that remain
-  virtual int leading_size() const = 0;  // entries of w: n, or m where W = E
-  // True if the same matrices hold at every t, so that factorizations can be kept.
-  virtual bool is_constant() const = 0;
+  int unknowns() const { return traits_.unknowns; }
+  int differential() const { return traits_.differential; }
+  int undetermined() const { return traits_.undetermined; }
+  int leading_size() const { return traits_.leading_size; }
+  bool is_constant() const { return traits_.is_constant; }
+  bool is_linear() const { return traits_.is_linear; }
+  int taylor_order() const { return traits_.taylor_order; }
+  // Guesses are values of x alone, without derivatives.
+  bool guesses_values() const { return !traits_.is_linear && traits_.taylor_order == 0; }
 
-  // Evaluates the system at t; the functions below refer to this point.
+  // Makes t the current point, which the functions below refer to, and evaluates there what depends on t alone: the
+  // whole reduction of a linear problem, inputs of a nonlinear one.
   virtual PointStatus move_to(double t) = 0;
-  // Keeps the point as the last accepted one while move_to tries others.
+  // The current point is the last accepted one from now on, while move_to tries others.
   virtual void accept() = 0;
 
   // w := W x.
   virtual void leading(const double* x, double* w) = 0;
-  // Highest order of the Taylor coefficients that a guess has to provide; -1: none is needed, the equations are
-  // linear.
-  virtual int guess_order() const { return -1; }
   virtual PointStatus solve(const StepEquations& equations, double* x) = 0;
   // Work of solve_stages in units of its own; 0: that of a reduction at each stage and of one system for all of them.
   virtual double stage_cost(int) const { return 0.0; }
@@ -88,6 +103,9 @@ class StrangenessFreeSystem {
   // Corrects xdot within the directions that F2 leaves open toward F1(t, x, .) = 0. In components that are stiff over
   // the time 1 / |c| the residual of F1 is that of the error of x, and they stay; c = infinity: F1 = 0 exactly.
   virtual void correct_derivative(double c, const double* x, double* xdot) = 0;
+
+ protected:
+  SystemTraits traits_;
 };
 
 }  // namespace sfdae::core

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "analyzed_problem.h"
+#include "c_api/problems.h"
 #include "linear_family.h"
 #include "problem/failure.h"
 
@@ -58,7 +59,7 @@ struct Trip {
     save_checkpoint(*system, *integration, saved.data());
     integration.reset();
     restored = {};
-    problem = std::make_unique<LinearProblem>(analyzed.callbacks.problem);
+    problem = std::make_unique<LinearProblem>(functions_of(analyzed.callbacks.problem));
     restored = restore_checkpoint(linear_target(*problem, analyzed.settings), options, saved.data(), saved.size());
     integration = std::move(restored.integration);
     system = static_cast<LinearSystem*>(restored.system.get());

@@ -140,10 +140,10 @@ TEST(Radau, TransformedStagesAreThoseOfTheDirectSystem) {
 TEST(Radau, ConstantMatricesAreFactoredOnceForEqualSteps) {
   const FamilyPointer family = sfdae_test::kron(8, 1, 0.0);
   RadauRun run(family, 5, LeadingTerm::automatic, true);
-  const long before = run.analyzed_.system.factorizations();
+  const long before = run.analyzed_.system.counts().factorizations;
   const double h = 0.125;
   for (int i = 1; i <= 4; ++i) run.step_to(i * h);
-  EXPECT_EQ(run.analyzed_.system.factorizations() - before, 3);
+  EXPECT_EQ(run.analyzed_.system.counts().factorizations - before, 3);
 }
 
 // E = [d-1, d t; 0, 0]: discretizing E x' is unstable, discretizing (P x)' is not.

@@ -7,7 +7,7 @@
 #include <string>
 #include <tuple>
 
-#include "c_api/multibody_recording.h"
+#include "c_api/record_multibody.h"
 #include "multibody/multibody_callbacks.h"
 #include "multibody_example.h"
 #include "problem/failure.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "c_api/multibody_recording.h"
+#include "c_api/record_multibody.h"
 #include "integrate/radau_method.h"
 #include "multibody/multibody_system.h"
 #include "pendulum.h"

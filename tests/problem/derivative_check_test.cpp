@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "c_api/problems.h"
 #include "family_problem.h"
 #include "problem/failure.h"
 #include "testset_linear.h"
@@ -32,7 +33,7 @@ TEST(DerivativeCheck, FindsNothingInExactDerivatives) {
   for (sfdae_test::LinearTestProblem& p : sfdae_test::linear_testset()) {
     const double t = 0.5 * (p.t0 + p.tf);
     FamilyProblem callbacks(std::move(p.family));
-    LinearProblem problem(callbacks.problem);
+    LinearProblem problem(functions_of(callbacks.problem));
     const DerivativeMismatch worst = check_derivatives(problem, t, 2);
     EXPECT_FALSE(worst.suspicious()) << callbacks.family().name() << ": " << worst.function << worst.order << ", "
                                      << worst.error << " / " << worst.uncertainty;
@@ -53,7 +54,7 @@ TEST(DerivativeCheck, LocatesAWrongEntryWithItsValues) {
                        {Callback::A, 'A', 2, 4, 1}}) {
     FamilyProblem callbacks(family);
     callbacks.hooks.tamper = add_to(c.function, c.order, static_cast<std::size_t>(c.row + c.column * m), 0.01);
-    LinearProblem problem(callbacks.problem);
+    LinearProblem problem(functions_of(callbacks.problem));
     const DerivativeMismatch worst = check_derivatives(problem, 0.3, 2);
     EXPECT_TRUE(worst.suspicious());
     EXPECT_EQ(worst.function, c.name);
@@ -71,7 +72,7 @@ TEST(DerivativeCheck, AFactorThatIsWrongIsSuspicious) {
     if (call.function == Callback::E && call.order == 2)
       for (double& value : values) value *= 0.5;  // Taylor coefficients instead of derivatives
   };
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   EXPECT_FALSE(check_derivatives(problem, 0.3, 1).suspicious());
   const DerivativeMismatch worst = check_derivatives(problem, 0.3, 3);
   EXPECT_TRUE(worst.suspicious());
@@ -84,13 +85,13 @@ TEST(DerivativeCheck, ComparesNothingWhereThereIsNothing) {
       std::shared_ptr<const sfdae_test::LinearFamily>(std::move(sfdae_test::no_equations().family)));
   constant.declare_constants();
   constant.problem.f = nullptr;
-  LinearProblem problem(constant.problem);
+  LinearProblem problem(functions_of(constant.problem));
   EXPECT_EQ(check_derivatives(problem, 0.0, 3).function, 0);
   EXPECT_EQ(constant.calls(), 0);
 
   FamilyProblem order_zero(std::shared_ptr<const sfdae_test::LinearFamily>(sfdae_test::kron(4, 1)));
   order_zero.hooks.highest_order = 0;
-  LinearProblem without(order_zero.problem);
+  LinearProblem without(functions_of(order_zero.problem));
   const DerivativeMismatch worst = check_derivatives(without, 0.3, 3);
   EXPECT_EQ(worst.function, 0);
   EXPECT_FALSE(worst.suspicious());
@@ -105,7 +106,7 @@ TEST(DerivativeCheck, FailuresOfCallbacksEndIt) {
   for (const Case c : {Case{7, -3, SFDAE_CALLBACK_STOPPED}, {1, 5, SFDAE_CALLBACK_FAILED}}) {
     FamilyProblem callbacks(std::shared_ptr<const sfdae_test::LinearFamily>(sfdae_test::kron(4, 1)));
     callbacks.hooks.status = sfdae_test::return_at_call(c.call, c.code);
-    LinearProblem problem(callbacks.problem);
+    LinearProblem problem(functions_of(callbacks.problem));
     try {
       check_derivatives(problem, 0.3, 1);
       FAIL() << "no failure";

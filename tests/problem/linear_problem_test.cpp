@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "c_api/problems.h"
 #include "family_problem.h"
 #include "matrix_checks.h"
 #include "testset_linear.h"
@@ -98,7 +99,7 @@ TEST(LinearProblem, ArraysAreZeroBeforeEveryCall) {
   Probe probe;
   probe.entry = 1;
   probe.value = 3.0;
-  LinearProblem problem(probe.problem);
+  LinearProblem problem(functions_of(probe.problem));
   TaylorData data;
   for (int repetition = 0; repetition < 3; ++repetition) {
     ASSERT_EQ(problem.evaluate_plain(0.1 * repetition, {2, 1, 3}, data).status, SFDAE_OK);
@@ -111,7 +112,7 @@ TEST(LinearProblem, ArraysAreZeroBeforeEveryCall) {
 
 TEST(LinearProblem, EveryOrderIsAskedForOnceAndCounted) {
   FamilyProblem callbacks((Family(sfdae_test::kron(4, 1))));
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   TaylorData data;
   ASSERT_EQ(problem.evaluate(0.2, {1, 2, 3}, 0.0, data).status, SFDAE_OK);
   for (int k = 0; k <= 4; ++k) {
@@ -128,7 +129,7 @@ TEST(LinearProblem, EveryOrderIsAskedForOnceAndCounted) {
 TEST(LinearProblem, PlainDerivativesAreThoseOfTheCallbacks) {
   const Family family(sfdae_test::kron(5, 2));
   FamilyProblem callbacks(family);
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   TaylorData data;
   ASSERT_EQ(problem.evaluate_plain(0.3, {2, 3, 1}, data).status, SFDAE_OK);
   for (int k = 0; k <= 2; ++k) EXPECT_EQ(error_of(data.E(k), *family, 'E', 0.3, k), 0.0);
@@ -138,7 +139,7 @@ TEST(LinearProblem, PlainDerivativesAreThoseOfTheCallbacks) {
 
 TEST(LinearProblem, OrdersOfMinusOneAreNotEvaluated) {
   FamilyProblem callbacks((Family(sfdae_test::kron(4, 1))));
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   TaylorData data;
   ASSERT_EQ(problem.evaluate_plain(0.2, {-1, -1, 1}, data).status, SFDAE_OK);
   EXPECT_EQ(callbacks.calls(), 2);
@@ -148,7 +149,7 @@ TEST(LinearProblem, OrdersOfMinusOneAreNotEvaluated) {
 TEST(LinearProblem, ConstantsAreAskedForOnceAndHaveZeroDerivatives) {
   FamilyProblem callbacks(Family(std::move(sfdae_test::lin_underdet().family)));
   callbacks.declare_constants();
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   EXPECT_TRUE(problem.is_constant());
   TaylorData data;
   for (double t : {0.0, 0.5, 0.7}) {
@@ -167,7 +168,7 @@ TEST(LinearProblem, AConstantThatFailedIsAskedForAgain) {
   FamilyProblem callbacks(Family(std::move(sfdae_test::lin_underdet().family)));
   callbacks.declare_constants();
   callbacks.hooks.status = sfdae_test::return_at_call(1, 7);
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   TaylorData data;
   EXPECT_EQ(problem.evaluate_plain(0.0, {0, 0, 0}, data).status, SFDAE_CALLBACK_FAILED);
   EXPECT_EQ(problem.evaluate_plain(0.0, {0, 0, 0}, data).status, SFDAE_OK);
@@ -177,7 +178,7 @@ TEST(LinearProblem, AConstantThatFailedIsAskedForAgain) {
 TEST(LinearProblem, WithoutFTheInhomogeneityIsZero) {
   Probe probe;
   probe.problem.f = nullptr;
-  LinearProblem problem(probe.problem);
+  LinearProblem problem(functions_of(probe.problem));
   TaylorData data;
   ASSERT_EQ(problem.evaluate_plain(0.0, {0, 0, 2}, data).status, SFDAE_OK);
   for (int k = 0; k <= 2; ++k)
@@ -194,7 +195,7 @@ TEST(LinearProblem, NumbersThatAreNotFiniteAreFoundByRowAndColumn) {
       Probe probe;
       probe.entry = entry;
       probe.value = bad;
-      LinearProblem problem(probe.problem);
+      LinearProblem problem(functions_of(probe.problem));
       TaylorData data;
       const CallbackError error = problem.evaluate(0.25, {0, 0, 0}, 0.0, data);
       EXPECT_EQ(error.status, SFDAE_NOT_FINITE);
@@ -216,7 +217,7 @@ TEST(LinearProblem, NumbersTooLargeForProductsAreRefused) {
     out[1] = 1e100;
     return 0;
   };
-  LinearProblem problem(probe.problem);
+  LinearProblem problem(functions_of(probe.problem));
   TaylorData data;
   const CallbackError error = problem.evaluate(0.0, {0, 0, 0}, 0.0, data);
   EXPECT_EQ(error.status, SFDAE_NOT_FINITE);
@@ -235,7 +236,7 @@ TEST(LinearProblem, ReturnCodesBecomeStatuses) {
                        {SFDAE_ORDER_NOT_AVAILABLE, SFDAE_ORDER_MISSING, false}}) {
     FamilyProblem callbacks((Family(sfdae_test::kron(4, 1))));
     callbacks.hooks.status = sfdae_test::return_at_call(4, c.code);  // E twice, A order 0, A order 1
-    LinearProblem problem(callbacks.problem);
+    LinearProblem problem(functions_of(callbacks.problem));
     TaylorData data;
     const CallbackError error = problem.evaluate(0.5, {1, 1, 1}, 0.0, data);
     EXPECT_EQ(error.status, c.status);
@@ -251,7 +252,7 @@ TEST(LinearProblem, ReturnCodesBecomeStatuses) {
 
 TEST(LinearProblem, AStopRequestEndsTheEvaluationBeforeTheNextCall) {
   FamilyProblem callbacks((Family(sfdae_test::kron(4, 1))));
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   callbacks.hooks.status = [&](const Call& call) {
     if (call.number == 3) problem.request_stop();
     return 0;
@@ -267,7 +268,7 @@ TEST(LinearProblem, AStopRequestEndsTheEvaluationBeforeTheNextCall) {
 
 TEST(LinearProblem, PrescribedValuesAreReadCheckedAndReported) {
   Probe probe;
-  LinearProblem problem(probe.problem);
+  LinearProblem problem(functions_of(probe.problem));
   EXPECT_EQ(problem.prescribed(), (std::vector<int>{1, 0}));
   Numbers values(2);
   EXPECT_EQ(problem.evaluate_prescribed(0.0, values.data()).status, SFDAE_OK);
@@ -284,7 +285,7 @@ TEST(LinearProblem, PrescribedValuesAreReadCheckedAndReported) {
 
 TEST(LinearProblem, CopiesThePrescribedIndices) {
   Probe probe;
-  LinearProblem problem(probe.problem);
+  LinearProblem problem(functions_of(probe.problem));
   probe.indices[0] = 99;
   EXPECT_EQ(problem.prescribed(), (std::vector<int>{1, 0}));
 }
@@ -294,7 +295,7 @@ TEST(LinearProblem, CopiesThePrescribedIndices) {
 TEST(LinearProblem, AMissingOrderIsNamedUnlessDifferencesAreAllowed) {
   FamilyProblem callbacks((Family(sfdae_test::kron(4, 1))));
   callbacks.hooks.highest_order = 1;
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   TaylorData data;
   const CallbackError error = problem.evaluate_plain(0.5, {1, 2, 1}, data);
   EXPECT_EQ(error.status, SFDAE_ORDER_MISSING);
@@ -307,7 +308,7 @@ TEST(LinearProblem, AMissingOrderIsNamedUnlessDifferencesAreAllowed) {
 TEST(LinearProblem, OrderZeroCannotBeReplaced) {
   FamilyProblem callbacks((Family(sfdae_test::kron(4, 1))));
   callbacks.hooks.highest_order = -1;
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   problem.set_differences({true, 0.0, 1.0});
   TaylorData data;
   const CallbackError error = problem.evaluate_plain(0.5, {1, 1, 1}, data);
@@ -322,7 +323,7 @@ TEST(LinearProblem, DifferencesAreAsGoodAsTheySay) {
     for (double t : {0.0, 0.4, 1.0}) {
       FamilyProblem callbacks(family);
       callbacks.hooks.highest_order = 0;
-      LinearProblem problem(callbacks.problem);
+      LinearProblem problem(functions_of(callbacks.problem));
       problem.set_differences({true, 0.0, 1.0});
       problem.set_limits(0.0, 1.0);
       TaylorData data;
@@ -349,7 +350,7 @@ TEST(LinearProblem, OrdersThatAreProvidedAreExactBesideDifferences) {
   const Family family(sfdae_test::kron(4, 2));
   FamilyProblem callbacks(family);
   callbacks.hooks.highest_order = 1;
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   problem.set_differences({true, 0.0, 1.0});
   TaylorData data;
   ASSERT_EQ(problem.evaluate_plain(0.5, {3, 1, 1}, data).status, SFDAE_OK);
@@ -362,7 +363,7 @@ TEST(LinearProblem, OrdersThatAreProvidedAreExactBesideDifferences) {
 TEST(LinearProblem, ConstantFunctionsKeepDerivativesThatAreExactlyZero) {
   FamilyProblem callbacks(Family(sfdae_test::chain(4, 1)));  // E is constant, but not declared so
   callbacks.hooks.highest_order = 0;
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   problem.set_differences({true, 0.0, 1.0});
   TaylorData data;
   ASSERT_EQ(problem.evaluate_plain(0.3, {3, 0, 0}, data).status, SFDAE_OK);
@@ -372,7 +373,7 @@ TEST(LinearProblem, ConstantFunctionsKeepDerivativesThatAreExactlyZero) {
 TEST(LinearProblem, AnOrderKnownToBeMissingIsNotAskedForAgain) {
   FamilyProblem callbacks((Family(sfdae_test::kron(4, 1))));
   callbacks.hooks.highest_order = 0;
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   problem.set_differences({true, 0.0, 1.0});
   TaylorData data;
   for (double t : {0.1, 0.2, 0.3}) ASSERT_EQ(problem.evaluate_plain(t, {1, -1, -1}, data).status, SFDAE_OK);
@@ -387,7 +388,7 @@ TEST(LinearProblem, TheSpacingOfTheUserIsUsed) {
   callbacks.hooks.highest_order = 0;
   TimesAsked times;
   callbacks.hooks.status = times.hook();
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   problem.set_differences({true, 0.01, 1.0});
   TaylorData data;
   ASSERT_EQ(problem.evaluate_plain(0.5, {1, -1, -1}, data).status, SFDAE_OK);
@@ -401,7 +402,7 @@ TEST(LinearProblem, DifferencesRespectOneLimit) {
     callbacks.hooks.highest_order = 0;
     TimesAsked times;
     callbacks.hooks.status = times.hook();
-    LinearProblem problem(callbacks.problem);
+    LinearProblem problem(functions_of(callbacks.problem));
     problem.set_differences({true, 0.0, 1.0});
     if (direction > 0.0) problem.set_limits(0.5, infinity);
     else problem.set_limits(-infinity, 0.5);
@@ -420,7 +421,7 @@ TEST(LinearProblem, DifferencesRespectLimitsThatAreCloserThanTheirPoints) {
   for (double step : {0.0, 0.01}) {
     FamilyProblem callbacks((Family(sfdae_test::kron(4, 1))));
     callbacks.hooks.highest_order = 0;
-    LinearProblem problem(callbacks.problem);
+    LinearProblem problem(functions_of(callbacks.problem));
     problem.set_differences({true, step, 1.0});
     TaylorData data;
     ASSERT_EQ(problem.evaluate_plain(0.5, {1, 1, 1}, data).status, SFDAE_OK);
@@ -439,7 +440,7 @@ TEST(LinearProblem, DifferencesStayWithinTheDomainOfTheFunctions) {
   FamilyProblem callbacks(family);
   callbacks.hooks.highest_order = 0;
   callbacks.hooks.status = sfdae_test::return_behind(0.52, 1);
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   problem.set_differences({true, 0.0, 1.0});
   TaylorData data;
   ASSERT_EQ(problem.evaluate_plain(0.5, {1, -1, -1}, data).status, SFDAE_OK);
@@ -451,7 +452,7 @@ TEST(LinearProblem, ACallbackThatStopsEndsTheSearchForASpacing) {
   FamilyProblem callbacks((Family(sfdae_test::kron(4, 1))));
   callbacks.hooks.highest_order = 0;
   callbacks.hooks.status = sfdae_test::return_at_call(5, -1);
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   problem.set_differences({true, 0.0, 1.0});
   TaylorData data;
   EXPECT_EQ(problem.evaluate_plain(0.5, {1, 1, 1}, data).status, SFDAE_CALLBACK_STOPPED);

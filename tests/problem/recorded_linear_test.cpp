@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "c_api/problems.h"
 #include "jet.h"
 #include "linalg/arena.h"
 #include "matrix_checks.h"
@@ -105,7 +106,7 @@ TEST(RecordedLinear, AgreesWithCallbacks) {
     for (std::size_t i = 0; i < 2; ++i) f[i] = expected_at(t, 2.0).f[i][k] * factorial(k);
     return 0;
   };
-  LinearProblem one(recorded), other(functions);
+  LinearProblem one(recorded), other(functions_of(functions));
   for (double tau : {0.0, 0.1, 3.0}) {
     TaylorData a, b;
     ASSERT_EQ(one.evaluate(0.4, {3, 3, 3}, tau, a).status, SFDAE_OK);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "c_api/problems.h"
 #include "family_problem.h"
 #include "matrix_checks.h"
 #include "nonlinear_examples.h"
@@ -140,7 +141,7 @@ std::string analysis_of(CoefficientSource& source, double t, double toward,
 // In the unit 1e-6 of time v counts in 1e6 and w in 1e12 of the units of q, lambda as much as K q.
 TEST(BalancedUnits, BringTheFastStructureToOrderOne) {
   FastStructure structure;
-  LinearProblem problem(structure.problem);
+  LinearProblem problem(functions_of(structure.problem));
   const double tau = std::ldexp(1.0, -20);
   const Vector units = balanced_units(problem, 0.0, tau);
   ASSERT_EQ(units.size(), 4u);
@@ -165,7 +166,7 @@ TEST(BalancedUnits, BringTheFastStructureToOrderOne) {
 TEST(BalancedUnits, ReportTroubleWithTheEquations) {
   FastStructure structure;
   structure.problem.A = [](double, int, double*, void*) { return 1; };
-  LinearProblem problem(structure.problem);
+  LinearProblem problem(functions_of(structure.problem));
   try {
     balanced_units(problem, 0.0, 1.0);
     FAIL();
@@ -196,7 +197,7 @@ TEST(BalancedUnits, AreFiniteWhereNothingIsThereToBalance) {
       return 0;
     };
     callbacks.f = [](double, int, double* f, void*) { return f[0] = f[1] = 0.0, 0; };
-    LinearProblem problem(callbacks);
+    LinearProblem problem(functions_of(callbacks));
     for (double tau : {1.0, 1e-12}) {
       try {
         for (double unit : balanced_units(problem, 0.0, tau)) EXPECT_TRUE(std::isfinite(unit) && unit > 0.0);
@@ -215,7 +216,7 @@ TEST(Units, ChangeNoCharacteristicValuesOfLinearProblems) {
       const std::shared_ptr<const sfdae_test::LinearFamily> family(sfdae_test::kron(8, mu));
       SCOPED_TRACE(family->name() + ": " + units.name());
       Rescaled rescaled(family, units);
-      LinearProblem problem(rescaled.problem);
+      LinearProblem problem(functions_of(rescaled.problem));
       int status = SFDAE_OK;
       const std::string difference =
           analysis_of(problem, 0.3 / units.time, 1.0 / units.time, family->values(), status);
@@ -233,7 +234,7 @@ TEST(Units, OfStiffProblemsAreFoundOrNamed) {
       for (int seed = 0; seed < 3; ++seed) {
         const std::shared_ptr<const sfdae_test::LinearFamily> family(sfdae_test::kron(16, mu, 0.5, 0, seed, sigma));
         sfdae_test::FamilyProblem callbacks(family);
-        LinearProblem problem(callbacks.problem);
+        LinearProblem problem(functions_of(callbacks.problem));
         int status = SFDAE_OK;
         const std::string difference = analysis_of(problem, 0.2, 1.0, family->values(), status);
         if (status == SFDAE_RANK_UNCLEAR) continue;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "analyzed_problem.h"
+#include "c_api/problems.h"
 #include "linalg/dense.h"
 #include "matrix_checks.h"
 #include "problem/failure.h"
@@ -47,7 +48,7 @@ Matrix derivative(const sfdae_test::LinearFamily& family, char which, double t, 
 TEST(DerivativeArray, OfLevelTwoHasTheBlocksOfTwoDifferentiations) {
   const Family family = sfdae_test::kron(5, 1);
   FamilyProblem callbacks(family);
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   const double t = 0.3;
   const int m = 5;
   const DerivativeArray array = derivative_array(problem, t, 2);
@@ -74,7 +75,7 @@ TEST(DerivativeArray, OfLevelTwoHasTheBlocksOfTwoDifferentiations) {
 TEST(DerivativeArray, HasBinomialCoefficients) {
   const Family family = sfdae_test::kron(3, 1);
   FamilyProblem callbacks(family);
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   const DerivativeArray array = derivative_array(problem, 0.3, 4);
   const Matrix expected = sum(6.0, derivative(*family, 'E', 0.3, 2), -4.0, derivative(*family, 'A', 0.3, 1));
   EXPECT_LE(distance(array.M.view().block(12, 6, 3, 3), expected), rounding(1) * 10.0);
@@ -83,7 +84,7 @@ TEST(DerivativeArray, HasBinomialCoefficients) {
 TEST(DerivativeArray, PassesOnTroubleOfCallbacks) {
   FamilyProblem callbacks((Family(sfdae_test::kron(3, 1))));
   callbacks.hooks.status = sfdae_test::return_at_call(2, -1);
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   try {
     derivative_array(problem, 0.3, 1);
     FAIL() << "no failure";
@@ -119,8 +120,8 @@ TEST(Projectors, HaveThePropertiesThatDefineThem) {
 
     // Rounding errors of null vectors, in the units of the array.
     const double size_of_array = std::max({1.0, largest(array.M), largest(array.N)});
-    const double tolerance =
-        rounding(10 * (mu + 1) * m) * size_of_array / (p.system.smallest_pivot() * p.system.kept_constraints());
+    const double tolerance = rounding(10 * (mu + 1) * m) * size_of_array /
+                             (p.system.quality().smallest_pivot * p.system.quality().kept_constraints);
     for (const Matrix* basis : {&q.Z1, &q.Z2, &q.Z3, &q.T2})
       EXPECT_LE(orthonormality_defect(*basis), rounding((mu + 1) * m));
     EXPECT_LE(largest(times(transposed(q.Z2), q.Z3)), rounding((mu + 1) * m));
@@ -150,9 +151,9 @@ TEST(Projectors, AreTheSameSpacesByBothReductions) {
     ASSERT_EQ(staged.system.move_to(0.4), PointStatus::ok);
     ASSERT_EQ(classical.system.move_to(0.4), PointStatus::ok);
     const Projectors one = projectors(staged.system, 0.4), other = projectors(classical.system, 0.4);
-    const double tolerance =
-        rounding(10 * (mu + 1) * 7) /
-        (staged.system.smallest_pivot() * classical.system.smallest_pivot() * staged.system.kept_constraints());
+    const double tolerance = rounding(10 * (mu + 1) * 7) /
+                             (staged.system.quality().smallest_pivot * classical.system.quality().smallest_pivot *
+                              staged.system.quality().kept_constraints);
     EXPECT_LE(outside_range(one.Z2, other.Z2), tolerance);
     EXPECT_LE(outside_range(one.T2, other.T2), tolerance);
     EXPECT_LE(outside_range(one.Z1, other.Z1), tolerance);

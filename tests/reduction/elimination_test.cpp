@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "c_api/problems.h"
 #include "family_problem.h"
 #include "linalg/dense.h"
 #include "matrix_checks.h"
@@ -33,7 +34,7 @@ using Family = std::shared_ptr<const sfdae_test::LinearFamily>;
 
 TaylorData data_at(const Family& family, double t, int level, double tau = 0.0) {
   sfdae_test::FamilyProblem callbacks(family);
-  LinearProblem problem(callbacks.problem);
+  LinearProblem problem(functions_of(callbacks.problem));
   TaylorData data;
   EXPECT_EQ(problem.evaluate(t, {level, level, level}, tau, data).status, SFDAE_OK);
   return data;

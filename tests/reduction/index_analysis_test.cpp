@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 
+#include "c_api/problems.h"
 #include "family_problem.h"
 #include "problem/failure.h"
 #include "random_family.h"
@@ -22,7 +23,7 @@ using sfdae_test::LinearFamily;
 IndexAnalysis analyze(const std::shared_ptr<const LinearFamily>& family, double t, double toward,
                       AnalysisSettings settings = {}) {
   FamilyProblem problem(family);
-  LinearProblem linear(problem.problem);
+  LinearProblem linear(functions_of(problem.problem));
   Arena arena;
   std::vector<RankDecision> decisions;
   return analyze_index(linear, t, toward, settings, arena, decisions);
@@ -73,7 +74,7 @@ TEST(IndexAnalysis, TheNearbyPointRaisesTheIndexWhereLocalValuesAreTooLow) {
   EXPECT_EQ(describe(analysis.values), "mu = 1, d = 0, a = 2, u = 0, v = 0");
   EXPECT_FALSE(analysis.rank_E_constant);
   FamilyProblem problem(family);
-  LinearProblem linear(problem.problem);
+  LinearProblem linear(functions_of(problem.problem));
   Arena arena;
   EXPECT_EQ(find_local_values(linear, 0.0, {}, arena).mu, 0);
 }
@@ -106,7 +107,7 @@ TEST(IndexAnalysis, AnIndexAboveTheLimitIsNamed) {
 TEST(IndexAnalysis, NeverAsksForDerivativesAboveTheLevelTested) {
   const std::shared_ptr<const LinearFamily> family = sfdae_test::kron(8, 2);
   FamilyProblem problem(family);
-  LinearProblem linear(problem.problem);
+  LinearProblem linear(functions_of(problem.problem));
   Arena arena;
   std::vector<RankDecision> decisions;
   analyze_index(linear, 0.1, 1.0, {}, arena, decisions);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "c_api/problems.h"
 #include "family_problem.h"
 #include "linalg/dense.h"
 #include "matrix_checks.h"
@@ -66,7 +67,7 @@ struct Reduction {
             const Numbers& values = {}) {
     const int mu = family->values().mu;
     sfdae_test::FamilyProblem callbacks(family);
-    LinearProblem problem(callbacks.problem);
+    LinearProblem problem(functions_of(callbacks.problem));
     EXPECT_EQ(problem.evaluate(t, {std::max(mu, 1), mu, mu}, 0.0, data).status, SFDAE_OK);
     judge = std::make_unique<Judge>(data, mu, settings, nullptr);
     carried = eliminate(data, mu, data.f_stack(mu), 1, *judge, arena);

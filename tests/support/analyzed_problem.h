@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "c_api/problems.h"
 #include "family_problem.h"
 #include "linalg/arena.h"
 #include "problem/linear_problem.h"
@@ -41,10 +42,10 @@ class AnalyzedProblem {
   sfdae::core::LinearSystem system;
 
  private:
-  static const sfdae_linear_problem& prepared(FamilyProblem& callbacks,
-                                              const std::function<void(FamilyProblem&)>& prepare) {
+  static sfdae::core::LinearFunctions prepared(FamilyProblem& callbacks,
+                                               const std::function<void(FamilyProblem&)>& prepare) {
     if (prepare) prepare(callbacks);
-    return callbacks.problem;
+    return sfdae::core::functions_of(callbacks.problem);
   }
   std::pair<std::vector<double>, std::vector<double>> solution(double t) const {
     const auto n = static_cast<std::size_t>(callbacks.n());

@@ -85,7 +85,7 @@ struct NonlinearExample {
   sfdae::core::Arena arena;
   std::vector<sfdae::core::RankDecision> decisions;
   sfdae::core::IndexAnalysis analysis;
-  Units units;
+  sfdae::core::Units units;
   sfdae::core::Jet jet;
   std::unique_ptr<sfdae::core::NonlinearSystem> system;
 };

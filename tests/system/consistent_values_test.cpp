@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "analyzed_problem.h"
+#include "c_api/problems.h"
 #include "matrix_checks.h"
 #include "problem/failure.h"
 #include "testset_linear.h"
@@ -43,7 +44,7 @@ struct AtPoint : AnalyzedProblem {
   }
   double tolerance() const {
     return rounding(10 * problem.n()) * std::max(1.0, system.data().norm(12)) /
-           (system.smallest_pivot() * system.kept_constraints());
+           (system.quality().smallest_pivot * system.quality().kept_constraints);
   }
 };
 
@@ -214,7 +215,7 @@ TEST(ConsistentValues, KeepDifferentialDoesNotDependOnUnits) {
         return 0;
       };
       callbacks.constant_E = callbacks.constant_A = 1;
-      LinearProblem problem(callbacks);
+      LinearProblem problem(functions_of(callbacks));
       Arena arena;
       std::vector<RankDecision> decisions;
       LinearSystem system(problem, {}, analyze_index(problem, 0.0, 1.0, {}, arena, decisions),

@@ -111,7 +111,7 @@ Matrix free_directions(const LinearSystem& system) { return times(system.form().
 double tolerance(const LinearSystem& system) {
   const double scale = std::max({1.0, system.data().norm(12), system.data().norm_f(12)});
   return rounding(10 * system.unknowns()) * scale /
-         (system.smallest_pivot() * system.kept_constraints() * system.kept_differential() *
+         (system.quality().smallest_pivot * system.quality().kept_constraints * system.quality().kept_differential *
           std::min(1.0, system.data().time_scale));
 }
 
@@ -255,7 +255,7 @@ TEST(LinearSystem, ConsistentDerivativeComesFromTheArrayOfTheNextLevel) {
     Numbers xdot(x.size(), 777.0);
     const double error = tolerance(p.system) * std::max({1.0, largest(x), largest(p.exact_derivative(c.t))});
     EXPECT_TRUE(p.system.consistent_derivative(x.data(), 1.0, xdot.data()));
-    expect_derivative(p, c.t, xdot, 100.0 * error / p.system.smallest_pivot());
+    expect_derivative(p, c.t, xdot, 100.0 * error / p.system.quality().smallest_pivot);
     EXPECT_EQ(p.system.t(), c.t);
   }
 }
@@ -356,11 +356,11 @@ TEST(LinearSystem, ConstantProblemsAreReducedOnceAndFactoredOnceForEveryStep) {
     EXPECT_LE(distance(restored, exact), tolerance(p.system)) << t;
     p.system.accept();
   }
-  EXPECT_EQ(p.system.reductions(), 1);
-  EXPECT_EQ(p.system.factorizations(), 1);
+  EXPECT_EQ(p.system.counts().reductions, 1);
+  EXPECT_EQ(p.system.counts().factorizations, 1);
   EXPECT_EQ(p.callbacks.calls(Callback::E), 1);
   ASSERT_EQ(p.system.solve({20.0, zero.data(), zero.data(), {}}, x.data()), PointStatus::ok);
-  EXPECT_EQ(p.system.factorizations(), 2);
+  EXPECT_EQ(p.system.counts().factorizations, 2);
   const Matrix w = times(
       sum(1.0, identity(8), -1.0, times(p.system.form().kernel(), transposed(p.system.form().kernel()))), column(x));
   EXPECT_LE(largest(F1(p, 0.5, column(x), sum(20.0, w, 0.0, w))),

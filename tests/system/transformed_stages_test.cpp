@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "c_api/problems.h"
 #include "family_problem.h"
 #include "integrate/radau_method.h"
 #include "linalg/dense.h"
@@ -31,7 +32,7 @@ struct Form {
   explicit Form(std::shared_ptr<const sfdae_test::LinearFamily> family) {
     const int mu = family->values().mu;
     sfdae_test::FamilyProblem callbacks(std::move(family));
-    LinearProblem problem(callbacks.problem);
+    LinearProblem problem(functions_of(callbacks.problem));
     EXPECT_EQ(problem.evaluate(0.3, {mu, mu, mu}, 0.0, data).status, SFDAE_OK);
     const Judge::Settings settings;
     Judge judge(data, mu, settings, nullptr);

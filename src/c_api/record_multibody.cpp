@@ -1,6 +1,6 @@
-// Multibody systems from what users give.
+// Recording of the formulas of a mechanical system.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "c_api/multibody_recording.h"
+#include "c_api/record_multibody.h"
 
 #include <string>
 #include <vector>
@@ -56,7 +56,9 @@ std::vector<char> depends_on_velocities(const Recorder& recorder, int first_velo
   return depends;
 }
 
-std::unique_ptr<MultibodyProblem> recorded_problem(const sfdae_multibody_problem& problem) {
+}  // namespace
+
+std::unique_ptr<RecordedMultibody> record_multibody(const sfdae_multibody_problem& problem) {
   const MultibodySizes sizes = sizes_of(problem);
   const int nq = sizes.positions, nv = sizes.velocities, nl = sizes.holonomic, nk = sizes.nonholonomic;
   sfdae_record record(nq + nv);
@@ -87,13 +89,6 @@ std::unique_ptr<MultibodyProblem> recorded_problem(const sfdae_multibody_problem
   demand_independence(formulas.H, {"H", nk, true});
   demand_independence(formulas.h, {"h", nk, false});
   return std::make_unique<RecordedMultibody>(record.recorder, formulas);
-}
-
-}  // namespace
-
-std::unique_ptr<MultibodyProblem> multibody_problem(const sfdae_multibody_problem& problem) {
-  if (problem.equations != nullptr) return recorded_problem(problem);
-  return std::make_unique<CallbackMultibody>(problem);
 }
 
 }  // namespace sfdae::core

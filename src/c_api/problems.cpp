@@ -1,0 +1,90 @@
+// From the public structs of problems to models of the core.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "c_api/problems.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "c_api/expressions.h"
+#include "c_api/record_multibody.h"
+
+namespace sfdae::core {
+
+namespace {
+
+template <class AnyProblem>
+PrescribedInputs inputs_of(const AnyProblem& problem) {
+  const int count = problem.prescribed != nullptr ? problem.num_prescribed : 0;
+  return {{problem.prescribed, problem.prescribed + count}, problem.prescribed_values, problem.user};
+}
+
+// Empty where nothing is left out of any array.
+std::vector<int> differentiations_of(const sfdae_nonlinear_problem& problem) {
+  if (problem.differentiations == nullptr) return {};
+  std::vector<int> counts(problem.differentiations, problem.differentiations + problem.num_equations);
+  const bool has_all = *std::min_element(counts.begin(), counts.end()) == max_strangeness_index;
+  return has_all ? std::vector<int>() : counts;
+}
+
+AnyModel any(std::unique_ptr<LinearModel> model) {
+  LinearModel* linear = model.get();
+  return {.model = std::move(model), .linear = linear};
+}
+
+AnyModel any(std::unique_ptr<NonlinearModel> model) {
+  NonlinearModel* nonlinear = model.get();
+  return {.model = std::move(model), .nonlinear = nonlinear};
+}
+
+AnyModel any(std::unique_ptr<MultibodyModel> model) {
+  MultibodyModel* multibody = model.get();
+  return {.model = std::move(model), .multibody = multibody};
+}
+
+}  // namespace
+
+LinearFunctions functions_of(const sfdae_linear_problem& problem) {
+  return {.m = problem.num_equations,
+          .n = problem.num_unknowns,
+          .E = problem.E,
+          .A = problem.A,
+          .f = problem.f,
+          .user = problem.user,
+          .constant_E = problem.constant_E != 0,
+          .constant_A = problem.constant_A != 0,
+          .inputs = inputs_of(problem)};
+}
+
+AnyModel make_model(const sfdae_linear_problem& problem) {
+  return any(std::make_unique<LinearModel>(functions_of(problem)));
+}
+
+AnyModel make_model(const sfdae_nonlinear_problem& problem) {
+  const int m = problem.num_equations, n = problem.num_unknowns;
+  const std::vector<int> counts = differentiations_of(problem);
+  const auto model_of = [&counts](auto nonlinear) {
+    nonlinear->set_differentiations(counts);
+    return any(std::make_unique<NonlinearModel>(std::move(nonlinear)));
+  };
+  if (problem.total_derivative != nullptr)
+    return model_of(
+        std::make_unique<CallbackProblem>(m, n, problem.total_derivative, problem.user, inputs_of(problem)));
+  std::shared_ptr<const Record> record = problem.equations != nullptr
+                                             ? record_equations(problem.equations, m, n, problem.user)
+                                             : record_linear_equations(problem.linear_equations, m, n, problem.user);
+  if (record->is_linear() && counts.empty())
+    return any(std::make_unique<LinearModel>(
+        std::make_unique<RecordedLinearCoefficients>(std::move(record), inputs_of(problem))));
+  return model_of(std::make_unique<RecordedProblem>(std::move(record), inputs_of(problem)));
+}
+
+AnyModel make_model(const sfdae_multibody_problem& problem) {
+  const Coordinates coordinates =
+      problem.coordinates == SFDAE_COORDINATES_PERMUTATION ? Coordinates::permutation : Coordinates::orthogonal;
+  if (problem.equations != nullptr)
+    return any(std::make_unique<MultibodyModel>(record_multibody(problem), coordinates));
+  return any(std::make_unique<MultibodyModel>(std::make_unique<CallbackMultibody>(problem), coordinates));
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,30 @@
+// From the public structs of problems to models of the core.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "multibody/multibody_model.h"
+#include "sfdae/sfdae.h"
+#include "system/linear_model.h"
+#include "system/nonlinear_model.h"
+
+namespace sfdae::core {
+
+// A model, and what it is: one of the pointers is set.
+struct AnyModel {
+  std::unique_ptr<Model> model;
+  LinearModel* linear = nullptr;
+  NonlinearModel* nonlinear = nullptr;
+  MultibodyModel* multibody = nullptr;
+};
+
+// The problems have been checked. Failure, with a public status, for mistakes in recording.
+AnyModel make_model(const sfdae_linear_problem& problem);
+// Recorded equations that are linear become a linear model.
+AnyModel make_model(const sfdae_nonlinear_problem& problem);
+AnyModel make_model(const sfdae_multibody_problem& problem);
+
+LinearFunctions functions_of(const sfdae_linear_problem& problem);
+
+}  // namespace sfdae::core

@@ -1,0 +1,113 @@
+// A mechanical system with constraints, with its strangeness-free system.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "multibody/multibody_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/index.h"
+#include "multibody/multibody_consistency.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+void MultibodyModel::analyze(const PointOfInterest& point, const ModelOptions& options,
+                             std::vector<RankDecision>& decisions) {
+  decisions.clear();
+  const MultibodySizes& sizes = problem_->sizes();
+  problem_->check_rates(point.t, point.x);
+  const ConsistencyRequest request = options.request_at(point.x);
+  MultibodyConsistency consistency(*problem_, point.t, request, options.ignore_inconsistency);
+  const std::vector<double> q = consistency.positions(point.x);
+  const MultibodyRanks ranks = consistency.ranks(q, options.analysis.rank_tol, decisions);
+  const std::vector<double> v = consistency.velocities(q, point.x + sizes.positions, ranks.velocities);
+  IndexAnalysis analysis;
+  analysis.values = characteristic_values(sizes, ranks);
+  if (analysis.values.mu > options.analysis.max_index)
+    throw Failure(SFDAE_INDEX_TOO_HIGH,
+                  format("the strangeness index of these constraints is %d, but max_index is %d.", analysis.values.mu,
+                         options.analysis.max_index));
+  analysis.t = point.t;
+  analysis.v_hat = sizes.constraints() - ranks.velocities;
+  analysis.rank_E = sizes.positions + consistency.rank_of_mass();
+  system_ = std::make_unique<MultibodySystem>(*problem_, settings(ranks, options.analysis), std::move(analysis),
+                                              q.data(), v.data());
+}
+
+void MultibodyModel::restore(const ModelOptions& options, Archive& archive) {
+  system_ = std::make_unique<MultibodySystem>(*problem_, settings({}, options.analysis), archive);
+}
+
+std::unique_ptr<MultibodySystem> MultibodyModel::copy_of_system() {
+  IndexAnalysis analysis = system_->analysis();
+  const MultibodyPoint& point = system_->accepted_point();
+  analysis.t = point.t;
+  return std::make_unique<MultibodySystem>(*problem_, system_->settings(), std::move(analysis), point.q.data(),
+                                           point.v.data());
+}
+
+ConsistentPoint MultibodyModel::make_consistent(MultibodySystem& system, const PointOfInterest& point,
+                                                const ModelOptions& options) {
+  const MultibodySizes& sizes = problem_->sizes();
+  const std::vector<double> given(point.x, point.x + n());
+  const ConsistencyRequest request = options.request_at(point.x);
+  MultibodyConsistency consistency(*problem_, point.t, request, options.ignore_inconsistency);
+  const std::vector<double> q = consistency.positions(point.x);
+  const std::vector<double> v =
+      consistency.velocities(q, point.x + sizes.positions, system.settings().ranks.velocities);
+  demand_point(system, system.set_point(point.t, q.data(), v.data()), point.t, "Analyze the problem there.");
+  const MultibodyPoint& found = system.accepted_point();
+  ConsistentPoint result;
+  result.t = point.t;
+  result.has_contradiction = consistency.has_contradiction();
+  result.x = found.q;
+  result.x.insert(result.x.end(), found.v.begin(), found.v.end());
+  result.x.insert(result.x.end(), found.mu.begin(), found.mu.begin() + sizes.constraints());
+  keep_fixed(request, point, result.x);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < index(system.leading_size()); ++i) sum += std::pow(result.x[i] - given[i], 2);
+  result.change.residual_before = std::sqrt(sum);
+  result.change.residual_after = std::max(system.position_residual(), system.velocity_residual());
+  report_change(request, point.t, given, result.x, result.change);
+  if (request.kind == InitialValues::accept) result.x = given;
+  add_derivative(system, point.direction(), result);
+  return result;
+}
+
+// Components that are fixed stay to the last bit. Forces of constraints follow from positions and velocities: those
+// given have to fit.
+void MultibodyModel::keep_fixed(const ConsistencyRequest& request, const PointOfInterest& given,
+                                std::vector<double>& x) const {
+  constexpr double fixed_tolerance = 1e-9;
+  if (request.kind != InitialValues::fixed) return;
+  const std::size_t size = index(problem_->sizes().positions + problem_->sizes().velocities);
+  double largest = 0.0;
+  for (std::size_t i = size; i < x.size(); ++i) largest = std::max(largest, std::fabs(x[i]));
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (request.fixed[i] == 0) continue;
+    if (i >= size && std::fabs(x[i] - given.x[i]) > fixed_tolerance * std::max(largest, std::fabs(given.x[i])))
+      throw Failure(
+          SFDAE_FIXED_VALUES,
+          format("x[%d] = %.6g is fixed, but it is a force of constraints, and positions and velocities make it "
+                 "%.6g at t = %.15g.",
+                 static_cast<int>(i), given.x[i], x[i], given.t));
+    x[i] = given.x[i];
+  }
+}
+
+ConstraintsReport MultibodyModel::constraints() const {
+  const MultibodySizes& sizes = problem_->sizes();
+  const MultibodyRanks& ranks = system_->settings().ranks;
+  return {.t = system_->accepted_point().t,
+          .holonomic = sizes.holonomic,
+          .nonholonomic = sizes.nonholonomic,
+          .redundant = sizes.constraints() - ranks.velocities,
+          .degrees_of_freedom = sizes.velocities - ranks.velocities,
+          .position_freedom = sizes.positions - ranks.positions,
+          .condition = system_->condition(),
+          .partitions = system_->partitions(),
+          .position_residual = system_->position_residual(),
+          .velocity_residual = system_->velocity_residual()};
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,67 @@
+// A mechanical system with constraints, with its strangeness-free system.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "multibody/multibody_callbacks.h"
+#include "multibody/multibody_recorded.h"
+#include "multibody/multibody_system.h"
+#include "system/model.h"
+
+namespace sfdae::core {
+
+// What is known at the point reached.
+struct ConstraintsReport {
+  double t = 0.0;
+  int holonomic = 0, nonholonomic = 0, redundant = 0;
+  int degrees_of_freedom = 0, position_freedom = 0;
+  double condition = 1.0;
+  long partitions = 0;
+  double position_residual = 0.0, velocity_residual = 0.0;
+};
+
+class MultibodyModel final : public ModelOf<MultibodySystem> {
+ public:
+  MultibodyModel(std::unique_ptr<RecordedMultibody> problem, Coordinates coordinates)
+      : problem_(std::move(problem)), coordinates_(coordinates) {}
+  MultibodyModel(std::unique_ptr<CallbackMultibody> problem, Coordinates coordinates)
+      : callbacks_(problem.get()), problem_(std::move(problem)), coordinates_(coordinates) {}
+
+  MultibodyProblem& problem() override { return *problem_; }
+  int m() const override { return n(); }
+  int n() const override { return problem_->sizes().unknowns(); }
+  bool is_constant() const override { return false; }
+  bool needs_x() const override { return true; }
+  EvaluationCounts evaluations() const override {
+    return {.F = problem_->evaluations(), .linearizations = problem_->linearizations()};
+  }
+  TaylorEvaluator* evaluator() override { return problem_->evaluator(); }
+  void parameters_changed() override { problem_->parameters_changed(); }
+  void analyze(const PointOfInterest& point, const ModelOptions& options,
+               std::vector<RankDecision>& decisions) override;
+  void restore(const ModelOptions& options, Archive& archive) override;
+  // q and v are known at points of the integration only.
+  std::unique_ptr<ChangeWatch> change_watch() override { return nullptr; }
+  // The user's functions; null for recorded formulas.
+  CallbackMultibody* callbacks() { return callbacks_; }
+  // Of the point accepted last, after an analysis.
+  ConstraintsReport constraints() const;
+
+ protected:
+  std::unique_ptr<MultibodySystem> copy_of_system() override;
+  ConsistentPoint make_consistent(MultibodySystem& system, const PointOfInterest& point,
+                                  const ModelOptions& options) override;
+
+ private:
+  MultibodySystem::Settings settings(const MultibodyRanks& ranks, const AnalysisSettings& analysis) const {
+    return {ranks, coordinates_, analysis.rank_tol};
+  }
+  void keep_fixed(const ConsistencyRequest& request, const PointOfInterest& given, std::vector<double>& x) const;
+
+  CallbackMultibody* callbacks_ = nullptr;
+  std::unique_ptr<MultibodyProblem> problem_;
+  Coordinates coordinates_;
+};
+
+}  // namespace sfdae::core

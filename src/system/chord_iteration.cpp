@@ -1,0 +1,35 @@
+// When a chord iteration is good enough, too slow, or of no use.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/chord_iteration.h"
+
+#include <algorithm>
+
+namespace sfdae::core {
+
+namespace {
+
+// Changes that are as good as none, whatever the rate: a billionth of what the tolerances allow.
+constexpr double negligible = 1e-9;
+// A matrix that needs more iterations, or contracts less, is renewed for the next point: the same work as a new one,
+// about, for the problems of the test set.
+constexpr int many_iterations = 3;
+constexpr double slow_rate = 0.3;
+// Before a rate is measured, that of the last point counts, but for no less than this.
+constexpr double least_first_rate = 0.05;
+constexpr double largest_rate = 0.99;
+// Changes that stop becoming smaller this far below the target are rounding errors.
+constexpr double far_below = 0.1;
+
+}  // namespace
+
+bool ChordIteration::has_converged(const ChordTarget& target, int iteration, double norm, double before) {
+  if (iteration > 0) rate_ = before > 0.0 ? norm / before : 0.0;
+  is_slow_ = iteration >= many_iterations || (iteration > 0 && rate_ > slow_rate && norm > negligible);
+  const double rate = std::clamp(rate_, iteration == 0 ? least_first_rate : target.least_rate, largest_rate);
+  if (iteration > 1 && norm <= far_below * target.tolerance) return true;
+  if (iteration > 0 && rate_ >= 1.0) return false;
+  if (iteration == 0 && target.needs_two) return norm <= negligible;
+  return rate / (1.0 - rate) * norm <= target.tolerance || norm <= negligible;
+}
+
+}  // namespace sfdae::core

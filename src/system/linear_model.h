@@ -1,0 +1,54 @@
+// A linear problem with its system.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "problem/linear_problem.h"
+#include "problem/recorded_linear.h"
+#include "reduction/derivative_array.h"
+#include "system/linear_system.h"
+#include "system/model.h"
+
+namespace sfdae::core {
+
+class LinearModel final : public ModelOf<LinearSystem> {
+ public:
+  explicit LinearModel(const LinearFunctions& functions) : problem_(functions) {}
+  // Recorded equations that are linear: E, A and f are read off the record.
+  explicit LinearModel(std::unique_ptr<RecordedLinearCoefficients> coefficients);
+
+  LinearProblem& problem() override { return problem_; }
+  int m() const override { return problem_.m(); }
+  int n() const override { return problem_.n(); }
+  bool is_constant() const override { return problem_.is_constant(); }
+  bool needs_x() const override { return false; }
+  EvaluationCounts evaluations() const override;
+  TaylorEvaluator* evaluator() override { return recorded_ ? &recorded_->evaluator() : nullptr; }
+  void parameters_changed() override;
+  void analyze(const PointOfInterest& point, const ModelOptions& options,
+               std::vector<RankDecision>& decisions) override;
+  void restore(const ModelOptions& options, Archive& archive) override;
+  std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<ChangeWatch>(*system_); }
+
+  // Moves the system to t. Throws Failure where the characteristic values do not hold, or redundant equations
+  // contradict each other and that is not to be ignored; true if it is.
+  bool set_point(double t, const ModelOptions& options) { return set_point(*system_, t, options); }
+
+  // The theory's objects at t. Both throw Failure.
+  DerivativeArray derivative_array(double t, int level) { return core::derivative_array(problem_, t, level); }
+  Projectors projectors(double t);
+
+ protected:
+  std::unique_ptr<LinearSystem> copy_of_system() override;
+  ConsistentPoint make_consistent(LinearSystem& system, const PointOfInterest& point,
+                                  const ModelOptions& options) override;
+
+ private:
+  static bool set_point(LinearSystem& system, double t, const ModelOptions& options);
+
+  std::unique_ptr<RecordedLinearCoefficients> recorded_;  // problem_ calls it
+  LinearProblem problem_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,26 @@
+// What is asked of a problem of any kind.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/model.h"
+
+#include "linalg/matrix.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+void add_derivative(DaeSystem& system, double direction, ConsistentPoint& point) {
+  point.xdot.resize(point.x.size());
+  point.derivative_exact = system.consistent_derivative(point.x.data(), direction, point.xdot.data());
+  if (!all_finite(point.xdot.data(), point.xdot.size()))
+    throw Failure(SFDAE_NOT_FINITE, format("the derivative of the initial values overflows at t = %.15g.", point.t));
+}
+
+void demand_point(const DaeSystem& system, PointStatus status, double t, const char* advice) {
+  if (status == PointStatus::callback_error)
+    throw Failure(system.callback_error().status, system.callback_error().message());
+  if (status == PointStatus::ok) return;
+  throw Failure(SFDAE_CHARACTERISTICS_CHANGED, "the characteristic values known (" +
+                                                   describe(system.analysis().values) +
+                                                   format(") do not hold at t = %.15g. ", t) + advice);
+}
+
+}  // namespace sfdae::core

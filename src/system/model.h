@@ -1,0 +1,118 @@
+// A problem with its system: analysis, consistent values, and what else is asked of a problem of any kind.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "expression/taylor_evaluator.h"
+#include "linalg/archive.h"
+#include "problem/differences.h"
+#include "problem/problem.h"
+#include "reduction/index_analysis.h"
+#include "system/change_watch.h"
+#include "system/consistent_values.h"
+#include "system/dae_system.h"
+
+namespace sfdae::core {
+
+struct ModelOptions {
+  AnalysisSettings analysis;
+  DifferenceOptions differences;
+  LeadingTerm leading = LeadingTerm::automatic;
+  ConsistencyRequest consistency;
+  Tolerances tolerances;
+  bool ignore_inconsistency = false;
+  double consistency_tol = 1e-8;
+
+  // What is asked of values near x.
+  ConsistencyRequest request_at(const double* x) const {
+    ConsistencyRequest request = consistency;
+    request.set_tolerances(tolerances, x);
+    return request;
+  }
+};
+
+// x: n values, or null where none are known. toward: in the direction of integration.
+struct PointOfInterest {
+  double t, toward;
+  const double* x;
+  double direction() const { return toward < t ? -1.0 : 1.0; }
+};
+
+struct ConsistentPoint {
+  double t = 0.0;
+  std::vector<double> x, xdot;
+  ConsistencyResult change;
+  bool derivative_exact = false;
+  bool has_contradiction = false;  // of redundant equations, and is to be ignored
+};
+
+// Calls of the user's functions.
+struct EvaluationCounts {
+  long E = 0, A = 0, f = 0;
+  long F = 0, linearizations = 0;
+};
+
+class Model {
+ public:
+  virtual ~Model() = default;
+  virtual Problem& problem() = 0;
+  virtual int m() const = 0;
+  virtual int n() const = 0;
+  // Points do not matter to the analysis.
+  virtual bool is_constant() const = 0;
+  // The analysis is that of a solution, and needs x.
+  virtual bool needs_x() const = 0;
+  virtual EvaluationCounts evaluations() const = 0;
+  // Of recorded equations, else null; parameters_changed() is due after a change there.
+  virtual TaylorEvaluator* evaluator() = 0;
+  virtual void parameters_changed() = 0;
+
+  // Index analysis: makes the system. decisions: all that were made, also when it throws Failure; then there is none.
+  virtual void analyze(const PointOfInterest& point, const ModelOptions& options,
+                       std::vector<RankDecision>& decisions) = 0;
+  // The system as it was when it was archived. Throws DamagedArchive.
+  virtual void restore(const ModelOptions& options, Archive& archive) = 0;
+  // Null before an analysis.
+  virtual DaeSystem* system() = 0;
+  virtual void forget_system() = 0;
+  // Null where points can be looked at in the steps of an integration only.
+  virtual std::unique_ptr<ChangeWatch> change_watch() = 0;
+
+  // Consistent values near x, x' in the direction toward `toward`; the system is at that point afterwards. Throws
+  // Failure.
+  virtual ConsistentPoint consistent_point(const PointOfInterest& point, const ModelOptions& options) = 0;
+  // With a copy of the system, so that an integration is not disturbed.
+  virtual ConsistentPoint consistent_point_beside(const PointOfInterest& point, const ModelOptions& options) = 0;
+};
+
+// What all kinds of models have in common.
+template <class System>
+class ModelOf : public Model {
+ public:
+  System* system() override { return system_.get(); }
+  void forget_system() override { system_.reset(); }
+  ConsistentPoint consistent_point(const PointOfInterest& point, const ModelOptions& options) override {
+    return make_consistent(*system_, point, options);
+  }
+  ConsistentPoint consistent_point_beside(const PointOfInterest& point, const ModelOptions& options) override {
+    const std::unique_ptr<System> copy = copy_of_system();
+    return make_consistent(*copy, point, options);
+  }
+
+ protected:
+  virtual std::unique_ptr<System> copy_of_system() = 0;
+  virtual ConsistentPoint make_consistent(System& system, const PointOfInterest& point,
+                                          const ModelOptions& options) = 0;
+
+  std::unique_ptr<System> system_;
+};
+
+// x' of the point into it; `system` is there. Throws Failure if it is not finite.
+void add_derivative(DaeSystem& system, double direction, ConsistentPoint& point);
+// Throws Failure if the system could not be moved to t.
+void demand_point(const DaeSystem& system, PointStatus status, double t, const char* advice);
+
+}  // namespace sfdae::core

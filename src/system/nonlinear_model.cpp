@@ -1,0 +1,112 @@
+// A nonlinear problem with its system.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/nonlinear_model.h"
+
+#include <algorithm>
+#include <string>
+
+#include "problem/failure.h"
+#include "system/consistent_jet.h"
+#include "system/nonlinear_values.h"
+
+namespace sfdae::core {
+
+namespace {
+
+std::vector<char> fixed_components(const ModelOptions& options) {
+  return options.consistency.kind == InitialValues::fixed ? options.consistency.fixed : std::vector<char>();
+}
+
+// Rows of the derivative array are left out, but not while this lives.
+class WholeArray {
+ public:
+  explicit WholeArray(NonlinearProblem& problem) : problem_(problem), counts_(problem.differentiations()) {
+    problem_.set_differentiations({});
+  }
+  WholeArray(const WholeArray&) = delete;
+  WholeArray& operator=(const WholeArray&) = delete;
+  ~WholeArray() { problem_.set_differentiations(std::move(counts_)); }
+
+ private:
+  NonlinearProblem& problem_;
+  std::vector<int> counts_;
+};
+
+}  // namespace
+
+void NonlinearModel::analyze(const PointOfInterest& point, const ModelOptions& options,
+                             std::vector<RankDecision>& decisions) {
+  try {
+    system_ = analyzed(options.analysis, point, options, decisions);
+    return;
+  } catch (const Failure& failure) {
+    if (problem_->differentiations().empty() || failure.status() != SFDAE_INDEX_TOO_HIGH) throw;
+  }
+  system_ = analyzed_against_whole_array(point, options, decisions);
+}
+
+std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed(const AnalysisSettings& settings,
+                                                          const PointOfInterest& point, const ModelOptions& options,
+                                                          std::vector<RankDecision>& decisions) {
+  ConsistentJets jets(*problem_, point.t, point.x, fixed_components(options));
+  Arena arena;
+  IndexAnalysis analysis = analyze_index(jets, point.t, point.toward, settings, arena, decisions);
+  return std::make_unique<NonlinearSystem>(*problem_, options.analysis, std::move(analysis), jets.units(),
+                                           jets.jet_at(point.t, analysis.values.mu));
+}
+
+// How many equations are redundant only the array with all its rows shows.
+std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed_against_whole_array(const PointOfInterest& point,
+                                                                              const ModelOptions& options,
+                                                                              std::vector<RankDecision>& decisions) {
+  AnalysisSettings settings = options.analysis;
+  {
+    const WholeArray whole(*problem_);
+    settings.expected = analyzed(options.analysis, point, options, decisions)->analysis().values;
+  }
+  try {
+    return analyzed(settings, point, options, decisions);
+  } catch (const Failure& failure) {
+    if (failure.status() != SFDAE_INDEX_TOO_HIGH) throw;
+    throw Failure(SFDAE_INDEX_TOO_HIGH, "differentiations are too few: with all equations differentiated, " +
+                                            describe(settings.expected) + format(" at t = %.15g, but ", point.t) +
+                                            failure.what());
+  }
+}
+
+void NonlinearModel::restore(const ModelOptions& options, Archive& archive) {
+  system_ = std::make_unique<NonlinearSystem>(*problem_, options.analysis, archive);
+}
+
+std::unique_ptr<NonlinearSystem> NonlinearModel::copy_of_system() {
+  return std::make_unique<NonlinearSystem>(*problem_, system_->settings(), system_->analysis(), system_->units(),
+                                           system_->jet());
+}
+
+ConsistentPoint NonlinearModel::make_consistent(NonlinearSystem& system, const PointOfInterest& point,
+                                                const ModelOptions& options) {
+  ConsistentPoint result;
+  result.t = point.t;
+  result.x.assign(point.x, point.x + n());
+  // The jet that is known helps where it is near.
+  Jet start = system.jet();
+  if (start.t != point.t || !std::equal(point.x, point.x + n(), start.x.data())) {
+    start.t = point.t;
+    start.x.assign(point.x, point.x + n());
+    start.set_order(0);
+    JetSolver solver(*problem_, system.units());
+    solver.set_fixed(fixed_components(options));
+    for (int level = 0; level <= system.analysis().values.mu; ++level) solver.solve(start, level);
+  }
+  const ConsistencyRequest request = options.request_at(point.x);
+  ConsistentJetResult found =
+      choose_consistent_jet(*problem_, system.analysis(), system.units(), request, start, result.x);
+  result.change = found.change;
+  demand_point(system, system.set_point(found.jet), point.t, "Analyze the problem there.");
+  system.apply_inputs();
+  if (request.kind != InitialValues::accept) result.x.assign(system.jet().x.data(), system.jet().x.data() + n());
+  add_derivative(system, point.direction(), result);
+  return result;
+}
+
+}  // namespace sfdae::core

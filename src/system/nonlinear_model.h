@@ -1,0 +1,55 @@
+// A nonlinear problem with its system.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "problem/nonlinear_problem.h"
+#include "system/model.h"
+#include "system/nonlinear_system.h"
+
+namespace sfdae::core {
+
+class NonlinearModel final : public ModelOf<NonlinearSystem> {
+ public:
+  explicit NonlinearModel(std::unique_ptr<RecordedProblem> problem)
+      : evaluator_(&problem->evaluator()), problem_(std::move(problem)) {}
+  explicit NonlinearModel(std::unique_ptr<CallbackProblem> problem)
+      : callback_(problem.get()), problem_(std::move(problem)) {}
+
+  NonlinearProblem& problem() override { return *problem_; }
+  int m() const override { return problem_->m(); }
+  int n() const override { return problem_->n(); }
+  bool is_constant() const override { return false; }
+  bool needs_x() const override { return true; }
+  EvaluationCounts evaluations() const override {
+    return {.F = problem_->evaluations(), .linearizations = problem_->linearizations()};
+  }
+  TaylorEvaluator* evaluator() override { return evaluator_; }
+  void parameters_changed() override {}
+  void analyze(const PointOfInterest& point, const ModelOptions& options,
+               std::vector<RankDecision>& decisions) override;
+  void restore(const ModelOptions& options, Archive& archive) override;
+  // x is known at points of the integration only.
+  std::unique_ptr<ChangeWatch> change_watch() override { return nullptr; }
+  // The user's function for total derivatives; null for recorded equations.
+  CallbackProblem* callback() { return callback_; }
+
+ protected:
+  std::unique_ptr<NonlinearSystem> copy_of_system() override;
+  ConsistentPoint make_consistent(NonlinearSystem& system, const PointOfInterest& point,
+                                  const ModelOptions& options) override;
+
+ private:
+  std::unique_ptr<NonlinearSystem> analyzed(const AnalysisSettings& settings, const PointOfInterest& point,
+                                            const ModelOptions& options, std::vector<RankDecision>& decisions);
+  std::unique_ptr<NonlinearSystem> analyzed_against_whole_array(const PointOfInterest& point,
+                                                                const ModelOptions& options,
+                                                                std::vector<RankDecision>& decisions);
+
+  TaylorEvaluator* evaluator_ = nullptr;
+  CallbackProblem* callback_ = nullptr;
+  std::unique_ptr<NonlinearProblem> problem_;
+};
+
+}  // namespace sfdae::core
