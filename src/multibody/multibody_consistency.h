@@ -13,7 +13,7 @@
 #include "linalg/rank.h"
 #include "multibody/multibody_point.h"
 #include "multibody/multibody_problem.h"
-#include "multibody/multibody_system.h"
+#include "multibody/multibody_ranks.h"
 #include "system/consistent_values.h"
 
 namespace sfdae::core {

@@ -182,7 +182,7 @@ void Tangent::enforce(const Partition& partition, const double* b, double* w, Ar
 }
 
 // The negative eigenvalues of X = B Q2 (C Q2)^-1; there are none if its symmetric part is positive definite.
-Tangent::Passage Tangent::passage_from(const Partition& partition, ConstView B, Arena& arena) const {
+Tangent::ZeroCrossings Tangent::zero_crossings_from(const Partition& partition, ConstView B, Arena& arena) const {
   const int r = rank_, n = T_.rows();
   if (r == 0) return {};
   const Arena::Frame frame(arena);

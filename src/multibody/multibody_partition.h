@@ -69,11 +69,11 @@ class Tangent {
   int sign() const { return sign_; }
   // Of the constraints on the straight way from rows B at another point to C: how many combinations of them vanish,
   // each once, which is where sB + (1 - s) C is singular on Q2, and the row that turns most.
-  struct Passage {
+  struct ZeroCrossings {
     int count = 0;
     int row = -1;
   };
-  Passage passage_from(const Partition& partition, ConstView B, Arena& arena) const;
+  ZeroCrossings zero_crossings_from(const Partition& partition, ConstView B, Arena& arena) const;
 
  private:
   bool invert(const Partition& partition, View C2);
