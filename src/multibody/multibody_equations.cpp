@@ -3,7 +3,6 @@
 #include "multibody/multibody_equations.h"
 
 #include <cmath>
-#include <utility>
 
 namespace sfdae::core {
 
@@ -17,25 +16,24 @@ void MultibodyEquations::set_ranks(const MultibodyRanks& ranks) {
   along_tangents_ = r > 0 && worthwhile * along < whole;
 }
 
-PointStatus MultibodyEquations::status_of(CallbackError error) {
-  error_ = std::move(error);
-  return error_.status == SFDAE_OK ? PointStatus::ok : PointStatus::callback_error;
-}
-
 PointStatus MultibodyEquations::constraints(MultibodyPoint& point) {
-  return status_of(problem_.constraints(point.t, point.q.data(), point.terms.g.data()));
+  error_ = problem_.constraints(point.t, point.q.data(), point.terms.g.data());
+  return status();
 }
 
 PointStatus MultibodyEquations::at_position(MultibodyPoint& point) {
-  return status_of(problem_.at_position(point.t, point.q.data(), point.terms));
+  error_ = problem_.at_position(point.t, point.q.data(), point.terms);
+  return status();
 }
 
 PointStatus MultibodyEquations::at_velocity(MultibodyPoint& point) {
-  return status_of(problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms));
+  error_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
+  return status();
 }
 
 PointStatus MultibodyEquations::derivatives(const MultibodyPoint& point, MultibodyJacobian& jacobian) {
-  return status_of(problem_.linearize(point.state(), point.terms, jacobian));
+  error_ = problem_.linearize(point.state(), point.terms, jacobian);
+  return status();
 }
 
 PointStatus MultibodyEquations::evaluate(MultibodyPoint& point, const Partition& partition) {

@@ -42,7 +42,7 @@ class MultibodyEquations {
   PointStatus accelerations(MultibodyPoint& point, const Partition& partition, Tangent& tangent, Arena& arena);
 
  private:
-  PointStatus status_of(CallbackError error);
+  PointStatus status() const { return error_.status == SFDAE_OK ? PointStatus::ok : PointStatus::callback_error; }
 
   MultibodyProblem& problem_;
   CallbackError& error_;

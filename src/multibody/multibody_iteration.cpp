@@ -67,26 +67,22 @@ PointStatus MultibodyIteration::evaluate_stage(int i) {
   status = equations.accelerations(point, form.velocities(), tangents.of_velocities(), arena);
   if (status != PointStatus::ok) return status;
   std::copy_n(point.mu.data(), stages.mu.rows, stages.mu.column(i));
-  const Arena::Frame frame(arena);
-  double* residuals = arena.take(index(stages.mu.rows));
   double* particular = stages.particular.column(i);
-  point.velocity_residuals(residuals);
-  form.particular(tangents, {point.terms.g.data(), residuals}, particular, arena);
+  point.velocity_residuals(stages.residuals.data());
+  form.particular(tangents, {point.terms.g.data(), stages.residuals.data()}, particular, arena);
   form.moved_rates(point, particular, stages.rates.column(i), arena);
   std::copy(point.a.begin(), point.a.end(), stages.a.column(i));
   return PointStatus::ok;
 }
 
-// Of the guess of stage i.
+// Of the guess of stage i; there are no changes yet, and their place is free.
 void MultibodyIteration::start_moves(int i) {
   const auto& [s, method, h, c, w] = discretization_;
-  auto& [equations, linearization, noise, stages, arena] = parts_;
-  const int size = stages.qv.rows;
+  MultibodyStages& stages = parts_.stages;
   const double* qv = stages.qv.column(i);
-  const Arena::Frame frame(arena);
-  double* move = arena.take(index(size));
-  for (int k = 0; k < size; ++k) move[k] = method != nullptr ? qv[k] - w[k] : c * qv[k] + w[k];
-  linearization.form().project(move, stages.moves.column(i));
+  double* change = stages.changes.column(i);
+  for (int k = 0; k < stages.qv.rows; ++k) change[k] = method != nullptr ? qv[k] - w[k] : c * qv[k] + w[k];
+  parts_.linearization.form().project(change, stages.moves.column(i));
 }
 
 // r := Q1^T (q', v') - Q1^T D_h w

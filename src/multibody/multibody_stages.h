@@ -49,10 +49,13 @@ struct MultibodyStages {
     mu.rows = sizes.constraints();
     for (auto* columns : {&moves, &r, &z}) columns->rows = differential;
     point.resize(sizes);
+    residuals.assign(index(sizes.constraints()) + 1, 0.0);
+    times.clear();
   }
   void reserve(int s, const MultibodyForm& form) {
+    if (times.size() >= index(s)) return;
+    times.resize(index(s));
     while (tangents.size() < index(s)) form.resize_tangents(tangents.emplace_back());
-    if (times.size() < index(s)) times.resize(index(s));
     for (auto* columns : {&qv, &particular, &changes, &rates, &a, &mu, &moves, &r, &z}) columns->reserve(s);
   }
 
@@ -65,7 +68,8 @@ struct MultibodyStages {
   MultibodyColumns moves;       // Q1^T (w_i - w); without a method Q1^T D_h w
   MultibodyColumns r, z;        // residuals and changes in local coordinates
   std::vector<Tangents> tangents;
-  MultibodyPoint point;  // where something is evaluated just now
+  MultibodyPoint point;           // where something is evaluated just now
+  std::vector<double> residuals;  // C v + r there
 };
 
 }  // namespace sfdae::core
