@@ -12,6 +12,7 @@
 #include "linalg/matrix.h"
 #include "multibody/multibody_partition.h"
 #include "multibody/multibody_problem.h"
+#include "multibody/multibody_tangent.h"
 
 namespace sfdae::core {
 
