@@ -11,7 +11,7 @@
  *
  * sfdae.h has the conventions, and includes this header.
  */
-#include <sfdae/sfdae.h> /* before the guard: whichever of the headers is included first, this one is read second */
+#include <sfdae/sfdae.h> /* before the guard: whichever of the headers is included first, sfdae.h is read first */
 
 #ifndef SFDAE_EXPRESSION_H
 #define SFDAE_EXPRESSION_H

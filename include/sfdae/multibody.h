@@ -27,7 +27,7 @@
  *
  * sfdae.h has the conventions, and includes this header.
  */
-#include <sfdae/sfdae.h> /* before the guard: whichever of the headers is included first, this one is read last */
+#include <sfdae/sfdae.h> /* before the guard: whichever of the headers is included first, sfdae.h is read first */
 
 #ifndef SFDAE_MULTIBODY_H
 #define SFDAE_MULTIBODY_H

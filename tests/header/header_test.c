@@ -3,6 +3,7 @@
  * along, can be read twice, and its constants are integers. */
 #include HEADER
 
+#include <sfdae/events.h>
 #include <sfdae/expression.h>
 #include <sfdae/multibody.h>
 #include <sfdae/sfdae.h>
@@ -12,6 +13,7 @@ int product(sfdae_record* record, sfdae_expression t, const sfdae_expression* x,
             sfdae_expression* residual, void* user);
 sfdae_equations_function equations_of(const sfdae_nonlinear_problem* problem);
 int is_orthogonal(const sfdae_multibody_problem* problem);
+int watch(sfdae_solver* solver, sfdae_event_function function);
 
 int status_of(sfdae_solver** solver, const sfdae_linear_problem* problem) {
   switch (sfdae_create_linear(solver, problem, NULL)) {
@@ -39,4 +41,8 @@ int is_orthogonal(const sfdae_multibody_problem* problem) {
     case SFDAE_COORDINATES_PERMUTATION: return 0;
     default: return -1;
   }
+}
+
+int watch(sfdae_solver* solver, sfdae_event_function function) {
+  return sfdae_set_events(solver, 1, function, NULL, NULL);
 }
