@@ -22,13 +22,12 @@ namespace sfdae::core {
 
 class MultibodyForm {
  public:
-  // Room, and the ranks of g_q and C.
+  // Memory for these sizes, and the ranks of g_q and C.
   void resize(const MultibodySizes& sizes, int position_rank, int velocity_rank);
   // By which ranks are decided; 0: by rounding errors.
   void set_rank_tol(double rank_tol) { positions_.rank_tol = velocities_.rank_tol = rank_tol; }
 
   int unknowns() const { return dq_ + dv_; }
-  int position_unknowns() const { return dq_; }
   const Partition& positions() const { return positions_; }
   const Partition& velocities() const { return same_rows_ ? positions_ : velocities_; }
   const Tangents& tangents() const { return tangents_; }
@@ -43,7 +42,7 @@ class MultibodyForm {
   void judge(const MultibodyPoint& point, Arena& arena, int& row, double& rest) const;
   // T and N at a point; false if the partition does not fit it at all.
   bool build_tangents(const MultibodyPoint& point, Tangents& tangents, Arena& arena) const;
-  // The same without T.
+  // N alone at a point; false if the partition does not fit it at all.
   bool fit_tangents(const MultibodyPoint& point, Tangents& tangents) const;
   // For the point of the linearization.
   bool build_tangents(const MultibodyPoint& point, Arena& arena) { return build_tangents(point, tangents_, arena); }
@@ -60,7 +59,7 @@ class MultibodyForm {
   }
   // (y, z) of (q, v).
   void project(const double* qv, double* yz) const;
-  // The same for columns.
+  // (y, z) of (q, v), a column for each point.
   void project(ConstView qv, View yz) const;
   // dq, dv := -N (residuals), both residuals complete, N from some point nearby.
   struct Residuals {
@@ -74,7 +73,7 @@ class MultibodyForm {
   void rates(ConstView rates, ConstView a, ConstView changes, View yz) const;
   // qv := (T_q y, T_v z - N_v (C v + r)_q T_q y), a column for each point; T and N from these points.
   void expand(const Tangents* tangents, ConstView yz, View qv, Arena& arena) const;
-  // The same with T and N from the linearization.
+  // qv := (T_q y, T_v z - N_v (C v + r)_q T_q y), a column for each point; T and N from the linearization.
   void expand(ConstView yz, View qv) const;
 
  private:

@@ -17,7 +17,7 @@ namespace sfdae::core {
 
 class MultibodyLinearization {
  public:
-  // Room.
+  // Memory for these sizes.
   void resize(const MultibodySizes& sizes, const MultibodySettings& settings);
 
   // Another point, with its terms or with those that a partition needs; what was linearized holds no longer.

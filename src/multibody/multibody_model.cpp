@@ -78,6 +78,7 @@ ConsistentPoint MultibodyModel::make_consistent(MultibodySystem& system, const P
 // given have to fit.
 void MultibodyModel::keep_fixed(const ConsistencyRequest& request, const PointOfInterest& given,
                                 std::vector<double>& x) const {
+  // Relative to the largest force. Accelerations lose digits by their condition; no figures were recorded.
   constexpr double fixed_tolerance = 1e-9;
   if (request.kind != InitialValues::fixed) return;
   const std::size_t size = index(problem_->sizes().positions + problem_->sizes().velocities);

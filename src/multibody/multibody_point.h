@@ -16,7 +16,7 @@
 
 namespace sfdae::core {
 
-// Nothing is evaluated there.
+// (t, q, v), where nothing is evaluated.
 struct MultibodyPhasePoint {
   double t = 0.0;
   std::vector<double> q, v;
@@ -48,10 +48,10 @@ class MultibodyPoint {
   bool factor(const std::vector<int>& rows, int rank);
   // a and mu from terms.
   void solve_accelerations(const std::vector<int>& rows, int rank);
-  // The same for a diagonal mass of positive entries that do not differ too much: (C M^-1 C^T) mu = C M^-1 f + s.
+  // a and mu for a diagonal mass of positive entries that do not differ too much: (C M^-1 C^T) mu = C M^-1 f + s.
   // False if it is none, or that matrix is singular.
   bool solve_by_masses(const Partition& partition, const Tangent& tangent, Arena& arena);
-  // The same without K: a = T y - N s with T^T M T y = T^T (f + M N s), which is cheaper where few directions are
+  // a and mu without K: a = T y - N s with T^T M T y = T^T (f + M N s), which is cheaper where few directions are
   // free. False if T^T M T is singular.
   bool solve_along(const Partition& partition, const Tangent& tangent, Arena& arena);
   // (y; z) := K^-1 (y; z)

@@ -54,8 +54,8 @@ void MultibodyProjection::set_weights(const double* inverse_weights) {
 // The tangent of the linearization serves while it is good enough.
 PointStatus MultibodyProjection::project_positions(MultibodyPoint& point, MultibodyEquations& equations,
                                                    const MultibodyForm& form, Arena& arena) {
-  // Iterations; changes in roundings, and so small that they are rounding errors once they do not decrease; a rate
-  // beyond which N is computed anew; what is as good as none in units of the tolerance. Chosen to be safe: no figures
+  // Iterations; relative changes that are roundings, and those that are rounding errors once they do not decrease; the
+  // rate from which on N is computed anew; changes, in units of the tolerance, that are as good as none. No figures
   // were recorded.
   constexpr int most = 12;
   constexpr double negligible = 2.0 * unit_roundoff, small = 1e-11, slow = 1e-2, far_below_tolerance = 1e-3;
@@ -94,6 +94,7 @@ PointStatus MultibodyProjection::project_positions(MultibodyPoint& point, Multib
 // change is a rounding error.
 PointStatus MultibodyProjection::project_velocities(MultibodyPoint& point, MultibodyEquations& equations,
                                                     const MultibodyForm& form, Arena& arena) {
+  // Relative to v: some hundred roundings. No figures were recorded.
   constexpr double negligible = 1e-13;
   const int nv = static_cast<int>(point.v.size());
   const Arena::Frame frame(arena);

@@ -1,7 +1,7 @@
 // The stages of a step of a mechanical system, a column of numbers for each: values, changes of an iteration, and
 // what these are computed from. A step at one point has one.
 //
-// Room grows with the number of stages and is kept.
+// Memory grows with the number of stages and is kept.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -188,14 +188,14 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
   return PointStatus::ok;
 }
 
-bool MultibodySystem::is_point(const MultibodyPoint& point, const double* x) const {
+bool MultibodySystem::is_at(const MultibodyPoint& point, const double* x) const {
   return point.t == t_ && std::equal(point.q.begin(), point.q.end(), x) &&
          std::equal(point.v.begin(), point.v.end(), x + sizes_.positions);
 }
 
 // What later steps depend on stays as it is: points that are asked for must not change those that follow.
 void MultibodySystem::restore(const double*, const double* x_free, double* x) {
-  if (is_point(accepted_, x_free)) return copy_unknowns(accepted_, x);
+  if (is_at(accepted_, x_free)) return copy_unknowns(accepted_, x);
   is_end_new_ = false;
   end_.set(t_, x_free, x_free + sizes_.positions);
   const PointStatus status = project(end_);
@@ -209,7 +209,7 @@ void MultibodySystem::restore(const double*, const double* x_free, double* x) {
 // With a and mu known. Throws Failure.
 const MultibodyPoint& MultibodySystem::point_at(const double* x) {
   for (const MultibodyPoint* point : {&accepted_, &end_})
-    if (is_point(*point, x)) return *point;
+    if (is_at(*point, x)) return *point;
   is_end_new_ = false;
   end_.set(t_, x, x + sizes_.positions);
   const PointStatus status = equations_.evaluate(end_, partition());
@@ -228,7 +228,7 @@ void MultibodySystem::correct_derivative(double, const double* x, double* xdot) 
 }
 
 bool MultibodySystem::exact_derivative(const double* x, double* xdot) {
-  // Steps of BDF have c = alpha / h with alpha between 1 and 2.5: about the step, and some more of it.
+  // Steps h of BDF have c = alpha / h with alpha between 1 and 2.3: 3 / c is a step or some more.
   constexpr double steps = 3.0;
   const MultibodyPoint& point = point_at(x);
   const int nc = sizes_.constraints();

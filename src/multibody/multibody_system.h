@@ -84,7 +84,7 @@ class MultibodySystem final : public DaeSystem {
   }
   PointStatus solve_points(const MultibodyDiscretization& discretization, const Guess& guess);
   PointStatus iterate_from(const MultibodyDiscretization& discretization, const Guess& guess, bool linearizes);
-  bool is_point(const MultibodyPoint& point, const double* x) const;
+  bool is_at(const MultibodyPoint& point, const double* x) const;
   const MultibodyPoint& point_at(const double* x);
   void rebuild(const MultibodyPhasePoint& linearized, double c);
 
