@@ -16,6 +16,11 @@ namespace {
 
 std::string singular_message(double t) { return format("[M C^T; C 0] is singular at t = %.15g.", t); }
 
+bool is_at(const MultibodyPoint& point, double t, const double* x) {
+  return point.t == t && std::equal(point.q.begin(), point.q.end(), x) &&
+         std::equal(point.v.begin(), point.v.end(), x + point.q.size());
+}
+
 // x = (q, v, mu)
 void copy_unknowns(const MultibodyPoint& point, double* x) {
   double* v = std::copy(point.q.begin(), point.q.end(), x);
@@ -96,14 +101,11 @@ void MultibodySystem::accept() {
 
 PointStatus MultibodySystem::linearize(double t, const double* q, const double* v) {
   PointStatus status = linearization_.move_to(t, q, v, equations_);
-  if (status == PointStatus::ok && !monitor_.fits(linearization_, arena_)) status = choose_partition();
+  if (status == PointStatus::ok && !monitor_.fits(linearization_, arena_))
+    status = monitor_.choose(linearization_, accepted_, projection_, arena_);
   if (status == PointStatus::ok) status = linearization_.build(equations_, arena_);
   if (status == PointStatus::ok) noise_.measure(linearization_.point(), linearization_.form(), arena_);
   return status;
-}
-
-PointStatus MultibodySystem::choose_partition() {
-  return monitor_.choose(linearization_, accepted_, projection_, arena_);
 }
 
 // From the predicted x of each point. The middle one is where one linearization serves all of them best.
@@ -188,14 +190,9 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
   return PointStatus::ok;
 }
 
-bool MultibodySystem::is_at(const MultibodyPoint& point, const double* x) const {
-  return point.t == t_ && std::equal(point.q.begin(), point.q.end(), x) &&
-         std::equal(point.v.begin(), point.v.end(), x + sizes_.positions);
-}
-
 // What later steps depend on stays as it is: points that are asked for must not change those that follow.
 void MultibodySystem::restore(const double*, const double* x_free, double* x) {
-  if (is_at(accepted_, x_free)) return copy_unknowns(accepted_, x);
+  if (is_at(accepted_, t_, x_free)) return copy_unknowns(accepted_, x);
   is_end_new_ = false;
   end_.set(t_, x_free, x_free + sizes_.positions);
   const PointStatus status = project(end_);
@@ -209,7 +206,7 @@ void MultibodySystem::restore(const double*, const double* x_free, double* x) {
 // With a and mu known. Throws Failure.
 const MultibodyPoint& MultibodySystem::point_at(const double* x) {
   for (const MultibodyPoint* point : {&accepted_, &end_})
-    if (is_at(*point, x)) return *point;
+    if (is_at(*point, t_, x)) return *point;
   is_end_new_ = false;
   end_.set(t_, x, x + sizes_.positions);
   const PointStatus status = equations_.evaluate(end_, partition());
@@ -335,7 +332,7 @@ void MultibodySystem::rebuild(const MultibodyPhasePoint& linearized, double c) {
   accepted_.measure_rows();
   end_ = accepted_;
   demand(linearization_.move_to_position(origin.t, origin.q.data(), origin.v.data(), equations_));
-  demand(choose_partition());
+  demand(monitor_.choose(linearization_, accepted_, projection_, arena_));
   monitor_.restore(orientation, partitions);
   demand(linearize(linearized.t, linearized.q.data(), linearized.v.data()));
   linearization_.set_valid(was_valid);

@@ -78,13 +78,11 @@ class MultibodySystem final : public DaeSystem {
  private:
   void resize();
   PointStatus linearize(double t, const double* q, const double* v);
-  PointStatus choose_partition();
   PointStatus project(MultibodyPoint& point) {
     return projection_.project(point, equations_, linearization_.form(), arena_);
   }
   PointStatus solve_points(const MultibodyDiscretization& discretization, const Guess& guess);
   PointStatus iterate_from(const MultibodyDiscretization& discretization, const Guess& guess, bool linearizes);
-  bool is_at(const MultibodyPoint& point, const double* x) const;
   const MultibodyPoint& point_at(const double* x);
   void rebuild(const MultibodyPhasePoint& linearized, double c);
 
