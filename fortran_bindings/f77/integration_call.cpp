@@ -199,8 +199,8 @@ int IntegrationCall::go_on() {
   } catch (const core::Failure&) {
     return user_.callback_error() != SFDAE_OK ? code_of(user_.callback_error()) : code::bad_info;
   }
-  const core::Stepper& stepper = integration_->stepper();
-  const int result = check_continuation(arguments_, options_, t_, stepper.t(), integration_->direction());
+  const double t_reached = integration_->stepper().state().t;
+  const int result = check_continuation(arguments_, options_, t_, t_reached, integration_->direction());
   return result == code::ok ? advance() : result;
 }
 
@@ -233,10 +233,11 @@ int IntegrationCall::advance() {
   const long points_before = user_.points();
   arguments_.iwork.set(steps_before, integration_->counts().steps);
   const core::Stepper& stepper = integration_->stepper();
+  const double t_reached = stepper.state().t;
   core::CallResult result;
-  if (!has_passed_tout(stepper.t()) && has_zero_weight(stepper.x().data())) {
+  if (!has_passed_tout(t_reached) && has_zero_weight(stepper.x().data())) {
     result.status = SFDAE_STOPPED;
-    t_ = stepper.t();
+    t_ = t_reached;
     x_ = stepper.x();
     std::copy_n(arguments_.xprime, xdot_.size(), xdot_.data());
   } else {
@@ -339,19 +340,19 @@ void IntegrationCall::publish_values() {
 }
 
 void IntegrationCall::publish_counts(long points) const {
-  const core::Stepper& stepper = integration_->stepper();
+  const core::StepState state = integration_->stepper().state();
   const core::IntegrationCounts counts = integration_->counts();
   const IntegerArray& iwork = arguments_.iwork;
-  iwork.set(next_order, stepper.next_order());
-  iwork.set(last_order, stepper.order());
+  iwork.set(next_order, state.next_order);
+  iwork.set(last_order, state.last.order);
   iwork.set(steps, counts.steps);
   iwork.set(evaluations, iwork.get(evaluations) + points);
   iwork.set(factorizations, counts.factorizations);
   iwork.set(error_failures, counts.error_failures);
   iwork.set(other_failures, counts.other_failures);
-  arguments_.rwork(next_step) = stepper.next_step();
-  arguments_.rwork(last_step) = stepper.last_step();
-  arguments_.rwork(t_internal) = stepper.t();
+  arguments_.rwork(next_step) = state.next_step;
+  arguments_.rwork(last_step) = state.last.h;
+  arguments_.rwork(t_internal) = state.t;
 }
 
 }  // namespace sfdae::f77

@@ -256,7 +256,7 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     }
     if (solver->integration) {
       solver->integration->set_options(fresh.integration);
-      set_limits(*solver, solver->integration->stepper().t(), solver->integration->direction());
+      set_limits(*solver, solver->integration->stepper().state().t, solver->integration->direction());
     }
     return {};
   });
@@ -386,7 +386,8 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
         restore_checkpoint(solver->model, solver->options.model, solver->options.integration, checkpoint, length);
     solver->direction = solver->integration->direction();
     // Differences go on from where the integration started.
-    const double start = solver->problem().limit_behind(solver->direction), t = solver->integration->stepper().t();
+    const double start = solver->problem().limit_behind(solver->direction),
+                 t = solver->integration->stepper().state().t;
     set_limits(*solver, solver->options.model.differences.allowed && std::isfinite(start) ? start : t,
                solver->direction);
     return {};

@@ -166,7 +166,7 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
 }
 
 void Integration::restart_at_last_point(Method method) {
-  const double t = stepper_->t(), step = std::fabs(stepper_->next_step());
+  const double t = stepper_->state().t, step = std::fabs(stepper_->state().next_step);
   if (system_.move_to(t) == PointStatus::callback_error)
     throw Failure(system_.callback_error().status, system_.callback_error().message());
   const Vector x = stepper_->x();
@@ -187,18 +187,19 @@ CallResult Integration::run(double tout, bool one_step) {
   if (must_restart_ && !change_ && !has_passed(tout)) restart_at_last_point(method_);
   for (long attempts = 0; !has_passed(tout); ++attempts) {
     if (system_.stop_is_requested())
-      return {SFDAE_STOPPED, format("stopped on request at t = %.15g; the call can be repeated.", stepper_->t())};
+      return {SFDAE_STOPPED,
+              format("stopped on request at t = %.15g; the call can be repeated.", stepper_->state().t)};
     if (change_ && has_passed(change_->t_before)) return changed_result();
     if (attempts >= options_.max_steps)
       return {SFDAE_MAX_STEPS,
               format("%ld steps attempted without reaching tout = %.15g; t = %.15g. Call again, raise "
                      "max_steps, or loosen the tolerances.",
-                     options_.max_steps, tout, stepper_->t())};
+                     options_.max_steps, tout, stepper_->state().t)};
     if (weights_.rounding(stepper_->x().data()) > 1.0)
       return {SFDAE_TOLERANCE_TOO_SMALL,
               format("the tolerances are too small for the precision of the machine at t = %.15g: multiply them by "
                      "%.2g at least.",
-                     stepper_->t(), weights_.rounding(stepper_->x().data()))};
+                     stepper_->state().t, weights_.rounding(stepper_->x().data()))};
     if (is_better_off_with_bdf()) restart_at_last_point(Method::bdf);
     const long steps = counts_.steps;
     const auto result = attempt_step(tout);
@@ -218,7 +219,7 @@ bool Integration::is_better_off_with_bdf() const {
 }
 
 double Integration::smallest_step(double tout) const {
-  return 4.0 * 2.0 * unit_roundoff * std::max(std::fabs(stepper_->t()), std::fabs(tout));
+  return 4.0 * 2.0 * unit_roundoff * std::max(std::fabs(stepper_->state().t), std::fabs(tout));
 }
 
 std::optional<double> Integration::limit() const {
@@ -227,19 +228,19 @@ std::optional<double> Integration::limit() const {
 }
 
 double Integration::choose_step(double tout) const {
-  const double t = stepper_->t();
-  double h = std::fabs(stepper_->next_step());
+  const double t = stepper_->state().t;
+  double h = std::fabs(stepper_->state().next_step);
   // Without differential equations nothing accumulates: the solution at tout is one reduction away.
-  if (system_.differential() == 0 && stepper_->failures_in_a_row() == 0) h = std::fabs(tout - t);
+  if (system_.differential() == 0 && stepper_->state().failures_in_a_row == 0) h = std::fabs(tout - t);
   if (options_.max_step > 0.0) h = std::min(h, options_.max_step);
   return direction_ * h;
 }
 
 std::optional<CallResult> Integration::attempt_step(double tout) {
   double h = choose_step(tout);
-  const double t = stepper_->t();
+  const double t = stepper_->state().t;
   if (std::fabs(h) < smallest_step(tout)) {
-    if (stepper_->failures_in_a_row() > 0) return step_too_small(StepOutcome::error_too_large);
+    if (stepper_->state().failures_in_a_row > 0) return step_too_small(StepOutcome::error_too_large);
     h = direction_ * smallest_step(tout);
   }
   // No tiny rest before a limit, and not a bit beyond.
@@ -250,8 +251,8 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   // interpolation would not be accurate this is the cheapest way, too.
   constexpr double nearly = 1e-4;
   double uncut = 0.0;
-  const bool may_land =
-      (options_.never_pass_output || !stepper_->interpolates_well()) && !(end && (tout - *end) * direction_ > 0.0);
+  const bool may_land = (options_.never_pass_output || !stepper_->state().interpolates_well) &&
+                        !(end && (tout - *end) * direction_ > 0.0);
   if (may_land && (target - tout) * direction_ > -nearly * std::fabs(h)) {
     uncut = h;
     target = tout;
@@ -278,7 +279,7 @@ std::optional<CallResult> Integration::accept_step(double h) {
   }
   counts_.inconsistency = std::max(counts_.inconsistency, inconsistency);
   if (!change_ && watch_) {
-    change_ = watch_->find(stepper_->t());
+    change_ = watch_->find(stepper_->state().t);
     if (change_) {
       stepper_->withdraw();
       stepper_->set_next_step(h);
@@ -295,11 +296,12 @@ std::optional<CallResult> Integration::accept_step(double h) {
   output_rate_ += forgetting * (outputs_ - output_rate_);
   outputs_ = 0;
   if (options_.monitor != nullptr) {
-    const sfdae_progress progress{sizeof(sfdae_progress), stepper_->t(),       h, stepper_->order(), counts_.steps,
-                                  system_.unknowns(),     stepper_->x().data()};
+    const sfdae_progress progress{sizeof(sfdae_progress),       stepper_->state().t, h,
+                                  stepper_->state().last.order, counts_.steps,       system_.unknowns(),
+                                  stepper_->x().data()};
     if (options_.monitor(&progress, options_.monitor_user) != 0)
-      return CallResult{SFDAE_STOPPED,
-                        format("stopped by the monitor at t = %.15g; the call can be repeated.", stepper_->t())};
+      return CallResult{SFDAE_STOPPED, format("stopped by the monitor at t = %.15g; the call can be repeated.",
+                                              stepper_->state().t)};
   }
   return std::nullopt;
 }
@@ -321,13 +323,14 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
     }
     case StepOutcome::changed:
       if (std::fabs(h) > smallest_step(tout) * 64.0) {
-        if (watch_) change_ = watch_->locate(stepper_->t(), stepper_->tried_t());
+        if (watch_) change_ = watch_->locate(stepper_->state().t, stepper_->state().tried_t);
         if (change_) {
           stepper_->withdraw();
           return std::nullopt;
         }
       } else {
-        change_ = LocatedChange{stepper_->t(), stepper_->tried_t(), system_.values_at(stepper_->tried_t())};
+        change_ = LocatedChange{stepper_->state().t, stepper_->state().tried_t,
+                                system_.values_at(stepper_->state().tried_t)};
         return std::nullopt;
       }
       break;
@@ -335,7 +338,8 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
   }
   ++counts_.other_failures;
   stepper_->reduce_after_failure(h);
-  if (stepper_->failures_in_a_row() > max_point_failures || std::fabs(stepper_->next_step()) < smallest_step(tout))
+  if (stepper_->state().failures_in_a_row > max_point_failures ||
+      std::fabs(stepper_->state().next_step) < smallest_step(tout))
     return step_too_small(outcome);
   return std::nullopt;
 }
@@ -343,9 +347,9 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
 CallResult Integration::step_too_small(StepOutcome outcome) {
   if (change_) return changed_result();
   must_restart_ = true;
-  const double t = stepper_->t();
+  const double t = stepper_->state().t;
   if (outcome == StepOutcome::changed) {
-    change_ = LocatedChange{t, stepper_->tried_t(), system_.values_at(stepper_->tried_t())};
+    change_ = LocatedChange{t, stepper_->state().tried_t, system_.values_at(stepper_->state().tried_t)};
     return changed_result();
   }
   if (outcome == StepOutcome::callback_error)
@@ -366,7 +370,7 @@ CallResult Integration::step_too_small(StepOutcome outcome) {
   std::string message = format(
       "the error test fails at t = %.15g with the smallest step, %.3g; the error sits in "
       "x[%d] = %.6g.",
-      t, stepper_->next_step(), i, stepper_->x()[index(i)]);
+      t, stepper_->state().next_step, i, stepper_->x()[index(i)]);
   if (weights_.tolerance(i, stepper_->x().data()) == 0.0) message += " Its tolerance is zero there: give it an atol.";
   else message += " The data may jump there, or the solution has a singularity: stop at such a point and restart.";
   return {SFDAE_STEP_TOO_SMALL, message};
@@ -382,19 +386,19 @@ CallResult Integration::changed_result() const {
 
 void Integration::return_last_point(double& t, double* x, double* xdot) {
   if (options_.events != nullptr && options_.events->search.is_started()) return return_searched_point(t, x, xdot);
-  t = stepper_->t();
+  t = stepper_->state().t;
   std::copy(stepper_->x().begin(), stepper_->x().end(), x);
-  stepper_->interpolate(t, scratch_w_.data(), scratch_x_.data(), xdot);
+  stepper_->interpolate({t, scratch_w_.data(), scratch_x_.data(), xdot});
 }
 
 // The last point with its constraints fulfilled to rounding; as it is where that fails.
 void Integration::return_consistent_point(double& t, double* x, double* xdot) {
   return_last_point(t, x, xdot);
-  if (system_.is_linear() || t != stepper_->t()) return;
+  if (system_.is_linear() || t != stepper_->state().t) return;
   try {
     if (system_.move_to(t) != PointStatus::ok) return;
     system_.restore(nullptr, stepper_->x().data(), x);
-    if (wants_slopes_) system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
+    if (wants_slopes_) system_.correct_derivative(stepper_->state().last.leading_coefficient, x, xdot);
   } catch (const Failure&) {
     std::copy(stepper_->x().begin(), stepper_->x().end(), x);
   }
@@ -410,13 +414,12 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
 
 void Integration::evaluate(double tout, bool may_refine, double* x, double* xdot) {
   Vector& x_free = scratch_x_;
-  stepper_->interpolate(tout, scratch_w_.data(), x_free.data(), xdot);
-  const bool at_step = tout == stepper_->t();
+  const PointValues point{tout, scratch_w_.data(), x_free.data(), xdot};
+  stepper_->interpolate(point);
+  const bool at_step = tout == stepper_->state().t;
   if (!(at_step && system_.t() == tout)) {
     const auto move = [&] {
-      return at_step || !may_refine
-                 ? system_.move_to(tout)
-                 : stepper_->refine(system_, weights_, tout, scratch_w_.data(), x_free.data(), xdot);
+      return at_step || !may_refine ? system_.move_to(tout) : stepper_->refine(system_, weights_, point);
     };
     PointStatus status = move();
     // There is no other point to try; the same one again helps where a function failed for reasons that have passed.
@@ -448,13 +451,13 @@ void Integration::evaluate(double tout, bool may_refine, double* x, double* xdot
         SFDAE_CHARACTERISTICS_CHANGED,
         format("the characteristic values known do not hold at t = %.15g any more: they have changed since t = "
                "%.15g or before. Analyze the problem after the change.",
-               tout, stepper_->t() - stepper_->last_step()));
+               tout, stepper_->state().t - stepper_->state().last.h));
   // The slope of a polynomial of high degree over a long step is not as accurate as x is.
   const bool is_within_long_step = method_ == Method::radau && !at_step && wants_slopes_;
   if (!wants_slopes_ && !system_.is_linear()) std::fill_n(xdot, system_.unknowns(), 0.0);
   else if (system_.differential() == 0) system_.consistent_derivative(x, direction_, xdot);
   else if (!(is_within_long_step && system_.exact_derivative(x, xdot)))
-    system_.correct_derivative(stepper_->leading_coefficient(), x, xdot);
+    system_.correct_derivative(stepper_->state().last.leading_coefficient, x, xdot);
   const std::size_t n = index(system_.unknowns());
   if (!all_finite(xdot, n)) system_.consistent_derivative(x, direction_, xdot);
   if (!all_finite(x, n) || !all_finite(xdot, n))

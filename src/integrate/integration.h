@@ -110,7 +110,7 @@ class Integration {
   std::optional<CallResult> handle_failure(StepOutcome outcome, double h, double tout);
   CallResult step_too_small(StepOutcome outcome);
   CallResult changed_result() const;
-  bool has_passed(double t) const { return (stepper_->t() - t) * direction_ >= 0.0; }
+  bool has_passed(double t) const { return (stepper_->state().t - t) * direction_ >= 0.0; }
 
   class StepValues;
 

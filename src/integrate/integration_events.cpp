@@ -80,7 +80,7 @@ class Integration::StepValues final : public EventValues {
     // Without differential equations steps go anywhere at once, and a polynomial says nothing.
     if (integration_.system_.differential() == 0) return false;
     Events::Point& rough = events_.rough;
-    integration_.stepper_->interpolate(t, integration_.scratch_w_.data(), rough.x.data(), rough.xdot.data());
+    integration_.stepper_->interpolate({t, integration_.scratch_w_.data(), rough.x.data(), rough.xdot.data()});
     if (!all_finite(rough.x.data(), rough.x.size()) || !all_finite(rough.xdot.data(), rough.xdot.size()))
       return false;
     const int status = call(events_, t, rough, events_.g_rough);
@@ -155,10 +155,10 @@ class Integration::StepValues final : public EventValues {
 // Half of the points that a polynomial of the step's order can swing through, at least; more follow where g bends. Steps
 // without differential equations are not limited by anything: there the points are those of a search.
 int Integration::halvings_for_events(double from, double to) const {
-  const int order = stepper_->order();
+  const int order = stepper_->state().last.order;
   if (system_.differential() == 0) return 5;
   const int whole = order <= 2 ? 2 : order <= 5 ? 3 : 4;
-  const double part = std::fabs((to - from) / stepper_->last_step());
+  const double part = std::fabs((to - from) / stepper_->state().last.h);
   return part < 1.0 ? std::max(1, whole + std::max(-whole, static_cast<int>(std::ceil(std::log2(part))))) : whole;
 }
 
@@ -167,14 +167,14 @@ int Integration::halvings_for_events(double from, double to) const {
 void Integration::refine_for_events() {
   Events& events = *options_.events;
   for (double part : {0.5, 0.25, 0.75}) {
-    const int before = stepper_->refined_points();
-    const double t = stepper_->t() - part * stepper_->last_step();
-    stepper_->interpolate(t, scratch_w_.data(), events.rough.x.data(), events.rough.xdot.data());
-    const PointStatus status =
-        stepper_->refine(system_, weights_, t, scratch_w_.data(), events.rough.x.data(), events.rough.xdot.data());
+    const int before = stepper_->state().refined_points;
+    const double t = stepper_->state().t - part * stepper_->state().last.h;
+    const PointValues point{t, scratch_w_.data(), events.rough.x.data(), events.rough.xdot.data()};
+    stepper_->interpolate(point);
+    const PointStatus status = stepper_->refine(system_, weights_, point);
     if (status == PointStatus::callback_error && !system_.callback_error().is_recoverable())
       throw Failure(system_.callback_error().status, system_.callback_error().message());
-    if (stepper_->refined_points() == before) return;
+    if (stepper_->state().refined_points == before) return;
   }
 }
 
@@ -190,13 +190,14 @@ std::optional<CallResult> Integration::search_events(double tout) {
   if (options_.events == nullptr) return std::nullopt;
   Events& events = *options_.events;
   if (!events.search.is_started()) start_events();
-  const double from = events.search.t(), to = has_passed(tout) ? tout : stepper_->t();
+  const double from = events.search.t(), to = has_passed(tout) ? tout : stepper_->state().t;
   if (!((to - from) * direction_ > 0.0)) return std::nullopt;
-  const bool is_new_step = std::fabs(stepper_->t() - from) >= (1.0 - 1e-10) * std::fabs(stepper_->last_step());
+  const bool is_new_step =
+      std::fabs(stepper_->state().t - from) >= (1.0 - 1e-10) * std::fabs(stepper_->state().last.h);
   StepValues values(*this);
   if (is_new_step && method_ == Method::radau && system_.differential() > 0) {
     refine_for_events();
-    values.measure_rough_error(stepper_->t() - 0.4 * stepper_->last_step());
+    values.measure_rough_error(stepper_->state().t - 0.4 * stepper_->state().last.h);
   }
   if (!events.search.search(values, to, halvings_for_events(from, to))) return std::nullopt;
   return CallResult{SFDAE_EVENT, format("event at t = %.15g: sfdae_get_events reports which. Advance again to go on.",
@@ -215,7 +216,7 @@ void Integration::return_searched_point(double& t, double* x, double* xdot) cons
 }
 
 CallResult Integration::interpolate(double t, double* x, double* xdot) {
-  const double end = stepper_->t(), start = end - stepper_->last_step();
+  const double end = stepper_->state().t, start = end - stepper_->state().last.h;
   if ((t - start) * direction_ < 0.0 || (end - t) * direction_ < 0.0)
     return {SFDAE_ILLEGAL_ARGUMENT,
             format("t = %.15g lies outside of the last step, from %.15g to %.15g.", t, start, end)};
