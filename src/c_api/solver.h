@@ -13,7 +13,7 @@
 #include "c_api/checks.h"
 #include "c_api/problems.h"
 #include "integrate/checkpoint.h"
-#include "integrate/integration_events.h"
+#include "integrate/events.h"
 #include "problem/failure.h"
 #include "sfdae/sfdae.h"
 
