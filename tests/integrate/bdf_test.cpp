@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "c_api/problems.h"
 #include "family_run.h"
 #include "reduction/index_analysis.h"
 #include "system/linear_system.h"
@@ -22,7 +23,7 @@ using sfdae_test::LinearFamily;
 class BdfRun {
  public:
   BdfRun(std::shared_ptr<const LinearFamily> family, LeadingTerm leading, double h, int max_order)
-      : problem_(std::move(family)), linear_(problem_.problem), bdf_(max_order) {
+      : problem_(std::move(family)), linear_(functions_of(problem_.problem)), bdf_(max_order) {
     Arena arena;
     std::vector<RankDecision> decisions;
     IndexAnalysis analysis = analyze_index(linear_, 0.0, 1.0, {}, arena, decisions);
@@ -41,7 +42,7 @@ class BdfRun {
   }
 
   StepOutcome step(double h) {
-    const StepOutcome outcome = bdf_.attempt(*system_, bdf_.t() + h, weights_);
+    const StepOutcome outcome = bdf_.attempt(*system_, bdf_.state().t + h, weights_);
     if (outcome == StepOutcome::accepted) {
       bdf_.commit();
       system_->accept();
@@ -51,7 +52,7 @@ class BdfRun {
 
   double error() const {
     std::vector<double> exact(bdf_.x().size());
-    problem_.family().exact(bdf_.t(), exact.data(), nullptr);
+    problem_.family().exact(bdf_.state().t, exact.data(), nullptr);
     double worst = 0.0;
     for (std::size_t i = 0; i < exact.size(); ++i) worst = std::max(worst, std::fabs(bdf_.x()[i] - exact[i]));
     return worst;
