@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "integrate/determined_values.h"
 #include "integrate/event_signs.h"
-#include "integrate/event_values.h"
 
 namespace sfdae::core {
 

@@ -5,9 +5,9 @@
 
 #include <vector>
 
+#include "integrate/determined_values.h"
 #include "integrate/event_intervals.h"
 #include "integrate/event_signs.h"
-#include "integrate/event_values.h"
 #include "integrate/zero_location.h"
 #include "linalg/archive.h"
 

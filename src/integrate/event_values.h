@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
-#include <vector>
-
 namespace sfdae::core {
 
 class EventValues {
@@ -19,24 +16,6 @@ class EventValues {
   // The point determined last is a candidate; the last candidate becomes the point searched last.
   virtual void keep() = 0;
   virtual void accept() = 0;
-};
-
-// The values of a search, with the time that has been determined last.
-class DeterminedValues {
- public:
-  explicit DeterminedValues(EventValues& values) : values_(values) {}
-  EventValues& source() const { return values_; }
-  EventValues* operator->() const { return &values_; }
-  void determine(double t, bool may_improve, std::vector<double>& g) {
-    last_.reset();
-    values_.determine(t, may_improve, g.data());
-    last_ = t;
-  }
-  bool is_at(double t) const { return last_ == t; }
-
- private:
-  EventValues& values_;
-  std::optional<double> last_;
 };
 
 }  // namespace sfdae::core

@@ -153,7 +153,7 @@ CallResult Integration::interpolate(double t, double* x, double* xdot) {
 
 CallResult Integration::run(double tout, bool one_step) {
   if (auto event = search_events(tout)) return *event;
-  // The last call gave up with a step that tells nothing about the solution.
+  // The last call gave up with a step that says nothing about the solution.
   if (integrator_.must_restart && !change_ && !integrator_.has_passed(tout)) restart(integrator_.method);
   for (long attempts = 0; !integrator_.has_passed(tout); ++attempts) {
     if (auto stopped = obstacle(attempts, tout)) return *stopped;
@@ -323,9 +323,9 @@ CallResult Integration::give_up(StepOutcome outcome) {
 std::optional<CallResult> Integration::search_events(double tout) {
   if (options_.events == nullptr) return std::nullopt;
   const EventSearch& search = options_.events->search;
-  StepEvents events(*options_.events, integrator_, output_, options_);
-  if (!search.is_started()) events.start(last_returned_, span_);
-  if (!events.search(tout)) return std::nullopt;
+  const SearchedStep step{*options_.events, integrator_, output_, options_};
+  if (!search.is_started()) start_search(step, last_returned_, span_);
+  if (!search_step(step, tout)) return std::nullopt;
   return CallResult{
       SFDAE_EVENT, format("event at t = %.15g: sfdae_get_events reports which. Advance again to go on.", search.t())};
 }

@@ -28,14 +28,6 @@ constexpr double least_roundings = 4.0;
 
 }  // namespace
 
-bool Contradictions::tolerate(double inconsistency, const IntegrationOptions& options) {
-  if (!(inconsistency > options.consistency_tol)) return true;
-  if (!options.ignore_inconsistency) return false;
-  ignored_in_call = true;
-  largest = std::max(largest, inconsistency);
-  return true;
-}
-
 void Integrator::create(Method wanted, const IntegrationOptions& options) {
   method = wanted == Method::bdf ? Method::bdf : Method::radau;
   if (method == Method::bdf) stepper = std::make_unique<Bdf>();

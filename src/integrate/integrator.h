@@ -5,21 +5,13 @@
 #include <memory>
 #include <vector>
 
+#include "integrate/contradictions.h"
 #include "integrate/error_weights.h"
 #include "integrate/integration_options.h"
 #include "integrate/stepper.h"
 #include "system/dae_system.h"
 
 namespace sfdae::core {
-
-// Redundant equations that contradict each other.
-struct Contradictions {
-  // Whether the integration goes on in spite of the inconsistency, which is noted then.
-  bool tolerate(double inconsistency, const IntegrationOptions& options);
-
-  bool ignored_in_call = false;  // they were more than the user allows
-  double largest = 0.0;
-};
 
 struct Integrator {
   // direction: +1 or -1.
@@ -44,7 +36,7 @@ struct Integrator {
   std::unique_ptr<Stepper> stepper;
   ErrorWeights weights;
   double first_step = 0.0;  // the size that a start is tried with, unless the user gives one
-  // The history does not fit the system any more, or its next step tells nothing about the solution.
+  // The history does not fit the system any more, or its next step says nothing about the solution.
   bool must_restart = false;
   Contradictions contradictions;
 };

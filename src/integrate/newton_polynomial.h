@@ -64,7 +64,7 @@ void divided_differences(const Times& times, int count, std::size_t size, Column
       take_difference(column(i), column(i - 1), times[index(i)] - times[index(i - k)], size);
 }
 
-// The same for Hermite interpolation: columns 2i and 2i + 1 belong to one node, the slope of which stands in the latter.
+// Divided differences for Hermite interpolation, which replace values and slopes: columns 2i and 2i + 1 belong to one node, the slope of which stands in the latter.
 template <class Times, class Column>
 void hermite_differences(const Times& times, int count, std::size_t size, Column column) {
   // Slopes are divided differences of order 1 already, and stand where values of their nodes would.

@@ -58,10 +58,10 @@ Failure failure_of(int status, double t, const Vector& g) {
 
 bool StepEventValues::approximate(double t, double* g) {
   // Without differential equations steps go anywhere at once, and a polynomial says nothing.
-  if (integrator_.system.differential() == 0) return false;
+  if (step_.integrator.system.differential() == 0) return false;
   Events::Point& rough = events_.rough;
   Vector& values = events_.g_rough;
-  output_.interpolate(*integrator_.stepper, t, rough.x.data(), rough.xdot.data());
+  step_.output.interpolate(*step_.integrator.stepper, t, rough.x.data(), rough.xdot.data());
   if (!are_finite(rough.x) || !are_finite(rough.xdot)) return false;
   const int status = events_.evaluate(t, rough, values);
   stop_if_asked(t);
@@ -78,7 +78,7 @@ void StepEventValues::measure_rough_error(double t) {
   std::fill(error.begin(), error.end(), 0.0);
   if (!approximate(t, error.data())) return;
   Events::Point& now = events_.now;
-  output_.evaluate(integrator_, {t, false, false}, options_, now.x.data(), now.xdot.data());
+  step_.output.evaluate(step_.integrator, {t, false, false}, step_.options, now.x.data(), now.xdot.data());
   const Vector& g = events_.g_now;
   const bool is_known = events_.evaluate(t, now, events_.g_now) == 0 && are_finite(g);
   for (std::size_t i = 0; i < error.size(); ++i) {
@@ -90,7 +90,7 @@ void StepEventValues::measure_rough_error(double t) {
 
 void StepEventValues::determine(double t, bool may_improve, double* g) {
   Events::Point& now = events_.now;
-  output_.evaluate(integrator_, {t, may_improve, true}, options_, now.x.data(), now.xdot.data());
+  step_.output.evaluate(step_.integrator, {t, may_improve, true}, step_.options, now.x.data(), now.xdot.data());
   events_.t_now = t;
   const int status = events_.evaluate(t, now, events_.g_now);
   stop_if_asked(t);
@@ -113,7 +113,7 @@ void StepEventValues::rounding(double* noise) {
 }
 
 void StepEventValues::stop_if_asked(double t) const {
-  if (integrator_.system.stop_is_requested())
+  if (step_.integrator.system.stop_is_requested())
     throw Failure(SFDAE_STOPPED,
                   format("stopped on request in the event function at t = %.15g; the call can be repeated.", t));
 }

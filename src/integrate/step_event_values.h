@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <utility>
+
 #include "integrate/event_values.h"
 #include "integrate/events.h"
 #include "integrate/integrator.h"
@@ -9,10 +11,17 @@
 
 namespace sfdae::core {
 
+// A step along which events are searched.
+struct SearchedStep {
+  Events& events;
+  Integrator& integrator;
+  StepOutput& output;
+  const IntegrationOptions& options;
+};
+
 class StepEventValues final : public EventValues {
  public:
-  StepEventValues(Events& events, Integrator& integrator, StepOutput& output, const IntegrationOptions& options)
-      : events_(events), integrator_(integrator), output_(output), options_(options) {}
+  explicit StepEventValues(const SearchedStep& step) : step_(step), events_(step.events) {}
 
   bool approximate(double t, double* g) override;
   void determine(double t, bool may_improve, double* g) override;
@@ -28,10 +37,8 @@ class StepEventValues final : public EventValues {
  private:
   void stop_if_asked(double t) const;
 
+  SearchedStep step_;
   Events& events_;
-  Integrator& integrator_;
-  StepOutput& output_;
-  const IntegrationOptions& options_;
 };
 
 }  // namespace sfdae::core

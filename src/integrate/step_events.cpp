@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "integrate/step_event_values.h"
 #include "linalg/index.h"
 #include "linalg/rank.h"
 #include "problem/failure.h"
@@ -37,43 +36,45 @@ int halvings(const Integrator& integrator, double from, double to) {
   return part < 1.0 ? std::max(1, whole + std::max(-whole, static_cast<int>(std::ceil(std::log2(part))))) : whole;
 }
 
-}  // namespace
-
-void StepEvents::start(double t, double span) {
-  events_.resize(index(integrator_.system.unknowns()));
-  StepEventValues values(events_, integrator_, output_, options_);
-  events_.search.start(values, t, start_width * 2.0 * unit_roundoff * std::max(std::fabs(t), span));
-}
-
-bool StepEvents::search(double tout) {
-  const StepState state = integrator_.stepper->state();
-  const double from = events_.search.t(), to = integrator_.has_passed(tout) ? tout : state.t;
-  if (!((to - from) * integrator_.direction > 0.0)) return false;
-  StepEventValues values(events_, integrator_, output_, options_);
-  const bool is_new_step = std::fabs(state.t - from) >= whole_step * std::fabs(state.last.h);
-  if (is_new_step && integrator_.method == Method::radau && integrator_.system.differential() > 0) {
-    refine();
-    values.measure_rough_error(state.t - measured_part * state.last.h);
-  }
-  return events_.search.search(values, to, halvings(integrator_, from, to));
-}
-
 // Where a long step comes after short ones the polynomial may be too rough to show whether there are zeros: it costs
 // Radau one reduction a step to know, and the stages of up to three points to make up for it.
-void StepEvents::refine() {
-  const StepState state = integrator_.stepper->state();
-  const DaeSystem& system = integrator_.system;
-  Events::Point& rough = events_.rough;
+void refine_polynomial(const SearchedStep& step) {
+  const StepState state = step.integrator.stepper->state();
+  const DaeSystem& system = step.integrator.system;
+  Events::Point& rough = step.events.rough;
   int refined = state.refined_points;
   for (double part : {0.5, 0.25, 0.75}) {
     const PointStatus status =
-        output_.refine(integrator_, state.t - part * state.last.h, rough.x.data(), rough.xdot.data());
+        step.output.refine(step.integrator, state.t - part * state.last.h, rough.x.data(), rough.xdot.data());
     if (status == PointStatus::callback_error && !system.callback_error().is_recoverable())
       throw_callback_error(system);
-    const int now = integrator_.stepper->state().refined_points;
+    const int now = step.integrator.stepper->state().refined_points;
     if (now == refined) return;
     refined = now;
   }
+}
+
+}  // namespace
+
+void start_search(const SearchedStep& step, double t, double span) {
+  step.events.resize(index(step.integrator.system.unknowns()));
+  StepEventValues values(step);
+  step.events.search.start(values, t, start_width * 2.0 * unit_roundoff * std::max(std::fabs(t), span));
+}
+
+bool search_step(const SearchedStep& step, double tout) {
+  const Integrator& integrator = step.integrator;
+  EventSearch& search = step.events.search;
+  const StepState state = integrator.stepper->state();
+  const double from = search.t(), to = integrator.has_passed(tout) ? tout : state.t;
+  if (!((to - from) * integrator.direction > 0.0)) return false;
+  StepEventValues values(step);
+  const bool is_new_step = std::fabs(state.t - from) >= whole_step * std::fabs(state.last.h);
+  if (is_new_step && integrator.method == Method::radau && integrator.system.differential() > 0) {
+    refine_polynomial(step);
+    values.measure_rough_error(state.t - measured_part * state.last.h);
+  }
+  return search.search(values, to, halvings(integrator, from, to));
 }
 
 bool has_searched_to(const Events* events, double t) {

@@ -3,29 +3,14 @@
 #pragma once
 
 #include "integrate/events.h"
-#include "integrate/integrator.h"
-#include "integrate/step_output.h"
+#include "integrate/step_event_values.h"
 
 namespace sfdae::core {
 
-class StepEvents {
- public:
-  StepEvents(Events& events, Integrator& integrator, StepOutput& output, const IntegrationOptions& options)
-      : events_(events), integrator_(integrator), output_(output), options_(options) {}
-
-  // Begins at t; span: the interval of interest.
-  void start(double t, double span);
-  // From where the last search ended up to tout, or to the last point if that comes first: whether there is an event.
-  bool search(double tout);
-
- private:
-  void refine();
-
-  Events& events_;
-  Integrator& integrator_;
-  StepOutput& output_;
-  const IntegrationOptions& options_;
-};
+// Begins at t; span: the interval of interest.
+void start_search(const SearchedStep& step, double t, double span);
+// From where the last search ended up to tout, or to the end of the step if that comes first: whether there is an event.
+bool search_step(const SearchedStep& step, double tout);
 
 bool has_searched_to(const Events* events, double t);
 // The point searched last, in front of which no event has been left out.

@@ -21,7 +21,7 @@ class ZeroBracket {
   // Width at which both ends count as one point.
   double resolution() const;
   bool is_resolved() const;
-  // Where to evaluate next; place() tells the values, and returns true if the point is the new end `after`.
+  // Where to evaluate next; place() takes the values there, and returns true if the point is the new end `after`.
   double next();
   bool place(double t, const std::vector<double>& g);
   double before() const { return before_; }
