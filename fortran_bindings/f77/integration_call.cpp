@@ -175,8 +175,8 @@ int IntegrationCall::start_integration() {
   progress_.is_running = true;
   core::IntegrationOptions options = options_of_integration();
   if (options_.has_initial_step) options.initial_step = std::fabs(options_.initial_step);
-  integration_ =
-      std::make_unique<core::Integration>(system(), model().change_watch(), options, t_, arguments_.tout, x_, xdot_);
+  integration_ = std::make_unique<core::Integration>(system(), model().change_watch(), options,
+                                                     core::InitialPoint{t_, arguments_.tout, x_, xdot_});
   return advance();
 }
 

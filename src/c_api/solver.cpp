@@ -340,8 +340,9 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
     solver->integration.reset();
     set_limits(*solver, t, direction);
     const ConsistentPoint found = solver->model.consistent_point({t, toward, x}, solver->options.model);
-    solver->integration = std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
-                                                        solver->options.integration, t, toward, found.x, found.xdot);
+    solver->integration =
+        std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
+                                      solver->options.integration, InitialPoint{t, toward, found.x, found.xdot});
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = report_of(found);

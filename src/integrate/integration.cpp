@@ -15,8 +15,6 @@ namespace sfdae::core {
 
 namespace {
 
-using Vector = std::vector<double>;
-
 // Attempts in a row that fail for want of a valid point before the call gives up: steps are shorter by 4^12, some 1e7,
 // then. (Chosen.)
 constexpr int max_point_failures = 12;
@@ -31,19 +29,19 @@ constexpr double room_to_locate = 64.0;
 }  // namespace
 
 Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, const IntegrationOptions& options,
-                         double t, double toward, const Vector& x, const Vector& xdot)
+                         const InitialPoint& point)
     : options_(options),
-      integrator_(system, toward < t ? -1.0 : 1.0),
+      integrator_(system, point.toward < point.t ? -1.0 : 1.0),
       choice_{options.method},
       counts_(system),
       watch_(std::move(watch)),
-      last_returned_(t),
-      span_(std::fabs(toward - t)) {
+      last_returned_(point.t),
+      span_(std::fabs(point.toward - point.t)) {
   if (options_.events != nullptr) options_.events->search.reset();
   integrator_.create(options_.method, options_);
   integrator_.first_step =
-      integrator_.stepper->first_step(integrator_.weights, x.data(), xdot.data(), std::fabs(toward - t));
-  integrator_.start(t, x, xdot, options_);
+      integrator_.stepper->first_step(integrator_.weights, point.x.data(), point.xdot.data(), span_);
+  integrator_.start(point.t, point.x, point.xdot, options_);
   output_.resize(system);
   if (watch_) watch_->start(integrator_.direction);
 }
@@ -142,7 +140,7 @@ CallResult Integration::interpolate(double t, double* x, double* xdot) {
   if ((t - start) * integrator_.direction < 0.0 || (state.t - t) * integrator_.direction < 0.0)
     return result_outside_last_step(t, start, state.t);
   const std::size_t n = index(integrator_.system.unknowns());
-  Vector values(n), slopes(n);
+  std::vector<double> values(n), slopes(n);
   output_.evaluate(integrator_, {t, true, wants_slopes_}, options_, values.data(), slopes.data());
   std::copy(values.begin(), values.end(), x);
   std::copy(slopes.begin(), slopes.end(), xdot);

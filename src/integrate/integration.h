@@ -16,12 +16,18 @@
 
 namespace sfdae::core {
 
+// A consistent point with its derivative xdot, from where an integration goes toward another time.
+struct InitialPoint {
+  double t, toward;
+  const std::vector<double>& x;
+  const std::vector<double>& xdot;
+};
+
 class Integration {
  public:
-  // watch: may be null. Starts at the consistent point (t, x) with derivative xdot, toward the given time; the system
-  // stands at t.
-  Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, const IntegrationOptions& options, double t,
-              double toward, const std::vector<double>& x, const std::vector<double>& xdot);
+  // watch: may be null. The system stands at the initial point.
+  Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, const IntegrationOptions& options,
+              const InitialPoint& point);
   // Goes on from where it was when it was archived. Throws DamagedArchive.
   Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, const IntegrationOptions& options,
               Archive& archive);
