@@ -10,15 +10,11 @@
 #include <vector>
 
 #include "linalg/archive.h"
+#include "system/change_location.h"
+#include "system/change_trace.h"
 #include "system/linear_system.h"
 
 namespace sfdae::core {
-
-struct LocatedChange {
-  double t_before = 0.0;  // the values known still hold here
-  double t = 0.0;
-  CharacteristicValues new_values;
-};
 
 // For linear problems, where every point can be looked at.
 class ChangeWatch {
@@ -32,7 +28,7 @@ class ChangeWatch {
   // The current point of the system is accepted.
   void accept();
   // Looks for the change between left, where the values known hold, and right, where others do.
-  std::optional<LocatedChange> locate(double left, double right) { return locate(left, right, true); }
+  std::optional<LocatedChange> locate(double left, double right) { return locate_change(system_, left, right); }
   void archive(Archive& archive);
 
  private:
@@ -40,15 +36,13 @@ class ChangeWatch {
     double t = 0.0;
     std::vector<double> values;  // kept values of A^ and E T2, then row norms
   };
-  // right_fails: other values hold at right.
-  std::optional<LocatedChange> locate(double left, double right, bool right_fails);
-  static void keep(const LinearSystem::Trace& trace, Sample& sample);
-  static bool breaks_trend(const Sample& older, const Sample& last, const LinearSystem::Trace& now);
+  static void keep(const ChangeTrace& trace, Sample& sample);
+  static bool breaks_trend(const Sample& older, const Sample& last, const ChangeTrace& now);
 
   LinearSystem& system_;
   Sample older_, last_;
   Sample trend_[2];
-  LinearSystem::Trace now_;
+  ChangeTrace now_;
   int samples_ = 0;
 };
 

@@ -161,7 +161,7 @@ void report_change(const ConsistencyRequest& request, double t, const Vector& gi
 }
 
 ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, Vector& user_x) {
-  const NullSpaceForm& form = system.form();
+  const NullSpaceForm& form = system.point().form;
   const std::size_t n = index(form.n);
   // Norms and reports are the user's.
   const Units& units = system.problem().units();
@@ -174,7 +174,7 @@ ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest
   };
   ConsistencyResult result;
   result.residual_before = violation_of(user_x);
-  const Vector consistent = consistent_point(form, system.data(), units, request, user_x);
+  const Vector consistent = consistent_point(form, system.point().data, units, request, user_x);
   report_change(request, system.t(), user_x, consistent, result);
   if (request.kind != InitialValues::accept) user_x = consistent;
   result.residual_after = request.kind == InitialValues::accept ? result.residual_before : violation_of(user_x);
