@@ -1,4 +1,4 @@
-// Dense linear algebra of the core: the only door to BLAS and LAPACK.
+// Dense linear algebra of the core: the only place that calls BLAS and LAPACK.
 //
 // Matrices up to a few columns wide go through hand-written loops (small_kernels.h), where the overhead of
 // LAPACK dominates; larger ones through LAPACK. All inputs must be finite: LAPACK does not report NaN reliably.

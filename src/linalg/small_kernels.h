@@ -161,7 +161,7 @@ inline std::complex<double> product(std::complex<double> a, std::complex<double>
 
 inline std::complex<double> quotient(std::complex<double> a, std::complex<double> b) {
   const double square = b.real() * b.real() + b.imag() * b.imag();
-  const bool in_range = square > 1e-290 && square < 1e290;
+  const bool in_range = square > 1e-290 && square < 1e290;  // as are c and the quotient by it, digits and all
   if (!in_range) return a / b;
   const std::complex<double> c = product(a, std::conj(b));
   return {c.real() / square, c.imag() / square};

@@ -75,7 +75,7 @@ class Checker {
   }
 
   void compare_F(int order) {
-    const double unit = std::max(1.0, std::fabs(t_) * 1e-3);
+    const double unit = unit_of_time(t_);
     const auto below = [&](double s, double* values) { return call(t_ + s, order - 1, shifted_jet(s), {values}); };
     compare_with_differences({'F', order, problem_.m(), 0, F_}, unit, below, worst_);
   }

@@ -16,7 +16,7 @@ namespace sfdae::core {
 namespace {
 
 // Multipliers C R^-1 replace rotations while they are below this: errors grow by no more than two digits, which
-// the noise of the judge covers (docs/decisions/01-noise-of-rank-decisions.md).
+// the noise of the judge covers.
 constexpr double largest_multiplier = 100.0;
 
 // What all stages work with.

@@ -25,6 +25,8 @@ std::string result_with(CoefficientSource& problem, double t, AnalysisSettings s
                         : "no level up to max_index fulfils the hypothesis";
 }
 
+// rank_tol for either answer: the geometric mean of the value and what is below it (two digits, where that is not known)
+// keeps it, three times the value drops it. Above one half nothing would be kept.
 [[noreturn]] void report_unclear(CoefficientSource& problem, double t, const AnalysisSettings& settings,
                                  const LevelResult& found, Arena& arena) {
   const RankDecision& decision = found.doubtful;
@@ -73,15 +75,17 @@ IndexAnalysis search_at(CoefficientSource& problem, double t, const AnalysisSett
   return analysis;
 }
 
-// Far enough for a coefficient that vanishes at t to be seen, near enough to stay on the same smooth piece.
+// Far enough for a coefficient that vanishes at t to be seen (six digits above the rounding of t), near enough to stay on the
+// same smooth piece, and no simple fraction of a period (docs/decisions/07-first-step.md).
 double nearby_point(double t, double toward, double time_scale) {
-  const double distance = std::min(std::fabs(toward - t), time_scale) * 0.7e-3;
-  const double resolvable = 1e6 * unit_roundoff * std::fabs(t);
+  constexpr double near = 0.7e-3, resolved_roundings = 1e6;
+  const double distance = std::min(std::fabs(toward - t), time_scale) * near;
+  const double resolvable = resolved_roundings * unit_roundoff * std::fabs(t);
   return t + std::copysign(std::min(std::max(distance, resolvable), std::fabs(toward - t)), toward - t);
 }
 
 // Units of the unknowns: columns of [E A] that differ by more than moderate_column_ratio are scaled to comparable
-// size. Columns below smallest_column are left alone: they may be rounding errors.
+// size. Columns below smallest_column are left alone: they may be rounding errors (docs/decisions/06-units-of-unknowns.md).
 Units choose_units(CoefficientSource& problem, double t) {
   constexpr double moderate_column_ratio = 1024.0, smallest_column = 1e-12;
   const std::size_t n = index(problem.n());
@@ -156,7 +160,8 @@ double smallest_kept(const std::vector<RankDecision>& decisions) {
   return kept;
 }
 
-// Reads the problem in faster and faster units of time, the units of the unknowns balanced for each. What is clear by far
+// Analyzes the problem in faster and faster units of time (1, 1/8, ... 1.5e-11), the units of the unknowns balanced for each:
+// docs/decisions/21-fast-units-of-time.md, with the figures behind the constants. What is clear by far
 // in two of them, supported by a third, and contradicted in none, counts: the result with the largest gap. Units that are
 // much too fast shrink every value by the same factor from level to level: where the smallest one kept is small, the next
 // one would be lost among rounding errors, and ranks agree in being wrong.
@@ -169,10 +174,11 @@ struct UnitsResult {
 std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& problem, double t, double toward,
                                                   const AnalysisSettings& settings, Arena& arena) {
   constexpr double clear_by_far = 1e6, supporting = 1e4, ratio = 1.0 / 8.0, least_kept = 1e-6;
+  constexpr int num_units = 13;
   std::optional<UnitsResult> best;
   int agreeing = 0, clear = 0;
   double tau = 1.0;
-  for (int attempt = 0; attempt < 13; ++attempt, tau *= ratio) {
+  for (int attempt = 0; attempt < num_units; ++attempt, tau *= ratio) {
     UnitsResult found;
     AnalysisSettings scaled = settings;
     scaled.time_scale = tau;
@@ -193,7 +199,7 @@ std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& problem, do
     if (gap >= clear_by_far) ++clear;
     const bool is_best = !best || gap > smallest_gap(best->decisions);
     if (is_best) best = std::move(found);
-    // Behind the clearest one faster units have nothing to add.
+    // After the clearest one faster units have nothing to add.
     if (agreeing >= 3 && clear >= 2 && smallest_kept(best->decisions) >= least_kept && !is_best) return best;
   }
   return std::nullopt;
