@@ -338,7 +338,7 @@ constexpr const char* usage =
     "Run it with OPENBLAS_NUM_THREADS=1: other threads are not counted.\n"
     "Exit status: 0; 1 if a library cannot be loaded or a run failed; 2 for a wrong option.\n";
 
-// The positive number behind an option.
+// The positive number after an option.
 double number(int argc, char** argv, int& i) {
   char* end = nullptr;
   const double value = i + 1 < argc ? std::strtod(argv[i + 1], &end) : 0.0;

@@ -1,4 +1,4 @@
-# Install rules: headers, libraries, CMake package, pkg-config file, source of the Fortran module.
+# Install rules: headers, libraries, CMake package, pkg-config file, sources of the Fortran modules.
 
 include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/sfdae")
@@ -14,11 +14,13 @@ install(TARGETS sfdae_static EXPORT sfdae_static)
 install(EXPORT sfdae_shared NAMESPACE sfdae:: FILE sfdaeSharedTargets.cmake DESTINATION "${package_dir}")
 install(EXPORT sfdae_static NAMESPACE sfdae:: FILE sfdaeStaticTargets.cmake DESTINATION "${package_dir}")
 
-if(EXISTS "${PROJECT_SOURCE_DIR}/fortran_bindings/sfdae.f90")
-  install(FILES
-    "${PROJECT_SOURCE_DIR}/fortran_bindings/sfdae_expressions.f90"
-    "${PROJECT_SOURCE_DIR}/fortran_bindings/sfdae.f90"
-    DESTINATION "${fortran_dir}")
+if(EXISTS "${PROJECT_SOURCE_DIR}/fortran_bindings/sources.txt")
+  # The list, in the order of compilation, is for those who compile by hand.
+  set(fortran_sources_list "${PROJECT_SOURCE_DIR}/fortran_bindings/sources.txt")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${fortran_sources_list}")
+  file(STRINGS "${fortran_sources_list}" fortran_sources)
+  list(TRANSFORM fortran_sources PREPEND "${PROJECT_SOURCE_DIR}/fortran_bindings/")
+  install(FILES ${fortran_sources} "${fortran_sources_list}" DESTINATION "${fortran_dir}")
   install(FILES "${PROJECT_SOURCE_DIR}/cmake/SfdaeFortran.cmake" DESTINATION "${package_dir}")
 endif()
 

@@ -2,7 +2,7 @@
 //
 // Which torques u move the hand of a robot arm with two links, one of its joints elastic, along a given path?
 //
-//     x1' = v1,  x2' = v2,  x3' = v3        x1, x3: angles of the links, x2: of the motor behind the elastic joint
+//     x1' = v1,  x2' = v2,  x3' = v3        x1, x3: angles of the links, x2: of the motor beyond the elastic joint
 //     v1' = 2 c (v1+v3)^2 + d v1^2 + (2 x3 - x2)(a + 2 b) + a (u1 - u2)
 //     v2' = -2 c (v1+v3)^2 - d v1^2 + (2 x3 - x2)(1 - 3 a - 2 b) - a u1 + (a + 1) u2
 //     v3' = -2 c (v1+v3)^2 - d v1^2 + (2 x3 - x2)(a - 9 b) - 2 c v1^2 - d (v1+v3)^2 - (a + b)(u1 - u2)

@@ -11,9 +11,16 @@
 !    least one expression. Literals need their kind: 9.81_dp.
 !  - Operators and functions are elemental: residual(1:3) = xdot(1:3) - x(4:6).
 !  - There are no values to branch on while equations are recorded: see choose.
-!  - This is the section "Recorded equations" of sfdae.h; the module `sfdae` has all of it, too.
+!  - An expression that has not been assigned to is the number 0. Only the library writes its
+!    components.
+!  - These are the functions on expressions of the C API; the module `sfdae` passes all of them on.
 module sfdae_expressions
-  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_null_char, c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_double
+  use sfdae_c, only: c_abs, c_acos, c_add, c_asin, c_atan, c_atan2, c_choose, c_cos, c_cosh, &
+    c_divide, c_exp, c_log, c_max, c_min, c_multiply, c_negate, c_number, c_parameter, c_power, &
+    c_sin, c_sinh, c_sqrt, c_subtract, c_tan, c_tanh
+  use sfdae_conversions, only: text_in_c
+  use sfdae_types, only: expression
   implicit none
   private
 
@@ -21,14 +28,6 @@ module sfdae_expressions
   public :: assignment(=), operator(+), operator(-), operator(*), operator(/), operator(**)
   public :: sqrt, exp, log, sin, cos, tan, asin, acos, atan, atan2, sinh, cosh, tanh
   public :: abs, min, max
-
-  !> A number, or a part of a formula that is being recorded. Zero unless assigned to.
-  type, bind(c) :: expression
-    !> Of the library; null: the plain number `value`.
-    type(c_ptr) :: record = c_null_ptr
-    real(c_double) :: value = 0
-    integer(c_int) :: node = 0
-  end type expression
 
   !> Numbers become expressions.
   interface assignment(=)
@@ -145,172 +144,6 @@ module sfdae_expressions
     module procedure choose_ee, choose_er, choose_re, choose_rr
   end interface choose
 
-  ! Each is written out: gfortran 12 passes derived types by reference to procedures that are declared
-  ! by procedure(interface), though the interface says `value`.
-  interface
-    function c_add(a, b) bind(c, name="sfdae_add") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression), value :: b
-      type(expression) :: v
-    end function c_add
-
-    function c_subtract(a, b) bind(c, name="sfdae_subtract") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression), value :: b
-      type(expression) :: v
-    end function c_subtract
-
-    function c_multiply(a, b) bind(c, name="sfdae_multiply") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression), value :: b
-      type(expression) :: v
-    end function c_multiply
-
-    function c_divide(a, b) bind(c, name="sfdae_divide") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression), value :: b
-      type(expression) :: v
-    end function c_divide
-
-    function c_power(a, b) bind(c, name="sfdae_power") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression), value :: b
-      type(expression) :: v
-    end function c_power
-
-    function c_atan2(a, b) bind(c, name="sfdae_atan2") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression), value :: b
-      type(expression) :: v
-    end function c_atan2
-
-    function c_min(a, b) bind(c, name="sfdae_min") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression), value :: b
-      type(expression) :: v
-    end function c_min
-
-    function c_max(a, b) bind(c, name="sfdae_max") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression), value :: b
-      type(expression) :: v
-    end function c_max
-
-    function c_negate(a) bind(c, name="sfdae_negate") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_negate
-
-    function c_sqrt(a) bind(c, name="sfdae_sqrt") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_sqrt
-
-    function c_exp(a) bind(c, name="sfdae_exp") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_exp
-
-    function c_log(a) bind(c, name="sfdae_log") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_log
-
-    function c_sin(a) bind(c, name="sfdae_sin") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_sin
-
-    function c_cos(a) bind(c, name="sfdae_cos") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_cos
-
-    function c_tan(a) bind(c, name="sfdae_tan") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_tan
-
-    function c_asin(a) bind(c, name="sfdae_asin") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_asin
-
-    function c_acos(a) bind(c, name="sfdae_acos") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_acos
-
-    function c_atan(a) bind(c, name="sfdae_atan") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_atan
-
-    function c_sinh(a) bind(c, name="sfdae_sinh") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_sinh
-
-    function c_cosh(a) bind(c, name="sfdae_cosh") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_cosh
-
-    function c_tanh(a) bind(c, name="sfdae_tanh") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_tanh
-
-    function c_abs(a) bind(c, name="sfdae_abs") result(v)
-      import :: expression
-      type(expression), value :: a
-      type(expression) :: v
-    end function c_abs
-
-    function c_choose(c, a, b) bind(c, name="sfdae_choose") result(v)
-      import :: expression
-      type(expression), value :: c
-      type(expression), value :: a
-      type(expression), value :: b
-      type(expression) :: v
-    end function c_choose
-
-    function c_number(value) bind(c, name="sfdae_number") result(v)
-      import :: c_double, expression
-      real(c_double), value :: value
-      type(expression) :: v
-    end function c_number
-
-    function c_parameter(record, name, value) bind(c, name="sfdae_parameter") result(v)
-      import :: c_char, c_double, c_ptr, expression
-      type(c_ptr), value :: record
-      character(kind=c_char), intent(in) :: name(*)
-      real(c_double), value :: value
-      type(expression) :: v
-    end function c_parameter
-  end interface
-
 contains
 
   !> A constant with a name, whose value can be changed later without recording anew. The same name
@@ -324,18 +157,6 @@ contains
 
     v = c_parameter(t%record, text_in_c(name), value)
   end function named_parameter
-
-  !> With a final zero, without blanks at the end.
-  pure function text_in_c(text) result(c_text)
-    character(len=*), intent(in) :: text
-    character(kind=c_char) :: c_text(len_trim(text) + 1)
-    integer :: i
-
-    do i = 1, len_trim(text)
-      c_text(i) = text(i:i)
-    end do
-    c_text(len_trim(text) + 1) = c_null_char
-  end function text_in_c
 
   ! ---- Numbers ------------------------------------------------------------------------------
 

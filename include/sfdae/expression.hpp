@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-//
-// Expressions of recorded equations for C++17 and later: operators and functions on those of sfdae.h, which has the
-// meaning of everything here. Included by sfdae.hpp.
+
+// Expressions of recorded equations for C++17 and later: operators and functions on those of expression.h, which
+// has the meaning of everything here. Included by sfdae.hpp.
 //
 // Formulas can be templates that serve numbers and expressions alike:
 //
@@ -13,7 +13,7 @@
 #ifndef SFDAE_EXPRESSION_HPP
 #define SFDAE_EXPRESSION_HPP
 
-#include <sfdae/sfdae.h>
+#include <sfdae/expression.h>
 
 #include <string>
 
@@ -25,7 +25,7 @@ class Expression {
   Expression(double number = 0.0) noexcept : c_(sfdae_number(number)) {}
   Expression(const sfdae_expression& expression) noexcept : c_(expression) {}
 
-  /// As C knows it.
+  /// The expression in C.
   const sfdae_expression& c() const noexcept { return c_; }
 
   Expression& operator+=(const Expression& b) noexcept { return *this = sfdae_add(c_, b.c_); }
@@ -70,14 +70,16 @@ inline Expression max(const Expression& a, const Expression& b) noexcept { retur
 inline Expression choose(const Expression& c, const Expression& a, const Expression& b) noexcept {
   return sfdae_choose(c.c(), a.c(), b.c());
 }
+/// a if c > 0, else b, for formulas that serve numbers as well.
 inline double choose(double c, double a, double b) noexcept { return c > 0.0 ? a : b; }
 
-/// See sfdae_parameter.
+/// A constant with a name, whose value can be changed later by Solver::set_parameter; see sfdae_parameter.
 inline Expression parameter(sfdae_record* record, const std::string& name, double value) noexcept {
   return sfdae_parameter(record, name.c_str(), value);
 }
 
-/// In the recording that an expression belongs to, for example t.
+/// A constant with a name in the recording that an expression belongs to, for example t; its value can be changed
+/// later by Solver::set_parameter.
 inline Expression parameter(const Expression& t, const std::string& name, double value) noexcept {
   return sfdae_parameter(t.c().record, name.c_str(), value);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-//
+
 // Problems for C++17 and later: the user's functions and the views that they get. Included by sfdae.hpp.
 #ifndef SFDAE_PROBLEM_HPP
 #define SFDAE_PROBLEM_HPP
@@ -15,7 +15,7 @@
 
 namespace sfdae {
 
-/// Matrix that lives elsewhere; copies of the view show the same entries.
+/// Matrix that lives elsewhere; copies of the view show its entries, too.
 template <class T>
 class BasicMatrixRef {
  public:
@@ -93,7 +93,7 @@ using VectorFunction = Callback<double, int, VectorRef>;
 ///     [](sfdae::Expression t, sfdae::ConstExpressions x, sfdae::ConstExpressions xdot, sfdae::Expressions F) { ... }
 using EquationsFunction = Callback<const Expression&, ConstExpressions, ConstExpressions, Expressions>;
 
-/// The same for E x' = A x + f, whose entries are zero at first:
+/// Linear equations to be recorded, E x' = A x + f, whose entries are zero at first:
 ///     [](sfdae::Expression t, sfdae::ExpressionMatrix E, sfdae::ExpressionMatrix A, sfdae::Expressions f) { ... }
 using LinearEquationsFunction = Callback<const Expression&, ExpressionMatrix, ExpressionMatrix, Expressions>;
 
@@ -133,11 +133,11 @@ struct NonlinearProblem {
   int num_equations;
   int num_unknowns;
   EquationsFunction equations;               ///< recorded when a solver is created
-  LinearEquationsFunction linear_equations;  ///< likewise
-  TotalDerivativeFunction total_derivative;
-  std::vector<int> prescribed;        ///< indices of the components that are prescribed, u > 0 only
-  VectorFunction prescribed_values;   ///< writes their values; order is 0
-  std::vector<int> differentiations;  ///< none, or how often each equation is differentiated at most
+  LinearEquationsFunction linear_equations;  ///< recorded when a solver is created
+  TotalDerivativeFunction total_derivative;  ///< called at every point
+  std::vector<int> prescribed;               ///< indices of the components that are prescribed, u > 0 only
+  VectorFunction prescribed_values;          ///< writes their values; order is 0
+  std::vector<int> differentiations;         ///< none, or how often each equation is differentiated at most
 };
 
 /// Functions of a mechanical system that write into a view filled with zeros, see sfdae_multibody_problem:

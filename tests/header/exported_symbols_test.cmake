@@ -1,8 +1,13 @@
-# The shared library exports the functions that sfdae.h declares and the routines of the Fortran 77 layer, all of them
-# and nothing else.
+# The shared library exports the functions that the headers in HEADER_DIR declare and the routines of the Fortran 77
+# layer, all of them and nothing else.
 
-file(READ "${HEADER}" text)
-string(REPLACE ";" "|" text "${text}")
+file(GLOB headers "${HEADER_DIR}/*.h")
+set(text "")
+foreach(header IN LISTS headers)
+  file(READ "${header}" content)
+  string(REPLACE ";" "|" content "${content}")
+  string(APPEND text "${content}")
+endforeach()
 string(REGEX MATCHALL "SFDAE_API [^(|]*sfdae_[a-z0-9_A-Z]+\\(" declarations "${text}")
 list(TRANSFORM declarations REPLACE ".*(sfdae_[a-z0-9_A-Z]+)\\($" "\\1" OUTPUT_VARIABLE declared)
 include("${F77_SOURCES}")
@@ -18,7 +23,7 @@ list(SORT exported)
 
 list(LENGTH declared count)
 if(count EQUAL 0)
-  message(FATAL_ERROR "no declaration found in ${HEADER}")
+  message(FATAL_ERROR "no declaration found in ${HEADER_DIR}")
 endif()
 if(NOT declared STREQUAL exported)
   set(missing ${declared})

@@ -1,8 +1,8 @@
-# sfdae.h defines no macros but SFDAE_..., beyond those of stddef.h.
+# HEADER defines no macros but SFDAE_..., beyond those of stddef.h.
 
 function(macros_of header result)
-  file(WRITE "${WORK_DIR}/macros.c" "#include <${header}>\n")
-  execute_process(COMMAND "${COMPILER}" -E -dM "-I${INCLUDE_DIR}" "${WORK_DIR}/macros.c"
+  file(WRITE "${WORK_FILE}" "#include <${header}>\n")
+  execute_process(COMMAND "${COMPILER}" -E -dM "-I${INCLUDE_DIR}" "${WORK_FILE}"
     OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
   string(REGEX MATCHALL "#define [A-Za-z_0-9]+" names "${text}")
   list(TRANSFORM names REPLACE "^#define " "")
@@ -10,7 +10,7 @@ function(macros_of header result)
 endfunction()
 
 macros_of(stddef.h stddef)
-macros_of(sfdae/sfdae.h sfdae)
+macros_of("${HEADER}" sfdae)
 list(LENGTH sfdae all)
 list(REMOVE_ITEM sfdae ${stddef})
 list(LENGTH sfdae own)

@@ -6,7 +6,7 @@ run("${CMAKE_COMMAND}" --install "${build_dir}" --prefix "${work_dir}/original" 
 file(RENAME "${work_dir}/original" "${prefix}")
 
 file(GLOB_RECURSE text_files "${prefix}/*.cmake" "${prefix}/*.pc" "${prefix}/*.h" "${prefix}/*.hpp"
-  "${prefix}/*.f90")
+  "${prefix}/*.f90" "${prefix}/*.txt")
 if(NOT text_files)
   message(FATAL_ERROR "nothing installed in ${prefix}")
 endif()

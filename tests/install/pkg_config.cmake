@@ -29,7 +29,12 @@ set(build "${work_dir}/${NAME}")
 file(REMOVE_RECURSE "${build}")
 file(MAKE_DIRECTORY "${build}")
 if(LANGUAGE STREQUAL "Fortran")
-  set(sources "${fortrandir}/sfdae_expressions.f90" "${fortrandir}/sfdae.f90" "${test_dir}/consumer/main.f90")
+  # The modules first, in the order of the list, as the README of the Fortran bindings says.
+  execute_process(
+    COMMAND sh -c "dir=$1; \"$0\" -c $(sed \"s|^|$dir/|\" \"$dir/sources.txt\")" "${Fortran_compiler}" "${fortrandir}"
+    WORKING_DIRECTORY "${build}" COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
+  file(GLOB modules "${build}/*.o")
+  set(sources "${test_dir}/consumer/main.f90" ${modules})
 elseif(LANGUAGE STREQUAL "Fortran77")
   # A program written for GELDA needs the library alone.
   set(Fortran77_compiler "${Fortran_compiler}")

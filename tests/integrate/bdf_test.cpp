@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "c_api/problems.h"
 #include "family_run.h"
 #include "reduction/index_analysis.h"
 #include "system/linear_system.h"
@@ -22,7 +23,7 @@ using sfdae_test::LinearFamily;
 class BdfRun {
  public:
   BdfRun(std::shared_ptr<const LinearFamily> family, LeadingTerm leading, double h, int max_order)
-      : problem_(std::move(family)), linear_(problem_.problem), bdf_(max_order) {
+      : problem_(std::move(family)), linear_(functions_of(problem_.problem)), bdf_(max_order) {
     Arena arena;
     std::vector<RankDecision> decisions;
     IndexAnalysis analysis = analyze_index(linear_, 0.0, 1.0, {}, arena, decisions);

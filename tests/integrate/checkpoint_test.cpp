@@ -53,22 +53,25 @@ struct Trip {
     return integration->advance(tout, one_step, t, x.data(), xdot.data()).status;
   }
 
+  ModelOptions model_options() const {
+    ModelOptions wanted;
+    wanted.analysis = analyzed.settings;
+    return wanted;
+  }
+
   // Nothing but the checkpoint survives.
   void interrupt() {
     Vector saved(checkpoint_size(*system, *integration));
     save_checkpoint(*system, *integration, saved.data());
     integration.reset();
-    restored = {};
-    problem = std::make_unique<LinearProblem>(functions_of(analyzed.callbacks.problem));
-    restored = restore_checkpoint(linear_target(*problem, analyzed.settings), options, saved.data(), saved.size());
-    integration = std::move(restored.integration);
-    system = static_cast<LinearSystem*>(restored.system.get());
+    model = std::make_unique<LinearModel>(functions_of(analyzed.callbacks.problem));
+    integration = restore_checkpoint(*model, model_options(), options, saved.data(), saved.size());
+    system = model->system();
   }
 
   AnalyzedProblem analyzed;
   IntegrationOptions options;
-  std::unique_ptr<LinearProblem> problem;
-  Restored restored;
+  std::unique_ptr<LinearModel> model;
   LinearSystem* system;
   std::unique_ptr<Integration> integration;
   double t = 0.0;
@@ -114,27 +117,28 @@ TEST(Checkpoint, RefusesWhatIsDamagedOrForeign) {
   run.advance(0.5, false);
   Vector saved(checkpoint_size(*run.system, *run.integration));
   save_checkpoint(*run.system, *run.integration, saved.data());
-  const auto status_of = [&](const Vector& values, std::size_t length, LinearProblem& problem) {
+  const auto status_of = [&](const Vector& values, std::size_t length, LinearModel& model) {
     try {
-      restore_checkpoint(linear_target(problem, run.analyzed.settings), run.options, values.data(), length);
+      restore_checkpoint(model, run.model_options(), run.options, values.data(), length);
     } catch (const Failure& failure) {
       return failure.status();
     }
     return SFDAE_OK;
   };
-  LinearProblem& problem = run.analyzed.problem;
-  EXPECT_EQ(status_of(saved, saved.size(), problem), SFDAE_OK);
+  LinearModel model(functions_of(run.analyzed.callbacks.problem));
+  EXPECT_EQ(status_of(saved, saved.size(), model), SFDAE_OK);
   for (std::size_t i = 0; i < saved.size(); ++i)
     for (double wrong : {saved[i] + 1.0, 1e300, std::numeric_limits<double>::quiet_NaN()}) {
       Vector damaged = saved;
       damaged[i] = wrong;
       if (damaged[i] == saved[i]) continue;
-      ASSERT_EQ(status_of(damaged, damaged.size(), problem), SFDAE_ILLEGAL_ARGUMENT) << i << " " << wrong;
+      ASSERT_EQ(status_of(damaged, damaged.size(), model), SFDAE_ILLEGAL_ARGUMENT) << i << " " << wrong;
     }
   for (std::size_t length = 0; length < saved.size(); ++length)
-    ASSERT_EQ(status_of(saved, length, problem), SFDAE_ILLEGAL_ARGUMENT) << length;
-  AnalyzedProblem other(FamilyPointer(sfdae_test::kron(9, 1)), 0.0, 1.0);
-  EXPECT_EQ(status_of(saved, saved.size(), other.problem), SFDAE_ILLEGAL_ARGUMENT);
+    ASSERT_EQ(status_of(saved, length, model), SFDAE_ILLEGAL_ARGUMENT) << length;
+  sfdae_test::FamilyProblem callbacks(FamilyPointer(sfdae_test::kron(9, 1)));
+  LinearModel other(functions_of(callbacks.problem));
+  EXPECT_EQ(status_of(saved, saved.size(), other), SFDAE_ILLEGAL_ARGUMENT);
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include <string>
 #include <tuple>
 
-#include "c_api/record_multibody.h"
 #include "multibody/multibody_callbacks.h"
+#include "multibody/problem_of.h"
 #include "multibody_example.h"
 #include "problem/failure.h"
 
@@ -30,7 +30,7 @@ class MultibodySources : public testing::TestWithParam<std::tuple<Source, bool>>
 
   double mass_ = mass0;
   std::unique_ptr<MultibodyProblem> problem_ =
-      multibody_problem(with_S() ? example<true>(source(), mass_) : example<false>(source(), mass_));
+      sfdae_test::problem_of(with_S() ? example<true>(source(), mass_) : example<false>(source(), mass_));
 };
 
 // What an iteration solves, from the terms.
@@ -184,7 +184,7 @@ TEST(MultibodyCallbacks, TakeNoDifferencesFromBeyondLimits) {
       latest = std::max(latest, t);
       return rate_callback(t, q, g_t, user);
     };
-    const auto problem = multibody_problem(functions);
+    const auto problem = sfdae_test::problem_of(functions);
     MultibodyTerms free(problem->sizes()), limited(problem->sizes());
     MultibodyJacobian jacobian(problem->sizes());
     ASSERT_EQ(problem->at_velocity(t0, q0, v0, free).status, SFDAE_OK);
@@ -216,7 +216,7 @@ TEST(MultibodyCallbacks, FindTheSpacingOfDifferences) {
     g_t[1] = 5e8 * std::sin(q[1] - 500.0 * t);
     return 0;
   };
-  const auto problem = multibody_problem(functions);
+  const auto problem = sfdae_test::problem_of(functions);
   MultibodyTerms terms(problem->sizes());
   const double q[] = {0.3, 0.8}, v[] = {2.0, -7.0};
   ASSERT_EQ(problem->at_velocity(0.1, q, v, terms).status, SFDAE_OK);
@@ -240,7 +240,7 @@ TEST(MultibodyCallbacks, KeepDifferencesWithinTheDomainOfFunctions) {
   };
   int code = 1;
   functions.user = &code;
-  const auto problem = multibody_problem(functions);
+  const auto problem = sfdae_test::problem_of(functions);
   MultibodyTerms terms(problem->sizes());
   const double q[] = {0.0}, outside[] = {0.1}, v[] = {3.0};
   ASSERT_EQ(problem->at_velocity(0.0, q, v, terms).status, SFDAE_OK);
@@ -259,7 +259,7 @@ TEST(MultibodyCallbacks, NameEntriesThatAreNotFinite) {
     S[2 + 1 * nq] = std::numeric_limits<double>::quiet_NaN();
     return 0;
   };
-  const auto problem = multibody_problem(functions);
+  const auto problem = sfdae_test::problem_of(functions);
   MultibodyTerms terms(problem->sizes());
   const CallbackError error = problem->at_velocity(t0, q0, v0, terms);
   EXPECT_EQ(error.status, SFDAE_NOT_FINITE);
@@ -271,10 +271,10 @@ TEST(MultibodyCallbacks, NameEntriesThatAreNotFinite) {
 TEST(MultibodyCallbacks, ConstraintsThatMoveNeedTheirRate) {
   double mass = mass0;
   sfdae_multibody_problem functions = example<true>(Source::callbacks, mass);
-  EXPECT_NO_THROW(multibody_problem(functions)->check_rates(t0, q0));
+  EXPECT_NO_THROW(sfdae_test::problem_of(functions)->check_rates(t0, q0));
   functions.constraint_rate = nullptr;
   for (const double limit : {1.0, 1e-9}) {
-    const auto problem = multibody_problem(functions);
+    const auto problem = sfdae_test::problem_of(functions);
     problem->set_limits(t0 - limit, t0);
     EXPECT_THROW(problem->check_rates(t0, q0), Failure);
   }
@@ -283,8 +283,8 @@ TEST(MultibodyCallbacks, ConstraintsThatMoveNeedTheirRate) {
 // A change of a parameter reaches all that is evaluated.
 TEST(RecordedMultibody, SharesParameters) {
   double mass = mass0, other = 3.0;
-  const auto problem = multibody_problem(example<true>(Source::recorded, mass));
-  const auto expected = multibody_problem(example<true>(Source::recorded, other));
+  const auto problem = sfdae_test::problem_of(example<true>(Source::recorded, mass));
+  const auto expected = sfdae_test::problem_of(example<true>(Source::recorded, other));
   TaylorEvaluator& evaluator = *problem->evaluator();
   ASSERT_TRUE(evaluator.find_parameter("mass"));
   evaluator.set_parameter(*evaluator.find_parameter("mass"), other);

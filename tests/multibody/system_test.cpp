@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "c_api/record_multibody.h"
 #include "integrate/radau_method.h"
 #include "multibody/multibody_system.h"
+#include "multibody/problem_of.h"
 #include "pendulum.h"
 
 namespace sfdae::test {
@@ -16,7 +16,7 @@ using namespace sfdae::core;
 
 class SystemOfPendulum : public testing::Test {
  protected:
-  SystemOfPendulum() : callbacks(model.problem()), problem(core::multibody_problem(callbacks)) {}
+  SystemOfPendulum() : callbacks(model.problem()), problem(sfdae_test::problem_of(callbacks)) {}
 
   MultibodySystem system_at(double t, const std::vector<double>& x) {
     IndexAnalysis analysis;

@@ -122,7 +122,7 @@ TEST(NonlinearProblem, LinearizesWithTheScalingOfLinearProblems) {
   CallbackProblem by_callback(m, n, total_derivatives, &behavior, {});
   const std::vector<double> units = {1.0, 32.0, 0.25}, no_units;
   for (NonlinearProblem* problem : std::initializer_list<NonlinearProblem*>{&by_record, &by_callback})
-    for (const std::vector<double>* columns : {&no_units, &units})
+    for (const Units& columns : {Units(no_units), Units(units)})
       for (double tau : {1.0, 0.25, 16.0})
         for (Orders orders : {Orders{3, 3, 3}, Orders{0, 2, 1}, Orders{4, 1, 0}, Orders{0, 0, -1}}) {
           const int highest = std::max({orders.E, orders.A, orders.f});
@@ -130,7 +130,7 @@ TEST(NonlinearProblem, LinearizesWithTheScalingOfLinearProblems) {
           const Series expected = series(-0.4, highest, jet.data());
           TaylorData data;
           ASSERT_EQ(
-              problem->linearize(-0.4, jet.data(), orders, {tau, RowScaling::each, nullptr, columns}, data).status,
+              problem->linearize(-0.4, jet.data(), orders, {tau, RowScaling::each, nullptr, &columns}, data).status,
               SFDAE_OK);
           EXPECT_EQ(data.time_scale, tau);
           for (int k = 0; k <= highest; ++k)
@@ -143,7 +143,7 @@ TEST(NonlinearProblem, LinearizesWithTheScalingOfLinearProblems) {
                 EXPECT_NEAR(data.f(k)[i], -power * tau * expected.F[size(i)][k], tolerance) << k;
               }
               for (int j = 0; j < n; ++j) {
-                const double unit = columns->empty() ? 1.0 : units[size(j)];
+                const double unit = columns[j];
                 const std::size_t at = size(i + m * j);
                 if (k <= orders.E) {
                   EXPECT_NEAR(data.E(k)(i, j), power * unit * expected.F_xdot[at][k], tolerance) << k;

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "c_api/problems.h"
 #include "jet.h"
 #include "linalg/arena.h"
 #include "matrix_checks.h"
@@ -44,7 +43,7 @@ Expected expected_at(double time, double p) {
   return {{cos(t), zero, Jet(p), zero}, {t * t, exp(t), Jet(1.0), Jet(-3.0)}, {sin(t), t}};
 }
 
-void expect_derivatives(const sfdae_linear_problem& problem, double t, int order, double p) {
+void expect_derivatives(const LinearFunctions& problem, double t, int order, double p) {
   SCOPED_TRACE("t = " + std::to_string(t) + ", order " + std::to_string(order));
   const Expected expected = expected_at(t, p);
   double E[4], A[4], f[2];
@@ -64,11 +63,11 @@ void expect_derivatives(const sfdae_linear_problem& problem, double t, int order
 // Orders and times in any sequence: what is kept from the last call serves only where it fits.
 TEST(RecordedLinear, AnswersForAnyOrderAtAnyTime) {
   RecordedLinearCoefficients coefficients(record_of_example(2.0), {});
-  const sfdae_linear_problem problem = coefficients.problem();
-  EXPECT_EQ(problem.num_equations, 2);
-  EXPECT_EQ(problem.num_unknowns, 2);
-  EXPECT_EQ(problem.constant_E, 0);
-  EXPECT_EQ(problem.constant_A, 0);
+  const LinearFunctions problem = coefficients.functions();
+  EXPECT_EQ(problem.m, 2);
+  EXPECT_EQ(problem.n, 2);
+  EXPECT_FALSE(problem.constant_E);
+  EXPECT_FALSE(problem.constant_A);
   struct Question {
     double t;
     int order;
@@ -80,7 +79,7 @@ TEST(RecordedLinear, AnswersForAnyOrderAtAnyTime) {
 
 TEST(RecordedLinear, FollowsParametersOnceToldToForget) {
   RecordedLinearCoefficients coefficients(record_of_example(2.0), {});
-  const sfdae_linear_problem problem = coefficients.problem();
+  const LinearFunctions problem = coefficients.functions();
   expect_derivatives(problem, 0.3, 1, 2.0);
   coefficients.evaluator().set_parameter(0, -8.0);
   coefficients.forget();
@@ -90,10 +89,9 @@ TEST(RecordedLinear, FollowsParametersOnceToldToForget) {
 // The same problem by functions: the same Taylor data, bit for bit as far as scaling is concerned.
 TEST(RecordedLinear, AgreesWithCallbacks) {
   RecordedLinearCoefficients coefficients(record_of_example(2.0), {});
-  const sfdae_linear_problem recorded = coefficients.problem();
-  sfdae_linear_problem functions{};
-  functions.size = sizeof functions;
-  functions.num_equations = functions.num_unknowns = 2;
+  const LinearFunctions recorded = coefficients.functions();
+  LinearFunctions functions;
+  functions.m = functions.n = 2;
   functions.E = [](double t, int k, double* E, void*) {
     for (std::size_t i = 0; i < 4; ++i) E[i] = expected_at(t, 2.0).E[i][k] * factorial(k);
     return 0;
@@ -106,7 +104,7 @@ TEST(RecordedLinear, AgreesWithCallbacks) {
     for (std::size_t i = 0; i < 2; ++i) f[i] = expected_at(t, 2.0).f[i][k] * factorial(k);
     return 0;
   };
-  LinearProblem one(recorded), other(functions_of(functions));
+  LinearProblem one(recorded), other(functions);
   for (double tau : {0.0, 0.1, 3.0}) {
     TaylorData a, b;
     ASSERT_EQ(one.evaluate(0.4, {3, 3, 3}, tau, a).status, SFDAE_OK);
@@ -124,19 +122,19 @@ TEST(RecordedLinear, AgreesWithCallbacks) {
 TEST(RecordedLinear, DeclaresConstantMatrices) {
   Recording r(2);
   RecordedLinearCoefficients coefficients(r.finish({r.xdot[0] + 2.0 * r.x[1], r.x[0] - sin(r.t)}), {});
-  EXPECT_EQ(coefficients.problem().constant_E, 1);
-  EXPECT_EQ(coefficients.problem().constant_A, 1);
+  EXPECT_TRUE(coefficients.functions().constant_E);
+  EXPECT_TRUE(coefficients.functions().constant_A);
   Recording s(1);
   RecordedLinearCoefficients half(s.finish({s.xdot[0] + s.t * s.x[0]}), {});
-  EXPECT_EQ(half.problem().constant_E, 1);
-  EXPECT_EQ(half.problem().constant_A, 0);
+  EXPECT_TRUE(half.functions().constant_E);
+  EXPECT_FALSE(half.functions().constant_A);
 }
 
 // sqrt(t) has a value at 0, but no derivative; at -1 it has neither. What has failed is no answer to the next question.
 TEST(RecordedLinear, FailsOnlyWhereTheDerivativeAskedForCannotBeEvaluated) {
   Recording r(1);
   RecordedLinearCoefficients coefficients(r.finish({r.xdot[0] - sqrt(r.t)}), {});
-  const sfdae_linear_problem problem = coefficients.problem();
+  const LinearFunctions problem = coefficients.functions();
   double f = 7.0;
   EXPECT_EQ(problem.f(1.0, 2, &f, problem.user), 0);
   EXPECT_GT(problem.f(0.0, 1, &f, problem.user), 0);
@@ -157,13 +155,13 @@ TEST(RecordedLinear, PassesPrescribedValuesOn) {
     return order > 1 ? 4 : 0;
   };
   RecordedLinearCoefficients coefficients(r.finish({r.xdot[0] + r.x[1]}), {{1}, values, &factor});
-  const sfdae_linear_problem problem = coefficients.problem();
-  ASSERT_EQ(problem.num_prescribed, 1);
-  EXPECT_EQ(problem.prescribed[0], 1);
+  const PrescribedInputs inputs = coefficients.functions().inputs;
+  ASSERT_EQ(inputs.components.size(), 1u);
+  EXPECT_EQ(inputs.components[0], 1);
   double value = 0.0;
-  EXPECT_EQ(problem.prescribed_values(2.0, 0, &value, problem.user), 0);
+  EXPECT_EQ(inputs.values(2.0, 0, &value, inputs.user), 0);
   EXPECT_EQ(value, 6.0);
-  EXPECT_EQ(problem.prescribed_values(2.0, 2, &value, problem.user), 4);
+  EXPECT_EQ(inputs.values(2.0, 2, &value, inputs.user), 4);
 }
 
 }  // namespace sfdae::core

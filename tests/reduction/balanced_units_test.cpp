@@ -28,7 +28,7 @@ using sfdae_test::Term;
 using Vector = std::vector<double>;
 
 // r_i and c_j that rows and unknowns are multiplied by, time unit: every other row, every third unknown.
-struct Units {
+struct Choice {
   double rows, unknowns, time;
   double row(int i) const { return i % 2 == 0 ? rows : 1.0; }
   double unknown(int j) const { return j % 3 == 1 ? unknowns : 1.0; }
@@ -38,8 +38,8 @@ struct Units {
   }
 };
 
-std::vector<Units> all_units() {
-  std::vector<Units> all = {{1.0, 1.0, 1.0}};
+std::vector<Choice> all_units() {
+  std::vector<Choice> all = {{1.0, 1.0, 1.0}};
   for (double decades : {-9.0, -4.0, 3.0, 9.0}) {
     const double factor = std::pow(10.0, decades);
     all.push_back({factor, 1.0, 1.0});
@@ -53,7 +53,7 @@ std::vector<Units> all_units() {
 // A family with x_j = c_j z_j and t = T s: E -> R E C / T, A -> R A C, f -> R f, and T^k for derivatives.
 class Rescaled {
  public:
-  Rescaled(std::shared_ptr<const sfdae_test::LinearFamily> family, Units units)
+  Rescaled(std::shared_ptr<const sfdae_test::LinearFamily> family, Choice units)
       : inner_(std::move(family)), units_(units) {
     problem = inner_.problem;
     problem.user = this;
@@ -82,7 +82,7 @@ class Rescaled {
     return status;
   }
   sfdae_test::FamilyProblem inner_;
-  Units units_;
+  Choice units_;
 };
 
 // q' = v, v' = w, M w + K q = sin t, lambda = K q, with the differential equations in any units too.
@@ -143,7 +143,7 @@ TEST(BalancedUnits, BringTheFastStructureToOrderOne) {
   FastStructure structure;
   LinearProblem problem(functions_of(structure.problem));
   const double tau = std::ldexp(1.0, -20);
-  const Vector units = balanced_units(problem, 0.0, tau);
+  const Vector units = balanced_units(problem, 0.0, tau).values();
   ASSERT_EQ(units.size(), 4u);
   for (double unit : units) EXPECT_EQ(unit, std::ldexp(1.0, std::ilogb(unit)));
   problem.set_units(units);
@@ -200,7 +200,8 @@ TEST(BalancedUnits, AreFiniteWhereNothingIsThereToBalance) {
     LinearProblem problem(functions_of(callbacks));
     for (double tau : {1.0, 1e-12}) {
       try {
-        for (double unit : balanced_units(problem, 0.0, tau)) EXPECT_TRUE(std::isfinite(unit) && unit > 0.0);
+        const Vector units = balanced_units(problem, 0.0, tau).values();
+        for (double unit : units) EXPECT_TRUE(std::isfinite(unit) && unit > 0.0);
       } catch (const Failure& failure) {
         EXPECT_EQ(failure.status(), SFDAE_NOT_FINITE);
       }
@@ -212,7 +213,7 @@ TEST(BalancedUnits, AreFiniteWhereNothingIsThereToBalance) {
 TEST(Units, ChangeNoCharacteristicValuesOfLinearProblems) {
   int unclear = 0, all = 0;
   for (int mu = 0; mu <= 3; ++mu)
-    for (const Units& units : all_units()) {
+    for (const Choice& units : all_units()) {
       const std::shared_ptr<const sfdae_test::LinearFamily> family(sfdae_test::kron(8, mu));
       SCOPED_TRACE(family->name() + ": " + units.name());
       Rescaled rescaled(family, units);
@@ -248,8 +249,8 @@ TEST(Units, ChangeNoCharacteristicValuesOfThePendulum) {
   const double c = std::cos(0.6), s = std::sin(0.6);
   const Vector consistent = {s, -c, 0.7 * c, 0.7 * s, 0.49 + sfdae_test::Pendulum::gravity * c};
   int unclear = 0;
-  const std::vector<Units> choices = all_units();
-  for (const Units& units : choices) {
+  const std::vector<Choice> choices = all_units();
+  for (const Choice& units : choices) {
     if (units.unknowns != 1.0 && std::fabs(std::log10(units.time)) > 5.0) continue;
     SCOPED_TRACE(units.name());
     Recording r(5);

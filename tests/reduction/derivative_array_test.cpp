@@ -107,7 +107,7 @@ TEST(Projectors, HaveThePropertiesThatDefineThem) {
     SCOPED_TRACE(family->name());
     AnalyzedProblem p(family, t, t + 0.5);
     ASSERT_EQ(p.system.move_to(t), PointStatus::ok);
-    const Projectors q = projectors(p.system, t);
+    const Projectors q = projectors(p.problem, p.system.analysis(), p.settings, t);
     const int mu = family->values().mu, m = family->m();
     const DerivativeArray array = derivative_array(p.problem, t, mu);
     ASSERT_EQ(q.Z1.rows(), m);
@@ -150,7 +150,8 @@ TEST(Projectors, AreTheSameSpacesByBothReductions) {
     AnalyzedProblem staged(family, 0.4, 1.0), classical(family, 0.4, 1.0, LeadingTerm::automatic, by_svd);
     ASSERT_EQ(staged.system.move_to(0.4), PointStatus::ok);
     ASSERT_EQ(classical.system.move_to(0.4), PointStatus::ok);
-    const Projectors one = projectors(staged.system, 0.4), other = projectors(classical.system, 0.4);
+    const Projectors one = projectors(staged.problem, staged.system.analysis(), staged.settings, 0.4),
+                     other = projectors(classical.problem, classical.system.analysis(), classical.settings, 0.4);
     const double tolerance = rounding(10 * (mu + 1) * 7) /
                              (staged.system.quality().smallest_pivot * classical.system.quality().smallest_pivot *
                               staged.system.quality().kept_constraints);
@@ -167,7 +168,7 @@ TEST(Projectors, BelongToTheUnscaledArray) {
   const Family family = sfdae_test::scaled_row(1e-8).family;
   AnalyzedProblem p(family, 0.4, 1.0);
   ASSERT_EQ(p.system.move_to(0.4), PointStatus::ok);
-  const Projectors q = projectors(p.system, 0.4);
+  const Projectors q = projectors(p.problem, p.system.analysis(), p.settings, 0.4);
   const DerivativeArray array = derivative_array(p.problem, 0.4, 0);
   EXPECT_LE(largest(times(transposed(q.Z2), array.M)), rounding(3));
   EXPECT_LE(outside_range(q.Z1, times(derivative(*family, 'E', 0.4, 0), q.T2)), rounding(3) * 1e-8);

@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "c_api/problems.h"
 #include "family_problem.h"
 #include "linear_family.h"
 #include "matrix_checks.h"
@@ -38,7 +39,7 @@ struct Analyzed {
   IndexAnalysis analysis;
   explicit Analyzed(const Family& family)
       : callbacks(family),
-        problem(callbacks.problem),
+        problem(functions_of(callbacks.problem)),
         analysis(analyze_index(problem, 0.2, 1.0, settings, arena, decisions)) {}
   TaylorData data_at(double t, int level) {
     TaylorData data;

@@ -166,7 +166,7 @@ TEST(NonlinearValues, AcceptRefusesChangesBeyondTheTolerances) {
     given[1] += error;
     ConsistencyRequest request;
     request.kind = InitialValues::accept;
-    request.set_tolerances(Vector(5, 1e-6), Vector(5, 1e-6), given.data());
+    request.set_tolerances({Vector(5, 1e-6), Vector(5, 1e-6)}, given.data());
     std::string message;
     const int status = status_of([&] { p.choose(request, given); }, message);
     EXPECT_EQ(status, error > 1e-6 ? SFDAE_INCONSISTENT_VALUES : SFDAE_OK) << message;

@@ -42,10 +42,10 @@ void expect_derivatives_of_constraints(const TestProblem& problem) {
   const double t = 0.3;
   std::array<Jet, nl> g;
   std::array<double, nl> g0{}, g1{}, g2{};
-  System::constraints(Jet::variable(t, 2), state.p.data(), g.data());
-  System::constraints(t, state.value_p.data(), g0.data());
-  System::velocity_constraints(t, state.value_p.data(), state.value_v.data(), g1.data());
-  System::acceleration_constraints(t, state.value_p.data(), state.value_v.data(), state.value_a.data(), g2.data());
+  System::constraints(Jet::variable(t, 2), motion.p.data(), g.data());
+  System::constraints(t, motion.value_p.data(), g0.data());
+  System::velocity_constraints(t, motion.value_p.data(), motion.value_v.data(), g1.data());
+  System::acceleration_constraints(t, motion.value_p.data(), motion.value_v.data(), motion.value_a.data(), g2.data());
   for (std::size_t i = 0; i < nl; ++i) {
     const double tolerance = rounding(System::positions) * 10.0 * (1.0 + std::abs(g0[i]) + std::abs(g2[i]));
     EXPECT_NEAR(g[i][0], g0[i], tolerance) << problem.name << ", constraint " << i;
@@ -73,11 +73,11 @@ void expect_no_power(const TestProblem& problem, double factor, const AddForces&
   std::array<double, nl> mu, Gv, g_t;
   RandomNumbers numbers(11);
   for (double& value : mu) value = numbers.uniform(-1.0, 1.0);
-  add(t, state.value_p.data(), mu.data(), force.data());
-  System::velocity_constraints(t, state.value_p.data(), state.value_v.data(), Gv.data());
-  System::velocity_constraints(t, state.value_p.data(), rest.data(), g_t.data());
+  add(t, motion.value_p.data(), mu.data(), force.data());
+  System::velocity_constraints(t, motion.value_p.data(), motion.value_v.data(), Gv.data());
+  System::velocity_constraints(t, motion.value_p.data(), rest.data(), g_t.data());
   double power = 0.0, expected = 0.0;
-  for (std::size_t i = 0; i < np; ++i) power += state.value_v[i] * force[i];
+  for (std::size_t i = 0; i < np; ++i) power += motion.value_v[i] * force[i];
   for (std::size_t i = 0; i < nl; ++i) expected += factor * mu[i] * (Gv[i] - g_t[i]);
   EXPECT_NEAR(power, expected, rounding(np) * 300.0) << problem.name;
   EXPECT_GT(std::abs(expected), 1e-3) << problem.name;
@@ -105,16 +105,16 @@ void expect_balance_of_energy(const TestProblem& problem, const Energy& elastic,
   const Motion<System> motion(problem);
   constexpr std::size_t np = System::positions;
   std::array<Jet, np> Mv;
-  System::apply_mass(state.p.data(), state.v.data(), Mv.data());
-  Jet energy = elastic(state.p.data());
+  System::apply_mass(motion.p.data(), motion.v.data(), Mv.data());
+  Jet energy = elastic(motion.p.data());
   std::array<double, np> r;
-  System::apply_mass(state.value_p.data(), state.value_a.data(), r.data());
-  System::subtract_forces(state.value_p.data(), state.value_v.data(), r.data());
-  double power = drive * state.value_v[0], scale = 0.0;
+  System::apply_mass(motion.value_p.data(), motion.value_a.data(), r.data());
+  System::subtract_forces(motion.value_p.data(), motion.value_v.data(), r.data());
+  double power = drive * motion.value_v[0], scale = 0.0;
   for (std::size_t i = 0; i < np; ++i) {
-    energy = energy + 0.5 * state.v[i] * Mv[i];
-    power += state.value_v[i] * r[i];
-    scale += std::abs(state.value_v[i] * r[i]);
+    energy = energy + 0.5 * motion.v[i] * Mv[i];
+    power += motion.value_v[i] * r[i];
+    scale += std::abs(motion.value_v[i] * r[i]);
   }
   EXPECT_NEAR(power, energy[1], rounding(np) * scale) << problem.name;
 }
@@ -144,17 +144,17 @@ TEST(SliderCrank, ForcesOfInertiaBalanceTheKineticEnergy) {
   const Motion<SliderCrank> motion(slider_crank());
   std::array<Jet, 7> Mv;
   std::array<double, 7> r;
-  SliderCrank::apply_mass(state.p.data(), state.v.data(), Mv.data());
-  std::array<double, 7> p = state.value_p;
+  SliderCrank::apply_mass(motion.p.data(), motion.v.data(), Mv.data());
+  std::array<double, 7> p = motion.value_p;
   Jet energy;
-  for (std::size_t i = 0; i < 7; ++i) energy = energy + 0.5 * state.v[i] * Mv[i];
-  SliderCrank::apply_mass(p.data(), state.value_a.data(), r.data());
-  SliderCrank::subtract_forces(p.data(), state.value_v.data(), r.data());
+  for (std::size_t i = 0; i < 7; ++i) energy = energy + 0.5 * motion.v[i] * Mv[i];
+  SliderCrank::apply_mass(p.data(), motion.value_a.data(), r.data());
+  SliderCrank::subtract_forces(p.data(), motion.value_v.data(), r.data());
   double power = 0.0, largest = 0.0;
   for (std::size_t i = 0; i < 7; ++i) {
     double elastic = i < 3 ? 0.0 : SliderCrank::dot(SliderCrank::KQ[i - 3], p.data() + 3);
     largest = std::max(largest, std::abs(elastic));
-    power += state.value_v[i] * (r[i] - elastic);
+    power += motion.value_v[i] * (r[i] - elastic);
   }
   EXPECT_NEAR(power, energy[1], 1e3 * unit_roundoff * largest);
   EXPECT_GT(std::abs(energy[1]), 1e5 * unit_roundoff * largest);  // else the test says nothing

@@ -1,0 +1,804 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!
+! Written by scripts/generate_fortran_mirror.py from the headers in include/sfdae: do not edit.
+! Callbacks and functions of C; the header explains them and their arguments.
+module sfdae_c
+  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funloc, c_funptr, c_int, c_ptr, &
+    c_size_t
+  use sfdae_types, only: expression, sfdae_change, sfdae_characteristics, sfdae_decision, &
+    sfdae_derivative_check, sfdae_initial_report, sfdae_linear_problem, sfdae_multibody_formulas, &
+    sfdae_multibody_problem, sfdae_multibody_report, sfdae_nonlinear_problem, sfdae_options, &
+    sfdae_progress, sfdae_statistics
+  implicit none
+  private
+
+  public :: c_abs, c_acos, c_add, c_advance, c_analyze, c_analyze_at, c_asin, c_atan, c_atan2, &
+    c_change_init, c_characteristics_init, c_check_derivatives, c_check_linear, c_check_multibody, &
+    c_check_multibody_derivatives, c_check_nonlinear, c_check_total_derivatives, c_choose, c_cos, &
+    c_cosh, c_create_linear, c_create_multibody, c_create_nonlinear, c_decision_init, &
+    c_derivative_check_init, c_destroy, c_divide, c_exp, c_get_change, c_get_characteristics, &
+    c_get_checkpoint_length, c_get_decision, c_get_derivative_array, c_get_events, &
+    c_get_initial_report, c_get_multibody_report, c_get_num_decisions, c_get_parameter, &
+    c_get_projectors, c_get_statistics, c_get_strangeness_free, c_initial_report_init, &
+    c_interpolate, c_linear_problem_init, c_log, c_make_consistent, c_max, c_message, c_min, &
+    c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
+    c_nonlinear_problem_init, c_number, c_options_init, c_parameter, c_power, c_report, &
+    c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_set_events, c_set_options, &
+    c_set_parameter, c_sin, c_sinh, c_sqrt, c_start, c_statistics_init, c_status_name, c_step, &
+    c_subtract, c_tan, c_tanh, c_version, address_of_equations_function, &
+    address_of_event_function, address_of_linear_equations_function, address_of_matrix_function, &
+    address_of_monitor_function, address_of_multibody_equations_function, &
+    address_of_position_function, address_of_total_derivative_function, &
+    address_of_vector_function, address_of_velocity_function
+
+  abstract interface
+
+    function sfdae_equations_function(record, t, x, xdot, residual, user) bind(c)
+      import :: c_int, c_ptr, expression
+      type(c_ptr), value :: record
+      type(expression), value :: t
+      type(c_ptr), value :: x
+      type(c_ptr), value :: xdot
+      type(c_ptr), value :: residual
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_equations_function
+    end function sfdae_equations_function
+
+    function sfdae_event_function(t, x, xdot, g, user) bind(c)
+      import :: c_double, c_int, c_ptr
+      real(c_double), value :: t
+      type(c_ptr), value :: x
+      type(c_ptr), value :: xdot
+      type(c_ptr), value :: g
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_event_function
+    end function sfdae_event_function
+
+    function sfdae_linear_equations_function(record, t, e, a, f, user) bind(c)
+      import :: c_int, c_ptr, expression
+      type(c_ptr), value :: record
+      type(expression), value :: t
+      type(c_ptr), value :: e
+      type(c_ptr), value :: a
+      type(c_ptr), value :: f
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_linear_equations_function
+    end function sfdae_linear_equations_function
+
+    function sfdae_matrix_function(t, order, matrix, user) bind(c)
+      import :: c_double, c_int, c_ptr
+      real(c_double), value :: t
+      integer(c_int), value :: order
+      type(c_ptr), value :: matrix
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_matrix_function
+    end function sfdae_matrix_function
+
+    function sfdae_monitor_function(progress, user) bind(c)
+      import :: c_int, c_ptr, sfdae_progress
+      type(sfdae_progress), intent(in) :: progress
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_monitor_function
+    end function sfdae_monitor_function
+
+    function sfdae_multibody_equations_function(record, t, q, v, formulas, user) bind(c)
+      import :: c_int, c_ptr, expression, sfdae_multibody_formulas
+      type(c_ptr), value :: record
+      type(expression), value :: t
+      type(c_ptr), value :: q
+      type(c_ptr), value :: v
+      type(sfdae_multibody_formulas), intent(in) :: formulas
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_multibody_equations_function
+    end function sfdae_multibody_equations_function
+
+    function sfdae_position_function(t, q, result, user) bind(c)
+      import :: c_double, c_int, c_ptr
+      real(c_double), value :: t
+      type(c_ptr), value :: q
+      type(c_ptr), value :: result
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_position_function
+    end function sfdae_position_function
+
+    function sfdae_total_derivative_function(t, order, derivatives, f, f_x, f_xdot, user) bind(c)
+      import :: c_double, c_int, c_ptr
+      real(c_double), value :: t
+      integer(c_int), value :: order
+      type(c_ptr), value :: derivatives
+      type(c_ptr), value :: f
+      type(c_ptr), value :: f_x
+      type(c_ptr), value :: f_xdot
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_total_derivative_function
+    end function sfdae_total_derivative_function
+
+    function sfdae_vector_function(t, order, vector, user) bind(c)
+      import :: c_double, c_int, c_ptr
+      real(c_double), value :: t
+      integer(c_int), value :: order
+      type(c_ptr), value :: vector
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_vector_function
+    end function sfdae_vector_function
+
+    function sfdae_velocity_function(t, q, v, result, user) bind(c)
+      import :: c_double, c_int, c_ptr
+      real(c_double), value :: t
+      type(c_ptr), value :: q
+      type(c_ptr), value :: v
+      type(c_ptr), value :: result
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_velocity_function
+    end function sfdae_velocity_function
+
+  end interface
+
+  interface
+
+    function c_abs(a) bind(c, name="sfdae_abs")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_abs
+    end function c_abs
+
+    function c_acos(a) bind(c, name="sfdae_acos")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_acos
+    end function c_acos
+
+    function c_add(a, b) bind(c, name="sfdae_add")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_add
+    end function c_add
+
+    function c_advance(solver, tout, t, x, xdot) bind(c, name="sfdae_advance")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: tout
+      real(c_double), intent(inout) :: t
+      real(c_double), intent(inout) :: x(*)
+      type(c_ptr), value :: xdot
+      integer(c_int) :: c_advance
+    end function c_advance
+
+    function c_analyze(solver, t, toward, result) bind(c, name="sfdae_analyze")
+      import :: c_double, c_int, c_ptr, sfdae_characteristics
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), value :: toward
+      type(sfdae_characteristics), intent(inout) :: result
+      integer(c_int) :: c_analyze
+    end function c_analyze
+
+    function c_analyze_at(solver, t, toward, x, result) bind(c, name="sfdae_analyze_at")
+      import :: c_double, c_int, c_ptr, sfdae_characteristics
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), value :: toward
+      real(c_double), intent(in) :: x(*)
+      type(sfdae_characteristics), intent(inout) :: result
+      integer(c_int) :: c_analyze_at
+    end function c_analyze_at
+
+    function c_asin(a) bind(c, name="sfdae_asin")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_asin
+    end function c_asin
+
+    function c_atan(a) bind(c, name="sfdae_atan")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_atan
+    end function c_atan
+
+    function c_atan2(y, x) bind(c, name="sfdae_atan2")
+      import :: expression
+      type(expression), value :: y
+      type(expression), value :: x
+      type(expression) :: c_atan2
+    end function c_atan2
+
+    function c_change_init(change, size) bind(c, name="sfdae_change_init")
+      import :: c_int, c_size_t, sfdae_change
+      type(sfdae_change), intent(inout) :: change
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_change_init
+    end function c_change_init
+
+    function c_characteristics_init(characteristics, size) &
+      bind(c, name="sfdae_characteristics_init")
+      import :: c_int, c_size_t, sfdae_characteristics
+      type(sfdae_characteristics), intent(inout) :: characteristics
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_characteristics_init
+    end function c_characteristics_init
+
+    function c_check_derivatives(solver, t, max_order, result) &
+      bind(c, name="sfdae_check_derivatives")
+      import :: c_double, c_int, c_ptr, sfdae_derivative_check
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      integer(c_int), value :: max_order
+      type(sfdae_derivative_check), intent(inout) :: result
+      integer(c_int) :: c_check_derivatives
+    end function c_check_derivatives
+
+    function c_check_linear(problem, options, text, length) bind(c, name="sfdae_check_linear")
+      import :: c_char, c_int, c_size_t, sfdae_linear_problem, sfdae_options
+      type(sfdae_linear_problem), intent(in) :: problem
+      type(sfdae_options), intent(in) :: options
+      character(kind=c_char), intent(inout) :: text(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: c_check_linear
+    end function c_check_linear
+
+    function c_check_multibody(problem, options, text, length) bind(c, name="sfdae_check_multibody")
+      import :: c_char, c_int, c_size_t, sfdae_multibody_problem, sfdae_options
+      type(sfdae_multibody_problem), intent(in) :: problem
+      type(sfdae_options), intent(in) :: options
+      character(kind=c_char), intent(inout) :: text(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: c_check_multibody
+    end function c_check_multibody
+
+    function c_check_multibody_derivatives(solver, t, q, v, result) &
+      bind(c, name="sfdae_check_multibody_derivatives")
+      import :: c_double, c_int, c_ptr, sfdae_derivative_check
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(in) :: q(*)
+      real(c_double), intent(in) :: v(*)
+      type(sfdae_derivative_check), intent(inout) :: result
+      integer(c_int) :: c_check_multibody_derivatives
+    end function c_check_multibody_derivatives
+
+    function c_check_nonlinear(problem, options, text, length) bind(c, name="sfdae_check_nonlinear")
+      import :: c_char, c_int, c_size_t, sfdae_nonlinear_problem, sfdae_options
+      type(sfdae_nonlinear_problem), intent(in) :: problem
+      type(sfdae_options), intent(in) :: options
+      character(kind=c_char), intent(inout) :: text(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: c_check_nonlinear
+    end function c_check_nonlinear
+
+    function c_check_total_derivatives(solver, t, derivatives, max_order, result) &
+      bind(c, name="sfdae_check_total_derivatives")
+      import :: c_double, c_int, c_ptr, sfdae_derivative_check
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(in) :: derivatives(*)
+      integer(c_int), value :: max_order
+      type(sfdae_derivative_check), intent(inout) :: result
+      integer(c_int) :: c_check_total_derivatives
+    end function c_check_total_derivatives
+
+    function c_choose(c, a, b) bind(c, name="sfdae_choose")
+      import :: expression
+      type(expression), value :: c
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_choose
+    end function c_choose
+
+    function c_cos(a) bind(c, name="sfdae_cos")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_cos
+    end function c_cos
+
+    function c_cosh(a) bind(c, name="sfdae_cosh")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_cosh
+    end function c_cosh
+
+    function c_create_linear(solver, problem, options) bind(c, name="sfdae_create_linear")
+      import :: c_int, c_ptr, sfdae_linear_problem, sfdae_options
+      type(c_ptr), intent(inout) :: solver
+      type(sfdae_linear_problem), intent(in) :: problem
+      type(sfdae_options), intent(in) :: options
+      integer(c_int) :: c_create_linear
+    end function c_create_linear
+
+    function c_create_multibody(solver, problem, options) bind(c, name="sfdae_create_multibody")
+      import :: c_int, c_ptr, sfdae_multibody_problem, sfdae_options
+      type(c_ptr), intent(inout) :: solver
+      type(sfdae_multibody_problem), intent(in) :: problem
+      type(sfdae_options), intent(in) :: options
+      integer(c_int) :: c_create_multibody
+    end function c_create_multibody
+
+    function c_create_nonlinear(solver, problem, options) bind(c, name="sfdae_create_nonlinear")
+      import :: c_int, c_ptr, sfdae_nonlinear_problem, sfdae_options
+      type(c_ptr), intent(inout) :: solver
+      type(sfdae_nonlinear_problem), intent(in) :: problem
+      type(sfdae_options), intent(in) :: options
+      integer(c_int) :: c_create_nonlinear
+    end function c_create_nonlinear
+
+    function c_decision_init(decision, size) bind(c, name="sfdae_decision_init")
+      import :: c_int, c_size_t, sfdae_decision
+      type(sfdae_decision), intent(inout) :: decision
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_decision_init
+    end function c_decision_init
+
+    function c_derivative_check_init(check, size) bind(c, name="sfdae_derivative_check_init")
+      import :: c_int, c_size_t, sfdae_derivative_check
+      type(sfdae_derivative_check), intent(inout) :: check
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_derivative_check_init
+    end function c_derivative_check_init
+
+    function c_destroy(solver) bind(c, name="sfdae_destroy")
+      import :: c_int, c_ptr
+      type(c_ptr), intent(inout) :: solver
+      integer(c_int) :: c_destroy
+    end function c_destroy
+
+    function c_divide(a, b) bind(c, name="sfdae_divide")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_divide
+    end function c_divide
+
+    function c_exp(a) bind(c, name="sfdae_exp")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_exp
+    end function c_exp
+
+    function c_get_change(solver, result) bind(c, name="sfdae_get_change")
+      import :: c_int, c_ptr, sfdae_change
+      type(c_ptr), value :: solver
+      type(sfdae_change), intent(inout) :: result
+      integer(c_int) :: c_get_change
+    end function c_get_change
+
+    function c_get_characteristics(solver, result) bind(c, name="sfdae_get_characteristics")
+      import :: c_int, c_ptr, sfdae_characteristics
+      type(c_ptr), value :: solver
+      type(sfdae_characteristics), intent(inout) :: result
+      integer(c_int) :: c_get_characteristics
+    end function c_get_characteristics
+
+    function c_get_checkpoint_length(solver, length) bind(c, name="sfdae_get_checkpoint_length")
+      import :: c_int, c_ptr, c_size_t
+      type(c_ptr), value :: solver
+      integer(c_size_t), intent(inout) :: length
+      integer(c_int) :: c_get_checkpoint_length
+    end function c_get_checkpoint_length
+
+    function c_get_decision(solver, index, result) bind(c, name="sfdae_get_decision")
+      import :: c_int, c_ptr, sfdae_decision
+      type(c_ptr), value :: solver
+      integer(c_int), value :: index
+      type(sfdae_decision), intent(inout) :: result
+      integer(c_int) :: c_get_decision
+    end function c_get_decision
+
+    function c_get_derivative_array(solver, t, level, m, n, g) &
+      bind(c, name="sfdae_get_derivative_array")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      integer(c_int), value :: level
+      real(c_double), intent(inout) :: m(*)
+      real(c_double), intent(inout) :: n(*)
+      real(c_double), intent(inout) :: g(*)
+      integer(c_int) :: c_get_derivative_array
+    end function c_get_derivative_array
+
+    function c_get_events(solver, which) bind(c, name="sfdae_get_events")
+      import :: c_int, c_ptr
+      type(c_ptr), value :: solver
+      integer(c_int), intent(inout) :: which(*)
+      integer(c_int) :: c_get_events
+    end function c_get_events
+
+    function c_get_initial_report(solver, result) bind(c, name="sfdae_get_initial_report")
+      import :: c_int, c_ptr, sfdae_initial_report
+      type(c_ptr), value :: solver
+      type(sfdae_initial_report), intent(inout) :: result
+      integer(c_int) :: c_get_initial_report
+    end function c_get_initial_report
+
+    function c_get_multibody_report(solver, report) bind(c, name="sfdae_get_multibody_report")
+      import :: c_int, c_ptr, sfdae_multibody_report
+      type(c_ptr), value :: solver
+      type(sfdae_multibody_report), intent(inout) :: report
+      integer(c_int) :: c_get_multibody_report
+    end function c_get_multibody_report
+
+    function c_get_num_decisions(solver, count) bind(c, name="sfdae_get_num_decisions")
+      import :: c_int, c_ptr
+      type(c_ptr), value :: solver
+      integer(c_int), intent(inout) :: count
+      integer(c_int) :: c_get_num_decisions
+    end function c_get_num_decisions
+
+    function c_get_parameter(solver, name, value) bind(c, name="sfdae_get_parameter")
+      import :: c_char, c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      character(kind=c_char), intent(in) :: name(*)
+      real(c_double), intent(inout) :: value
+      integer(c_int) :: c_get_parameter
+    end function c_get_parameter
+
+    function c_get_projectors(solver, t, z1, z2, z3, t2, vhat) bind(c, name="sfdae_get_projectors")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(inout) :: z1(*)
+      real(c_double), intent(inout) :: z2(*)
+      real(c_double), intent(inout) :: z3(*)
+      real(c_double), intent(inout) :: t2(*)
+      integer(c_int), intent(inout) :: vhat
+      integer(c_int) :: c_get_projectors
+    end function c_get_projectors
+
+    function c_get_statistics(solver, result) bind(c, name="sfdae_get_statistics")
+      import :: c_int, c_ptr, sfdae_statistics
+      type(c_ptr), value :: solver
+      type(sfdae_statistics), intent(inout) :: result
+      integer(c_int) :: c_get_statistics
+    end function c_get_statistics
+
+    function c_get_strangeness_free(solver, t, e1, a1, f1, a2, f2, residual) &
+      bind(c, name="sfdae_get_strangeness_free")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(inout) :: e1(*)
+      real(c_double), intent(inout) :: a1(*)
+      real(c_double), intent(inout) :: f1(*)
+      real(c_double), intent(inout) :: a2(*)
+      real(c_double), intent(inout) :: f2(*)
+      real(c_double), intent(inout) :: residual
+      integer(c_int) :: c_get_strangeness_free
+    end function c_get_strangeness_free
+
+    function c_initial_report_init(report, size) bind(c, name="sfdae_initial_report_init")
+      import :: c_int, c_size_t, sfdae_initial_report
+      type(sfdae_initial_report), intent(inout) :: report
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_initial_report_init
+    end function c_initial_report_init
+
+    function c_interpolate(solver, t, x, xdot) bind(c, name="sfdae_interpolate")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(inout) :: x(*)
+      type(c_ptr), value :: xdot
+      integer(c_int) :: c_interpolate
+    end function c_interpolate
+
+    function c_linear_problem_init(problem, size) bind(c, name="sfdae_linear_problem_init")
+      import :: c_int, c_size_t, sfdae_linear_problem
+      type(sfdae_linear_problem), intent(inout) :: problem
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_linear_problem_init
+    end function c_linear_problem_init
+
+    function c_log(a) bind(c, name="sfdae_log")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_log
+    end function c_log
+
+    function c_make_consistent(solver, t, x, xdot) bind(c, name="sfdae_make_consistent")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(inout) :: x(*)
+      type(c_ptr), value :: xdot
+      integer(c_int) :: c_make_consistent
+    end function c_make_consistent
+
+    function c_max(a, b) bind(c, name="sfdae_max")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_max
+    end function c_max
+
+    function c_message(solver) bind(c, name="sfdae_message")
+      import :: c_ptr
+      type(c_ptr), value :: solver
+      type(c_ptr) :: c_message
+    end function c_message
+
+    function c_min(a, b) bind(c, name="sfdae_min")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_min
+    end function c_min
+
+    function c_multibody_problem_init(problem, size) bind(c, name="sfdae_multibody_problem_init")
+      import :: c_int, c_size_t, sfdae_multibody_problem
+      type(sfdae_multibody_problem), intent(inout) :: problem
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_multibody_problem_init
+    end function c_multibody_problem_init
+
+    function c_multibody_report_init(report, size) bind(c, name="sfdae_multibody_report_init")
+      import :: c_int, c_size_t, sfdae_multibody_report
+      type(sfdae_multibody_report), intent(inout) :: report
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_multibody_report_init
+    end function c_multibody_report_init
+
+    function c_multiply(a, b) bind(c, name="sfdae_multiply")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_multiply
+    end function c_multiply
+
+    function c_negate(a) bind(c, name="sfdae_negate")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_negate
+    end function c_negate
+
+    function c_nonlinear_problem_init(problem, size) bind(c, name="sfdae_nonlinear_problem_init")
+      import :: c_int, c_size_t, sfdae_nonlinear_problem
+      type(sfdae_nonlinear_problem), intent(inout) :: problem
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_nonlinear_problem_init
+    end function c_nonlinear_problem_init
+
+    function c_number(value) bind(c, name="sfdae_number")
+      import :: c_double, expression
+      real(c_double), value :: value
+      type(expression) :: c_number
+    end function c_number
+
+    function c_options_init(options, size) bind(c, name="sfdae_options_init")
+      import :: c_int, c_size_t, sfdae_options
+      type(sfdae_options), intent(inout) :: options
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_options_init
+    end function c_options_init
+
+    function c_parameter(record, name, value) bind(c, name="sfdae_parameter")
+      import :: c_char, c_double, c_ptr, expression
+      type(c_ptr), value :: record
+      character(kind=c_char), intent(in) :: name(*)
+      real(c_double), value :: value
+      type(expression) :: c_parameter
+    end function c_parameter
+
+    function c_power(a, b) bind(c, name="sfdae_power")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_power
+    end function c_power
+
+    function c_report(solver, text, length, needed) bind(c, name="sfdae_report")
+      import :: c_char, c_int, c_ptr, c_size_t
+      type(c_ptr), value :: solver
+      character(kind=c_char), intent(inout) :: text(*)
+      integer(c_size_t), value :: length
+      integer(c_size_t), intent(inout) :: needed
+      integer(c_int) :: c_report
+    end function c_report
+
+    function c_request_stop(solver) bind(c, name="sfdae_request_stop")
+      import :: c_int, c_ptr
+      type(c_ptr), value :: solver
+      integer(c_int) :: c_request_stop
+    end function c_request_stop
+
+    function c_restore_checkpoint(solver, checkpoint, length) &
+      bind(c, name="sfdae_restore_checkpoint")
+      import :: c_double, c_int, c_ptr, c_size_t
+      type(c_ptr), value :: solver
+      real(c_double), intent(in) :: checkpoint(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: c_restore_checkpoint
+    end function c_restore_checkpoint
+
+    function c_save_checkpoint(solver, checkpoint, length) bind(c, name="sfdae_save_checkpoint")
+      import :: c_double, c_int, c_ptr, c_size_t
+      type(c_ptr), value :: solver
+      real(c_double), intent(inout) :: checkpoint(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: c_save_checkpoint
+    end function c_save_checkpoint
+
+    function c_set_events(solver, num_events, function, directions, user) &
+      bind(c, name="sfdae_set_events")
+      import :: c_funptr, c_int, c_ptr
+      type(c_ptr), value :: solver
+      integer(c_int), value :: num_events
+      type(c_funptr), value :: function
+      type(c_ptr), value :: directions
+      type(c_ptr), value :: user
+      integer(c_int) :: c_set_events
+    end function c_set_events
+
+    function c_set_options(solver, options) bind(c, name="sfdae_set_options")
+      import :: c_int, c_ptr, sfdae_options
+      type(c_ptr), value :: solver
+      type(sfdae_options), intent(in) :: options
+      integer(c_int) :: c_set_options
+    end function c_set_options
+
+    function c_set_parameter(solver, name, value) bind(c, name="sfdae_set_parameter")
+      import :: c_char, c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      character(kind=c_char), intent(in) :: name(*)
+      real(c_double), value :: value
+      integer(c_int) :: c_set_parameter
+    end function c_set_parameter
+
+    function c_sin(a) bind(c, name="sfdae_sin")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_sin
+    end function c_sin
+
+    function c_sinh(a) bind(c, name="sfdae_sinh")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_sinh
+    end function c_sinh
+
+    function c_sqrt(a) bind(c, name="sfdae_sqrt")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_sqrt
+    end function c_sqrt
+
+    function c_start(solver, t, toward, x, xdot) bind(c, name="sfdae_start")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), value :: toward
+      real(c_double), intent(inout) :: x(*)
+      type(c_ptr), value :: xdot
+      integer(c_int) :: c_start
+    end function c_start
+
+    function c_statistics_init(statistics, size) bind(c, name="sfdae_statistics_init")
+      import :: c_int, c_size_t, sfdae_statistics
+      type(sfdae_statistics), intent(inout) :: statistics
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_statistics_init
+    end function c_statistics_init
+
+    function c_status_name(status) bind(c, name="sfdae_status_name")
+      import :: c_int, c_ptr
+      integer(c_int), value :: status
+      type(c_ptr) :: c_status_name
+    end function c_status_name
+
+    function c_step(solver, tout, t, x, xdot) bind(c, name="sfdae_step")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: tout
+      real(c_double), intent(inout) :: t
+      real(c_double), intent(inout) :: x(*)
+      type(c_ptr), value :: xdot
+      integer(c_int) :: c_step
+    end function c_step
+
+    function c_subtract(a, b) bind(c, name="sfdae_subtract")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_subtract
+    end function c_subtract
+
+    function c_tan(a) bind(c, name="sfdae_tan")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_tan
+    end function c_tan
+
+    function c_tanh(a) bind(c, name="sfdae_tanh")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_tanh
+    end function c_tanh
+
+    function c_version() bind(c, name="sfdae_version")
+      import :: c_ptr
+      type(c_ptr) :: c_version
+    end function c_version
+
+  end interface
+
+contains
+
+  !> Of a sfdae_equations_function; the compiler compares its arguments.
+  function address_of_equations_function(callback) result(address)
+    procedure(sfdae_equations_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_equations_function
+
+  !> Of a sfdae_event_function; the compiler compares its arguments.
+  function address_of_event_function(callback) result(address)
+    procedure(sfdae_event_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_event_function
+
+  !> Of a sfdae_linear_equations_function; the compiler compares its arguments.
+  function address_of_linear_equations_function(callback) result(address)
+    procedure(sfdae_linear_equations_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_linear_equations_function
+
+  !> Of a sfdae_matrix_function; the compiler compares its arguments.
+  function address_of_matrix_function(callback) result(address)
+    procedure(sfdae_matrix_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_matrix_function
+
+  !> Of a sfdae_monitor_function; the compiler compares its arguments.
+  function address_of_monitor_function(callback) result(address)
+    procedure(sfdae_monitor_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_monitor_function
+
+  !> Of a sfdae_multibody_equations_function; the compiler compares its arguments.
+  function address_of_multibody_equations_function(callback) result(address)
+    procedure(sfdae_multibody_equations_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_multibody_equations_function
+
+  !> Of a sfdae_position_function; the compiler compares its arguments.
+  function address_of_position_function(callback) result(address)
+    procedure(sfdae_position_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_position_function
+
+  !> Of a sfdae_total_derivative_function; the compiler compares its arguments.
+  function address_of_total_derivative_function(callback) result(address)
+    procedure(sfdae_total_derivative_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_total_derivative_function
+
+  !> Of a sfdae_vector_function; the compiler compares its arguments.
+  function address_of_vector_function(callback) result(address)
+    procedure(sfdae_vector_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_vector_function
+
+  !> Of a sfdae_velocity_function; the compiler compares its arguments.
+  function address_of_velocity_function(callback) result(address)
+    procedure(sfdae_velocity_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_velocity_function
+
+end module sfdae_c

@@ -1,0 +1,100 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!
+! What C hands over as an address, as arrays and strings of Fortran, and the other way round.
+module sfdae_conversions
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
+    c_null_char, c_ptr, c_size_t
+  implicit none
+  private
+
+  public :: flag, text_at, text_in, text_in_c, vector_at, matrix_at
+
+  interface
+    !> Of the C library: characters before the final zero.
+    function c_strlen(text) bind(c, name="strlen") result(length)
+      import :: c_ptr, c_size_t
+      type(c_ptr), value :: text
+      integer(c_size_t) :: length
+    end function c_strlen
+  end interface
+
+contains
+
+  !> A truth value in C's terms.
+  elemental function flag(condition) result(number)
+    !> .true.: 1, .false.: 0.
+    logical, intent(in) :: condition
+    integer(c_int) :: number
+
+    number = merge(1_c_int, 0_c_int, condition)
+  end function flag
+
+  !> The C string at an address.
+  function text_at(address) result(text)
+    !> Null: no characters.
+    type(c_ptr), intent(in) :: address
+    character(len=:), allocatable :: text
+    character(kind=c_char), pointer :: characters(:)
+
+    text = ""
+    if (.not. c_associated(address)) return
+    call c_f_pointer(address, characters, [c_strlen(address) + 1])
+    text = text_in(characters)
+  end function text_at
+
+  !> The C string in an array of characters.
+  function text_in(characters) result(text)
+    !> Up to the first zero, or all of them.
+    character(kind=c_char), intent(in) :: characters(:)
+    character(len=:), allocatable :: text
+    integer :: i, length
+
+    length = 0
+    do while (length < size(characters))
+      if (characters(length + 1) == c_null_char) exit
+      length = length + 1
+    end do
+    allocate (character(len=length) :: text)
+    do i = 1, length
+      text(i:i) = characters(i)
+    end do
+  end function text_in
+
+  !> A text as C wants it: with a final zero, without blanks at the end.
+  pure function text_in_c(text) result(c_text)
+    !> Without zeros.
+    character(len=*), intent(in) :: text
+    character(kind=c_char) :: c_text(len_trim(text) + 1)
+    integer :: i
+
+    do i = 1, len_trim(text)
+      c_text(i) = text(i:i)
+    end do
+    c_text(len_trim(text) + 1) = c_null_char
+  end function text_in_c
+
+  !> The numbers at an address.
+  function vector_at(address, length) result(vector)
+    !> Of the first one.
+    type(c_ptr), intent(in) :: address
+    !> How many they are.
+    integer(c_int), intent(in) :: length
+    real(c_double), pointer :: vector(:)
+
+    call c_f_pointer(address, vector, [length])
+  end function vector_at
+
+  !> The matrix at an address, column by column without padding.
+  function matrix_at(address, rows, columns) result(matrix)
+    !> Of its first entry.
+    type(c_ptr), intent(in) :: address
+    !> Of the matrix.
+    integer(c_int), intent(in) :: rows
+    !> Of the matrix.
+    integer(c_int), intent(in) :: columns
+    real(c_double), pointer :: matrix(:, :)
+
+    call c_f_pointer(address, matrix, [rows, columns])
+  end function matrix_at
+
+end module sfdae_conversions

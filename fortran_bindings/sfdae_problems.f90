@@ -1,0 +1,507 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!
+! Linear and nonlinear problems: types to extend, the callbacks by which C reaches their bindings,
+! and the C structs that describe them.
+module sfdae_problems
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
+    c_loc, c_ptr, c_size_t, c_sizeof
+  use sfdae_c, only: address_of_equations_function, address_of_linear_equations_function, &
+    address_of_matrix_function, address_of_total_derivative_function, &
+    address_of_vector_function, c_check_linear, c_check_nonlinear, c_create_linear, &
+    c_create_nonlinear, c_linear_problem_init, c_nonlinear_problem_init
+  use sfdae_conversions, only: flag, matrix_at, vector_at
+  use sfdae_types, only: expression, sfdae_internal, sfdae_linear_problem, &
+    sfdae_nonlinear_problem, sfdae_ok, sfdae_options, sfdae_order_not_available
+  implicit none
+  private
+
+  public :: any_dae, linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae
+  public :: problem_holder, linear_holder, nonlinear_holder
+
+  ! ---- Types to extend ----------------------------------------------------------------------
+
+  !> What all problems have.
+  type, abstract :: any_dae
+    !> m >= 1.
+    integer(c_int) :: num_equations = 0
+    !> n >= 1; m and n may differ.
+    integer(c_int) :: num_unknowns = 0
+    !> u > 0 only: components of x, from 1, that eval_prescribed gives as functions of time.
+    integer(c_int), allocatable :: prescribed(:)
+    !> Not for linear_dae: how often each equation is differentiated at most. Not allocated: no
+    !> limit.
+    integer(c_int), allocatable :: differentiations(:)
+  contains
+    !> Writes the values of the prescribed components.
+    procedure :: eval_prescribed => missing_prescribed
+  end type any_dae
+
+  !> Linear problem E(t) x' = A(t) x + f(t). Extend it: components are your data.
+  type, abstract, extends(any_dae) :: linear_dae
+    !> E does not depend on t: eval_e is called for order 0 only, once.
+    logical :: constant_e = .false.
+    !> A does not depend on t; both constant: one reduction serves all points.
+    logical :: constant_a = .false.
+    !> .false.: f = 0, eval_f is not called.
+    logical :: has_f = .true.
+  contains
+    !> Writes E or its derivatives.
+    procedure(e_function), deferred :: eval_e
+    !> Writes A or its derivatives.
+    procedure(a_function), deferred :: eval_a
+    !> Writes f or its derivatives; f = 0 unless overridden.
+    procedure :: eval_f => zero_f
+  end type linear_dae
+
+  !> Nonlinear problem F(t, x, x') = 0, written once as formulas. Extend it: components are your
+  !> data. Equations that turn out to be linear are solved as a linear problem.
+  type, abstract, extends(any_dae) :: nonlinear_dae
+  contains
+    !> Writes F; called once, by create.
+    procedure(equations_procedure), deferred :: equations
+  end type nonlinear_dae
+
+  !> Linear problem E(t) x' = A(t) x + f(t), written once as formulas.
+  type, abstract, extends(any_dae) :: recorded_linear_dae
+  contains
+    !> Writes E, A and f; called once, by create.
+    procedure(linear_equations_procedure), deferred :: linear_equations
+  end type recorded_linear_dae
+
+  !> Nonlinear problem F(t, x, x') = 0 with derivatives of your own.
+  type, abstract, extends(any_dae) :: derivative_dae
+  contains
+    !> Writes F and its Jacobians, or total derivatives of them; called at every point.
+    procedure(total_derivative_procedure), deferred :: total_derivative
+  end type derivative_dae
+
+  abstract interface
+    !> Writes the plain derivative of the given order of E at t. Orders asked for: up to max_index
+    !> in the analysis; later up to max(mu, 1), and mu + 1 for x' of initial values.
+    subroutine e_function(self, t, order, e, status)
+      import :: c_double, c_int, linear_dae
+      class(linear_dae), intent(inout) :: self
+      real(c_double), intent(in) :: t
+      !> 0: E itself.
+      integer(c_int), intent(in) :: order
+      !> m x n, zero on entry: write the nonzeros only.
+      real(c_double), intent(inout) :: e(:, :)
+      !> 0 on entry. > 0: cannot evaluate here, try a smaller step. < 0: stop at once.
+      integer(c_int), intent(inout) :: status
+    end subroutine e_function
+
+    !> Writes the plain derivative of the given order of A at t, as e_function does.
+    subroutine a_function(self, t, order, a, status)
+      import :: c_double, c_int, linear_dae
+      class(linear_dae), intent(inout) :: self
+      real(c_double), intent(in) :: t
+      !> 0: A itself.
+      integer(c_int), intent(in) :: order
+      !> m x n, zero on entry.
+      real(c_double), intent(inout) :: a(:, :)
+      !> As of e_function.
+      integer(c_int), intent(inout) :: status
+    end subroutine a_function
+
+    !> Writes the entries of F(t, x, x'), all of them, as formulas. There are no values to branch
+    !> on: see choose.
+    subroutine equations_procedure(self, t, x, xdot, residual)
+      import :: expression, nonlinear_dae
+      class(nonlinear_dae), intent(inout) :: self
+      type(expression), intent(in) :: t
+      !> n unknowns.
+      type(expression), intent(in) :: x(:)
+      !> Their derivatives.
+      type(expression), intent(in) :: xdot(:)
+      !> m entries.
+      type(expression), intent(inout) :: residual(:)
+    end subroutine equations_procedure
+
+    !> Writes the entries of E(t), A(t) and f(t) that are not zero, as formulas.
+    subroutine linear_equations_procedure(self, t, e, a, f)
+      import :: expression, recorded_linear_dae
+      class(recorded_linear_dae), intent(inout) :: self
+      type(expression), intent(in) :: t
+      !> m x n.
+      type(expression), intent(inout) :: e(:, :)
+      !> m x n.
+      type(expression), intent(inout) :: a(:, :)
+      !> m entries.
+      type(expression), intent(inout) :: f(:)
+    end subroutine linear_equations_procedure
+
+    !> Writes the total derivative of the given order, d^order/dt^order along a jet, of F, F_x and
+    !> F_x'. Plain derivatives. Orders asked for: 0 ... mu + 1.
+    subroutine total_derivative_procedure(self, t, order, x, f, f_x, f_xdot, status)
+      import :: c_double, c_int, derivative_dae
+      class(derivative_dae), intent(inout) :: self
+      real(c_double), intent(in) :: t
+      !> 0: F itself.
+      integer(c_int), intent(in) :: order
+      !> n x (order + 2): column k, from 0, is the k-th derivative of x.
+      real(c_double), intent(in) :: x(:, 0:)
+      !> m entries, zero on entry.
+      real(c_double), intent(inout) :: f(:)
+      !> m x n, zero on entry; absent if it is not asked for.
+      real(c_double), intent(inout), optional :: f_x(:, :)
+      !> m x n, zero on entry; absent if it is not asked for.
+      real(c_double), intent(inout), optional :: f_xdot(:, :)
+      !> As of e_function.
+      integer(c_int), intent(inout) :: status
+    end subroutine total_derivative_procedure
+  end interface
+
+  ! ---- Problems in C's terms -----------------------------------------------------------------
+
+  !> What a solver keeps of its problem: the C struct, and what the struct points to. It must stay
+  !> in place as long as the solver.
+  type, abstract :: problem_holder
+    !> m when the solver was created.
+    integer(c_int) :: num_equations = 0
+    !> n when the solver was created.
+    integer(c_int) :: num_unknowns = 0
+  contains
+    !> Describes a problem.
+    procedure(fill_procedure), deferred :: fill
+    !> Creates the C solver.
+    procedure(create_function), deferred :: create
+    !> Says what is wrong with the problem or the options.
+    procedure(check_function), deferred :: check
+  end type problem_holder
+
+  abstract interface
+    !> Describes a problem. Where that fails, create and check refuse it.
+    subroutine fill_procedure(self, problem)
+      import :: any_dae, problem_holder
+      class(problem_holder), target, intent(inout) :: self
+      !> Of the kind that this holder is for.
+      class(any_dae), target, intent(inout) :: problem
+    end subroutine fill_procedure
+
+    !> Creates the C solver and returns a status.
+    recursive function create_function(self, solver, options) result(status)
+      import :: c_int, c_ptr, problem_holder, sfdae_options
+      class(problem_holder), intent(in) :: self
+      !> Null after a failure.
+      type(c_ptr), intent(inout) :: solver
+      type(sfdae_options), intent(in) :: options
+      integer(c_int) :: status
+    end function create_function
+
+    !> Says what is wrong, and returns the status that create would return.
+    recursive function check_function(self, options, text) result(status)
+      import :: c_char, c_int, problem_holder, sfdae_options
+      class(problem_holder), intent(in) :: self
+      type(sfdae_options), intent(in) :: options
+      !> With a final zero.
+      character(kind=c_char), contiguous, intent(inout) :: text(:)
+      integer(c_int) :: status
+    end function check_function
+  end interface
+
+  !> What the `user` pointer of the callbacks points to.
+  type :: problem_callbacks
+    class(any_dae), pointer :: problem => null()
+    !> The problem again, as what it is.
+    class(linear_dae), pointer :: linear => null()
+    class(nonlinear_dae), pointer :: nonlinear => null()
+    class(recorded_linear_dae), pointer :: recorded_linear => null()
+    class(derivative_dae), pointer :: derivative => null()
+    !> m.
+    integer(c_int) :: num_equations = 0
+    !> n.
+    integer(c_int) :: num_unknowns = 0
+    !> Prescribed components, from 0.
+    integer(c_int), allocatable :: prescribed(:)
+    !> As in the problem; where their number is wrong, -1, which create and check refuse.
+    integer(c_int), allocatable :: differentiations(:)
+  end type problem_callbacks
+
+  !> For a linear_dae.
+  type, extends(problem_holder) :: linear_holder
+    type(problem_callbacks) :: callbacks
+    type(sfdae_linear_problem) :: c_problem
+  contains
+    procedure :: fill => fill_linear
+    procedure :: create => create_linear
+    procedure :: check => check_linear
+  end type linear_holder
+
+  !> For all other problems without a holder of their own.
+  type, extends(problem_holder) :: nonlinear_holder
+    type(problem_callbacks) :: callbacks
+    type(sfdae_nonlinear_problem) :: c_problem
+  contains
+    procedure :: fill => fill_nonlinear
+    procedure :: create => create_nonlinear
+    procedure :: check => check_nonlinear
+  end type nonlinear_holder
+
+contains
+
+  ! ---- Bindings that need not be overridden -------------------------------------------------
+
+  !> f = 0.
+  subroutine zero_f(self, t, order, f, status)
+    class(linear_dae), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> 0: f itself.
+    integer(c_int), intent(in) :: order
+    !> m entries, zero on entry.
+    real(c_double), intent(inout) :: f(:)
+    !> As of e_function.
+    integer(c_int), intent(inout) :: status
+
+    associate (u1 => self, u2 => t, u3 => order, u4 => f, u5 => status) ! unused
+    end associate
+  end subroutine zero_f
+
+  !> Components are prescribed, but nobody says what they are.
+  subroutine missing_prescribed(self, t, values, status)
+    class(any_dae), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> One entry for each prescribed component, zero on entry.
+    real(c_double), intent(inout) :: values(:)
+    !> As of e_function.
+    integer(c_int), intent(inout) :: status
+
+    associate (u1 => self, u2 => t, u3 => values) ! unused
+    end associate
+    status = -1
+  end subroutine missing_prescribed
+
+  ! ---- Callbacks: from C to the bindings ----------------------------------------------------
+
+  !> sfdae_matrix_function of E.
+  recursive function call_eval_e(t, order, matrix, user) bind(c, name="") result(status)
+    real(c_double), value :: t
+    integer(c_int), value :: order
+    type(c_ptr), value :: matrix, user
+    integer(c_int) :: status
+    type(problem_callbacks), pointer :: to
+
+    call c_f_pointer(user, to)
+    status = sfdae_ok
+    call to%linear%eval_e(t, order, matrix_at(matrix, to%num_equations, to%num_unknowns), status)
+  end function call_eval_e
+
+  !> sfdae_matrix_function of A.
+  recursive function call_eval_a(t, order, matrix, user) bind(c, name="") result(status)
+    real(c_double), value :: t
+    integer(c_int), value :: order
+    type(c_ptr), value :: matrix, user
+    integer(c_int) :: status
+    type(problem_callbacks), pointer :: to
+
+    call c_f_pointer(user, to)
+    status = sfdae_ok
+    call to%linear%eval_a(t, order, matrix_at(matrix, to%num_equations, to%num_unknowns), status)
+  end function call_eval_a
+
+  !> sfdae_vector_function of f.
+  recursive function call_eval_f(t, order, vector, user) bind(c, name="") result(status)
+    real(c_double), value :: t
+    integer(c_int), value :: order
+    type(c_ptr), value :: vector, user
+    integer(c_int) :: status
+    type(problem_callbacks), pointer :: to
+
+    call c_f_pointer(user, to)
+    status = sfdae_ok
+    call to%linear%eval_f(t, order, vector_at(vector, to%num_equations), status)
+  end function call_eval_f
+
+  !> sfdae_vector_function of the prescribed components; only order 0 is asked for.
+  recursive function call_eval_prescribed(t, order, vector, user) bind(c, name="") result(status)
+    real(c_double), value :: t
+    integer(c_int), value :: order
+    type(c_ptr), value :: vector, user
+    integer(c_int) :: status
+    type(problem_callbacks), pointer :: to
+
+    call c_f_pointer(user, to)
+    status = merge(sfdae_ok, sfdae_order_not_available, order == 0)
+    if (order == 0) call to%problem%eval_prescribed(t, &
+      vector_at(vector, size(to%prescribed, kind=c_int)), status)
+  end function call_eval_prescribed
+
+  !> sfdae_equations_function.
+  recursive function call_equations(record, t, x, xdot, residual, user) bind(c, name="") &
+    result(status)
+    type(c_ptr), value :: record
+    type(expression), value :: t
+    type(c_ptr), value :: x, xdot, residual, user
+    integer(c_int) :: status
+    type(problem_callbacks), pointer :: to
+    type(expression), pointer :: unknowns(:), derivatives(:), residuals(:)
+
+    call c_f_pointer(user, to)
+    call c_f_pointer(x, unknowns, [to%num_unknowns])
+    call c_f_pointer(xdot, derivatives, [to%num_unknowns])
+    call c_f_pointer(residual, residuals, [to%num_equations])
+    call to%nonlinear%equations(t, unknowns, derivatives, residuals)
+    status = merge(sfdae_ok, sfdae_internal, c_associated(record))
+  end function call_equations
+
+  !> sfdae_linear_equations_function.
+  recursive function call_linear_equations(record, t, e, a, f, user) bind(c, name="") &
+    result(status)
+    type(c_ptr), value :: record
+    type(expression), value :: t
+    type(c_ptr), value :: e, a, f, user
+    integer(c_int) :: status
+    type(problem_callbacks), pointer :: to
+    type(expression), pointer :: matrix_e(:, :), matrix_a(:, :), vector_f(:)
+
+    call c_f_pointer(user, to)
+    call c_f_pointer(e, matrix_e, [to%num_equations, to%num_unknowns])
+    call c_f_pointer(a, matrix_a, [to%num_equations, to%num_unknowns])
+    call c_f_pointer(f, vector_f, [to%num_equations])
+    call to%recorded_linear%linear_equations(t, matrix_e, matrix_a, vector_f)
+    status = merge(sfdae_ok, sfdae_internal, c_associated(record))
+  end function call_linear_equations
+
+  !> sfdae_total_derivative_function. Pointers that are not associated are absent arguments.
+  recursive function call_total_derivative(t, order, derivatives, f, f_x, f_xdot, user) &
+    bind(c, name="") result(status)
+    real(c_double), value :: t
+    integer(c_int), value :: order
+    type(c_ptr), value :: derivatives, f, f_x, f_xdot, user
+    integer(c_int) :: status
+    type(problem_callbacks), pointer :: to
+    real(c_double), pointer :: jet(:, :), matrix_x(:, :), matrix_xdot(:, :)
+
+    call c_f_pointer(user, to)
+    jet => matrix_at(derivatives, to%num_unknowns, order + 2_c_int)
+    nullify (matrix_x, matrix_xdot)
+    if (c_associated(f_x)) matrix_x => matrix_at(f_x, to%num_equations, to%num_unknowns)
+    if (c_associated(f_xdot)) matrix_xdot => matrix_at(f_xdot, to%num_equations, to%num_unknowns)
+    status = sfdae_ok
+    call to%derivative%total_derivative(t, order, jet, vector_at(f, to%num_equations), matrix_x, &
+      matrix_xdot, status)
+  end function call_total_derivative
+
+  ! ---- Descriptions for C -------------------------------------------------------------------
+
+  !> Describes a linear_dae.
+  subroutine fill_linear(self, problem)
+    class(linear_holder), target, intent(inout) :: self
+    !> A linear_dae.
+    class(any_dae), target, intent(inout) :: problem
+
+    self%num_equations = problem%num_equations
+    self%num_unknowns = problem%num_unknowns
+    call prepare_callbacks(self%callbacks, problem)
+    associate (c => self%c_problem)
+      if (c_linear_problem_init(c, c_sizeof(c)) < 0) return ! c%size stays 0: is refused
+      c%num_equations = problem%num_equations
+      c%num_unknowns = problem%num_unknowns
+      c%user = c_loc(self%callbacks)
+      select type (problem)
+      class is (linear_dae)
+        self%callbacks%linear => problem
+        c%e = address_of_matrix_function(call_eval_e)
+        c%a = address_of_matrix_function(call_eval_a)
+        if (problem%has_f) c%f = address_of_vector_function(call_eval_f)
+        c%constant_e = flag(problem%constant_e)
+        c%constant_a = flag(problem%constant_a)
+      end select
+      if (.not. allocated(self%callbacks%prescribed)) return
+      c%num_prescribed = size(self%callbacks%prescribed, kind=c_int)
+      c%prescribed = c_loc(self%callbacks%prescribed)
+      c%prescribed_values = address_of_vector_function(call_eval_prescribed)
+    end associate
+  end subroutine fill_linear
+
+  !> Describes any other problem. Without a function, create and check refuse.
+  subroutine fill_nonlinear(self, problem)
+    class(nonlinear_holder), target, intent(inout) :: self
+    !> A nonlinear_dae, recorded_linear_dae or derivative_dae.
+    class(any_dae), target, intent(inout) :: problem
+
+    self%num_equations = problem%num_equations
+    self%num_unknowns = problem%num_unknowns
+    call prepare_callbacks(self%callbacks, problem)
+    associate (c => self%c_problem)
+      if (c_nonlinear_problem_init(c, c_sizeof(c)) < 0) return ! c%size stays 0: is refused
+      c%num_equations = problem%num_equations
+      c%num_unknowns = problem%num_unknowns
+      c%user = c_loc(self%callbacks)
+      select type (problem)
+      class is (nonlinear_dae)
+        self%callbacks%nonlinear => problem
+        c%equations = address_of_equations_function(call_equations)
+      class is (recorded_linear_dae)
+        self%callbacks%recorded_linear => problem
+        c%linear_equations = address_of_linear_equations_function(call_linear_equations)
+      class is (derivative_dae)
+        self%callbacks%derivative => problem
+        c%total_derivative = address_of_total_derivative_function(call_total_derivative)
+      end select
+      if (allocated(self%callbacks%differentiations)) &
+        c%differentiations = c_loc(self%callbacks%differentiations)
+      if (.not. allocated(self%callbacks%prescribed)) return
+      c%num_prescribed = size(self%callbacks%prescribed, kind=c_int)
+      c%prescribed = c_loc(self%callbacks%prescribed)
+      c%prescribed_values = address_of_vector_function(call_eval_prescribed)
+    end associate
+  end subroutine fill_nonlinear
+
+  !> What callbacks and C need of any problem.
+  subroutine prepare_callbacks(callbacks, problem)
+    type(problem_callbacks), intent(inout) :: callbacks
+    class(any_dae), target, intent(inout) :: problem
+
+    callbacks%problem => problem
+    callbacks%num_equations = problem%num_equations
+    callbacks%num_unknowns = problem%num_unknowns
+    if (allocated(problem%differentiations)) then
+      allocate (callbacks%differentiations(max(problem%num_equations, 1)), source=-1_c_int)
+      if (size(problem%differentiations) == problem%num_equations) &
+        callbacks%differentiations(:) = problem%differentiations
+    end if
+    if (.not. allocated(problem%prescribed)) return
+    if (size(problem%prescribed) > 0) callbacks%prescribed = problem%prescribed - 1_c_int
+  end subroutine prepare_callbacks
+
+  !> Creates the C solver of a linear problem.
+  recursive function create_linear(self, solver, options) result(status)
+    class(linear_holder), intent(in) :: self
+    type(c_ptr), intent(inout) :: solver
+    type(sfdae_options), intent(in) :: options
+    integer(c_int) :: status
+
+    status = c_create_linear(solver, self%c_problem, options)
+  end function create_linear
+
+  !> Says what is wrong with a linear problem.
+  recursive function check_linear(self, options, text) result(status)
+    class(linear_holder), intent(in) :: self
+    type(sfdae_options), intent(in) :: options
+    character(kind=c_char), contiguous, intent(inout) :: text(:)
+    integer(c_int) :: status
+
+    status = c_check_linear(self%c_problem, options, text, size(text, kind=c_size_t))
+  end function check_linear
+
+  !> Creates the C solver of a nonlinear problem.
+  recursive function create_nonlinear(self, solver, options) result(status)
+    class(nonlinear_holder), intent(in) :: self
+    type(c_ptr), intent(inout) :: solver
+    type(sfdae_options), intent(in) :: options
+    integer(c_int) :: status
+
+    status = c_create_nonlinear(solver, self%c_problem, options)
+  end function create_nonlinear
+
+  !> Says what is wrong with a nonlinear problem.
+  recursive function check_nonlinear(self, options, text) result(status)
+    class(nonlinear_holder), intent(in) :: self
+    type(sfdae_options), intent(in) :: options
+    character(kind=c_char), contiguous, intent(inout) :: text(:)
+    integer(c_int) :: status
+
+    status = c_check_nonlinear(self%c_problem, options, text, size(text, kind=c_size_t))
+  end function check_nonlinear
+
+end module sfdae_problems

@@ -1,0 +1,883 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!
+! The solver: analysis, initial values, integration, looking inside.
+module sfdae_solver
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_int, c_loc, &
+    c_null_char, c_null_ptr, c_ptr, c_size_t, c_sizeof
+  use sfdae_c, only: c_advance, c_analyze, c_analyze_at, c_change_init, c_characteristics_init, &
+    c_check_derivatives, c_check_multibody_derivatives, c_check_total_derivatives, &
+    c_decision_init, c_derivative_check_init, c_destroy, c_get_change, c_get_characteristics, &
+    c_get_checkpoint_length, c_get_decision, c_get_derivative_array, c_get_events, &
+    c_get_initial_report, c_get_multibody_report, c_get_num_decisions, c_get_parameter, &
+    c_get_projectors, c_get_statistics, c_get_strangeness_free, c_initial_report_init, &
+    c_interpolate, c_make_consistent, c_message, c_multibody_report_init, c_report, &
+    c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_set_events, c_set_options, &
+    c_set_parameter, c_start, c_statistics_init, c_status_name, c_step, c_version
+  use sfdae_control, only: compare_size, control_holder, dae_events, dae_monitor, dae_options, &
+    event_callback, fill_options
+  use sfdae_conversions, only: text_at, text_in, text_in_c
+  use sfdae_multibody, only: any_multibody_dae, multibody_holder
+  use sfdae_problems, only: any_dae, linear_dae, linear_holder, nonlinear_holder, problem_holder
+  use sfdae_types, only: sfdae_change, sfdae_characteristics, sfdae_decision, &
+    sfdae_derivative_check, sfdae_illegal_argument, sfdae_initial_report, &
+    sfdae_multibody_report, sfdae_ok, sfdae_options, sfdae_out_of_memory, sfdae_statistics
+  implicit none
+  private
+
+  public :: dae_solver
+  public :: sfdae_check_linear, sfdae_check_nonlinear, sfdae_check_multibody
+  public :: sfdae_status_name, sfdae_version
+
+  !> What C points to. On the heap, so that it stays in place.
+  type :: solver_holder
+    class(problem_holder), allocatable :: problem
+    type(control_holder) :: control
+  end type solver_holder
+
+  !> A solver. Never copy one, and destroy it before it goes out of scope.
+  type :: dae_solver
+    private
+    !> The C solver.
+    type(c_ptr) :: handle = c_null_ptr
+    type(solver_holder), pointer :: holder => null()
+    !> Message of this module about the last call; else the library has the word.
+    character(len=:), allocatable :: complaint
+  contains
+    procedure :: create => solver_create
+    procedure :: destroy => solver_destroy
+    procedure :: set_options => solver_set_options
+    procedure :: message => solver_message
+    procedure :: request_stop => solver_request_stop
+    procedure :: analyze => solver_analyze
+    procedure :: analyze_at => solver_analyze_at
+    procedure :: set_parameter => solver_set_parameter
+    procedure :: get_parameter => solver_get_parameter
+    procedure :: get_characteristics => solver_get_characteristics
+    procedure :: get_num_decisions => solver_get_num_decisions
+    procedure :: get_decision => solver_get_decision
+    procedure :: get_change => solver_get_change
+    procedure :: make_consistent => solver_make_consistent
+    procedure :: get_initial_report => solver_get_initial_report
+    procedure :: start => solver_start
+    procedure :: advance => solver_advance
+    procedure :: step => solver_step
+    procedure :: save_checkpoint => solver_save_checkpoint
+    procedure :: restore_checkpoint => solver_restore_checkpoint
+    procedure :: set_events => solver_set_events
+    procedure :: get_events => solver_get_events
+    procedure :: interpolate => solver_interpolate
+    procedure :: get_statistics => solver_get_statistics
+    procedure :: report => solver_report
+    procedure :: get_derivative_array => solver_get_derivative_array
+    procedure :: get_projectors => solver_get_projectors
+    procedure :: get_strangeness_free => solver_get_strangeness_free
+    procedure :: check_derivatives => solver_check_derivatives
+    procedure :: check_total_derivatives => solver_check_total_derivatives
+    procedure :: check_multibody_derivatives => solver_check_multibody_derivatives
+    procedure :: get_multibody_report => solver_get_multibody_report
+  end type dae_solver
+
+contains
+
+  ! ---- Without a solver ---------------------------------------------------------------------
+
+  !> Version of the library that is running, for example "0.1.0".
+  function sfdae_version() result(version)
+    character(len=:), allocatable :: version
+
+    version = text_at(c_version())
+  end function sfdae_version
+
+  !> Name of a status as in C, for example "SFDAE_STEP_TOO_SMALL".
+  function sfdae_status_name(status) result(name)
+    !> sfdae_ok, ...; any other number is an "unknown status".
+    integer(c_int), intent(in) :: status
+    character(len=:), allocatable :: name
+
+    name = text_at(c_status_name(status))
+  end function sfdae_status_name
+
+  !> Checks a linear problem with its options as create does and says in words what is wrong.
+  recursive subroutine sfdae_check_linear(problem, text, status, options)
+    !> Not changed.
+    class(linear_dae), target, intent(inout) :: problem
+    !> What is wrong; empty if nothing is.
+    character(len=:), allocatable, intent(out) :: text
+    !> As of create.
+    integer(c_int), intent(out) :: status
+    !> Absent: defaults.
+    type(dae_options), target, intent(in), optional :: options
+    type(linear_holder), target :: holder
+
+    call check_problem(problem, holder, text, status, options)
+  end subroutine sfdae_check_linear
+
+  !> Checks any other problem with its options as create does; equations are recorded.
+  recursive subroutine sfdae_check_nonlinear(problem, text, status, options)
+    !> nonlinear_dae, recorded_linear_dae or derivative_dae.
+    class(any_dae), target, intent(inout) :: problem
+    !> What is wrong; empty if nothing is.
+    character(len=:), allocatable, intent(out) :: text
+    !> As of create.
+    integer(c_int), intent(out) :: status
+    !> Absent: defaults.
+    type(dae_options), target, intent(in), optional :: options
+    type(nonlinear_holder), target :: holder
+
+    call check_problem(problem, holder, text, status, options)
+  end subroutine sfdae_check_nonlinear
+
+  !> Checks a mechanical system with its options as create does; equations are recorded.
+  recursive subroutine sfdae_check_multibody(problem, text, status, options)
+    !> recorded_multibody_dae, multibody_dae or kinematic_multibody_dae.
+    class(any_multibody_dae), target, intent(inout) :: problem
+    !> What is wrong; empty if nothing is.
+    character(len=:), allocatable, intent(out) :: text
+    !> As of create.
+    integer(c_int), intent(out) :: status
+    !> Absent: defaults.
+    type(dae_options), target, intent(in), optional :: options
+    type(multibody_holder), target :: holder
+
+    call check_problem(problem, holder, text, status, options)
+  end subroutine sfdae_check_multibody
+
+  !> Checks a problem with its options; its holder is of the kind that it needs.
+  recursive subroutine check_problem(problem, holder, text, status, options)
+    class(any_dae), target, intent(inout) :: problem
+    class(problem_holder), target, intent(inout) :: holder
+    character(len=:), allocatable, intent(out) :: text
+    integer(c_int), intent(out) :: status
+    type(dae_options), target, intent(in), optional :: options
+    type(control_holder), target :: control
+    type(sfdae_options) :: c_options
+
+    call holder%fill(problem)
+    control%num_unknowns = holder%num_unknowns
+    call fill_options(options, control, c_options, text)
+    status = sfdae_illegal_argument
+    if (len(text) == 0) call say_what_is_wrong(holder, c_options, text, status)
+  end subroutine check_problem
+
+  !> What is wrong with a problem and its options, in words, and the status that create returns.
+  recursive subroutine say_what_is_wrong(holder, c_options, text, status)
+    class(problem_holder), intent(in) :: holder
+    type(sfdae_options), intent(in) :: c_options
+    character(len=:), allocatable, intent(out) :: text
+    integer(c_int), intent(out) :: status
+    character(kind=c_char) :: buffer(1024)
+
+    buffer = c_null_char
+    status = holder%check(c_options, buffer)
+    text = text_in(buffer)
+  end subroutine say_what_is_wrong
+
+  ! ---- Life ---------------------------------------------------------------------------------
+
+  !> Creates the solver. A solver that exists already is refused: destroy it first.
+  recursive subroutine solver_create(self, problem, status, options)
+    class(dae_solver), intent(inout) :: self
+    !> Must have the target attribute and live, in place, as long as the solver.
+    class(any_dae), target, intent(inout) :: problem
+    !> Failures: sfdae_illegal_argument, sfdae_empty_problem, sfdae_out_of_memory.
+    integer(c_int), intent(out) :: status
+    !> Copied. Absent: defaults.
+    type(dae_options), target, intent(in), optional :: options
+    type(sfdae_options) :: c_options
+    integer(c_int) :: check_status
+
+    status = sfdae_illegal_argument
+    self%complaint = "the solver exists already: destroy it first"
+    if (c_associated(self%handle)) return
+    call allocate_holder(self%holder, problem, status)
+    self%complaint = "out of memory for the solver"
+    if (status < 0) return
+    call self%holder%problem%fill(problem)
+    self%holder%control%num_unknowns = self%holder%problem%num_unknowns
+    call fill_options(options, self%holder%control, c_options, self%complaint)
+    status = sfdae_illegal_argument
+    if (len(self%complaint) == 0) then
+      status = self%holder%problem%create(self%handle, c_options)
+      if (status < 0) &
+        call say_what_is_wrong(self%holder%problem, c_options, self%complaint, check_status)
+    end if
+    if (status < 0) deallocate (self%holder)
+  end subroutine solver_create
+
+  !> Allocates what C points to, for the kind of problem.
+  subroutine allocate_holder(holder, problem, status)
+    type(solver_holder), pointer, intent(inout) :: holder
+    class(any_dae), intent(in) :: problem
+    !> sfdae_ok or sfdae_out_of_memory.
+    integer(c_int), intent(out) :: status
+    integer :: allocation
+
+    status = sfdae_out_of_memory
+    allocate (holder, stat=allocation)
+    if (allocation /= 0) return
+    select type (problem)
+    class is (linear_dae)
+      allocate (linear_holder :: holder%problem, stat=allocation)
+    class is (any_multibody_dae)
+      allocate (multibody_holder :: holder%problem, stat=allocation)
+    class default
+      allocate (nonlinear_holder :: holder%problem, stat=allocation)
+    end select
+    if (allocation == 0) then
+      status = sfdae_ok
+    else
+      deallocate (holder)
+    end if
+  end subroutine allocate_holder
+
+  !> Frees the solver. One that does not exist is allowed.
+  subroutine solver_destroy(self, status)
+    class(dae_solver), intent(inout) :: self
+    !> sfdae_busy if called from a callback of this solver; then nothing happened.
+    integer(c_int), intent(out), optional :: status
+    integer(c_int) :: outcome
+
+    outcome = c_destroy(self%handle)
+    if (outcome == sfdae_ok) then
+      if (associated(self%holder)) deallocate (self%holder)
+      self%complaint = ""
+    end if
+    if (present(status)) status = outcome
+  end subroutine solver_destroy
+
+  !> Replaces the options; the point reached stays. A change of max_index, reduction, rank_tol,
+  !> time_scale, difference_derivatives, difference_step or leading_term needs a new start.
+  subroutine solver_set_options(self, options, status)
+    class(dae_solver), intent(inout) :: self
+    !> Copied.
+    type(dae_options), target, intent(in) :: options
+    integer(c_int), intent(out) :: status
+    type(sfdae_options) :: c_options
+    class(dae_monitor), pointer :: old_monitor
+
+    call check_call(self, status)
+    if (status < 0) return
+    old_monitor => self%holder%control%monitor
+    call fill_options(options, self%holder%control, c_options, self%complaint)
+    status = sfdae_illegal_argument
+    if (len(self%complaint) == 0) status = c_set_options(self%handle, c_options)
+    if (status < 0) self%holder%control%monitor => old_monitor
+  end subroutine solver_set_options
+
+  !> What the last call had to say: what, where, with which numbers, what to do next.
+  function solver_message(self) result(text)
+    class(dae_solver), intent(in) :: self
+    !> Empty after sfdae_ok.
+    character(len=:), allocatable :: text
+
+    text = ""
+    if (allocated(self%complaint)) text = self%complaint
+    if (len(text) == 0) text = text_at(c_message(self%handle))
+  end function solver_message
+
+  !> Stops the call that is running, or else the next one, with sfdae_stopped. May be called from
+  !> other threads.
+  subroutine solver_request_stop(self, status)
+    class(dae_solver), intent(in) :: self
+    integer(c_int), intent(out) :: status
+
+    status = c_request_stop(self%handle)
+  end subroutine solver_request_stop
+
+  !> Changes a parameter of recorded equations, see named_parameter; start has to follow.
+  subroutine solver_set_parameter(self, name, value, status)
+    class(dae_solver), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    real(c_double), intent(in) :: value
+    !> sfdae_illegal_argument if there is no such parameter or the value is not finite.
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_set_parameter(self%handle, text_in_c(name), value)
+  end subroutine solver_set_parameter
+
+  !> The value of a parameter of recorded equations.
+  subroutine solver_get_parameter(self, name, value, status)
+    class(dae_solver), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    real(c_double), intent(inout) :: value
+    !> sfdae_illegal_argument if there is no such parameter.
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_get_parameter(self%handle, text_in_c(name), value)
+  end subroutine solver_get_parameter
+
+  ! ---- Index analysis -----------------------------------------------------------------------
+
+  !> Detects the strangeness index at t and nearby toward the end of the interval. Forgets the
+  !> point reached: start has to follow. Warning: sfdae_not_unique. Failures: callbacks, structure.
+  recursive subroutine solver_analyze(self, t, toward, status, characteristics)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> /= t.
+    real(c_double), intent(in) :: toward
+    integer(c_int), intent(out) :: status
+    type(sfdae_characteristics), intent(inout), optional :: characteristics
+    type(sfdae_characteristics) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_characteristics_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_analyze(self%handle, t, toward, found)
+    if (status >= 0 .and. present(characteristics)) characteristics = found
+  end subroutine solver_analyze
+
+  !> Detects the strangeness index along the solution through a point near x, as nonlinear problems
+  !> need it.
+  recursive subroutine solver_analyze_at(self, t, toward, x, status, characteristics)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> /= t.
+    real(c_double), intent(in) :: toward
+    !> n values, which need not be consistent.
+    real(c_double), contiguous, intent(in) :: x(:)
+    integer(c_int), intent(out) :: status
+    type(sfdae_characteristics), intent(inout), optional :: characteristics
+    type(sfdae_characteristics) :: found
+
+    call check_call(self, status)
+    call check_entries(self, "x", size(x, kind=c_int), status)
+    if (status == sfdae_ok) status = c_characteristics_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_analyze_at(self%handle, t, toward, x, found)
+    if (status >= 0 .and. present(characteristics)) characteristics = found
+  end subroutine solver_analyze_at
+
+  !> The characteristic values in use. sfdae_not_started before an analysis.
+  subroutine solver_get_characteristics(self, characteristics, status)
+    class(dae_solver), intent(inout) :: self
+    type(sfdae_characteristics), intent(inout) :: characteristics
+    integer(c_int), intent(out) :: status
+    type(sfdae_characteristics) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_characteristics_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_characteristics(self%handle, found)
+    if (status >= 0) characteristics = found
+  end subroutine solver_get_characteristics
+
+  !> Number of rank decisions of the last analysis.
+  subroutine solver_get_num_decisions(self, count, status)
+    class(dae_solver), intent(inout) :: self
+    integer(c_int), intent(inout) :: count
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_get_num_decisions(self%handle, count)
+  end subroutine solver_get_num_decisions
+
+  !> One rank decision of the last analysis.
+  subroutine solver_get_decision(self, index, decision, status)
+    class(dae_solver), intent(inout) :: self
+    !> 1 ... number of decisions.
+    integer(c_int), intent(in) :: index
+    type(sfdae_decision), intent(inout) :: decision
+    integer(c_int), intent(out) :: status
+    type(sfdae_decision) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok .and. index < 1) then
+      status = sfdae_illegal_argument
+      self%complaint = "decisions count from 1"
+    end if
+    if (status == sfdae_ok) status = c_decision_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_decision(self%handle, index - 1_c_int, found)
+    if (status >= 0) decision = found
+  end subroutine solver_get_decision
+
+  !> Where the characteristic values changed (after sfdae_characteristics_changed).
+  subroutine solver_get_change(self, change, status)
+    class(dae_solver), intent(inout) :: self
+    type(sfdae_change), intent(inout) :: change
+    !> sfdae_not_started if they did not change.
+    integer(c_int), intent(out) :: status
+    type(sfdae_change) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_change_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_change(self%handle, found)
+    if (status >= 0) change = found
+  end subroutine solver_get_change
+
+  ! ---- Initial values -----------------------------------------------------------------------
+
+  !> Makes x consistent at t as the options say; analyzes first, forward from t, if that has not
+  !> happened. The point reached is unaffected. Failures: callbacks, structure, values.
+  recursive subroutine solver_make_consistent(self, t, x, status, xdot)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> n values, in: guess, out: consistent.
+    real(c_double), contiguous, intent(inout) :: x(:)
+    integer(c_int), intent(out) :: status
+    !> n values: x'(t) of the solution through x, of minimum norm where the problem leaves it free.
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    type(c_ptr) :: xdot_address
+
+    call check_point(self, x, status, xdot, xdot_address)
+    if (status == sfdae_ok) status = c_make_consistent(self%handle, t, x, xdot_address)
+  end subroutine solver_make_consistent
+
+  !> What the last start or make_consistent did to the initial values.
+  subroutine solver_get_initial_report(self, report, status)
+    class(dae_solver), intent(inout) :: self
+    type(sfdae_initial_report), intent(inout) :: report
+    integer(c_int), intent(out) :: status
+    type(sfdae_initial_report) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_initial_report_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_initial_report(self%handle, found)
+    if (status < 0) return
+    found%component = found%component + 1_c_int
+    report = found
+  end subroutine solver_get_initial_report
+
+  ! ---- Integration --------------------------------------------------------------------------
+
+  !> Starts or restarts at (t, x); analyzes if need be and makes x consistent. Failures: callbacks,
+  !> structure, values. A restart on an analyzed solver needs no new analysis.
+  recursive subroutine solver_start(self, t, toward, x, status, xdot)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> Tells the direction of integration.
+    real(c_double), intent(in) :: toward
+    !> n values, in: guess, out: consistent.
+    real(c_double), contiguous, intent(inout) :: x(:)
+    integer(c_int), intent(out) :: status
+    !> n values: x'(t).
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    type(c_ptr) :: xdot_address
+
+    call check_point(self, x, status, xdot, xdot_address)
+    if (status == sfdae_ok) status = c_start(self%handle, t, toward, x, xdot_address)
+  end subroutine solver_start
+
+  !> Integrates to tout. Warnings and failures of the integration return the last accepted point.
+  recursive subroutine solver_advance(self, tout, t, x, status, xdot)
+    class(dae_solver), intent(inout) :: self
+    !> In the direction of integration, at or behind the last point returned.
+    real(c_double), intent(in) :: tout
+    !> Point reached, tout if all went well.
+    real(c_double), intent(inout) :: t
+    !> n values at t, which satisfy all constraints, hidden ones included.
+    real(c_double), contiguous, intent(inout) :: x(:)
+    !> Warnings: sfdae_stopped, sfdae_inconsistency_ignored, sfdae_event. Failures: callbacks,
+    !> integration, ...
+    integer(c_int), intent(out) :: status
+    !> n values: x'(t).
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    type(c_ptr) :: xdot_address
+
+    call check_point(self, x, status, xdot, xdot_address)
+    if (status == sfdae_ok) status = c_advance(self%handle, tout, t, x, xdot_address)
+  end subroutine solver_advance
+
+  !> Takes one step toward tout: sfdae_step_taken with the point reached, or sfdae_ok at tout.
+  recursive subroutine solver_step(self, tout, t, x, status, xdot)
+    class(dae_solver), intent(inout) :: self
+    !> In the direction of integration, at or behind the last point returned.
+    real(c_double), intent(in) :: tout
+    !> Point reached.
+    real(c_double), intent(inout) :: t
+    !> n values at t.
+    real(c_double), contiguous, intent(inout) :: x(:)
+    !> Otherwise as of advance.
+    integer(c_int), intent(out) :: status
+    !> n values: x'(t).
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    type(c_ptr) :: xdot_address
+
+    call check_point(self, x, status, xdot, xdot_address)
+    if (status == sfdae_ok) status = c_step(self%handle, tout, t, x, xdot_address)
+  end subroutine solver_step
+
+  !> The analysis and the state of the integration as an array of plain numbers, to be kept,
+  !> written to a file (17 digits) or handed to another process. Problem and options are not in it.
+  subroutine solver_save_checkpoint(self, checkpoint, status)
+    class(dae_solver), intent(inout) :: self
+    !> Allocated as needed; its size changes from step to step.
+    real(c_double), allocatable, intent(inout) :: checkpoint(:)
+    !> sfdae_not_started if there is no integration.
+    integer(c_int), intent(out) :: status
+    real(c_double), allocatable :: found(:)
+    integer(c_size_t) :: length
+    integer :: allocation
+
+    call check_call(self, status)
+    length = 0
+    if (status == sfdae_ok) status = c_get_checkpoint_length(self%handle, length)
+    if (status < 0) return
+    allocate (found(length), stat=allocation)
+    if (allocation /= 0) then
+      status = sfdae_out_of_memory
+      self%complaint = "out of memory for the checkpoint"
+      return
+    end if
+    status = c_save_checkpoint(self%handle, found, length)
+    if (status >= 0) call move_alloc(found, checkpoint)
+  end subroutine solver_save_checkpoint
+
+  !> Continues from a checkpoint instead of start: advance is next. The solver has to be created
+  !> with the problem and the options that the checkpoint was made with (tolerances, limits and the
+  !> monitor may differ); no callback is called.
+  subroutine solver_restore_checkpoint(self, checkpoint, status)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), contiguous, intent(in) :: checkpoint(:)
+    !> sfdae_illegal_argument if it is damaged or does not fit; then nothing is started.
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_restore_checkpoint(self%handle, checkpoint, &
+      size(checkpoint, kind=c_size_t))
+  end subroutine solver_restore_checkpoint
+
+  !> From the point returned last or the next start on, advance and step return sfdae_event where
+  !> an event function becomes zero or changes its sign: t is that zero or, within rounding, the
+  !> first point behind it. Each event is returned once. To change x there, call start.
+  subroutine solver_set_events(self, events, status)
+    class(dae_solver), intent(inout) :: self
+    !> Must have the target attribute and live, in place, as long as it is in use; num_events must
+    !> not change. num_events = 0: no events any more.
+    class(dae_events), target, intent(inout) :: events
+    integer(c_int), intent(out) :: status
+    integer(c_int), allocatable, target :: directions(:)
+    type(c_ptr) :: address
+
+    call check_call(self, status)
+    if (status < 0) return
+    address = c_null_ptr
+    if (allocated(events%directions)) then
+      directions = events%directions
+      status = sfdae_illegal_argument
+      self%complaint = "directions has not num_events entries"
+      if (size(directions) /= events%num_events) return
+      self%complaint = ""
+      if (size(directions) > 0) address = c_loc(directions)
+    end if
+    status = c_set_events(self%handle, events%num_events, event_callback(), address, &
+      c_loc(self%holder%control))
+    if (status < 0) return
+    self%holder%control%events => events
+    self%holder%control%num_events = events%num_events
+  end subroutine solver_set_events
+
+  !> Which events happened at the point that was returned with sfdae_event.
+  subroutine solver_get_events(self, which, status)
+    class(dae_solver), intent(inout) :: self
+    !> num_events entries: +1 where a function was rising, -1 where it was falling, else 0.
+    integer(c_int), contiguous, intent(inout) :: which(:)
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status < 0) return
+    status = sfdae_illegal_argument
+    self%complaint = "which has not num_events entries"
+    if (size(which) /= self%holder%control%num_events) return
+    self%complaint = ""
+    status = c_get_events(self%handle, which)
+  end subroutine solver_get_events
+
+  !> The solution at any t within the last step taken. The point reached stays.
+  recursive subroutine solver_interpolate(self, t, x, status, xdot)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> n values at t, which satisfy all constraints.
+    real(c_double), contiguous, intent(inout) :: x(:)
+    !> sfdae_illegal_argument if t lies outside of the last step.
+    integer(c_int), intent(out) :: status
+    !> n values: x'(t).
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    type(c_ptr) :: xdot_address
+
+    call check_point(self, x, status, xdot, xdot_address)
+    if (status == sfdae_ok) status = c_interpolate(self%handle, t, x, xdot_address)
+  end subroutine solver_interpolate
+
+  !> Counts since start.
+  subroutine solver_get_statistics(self, statistics, status)
+    class(dae_solver), intent(inout) :: self
+    type(sfdae_statistics), intent(inout) :: statistics
+    integer(c_int), intent(out) :: status
+    type(sfdae_statistics) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_statistics_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_statistics(self%handle, found)
+    if (status >= 0) statistics = found
+  end subroutine solver_get_statistics
+
+  ! ---- Looking inside -----------------------------------------------------------------------
+
+  !> The diagnostics report: index analysis with every rank decision, initial values, integration.
+  subroutine solver_report(self, text, status)
+    class(dae_solver), intent(inout) :: self
+    !> Lines are separated by new_line('a').
+    character(len=:), allocatable, intent(inout) :: text
+    integer(c_int), intent(out) :: status
+    character(kind=c_char) :: nothing(1)
+    character(kind=c_char), allocatable :: buffer(:)
+    integer(c_size_t) :: needed
+
+    call check_call(self, status)
+    needed = 1
+    if (status == sfdae_ok) status = c_report(self%handle, nothing, 1_c_size_t, needed)
+    if (status < 0) return
+    allocate (buffer(needed))
+    status = c_report(self%handle, buffer, needed, needed)
+    if (status >= 0) text = text_in(buffer)
+  end subroutine solver_report
+
+  !> Classical derivative array M y = N x + g at t, with plain derivatives y = (x', x'', ...).
+  !> Arrays are allocated as needed.
+  recursive subroutine solver_get_derivative_array(self, t, level, status, m, n, g)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> l >= 0.
+    integer(c_int), intent(in) :: level
+    integer(c_int), intent(out) :: status
+    !> M, (l+1)m x (l+1)n, with blocks C(i,j) E^(i-j) - C(i,j+1) A^(i-j-1).
+    real(c_double), allocatable, intent(inout), optional :: m(:, :)
+    !> N, (l+1)m x n, with blocks A^(i).
+    real(c_double), allocatable, intent(inout), optional :: n(:, :)
+    !> (l+1)m entries f^(i).
+    real(c_double), allocatable, intent(inout), optional :: g(:)
+    real(c_double), allocatable :: m_found(:, :), n_found(:, :), g_found(:)
+    integer(c_size_t) :: rows, columns
+    integer :: allocation
+
+    call check_call(self, status)
+    if (status < 0) return
+    rows = (level + 1_c_size_t) * self%holder%problem%num_equations
+    columns = self%holder%problem%num_unknowns
+    allocate (m_found(rows, (level + 1_c_size_t) * columns), n_found(rows, columns), &
+      g_found(rows), stat=allocation)
+    if (allocation /= 0) then
+      status = sfdae_out_of_memory
+      self%complaint = "out of memory for the derivative array"
+      return
+    end if
+    status = c_get_derivative_array(self%handle, t, level, m_found, n_found, g_found)
+    if (status < 0) return
+    if (present(m)) call move_alloc(m_found, m)
+    if (present(n)) call move_alloc(n_found, n)
+    if (present(g)) call move_alloc(g_found, g)
+  end subroutine solver_get_derivative_array
+
+  !> Projectors at t for the classical array of level mu, with orthonormal columns. Arrays are
+  !> allocated as needed. Needs an analysis.
+  recursive subroutine solver_get_projectors(self, t, status, z1, z2, z3, t2)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    integer(c_int), intent(out) :: status
+    !> Z1, m x d: spans the range of E T2.
+    real(c_double), allocatable, intent(inout), optional :: z1(:, :)
+    !> Z2, (mu+1)m x a: Z2^T M = 0, A2 = Z2^T N has full row rank.
+    real(c_double), allocatable, intent(inout), optional :: z2(:, :)
+    !> Z3, (mu+1)m x vhat: Z3^T [M N] = 0.
+    real(c_double), allocatable, intent(inout), optional :: z3(:, :)
+    !> T2, n x (n-a): A2 T2 = 0.
+    real(c_double), allocatable, intent(inout), optional :: t2(:, :)
+    type(sfdae_characteristics) :: sizes
+    real(c_double), allocatable :: z1_found(:, :), z2_found(:, :), z3_found(:, :), t2_found(:, :)
+    integer(c_int) :: rows, m, n, vhat
+
+    call self%get_characteristics(sizes, status)
+    if (status < 0) return
+    m = self%holder%problem%num_equations
+    n = self%holder%problem%num_unknowns
+    rows = (sizes%strangeness_index + 1_c_int) * m
+    allocate (z1_found(m, sizes%differential), z2_found(rows, sizes%algebraic))
+    allocate (z3_found(rows, rows - sizes%algebraic), t2_found(n, n - sizes%algebraic))
+    vhat = 0
+    status = c_get_projectors(self%handle, t, z1_found, z2_found, z3_found, t2_found, vhat)
+    if (status < 0) return
+    if (present(z1)) call move_alloc(z1_found, z1)
+    if (present(z2)) call move_alloc(z2_found, z2)
+    if (present(z3)) z3 = z3_found(:, 1:vhat)
+    if (present(t2)) call move_alloc(t2_found, t2)
+  end subroutine solver_get_projectors
+
+  !> Strangeness-free system at t: E1 x' = A1 x + f1, 0 = A2 x + f2. Arrays are allocated as
+  !> needed. Needs an analysis.
+  recursive subroutine solver_get_strangeness_free(self, t, status, e1, a1, f1, a2, f2, residual)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    integer(c_int), intent(out) :: status
+    !> E1 = Z1^T E, d x n.
+    real(c_double), allocatable, intent(inout), optional :: e1(:, :)
+    !> A1 = Z1^T A, d x n.
+    real(c_double), allocatable, intent(inout), optional :: a1(:, :)
+    !> f1 = Z1^T f, d entries.
+    real(c_double), allocatable, intent(inout), optional :: f1(:)
+    !> A2 = Z2^T N, a x n.
+    real(c_double), allocatable, intent(inout), optional :: a2(:, :)
+    !> f2 = Z2^T g, a entries.
+    real(c_double), allocatable, intent(inout), optional :: f2(:)
+    !> Max norm of Z3^T g, the contradiction of redundant equations.
+    real(c_double), intent(inout), optional :: residual
+    type(sfdae_characteristics) :: sizes
+    real(c_double), allocatable :: e1_found(:, :), a1_found(:, :), a2_found(:, :)
+    real(c_double), allocatable :: f1_found(:), f2_found(:)
+    real(c_double) :: residual_found
+
+    call self%get_characteristics(sizes, status)
+    if (status < 0) return
+    associate (d => sizes%differential, a => sizes%algebraic, n => self%holder%problem%num_unknowns)
+      allocate (e1_found(d, n), a1_found(d, n), f1_found(d), a2_found(a, n), f2_found(a))
+    end associate
+    residual_found = 0
+    status = c_get_strangeness_free(self%handle, t, e1_found, a1_found, f1_found, a2_found, &
+      f2_found, residual_found)
+    if (status < 0) return
+    if (present(e1)) call move_alloc(e1_found, e1)
+    if (present(a1)) call move_alloc(a1_found, a1)
+    if (present(f1)) call move_alloc(f1_found, f1)
+    if (present(a2)) call move_alloc(a2_found, a2)
+    if (present(f2)) call move_alloc(f2_found, f2)
+    if (present(residual)) residual = residual_found
+  end subroutine solver_get_strangeness_free
+
+  !> Compares the derivatives that the callbacks supply near t with differences of the order
+  !> below; message says it in words if they do not fit. Orders that are not available are
+  !> passed over.
+  recursive subroutine solver_check_derivatives(self, t, max_order, check, status)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> Highest order compared, >= 1.
+    integer(c_int), intent(in) :: max_order
+    !> The worst mismatch.
+    type(sfdae_derivative_check), intent(inout) :: check
+    integer(c_int), intent(out) :: status
+    type(sfdae_derivative_check) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_derivative_check_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_check_derivatives(self%handle, t, max_order, found)
+    if (status >= 0) check = from_one(found)
+  end subroutine solver_check_derivatives
+
+  !> Compares what total_derivative of a derivative_dae supplies along a jet with differences.
+  recursive subroutine solver_check_total_derivatives(self, t, derivatives, check, status)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> n x (highest order compared + 2): x, x', x'', ..., best without zeros.
+    real(c_double), contiguous, intent(in) :: derivatives(:, :)
+    !> The worst mismatch.
+    type(sfdae_derivative_check), intent(inout) :: check
+    integer(c_int), intent(out) :: status
+    type(sfdae_derivative_check) :: found
+    integer(c_int) :: max_order
+
+    call check_call(self, status)
+    call check_entries(self, "a column of derivatives", size(derivatives, 1, c_int), status)
+    if (status == sfdae_ok) status = c_derivative_check_init(found, c_sizeof(found))
+    max_order = size(derivatives, 2, c_int) - 2_c_int
+    if (status == sfdae_ok) status = c_check_total_derivatives(self%handle, t, derivatives, &
+      max_order, found)
+    if (status >= 0) check = from_one(found)
+  end subroutine solver_check_total_derivatives
+
+  !> Compares the derivatives that a multibody_dae supplies with differences near (t, q, v).
+  recursive subroutine solver_check_multibody_derivatives(self, t, q, v, check, status)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> nq positions.
+    real(c_double), contiguous, intent(in) :: q(:)
+    !> nv velocities.
+    real(c_double), contiguous, intent(in) :: v(:)
+    !> The worst mismatch.
+    type(sfdae_derivative_check), intent(inout) :: check
+    integer(c_int), intent(out) :: status
+    type(sfdae_derivative_check) :: found
+
+    call check_call(self, status)
+    if (status < 0) return
+    select type (system => self%holder%problem)
+    class is (multibody_holder)
+      call compare_size("q", size(q, kind=c_int), system%callbacks%nq, self%complaint, "nq")
+      call compare_size("v", size(v, kind=c_int), system%callbacks%nv, self%complaint, "nv")
+      if (len(self%complaint) > 0) status = sfdae_illegal_argument
+    end select
+    if (status == sfdae_ok) status = c_derivative_check_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_check_multibody_derivatives(self%handle, t, q, v, found)
+    if (status >= 0) check = from_one(found)
+  end subroutine solver_check_multibody_derivatives
+
+  !> Constraints, freedom and partition of a mechanical system at the point reached.
+  subroutine solver_get_multibody_report(self, report, status)
+    class(dae_solver), intent(inout) :: self
+    type(sfdae_multibody_report), intent(inout) :: report
+    !> sfdae_not_started before an analysis, sfdae_illegal_argument for other problems.
+    integer(c_int), intent(out) :: status
+    type(sfdae_multibody_report) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_multibody_report_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_multibody_report(self%handle, found)
+    if (status >= 0) report = found
+  end subroutine solver_get_multibody_report
+
+  ! ---- Checks before a call -----------------------------------------------------------------
+
+  !> Before every call on a solver: refuses it if the solver does not exist.
+  subroutine check_call(self, status)
+    class(dae_solver), intent(inout) :: self
+    !> sfdae_ok or sfdae_illegal_argument.
+    integer(c_int), intent(out) :: status
+
+    status = sfdae_ok
+    self%complaint = ""
+    if (c_associated(self%handle)) return
+    status = sfdae_illegal_argument
+    self%complaint = "the solver does not exist: create it first"
+  end subroutine check_call
+
+  !> Refuses a call with an array that has not n entries.
+  subroutine check_entries(self, name, length, status)
+    class(dae_solver), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    integer(c_int), intent(in) :: length
+    !> If not sfdae_ok, the call is refused already.
+    integer(c_int), intent(inout) :: status
+
+    if (status /= sfdae_ok) return
+    call compare_size(name, length, self%holder%problem%num_unknowns, self%complaint)
+    if (len(self%complaint) > 0) status = sfdae_illegal_argument
+  end subroutine check_entries
+
+  !> Refuses a call with x or xdot that have not n entries.
+  subroutine check_point(self, x, status, xdot, xdot_address)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: x(:)
+    integer(c_int), intent(out) :: status
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    !> Null if xdot is absent.
+    type(c_ptr), intent(out) :: xdot_address
+
+    call check_call(self, status)
+    call check_entries(self, "x", size(x, kind=c_int), status)
+    xdot_address = c_null_ptr
+    if (.not. present(xdot)) return
+    call check_entries(self, "xdot", size(xdot, kind=c_int), status)
+    xdot_address = c_loc(xdot)
+  end subroutine check_point
+
+  !> A mismatch with rows and columns that count from 1.
+  function from_one(found) result(check)
+    type(sfdae_derivative_check), intent(in) :: found
+    type(sfdae_derivative_check) :: check
+
+    check = found
+    if (check%function == c_null_char) then
+      check%function = ' '
+    else
+      check%row = check%row + 1_c_int
+      check%column = check%column + 1_c_int
+    end if
+  end function from_one
+
+end module sfdae_solver

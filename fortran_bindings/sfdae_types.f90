@@ -1,0 +1,278 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!
+! Written by scripts/generate_fortran_mirror.py from the headers in include/sfdae: do not edit.
+! Constants and structs; the header explains them.
+module sfdae_types
+  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funptr, c_int, c_long, c_null_funptr, &
+    c_null_ptr, c_ptr, c_size_t
+  implicit none
+  private
+
+  integer(c_int), parameter, public :: sfdae_busy = -3
+  integer(c_int), parameter, public :: sfdae_callback_failed = -11
+  integer(c_int), parameter, public :: sfdae_callback_stopped = -10
+  integer(c_int), parameter, public :: sfdae_characteristics_changed = -22
+  integer(c_int), parameter, public :: sfdae_coordinates_orthogonal = 0
+  integer(c_int), parameter, public :: sfdae_coordinates_permutation = 1
+  integer(c_int), parameter, public :: sfdae_decision_a2 = 1
+  integer(c_int), parameter, public :: sfdae_decision_array = 3
+  integer(c_int), parameter, public :: sfdae_decision_et2 = 2
+  integer(c_int), parameter, public :: sfdae_decision_stage = 0
+  integer(c_int), parameter, public :: sfdae_empty_problem = -4
+  integer(c_int), parameter, public :: sfdae_event = 5
+  integer(c_int), parameter, public :: sfdae_fixed_values = -32
+  integer(c_int), parameter, public :: sfdae_illegal_argument = -1
+  integer(c_int), parameter, public :: sfdae_inconsistency_ignored = 4
+  integer(c_int), parameter, public :: sfdae_inconsistent_equations = -31
+  integer(c_int), parameter, public :: sfdae_inconsistent_values = -30
+  integer(c_int), parameter, public :: sfdae_index_too_high = -20
+  integer(c_int), parameter, public :: sfdae_initial_accept = 2
+  integer(c_int), parameter, public :: sfdae_initial_fixed = 1
+  integer(c_int), parameter, public :: sfdae_initial_nearest = 0
+  integer(c_int), parameter, public :: sfdae_internal = -99
+  integer(c_int), parameter, public :: sfdae_leading_automatic = 0
+  integer(c_int), parameter, public :: sfdae_leading_identity = 3
+  integer(c_int), parameter, public :: sfdae_leading_matrix = 2
+  integer(c_int), parameter, public :: sfdae_leading_projector = 1
+  integer(c_int), parameter, public :: sfdae_max_steps = -40
+  integer(c_int), parameter, public :: sfdae_method_automatic = 2
+  integer(c_int), parameter, public :: sfdae_method_bdf = 0
+  integer(c_int), parameter, public :: sfdae_method_radau = 1
+  integer(c_int), parameter, public :: sfdae_not_finite = -12
+  integer(c_int), parameter, public :: sfdae_not_started = -5
+  integer(c_int), parameter, public :: sfdae_not_unique = 3
+  integer(c_int), parameter, public :: sfdae_no_consistent_values = -33
+  integer(c_int), parameter, public :: sfdae_ok = 0
+  integer(c_int), parameter, public :: sfdae_order_missing = -13
+  integer(c_int), parameter, public :: sfdae_order_not_available = 1001
+  integer(c_int), parameter, public :: sfdae_out_of_memory = -2
+  integer(c_int), parameter, public :: sfdae_prescription_singular = -23
+  integer(c_int), parameter, public :: sfdae_rank_unclear = -21
+  integer(c_int), parameter, public :: sfdae_reduction_staged = 0
+  integer(c_int), parameter, public :: sfdae_reduction_svd = 1
+  integer(c_int), parameter, public :: sfdae_singular = -42
+  integer(c_int), parameter, public :: sfdae_step_taken = 1
+  integer(c_int), parameter, public :: sfdae_step_too_small = -41
+  integer(c_int), parameter, public :: sfdae_stopped = 2
+  integer(c_int), parameter, public :: sfdae_tolerance_too_small = -43
+  integer(c_int), parameter, public :: sfdae_verdict_clear = 0
+  integer(c_int), parameter, public :: sfdae_verdict_confirmed = 1
+  integer(c_int), parameter, public :: sfdae_verdict_unclear = 2
+  integer(c_int), parameter, public :: sfdae_verdict_user = 3
+  integer(c_int), parameter, public :: sfdae_version_major = 0
+  integer(c_int), parameter, public :: sfdae_version_minor = 1
+  integer(c_int), parameter, public :: sfdae_version_patch = 0
+
+  type, bind(c), public :: sfdae_change
+    integer(c_size_t) :: size = 0
+    real(c_double) :: t = 0
+    integer(c_int) :: old_strangeness_index = 0
+    integer(c_int) :: old_differential = 0
+    integer(c_int) :: old_algebraic = 0
+    integer(c_int) :: old_undetermined = 0
+    integer(c_int) :: old_redundant = 0
+    integer(c_int) :: new_strangeness_index = 0
+    integer(c_int) :: new_differential = 0
+    integer(c_int) :: new_algebraic = 0
+    integer(c_int) :: new_undetermined = 0
+    integer(c_int) :: new_redundant = 0
+  end type sfdae_change
+
+  type, bind(c), public :: sfdae_characteristics
+    integer(c_size_t) :: size = 0
+    real(c_double) :: t = 0
+    integer(c_int) :: strangeness_index = 0
+    integer(c_int) :: differential = 0
+    integer(c_int) :: algebraic = 0
+    integer(c_int) :: undetermined = 0
+    integer(c_int) :: redundant = 0
+    integer(c_int) :: rank_e = 0
+    integer(c_int) :: leading_term = 0
+    real(c_double) :: time_scale = 0
+    real(c_double) :: smallest_gap = 0
+  end type sfdae_characteristics
+
+  type, bind(c), public :: sfdae_decision
+    integer(c_size_t) :: size = 0
+    real(c_double) :: t = 0
+    integer(c_int) :: level = 0
+    integer(c_int) :: stage = 0
+    integer(c_int) :: what = 0
+    integer(c_int) :: rows = 0
+    integer(c_int) :: columns = 0
+    integer(c_int) :: rank = 0
+    real(c_double) :: kept = 0
+    real(c_double) :: dropped = 0
+    real(c_double) :: noise = 0
+    real(c_double) :: threshold = 0
+    real(c_double) :: gap = 0
+    integer(c_int) :: verdict = 0
+  end type sfdae_decision
+
+  type, bind(c), public :: sfdae_derivative_check
+    integer(c_size_t) :: size = 0
+    character(kind=c_char) :: function = ' '
+    integer(c_int) :: order = 0
+    integer(c_int) :: row = 0
+    integer(c_int) :: column = 0
+    real(c_double) :: supplied = 0
+    real(c_double) :: difference = 0
+    real(c_double) :: error = 0
+    real(c_double) :: uncertainty = 0
+    integer(c_int) :: suspicious = 0
+  end type sfdae_derivative_check
+
+  type, bind(c), public :: expression
+    type(c_ptr) :: record = c_null_ptr
+    real(c_double) :: value = 0
+    integer(c_int) :: node = 0
+  end type expression
+
+  type, bind(c), public :: sfdae_initial_report
+    integer(c_size_t) :: size = 0
+    real(c_double) :: t = 0
+    real(c_double) :: residual_before = 0
+    real(c_double) :: residual_after = 0
+    real(c_double) :: largest_change = 0
+    integer(c_int) :: component = 0
+    integer(c_int) :: derivative_exact = 0
+  end type sfdae_initial_report
+
+  type, bind(c), public :: sfdae_linear_problem
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: num_equations = 0
+    integer(c_int) :: num_unknowns = 0
+    type(c_funptr) :: e = c_null_funptr
+    type(c_funptr) :: a = c_null_funptr
+    type(c_funptr) :: f = c_null_funptr
+    integer(c_int) :: constant_e = 0
+    integer(c_int) :: constant_a = 0
+    integer(c_int) :: num_prescribed = 0
+    type(c_ptr) :: prescribed = c_null_ptr
+    type(c_funptr) :: prescribed_values = c_null_funptr
+    type(c_ptr) :: user = c_null_ptr
+  end type sfdae_linear_problem
+
+  type, bind(c), public :: sfdae_multibody_formulas
+    type(c_ptr) :: mass = c_null_ptr
+    type(c_ptr) :: forces = c_null_ptr
+    type(c_ptr) :: constraints = c_null_ptr
+    type(c_ptr) :: kinematics = c_null_ptr
+    type(c_ptr) :: nonholonomic_matrix = c_null_ptr
+    type(c_ptr) :: nonholonomic_offset = c_null_ptr
+  end type sfdae_multibody_formulas
+
+  type, bind(c), public :: sfdae_multibody_problem
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: num_positions = 0
+    integer(c_int) :: num_velocities = 0
+    integer(c_int) :: num_constraints = 0
+    integer(c_int) :: num_nonholonomic = 0
+    type(c_funptr) :: equations = c_null_funptr
+    type(c_funptr) :: mass = c_null_funptr
+    type(c_funptr) :: forces = c_null_funptr
+    type(c_funptr) :: constraints = c_null_funptr
+    type(c_funptr) :: constraint_jacobian = c_null_funptr
+    type(c_funptr) :: constraint_rate = c_null_funptr
+    type(c_funptr) :: kinematics = c_null_funptr
+    type(c_funptr) :: nonholonomic_matrix = c_null_funptr
+    type(c_funptr) :: nonholonomic_offset = c_null_funptr
+    type(c_funptr) :: constraint_curvature = c_null_funptr
+    type(c_funptr) :: nonholonomic_curvature = c_null_funptr
+    integer(c_int) :: coordinates = 0
+    type(c_ptr) :: user = c_null_ptr
+  end type sfdae_multibody_problem
+
+  type, bind(c), public :: sfdae_multibody_report
+    integer(c_size_t) :: size = 0
+    real(c_double) :: t = 0
+    integer(c_int) :: holonomic = 0
+    integer(c_int) :: nonholonomic = 0
+    integer(c_int) :: redundant = 0
+    integer(c_int) :: degrees_of_freedom = 0
+    integer(c_int) :: position_freedom = 0
+    real(c_double) :: condition = 0
+    integer(c_long) :: partitions = 0
+    real(c_double) :: position_residual = 0
+    real(c_double) :: velocity_residual = 0
+  end type sfdae_multibody_report
+
+  type, bind(c), public :: sfdae_nonlinear_problem
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: num_equations = 0
+    integer(c_int) :: num_unknowns = 0
+    type(c_funptr) :: equations = c_null_funptr
+    type(c_funptr) :: linear_equations = c_null_funptr
+    type(c_funptr) :: total_derivative = c_null_funptr
+    integer(c_int) :: num_prescribed = 0
+    type(c_ptr) :: prescribed = c_null_ptr
+    type(c_funptr) :: prescribed_values = c_null_funptr
+    type(c_ptr) :: user = c_null_ptr
+    type(c_ptr) :: differentiations = c_null_ptr
+  end type sfdae_nonlinear_problem
+
+  type, bind(c), public :: sfdae_options
+    integer(c_size_t) :: size = 0
+    real(c_double) :: rtol = 0
+    real(c_double) :: atol = 0
+    type(c_ptr) :: rtol_vector = c_null_ptr
+    type(c_ptr) :: atol_vector = c_null_ptr
+    integer(c_int) :: max_index = 0
+    integer(c_int) :: reduction = 0
+    real(c_double) :: rank_tol = 0
+    real(c_double) :: time_scale = 0
+    integer(c_int) :: difference_derivatives = 0
+    real(c_double) :: difference_step = 0
+    integer(c_int) :: initial_values = 0
+    type(c_ptr) :: fixed = c_null_ptr
+    type(c_ptr) :: initial_weights = c_null_ptr
+    integer(c_int) :: ignore_inconsistency = 0
+    real(c_double) :: consistency_tol = 0
+    integer(c_int) :: max_order = 0
+    real(c_double) :: initial_step = 0
+    real(c_double) :: max_step = 0
+    integer(c_int) :: use_stop_time = 0
+    real(c_double) :: stop_time = 0
+    integer(c_long) :: max_steps = 0
+    integer(c_int) :: leading_term = 0
+    type(c_funptr) :: monitor = c_null_funptr
+    type(c_ptr) :: monitor_user = c_null_ptr
+    integer(c_int) :: method = 0
+    integer(c_int) :: min_stages = 0
+    integer(c_int) :: max_stages = 0
+  end type sfdae_options
+
+  type, bind(c), public :: sfdae_progress
+    integer(c_size_t) :: size = 0
+    real(c_double) :: t = 0
+    real(c_double) :: step = 0
+    integer(c_int) :: order = 0
+    integer(c_long) :: steps = 0
+    integer(c_int) :: num_unknowns = 0
+    type(c_ptr) :: x = c_null_ptr
+  end type sfdae_progress
+
+  type, bind(c), public :: sfdae_statistics
+    integer(c_size_t) :: size = 0
+    integer(c_long) :: steps = 0
+    integer(c_long) :: error_failures = 0
+    integer(c_long) :: other_failures = 0
+    integer(c_long) :: reductions = 0
+    integer(c_long) :: factorizations = 0
+    integer(c_long) :: evaluations_e = 0
+    integer(c_long) :: evaluations_a = 0
+    integer(c_long) :: evaluations_f = 0
+    integer(c_int) :: last_order = 0
+    integer(c_int) :: next_order = 0
+    real(c_double) :: last_step = 0
+    real(c_double) :: next_step = 0
+    real(c_double) :: t_internal = 0
+    real(c_double) :: smallest_kept = 0
+    real(c_double) :: consistency = 0
+    real(c_double) :: first_step = 0
+    integer(c_long) :: evaluations_residual = 0
+    integer(c_long) :: linearizations = 0
+    real(c_double) :: rounding = 0
+  end type sfdae_statistics
+
+end module sfdae_types

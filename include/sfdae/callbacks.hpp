@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+// From the functions of a C++ problem to the callbacks of a C problem, and from options to options. Nothing here is
+// for users; included by sfdae.hpp.
+#ifndef SFDAE_CALLBACKS_HPP
+#define SFDAE_CALLBACKS_HPP
+
+#include <sfdae/sfdae.h>
+#include <sfdae/problem.hpp>
+#include <sfdae/results.hpp>
+
+#include <cstddef>
+#include <exception>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace sfdae::detail {
+
+/// As the length of a vector; illegal counts are left to the C functions.
+inline std::size_t size(int count) noexcept { return count < 0 ? 0 : static_cast<std::size_t>(count); }
+
+/// Throws Error unless `found` is n.
+inline void require_size(std::size_t found, int n, const char* name, const char* what = "unknowns") {
+  if (found == size(n)) return;
+  throw Error(SFDAE_ILLEGAL_ARGUMENT, std::string(name) + " has " + std::to_string(found) + " entries, not " +
+                                          std::to_string(n) + " as the problem has " + what);
+}
+
+/// The values, or null if there are none. Throws Error if there are not n of them.
+template <class T>
+const T* entries(const std::vector<T>& values, int n, const char* name, const char* what = "unknowns") {
+  if (values.empty()) return nullptr;
+  require_size(values.size(), n, name, what);
+  return values.data();
+}
+
+/// What the C callbacks get as `user`: on the heap, so that it stays in place when the Solver moves.
+struct CallbackState {
+  template <class AnyProblem>
+  CallbackState(AnyProblem p, Monitor m)
+      : num_equations(p.num_equations), num_unknowns(p.num_unknowns), problem(std::move(p)), monitor(std::move(m)) {}
+  CallbackState(MultibodyProblem p, Monitor m)
+      : num_equations(p.num_unknowns()),
+        num_unknowns(p.num_unknowns()),
+        problem(std::move(p)),
+        monitor(std::move(m)) {}
+  ~CallbackState() { sfdae_destroy(&solver); }
+  CallbackState(const CallbackState&) = delete;
+  CallbackState& operator=(const CallbackState&) = delete;
+
+  /// No exception may cross the frames of the library: it waits here, the value returned stops the call.
+  template <class Call>
+  int guarded(Call call) noexcept {
+    try {
+      return call();
+    } catch (...) {
+      if (!exception) exception = std::current_exception();
+      return -1;
+    }
+  }
+
+  /// Throws the exception that waits, if one does.
+  void rethrow() {
+    if (exception) std::rethrow_exception(std::exchange(exception, nullptr));
+  }
+
+  int num_equations, num_unknowns;
+  std::variant<LinearProblem, NonlinearProblem, MultibodyProblem> problem;
+  Monitor monitor;
+  EventFunction event_function;
+  int num_events = 0;
+  std::exception_ptr exception;
+  sfdae_solver* solver = nullptr;
+};
+
+template <MatrixFunction LinearProblem::*function>
+int call_matrix(double t, int order, double* values, void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  return state.guarded([&] {
+    const LinearProblem& problem = std::get<LinearProblem>(state.problem);
+    return (problem.*function).call(t, order, {values, state.num_equations, state.num_unknowns});
+  });
+}
+
+inline int call_f(double t, int order, double* values, void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  return state.guarded([&] {
+    return std::get<LinearProblem>(state.problem).f.call(t, order, {values, state.num_equations});
+  });
+}
+
+template <class AnyProblem>
+int call_prescribed(double t, int order, double* values, void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  return state.guarded([&] {
+    const AnyProblem& problem = std::get<AnyProblem>(state.problem);
+    return problem.prescribed_values.call(t, order, {values, static_cast<int>(problem.prescribed.size())});
+  });
+}
+
+inline void copy_back(const std::vector<Expression>& from, sfdae_expression* to) noexcept {
+  for (const Expression& expression : from) *to++ = expression.c();
+}
+
+inline int call_equations(sfdae_record*, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
+                          sfdae_expression* residual, void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  return state.guarded([&] {
+    const int m = state.num_equations, n = state.num_unknowns;
+    const std::vector<Expression> unknowns(x, x + n), derivatives(xdot, xdot + n);
+    std::vector<Expression> F(residual, residual + m);
+    const int outcome = std::get<NonlinearProblem>(state.problem)
+                            .equations.call(t, {unknowns.data(), n}, {derivatives.data(), n}, {F.data(), m});
+    copy_back(F, residual);
+    return outcome;
+  });
+}
+
+inline int call_linear_equations(sfdae_record*, sfdae_expression t, sfdae_expression* E, sfdae_expression* A,
+                                 sfdae_expression* f, void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  return state.guarded([&] {
+    const int m = state.num_equations, n = state.num_unknowns;
+    std::vector<Expression> matrix_E(size(m) * size(n)), matrix_A(matrix_E), vector_f(size(m));
+    const int outcome =
+        std::get<NonlinearProblem>(state.problem)
+            .linear_equations.call(t, {matrix_E.data(), m, n}, {matrix_A.data(), m, n}, {vector_f.data(), m});
+    copy_back(matrix_E, E);
+    copy_back(matrix_A, A);
+    copy_back(vector_f, f);
+    return outcome;
+  });
+}
+
+inline int call_total_derivative(double t, int order, const double* derivatives, double* F, double* F_x,
+                                 double* F_xdot, void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  return state.guarded([&] {
+    const int m = state.num_equations, n = state.num_unknowns;
+    return std::get<NonlinearProblem>(state.problem)
+        .total_derivative.call(t, order, {derivatives, n, order + 2}, {{F, m}, {F_x, m, n}, {F_xdot, m, n}});
+  });
+}
+
+template <PositionMatrixFunction MultibodyProblem::*function, int MultibodyProblem::*rows,
+          int MultibodyProblem::*columns>
+int call_position_matrix(double t, const double* q, double* values, void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  return state.guarded([&] {
+    const MultibodyProblem& problem = std::get<MultibodyProblem>(state.problem);
+    return (problem.*function).call(t, {q, problem.num_positions}, {values, problem.*rows, problem.*columns});
+  });
+}
+
+template <PositionVectorFunction MultibodyProblem::*function, int MultibodyProblem::*rows>
+int call_position_vector(double t, const double* q, double* values, void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  return state.guarded([&] {
+    const MultibodyProblem& problem = std::get<MultibodyProblem>(state.problem);
+    return (problem.*function).call(t, {q, problem.num_positions}, {values, problem.*rows});
+  });
+}
+
+template <VelocityVectorFunction MultibodyProblem::*function, int MultibodyProblem::*rows>
+int call_velocity_vector(double t, const double* q, const double* v, double* values, void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  return state.guarded([&] {
+    const MultibodyProblem& problem = std::get<MultibodyProblem>(state.problem);
+    return (problem.*function)
+        .call(t, {q, problem.num_positions}, {v, problem.num_velocities}, {values, problem.*rows});
+  });
+}
+
+inline int call_multibody_equations(sfdae_record*, sfdae_expression t, const sfdae_expression* q,
+                                    const sfdae_expression* v, const sfdae_multibody_formulas* to,
+                                    void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  return state.guarded([&] {
+    const MultibodyProblem& p = std::get<MultibodyProblem>(state.problem);
+    const int nq = p.num_positions, nv = p.num_velocities, nl = p.num_constraints, nk = p.num_nonholonomic;
+    const std::vector<Expression> positions(q, q + nq), velocities(v, v + nv);
+    std::vector<Expression> M(to->M, to->M + nv * nv), f(to->f, to->f + nv), g(to->g, to->g + nl),
+        S(to->S, to->S + nq * nv), H(to->H, to->H + nk * nv), h(to->h, to->h + nk);
+    const MultibodyFormulas formulas{{M.data(), nv, nv}, {f.data(), nv},     {g.data(), nl},
+                                     {S.data(), nq, nv}, {H.data(), nk, nv}, {h.data(), nk}};
+    const int outcome = p.equations.call(t, {positions.data(), nq}, {velocities.data(), nv}, formulas);
+    copy_back(M, to->M), copy_back(f, to->f), copy_back(g, to->g);
+    copy_back(S, to->S), copy_back(H, to->H), copy_back(h, to->h);
+    return outcome;
+  });
+}
+
+inline int call_monitor(const sfdae_progress* progress, void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  return state.guarded([&] { return state.monitor(*progress) ? 1 : 0; });
+}
+
+inline int call_events(double t, const double* x, const double* xdot, double* g, void* user) noexcept {
+  CallbackState& state = *static_cast<CallbackState*>(user);
+  const int n = state.num_unknowns;
+  return state.guarded([&] { return state.event_function.call(t, {x, n}, {xdot, n}, {g, state.num_events}); });
+}
+
+template <class AnyProblem, class AnyCProblem>
+void fill_prescribed(const AnyProblem& problem, AnyCProblem& c) {
+  c.num_prescribed = static_cast<int>(problem.prescribed.size());
+  c.prescribed = problem.prescribed.empty() ? nullptr : problem.prescribed.data();
+  c.prescribed_values = problem.prescribed_values ? call_prescribed<AnyProblem> : nullptr;
+}
+
+inline sfdae_linear_problem in_c(const LinearProblem& problem, CallbackState* user) {
+  sfdae_linear_problem c;
+  sfdae_linear_problem_init(&c, sizeof c);
+  c.num_equations = problem.num_equations;
+  c.num_unknowns = problem.num_unknowns;
+  c.E = problem.E ? call_matrix<&LinearProblem::E> : nullptr;
+  c.A = problem.A ? call_matrix<&LinearProblem::A> : nullptr;
+  c.f = problem.f ? call_f : nullptr;
+  c.constant_E = problem.constant_E ? 1 : 0;
+  c.constant_A = problem.constant_A ? 1 : 0;
+  fill_prescribed(problem, c);
+  c.user = user;
+  return c;
+}
+
+inline sfdae_nonlinear_problem in_c(const NonlinearProblem& problem, CallbackState* user) {
+  sfdae_nonlinear_problem c;
+  sfdae_nonlinear_problem_init(&c, sizeof c);
+  c.num_equations = problem.num_equations;
+  c.num_unknowns = problem.num_unknowns;
+  c.equations = problem.equations ? call_equations : nullptr;
+  c.linear_equations = problem.linear_equations ? call_linear_equations : nullptr;
+  c.total_derivative = problem.total_derivative ? call_total_derivative : nullptr;
+  fill_prescribed(problem, c);
+  c.differentiations = entries(problem.differentiations, problem.num_equations, "differentiations", "equations");
+  c.user = user;
+  return c;
+}
+
+inline sfdae_multibody_problem in_c(const MultibodyProblem& problem, CallbackState* user) {
+  using P = MultibodyProblem;
+  constexpr auto nq = &P::num_positions, nv = &P::num_velocities, nl = &P::num_constraints, nk = &P::num_nonholonomic;
+  sfdae_multibody_problem c;
+  sfdae_multibody_problem_init(&c, sizeof c);
+  c.num_positions = problem.num_positions;
+  c.num_velocities = problem.num_velocities;
+  c.num_constraints = problem.num_constraints;
+  c.num_nonholonomic = problem.num_nonholonomic;
+  c.equations = problem.equations ? call_multibody_equations : nullptr;
+  c.mass = problem.mass ? call_position_matrix<&P::mass, nv, nv> : nullptr;
+  c.forces = problem.forces ? call_velocity_vector<&P::forces, nv> : nullptr;
+  c.constraints = problem.constraints ? call_position_vector<&P::constraints, nl> : nullptr;
+  c.constraint_jacobian =
+      problem.constraint_jacobian ? call_position_matrix<&P::constraint_jacobian, nl, nq> : nullptr;
+  c.constraint_rate = problem.constraint_rate ? call_position_vector<&P::constraint_rate, nl> : nullptr;
+  c.kinematics = problem.kinematics ? call_position_matrix<&P::kinematics, nq, nv> : nullptr;
+  c.nonholonomic_matrix =
+      problem.nonholonomic_matrix ? call_position_matrix<&P::nonholonomic_matrix, nk, nv> : nullptr;
+  c.nonholonomic_offset = problem.nonholonomic_offset ? call_position_vector<&P::nonholonomic_offset, nk> : nullptr;
+  c.constraint_curvature =
+      problem.constraint_curvature ? call_velocity_vector<&P::constraint_curvature, nl> : nullptr;
+  c.nonholonomic_curvature =
+      problem.nonholonomic_curvature ? call_velocity_vector<&P::nonholonomic_curvature, nk> : nullptr;
+  c.coordinates = problem.coordinates;
+  c.user = user;
+  return c;
+}
+
+/// The vectors of the result are those of `options`.
+inline sfdae_options in_c(const Options& options, int n, CallbackState* user) {
+  sfdae_options c = options;
+  c.rtol_vector = entries(options.rtol_vector, n, "rtol_vector");
+  c.atol_vector = entries(options.atol_vector, n, "atol_vector");
+  c.fixed = entries(options.fixed, n, "fixed");
+  c.initial_weights = entries(options.initial_weights, n, "initial_weights");
+  c.monitor = options.monitor ? call_monitor : nullptr;
+  c.monitor_user = user;
+  return c;
+}
+
+}  // namespace sfdae::detail
+
+#endif

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+
+/* sfdae - events: zeros of functions of t, x and x' along the solution.
+ *
+ * sfdae.h has the conventions, and includes this header.
+ */
+#include <sfdae/sfdae.h> /* before the guard: whichever of the headers is included first, sfdae.h is read first */
+
+#ifndef SFDAE_EVENTS_H
+#define SFDAE_EVENTS_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Writes the event functions g_i(t, x, x') to g (num_events entries, zero before). Returns 0 (ok), a positive value
+ * (cannot evaluate here: SFDAE_CALLBACK_FAILED) or a negative value (stop at once: SFDAE_CALLBACK_STOPPED). */
+typedef int (*sfdae_event_function)(double t, const double* x, const double* xdot, double* g, void* user);
+
+/* Sets the event functions. An event happens where a g_i becomes zero or changes its sign. sfdae_advance and
+ * sfdae_step then return SFDAE_EVENT with t, x, xdot there: the zero itself or, within rounding errors of t, the
+ * first point after it; x satisfies all constraints, and g_i is as small as rounding allows. Called again they go
+ * on; to change x, call sfdae_start at t.
+ *
+ * num_events: 1 ... 10000, or 0 to have no events any more. directions: NULL or num_events numbers, +1 if only
+ * rising zeros count (from - to + in the direction of integration), -1 if only falling ones, 0 both. `user` is
+ * handed to `function`. Events are searched from the point returned last or the next start on. They survive
+ * sfdae_start, sfdae_analyze and sfdae_set_options. SFDAE_ILLEGAL_ARGUMENT leaves the events as they were.
+ *
+ *  - Events are returned in their order; those that are one but for rounding errors together. Only events up to
+ *    tout count, tout included.
+ *  - Nothing happens twice: after its event a g_i is armed again once it has left zero. Where it is zero at the
+ *    start (a zero within rounding errors of the start counts as such), or after sfdae_start at the point of its
+ *    event, it is armed by its first values that are not; where it stays zero, or is nothing but rounding errors,
+ *    it is silent.
+ *  - Two zeros of one g_i within a step are found where the values of g_i at a few points of the step show that it
+ *    bends toward zero in between. A zero without change of sign is found only if g_i is exactly zero at one of
+ *    these points. Jumps of g_i count as zeros. Movements smaller than the tolerances mean nothing. Without
+ *    differential equations (d = 0) steps go to tout at once: at least 33 points are examined, each with one
+ *    reduction. With BDF, where algebraic components vary much faster than the others, limit max_step.
+ *  - g_i is evaluated at values with the accuracy of interpolation, which may violate constraints slightly;
+ *    failures there do no harm. Failures on the solution itself end the call (SFDAE_NOT_FINITE for NaN or Inf).
+ *  - Without success, with SFDAE_STOPPED for example, sfdae_advance returns the point up to which events have been
+ *    searched. If the monitor stops a step with an event in it, the event is returned instead.
+ *  - Checkpoints contain the signs of all g_i, not the functions: set the same number of events before
+ *    restoring. */
+SFDAE_API int sfdae_set_events(sfdae_solver* solver, int num_events, sfdae_event_function function,
+                               const int* directions, void* user);
+
+/* Which events happened at the point that was returned with SFDAE_EVENT: num_events entries, +1 where g_i was
+ * rising, -1 where it was falling, else 0. All 0 before the first event and when the integration has gone on. */
+SFDAE_API int sfdae_get_events(const sfdae_solver* solver, int* which);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
