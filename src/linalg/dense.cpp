@@ -28,8 +28,8 @@ const int unit_stride = 1;
 
 const char* letter(Op op) { return op == Op::plain ? "N" : "T"; }
 
-// Workspace that lets the blocked LAPACK routines run at full speed: blocks of up to 64 columns, and dormqr wants 65 x 64 for
-// its triangular factors besides.
+// Workspace that lets the blocked LAPACK routines run at full speed: blocks of up to 64 columns, and besides, for the
+// triangular factors of dormqr, a matrix of 65 x 64.
 int work_length(int rows, int cols) {
   constexpr int block = 64;
   return block * std::max({rows, cols, 1}) + (block + 1) * block;
@@ -305,8 +305,8 @@ int determinant_sign(View a, Arena& arena) {
 }
 
 int count_negative_eigenvalues(View a, Arena& arena) {
-  // Rounding errors make a pair of complex ones of two that are equal: they part by the square root of rounding, 1e-8; two
-  // digits of safety by judgement (docs/decisions/23-multibody-singular-configurations.md).
+  // Rounding errors make a pair of complex ones of two that are equal: they part by the square root of rounding,
+  // 1e-8; two digits of safety by judgement (docs/decisions/23-multibody-singular-configurations.md).
   constexpr double nearly_real = 1e-6;
   const int n = a.cols, length = 8 * n + 1;  // dgeev without vectors needs 3 n
   const Arena::Frame frame(arena);

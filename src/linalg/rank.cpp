@@ -12,8 +12,8 @@ namespace {
 
 // Threshold = safety * dimension * noise. Measured with 400 random problems: no wrong index for 3 ... 100.
 constexpr double safety = 10.0;
-// Kept values have to be above the threshold by this: for large matrices, where the threshold itself is near clear_gap *
-// noise. By judgement.
+// Kept values have to be above the threshold by this: for large matrices, where the threshold itself is near
+// clear_gap * noise. By judgement.
 constexpr double clear_margin = 3.0;
 // A threshold above this fraction of the norm of the data leaves nothing to be seen: two digits. By judgement.
 constexpr double blinding = 1e-2;

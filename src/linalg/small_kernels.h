@@ -205,8 +205,8 @@ inline void multiply_few(double alpha, ConstView a, const double* x, double beta
   }
 }
 
-// A := A^-1 by Gauss-Jordan elimination with pivoting, for well-conditioned matrices; the pivots are returned, and the
-// exchanges of rows (counted from 0). False if a pivot vanishes.
+// A := A^-1 by Gauss-Jordan elimination with pivoting, for well-conditioned matrices; the pivots are returned, and
+// the exchanges of rows (counted from 0). False if a pivot vanishes.
 inline bool invert(View a, double* pivots, int* exchanges) {
   const int n = a.cols;
   for (int k = 0; k < n; ++k) {

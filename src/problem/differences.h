@@ -23,7 +23,8 @@ struct DifferenceFormula {
   std::vector<double> all_, inner_;  // weights with all points and without the outer two, for step 1
 };
 
-// The shift for points around a place with so much room below and above; the step is made smaller where they are too many.
+// The shift for points around a point with so much room below and above; the step is made smaller where they are too
+// many.
 int fitting_shift(double below, double above, double& step);
 
 }  // namespace sfdae::core

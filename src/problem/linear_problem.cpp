@@ -142,7 +142,7 @@ CallbackError LinearProblem::fill(Function& function, double t, int order, doubl
       }
       return callback_error;
     }
-    return differentiate(function, t, k, order, values, errors);
+    return differentiate(function, t, {k, order}, values, errors);
   }
   return {};
 }
@@ -203,8 +203,9 @@ CallbackError LinearProblem::choose_difference_step(Function& function, double t
   return function.difference_step > 0.0 ? CallbackError{} : last_error;
 }
 
-CallbackError LinearProblem::differentiate(Function& function, double t, int first, int last, double* values,
+CallbackError LinearProblem::differentiate(Function& function, double t, OrderRange orders, double* values,
                                            double* errors) {
+  const auto [first, last] = orders;
   const int count = function.rows * function.columns;
   if (function.difference_step == 0.0) {
     const CallbackError callback_error = choose_difference_step(function, t, last);

@@ -18,14 +18,15 @@ constexpr double largest_coefficient = 1e60;
 // Factors of rows within 8 of those wanted are kept, for equations that depend smoothly on t
 // (docs/decisions/04-row-scaling.md).
 constexpr double about_right = 8.0;
-// How far the unit of time in which coefficients grow may be from that of E x' = A x, tau = |E| / |A|, to be followed.
-// By judgement: no figures were recorded.
+// How far the unit of time in which coefficients grow may be from that of E x' = A x, tau = |E| / |A|, to be
+// followed. By judgement: no figures were recorded.
 constexpr double shortest_growth = 0.1, longest_growth = 1e3;
-// Scaled data have entries of one to two, but for a tiny E with its small unit of time: below this they get another factor.
+// Scaled data have entries of one to two, but for a tiny E with its small unit of time: below this they get another
+// factor.
 constexpr double small_data = 0.125;
 
-// Scaling by it rounds nothing. Units of time beyond 1e39 = 2^130 would make right-hand sides overflow, and those below
-// 2^-900 the powers of their inverses.
+// Scaling by it rounds nothing. Units of time beyond 1e39 = 2^130 would make right-hand sides overflow, and those
+// below 2^-900 the powers of their inverses.
 double power_of_two_near(double x) {
   return std::ldexp(1.0, std::clamp(static_cast<int>(std::lround(std::log2(x))), -900, 130));
 }
@@ -70,8 +71,8 @@ void choose_row_scale(TaylorData& data, RowScaling rows, const std::vector<doubl
   measure_rows(data, row_scale);
   data.row_norm = row_scale;
   const double largest = *std::max_element(row_scale.begin(), row_scale.end());
-  // Powers of two that bring the largest row to [1, 2) and the others to once or twice that: a common factor of all rows
-  // changes nothing but a common factor.
+  // Powers of two that bring the largest row to [1, 2) and the others to once or twice that: a common factor of all
+  // rows changes nothing but a common factor.
   const int top = largest == 0.0 ? 0 : std::ilogb(largest);
   const double top_mantissa = std::ldexp(largest, -top);
   for (double& size : row_scale) {

@@ -5,8 +5,8 @@
 // D scales the rows by powers of two so that the largest entry of each row of [E A] lies in [1, 2): a constant row
 // factor at a point changes neither ranks nor solutions, but only the joint scaling tells a badly scaled equation
 // from a singular perturbation. (A row that is small by cancellation carries the rounding errors of large ones, and
-// scaling it up turns them into signals: for doubtful cases there is one common factor for all rows as well.) tau is the unit of time in
-// which derivatives are compared.
+// scaling it up turns them into signals: for doubtful cases there is one common factor for all rows as well.) tau is
+// the unit of time in which derivatives are compared.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -20,8 +20,8 @@
 
 namespace sfdae::core {
 
-// The highest index that can be asked for: a limit for arrays of fixed size, not one of the theory. Derivatives of one
-// order more serve x' of the solution.
+// The highest index that can be asked for: a limit for arrays of fixed size, not one of the theory. Derivatives of
+// one order more serve x' of the solution.
 inline constexpr int max_strangeness_index = 12;
 inline constexpr int max_derivative_order = max_strangeness_index + 1;
 
@@ -54,8 +54,8 @@ class TaylorData {
 
   // Turns plain derivatives into scaled Taylor coefficients; tau = 0 chooses the time scale. False if entries are so
   // large or differ so much that products would overflow.
-  // preferred: factors of rows to take again if they are about right; the range of E T2, and with it the equations that
-  // Z1 picks, then depends smoothly on t from one point to the next.
+  // preferred: factors of rows to take again if they are about right; the range of E T2, and with it the equations
+  // that Z1 picks, then depends smoothly on t from one point to the next.
   bool scale(double tau, RowScaling rows = RowScaling::each, const std::vector<double>* preferred = nullptr);
   // Multiplies column j of all E(k), A(k) by factors[j]; before scale().
   void scale_columns(const Units& factors);
@@ -77,7 +77,7 @@ class TaylorData {
   double norm_E0() const { return norms_.E[0]; }
   // Rounding errors of the data of level 0 and of derivatives, relative to norm().
   double noise(int level) const;
-  // The same for f, relative to norm_f().
+  // Rounding errors of f of level 0 and of its derivatives, relative to norm_f().
   double noise_f(int level) const;
 
   int m = 0;

@@ -47,13 +47,8 @@ class Checker {
   const DerivativeMismatch& worst() const { return worst_; }
 
  private:
-  struct Outputs {
-    double* F;
-    double *F_x = nullptr, *F_xdot = nullptr;
-  };
-
-  CallbackError call(double t, int order, const std::vector<double>& jet, const Outputs& to) {
-    if (!problem_.stop_is_requested()) return problem_.call(t, order, jet.data(), to.F, to.F_x, to.F_xdot);
+  CallbackError call(double t, int order, const std::vector<double>& jet, const CallbackProblem::Outputs& to) {
+    if (!problem_.stop_is_requested()) return problem_.call(t, order, jet.data(), to);
     CallbackError stopped;
     stopped.status = SFDAE_STOPPED;
     stopped.t = t;

@@ -18,8 +18,8 @@ struct LogEntry {
   double size;  // log2
 };
 
-// Entries of a row that are this small against its largest one may be rounding errors, a hundred of them; those of A count
-// without the unit of time.
+// Entries of a row that are this small against its largest one may be rounding errors, a hundred of them; those of A
+// count without the unit of time.
 constexpr double negligible = 1e-14;
 // The sweeps converge linearly, and exponents are rounded to integers in the end; by judgement.
 constexpr int sweeps = 100;

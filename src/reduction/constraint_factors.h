@@ -24,8 +24,8 @@ class ConstraintFactors {
   int rows() const { return rows_; }
   // T2: n x (n - rank).
   void write_T2(View T2, Arena& arena) const;
-  // xp = -A2^+ f2 of smallest norm. norm_f: of the data that f^ comes from. Returns the contradiction of redundant rows:
-  // the largest entry of their residual relative to its terms.
+  // xp = -A2^+ f2 of smallest norm. norm_f: of the data that f^ comes from. Returns the contradiction of redundant
+  // rows: the largest entry of their residual relative to its terms.
   double solve(const double* f_hat, double norm_f, double* xp, Arena& arena) const;
 
  private:

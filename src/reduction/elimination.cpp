@@ -191,7 +191,7 @@ View determining_rows(const Elimination& of, const DiagonalBlock& block, int i) 
 }
 
 // The rest of y_j: rows of T that are independent determine it and leave. Rows of errors come first in T and `rows`,
-// at the end behind those that leave. norm: of the rows of the stage in y_j. Returns the number of rows that leave.
+// at the end after those that leave. norm: of the rows of the stage in y_j. Returns the number of rows that leave.
 int release_rows(const Elimination& of, View T, double norm, int j, View rows) {
   Judge& judge = of.judge;
   Arena& arena = of.arena;

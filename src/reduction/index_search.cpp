@@ -13,8 +13,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Amplitude of trial perturbations in units of the noise of the data, and how many are tried. These, the margins below and
-// the time scales: docs/decisions/02-undecided-values-are-measured.md.
+// Amplitude of trial perturbations in units of the noise of the data, and how many are tried. These, the margins
+// below and the time scales: docs/decisions/02-undecided-values-are-measured.md.
 constexpr double perturbation_roundings = 4.0;
 constexpr int perturbations = 3;
 // Kept values against their changes: to confirm a rank that the propagated noise allows, and to keep values that it
@@ -23,20 +23,22 @@ constexpr double confirming_margin = clear_gap / perturbation_roundings;
 constexpr double keeping_margin = 1e4;
 // Dropped values against their changes: rounding errors change by about their own size.
 constexpr double moving_margin = 10.0;
-// Dropped values above n of these roundings have to move: ten times the threshold of a rank whose noise is that of the data
-// (rank.cpp), by judgement.
+// Dropped values above n of these roundings have to move: ten times the threshold of a rank whose noise is that of
+// the data (rank.cpp), by judgement.
 constexpr double certain_roundings = 100.0;
 // Units of time that have to agree where perturbations decide nothing, relative to the one chosen.
 constexpr double other_time_scales[] = {1.0 / 8.0, 4.0};
-// Relative values below this may be what the user's own arithmetic has left of zeros, by rounding errors that the data do
-// not know of. They are when relative changes of this size of all entries move them by more than this: small entries stay,
-// sums that cancel do not. 8 wrong indices in 400,000 slow and stiff random problems without that, none with it.
+// Relative values below this may be what the user's own arithmetic has left of zeros, by rounding errors that the
+// data do not know of. They are when relative changes of this size of all entries move them by more than this: small
+// entries stay, sums that cancel do not. 8 wrong indices in 400,000 slow and stiff random problems without that, none
+// with it.
 constexpr double least_trusted = 1e-11, callback_errors = 1e-13, firm = 1e-3;
 // Ranks with smaller gaps must follow from those of the level below; wrong ranks that did not had gaps below 2e6
 // (docs/decisions/03-ranks-follow-from-the-level-below.md).
 constexpr double decisive_gap = 1e9;
 
-// How far a value that is not zero stands, or would have stood, above those that are; 1e-300 avoids a division by zero.
+// How far a value that is not zero stands, or would have stood, above those that are; 1e-300 avoids a division by
+// zero.
 double clearness(const RankDecision& decision) {
   return decision.rank > 0 ? decision.gap : 1.0 / std::max(decision.noise, 1e-300);
 }
@@ -133,9 +135,9 @@ bool IndexSearch::holds_above(int level, const CharacteristicValues& values, con
 }
 
 // The propagated noise is an upper bound, at times by far: values between it and the rounding errors of the matrix
-// itself are undecided. Which of them are signals is measured by perturbing the data by a few roundings: first with the
-// ranks that keep them all, then with those that drop what is below the noise of the smallest pivot, then with those
-// that drop them all, then with other time scales. What survives is confirmed.
+// itself are undecided. Which of them are signals is measured by perturbing the data by a few roundings: first with
+// the ranks that keep them all, then with those that drop what is below the noise of the smallest pivot, then with
+// those that drop them all, then with other time scales. What survives is confirmed.
 void IndexSearch::measure(int level, LevelResult& found, std::vector<RankDecision>& decisions) {
   struct Attempt {
     NoiseModel noise;

@@ -21,8 +21,8 @@ class PrescribedDirections {
  public:
   // Room for so many components of n.
   void resize(int n, int count);
-  // Splits T2 of all columns: the first columns become those that leave the components alone. False, and T2 as it was,
-  // if the components do not determine as many of its directions.
+  // Splits T2 of all columns: the first columns become those that leave the components alone. False, and T2 as it
+  // was, if the components do not determine as many of its directions.
   bool split(const std::vector<int>& components, View T2, Arena& arena);
   // xp += P1 R^-T (values - xp_J).
   void apply(Prescription prescription, double* xp, Arena& arena) const;

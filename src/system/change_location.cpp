@@ -14,8 +14,8 @@ namespace {
 // A kept value that falls by this factor at a point inside a step has vanished there.
 constexpr double dip = 1e-3;
 
-// Values up to so many times the smallest one kept at the point located count as zero there: it is not hit exactly. Ranks
-// by a tolerance above a tenth would mean nothing.
+// Values up to so many times the smallest one kept at the point located count as zero there: it is not hit exactly.
+// Ranks by a tolerance above a tenth would mean nothing.
 constexpr double vanishing = 30.0;
 constexpr double largest_tolerance = 0.1;
 

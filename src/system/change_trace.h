@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "linalg/index.h"
 #include "system/linear_point.h"
 #include "system/stage_method.h"
 

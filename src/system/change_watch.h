@@ -1,8 +1,8 @@
 // Changes of the characteristic values along the way: noticed between steps, located.
 //
-// A value that vanishes at an isolated point leaves traces: the sign of det[E1; A2] (bases aligned from step to step),
-// or smallest kept values of the rank decisions, or sizes of rows, that would run straight through zero if one of them
-// had its sign changed. These are only suspicions; locate() confirms them by narrowing the point down.
+// A value that vanishes at an isolated point leaves traces: the sign of det[E1; A2] (bases aligned from step to
+// step), or smallest kept values of the rank decisions, or sizes of rows, that would run straight through zero if one
+// of them had its sign changed. These are only suspicions; locate() confirms them by narrowing the point down.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -16,14 +16,14 @@
 
 namespace sfdae::core {
 
-// For linear problems, where every point can be looked at.
+// For linear problems, where every point can be reduced without a solution.
 class ChangeWatch {
  public:
   explicit ChangeWatch(LinearSystem& system) : system_(system) {}
   // The current point of the system is the first one of an integration in the given direction.
   void start(double direction);
-  // Looks for a change between the point accepted last, t_last, and the current one, at every point that the step went
-  // through.
+  // Looks for a change between the point accepted last, t_last, and the current one, at every point that the step
+  // went through.
   std::optional<LocatedChange> find(double t_last);
   // The current point of the system is accepted.
   void accept();

@@ -18,8 +18,8 @@ struct AnalyzedPoint {
   const LinearPoint& point;
 };
 
-// The free directions held. False if the array does not determine x', or is not available. Throws Failure for requests
-// to stop.
+// The free directions held. False if the array does not determine x', or is not available. Throws Failure for
+// requests to stop.
 bool derivative_from_array(LinearProblem& problem, const AnalyzedPoint& at, const double* x, double* xdot,
                            Arena& arena);
 

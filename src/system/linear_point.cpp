@@ -7,8 +7,8 @@
 namespace sfdae::core {
 
 double inconsistency(const LinearPoint& point, int mu) {
-  // Rounding errors and errors of derivatives, carried on by the elimination. Three digits of safety, not measured: as
-  // many as a rank needs to be clear (clear_gap).
+  // Rounding errors and errors of derivatives, carried on by the elimination. Three digits of safety, not measured:
+  // as many as a rank needs to be clear (clear_gap).
   constexpr double safety = 1e3;
   const double noise = std::max(point.data.noise(mu), point.data.noise_f(mu)) / point.pivot;
   const double found = point.form.inconsistency();

@@ -68,7 +68,7 @@ class LinearPoints {
 double inconsistency(const LinearPoint& point, int mu);
 
 // False if the sign of det[E1; A2] changed from one accepted point to another, bases aligned: a singular point lies
-// between (or the bases turned too far to tell). For u = 0.
+// between (or the bases turned too far to decide). For u = 0.
 bool orientation_kept(const LinearPoint& then, const LinearPoint& now, Arena& arena);
 
 }  // namespace sfdae::core

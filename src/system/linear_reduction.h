@@ -36,8 +36,8 @@ class LinearReduction {
   // Factors of the rows of the point are preferred from now on.
   void prefer_rows_of(const LinearPoint& point);
   void archive_preferred_rows(Archive& archive, int m) { archive.reals(preferred_rows_, index(m)); }
-  // The largest row over the smallest, at this point or by the factors preferred, whichever is less: it diverges where
-  // a row vanishes.
+  // The largest row over the smallest, at this point or by the factors preferred, whichever is less: it diverges
+  // where a row vanishes.
   double row_ratio(const LinearPoint& point) const;
 
  private:

@@ -21,7 +21,7 @@ class LinearSystem final : public DaeSystem {
   // The analysis holds from here on. Chooses the leading term; throws Failure if the prescribed components do not fit
   // or E'(t) is needed and missing.
   LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, IndexAnalysis analysis, LeadingTerm leading);
-  // As it was when it was archived, except that it stands at no point until moved to one. Throws DamagedArchive.
+  // As it was when it was archived, except that it has no current point until moved to one. Throws DamagedArchive.
   LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, Archive& archive);
 
   PointStatus move_to(double t) override;
