@@ -1,6 +1,6 @@
 // Formatting of messages.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/failure.h"
+#include "linalg/format.h"
 
 #include <cstdarg>
 #include <cstdio>
