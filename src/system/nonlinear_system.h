@@ -15,10 +15,14 @@
 #include <vector>
 
 #include "linalg/archive.h"
+#include "reduction/null_space_form.h"
 #include "reduction/stored_elimination.h"
 #include "system/chord_iteration.h"
-#include "system/consistent_jet.h"
+#include "system/consistent_jets.h"
 #include "system/dae_system.h"
+#include "system/jet.h"
+#include "system/jet_coefficients.h"
+#include "system/jet_solver.h"
 #include "system/step_matrix.h"
 
 namespace sfdae::core {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Jets that are found fulfil the equations and their total derivatives; where none exists, the failure names what remains.
-#include "system/consistent_jet.h"
+#include "system/jet_solver.h"
 
 #include <gtest/gtest.h>
 
