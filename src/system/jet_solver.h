@@ -12,7 +12,9 @@ namespace sfdae::core {
 
 class JetSolver {
  public:
+  // units: have to live as long as this does.
   JetSolver(NonlinearProblem& problem, const Units& units) : equations_(problem, units) {}
+  JetSolver(NonlinearProblem& problem, Units&& units) = delete;
 
   // Components of x that must not change (n flags, or empty).
   void set_fixed(std::vector<char> fixed) { equations_.set_fixed(std::move(fixed)); }
