@@ -18,7 +18,7 @@ struct Jet {
   const double* column(int k) const { return x.data() + static_cast<std::ptrdiff_t>(k) * n; }
   // Coefficients above the order become 0.
   void set_order(int new_order);
-  // The same polynomial around t + h.
+  // The coefficients become those of the polynomial around t + h.
   void shift(double h);
   // Adds changes of x and of y_1, ..., y_highest (one column each), scaled as unknowns of the derivative array:
   // y_k = k tau^k x_k, in the given units.

@@ -24,7 +24,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double tiny = 1e-300;
 // Residuals whose squares could overflow in a sum count as infinite.
 constexpr double largest_residual = 1e150;
-// y may change this much more easily than x: x is what was guessed, y has no better start than 0. Chosen, not measured.
+// y may change this much more easily than x: x is what was guessed, y has no better start than 0. Chosen, not
+// measured.
 constexpr double ease_of_y = 1e3;
 
 double length(const double* v, std::size_t count) {

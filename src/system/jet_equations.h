@@ -42,7 +42,8 @@ class JetEquations {
   bool has_derivative_of(int j) const;
   // Residuals relative to what was added up in them.
   bool is_converged(const Jet& jet, double tolerance) const;
-  // What counts as noise in rank decisions at a jet with residuals, relative to the coefficients [decision 18].
+  // What counts as noise in rank decisions at a jet with residuals, relative to the coefficients
+  // (docs/decisions/18-residuals-as-noise.md).
   double residual_noise() const;
 
   // The smallest change of x by the staged elimination. noise: of the coefficients, as they are not those of a
