@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "f77/call_outputs.h"
 #include "f77/routine.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -20,12 +21,6 @@ constexpr int step_taken = 1, tout_reached = 3, initial_values_found = 4;
 constexpr int many_steps = -1, tolerances_too_small = -2, weight_vanished = -3, step_too_small = -6, singular = -8;
 constexpr int derivative_missing = -21;
 constexpr int called_after_failure = -998, called_after_illegal_input = -999;
-
-// Positions of outputs in IWORK
-constexpr int next_order = 7, last_order = 8, steps_before = 10, steps = 11, evaluations = 12, factorizations = 13,
-              error_failures = 14, other_failures = 15, array_rank = 19;
-// and in RWORK.
-constexpr int next_step = 3, t_internal = 4, last_step = 7, roundoff = 9;
 
 }  // namespace
 
@@ -73,20 +68,14 @@ int IntegrationCall::first_call() {
   if (!std::isfinite(t_) || !std::isfinite(arguments_.tout)) return code::tout_too_close;
   state_.invalidate();
   store_options(arguments_, options_);
-  for (int position :
-       {next_order, last_order, steps_before, steps, evaluations, factorizations, error_failures, other_failures})
-    arguments_.iwork.set(position, 0);
-  if (!options_.has_initial_step) arguments_.rwork(next_step) = 0.0;
-  arguments_.rwork(t_internal) = t_;
-  arguments_.rwork(last_step) = 0.0;
-  arguments_.rwork(roundoff) = std::numeric_limits<double>::epsilon();
+  clear_outputs(arguments_, options_, t_);
   progress_.is_constant = arguments_.flag(5);
   create_model();
   if (arguments_.tout != t_) {
     find_initial_point(arguments_.tout < t_ ? -1.0 : 1.0);
     const int result = check_start(arguments_, options_, t_, x_.data());
     if (result != code::ok) return result;
-    publish_values();
+    publish_point(arguments_, system().analysis(), t_, x_, xdot_);
     return start_integration();
   }
   const double hint = hinted_direction();
@@ -98,7 +87,7 @@ int IntegrationCall::first_call() {
     if (hint != 0.0 || !is_callback_error || user_.last_t() == t_) throw;
     find_initial_point(-1.0);
   }
-  publish_values();
+  publish_point(arguments_, system().analysis(), t_, x_, xdot_);
   system().accept();
   progress_.t_returned = t_;
   return state_.save(progress_, matrices(), system(), nullptr) ? initial_values_found : not_reduced;
@@ -214,16 +203,10 @@ core::IntegrationOptions IntegrationCall::options_of_integration() {
   return options;
 }
 
-bool IntegrationCall::has_zero_weight(const double* x) const {
-  for (int i = 0; i < arguments_.n; ++i)
-    if (arguments_.weight(i, x[i]) <= 0.0) return true;
-  return false;
-}
-
 // Stops where the next step would have a weight that is zero.
 int IntegrationCall::watch_weights(const sfdae_progress* progress, void* user) {
   const IntegrationCall& call = *static_cast<const IntegrationCall*>(user);
-  return !call.has_passed_tout(progress->t) && call.has_zero_weight(progress->x) ? 1 : 0;
+  return !call.has_passed_tout(progress->t) && has_zero_weight(call.arguments_, progress->x) ? 1 : 0;
 }
 
 bool IntegrationCall::has_passed_tout(double t) const { return (t - arguments_.tout) * progress_.direction() >= 0.0; }
@@ -231,10 +214,10 @@ bool IntegrationCall::has_passed_tout(double t) const { return (t - arguments_.t
 int IntegrationCall::advance() {
   stage_ = Stage::integration;
   const long points_before = user_.points();
-  arguments_.iwork.set(steps_before, integration_->counts().steps);
+  publish_steps_before(arguments_, integration_->counts().steps);
   const core::Stepper& stepper = integration_->stepper();
   core::CallResult result;
-  if (!has_passed_tout(stepper.t()) && has_zero_weight(stepper.x().data())) {
+  if (!has_passed_tout(stepper.t()) && has_zero_weight(arguments_, stepper.x().data())) {
     result.status = SFDAE_STOPPED;
     t_ = stepper.t();
     x_ = stepper.x();
@@ -247,12 +230,10 @@ int IntegrationCall::advance() {
   if (user_.lacks_derivative()) result.status = SFDAE_CALLBACK_STOPPED;
   const bool is_no_change = !has_passed_tout(t_) && is_failure_taken_for_change(result.status);
   const int ierr = code_of(is_no_change ? user_.callback_error() : result.status);
-  publish_values();
-  publish_counts(user_.points() - points_before);
-  if (ierr == tolerances_too_small) enlarge_tolerances();
-  if (ierr == values_changed) {
-    publish_characteristics(new_values());
-  }
+  publish_point(arguments_, system().analysis(), t_, x_, xdot_);
+  publish_counts(arguments_, *integration_, user_.points() - points_before);
+  if (ierr == tolerances_too_small) enlarge_tolerances(arguments_, integration_->stepper().x().data());
+  if (ierr == values_changed) publish_characteristics(arguments_, new_values());
   // After an interruption behind TOUT that TOUT may be asked for again.
   if (!has_passed_tout(t_) || t_ == arguments_.tout) progress_.t_returned = t_;
   // An integration that has seen a change does not go on: from here another one will.
@@ -272,26 +253,6 @@ bool IntegrationCall::is_failure_taken_for_change(int status) {
   if (status != SFDAE_CHARACTERISTICS_CHANGED || user_.callback_error() == SFDAE_OK) return false;
   const core::CharacteristicValues found = new_values();
   return found.mu < 0 || found == system().analysis().values;
-}
-
-// By 100 eps |X| in the weighted norm, or somewhat more if it takes more for all components to fit.
-void IntegrationCall::enlarge_tolerances() {
-  const double* x = integration_->stepper().x().data();
-  double squares = 0.0, largest = 0.0;
-  for (int i = 0; i < arguments_.n; ++i) {
-    const double weight = arguments_.weight(i, x[i]), ratio = weight > 0.0 ? std::fabs(x[i]) / weight : 0.0;
-    squares += ratio * ratio;
-    largest = std::max(largest, ratio);
-  }
-  constexpr double eps = std::numeric_limits<double>::epsilon();
-  const double norm = std::sqrt(squares / arguments_.n);
-  // The test of the core is that of the largest component with half of eps.
-  const double factor = 100.0 * eps * std::max(norm, 0.5 * (1.0 + 4.0 * eps) * largest);
-  const int count = arguments_.flag(2) ? arguments_.n : 1;
-  for (int i = 0; i < count; ++i) {
-    arguments_.rtol[i] *= factor;
-    arguments_.atol[i] *= factor;
-  }
 }
 
 // ---- Results -------------------------------------------------------------------------------------------------
@@ -321,37 +282,6 @@ int IntegrationCall::code_of(int status) const {
     case SFDAE_FIXED_VALUES: return no_consistent_value;
     default: return not_reduced;
   }
-}
-
-void IntegrationCall::publish_characteristics(const core::CharacteristicValues& values) const {
-  const int all[max_cval] = {values.mu, values.d, values.a, values.u, values.v};
-  for (int i = 0; i < arguments_.routine->num_cval; ++i) arguments_.cval.set(i + 1, all[i]);
-}
-
-// T, X, XPRIME, CVAL.
-void IntegrationCall::publish_values() {
-  const core::IndexAnalysis& analysis = system().analysis();
-  publish_characteristics(analysis.values);
-  arguments_.iwork.set(array_rank, (analysis.values.mu + 1) * arguments_.m - analysis.values.a - analysis.v_hat);
-  *arguments_.t = t_;
-  std::copy(x_.begin(), x_.end(), arguments_.x);
-  std::copy(xdot_.begin(), xdot_.end(), arguments_.xprime);
-}
-
-void IntegrationCall::publish_counts(long points) const {
-  const core::Stepper& stepper = integration_->stepper();
-  const core::IntegrationCounts counts = integration_->counts();
-  const IntegerArray& iwork = arguments_.iwork;
-  iwork.set(next_order, stepper.next_order());
-  iwork.set(last_order, stepper.order());
-  iwork.set(steps, counts.steps);
-  iwork.set(evaluations, iwork.get(evaluations) + points);
-  iwork.set(factorizations, counts.factorizations);
-  iwork.set(error_failures, counts.error_failures);
-  iwork.set(other_failures, counts.other_failures);
-  arguments_.rwork(next_step) = stepper.next_step();
-  arguments_.rwork(last_step) = stepper.last_step();
-  arguments_.rwork(t_internal) = stepper.t();
 }
 
 }  // namespace sfdae::f77

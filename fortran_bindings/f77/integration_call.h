@@ -75,12 +75,7 @@ class IntegrationCall {
 
   core::CharacteristicValues new_values();
   bool is_failure_taken_for_change(int status);
-  void enlarge_tolerances();
-  bool has_zero_weight(const double* x) const;
   static int watch_weights(const sfdae_progress* progress, void* user);
-  void publish_values();
-  void publish_characteristics(const core::CharacteristicValues& values) const;
-  void publish_counts(long points) const;
 
   const UserProblem& user_;
   std::unique_ptr<core::Integration> integration_;

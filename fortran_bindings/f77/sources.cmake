@@ -7,6 +7,7 @@ set(sfdae_f77_routines dgelda sfndae dgeerm dgenrm dnfpen dnfval dnfind dnfotr d
 
 set(sfdae_f77_sources
   call_options.cpp
+  call_outputs.cpp
   call_state.cpp
   derivative_arrays.cpp
   derivative_stages.cpp

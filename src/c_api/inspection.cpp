@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "c_api/codes.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 #include "linalg/dense.h"
@@ -29,7 +30,7 @@ sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
           values.u,
           values.v,
           analysis.rank_E,
-          static_cast<int>(solver.system()->leading_term()),
+          code_of(solver.system()->leading_term()),
           analysis.time_scale,
           smallest_gap};
 }
@@ -68,7 +69,7 @@ sfdae_decision public_decision(const RankDecision& decision) {
           decision.t,
           decision.level,
           decision.stage,
-          static_cast<int>(decision.subject),
+          code_of(decision.subject),
           decision.rows,
           decision.cols,
           decision.rank,
@@ -77,7 +78,7 @@ sfdae_decision public_decision(const RankDecision& decision) {
           decision.noise,
           decision.threshold,
           decision.gap,
-          static_cast<int>(decision.verdict)};
+          code_of(decision.verdict)};
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "c_api/codes.h"
 #include "c_api/expressions.h"
 #include "c_api/record_multibody.h"
 
@@ -80,8 +81,7 @@ AnyModel make_model(const sfdae_nonlinear_problem& problem) {
 }
 
 AnyModel make_model(const sfdae_multibody_problem& problem) {
-  const Coordinates coordinates =
-      problem.coordinates == SFDAE_COORDINATES_PERMUTATION ? Coordinates::permutation : Coordinates::orthogonal;
+  const Coordinates coordinates = coordinates_of(problem.coordinates);
   if (problem.equations != nullptr)
     return any(std::make_unique<MultibodyModel>(record_multibody(problem), coordinates));
   return any(std::make_unique<MultibodyModel>(std::make_unique<CallbackMultibody>(problem), coordinates));

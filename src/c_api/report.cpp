@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "c_api/codes.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 
@@ -12,7 +13,7 @@ namespace {
 
 const char* name_of(Verdict verdict) {
   constexpr const char* names[] = {"clear", "confirmed", "UNCLEAR", "rank_tol"};
-  return names[static_cast<int>(verdict)];
+  return names[code_of(verdict)];
 }
 
 std::string matrix_name(const RankDecision& decision) {
@@ -53,7 +54,7 @@ std::string analysis_report(const sfdae_solver& solver) {
     text += summary + (gap < 1e300 ? format(": smallest gap %.0e\n", gap) : std::string("\n"));
   constexpr const char* leading[] = {"", "W = E^+ E", "W = E", "W = I"};
   text += format("time scale %.3g, leading term %s\n", analysis.time_scale,
-                 leading[static_cast<int>(solver.system()->leading_term())]);
+                 leading[code_of(solver.system()->leading_term())]);
   return text;
 }
 

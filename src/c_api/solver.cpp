@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "c_api/codes.h"
 #include "c_api/structs.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -49,8 +50,8 @@ CallResult warning_of(const sfdae_solver& solver, bool contradiction) {
 SolverOptions::SolverOptions(const sfdae_options& o, int n) {
   model.analysis = {o.max_index, o.reduction == SFDAE_REDUCTION_SVD, o.rank_tol, o.time_scale};
   model.differences = {o.difference_derivatives != 0, o.difference_step, 1.0};
-  model.leading = static_cast<LeadingTerm>(o.leading_term);
-  model.consistency.kind = static_cast<InitialValues>(o.initial_values);
+  model.leading = leading_term_of(o.leading_term);
+  model.consistency.kind = initial_values_of(o.initial_values);
   if (o.initial_values == SFDAE_INITIAL_FIXED)
     for (int i = 0; i < n; ++i) model.consistency.fixed.push_back(static_cast<char>(o.fixed[i]));
   if (o.initial_weights != nullptr) model.consistency.weights.assign(o.initial_weights, o.initial_weights + n);
@@ -61,7 +62,7 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n) {
   model.ignore_inconsistency = o.ignore_inconsistency != 0;
   model.consistency_tol = o.consistency_tol;
   integration.tolerances = model.tolerances;
-  integration.method = static_cast<Method>(o.method);
+  integration.method = method_of(o.method);
   integration.stepping.max_order = o.max_order;
   integration.stepping.min_stages = o.min_stages;
   integration.stepping.max_stages = o.max_stages;
