@@ -12,7 +12,7 @@
 #include "reduction/judge.h"
 #include "reduction/null_space_form.h"
 #include "reduction/stored_elimination.h"
-#include "system/analyzed_problem.h"
+#include "system/analyzed_equations.h"
 #include "system/dae_system.h"
 #include "system/jet.h"
 #include "system/step_matrix.h"
@@ -36,7 +36,7 @@ class ArrayLinearization {
   };
 
   // counts: reductions and factorizations are added there.
-  ArrayLinearization(AnalyzedProblem& problem, SystemCounts& counts, Arena& arena)
+  ArrayLinearization(AnalyzedEquations& problem, SystemCounts& counts, Arena& arena)
       : problem_(problem), counts_(counts), arena_(arena) {}
   // Memory for the values that the analysis has found.
   void resize();
@@ -96,7 +96,7 @@ class ArrayLinearization {
   PointStatus renew_with_other_ranks(const Jet& jet);
   void measure_noise(const Jet& jet);
 
-  AnalyzedProblem& problem_;
+  AnalyzedEquations& problem_;
   SystemCounts& counts_;
   Arena& arena_;
   Origin origin_;

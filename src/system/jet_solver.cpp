@@ -146,7 +146,7 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet) {
 // Products of unknowns that are far off make residuals grow at first, though the next steps remove them all: that is
 // how a pendulum at rest below its support finds its force. Undamped steps from `trial` on; the jet stays if they
 // lead nowhere.
-bool JetSolver::run_freely(Jet& jet, int level, Trial trial) {
+bool JetSolver::search_undamped(Jet& jet, int level, Trial trial) {
   // Both are chosen so that the pendulum does.
   constexpr int most = 5;
   constexpr double too_far = 1e4;
@@ -186,18 +186,18 @@ JetSolver::Trial JetSolver::damped_trial(const Jet& jet, double& damping) {
   return trial;
 }
 
-void JetSolver::search(Jet& jet, int level, bool may_run_freely) {
+void JetSolver::search(Jet& jet, int level, bool may_grow) {
   // Of the damping relative to the squared norm of the array. Chosen, not measured.
   constexpr double first_damping = 1e-3, least_damping = 1e-12, weaker = 16.0;
   equations_.linearize(jet, level, 0.0);
   double damping = first_damping;
-  bool may_step_freely = true;
+  bool is_undamped = true;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     if (equations_.norm() == 0.0) return;
     const double before = equations_.norm();
     // An undamped step first; it is the last one if rounding lets it gain nothing.
     Trial trial;
-    if (may_step_freely) trial = undamped_trial(jet);
+    if (is_undamped) trial = undamped_trial(jet);
     const bool converged = equations_.is_converged(jet, consistent_residual);
     if (!trial.valid || trial.norm > good_reduction * before) {
       if (converged && trial.valid && trial.norm < still_gaining * before) {
@@ -206,15 +206,15 @@ void JetSolver::search(Jet& jet, int level, bool may_run_freely) {
         continue;
       }
       if (converged) return;
-      if (may_run_freely && may_step_freely && run_freely(jet, level, std::move(trial))) continue;
-      may_step_freely = false;
+      if (may_grow && is_undamped && search_undamped(jet, level, std::move(trial))) continue;
+      is_undamped = false;
     }
-    if (!may_step_freely) {
+    if (!is_undamped) {
       trial = damped_trial(jet, damping);
       if (!trial.valid && converged) return;
       if (!trial.valid) equations_.give_up(jet);
       damping = std::max(damping / weaker, least_damping);
-      may_step_freely = trial.norm < good_reduction * before;
+      is_undamped = trial.norm < good_reduction * before;
     }
     jet = trial.jet;
     equations_.linearize(jet, level, equations_.time_scale());

@@ -28,8 +28,9 @@ class JetSolver {
   void find(Jet& jet, int level);
   bool solve_for_derivatives(Jet& jet, int level);
   bool solve_for_algebraic(Jet& jet, int level);
-  void search(Jet& jet, int level, bool may_run_freely);
-  bool run_freely(Jet& jet, int level, Trial trial);
+  // may_grow: residuals may do so during a few undamped steps.
+  void search(Jet& jet, int level, bool may_grow);
+  bool search_undamped(Jet& jet, int level, Trial trial);
   Trial undamped_trial(const Jet& jet);
   Trial damped_trial(const Jet& jet, double& damping);
 

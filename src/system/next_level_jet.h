@@ -9,7 +9,7 @@
 #include "linalg/arena.h"
 #include "reduction/null_space_form.h"
 #include "reduction/stored_elimination.h"
-#include "system/analyzed_problem.h"
+#include "system/analyzed_equations.h"
 #include "system/jet.h"
 
 namespace sfdae::core {
@@ -19,7 +19,7 @@ class NextLevelJet {
   // Derivatives of F of order mu + 1 may not be available.
   enum class Availability { unknown, no };
 
-  NextLevelJet(const AnalyzedProblem& problem, Arena& arena) : problem_(problem), arena_(arena) {}
+  NextLevelJet(const AnalyzedEquations& problem, Arena& arena) : problem_(problem), arena_(arena) {}
 
   // Solves F_{mu+1}(t, x, y) = 0 for y, x given; start: a jet of level mu. False, and the last jet stays, if that is
   // not possible. Throws Failure where a callback stops.
@@ -40,7 +40,7 @@ class NextLevelJet {
   };
   std::optional<Change> change_derivatives(Jet& jet);
 
-  const AnalyzedProblem& problem_;
+  const AnalyzedEquations& problem_;
   Arena& arena_;
   Availability availability_ = Availability::unknown;
   Jet jet_, trial_;

@@ -72,7 +72,7 @@ PointStatus NonlinearIteration::solve(const IterationTask& task, ArrayLinearizat
   return PointStatus::not_converged;
 }
 
-PointStatus NonlinearIteration::polish(ArrayLinearization& linearization, Jet& jet) {
+PointStatus NonlinearIteration::solve_to_rounding(ArrayLinearization& linearization, Jet& jet) {
   const bool was_slow = chord_.is_slow();
   const PointStatus status = solve(IterationTask{}, linearization, jet);
   chord_.set_slow(was_slow);
@@ -189,8 +189,8 @@ void NonlinearIteration::measure_inconsistency(const IterationTask& task, ArrayL
   const bool is_noise = form.inconsistency() <= noise;
   inconsistency_ = is_noise ? 0.0 : form.inconsistency();
   if (is_noise || task.inverse_weights == nullptr) return;
-  polished_ = jet;
-  if (polish(linearization, polished_) != PointStatus::ok)
+  refined_ = jet;
+  if (solve_to_rounding(linearization, refined_) != PointStatus::ok)
     inconsistency_ = std::min(inconsistency_, form.inconsistency());
 }
 

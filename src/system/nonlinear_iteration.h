@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "linalg/arena.h"
-#include "system/analyzed_problem.h"
+#include "system/analyzed_equations.h"
 #include "system/array_linearization.h"
 #include "system/chord_iteration.h"
 #include "system/jet.h"
@@ -28,14 +28,14 @@ inline constexpr double newton_tolerance = 0.01;
 
 class NonlinearIteration {
  public:
-  NonlinearIteration(const AnalyzedProblem& problem, Arena& arena) : problem_(problem), arena_(arena) {}
+  NonlinearIteration(const AnalyzedEquations& problem, Arena& arena) : problem_(problem), arena_(arena) {}
   // Memory for the values that the analysis has found.
   void resize();
 
   // From the jet on, to the one that solves the task.
   PointStatus solve(const IterationTask& task, ArrayLinearization& linearization, Jet& jet);
-  // With the rate of convergence as it was, for points that later ones do not depend on.
-  PointStatus polish(ArrayLinearization& linearization, Jet& jet);
+  // No step, to rounding; whether the iteration is slow stays as it was, as later points depend on it.
+  PointStatus solve_to_rounding(ArrayLinearization& linearization, Jet& jet);
   // Redundant equations at a jet that has converged otherwise. Known ranks that do not fit the jet of the
   // linearization leave out equations that are not redundant: they contradict the others then.
   PointStatus check_redundant(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
@@ -44,7 +44,6 @@ class NonlinearIteration {
   double inconsistency() const { return inconsistency_; }
   bool has_contradiction() const;
   ChordIteration& chord() { return chord_; }
-  const ChordIteration& chord() const { return chord_; }
 
   // Of one iteration: the jet changes by dx and what belongs to it, and by how much; relative to x without weights.
   double apply_change(const IterationTask& task, const ArrayLinearization& linearization,
@@ -60,13 +59,13 @@ class NonlinearIteration {
   bool derivatives_follow(const TaylorData& data, const Jet& jet, double residual, double largest) const;
   void measure_inconsistency(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
 
-  const AnalyzedProblem& problem_;
+  const AnalyzedEquations& problem_;
   Arena& arena_;
   ChordIteration chord_;
   double inconsistency_ = 0.0;
   std::vector<double> array_f_, transformed_f_;
   std::vector<double> dx_, dy_, z_, xdot_;
-  Jet polished_;
+  Jet refined_;
 };
 
 }  // namespace sfdae::core

@@ -13,7 +13,7 @@
 
 #include "linalg/arena.h"
 #include "linalg/matrix.h"
-#include "system/analyzed_problem.h"
+#include "system/analyzed_equations.h"
 #include "system/array_linearization.h"
 #include "system/jet.h"
 #include "system/jet_history.h"
@@ -23,7 +23,7 @@ namespace sfdae::core {
 
 class NonlinearStages {
  public:
-  NonlinearStages(AnalyzedProblem& problem, Arena& arena) : problem_(problem), arena_(arena) {}
+  NonlinearStages(AnalyzedEquations& problem, Arena& arena) : problem_(problem), arena_(arena) {}
 
   // The jets to start from. determined: flags of the components of y.
   void predict(const StageEquations& equations, const JetHistory& history, const std::vector<char>& determined);
@@ -51,7 +51,7 @@ class NonlinearStages {
     return {f_.data() + start, transformed_.data() + start};
   }
 
-  AnalyzedProblem& problem_;
+  AnalyzedEquations& problem_;
   Arena& arena_;
   int s_ = 0;
   std::vector<Jet> starts_, jets_;

@@ -172,7 +172,7 @@ void NonlinearSystem::restore(const double*, const double* x_free, double* x) {
   std::copy_n(x_free, problem_.n(), jet_.x.data());
   start_ = jet_;
   const PointStatus status =
-      linearization_.is_usable() ? iteration_.polish(linearization_, jet_) : PointStatus::not_converged;
+      linearization_.is_usable() ? iteration_.solve_to_rounding(linearization_, jet_) : PointStatus::not_converged;
   if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
   if (status != PointStatus::ok && problem_.prescribed().empty()) {
     // Between the ends of a long step the linearization, or derivatives, may be too far off.

@@ -5,8 +5,8 @@
 // Linearizations serve many points; they are renewed where the iteration is slow, with the ranks judged at a point
 // that has converged (rank_check.h).
 //
-// [KM06] P. Kunkel, V. Mehrmann: Differential-Algebraic Equations: Analysis and Numerical Solution. EMS, 2006, ch. 4,
-// 6.
+// [KM06] P. Kunkel, V. Mehrmann: Differential-Algebraic Equations: Analysis and Numerical Solution. EMS, 2006,
+//        ch. 4, 6.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -14,7 +14,7 @@
 
 #include "linalg/archive.h"
 #include "linalg/arena.h"
-#include "system/analyzed_problem.h"
+#include "system/analyzed_equations.h"
 #include "system/array_linearization.h"
 #include "system/dae_system.h"
 #include "system/jet.h"
@@ -78,7 +78,7 @@ class NonlinearSystem final : public DaeSystem {
   PointStatus iterate_with_renewal(const Jet& start, Iterate iterate);
   PointStatus solve_several_stages(const StageEquations& equations);
 
-  AnalyzedProblem problem_;
+  AnalyzedEquations problem_;
   Arena arena_;
   Jet jet_;    // the current one
   Jet start_;  // of the iteration

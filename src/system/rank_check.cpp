@@ -25,11 +25,11 @@ PointStatus RankCheck::renew(const Jet& jet, ArrayLinearization& linearization, 
   const PointStatus status = linearization.renew(jet, true);
   if (status != PointStatus::changed || linearization.ranks().count == 0) return status;
   // With the known ranks residuals become rounding errors in a few iterations, unless the ranks do not hold.
-  polished_ = jet;
+  refined_ = jet;
   if (linearization.renew(jet, false) != PointStatus::ok ||
-      iteration.solve(IterationTask{}, linearization, polished_) != PointStatus::ok)
+      iteration.solve(IterationTask{}, linearization, refined_) != PointStatus::ok)
     return status;
-  return linearization.renew(polished_, true);
+  return linearization.renew(refined_, true);
 }
 
 PointStatus RankCheck::compare(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration) {
@@ -37,9 +37,9 @@ PointStatus RankCheck::compare(const Jet& jet, ArrayLinearization& linearization
   PointStatus status = match_known_ranks(jet, linearization);
   if (status == PointStatus::changed) {
     // What the iteration has left as residuals looks like pivots that do not vanish.
-    polished_ = jet;
-    if (iteration.polish(linearization, polished_) == PointStatus::ok)
-      status = match_known_ranks(polished_, linearization);
+    refined_ = jet;
+    if (iteration.solve_to_rounding(linearization, refined_) == PointStatus::ok)
+      status = match_known_ranks(refined_, linearization);
   }
   if (status == PointStatus::changed) {
     JetCoefficients source(problem_.problem(), jet, problem_.units());
@@ -66,8 +66,8 @@ PointStatus RankCheck::review(const Jet& jet, ArrayLinearization& linearization,
   chord.set_rate(std::min(chord.rate(), rate_after_renewal));
   if (status != PointStatus::ok || !contradicts) return status;
   // A linearization from elsewhere may have left residuals in redundant equations.
-  polished_ = jet;
-  iteration.polish(linearization, polished_);
+  refined_ = jet;
+  iteration.solve_to_rounding(linearization, refined_);
   return PointStatus::ok;
 }
 

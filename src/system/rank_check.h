@@ -10,7 +10,7 @@
 
 #include "linalg/arena.h"
 #include "reduction/null_space_form.h"
-#include "system/analyzed_problem.h"
+#include "system/analyzed_equations.h"
 #include "system/array_linearization.h"
 #include "system/jet.h"
 #include "system/nonlinear_iteration.h"
@@ -19,7 +19,7 @@ namespace sfdae::core {
 
 class RankCheck {
  public:
-  RankCheck(AnalyzedProblem& problem, Arena& arena) : problem_(problem), arena_(arena) {}
+  RankCheck(AnalyzedEquations& problem, Arena& arena) : problem_(problem), arena_(arena) {}
 
   // The linearization is renewed at the jet, which has converged to the tolerance of the iteration, and its ranks are
   // judged.
@@ -38,11 +38,11 @@ class RankCheck {
  private:
   PointStatus match_known_ranks(const Jet& jet, const ArrayLinearization& linearization);
 
-  AnalyzedProblem& problem_;
+  AnalyzedEquations& problem_;
   Arena& arena_;
   int unjudged_ = 0;
   double compared_t_ = std::numeric_limits<double>::quiet_NaN();  // the ranks hold there
-  Jet polished_;
+  Jet refined_;
   TaylorData data_;
   NullSpaceForm form_;
 };

@@ -1,4 +1,4 @@
-// A nonlinear problem with the result of its index analysis, evaluated along jets in the units of its unknowns.
+// The equations of a nonlinear problem with the result of their index analysis, evaluated along jets.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -13,11 +13,11 @@
 
 namespace sfdae::core {
 
-class AnalyzedProblem {
+class AnalyzedEquations {
  public:
-  // analysis: may change as long as nothing has been evaluated. callback_error: of the last callback, is kept there.
-  AnalyzedProblem(NonlinearProblem& problem, const AnalysisSettings& settings, const IndexAnalysis& analysis,
-                  Units units, CallbackError& callback_error)
+  // analysis: a reference is kept. callback_error: that of the last callback is kept there.
+  AnalyzedEquations(NonlinearProblem& problem, const AnalysisSettings& settings, const IndexAnalysis& analysis,
+                    Units units, CallbackError& callback_error)
       : problem_(problem),
         settings_(settings),
         analysis_(analysis),
