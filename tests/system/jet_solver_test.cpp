@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Jets that are found fulfil the equations and their total derivatives; where none exists, the failure names what remains.
-#include "system/consistent_jet.h"
+#include "system/jet_solver.h"
 
 #include <gtest/gtest.h>
 
@@ -132,7 +132,8 @@ TEST(JetSolver, FulfilsTheEquationsAndTheirTotalDerivatives) {
       for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         SCOPED_TRACE(e.name + ", off by " + std::to_string(amount) + ", seed " + std::to_string(seed));
         NonlinearExample example(e.record);
-        const std::vector<double> guess = disturbed(e.x, amount, seed), units;
+        const std::vector<double> guess = disturbed(e.x, amount, seed);
+        const Units units;
         Jet jet = jet_of(e.t, guess);
         JetSolver solver(*example.problem, units);
         const Report report = report_of([&] { solve_levels(solver, jet, e.mu); });
@@ -149,7 +150,7 @@ TEST(JetSolver, FindsTheOnlySolutionThereIs) {
   const auto exact = p.exact(0.3, 1);
   NonlinearExample example(sfdae_test::record_of_formulas("robot_arm"));
   Jet jet = jet_of(0.3, disturbed(values_of(exact), 0.02, 4));
-  const std::vector<double> units;
+  const Units units;
   JetSolver solver(*example.problem, units);
   solve_levels(solver, jet, 4);
   // The smallest pivot of the array is about 1e-4.
@@ -164,7 +165,7 @@ TEST(JetSolver, DoesNotTouchFixedComponents) {
     guess[0] = 0.5;
     guess[2] = -0.4;
     Jet jet = jet_of(e.t, guess);
-    const std::vector<double> units;
+    const Units units;
     JetSolver solver(*example.problem, units);
     solver.set_fixed({1, 0, 1, 0, 0});
     const Report report = report_of([&] { solve_levels(solver, jet, 2); });
@@ -183,7 +184,7 @@ TEST(JetSolver, NamesWhatRemainsWhereFixedComponentsAreImpossible) {
   std::vector<double> guess = e.x;
   guess[0] = 2.0;
   Jet jet = jet_of(e.t, guess);
-  const std::vector<double> units;
+  const Units units;
   JetSolver solver(*example.problem, units);
   solver.set_fixed({1, 0, 0, 0, 0});
   const Report report = report_of([&] { solve_levels(solver, jet, 2); });
@@ -199,7 +200,7 @@ TEST(JetSolver, NamesTheDerivativeThatCannotBeFulfilled) {
   const auto no_rate =
       contradiction.finish({contradiction.x[0] * contradiction.x[0],
                             contradiction.x[0] * (1.0 + contradiction.x[1] * 0.0) - contradiction.t});
-  const std::vector<double> units;
+  const Units units;
   for (double guess : {0.0, 1.0, -40.0}) {
     NonlinearExample example(no_square);
     Jet jet = jet_of(0.0, {guess});
@@ -223,7 +224,7 @@ TEST(JetSolver, NamesTheDerivativeThatCannotBeFulfilled) {
 TEST(JetSolver, TellsThatTheEquationsCannotBeEvaluatedAtTheGuess) {
   sfdae_test::Recording r(1);
   NonlinearExample example(r.finish({sqrt(r.x[0] - 1.0) - 0.1}));
-  const std::vector<double> units;
+  const Units units;
   JetSolver solver(*example.problem, units);
   Jet outside = jet_of(0.0, {0.0}), inside = jet_of(0.0, {3.0});
   EXPECT_EQ(report_of([&] { solver.solve(outside, 0); }).status, SFDAE_NOT_FINITE);
@@ -235,7 +236,7 @@ TEST(JetSolver, TellsThatTheEquationsCannotBeEvaluatedAtTheGuess) {
 TEST(JetSolver, FulfilsTheEquationsInOtherUnitsOfTheUnknowns) {
   const Example e = examples().front();
   NonlinearExample example(e.record);
-  const std::vector<double> units = {1.0, 0.125, 64.0, 1.0, 1024.0};
+  const Units units({1.0, 0.125, 64.0, 1.0, 1024.0});
   Jet jet = jet_of(e.t, disturbed(e.x, 0.1, 2));
   JetSolver solver(*example.problem, units);
   solve_levels(solver, jet, 2);
