@@ -1,4 +1,6 @@
 // What stands behind the handle sfdae_solver.
+//
+// Folder c_api: the functions of the public headers: argument checks, exceptions to status, conversion of structs.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -1,4 +1,6 @@
 // The driver: carries a solution from point to point, deals with everything that may happen in between.
+//
+// Folder integrate: BDF and Radau methods, step control, events, outputs, checkpoints and the driver.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

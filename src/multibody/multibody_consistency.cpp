@@ -7,6 +7,7 @@
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
+#include "multibody/multibody_rank_decisions.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -30,6 +31,7 @@ void demand(const CallbackError& error) {
   if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
 }
 
+// But for rounding errors.
 bool is_symmetric(const Matrix& A) {
   const double small = 1e-12 * max_abs(A);
   for (int j = 0; j < A.cols(); ++j)
@@ -38,7 +40,7 @@ bool is_symmetric(const Matrix& A) {
   return true;
 }
 
-// R with A = R^T R; false if A is not positive definite by a margin.
+// R with A = R^T R; false if A is not positive definite by a margin, in which rounding errors have room.
 bool factor_cholesky(Matrix& A) {
   constexpr double margin = 1e-12;
   const int n = A.rows();
@@ -141,6 +143,8 @@ double MultibodyConsistency::residual(const Vector& q) {
 
 // One damped step, shortened until it helps. False if none does.
 bool MultibodyConsistency::improve(Vector& q, double& norm) {
+  // The shortest step is 1 / 4096 of the first; lambda is at most a tenth of the largest singular value squared; what
+  // decreases the residual by less of it is no progress. No figures were recorded.
   constexpr int halvings = 12;
   constexpr double strongest = 0.1, least_gain = 1e-6;
   evaluate_at(q);
@@ -171,6 +175,8 @@ double MultibodyConsistency::position_tolerance() const {
 }
 
 void MultibodyConsistency::approach(Vector& q) {
+  // Iterations; the residual that ends them, and the one that rounding errors may leave, relative to q, or a millionth
+  // of the tolerances.
   constexpr int most = 100;
   constexpr double rounding = 1e-12, negligible = 4.0 * unit_roundoff, far_below_tolerance = 1e-6;
   double norm = 0.0;
@@ -187,6 +193,7 @@ void MultibodyConsistency::approach(Vector& q) {
 
 // Where no direction makes residuals smaller, constraints contradict each other, or fixed values contradict them.
 void MultibodyConsistency::refuse_positions(const Vector& q, double norm) {
+  // The part of the residual that directions at hand can remove, to first order.
   constexpr double stationary = 1e-2;
   evaluate_at(q);
   residual(q);
@@ -224,6 +231,8 @@ void MultibodyConsistency::refuse_positions(const Vector& q, double norm) {
 
 // Along the constraints toward what was given; linear convergence where it is far away, and it need not be exact.
 void MultibodyConsistency::minimize_change(const Vector& given, Vector& q) {
+  // Iterations; the step that is short enough; singular values, relative, of constraints that count as dependent here,
+  // where directions, not ranks, are wanted: far above rounding errors of the Jacobian at a point that is not exact.
   constexpr int most = 30;
   constexpr double accuracy = 1e-8, dependent = 1e-7;
   if (directions_.cols() == 0) return;
@@ -275,7 +284,56 @@ Vector MultibodyConsistency::positions(const double* given) {
   return q;
 }
 
+MultibodyRanks MultibodyConsistency::ranks(const Vector& q, double rank_tol, std::vector<RankDecision>& decisions) {
+  rank_tol_ = rank_tol;
+  evaluate_at(q);
+  const MultibodyRanks ranks = ranks_of_constraints(point_, rank_tol, &decisions, arena_);
+  rank_of_mass_ = check_acceleration_matrix(point_, ranks.velocities, decisions, arena_);
+  if (sizes_.holonomic > 0) check_nearby(q, ranks);
+  return ranks;
+}
+
+// Constraints that depend on each other at the point alone, or gradients that vanish where their constraints hold,
+// make it a singular configuration.
+void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& known) {
+  // To the neighbour, relative to q; a gradient so much smaller than there counts as zero. No figures were recorded.
+  constexpr double distance = 1e-3, vanishing = 1e-6;
+  const Vector units = point_.position_units;
+  const double largest = max_abs(q.data(), sizes_.positions),
+               size = largest > 0.0 ? std::max(largest, position_tolerance()) : 1.0;
+  Vector beside(q);
+  // No direction in particular, and the same in every run.
+  for (std::size_t i = 0; i < q.size(); ++i)
+    beside[i] += distance * size * std::sin(1.0 + 2.3 * static_cast<double>(i));
+  MultibodyRanks found;
+  try {
+    evaluate_at(beside);
+    for (int i = 0; i < sizes_.holonomic; ++i)
+      if (units[index(i)] < vanishing * point_.position_units[index(i)])
+        throw Failure(
+            SFDAE_CHARACTERISTICS_CHANGED,
+            format("the configuration at t = %.15g is singular: the gradient of %s vanishes. Start elsewhere, or "
+                   "write the constraint so that its gradient does not vanish where it holds.",
+                   t_, name_of(i).c_str()));
+    approach(beside);
+    evaluate_at(beside);
+    found = ranks_of_constraints(point_, rank_tol_, nullptr, arena_);
+  } catch (const Failure& failure) {
+    // A neighbour that cannot be reached says nothing.
+    const int status = failure.status();
+    if (status == SFDAE_CHARACTERISTICS_CHANGED || status == SFDAE_CALLBACK_STOPPED || status == SFDAE_STOPPED) throw;
+    return;
+  }
+  if (found.positions <= known.positions && found.velocities <= known.velocities) return;
+  throw Failure(
+      SFDAE_CHARACTERISTICS_CHANGED,
+      format("the configuration at t = %.15g is singular: %d of %d constraints are independent there, but %d "
+             "beside it. Start elsewhere.",
+             t_, known.velocities, sizes_.constraints(), found.velocities));
+}
+
 Vector MultibodyConsistency::velocities(const Vector& q, const double* given, int rank) {
+  // Relative to velocities; rounding errors are smaller by orders of magnitude.
   constexpr double contradiction = 1e-9;
   const int nv = sizes_.velocities, nc = sizes_.constraints();
   Vector v(given, given + nv);

@@ -13,7 +13,7 @@
 #include "linalg/rank.h"
 #include "multibody/multibody_point.h"
 #include "multibody/multibody_problem.h"
-#include "multibody/multibody_system.h"
+#include "multibody/multibody_ranks.h"
 #include "system/consistent_values.h"
 
 namespace sfdae::core {
@@ -44,9 +44,7 @@ class MultibodyConsistency {
   void minimize_change(const std::vector<double>& given, std::vector<double>& q);
   // Returns if that is tolerated.
   void refuse_positions(const std::vector<double>& q, double residual);
-  MultibodyRanks local_ranks(std::vector<RankDecision>* decisions);
   void check_nearby(const std::vector<double>& q, const MultibodyRanks& ranks);
-  void check_matrix(int rank, std::vector<RankDecision>& decisions);
   bool has_fixed(int first, int count) const;
   std::string name_of(int constraint) const;
 

@@ -11,27 +11,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
-#include <vector>
-
 #include "linalg/arena.h"
 #include "linalg/matrix.h"
 #include "multibody/multibody_partition.h"
 #include "multibody/multibody_point.h"
 #include "multibody/multibody_problem.h"
+#include "multibody/multibody_tangent.h"
 
 namespace sfdae::core {
-
-// Of the constraints on both levels; one for both where their rows are the same.
-struct Tangents {
-  Tangent positions, velocities;
-  bool same_rows = false;
-  const Tangent& of_velocities() const { return same_rows ? positions : velocities; }
-  Tangent& of_velocities() { return same_rows ? positions : velocities; }
-  double rotation() const {
-    return same_rows ? positions.rotation() : std::max(positions.rotation(), velocities.rotation());
-  }
-};
 
 class MultibodyForm {
  public:

@@ -1,177 +1,103 @@
-// The Jacobian of what is iterated for a mechanical system, by differences of its functions.
-//
-// It serves to find a solution, not to define it: differences of lowest order are enough. As s is the derivative of
-// C v + r along (1, S v) with v held, its derivative by v is dC/dt + (C v + r)_q S and takes none.
+// The linearization of a mechanical system that steps are solved with.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <cmath>
-#include <limits>
+#include "multibody/multibody_linearization.h"
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
-#include "linalg/rank.h"
-#include "multibody/multibody_callbacks.h"
 
 namespace sfdae::core {
 
-namespace {
-
-// Increments relative to the size of a component: of values, of what is a difference itself.
-const double increment = std::sqrt(unit_roundoff);
-constexpr double wide_increment = 1e-5;
-// Of low-order differences along the motion: of values, of what is divided by an increment again. The latter is
-// relative to the spacing of nine points that has proved good.
-constexpr double spacing = 1e-5, rough_spacing = 1.0 / 64.0;
-
-// Column j of a Jacobian.
-void write_quotient(const std::vector<double>& moved, const std::vector<double>& base, double offset, View column) {
-  for (int i = 0; i < column.rows; ++i) column(i, 0) = (moved[index(i)] - base[index(i)]) / offset;
+void MultibodyLinearization::resize(const MultibodySizes& sizes, const MultibodySettings& settings) {
+  form_.resize(sizes, settings.ranks.positions, settings.ranks.velocities);
+  form_.set_rank_tol(settings.rank_tol);
+  jacobian_ = MultibodyJacobian(sizes);
+  point_.resize(sizes);
+  matrix_.resize(form_.unknowns());
 }
 
-}  // namespace
-
-bool CallbackMultibody::residuals(const Point& at, const double* a, const double* mu, Residuals& result,
-                                  CallbackError& error) {
-  const int nv = sizes().velocities;
-  if (!evaluate_mass(at, probe_.M, error) || !evaluate_constraints(at, probe_, error) ||
-      !call("forces", functions_.forces, at, {result.force.data(), nv, 1, nv}, error) ||
-      !evaluate_curvatures(at, result.acceleration.data(), error))
-    return false;
-  multiply(-1.0, Op::plain, probe_.M, a, 1.0, result.force.data());
-  velocity_of(probe_.S, at.v, result.kinematics.data());
-  if (sizes().constraints() == 0) return true;
-  multiply(-1.0, Op::transposed, probe_.C, mu, 1.0, result.force.data());
-  multiply(1.0, Op::plain, probe_.C, a, 1.0, result.acceleration.data());
-  std::copy(probe_.velocity_rest.begin(), probe_.velocity_rest.end(), result.velocity.begin());
-  multiply(1.0, Op::plain, probe_.C, at.v, 1.0, result.velocity.data());
-  return true;
+PointStatus MultibodyLinearization::move_to(double t, const double* q, const double* v,
+                                            MultibodyEquations& equations) {
+  is_valid_ = false;
+  matrix_.forget();
+  point_.set(t, q, v);
+  const PointStatus status = equations.at_velocity(point_);
+  if (status == PointStatus::ok) point_.measure_rows();
+  return status;
 }
 
-CallbackMultibody::Increments CallbackMultibody::increments(double t, double along, double in_time) const {
-  Increments steps{along < std::numeric_limits<double>::infinity() ? along : 0.0, 0.0, 0.0};
-  if (may_depend_on_time()) {
-    steps.before = std::min(in_time, std::max(room(t, -1.0), 0.0));
-    steps.after = std::min(in_time, std::max(room(t, 1.0), 0.0));
+PointStatus MultibodyLinearization::move_to_position(double t, const double* q, const double* v,
+                                                     MultibodyEquations& equations) {
+  is_valid_ = false;
+  point_.set(t, q, v);
+  const PointStatus status = equations.at_position(point_);
+  if (status == PointStatus::ok) point_.measure_rows();
+  return status;
+}
+
+MultibodyRanks MultibodyLinearization::choose_partition(Coordinates coordinates, Arena& arena) {
+  const MultibodyForm::Ranks found = form_.choose(point_, coordinates, arena);
+  return {found.positions.rank, found.velocities.rank};
+}
+
+PointStatus MultibodyLinearization::build(MultibodyEquations& equations, Arena& arena) {
+  const Partition& partition = form_.velocities();
+  if (!point_.factor(partition.rows, partition.rank)) return PointStatus::singular;
+  point_.solve_accelerations(partition.rows, partition.rank);
+  const PointStatus status = equations.derivatives(point_, jacobian_);
+  if (status != PointStatus::ok) return status;
+  form_.build(point_, jacobian_, arena);
+  ++equations.counts().reductions;
+  ++equations.counts().factorizations;
+  is_valid_ = true;
+  renewal_.begin();
+  chord_.forget_rate();
+  return PointStatus::ok;
+}
+
+void MultibodyLinearization::count_iterations(int s, int iterations) {
+  // Of a linearization in evaluations of one stage, measured: the linear algebra of its own grows faster than theirs.
+  const double cost = 2.0 + form_.unknowns() / 8.0;
+  if (renewal_.pays(s, iterations, cost)) chord_.set_slow(true);
+}
+
+// With (I - B / c)^-1 yz in place of yz: what is stiff over the step has hardly any error, but mu depends on it very
+// much.
+void MultibodyLinearization::error_of_forces(View yz, View dmu, Arena& arena) const {
+  const int d = form_.unknowns(), count = yz.cols;
+  if (d == 0) return fill(dmu, 0.0);
+  const Arena::Frame frame(arena);
+  const View dqv = arena.matrix(static_cast<int>(point_.q.size() + point_.v.size()), count);
+  if (matrix_.is_valid()) {
+    matrix_.solve(yz);
+    for (int j = 0; j < count; ++j)
+      for (int k = 0; k < d; ++k) yz(k, j) *= matrix_.c();
   }
-  return steps;
+  form_.expand(yz, dqv);
+  change_of_forces(dqv, dmu, arena);
 }
 
-bool CallbackMultibody::rough_rest(const Point& at, const Increments& steps, double* s, CallbackError& error) {
-  const int rows = sizes().constraints();
-  std::fill_n(s, rows, 0.0);
-  const auto add = [&](const Line& line, double before, double after) {
-    if (before + after == 0.0) return true;
-    if (!at_offset(at, line, after, along_.data(), error) || !at_offset(at, line, -before, in_time_.data(), error))
-      return false;
-    for (int i = 0; i < rows; ++i) s[i] += (along_[index(i)] - in_time_[index(i)]) / (before + after);
-    return true;
-  };
-  return add({0.0, 1.0, 0.0, 0.0, 0.0}, steps.along, steps.along) &&
-         add({1.0, 0.0, 0.0, 0.0, 0.0}, steps.before, steps.after);
-}
-
-bool CallbackMultibody::add_rate_of_C(const Point& at, const Increments& steps, View rate, CallbackError& error) {
-  const auto add = [&](const Line& line, double before, double after) {
-    if (before + after == 0.0) return true;
-    for (const double offset : {after, -before}) {
-      std::copy_n(at.q, sizes().positions, shifted_q_.data());
-      for (std::size_t i = 0; i < shifted_q_.size(); ++i) shifted_q_[i] += offset * line.q_rate * direction_[i];
-      if (!evaluate_constraints({at.t + offset * line.t_rate, shifted_q_.data(), at.v}, probe_, error)) return false;
-      const double factor = (offset == after ? 1.0 : -1.0) / (before + after);
-      for (int j = 0; j < rate.cols; ++j)
-        for (int i = 0; i < rate.rows; ++i) rate(i, j) += factor * probe_.C(i, j);
-    }
-    return true;
-  };
-  return add({0.0, 1.0, 0.0, 0.0, 0.0}, steps.along, steps.along) &&
-         add({1.0, 0.0, 0.0, 0.0, 0.0}, steps.before, steps.after);
-}
-
-template <class Evaluate>
-double CallbackMultibody::move(const double* values, int j, std::vector<double>& moved, CallbackError& error,
-                               Evaluate evaluate) {
-  const int count = static_cast<int>(moved.size());
-  const double unit = unit_of(values, count, j);
-  for (const double wanted : {increment * unit, -increment * unit}) {
-    std::copy_n(values, count, moved.data());
-    moved[index(j)] += wanted;
-    error = {};
-    if (evaluate()) return moved[index(j)] - values[j];
-    if (!error.is_recoverable()) return 0.0;
-  }
-  return 0.0;
-}
-
-bool CallbackMultibody::position_column(const LinearizationPoint& point, int j, MultibodyJacobian& jacobian,
-                                        CallbackError& error) {
-  const Point moved{point.at.t, moved_q_.data(), point.at.v};
-  const auto evaluate = [&] { return residuals(moved, point.a, point.mu, moved_, error); };
-  const double offset = move(point.at.q, j, moved_q_, error, evaluate);
-  if (offset == 0.0) return false;
-  const auto column = [j](Matrix& matrix) { return matrix.view().columns(j, 1); };
-  write_quotient(moved_.force, base_.force, offset, column(jacobian.force_q));
-  if (has_kinematics()) write_quotient(moved_.kinematics, base_.kinematics, offset, column(jacobian.kinematics_q));
-  if (sizes().constraints() == 0) return true;
-  write_quotient(moved_.acceleration, base_.acceleration, offset, column(jacobian.acceleration_q));
-  write_quotient(moved_.velocity, base_.velocity, offset, column(jacobian.velocity_q));
-  return !needs_differences() || add_rough_column(point, j, offset, column(jacobian.acceleration_q), error);
-}
-
-// offset: that of moved_.
-bool CallbackMultibody::add_rough_column(const LinearizationPoint& point, int j, double offset, View column,
-                                         CallbackError& error) {
-  const double* const q = point.at.q;
-  const double wide = std::copysign(wide_increment * unit_of(q, sizes().positions, j), offset);
-  moved_q_[index(j)] = q[j] + wide;
-  for (std::size_t i = 0; i < direction_.size(); ++i)
-    direction_[i] = base_.kinematics[i] + (moved_.kinematics[i] - base_.kinematics[i]) * (wide / offset);
-  if (!rough_rest({point.at.t, moved_q_.data(), point.at.v}, point.steps, rough_moved_.data(), error)) return false;
-  for (int i = 0; i < column.rows; ++i) column(i, 0) += (rough_moved_[index(i)] - rough_base_[index(i)]) / wide;
-  return true;
-}
-
-bool CallbackMultibody::velocity_column(const Point& at, int j, const std::vector<double>& forces, View force_v,
-                                        CallbackError& error) {
-  const int nv = sizes().velocities;
-  const Point moved{at.t, at.q, moved_v_.data()};
-  const auto evaluate = [&] {
-    return call("forces", functions_.forces, moved, {moved_.force.data(), nv, 1, nv}, error);
-  };
-  const double offset = move(at.v, j, moved_v_, error, evaluate);
-  if (offset == 0.0) return false;
-  write_quotient(moved_.force, forces, offset, force_v.columns(j, 1));
-  return true;
-}
-
-CallbackError CallbackMultibody::linearize(const MultibodyState& state, const MultibodyTerms& terms,
-                                           MultibodyJacobian& jacobian) {
-  CallbackError error;
-  ++linearizations_;
-  const auto [t, q, v, a, mu] = state;
-  const int nq = sizes().positions, nv = sizes().velocities, rows = sizes().constraints();
-  if (has_kinematics() && jacobian.kinematics_q.cols() == 0) jacobian.kinematics_q = Matrix(nq, nq);
-  if (!residuals({t, q, v}, a, mu, base_, error)) return error;
-  direction_ = base_.kinematics;
-  if (needs_differences() && !add_differences({t, q, v}, terms, rough_base_.data(), error)) return error;
-  const LinearizationPoint point{
-      {t, q, v}, a, mu, increments(t, rough_spacing * good_step_, rough_spacing * good_time_)};
-  const View acceleration_v = jacobian.acceleration_v;
-  fill(acceleration_v, 0.0);
-  const Increments steps = increments(t, spacing * step_along_motion(q), spacing * unit_of_time(t));
-  if (rows > 0 && !add_rate_of_C(point.at, steps, acceleration_v, error)) return error;
-  if (needs_differences() && !rough_rest(point.at, point.steps, rough_base_.data(), error)) return error;
-  for (int j = 0; j < nq; ++j)
-    if (!position_column(point, j, jacobian, error)) return error;
-  for (int j = 0; j < nv; ++j)
-    if (!velocity_column(point.at, j, terms.f, jacobian.force_v, error)) return error;
-  if (rows == 0) return error;
-  if (has_kinematics()) {
-    multiply(1.0, Op::plain, jacobian.velocity_q, Op::plain, terms.S, 1.0, acceleration_v);
-  } else {
-    for (int j = 0; j < nv; ++j)
-      for (int i = 0; i < rows; ++i) acceleration_v(i, j) += jacobian.velocity_q(i, j);
-  }
-  return error;
+// K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv).
+void MultibodyLinearization::change_of_forces(ConstView dqv, View dmu, Arena& arena) const {
+  const Partition& partition = form_.velocities();
+  const std::vector<int>& rows = partition.rows;
+  const int nq = static_cast<int>(point_.q.size()), nv = static_cast<int>(point_.v.size()),
+            nc = point_.terms.C.rows(), r = partition.rank, count = dqv.cols;
+  fill(dmu, 0.0);
+  if (r == 0) return;
+  const Arena::Frame frame(arena);
+  const View forces = arena.matrix(nv + r, count), rest = arena.matrix(nc, count);
+  const ConstView dq = dqv.top(nq), dv = dqv.block(nq, 0, nv, count);
+  multiply(1.0, Op::plain, jacobian_.force_q, Op::plain, dq, 0.0, forces.top(nv));
+  multiply(1.0, Op::plain, jacobian_.force_v, Op::plain, dv, 1.0, forces.top(nv));
+  multiply(-1.0, Op::plain, jacobian_.acceleration_q, Op::plain, dq, 0.0, rest);
+  multiply(-1.0, Op::plain, jacobian_.acceleration_v, Op::plain, dv, 1.0, rest);
+  for (int j = 0; j < count; ++j)
+    for (int k = 0; k < r; ++k) forces(nv + k, j) = rest(rows[index(k)], j);
+  point_.solve(forces);
+  for (int j = 0; j < count; ++j)
+    for (int k = 0; k < r; ++k) dmu(rows[index(k)], j) = forces(nv + k, j);
+  // As mu itself: with other units of the constraints the part that does not matter may be by far the largest.
+  for (int j = 0; j < count; ++j) point_.take_least_norm(partition, dmu.column(j), arena);
 }
 
 }  // namespace sfdae::core

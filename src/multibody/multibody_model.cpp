@@ -67,7 +67,7 @@ ConsistentPoint MultibodyModel::make_consistent(MultibodySystem& system, const P
   double sum = 0.0;
   for (std::size_t i = 0; i < index(system.leading_size()); ++i) sum += std::pow(result.x[i] - given[i], 2);
   result.change.residual_before = std::sqrt(sum);
-  result.change.residual_after = std::max(system.position_residual(), system.velocity_residual());
+  result.change.residual_after = std::max(position_residual(found), velocity_residual(found));
   report_change(request, point.t, given, result.x, result.change);
   if (request.kind == InitialValues::accept) result.x = given;
   add_derivative(system, point.direction(), result);
@@ -98,16 +98,17 @@ void MultibodyModel::keep_fixed(const ConsistencyRequest& request, const PointOf
 ConstraintsReport MultibodyModel::constraints() const {
   const MultibodySizes& sizes = problem_->sizes();
   const MultibodyRanks& ranks = system_->settings().ranks;
-  return {.t = system_->accepted_point().t,
+  const MultibodyPoint& point = system_->accepted_point();
+  return {.t = point.t,
           .holonomic = sizes.holonomic,
           .nonholonomic = sizes.nonholonomic,
           .redundant = sizes.constraints() - ranks.velocities,
           .degrees_of_freedom = sizes.velocities - ranks.velocities,
           .position_freedom = sizes.positions - ranks.positions,
-          .condition = system_->condition(),
+          .condition = condition_of_constraints(point, system_->partition()),
           .partitions = system_->partitions(),
-          .position_residual = system_->position_residual(),
-          .velocity_residual = system_->velocity_residual()};
+          .position_residual = position_residual(point),
+          .velocity_residual = velocity_residual(point)};
 }
 
 }  // namespace sfdae::core

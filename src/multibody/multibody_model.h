@@ -54,7 +54,7 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
                                   const ModelOptions& options) override;
 
  private:
-  MultibodySystem::Settings settings(const MultibodyRanks& ranks, const AnalysisSettings& analysis) const {
+  MultibodySettings settings(const MultibodyRanks& ranks, const AnalysisSettings& analysis) const {
     return {ranks, coordinates_, analysis.rank_tol};
   }
   void keep_fixed(const ConsistencyRequest& request, const PointOfInterest& given, std::vector<double>& x) const;

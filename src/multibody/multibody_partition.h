@@ -1,11 +1,7 @@
-// Independent and dependent directions under constraints C w = b, and how the dependent ones follow.
+// Independent and dependent directions under constraints C w = b, chosen at one point.
 //
-// [Q1 Q2] is orthonormal and constant. As long as C Q2 is regular,
-//
-//     [Q1^T; C]^-1 = [T N],   T = Q1 - Q2 E,   N = Q2 (C Q2)^-1,   E = (C Q2)^-1 C Q1
-//
-// so that w = T y + N b. The columns of Q2 span the range of C^T at the point of the choice, where E = 0; for
-// coordinates as they are, Q1 and Q2 are columns of the identity.
+// [Q1 Q2] is orthonormal and constant. The columns of Q2 span the range of C^T at that point; for coordinates as they
+// are, Q1 and Q2 are columns of the identity.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -38,60 +34,5 @@ struct Partition {
 // Chooses directions, and as many independent rows as known_rank says; -1: as are found. Returns what is found.
 RankDecision choose_partition(const ConstraintRows& constraints, Coordinates coordinates, int known_rank,
                               Partition& partition, Arena& arena);
-
-// T and N for C at some point. Where there are few uses of them, T is not formed: T y = Q1 y - N C Q1 y.
-class Tangent {
- public:
-  void resize(int directions, int constraints);
-  // Without T. False if C Q2 is singular.
-  bool fit(const Partition& partition, const ConstraintRows& constraints);
-  // T and E, after fit; false if they are not finite.
-  bool complete(const Partition& partition, Arena& arena);
-  bool build(const Partition& partition, const ConstraintRows& constraints, Arena& arena) {
-    return fit(partition, constraints) && complete(partition, arena);
-  }
-  bool is_complete() const { return is_complete_; }
-  // Once complete.
-  ConstView T() const { return {T_.data(), T_.rows(), T_.rows() - rank_, std::max(T_.rows(), 1)}; }
-  // The independent rows in their units, row k times units()[k].
-  ConstView rows() const { return {C_.data(), rank_, T_.rows(), std::max(rank_, 1)}; }
-  const double* units() const { return units_.data(); }
-  // w := w - N (C w + b), b of all rows or none: T y - N b for w = Q1 y.
-  void enforce(const Partition& partition, const double* b, double* w, Arena& arena) const;
-  // w := -N b, b the independent ones of all residuals.
-  void correction(const Partition& partition, const double* residuals, double* w, Arena& arena) const;
-  // mu := the independent multipliers with Q2^T C^T mu = Q2^T force, the others zero.
-  void multipliers(const Partition& partition, const double* force, double* mu, Arena& arena) const;
-  // max |E|, once complete: the tangent of the angle, about, by which C has turned since the choice.
-  double rotation() const { return rotation_; }
-  double smallest_pivot() const { return pivot_; }
-  // Of det C Q2.
-  int sign() const { return sign_; }
-  // Of the constraints on the straight way from rows B at another point to C: how many combinations of them vanish,
-  // each once, which is where sB + (1 - s) C is singular on Q2, and the row that turns most.
-  struct Passage {
-    int count = 0;
-    int row = -1;
-  };
-  Passage passage_from(const Partition& partition, ConstView B, Arena& arena) const;
-
- private:
-  bool invert(const Partition& partition, View C2);
-  bool factor(View C2);
-  void gather(const Partition& partition, const double* residuals, double* b) const;
-  // w -= N b, rows of b in their units; b is overwritten.
-  void subtract(const Partition& partition, double* b, double* w) const;
-
-  int rank_ = 0;
-  bool is_complete_ = false;
-  Matrix C_;  // independent rows in their units
-  Matrix T_;
-  Matrix N_;   // for these rows, where they are few
-  Matrix lu_;  // (C Q2)^-1 then, else the factors of C Q2
-  std::vector<int> pivots_;
-  std::vector<double> units_;
-  double rotation_ = 0.0, pivot_ = 1.0;
-  int sign_ = 1;
-};
 
 }  // namespace sfdae::core

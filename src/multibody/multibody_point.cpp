@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
@@ -198,6 +199,41 @@ void MultibodyPoint::take_least_norm(const Partition& partition, double* forces,
   std::fill(part + r, part + nc, 0.0);
   apply_q(Op::plain, range, r, tau, column, arena);
   std::copy_n(part, nc, forces);
+}
+
+double condition_of_constraints(const MultibodyPoint& point, const Partition& partition) {
+  const int r = partition.rank, nv = partition.Q.rows();
+  if (r == 0) return 1.0;
+  Matrix C(r, nv);
+  for (int k = 0; k < r; ++k) {
+    const int i = partition.rows[index(k)];
+    for (int j = 0; j < nv; ++j) C(k, j) = point.terms.C(i, j) / point.velocity_units[index(i)];
+  }
+  const double smallest = singular_values(product(C, partition.Q2())).back();
+  return smallest > 0.0 ? singular_values(C).front() / smallest : std::numeric_limits<double>::infinity();
+}
+
+namespace {
+
+// Rows that vanish count as they are.
+double largest_residual(const std::vector<double>& residuals, const std::vector<double>& units, int count) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < index(count); ++i)
+    worst = std::max(worst, std::fabs(residuals[i]) / (units[i] > 0.0 ? units[i] : 1.0));
+  return worst;
+}
+
+}  // namespace
+
+double position_residual(const MultibodyPoint& point) {
+  return largest_residual(point.terms.g, point.position_units, point.terms.g_q.rows());
+}
+
+double velocity_residual(const MultibodyPoint& point) {
+  const int nc = point.terms.C.rows();
+  std::vector<double> residuals(index(nc) + 1);
+  point.velocity_residuals(residuals.data());
+  return largest_residual(residuals, point.velocity_units, nc);
 }
 
 }  // namespace sfdae::core

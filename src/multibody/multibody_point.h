@@ -12,8 +12,15 @@
 #include "linalg/matrix.h"
 #include "multibody/multibody_partition.h"
 #include "multibody/multibody_problem.h"
+#include "multibody/multibody_tangent.h"
 
 namespace sfdae::core {
+
+// Nothing is evaluated there.
+struct MultibodyPhasePoint {
+  double t = 0.0;
+  std::vector<double> q, v;
+};
 
 class MultibodyPoint {
  public:
@@ -26,6 +33,7 @@ class MultibodyPoint {
   // Of the rows of g and of C v + r: the lengths of their gradients, S not taken for smaller than it is.
   std::vector<double> position_units, velocity_units;
 
+  MultibodyPhasePoint phase_point() const { return {t, q, v}; }
   MultibodyState state() const { return {t, q.data(), v.data(), a.data(), mu.data()}; }
   void set(double new_t, const double* new_q, const double* new_v);
   ConstraintRows position_rows() const { return {terms.g_q.view(), position_units.data()}; }
@@ -61,5 +69,11 @@ class MultibodyPoint {
   std::vector<int> pivots_;
   std::vector<double> solution_;
 };
+
+// |C| |(C Q2)^-1| at a point, rows in units of their lengths; infinite if singular.
+double condition_of_constraints(const MultibodyPoint& point, const Partition& partition);
+// The largest residuals there of g = 0 and of C v + r = 0, in the same units.
+double position_residual(const MultibodyPoint& point);
+double velocity_residual(const MultibodyPoint& point);
 
 }  // namespace sfdae::core

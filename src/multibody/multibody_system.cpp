@@ -1,107 +1,82 @@
-// The strangeness-free system of a mechanical system with constraints: points, constraints, partitions.
+// The strangeness-free system of a mechanical system with constraints.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_system.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
+#include "multibody/multibody_force_differences.h"
+#include "multibody/multibody_iteration.h"
 
 namespace sfdae::core {
 
 namespace {
 
-double largest(const std::vector<double>& values) { return max_abs(values.data(), static_cast<int>(values.size())); }
+std::string singular_message(double t) { return format("[M C^T; C 0] is singular at t = %.15g.", t); }
 
-// What residuals are compared with.
-double size_of(const std::vector<double>& values) {
-  const double size = largest(values);
-  return size > 0.0 ? size : 1.0;
+// x = (q, v, mu)
+void copy_unknowns(const MultibodyPoint& point, double* x) {
+  double* v = std::copy(point.q.begin(), point.q.end(), x);
+  double* mu = std::copy(point.v.begin(), point.v.end(), v);
+  std::copy_n(point.mu.data(), point.terms.C.rows(), mu);
 }
 
 }  // namespace
 
-CharacteristicValues characteristic_values(const MultibodySizes& sizes, const MultibodyRanks& ranks) {
-  CharacteristicValues values;
-  values.mu = sizes.holonomic > 0 ? 2 : sizes.nonholonomic > 0 ? 1 : 0;
-  values.d = sizes.positions - ranks.positions + sizes.velocities - ranks.velocities;
-  values.a = sizes.unknowns() - values.d;
-  values.u = values.v = 0;
-  return values;
-}
-
-MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Settings& settings, IndexAnalysis analysis,
+MultibodySystem::MultibodySystem(MultibodyProblem& problem, const MultibodySettings& settings, IndexAnalysis analysis,
                                  const double* q, const double* v)
     : DaeSystem(problem, problem.sizes().unknowns(), std::move(analysis), LeadingTerm::identity),
-      problem_(problem),
       sizes_(problem.sizes()),
-      settings_(settings) {
-  update_traits();
+      settings_(settings),
+      equations_(problem, callback_error_, counts_) {
   resize();
   const PointStatus status = set_point(analysis_.t, q, v);
   if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
-  if (status == PointStatus::singular)
-    throw Failure(SFDAE_SINGULAR, format("[M C^T; C 0] is singular at t = %.15g.", t_));
+  if (status == PointStatus::singular) throw Failure(SFDAE_SINGULAR, singular_message(t_));
 }
 
-MultibodySystem::MultibodySystem(MultibodyProblem& problem, const Settings& settings, Archive& saved)
+MultibodySystem::MultibodySystem(MultibodyProblem& problem, const MultibodySettings& settings, Archive& saved)
     : DaeSystem(problem, problem.sizes().unknowns(), {}, LeadingTerm::identity),
-      problem_(problem),
       sizes_(problem.sizes()),
-      settings_(settings) {
+      settings_(settings),
+      equations_(problem, callback_error_, counts_) {
   archive(saved);
 }
 
-void MultibodySystem::update_traits() {
+// By the characteristic values and the ranks.
+void MultibodySystem::resize() {
   traits_ = {.unknowns = sizes_.unknowns(),
              .differential = analysis_.values.d,
              .leading_size = sizes_.positions + sizes_.velocities};
+  equations_.set_ranks(settings_.ranks);
+  linearization_.resize(sizes_, settings_);
+  noise_.resize(sizes_, differential());
+  stages_.resize(sizes_, differential());
+  projection_.resize(sizes_, linearization_.form());
+  monitor_.resize(sizes_, settings_);
+  for (MultibodyPoint* point : {&accepted_, &end_}) point->resize(sizes_);
 }
 
-CharacteristicValues MultibodySystem::values_at(double) { return characteristic_values(sizes_, changed_ranks_); }
-
-void MultibodySystem::resize() {
-  const std::size_t d = index(differential()), size = index(leading_size());
-  form_.resize(sizes_, settings_.ranks.positions, settings_.ranks.velocities);
-  form_.set_rank_tol(settings_.rank_tol);
-  jacobian_ = MultibodyJacobian(sizes_);
-  // Operations of both ways, about.
-  constexpr double worthwhile = 1.2;
-  const double nv = sizes_.velocities, r = settings_.ranks.velocities, open = nv - r;
-  const double along = 2.0 * nv * open * (nv + open) + 2.0 / 3.0 * std::pow(open, 3),
-               whole = 2.0 / 3.0 * std::pow(nv + r, 3);
-  along_tangents_ = r > 0 && worthwhile * along < whole;
-  for (MultibodyPoint* point : {&linearized_, &work_, &end_, &accepted_}) point->resize(sizes_);
-  chosen_.q.resize(index(sizes_.positions));
-  chosen_.v.resize(index(sizes_.velocities));
-  form_.resize_tangents(end_tangents_);
-  matrix_.resize(differential());
-  for (auto* values : {&change_, &noise_, &noise_at_rest_, &inverse_weights_}) values->assign(size + 1, 0.0);
-  noise_of_rates_.assign(d + 1, 0.0);
-  residuals_.assign(index(sizes_.constraints()) + 1, 0.0);
+CharacteristicValues MultibodySystem::values_at(double) {
+  return characteristic_values(sizes_, monitor_.change().ranks);
 }
 
 PointStatus MultibodySystem::set_point(double t, const double* q, const double* v) {
   t_ = t;
   accepted_.set(t, q, v);
-  callback_error_ = problem_.at_velocity(t, accepted_.q.data(), accepted_.v.data(), accepted_.terms);
-  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
-  accepted_.measure_rows();
-  partitions_ = 0;
-  std::copy_n(q, sizes_.positions, change_.data());
-  std::copy_n(v, sizes_.velocities, change_.data() + sizes_.positions);
-  PointStatus status = linearize(t, change_.data());
+  PointStatus status = equations_.at_velocity(accepted_);
   if (status != PointStatus::ok) return status;
-  if (!(decided_ == settings_.ranks)) {
-    changed_ranks_ = decided_;
-    return PointStatus::changed;
-  }
+  accepted_.measure_rows();
+  monitor_.forget();
+  status = linearize(t, q, v);
+  if (status != PointStatus::ok) return status;
+  if (!monitor_.has_known_ranks()) return PointStatus::changed;
   end_ = accepted_;
   status = project(end_);
   if (status != PointStatus::ok) return status;
-  end_orientation_ = orientation_ = orientation_of(end_tangents_);
+  monitor_.start(projection_.tangents());
   is_end_new_ = true;
   accept();
   return PointStatus::ok;
@@ -116,226 +91,262 @@ void MultibodySystem::accept() {
   if (!is_end_new_) return;
   is_end_new_ = false;
   std::swap(accepted_, end_);
-  orientation_ = end_orientation_;
-  has_changed_ = false;
+  monitor_.accept();
 }
 
-// a and mu at the point.
-PointStatus MultibodySystem::evaluate(MultibodyPoint& point) {
-  callback_error_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
-  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
-  ++counts_.factorizations;
-  if (!point.factor(form_.velocities().rows, settings_.ranks.velocities)) return PointStatus::singular;
-  point.solve_accelerations(form_.velocities().rows, settings_.ranks.velocities);
-  return PointStatus::ok;
+PointStatus MultibodySystem::linearize(double t, const double* q, const double* v) {
+  PointStatus status = linearization_.move_to(t, q, v, equations_);
+  if (status == PointStatus::ok && !monitor_.fits(linearization_, arena_)) status = choose_partition();
+  if (status == PointStatus::ok) status = linearization_.build(equations_, arena_);
+  if (status == PointStatus::ok) noise_.measure(linearization_.point(), linearization_.form(), arena_);
+  return status;
 }
 
-PointStatus MultibodySystem::accelerate(MultibodyPoint& point, Tangents& tangents) {
-  // Below, C M^-1 C^T is too badly conditioned, as its condition is the square of that of C.
-  constexpr double well_posed = 1e-2;
-  ++counts_.factorizations;
-  const Partition& partition = form_.velocities();
-  Tangent& tangent = tangents.of_velocities();
-  if (tangent.smallest_pivot() > well_posed && point.solve_by_masses(partition, tangent, arena_))
-    return PointStatus::ok;
-  if (along_tangents_) {
-    if (!tangent.is_complete()) tangent.complete(partition, arena_);
-    return point.solve_along(partition, tangent, arena_) ? PointStatus::ok : PointStatus::singular;
+PointStatus MultibodySystem::choose_partition() {
+  return monitor_.choose(linearization_, accepted_, projection_, arena_);
+}
+
+// From the predicted x of each point. The middle one is where one linearization serves all of them best.
+PointStatus MultibodySystem::iterate_from(const MultibodyDiscretization& discretization, const Guess& guess,
+                                          bool linearizes) {
+  const int s = discretization.s, middle = s / 2;
+  for (int i = 0; i < s; ++i)
+    std::copy_n(guess.taylor + static_cast<std::ptrdiff_t>(i) * unknowns(), leading_size(), stages_.qv.column(i));
+  if (linearizes) {
+    const double* qv = stages_.qv.column(middle);
+    const PointStatus status = linearize(stages_.times[index(middle)], qv, qv + sizes_.positions);
+    if (status != PointStatus::ok) return status;
   }
-  if (!point.factor(partition.rows, partition.rank)) return PointStatus::singular;
-  point.solve_accelerations(partition.rows, partition.rank);
-  return PointStatus::ok;
+  return MultibodyIteration(discretization, guess.inverse_weights,
+                            {equations_, linearization_, noise_, stages_, arena_})
+      .run();
 }
 
-// g = 0 to rounding, along Q_q2. The tangent of the last linearization serves while it is good enough.
-PointStatus MultibodySystem::project_positions(MultibodyPoint& point) {
-  constexpr int most = 12;
-  constexpr double negligible = 2.0 * unit_roundoff, small = 1e-11, slow = 1e-2, far_below_tolerance = 1e-3;
-  if (settings_.ranks.positions == 0) return PointStatus::ok;
-  const int nq = sizes_.positions;
-  const Tangent* tangent = &form_.tangents().positions;
-  double before = 0.0;
-  int at_point = 0;  // iterations with N at the point itself
-  for (int iteration = 0; iteration < most; ++iteration) {
-    callback_error_ = problem_.constraints(point.t, point.q.data(), point.terms.g.data());
-    if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
-    tangent->correction(form_.positions(), point.terms.g.data(), change_.data(), arena_);
-    if (tangent != &form_.tangents().positions) ++at_point;
-    double norm = 0.0, in_tolerances = 0.0;
-    const double size = size_of(point.q);
-    for (int k = 0; k < nq; ++k) {
-      const double change = std::fabs(change_[index(k)]);
-      norm = std::max(norm, change / std::max(std::fabs(point.q[index(k)]), 1e-2 * size));
-      in_tolerances = std::max(in_tolerances, change * inverse_weights_[index(k)]);
-      point.q[index(k)] += change_[index(k)];
-    }
-    if (!std::isfinite(norm)) return PointStatus::not_converged;
-    const double rate = iteration > 0 ? norm / std::max(before, negligible) : 1.0;
-    if (norm <= negligible || rate * norm <= negligible) return PointStatus::ok;
-    if (rate > 0.5 && iteration > 0 && norm <= small) return PointStatus::ok;
-    // Rounding errors of g know lengths other than q, which may be zero.
-    if (rate > 0.5 && at_point > 1 && in_tolerances <= far_below_tolerance) return PointStatus::ok;
-    before = norm;
-    if (rate < slow || iteration == 0) continue;
-    // N at the point itself.
-    callback_error_ = problem_.at_position(point.t, point.q.data(), point.terms);
-    if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
-    point.measure_rows();
-    if (!end_tangents_.positions.build(form_.positions(), point.position_rows(), arena_))
-      return PointStatus::singular;
-    tangent = &end_tangents_.positions;
+PointStatus MultibodySystem::solve_points(const MultibodyDiscretization& discretization, const Guess& guess) {
+  const int last = discretization.s - 1;
+  projection_.set_weights(guess.inverse_weights);
+  PointStatus status = PointStatus::not_converged;
+  if (linearization_.is_valid() && !linearization_.chord().is_slow())
+    status = iterate_from(discretization, guess, false);
+  if (status != PointStatus::ok && !is_hopeless(status)) status = iterate_from(discretization, guess, true);
+  if (status == PointStatus::ok) {
+    const double* qv = stages_.qv.column(last);
+    end_.set(stages_.times[index(last)], qv, qv + sizes_.positions);
+    is_end_new_ = false;
+    status = project(end_);
   }
-  return PointStatus::not_converged;
+  if (status == PointStatus::ok) {
+    status = monitor_.check(end_, accepted_, projection_.tangents(), linearization_, arena_);
+    is_end_new_ = status == PointStatus::ok;
+    return status;
+  }
+  // Shorter steps toward a singular configuration that has been seen already.
+  const bool is_near_change =
+      monitor_.has_changed() && (status == PointStatus::singular || status == PointStatus::not_converged);
+  return is_near_change ? PointStatus::changed : status;
 }
 
-// Constraints on both levels hold to rounding, and a and mu are known, at a point near by.
-PointStatus MultibodySystem::project(MultibodyPoint& point) {
-  PointStatus status = project_positions(point);
+PointStatus MultibodySystem::solve(const StepEquations& equations, double* x) {
+  stages_.reserve(1, linearization_.form());
+  stages_.times[0] = t_;
+  const PointStatus status = solve_points({1, nullptr, 0.0, equations.c, equations.w_rest}, equations.guess);
+  if (status == PointStatus::ok) copy_unknowns(end_, x);
+  return status;
+}
+
+// In floating-point operations: evaluations, what is done once a step as if it were some more of them, and the
+// factors of the decoupled systems, a real one and (s - 1) / 2 complex ones.
+double MultibodySystem::stage_cost(int s) const {
+  // Measured on the pendulum, where there is hardly anything else, and from all problems of the test set.
+  constexpr double overhead = 2000.0, iterations = 3.0, once = 8.0;
+  const double n = leading_size(), r = settings_.ranks.velocities, d = differential();
+  const double evaluation = overhead + 4.0 * n * r * r + 8.0 * n * n, systems = 2.0 * s - 1.0;
+  return (iterations * s + once) * evaluation + systems * (2.0 / 3.0 * d * d * d + 2.0 * iterations * d * d);
+}
+
+PointStatus MultibodySystem::solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) {
+  const int s = equations.method.s, n = unknowns(), size = leading_size(), nc = sizes_.constraints();
+  const double h = equations.t_end - equations.t;
+  stages_.reserve(s, linearization_.form());
+  t_reached = t_ = equations.t_end;
+  for (int i = 0; i < s; ++i)
+    stages_.times[index(i)] = i == s - 1 ? equations.t_end : equations.t + equations.method.c[index(i)] * h;
+  const PointStatus status = solve_points({s, &equations.method, h, 0.0, equations.w}, equations.guess);
   if (status != PointStatus::ok) return status;
-  callback_error_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
-  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
-  point.measure_rows();
-  if (!form_.build_tangents(point, end_tangents_, arena_)) return PointStatus::singular;
-  // Linear in v: once is enough, but for what depends on v.
-  constexpr double negligible = 1e-13;
-  point.velocity_residuals(residuals_.data());
-  end_tangents_.of_velocities().correction(form_.velocities(), residuals_.data(), change_.data(), arena_);
-  for (int k = 0; k < sizes_.velocities; ++k) point.v[index(k)] += change_[index(k)];
-  if (max_abs(change_.data(), sizes_.velocities) > negligible * largest(point.v)) {
-    callback_error_ = problem_.at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
-    if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  // mu of the stages within is that before the last change: slopes of mu depend on it.
+  const Arena::Frame frame(arena_);
+  const View dmu = arena_.matrix(nc, s), mu = stages_.mu.view(s), to_x{x, n, s, n}, to_w{w, size, s, size};
+  linearization_.change_of_forces(stages_.changes.view(s), dmu, arena_);
+  for (int i = 0; i < s; ++i)
+    for (int k = 0; k < nc; ++k) mu(k, i) += dmu(k, i);
+  for (int i = 0; i < s - 1; ++i) {
+    std::copy_n(stages_.qv.column(i), size, to_x.column(i));
+    std::copy_n(stages_.mu.column(i), nc, to_x.column(i) + size);
   }
-  status = accelerate(point, end_tangents_);
-  if (status != PointStatus::ok) return status;
-  point.take_least_norm(form_.velocities(), arena_);
-  kept_ = std::min(end_tangents_.positions.smallest_pivot(), end_tangents_.of_velocities().smallest_pivot());
-  read_inconsistency(point);
+  copy_unknowns(end_, to_x.column(s - 1));
+  for (int i = 0; i < s; ++i) std::copy_n(to_x.column(i), size, to_w.column(i));
   return PointStatus::ok;
 }
 
-// After a step: det C Q2 changes its sign where a configuration is singular, unless the constraints have turned too
-// far from the partition for that to mean anything. Where two mechanisms are singular at once, the sign stays: what
-// tells then is the way of all constraints from the point accepted last.
-PointStatus MultibodySystem::check_ranks(const MultibodyPoint& point) {
-  const bool has_rotated = end_tangents_.rotation() > largest_rotation();
-  if (has_rotated) chord_.set_slow(true);
-  end_orientation_ = orientation_of(end_tangents_);
-  const Passage passage = passage_of_step();
-  if (end_orientation_ == orientation_ && passage.positions.count + passage.velocities.count == 0)
-    return PointStatus::ok;
-  if (has_rotated && std::fabs(point.t - accepted_.t) > 1e-6 * std::fabs(accepted_.t) && !has_changed_) {
-    is_linearized_ = false;
-    return PointStatus::not_converged;
+bool MultibodySystem::is_point(const MultibodyPoint& point, const double* x) const {
+  return point.t == t_ && std::equal(point.q.begin(), point.q.end(), x) &&
+         std::equal(point.v.begin(), point.v.end(), x + sizes_.positions);
+}
+
+// What later steps depend on stays as it is: points that are asked for must not change those that follow.
+void MultibodySystem::restore(const double*, const double* x_free, double* x) {
+  if (is_point(accepted_, x_free)) return copy_unknowns(accepted_, x);
+  is_end_new_ = false;
+  end_.set(t_, x_free, x_free + sizes_.positions);
+  const PointStatus status = project(end_);
+  if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
+  if (status != PointStatus::ok)
+    throw Failure(SFDAE_NO_CONSISTENT_VALUES,
+                  format("no values consistent with the constraints were found at t = %.15g.", t_));
+  copy_unknowns(end_, x);
+}
+
+// With a and mu known. Throws Failure.
+const MultibodyPoint& MultibodySystem::point_at(const double* x) {
+  for (const MultibodyPoint* point : {&accepted_, &end_})
+    if (is_point(*point, x)) return *point;
+  is_end_new_ = false;
+  end_.set(t_, x, x + sizes_.positions);
+  const PointStatus status = equations_.evaluate(end_, partition());
+  if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
+  if (status != PointStatus::ok) throw Failure(SFDAE_SINGULAR, singular_message(t_));
+  end_.measure_rows();
+  end_.take_least_norm(partition(), arena_);
+  return end_;
+}
+
+// q' = S v and v' = a are exact; mu' stays.
+void MultibodySystem::correct_derivative(double, const double* x, double* xdot) {
+  const MultibodyPoint& point = point_at(x);
+  point.rates(xdot);
+  std::copy(point.a.begin(), point.a.end(), xdot + sizes_.positions);
+}
+
+bool MultibodySystem::exact_derivative(const double* x, double* xdot) {
+  // Steps of BDF have c = alpha / h with alpha between 1 and 2.5: about the step, and some more of it.
+  constexpr double steps = 3.0;
+  const MultibodyPoint& point = point_at(x);
+  const int nc = sizes_.constraints();
+  const StepMatrix& matrix = linearization_.matrix();
+  const double time_scale = matrix.is_valid() && matrix.c() != 0.0 ? steps / std::fabs(matrix.c()) : 1.0;
+  const Arena::Frame frame(arena_);
+  double* mudot = arena_.take(index(nc));
+  if (nc > 0 &&
+      !MultibodyForceDifferences(equations_, partition(), stages_.point, arena_).derivative(point, time_scale, mudot))
+    return false;
+  point.rates(xdot);
+  std::copy(point.a.begin(), point.a.end(), xdot + sizes_.positions);
+  std::copy_n(mudot, nc, xdot + leading_size());
+  return true;
+}
+
+bool MultibodySystem::consistent_derivative(const double* x, double, double* xdot) {
+  const int nc = sizes_.constraints();
+  if (!exact_derivative(x, xdot)) {
+    correct_derivative(0.0, x, xdot);
+    std::fill_n(xdot + leading_size(), nc, 0.0);
   }
-  note_change(point, passage);
-  return PointStatus::changed;
+  return nc == 0;
 }
 
-// From the point accepted last to the end of the step.
-MultibodySystem::Passage MultibodySystem::passage_of_step() {
-  Passage passage;
-  passage.positions =
-      end_tangents_.positions.passage_from(form_.positions(), accepted_.position_rows().matrix, arena_);
-  passage.velocities = form_.tangents().same_rows
-                           ? passage.positions
-                           : end_tangents_.velocities.passage_from(form_.velocities(), accepted_.terms.C, arena_);
-  return passage;
+// Along Q2, g_q q' + g_t = 0 and C v' + s = 0; directions in Q1 of later partitions may be among them.
+void MultibodySystem::correct_slopes(double* wdot, double* xdot) {
+  const Tangents& tangents = projection_.tangents();
+  const MultibodyForm& form = linearization_.form();
+  tangents.positions.enforce(form.positions(), end_.terms.velocity_rest.data(), wdot, arena_);
+  tangents.of_velocities().enforce(form.velocities(), end_.terms.acceleration_rest.data(), wdot + sizes_.positions,
+                                   arena_);
+  std::copy_n(wdot, leading_size(), xdot);
 }
 
-// Which constraint vanishes, in the units of its gradient, relative to the others, or altogether.
-void MultibodySystem::note_change(const MultibodyPoint& point, const Passage& passage) {
-  constexpr double independent = 0.1;
-  has_changed_ = true;
-  form_.judge(point, arena_, vanishing_row_, vanishing_value_);
-  if (vanishing_value_ > independent) {
-    vanishing_value_ = 0.0;
-    if (passage.velocities.row >= 0) vanishing_row_ = passage.velocities.row;
+void MultibodySystem::error_in_x(const double* dw, int count, double* dx) {
+  const int n = unknowns(), size = leading_size();
+  const Arena::Frame frame(arena_);
+  const View yz = arena_.matrix(differential(), count), to{dx, n, count, n};
+  linearization_.form().project(ConstView{dw, size, count, size}, yz);
+  linearization_.form().expand(yz, to.top(size));
+  linearization_.error_of_forces(yz, to.block(size, 0, sizes_.constraints(), count), arena_);
+}
+
+void MultibodySystem::archive(Archive& archive) {
+  const std::size_t nq = index(sizes_.positions), nv = index(sizes_.velocities);
+  MultibodyRanks& ranks = settings_.ranks;
+  ChordIteration& chord = linearization_.chord();
+  StepMatrix& matrix = linearization_.matrix();
+  MultibodyOrientation orientation = monitor_.orientation();
+  bool has_matrix = matrix.is_valid(), is_slow = chord.is_slow(), is_valid = linearization_.is_valid();
+  archive.small(ranks.positions, ranks.velocities, analysis_.rank_E, has_matrix, is_valid, is_slow,
+                orientation.positions, orientation.velocities);
+  linearization_.renewal().archive(archive);
+  long partitions = monitor_.count(), unused = 0;
+  archive.counts(partitions, unused);
+  archive.real(analysis_.t);
+  chord.archive_rate(archive);
+  matrix.archive_c(archive);
+  if (archive.is_reading()) {
+    const bool plausible = ranks.positions >= 0 && ranks.positions <= std::min(sizes_.positions, sizes_.holonomic) &&
+                           ranks.velocities >= 0 &&
+                           ranks.velocities <= std::min(sizes_.velocities, sizes_.constraints());
+    if (!plausible || partitions < 1) throw DamagedArchive();
+    analysis_.values = characteristic_values(sizes_, ranks);
+    analysis_.v_hat = sizes_.constraints() - ranks.velocities;
+    chord.set_slow(is_slow);
+    linearization_.set_valid(is_valid);
+    monitor_.restore(orientation, partitions);
+    resize();
+  } else if (!is_valid) {
+    // Where there is no linearization, that at the last point will do.
+    linearization_.move_to(accepted_);
   }
-  changed_ranks_ = settings_.ranks;
-  const auto lost = [](bool has_turned_over, int count) { return std::max(count, has_turned_over ? 1 : 0); };
-  changed_ranks_.velocities -= lost(end_orientation_.velocities != orientation_.velocities, passage.velocities.count);
-  changed_ranks_.positions -= lost(end_orientation_.positions != orientation_.positions, passage.positions.count);
-}
-
-std::string MultibodySystem::about_change() const {
-  if (!has_changed_) return {};
-  const bool is_holonomic = vanishing_row_ < sizes_.holonomic;
-  const std::string gradient = format(" The configuration is singular: the gradient of %s constraint %d ",
-                                      is_holonomic ? "holonomic" : "nonholonomic",
-                                      is_holonomic ? vanishing_row_ : vanishing_row_ - sizes_.holonomic);
-  if (vanishing_value_ == 0.0) return gradient + "vanishes.";
-  return gradient + format("depends on those of the others, with singular value %.2g.", vanishing_value_);
-}
-
-// Constraints that follow from others hold with them, or there is no solution.
-void MultibodySystem::read_inconsistency(const MultibodyPoint& point) {
-  constexpr double rounding = 1e-11;
-  inconsistency_ = 0.0;
-  inconsistent_row_ = -1;
-  const auto read = [&](const Partition& partition, const double* residuals, const double* units, double size) {
-    for (std::size_t k = index(partition.rank); k < partition.rows.size(); ++k) {
-      const std::size_t i = index(partition.rows[k]);
-      const double relative = std::fabs(residuals[i]) / (size * (units[i] > 0.0 ? units[i] : 1.0));
-      if (relative <= std::max(rounding, inconsistency_)) continue;
-      inconsistency_ = relative;
-      inconsistent_row_ = static_cast<int>(i);
-    }
+  const auto archive_point = [&](auto& point) {
+    archive.real(point.t);
+    archive.reals(point.q, nq);
+    archive.reals(point.v, nv);
   };
-  // What is a thousandth of the tolerances counts as little as 1e-8, the contradiction that is refused by default:
-  // where values are near zero it may be nothing but rounding errors.
-  constexpr double tolerances = 1e5;
-  const auto size = [&](const std::vector<double>& values, const double* inverse_weights) {
-    double floor = 0.0;
-    for (std::size_t k = 0; k < values.size(); ++k) floor = std::max(floor, inverse_weights[k]);
-    return std::max(size_of(values), floor > 0.0 ? tolerances / floor : 0.0);
+  MultibodyPhasePoint linearized = linearization_.point().phase_point();
+  archive_point(accepted_);
+  archive_point(monitor_.origin());
+  archive_point(linearized);
+  archive.reals(accepted_.a, nv);
+  archive.reals(accepted_.mu, index(sizes_.constraints()) + 1);
+  if (archive.is_reading()) rebuild(linearized, has_matrix ? matrix.c() : 0.0);
+}
+
+// The partition and the linearization as they were. c != 0: steps that differ from it by rounding are taken with this
+// very matrix.
+void MultibodySystem::rebuild(const MultibodyPhasePoint& linearized, double c) {
+  ChordIteration& chord = linearization_.chord();
+  const bool was_slow = chord.is_slow(), was_valid = linearization_.is_valid(),
+             was_fresh = linearization_.renewal().is_fresh();
+  const double rate = chord.rate();
+  const MultibodyOrientation orientation = monitor_.orientation();
+  const long partitions = monitor_.count();
+  const MultibodyPhasePoint& origin = monitor_.origin();
+  const auto demand = [](PointStatus status) {
+    if (status != PointStatus::ok) throw DamagedArchive();
   };
-  read(form_.positions(), point.terms.g.data(), point.position_units.data(), size(point.q, inverse_weights_.data()));
-  point.velocity_residuals(residuals_.data());
-  read(form_.velocities(), residuals_.data(), point.velocity_units.data(),
-       size(point.v, inverse_weights_.data() + sizes_.positions));
-}
-
-std::string MultibodySystem::inconsistency_message() const {
-  const bool is_holonomic = inconsistent_row_ < sizes_.holonomic;
-  return format(
-      "constraints contradict each other at t = %.15g: the gradient of %s constraint %d depends on those of the "
-      "others, but it is violated by %.3g (relative) where they hold. Correct the constraints, or set "
-      "ignore_inconsistency.",
-      t_, is_holonomic ? "holonomic" : "nonholonomic",
-      is_holonomic ? inconsistent_row_ : inconsistent_row_ - sizes_.holonomic, inconsistency_);
-}
-
-double MultibodySystem::condition() const {
-  const Partition& partition = form_.velocities();
-  const int r = partition.rank, nv = sizes_.velocities;
-  if (r == 0) return 1.0;
-  Matrix C(r, nv);
-  for (int k = 0; k < r; ++k) {
-    const int i = partition.rows[index(k)];
-    for (int j = 0; j < nv; ++j) C(k, j) = accepted_.terms.C(i, j) / accepted_.velocity_units[index(i)];
-  }
-  const double smallest = singular_values(product(C, partition.Q2())).back();
-  return smallest > 0.0 ? singular_values(C).front() / smallest : std::numeric_limits<double>::infinity();
-}
-
-double MultibodySystem::position_residual() const {
-  double worst = 0.0;
-  for (int i = 0; i < sizes_.holonomic; ++i) {
-    const double unit = accepted_.position_units[index(i)];
-    worst = std::max(worst, std::fabs(accepted_.terms.g[index(i)]) / (unit > 0.0 ? unit : 1.0));
-  }
-  return worst;
-}
-
-double MultibodySystem::velocity_residual() const {
-  std::vector<double> residuals(index(sizes_.constraints()) + 1);
-  accepted_.velocity_residuals(residuals.data());
-  double worst = 0.0;
-  for (int i = 0; i < sizes_.constraints(); ++i) {
-    const double unit = accepted_.velocity_units[index(i)];
-    worst = std::max(worst, std::fabs(residuals[index(i)]) / (unit > 0.0 ? unit : 1.0));
-  }
-  return worst;
+  t_ = accepted_.t;
+  demand(equations_.at_velocity(accepted_));
+  accepted_.measure_rows();
+  end_ = accepted_;
+  demand(linearization_.move_to_position(origin.t, origin.q.data(), origin.v.data(), equations_));
+  demand(choose_partition());
+  monitor_.restore(orientation, partitions);
+  demand(linearize(linearized.t, linearized.q.data(), linearized.v.data()));
+  linearization_.set_valid(was_valid);
+  chord.set_slow(was_slow);
+  chord.set_rate(rate);
+  linearization_.renewal().set_fresh(was_fresh);
+  StepMatrix& matrix = linearization_.matrix();
+  matrix.forget();
+  long uncounted = 0;
+  if (c != 0.0 && matrix.factor(linearization_.form(), 1.0, c, uncounted))
+    noise_.measure_steps(linearization_.form(), matrix, arena_);
 }
 
 }  // namespace sfdae::core

@@ -1,0 +1,70 @@
+// gamma and eta of a mechanical system, the rows of s, where its functions do not give them.
+//
+// s = d/ds (C v + r) along (t + s, q + s S v) with v held: differences of nine points, of t and of q apart, so that
+// what limits t has no influence on systems that do not depend on it
+// (docs/decisions/26-derivatives-of-multibody-callbacks.md).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "multibody/multibody_functions.h"
+#include "problem/differences.h"
+
+namespace sfdae::core {
+
+// Size of component j, as far as the vector shows it.
+double unit_of_component(const double* values, int count, int j);
+double unit_of_time(double t);
+// In which no position moves by more than its size in this direction; angles bend within 1.
+double time_of_motion(const double* q, const std::vector<double>& direction);
+
+// Of differences of lowest order along the motion, and in t before and after the point; 0: none.
+struct MultibodyIncrements {
+  double along, before, after;
+};
+// What limits of t and independence of t leave of those that are wanted.
+MultibodyIncrements increments_at(double t, double along, double in_time, const MultibodyFunctions& functions);
+
+class CurvatureDifferences {
+ public:
+  // functions: have to outlive this.
+  explicit CurvatureDifferences(const MultibodyFunctions& functions);
+
+  bool is_needed() const { return gamma_ || eta_; }
+  // s += its rows that are not given. False if a callback fails.
+  bool add(const MultibodyArguments& at, const Matrix& S, double* s, CallbackError& error);
+  // Increments of differences of lowest order, this part of the spacings that were good in the last add.
+  MultibodyIncrements rough_increments(double t, double part) const {
+    return increments_at(t, part * good_step_, part * good_time_, functions_);
+  }
+  // s := these rows by differences of lowest order, 0 in others; direction: S v. False if a callback fails.
+  bool rough(const MultibodyArguments& at, const std::vector<double>& direction, const MultibodyIncrements& steps,
+             double* s, CallbackError& error);
+
+ private:
+  // A line from a point along (t_rate, q_rate direction).
+  struct Line {
+    double t_rate, q_rate;
+    const std::vector<double>& direction;
+    double step;          // between points on it, to begin with
+    double below, above;  // room in both directions
+  };
+
+  bool residuals(const MultibodyArguments& at, double* values, CallbackError& error);
+  bool residuals_beside(const MultibodyArguments& at, const Line& line, double offset, double* values,
+                        CallbackError& error);
+  bool improve(int shift, double step, double* derivative);
+  bool differentiate(const MultibodyArguments& at, Line& line, double* derivative, CallbackError& error);
+
+  const MultibodyFunctions& functions_;
+  bool gamma_, eta_;  // are not given
+  Matrix S_, g_q_, H_;
+  std::vector<double> direction_;  // S v
+  std::vector<double> shifted_q_, shifted_direction_;
+  std::vector<DifferenceFormula> formulas_;   // by shift
+  double good_step_ = 0.0, good_time_ = 0.0;  // spacings of the last differences along the motion and in t
+  std::vector<double> samples_, values_, errors_, along_, in_time_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,53 @@
+// The equations of a mechanical system evaluated at points: terms, derivatives, accelerations.
+//
+// Errors of callbacks and numbers of factorizations are kept where the owner wants them.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "multibody/multibody_form.h"
+#include "multibody/multibody_point.h"
+#include "multibody/multibody_problem.h"
+#include "multibody/multibody_ranks.h"
+#include "system/dae_system.h"
+
+namespace sfdae::core {
+
+class MultibodyEquations {
+ public:
+  // error: that of the last callback. Both have to outlive this.
+  MultibodyEquations(MultibodyProblem& problem, CallbackError& error, SystemCounts& counts)
+      : problem_(problem), error_(error), counts_(counts) {}
+  MultibodyEquations(const MultibodyEquations&) = delete;
+  MultibodyEquations& operator=(const MultibodyEquations&) = delete;
+
+  // The ranks decide which way to accelerations is the cheaper one.
+  void set_ranks(const MultibodyRanks& ranks);
+
+  const MultibodyProblem& problem() const { return problem_; }
+  const MultibodySizes& sizes() const { return problem_.sizes(); }
+  const CallbackError& error() const { return error_; }
+  SystemCounts& counts() { return counts_; }
+
+  // Terms at the point: g alone; all but f and s; all.
+  PointStatus constraints(MultibodyPoint& point);
+  PointStatus at_position(MultibodyPoint& point);
+  PointStatus at_velocity(MultibodyPoint& point);
+  // With a and mu of the point.
+  PointStatus derivatives(const MultibodyPoint& point, MultibodyJacobian& jacobian);
+
+  // Terms, a and mu of the point, by factors of K.
+  PointStatus evaluate(MultibodyPoint& point, const Partition& partition);
+  // a and mu of the point, whose terms are known and whose constraints on velocities have this tangent, by the
+  // cheapest way that is accurate.
+  PointStatus accelerations(MultibodyPoint& point, const Partition& partition, Tangent& tangent, Arena& arena);
+
+ private:
+  PointStatus status() const { return error_.status == SFDAE_OK ? PointStatus::ok : PointStatus::callback_error; }
+
+  MultibodyProblem& problem_;
+  CallbackError& error_;
+  SystemCounts& counts_;
+  bool along_tangents_ = false;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,54 @@
+// The formulas of a mechanical system, as nodes of a recorder.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "multibody/multibody_formulas.h"
+
+#include "expression/taylor_evaluator.h"
+#include "linalg/index.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+bool is_number(const Recorder& recorder, int node) { return recorder.node(node).operation == Operation::constant; }
+
+bool is_identity(const Recorder& recorder, const std::vector<int>& S, int rows, int cols) {
+  if (rows != cols) return false;
+  for (int j = 0; j < cols; ++j)
+    for (int i = 0; i < rows; ++i) {
+      const int node = S[index(i) + index(j) * index(rows)];
+      if (!is_number(recorder, node) || recorder.number(node) != (i == j ? 1.0 : 0.0)) return false;
+    }
+  return true;
+}
+
+std::vector<std::string> numbered(const char* name, int count) {
+  std::vector<std::string> names;
+  for (int i = 0; i < count; ++i) names.push_back(format("%s[%d]", name, i));
+  return names;
+}
+
+std::vector<int> row_of(const std::vector<int>& matrix, int rows, int row) {
+  std::vector<int> entries;
+  for (std::size_t entry = index(row); entry < matrix.size(); entry += index(rows)) entries.push_back(matrix[entry]);
+  return entries;
+}
+
+std::vector<int> column_of(const std::vector<int>& matrix, int rows, int column) {
+  return {matrix.begin() + column * rows, matrix.begin() + (column + 1) * rows};
+}
+
+int combination(Recorder& recorder, const std::vector<int>& coefficients, const std::vector<int>& factors) {
+  int sum = recorder.constant(0.0);
+  for (std::size_t j = 0; j < factors.size(); ++j)
+    sum = recorder.apply(Operation::add, sum, recorder.apply(Operation::multiply, coefficients[j], factors[j]));
+  return sum;
+}
+
+bool report_failure(const TaylorEvaluator& evaluator, CallbackError& error) {
+  error.status = SFDAE_NOT_FINITE;
+  error.row = evaluator.failure().equation;
+  error.detail =
+      format("the formulas cannot be evaluated at t = %.15g: ", error.t) + evaluator.failure().message + ".";
+  return false;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,50 @@
+// The chord iteration for the stages of a step of a mechanical system.
+//
+// With (y_i, z_i) the changes of stage i in local coordinates and p_i = -N (residuals) its particular change, the
+// stages are
+//
+//     sum_j D_ij / h (y_j, z_j) - B (y_i, z_i) = (Q_q1^T S v_i, Q_v1^T a_i) + (those of p_i) - (Q1^T D_h w)_i
+//
+// where Q1^T p_i = 0. Accelerations are exact in every iteration.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "multibody/multibody_equations.h"
+#include "multibody/multibody_linearization.h"
+#include "multibody/multibody_noise.h"
+#include "multibody/multibody_stages.h"
+
+namespace sfdae::core {
+
+class MultibodyIteration {
+ public:
+  // What it works with.
+  struct Parts {
+    MultibodyEquations& equations;
+    MultibodyLinearization& linearization;
+    MultibodyNoise& noise;
+    MultibodyStages& stages;
+    Arena& arena;
+  };
+  // inverse_weights: of (q, v).
+  MultibodyIteration(const MultibodyDiscretization& discretization, const double* inverse_weights, const Parts& parts)
+      : discretization_(discretization), inverse_weights_(inverse_weights), parts_(parts) {}
+
+  // From the values of the stages, which become the solution.
+  PointStatus run();
+
+ private:
+  bool factor();
+  PointStatus evaluate_stage(int i);
+  void start_moves(int i);
+  void complete_residuals();
+  double change();
+  double norm_of(const double* change) const;
+  bool has_converged(int iteration, double norm, double before);
+
+  const MultibodyDiscretization& discretization_;
+  const double* inverse_weights_;
+  Parts parts_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,34 @@
+// What rounding errors of the equations of a mechanical system do to q and v: changes of an iteration become no
+// smaller than that.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "multibody/multibody_form.h"
+#include "multibody/multibody_point.h"
+#include "system/step_matrix.h"
+
+namespace sfdae::core {
+
+class MultibodyNoise {
+ public:
+  // No noise, to begin with.
+  void resize(const MultibodySizes& sizes, int differential);
+  // At the point of a linearization: K factored there, a and mu known.
+  void measure(const MultibodyPoint& point, const MultibodyForm& form, Arena& arena);
+  // Of steps with this matrix, after measure.
+  void measure_steps(const MultibodyForm& form, const StepMatrix& matrix, Arena& arena);
+  // Of the components of (q, v) in steps.
+  const std::vector<double>& of_steps() const { return of_steps_; }
+
+ private:
+  void of_residuals(const MultibodyPoint& point, const Partition& partition, double* g, double* velocity,
+                    double* forces) const;
+
+  std::vector<double> at_rest_;   // of (q, v), accelerations aside
+  std::vector<double> of_rates_;  // of accelerations, in local coordinates
+  std::vector<double> of_steps_;
+};
+
+}  // namespace sfdae::core

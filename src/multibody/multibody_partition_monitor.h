@@ -1,0 +1,92 @@
+// Watches the partition of a mechanical system: where it was chosen, whether constraints have turned too far from it,
+// and whether their ranks have changed within a step.
+//
+// A configuration between the ends of a step is singular where det C Q2 changes its sign, unless the constraints have
+// turned too far from the partition for that to mean anything; where two mechanisms are singular at once the sign
+// stays, and the zero crossings of all combinations of constraints are counted
+// (docs/decisions/23-multibody-singular-configurations.md).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "multibody/multibody_linearization.h"
+#include "multibody/multibody_projection.h"
+#include "multibody/multibody_ranks.h"
+#include "system/dae_system.h"
+
+namespace sfdae::core {
+
+// Signs of det C Q2 on the levels of positions and velocities.
+struct MultibodyOrientation {
+  int positions = 1, velocities = 1;
+  bool operator==(const MultibodyOrientation&) const = default;
+};
+
+// A change of ranks: those beyond it, and which constraint vanishes relative to others, or altogether.
+struct MultibodyRankChange {
+  MultibodyRanks ranks;
+  int vanishing_row = -1;
+  double vanishing_value = 0.0;
+};
+
+class PartitionMonitor {
+ public:
+  void resize(const MultibodySizes& sizes, const MultibodySettings& settings);
+
+  // The next partition is the first one.
+  void forget() { count_ = 0; }
+  // T and N at the point of the linearization. False if there is no partition that fits it.
+  bool fits(MultibodyLinearization& linearization, Arena& arena) const;
+  // A new partition there. The tangents of the projection become those of the point accepted last.
+  PointStatus choose(MultibodyLinearization& linearization, const MultibodyPoint& accepted,
+                     MultibodyProjection& projection, Arena& arena);
+  // Whether the ranks of the partition are those known; if not, they are the change met.
+  bool has_known_ranks();
+  long count() const { return count_; }
+
+  // The first point, projected, is the one accepted last.
+  void start(const Tangents& tangents) { end_orientation_ = orientation_ = orientation_of(tangents); }
+  // After a step from the accepted point to a projected one: whether ranks have changed. Reports not_converged where
+  // only a shorter step can show that.
+  PointStatus check(const MultibodyPoint& point, const MultibodyPoint& accepted, const Tangents& tangents,
+                    MultibodyLinearization& linearization, Arena& arena);
+  void accept();
+
+  // Since the point accepted last.
+  bool has_changed() const { return has_changed_; }
+  // That met last.
+  const MultibodyRankChange& change() const { return change_; }
+  // What there is to say about it; empty: nothing.
+  std::string message() const;
+
+  const MultibodyOrientation& orientation() const { return orientation_; }
+  // A partition that was chosen before.
+  void restore(const MultibodyOrientation& orientation, long count);
+  // Where the partition was chosen.
+  MultibodyPhasePoint& origin() { return origin_; }
+
+ private:
+  // Zero crossings of constraints from one point to another.
+  struct Crossings {
+    Tangent::ZeroCrossings positions, velocities;
+  };
+
+  static MultibodyOrientation orientation_of(const Tangents& tangents) {
+    return {tangents.positions.sign(), tangents.of_velocities().sign()};
+  }
+  double largest_rotation() const;
+  void note_change(const MultibodyPoint& point, const Crossings& crossings, const MultibodyForm& form, Arena& arena);
+
+  int holonomic_ = 0;
+  MultibodySettings settings_;
+  MultibodyPhasePoint origin_;
+  long count_ = 0;
+  MultibodyRanks found_;  // when the partition was chosen
+  // Of the point accepted last, and of the one checked last.
+  MultibodyOrientation orientation_, end_orientation_;
+  MultibodyRankChange change_;
+  bool has_changed_ = false;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,171 @@
+// Points near by where the constraints of a mechanical system hold on both levels.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "multibody/multibody_projection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/dense.h"
+#include "linalg/index.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+double largest(const std::vector<double>& values) { return max_abs(values.data(), static_cast<int>(values.size())); }
+
+// What residuals are compared with.
+double size_of(const std::vector<double>& values) {
+  const double size = largest(values);
+  return size > 0.0 ? size : 1.0;
+}
+
+// Of a change of positions: relative to each component, but to no less than a hundredth of the largest one, and in
+// units of the tolerance.
+struct ChangeNorms {
+  double relative = 0.0, in_tolerances = 0.0;
+};
+
+ChangeNorms add_change(const double* change, const double* inverse_weights, std::vector<double>& q) {
+  ChangeNorms norms;
+  const double size = size_of(q);
+  for (std::size_t k = 0; k < q.size(); ++k) {
+    const double length = std::fabs(change[k]);
+    norms.relative = std::max(norms.relative, length / std::max(std::fabs(q[k]), 1e-2 * size));
+    norms.in_tolerances = std::max(norms.in_tolerances, length * inverse_weights[k]);
+    q[k] += change[k];
+  }
+  return norms;
+}
+
+}  // namespace
+
+void MultibodyProjection::resize(const MultibodySizes& sizes, const MultibodyForm& form) {
+  holonomic_ = sizes.holonomic;
+  form.resize_tangents(tangents_);
+  inverse_weights_.assign(index(sizes.positions + sizes.velocities) + 1, 0.0);
+}
+
+void MultibodyProjection::set_weights(const double* inverse_weights) {
+  std::copy_n(inverse_weights, inverse_weights_.size() - 1, inverse_weights_.data());
+}
+
+// The tangent of the linearization serves while it is good enough.
+PointStatus MultibodyProjection::project_positions(MultibodyPoint& point, MultibodyEquations& equations,
+                                                   const MultibodyForm& form, Arena& arena) {
+  // Iterations; changes in roundings, and so small that they are rounding errors once they do not decrease; a rate
+  // beyond which N is computed anew; what is as good as none in units of the tolerance. Chosen to be safe: no figures
+  // were recorded.
+  constexpr int most = 12;
+  constexpr double negligible = 2.0 * unit_roundoff, small = 1e-11, slow = 1e-2, far_below_tolerance = 1e-3;
+  const Partition& partition = form.positions();
+  if (partition.rank == 0) return PointStatus::ok;
+  const Arena::Frame frame(arena);
+  double* change = arena.take(point.q.size());
+  const Tangent* tangent = &form.tangents().positions;
+  double before = 0.0;
+  int at_point = 0;  // iterations with N at the point itself
+  for (int iteration = 0; iteration < most; ++iteration) {
+    PointStatus status = equations.constraints(point);
+    if (status != PointStatus::ok) return status;
+    tangent->correction(partition, point.terms.g.data(), change, arena);
+    if (tangent == &tangents_.positions) ++at_point;
+    const auto [norm, in_tolerances] = add_change(change, inverse_weights_.data(), point.q);
+    if (!std::isfinite(norm)) return PointStatus::not_converged;
+    const double rate = iteration > 0 ? norm / std::max(before, negligible) : 1.0;
+    if (norm <= negligible || rate * norm <= negligible) return PointStatus::ok;
+    if (rate > 0.5 && iteration > 0 && norm <= small) return PointStatus::ok;
+    // Rounding errors of g know lengths other than q, which may be zero.
+    if (rate > 0.5 && at_point > 1 && in_tolerances <= far_below_tolerance) return PointStatus::ok;
+    before = norm;
+    if (rate < slow || iteration == 0) continue;
+    // N at the point itself.
+    status = equations.at_position(point);
+    if (status != PointStatus::ok) return status;
+    point.measure_rows();
+    if (!tangents_.positions.build(partition, point.position_rows(), arena)) return PointStatus::singular;
+    tangent = &tangents_.positions;
+  }
+  return PointStatus::not_converged;
+}
+
+// Constraints are linear in v: one change is enough, after which what depends on v is evaluated again unless the
+// change is a rounding error.
+PointStatus MultibodyProjection::project_velocities(MultibodyPoint& point, MultibodyEquations& equations,
+                                                    const MultibodyForm& form, Arena& arena) {
+  constexpr double negligible = 1e-13;
+  const int nv = static_cast<int>(point.v.size());
+  const Arena::Frame frame(arena);
+  double* residuals = arena.take(point.velocity_units.size());
+  double* change = arena.take(point.v.size());
+  point.velocity_residuals(residuals);
+  tangents_.of_velocities().correction(form.velocities(), residuals, change, arena);
+  for (int k = 0; k < nv; ++k) point.v[index(k)] += change[k];
+  if (max_abs(change, nv) > negligible * largest(point.v)) return equations.at_velocity(point);
+  return PointStatus::ok;
+}
+
+PointStatus MultibodyProjection::project(MultibodyPoint& point, MultibodyEquations& equations,
+                                         const MultibodyForm& form, Arena& arena) {
+  PointStatus status = project_positions(point, equations, form, arena);
+  if (status == PointStatus::ok) status = equations.at_velocity(point);
+  if (status != PointStatus::ok) return status;
+  point.measure_rows();
+  if (!build_tangents(point, form, arena)) return PointStatus::singular;
+  status = project_velocities(point, equations, form, arena);
+  if (status != PointStatus::ok) return status;
+  status = equations.accelerations(point, form.velocities(), tangents_.of_velocities(), arena);
+  if (status != PointStatus::ok) return status;
+  point.take_least_norm(form.velocities(), arena);
+  smallest_pivot_ = std::min(tangents_.positions.smallest_pivot(), tangents_.of_velocities().smallest_pivot());
+  measure_inconsistency(point, form, arena);
+  return PointStatus::ok;
+}
+
+// Constraints that follow from others hold with them, or there is no solution.
+void MultibodyProjection::measure_inconsistency(const MultibodyPoint& point, const MultibodyForm& form,
+                                                Arena& arena) {
+  inconsistency_ = 0.0;
+  inconsistent_row_ = -1;
+  // What is a thousandth of the tolerances counts as little as 1e-8, the contradiction that is refused by default:
+  // where values are near zero it may be nothing but rounding errors.
+  constexpr double tolerances = 1e5;
+  const auto size = [&](const std::vector<double>& values, const double* inverse_weights) {
+    double floor = 0.0;
+    for (std::size_t k = 0; k < values.size(); ++k) floor = std::max(floor, inverse_weights[k]);
+    return std::max(size_of(values), floor > 0.0 ? tolerances / floor : 0.0);
+  };
+  const double* inverse_weights = inverse_weights_.data();
+  compare(form.positions(), point.terms.g.data(), point.position_units.data(), size(point.q, inverse_weights));
+  const Arena::Frame frame(arena);
+  double* residuals = arena.take(point.velocity_units.size());
+  point.velocity_residuals(residuals);
+  compare(form.velocities(), residuals, point.velocity_units.data(), size(point.v, inverse_weights + point.q.size()));
+}
+
+// Residuals of the dependent constraints, in units of their gradients, with the size of the unknowns.
+void MultibodyProjection::compare(const Partition& partition, const double* residuals, const double* units,
+                                  double size) {
+  // What rounding errors make of residuals at most; no figures were recorded.
+  constexpr double rounding = 1e-11;
+  for (std::size_t k = index(partition.rank); k < partition.rows.size(); ++k) {
+    const std::size_t i = index(partition.rows[k]);
+    const double relative = std::fabs(residuals[i]) / (size * (units[i] > 0.0 ? units[i] : 1.0));
+    if (relative <= std::max(rounding, inconsistency_)) continue;
+    inconsistency_ = relative;
+    inconsistent_row_ = static_cast<int>(i);
+  }
+}
+
+std::string MultibodyProjection::inconsistency_message(double t) const {
+  const bool is_holonomic = inconsistent_row_ < holonomic_;
+  return format(
+      "constraints contradict each other at t = %.15g: the gradient of %s constraint %d depends on those of the "
+      "others, but it is violated by %.3g (relative) where they hold. Correct the constraints, or set "
+      "ignore_inconsistency.",
+      t, is_holonomic ? "holonomic" : "nonholonomic",
+      is_holonomic ? inconsistent_row_ : inconsistent_row_ - holonomic_, inconsistency_);
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,126 @@
+// Decisions on ranks of a mechanical system at one point.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "multibody/multibody_rank_decisions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/dense.h"
+#include "linalg/index.h"
+#include "problem/failure.h"
+#include "reduction/index_analysis.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+// Rows of length 1; or orthonormal ones that span the same.
+Matrix unit_rows(ConstView rows) {
+  Matrix result = to_matrix(rows);
+  for (int i = 0; i < rows.rows; ++i) {
+    double largest = 0.0, sum = 0.0;
+    for (int j = 0; j < rows.cols; ++j) largest = std::max(largest, std::fabs(rows(i, j)));
+    for (int j = 0; j < rows.cols && largest > 0.0; ++j) result(i, j) /= largest;
+    for (int j = 0; j < rows.cols; ++j) sum += result(i, j) * result(i, j);
+    for (int j = 0; j < rows.cols && sum > 0.0; ++j) result(i, j) /= std::sqrt(sum);
+  }
+  return result;
+}
+Matrix orthonormal_rows(ConstView rows, Arena& arena) {
+  Matrix work = transpose(unit_rows(rows)), basis(rows.cols, rows.rows);
+  Vector tau(index(std::max(rows.rows, rows.cols)) + 1);
+  factor_qr(work, tau.data(), arena);
+  form_q(work, rows.rows, tau.data(), basis, arena);
+  return transpose(basis);
+}
+
+RankDecision judge_matrix(ConstView matrix, Arena& arena) {
+  Matrix work = to_matrix(matrix);
+  Vector tau(index(matrix.cols) + 1);
+  std::vector<int> pivots(index(matrix.cols) + 1);
+  factor_qr_pivoted(work, pivots.data(), tau.data(), arena);
+  RankScale scale;
+  scale.noise = 8.0 * unit_roundoff;  // as of rows of constraints: entries are sums of products
+  scale.norm = std::max(max_abs(matrix), 1e-300);
+  scale.dimension = matrix.cols;
+  return decide_rank(work.data(), matrix.cols, matrix.cols + 1, scale);
+}
+
+}  // namespace
+
+MultibodyRanks ranks_of_constraints(const MultibodyPoint& point, double rank_tol,
+                                    std::vector<RankDecision>* decisions, Arena& arena) {
+  const auto judge = [&](const ConstraintRows& rows, int directions, int level) {
+    if (rows.matrix.rows == 0) return 0;
+    Partition partition;
+    partition.resize(directions, rows.matrix.rows);
+    partition.rank_tol = rank_tol;
+    RankDecision decision = choose_partition(rows, Coordinates::orthogonal, -1, partition, arena);
+    decision.t = point.t;
+    decision.level = level;
+    if (decisions != nullptr) {
+      decisions->push_back(decision);
+      if (decision.verdict == Verdict::unclear)
+        throw Failure(
+            SFDAE_RANK_UNCLEAR,
+            "whether constraints depend on each other is not clear: " + describe(decision) +
+                format(". Set rank_tol between %.1e and 1 to have them dependent, below to have them independent.",
+                       2.0 * decision.kept));
+    }
+    return decision.rank;
+  };
+  MultibodyRanks ranks;
+  ranks.positions = judge(point.position_rows(), point.terms.g_q.cols(), 0);
+  const bool same_rows = point.terms.S.rows() == 0 && point.terms.g_q.rows() == point.terms.C.rows();
+  ranks.velocities = same_rows ? ranks.positions : judge(point.velocity_rows(), point.terms.C.cols(), 1);
+  return ranks;
+}
+
+int check_acceleration_matrix(const MultibodyPoint& point, int rank, std::vector<RankDecision>& decisions,
+                              Arena& arena) {
+  const Matrix& M = point.terms.M;
+  const int nv = M.rows();
+  Partition partition;
+  partition.resize(nv, point.terms.C.rows());
+  choose_partition(point.velocity_rows(), Coordinates::orthogonal, rank, partition, arena);
+  const double mass = max_abs(M);
+  // Velocities without a mass of their own, to half the digits, get the unit of such a mass.
+  constexpr double least_mass = 1e-8;
+  Vector unit(index(nv + rank), 1.0);
+  for (int j = 0; j < nv; ++j)
+    unit[index(j)] = 1.0 / std::sqrt(std::max({std::fabs(M(j, j)), least_mass * mass, 1e-300}));
+  Matrix K(nv + rank, nv + rank), C(rank, nv);
+  for (int j = 0; j < nv; ++j) {
+    for (int i = 0; i < nv; ++i) K(i, j) = unit[index(i)] * unit[index(j)] * M(i, j);
+    for (int k = 0; k < rank; ++k) C(k, j) = unit[index(j)] * point.terms.C(partition.rows[index(k)], j);
+  }
+  const auto judge_with = [&](const Matrix& rows) {
+    for (int k = 0; k < rank; ++k)
+      for (int j = 0; j < nv; ++j) K(nv + k, j) = K(j, nv + k) = rows(k, j);
+    return judge_matrix(K, arena);
+  };
+  const int rank_of_mass = judge_matrix(to_matrix(K.view().block(0, 0, nv, nv)), arena).rank;
+  RankDecision decision = judge_with(unit_rows(C));
+  decision.t = point.t;
+  decision.subject = Subject::array;
+  decision.rows = decision.cols = nv + rank;
+  decisions.push_back(decision);
+  const bool has_mass = mass > 0.0 || rank == nv;
+  if (decision.rank == nv + rank && has_mass) return rank_of_mass;
+  // The condition of K is the square of that of C (docs/decisions/24-nearly-dependent-constraints.md): without it, M is
+  // left as the reason.
+  const int missing = nv + rank - judge_with(orthonormal_rows(C, arena)).rank;
+  if (missing == 0 && has_mass)
+    throw Failure(
+        SFDAE_SINGULAR,
+        format("[M C^T; C 0] is singular to working accuracy at t = %.15g: the constraints nearly depend on "
+               "each other. Set rank_tol to have those that nearly do count as dependent.",
+               point.t));
+  throw Failure(SFDAE_SINGULAR, format("[M C^T; C 0] is singular at t = %.15g: M is singular on velocities that the "
+                                       "constraints leave open, and %d acceleration(s) are not determined.",
+                                       point.t, missing));
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,86 @@
+// How dependent directions follow independent ones under constraints C w = b at some point.
+//
+// With a partition [Q1 Q2], as long as C Q2 is regular,
+//
+//     [Q1^T; C]^-1 = [T N],   T = Q1 - Q2 E,   N = Q2 (C Q2)^-1,   E = (C Q2)^-1 C Q1
+//
+// so that w = T y + N b. At the point where an orthogonal partition was chosen, E = 0. Where there are few uses of T it
+// is not formed: T y = Q1 y - N C Q1 y.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "linalg/arena.h"
+#include "linalg/matrix.h"
+#include "multibody/multibody_partition.h"
+
+namespace sfdae::core {
+
+class Tangent {
+ public:
+  void resize(int directions, int constraints);
+  // Without T. False if C Q2 is singular.
+  bool fit(const Partition& partition, const ConstraintRows& constraints);
+  // T and E, after fit; false if they are not finite.
+  bool complete(const Partition& partition, Arena& arena);
+  bool build(const Partition& partition, const ConstraintRows& constraints, Arena& arena) {
+    return fit(partition, constraints) && complete(partition, arena);
+  }
+  bool is_complete() const { return is_complete_; }
+  // Once complete.
+  ConstView T() const { return {T_.data(), T_.rows(), T_.rows() - rank_, std::max(T_.rows(), 1)}; }
+  // The independent rows in their units, row k times units()[k].
+  ConstView rows() const { return {C_.data(), rank_, T_.rows(), std::max(rank_, 1)}; }
+  const double* units() const { return units_.data(); }
+  // w := w - N (C w + b), b of all rows or none: T y - N b for w = Q1 y.
+  void enforce(const Partition& partition, const double* b, double* w, Arena& arena) const;
+  // w := -N b, b the independent ones of all residuals.
+  void correction(const Partition& partition, const double* residuals, double* w, Arena& arena) const;
+  // mu := the independent multipliers with Q2^T C^T mu = Q2^T force, the others zero.
+  void multipliers(const Partition& partition, const double* force, double* mu, Arena& arena) const;
+  // max |E|, once complete: the tangent of the angle, about, by which C has turned since the choice.
+  double rotation() const { return rotation_; }
+  double smallest_pivot() const { return pivot_; }
+  // Of det C Q2.
+  int sign() const { return sign_; }
+  // Of the constraints on the straight line from rows B at another point to C: how many combinations of them vanish,
+  // each once, which is where sB + (1 - s) C is singular on Q2, and the row that turns most.
+  struct ZeroCrossings {
+    int count = 0;
+    int row = -1;
+  };
+  ZeroCrossings zero_crossings_from(const Partition& partition, ConstView B, Arena& arena) const;
+
+ private:
+  bool invert(const Partition& partition, View C2);
+  bool factor(View C2);
+  void gather(const Partition& partition, const double* residuals, double* b) const;
+  // w -= N b, rows of b in their units; b is overwritten.
+  void subtract(const Partition& partition, double* b, double* w) const;
+
+  int rank_ = 0;
+  bool is_complete_ = false;
+  Matrix C_;  // independent rows in their units
+  Matrix T_;
+  Matrix N_;   // for these rows, where they are few
+  Matrix lu_;  // (C Q2)^-1 then, else the factors of C Q2
+  std::vector<int> pivots_;
+  std::vector<double> units_;
+  double rotation_ = 0.0, pivot_ = 1.0;
+  int sign_ = 1;
+};
+
+// Of the constraints on both levels; one for both where their rows are the same.
+struct Tangents {
+  Tangent positions, velocities;
+  bool same_rows = false;
+  const Tangent& of_velocities() const { return same_rows ? positions : velocities; }
+  Tangent& of_velocities() { return same_rows ? positions : velocities; }
+  double rotation() const {
+    return same_rows ? positions.rotation() : std::max(positions.rotation(), velocities.rotation());
+  }
+};
+
+}  // namespace sfdae::core
