@@ -8,7 +8,7 @@
 set -euo pipefail
 
 demo=(build-essential g++ cmake pkg-config libopenblas-dev libblas-dev liblapack-dev gnuplot-nox)
-test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev valgrind)
+test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev valgrind python3 ninja-build clang-format-14)
 
 case "${1:-test}" in
   demo) wanted=("${demo[@]}") ;;
@@ -22,7 +22,9 @@ esac
 # A program counts as present wherever it comes from; a library if its package is installed.
 is_present() {
   case "$1" in
-    g++ | cmake | pkg-config | gfortran | valgrind) command -v "$1" > /dev/null ;;
+    g++ | cmake | pkg-config | gfortran | valgrind | python3) command -v "$1" > /dev/null ;;
+    ninja-build) command -v ninja > /dev/null ;;
+    clang-format-14) command -v clang-format-14 > /dev/null || command -v clang-format > /dev/null ;;
     gnuplot-nox) command -v gnuplot > /dev/null ;;
     *) [[ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2> /dev/null)" == installed ]] ;;
   esac
@@ -52,4 +54,8 @@ if [[ "$(id -u)" -ne 0 ]]; then
   as_root=(sudo)
 fi
 "${as_root[@]}" apt-get update
+# Where there is no clang-format-14, any clang-format: scripts/test.sh checks with version 14 only.
+if ! apt-cache show clang-format-14 > /dev/null 2>&1; then
+  missing=("${missing[@]/#clang-format-14/clang-format}")
+fi
 "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds and tests everything:
 #
+#   format       all C and C++ sources are as clang-format 14 writes them
 #   release      OpenBLAS, all tests, packaging included
 #   traps        the C++ and Fortran 77 tests of the same build, small, floating-point exceptions end the program
 #   reference    the C++ and Fortran 77 tests of the same build, small, with the reference BLAS and LAPACK
@@ -8,7 +9,7 @@
 #   asan         address and undefined behaviour sanitizers, small
 #
 # "Small": SFDAE_TEST_SCALE=0.05 reduces the number of random problems. SFDAE_WERROR=ON makes warnings errors.
-# The last line is "N passed, M failed".
+# At the end stands how long each phase took; the last line is "N passed, M failed".
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 root="$PWD"
@@ -19,12 +20,39 @@ finish() {
   local status=$?
   # What ends this script early, such as a build that fails, counts as one failure.
   if [[ $status -ne 0 ]]; then complain "ended early"; fi
+  end_phase
+  print_times
   echo "$passed passed, $failed failed"
   exit $((failed > 0))
 }
 trap finish EXIT
 
-heading() { printf '\n==== %s (%d s)\n' "$1" "$SECONDS"; }
+phase='' phase_start=0 phase_processor=0
+phase_times=() # lines "<wall> <processor> <phase>", in seconds
+heading() {
+  end_phase
+  phase="$1" phase_start=$SECONDS phase_processor="$(processor_seconds)"
+  printf '\n==== %s (%d s)\n' "$phase" "$SECONDS"
+}
+end_phase() {
+  if [[ -n "$phase" ]]; then
+    phase_times+=("$((SECONDS - phase_start)) $(($(processor_seconds) - phase_processor)) $phase")
+  fi
+  phase=''
+}
+# Of the processes that this script has waited for: fields 16 and 17 of its status, after a name in parentheses.
+processor_seconds() {
+  local status fields
+  if ! { status="$(< "/proc/$$/stat")"; } 2> /dev/null; then echo 0 && return; fi
+  read -r -a fields <<< "${status##*) }"
+  echo $(((fields[13] + fields[14]) / $(getconf CLK_TCK)))
+}
+print_times() {
+  printf '\n   wall  processor  (minutes)\n'
+  { printf '%s\n' "${phase_times[@]}"; } | awk 'NF { wall = $1; processor = $2; $1 = $2 = ""
+    printf "%7.1f %10.1f %s\n", wall / 60, processor / 60, $0; walls += wall; processors += processor }
+    END { printf "%7.1f %10.1f  in all\n", walls / 60, processors / 60 }'
+}
 complain() {
   echo "FAILED: $1"
   failed=$((failed + 1))
@@ -80,6 +108,7 @@ check_loaded() {
   echo "BLAS and LAPACK from $2"
 }
 
+heading "dependencies"
 scripts/install-dependencies.sh test
 if command -v ninja > /dev/null; then export CMAKE_GENERATOR="${CMAKE_GENERATOR:-Ninja}"; fi
 export OPENBLAS_NUM_THREADS=1
@@ -89,6 +118,22 @@ mkdir -p build/reports
 mapfile -t openblas_names < <(openblas_packages)
 openblas="$(library_path "${openblas_names[@]}")" || { echo "OpenBLAS was not found"; exit 1; }
 reference="$(library_path libblas3 liblapack3)" || { echo "The reference BLAS was not found"; exit 1; }
+
+heading "format: C and C++ sources"
+# Versions of clang-format differ in what they write.
+clang_format="$(command -v clang-format-14 || command -v clang-format || true)"
+if [[ -z "$clang_format" ]]; then
+  echo "clang-format is not installed: skipped"
+elif [[ "$("$clang_format" --version)" != *" version 14."* ]]; then
+  echo "$("$clang_format" --version) is not version 14: skipped"
+elif ! git rev-parse --is-inside-work-tree > /dev/null 2>&1; then
+  echo "this is no checkout of git, which lists the sources: skipped"
+elif git ls-files -z -- '*.c' '*.h' '*.cpp' '*.hpp' | xargs -0 "$clang_format" --dry-run -Werror; then
+  echo "all are formatted"
+  passed=$((passed + 1))
+else
+  complain "format: run $clang_format -i on the files named above"
+fi
 
 heading "release: build"
 cmake --preset release -DSFDAE_WERROR="${SFDAE_WERROR:-OFF}" -DSFDAE_BUILD_BENCHMARKS=ON
@@ -130,4 +175,3 @@ cmake --build --preset asan
 
 heading "asan: tests"
 LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE=0.05 run_tests asan asan
-heading "done"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "integrate/step_control.h"
 #include "linalg/index.h"
 
 namespace sfdae::f77 {

@@ -45,19 +45,19 @@ void publish_point(const Arguments& arguments, const core::IndexAnalysis& analys
 void publish_steps_before(const Arguments& arguments, long count) { arguments.iwork.set(steps_before, count); }
 
 void publish_counts(const Arguments& arguments, const core::Integration& integration, long points) {
-  const core::Stepper& stepper = integration.stepper();
+  const core::StepState state = integration.stepper().state();
   const core::IntegrationCounts counts = integration.counts();
   const IntegerArray& iwork = arguments.iwork;
-  iwork.set(next_order, stepper.next_order());
-  iwork.set(last_order, stepper.order());
+  iwork.set(next_order, state.next_order);
+  iwork.set(last_order, state.last.order);
   iwork.set(steps, counts.steps);
   iwork.set(evaluations, iwork.get(evaluations) + points);
   iwork.set(factorizations, counts.factorizations);
   iwork.set(error_failures, counts.error_failures);
   iwork.set(other_failures, counts.other_failures);
-  arguments.rwork(next_step) = stepper.next_step();
-  arguments.rwork(last_step) = stepper.last_step();
-  arguments.rwork(t_internal) = stepper.t();
+  arguments.rwork(next_step) = state.next_step;
+  arguments.rwork(last_step) = state.last.h;
+  arguments.rwork(t_internal) = state.t;
 }
 
 bool has_zero_weight(const Arguments& arguments, const double* x) {

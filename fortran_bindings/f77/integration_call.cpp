@@ -175,8 +175,8 @@ int IntegrationCall::start_integration() {
   progress_.is_running = true;
   core::IntegrationOptions options = options_of_integration();
   if (options_.has_initial_step) options.initial_step = std::fabs(options_.initial_step);
-  integration_ =
-      std::make_unique<core::Integration>(system(), model().change_watch(), options, t_, arguments_.tout, x_, xdot_);
+  integration_ = std::make_unique<core::Integration>(system(), model().change_watch(), options,
+                                                     core::InitialPoint{t_, arguments_.tout, x_, xdot_});
   return advance();
 }
 
@@ -188,8 +188,8 @@ int IntegrationCall::go_on() {
   } catch (const core::Failure&) {
     return user_.callback_error() != SFDAE_OK ? code_of(user_.callback_error()) : code::bad_info;
   }
-  const core::Stepper& stepper = integration_->stepper();
-  const int result = check_continuation(arguments_, options_, t_, stepper.t(), integration_->direction());
+  const double t_reached = integration_->stepper().state().t;
+  const int result = check_continuation(arguments_, options_, t_, t_reached, integration_->direction());
   return result == code::ok ? advance() : result;
 }
 
@@ -216,10 +216,11 @@ int IntegrationCall::advance() {
   const long points_before = user_.points();
   publish_steps_before(arguments_, integration_->counts().steps);
   const core::Stepper& stepper = integration_->stepper();
+  const double t_reached = stepper.state().t;
   core::CallResult result;
-  if (!has_passed_tout(stepper.t()) && has_zero_weight(arguments_, stepper.x().data())) {
+  if (!has_passed_tout(t_reached) && has_zero_weight(arguments_, stepper.x().data())) {
     result.status = SFDAE_STOPPED;
-    t_ = stepper.t();
+    t_ = t_reached;
     x_ = stepper.x();
     std::copy_n(arguments_.xprime, xdot_.size(), xdot_.data());
   } else {

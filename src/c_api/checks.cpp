@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "integrate/step_control.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
 

@@ -257,7 +257,7 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     }
     if (solver->integration) {
       solver->integration->set_options(fresh.integration);
-      set_limits(*solver, solver->integration->stepper().t(), solver->integration->direction());
+      set_limits(*solver, solver->integration->stepper().state().t, solver->integration->direction());
     }
     return {};
   });
@@ -340,8 +340,9 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
     solver->integration.reset();
     set_limits(*solver, t, direction);
     const ConsistentPoint found = solver->model.consistent_point({t, toward, x}, solver->options.model);
-    solver->integration = std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
-                                                        solver->options.integration, t, toward, found.x, found.xdot);
+    solver->integration =
+        std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
+                                      solver->options.integration, InitialPoint{t, toward, found.x, found.xdot});
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = report_of(found);
@@ -387,7 +388,8 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
         restore_checkpoint(solver->model, solver->options.model, solver->options.integration, checkpoint, length);
     solver->direction = solver->integration->direction();
     // Differences go on from where the integration started.
-    const double start = solver->problem().limit_behind(solver->direction), t = solver->integration->stepper().t();
+    const double start = solver->problem().limit_behind(solver->direction),
+                 t = solver->integration->stepper().state().t;
     set_limits(*solver, solver->options.model.differences.allowed && std::isfinite(start) ? start : t,
                solver->direction);
     return {};

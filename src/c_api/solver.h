@@ -1,4 +1,6 @@
 // What stands behind the handle sfdae_solver.
+//
+// Folder c_api: the functions of the public headers: argument checks, exceptions to status, conversion of structs.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -13,7 +15,7 @@
 #include "c_api/checks.h"
 #include "c_api/problems.h"
 #include "integrate/checkpoint.h"
-#include "integrate/integration_events.h"
+#include "integrate/events.h"
 #include "problem/failure.h"
 #include "sfdae/sfdae.h"
 

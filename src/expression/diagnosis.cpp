@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "expression/series.h"
+#include "linalg/format.h"
 #include "linalg/index.h"
-#include "problem/failure.h"
 
 namespace sfdae::core {
 

@@ -1,4 +1,6 @@
-// Recorded equations F(t, x, x') = 0: an immutable graph, and what can be read off it.
+// Recorded equations F(t, x, x') = 0: an immutable graph, and what it says by its form.
+//
+// Folder expression: recorded equations: their graph, values and gradients in power series, patterns.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

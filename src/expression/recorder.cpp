@@ -23,6 +23,7 @@ bool has_exact_inverse(double value) {
 }  // namespace
 
 std::size_t Recorder::Hash::operator()(const std::array<int, 4>& key) const {
+  // Seed: the golden ratio; multiplier: one of those of MurmurHash3's finalizer, which spread bits well.
   std::uint64_t hash = 0x9e3779b97f4a7c15u;
   for (int part : key) hash = (hash ^ static_cast<std::uint32_t>(part)) * 0xff51afd7ed558ccdu;
   return static_cast<std::size_t>(hash ^ (hash >> 32));
@@ -140,7 +141,8 @@ int Recorder::divide(int a, int b) {
 }
 
 int Recorder::power(int a, int b) {
-  // Products are exact where powers by logarithms are not, and are smooth at 0.
+  // Products are exact where powers by logarithms are not, and are smooth at 0
+  // (docs/decisions/16-recorded-equations.md).
   constexpr double highest_product = 64.0;
   if (const auto exponent = number(b)) {
     if (*exponent == 0.5) return apply(Operation::sqrt, a);

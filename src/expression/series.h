@@ -13,7 +13,7 @@
 
 namespace sfdae::core::series {
 
-// Of values; those of derivatives of recorded equations by time.
+// Of values: max_derivative_order + 1, as x' of a jet has one order less than x.
 constexpr int highest_order = 14;
 
 // An order that the compiler knows.

@@ -2,8 +2,8 @@
 //
 // [GW08] A. Griewank, A. Walther: Evaluating Derivatives, 2nd ed. SIAM, 2008. Chapter 13.
 //
-// Values: one forward sweep in truncated power series. Gradients: a backward sweep for each equation, over the part of
-// the graph that it depends on. With the adjoint v~ of a value v, again a power series,
+// Values: one forward sweep in truncated power series. Gradients: a backward sweep for each equation, over the part
+// of the graph that it depends on. With the adjoint v~ of a value v, again a power series,
 //     F(x + dx) - F(x) = v~ dv + O(dv^2),     v = f(a):  a~ += f'(a) v~,
 // so that the coefficients of x~_j and of x'~_j are those of F_x and F_x'.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -35,12 +35,13 @@ class TaylorEvaluator {
 
   const Record& record() const { return *record_; }
 
-  // Along x(t + s) = sum x_k s^k. jet: n x (order + 2), column k is x_k. F: m x (order + 1), column k holds the Taylor
-  // coefficients F_k of F(t + s, x(t + s), x'(t + s)). False: see failure(); what was written is not to be used.
+  // Along x(t + s) = sum x_k s^k. jet: n x (order + 2), column k is x_k. F: m x (order + 1), column k holds the
+  // Taylor coefficients F_k of F(t + s, x(t + s), x'(t + s)). False: see failure(); what was written is not to be
+  // used.
   bool values(double t, const double* jet, int order, double* F);
 
-  // Also those of the matrices F_x' and F_x: order k is the m x n matrix at k m n. The order of the jet is the highest
-  // one asked for; outputs of order -1 are not touched and may be null.
+  // Also those of the matrices F_x' and F_x: order k is the m x n matrix at k m n. The order of the jet is the
+  // highest one asked for; outputs of order -1 are not touched and may be null.
   // limits: none, or the highest order wanted of the gradient of each equation; others are zero.
   bool gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot, double* F_x,
                  const std::vector<int>* limits = nullptr);

@@ -13,7 +13,7 @@ namespace sfdae::core {
 
 namespace {
 
-// 100 unit roundoffs have to fit into a tolerance.
+// 100 unit roundoffs have to fit into a tolerance, as in DASSL.
 constexpr double rounding_safety = 100.0;
 // Stands for 1 / 0, so that any error is too large but nothing overflows.
 constexpr double no_tolerance = 1e200;
@@ -82,6 +82,7 @@ double ErrorWeights::first_step(const double* x, const double* xdot, double expo
   for (int i = 0; i < static_cast<int>(rtol_.size()); ++i) {
     const double allowed = tolerance(i, x), speed = std::fabs(xdot[i]);
     const double size = rtol_[index(i)] > 0.0 ? allowed / rtol_[index(i)] : std::max(std::fabs(x[i]), allowed);
+    // The half is a margin (docs/decisions/07-first-step.md).
     if (speed > 0.0 && allowed > 0.0) h = std::min(h, 0.5 * std::pow(allowed / size, exponent) * size / speed);
   }
   return h;

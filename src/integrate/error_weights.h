@@ -26,13 +26,13 @@ class ErrorWeights {
   double floor_ratio() const { return floor_ratio_; }
   // weight_i = rtol_i |x_i| + atol_i, tightened.
   void update(const double* x);
-  // The same; scale_i: size of component i nearby, for what norm(e, exponent) takes to be relative to it.
+  // Updates weights; scale_i: size of component i nearby, for what norm(e, exponent) takes to be relative to it.
   void update(const double* x, const double* scale);
   // 1 / weight_i, as of the last update.
   const double* inverse() const { return inverse_.data(); }
   // max_i |e_i| / weight_i. A component whose weight is zero must have no error.
   double norm(const double* e) const;
-  // The same for errors that are O(tol^exponent) where the solution has errors O(tol), exponent < 1.
+  // The largest of such ratios for errors that are O(tol^exponent) where the solution has errors O(tol), exponent < 1.
   double norm(const double* e, double exponent) const;
   // Step size at which x changes by half of size^(1 - exponent) tolerance^exponent.
   double first_step(const double* x, const double* xdot, double exponent) const;

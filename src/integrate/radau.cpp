@@ -1,11 +1,10 @@
-// Radau IIA methods with variable step and order.
+// Steps of the Radau IIA methods.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/radau.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "integrate/newton_polynomial.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
 
@@ -13,21 +12,17 @@ namespace sfdae::core {
 
 namespace {
 
-using Vector = std::vector<double>;
-
-// The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data.
+// The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data
+// (docs/decisions/07-first-step.md). Its digits are taken from those of e.
 constexpr double first_step_fraction = 0.0718281828;
-// Tolerances that call for more than three stages from the start.
+// Tolerances that call for more than three stages from the start (docs/decisions/12-radau-number-of-stages.md).
 constexpr double tight = 1e-7, very_tight = 1e-9;
-// The embedded error may be this large in units of tol^((s+1)/(2s)). Measured on 287 runs of three families with s = 3
-// alone and with all s: errors of a tenth of the tolerance in the mean, up to 7 where the coefficients turn fast.
-// More stages need less, as their order at the nodes relies on smooth coefficients, of which the divided difference of w
-// tells nothing.
-constexpr double embedded_limit(int s, bool beside_difference) {
-  return s == 3 ? (beside_difference ? 0.4 : 0.08) : s == 5 ? 0.012 : 0.003;
-}
-// Steps of one stage, the choice for rough problems, must not grow over what makes them rough.
+// Steps of one stage, the choice for rough problems, must not grow over what makes them rough. (Chosen.)
 constexpr double rough_growth = 2.0;
+// Rounding of the differences of times, with room to spare.
+constexpr double same_step = 1e-6;
+// The collocation polynomial of the last step errs less than one through more distant nodes from three stages on.
+constexpr int least_collocation_order = 5;
 
 StageCosts costs_of(const StrangenessFreeSystem& system) {
   if (system.stage_cost(1) <= 0.0)
@@ -42,7 +37,7 @@ StageCosts costs_of(const StrangenessFreeSystem& system) {
 void Radau::set_options(const StepOptions& options) {
   const StepOptions before = options_;
   options_ = options;
-  if (count_ > 0) {
+  if (history_.count() > 0) {
     // Everything has been sized for the numbers of stages of the start.
     options_.min_stages = before.min_stages;
     options_.max_stages = before.max_stages;
@@ -60,36 +55,33 @@ double Radau::first_step(const ErrorWeights& weights, const double* x, const dou
 }
 
 void Radau::resize(std::size_t n, std::size_t size_w) {
-  const auto resize_node = [&](Node& node) {
-    for (Vector* v : {&node.w, &node.wdot}) v->assign(size_w, 0.0);
-    for (Vector* v : {&node.x, &node.xdot}) v->assign(n, 0.0);
-  };
-  for (int i = 0; i <= options_.max_stages; ++i) resize_node(nodes_[index(i)]);
-  if (options_.interpolates)
-    for (Node& node : inner_) resize_node(node);
-  for (Node* node : {&within_, &within_from_}) resize_node(*node);
-  resize_node(tried_);
-  const std::size_t stages = index(options_.max_stages);
-  for (Vector* v : {&error_, &largest_x_, &scale_x_}) v->assign(n, 0.0);
-  stage_x_.assign(n * stages, 0.0);
-  last_stages_.assign(n * stages, 0.0);
-  stage_w_.assign(size_w * stages, 0.0);
-  columns_.assign(size_w * (stages + 2), 0.0);
-  mapped_.assign(n * (stages + 2), 0.0);
-  for (int i = 0; i < 2 * (options_.max_stages + 1); ++i) table_[index(i)].resize(std::max(n, size_w));
+  tried_.end.assign_zero(n, size_w);
+  tried_.stages.resize(n, size_w, options_.max_stages);
+  workspace_.table.resize(std::max(n, size_w), options_.max_stages + 1);
+  workspace_.scales.resize(n);
+  estimate_.resize(n, size_w, options_.max_stages);
+  output_.resize(n, size_w, options_.max_stages);
 }
 
-void Radau::start(StrangenessFreeSystem&, const StartingPoint& point, double h) {
+void Radau::start(const StrangenessFreeSystem&, const StartingPoint& point, double h) {
+  history_.resize(point.x.size(), point.w.size(), options_);
   resize(point.x.size(), point.w.size());
-  nodes_[0] = {point.t, point.w, point.wdot, point.x, point.xdot};
-  count_ = 1;
-  inner_count_ = 0;
+  history_.start(point);
   control_.start(options_);
   control_.set_stages(std::clamp(first_stages_, options_.min_stages, options_.max_stages));
   next_step_ = h;
-  last_step_ = 0.0;
-  last_order_ = 0;
-  leading_coefficient_ = std::numeric_limits<double>::infinity();
+}
+
+// Hermite polynomials need one node more than the method has stages to be as accurate as it is.
+StepState Radau::state() const {
+  return {history_.newest().t,
+          tried_.end.t,
+          history_.last(),
+          next_step_,
+          2 * control_.stages() - 1,
+          control_.failures_in_a_row(),
+          history_.count() > control_.stages(),
+          history_.inner_count()};
 }
 
 // Without differential equations the stages do not depend on each other.
@@ -97,218 +89,94 @@ int Radau::wanted_stages(const StrangenessFreeSystem& system) const {
   return system.differential() == 0 ? 1 : control_.stages();
 }
 
-namespace {
-
-// slope := sum_j weights[j stride] (values_j - start) / h, values_j the columns of `values`.
-void slope_of_stages(int s, const double* weights, int stride, const Vector& start, const Vector& values, double h,
-                     double* slope) {
-  const std::size_t size = start.size();
-  std::fill_n(slope, size, 0.0);
-  for (int j = 0; j < s; ++j) {
-    const double weight = weights[j * stride] / h;
-    const double* column = values.data() + size * index(j);
-    for (std::size_t r = 0; r < size; ++r) slope[r] += weight * (column[r] - start[r]);
+// The collocation polynomial of the last step errs less there than one through more distant nodes: 3 and 20 times with
+// 5 and 7 stages and equal steps (measured). Its derivatives are worse, where guesses need them. Else the polynomial
+// through nodes whose degree fits the method, or the tangent while there is one node only.
+RadauPredictor Radau::predictor(const StrangenessFreeSystem& system) {
+  HermiteTable& table = workspace_.table;
+  const RadauNode& newest = history_.newest();
+  const LastStep& last = history_.last();
+  if (system.guesses_values() && history_.count() >= 2 && last.order >= least_collocation_order &&
+      std::fabs(newest.t - history_.node(1).t - last.h) <= same_step * std::fabs(last.h)) {
+    table.set_collocation(history_);
+    return {history_, &table};
   }
+  const int count = std::min(history_.count(), (tried_.method->s() + 1) / 2);
+  if (count < 2) return {history_, nullptr};
+  table.set_nodes(history_.newest_nodes(count), Interpolated::x, 2 * count, newest.t, last.h);
+  return {history_, &table};
 }
 
-}  // namespace
-
-// For x, of a degree that fits the method; returns it, 0 if there are too few nodes.
-int Radau::polynomial_of_nodes(const RadauMethod& method) {
-  const int count = std::min(count_, (method.s() + 1) / 2);
-  if (count < 2) return 0;
-  for (int i = 0; i < count; ++i) chosen_[index(i)] = &nodes_[index(i)];
-  hermite_polynomial(&Node::x, &Node::xdot, count);
-  return 2 * count - 1;
-}
-
-// The collocation polynomial of the last step errs less there than one through nodes farther away: 3 and 20 times with
-// 5 and 7 stages and equal steps. Its derivatives are worse, where guesses need them.
-int Radau::polynomial_of_prediction(const StrangenessFreeSystem& system, const RadauMethod& method) {
-  constexpr int least_order = 5;
-  constexpr double same = 1e-6;
-  const bool has_collocation = system.guesses_values() && count_ >= 2 && last_order_ >= least_order &&
-                               std::fabs(nodes_[0].t - nodes_[1].t - last_step_) <= same * std::fabs(last_step_);
-  return has_collocation ? collocation_polynomial() : polynomial_of_nodes(method);
-}
-
-// By the polynomial in the table of the given degree; degree 0: by the tangent.
-Guess Radau::guess(const StrangenessFreeSystem& system, const RadauMethod& method, const Node& start, double t,
-                   int degree) {
-  const int order = system.taylor_order(), s = method.s();
-  const std::size_t n = start.x.size(), block = n * index(order + 1);
-  if (guess_.size() < block * index(s)) guess_.resize(block * index(s));
-  for (Vector* v : {&guess_before_, &guess_start_})
-    if (v->size() < block) v->resize(block);
-  const auto evaluate = [&](double at, double* to) {
-    if (degree == 0) {
-      std::fill_n(to, block, 0.0);
-      for (std::size_t r = 0; r < n; ++r) to[r] = nodes_[0].x[r] + (at - nodes_[0].t) * nodes_[0].xdot[r];
-      if (order > 0) std::copy_n(nodes_[0].xdot.data(), n, to + n);
-      return;
-    }
-    newton_taylor(table_, table_times_, degree, (at - nodes_[0].t) / last_step_, order, n, to);
-    double power = 1.0;
-    for (int k = 1; k <= order; ++k) {
-      power *= last_step_;
-      for (std::size_t r = 0; r < n; ++r) to[n * index(k) + r] /= power;
-    }
-  };
-  for (int i = 0; i < s; ++i)
-    evaluate(i == s - 1 ? t : start.t + method.stages.c[index(i)] * (t - start.t), guess_.data() + block * index(i));
-  evaluate(nodes_[0].t, guess_before_.data());
-  if (count_ >= 2) evaluate(nodes_[1].t, guess_start_.data());
-  Guess result;
-  result.taylor = guess_.data();
-  result.taylor_before = guess_before_.data();
-  return result;
+Guess Radau::guess(const StrangenessFreeSystem& system, double t, ErrorWeights& weights) {
+  if (system.is_linear()) return {};
+  const RadauNode& start = history_.newest();
+  // Iterations are judged by the tolerances at the last node, whatever was tried since.
+  weights.update(start.x.data());
+  Guess prediction =
+      workspace_.guess.predict(predictor(system), tried_.method->stages, start.t, t, system.taylor_order());
+  prediction.inverse_weights = weights.inverse();
+  return prediction;
 }
 
 StepOutcome Radau::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) {
   control_before_ = control_;
-  if (control_.is_rough()) count_ = 1;
+  if (control_.is_rough()) history_.forget_past();
   const RadauMethod& method = radau_method(wanted_stages(system));
-  const Node& last = nodes_[0];
-  const int s = method.s();
-  tried_h_ = t - last.t;
-  tried_stages_ = s;
-  Guess prediction;
-  if (!system.is_linear()) {
-    // Iterations are judged by the tolerances at the last node, whatever was tried since.
-    weights.update(last.x.data());
-    prediction = guess(system, method, last, t, polynomial_of_prediction(system, method));
-    prediction.inverse_weights = weights.inverse();
-  }
-  const StageEquations equations{method.stages, last.t, t, last.w.data(), last.x.data(), prediction};
-  const PointStatus status = system.solve_stages(equations, stage_x_.data(), stage_w_.data(), tried_.t);
+  const RadauNode& start = history_.newest();
+  tried_.method = &method;
+  tried_.h = t - start.t;
+  const StageEquations equations{method.stages,  start.t,        t,
+                                 start.w.data(), start.x.data(), guess(system, t, weights)};
+  RadauStages& stages = tried_.stages;
+  const PointStatus status = system.solve_stages(equations, stages.x.data(), stages.w.data(), tried_.end.t);
   if (const auto failure = failed_outcome(status)) return *failure;
-  const std::size_t n = last.x.size();
-  if (!all_finite(stage_x_.data(), n * index(s))) return StepOutcome::not_finite;
-  take_last_stage(method, last, tried_);
-  system.correct_slopes(tried_.wdot.data(), tried_.xdot.data());
-  update(weights, last, tried_);
-  const ErrorTerms terms = estimate_errors(system, weights, method);
+  if (!all_finite(stages.x.data(), start.x.size() * index(method.s()))) return StepOutcome::not_finite;
+  stages.take_end(method, start, tried_.end);
+  system.correct_slopes(tried_.end.wdot.data(), tried_.end.xdot.data());
+  workspace_.scales.update(weights, start, tried_.end);
+  const ErrorTerms terms = test_error(system, weights);
   if (!(terms.error <= 1.0)) {
-    next_step_ = control_.rejected(tried_h_, terms);
+    next_step_ = control_.rejected(tried_.h, terms);
     return StepOutcome::error_too_large;
   }
-  const StageCosts costs = costs_of(system);
-  next_step_ = system.differential() == 0 ? control_.accepted_without_error(tried_h_)
-                                          : control_.accepted(tried_h_, terms, costs, system.is_constant());
-  if (s == 1 && system.differential() > 0)
-    next_step_ = std::copysign(std::min(std::fabs(next_step_), rough_growth * std::fabs(tried_h_)), tried_h_);
+  next_step_ = step_after_acceptance(system, terms);
   return StepOutcome::accepted;
 }
 
-// Tolerances for what is larger at either end of a step. Where a component runs through zero, its size nearby is what it
-// changes by.
-void Radau::update(ErrorWeights& weights, const Node& start, const Node& end) {
-  const double h = end.t - start.t;
-  for (std::size_t i = 0; i < end.x.size(); ++i) {
-    largest_x_[i] = std::max(std::fabs(start.x[i]), std::fabs(end.x[i]));
-    scale_x_[i] = std::max({largest_x_[i], std::fabs(h * start.xdot[i]), std::fabs(h * end.xdot[i])});
-  }
-  weights.update(largest_x_.data(), scale_x_.data());
-}
-
-// The last stage of a step from `start` as a node; its time is set.
-void Radau::take_last_stage(const RadauMethod& method, const Node& start, Node& node) const {
-  const int s = method.s();
-  const std::size_t n = start.x.size(), size_w = start.w.size();
-  std::copy_n(stage_x_.data() + n * index(s - 1), n, node.x.data());
-  std::copy_n(stage_w_.data() + size_w * index(s - 1), size_w, node.w.data());
-  const double* last_row = method.stages.D.data() + (s - 1);
-  slope_of_stages(s, last_row, s, start.w, stage_w_, node.t - start.t, node.wdot.data());
-  slope_of_stages(s, last_row, s, start.x, stage_x_, node.t - start.t, node.xdot.data());
-}
-
-ErrorTerms Radau::estimate_errors(StrangenessFreeSystem& system, const ErrorWeights& weights,
-                                  const RadauMethod& method) {
-  ErrorTerms terms;
-  if (system.differential() == 0) {
-    std::fill(error_.begin(), error_.end(), 0.0);
-    return terms;
-  }
-  const int s = method.s();
-  const std::size_t n = nodes_[0].x.size(), size_w = nodes_[0].w.size();
-  // The embedded formula: gamma0 h (w' - u') at the start.
-  double* embedded = columns_.data();
-  slope_of_stages(s, method.slope_at_start.data(), 1, nodes_[0].w, stage_w_, tried_h_, embedded);
-  const double factor = tried_h_ / method.stages.gamma;
-  for (std::size_t i = 0; i < size_w; ++i) embedded[i] = factor * (nodes_[0].wdot[i] - embedded[i]);
-  const bool has_difference = count_ >= s && s > 1;
-  if (has_difference) {
-    hermite_difference(2 * s);
-    std::copy_n(table_[index(2 * s)].data(), size_w, columns_.data() + size_w);
-  }
-  system.error_in_x(columns_.data(), has_difference ? 2 : 1, mapped_.data());
-  const double* difference = mapped_.data() + n;
-  std::copy_n(mapped_.data(), n, error_.data());
-  if (s == 1) {
-    // h (w' - u') = - h^2 w'' up to higher orders.
-    terms.decay[2] = 0.5 * weights.norm(mapped_.data());
-    terms.error = method.error_constant * terms.decay[2];
-    terms.exponent = 2;
-  } else {
-    const double guard = weights.norm(mapped_.data(), (s + 1.0) / (2.0 * s)) / embedded_limit(s, has_difference);
-    if (has_difference) terms.decay[index(2 * s)] = weights.norm(difference);
-    const double by_difference = has_difference ? method.error_constant * terms.decay[index(2 * s)] : 0.0;
-    terms.error = std::max(guard, by_difference);
-    terms.exponent = guard > by_difference ? s + 1 : 2 * s;
-    if (terms.exponent == 2 * s) std::copy_n(difference, n, error_.data());
-  }
-  if (control_.may_change_stages() && terms.error <= 1.0) decay_of_differences(system, weights, method, terms);
+ErrorTerms Radau::test_error(StrangenessFreeSystem& system, const ErrorWeights& weights) {
+  ErrorTerms terms = estimate_.estimate(system, history_, tried_, weights, workspace_.table);
+  if (system.differential() > 0 && control_.may_change_stages() && terms.error <= 1.0)
+    estimate_.add_decay(system, history_, tried_, weights, terms);
   return terms;
 }
 
-// Divided differences of orders 1 ... s over the start and the stages, in units of h.
-void Radau::decay_of_differences(StrangenessFreeSystem& system, const ErrorWeights& weights,
-                                 const RadauMethod& method, ErrorTerms& terms) {
-  const int s = method.s();
-  const std::size_t n = nodes_[0].x.size(), size_w = nodes_[0].w.size();
-  const auto node = [&](int i) { return i == 0 ? 0.0 : method.stages.c[index(i - 1)]; };
-  // Column i: over the nodes i - k, ..., i; in the end column k has order k.
-  std::copy_n(nodes_[0].w.data(), size_w, columns_.data());
-  std::copy_n(stage_w_.data(), size_w * index(s), columns_.data() + size_w);
-  for (int k = 1; k <= s; ++k)
-    for (int i = s; i >= k; --i) {
-      double* to = columns_.data() + size_w * index(i);
-      const double* earlier = to - size_w;
-      const double per_gap = 1.0 / (node(i) - node(i - k));
-      for (std::size_t r = 0; r < size_w; ++r) to[r] = (to[r] - earlier[r]) * per_gap;
-    }
-  system.error_in_x(columns_.data() + size_w, s, mapped_.data());
-  for (int k = 1; k <= s; ++k) terms.decay[index(k)] = weights.norm(mapped_.data() + n * index(k - 1));
+double Radau::step_after_acceptance(const StrangenessFreeSystem& system, const ErrorTerms& terms) {
+  const double h = tried_.h;
+  if (system.differential() == 0) return control_.accepted_without_error(h);
+  const double next = control_.accepted(h, terms, costs_of(system), system.is_constant());
+  return tried_.method->s() > 1 ? next : std::copysign(std::min(std::fabs(next), rough_growth * std::fabs(h)), h);
 }
 
-void Radau::hermite_difference(int order) {
-  // Times in units of the step, so that nothing overflows.
-  const std::size_t size = tried_.w.size();
-  for (int i = 0; i <= order; ++i) {
-    const Node& node = i < 2 ? tried_ : nodes_[index(i / 2 - 1)];
-    const bool is_slope = i % 2 == 1;
-    table_times_[index(i)] = (node.t - tried_.t) / tried_h_;
-    const double unit = is_slope ? tried_h_ : 1.0;
-    const double* from = (is_slope ? node.wdot : node.w).data();
-    for (std::size_t r = 0; r < size; ++r) table_[index(i)][r] = unit * from[r];
+void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
+  RadauHistory::Extent extent = history_.extent(options_);
+  archive.small(extent.nodes, extent.order, extent.inner, first_stages_, options_.min_stages, options_.max_stages);
+  if (archive.is_reading()) {
+    const auto is_number = [](int s) { return s >= 1 && s <= max_stages && s % 2 == 1; };
+    if (!is_number(options_.min_stages) || !is_number(options_.max_stages) ||
+        options_.min_stages > options_.max_stages || !is_number(first_stages_))
+      throw DamagedArchive();
+    history_.set_extent(extent, system, options_);
+    control_.set_options(options_);
+    resize(index(system.unknowns()), index(system.leading_size()));
   }
-  divided_differences(table_, table_times_, order + 1, size);
-}
-
-void Radau::commit() {
-  count_ = std::min(count_ + 1, options_.max_stages + 1);
-  std::rotate(nodes_.begin(), nodes_.begin() + count_ - 1, nodes_.begin() + count_);
-  std::swap(nodes_[0], tried_);
-  // Divided differences over points that nearly coincide would be rounding errors.
-  if (count_ >= 3 && std::fabs(nodes_[0].t - nodes_[1].t) < coincidence * std::fabs(nodes_[1].t - nodes_[2].t)) {
-    std::rotate(nodes_.begin() + 1, nodes_.begin() + 2, nodes_.begin() + count_);
-    --count_;
-  }
-  inner_count_ = 0;
-  std::swap(stage_x_, last_stages_);
-  last_step_ = tried_h_;
-  last_order_ = 2 * tried_stages_ - 1;
-  leading_coefficient_ = radau_method(tried_stages_).stages.gamma / tried_h_;
+  control_.archive(archive);
+  archive.real(next_step_);
+  const bool is_linear = system.is_linear();
+  // Guesses extrapolate x.
+  const bool with_x = options_.interpolates || !is_linear;
+  const bool with_stages =
+      (options_.interpolates || system.guesses_values()) && !is_linear && history_.last().order > 0;
+  history_.archive(archive, extent, with_x, with_stages);
 }
 
 }  // namespace sfdae::core

@@ -12,15 +12,31 @@ namespace sfdae::core {
 
 namespace {
 
+// Stands for an error of zero.
 constexpr double tiny = 1e-30;
-// Of step sizes, whatever the options say.
+// Of step sizes, whatever the options say: a bound on what estimates are trusted with. (Chosen.)
 constexpr double largest_ratio = 1e3;
-// Another number of stages has to promise this much more progress for the same work.
+// Another number of stages has to promise this much more progress for the same work
+// (docs/decisions/12-radau-number-of-stages.md).
 constexpr double worthwhile = 1.2;
-// One stage has nothing to tell how more of them would do.
+// A step of one stage does not show how more of them would do: it has to promise twice the progress. (Chosen.)
 constexpr double reluctance = 2.0;
-// A reduction in units of n^3 operations, about (12 to 16 for an index up to 2).
+// A reduction in units of n^3 operations, about (counted: 12 to 16 for an index up to 2).
 constexpr double reduction_cost = 15.0;
+// What the stages of one step have in common beside their reductions, in units of n^2. (Estimated.)
+constexpr double small_matrix_cost = 20.0;
+// Of an extrapolated logarithm: beyond e^50 nothing would be chosen, and nothing must overflow.
+constexpr double largest_log = 50.0;
+// Errors are not taken for less: for the ratio of steps (chosen), and as the last one of predictive control (that of
+// RADAU5 [HW96, IV.8]).
+constexpr double least_error = 1e-10, least_last_error = 1e-2;
+// Of steps with one number of stages; more are not counted, as a checkpoint keeps small integers.
+constexpr int most_steps = 1000;
+// h_new / h_old after a failed error test: overflow; an estimate for the very first step, later ones. (Chosen; the first
+// step may be wrong by far.)
+constexpr double fall_at_overflow = 0.1, lowest_first_ratio = 1e-3, lowest_ratio = 0.5, highest_ratio = 0.9;
+// h_new / h_old where a step failed without an estimate, as in DASSL.
+constexpr double fall_at_failure = 0.25;
 
 // |h^k w[k]| from the values known, which fall or grow geometrically between and beyond them.
 double decay_at(int k, const ErrorTerms& terms) {
@@ -43,13 +59,13 @@ double decay_at(int k, const ErrorTerms& terms) {
   if (highest - before == 1 && before > 1 && terms.decay[index(before - 1)] >= 0.0) before -= 1;
   if (before == 0) return 1.0 / tiny;
   const double per_order = std::log(value(highest) / value(before)) / (highest - before);
-  return value(highest) * std::exp(std::min(per_order * (k - highest), 50.0));
+  return value(highest) * std::exp(std::min(per_order * (k - highest), largest_log));
 }
 
 }  // namespace
 
 StageCosts costs_of_reductions(int unknowns, int stage_size) {
-  const double n = unknowns, q = stage_size, small_matrix = 20.0 * n * n;
+  const double n = unknowns, q = stage_size, small_matrix = small_matrix_cost * n * n;
   StageCosts costs;
   for (int s = 1; s <= max_stages; ++s)
     costs.work[index(s)] =
@@ -102,15 +118,15 @@ double RadauControl::choose_stages(const ErrorTerms& terms, const StageCosts& co
 }
 
 double RadauControl::accepted(double h, const ErrorTerms& terms, const StageCosts& costs, bool keep) {
-  const double error = std::max(terms.error, 1e-10), power = 1.0 / terms.exponent;
+  const double error = std::max(terms.error, least_error), power = 1.0 / terms.exponent;
   double ratio = options_.safety * std::pow(error, -power);
   // Gustafsson's predictive control [HW96, IV.8].
   if (!options_.classical_control && last_h_ != 0.0)
     ratio = std::min(ratio, ratio * (h / last_h_) * std::pow(last_error_ / error, power));
   ratio = limited(ratio);
   last_h_ = h;
-  last_error_ = std::max(error, 1e-2);
-  steps_with_stages_ = std::min(steps_with_stages_ + 1, 1000);
+  last_error_ = std::max(error, least_last_error);
+  steps_with_stages_ = std::min(steps_with_stages_ + 1, most_steps);
   if (may_change_stages()) ratio = choose_stages(terms, costs, ratio);
   if (failures_ > 0) ratio = std::min(ratio, 1.0);
   failures_ = 0;
@@ -127,16 +143,16 @@ double RadauControl::accepted_without_error(double h) {
 double RadauControl::rejected(double h, const ErrorTerms& terms) {
   ++failures_;
   last_h_ = 0.0;
-  if (!std::isfinite(terms.error)) return 0.1 * h;
+  if (!std::isfinite(terms.error)) return fall_at_overflow * h;
   // Nothing was known about the first step but its estimate.
-  const double lowest = any_accepted_ ? std::min(1.0 / options_.fastest_fall, 0.5) : 1e-3;
-  return h * std::clamp(options_.safety * std::pow(terms.error, -1.0 / terms.exponent), lowest, 0.9);
+  const double lowest = any_accepted_ ? std::min(1.0 / options_.fastest_fall, lowest_ratio) : lowest_first_ratio;
+  return h * std::clamp(options_.safety * std::pow(terms.error, -1.0 / terms.exponent), lowest, highest_ratio);
 }
 
 double RadauControl::failed(double h) {
   ++failures_;
   last_h_ = 0.0;
-  return 0.25 * h;
+  return fall_at_failure * h;
 }
 
 void RadauControl::archive(Archive& archive) {

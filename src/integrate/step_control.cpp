@@ -9,9 +9,21 @@ namespace sfdae::core {
 
 namespace {
 
+// Without a word of their own, numbers here are those of DASSL [BCP96, 5.2].
+
 // Measured: 2 (as in the literature) wastes steps with the mapped error norm, 1.5 does not.
 constexpr double safety = 1.5;
+// Stands for an error of zero.
 constexpr double tiny = 1e-30;
+// Added to errors, so that a step without any has a limit, too.
+constexpr double least_error = 1e-4;
+// Of steps at one order; more are not counted, as a checkpoint keeps small integers.
+constexpr int most_steps = 1000;
+// The first step after a failure, which its measured error prescribes, aims at half the error allowed, 0.7^2, but
+// is not shorter than this part of what failed (docs/decisions/07-first-step.md; both chosen).
+constexpr double first_step_safety = 0.7, shortest_first_step = 1e-6;
+// The error of order 1 in units of its local term.
+constexpr double error_of_euler = 0.5;
 
 }  // namespace
 
@@ -36,7 +48,7 @@ int StepControl::lower_order(const LocalTerms& terms) const {
 double StepControl::accepted(double h, const LocalTerms& terms) {
   failures_ = 0;
   first_step_ = false;
-  steps_at_order_ = std::min(steps_at_order_ + 1, 1000);
+  steps_at_order_ = std::min(steps_at_order_ + 1, most_steps);
   const double* term = terms.of_order;
   const int k = order_;
   const int lowered = lower_order(terms);
@@ -65,7 +77,7 @@ double StepControl::accepted(double h, const LocalTerms& terms) {
   const double estimate = std::max(term[next], tiny);
   if (next != k) steps_at_order_ = 0;
   order_ = next;
-  const double ratio = std::pow(safety * estimate + 1e-4, -1.0 / (next + 1));
+  const double ratio = std::pow(safety * estimate + least_error, -1.0 / (next + 1));
   if (ratio >= 2.0) return 2.0 * h;
   if (ratio <= 1.0) return h * std::clamp(ratio, 0.5, 0.9);
   return h;
@@ -75,8 +87,8 @@ double StepControl::rejected(double h, const LocalTerms& terms, bool finite) {
   ++failures_;
   if (first_step_ && finite) {
     // Nothing is known but this estimate: it is of order 1, so that the right size follows from it.
-    const double error = 0.5 * std::max(terms.of_order[1], tiny);
-    return h * std::clamp(0.7 / std::sqrt(error), 1e-6, 0.5);
+    const double error = error_of_euler * std::max(terms.of_order[1], tiny);
+    return h * std::clamp(first_step_safety / std::sqrt(error), shortest_first_step, 0.5);
   }
   starting_ = false;
   steps_at_order_ = 0;
@@ -84,7 +96,7 @@ double StepControl::rejected(double h, const LocalTerms& terms, bool finite) {
     order_ = finite ? lower_order(terms) : order_;
     if (!finite) return 0.25 * h;
     const double estimate = std::max(terms.of_order[order_], tiny);
-    return h * std::clamp(0.9 * std::pow(2.0 * estimate + 1e-4, -1.0 / (order_ + 1)), 0.25, 0.9);
+    return h * std::clamp(0.9 * std::pow(2.0 * estimate + least_error, -1.0 / (order_ + 1)), 0.25, 0.9);
   }
   order_ = failures_ == 2 && finite ? lower_order(terms) : 1;
   return 0.25 * h;

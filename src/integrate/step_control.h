@@ -31,7 +31,7 @@ class StepControl {
   double accepted(double h, const LocalTerms& terms);
   // The next step size after a step of size h failed the error test.
   double rejected(double h, const LocalTerms& terms, bool finite);
-  // The same after the point could not be evaluated or the matrix was singular.
+  // The next step size after the point could not be evaluated or the matrix was singular.
   double failed(double h);
   // Orders above the number of points known are not possible.
   void limit_order(int points) { order_ = order_ < points - 1 ? order_ : points - 1; }

@@ -1,8 +1,10 @@
 // What the driver sees of an integrator: one step at a time.
+//
+// [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -32,6 +34,7 @@ struct StepOptions {
   // Radau IIA: numbers of stages, odd.
   int min_stages = 1, max_stages = 7;
   bool classical_control = false;  // else predictive
+  // These defaults of the Radau methods are those of RADAU5 [HW96, IV.8], as are those of keep_from and keep_to.
   double safety = 0.9;
   double fastest_fall = 5.0, fastest_rise = 0.125;  // h_old / h_new stays in [fastest_rise, fastest_fall]
   // Whether points within steps are asked for.
@@ -49,54 +52,72 @@ struct StartingPoint {
   const std::vector<double>& wdot;
 };
 
+// Where w, x and x' at t are written.
+struct PointValues {
+  double t;
+  double* w;
+  double* x;
+  double* xdot;
+};
+
+// A step that was accepted.
+struct LastStep {
+  double h = 0.0;  // 0 before the first
+  int order = 0;   // 0 before the first
+  // D_h w = c w + ...; infinite before the first.
+  double leading_coefficient = std::numeric_limits<double>::infinity();
+};
+
+// Where an integrator stands between attempts.
+struct StepState {
+  double t;        // the last point
+  double tried_t;  // of the last attempt: its end, or where it failed
+  LastStep last;
+  double next_step;  // the size to try next, after a failure as well
+  int next_order;
+  int failures_in_a_row;
+  // Whether interpolate() will be accurate enough within the next step.
+  bool interpolates_well;
+  // Points within the last step where refine() made up for interpolate(), as far as they are kept.
+  int refined_points;
+};
+
 class Stepper {
  public:
+  explicit Stepper(Tightening tightening) : tightening_(tightening) {}
   virtual ~Stepper() = default;
 
+  // What is to be done with the tolerances before errors are tested against them.
+  Tightening tightening() const { return tightening_; }
   virtual void set_options(const StepOptions& options) = 0;
   // Size of a first attempt. span: length of the interval of interest.
   virtual double first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) = 0;
-  // What is to be done with the tolerances before errors are tested against them.
-  virtual Tightening tightening() const = 0;
 
   // The first step will have size h.
-  virtual void start(StrangenessFreeSystem& system, const StartingPoint& point, double h) = 0;
-  // Tries one step from the last point to t; commit() makes an accepted one the last point. next_step() tells
-  // the size to try next, accepted or not.
+  virtual void start(const StrangenessFreeSystem& system, const StartingPoint& point, double h) = 0;
+  // Tries one step from the last point to t; commit() makes an accepted one the last point.
   virtual StepOutcome attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) = 0;
   virtual void commit() = 0;
   // Gives up an attempt for reasons of the caller's (a smaller step is wanted).
   virtual void withdraw() = 0;
-  // After a failure: next_step() becomes smaller.
+  // After a failure: the next step becomes smaller.
   virtual void reduce_after_failure(double h) = 0;
-
-  virtual double t() const = 0;
-  virtual const std::vector<double>& x() const = 0;
-  virtual double tried_t() const = 0;
-  virtual double next_step() const = 0;
   virtual void set_next_step(double h) = 0;
-  virtual double last_step() const = 0;
-  virtual int order() const = 0;  // of the last step, 0 before the first
-  virtual int next_order() const = 0;
-  virtual int failures_in_a_row() const = 0;
-  // Of the last step: D_h w = c w + ...; infinite before the first.
-  virtual double leading_coefficient() const = 0;
+
+  virtual StepState state() const = 0;
+  virtual const std::vector<double>& x() const = 0;      // at the last point
   virtual const std::vector<double>& error() const = 0;  // of the last attempt, mapped to x
 
-  // w, x (inaccurate in its constraints) and x' at t, within the last step.
-  virtual void interpolate(double t, double* w, double* x, double* xdot) = 0;
-
-  // Whether interpolate() will be accurate enough within the next step.
-  virtual bool interpolates_well() const { return true; }
-  // Moves the system to t and makes up for interpolate() where that is not accurate enough there.
-  virtual PointStatus refine(StrangenessFreeSystem& system, ErrorWeights&, double t, double*, double*, double*) {
-    return system.move_to(t);
-  }
-  // Points within the last step where that was necessary.
-  virtual int refined_points() const { return 0; }
+  // A point within the last step; its x is inaccurate in the constraints.
+  virtual void interpolate(const PointValues& point) = 0;
+  // Moves the system to the point interpolated last, and makes up for its values where they are not accurate enough.
+  virtual PointStatus refine(StrangenessFreeSystem& system, ErrorWeights& weights, const PointValues& point) = 0;
 
   // All that the next step depends on.
   virtual void archive(Archive& archive, const StrangenessFreeSystem& system) = 0;
+
+ private:
+  Tightening tightening_;
 };
 
 }  // namespace sfdae::core

@@ -10,6 +10,7 @@ namespace sfdae::core {
 
 namespace {
 
+// Whole numbers up to 2^53 are exact in a double: three of 16 bits, or two of 26.
 constexpr std::size_t per_double = 3;
 constexpr double radix = 65536.0;
 constexpr double count_radix = 67108864.0;

@@ -14,7 +14,8 @@ namespace sfdae::core {
 // What was read cannot have been written by an Archive.
 struct DamagedArchive {};
 
-// Checksum of a sequence of words: FNV-1a, high bits brought down after each.
+// Checksum of a sequence of words: FNV-1a with its constants for 64 bits, high bits brought down after each, as a
+// product changes none below the lowest that differs.
 class WordHash {
  public:
   void add(std::uint64_t word) {

@@ -38,7 +38,7 @@ class Arena {
 
   // count uninitialized doubles.
   double* take(std::size_t count) {
-    count = (count + 8) & ~std::size_t{7};
+    count = (count + 8) & ~std::size_t{7};  // whole cache lines
     while (chunk_ < chunks_.size() && used_ + count > chunks_[chunk_].size) {
       ++chunk_;
       used_ = 0;
@@ -68,6 +68,7 @@ class Arena {
     std::size_t size;
   };
 
+  // Chunks from 32 KiB on, each twice as large as the one before, so that they are few.
   void grow(std::size_t count) {
     const std::size_t size = std::max({count, std::size_t{4096}, chunks_.empty() ? 0 : 2 * chunks_.back().size});
     chunks_.push_back({std::unique_ptr<double[]>(new double[size]), size});

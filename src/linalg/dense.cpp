@@ -20,6 +20,7 @@ constexpr int small_qr_columns = 24;
 constexpr int small_lu_order = 16;
 constexpr int small_complex_order = 12;
 constexpr int few_entries = 16;
+constexpr int few_vector_entries = 32 * 32;  // of a matrix times a vector
 constexpr double small_product_flops = 2.0 * 12 * 12 * 12;
 
 const double one = 1.0;
@@ -27,8 +28,12 @@ const int unit_stride = 1;
 
 const char* letter(Op op) { return op == Op::plain ? "N" : "T"; }
 
-// Workspace that lets the blocked LAPACK routines run at full speed.
-int work_length(int rows, int cols) { return 64 * std::max({rows, cols, 1}) + 65 * 64; }
+// Workspace that lets the blocked LAPACK routines run at full speed: blocks of up to 64 columns, and besides, for the
+// triangular factors of dormqr, a matrix of 65 x 64.
+int work_length(int rows, int cols) {
+  constexpr int block = 64;
+  return block * std::max({rows, cols, 1}) + (block + 1) * block;
+}
 
 bool is_small_qr(ConstView a) {
   return std::min(a.rows, a.cols) <= small_qr_columns && a.rows <= 2 * small_qr_columns;
@@ -73,7 +78,7 @@ void multiply(double alpha, Op op_a, ConstView a, const double* x, double beta, 
   const View result{y, length, 1, length > 0 ? length : 1};
   if (a.rows == 0 || a.cols == 0) return scale(result, beta);
   if (op_a == Op::plain && a.rows * a.cols <= few_entries) return small::multiply_few(alpha, a, x, beta, y);
-  if (static_cast<double>(a.rows) * a.cols > 32.0 * 32.0) {
+  if (static_cast<double>(a.rows) * a.cols > few_vector_entries) {
     dgemv_(letter(op_a), &a.rows, &a.cols, &alpha, a.data, &a.ld, x, &unit_stride, &beta, y, &unit_stride);
     return;
   }
@@ -223,7 +228,7 @@ void solve_lu_transposed(ConstView lu, const int* pivots, View b) {
 }
 
 bool invert_small(View a, double* pivots, int& sign) {
-  constexpr int most = 64;
+  constexpr int most = 64;  // columns, asserted: for blocks of multibody systems
   int exchanges[most];
   assert(a.cols <= most);
   if (!small::invert(a, pivots, exchanges)) return false;
@@ -255,6 +260,7 @@ Svd svd(ConstView a) {
   if (result.s.empty()) return result;
   Matrix work = to_matrix(a);
   Matrix vt(a.cols, a.cols);
+  // dgesvd needs 5 times the larger dimension, and blocks of 64 for speed.
   const int length = 10 * std::max(a.rows, a.cols) + 64 * (a.rows + a.cols);
   std::vector<double> scratch(index(length));
   const int ld_u = a.rows, ld_vt = a.cols, ld_a = a.rows;
@@ -299,9 +305,10 @@ int determinant_sign(View a, Arena& arena) {
 }
 
 int count_negative_eigenvalues(View a, Arena& arena) {
-  // Rounding errors make a pair of complex ones of two that are equal.
+  // Rounding errors make a pair of complex ones of two that are equal: they part by the square root of rounding,
+  // 1e-8; two digits of safety by judgement (docs/decisions/23-multibody-singular-configurations.md).
   constexpr double nearly_real = 1e-6;
-  const int n = a.cols, length = 8 * n + 1;
+  const int n = a.cols, length = 8 * n + 1;  // dgeev without vectors needs 3 n
   const Arena::Frame frame(arena);
   const std::size_t size = index(n);
   double *real = arena.take(size + 1), *imaginary = arena.take(size + 1);

@@ -1,4 +1,4 @@
-// Dense linear algebra of the core: the only door to BLAS and LAPACK.
+// Dense linear algebra of the core: the only place that calls BLAS and LAPACK.
 //
 // Matrices up to a few columns wide go through hand-written loops (small_kernels.h), where the overhead of
 // LAPACK dominates; larger ones through LAPACK. All inputs must be finite: LAPACK does not report NaN reliably.
@@ -25,7 +25,7 @@ Matrix transpose_product(ConstView a, ConstView b);  // A^T B
 
 // A = Q R in place: R on and above the diagonal, Householder vectors below, min(rows, cols) factors in tau.
 void factor_qr(View a, double* tau, Arena& arena);
-// The same with column pivoting: column j of R belongs to column pivots[j] of A, |r_jj| decreasing.
+// A P = Q R in place, with column pivoting: column j of R belongs to column pivots[j] of A, |r_jj| decreasing.
 void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena);
 // C := Q^T C (transposed) or Q C (plain), Q from the first count Householder vectors of a factorization.
 void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Arena& arena);
@@ -41,8 +41,8 @@ bool factor_lu(View a, int* pivots);
 void solve_lu(ConstView lu, const int* pivots, double* x);
 void solve_lu(ConstView lu, const int* pivots, View b);             // B := A^-1 B
 void solve_lu_transposed(ConstView lu, const int* pivots, View b);  // B := A^-T B
-// A := A^-1 for a well-conditioned matrix with few columns, with the pivots and the sign of its determinant; false if a
-// pivot vanishes.
+// A := A^-1 for a well-conditioned matrix with few columns, with the pivots and the sign of its determinant; false if
+// a pivot vanishes.
 bool invert_small(View a, double* pivots, int& sign);
 // LU factorization and solution for complex matrices.
 bool factor_lu(ComplexView a, int* pivots);

@@ -32,7 +32,7 @@ struct RankDecision {
 // A smaller gap does not separate a rank from rounding errors. Kept values of well-posed problems lie 1e6 and more
 // above the noise, accidental ones within a factor 1e2 of the threshold.
 inline constexpr double clear_gap = 1e3;
-inline constexpr double unit_roundoff = 1.1102230246251565e-16;
+inline constexpr double unit_roundoff = 1.1102230246251565e-16;  // 2^-53
 
 // What a decision is measured by; absolute.
 struct RankScale {
@@ -40,9 +40,9 @@ struct RankScale {
   double norm = 1.0;      // of the data
   int dimension = 1;      // of the matrices that went into the one judged: errors of entries add up
   double rank_tol = 0.0;  // > 0 overrides the threshold: rank_tol * norm
-  double least_noise =
-      0.0;  // rounding errors of the matrix itself: the noise is never less. A value dropped although
-            // it lies well above is doubtful: 0 turns that off
+  // Rounding errors of the matrix itself: the noise is never less. A value dropped although it lies well above is
+  // doubtful; 0 turns that off.
+  double least_noise = 0.0;
 };
 
 // Judges `count` decreasing magnitudes values[0], values[stride], ...

@@ -161,7 +161,7 @@ inline std::complex<double> product(std::complex<double> a, std::complex<double>
 
 inline std::complex<double> quotient(std::complex<double> a, std::complex<double> b) {
   const double square = b.real() * b.real() + b.imag() * b.imag();
-  const bool in_range = square > 1e-290 && square < 1e290;
+  const bool in_range = square > 1e-290 && square < 1e290;  // as are c and the quotient by it, digits and all
   if (!in_range) return a / b;
   const std::complex<double> c = product(a, std::conj(b));
   return {c.real() / square, c.imag() / square};
@@ -205,8 +205,8 @@ inline void multiply_few(double alpha, ConstView a, const double* x, double beta
   }
 }
 
-// A := A^-1 by Gauss-Jordan elimination with pivoting, for well-conditioned matrices; the pivots are returned, and the
-// exchanges of rows (counted from 0). False if a pivot vanishes.
+// A := A^-1 by Gauss-Jordan elimination with pivoting, for well-conditioned matrices; the pivots are returned, and
+// the exchanges of rows (counted from 0). False if a pivot vanishes.
 inline bool invert(View a, double* pivots, int* exchanges) {
   const int n = a.cols;
   for (int k = 0; k < n; ++k) {

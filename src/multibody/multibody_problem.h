@@ -1,5 +1,7 @@
 // A mechanical system with constraints: what delivers its matrices and their derivatives.
 //
+// Folder multibody: everything of mechanical systems, from problem to model.
+//
 //     q' = S v,   M v' = f - C^T mu,   0 = g(t, q),   0 = C v + r,   0 = C v' + s
 //
 // with C = [g_q S; H], mu = (lambda, kappa), r = (g_t, h) and s = (gamma, eta), the last two rows of constraints

@@ -13,18 +13,20 @@ class CoefficientSource {
  public:
   virtual int m() const = 0;
   virtual int n() const = 0;
-  // The same coefficients at every t.
   // How often each equation is differentiated at most; empty: no limit.
   virtual std::vector<int> differentiations() const { return {}; }
+  // The same coefficients at every t.
   virtual bool is_constant() const = 0;
-  // The hypothesis has to hold at level mu + 1 as well: for nonlinear problems, where it does not follow from constant ranks.
+  // The hypothesis has to hold at level mu + 1 as well: for nonlinear problems, where it does not follow from
+  // constant ranks.
   virtual bool checks_next_level() const { return false; }
-  // Coefficients up to the orders asked for at t, scaled with the given time scale (0: chosen). rows, preferred_rows: as
-  // for TaylorData::scale. A stop request ends the evaluation with SFDAE_STOPPED.
+  // Coefficients up to the orders asked for at t, scaled with the given time scale (0: chosen). rows, preferred_rows:
+  // as for TaylorData::scale. A stop request ends the evaluation with SFDAE_STOPPED.
   virtual CallbackError evaluate(double t, Orders orders, double time_scale, TaylorData& data,
                                  RowScaling rows = RowScaling::each,
                                  const std::vector<double>* preferred_rows = nullptr) = 0;
-  // evaluate() multiplies column j of E and A by scale[j] (powers of two) from now on: unknowns x_j / scale[j]. Empty: 1.
+  // evaluate() multiplies column j of E and A by scale[j] (powers of two) from now on: unknowns x_j / scale[j].
+  // Empty: 1.
   virtual void set_units(Units units) = 0;
 
  protected:

@@ -18,8 +18,7 @@ void compare(LinearProblem& problem, char which, double t, int order, Derivative
   const CallbackError error = problem.call(which, t, order, supplied.values.data());
   if (error.status == SFDAE_ORDER_MISSING) return;
   if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
-  // Relative spacing: 1 near t = 0, |t| far away.
-  const double unit = std::max(1.0, std::fabs(t) * 1e-3);
+  const double unit = unit_of_time(t);
   compare_with_differences(
       supplied, unit,
       [&](double offset, double* values) { return problem.call(which, t + offset, order - 1, values); }, worst);

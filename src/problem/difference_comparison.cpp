@@ -16,10 +16,13 @@ namespace sfdae::core {
 namespace {
 
 constexpr int points = DifferenceFormula::points;
-// Spacings of the points from the widest down by factors of 4; the one with the smallest estimated error counts.
+// Spacings of the points from the widest down by factors of 4, to 4e-13; the one with the smallest estimated error
+// counts.
 constexpr double widest_spacing = 0.1;
+constexpr double spacing_ratio = 4.0;
 constexpr int spacings = 20;
-// Differences may share their truncation error with their estimate: nothing below is called uncertain.
+// Differences may share their truncation error with their estimate: nothing below is called uncertain. Three digits
+// above rounding, by judgement.
 constexpr double least_uncertainty = 1e3 * unit_roundoff;
 
 double largest(const std::vector<double>& v) { return max_abs({v.data(), static_cast<int>(v.size()), 1, 1}); }
@@ -34,7 +37,7 @@ Differences best_differences(int count, double unit, const OffsetFunction& funct
   std::vector<double> candidate(size), samples(size * points), one(size);
   Differences best;
   double h = widest_spacing * unit;
-  for (int attempt = 0; attempt < spacings; ++attempt, h /= 4.0) {
+  for (int attempt = 0; attempt < spacings; ++attempt, h /= spacing_ratio) {
     bool reached = true;
     for (int i = 0; i < points && reached; ++i) {
       const CallbackError callback_error = function((i - points / 2) * h, one.data());

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -14,7 +16,8 @@ struct DerivativeMismatch {
   int order = 0, row = 0, column = 0;
   double supplied = 0.0, difference = 0.0;
   double error = 0.0;        // |supplied - difference| relative to the size of the derivatives compared
-  double uncertainty = 0.0;  // of the difference, likewise
+  double uncertainty = 0.0;  // of the difference, relative to that size
+  // An estimate of the uncertainty is right to two digits at most; wrong derivatives are off by far more.
   bool suspicious() const { return error > 100.0 * uncertainty; }
 };
 
@@ -28,8 +31,11 @@ struct SuppliedDerivative {
 // Writes the function that is differentiated, at an offset from the point.
 using OffsetFunction = std::function<CallbackError(double offset, double* values)>;
 
-// Differences at spacings of 0.1 unit and less; `worst` becomes the worst mismatch, measured by error / uncertainty, of the
-// entries and what it was before. Throws Failure if the function fails for good.
+// Unit of the spacings in time: 1 near t = 0; far away a thousandth of |t|, so that the rounding of t does not show.
+inline double unit_of_time(double t) { return std::max(1.0, std::fabs(t) * 1e-3); }
+
+// Differences at spacings of 0.1 unit and less; `worst` becomes the worst mismatch, measured by error / uncertainty,
+// of the entries and what it was before. Throws Failure if the function fails for good.
 void compare_with_differences(const SuppliedDerivative& supplied, double unit, const OffsetFunction& function,
                               DerivativeMismatch& worst);
 

@@ -47,6 +47,8 @@ void DifferenceFormula::apply(int k, double step, const double* samples, int len
   const double* all = all_.data() + static_cast<std::ptrdiff_t>(k) * points;
   const double* inner = inner_.data() + static_cast<std::ptrdiff_t>(k) * (points - 2);
   const double scale = std::pow(step, -k);
+  // Rounding errors of samples, as a multiple of what they are if functions are computed to the last bit.
+  constexpr double sample_roundings = 4.0;
   double largest = 0.0;
   for (int row = 0; row < length; ++row) {
     double value = 0.0, coarse = 0.0, magnitude = 0.0;
@@ -57,7 +59,8 @@ void DifferenceFormula::apply(int k, double step, const double* samples, int len
       if (i > 0 && i < points - 1) coarse += inner[i - 1] * s;
     }
     derivative[row] = value * scale;
-    largest = std::max(largest, (std::fabs(value - coarse) + 4.0 * unit_roundoff * magnitude) * std::fabs(scale));
+    largest = std::max(largest,
+                       (std::fabs(value - coarse) + sample_roundings * unit_roundoff * magnitude) * std::fabs(scale));
   }
   *error = largest;
 }

@@ -15,7 +15,7 @@ std::vector<double> difference_weights(double at, const std::vector<double>& nod
 // derivative at t computed from all of them. error: largest estimated error of an entry, from the formula with two
 // points less and from rounding.
 struct DifferenceFormula {
-  static constexpr int points = 9;
+  static constexpr int points = 9;  // order 8 for the first derivative, and six derivatives with correct digits
   explicit DifferenceFormula(int shift, int highest);
   void apply(int k, double step, const double* samples, int length, double* derivative, double* error) const;
 
@@ -23,7 +23,8 @@ struct DifferenceFormula {
   std::vector<double> all_, inner_;  // weights with all points and without the outer two, for step 1
 };
 
-// The shift for points around a place with so much room below and above; the step is made smaller where they are too many.
+// The shift for points around a point with so much room below and above; the step is made smaller where they are too
+// many.
 int fitting_shift(double below, double above, double& step);
 
 }  // namespace sfdae::core

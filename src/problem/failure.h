@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "linalg/format.h"
+
 namespace sfdae::core {
 
 class Failure : public std::exception {
@@ -18,12 +20,5 @@ class Failure : public std::exception {
   int status_;
   std::string message_;
 };
-
-// printf into a string.
-#if defined(__GNUC__)
-__attribute__((format(printf, 1, 2)))
-#endif
-std::string
-format(const char* pattern, ...);
 
 }  // namespace sfdae::core

@@ -14,7 +14,11 @@ namespace sfdae::core {
 
 namespace {
 
+// Formulas of nine points give six orders with an accuracy worth having.
 constexpr int max_difference_order = 6;
+// Steps tried, from a sixteenth of the interval of interest down by halves to 1e-9 of it; by judgement.
+constexpr double widest_step = 1.0 / 16.0;
+constexpr int difference_steps = 24;
 
 double largest_entry(const double* values, int count) { return max_abs({values, count, 1, std::max(count, 1)}); }
 
@@ -129,7 +133,6 @@ CallbackError LinearProblem::fill(Function& function, double t, int order, doubl
       if (callback_error.status != SFDAE_ORDER_MISSING) return callback_error;
       if (k > 0 && differences_.allowed) function.highest_order = k - 1;
     }
-    // Formulas of nine points give six orders with an accuracy worth having.
     if (!differences_.allowed || k == 0 || order > max_difference_order) {
       if (callback_error.status == SFDAE_OK) {
         callback_error.status = SFDAE_ORDER_MISSING;
@@ -139,7 +142,7 @@ CallbackError LinearProblem::fill(Function& function, double t, int order, doubl
       }
       return callback_error;
     }
-    return differentiate(function, t, k, order, values, errors);
+    return differentiate(function, t, {k, order}, values, errors);
   }
   return {};
 }
@@ -169,9 +172,9 @@ CallbackError LinearProblem::choose_difference_step(Function& function, double t
   const int count = function.rows * function.columns;
   std::vector<double> samples, derivative(index(count));
   double best_error = std::numeric_limits<double>::infinity();
-  double wanted = differences_.span / 16.0;
+  double wanted = differences_.span * widest_step;
   CallbackError callback_error, last_error;
-  for (int attempt = 0; attempt < 24; ++attempt, wanted /= 2.0) {
+  for (int attempt = 0; attempt < difference_steps; ++attempt, wanted /= 2.0) {
     int shift = 0;
     double step = wanted;
     callback_error = sample(function, t, step, samples, shift);
@@ -200,8 +203,9 @@ CallbackError LinearProblem::choose_difference_step(Function& function, double t
   return function.difference_step > 0.0 ? CallbackError{} : last_error;
 }
 
-CallbackError LinearProblem::differentiate(Function& function, double t, int first, int last, double* values,
+CallbackError LinearProblem::differentiate(Function& function, double t, OrderRange orders, double* values,
                                            double* errors) {
+  const auto [first, last] = orders;
   const int count = function.rows * function.columns;
   if (function.difference_step == 0.0) {
     const CallbackError callback_error = choose_difference_step(function, t, last);

@@ -60,7 +60,7 @@ class LinearProblem final : public Problem, public CoefficientSource {
   // One derivative straight from the callback: which = 'E', 'A' or 'f'. No differences.
   CallbackError call(char which, double t, int order, double* values);
 
-  // What stands behind callbacks that cannot evaluate, where they know it.
+  // Says why callbacks cannot evaluate, where they know it.
   void set_explanation(std::function<std::string(double t)> explanation) { explanation_ = std::move(explanation); }
 
   // Also forgets which orders were not available.
@@ -90,10 +90,14 @@ class LinearProblem final : public Problem, public CoefficientSource {
     std::vector<double> constant_value;
   };
 
+  struct OrderRange {
+    int first, last;
+  };
+
   static std::size_t slot(char which) { return which == 'E' ? 0u : which == 'A' ? 1u : 2u; }
   CallbackError fill(Function& function, double t, int order, double* values, double* errors);
   // errors[k]: of the k-th derivative, relative to the largest value of the function.
-  CallbackError differentiate(Function& function, double t, int first, int last, double* values, double* errors);
+  CallbackError differentiate(Function& function, double t, OrderRange orders, double* values, double* errors);
   // The step is made smaller where the limits are too close.
   CallbackError sample(Function& function, double t, double& step, std::vector<double>& samples, int& shift);
   CallbackError choose_difference_step(Function& function, double t, int last);

@@ -83,8 +83,12 @@ class CallbackProblem final : public NonlinearProblem {
   CallbackProblem(int m, int n, sfdae_total_derivative_function function, void* user, PrescribedInputs inputs)
       : NonlinearProblem(m, n, std::move(inputs)), function_(function), user_(user) {}
 
-  // One order straight from the callback, plain derivatives; F_x and F_xdot may be null. jet: plain derivatives of x.
-  CallbackError call(double t, int order, const double* derivatives, double* F, double* F_x, double* F_xdot);
+  struct Outputs {
+    double* F;
+    double *F_x = nullptr, *F_xdot = nullptr;  // null: not asked for
+  };
+  // One order straight from the callback, plain derivatives. derivatives: those of x.
+  CallbackError call(double t, int order, const double* derivatives, const Outputs& to);
 
  protected:
   CallbackError evaluate_values(double t, const double* jet, int order, double* F) override;

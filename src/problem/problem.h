@@ -1,4 +1,6 @@
 // What all problems have in common, whatever their equations: errors of callbacks, requests to stop, limits.
+//
+// Folder problem: the user's equations, linear or nonlinear, checked and counted; they deliver Taylor coefficients.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

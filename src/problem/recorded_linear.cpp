@@ -53,7 +53,7 @@ std::string RecordedLinearCoefficients::failure(double t) const {
 }
 
 int RecordedLinearCoefficients::derivative(char which, double t, int order, double* values) {
-  constexpr int cannot_evaluate = 1;
+  constexpr int cannot_evaluate = 1;  // returned as callbacks of users do
   if (order > max_derivative_order) return SFDAE_ORDER_NOT_AVAILABLE;
   // All orders at once; the highest may fail where this one does not.
   usual_order_ = std::max(usual_order_, order);

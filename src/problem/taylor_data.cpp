@@ -13,16 +13,78 @@ namespace sfdae::core {
 
 namespace {
 
-// Products of a few scaled coefficients must stay finite.
+// Products of a few scaled coefficients must stay finite: five of this size do.
 constexpr double largest_coefficient = 1e60;
+// Factors of rows within 8 of those wanted are kept, for equations that depend smoothly on t
+// (docs/decisions/04-row-scaling.md).
+constexpr double about_right = 8.0;
+// How far the unit of time in which coefficients grow may be from that of E x' = A x, tau = |E| / |A|, to be
+// followed. By judgement: no figures were recorded.
+constexpr double shortest_growth = 0.1, longest_growth = 1e3;
+// Scaled data have entries of one to two, but for a tiny E with its small unit of time: below this they get another
+// factor.
+constexpr double small_data = 0.125;
 
-// Scaling by it rounds nothing. Units of time beyond 1e39 would make right-hand sides overflow.
+// Scaling by it rounds nothing. Units of time beyond 1e39 = 2^130 would make right-hand sides overflow, and those
+// below 2^-900 the powers of their inverses.
 double power_of_two_near(double x) {
   return std::ldexp(1.0, std::clamp(static_cast<int>(std::lround(std::log2(x))), -900, 130));
 }
 
 void multiply_entries(double* values, std::size_t count, double factor) {
   for (std::size_t i = 0; i < count; ++i) values[i] *= factor;
+}
+
+// Sizes of the rows of [E A]; one that vanishes at this point only is measured by its derivatives.
+void measure_rows(const TaylorData& data, std::vector<double>& sizes) {
+  std::fill(sizes.begin(), sizes.end(), 0.0);
+  const auto raise = [&](ConstView a) {
+    for (int j = 0; j < data.n; ++j) {
+      const double* column = a.column(j);
+      for (int i = 0; i < data.m; ++i) sizes[index(i)] = std::max(sizes[index(i)], std::fabs(column[i]));
+    }
+  };
+  raise(data.E(0));
+  raise(data.A(0));
+  if (*std::min_element(sizes.begin(), sizes.end()) != 0.0) return;
+  const std::vector<double> at_point = sizes;
+  for (int k = 1; k <= data.orders.E; ++k) raise(data.E(k));
+  for (int k = 1; k <= data.orders.A; ++k) raise(data.A(k));
+  for (std::size_t i = 0; i < sizes.size(); ++i)
+    if (at_point[i] != 0.0) sizes[i] = at_point[i];
+}
+
+// 2^exponent; no factor overflows or loses bits.
+double power_of_two(int exponent) { return std::ldexp(1.0, std::clamp(exponent, -1020, 1020)); }
+
+// The factors of all rows are as preferred where those are about right for all of them.
+bool are_about_right(const std::vector<double>& preferred, const std::vector<double>& wanted) {
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const double ratio = wanted[i] / preferred[i];
+    if (!(ratio >= 1.0 / about_right && ratio <= about_right)) return false;
+  }
+  return true;
+}
+
+void choose_row_scale(TaylorData& data, RowScaling rows, const std::vector<double>* preferred) {
+  std::vector<double>& row_scale = data.row_scale;
+  measure_rows(data, row_scale);
+  data.row_norm = row_scale;
+  const double largest = *std::max_element(row_scale.begin(), row_scale.end());
+  // Powers of two that bring the largest row to [1, 2) and the others to once or twice that: a common factor of all
+  // rows changes nothing but a common factor.
+  const int top = largest == 0.0 ? 0 : std::ilogb(largest);
+  const double top_mantissa = std::ldexp(largest, -top);
+  for (double& size : row_scale) {
+    if (size == 0.0 || rows == RowScaling::common) {
+      size = power_of_two(-top);
+      continue;
+    }
+    const int exponent = std::ilogb(size);
+    size = power_of_two(-exponent + (std::ldexp(size, -exponent) < top_mantissa ? 1 : 0));
+  }
+  if (preferred != nullptr && rows != RowScaling::common && are_about_right(*preferred, row_scale))
+    row_scale = *preferred;
 }
 
 }  // namespace
@@ -38,48 +100,6 @@ void TaylorData::resize(int rows, int cols, Orders held) {
   row_scale.resize(index(rows));
   row_norm.resize(index(rows));
   row_factor_.resize(index(rows));
-}
-
-void TaylorData::choose_row_scale(RowScaling rows, const std::vector<double>* preferred) {
-  std::fill(row_scale.begin(), row_scale.end(), 0.0);
-  const auto raise = [this](ConstView a) {
-    for (int j = 0; j < n; ++j) {
-      const double* column = a.column(j);
-      for (int i = 0; i < m; ++i) row_scale[index(i)] = std::max(row_scale[index(i)], std::fabs(column[i]));
-    }
-  };
-  raise(E(0));
-  raise(A(0));
-  // A row that vanishes at this point only is measured by its derivatives.
-  if (*std::min_element(row_scale.begin(), row_scale.end()) == 0.0) {
-    const std::vector<double> at_point = row_scale;
-    for (int k = 1; k <= orders.E; ++k) raise(E(k));
-    for (int k = 1; k <= orders.A; ++k) raise(A(k));
-    for (int i = 0; i < m; ++i)
-      if (at_point[index(i)] != 0.0) row_scale[index(i)] = at_point[index(i)];
-  }
-  row_norm = row_scale;
-  const double largest = *std::max_element(row_scale.begin(), row_scale.end());
-  // Powers of two that bring the largest row to [1, 2) and the others to once or twice that: a common factor of all rows
-  // changes nothing but a common factor.
-  const auto power = [](int exponent) { return std::ldexp(1.0, std::clamp(exponent, -1020, 1020)); };
-  const int top = largest == 0.0 ? 0 : std::ilogb(largest);
-  const double top_mantissa = std::ldexp(largest, -top);
-  for (double& size : row_scale) {
-    if (size == 0.0 || rows == RowScaling::common) {
-      size = power(-top);
-      continue;
-    }
-    const int exponent = std::ilogb(size);
-    size = power(-exponent + (std::ldexp(size, -exponent) < top_mantissa ? 1 : 0));
-  }
-  if (preferred == nullptr || rows == RowScaling::common) return;
-  constexpr double about_right = 8.0;
-  for (int i = 0; i < m; ++i) {
-    const double ratio = row_scale[index(i)] / (*preferred)[index(i)];
-    if (!(ratio >= 1.0 / about_right && ratio <= about_right)) return;
-  }
-  row_scale = *preferred;
 }
 
 // Order k times D tau^k / k!, for A and f once more times tau.
@@ -98,9 +118,9 @@ void TaylorData::scale_rows_and_measure(double tau) {
   double factor = 1.0;
   for (int k = 0; k <= std::max({orders.E, orders.A, orders.f}); ++k) {
     if (k > 0) factor *= tau / k;
-    if (k <= orders.E) norm_E_[index(k)] = scale_rows(E(k).data, n, factor);
-    if (k <= orders.A) norm_A_[index(k)] = scale_rows(A(k).data, n, factor * tau);
-    if (k <= orders.f) norm_f_[index(k)] = scale_rows(f(k), 1, factor * tau);
+    if (k <= orders.E) norms_.E[index(k)] = scale_rows(E(k).data, n, factor);
+    if (k <= orders.A) norms_.A[index(k)] = scale_rows(A(k).data, n, factor * tau);
+    if (k <= orders.f) norms_.f[index(k)] = scale_rows(f(k), 1, factor * tau);
   }
 }
 
@@ -110,8 +130,8 @@ double TaylorData::row_scale_ratio() const {
 }
 
 void TaylorData::measure() {
-  for (int k = 0; k <= orders.E; ++k) norm_E_[index(k)] = max_abs(E(k));
-  for (int k = 0; k <= orders.A; ++k) norm_A_[index(k)] = max_abs(A(k));
+  for (int k = 0; k <= orders.E; ++k) norms_.E[index(k)] = max_abs(E(k));
+  for (int k = 0; k <= orders.A; ++k) norms_.A[index(k)] = max_abs(A(k));
 }
 
 // Smallest time in which one of the coefficients grows as large as that of order 0.
@@ -123,9 +143,9 @@ double TaylorData::choose_time_scale() const {
       if (norms[index(k)] > 0.0 && norms[0] > 0.0) tau = std::min(tau, std::pow(norms[0] / norms[index(k)], 1.0 / k));
     return tau;
   };
-  const double grown_A = growth(norm_A_, orders.A);
+  const double grown_A = growth(norms_.A, orders.A);
   // Rows without E have been scaled for themselves: they say nothing about time.
-  double E0 = norm_E_[0], A0 = 0.0;
+  double E0 = norms_.E[0], A0 = 0.0;
   for (int i = 0; i < m; ++i) {
     double row_E = 0.0, row_A = 0.0;
     for (int j = 0; j < n; ++j) {
@@ -135,16 +155,16 @@ double TaylorData::choose_time_scale() const {
     if (row_E > 0.0) A0 = std::max(A0, row_A);
   }
   if (E0 == 0.0 || A0 == 0.0) {
-    const double grown = E0 == 0.0 ? grown_A : growth(norm_E_, orders.E);
+    const double grown = E0 == 0.0 ? grown_A : growth(norms_.E, orders.E);
     return grown < infinity ? grown : 1.0;
   }
   const double ratio = E0 / A0;
-  const double grown = std::min(growth(norm_E_, orders.E), grown_A);
-  return grown < infinity ? std::clamp(grown, 0.1 * ratio, 1e3 * ratio) : ratio;
+  const double grown = std::min(growth(norms_.E, orders.E), grown_A);
+  return grown < infinity ? std::clamp(grown, shortest_growth * ratio, longest_growth * ratio) : ratio;
 }
 
 bool TaylorData::scale(double tau, RowScaling rows, const std::vector<double>* preferred) {
-  choose_row_scale(rows, preferred);
+  choose_row_scale(*this, rows, preferred);
   time_scale = tau > 0.0 ? power_of_two_near(tau) : 1.0;
   scale_rows_and_measure(time_scale);
   if (norm(std::max(orders.E, orders.A)) > largest_coefficient) return false;
@@ -152,7 +172,7 @@ bool TaylorData::scale(double tau, RowScaling rows, const std::vector<double>* p
   const double largest = norm(std::max(orders.E, orders.A));
   if (largest > largest_coefficient) return false;
   // A tiny E with its small time scale: one more common factor keeps squares from underflow.
-  if (largest > 0.0 && largest < 0.125) multiply_all(std::ldexp(1.0, -std::ilogb(largest)));
+  if (largest > 0.0 && largest < small_data) multiply_all(std::ldexp(1.0, -std::ilogb(largest)));
   return norm_f(orders.f) <= largest_coefficient;
 }
 
@@ -162,9 +182,9 @@ void TaylorData::multiply_all(double factor) {
   multiply_entries(A_.data(), size * index(orders.A + 1), factor);
   multiply_entries(f_.data(), index(m) * index(orders.f + 1), factor);
   multiply_entries(row_scale.data(), index(m), factor);
-  multiply_entries(norm_E_.data(), index(orders.E + 1), factor);
-  multiply_entries(norm_A_.data(), index(orders.A + 1), factor);
-  multiply_entries(norm_f_.data(), index(orders.f + 1), factor);
+  multiply_entries(norms_.E.data(), index(orders.E + 1), factor);
+  multiply_entries(norms_.A.data(), index(orders.A + 1), factor);
+  multiply_entries(norms_.f.data(), index(orders.f + 1), factor);
 }
 
 void TaylorData::scale_columns(const Units& factors) {
@@ -197,18 +217,18 @@ void TaylorData::rescale_time(double factor) {
   for (int k = 0; k <= std::max({orders.E, orders.A, orders.f}); ++k) {
     if (k > 0) {
       power *= factor;
-      if (k <= orders.E && norm_E_[index(k)] > 0.0) {
+      if (k <= orders.E && norms_.E[index(k)] > 0.0) {
         multiply_entries(E(k).data, size, power);
-        norm_E_[index(k)] *= power;
+        norms_.E[index(k)] *= power;
       }
     }
-    if (k <= orders.A && norm_A_[index(k)] > 0.0) {
+    if (k <= orders.A && norms_.A[index(k)] > 0.0) {
       multiply_entries(A(k).data, size, power * factor);
-      norm_A_[index(k)] *= power * factor;
+      norms_.A[index(k)] *= power * factor;
     }
-    if (k <= orders.f && norm_f_[index(k)] > 0.0) {
+    if (k <= orders.f && norms_.f[index(k)] > 0.0) {
       multiply_entries(f(k), index(m), power * factor);
-      norm_f_[index(k)] *= power * factor;
+      norms_.f[index(k)] *= power * factor;
     }
   }
 }
@@ -217,19 +237,19 @@ double TaylorData::norm(int level) const { return std::max(norm_E(level), norm_A
 
 double TaylorData::norm_E(int level) const {
   double largest = 0.0;
-  for (int k = 0; k <= std::min(level, orders.E); ++k) largest = std::max(largest, norm_E_[index(k)]);
+  for (int k = 0; k <= std::min(level, orders.E); ++k) largest = std::max(largest, norms_.E[index(k)]);
   return largest;
 }
 
 double TaylorData::norm_A(int level) const {
   double largest = 0.0;
-  for (int k = 0; k <= std::min(level, orders.A); ++k) largest = std::max(largest, norm_A_[index(k)]);
+  for (int k = 0; k <= std::min(level, orders.A); ++k) largest = std::max(largest, norms_.A[index(k)]);
   return largest;
 }
 
 double TaylorData::norm_f(int level) const {
   double largest = least_norm_f;
-  for (int k = 0; k <= std::min(level, orders.f); ++k) largest = std::max(largest, norm_f_[index(k)]);
+  for (int k = 0; k <= std::min(level, orders.f); ++k) largest = std::max(largest, norms_.f[index(k)]);
   return largest;
 }
 
@@ -239,7 +259,7 @@ double TaylorData::noise(int level) const {
   double relative = std::max(unit_roundoff, residual_noise), factor = 1.0;
   for (int k = 1; k <= level && size > 0.0; ++k) {
     factor *= time_scale / k;
-    const double absolute = std::max(error_E[index(k)] * norm_E_[0], error_A[index(k)] * norm_A_[0]);
+    const double absolute = std::max(error_E[index(k)] * norms_.E[0], error_A[index(k)] * norms_.A[0]);
     relative = std::max(relative, absolute * factor / size);
   }
   return relative;
@@ -250,7 +270,7 @@ double TaylorData::noise_f(int level) const {
   double relative = unit_roundoff, factor = 1.0;
   for (int k = 1; k <= std::min(level, orders.f) && size > 0.0; ++k) {
     factor *= time_scale / k;
-    relative = std::max(relative, error_f[index(k)] * norm_f_[0] * factor / size);
+    relative = std::max(relative, error_f[index(k)] * norms_.f[0] * factor / size);
   }
   return relative;
 }

@@ -5,7 +5,8 @@
 // D scales the rows by powers of two so that the largest entry of each row of [E A] lies in [1, 2): a constant row
 // factor at a point changes neither ranks nor solutions, but only the joint scaling tells a badly scaled equation
 // from a singular perturbation. (A row that is small by cancellation carries the rounding errors of large ones, and
-// scaling it up turns them into signals: for doubtful cases there is one common factor for all rows as well.) tau is the unit of time in which derivatives are compared.
+// scaling it up turns them into signals: for doubtful cases there is one common factor for all rows as well.) tau is
+// the unit of time in which derivatives are compared.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -19,6 +20,8 @@
 
 namespace sfdae::core {
 
+// The highest index that can be asked for: a limit for arrays of fixed size, not one of the theory. Derivatives of
+// one order more serve x' of the solution.
 inline constexpr int max_strangeness_index = 12;
 inline constexpr int max_derivative_order = max_strangeness_index + 1;
 
@@ -31,7 +34,7 @@ struct Orders {
 
 enum class RowScaling { each, common };
 
-// Rows that differ by no more are readable without a factor of their own.
+// Rows that differ by no more need no factor of their own (docs/decisions/05-cancellation-in-small-rows.md).
 inline constexpr double moderate_row_ratio = 4096.0;
 
 class TaylorData {
@@ -40,19 +43,19 @@ class TaylorData {
   void resize(int m, int n, Orders orders);
 
   // The coefficients of order k; before scale(), plain derivatives.
-  View E(int k) { return block(E_, k); }
-  View A(int k) { return block(A_, k); }
+  View E(int k) { return {E_.data() + first(k), m, n, m}; }
+  View A(int k) { return {A_.data() + first(k), m, n, m}; }
   double* f(int k) { return f_.data() + static_cast<std::ptrdiff_t>(k) * m; }
-  ConstView E(int k) const { return block(E_, k); }
-  ConstView A(int k) const { return block(A_, k); }
+  ConstView E(int k) const { return {E_.data() + first(k), m, n, m}; }
+  ConstView A(int k) const { return {A_.data() + first(k), m, n, m}; }
   const double* f(int k) const { return f_.data() + static_cast<std::ptrdiff_t>(k) * m; }
   // f(0), ..., f(order) one below the other.
   ConstView f_stack(int order) const { return {f_.data(), m * (order + 1), 1, m * (order + 1)}; }
 
   // Turns plain derivatives into scaled Taylor coefficients; tau = 0 chooses the time scale. False if entries are so
   // large or differ so much that products would overflow.
-  // preferred: factors of rows to take again if they are about right; the range of E T2, and with it the equations that
-  // Z1 picks, then depends smoothly on t from one point to the next.
+  // preferred: factors of rows to take again if they are about right; the range of E T2, and with it the equations
+  // that Z1 picks, then depends smoothly on t from one point to the next.
   bool scale(double tau, RowScaling rows = RowScaling::each, const std::vector<double>* preferred = nullptr);
   // Multiplies column j of all E(k), A(k) by factors[j]; before scale().
   void scale_columns(const Units& factors);
@@ -69,12 +72,12 @@ class TaylorData {
   double norm_f(int level) const;
   // The largest row over the smallest, as far as scaling evened it out.
   double row_scale_ratio() const;
-  bool is_zero_E(int k) const { return norm_E_[index(k)] == 0.0; }
-  bool is_zero_A(int k) const { return norm_A_[index(k)] == 0.0; }
-  double norm_E0() const { return norm_E_[0]; }
+  bool is_zero_E(int k) const { return norms_.E[index(k)] == 0.0; }
+  bool is_zero_A(int k) const { return norms_.A[index(k)] == 0.0; }
+  double norm_E0() const { return norms_.E[0]; }
   // Rounding errors of the data of level 0 and of derivatives, relative to norm().
   double noise(int level) const;
-  // The same for f, relative to norm_f().
+  // Rounding errors of f of level 0 and of its derivatives, relative to norm_f().
   double noise_f(int level) const;
 
   int m = 0;
@@ -103,19 +106,17 @@ class TaylorData {
   double least_norm_f = 0.0;
 
  private:
-  View block(std::vector<double>& entries, int k) {
-    return {entries.data() + static_cast<std::ptrdiff_t>(k) * m * n, m, n, m};
-  }
-  ConstView block(const std::vector<double>& entries, int k) const {
-    return {entries.data() + static_cast<std::ptrdiff_t>(k) * m * n, m, n, m};
-  }
-  void choose_row_scale(RowScaling rows, const std::vector<double>* preferred);
+  // Largest entries of the coefficients of each order.
+  struct Norms {
+    std::array<double, max_derivative_order + 1> E{}, A{}, f{};
+  };
+  std::ptrdiff_t first(int k) const { return static_cast<std::ptrdiff_t>(k) * m * n; }  // entry of order k
   double choose_time_scale() const;
   void scale_rows_and_measure(double tau);
   void multiply_all(double factor);
 
   std::vector<double> E_, A_, f_, row_factor_;
-  std::array<double, max_derivative_order + 1> norm_E_{}, norm_A_{}, norm_f_{};
+  Norms norms_;
 };
 
 }  // namespace sfdae::core

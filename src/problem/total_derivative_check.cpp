@@ -47,13 +47,8 @@ class Checker {
   const DerivativeMismatch& worst() const { return worst_; }
 
  private:
-  struct Outputs {
-    double* F;
-    double *F_x = nullptr, *F_xdot = nullptr;
-  };
-
-  CallbackError call(double t, int order, const std::vector<double>& jet, const Outputs& to) {
-    if (!problem_.stop_is_requested()) return problem_.call(t, order, jet.data(), to.F, to.F_x, to.F_xdot);
+  CallbackError call(double t, int order, const std::vector<double>& jet, const CallbackProblem::Outputs& to) {
+    if (!problem_.stop_is_requested()) return problem_.call(t, order, jet.data(), to);
     CallbackError stopped;
     stopped.status = SFDAE_STOPPED;
     stopped.t = t;
@@ -75,7 +70,7 @@ class Checker {
   }
 
   void compare_F(int order) {
-    const double unit = std::max(1.0, std::fabs(t_) * 1e-3);
+    const double unit = unit_of_time(t_);
     const auto below = [&](double s, double* values) { return call(t_ + s, order - 1, shifted_jet(s), {values}); };
     compare_with_differences({'F', order, problem_.m(), 0, F_}, unit, below, worst_);
   }

@@ -18,10 +18,12 @@ struct LogEntry {
   double size;  // log2
 };
 
-// Entries of a row that are this small against its largest one may be rounding errors; those of A count without the
-// unit of time.
+// Entries of a row that are this small against its largest one may be rounding errors, a hundred of them; those of A
+// count without the unit of time.
 constexpr double negligible = 1e-14;
+// The sweeps converge linearly, and exponents are rounded to integers in the end; by judgement.
 constexpr int sweeps = 100;
+// Units from 2^-300 to 2^300: products of three of them are finite. Sizes of -2 times that stand for zero.
 constexpr double largest_exponent = 300.0;
 
 // Each unknown of a group in turn takes the mean of what is left (Gauss-Seidel on the normal equations).

@@ -5,8 +5,7 @@
 // one.
 //
 // [CR72] A. R. Curtis, J. K. Reid: On the automatic scaling of matrices for Gaussian elimination. IMA J. Appl. Math.
-// 10
-//        (1972) 118-124.
+//        10 (1972) 118-124.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

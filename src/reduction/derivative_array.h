@@ -1,4 +1,4 @@
-// The classical derivative array and its projectors, for those who want to look inside.
+// The classical derivative array and its projectors, for inspection.
 //
 //   M y = N x + g,   M_ij = C(i,j) E^(i-j) - C(i,j+1) A^(i-j-1),   N_i = A^(i),   g_i = f^(i),   y = (x', x'', ...)
 //

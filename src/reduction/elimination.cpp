@@ -19,6 +19,15 @@ namespace {
 // the noise of the judge covers.
 constexpr double largest_multiplier = 100.0;
 
+// What all stages work with.
+struct Elimination {
+  const TaylorData& data;
+  ConstView rhs;
+  Judge& judge;
+  Arena& arena;
+  StoredElimination* store;
+};
+
 // E_0 P = Q [R11 R12; 0 0], computed once for all stages with the same rows. Rows that are left out are zero in Q.
 struct DiagonalBlock {
   View factors;
@@ -76,14 +85,15 @@ DiagonalBlock factor_diagonal_block(const TaylorData& data, int i, Judge& judge,
 }
 
 // result += W (E_p - A_q / j), the block of the array at column j; blocks that vanish cost nothing.
-void add_block(const TaylorData& data, int p, int j, ConstView W, View result, Arena& arena) {
+void add_block(const Elimination& of, int p, int j, ConstView W, View result) {
+  const TaylorData& data = of.data;
   const bool no_E = data.is_zero_E(p);
   const bool no_A = data.is_zero_A(p - 1);
   if (no_E && no_A) return;
   if (no_A) return multiply(1.0, Op::plain, W, Op::plain, data.E(p), 1.0, result);
   if (no_E) return multiply(-1.0 / j, Op::plain, W, Op::plain, data.A(p - 1), 1.0, result);
-  const Arena::Frame frame(arena);
-  const View F = arena.matrix(data.m, data.n);
+  const Arena::Frame frame(of.arena);
+  const View F = of.arena.matrix(data.m, data.n);
   for (int col = 0; col < data.n; ++col) {
     const double* e = data.E(p).column(col);
     const double* a = data.A(p - 1).column(col);
@@ -94,9 +104,11 @@ void add_block(const TaylorData& data, int p, int j, ConstView W, View result, A
 }
 
 // result += W [block row i of the array without column y_{i+1}], columns y_1..y_i, x, rhs.
-void add_block_row(const TaylorData& data, int i, ConstView rhs, ConstView W, View result, Arena& arena) {
+void add_block_row(const Elimination& of, int i, ConstView W, View result) {
+  const TaylorData& data = of.data;
+  const ConstView rhs = of.rhs;
   const int n = data.n;
-  for (int j = 1; j <= i; ++j) add_block(data, i + 1 - j, j, W, result.columns((j - 1) * n, n), arena);
+  for (int j = 1; j <= i; ++j) add_block(of, i + 1 - j, j, W, result.columns((j - 1) * n, n));
   if (!data.is_zero_A(i)) multiply(1.0, Op::plain, W, Op::plain, data.A(i), 1.0, result.columns(i * n, n));
   if (rhs.cols > 0)
     multiply(1.0, Op::plain, W, Op::plain, rhs.block(i * data.m, 0, data.m, rhs.cols), 1.0,
@@ -129,10 +141,18 @@ void add_errors(double size, unsigned seed, View errors) {
     for (int row = 0; row < errors.rows; ++row) errors(row, col) += random() % 2 == 0 ? size : -size;
 }
 
+// The rows carried in that stack: C1, C2 (T) and C3.
+struct Stack {
+  ConstView C1;
+  View T, next;
+};
+
 // Householder: QR of [R11; C1], applied to the columns beside it. rows_F = Q1^T F. Rows with large multipliers become
 // shorter, and their errors with them: returns by how much at least.
-double eliminate_by_reflections(const DiagonalBlock& block, ConstView C1, View T, ConstView rows_F, View next,
-                                Arena& arena, StoredElimination* store) {
+double eliminate_by_reflections(const Elimination& of, const DiagonalBlock& block, const Stack& stack,
+                                ConstView rows_F) {
+  Arena& arena = of.arena;
+  const auto& [C1, T, next] = stack;
   const Arena::Frame frame(arena);
   const int r = block.rank, c = T.rows;
   const View X = arena.matrix(r + c, r);
@@ -151,27 +171,30 @@ double eliminate_by_reflections(const DiagonalBlock& block, ConstView C1, View T
   double* tau = arena.take(index(r) + 1);
   factor_qr(X, tau, arena);
   apply_q(Op::transposed, X, r, tau, beside, arena);
-  if (store != nullptr) store->keep_reflections(X, tau);
+  if (of.store != nullptr) of.store->keep_reflections(X, tau);
   copy(beside.block(r, 0, c, T.cols), T);
   copy(beside.block(r, T.cols, c, next.cols), next);
   return std::min(1.0, std::sqrt(static_cast<double>(c)) * max_abs(mixing.block(r, 0, c, c)));
 }
 
 // The part of the block row i that determines y_j: Q1^T F.
-View determining_rows(const TaylorData& data, const DiagonalBlock& block, int i, ConstView rhs, Arena& arena) {
-  const View rows = arena.matrix(block.rank, (i + 1) * data.n + rhs.cols);
+View determining_rows(const Elimination& of, const DiagonalBlock& block, int i) {
+  const int m = of.data.m;
+  const View rows = of.arena.matrix(block.rank, (i + 1) * of.data.n + of.rhs.cols);
   fill(rows, 0.0);
-  const Arena::Frame frame(arena);
-  const View Q1t = arena.matrix(block.rank, data.m);
+  const Arena::Frame frame(of.arena);
+  const View Q1t = of.arena.matrix(block.rank, m);
   for (int row = 0; row < block.rank; ++row)
-    for (int k = 0; k < data.m; ++k) Q1t(row, k) = block.Q(k, row);
-  add_block_row(data, i, rhs, Q1t, rows, arena);
+    for (int k = 0; k < m; ++k) Q1t(row, k) = block.Q(k, row);
+  add_block_row(of, i, Q1t, rows);
   return rows;
 }
 
 // The rest of y_j: rows of T that are independent determine it and leave. Rows of errors come first in T and `rows`,
-// at the end behind those that leave. norm: of the rows of the stage in y_j. Returns the number of rows that leave.
-int release_rows(View T, double norm, int j, View rows, Judge& judge, Arena& arena, StoredElimination* store) {
+// at the end after those that leave. norm: of the rows of the stage in y_j. Returns the number of rows that leave.
+int release_rows(const Elimination& of, View T, double norm, int j, View rows) {
+  Judge& judge = of.judge;
+  Arena& arena = of.arena;
   const int error_rows = judge.error_rows(), c = T.rows - error_rows;
   if (c == 0 || T.cols == 0) return 0;
   const View errors = T.top(error_rows), factors = T.block(error_rows, 0, c, T.cols);
@@ -188,7 +211,7 @@ int release_rows(View T, double norm, int j, View rows, Judge& judge, Arena& are
   judge.set_errors(max_abs(errors));
   const int leaving = judge.decide_stage(j, factors, original, norm);
   apply_q(Op::transposed, factors, leaving, tau, others, arena);
-  if (store != nullptr) store->keep_leaving(factors, pivots, tau, others.top(leaving));
+  if (of.store != nullptr) of.store->keep_leaving(factors, pivots, tau, others.top(leaving));
   if (leaving == 0) return 0;
   const View L = arena.matrix(error_rows, leaving);
   gather(errors, 0, pivots, L);
@@ -200,17 +223,18 @@ int release_rows(View T, double norm, int j, View rows, Judge& judge, Arena& are
 }
 
 // One stage: eliminates y_j, j = i + 1, from block row i and the rows carried; returns the rows carried on.
-View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View carried, ConstView rhs, Judge& judge,
-               Arena& arena, StoredElimination* store) {
-  const int n = data.n, m = data.m, r = block.rank, c = carried.rows, error_rows = judge.error_rows();
-  const int columns = (i + 1) * n + rhs.cols;  // y_1..y_i, x, rhs
+View run_stage(const Elimination& of, const DiagonalBlock& block, int i, View carried) {
+  Judge& judge = of.judge;
+  Arena& arena = of.arena;
+  const int n = of.data.n, m = of.data.m, r = block.rank, c = carried.rows, error_rows = judge.error_rows();
+  const int columns = (i + 1) * n + of.rhs.cols;  // y_1..y_i, x, rhs
   const View next = arena.matrix(c + block.null_rows(), columns);
   copy(carried.columns(0, i * n), next.block(0, 0, c, i * n));
-  copy(carried.columns((i + 1) * n, n + rhs.cols), next.block(0, i * n, c, n + rhs.cols));
+  copy(carried.columns((i + 1) * n, n + of.rhs.cols), next.block(0, i * n, c, n + of.rhs.cols));
   fill(next.block(c, 0, block.null_rows(), columns), 0.0);
 
   const Arena::Frame frame(arena);
-  if (store != nullptr) store->begin_stage(i, c);
+  if (of.store != nullptr) of.store->begin_stage(i, c);
   const View W = arena.matrix(c + block.null_rows(), m);  // next += W F
   for (int row = 0; row < block.null_rows(); ++row)
     for (int k = 0; k < m; ++k) W(c + row, k) = block.Q(k, r + row);
@@ -225,20 +249,20 @@ View run_stage(const TaylorData& data, const DiagonalBlock& block, int i, View c
   double shortening = 1.0;
   if (!moderate) {
     gather(carried, i * n, block.pivots, C1);
-    shortening = eliminate_by_reflections(
-        block, C1.block(error_rows, 0, others, r), T.block(error_rows, 0, others, T.cols),
-        determining_rows(data, block, i, rhs, arena), next.block(error_rows, 0, others, columns), arena, store);
+    const Stack stack{C1.block(error_rows, 0, others, r), T.block(error_rows, 0, others, T.cols),
+                      next.block(error_rows, 0, others, columns)};
+    shortening = eliminate_by_reflections(of, block, stack, determining_rows(of, block, i));
     fill(W.block(error_rows, 0, others, m), 0.0);
   }
-  if (store != nullptr) store->keep_combination(W);
-  add_block_row(data, i, rhs, W, next, arena);
+  if (of.store != nullptr) of.store->keep_combination(W);
+  add_block_row(of, i, W, next);
   if (!moderate) {
     scale(shortening, T.top(error_rows));
     scale(shortening, next.top(error_rows));
   }
 
   const double norm = max_abs(carried.block(error_rows, i * n, others, n));
-  const int leaving = release_rows(T, norm, i + 1, next.top(c), judge, arena, store);
+  const int leaving = release_rows(of, T, norm, i + 1, next.top(c));
   const View result = next.block(leaving, 0, next.rows - leaving, columns);
   const unsigned seed = static_cast<unsigned>(i) + 1;
   add_errors(judge.entering_error(), seed, result.block(0, 0, error_rows, i * n));
@@ -260,6 +284,7 @@ Carried split(const View& carried, int y_columns, int n, int rhs_columns) {
 Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_stage, Judge& judge, Arena& arena,
                   StoredElimination* store) {
   assert(store == nullptr || judge.error_rows() == 0);
+  const Elimination of{data, rhs, judge, arena, store};
   DiagonalBlock block = factor_diagonal_block(data, level, judge, arena);
   if (store != nullptr) {
     store->begin(data, level);
@@ -275,7 +300,7 @@ Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_sta
       block = factor_diagonal_block(data, i, judge, arena);
       if (store != nullptr) store->keep_diagonal_block(block.factors, block.pivots, block.Q, block.rank);
     }
-    carried = run_stage(data, block, i, carried, rhs, judge, arena, store);
+    carried = run_stage(of, block, i, carried);
   }
   if (store != nullptr) store->finish(data, arena);
   judge.set_constraint_errors(max_abs(carried.block(0, (last_stage - 1) * data.n, error_rows, data.n)));

@@ -16,6 +16,11 @@ namespace sfdae::core {
 
 namespace {
 
+// Where the analysis is made, and on which side its other point is.
+struct Place {
+  double t, toward;
+};
+
 // What the analysis would say if the doubtful value were decided by rank_tol.
 std::string result_with(CoefficientSource& problem, double t, AnalysisSettings settings, double rank_tol,
                         Arena& arena) {
@@ -25,6 +30,8 @@ std::string result_with(CoefficientSource& problem, double t, AnalysisSettings s
                         : "no level up to max_index fulfils the hypothesis";
 }
 
+// rank_tol for either answer: the geometric mean of the value and what is below it (two digits, where that is not
+// known) keeps it, three times the value drops it. Above one half nothing would be kept.
 [[noreturn]] void report_unclear(CoefficientSource& problem, double t, const AnalysisSettings& settings,
                                  const LevelResult& found, Arena& arena) {
   const RankDecision& decision = found.doubtful;
@@ -73,15 +80,19 @@ IndexAnalysis search_at(CoefficientSource& problem, double t, const AnalysisSett
   return analysis;
 }
 
-// Far enough for a coefficient that vanishes at t to be seen, near enough to stay on the same smooth piece.
-double nearby_point(double t, double toward, double time_scale) {
-  const double distance = std::min(std::fabs(toward - t), time_scale) * 0.7e-3;
-  const double resolvable = 1e6 * unit_roundoff * std::fabs(t);
+// Far enough for a coefficient that vanishes at t to be seen (six digits above the rounding of t), near enough to
+// stay on the same smooth piece, and no simple fraction of a period (docs/decisions/07-first-step.md).
+double nearby_point(Place place, double time_scale) {
+  const auto [t, toward] = place;
+  constexpr double near = 0.7e-3, resolved_roundings = 1e6;
+  const double distance = std::min(std::fabs(toward - t), time_scale) * near;
+  const double resolvable = resolved_roundings * unit_roundoff * std::fabs(t);
   return t + std::copysign(std::min(std::max(distance, resolvable), std::fabs(toward - t)), toward - t);
 }
 
 // Units of the unknowns: columns of [E A] that differ by more than moderate_column_ratio are scaled to comparable
-// size. Columns below smallest_column are left alone: they may be rounding errors.
+// size. Columns below smallest_column are left alone: they may be rounding errors
+// (docs/decisions/06-units-of-unknowns.md).
 Units choose_units(CoefficientSource& problem, double t) {
   constexpr double moderate_column_ratio = 1024.0, smallest_column = 1e-12;
   const std::size_t n = index(problem.n());
@@ -109,11 +120,12 @@ Units choose_units(CoefficientSource& problem, double t) {
 }
 
 // The analysis in the units of the unknowns that the problem has.
-IndexAnalysis analyze_in_units(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,
+IndexAnalysis analyze_in_units(CoefficientSource& problem, Place place, const AnalysisSettings& settings,
                                Arena& arena, std::vector<RankDecision>& decisions) {
+  const double t = place.t;
   IndexAnalysis here = search_at(problem, t, settings, arena, decisions);
   if (!problem.is_constant()) {
-    const double nearby = nearby_point(t, toward, here.time_scale);
+    const double nearby = nearby_point(place, here.time_scale);
     const IndexAnalysis there = search_at(problem, nearby, settings, arena, decisions);
     here.rank_E_constant = here.rank_E == there.rank_E;
     const int mu = std::max(here.values.mu, there.values.mu);
@@ -156,30 +168,32 @@ double smallest_kept(const std::vector<RankDecision>& decisions) {
   return kept;
 }
 
-// Reads the problem in faster and faster units of time, the units of the unknowns balanced for each. What is clear by far
-// in two of them, supported by a third, and contradicted in none, counts: the result with the largest gap. Units that are
-// much too fast shrink every value by the same factor from level to level: where the smallest one kept is small, the next
-// one would be lost among rounding errors, and ranks agree in being wrong.
+// Analyzes the problem in faster and faster units of time (1, 1/8, ... 1.5e-11), the units of the unknowns balanced
+// for each: docs/decisions/21-fast-units-of-time.md, with the figures behind the constants. What is clear by far in
+// two of them, supported by a third, and contradicted in none, counts: the result with the largest gap. Units that
+// are much too fast shrink every value by the same factor from level to level: where the smallest one kept is small,
+// the next one would be lost among rounding errors, and ranks agree in being wrong.
 struct UnitsResult {
   IndexAnalysis analysis;
   std::vector<RankDecision> decisions;
   Units units;
 };
 
-std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& problem, double t, double toward,
+std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& problem, Place place,
                                                   const AnalysisSettings& settings, Arena& arena) {
   constexpr double clear_by_far = 1e6, supporting = 1e4, ratio = 1.0 / 8.0, least_kept = 1e-6;
+  constexpr int num_units = 13;
   std::optional<UnitsResult> best;
   int agreeing = 0, clear = 0;
   double tau = 1.0;
-  for (int attempt = 0; attempt < 13; ++attempt, tau *= ratio) {
+  for (int attempt = 0; attempt < num_units; ++attempt, tau *= ratio) {
     UnitsResult found;
     AnalysisSettings scaled = settings;
     scaled.time_scale = tau;
     try {
-      found.units = balanced_units(problem, t, tau);
+      found.units = balanced_units(problem, place.t, tau);
       problem.set_units(found.units);
-      found.analysis = analyze_in_units(problem, t, toward, scaled, arena, found.decisions);
+      found.analysis = analyze_in_units(problem, place, scaled, arena, found.decisions);
     } catch (const Failure& failure) {
       if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
       continue;
@@ -193,7 +207,7 @@ std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& problem, do
     if (gap >= clear_by_far) ++clear;
     const bool is_best = !best || gap > smallest_gap(best->decisions);
     if (is_best) best = std::move(found);
-    // Behind the clearest one faster units have nothing to add.
+    // After the clearest one faster units have nothing to add.
     if (agreeing >= 3 && clear >= 2 && smallest_kept(best->decisions) >= least_kept && !is_best) return best;
   }
   return std::nullopt;
@@ -244,10 +258,10 @@ IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward,
   problem.set_units({});
   problem.set_units(choose_units(problem, t));
   try {
-    return analyze_in_units(problem, t, toward, settings, arena, decisions);
+    return analyze_in_units(problem, {t, toward}, settings, arena, decisions);
   } catch (const Failure& failure) {
     if (failure.status() != SFDAE_RANK_UNCLEAR || settings.rank_tol > 0.0 || settings.time_scale > 0.0) throw;
-    if (std::optional<UnitsResult> found = analyze_in_other_units(problem, t, toward, settings, arena)) {
+    if (std::optional<UnitsResult> found = analyze_in_other_units(problem, {t, toward}, settings, arena)) {
       problem.set_units(found->units);
       decisions = std::move(found->decisions);
       return found->analysis;

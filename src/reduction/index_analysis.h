@@ -1,5 +1,8 @@
 // Strangeness index and characteristic values of a linear problem.
 //
+// Folder reduction: the theory and nothing else: derivative array, elimination, rank decisions, null-space form,
+// index.
+//
 // Hypothesis [KM06]: there are mu, a, d, v such that, on the solution interval,
 //   1. the left null space of M_mu splits into Z2 (a columns, A2 = Z2^T N of full rank) and Z3 (Z3^T [M N] = 0),
 //   2. T2 spans ker A2,

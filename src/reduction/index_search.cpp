@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/random.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
 
@@ -12,22 +13,32 @@ namespace sfdae::core {
 
 namespace {
 
-// Amplitude of trial perturbations in units of the noise of the data.
+// Amplitude of trial perturbations in units of the noise of the data, and how many are tried. These, the margins
+// below and the time scales: docs/decisions/02-undecided-values-are-measured.md.
 constexpr double perturbation_roundings = 4.0;
+constexpr int perturbations = 3;
 // Kept values against their changes: to confirm a rank that the propagated noise allows, and to keep values that it
 // does not allow, where errors of the callbacks of some ten roundings have to be reckoned with.
 constexpr double confirming_margin = clear_gap / perturbation_roundings;
 constexpr double keeping_margin = 1e4;
 // Dropped values against their changes: rounding errors change by about their own size.
 constexpr double moving_margin = 10.0;
-// Relative values below this may be what the user's own arithmetic has left of zeros, by rounding errors that the data do
-// not know of. They are when relative changes of this size of all entries move them by more than this: small entries stay,
-// sums that cancel do not. 8 wrong indices in 400,000 slow and stiff random problems without that, none with it.
+// Dropped values above n of these roundings have to move: ten times the threshold of a rank whose noise is that of
+// the data (rank.cpp), by judgement.
+constexpr double certain_roundings = 100.0;
+// Units of time that have to agree where perturbations decide nothing, relative to the one chosen.
+constexpr double other_time_scales[] = {1.0 / 8.0, 4.0};
+// Relative values below this may be what the user's own arithmetic has left of zeros, by rounding errors that the
+// data do not know of. They are when relative changes of this size of all entries move them by more than this: small
+// entries stay, sums that cancel do not. 8 wrong indices in 400,000 slow and stiff random problems without that, none
+// with it.
 constexpr double least_trusted = 1e-11, callback_errors = 1e-13, firm = 1e-3;
-// Ranks with smaller gaps must follow from those of the level below; wrong ranks that did not had gaps below 2e6.
+// Ranks with smaller gaps must follow from those of the level below; wrong ranks that did not had gaps below 2e6
+// (docs/decisions/03-ranks-follow-from-the-level-below.md).
 constexpr double decisive_gap = 1e9;
 
-// How far a value that is not zero stands, or would have stood, above those that are.
+// How far a value that is not zero stands, or would have stood, above those that are; 1e-300 avoids a division by
+// zero.
 double clearness(const RankDecision& decision) {
   return decision.rank > 0 ? decision.gap : 1.0 / std::max(decision.noise, 1e-300);
 }
@@ -124,9 +135,9 @@ bool IndexSearch::holds_above(int level, const CharacteristicValues& values, con
 }
 
 // The propagated noise is an upper bound, at times by far: values between it and the rounding errors of the matrix
-// itself are undecided. Which of them are signals is measured by perturbing the data by a few roundings: first a
-// reading that keeps them all, then one that drops those below the noise of the smallest pivot, then one that drops
-// them all, then other time scales. What survives is confirmed.
+// itself are undecided. Which of them are signals is measured by perturbing the data by a few roundings: first with
+// the ranks that keep them all, then with those that drop what is below the noise of the smallest pivot, then with
+// those that drop them all, then with other time scales. What survives is confirmed.
 void IndexSearch::measure(int level, LevelResult& found, std::vector<RankDecision>& decisions) {
   struct Attempt {
     NoiseModel noise;
@@ -161,7 +172,7 @@ void IndexSearch::measure(int level, LevelResult& found, std::vector<RankDecisio
 
 bool IndexSearch::agrees_with_other_time_scales(int level, const LevelResult& found) {
   bool agrees = false;
-  for (double factor : {1.0 / 8.0, 4.0}) {
+  for (double factor : other_time_scales) {
     const LevelResult other = determine(level, found.time_scale * factor);
     if (!other.clear) continue;
     if (other.ranks.a != found.ranks.a || other.ranks.d != found.ranks.d || other.ranks.v_hat != found.ranks.v_hat)
@@ -176,7 +187,7 @@ bool IndexSearch::survives_perturbations(int level, double time_scale, const std
                                          double margin, Trust trust) {
   std::minstd_rand generator(1);
   std::vector<char> moved(decisions.size(), 0);
-  for (int trial = 0; trial < 3; ++trial) {
+  for (int trial = 0; trial < perturbations; ++trial) {
     evaluate(level, time_scale);
     perturb(level, generator);
     judge_level(level);
@@ -201,7 +212,7 @@ bool IndexSearch::survives_perturbations(int level, double time_scale, const std
     }
   }
   for (std::size_t q = 0; q < decisions.size(); ++q)
-    if (decisions[q].dropped > 100.0 * problem_.n() * unit_roundoff && moved[q] == 0) return false;
+    if (decisions[q].dropped > certain_roundings * problem_.n() * unit_roundoff && moved[q] == 0) return false;
   return true;
 }
 
@@ -214,8 +225,7 @@ void IndexSearch::doubt_cancellations(int level, LevelResult& found, std::vector
   evaluate(level, found.time_scale);
   const auto change = [&](View block) {
     for (int j = 0; j < block.cols; ++j)
-      for (int i = 0; i < block.rows; ++i)
-        block(i, j) *= 1.0 + callback_errors * (2e-9 * static_cast<double>(generator() % 1000000001u) - 1.0);
+      for (int i = 0; i < block.rows; ++i) block(i, j) *= 1.0 + callback_errors * symmetric_random(generator);
   };
   for (int k = 0; k <= level; ++k) {
     change(data_.E(k));
@@ -240,8 +250,7 @@ void IndexSearch::perturb(int level, std::minstd_rand& generator) {
   const double amplitude = perturbation_roundings * data_.noise(level);
   const auto add_noise = [&](View block, double norm) {
     for (int j = 0; j < block.cols; ++j)
-      for (int i = 0; i < block.rows; ++i)
-        block(i, j) += amplitude * norm * (2e-9 * static_cast<double>(generator() % 1000000001u) - 1.0);
+      for (int i = 0; i < block.rows; ++i) block(i, j) += amplitude * norm * symmetric_random(generator);
   };
   const double norm_E = data_.norm_E(level), norm_A = data_.norm_A(level);
   for (int k = 0; k <= level; ++k) {

@@ -37,7 +37,7 @@ class IndexSearch {
 
   // From level 0 up, to the smallest one at which the hypothesis holds.
   SearchResult search(int max_index);
-  // A level whose decisions are clear, or confirmed by another reading.
+  // A level whose decisions are clear, or confirmed by perturbations.
   LevelResult determine_confirmed(int level);
   // Values at a level known to be mu; v^ of the level below is found on the way.
   CharacteristicValues values_at(int level);

@@ -14,16 +14,12 @@ Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::v
       log_(log),
       t_(data.t),
       level_(level),
-      dimension_(std::max(data.m, data.n)),
-      norm_(data.norm(level)),
-      norm_A_(data.norm_A(level)),
-      norm_E0_(data.norm_E0()),
-      eps_(data.noise(level)),
-      residual_errors_(data.residual_noise * norm_),
-      errors_(eps_ * norm_),
-      constraint_errors_(eps_ * norm_A_) {}
+      sizes_{std::max(data.m, data.n), data.norm(level),  data.norm_A(level),
+             data.norm_E0(),           data.noise(level), data.residual_noise * data.norm(level)},
+      errors_(sizes_.eps * sizes_.norm),
+      constraint_errors_(sizes_.eps * sizes_.norm_A) {}
 
-int Judge::take_known_rank(ConstView r, double norm, double& kept) {
+int Judge::take_known_rank(const Question& question, ConstView r) {
   const int count = std::min(r.rows, r.cols);
   const RankSequence& known = *settings_.known_ranks;
   int rank = ranks_.count < known.count ? known.rank[ranks_.count] : count + 1;
@@ -32,30 +28,30 @@ int Judge::take_known_rank(ConstView r, double norm, double& kept) {
     rank = count;
   }
   ranks_.add(rank);
-  if (rank > 0 && norm > 0.0) kept = std::min(kept, std::fabs(r(rank - 1, rank - 1)) / norm);
+  if (rank > 0 && question.norm > 0.0)
+    question.kept = std::min(question.kept, std::fabs(r(rank - 1, rank - 1)) / question.norm);
   return rank;
 }
 
-int Judge::record(RankDecision decision, Subject subject, int stage, double& kept) {
+int Judge::record(RankDecision decision, const Question& question) {
   decision.t = t_;
   decision.level = level_;
-  decision.stage = stage;
-  decision.subject = subject;
-  if (decision.rank > 0) kept = std::min(kept, decision.kept);
+  decision.stage = question.stage;
+  decision.subject = question.subject;
+  if (decision.rank > 0) question.kept = std::min(question.kept, decision.kept);
   if (decision.verdict == Verdict::unclear) all_clear_ = false;
   if (log_ != nullptr) log_->push_back(decision);
   ranks_.add(decision.rank);
   return decision.rank;
 }
 
-int Judge::decide(Subject subject, int stage, ConstView r, ConstView original, double noise, double norm,
-                  double& kept) {
-  if (settings_.known_ranks != nullptr) return take_known_rank(r, norm, kept);
-  const double least_noise = eps_ * norm;
-  if (settings_.noise == NoiseModel::data) noise = least_noise;
+int Judge::decide(Question question, ConstView r, ConstView original) {
+  if (settings_.known_ranks != nullptr) return take_known_rank(question, r);
+  const double least_noise = sizes_.eps * question.norm;
+  if (settings_.noise == NoiseModel::data) question.noise = least_noise;
   const int count = std::min(r.rows, r.cols);
-  const RankScale scale{noise, norm, std::max({r.rows, r.cols, dimension_}), settings_.rank_tol,
-                        log_ != nullptr ? least_noise : 0.0};
+  const RankScale scale{question.noise, question.norm, std::max({r.rows, r.cols, sizes_.dimension}),
+                        settings_.rank_tol, log_ != nullptr ? least_noise : 0.0};
   RankDecision decision = decide_rank(r.data, count, r.ld + 1, scale);
   const bool doubtful = decision.verdict == Verdict::unclear && log_ != nullptr;
   if (original.data != nullptr && count > 0 && (doubtful || settings_.by_singular_values)) {
@@ -65,47 +61,49 @@ int Judge::decide(Subject subject, int stage, ConstView r, ConstView original, d
   }
   decision.rows = r.rows;
   decision.cols = r.cols;
-  return record(decision, subject, stage, kept);
+  return record(decision, question);
 }
 
 int Judge::decide_diagonal_block(ConstView r, ConstView original) {
   // E_0 carries no derivatives: its noise is that of rounding alone, and of residuals.
-  const double noise = std::max(unit_roundoff * norm_E0_, residual_errors_);
-  const int rank = decide(Subject::stage, level_ + 1, r, original, noise, norm_E0_, pivot_);
+  const double noise = std::max(unit_roundoff * sizes_.norm_E0, sizes_.residual_errors);
+  const int rank = decide({Subject::stage, level_ + 1, noise, sizes_.norm_E0, pivot_}, r, original);
   errors_ = entering_error() / pivot_;
   constraint_errors_ = entering_constraint_error() / pivot_;
   return rank;
 }
 
 int Judge::decide_stage(int stage, ConstView r, ConstView original, double norm) {
-  norm = std::max(norm, norm_E0_);
-  const double errors = settings_.noise == NoiseModel::pivots ? eps_ * std::max(norm, norm_) / pivot_ : errors_;
-  return decide(Subject::stage, stage, r, original, std::max(errors, eps_ * norm), norm, pivot_);
+  norm = std::max(norm, sizes_.norm_E0);
+  const double errors =
+      settings_.noise == NoiseModel::pivots ? sizes_.eps * std::max(norm, sizes_.norm) / pivot_ : errors_;
+  return decide({Subject::stage, stage, std::max(errors, sizes_.eps * norm), norm, pivot_}, r, original);
 }
 
 int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
-  RankDecision decision = decide_rank(s.data(), static_cast<int>(s.size()), 1,
-                                      {eps_ * norm_, norm_, std::max(rows, cols), settings_.rank_tol, 0.0});
+  RankDecision decision =
+      decide_rank(s.data(), static_cast<int>(s.size()), 1,
+                  {sizes_.eps * sizes_.norm, sizes_.norm, std::max(rows, cols), settings_.rank_tol, 0.0});
   decision.rows = rows;
   decision.cols = cols;
-  const int rank = record(decision, Subject::array, 0, pivot_);
-  constraint_errors_ = eps_ * norm_A_ / pivot_;
+  const int rank = record(decision, {Subject::array, 0, sizes_.eps * sizes_.norm, sizes_.norm, pivot_});
+  constraint_errors_ = sizes_.eps * sizes_.norm_A / pivot_;
   return rank;
 }
 
 int Judge::decide_constraints(ConstView r, ConstView original) {
-  if (settings_.noise == NoiseModel::pivots) constraint_errors_ = eps_ * norm_A_ / pivot_;
-  const double noise = std::max(constraint_errors_, eps_ * norm_A_);
-  const int rank = decide(Subject::constraints, 0, r, original, noise, norm_A_, kept_constraints_);
+  if (settings_.noise == NoiseModel::pivots) constraint_errors_ = sizes_.eps * sizes_.norm_A / pivot_;
+  const double noise = std::max(constraint_errors_, sizes_.eps * sizes_.norm_A);
+  const int rank = decide({Subject::constraints, 0, noise, sizes_.norm_A, kept_constraints_}, r, original);
   has_constraints_ = rank > 0;
   return rank;
 }
 
 int Judge::decide_differential(ConstView r, ConstView original) {
   // T2 is as uncertain as A^ relative to its smallest kept value; without constraints it is the identity.
-  const double uncertainty = has_constraints_ ? constraint_errors_ / (norm_A_ * kept_constraints_) : 0.0;
-  const double noise = std::max(norm_E0_ * std::max(eps_, uncertainty), residual_errors_);
-  return decide(Subject::differential, 0, r, original, noise, norm_E0_, kept_differential_);
+  const double uncertainty = has_constraints_ ? constraint_errors_ / (sizes_.norm_A * kept_constraints_) : 0.0;
+  const double noise = std::max(sizes_.norm_E0 * std::max(sizes_.eps, uncertainty), sizes_.residual_errors);
+  return decide({Subject::differential, 0, noise, sizes_.norm_E0, kept_differential_}, r, original);
 }
 
 }  // namespace sfdae::core

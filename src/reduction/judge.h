@@ -42,12 +42,12 @@ class Judge {
     double rank_tol = 0.0;
     bool by_singular_values = false;  // judge A^ and E T2 by singular values instead of pivots
     NoiseModel noise = NoiseModel::carried;
-    // Ranks of all decisions in their order, which are taken as known; values near the point they were found at tell
-    // nothing. Nullptr: decided.
+    // Ranks of all decisions in their order, which are taken as known; values near the point they were found at
+    // say nothing new. Nullptr: decided.
     const RankSequence* known_ranks = nullptr;
   };
 
-  // log: where decisions are recorded, and a sign that unclear ones are to be read again by singular values;
+  // log: where decisions are recorded, and a sign that unclear ones are to be made again by singular values;
   // nullptr in steps, where ranks are only compared with those known.
   Judge(const TaylorData& data, int level, const Settings& settings, std::vector<RankDecision>* log);
 
@@ -63,14 +63,15 @@ class Judge {
   // Rows of errors that are eliminated above the rows carried, as those are: all that happens to rows is linear in
   // them, so what becomes of errors of the size that enters at every stage is the noise of the decisions. (Bounds by
   // norms and pivots of every stage are too large by 1e4 at mu = 4, and the smallest pivot alone misses that stages
-  // amplify one after the other: by |E^-1 A| tau each, 1e6 in all with tau = 128.) Two rows, as a single one happens
+  // amplify one after the other: by |E^-1 A| tau each, 1e6 in all with tau = 128;
+  // docs/decisions/01-noise-of-rank-decisions.md.) Two rows, as a single one happens
   // to be small now and then: 30 instead of 40 named errors in 5000 stiff problems.
   int error_rows() const { return settings_.noise == NoiseModel::carried ? 2 : 0; }
   // Errors of rows that enter at a stage, in the columns of derivatives and in those of x; absolute.
-  double entering_error() const { return eps_ * norm_; }
-  double entering_constraint_error() const { return eps_ * norm_A_; }
+  double entering_error() const { return sizes_.eps * sizes_.norm; }
+  double entering_constraint_error() const { return sizes_.eps * sizes_.norm_A; }
   // Errors that E_0 leaves in the first stage.
-  double diagonal_error() const { return unit_roundoff * norm_E0_; }
+  double diagonal_error() const { return unit_roundoff * sizes_.norm_E0; }
   // Errors of what is judged by the next decide_stage, and of A^.
   void set_errors(double errors) { errors_ = errors; }
   void set_constraint_errors(double errors) { constraint_errors_ = errors; }
@@ -85,17 +86,30 @@ class Judge {
   double kept_differential() const { return kept_differential_; }  // sigma_d relative to |E|, 1 if d = 0
 
  private:
-  int decide(Subject subject, int stage, ConstView r, ConstView original, double noise, double norm, double& kept);
-  int take_known_rank(ConstView r, double norm, double& kept);
-  int record(RankDecision decision, Subject subject, int stage, double& kept);
+  // What is judged, and what its values are compared with; kept: the smallest value kept so far, lowered.
+  struct Question {
+    Subject subject;
+    int stage;
+    double noise, norm;
+    double& kept;
+  };
+  int decide(Question question, ConstView r, ConstView original);
+  int take_known_rank(const Question& question, ConstView r);
+  int record(RankDecision decision, const Question& question);
+
+  // Of the data of the reduction.
+  struct Sizes {
+    int dimension;
+    double norm, norm_A, norm_E0;
+    double eps;
+    double residual_errors;  // of E_0 along a jet with residuals, however small E_0 is
+  };
 
   const Settings& settings_;
   std::vector<RankDecision>* log_;
   double t_;
   int level_;
-  int dimension_;
-  double norm_, norm_A_, norm_E0_, eps_;
-  double residual_errors_;  // of E_0 along a jet with residuals, however small E_0 is
+  Sizes sizes_;
   double errors_, constraint_errors_;
   double pivot_ = 1.0;
   double kept_constraints_ = 1.0;

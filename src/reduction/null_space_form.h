@@ -20,8 +20,12 @@
 #include "linalg/arena.h"
 #include "linalg/matrix.h"
 #include "problem/taylor_data.h"
+#include "reduction/constraint_factors.h"
+#include "reduction/differential_factors.h"
 #include "reduction/elimination.h"
 #include "reduction/judge.h"
+#include "reduction/leading_projector.h"
+#include "reduction/prescription.h"
 
 namespace sfdae::core {
 
@@ -34,13 +38,6 @@ struct PointRanks {
   int d = 0;
   int v_hat = 0;                  // rows carried that are redundant
   bool prescription_fits = true;  // the prescribed components determine as many free ones
-};
-
-// Components x_j that are prescribed, and their values at the point.
-struct Prescription {
-  const std::vector<int>* components = nullptr;
-  const double* values = nullptr;
-  int count() const { return components == nullptr ? 0 : static_cast<int>(components->size()); }
 };
 
 class NullSpaceForm {
@@ -67,8 +64,8 @@ class NullSpaceForm {
   ConstView T2_xp() const { return {T2_.data(), n, unknowns() + 1, std::max(n, 1)}; }          // [T2 xp]
   ConstView B_b() const { return {B_.data(), d, unknowns() + 1, std::max(d, 1)}; }             // [B b]
   const double* g0() const { return g0_.data(); }                                              // Z1^T E xp
-  ConstView Uz() const { return {Uz_.data(), unknowns(), u, std::max(unknowns(), 1)}; }
-  ConstView kernel() const { return {K_.data(), n, kernel_, std::max(n, 1)}; }  // K: orthonormal, E K = 0
+  ConstView Uz() const { return differential_.kernel(); }   // orthonormal, G Uz = 0
+  ConstView kernel() const { return projector_.kernel(); }  // K: orthonormal, E K = 0; none unless W = P
   // Contradiction of redundant equations: largest entry of Z3^T g relative to the entries of f^ and x.
   double inconsistency() const { return inconsistency_; }
 
@@ -84,36 +81,28 @@ class NullSpaceForm {
     }
   }
   // z of smallest norm with G z = q.
-  void solve_G(const double* q, double* z, Arena& arena) const;
+  void solve_G(const double* q, double* z, Arena& arena) const { differential_.solve(q, z, arena); }
   // Sign of det G, 0 if it vanishes; u = 0 only.
-  int sign_of_G() const;
-  // y := P y = y - K K^T y.
-  void project(double* y, Arena& arena) const;
-  void project(View Y, Arena& arena) const;
+  int sign_of_G() const { return differential_.determinant_sign(); }
+  // y := P y for W = P, else y stays.
+  void project(double* y, Arena& arena) const { projector_.apply(y, arena); }
+  void project(View Y, Arena& arena) const { projector_.apply(Y, arena); }
   // Dimensions, T2 and Z1: what later points are compared with.
   void archive_bases(Archive& archive);
 
  private:
-  void build_constraints(const Carried& carried, Judge& judge, Arena& arena, PointRanks& ranks);
-  void solve_constraints(const double* f_hat, double norm_f, Arena& arena);
-  bool build_prescription(const std::vector<int>& components, Arena& arena);
-  void apply_prescription(Prescription prescription);
-  void build_kernel(const Carried& carried, Arena& arena);
-  void build_differential_equations(const TaylorData& data, Judge& judge, Arena& arena, PointRanks& ranks);
-  void factor_G(ConstView R3, const int* pivots, Arena& arena);
+  void build_differential_equations(const TaylorData& data, LeadingTerm leading, Judge& judge, Arena& arena);
+  void apply_C(const TaylorData& data, LeadingTerm leading, ConstView X, View CX, Arena& arena) const;
 
-  View columns_T2(int j, int count) { return {T2_.data() + static_cast<std::ptrdiff_t>(j) * n, n, count, n}; }
+  View columns_T2(int count) { return {T2_.data(), n, count, n}; }
+  double* particular() { return T2_.data() + static_cast<std::ptrdiff_t>(unknowns()) * n; }
 
-  LeadingTerm leading_ = LeadingTerm::projector;
+  ConstraintFactors constraints_;
+  PrescribedDirections prescribed_;
+  DifferentialFactors differential_;
+  LeadingProjector projector_;
   std::vector<double> T2_;  // [T2 | xp]
-  std::vector<double> Z1_, G_, B_, Uz_, g0_, K_;
-  std::vector<double> R3_;  // u = 0: R of E T2; u > 0: R of its transpose
-  std::vector<double> Qg_;  // u > 0: rows of G
-  std::vector<int> pivots3_;
-  std::vector<double> factors_, tau_;  // QR of A^^T, n x carried rows
-  std::vector<int> pivots_;
-  int carried_ = 0, rank_ = 0, kernel_ = 0;
-  std::vector<double> P1_, Rp_;  // prescribed: directions n x np in which they act, and their R
+  std::vector<double> Z1_, G_, B_, g0_;
   double inconsistency_ = 0.0;
 };
 

@@ -9,14 +9,15 @@
 
 namespace sfdae::core {
 
-RankResult determine_ranks(const TaylorData& data, int level, const Judge::Settings& settings, RankWorkspace room) {
-  Arena& arena = room.arena;
+RankResult determine_ranks(const TaylorData& data, int level, const Judge::Settings& settings,
+                           RankWorkspace workspace) {
+  Arena& arena = workspace.arena;
   Judge judge(data, level, settings, nullptr);
   const Arena::Frame frame(arena);
   const View rhs = arena.matrix((level + 1) * data.m, 1);
   fill(rhs, 0.0);
   const Carried carried = eliminate(data, level, rhs, 1, judge, arena);
-  NullSpaceForm& form = room.form;
+  NullSpaceForm& form = workspace.form;
   form.resize(data.m, data.n, 0, carried.rows);
   RankResult found;
   found.ranks = form.build(data, carried, {}, LeadingTerm::identity, judge, arena);
@@ -32,11 +33,11 @@ bool stages_rise(const RankSequence& list, int level, int full_rank) {
 }
 
 std::optional<RankSequence> matching_ranks(const TaylorData& data, int level, const IndexAnalysis& known,
-                                           double rank_tol, RankWorkspace room) {
+                                           double rank_tol, RankWorkspace workspace) {
   const CharacteristicValues& values = known.values;
   const int v_hat = known.v_hat + (level - values.mu) * values.v;
   for (NoiseModel noise : {NoiseModel::pivots, NoiseModel::carried, NoiseModel::data}) {
-    const RankResult found = determine_ranks(data, level, {rank_tol, false, noise, nullptr}, room);
+    const RankResult found = determine_ranks(data, level, {rank_tol, false, noise, nullptr}, workspace);
     if (found.ranks.a == values.a && found.ranks.d == values.d && found.ranks.v_hat == v_hat &&
         (!data.differentiations.empty() || stages_rise(found.list, level, std::min(data.m, data.n))))
       return found.list;

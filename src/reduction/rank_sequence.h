@@ -23,7 +23,8 @@ struct RankWorkspace {
   NullSpaceForm& form;
 };
 
-RankResult determine_ranks(const TaylorData& data, int level, const Judge::Settings& settings, RankWorkspace room);
+RankResult determine_ranks(const TaylorData& data, int level, const Judge::Settings& settings,
+                           RankWorkspace workspace);
 
 // Stage k + 1 is about derivatives of one order less, with the rows of one more level: what determines y_j at stage k
 // does so, differentiated, for y_(j+1) then, so that ranks do not fall. Residuals mistaken for pivots make them.
@@ -32,6 +33,6 @@ bool stages_rise(const RankSequence& list, int level, int full_rank);
 
 // Ranks that agree with the values known, by one noise model or another; level: mu, or above.
 std::optional<RankSequence> matching_ranks(const TaylorData& data, int level, const IndexAnalysis& known,
-                                           double rank_tol, RankWorkspace room);
+                                           double rank_tol, RankWorkspace workspace);
 
 }  // namespace sfdae::core

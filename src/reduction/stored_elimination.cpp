@@ -12,7 +12,7 @@ namespace sfdae::core {
 namespace {
 
 // Up to this many unknowns the equations of a stage are solved for y_j beforehand: overhead of calls outweighs
-// arithmetic.
+// arithmetic. Chosen by timing; no figures were recorded.
 constexpr int largest_combined = 12;
 
 View column(double* values, int rows) { return {values, rows, 1, std::max(rows, 1)}; }
@@ -161,7 +161,7 @@ void StoredElimination::transform(const double* f, double* transformed, Arena& a
 void StoredElimination::recover(const TaylorData& data, RightHandSide rhs, const double* x, double* y,
                                 Arena& arena) const {
   if (n_ > largest_combined) {
-    for (int i = 0; i <= level_; ++i) solve_stage(data, i, rhs, x, y, arena);
+    for (int i = 0; i <= level_; ++i) solve_stage({data, rhs, x}, i, y, arena);
     return;
   }
   const Arena::Frame frame(arena);
@@ -176,8 +176,10 @@ void StoredElimination::recover(const TaylorData& data, RightHandSide rhs, const
   }
 }
 
-void StoredElimination::solve_stage(const TaylorData& data, int i, RightHandSide rhs, const double* x, double* y,
-                                    Arena& arena) const {
+void StoredElimination::solve_stage(const Known& known, int i, double* y, Arena& arena) const {
+  const TaylorData& data = known.data;
+  const RightHandSide& rhs = known.rhs;
+  const double* x = known.x;
   const Arena::Frame frame(arena);
   const Stage& stage = stages_[index(i)];
   const Diagonal& diagonal = diagonal_of(stage);

@@ -74,7 +74,13 @@ class StoredElimination {
   };
 
   void combine(const TaylorData& data, int i, Arena& arena);
-  void solve_stage(const TaylorData& data, int i, RightHandSide rhs, const double* x, double* y, Arena& arena) const;
+  // What y is recovered from.
+  struct Known {
+    const TaylorData& data;
+    RightHandSide rhs;
+    const double* x;
+  };
+  void solve_stage(const Known& known, int i, double* y, Arena& arena) const;
 
   const Diagonal& diagonal_of(const Stage& stage) const { return diagonals_[stage.diagonal]; }
 

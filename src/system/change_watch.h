@@ -1,8 +1,8 @@
 // Changes of the characteristic values along the way: noticed between steps, located.
 //
-// A value that vanishes at an isolated point leaves traces: the sign of det[E1; A2] (bases aligned from step to step),
-// or smallest kept values of the rank decisions, or sizes of rows, that would run straight through zero if one of them
-// had its sign changed. These are only suspicions; locate() confirms them by narrowing the point down.
+// A value that vanishes at an isolated point leaves traces: the sign of det[E1; A2] (bases aligned from step to
+// step), or smallest kept values of the rank decisions, or sizes of rows, that would run straight through zero if one
+// of them had its sign changed. These are only suspicions; locate() confirms them by narrowing the point down.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -10,29 +10,25 @@
 #include <vector>
 
 #include "linalg/archive.h"
+#include "system/change_location.h"
+#include "system/change_trace.h"
 #include "system/linear_system.h"
 
 namespace sfdae::core {
 
-struct LocatedChange {
-  double t_before = 0.0;  // the values known still hold here
-  double t = 0.0;
-  CharacteristicValues new_values;
-};
-
-// For linear problems, where every point can be looked at.
+// For linear problems, where every point can be reduced without a solution.
 class ChangeWatch {
  public:
   explicit ChangeWatch(LinearSystem& system) : system_(system) {}
   // The current point of the system is the first one of an integration in the given direction.
   void start(double direction);
-  // Looks for a change between the point accepted last, t_last, and the current one, at every point that the step went
-  // through.
+  // Looks for a change between the point accepted last, t_last, and the current one, at every point that the step
+  // went through.
   std::optional<LocatedChange> find(double t_last);
   // The current point of the system is accepted.
   void accept();
   // Looks for the change between left, where the values known hold, and right, where others do.
-  std::optional<LocatedChange> locate(double left, double right) { return locate(left, right, true); }
+  std::optional<LocatedChange> locate(double left, double right) { return locate_change(system_, left, right); }
   void archive(Archive& archive);
 
  private:
@@ -40,15 +36,13 @@ class ChangeWatch {
     double t = 0.0;
     std::vector<double> values;  // kept values of A^ and E T2, then row norms
   };
-  // right_fails: other values hold at right.
-  std::optional<LocatedChange> locate(double left, double right, bool right_fails);
-  static void keep(const LinearSystem::Trace& trace, Sample& sample);
-  static bool breaks_trend(const Sample& older, const Sample& last, const LinearSystem::Trace& now);
+  static void keep(const ChangeTrace& trace, Sample& sample);
+  static bool breaks_trend(const Sample& older, const Sample& last, const ChangeTrace& now);
 
   LinearSystem& system_;
   Sample older_, last_;
   Sample trend_[2];
-  LinearSystem::Trace now_;
+  ChangeTrace now_;
   int samples_ = 0;
 };
 

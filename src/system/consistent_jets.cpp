@@ -1,24 +1,12 @@
-// Jets, and those of a nonlinear problem near a guess.
+// Consistent jets of a nonlinear problem near a guess.
 // SPDX-License-Identifier: BSD-3-Clause
+#include "system/consistent_jets.h"
+
 #include <algorithm>
 
-#include "linalg/index.h"
-#include "system/consistent_jet.h"
+#include "system/jet_solver.h"
 
 namespace sfdae::core {
-
-void Jet::set_order(int new_order) {
-  x.resize(index(n) * index(new_order + 1), 0.0);
-  order = new_order;
-}
-
-void Jet::shift(double h) {
-  // Horner's scheme, repeated.
-  for (int low = 0; low < order; ++low)
-    for (int k = order - 1; k >= low; --k)
-      for (int i = 0; i < n; ++i) column(k)[i] += h * column(k + 1)[i];
-  t += h;
-}
 
 ConsistentJets::ConsistentJets(NonlinearProblem& problem, double t, const double* x, std::vector<char> fixed)
     : problem_(problem), fixed_(std::move(fixed)) {

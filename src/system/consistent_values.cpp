@@ -15,7 +15,7 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Relative accuracy to which fixed components must fit the constraints.
+// Relative accuracy to which fixed components must fit the constraints; by judgement.
 constexpr double fixed_tolerance = 1e-9;
 
 // (I - T2 T2^T) x - xp: the violation of the constraints as a vector; its length is that of A2 x + f2.
@@ -35,9 +35,16 @@ double length(const Vector& v) {
   return scale * std::sqrt(sum);
 }
 
-// Minimizes || D^-1 (xp + T2 z - x) || over z = z0 + N y; rows of zero weight are left out.
-Vector nearest(const NullSpaceForm& form, const Vector& x, const Vector& inverse_weights, const Vector& z0,
-               const Matrix& N) {
+// The points xp + T2 z with z = z0 + N y.
+struct Candidates {
+  Vector z0;
+  Matrix N;
+};
+
+// Minimizes || D^-1 (xp + T2 z - x) || over the candidates; rows of zero weight are left out.
+Vector nearest(const NullSpaceForm& form, const Vector& x, const Vector& inverse_weights,
+               const Candidates& candidates) {
+  const auto& [z0, N] = candidates;
   const int n = form.n;
   Matrix rows = product(form.T2(), N);
   Vector target(x), base(form.xp(), form.xp() + n);
@@ -54,9 +61,8 @@ Vector nearest(const NullSpaceForm& form, const Vector& x, const Vector& inverse
   return result;
 }
 
-// The fixed components alone: T2_J z = x_J - xp_J has to be solvable; N spans what they leave open.
-void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request, const Vector& x, double t,
-                   Vector& z0, Matrix& N) {
+// The fixed components alone: T2_J z = x_J - xp_J has to be solvable; N spans what they leave open. Throws Failure.
+Candidates satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request, const Vector& x, double t) {
   const int count = static_cast<int>(std::count(request.fixed.begin(), request.fixed.end(), 1));
   Matrix J(count, form.unknowns());
   Vector missing(index(count));
@@ -71,7 +77,7 @@ void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request,
   const Svd decomposition = svd(J);
   int rank = 0;
   for (double s : decomposition.s) rank += s > fixed_tolerance ? 1 : 0;
-  z0 = least_squares(J, missing, fixed_tolerance);
+  const Vector z0 = least_squares(J, missing, fixed_tolerance);
   Vector residual(missing);
   if (count > 0) multiply(-1.0, Op::plain, J, z0.data(), 1.0, residual.data());
   for (int row = 0; row < count; ++row) {
@@ -85,12 +91,12 @@ void satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request,
                            "change by %.3g. Fix fewer components, or correct their values.",
                            t, components[index(row)], x[index(components[index(row)])], -residual[index(row)]));
   }
-  N = to_matrix(decomposition.V.view().columns(rank, form.unknowns() - rank));
+  return {z0, to_matrix(decomposition.V.view().columns(rank, form.unknowns() - rank))};
 }
 
 // z0: E1 (xp + T2 z0 - x) = 0; N spans what that leaves open, the free directions. With Z1 spanning the range of E T2
 // these are the normal equations of min |E (xp + T2 z - x)|: E x changes as little as possible.
-void keep_differential(const NullSpaceForm& form, const TaylorData& data, const Vector& x, Vector& z0, Matrix& N) {
+Candidates keep_differential(const NullSpaceForm& form, const TaylorData& data, const Vector& x) {
   const int n = form.n, m = form.m, unknowns = form.unknowns(), u = form.u;
   Matrix E = to_matrix(data.E(0));
   for (int i = 0; i < m; ++i)
@@ -103,8 +109,7 @@ void keep_differential(const NullSpaceForm& form, const TaylorData& data, const 
   Vector target(index(m + u), 0.0), missing(x);
   for (int i = 0; i < n; ++i) missing[index(i)] -= form.xp()[i];
   multiply(1.0, Op::plain, E, missing.data(), 0.0, target.data());
-  z0 = least_squares(rows, target, 0.0);
-  N = to_matrix(form.Uz());
+  return {least_squares(rows, target, 0.0), to_matrix(form.Uz())};
 }
 
 }  // namespace
@@ -121,18 +126,18 @@ Vector consistent_point(const NullSpaceForm& form, const TaylorData& data, const
   for (int i = 0; i < n && !request.weights.empty(); ++i) inverse_weights[index(i)] /= request.weights[index(i)];
   const bool plain_norm =
       std::all_of(inverse_weights.begin(), inverse_weights.end(), [](double w) { return w == 1.0; });
-  Vector z0(index(form.unknowns()) + 1, 0.0);
-  Matrix N = identity(form.unknowns());
-  if (request.kind == InitialValues::fixed) satisfy_fixed(form, request, x, data.t, z0, N);
-  if (request.kind == InitialValues::keep_differential) keep_differential(form, data, x, z0, N);
+  Candidates candidates{Vector(index(form.unknowns()) + 1, 0.0), identity(form.unknowns())};
+  if (request.kind == InitialValues::fixed) candidates = satisfy_fixed(form, request, x, data.t);
+  if (request.kind == InitialValues::keep_differential) candidates = keep_differential(form, data, x);
   Vector consistent(form.xp(), form.xp() + n);
   const bool any_change = request.kind == InitialValues::nearest || request.kind == InitialValues::accept;
   if (plain_norm && any_change) {
     // xp + T2 T2^T x
-    multiply(1.0, Op::transposed, form.T2(), x.data(), 0.0, z0.data());
-    multiply(1.0, Op::plain, form.T2(), z0.data(), 1.0, consistent.data());
+    Vector& z = candidates.z0;
+    multiply(1.0, Op::transposed, form.T2(), x.data(), 0.0, z.data());
+    multiply(1.0, Op::plain, form.T2(), z.data(), 1.0, consistent.data());
   } else {
-    consistent = nearest(form, x, inverse_weights, z0, N);
+    consistent = nearest(form, x, inverse_weights, candidates);
   }
   for (int i = 0; i < n; ++i) consistent[index(i)] *= units[i];
   if (request.kind == InitialValues::fixed)
@@ -161,7 +166,7 @@ void report_change(const ConsistencyRequest& request, double t, const Vector& gi
 }
 
 ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, Vector& user_x) {
-  const NullSpaceForm& form = system.form();
+  const NullSpaceForm& form = system.point().form;
   const std::size_t n = index(form.n);
   // Norms and reports are the user's.
   const Units& units = system.problem().units();
@@ -174,7 +179,7 @@ ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest
   };
   ConsistencyResult result;
   result.residual_before = violation_of(user_x);
-  const Vector consistent = consistent_point(form, system.data(), units, request, user_x);
+  const Vector consistent = consistent_point(form, system.point().data, units, request, user_x);
   report_change(request, system.t(), user_x, consistent, result);
   if (request.kind != InitialValues::accept) user_x = consistent;
   result.residual_after = request.kind == InitialValues::accept ? result.residual_before : violation_of(user_x);

@@ -6,7 +6,8 @@
 #include <string>
 
 #include "problem/failure.h"
-#include "system/consistent_jet.h"
+#include "system/consistent_jets.h"
+#include "system/jet_solver.h"
 #include "system/nonlinear_values.h"
 
 namespace sfdae::core {
@@ -100,7 +101,7 @@ ConsistentPoint NonlinearModel::make_consistent(NonlinearSystem& system, const P
   }
   const ConsistencyRequest request = options.request_at(point.x);
   ConsistentJetResult found =
-      choose_consistent_jet(*problem_, system.analysis(), system.units(), request, start, result.x);
+      choose_consistent_jet(*problem_, system.analysis(), system.units(), request, {result.x, start});
   result.change = found.change;
   demand_point(system, system.set_point(found.jet), point.t, "Analyze the problem there.");
   system.apply_inputs();

@@ -9,7 +9,10 @@
 #include "linalg/index.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
+#include "reduction/null_space_form.h"
 #include "reduction/rank_sequence.h"
+#include "reduction/stored_elimination.h"
+#include "system/jet_solver.h"
 
 namespace sfdae::core {
 
@@ -61,12 +64,7 @@ class LinearizedConstraints {
     Vector transformed(index(problem_.m() * (mu + 1)) + 1), dy(index(n * (mu + 1)));
     elimination_.transform(data_.f(0), transformed.data(), arena_);
     elimination_.recover(data_, {data_.f(0), transformed.data()}, dx.data(), dy.data(), arena_);
-    double power = 1.0;
-    for (int k = 0; k <= mu + 1; ++k) {
-      const double factor = k == 0 ? 1.0 : 1.0 / (k * (power *= data_.time_scale));
-      const double* change = k == 0 ? dx.data() : dy.data() + static_cast<std::ptrdiff_t>(k - 1) * n;
-      for (int i = 0; i < n; ++i) jet.column(k)[i] += factor * change[i] * units_[i];
-    }
+    jet.add_scaled(dx.data(), dy.data(), mu + 1, data_.time_scale, units_);
     return size > 0.0 ? largest / size : largest;
   }
 
@@ -100,15 +98,20 @@ double distance_between(const Vector& a, const double* b, const Vector& weights)
 }  // namespace
 
 ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const IndexAnalysis& analysis,
-                                          const Units& units, const ConsistencyRequest& request, const Jet& start,
-                                          const Vector& x) {
+                                          const Units& units, const ConsistencyRequest& request,
+                                          const ConsistentJetStart& start) {
   // The iteration leaves out the curvature of the constraints and converges linearly where x is far from them:
-  // accurate to this it is as near as anybody wants.
+  // accurate to this it is as near as anybody wants. Chosen, not measured.
   constexpr double accuracy = 1e-8;
+  // A few roundings of x: there is nothing to change.
+  constexpr double no_change = 1e-15;
+  // Nearer than before, up to what the accuracy leaves open.
+  constexpr double nearer = 1.01;
   constexpr int most = 30;
+  const Vector& x = start.given;
   const int mu = analysis.values.mu;
   ConsistentJetResult result;
-  result.jet = start;
+  result.jet = start.jet;
   result.jet.set_order(mu + 1);
   JetSolver solver(problem, units);
   if (request.kind == InitialValues::fixed) solver.set_fixed(request.fixed);
@@ -117,24 +120,23 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
   for (int iteration = 0; iteration < most; ++iteration) {
     constraints.linearize(result.jet);
     if (!constraints.has_known_ranks()) {
-      if (iteration > 0) break;  // wandered off: the last point is consistent
+      if (iteration > 0) break;  // the last point is consistent, this one is too far off
       throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
                     "the characteristic values known (" + describe(analysis.values) +
-                        format(") do not hold at t = %.15g. Analyze the problem there.", start.t));
+                        format(") do not hold at t = %.15g. Analyze the problem there.", start.jet.t));
     }
     Jet next = result.jet;
     const double change = constraints.move(request, x, next);
     if (iteration > 0 && change > before) break;
-    if (change > 1e-15) {
+    if (change > no_change) {
       try {
         solver.solve(next, mu);
       } catch (const Failure& failure) {
         if (failure.status() != SFDAE_NO_CONSISTENT_VALUES && failure.status() != SFDAE_NOT_FINITE) throw;
         break;
       }
-      // Nearer than before, or as near as it gets.
       const double distance = distance_between(x, next.x.data(), request.weights);
-      if (iteration > 0 && distance > 1.01 * distance_between(x, result.jet.x.data(), request.weights)) break;
+      if (iteration > 0 && distance > nearer * distance_between(x, result.jet.x.data(), request.weights)) break;
       result.jet = next;
     }
     if (change < accuracy) break;
@@ -144,7 +146,7 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
   const Vector found(result.jet.x.data(), result.jet.x.data() + problem.n());
   result.change.residual_before = distance_between(x, found.data(), {});
   result.change.residual_after = constraints.distance();
-  report_change(request, start.t, x, found, result.change);
+  report_change(request, start.jet.t, x, found, result.change);
   return result;
 }
 

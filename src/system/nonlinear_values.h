@@ -4,22 +4,28 @@
 
 #include <vector>
 
+#include "problem/nonlinear_problem.h"
 #include "reduction/index_analysis.h"
-#include "system/consistent_jet.h"
 #include "system/consistent_values.h"
+#include "system/jet.h"
 
 namespace sfdae::core {
+
+// Values that were given, and a jet near them that is consistent up to level mu.
+struct ConsistentJetStart {
+  const std::vector<double>& given;
+  const Jet& jet;
+};
 
 struct ConsistentJetResult {
   Jet jet;  // consistent up to level mu
   ConsistencyResult change;
 };
 
-// From a jet near x that is consistent up to level mu to the one that is chosen as requested. Throws Failure:
-// SFDAE_INCONSISTENT_VALUES, SFDAE_FIXED_VALUES, SFDAE_NO_CONSISTENT_VALUES, SFDAE_CHARACTERISTICS_CHANGED, errors
-// of callbacks.
+// The consistent jet that is chosen for the values given as requested. Throws Failure: SFDAE_INCONSISTENT_VALUES,
+// SFDAE_FIXED_VALUES, SFDAE_NO_CONSISTENT_VALUES, SFDAE_CHARACTERISTICS_CHANGED, errors of callbacks.
 ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const IndexAnalysis& analysis,
-                                          const Units& units, const ConsistencyRequest& request, const Jet& start,
-                                          const std::vector<double>& x);
+                                          const Units& units, const ConsistencyRequest& request,
+                                          const ConsistentJetStart& start);
 
 }  // namespace sfdae::core

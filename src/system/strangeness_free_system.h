@@ -1,5 +1,8 @@
 // What integrators see of a problem: its strangeness-free system.
 //
+// Folder system: this interface, linear and nonlinear systems behind it, consistent values, and models: problem,
+// options and system in one.
+//
 //     F1(t, x, w') = 0   (d equations),   F2(t, x) = 0   (a equations),   w = W(t) x
 //
 // consistent at any t. Nothing here knows of indices or derivative arrays.

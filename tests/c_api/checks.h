@@ -4,6 +4,7 @@
 #define SFDAE_TESTS_CHECKS_H
 
 #include <stdio.h>
+#include <stdlib.h>
 
 #include <sfdae/sfdae.h>
 
@@ -17,6 +18,12 @@ static void check_status(const char* file, int line, const char* call, int statu
   failures++;
   fprintf(stderr, "%s:%d: %s is %s, not %s\n", file, line, call, sfdae_status_name(status),
           sfdae_status_name(expected));
+}
+
+/* k if SFDAE_TEST_SCALE is below 1, otherwise 1: of many similar cases every k-th is tried. */
+static inline int stride(int k) {
+  const char* scale = getenv("SFDAE_TEST_SCALE");
+  return scale && atof(scale) < 1 ? k : 1;
 }
 
 #endif

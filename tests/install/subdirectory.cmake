@@ -1,4 +1,5 @@
-# Builds sfdae as a part of another project, installs it from there and asks pkg-config where it is.
+# Builds sfdae as a part of another project, installs it from there and asks pkg-config where it is. Nothing is
+# precompiled here, so that a source that does not include what it uses is found.
 
 include("${SETTINGS}")
 set(build "${work_dir}/${NAME}")

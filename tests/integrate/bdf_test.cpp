@@ -42,7 +42,7 @@ class BdfRun {
   }
 
   StepOutcome step(double h) {
-    const StepOutcome outcome = bdf_.attempt(*system_, bdf_.t() + h, weights_);
+    const StepOutcome outcome = bdf_.attempt(*system_, bdf_.state().t + h, weights_);
     if (outcome == StepOutcome::accepted) {
       bdf_.commit();
       system_->accept();
@@ -52,7 +52,7 @@ class BdfRun {
 
   double error() const {
     std::vector<double> exact(bdf_.x().size());
-    problem_.family().exact(bdf_.t(), exact.data(), nullptr);
+    problem_.family().exact(bdf_.state().t, exact.data(), nullptr);
     double worst = 0.0;
     for (std::size_t i = 0; i < exact.size(); ++i) worst = std::max(worst, std::fabs(bdf_.x()[i] - exact[i]));
     return worst;

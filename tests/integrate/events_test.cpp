@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The search for zeros, apart from any integration: functions with known zeros, rough values that are off, rounding errors.
-#include "integrate/events.h"
+#include "integrate/event_search.h"
 
 #include <gtest/gtest.h>
 

@@ -58,7 +58,7 @@ class RadauRun {
     for (int i = 1; i <= steps; ++i) step_to(static_cast<double>(i) / steps);
     return error();
   }
-  double error() const { return difference(radau_.x(), analyzed_.exact(radau_.t())); }
+  double error() const { return difference(radau_.x(), analyzed_.exact(radau_.state().t)); }
   static double difference(const Vector& a, const Vector& b) {
     double worst = 0.0;
     for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::fabs(a[i] - b[i]));
@@ -174,7 +174,7 @@ TEST(Radau, WithoutDifferentialEquationsOneStageIsExact) {
   RadauRun run(sfdae_test::kron(3, 2), 7);
   ASSERT_EQ(run.analyzed_.system.differential(), 0);
   run.step_to(0.7);
-  EXPECT_EQ(run.radau_.order(), 1);
+  EXPECT_EQ(run.radau_.state().last.order, 1);
   EXPECT_LE(run.error(), 1e4 * unit_roundoff);
 }
 
@@ -194,7 +194,8 @@ Solve solve(const FamilyPointer& family, double tol, int outputs, const Integrat
   IntegrationOptions options = choice;
   options.tolerances = {Vector(x.size(), tol), Vector(x.size(), tol)};
   analyzed.system.move_to(0.0);
-  Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options, 0.0, t1, x, xdot);
+  Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options,
+                          {0.0, t1, x, xdot});
   const auto scaled = [&](const Vector& values, double t) {
     const Vector exact = analyzed.exact(t);
     double worst = 0.0;
@@ -207,8 +208,8 @@ Solve solve(const FamilyPointer& family, double tol, int outputs, const Integrat
   for (int i = 1; i <= outputs && result.status >= 0; ++i) do {
       result.status = integration.advance(t1 * i / outputs, true, t, x.data(), xdot.data()).status;
       const Stepper& stepper = integration.stepper();
-      result.step_error = std::max(result.step_error, scaled(stepper.x(), stepper.t()));
-      result.highest_order = std::max(result.highest_order, stepper.order());
+      result.step_error = std::max(result.step_error, scaled(stepper.x(), stepper.state().t));
+      result.highest_order = std::max(result.highest_order, stepper.state().last.order);
       if (result.status == SFDAE_OK) result.output_error = std::max(result.output_error, scaled(x, t));
     } while (result.status == SFDAE_STEP_TAKEN);
   result.counts = integration.counts();
@@ -283,12 +284,12 @@ TEST(RadauIntegration, NeverPassesOutputsIfAskedNotTo) {
   Vector x = analyzed.exact(0.0), xdot = analyzed.exact_derivative(0.0);
   options.tolerances = {Vector(8, 1e-5), Vector(8, 1e-5)};
   analyzed.system.move_to(0.0);
-  Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options, 0.0, 1.0, x,
-                          xdot);
+  Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options,
+                          {0.0, 1.0, x, xdot});
   double t = 0.0;
   for (double tout : {0.1, 0.15, 1.0, 2.0}) {
     ASSERT_EQ(integration.advance(tout, false, t, x.data(), xdot.data()).status, SFDAE_OK);
-    EXPECT_EQ(integration.stepper().t(), tout);
+    EXPECT_EQ(integration.stepper().state().t, tout);
     EXPECT_LE(last, tout);
   }
   // Short steps on the way do not make the later ones short.
@@ -338,8 +339,8 @@ TEST(RadauIntegration, AToleranceThatIsAbsoluteIsMetWhateverRtolIs) {
     IntegrationOptions options = with(Method::radau, 3, 3);
     options.tolerances = {Vector(2, rtol), Vector(2, atol)};
     analyzed.system.move_to(0.0);
-    Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options, 0.0, 1.0, x,
-                            xdot);
+    Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options,
+                            {0.0, 1.0, x, xdot});
     double t = 0.0, worst = 0.0;
     while (integration.advance(1.0, true, t, x.data(), xdot.data()).status == SFDAE_STEP_TAKEN)
       worst = std::max(worst, RadauRun::difference(x, analyzed.exact(t)));
@@ -350,7 +351,7 @@ TEST(RadauIntegration, AToleranceThatIsAbsoluteIsMetWhateverRtolIs) {
 }
 
 // The step first is suspected of a change at one stage, wrongly, and goes through one at a later stage.
-TEST(RadauIntegration, AChangeBehindAFalseAlarmWithinTheStepIsFound) {
+TEST(RadauIntegration, AChangeAfterAFalseAlarmWithinTheStepIsFound) {
   using sfdae_test::Entries;
   using sfdae_test::Jet;
   for (int i = 0; i < 20; ++i) {
@@ -368,20 +369,20 @@ TEST(RadauIntegration, AChangeBehindAFalseAlarmWithinTheStepIsFound) {
 }
 
 // A step cut short at an output tells nothing about the next one.
-TEST(RadauIntegration, TheStepPlannedBeforeAnOutputIsTakenBehindIt) {
+TEST(RadauIntegration, TheStepPlannedBeforeAnOutputIsTakenAfterIt) {
   IntegrationOptions options = with(Method::radau, 3, 3);
   options.never_pass_output = true;
   AnalyzedProblem analyzed(FamilyPointer(sfdae_test::kron(8, 1)), 0.0, 1.0);
   Vector x = analyzed.exact(0.0), xdot = analyzed.exact_derivative(0.0);
   options.tolerances = {Vector(8, 1e-6), Vector(8, 1e-6)};
   analyzed.system.move_to(0.0);
-  Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options, 0.0, 2.0, x,
-                          xdot);
+  Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options,
+                          {0.0, 2.0, x, xdot});
   double t = 0.0;
   ASSERT_EQ(integration.advance(0.5, false, t, x.data(), xdot.data()).status, SFDAE_OK);
-  const double planned = integration.stepper().next_step();
+  const double planned = integration.stepper().state().next_step;
   ASSERT_EQ(integration.advance(0.5 + 1e-3 * planned, false, t, x.data(), xdot.data()).status, SFDAE_OK);
-  EXPECT_EQ(integration.stepper().next_step(), planned);
+  EXPECT_EQ(integration.stepper().state().next_step, planned);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "family_run.h"
 #include "multibody/chain.h"
 #include "multibody/four_bar.h"
 #include "multibody/knife_edge.h"
@@ -22,7 +23,8 @@ constexpr std::array<int, 2> methods = {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU};
 // Released at rest from the horizontal it is there again after T = 4 K(sin 45 deg) / sqrt(g). Errors of the energy,
 // 0, add up over some 10 steps a radian; those of the phase are errors of the energy, added up once more.
 TEST(LongPendulum, KeepsEnergyAndPhaseOverAThousandPeriods) {
-  constexpr double K = 1.8540746773013719, periods = 1000.0;
+  constexpr double K = 1.8540746773013719;
+  const double periods = scaled_count(1000);
   const double period = 4.0 * K / std::sqrt(Pendulum::gravity), radians = periods * 2.0 * std::acos(-1.0);
   const DirectSystem<Pendulum> system;
   for (const int method : methods)
@@ -107,7 +109,7 @@ TEST(FourBar, MovesAsIfNothingWereRedundant) {
 
 // One link is a pendulum, ten are compared with the general path, a hundred keep their energy. Before chaos sets in.
 TEST(PendulumChain, MovesAsItShould) {
-  for (const int links : {1, 10, 100})
+  for (const int links : {1, 10, scaled_count(100)})
     for (const int method : methods) {
       constexpr double tolerance = 1e-7;
       SCOPED_TRACE(testing::Message() << links << " links, method " << method);

@@ -11,7 +11,7 @@
 #include "c_api/expressions.h"
 #include "recorded.h"
 #include "reduction/index_analysis.h"
-#include "system/consistent_jet.h"
+#include "system/consistent_jets.h"
 #include "system/nonlinear_system.h"
 #include "test_set/formula_problems.h"
 #include "test_set/pendulum.h"

@@ -39,11 +39,11 @@ struct AtPoint : AnalyzedProblem {
   // (I - T2 T2^T) (x - exact): zero for consistent x.
   double violation(const Numbers& x) const {
     const Matrix change = sum(1.0, column(x), -1.0, column(exact(t0)));
-    const ConstView T2 = system.form().T2();
+    const ConstView T2 = system.point().form.T2();
     return largest(sum(1.0, change, -1.0, times(T2, times(transposed(T2), change))));
   }
   double tolerance() const {
-    return rounding(10 * problem.n()) * std::max(1.0, system.data().norm(12)) /
+    return rounding(10 * problem.n()) * std::max(1.0, system.point().data.norm(12)) /
            (system.quality().smallest_pivot * system.quality().kept_constraints);
   }
 };
@@ -77,7 +77,7 @@ TEST(ConsistentValues, NearestIsConsistentAndChangesNothingAlongT2) {
     EXPECT_LE(p.violation(x), p.tolerance());
     EXPECT_LE(result.residual_after, p.tolerance());
     const Matrix change = sum(1.0, column(x), -1.0, column(given));
-    EXPECT_LE(largest(times(transposed(p.system.form().T2()), change)), rounding(p.problem.n()));
+    EXPECT_LE(largest(times(transposed(p.system.point().form.T2()), change)), rounding(p.problem.n()));
     // The residual is the distance to the constraints.
     double squares = 0.0;
     for (int i = 0; i < p.problem.n(); ++i) squares += change(i, 0) * change(i, 0);
@@ -117,7 +117,7 @@ TEST(ConsistentValues, WeightedIsTheMinimumInTheWeightedNorm) {
     Matrix gradient(n, 1);
     for (int i = 0; i < n; ++i)
       gradient(i, 0) = (x[size(i)] - given[size(i)]) / std::pow(request.weights[size(i)], 2);
-    EXPECT_LE(largest(times(transposed(p.system.form().T2()), gradient)),
+    EXPECT_LE(largest(times(transposed(p.system.point().form.T2()), gradient)),
               rounding(n) * 1e4 * std::max(1.0, largest(gradient)));
   }
 }
@@ -151,14 +151,14 @@ TEST(ConsistentValues, FixedComponentsKeepTheirValues) {
     request.kind = InitialValues::fixed;
     request.fixed.assign(size(n), 0);
     request.fixed[1] = 1;  // one component is no contradiction as long as T2 moves it
-    ASSERT_GT(p.system.form().unknowns(), 1);
+    ASSERT_GT(p.system.point().form.unknowns(), 1);
     Numbers x = shifted(p.exact(t0), 0.5);
     const Numbers given = x;
     make_consistent(p.system, request, x);
     EXPECT_EQ(x[1], given[1]);
     EXPECT_LE(p.violation(x), p.tolerance() * std::max(1.0, largest(x)) * 10.0);
     // Consistent directions with zero in component 1: v - e (T2_1 . v) projected; test on T2 (I - r r^T / r.r).
-    const ConstView T2 = p.system.form().T2();
+    const ConstView T2 = p.system.point().form.T2();
     Matrix r = transposed(T2.block(1, 0, 1, T2.cols));
     const double length = times(transposed(r), r)(0, 0);
     const Matrix open = times(T2, sum(1.0, sfdae_test::unit_matrix(T2.cols), -1.0 / length, times(r, transposed(r))));
@@ -184,9 +184,9 @@ TEST(ConsistentValues, KeepDifferentialChangesTheNullSpaceOfE1Only) {
     Matrix E(m, n);
     ASSERT_EQ(p.problem.call('E', t0, 0, E.data()).status, SFDAE_OK);
     const Matrix change = sum(1.0, column(x), -1.0, column(given));
-    const Matrix ET2 = times(E, p.system.form().T2());
+    const Matrix ET2 = times(E, p.system.point().form.T2());
     EXPECT_LE(largest(times(transposed(ET2), times(E, change))), conditioned * std::max(1.0, largest(E)));
-    const Matrix free = times(p.system.form().T2(), p.system.form().Uz());
+    const Matrix free = times(p.system.point().form.T2(), p.system.point().form.Uz());
     if (free.cols() > 0) {
       EXPECT_LE(largest(times(transposed(free), change)), conditioned);
     }

@@ -78,9 +78,9 @@ Matrix f_at(const AnalyzedProblem& p, double t) {
 
 // D Z1, so that (D Z1)^T acts on the unscaled equations.
 Matrix scaled_Z1(const LinearSystem& system) {
-  Matrix Z1 = to_matrix(system.form().Z1());
+  Matrix Z1 = to_matrix(system.point().form.Z1());
   for (int j = 0; j < Z1.cols(); ++j)
-    for (int i = 0; i < Z1.rows(); ++i) Z1(i, j) *= system.data().row_scale[size(i)];
+    for (int i = 0; i < Z1.rows(); ++i) Z1(i, j) *= system.point().data.row_scale[size(i)];
   return Z1;
 }
 
@@ -92,7 +92,7 @@ Matrix F1(const AnalyzedProblem& p, double t, const Matrix& x, const Matrix& wdo
   const bool is_matrix = system.leading_term() == LeadingTerm::matrix;
   if (is_matrix) right = sum(1.0, right, 1.0, times(E1, x));
   if (system.leading_term() == LeadingTerm::projector) {
-    const ConstView K = system.form().kernel();
+    const ConstView K = system.point().form.kernel();
     right = sum(1.0, right, 1.0, times(E1, times(K, times(transposed(K), x))));
   }
   const Matrix left = is_matrix ? wdot : times(E, wdot);
@@ -101,18 +101,18 @@ Matrix F1(const AnalyzedProblem& p, double t, const Matrix& x, const Matrix& wdo
 
 // (I - T2 T2^T) v: what of v the constraints see.
 Matrix seen_by_constraints(const LinearSystem& system, const Matrix& v) {
-  const ConstView T2 = system.form().T2();
+  const ConstView T2 = system.point().form.T2();
   return sum(1.0, v, -1.0, times(T2, times(transposed(T2), v)));
 }
 
 // U = T2 Uz
-Matrix free_directions(const LinearSystem& system) { return times(system.form().T2(), system.form().Uz()); }
+Matrix free_directions(const LinearSystem& system) { return times(system.point().form.T2(), system.point().form.Uz()); }
 
 double tolerance(const LinearSystem& system) {
-  const double scale = std::max({1.0, system.data().norm(12), system.data().norm_f(12)});
+  const double scale = std::max({1.0, system.point().data.norm(12), system.point().data.norm_f(12)});
   return rounding(10 * system.unknowns()) * scale /
          (system.quality().smallest_pivot * system.quality().kept_constraints * system.quality().kept_differential *
-          std::min(1.0, system.data().time_scale));
+          std::min(1.0, system.point().data.time_scale));
 }
 
 }  // namespace
@@ -132,7 +132,7 @@ TEST(LinearSystem, LeadingIsWTimesX) {
       } else if (p.system.leading_term() == LeadingTerm::projector) {
         // P = E^+ E: E P x = E x, and P x is orthogonal to the kernel.
         EXPECT_LE(distance(times(E, column(w)), times(E, column(x))), tolerance(p.system) * largest(E));
-        EXPECT_LE(largest(times(transposed(p.system.form().kernel()), column(w))), tolerance(p.system));
+        EXPECT_LE(largest(times(transposed(p.system.point().form.kernel()), column(w))), tolerance(p.system));
       } else {
         EXPECT_EQ(w, x);
       }
@@ -153,7 +153,7 @@ TEST(LinearSystem, SolveFulfilsTheThreeSetsOfEquations) {
         p.system.leading(x.data(), w.data());
         const double scale = tolerance(p.system) * std::max(1.0, largest(x)) * std::max(1.0, std::fabs(rate));
         EXPECT_LE(largest(F1(p, c.t, x, sum(rate, w, 1.0, column(w_rest)))), scale);
-        const Numbers xp(p.system.form().xp(), p.system.form().xp() + p.problem.n());
+        const Numbers xp(p.system.point().form.xp(), p.system.point().form.xp() + p.problem.n());
         EXPECT_LE(largest(seen_by_constraints(p.system, sum(1.0, x, -1.0, column(xp)))), scale);
         EXPECT_LE(largest(times(transposed(free_directions(p.system)), sum(rate, x, 1.0, column(x_rest)))), scale);
       }
@@ -275,7 +275,7 @@ TEST(LinearSystem, ConsistentDerivativeByDifferencesWhereTheArrayMayNotBeUsed) {
       else p.problem.set_limits(c.t - 1.0, c.t);
       const Numbers x = p.exact(c.t);
       Numbers xdot(x.size(), 777.0);
-      const double h = 2e-3 * std::min(1.0, p.system.data().time_scale);
+      const double h = 2e-3 * std::min(1.0, p.system.point().data.time_scale);
       const double scale = std::max({1.0, largest(x), largest(p.exact_derivative(c.t))});
       const double error = scale * (std::pow(2e-3, 4) * 243.0 * 100.0 + tolerance(p.system) / h);
       EXPECT_FALSE(p.system.consistent_derivative(x.data(), direction, xdot.data()));
@@ -362,7 +362,7 @@ TEST(LinearSystem, ConstantProblemsAreReducedOnceAndFactoredOnceForEveryStep) {
   ASSERT_EQ(p.system.solve({20.0, zero.data(), zero.data(), {}}, x.data()), PointStatus::ok);
   EXPECT_EQ(p.system.counts().factorizations, 2);
   const Matrix w = times(
-      sum(1.0, identity(8), -1.0, times(p.system.form().kernel(), transposed(p.system.form().kernel()))), column(x));
+      sum(1.0, identity(8), -1.0, times(p.system.point().form.kernel(), transposed(p.system.point().form.kernel()))), column(x));
   EXPECT_LE(largest(F1(p, 0.5, column(x), sum(20.0, w, 0.0, w))),
             20.0 * tolerance(p.system) * std::max(1.0, largest(x)));
 }

@@ -13,6 +13,7 @@
 #include "matrix_checks.h"
 #include "nonlinear_examples.h"
 #include "problem/failure.h"
+#include "system/jet_solver.h"
 
 namespace sfdae::core {
 
@@ -63,7 +64,7 @@ struct Pendulum : NonlinearExample {
     JetSolver solver(*problem, units);
     if (request.kind == InitialValues::fixed) solver.set_fixed(request.fixed);
     for (int level = 0; level <= 2; ++level) solver.solve(start, level);
-    return choose_consistent_jet(*problem, analysis, units, request, start, given);
+    return choose_consistent_jet(*problem, analysis, units, request, {given, start});
   }
 };
 
@@ -183,7 +184,7 @@ TEST(NonlinearValues, FreeComponentsStay) {
   start.x = given;
   JetSolver(*example.problem, example.units).solve(start, 0);
   const ConsistentJetResult result =
-      choose_consistent_jet(*example.problem, example.analysis, example.units, {}, start, given);
+      choose_consistent_jet(*example.problem, example.analysis, example.units, {}, {given, start});
   const Vector x = values_of(result.jet);
   EXPECT_EQ(x[2], 0.7);
   EXPECT_NEAR(x[1], x[0] * x[0], 10.0 * rounding(3));

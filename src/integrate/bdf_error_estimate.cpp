@@ -1,0 +1,68 @@
+// Error estimate of BDF.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/bdf_error_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sfdae::core {
+
+namespace {
+
+// Orders k - 2 ... k + 1.
+constexpr std::size_t most_orders = 4;
+
+// Of the error of a step of order k, in units of the difference between w and its predictor of degree k.
+double error_constant(const BdfHistory& history, const BdfStep& step) {
+  const int k = step.order;
+  double constant = step.h / (step.t - history.time(k));
+  if (step.has_fixed_leading) {
+    double alpha0 = 0.0;
+    for (int i = 0; i < k; ++i) alpha0 += step.h / (step.t - history.time(i));
+    constant = std::max(constant, std::fabs(constant - bdf_alpha[k] + alpha0));
+  }
+  return constant;
+}
+
+}  // namespace
+
+void BdfErrorEstimate::resize(std::size_t n, std::size_t size_w) {
+  difference_.assign(size_w, 0.0);
+  error_.assign(n, 0.0);
+  differences_.assign(most_orders * size_w, 0.0);
+  mapped_.assign(most_orders * n, 0.0);
+}
+
+// The difference between w and its predictor of degree q is prod_{i<=q} (t - t_i) times a divided difference of
+// order q + 1: from it the local terms of the orders around k, and the error of the formula.
+double BdfErrorEstimate::estimate(StrangenessFreeSystem& system, const BdfHistory& history, const BdfStep& step,
+                                  const ErrorWeights& weights, LocalTerms& terms) {
+  const int k = step.order;
+  std::fill(std::begin(terms.of_order), std::end(terms.of_order), -1.0);
+  if (system.differential() == 0) {
+    std::fill_n(error_.data(), error_.size(), 0.0);
+    std::fill_n(terms.of_order, k + 1, 0.0);
+    return 0.0;
+  }
+  const std::size_t size = history.size_w(), n = history.size_x();
+  const int first = std::max(1, k - 2), last = std::min(k + 1, std::min(history.points(), k + 3) - 1);
+  // Column q - first of differences_: w less its predictor of degree q.
+  double factors[max_bdf_order + 2];
+  std::copy_n(step.w.data(), size, difference_.data());
+  double product = 1.0, factorial = 1.0;
+  for (int q = 0; q <= last; ++q) {
+    const std::vector<double>& divided = history.difference(q);
+    for (std::size_t i = 0; i < size; ++i) difference_[i] -= product * divided[i];
+    product *= step.t - history.time(q);
+    factorial *= (q > 0 ? q : 1) * step.h;  // q! h^(q+1)
+    factors[q] = factorial / product;
+    if (q >= first) std::copy_n(difference_.data(), size, differences_.data() + size * index(q - first));
+  }
+  system.error_in_x(differences_.data(), last - first + 1, mapped_.data());
+  for (int q = first; q <= last; ++q)
+    terms.of_order[q] = factors[q] * weights.norm(mapped_.data() + n * index(q - first));
+  std::copy_n(mapped_.data() + n * index(k - first), n, error_.data());
+  return error_constant(history, step) * weights.norm(error_.data());
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,26 @@
+// Error estimate of BDF: differences between w and its predictors of several degrees.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "integrate/bdf_step.h"
+
+namespace sfdae::core {
+
+class BdfErrorEstimate {
+ public:
+  void resize(std::size_t n, std::size_t size_w);
+  // The error of a step in units of the tolerances, the system standing at its end, and the local terms of the orders
+  // around that of the step.
+  double estimate(StrangenessFreeSystem& system, const BdfHistory& history, const BdfStep& step,
+                  const ErrorWeights& weights, LocalTerms& terms);
+  // Of the step estimated last, mapped to x, without its constant.
+  const std::vector<double>& error() const { return error_; }
+
+ private:
+  std::vector<double> difference_, error_;
+  std::vector<double> differences_, mapped_;  // of the orders around that of the step, a column each
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,58 @@
+// The last points of a BDF integration and the polynomials through them.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "integrate/newton_polynomial.h"
+#include "integrate/step_control.h"
+#include "integrate/stepper.h"
+
+namespace sfdae::core {
+
+class BdfHistory {
+ public:
+  // A polynomial of degree k + 1 and one point more, with which it is compared.
+  static constexpr int capacity = max_bdf_order + 3;
+  using Table = std::array<std::vector<double>, capacity>;
+  using Polynomial = NewtonPolynomial<Table, std::array<double, capacity>>;
+
+  void start(const StartingPoint& point);
+  // The newest point first.
+  int points() const { return points_; }
+  double time(int i) const { return times_[index(i)]; }
+  const std::vector<double>& x() const { return x_[0]; }
+  std::size_t size_x() const { return x_[0].size(); }
+  std::size_t size_w() const { return w_[0].size(); }
+
+  // Before the first step there is one point only. A second one at t - h on its tangent makes the slope there the
+  // predictor of a step of size h.
+  void place_fictitious_point(double h);
+  bool is_at_start() const { return points_ == 2 && is_fictitious_; }
+  void append(double t, const std::vector<double>& w, const std::vector<double>& x);
+
+  // Divided differences of w, and of x if wanted, over the newest points; the polynomials are made of them.
+  void compute_differences(int count, bool with_x);
+  // w[t_0, ..., t_i].
+  const std::vector<double>& difference(int i) const { return dw_[index(i)]; }
+  Polynomial polynomial_w(int degree) const { return {dw_, times_, degree, size_w()}; }
+  Polynomial polynomial_x(int degree) const { return {dx_, times_, degree, size_x()}; }
+
+  // A checkpoint has the number of points, at most max_points, beside the order of the last step; it is returned. Then
+  // there is room for them when reading.
+  int archive_size(Archive& archive, const StrangenessFreeSystem& system, int max_points, int& last_order);
+  void archive_points(Archive& archive, int points);
+
+ private:
+  void resize(std::size_t n, std::size_t size_w);
+
+  std::array<double, capacity> times_{};
+  Table w_, x_;
+  int points_ = 0;
+  bool is_fictitious_ = false;  // the second one of the start
+  std::vector<double> slope_w_, slope_x_;
+  Table dw_, dx_;
+};
+
+}  // namespace sfdae::core

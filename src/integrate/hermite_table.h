@@ -1,0 +1,52 @@
+// A table of divided differences over nodes of a Radau integration, and the polynomial that it is one of.
+//
+// Times in it are (t - origin) / unit, so that nothing overflows.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "integrate/newton_polynomial.h"
+#include "integrate/radau_history.h"
+#include "integrate/radau_method.h"
+
+namespace sfdae::core {
+
+class HermiteTable {
+ public:
+  // For polynomials through max_nodes nodes with slopes, of vectors with at most `size` components.
+  void resize(std::size_t size, int max_nodes);
+
+  // Over `entries` of the values and slopes at each node in turn.
+  void set_nodes(const ChosenNodes& chosen, Interpolated which, int entries, double origin, double unit);
+  // The collocation polynomial for x of the last step, through its start and its stages: all of it lies within the step.
+  void set_collocation(const RadauHistory& history);
+
+  int degree() const { return degree_; }
+  // The divided difference of the highest order, in units.
+  const std::vector<double>& last_entry() const { return entries_[index(degree_)]; }
+
+  // The polynomial at t and, unless slope is null, its derivative.
+  void evaluate(double t, double* value, double* slope) const;
+  // Its Taylor coefficients at t: size x (order + 1).
+  void taylor(double t, int order, double* coefficients) const;
+  // What the last of `nodes` nodes contributes to the value at t with its value and its slope; vectors of that size.
+  void contribution_of_last(int nodes, double t, std::vector<double>& contribution) const;
+
+ private:
+  static constexpr int capacity = 2 * max_radau_nodes;
+  using Entries = std::array<std::vector<double>, capacity>;
+  NewtonPolynomial<Entries, std::array<double, capacity>> polynomial() const {
+    return {entries_, times_, degree_, size_};
+  }
+  double scaled(double t) const { return (t - origin_) / unit_; }
+
+  Entries entries_;
+  std::array<double, capacity> times_{};
+  int degree_ = 0;
+  std::size_t size_ = 0;
+  double origin_ = 0.0, unit_ = 1.0;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,51 @@
+// What the user may choose about an integration, and what it counts.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "integrate/stepper.h"
+#include "sfdae/sfdae.h"
+#include "system/tolerances.h"
+
+namespace sfdae::core {
+
+struct Events;
+
+// automatic: Radau, until frequent output or failing steps show that BDF is better off.
+enum class Method { bdf, radau, automatic };
+
+struct IntegrationOptions {
+  Tolerances tolerances;
+  Method method = Method::bdf;
+  StepOptions stepping;
+  bool never_pass_output = false;  // steps end at tout instead of being interpolated
+  bool short_checkpoints = false;  // without what only statistics need
+  double initial_step = 0.0;       // 0: chosen
+  double max_step = 0.0;           // 0: none
+  std::optional<double> stop_time;
+  long max_steps = 100000;
+  bool ignore_inconsistency = false;
+  double consistency_tol = 1e-8;
+  sfdae_monitor_function monitor = nullptr;
+  void* monitor_user = nullptr;
+  Events* events = nullptr;  // not owned; none
+};
+
+struct IntegrationCounts {
+  long steps = 0, error_failures = 0, other_failures = 0;
+  long reductions = 0, factorizations = 0;
+  double first_step = 0.0;
+  double smallest_kept = 1.0;
+  double inconsistency = 0.0;
+  double rounding = 0.0;  // largest rounding error of a component against its tightened tolerance
+};
+
+// Status of a call and what sfdae_message says about it.
+struct CallResult {
+  int status = SFDAE_OK;
+  std::string message;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,23 @@
+// Results of an integration that stops: status and message.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "integrate/integrator.h"
+#include "system/change_watch.h"
+
+namespace sfdae::core {
+
+CallResult result_of_wrong_direction(double tout, double last_returned);
+CallResult result_beyond_stop_time(double tout, double stop_time);
+CallResult result_outside_last_step(double t, double start, double end);
+CallResult result_of_stop_request(double t);
+CallResult result_of_monitor_stop(double t);
+CallResult result_of_many_steps(long max_steps, double tout, double t);
+// excess: by how much tolerances have to be larger.
+CallResult result_of_small_tolerances(double t, double excess);
+CallResult result_of_ignored_contradictions(double largest);
+CallResult result_of_change(const DaeSystem& system, const LocatedChange& change);
+// The smallest step fails, and not for a change of the characteristic values.
+CallResult result_of_smallest_step(StepOutcome outcome, const Integrator& integrator);
+
+}  // namespace sfdae::core

@@ -1,0 +1,80 @@
+// An integrator at work on a system.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/integrator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrate/bdf.h"
+#include "integrate/radau.h"
+#include "linalg/index.h"
+#include "linalg/rank.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+// Errors of nonlinear mechanical systems grow along the solution: the users of other codes know this factor
+// (docs/decisions/17-jets-and-newton.md).
+constexpr double nonlinear_safety = 0.2;
+// The interval of interest of a method that goes on from another one, in units of its next step: first steps are at most
+// about a thousandth of it, so that they are not longer than that step by far.
+constexpr double steps_ahead = 1e3;
+// Roundings of t that a step is worth at least.
+constexpr double least_roundings = 4.0;
+
+}  // namespace
+
+void Integrator::create(Method wanted, const IntegrationOptions& options) {
+  method = wanted == Method::bdf ? Method::bdf : Method::radau;
+  if (method == Method::bdf) stepper = std::make_unique<Bdf>();
+  else stepper = std::make_unique<Radau>();
+  set_options(options);
+}
+
+void Integrator::set_options(const IntegrationOptions& options) {
+  weights.set(options.tolerances, stepper->tightening(), system.is_linear() ? 1.0 : nonlinear_safety);
+  weights.set_floor(system.rounding_errors());
+  if (!stepper->x().empty()) weights.update(stepper->x().data());
+  StepOptions stepping = options.stepping;
+  stepping.interpolates = !options.never_pass_output;
+  stepper->set_options(stepping);
+}
+
+void Integrator::start(double t, const Vector& x, const Vector& xdot, const IntegrationOptions& options) {
+  const double h = direction * (options.initial_step > 0.0 ? options.initial_step : first_step);
+  const std::size_t size = index(system.leading_size());
+  Vector w(size), wdot(size);
+  system.leading(x.data(), w.data());
+  system.leading_derivative(x.data(), xdot.data(), wdot.data());
+  weights.update(x.data());
+  stepper->start(system, {t, x, xdot, w, wdot}, h);
+  system.accept();
+}
+
+void Integrator::restart(Method wanted, const IntegrationOptions& options) {
+  const StepState state = stepper->state();
+  if (system.move_to(state.t) == PointStatus::callback_error) throw_callback_error(system);
+  const Vector x = stepper->x();
+  Vector xdot(x.size());
+  system.consistent_derivative(x.data(), direction, xdot.data());
+  if (wanted != method) {
+    create(wanted, options);
+    first_step = stepper->first_step(weights, x.data(), xdot.data(), steps_ahead * std::fabs(state.next_step));
+  }
+  start(state.t, x, xdot, options);
+  must_restart = false;
+}
+
+double Integrator::smallest_step(double t, double tout) {
+  return least_roundings * 2.0 * unit_roundoff * std::max(std::fabs(t), std::fabs(tout));
+}
+
+void throw_callback_error(const DaeSystem& system) {
+  throw Failure(system.callback_error().status, system.callback_error().message());
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,31 @@
+// Predicted stages of a Radau step, for systems whose equations are nonlinear.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "integrate/hermite_table.h"
+#include "integrate/radau_history.h"
+
+namespace sfdae::core {
+
+// A polynomial for x, or the tangent at the newest node.
+struct RadauPredictor {
+  void taylor(double t, int order, double* coefficients) const;
+
+  const RadauHistory& history;
+  const HermiteTable* polynomial;  // null: the tangent
+};
+
+class RadauGuess {
+ public:
+  // Of a step from t_start to t_end: Taylor coefficients up to the order given.
+  Guess predict(const RadauPredictor& predictor, const StageMethod& method, double t_start, double t_end, int order);
+  // By the predictor of the last call: those at the start of the last step.
+  const double* at_start() const { return start_.data(); }
+
+ private:
+  std::vector<double> stages_, before_, start_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,73 @@
+// The last nodes of a Radau integration, its last step and nodes within that.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+#include "integrate/radau_node.h"
+#include "integrate/radau_stages.h"
+#include "integrate/stepper.h"
+#include "linalg/archive.h"
+#include "system/stage_method.h"
+
+namespace sfdae::core {
+
+// Nodes kept: enough for divided differences of order 2s that include a new one.
+inline constexpr int max_radau_nodes = max_stages + 1;
+
+// Nodes that a polynomial goes through.
+struct ChosenNodes {
+  std::array<const RadauNode*, max_radau_nodes> nodes{};
+  int count = 0;
+};
+
+class RadauHistory {
+ public:
+  void resize(std::size_t n, std::size_t size_w, const StepOptions& options);
+  void start(const StartingPoint& point);
+
+  // The newest first.
+  int count() const { return count_; }
+  const RadauNode& node(int i) const { return nodes_[index(i)]; }
+  const RadauNode& newest() const { return nodes_[0]; }
+  const LastStep& last() const { return last_; }
+  int last_stages() const { return (last_.order + 1) / 2; }
+  // x at the stages of the last step, n x s.
+  const std::vector<double>& stages() const { return stages_; }
+
+  // Takes over an accepted step; what is left in it does not matter.
+  void append(RadauStep& step);
+  // The solution is not as smooth as the nodes before the newest suggest.
+  void forget_past() { count_ = 1; }
+  // Takes over a node within the last step, which serves polynomials of this step from then on.
+  const RadauNode& insert(RadauNode& node);
+  int inner_count() const { return inner_count_; }
+
+  // The newest nodes, `count` of them.
+  ChosenNodes newest_nodes(int count) const;
+  // Both ends of the last step and the nodes nearest to t, one more than that step had stages, if there are so many.
+  ChosenNodes nodes_around(double t) const;
+
+  // What a checkpoint has: points within steps need one node more than the next step does.
+  struct Extent {
+    int nodes, order, inner;
+  };
+  Extent extent(const StepOptions& options) const;
+  // Makes room for as much; throws DamagedArchive if that cannot be.
+  void set_extent(const Extent& extent, const StrangenessFreeSystem& system, const StepOptions& options);
+  // with_x: at all nodes, not the newest one alone.
+  void archive(Archive& archive, const Extent& extent, bool with_x, bool with_stages);
+
+ private:
+  // Points within one step for which outputs were asked and the polynomial was too rough: a few (chosen).
+  static constexpr int inner_capacity = 6;
+
+  std::array<RadauNode, max_radau_nodes> nodes_;
+  int count_ = 0, max_count_ = 0;
+  std::array<RadauNode, inner_capacity> inner_;
+  int inner_count_ = 0;
+  LastStep last_;
+  std::vector<double> stages_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,121 @@
+// The values of event functions within the last step.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/step_event_values.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "linalg/matrix.h"
+#include "linalg/rank.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+// Relative changes of x, x' and t that rounding errors may amount to, and how many of them are tried
+// (docs/decisions/27-events.md).
+constexpr double rounding_unit = 8.0 * unit_roundoff;
+constexpr int patterns = 8;
+// Rough values of g are trusted where they are larger than their error by this factor: it is measured at one point.
+constexpr double clearly_wrong = 8.0;
+// Smaller errors, relative to g, change no sign that is not looked at closely anyway. (Chosen.)
+constexpr double least_error = 1e-4;
+
+// Rounding errors as they might be, the same in every run.
+class RandomSigns {
+ public:
+  double changed(double value) {
+    state_ = state_ * 6364136223846793005u + 1442695040888963407u;  // Knuth's MMIX generator
+    return value * (1.0 + (state_ >> 63 != 0 ? rounding_unit : -rounding_unit));
+  }
+  void change(const Vector& values, Vector& changed_values) {
+    for (std::size_t i = 0; i < values.size(); ++i) changed_values[i] = changed(values[i]);
+  }
+
+ private:
+  std::uint64_t state_ = 1;
+};
+
+bool are_finite(const Vector& values) { return all_finite(values.data(), values.size()); }
+
+Failure failure_of(int status, double t, const Vector& g) {
+  if (status < 0)
+    return Failure(SFDAE_CALLBACK_STOPPED, format("the event function returned %d at t = %.15g.", status, t));
+  if (status > 0)
+    return Failure(
+        SFDAE_CALLBACK_FAILED,
+        format("the event function returned %d at t = %.15g: it must be defined on the solution.", status, t));
+  const auto bad = std::find_if(g.begin(), g.end(), [](double value) { return !std::isfinite(value); });
+  return Failure(SFDAE_NOT_FINITE, format("g[%d] of the event function is %g at t = %.15g.",
+                                          static_cast<int>(bad - g.begin()), *bad, t));
+}
+
+}  // namespace
+
+bool StepEventValues::approximate(double t, double* g) {
+  // Without differential equations steps go anywhere at once, and a polynomial says nothing.
+  if (step_.integrator.system.differential() == 0) return false;
+  Events::Point& rough = events_.rough;
+  Vector& values = events_.g_rough;
+  step_.output.interpolate(*step_.integrator.stepper, t, rough.x.data(), rough.xdot.data());
+  if (!are_finite(rough.x) || !are_finite(rough.xdot)) return false;
+  const int status = events_.evaluate(t, rough, values);
+  stop_if_asked(t);
+  // What violates the constraints a little may be where g is not defined.
+  if (status != 0 || !are_finite(values)) return false;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (std::fabs(values[i]) < clearly_wrong * events_.rough_error[i]) return false;
+  std::copy(values.begin(), values.end(), g);
+  return true;
+}
+
+void StepEventValues::measure_rough_error(double t) {
+  Vector& error = events_.rough_error;
+  std::fill(error.begin(), error.end(), 0.0);
+  if (!approximate(t, error.data())) return;
+  Events::Point& now = events_.now;
+  step_.output.evaluate(step_.integrator, {t, false, false}, step_.options, now.x.data(), now.xdot.data());
+  const Vector& g = events_.g_now;
+  const bool is_known = events_.evaluate(t, now, events_.g_now) == 0 && are_finite(g);
+  for (std::size_t i = 0; i < error.size(); ++i) {
+    const double difference = std::fabs(error[i] - g[i]);
+    const bool matters = is_known && difference > least_error * std::max(std::fabs(error[i]), std::fabs(g[i]));
+    error[i] = matters ? difference : 0.0;
+  }
+}
+
+void StepEventValues::determine(double t, bool may_improve, double* g) {
+  Events::Point& now = events_.now;
+  step_.output.evaluate(step_.integrator, {t, may_improve, true}, step_.options, now.x.data(), now.xdot.data());
+  events_.t_now = t;
+  const int status = events_.evaluate(t, now, events_.g_now);
+  stop_if_asked(t);
+  if (status != 0 || !are_finite(events_.g_now)) throw failure_of(status, t, events_.g_now);
+  std::copy(events_.g_now.begin(), events_.g_now.end(), g);
+}
+
+void StepEventValues::rounding(double* noise) {
+  const Vector& g = events_.g_now;
+  const Vector& changed = events_.g_rough;
+  std::fill_n(noise, g.size(), 0.0);
+  RandomSigns signs;
+  for (int k = 0; k < patterns; ++k) {
+    signs.change(events_.now.x, events_.rough.x);
+    signs.change(events_.now.xdot, events_.rough.xdot);
+    const int status = events_.evaluate(signs.changed(events_.t_now), events_.rough, events_.g_rough);
+    if (status != 0 || !are_finite(changed)) continue;
+    for (std::size_t i = 0; i < g.size(); ++i) noise[i] = std::max(noise[i], std::fabs(changed[i] - g[i]));
+  }
+}
+
+void StepEventValues::stop_if_asked(double t) const {
+  if (step_.integrator.system.stop_is_requested())
+    throw Failure(SFDAE_STOPPED,
+                  format("stopped on request in the event function at t = %.15g; the call can be repeated.", t));
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,44 @@
+// The values of the user's event functions within the last step of an integrator.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <utility>
+
+#include "integrate/event_values.h"
+#include "integrate/events.h"
+#include "integrate/integrator.h"
+#include "integrate/step_output.h"
+
+namespace sfdae::core {
+
+// A step along which events are searched.
+struct SearchedStep {
+  Events& events;
+  Integrator& integrator;
+  StepOutput& output;
+  const IntegrationOptions& options;
+};
+
+class StepEventValues final : public EventValues {
+ public:
+  explicit StepEventValues(const SearchedStep& step) : step_(step), events_(step.events) {}
+
+  bool approximate(double t, double* g) override;
+  void determine(double t, bool may_improve, double* g) override;
+  // The largest change among several: a single one may cancel by chance.
+  void rounding(double* noise) override;
+  void keep() override { events_.candidate = events_.now; }
+  void accept() override { std::swap(events_.searched, events_.candidate); }
+
+  // The error of values by the polynomial, at t. Steps are as long as w = W x allows; algebraic components may vary
+  // faster, and their polynomials show nothing then.
+  void measure_rough_error(double t);
+
+ private:
+  void stop_if_asked(double t) const;
+
+  SearchedStep step_;
+  Events& events_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,114 @@
+// Events in the driver.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/step_events.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/index.h"
+#include "linalg/rank.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Zeros this near to the start, in units of the rounding errors of times, are zeros at the start. (Chosen: what the
+// interval of interest and the user's times have of them.)
+constexpr double start_width = 100.0;
+// The whole of the last step has still to be searched, but for rounding errors of its ends.
+constexpr double whole_step = 1.0 - 1e-10;
+// Where in the last step, from its end, the error of the rough values is measured: off the middle and the nodes of a
+// search. (Chosen.)
+constexpr double measured_part = 0.4;
+// Halvings of a step without differential equations, which nothing limits: its points are those of a search.
+constexpr int halvings_of_search = 5;
+
+// Half of the points that a polynomial of the step's order can swing through, at least; more follow where g bends.
+int halvings_of_step(int order) { return order <= 2 ? 2 : order <= 5 ? 3 : 4; }
+
+// Of the interval from `from` to `to` within the last step.
+int halvings(const Integrator& integrator, double from, double to) {
+  const LastStep last = integrator.stepper->state().last;
+  if (integrator.system.differential() == 0) return halvings_of_search;
+  const int whole = halvings_of_step(last.order);
+  const double part = std::fabs((to - from) / last.h);
+  return part < 1.0 ? std::max(1, whole + std::max(-whole, static_cast<int>(std::ceil(std::log2(part))))) : whole;
+}
+
+// Where a long step comes after short ones the polynomial may be too rough to show whether there are zeros: it costs
+// Radau one reduction a step to know, and the stages of up to three points to make up for it.
+void refine_polynomial(const SearchedStep& step) {
+  const StepState state = step.integrator.stepper->state();
+  const DaeSystem& system = step.integrator.system;
+  Events::Point& rough = step.events.rough;
+  int refined = state.refined_points;
+  for (double part : {0.5, 0.25, 0.75}) {
+    const PointStatus status =
+        step.output.refine(step.integrator, state.t - part * state.last.h, rough.x.data(), rough.xdot.data());
+    if (status == PointStatus::callback_error && !system.callback_error().is_recoverable())
+      throw_callback_error(system);
+    const int now = step.integrator.stepper->state().refined_points;
+    if (now == refined) return;
+    refined = now;
+  }
+}
+
+}  // namespace
+
+void start_search(const SearchedStep& step, double t, double span) {
+  step.events.resize(index(step.integrator.system.unknowns()));
+  StepEventValues values(step);
+  step.events.search.start(values, t, start_width * 2.0 * unit_roundoff * std::max(std::fabs(t), span));
+}
+
+bool search_step(const SearchedStep& step, double tout) {
+  const Integrator& integrator = step.integrator;
+  EventSearch& search = step.events.search;
+  const StepState state = integrator.stepper->state();
+  const double from = search.t(), to = integrator.has_passed(tout) ? tout : state.t;
+  if (!((to - from) * integrator.direction > 0.0)) return false;
+  StepEventValues values(step);
+  const bool is_new_step = std::fabs(state.t - from) >= whole_step * std::fabs(state.last.h);
+  if (is_new_step && integrator.method == Method::radau && integrator.system.differential() > 0) {
+    refine_polynomial(step);
+    values.measure_rough_error(state.t - measured_part * state.last.h);
+  }
+  return search.search(values, to, halvings(integrator, from, to));
+}
+
+bool has_searched_to(const Events* events, double t) {
+  return events != nullptr && events->search.is_started() && events->search.t() == t;
+}
+
+void return_searched_point(const Events& events, double& t, double* x, double* xdot) {
+  t = events.search.t();
+  std::copy(events.searched.x.begin(), events.searched.x.end(), x);
+  std::copy(events.searched.xdot.begin(), events.searched.xdot.end(), xdot);
+}
+
+void archive_events(Archive& archive, Events& events, std::size_t n, double& span) {
+  int count = events.search.count();
+  archive.small(count);
+  if (count != events.search.count())
+    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                  format("the checkpoint is one of an integration with %d events, but %d are set.", count,
+                         events.search.count()));
+  archive.real(span);
+  events.search.archive(archive);
+  if (!events.search.is_started()) return;
+  if (archive.is_reading()) events.resize(n);
+  archive.reals(events.searched.x, n);
+  archive.reals(events.searched.xdot, n);
+  archive.reals(events.rough_error, index(count));
+}
+
+void throw_events_differ(bool are_set) {
+  throw Failure(SFDAE_ILLEGAL_ARGUMENT, are_set
+                                            ? "the checkpoint is one of an integration without events: remove them, "
+                                              "restore, and set them again."
+                                            : "the checkpoint is one of an integration with events: call "
+                                              "sfdae_set_events first.");
+}
+
+}  // namespace sfdae::core

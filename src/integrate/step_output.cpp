@@ -1,0 +1,124 @@
+// Points within the last step.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/step_output.h"
+
+#include <algorithm>
+
+#include "linalg/index.h"
+#include "linalg/matrix.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+void check_ranks(Integrator& integrator, double t) {
+  if (integrator.system.check_ranks() != PointStatus::changed) return;
+  const StepState state = integrator.stepper->state();
+  throw Failure(
+      SFDAE_CHARACTERISTICS_CHANGED,
+      format("the characteristic values known do not hold at t = %.15g any more: they have changed since t = "
+             "%.15g or before. Analyze the problem after the change.",
+             t, state.t - state.last.h));
+}
+
+// xdot: the slope of the polynomial (docs/decisions/10-derivative-at-outputs.md).
+void find_slopes(Integrator& integrator, const PointRequest& request, double* x, double* xdot) {
+  DaeSystem& system = integrator.system;
+  const StepState state = integrator.stepper->state();
+  // The slope of a polynomial of high degree over a long step is not as accurate as x is.
+  const bool is_within_long_step = integrator.method == Method::radau && request.t != state.t && request.wants_slopes;
+  if (!request.wants_slopes && !system.is_linear()) std::fill_n(xdot, system.unknowns(), 0.0);
+  else if (system.differential() == 0) system.consistent_derivative(x, integrator.direction, xdot);
+  else if (!(is_within_long_step && system.exact_derivative(x, xdot)))
+    system.correct_derivative(state.last.leading_coefficient, x, xdot);
+  const std::size_t n = index(system.unknowns());
+  if (!all_finite(xdot, n)) system.consistent_derivative(x, integrator.direction, xdot);
+  if (!all_finite(x, n) || !all_finite(xdot, n))
+    throw Failure(SFDAE_NOT_FINITE, format("the solution or its derivative overflows at t = %.15g.", request.t));
+}
+
+}  // namespace
+
+void StepOutput::resize(const DaeSystem& system) {
+  w_.resize(index(system.leading_size()));
+  x_free_.resize(index(system.unknowns()));
+}
+
+void StepOutput::interpolate(Stepper& stepper, double t, double* x, double* xdot) {
+  stepper.interpolate({t, w_.data(), x, xdot});
+}
+
+PointStatus StepOutput::refine(Integrator& integrator, double t, double* x, double* xdot) {
+  const PointValues point{t, w_.data(), x, xdot};
+  integrator.stepper->interpolate(point);
+  return integrator.stepper->refine(integrator.system, integrator.weights, point);
+}
+
+void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options,
+                          double* x, double* xdot) {
+  DaeSystem& system = integrator.system;
+  const PointValues point{request.t, w_.data(), x_free_.data(), xdot};
+  integrator.stepper->interpolate(point);
+  move_to(integrator, request, point);
+  if (!integrator.contradictions.tolerate(system.quality().inconsistency, options))
+    throw Failure(SFDAE_INCONSISTENT_EQUATIONS, system.inconsistency_message());
+  restore(integrator, request.t, x);
+  check_ranks(integrator, request.t);
+  find_slopes(integrator, request, x, xdot);
+}
+
+void StepOutput::move_to(Integrator& integrator, const PointRequest& request, const PointValues& point) {
+  DaeSystem& system = integrator.system;
+  const bool at_step = request.t == integrator.stepper->state().t;
+  if (at_step && system.t() == request.t) return;
+  const auto move = [&] {
+    return at_step || !request.may_refine ? system.move_to(request.t)
+                                          : integrator.stepper->refine(system, integrator.weights, point);
+  };
+  PointStatus status = move();
+  // There is no other point to try; the same one again helps where a function failed for reasons that have passed.
+  if (status == PointStatus::callback_error && system.callback_error().is_recoverable()) status = move();
+  if (status == PointStatus::callback_error) throw_callback_error(system);
+  if (status == PointStatus::changed)
+    throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                  format("the characteristic values do not hold at t = %.15g, an isolated point: choose another "
+                         "output time.",
+                         request.t));
+}
+
+// x with its constraints, from what the polynomials say.
+void StepOutput::restore(Integrator& integrator, double t, double* x) {
+  DaeSystem& system = integrator.system;
+  const std::vector<double>& x_last = integrator.stepper->x();
+  const bool at_step = t == integrator.stepper->state().t;
+  if (integrator.must_restart && !at_step) {
+    // The history is that of another leading term: x alone can be used.
+    w_.resize(index(system.leading_size()));
+    system.leading(x_free_.data(), w_.data());
+  }
+  // Iterations for nonlinear equations end when errors are small against the tolerances: the constraints want more.
+  if (at_step && system.is_linear()) std::copy(x_last.begin(), x_last.end(), x);
+  else system.restore(w_.data(), at_step ? x_last.data() : x_free_.data(), x);
+}
+
+void StepOutput::last_point(Stepper& stepper, double& t, double* x, double* xdot) {
+  t = stepper.state().t;
+  std::copy(stepper.x().begin(), stepper.x().end(), x);
+  stepper.interpolate({t, w_.data(), x_free_.data(), xdot});
+}
+
+void StepOutput::make_consistent(Integrator& integrator, bool wants_slopes, double* x, double* xdot) {
+  DaeSystem& system = integrator.system;
+  const std::vector<double>& x_last = integrator.stepper->x();
+  const StepState state = integrator.stepper->state();
+  try {
+    if (system.move_to(state.t) != PointStatus::ok) return;
+    system.restore(nullptr, x_last.data(), x);
+    if (wants_slopes) system.correct_derivative(state.last.leading_coefficient, x, xdot);
+  } catch (const Failure&) {
+    std::copy(x_last.begin(), x_last.end(), x);
+  }
+}
+
+}  // namespace sfdae::core

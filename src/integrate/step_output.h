@@ -1,0 +1,40 @@
+// x and x' at points within the last step, in the form in which they are returned.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "integrate/integrator.h"
+
+namespace sfdae::core {
+
+struct PointRequest {
+  double t;
+  bool may_refine;    // where the integrator's polynomial is not accurate it is made so
+  bool wants_slopes;  // somebody looks at x', else it need not be accurate
+};
+
+class StepOutput {
+ public:
+  // Whenever the integrator starts or is restored.
+  void resize(const DaeSystem& system);
+
+  // Consistent x, and x'. Throws Failure.
+  void evaluate(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options, double* x,
+                double* xdot);
+  // The polynomials of the last step as they are, or made accurate first where they are not.
+  void interpolate(Stepper& stepper, double t, double* x, double* xdot);
+  PointStatus refine(Integrator& integrator, double t, double* x, double* xdot);
+
+  // The last point as the error test saw it; with its constraints fulfilled to rounding, or as it is where that fails.
+  void last_point(Stepper& stepper, double& t, double* x, double* xdot);
+  void make_consistent(Integrator& integrator, bool wants_slopes, double* x, double* xdot);
+
+ private:
+  void move_to(Integrator& integrator, const PointRequest& request, const PointValues& point);
+  void restore(Integrator& integrator, double t, double* x);
+
+  std::vector<double> w_, x_free_;  // by the polynomials
+};
+
+}  // namespace sfdae::core

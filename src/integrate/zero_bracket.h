@@ -1,0 +1,45 @@
+// A bracket that is narrowed down to the first point where one of several functions has lost its sign: Illinois steps, and
+// bisection where they are slow. "before" and "after" are meant in the direction of integration.
+//
+// M. Dowell, P. Jarratt: A modified regula falsi method for computing the root of an equation. BIT 11 (1971).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+namespace sfdae::core {
+
+class ZeroBracket {
+ public:
+  void resize(int count);
+  // signs[i]: that of g_before[i], or 0 if the function does not matter. At least one is lost at `after`, none before.
+  void start(const std::vector<int>& signs, double before, const std::vector<double>& g_before, double after,
+             const std::vector<double>& g_after);
+  static bool is_lost(int sign, double g) { return sign != 0 && sign * g <= 0.0; }
+  bool is_lost(const std::vector<double>& g) const;
+
+  // Width at which both ends count as one point.
+  double resolution() const;
+  bool is_resolved() const;
+  // Where to evaluate next; place() takes the values there, and returns true if the point is the new end `after`.
+  double next();
+  bool place(double t, const std::vector<double>& g);
+  double before() const { return before_; }
+  double after() const { return after_; }
+  const std::vector<double>& g_after() const { return g_after_; }
+
+ private:
+  double secant() const;
+
+  std::vector<int> signs_;
+  double before_ = 0.0, after_ = 0.0;
+  std::vector<double> g_before_, g_after_;
+  double floor_ = 0.0;      // of the resolution
+  double factor_ = 1.0;     // of g_before, to make Illinois of the secant method
+  int last_side_ = 0;       // which end was replaced last: -1 before, +1 after
+  double old_width_ = 0.0;  // at the beginning of a few steps
+  int steps_ = 0;
+  int slow_rounds_ = 0;  // in which the width was not halved
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,66 @@
+// The constraints of one point, factored.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/constraint_factors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/dense.h"
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+void ConstraintFactors::resize(int n, int rows) {
+  n_ = n;
+  factors_.resize(index(n) * index(rows) + 1);
+  tau_.resize(index(n) + 1);
+  pivots_.resize(index(rows) + 1);
+}
+
+void ConstraintFactors::factor(const Carried& carried, Judge& judge, Arena& arena) {
+  rows_ = carried.rows;
+  factors_.resize(std::max(factors_.size(), index(n_) * index(rows_) + 1));
+  pivots_.resize(std::max(pivots_.size(), index(rows_) + 1));
+  const View to{factors_.data(), n_, rows_, n_};
+  for (int i = 0; i < rows_; ++i)
+    for (int j = 0; j < n_; ++j) to(j, i) = carried.constraints(i, j);
+  const Arena::Frame frame(arena);
+  ConstView original;
+  if (judge.keeps_originals()) {
+    const View kept = arena.matrix(n_, rows_);
+    copy(to, kept);
+    original = kept;
+  }
+  factor_qr_pivoted(to, pivots_.data(), tau_.data(), arena);
+  rank_ = rows_ > 0 ? judge.decide_constraints(to, original) : 0;
+}
+
+void ConstraintFactors::write_T2(View T2, Arena& arena) const {
+  fill(T2, 0.0);
+  for (int j = 0; j < T2.cols; ++j) T2(rank_ + j, j) = 1.0;
+  apply_q(Op::plain, factors(), rank_, tau_.data(), T2, arena);
+}
+
+// xp = Q [y; 0] with R11^T y = -f^, and what the redundant rows say about it: R12^T y + f^ = 0.
+double ConstraintFactors::solve(const double* f_hat, double norm_f, double* xp, Arena& arena) const {
+  const ConstView R = factors();
+  std::fill_n(xp, n_, 0.0);
+  // What is carried of f may be nothing but rounding errors of f.
+  double scale = norm_f;
+  for (int i = 0; i < rows_; ++i) scale = std::max(scale, std::fabs(f_hat[i]));
+  for (int i = 0; i < rank_; ++i) xp[i] = -f_hat[pivots_[index(i)]];
+  solve_upper(Op::transposed, R.block(0, 0, rank_, rank_), {xp, rank_, 1, n_});
+  double worst = 0.0;
+  for (int i = rank_; i < rows_; ++i) {
+    double residual = f_hat[pivots_[index(i)]], size = scale;
+    for (int k = 0; k < rank_; ++k) {
+      residual += R(k, i) * xp[k];
+      size = std::max(size, std::fabs(R(k, i) * xp[k]));
+    }
+    if (size > 0.0) worst = std::max(worst, std::fabs(residual) / size);
+  }
+  apply_q(Op::plain, R, rank_, tau_.data(), {xp, n_, 1, n_}, arena);
+  return worst;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,39 @@
+// The constraints 0 = A^ x + f^ of one point, factored: A^^T P = Q [R11 R12; 0 R22 ~ 0], R11 of order a.
+//
+// The first a columns of Q span the row space of A2, the others are T2; A^ has further rows if some are redundant.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/arena.h"
+#include "linalg/matrix.h"
+#include "reduction/elimination.h"
+#include "reduction/judge.h"
+
+namespace sfdae::core {
+
+class ConstraintFactors {
+ public:
+  // Room for n unknowns and so many rows.
+  void resize(int n, int rows);
+  // Factors A^ and decides its rank.
+  void factor(const Carried& carried, Judge& judge, Arena& arena);
+
+  int rank() const { return rank_; }  // a
+  int rows() const { return rows_; }
+  // T2: n x (n - rank).
+  void write_T2(View T2, Arena& arena) const;
+  // xp = -A2^+ f2 of smallest norm. norm_f: of the data that f^ comes from. Returns the contradiction of redundant
+  // rows: the largest entry of their residual relative to its terms.
+  double solve(const double* f_hat, double norm_f, double* xp, Arena& arena) const;
+
+ private:
+  ConstView factors() const { return {factors_.data(), n_, rows_, n_}; }
+
+  int n_ = 0, rows_ = 0, rank_ = 0;
+  std::vector<double> factors_, tau_;  // n x rows
+  std::vector<int> pivots_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,54 @@
+// Jets of a nonlinear problem that fulfil its derivative array F_l = 0, at any t, found from one guess of x.
+//
+// At such a jet (t, x, y) the Taylor coefficients of F_x' and -F_x play the roles of E_k and A_k of a linear problem:
+// the Jacobian of F_l is the array [M | -N] of elimination.h, so that index analysis works on it unchanged.
+//
+// [KM06] P. Kunkel, V. Mehrmann: Differential-Algebraic Equations: Analysis and Numerical Solution. EMS, 2006, ch. 4.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <utility>
+#include <vector>
+
+#include "problem/coefficient_source.h"
+#include "problem/nonlinear_problem.h"
+#include "system/jet.h"
+
+namespace sfdae::core {
+
+// Taylor coefficients along consistent jets through a guess: what the index analysis evaluates.
+class ConsistentJets final : public CoefficientSource {
+ public:
+  // fixed: components of x at t that must not change (n flags, or empty).
+  ConsistentJets(NonlinearProblem& problem, double t, const double* x, std::vector<char> fixed);
+
+  int m() const override { return problem_.m(); }
+  int n() const override { return problem_.n(); }
+  std::vector<int> differentiations() const override { return problem_.differentiations(); }
+  bool is_constant() const override { return false; }
+  bool checks_next_level() const override { return true; }
+  // The jet at t becomes consistent up to the highest order asked for. Throws Failure as JetSolver::solve does.
+  CallbackError evaluate(double t, Orders orders, double time_scale, TaylorData& data,
+                         RowScaling rows = RowScaling::each,
+                         const std::vector<double>* preferred_rows = nullptr) override;
+  void set_units(Units units) override { units_ = std::move(units); }
+  const Units& units() const { return units_; }
+
+  // The jet at t, consistent up to the level.
+  const Jet& jet_at(double t, int level);
+
+ private:
+  struct Point {
+    Jet jet;
+    int level = -1;
+  };
+  Point& point_at(double t);
+
+  NonlinearProblem& problem_;
+  Units units_;
+  std::vector<char> fixed_;
+  std::deque<Point> points_;  // the first one is that of the guess
+};
+
+}  // namespace sfdae::core

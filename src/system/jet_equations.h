@@ -1,0 +1,82 @@
+// The equations F_l = 0 of a derivative array, linearized at a jet, and the changes of the jet that solve them.
+//
+// Unknowns of a change are x, y_1, ..., y_{l+1}, one below the other, scaled as in taylor_data.h.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "linalg/arena.h"
+#include "problem/nonlinear_problem.h"
+#include "reduction/judge.h"
+#include "reduction/null_space_form.h"
+#include "reduction/stored_elimination.h"
+#include "system/jet.h"
+
+namespace sfdae::core {
+
+class JetEquations {
+ public:
+  // A jet after a change.
+  struct Trial {
+    Jet jet;
+    double norm = 0.0;  // of its residuals
+    bool valid = false;
+  };
+
+  JetEquations(NonlinearProblem& problem, const Units& units) : problem_(problem), units_(units) {}
+
+  // Components of x that must not change (n flags, or empty).
+  const std::vector<char>& fixed() const { return fixed_; }
+  void set_fixed(std::vector<char> fixed) { fixed_ = std::move(fixed); }
+
+  // time_scale 0: chosen. Throws Failure where the equations cannot be evaluated.
+  void linearize(const Jet& jet, int level, double time_scale);
+  double time_scale() const { return data_.time_scale; }
+  const Units& units() const { return units_; }
+  // 2-norm of the scaled residuals at the jet of the linearization.
+  double norm() const { return norm_; }
+  bool E0_was_rounding() const { return data_.E0_was_rounding; }
+  // Whether some equation has a derivative of component j.
+  bool has_derivative_of(int j) const;
+  // Residuals relative to what was added up in them.
+  bool is_converged(const Jet& jet, double tolerance) const;
+  // What counts as noise in rank decisions at a jet with residuals, relative to the coefficients
+  // (docs/decisions/18-residuals-as-noise.md).
+  double residual_noise() const;
+
+  // The smallest change of x by the staged elimination. noise: of the coefficients, as they are not those of a
+  // consistent jet. False if nothing finite is found, as below.
+  bool staged_change(NoiseModel model, double noise, std::vector<double>& change);
+  // Of the last staged_change, for another change of x.
+  void recover_derivatives(std::vector<double>& change);
+  // change = U J^T (J J^T + damping I)^-1 f, J in units of U.
+  bool damped_change(const Jet& jet, double damping, std::vector<double>& change);
+  // The smallest change in units of U. Singular values at the level of the residuals are dropped, up to
+  // most_dropped.
+  bool dense_change(const Jet& jet, double most_dropped, std::vector<double>& change) const;
+  Trial try_change(const Jet& jet, const std::vector<double>& change);
+
+  // Throws Failure SFDAE_NO_CONSISTENT_VALUES: the largest residuals, in words.
+  [[noreturn]] void give_up(const Jet& jet) const;
+
+ private:
+  // 2-norm of the residuals as scaled by the present data; infinite where F cannot be evaluated.
+  double residual_norm(const Jet& jet);
+  // U: changes that count as one, of x relative to its size, of y more.
+  std::vector<double> unit_changes(const Jet& jet) const;
+
+  NonlinearProblem& problem_;
+  const Units& units_;
+  std::vector<char> fixed_;
+  int level_ = 0;
+  TaylorData data_;
+  double norm_ = 0.0;
+  std::vector<double> residuals_;
+  StoredElimination stored_;
+  NullSpaceForm form_;
+  Arena arena_;
+};
+
+}  // namespace sfdae::core

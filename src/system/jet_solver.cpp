@@ -1,0 +1,225 @@
+// Gauss-Newton for consistent jets.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/jet_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/index.h"
+#include "linalg/matrix.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+// Against endless searches. Chosen, not measured.
+constexpr int max_iterations = 200;
+// A step that reduces the residuals to this fraction needs no damping. Chosen, not measured.
+constexpr double good_reduction = 0.5;
+// At a jet that counts as consistent the iteration goes on as long as it reduces them to this. Chosen, not measured.
+constexpr double still_gaining = 0.9;
+// Residuals relative to what was added up in them, of a jet that counts as consistent: what ill-conditioned arrays
+// leave is below, what users notice is above. Chosen, not measured.
+constexpr double consistent_residual = 1e-9;
+
+}  // namespace
+
+void JetSolver::solve(Jet& jet, int level) {
+  if (jet.order < level + 1) jet.set_order(level + 1);
+  find(jet, level);
+  if (!equations_.E0_was_rounding()) return;
+  // Derivatives so large that rounding errors times them make up for equations that x does not fulfil.
+  std::fill(jet.x.begin() + jet.n, jet.x.end(), 0.0);
+  find(jet, level);
+}
+
+void JetSolver::find(Jet& jet, int level) {
+  const Jet start = jet;
+  // Where x is consistent it must not move, though y is far off.
+  if (solve_for_derivatives(jet, level)) return;
+  jet = start;
+  try {
+    search(jet, level, false);
+  } catch (const Failure& failure) {
+    if (failure.status() != SFDAE_NO_CONSISTENT_VALUES) throw;
+    // What has no derivative may be far off alone: forces have other units.
+    jet = start;
+    if (solve_for_algebraic(jet, level) && solve_for_derivatives(jet, level)) return;
+    jet = start;
+    search(jet, level, true);
+  }
+}
+
+// y alone changes: true if F_level = 0 to rounding then, and nothing calls for a change of x. Large y alone may
+// fulfil the equations near points that are not consistent.
+bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
+  constexpr int most = 12;
+  // Some hundred roundings of what is added up in a residual, and of what was multiplied in a change of x.
+  constexpr double rounding = 1e-14, negligible = 1e-12;
+  equations_.linearize(jet, level, 0.0);
+  const std::size_t n = index(jet.n);
+  Vector change;
+  for (int iteration = 0; iteration < most && equations_.norm() > 0.0; ++iteration) {
+    const double before = equations_.norm();
+    double wanted = 0.0, size = 0.0;
+    Trial trial;
+    for (double noise : {equations_.residual_noise(), 0.0}) {
+      if (!equations_.staged_change(noise > 0.0 ? NoiseModel::pivots : NoiseModel::carried, noise, change)) continue;
+      wanted = max_abs(change.data(), jet.n);
+      std::fill_n(change.begin(), n, 0.0);
+      equations_.recover_derivatives(change);
+      if (!all_finite(change.data(), change.size())) continue;
+      trial = equations_.try_change(jet, change);
+      if (trial.valid && trial.norm < still_gaining * before) break;
+    }
+    for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::fabs(jet.x[i]) / equations_.units()[i]);
+    if (!trial.valid || trial.norm >= still_gaining * before)
+      return wanted <= negligible * size && equations_.is_converged(jet, rounding);
+    jet = trial.jet;
+    equations_.linearize(jet, level, equations_.time_scale());
+  }
+  return equations_.norm() == 0.0;
+}
+
+// y and those components of x change whose derivatives are in no equation: true if F_level = 0 then.
+bool JetSolver::solve_for_algebraic(Jet& jet, int level) {
+  constexpr int most = 8;
+  // Products of unknowns that are far off make residuals grow at first. Chosen, not measured.
+  constexpr double too_far = 1e12;
+  const std::vector<char> fixed_by_user = equations_.fixed();
+  equations_.linearize(jet, level, 0.0);
+  std::vector<char> fixed = fixed_by_user;
+  fixed.resize(index(jet.n), 0);
+  bool any_free = false;
+  for (int j = 0; j < jet.n; ++j) {
+    if (equations_.has_derivative_of(j)) fixed[index(j)] = 1;
+    any_free = any_free || fixed[index(j)] == 0;
+  }
+  equations_.set_fixed(std::move(fixed));
+  const double first = equations_.norm();
+  bool goes_on = any_free;
+  Vector change;
+  for (int iteration = 0; iteration < most && goes_on && equations_.norm() > 0.0; ++iteration) {
+    goes_on = equations_.dense_change(jet, 0.0, change);
+    if (!goes_on) break;
+    Trial trial = equations_.try_change(jet, change);
+    goes_on = trial.valid && trial.norm <= too_far * first;
+    if (equations_.is_converged(jet, consistent_residual) && trial.norm > good_reduction * equations_.norm())
+      goes_on = false;
+    if (!goes_on) break;
+    jet = std::move(trial.jet);
+    equations_.linearize(jet, level, equations_.time_scale());
+  }
+  equations_.set_fixed(fixed_by_user);
+  return any_free && (equations_.norm() == 0.0 || equations_.is_converged(jet, consistent_residual));
+}
+
+// Which ranks are right shows in what they achieve.
+JetSolver::Trial JetSolver::undamped_trial(const Jet& jet) {
+  // Larger residuals than this part of the coefficients tell nothing about which singular values vanish. Chosen, not
+  // measured.
+  constexpr double most_dropped = 1e-4;
+  Vector change;
+  Trial best;
+  if (!equations_.fixed().empty()) {
+    if (equations_.dense_change(jet, most_dropped, change)) best = equations_.try_change(jet, change);
+    return best;
+  }
+  struct Attempt {
+    NoiseModel model;
+    double noise;
+  };
+  for (const Attempt& attempt :
+       {Attempt{NoiseModel::pivots, equations_.residual_noise()}, Attempt{NoiseModel::pivots, 0.0},
+        Attempt{NoiseModel::carried, 0.0}, Attempt{NoiseModel::data, 0.0}}) {
+    if (!equations_.staged_change(attempt.model, attempt.noise, change)) continue;
+    Trial trial = equations_.try_change(jet, change);
+    if (trial.valid && (!best.valid || trial.norm < best.norm)) best = std::move(trial);
+    if (best.valid && best.norm <= good_reduction * equations_.norm()) break;
+  }
+  return best;
+}
+
+// Products of unknowns that are far off make residuals grow at first, though the next steps remove them all: that is
+// how a pendulum at rest below its support finds its force. Undamped steps from `trial` on; the jet stays if they
+// lead nowhere.
+bool JetSolver::search_undamped(Jet& jet, int level, Trial trial) {
+  // Both are chosen so that the pendulum does.
+  constexpr int most = 5;
+  constexpr double too_far = 1e4;
+  const Jet start = jet;
+  const double before = equations_.norm(), time_scale = equations_.time_scale();
+  for (int step = 0; step < most && trial.valid && trial.norm <= too_far * before; ++step) {
+    jet = trial.jet;
+    try {
+      equations_.linearize(jet, level, time_scale);
+    } catch (const Failure& failure) {
+      if (failure.status() != SFDAE_NOT_FINITE && failure.status() != SFDAE_CALLBACK_FAILED) throw;
+      break;
+    }
+    if (equations_.norm() <= good_reduction * before) return true;
+    trial = undamped_trial(jet);
+  }
+  jet = start;
+  equations_.linearize(jet, level, time_scale);
+  return false;
+}
+
+// A damped step that reduces the residuals, however little: where the damping is too strong, less of it follows.
+// Not valid if none is found.
+JetSolver::Trial JetSolver::damped_trial(const Jet& jet, double& damping) {
+  // 8^30 = 1e27: steps vanish before.
+  constexpr int most = 30;
+  constexpr double stronger = 8.0;
+  const double before = equations_.norm();
+  Vector change;
+  Trial trial;
+  for (int attempt = 0; attempt < most; ++attempt, damping *= stronger) {
+    trial.valid = equations_.damped_change(jet, damping * std::min(1.0, before * before), change);
+    if (trial.valid) trial = equations_.try_change(jet, change);
+    if (trial.valid && trial.norm < before) return trial;
+    trial.valid = false;
+  }
+  return trial;
+}
+
+void JetSolver::search(Jet& jet, int level, bool may_grow) {
+  // Of the damping relative to the squared norm of the array. Chosen, not measured.
+  constexpr double first_damping = 1e-3, least_damping = 1e-12, weaker = 16.0;
+  equations_.linearize(jet, level, 0.0);
+  double damping = first_damping;
+  bool is_undamped = true;
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    if (equations_.norm() == 0.0) return;
+    const double before = equations_.norm();
+    // An undamped step first; it is the last one if rounding lets it gain nothing.
+    Trial trial;
+    if (is_undamped) trial = undamped_trial(jet);
+    const bool converged = equations_.is_converged(jet, consistent_residual);
+    if (!trial.valid || trial.norm > good_reduction * before) {
+      if (converged && trial.valid && trial.norm < still_gaining * before) {
+        jet = trial.jet;
+        equations_.linearize(jet, level, equations_.time_scale());
+        continue;
+      }
+      if (converged) return;
+      if (may_grow && is_undamped && search_undamped(jet, level, std::move(trial))) continue;
+      is_undamped = false;
+    }
+    if (!is_undamped) {
+      trial = damped_trial(jet, damping);
+      if (!trial.valid && converged) return;
+      if (!trial.valid) equations_.give_up(jet);
+      damping = std::max(damping / weaker, least_damping);
+      is_undamped = trial.norm < good_reduction * before;
+    }
+    jet = trial.jet;
+    equations_.linearize(jet, level, equations_.time_scale());
+  }
+  if (!equations_.is_converged(jet, consistent_residual)) equations_.give_up(jet);
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,40 @@
+// Gauss-Newton for F_l = 0 in (x, y), damped where it has to be [Levenberg and Marquardt], with a small change of x.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "system/jet.h"
+#include "system/jet_equations.h"
+
+namespace sfdae::core {
+
+class JetSolver {
+ public:
+  // units: have to live as long as this does.
+  JetSolver(NonlinearProblem& problem, const Units& units) : equations_(problem, units) {}
+  JetSolver(NonlinearProblem& problem, Units&& units) = delete;
+
+  // Components of x that must not change (n flags, or empty).
+  void set_fixed(std::vector<char> fixed) { equations_.set_fixed(std::move(fixed)); }
+  // Makes the jet, of order level + 1 at least, fulfil F_level = 0 as well as rounding permits. Throws Failure:
+  // errors of callbacks, SFDAE_NO_CONSISTENT_VALUES.
+  void solve(Jet& jet, int level);
+
+ private:
+  using Trial = JetEquations::Trial;
+
+  void find(Jet& jet, int level);
+  bool solve_for_derivatives(Jet& jet, int level);
+  bool solve_for_algebraic(Jet& jet, int level);
+  // may_grow: residuals may do so during a few undamped steps.
+  void search(Jet& jet, int level, bool may_grow);
+  bool search_undamped(Jet& jet, int level, Trial trial);
+  Trial undamped_trial(const Jet& jet);
+  Trial damped_trial(const Jet& jet, double& damping);
+
+  JetEquations equations_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,142 @@
+// Reduction of a linear problem at a point, the ranks known.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/linear_reduction.h"
+
+#include <algorithm>
+
+#include "linalg/dense.h"
+#include "linalg/index.h"
+#include "problem/failure.h"
+#include "reduction/elimination.h"
+
+namespace sfdae::core {
+
+void LinearReduction::start(const IndexAnalysis& analysis) {
+  prescribed_values_.resize(problem_.prescribed().size() + 1);
+  // Where ranks are only compared with those known, the cheaper model comes first.
+  noise_ = analysis.noise == NoiseModel::data ? NoiseModel::data : NoiseModel::pivots;
+}
+
+// Values of the prescribed components, in the units of the unknowns.
+CallbackError LinearReduction::evaluate_prescribed(double t) {
+  CallbackError error = problem_.evaluate_prescribed(t, prescribed_values_.data());
+  if (error.status != SFDAE_OK || problem_.units().are_one()) return error;
+  for (std::size_t i = 0; i < problem_.prescribed().size(); ++i)
+    prescribed_values_[i] /= problem_.units()[problem_.prescribed()[i]];
+  return error;
+}
+
+PointStatus LinearReduction::reduce(double t, const KnownForm& known, LinearPoint& point, CallbackError& error,
+                                    long& count) {
+  PointStatus status = attempt({t, known.analysis.time_scale, rows_, noise_}, known, point, error, count);
+  if (status == PointStatus::changed) status = attempt_others(t, known, point, error, count);
+  if (status != PointStatus::ok || !problem_.is_constant()) return status;
+  // The same operations at every point: whether this is the first one does not show in any bit.
+  has_constant_form_ = true;
+  return replace_rhs(t, known.analysis.values.mu, point, error);
+}
+
+// Before the values are declared to have changed.
+PointStatus LinearReduction::attempt_others(double t, const KnownForm& known, LinearPoint& point,
+                                            CallbackError& error, long& count) {
+  const double time_scale = known.analysis.time_scale;
+  // Rows that are small by cancellation must not be scaled up (docs/decisions/05-cancellation-in-small-rows.md).
+  PointStatus status = attempt({t, time_scale, RowScaling::common, noise_}, known, point, error, count);
+  // The other ways to take noise into account; without propagation it has to be measured.
+  for (NoiseModel model : {NoiseModel::carried, NoiseModel::pivots, NoiseModel::data}) {
+    if (status != PointStatus::changed || model == noise_) continue;
+    if (model != NoiseModel::data ||
+        (problem_.prescribed().empty() && known_values_hold(problem_, t, settings_, known.analysis, arena_)))
+      status = attempt({t, time_scale, rows_, model}, known, point, error, count);
+  }
+  // Data that have grown or shrunk may need another unit of time: that of the point, or, three binary digits faster,
+  // one of those that an analysis tries as well (docs/decisions/02-undecided-values-are-measured.md).
+  for (double factor : {1.0, 0.125}) {
+    if (status != PointStatus::changed || settings_.time_scale > 0.0) break;
+    error = problem_.evaluate(t, known.orders(), 0.0, point.data);
+    if (error.status != SFDAE_OK) return PointStatus::callback_error;
+    status = attempt({t, point.data.time_scale * factor, rows_, noise_}, known, point, error, count);
+  }
+  return status;
+}
+
+PointStatus LinearReduction::attempt(const Attempt& attempt, const KnownForm& known, LinearPoint& point,
+                                     CallbackError& error, long& count) {
+  point.forget();
+  error = problem_.evaluate(attempt.t, known.orders(), attempt.time_scale, point.data, attempt.rows,
+                            preferred_rows_.empty() ? nullptr : &preferred_rows_);
+  if (error.status == SFDAE_OK) error = evaluate_prescribed(attempt.t);
+  if (error.status != SFDAE_OK) return PointStatus::callback_error;
+  ++count;
+  const PointRanks ranks = build_form(attempt, known, point);
+  const CharacteristicValues& values = known.analysis.values;
+  if (ranks.a != values.a || ranks.v_hat != known.analysis.v_hat) return PointStatus::changed;
+  if (!ranks.prescription_fits || (ranks.d != values.d && !problem_.prescribed().empty()))
+    throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
+                  format("the prescribed components do not determine the free part of the solution at t = %.15g: "
+                         "choose others.",
+                         attempt.t));
+  if (ranks.d != values.d) return PointStatus::changed;
+  if (known.leading == LeadingTerm::projector && ranks.rank_E != known.analysis.rank_E)
+    return PointStatus::leading_changed;
+  return PointStatus::ok;
+}
+
+// Elimination and null-space form of the coefficients evaluated.
+PointRanks LinearReduction::build_form(const Attempt& attempt, const KnownForm& known, LinearPoint& point) {
+  const int mu = known.analysis.values.mu;
+  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, attempt.noise};
+  Judge judge(point.data, mu, judging, nullptr);
+  const Arena::Frame frame(arena_);
+  const bool keep_transformation = problem_.is_constant();
+  const ConstView f = point.data.f_stack(mu);
+  const Matrix unit = keep_transformation ? identity(f.rows) : Matrix();
+  const ConstView rhs = keep_transformation ? unit.view() : f;
+  Carried carried = settings_.by_svd ? eliminate_by_svd(point.data, mu, rhs, judge, arena_)
+                                     : eliminate(point.data, mu, rhs, 1, judge, arena_);
+  if (keep_transformation) {
+    Zt_ = to_matrix(carried.rhs);
+    const View f_hat = arena_.matrix(carried.rows, 1);
+    multiply(1.0, Op::plain, Zt_, f.data, 0.0, f_hat.data);
+    carried.rhs = f_hat;
+  }
+  const PointRanks ranks = point.form.build(point.data, carried, {&problem_.prescribed(), prescribed_values_.data()},
+                                            known.leading, judge, arena_);
+  point.t = attempt.t;
+  point.kept_constraints = judge.kept_constraints();
+  point.kept_differential = judge.kept_differential();
+  point.pivot = judge.smallest_pivot();
+  return ranks;
+}
+
+PointStatus LinearReduction::replace_rhs(double t, int mu, LinearPoint& point, CallbackError& error) {
+  point.forget();
+  error = problem_.evaluate_plain(t, {-1, -1, mu}, rhs_);
+  if (error.status == SFDAE_OK) error = evaluate_prescribed(t);
+  if (error.status != SFDAE_OK) return PointStatus::callback_error;
+  double factor = 1.0;
+  for (int k = 0; k <= mu; ++k) {
+    factor *= point.data.time_scale / std::max(k, 1);
+    for (int i = 0; i < problem_.m(); ++i)
+      point.data.f(k)[i] = rhs_.f(k)[i] * factor * point.data.row_scale[index(i)];
+  }
+  const Arena::Frame frame(arena_);
+  double* f_hat = arena_.take(index(Zt_.rows()) + 1);
+  multiply(1.0, Op::plain, Zt_, point.data.f(0), 0.0, f_hat);
+  point.form.replace_rhs(point.data, f_hat, {&problem_.prescribed(), prescribed_values_.data()}, arena_);
+  point.t = t;
+  return PointStatus::ok;
+}
+
+void LinearReduction::prefer_rows_of(const LinearPoint& point) {
+  preferred_rows_.assign(point.data.row_scale.begin(), point.data.row_scale.end());
+}
+
+double LinearReduction::row_ratio(const LinearPoint& point) const {
+  const double here = point.data.row_scale_ratio();
+  if (preferred_rows_.empty()) return here;
+  const auto [smallest, largest] = std::minmax_element(preferred_rows_.begin(), preferred_rows_.end());
+  return std::min(here, *largest / *smallest);
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,94 @@
+// The jet of level mu + 1 through a consistent x.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/next_level_jet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "linalg/index.h"
+#include "problem/failure.h"
+#include "reduction/elimination.h"
+#include "reduction/rank_sequence.h"
+
+namespace sfdae::core {
+
+bool NextLevelJet::solve(const Jet& start, const double* x) {
+  // Newton's method is quadratic: it ends long before, or never. Changes of x' end at some ten roundings, or where
+  // they no longer become smaller. Chosen, not measured.
+  constexpr int most = 6;
+  constexpr double negligible = 1e-14, still_gaining = 0.1;
+  const int n = problem_.n();
+  if (availability_ == Availability::no) return false;
+  const bool continues = jet_.order == level() + 1 && jet_.n == n;
+  trial_ = start;
+  trial_.set_order(level() + 1);
+  if (continues) std::copy_n(jet_.column(level() + 1), n, trial_.column(level() + 1));
+  std::copy_n(x, n, trial_.column(0));
+  double before = 0.0;
+  for (int iteration = 0; iteration < most; ++iteration) {
+    if (!eliminate_at(trial_)) return false;
+    const std::optional<Change> change = change_derivatives(trial_);
+    if (!change) return false;
+    if (change->norm <= negligible * change->size || (iteration > 0 && change->norm >= still_gaining * before)) break;
+    before = change->norm;
+  }
+  jet_ = trial_;
+  return true;
+}
+
+// False where F_{mu+1} cannot be evaluated or has other ranks.
+bool NextLevelJet::eliminate_at(const Jet& jet) {
+  const IndexAnalysis& analysis = problem_.analysis();
+  const double rank_tol = problem_.settings().rank_tol;
+  const Orders orders{level(), level(), level()};
+  const NonlinearProblem::Scaling scaling{analysis.time_scale, RowScaling::each, nullptr, &problem_.units(), true};
+  const CallbackError error = problem_.problem().linearize(jet.t, jet.x.data(), orders, scaling, data_);
+  if (error.status == SFDAE_ORDER_MISSING) availability_ = Availability::no;
+  if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED)
+    throw Failure(error.status, error.message());
+  if (error.status != SFDAE_OK) return false;
+  const std::optional<RankSequence> ranks = matching_ranks(data_, level(), analysis, rank_tol, {arena_, rank_form_});
+  if (!ranks) return false;
+  const Judge::Settings judging{rank_tol, false, NoiseModel::pivots, &*ranks};
+  Judge judge(data_, level(), judging, nullptr);
+  const Arena::Frame frame(arena_);
+  eliminate(data_, level(), data_.f_stack(level()), 1, judge, arena_, &elimination_);
+  return true;
+}
+
+// One change of y. None if it is not finite.
+std::optional<NextLevelJet::Change> NextLevelJet::change_derivatives(Jet& jet) {
+  const int n = problem_.n();
+  const Arena::Frame frame(arena_);
+  const double* none = arena_.zeros(index(n));
+  transformed_.resize(index(problem_.m()) * index(level() + 1) + 1);
+  dy_.resize(index(n) * index(level() + 1));
+  elimination_.transform(data_.f(0), transformed_.data(), arena_);
+  elimination_.recover(data_, {data_.f(0), transformed_.data()}, none, dy_.data(), arena_);
+  if (!all_finite(dy_.data(), dy_.size())) return std::nullopt;
+  Change change;
+  double power = 1.0;
+  for (int k = 1; k <= level() + 1; ++k) {
+    power *= data_.time_scale;
+    for (int i = 0; i < n; ++i) {
+      const double unit = problem_.units()[i];
+      const double dy = dy_[index((k - 1) * n + i)];
+      jet.column(k)[i] += dy * unit / (k * power);
+      if (k > 1) continue;
+      change.norm = std::max(change.norm, std::fabs(dy));
+      change.size = std::max(change.size, std::fabs(jet.column(1)[i]) * power / unit);
+    }
+  }
+  return change;
+}
+
+void NextLevelJet::archive_highest_derivative(Archive& archive) {
+  if (archive.is_reading()) {
+    jet_.n = problem_.n();
+    jet_.set_order(level() + 1);
+  }
+  archive.reals(jet_.column(level() + 1), index(problem_.n()));
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,82 @@
+// When the ranks of a nonlinear system are judged.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/rank_check.h"
+
+#include <algorithm>
+
+#include "reduction/index_analysis.h"
+#include "reduction/rank_sequence.h"
+#include "system/jet_coefficients.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Linearizations are renewed, and ranks judged, after this many points at the latest
+// (docs/decisions/17-jets-and-newton.md). Chosen, not measured.
+constexpr int most_unjudged = 10;
+// After a renewal the iteration converges at least so fast, as a rule. Chosen, not measured.
+constexpr double rate_after_renewal = 0.1;
+
+}  // namespace
+
+PointStatus RankCheck::renew(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration) {
+  unjudged_ = 0;
+  const PointStatus status = linearization.renew(jet, true);
+  if (status != PointStatus::changed || linearization.ranks().count == 0) return status;
+  // With the known ranks residuals become rounding errors in a few iterations, unless the ranks do not hold.
+  refined_ = jet;
+  if (linearization.renew(jet, false) != PointStatus::ok ||
+      iteration.solve(IterationTask{}, linearization, refined_) != PointStatus::ok)
+    return status;
+  return linearization.renew(refined_, true);
+}
+
+PointStatus RankCheck::compare(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration) {
+  if (unjudged_ == 0 || compared_t_ == jet.t) return PointStatus::ok;
+  PointStatus status = match_known_ranks(jet, linearization);
+  if (status == PointStatus::changed) {
+    // What the iteration has left as residuals looks like pivots that do not vanish.
+    refined_ = jet;
+    if (iteration.solve_to_rounding(linearization, refined_) == PointStatus::ok)
+      status = match_known_ranks(refined_, linearization);
+  }
+  if (status == PointStatus::changed) {
+    JetCoefficients source(problem_.problem(), jet, problem_.units());
+    if (known_values_hold(source, jet.t, problem_.settings(), problem_.analysis(), arena_)) status = PointStatus::ok;
+  }
+  if (status == PointStatus::ok) compared_t_ = jet.t;
+  return status;
+}
+
+PointStatus RankCheck::match_known_ranks(const Jet& jet, const ArrayLinearization& linearization) {
+  const PointStatus status = problem_.linearize(jet, linearization.preferred_rows(), data_);
+  if (status != PointStatus::ok) return status;
+  return matching_ranks(data_, problem_.mu(), problem_.analysis(), problem_.settings().rank_tol, {arena_, form_})
+             ? PointStatus::ok
+             : PointStatus::changed;
+}
+
+PointStatus RankCheck::review(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration) {
+  ++unjudged_;
+  const bool contradicts = iteration.has_contradiction();
+  ChordIteration& chord = iteration.chord();
+  if (!chord.is_slow() && unjudged_ < most_unjudged && !contradicts) return PointStatus::ok;
+  const PointStatus status = renew(jet, linearization, iteration);
+  chord.set_rate(std::min(chord.rate(), rate_after_renewal));
+  if (status != PointStatus::ok || !contradicts) return status;
+  // A linearization from elsewhere may have left residuals in redundant equations.
+  refined_ = jet;
+  iteration.solve_to_rounding(linearization, refined_);
+  return PointStatus::ok;
+}
+
+PointStatus RankCheck::review_by_comparison(const Jet& jet, ArrayLinearization& linearization,
+                                            NonlinearIteration& iteration) {
+  ++unjudged_;
+  const PointStatus status = compare(jet, linearization, iteration);
+  if (status == PointStatus::ok) unjudged_ = 0;
+  return status;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,50 @@
+// When the ranks of a nonlinear system are judged at points that have converged, and linearizations renewed there.
+//
+// Between these points the known ranks are taken. Ranks hold on F_mu = 0 only: pivots that vanish there are as large
+// as the residuals that an iteration has left (docs/decisions/18-residuals-as-noise.md), so that doubtful points are
+// iterated to rounding first.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+
+#include "linalg/arena.h"
+#include "reduction/null_space_form.h"
+#include "system/analyzed_equations.h"
+#include "system/array_linearization.h"
+#include "system/jet.h"
+#include "system/nonlinear_iteration.h"
+
+namespace sfdae::core {
+
+class RankCheck {
+ public:
+  RankCheck(AnalyzedEquations& problem, Arena& arena) : problem_(problem), arena_(arena) {}
+
+  // The linearization is renewed at the jet, which has converged to the tolerance of the iteration, and its ranks are
+  // judged.
+  PointStatus renew(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
+  // Whether the known ranks hold at the jet; the linearization stays.
+  PointStatus compare(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
+  // A further point has converged: the linearization is renewed there where it has become slow, and now and then.
+  PointStatus review(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
+  // A further point has converged: the known ranks are compared with those there, the linearization stays.
+  PointStatus review_by_comparison(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
+
+  // Points since ranks were judged.
+  int unjudged() const { return unjudged_; }
+  void set_unjudged(int points) { unjudged_ = points; }
+
+ private:
+  PointStatus match_known_ranks(const Jet& jet, const ArrayLinearization& linearization);
+
+  AnalyzedEquations& problem_;
+  Arena& arena_;
+  int unjudged_ = 0;
+  double compared_t_ = std::numeric_limits<double>::quiet_NaN();  // the ranks hold there
+  Jet refined_;
+  TaylorData data_;
+  NullSpaceForm form_;
+};
+
+}  // namespace sfdae::core
