@@ -53,7 +53,7 @@ struct MultibodyJacobian {
   Matrix force_q, force_v;                // of f - M a - C^T mu: nv x nq, nv x nv
   Matrix acceleration_q, acceleration_v;  // of C a + s: (nl + nk) x nq, (nl + nk) x nv
   Matrix velocity_q;                      // of C v + r: (nl + nk) x nq
-  Matrix kinematics_q;                    // of S v: nq x nq, likewise empty where S is the identity
+  Matrix kinematics_q;                    // of S v: nq x nq, empty where S is the identity
 };
 
 class MultibodyProblem : public Problem {
