@@ -443,7 +443,7 @@ contains
   recursive subroutine solver_start(self, t, toward, x, status, xdot)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
-    !> Tells the direction of integration.
+    !> Shows the direction of integration.
     real(c_double), intent(in) :: toward
     !> n values, in: guess, out: consistent.
     real(c_double), contiguous, intent(inout) :: x(:)

@@ -27,7 +27,7 @@ inline constexpr int order_not_available = -2;
 inline constexpr int wrong_integer_width = -140;  // the function was compiled with another width of INTEGER
 
 // An INTEGER handed to a user's function. With 32 bits, the word behind it makes a function compiled for 64 bits read
-// the right value, and tells afterwards whether one wrote to it.
+// the right value, and reports afterwards whether one wrote to it.
 template <class Integer>
 class IntegerArgument;
 

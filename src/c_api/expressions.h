@@ -13,7 +13,7 @@ namespace sfdae::core {
 // were not set, and what the function returned. F(t, x, x') has m entries, there are n unknowns.
 std::shared_ptr<const Record> record_equations(sfdae_equations_function F, int m, int n, void* user);
 
-// E x' - A x - f from its coefficients, likewise.
+// E x' - A x - f from its coefficients: calls the function once, with the same failures.
 std::shared_ptr<const Record> record_linear_equations(sfdae_linear_equations_function coefficients, int m, int n,
                                                       void* user);
 

@@ -143,7 +143,7 @@ PointStatus ArrayLinearization::restore(Origin origin, const RankSequence& ranks
   return status;
 }
 
-// Rounding errors go the way of residuals. One sample tells their size to some factor.
+// Rounding errors go the way of residuals. One sample shows their size to some factor.
 void ArrayLinearization::measure_noise(const Jet& jet) {
   // Errors of other signs are rarely larger than the sample by more (docs/decisions/19-rounding-errors-of-f.md).
   // Chosen, not measured.

@@ -106,7 +106,9 @@ Matrix seen_by_constraints(const LinearSystem& system, const Matrix& v) {
 }
 
 // U = T2 Uz
-Matrix free_directions(const LinearSystem& system) { return times(system.point().form.T2(), system.point().form.Uz()); }
+Matrix free_directions(const LinearSystem& system) {
+  return times(system.point().form.T2(), system.point().form.Uz());
+}
 
 double tolerance(const LinearSystem& system) {
   const double scale = std::max({1.0, system.point().data.norm(12), system.point().data.norm_f(12)});
@@ -362,7 +364,8 @@ TEST(LinearSystem, ConstantProblemsAreReducedOnceAndFactoredOnceForEveryStep) {
   ASSERT_EQ(p.system.solve({20.0, zero.data(), zero.data(), {}}, x.data()), PointStatus::ok);
   EXPECT_EQ(p.system.counts().factorizations, 2);
   const Matrix w = times(
-      sum(1.0, identity(8), -1.0, times(p.system.point().form.kernel(), transposed(p.system.point().form.kernel()))), column(x));
+      sum(1.0, identity(8), -1.0, times(p.system.point().form.kernel(), transposed(p.system.point().form.kernel()))),
+      column(x));
   EXPECT_LE(largest(F1(p, 0.5, column(x), sum(20.0, w, 0.0, w))),
             20.0 * tolerance(p.system) * std::max(1.0, largest(x)));
 }
