@@ -122,7 +122,7 @@ void add_problems(Runs& runs) {
   }
 }
 
-void add_failures(Runs& runs) {
+void add_refusals(Runs& runs) {
   using Call = DgeldaCall<std::int32_t>;
   const auto add = [&runs](const std::string& name, const std::function<void(Call&)>& change, double tout = 1.0) {
     for (const int method : {1, 2})
@@ -165,7 +165,10 @@ void add_failures(Runs& runs) {
   add("stop_passed", [](Call& c) { c.call(0.5), c.real(4, 1, 0.2); });
   add("state_damaged", [](Call& c) { c.call(0.5), c.rwork[40] += 1.0; });
   add("method_changed", [](Call& c) { c.call(0.5), c.method = 3 - c.method; });
+}
 
+void add_failures(Runs& runs) {
+  using Call = DgeldaCall<std::int32_t>;
   const auto failing = [&runs](const std::string& name, int answer, char function, double after, double value) {
     for (const int method : {1, 2})
       runs.push_back({"dgelda_failing_" + name + (method == 1 ? "_bdf" : "_radau"), [=](Trace& trace) {
@@ -228,8 +231,29 @@ struct Arrays {
   I32 lrwork, m = 55, d = 55, a = 55, u = 55, ireq = 55, ierr = 33;
 };
 
-void trace_routines(Trace& trace, const Family& family, double t, int levels) {
+// From the reduced system found, and from the problem.
+void trace_initial_values(Trace& trace, const Family& family, double t, const Arrays& found, I32 method) {
   const int n = family->n();
+  I32 ierr = 0;  // stays if there is nothing to be done
+  std::vector<double> x(size(n), 0.7);
+  dnfini_(&found.n, &found.d, &found.a, &found.u, x.data(), found.E.data(), &found.n, found.A.data(), &found.n,
+          found.F.data(), nullptr, nullptr, nullptr, &found.lrwork, &method, &ierr);
+  trace.integer("DNFINI", ierr);
+  trace.numbers("x", x);
+  Arrays start(family, found.lmax);
+  std::vector<double> guess(size(n), 0.7), xdot(size(n));
+  dgeini_(S::matrix<'E'>, S::matrix<'A'>, S::vector, &start.n, &t, &start.lmax, guess.data(), xdot.data(), &start.m,
+          &start.d, &start.a, &start.u, &start.ireq, start.EQ.data(), &start.ld, start.AQ.data(), &start.ld,
+          start.FQ.data(), start.E.data(), &start.n, start.A.data(), &start.n, start.F.data(), start.Z1.data(),
+          &start.n, start.ZQ.data(), &start.ld, nullptr, start.AH.data(), &start.ld, nullptr, nullptr, &start.rpar,
+          nullptr, &start.lrwork, &method, &start.ierr);
+  start.trace_all(trace, "DGEINI");
+  trace.numbers("x", guess);
+  trace.numbers("xdot", xdot);
+  trace.number("DGENRM", dgenrm_(&start.n, guess.data(), xdot.data()));
+}
+
+void trace_routines(Trace& trace, const Family& family, double t, int levels) {
   {
     Arrays arrays(family, levels);
     for (I32 l = 0; l <= arrays.lmax; ++l)
@@ -273,24 +297,7 @@ void trace_routines(Trace& trace, const Family& family, double t, int levels) {
             nullptr, &again.lrwork, &constant, &again.ierr);
     again.trace_all(trace, "DNFIX1");
   }
-  for (const I32 method : {0, 1, 2}) {
-    std::vector<double> x(size(n), 0.7);
-    dnfini_(&found.n, &found.d, &found.a, &found.u, x.data(), found.E.data(), &found.n, found.A.data(), &found.n,
-            found.F.data(), nullptr, nullptr, nullptr, &found.lrwork, &method, &ierr);
-    trace.integer("DNFINI", ierr);
-    trace.numbers("x", x);
-    Arrays start(family, levels);
-    std::vector<double> guess(size(n), 0.7), xdot(size(n));
-    dgeini_(S::matrix<'E'>, S::matrix<'A'>, S::vector, &start.n, &t, &start.lmax, guess.data(), xdot.data(), &start.m,
-            &start.d, &start.a, &start.u, &start.ireq, start.EQ.data(), &start.ld, start.AQ.data(), &start.ld,
-            start.FQ.data(), start.E.data(), &start.n, start.A.data(), &start.n, start.F.data(), start.Z1.data(),
-            &start.n, start.ZQ.data(), &start.ld, nullptr, start.AH.data(), &start.ld, nullptr, nullptr, &start.rpar,
-            nullptr, &start.lrwork, &method, &start.ierr);
-    start.trace_all(trace, "DGEINI");
-    trace.numbers("x", guess);
-    trace.numbers("xdot", xdot);
-    trace.number("DGENRM", dgenrm_(&start.n, guess.data(), xdot.data()));
-  }
+  for (const I32 method : {0, 1, 2}) trace_initial_values(trace, family, t, found, method);
 }
 
 void add_routines(Runs& runs) {
@@ -327,6 +334,7 @@ void add_messages(Runs& runs) {
 
 void add_dgelda_runs(Runs& runs) {
   add_problems(runs);
+  add_refusals(runs);
   add_failures(runs);
   add_routines(runs);
   add_messages(runs);

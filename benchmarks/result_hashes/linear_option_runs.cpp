@@ -192,134 +192,151 @@ void add_derivative_checks(Runs& runs) {
   add("failing", [](char which, double, int, double*) { return which == 'A' ? 3 : 0; });
 }
 
+void interpolate_within_steps(Trace& trace, int method) {
+  const Problem problem = chain_problem();
+  Session session(trace, problem, options_of(method));
+  session.start();
+  session.advance(0.5);
+  sfdae_statistics s;
+  sfdae_statistics_init(&s, sizeof s);
+  sfdae_get_statistics(session.solver(), &s);
+  for (const double part : {-0.5, 0.0, 0.01, 0.3, 0.7, 1.0, 1.5})
+    session.interpolate(s.t_internal - (1.0 - part) * s.last_step);
+  session.outputs(1.5, 2);
+  session.describe();
+}
+
+void stop_and_go_on(Trace& trace, int method) {
+  const Problem problem = chain_problem();
+  Session session(trace, problem, options_of(method));
+  session.start();
+  session.stop_after = 4;
+  session.outputs(0.5, 2);
+  session.stop_after = 0;
+  session.called("request_stop", sfdae_request_stop(session.solver()));
+  session.advance(1.0);
+  session.outputs(1.5, 2);
+  session.describe();
+}
+
+void restart_elsewhere(Trace& trace, int method) {
+  const Problem problem = chain_problem();
+  Session session(trace, problem, options_of(method));
+  session.start();
+  session.outputs(0.7, 2);
+  std::vector<double> pushed = session.x;
+  pushed[6] += 1.0;
+  session.start(0.7, 1.5, pushed);
+  session.outputs(1.5, 2);
+  session.start(1.5, 0.0, session.x);
+  session.outputs(0.2, 3);
+  session.advance(0.5);
+  session.describe();
+}
+
+void change_options(Trace& trace, int method) {
+  const Problem problem = chain_problem();
+  sfdae_options options = options_of(method, 1e-4);
+  Session session(trace, problem, options);
+  session.start();
+  session.outputs(0.5, 2);
+  options.rtol = options.atol = 1e-8;
+  session.set_options(options);
+  session.outputs(0.8, 2);
+  options.max_order = 2;
+  options.method = SFDAE_METHOD_RADAU - method;
+  session.set_options(options);
+  session.advance(1.0);
+  options.reduction = SFDAE_REDUCTION_SVD;
+  session.set_options(options);
+  session.advance(1.2);
+  session.start(1.0, 1.5, session.x);
+  session.outputs(1.5, 2);
+  options.rtol = -1.0;
+  session.set_options(options);
+  session.describe();
+}
+
+void integrate_backward(Trace& trace, int method) {
+  const Problem problem = family_problem(Family(kron(7, 2)), 1.0, -0.5);
+  solve(trace, problem, options_of(method, 1e-8), {.outputs = 5, .checkpoint = true, .events = true});
+}
+
+void look_for_directed_events(Trace& trace, int method) {
+  const Problem problem = family_problem(chain_family(), 0.0, 6.0);
+  for (const std::vector<int>& directions :
+       {std::vector<int>{1, -1, 0}, std::vector<int>{-1, 1, 1}, std::vector<int>{0, 2, 0}}) {
+    Session session(trace, problem, options_of(method));
+    session.set_events(0.4, directions);
+    session.start();
+    session.outputs(6.0, 2);
+    session.describe();
+  }
+}
+
+void restore_what_does_not_fit(Trace& trace, int method) {
+  const Problem problem = chain_problem(), other = family_problem(Family(kron(9, 1)), 0.0, 1.0);
+  Session session(trace, problem, options_of(method));
+  session.checkpoint();
+  session.start();
+  session.advance(0.6);
+  std::vector<double> saved = session.checkpoint();
+  Session second(trace, other, options_of(method));
+  second.restore(saved);
+  second.describe();
+  Session third(trace, problem, options_of(SFDAE_METHOD_RADAU - method));
+  third.restore(saved);
+  third.describe();
+  saved[saved.size() / 2] += 1.0;
+  session.restore(saved);
+  saved.pop_back();
+  session.restore(saved);
+  session.advance(1.0);
+  session.describe();
+}
+
+void call_out_of_turn(Trace& trace) {
+  const Problem problem = chain_problem();
+  Session session(trace, problem, options_of());
+  session.advance(1.0);
+  session.step(1.0);
+  session.interpolate(0.0);
+  session.describe();
+  session.inspect(0.0, 1);
+  session.analyze(0.0, 0.0);
+  session.analyze(0.0, std::nan(""));
+  session.analyze(0.5, 1.0);
+  session.analyze_at(0.5, 1.0);
+  session.advance(1.0);
+  session.make_consistent(0.2, problem.x0);
+  session.start();
+  session.advance(-1.0);
+  session.advance(inf);
+  session.advance(0.0);
+  session.advance(1.0);
+  session.make_consistent(0.2, problem.x0);
+  session.advance(1.5);
+  session.inspect(0.0, 13);
+  session.called("get_decision", sfdae_get_decision(session.solver(), 1000, nullptr));
+  session.called("set_parameter", sfdae_set_parameter(session.solver(), "g", 1.0));
+  session.called("get_multibody_report", sfdae_get_multibody_report(session.solver(), nullptr));
+  session.describe();
+}
+
 void add_sequences(Runs& runs) {
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
-    const std::string end = std::string("_") + name_of(method);
-    runs.push_back({"sequence_interpolation" + end, [=](Trace& trace) {
-                      const Problem problem = chain_problem();
-                      Session session(trace, problem, options_of(method));
-                      session.start();
-                      session.advance(0.5);
-                      sfdae_statistics s;
-                      sfdae_statistics_init(&s, sizeof s);
-                      sfdae_get_statistics(session.solver(), &s);
-                      for (const double part : {-0.5, 0.0, 0.01, 0.3, 0.7, 1.0, 1.5})
-                        session.interpolate(s.t_internal - (1.0 - part) * s.last_step);
-                      session.outputs(1.5, 2);
-                      session.describe();
-                    }});
-    runs.push_back({"sequence_stops" + end, [=](Trace& trace) {
-                      const Problem problem = chain_problem();
-                      Session session(trace, problem, options_of(method));
-                      session.start();
-                      session.stop_after = 4;
-                      session.outputs(0.5, 2);
-                      session.stop_after = 0;
-                      session.called("request_stop", sfdae_request_stop(session.solver()));
-                      session.advance(1.0);
-                      session.outputs(1.5, 2);
-                      session.describe();
-                    }});
-    runs.push_back({"sequence_restart" + end, [=](Trace& trace) {
-                      const Problem problem = chain_problem();
-                      Session session(trace, problem, options_of(method));
-                      session.start();
-                      session.outputs(0.7, 2);
-                      std::vector<double> pushed = session.x;
-                      pushed[6] += 1.0;
-                      session.start(0.7, 1.5, pushed);
-                      session.outputs(1.5, 2);
-                      session.start(1.5, 0.0, session.x);
-                      session.outputs(0.2, 3);
-                      session.advance(0.5);
-                      session.describe();
-                    }});
-    runs.push_back({"sequence_options" + end, [=](Trace& trace) {
-                      const Problem problem = chain_problem();
-                      sfdae_options options = options_of(method, 1e-4);
-                      Session session(trace, problem, options);
-                      session.start();
-                      session.outputs(0.5, 2);
-                      options.rtol = options.atol = 1e-8;
-                      session.set_options(options);
-                      session.outputs(0.8, 2);
-                      options.max_order = 2;
-                      options.method = SFDAE_METHOD_RADAU - method;
-                      session.set_options(options);
-                      session.advance(1.0);
-                      options.reduction = SFDAE_REDUCTION_SVD;
-                      session.set_options(options);
-                      session.advance(1.2);
-                      session.start(1.0, 1.5, session.x);
-                      session.outputs(1.5, 2);
-                      options.rtol = -1.0;
-                      session.set_options(options);
-                      session.describe();
-                    }});
-    runs.push_back({"sequence_backward" + end, [=](Trace& trace) {
-                      const Problem problem = family_problem(Family(kron(7, 2)), 1.0, -0.5);
-                      solve(trace, problem, options_of(method, 1e-8),
-                            {.outputs = 5, .checkpoint = true, .events = true});
-                    }});
-    runs.push_back({"sequence_event_directions" + end, [=](Trace& trace) {
-                      const Problem problem = family_problem(chain_family(), 0.0, 6.0);
-                      for (const std::vector<int>& directions :
-                           {std::vector<int>{1, -1, 0}, std::vector<int>{-1, 1, 1}, std::vector<int>{0, 2, 0}}) {
-                        Session session(trace, problem, options_of(method));
-                        session.set_events(0.4, directions);
-                        session.start();
-                        session.outputs(6.0, 2);
-                        session.describe();
-                      }
-                    }});
-    runs.push_back({"sequence_checkpoint_misfits" + end, [=](Trace& trace) {
-                      const Problem problem = chain_problem(), other = family_problem(Family(kron(9, 1)), 0.0, 1.0);
-                      Session session(trace, problem, options_of(method));
-                      session.checkpoint();
-                      session.start();
-                      session.advance(0.6);
-                      std::vector<double> saved = session.checkpoint();
-                      Session second(trace, other, options_of(method));
-                      second.restore(saved);
-                      second.describe();
-                      Session third(trace, problem, options_of(SFDAE_METHOD_RADAU - method));
-                      third.restore(saved);
-                      third.describe();
-                      saved[saved.size() / 2] += 1.0;
-                      session.restore(saved);
-                      saved.pop_back();
-                      session.restore(saved);
-                      session.advance(1.0);
-                      session.describe();
-                    }});
+    const auto add = [&](const std::string& name, void (*sequence)(Trace&, int)) {
+      runs.push_back({"sequence_" + name + "_" + name_of(method), [=](Trace& trace) { sequence(trace, method); }});
+    };
+    add("interpolation", interpolate_within_steps);
+    add("stops", stop_and_go_on);
+    add("restart", restart_elsewhere);
+    add("options", change_options);
+    add("backward", integrate_backward);
+    add("event_directions", look_for_directed_events);
+    add("checkpoint_misfits", restore_what_does_not_fit);
   }
-  runs.push_back({"sequence_out_of_turn", [](Trace& trace) {
-                    const Problem problem = chain_problem();
-                    Session session(trace, problem, options_of());
-                    session.advance(1.0);
-                    session.step(1.0);
-                    session.interpolate(0.0);
-                    session.describe();
-                    session.inspect(0.0, 1);
-                    session.analyze(0.0, 0.0);
-                    session.analyze(0.0, std::nan(""));
-                    session.analyze(0.5, 1.0);
-                    session.analyze_at(0.5, 1.0);
-                    session.advance(1.0);
-                    session.make_consistent(0.2, problem.x0);
-                    session.start();
-                    session.advance(-1.0);
-                    session.advance(inf);
-                    session.advance(0.0);
-                    session.advance(1.0);
-                    session.make_consistent(0.2, problem.x0);
-                    session.advance(1.5);
-                    session.inspect(0.0, 13);
-                    session.called("get_decision", sfdae_get_decision(session.solver(), 1000, nullptr));
-                    session.called("set_parameter", sfdae_set_parameter(session.solver(), "g", 1.0));
-                    session.called("get_multibody_report", sfdae_get_multibody_report(session.solver(), nullptr));
-                    session.describe();
-                  }});
+  runs.push_back({"sequence_out_of_turn", call_out_of_turn});
 }
 
 void add_contradictions(Runs& runs) {

@@ -119,7 +119,8 @@ void add_hard(Runs& runs, const std::string& name, int m, std::vector<double> x0
     add(runs, "hard_" + name + "_" + name_of(method), problem, options_of(method, 1e-5), {.outputs = 2});
 }
 
-void add_hard_cases(Runs& runs) {
+// Solutions that end, ranks that change, guesses outside of the domain.
+void add_ends(Runs& runs) {
   add_hard(runs, "finite_escape", 1, {1.0}, 2.0,
            [](const auto&, const auto* x, const auto* xdot, auto* F) { F[0] = xdot[0] - x[0] * x[0]; });
   add_hard(runs, "square_root", 1, {1.0}, 3.0,
@@ -145,6 +146,9 @@ void add_hard_cases(Runs& runs) {
   add_hard(runs, "far_guess", 2, {1.0, 20.0}, 3.0, logarithm);
   add_hard(runs, "guess_outside", 2, {1.0, -20.0}, 3.0, logarithm);
   add_hard(runs, "guess_nan", 2, {1.0, std::nan("")}, 3.0, logarithm);
+}
+
+void add_hard_cases(Runs& runs) {
   add_hard(runs, "jumps", 1, {0.0}, 5.0, [](const auto& t, const auto*, const auto* xdot, auto* F) {
     F[0] = xdot[0] - choose(sin(6.0 * t), Expression(1.0), Expression(-1.0));
   });
@@ -174,6 +178,9 @@ void add_hard_cases(Runs& runs) {
              F[1] = x[1] - x[0];
              F[2] = (2.0 + x[0]) * (x[1] - x[0]) - max(Expression(0.0), 0.01 * (t - 1.0));
            });
+}
+
+void add_unusual_structures(Runs& runs) {
   add_hard(runs, "rising_rank", 3, {0.0, 0.0, 1.0}, 2.0, [](const auto& t, const auto* x, const auto* xdot, auto* F) {
     const auto s = sin(t), F1 = x[0] * x[0] + x[0] - s - s * s;
     F[0] = F1;
@@ -223,7 +230,9 @@ void add_nonlinear_runs(Runs& runs) {
   add_test_set(runs);
   add_total_derivatives(runs);
   add_random_systems(runs);
+  add_ends(runs);
   add_hard_cases(runs);
+  add_unusual_structures(runs);
 }
 
 }  // namespace sfdae_bench

@@ -41,7 +41,8 @@ void Trace::numbers(const char* what, const double* values, std::size_t count) {
 
 void Trace::integer(const char* what, long long value) {
   line_ += what;
-  line_ += " " + std::to_string(value);
+  line_ += ' ';
+  line_ += std::to_string(value);
   end_line();
 }
 
