@@ -8,7 +8,8 @@
 #   valgrind     some examples in C and Fortran 77
 #   asan         address and undefined behaviour sanitizers, small
 #
-# "Small": SFDAE_TEST_SCALE=0.05 reduces the number of random problems. SFDAE_WERROR=ON makes warnings errors.
+# "Small": SFDAE_TEST_SCALE=0.05 reduces the number of random problems and of similar cases. SFDAE_WERROR=ON makes
+# warnings errors.
 # At the end stands how long each phase took; the last line is "N passed, M failed".
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

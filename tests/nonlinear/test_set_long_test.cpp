@@ -19,7 +19,7 @@ using namespace sfdae_test;
 
 constexpr std::array<double, 3> tolerances = {1e-4, 1e-6, 1e-8};
 
-// With SFDAE_TEST_SCALE below 1 the first of the tolerances, or of the guesses.
+// With SFDAE_TEST_SCALE below 1 the first of the tolerances, or of the guesses; of large problems only digits.
 std::size_t cases_of(std::size_t count) { return size(scaled_count(static_cast<int>(count))); }
 
 // From a poor guess ranks of the flexible slider crank may not be clear: an error says so.
@@ -55,6 +55,7 @@ bool may_find_nothing(const TestProblem& p, double size_of_change) {
 TEST(CharacteristicValuesOfTheTestSet, AreFoundFromConsistentAndFromRoughGuesses) {
   for_each_problem([](const TestProblem& p, const auto& equations) {
     constexpr std::array<double, 3> changes = {0.2, 0.01, 0.0};
+    if (p.n > 100 && cases_of(changes.size()) < changes.size()) return;
     for (std::size_t i = 0; i < cases_of(changes.size()); ++i) {
       const double change = changes[i];
       SCOPED_TRACE(p.name + ", guess off by " + std::to_string(change));
