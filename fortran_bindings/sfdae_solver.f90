@@ -459,7 +459,7 @@ contains
   !> Integrates to tout. Warnings and failures of the integration return the last accepted point.
   recursive subroutine solver_advance(self, tout, t, x, status, xdot)
     class(dae_solver), intent(inout) :: self
-    !> In the direction of integration, at or behind the last point returned.
+    !> In the direction of integration, at or after the last point returned.
     real(c_double), intent(in) :: tout
     !> Point reached, tout if all went well.
     real(c_double), intent(inout) :: t
@@ -479,7 +479,7 @@ contains
   !> Takes one step toward tout: sfdae_step_taken with the point reached, or sfdae_ok at tout.
   recursive subroutine solver_step(self, tout, t, x, status, xdot)
     class(dae_solver), intent(inout) :: self
-    !> In the direction of integration, at or behind the last point returned.
+    !> In the direction of integration, at or after the last point returned.
     real(c_double), intent(in) :: tout
     !> Point reached.
     real(c_double), intent(inout) :: t
@@ -537,7 +537,7 @@ contains
 
   !> From the point returned last or the next start on, advance and step return sfdae_event where
   !> an event function becomes zero or changes its sign: t is that zero or, within rounding, the
-  !> first point behind it. Each event is returned once. To change x there, call start.
+  !> first point after it. Each event is returned once. To change x there, call start.
   subroutine solver_set_events(self, events, status)
     class(dae_solver), intent(inout) :: self
     !> Must have the target attribute and live, in place, as long as it is in use; num_events must

@@ -16,7 +16,8 @@ namespace {
 // The last position of RWORK that is an input.
 constexpr int last_real_input = 15;
 
-// Comparisons with NaN are false, and these ones raise no floating-point exception: all conditions are those of what is right.
+// Comparisons with NaN are false, and these ones raise no floating-point exception: all conditions are those of what
+// is right.
 bool is_positive(double value) { return std::isgreater(value, 0.0); }
 bool is_tolerance(double value) { return std::isfinite(value) && value >= 0.0; }
 

@@ -87,8 +87,8 @@ struct Options {
   core::StepOptions stepping;
 };
 
-// Reads and checks INFO(2..20), numbers of equations and unknowns, work arrays and tolerances in the documented order:
-// code::ok or what is wrong.
+// Reads and checks INFO(2..20), numbers of equations and unknowns, work arrays and tolerances in the documented
+// order: code::ok or what is wrong.
 // Values that are chosen by default are read from the work arrays after the first call.
 int read_options(const Arguments& arguments, bool is_first_call, Options& options);
 // Documented defaults, for the caller to see.

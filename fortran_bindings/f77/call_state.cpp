@@ -60,7 +60,7 @@ int CallState::load(Progress& progress) const {
   return code::ok;
 }
 
-bool CallState::save(const Progress& progress, const std::vector<double>& matrices, core::DaeSystem& system,
+bool CallState::save(const Progress& progress, const double* matrices, core::DaeSystem& system,
                      core::Integration* integration) {
   invalidate();
   const std::size_t room = static_cast<std::size_t>(arguments_.lrw - last_real);
@@ -70,7 +70,7 @@ bool CallState::save(const Progress& progress, const std::vector<double>& matric
   const std::size_t rest = integration != nullptr ? core::checkpoint_size(system, *integration) : counter.size();
   if (constants + rest > room) return false;
   double* to = &arguments_.rwork(first_real);
-  std::copy_n(matrices.data(), constants, to);
+  std::copy_n(matrices, constants, to);
   if (integration != nullptr) {
     core::save_checkpoint(system, *integration, to + constants);
   } else {

@@ -1,5 +1,5 @@
-// What survives between calls of DGELDA or SFNDAE beside its documented outputs, in places of IWORK and RWORK that have no
-// documented use:
+// What survives between calls of DGELDA or SFNDAE beside its documented outputs, in places of IWORK and RWORK that
+// have no documented use:
 //
 //   IWORK(16)  says that this is a state        RWORK(5)   T where the integration started
 //   IWORK(17)  checksum                         RWORK(6)   T as it was returned
@@ -36,9 +36,9 @@ class CallState {
   void invalidate();
   // code::bad_info if there is no intact state, code::bad_method if it is that of another METHOD.
   int load(Progress& progress) const;
-  // matrices: E and A if they are constant. integration: null before its start. False if the state does not fit; there is
-  // none then.
-  bool save(const Progress& progress, const std::vector<double>& matrices, core::DaeSystem& system,
+  // matrices: E and A if they are constant. integration: null before its start. False if the state does not fit;
+  // there is none then.
+  bool save(const Progress& progress, const double* matrices, core::DaeSystem& system,
             core::Integration* integration);
 
   // Of the state loaded. The two latter throw core::Failure SFDAE_ILLEGAL_ARGUMENT or core::DamagedArchive.

@@ -33,11 +33,12 @@ int evaluate_stage(const UserFunctions<Integer>& functions, double t, int level,
 
 using namespace sfdae::f77;
 
-// Adds stage L >= 0 at the point T to the derivative array of an N x N system; to be called for L = 0, 1, ... in turn.
+// Adds stage L >= 0 at the point T to the derivative array of an N x N system; to be called for L = 0, 1, ... in
+// turn.
 //   WQ(LDWQ,N)      block row k holds E^(k), k < L; block row L is added
 //   EQ(LDEQ,N(L+1)) array of stage L-1, becomes that of stage L
 //   AQ(LDAQ,N)      block row k holds A^(k), k < L; block row L is added
-//   FQ(N(L+1))      likewise for f^(k)
+//   FQ(N(L+1))      block row k holds f^(k)
 // Leading dimensions >= N(L+1).
 // IERR 0; -1, -2: a user's function could not be evaluated (also NaN, Inf), does not provide order L; -3: an argument
 // is wrong, nothing was changed; -140: a user's function has another width of INTEGER.
@@ -70,8 +71,8 @@ SFDAE_F77_ROUTINE(void, dnfpen,
 //   ZQ(LDZQ,NQ)     left orthogonal factor of EQ = ZQ S V^T; its last NQ-R0 columns span the left null space
 // Leading dimensions >= NQ. Ranks are judged with rounding errors of the entries of EQ and AQ, rows made comparable.
 // RWORK is not used; LRWORK >= 3 NQ^2 + 6 NQ is required nevertheless.
-// IERR 0; -3: an argument is wrong; -4: a singular value decomposition failed, or NaN or Inf in EQ, AQ; -5: LRWORK, or
-// memory. Outputs are written with IERR = 0 only.
+// IERR 0; -3: an argument is wrong; -4: a singular value decomposition failed, or NaN or Inf in EQ, AQ; -5: LRWORK,
+// or memory. Outputs are written with IERR = 0 only.
 SFDAE_F77_ROUTINE(void, dnfval,
                   (const Integer* n, const Integer* nq, const double* eq, const Integer* ldeq, const double* aq,
                    const Integer* ldaq, Integer* r0, Integer* a0, Integer* s0, Integer* d0, Integer* u0, double* zq,
@@ -97,8 +98,8 @@ SFDAE_F77_ROUTINE(void, dnfval,
   });
 }
 
-// Strangeness index M = mu <= LMAX and characteristic values IDF = d, IAF = a, IUF = u of an N x N system at the point
-// T alone. No derivative of higher order than the stage looked at is asked for; indices above 12 are not found.
+// Strangeness index M = mu <= LMAX and characteristic values IDF = d, IAF = a, IUF = u of an N x N system at the
+// point T alone. No derivative of higher order than the stage looked at is asked for; indices above 12 are not found.
 //   IREQ            rank of EQ of stage M, NQ = (M+1)N rows
 //   AH(LDAH,N)      block row k is E^(k), k = 0..M
 //   EQ, AQ, FQ      derivative array of stage M: EQ(LDEQ,NQ), AQ(LDAQ,N), FQ(NQ)

@@ -17,7 +17,7 @@ class DgeldaCall final : public IntegrationCall {
  protected:
   void create_model() override;
   core::LinearModel& model() override { return *model_; }
-  const std::vector<double>& matrices() const override { return user_.matrices(); }
+  const double* kept_matrices() const override { return user_.matrices().data(); }
   void analyze(double toward) override;
   void find_values() override;
   void return_to_values() override;

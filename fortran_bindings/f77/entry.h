@@ -1,3 +1,5 @@
+// Folder fortran_bindings/f77: DGELDA, SFNDAE and their kin, a front end on the models of src/ beside c_api.
+//
 // The way from the arguments of DGELDA or SFNDAE, INTEGERs of either width, to a call and back.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once

@@ -52,7 +52,8 @@ std::vector<double> residual(ConstView A, const double* f, const double* x) {
   return r;
 }
 
-// Orthonormal basis of ker E1, and by how much it multiplies rounding errors: 1 over the smallest singular value kept.
+// Orthonormal basis of ker E1, and by how much it multiplies rounding errors: 1 over the smallest singular value
+// kept.
 Matrix null_space(ConstView E1, double& uncertainty) {
   Matrix scaled = to_matrix(E1);
   std::vector<double> unused(index(E1.rows), 0.0);
@@ -126,9 +127,10 @@ using namespace sfdae::f77;
 // Consistent initial value of the strangeness-free system E(LDE,N), A(LDA,N), F(N) of ID = d, IA = a, IU = u rows:
 // changes X(N) as little as possible in the 2-norm so that A2 X + f2 = 0 (rows d+1..d+a).
 //   METHOD          0: all components may change; 1: only those in the null space of the differential rows of E
-// Leading dimensions >= N. E and A are kept; DELTA, TAU, RWORK are not used; LRWORK >= IA + N is required nevertheless.
-// IERR 0; -3: an argument is wrong; -4: NaN or Inf; -5: LRWORK, or memory; -24: no such X, A2 is singular (METHOD = 1:
-// on that null space). X is changed with IERR = 0 only. IA = 0: nothing is to be done, IERR is left alone.
+// Leading dimensions >= N. E and A are kept; DELTA, TAU, RWORK are not used; LRWORK >= IA + N is required
+// nevertheless. IERR 0; -3: an argument is wrong; -4: NaN or Inf; -5: LRWORK, or memory; -24: no such X, A2 is
+// singular (METHOD = 1: on that null space). X is changed with IERR = 0 only. IA = 0: nothing is to be done, IERR is
+// left alone.
 SFDAE_F77_ROUTINE(void, dnfini,
                   (const Integer* n, const Integer* id, const Integer* ia, const Integer* iu, double* x,
                    const double* e, const Integer* lde, const double* a, const Integer* lda, const double* f, double*,

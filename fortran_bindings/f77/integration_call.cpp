@@ -28,6 +28,12 @@ IntegrationCall::IntegrationCall(const Arguments& arguments, const UserProblem& 
     : arguments_(arguments), state_(arguments), t_(*arguments.t), user_(user) {}
 
 int IntegrationCall::run() noexcept {
+  const int ierr = run_to_code();
+  integration_.reset();  // before the model of the derived class, which it refers to
+  return ierr;
+}
+
+int IntegrationCall::run_to_code() noexcept {
   try {
     return dispatch();
   } catch (const core::Failure& failure) {
@@ -90,10 +96,10 @@ int IntegrationCall::first_call() {
   publish_point(arguments_, system().analysis(), t_, x_, xdot_);
   system().accept();
   progress_.t_returned = t_;
-  return state_.save(progress_, matrices(), system(), nullptr) ? initial_values_found : not_reduced;
+  return state_.save(progress_, kept_matrices(), system(), nullptr) ? initial_values_found : not_reduced;
 }
 
-// +1 or -1 if H0 or TSTOP tell, else 0.
+// +1 or -1 if H0 or TSTOP say, else 0.
 double IntegrationCall::hinted_direction() const {
   const double to_stop = options_.stop_time.value_or(t_) - t_;
   const double h = options_.has_initial_step && options_.initial_step != 0.0 ? options_.initial_step : to_stop;
@@ -102,7 +108,7 @@ double IntegrationCall::hinted_direction() const {
 
 void IntegrationCall::find_initial_point(double direction) {
   double toward = arguments_.tout;
-  if (toward == t_) toward = t_ + direction * std::max(1.0, 1e-6 * std::fabs(t_));
+  if (toward == t_) toward = core::time_beside(t_, direction);
   if (options_.stop_time) {
     const double stop = *options_.stop_time;
     if ((stop - t_) * direction > 0.0 && (stop - toward) * direction < 0.0) toward = stop;
@@ -125,8 +131,8 @@ core::AnalysisSettings IntegrationCall::settings() const {
   return settings;
 }
 
-// From the start on in the direction of integration, and not beyond TSTOP nor, with Radau, TOUT. Limits that do not lie
-// ahead are reported later.
+// From the start on in the direction of integration, and not beyond TSTOP nor, with Radau, TOUT. Limits that do not
+// lie ahead are reported later.
 void IntegrationCall::limit_evaluations() {
   const double direction = progress_.direction();
   double end = direction * std::numeric_limits<double>::infinity();
@@ -235,12 +241,12 @@ int IntegrationCall::advance() {
   publish_counts(arguments_, *integration_, user_.points() - points_before);
   if (ierr == tolerances_too_small) enlarge_tolerances(arguments_, integration_->stepper().x().data());
   if (ierr == values_changed) publish_characteristics(arguments_, new_values());
-  // After an interruption behind TOUT that TOUT may be asked for again.
+  // Where the call was interrupted after TOUT, that TOUT may be asked for again.
   if (!has_passed_tout(t_) || t_ == arguments_.tout) progress_.t_returned = t_;
   // An integration that has seen a change does not go on: from here another one will.
   progress_.is_running = !is_no_change;
-  return state_.save(progress_, matrices(), system(), is_no_change ? nullptr : integration_.get()) ? ierr
-                                                                                                   : not_reduced;
+  return state_.save(progress_, kept_matrices(), system(), is_no_change ? nullptr : integration_.get()) ? ierr
+                                                                                                        : not_reduced;
 }
 
 core::CharacteristicValues IntegrationCall::new_values() {
@@ -248,8 +254,8 @@ core::CharacteristicValues IntegrationCall::new_values() {
   return change ? change->new_values : system().values_at(arguments_.tout);
 }
 
-// Steps that become ever shorter before a point where a function fails look like a change at last, to the same values or
-// to none.
+// Steps that become ever shorter before a point where a function fails look like a change at last, to the same values
+// or to none.
 bool IntegrationCall::is_failure_taken_for_change(int status) {
   if (status != SFDAE_CHARACTERISTICS_CHANGED || user_.callback_error() == SFDAE_OK) return false;
   const core::CharacteristicValues found = new_values();

@@ -34,7 +34,7 @@ class IntegrationCall {
   virtual void create_model() = 0;
   virtual core::Model& model() = 0;
   // E and A where they are constant.
-  virtual const std::vector<double>& matrices() const = 0;
+  virtual const double* kept_matrices() const { return nullptr; }
   // Characteristic values at t_, near x_. Throws core::Failure, as all that follow.
   virtual void analyze(double toward) = 0;
   // Makes x_ consistent as INFO says; x' into xdot_. The system stands there afterwards.
@@ -58,6 +58,7 @@ class IntegrationCall {
   std::vector<double> x_, xdot_;
 
  private:
+  int run_to_code() noexcept;
   int dispatch();
   int first_call();
   int start_later();

@@ -7,8 +7,8 @@
 
 using namespace sfdae::f77;
 
-// sqrt( 1/NEQ sum (V(i) RWT(i))^2 ), RWT the reciprocal weights; no square overflows or underflows. NaN and Inf in the
-// products are passed on; 0 for NEQ <= 0.
+// sqrt( 1/NEQ sum (V(i) RWT(i))^2 ), RWT the reciprocal weights; no square overflows or underflows. NaN and Inf in
+// the products are passed on; 0 for NEQ <= 0.
 SFDAE_F77_ROUTINE(double, dgenrm, (const Integer* neq, const double* v, const double* rwt), (neq, v, rwt)) {
   const std::int64_t n = *neq;
   double largest = 0.0;

@@ -12,8 +12,8 @@ namespace sfdae::f77 {
 // Rounding errors of each row are relative to that row.
 core::Matrix orthogonal_factor(core::ConstView a);
 
-// Powers of two that bring the rows of [A B] to size 1. Rows of zeros get the largest of them: unit vectors in the left
-// null space should stand out, not drown in rounding errors of others.
+// Powers of two that bring the rows of [A B] to size 1. Rows of zeros get the largest of them: unit vectors in the
+// left null space should stand out, not drown in rounding errors of others.
 std::vector<double> row_factors(core::ConstView a, core::ConstView b);
 // Gives rows of zeros of A the largest of the factors.
 void raise_zero_rows(core::ConstView a, std::vector<double>& factors);

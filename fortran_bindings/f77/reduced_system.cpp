@@ -31,8 +31,8 @@ namespace {
 
 // [Z2 Z3] of the range of Z, orthonormal: Z3^T AQ = 0, Z2^T AQ of rank a.
 //
-// The two are told apart with rows of [EQ AQ] made comparable, D [EQ AQ]: else rounding errors of a redundant equation
-// in small units would be larger than an equation in large ones. Z = D Z^ for null vectors Z^ of D EQ.
+// The two are told apart with rows of [EQ AQ] made comparable, D [EQ AQ]: else rounding errors of a redundant
+// equation in small units would be larger than an equation in large ones. Z = D Z^ for null vectors Z^ of D EQ.
 Matrix split_null_space(ConstView EQ, ConstView AQ, ConstView Z, int a) {
   const int kernel = Z.cols, redundant = kernel - a;
   const std::vector<double> D = row_factors(EQ, AQ);

@@ -93,7 +93,8 @@ SFDAE_F77_ROUTINE(void, dnfred,
 // Strangeness-free system of N rows at the point T, where the characteristic values M, ID, IA, IU are expected.
 // MCONST = .FALSE.: DNFIND up to LMAX, then DNFRED, for mu = 0 as well. Out: MQ, IDQ, IAQ, IUQ the values at T, IREQ;
 //   EQ, AQ, FQ, AH  as DNFIND;   E(LDE,N), A(LDA,N), F(N), Z1(LDZ1,N), Z2Q(LDZ2Q,(LMAX+1)N)  as DNFRED
-// MCONST = .TRUE. (E and A constant): Z1 and Z2Q are those of an earlier call; FDIF alone is called, and FQ and F alone
+// MCONST = .TRUE. (E and A constant): Z1 and Z2Q are those of an earlier call; FDIF alone is called, and FQ and F
+// alone
 //   are written.
 // Leading dimensions >= (LMAX+1)N, those of E, A, Z1 >= N. RWORK is not used; LRWORK as DNFIND.
 // IERR 0; -22: DNFIND failed, whatever the reason; -23: DNFRED failed; -26: the values found are not those expected

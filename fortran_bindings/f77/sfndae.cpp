@@ -1,5 +1,5 @@
-// SFNDAE: solves F(t, x, x') = 0, M equations in N unknowns of arbitrary index, with arguments, codes and work arrays like
-// those of DGELDA; one subroutine NDIF takes the place of EDIF, ADIF and FDIF.
+// SFNDAE: solves F(t, x, x') = 0, M equations in N unknowns of arbitrary index, with arguments, codes and work arrays
+// like those of DGELDA; one subroutine NDIF takes the place of EDIF, ADIF and FDIF.
 //
 //       SUBROUTINE SFNDAE (NDIF, N, M, T, TOUT, X, XPRIME, CVAL, IPAR, RPAR, IWORK, LIW, RWORK, LRW,
 //      $                   RTOL, ATOL, METHOD, INFO, IWARN, IERR)

@@ -17,7 +17,6 @@ class SfndaeCall final : public IntegrationCall {
  protected:
   void create_model() override;
   core::NonlinearModel& model() override { return *model_; }
-  const std::vector<double>& matrices() const override { return no_matrices_; }
   void analyze(double toward) override;
   void find_values() override;
   void return_to_values() override;
@@ -25,7 +24,6 @@ class SfndaeCall final : public IntegrationCall {
 
  private:
   SfndaeProblem& user_;
-  std::vector<double> no_matrices_;
   std::optional<core::NonlinearModel> model_;
 };
 

@@ -275,17 +275,15 @@ int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, doubl
     LinearModel* linear = solver->kind.linear;
     if (linear == nullptr) return linear_only();
     if (!solver->system()) return {SFDAE_NOT_STARTED, "call sfdae_analyze first."};
-    const Projectors found = linear->projectors(t);
+    const Projectors projectors = linear->projectors(t);
     const DerivativeArray array = linear->derivative_array(t, linear->system()->analysis().values.mu);
-    const int m = linear->m(), n = linear->n(), rows = array.M.rows();
-    const ConstView g{array.g.data(), rows, 1, rows};
-    const ConstView E = array.M.view().block(0, 0, m, n), A = array.N.view().block(0, 0, m, n);
-    copy_out(transpose_product(found.Z1, E), E1);
-    copy_out(transpose_product(found.Z1, A), A1);
-    copy_out(transpose_product(found.Z1, g.block(0, 0, m, 1)), f1);
-    copy_out(transpose_product(found.Z2, array.N), A2);
-    copy_out(transpose_product(found.Z2, g), f2);
-    if (residual != nullptr) *residual = max_abs(transpose_product(found.Z3, g));
+    const StrangenessFreeEquations found = strangeness_free_equations(array, projectors);
+    copy_out(found.E1, E1);
+    copy_out(found.A1, A1);
+    copy_out(found.f1, f1);
+    copy_out(found.A2, A2);
+    copy_out(found.f2, f2);
+    if (residual != nullptr) *residual = found.residual;
     return {};
   });
 }

@@ -61,7 +61,7 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n) {
   }
   model.ignore_inconsistency = o.ignore_inconsistency != 0;
   model.consistency_tol = o.consistency_tol;
-  integration.tolerances = model.tolerances;
+  static_cast<Acceptance&>(integration) = model;
   integration.method = method_of(o.method);
   integration.stepping.max_order = o.max_order;
   integration.stepping.min_stages = o.min_stages;
@@ -70,8 +70,6 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n) {
   integration.max_step = o.max_step;
   if (o.use_stop_time != 0) integration.stop_time = o.stop_time;
   integration.max_steps = o.max_steps;
-  integration.ignore_inconsistency = model.ignore_inconsistency;
-  integration.consistency_tol = model.consistency_tol;
   integration.monitor = o.monitor;
   integration.monitor_user = o.monitor_user;
 }
@@ -314,7 +312,7 @@ int sfdae_set_parameter(sfdae_solver* solver, const char* name, double value) {
 
 int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdot) {
   return guarded(solver, [&]() -> CallResult {
-    const double toward = t + solver->direction * std::max(1.0, 1e-6 * std::fabs(t));
+    const double toward = time_beside(t, solver->direction);
     CallResult checked = check_point(t, toward, x, solver->model.n());
     if (checked.status != SFDAE_OK) return checked;
     if (!solver->system()) analyze(*solver, {t, toward, x});
@@ -388,7 +386,7 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
         restore_checkpoint(solver->model, solver->options.model, solver->options.integration, checkpoint, length);
     solver->direction = solver->integration->direction();
     // Differences go on from where the integration started.
-    const double start = solver->problem().limit_behind(solver->direction),
+    const double start = solver->problem().limit_before(solver->direction),
                  t = solver->integration->stepper().state().t;
     set_limits(*solver, solver->options.model.differences.allowed && std::isfinite(start) ? start : t,
                solver->direction);

@@ -39,8 +39,8 @@ class BdfHistory {
   Polynomial polynomial_w(int degree) const { return {dw_, times_, degree, size_w()}; }
   Polynomial polynomial_x(int degree) const { return {dx_, times_, degree, size_x()}; }
 
-  // A checkpoint has the number of points, at most max_points, beside the order of the last step; it is returned. Then
-  // there is room for them when reading.
+  // A checkpoint has the number of points, at most max_points, beside the order of the last step; it is returned.
+  // Then there is room for them when reading.
   int archive_size(Archive& archive, const StrangenessFreeSystem& system, int max_points, int& last_order);
   void archive_points(Archive& archive, int points);
 

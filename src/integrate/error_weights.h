@@ -19,8 +19,8 @@ class ErrorWeights {
  public:
   // safety: a factor of all tolerances, <= 1.
   void set(const Tolerances& tolerances, Tightening tightening, double safety = 1.0);
-  // Weights are never less than these errors (n values that live on and may change, or null), which smaller steps cannot
-  // reduce.
+  // Weights are never less than these errors (n values that live on and may change, or null), which smaller steps
+  // cannot reduce.
   void set_floor(const double* floor) { floor_ = floor; }
   // Of the last update: the largest floor over the weight without it.
   double floor_ratio() const { return floor_ratio_; }
@@ -32,7 +32,8 @@ class ErrorWeights {
   const double* inverse() const { return inverse_.data(); }
   // max_i |e_i| / weight_i. A component whose weight is zero must have no error.
   double norm(const double* e) const;
-  // The largest of such ratios for errors that are O(tol^exponent) where the solution has errors O(tol), exponent < 1.
+  // The largest of such ratios for errors that are O(tol^exponent) where the solution has errors O(tol), exponent <
+  // 1.
   double norm(const double* e, double exponent) const;
   // Step size at which x changes by half of size^(1 - exponent) tolerance^exponent.
   double first_step(const double* x, const double* xdot, double exponent) const;

@@ -1,5 +1,5 @@
-// Search for events: zeros of functions g(t) along an integration, found in the order in which they happen and located to
-// rounding. Nothing here knows of integrators.
+// Search for events: zeros of functions g(t) along an integration, found in the order in which they happen and
+// located to rounding. Nothing here knows of integrators.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -21,9 +21,9 @@ class EventSearch {
 
   // Begins at t. Zeros within `rounding` of it belong to the start. Functions that fired at t have to be armed anew.
   void start(EventValues& values, double t, double rounding);
-  // Searches from where the last search ended to `end`: true if there is an event, and t() then is just after it or on
-  // it; else t() = end. Where values fail this throws, and nothing has happened. depth: the interval is halved as often
-  // at least.
+  // Searches from where the last search ended to `end`: true if there is an event, and t() then is just after it or
+  // on it; else t() = end. Where values fail this throws, and nothing has happened. depth: the interval is halved as
+  // often at least.
   bool search(EventValues& values, double end, int depth);
 
   bool is_started() const { return started_; }

@@ -19,8 +19,8 @@ using Vector = std::vector<double>;
 constexpr double residue = 1e-6;
 // A function has left zero when it is this much larger than what was left. (Chosen.)
 constexpr double clearly_larger = 4.0;
-// Closer looks whether a function is to be armed, which cost a reduction each, before it is taken for rounding errors; then
-// only points that are looked at anyway can arm it. (Chosen.)
+// Closer looks whether a function is to be armed, which cost a reduction each, before it is taken for rounding
+// errors; then only points that are looked at anyway can arm it. (Chosen.)
 constexpr int max_attempts = 6;
 
 }  // namespace

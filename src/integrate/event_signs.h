@@ -1,8 +1,8 @@
 // Event functions with the signs that they are armed with.
 //
-// A function is armed, with a sign, once it is clearly not zero. An event is the change from that sign to zero or to the
-// other sign; it disarms the function. So nothing happens twice, and a function that is zero, or nothing but rounding
-// errors, is silent (docs/decisions/27-events.md).
+// A function is armed, with a sign, once it is clearly not zero. An event is the change from that sign to zero or to
+// the other sign; it disarms the function. So nothing happens twice, and a function that is zero, or nothing but
+// rounding errors, is silent (docs/decisions/27-events.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -21,8 +21,8 @@ class EventSigns {
 
   // At a start with values g: those that fired have to leave zero before they are armed.
   void start(const std::vector<double>& g);
-  // At a point that is searched now. Changes that do not count are followed silently; functions that have left zero are
-  // armed.
+  // At a point that is searched now. Changes that do not count are followed silently; functions that have left zero
+  // are armed.
   void update(EventValues& values, const std::vector<double>& g);
 
   // Whether function i has lost the sign that it is armed with.

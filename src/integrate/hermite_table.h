@@ -20,7 +20,8 @@ class HermiteTable {
 
   // Over `entries` of the values and slopes at each node in turn.
   void set_nodes(const ChosenNodes& chosen, Interpolated which, int entries, double origin, double unit);
-  // The collocation polynomial for x of the last step, through its start and its stages: all of it lies within the step.
+  // The collocation polynomial for x of the last step, through its start and its stages: all of it lies within the
+  // step.
   void set_collocation(const RadauHistory& history);
 
   int degree() const { return degree_; }

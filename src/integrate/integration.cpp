@@ -15,15 +15,16 @@ namespace sfdae::core {
 
 namespace {
 
-// Attempts in a row that fail for want of a valid point before the call gives up: steps are shorter by 4^12, some 1e7,
-// then. (Chosen.)
+// Attempts in a row that fail for want of a valid point before the call gives up: steps are shorter by 4^12, some
+// 1e7, then. (Chosen.)
 constexpr int max_point_failures = 12;
 // Of a step: a rest before a limit that is a rounding error of the limit.
 constexpr double rest_at_limit = 1e-10;
-// Of a step: nearly at tout counts as there, as steps may be that much longer than what the error test allows. (Chosen.)
+// Of a step: nearly at tout counts as there, as steps may be that much longer than what the error test allows.
+// (Chosen.)
 constexpr double nearly = 1e-4;
-// Of the smallest step: a change of the characteristic values is located within a step longer than this; else it is there.
-// (Chosen, so that the bisection has six steps to go.)
+// Of the smallest step: a change of the characteristic values is located within a step longer than this; else it is
+// there. (Chosen, so that the bisection has six steps to go.)
 constexpr double room_to_locate = 64.0;
 
 }  // namespace

@@ -16,8 +16,7 @@ struct Events;
 // automatic: Radau, until frequent output or failing steps show that BDF is better off.
 enum class Method { bdf, radau, automatic };
 
-struct IntegrationOptions {
-  Tolerances tolerances;
+struct IntegrationOptions : Acceptance {
   Method method = Method::bdf;
   StepOptions stepping;
   bool never_pass_output = false;  // steps end at tout instead of being interpolated
@@ -26,8 +25,6 @@ struct IntegrationOptions {
   double max_step = 0.0;           // 0: none
   std::optional<double> stop_time;
   long max_steps = 100000;
-  bool ignore_inconsistency = false;
-  double consistency_tol = 1e-8;
   sfdae_monitor_function monitor = nullptr;
   void* monitor_user = nullptr;
   Events* events = nullptr;  // not owned; none

@@ -20,8 +20,8 @@ using Vector = std::vector<double>;
 // Errors of nonlinear mechanical systems grow along the solution: the users of other codes know this factor
 // (docs/decisions/17-jets-and-newton.md).
 constexpr double nonlinear_safety = 0.2;
-// The interval of interest of a method that goes on from another one, in units of its next step: first steps are at most
-// about a thousandth of it, so that they are not longer than that step by far.
+// The interval of interest of a method that goes on from another one, in units of its next step: first steps are at
+// most about a thousandth of it, so that they are not longer than that step by far.
 constexpr double steps_ahead = 1e3;
 // Roundings of t that a step is worth at least.
 constexpr double least_roundings = 4.0;

@@ -17,7 +17,8 @@ struct MethodChoice {
   }
   void note_output() { outputs = std::min(outputs + 1, most_outputs); }
 
-  // Half of the attempts of Radau fail, or there are more outputs than stages: measured, BDF needs fewer reductions then.
+  // Half of the attempts of Radau fail, or there are more outputs than stages: measured, BDF needs fewer reductions
+  // then.
   bool prefers_bdf() const {
     return chosen == Method::automatic && (failure_rate > many_failures || output_rate > many_outputs);
   }

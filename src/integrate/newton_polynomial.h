@@ -64,7 +64,8 @@ void divided_differences(const Times& times, int count, std::size_t size, Column
       take_difference(column(i), column(i - 1), times[index(i)] - times[index(i - k)], size);
 }
 
-// Divided differences for Hermite interpolation, which replace values and slopes: columns 2i and 2i + 1 belong to one node, the slope of which stands in the latter.
+// Divided differences for Hermite interpolation, which replace values and slopes: columns 2i and 2i + 1 belong to one
+// node, the slope of which stands in the latter.
 template <class Times, class Column>
 void hermite_differences(const Times& times, int count, std::size_t size, Column column) {
   // Slopes are divided differences of order 1 already, and stand where values of their nodes would.
@@ -75,8 +76,8 @@ void hermite_differences(const Times& times, int count, std::size_t size, Column
       take_difference(column(i), column(i - 1), times[index(i)] - times[index(i - k)], size);
 }
 
-// differences[i] := divided difference of values[0..i], which stay, over times[0..i], the newest first. Here the older
-// one is subtracted from the newer one, so that where nothing changes differences are +0 forward in time.
+// differences[i] := divided difference of values[0..i], which stay, over times[0..i], the newest first. Here the
+// older one is subtracted from the newer one, so that where nothing changes differences are +0 forward in time.
 template <class Times, class Values>
 void differences_of_history(const Times& times, const Values& values, int count, Values& differences) {
   const std::size_t size = values[0].size();

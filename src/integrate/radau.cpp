@@ -25,8 +25,6 @@ constexpr double same_step = 1e-6;
 constexpr int least_collocation_order = 5;
 
 StageCosts costs_of(const StrangenessFreeSystem& system) {
-  if (system.stage_cost(1) <= 0.0)
-    return costs_of_reductions(system.unknowns(), system.differential() + system.undetermined());
   StageCosts costs;
   for (int s = 1; s <= max_stages; ++s) costs.work[index(s)] = system.stage_cost(s);
   return costs;
@@ -89,9 +87,9 @@ int Radau::wanted_stages(const StrangenessFreeSystem& system) const {
   return system.differential() == 0 ? 1 : control_.stages();
 }
 
-// The collocation polynomial of the last step errs less there than one through more distant nodes: 3 and 20 times with
-// 5 and 7 stages and equal steps (measured). Its derivatives are worse, where guesses need them. Else the polynomial
-// through nodes whose degree fits the method, or the tangent while there is one node only.
+// The collocation polynomial of the last step errs less there than one through more distant nodes: 3 and 20 times
+// with 5 and 7 stages and equal steps (measured). Its derivatives are worse, where guesses need them. Else the
+// polynomial through nodes whose degree fits the method, or the tangent while there is one node only.
 RadauPredictor Radau::predictor(const StrangenessFreeSystem& system) {
   HermiteTable& table = workspace_.table;
   const RadauNode& newest = history_.newest();

@@ -21,10 +21,6 @@ constexpr double largest_ratio = 1e3;
 constexpr double worthwhile = 1.2;
 // A step of one stage does not show how more of them would do: it has to promise twice the progress. (Chosen.)
 constexpr double reluctance = 2.0;
-// A reduction in units of n^3 operations, about (counted: 12 to 16 for an index up to 2).
-constexpr double reduction_cost = 15.0;
-// What the stages of one step have in common beside their reductions, in units of n^2. (Estimated.)
-constexpr double small_matrix_cost = 20.0;
 // Of an extrapolated logarithm: beyond e^50 nothing would be chosen, and nothing must overflow.
 constexpr double largest_log = 50.0;
 // Errors are not taken for less: for the ratio of steps (chosen), and as the last one of predictive control (that of
@@ -32,8 +28,8 @@ constexpr double largest_log = 50.0;
 constexpr double least_error = 1e-10, least_last_error = 1e-2;
 // Of steps with one number of stages; more are not counted, as a checkpoint keeps small integers.
 constexpr int most_steps = 1000;
-// h_new / h_old after a failed error test: overflow; an estimate for the very first step, later ones. (Chosen; the first
-// step may be wrong by far.)
+// h_new / h_old after a failed error test: overflow; an estimate for the very first step, later ones. (Chosen; the
+// first step may be wrong by far.)
 constexpr double fall_at_overflow = 0.1, lowest_first_ratio = 1e-3, lowest_ratio = 0.5, highest_ratio = 0.9;
 // h_new / h_old where a step failed without an estimate, as in DASSL.
 constexpr double fall_at_failure = 0.25;
@@ -64,15 +60,6 @@ double decay_at(int k, const ErrorTerms& terms) {
 
 }  // namespace
 
-StageCosts costs_of_reductions(int unknowns, int stage_size) {
-  const double n = unknowns, q = stage_size, small_matrix = small_matrix_cost * n * n;
-  StageCosts costs;
-  for (int s = 1; s <= max_stages; ++s)
-    costs.work[index(s)] =
-        s * (reduction_cost * n * n * n + small_matrix) + 2.0 / 3.0 * std::pow(s * q, 3) + 2.0 * s * s * q * q * n;
-  return costs;
-}
-
 void RadauControl::start(const StepOptions& options) {
   *this = RadauControl();
   set_options(options);
@@ -89,8 +76,8 @@ double RadauControl::limited(double ratio) const {
   return std::clamp(ratio, 1.0 / options_.fastest_fall, 1.0 / options_.fastest_rise);
 }
 
-// Ratio of step sizes for which the error of the method with s stages would come out right. Not limited: with steps cut
-// short by outputs all limits would be met, and the fewest stages look best.
+// Ratio of step sizes for which the error of the method with s stages would come out right. Not limited: with steps
+// cut short by outputs all limits would be met, and the fewest stages look best.
 double RadauControl::step_for_stages(int s, const ErrorTerms& terms) const {
   const double error = radau_method(s).error_constant * decay_at(2 * s, terms);
   return options_.safety * std::pow(std::max(error, tiny), -1.0 / (2 * s));

@@ -1,7 +1,8 @@
 // Choice of step size and number of stages for the Radau methods.
 //
 // [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996, section IV.8.
-// [HW99] E. Hairer, G. Wanner: Stiff differential equations solved by Radau methods. J. Comput. Appl. Math. 111 (1999).
+// [HW99] E. Hairer, G. Wanner: Stiff differential equations solved by Radau methods. J. Comput. Appl. Math. 111
+// (1999).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -26,8 +27,6 @@ struct ErrorTerms {
 struct StageCosts {
   std::array<double, max_stages + 1> work{};
 };
-// Where each stage has a reduction of its own; n unknowns, d + u = q of them in the system for all stages.
-StageCosts costs_of_reductions(int n, int q);
 
 class RadauControl {
  public:

@@ -11,9 +11,9 @@ namespace sfdae::core {
 
 namespace {
 
-// Nodes nearer to each other than this part of the interval before, or of the step, nearly coincide: divided differences
-// over both would be rounding errors. Chosen well below what step size control does (h_old / h_new <= 5): only steps cut
-// short are dropped.
+// Nodes nearer to each other than this part of the interval before, or of the step, nearly coincide: divided
+// differences over both would be rounding errors. Chosen well below what step size control does (h_old / h_new <= 5):
+// only steps cut short are dropped.
 constexpr double coincidence = 0.02;
 
 void archive_node(Archive& archive, RadauNode& node, bool with_x) {

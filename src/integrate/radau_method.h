@@ -1,7 +1,8 @@
 // The Radau IIA methods with 1, 3, 5 and 7 stages, of orders 1, 5, 9 and 13.
 //
 // [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996, section IV.5.
-// [HW99] E. Hairer, G. Wanner: Stiff differential equations solved by Radau methods. J. Comput. Appl. Math. 111 (1999).
+// [HW99] E. Hairer, G. Wanner: Stiff differential equations solved by Radau methods. J. Comput. Appl. Math. 111
+// (1999).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

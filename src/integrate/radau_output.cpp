@@ -12,9 +12,9 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the Hermite polynomial without its most distant node, in units of the tolerances: what is left out is larger than
-// what the polynomial errs by. What the iteration for nonlinear equations leaves of errors at the nodes is not seen by
-// differences: more is asked for. (Chosen; with them the polynomials of decision 13 were right.)
+// Of the Hermite polynomial without its most distant node, in units of the tolerances: what is left out is larger
+// than what the polynomial errs by. What the iteration for nonlinear equations leaves of errors at the nodes is not
+// seen by differences: more is asked for. (Chosen; with them the polynomials of decision 13 were right.)
 constexpr double interpolation_error = 0.5, nonlinear_interpolation_error = 1e-3;
 // Of the step to a point within the last one, while its equations have no solution.
 constexpr int most_halvings = 4;

@@ -1,5 +1,5 @@
-// Points within the last step of a Radau method: Hermite polynomials through nodes, and nodes within the step where they
-// are not accurate enough (docs/decisions/13-radau-points-within-steps.md).
+// Points within the last step of a Radau method: Hermite polynomials through nodes, and nodes within the step where
+// they are not accurate enough (docs/decisions/13-radau-points-within-steps.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

@@ -9,7 +9,8 @@ namespace sfdae::core {
 
 // Begins at t; span: the interval of interest.
 void start_search(const SearchedStep& step, double t, double span);
-// From where the last search ended up to tout, or to the end of the step if that comes first: whether there is an event.
+// From where the last search ended up to tout, or to the end of the step if that comes first: whether there is an
+// event.
 bool search_step(const SearchedStep& step, double tout);
 
 bool has_searched_to(const Events* events, double t);

@@ -26,7 +26,8 @@ class StepOutput {
   void interpolate(Stepper& stepper, double t, double* x, double* xdot);
   PointStatus refine(Integrator& integrator, double t, double* x, double* xdot);
 
-  // The last point as the error test saw it; with its constraints fulfilled to rounding, or as it is where that fails.
+  // The last point as the error test saw it; with its constraints fulfilled to rounding, or as it is where that
+  // fails.
   void last_point(Stepper& stepper, double& t, double* x, double* xdot);
   void make_consistent(Integrator& integrator, bool wants_slopes, double* x, double* xdot);
 

@@ -12,8 +12,8 @@ namespace sfdae::core {
 class StepScales {
  public:
   void resize(std::size_t n);
-  // Tolerances for what is larger at either end of a step. Where a component runs through zero, its size nearby is what
-  // it changes by.
+  // Tolerances for what is larger at either end of a step. Where a component runs through zero, its size nearby is
+  // what it changes by.
   void update(ErrorWeights& weights, const RadauNode& start, const RadauNode& end);
 
  private:

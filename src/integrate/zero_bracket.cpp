@@ -63,8 +63,9 @@ double ZeroBracket::secant() const {
 }
 
 double ZeroBracket::next() {
-  // A round of three steps ought to halve the width, as three bisections would by far. Where three rounds do not, chords
-  // say nothing, as with functions that jump: bisection from then on. (Chosen; the cost is nine steps at the most.)
+  // A round of three steps ought to halve the width, as three bisections would by far. Where three rounds do not,
+  // chords say nothing, as with functions that jump: bisection from then on. (Chosen; the cost is nine steps at the
+  // most.)
   constexpr int patience = 3, given_up = 3;
   const double width = after_ - before_;
   double t = secant();

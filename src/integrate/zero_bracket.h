@@ -1,5 +1,5 @@
-// A bracket that is narrowed down to the first point where one of several functions has lost its sign: Illinois steps, and
-// bisection where they are slow. "before" and "after" are meant in the direction of integration.
+// A bracket that is narrowed down to the first point where one of several functions has lost its sign: Illinois
+// steps, and bisection where they are slow. "before" and "after" are meant in the direction of integration.
 //
 // M. Dowell, P. Jarratt: A modified regula falsi method for computing the root of an equation. BIT 11 (1971).
 // SPDX-License-Identifier: BSD-3-Clause
@@ -12,7 +12,8 @@ namespace sfdae::core {
 class ZeroBracket {
  public:
   void resize(int count);
-  // signs[i]: that of g_before[i], or 0 if the function does not matter. At least one is lost at `after`, none before.
+  // signs[i]: that of g_before[i], or 0 if the function does not matter. At least one is lost at `after`, none
+  // before.
   void start(const std::vector<int>& signs, double before, const std::vector<double>& g_before, double after,
              const std::vector<double>& g_after);
   static bool is_lost(int sign, double g) { return sign != 0 && sign * g <= 0.0; }

@@ -12,13 +12,13 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// The interval around a guess that counts as hit, in units of the interval searched. (Chosen: what steps of the bracket
-// from there gain is a few evaluations.)
+// The interval around a guess that counts as hit, in units of the interval searched. (Chosen: what steps of the
+// bracket from there gain is a few evaluations.)
 constexpr double near_guess = 1e-9;
 // Guesses for one zero: the second is that of values made better at the first. (Chosen.)
 constexpr int max_guesses = 3;
-// Zeros that are nearer than this to each other, in units of the resolution of the bracket, are one. (Chosen: rounding
-// errors of the functions move them by a few.)
+// Zeros that are nearer than this to each other, in units of the resolution of the bracket, are one. (Chosen:
+// rounding errors of the functions move them by a few.)
 constexpr double simultaneous = 4.0;
 
 }  // namespace
@@ -49,8 +49,8 @@ void ZeroLocation::place(DeterminedValues& values, double t) {
   if (bracket_.place(t, trial_)) values->keep();
 }
 
-// A zero of the cheap values at t, strictly inside. To determine the values that are returned there may make the cheap
-// ones better: then it is worth while to look again. From then on nothing changes any more.
+// A zero of the cheap values at t, strictly inside. To determine the values that are returned there may make the
+// cheap ones better: then it is worth while to look again. From then on nothing changes any more.
 bool ZeroLocation::guess(DeterminedValues& values, const ZeroInterval& interval, double& t) {
   const double from = interval.from, to = interval.to;
   bool found = false;

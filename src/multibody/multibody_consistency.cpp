@@ -175,8 +175,8 @@ double MultibodyConsistency::position_tolerance() const {
 }
 
 void MultibodyConsistency::approach(Vector& q) {
-  // Iterations; the residual that ends them, and the one that rounding errors may leave, relative to q, or a millionth
-  // of the tolerances.
+  // Iterations; the residual that ends them, and the one that rounding errors may leave, relative to q, or a
+  // millionth of the tolerances.
   constexpr int most = 100;
   constexpr double rounding = 1e-12, negligible = 4.0 * unit_roundoff, far_below_tolerance = 1e-6;
   double norm = 0.0;
@@ -231,8 +231,9 @@ void MultibodyConsistency::refuse_positions(const Vector& q, double norm) {
 
 // Along the constraints toward what was given; linear convergence where it is far away, and it need not be exact.
 void MultibodyConsistency::minimize_change(const Vector& given, Vector& q) {
-  // Iterations; the step that is short enough; singular values, relative, of constraints that count as dependent here,
-  // where directions, not ranks, are wanted: far above rounding errors of the Jacobian at a point that is not exact.
+  // Iterations; the step that is short enough; singular values, relative, of constraints that count as dependent
+  // here, where directions, not ranks, are wanted: far above rounding errors of the Jacobian at a point that is not
+  // exact.
   constexpr int most = 30;
   constexpr double accuracy = 1e-8, dependent = 1e-7;
   if (directions_.cols() == 0) return;

@@ -33,9 +33,6 @@ double unit_of_component(const double* values, int count, int j) {
   return largest == 0.0 ? 1.0 : std::max(std::fabs(values[j]), 1e-2 * largest);
 }
 
-// Times far from 0 are rounded: a thousandth of t is the least.
-double unit_of_time(double t) { return std::max(1.0, 1e-3 * std::fabs(t)); }
-
 double time_of_motion(const double* q, const std::vector<double>& direction) {
   const int nq = static_cast<int>(direction.size());
   double step = infinity;

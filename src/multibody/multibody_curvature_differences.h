@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "multibody/multibody_functions.h"
+#include "problem/difference_comparison.h"
 #include "problem/differences.h"
 
 namespace sfdae::core {
 
 // Size of component j, as far as the vector shows it.
 double unit_of_component(const double* values, int count, int j);
-double unit_of_time(double t);
 // In which no position moves by more than its size in this direction; angles bend within 1.
 double time_of_motion(const double* q, const std::vector<double>& direction);
 

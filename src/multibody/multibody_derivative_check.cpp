@@ -40,7 +40,6 @@ class Checker {
 
  private:
   const MultibodySizes& sizes() const { return problem_.sizes(); }
-  double unit_of_time() const { return std::max(1.0, 1e-3 * std::fabs(t_)); }
 
   void check_gradient() {
     const int nl = sizes().holonomic;
@@ -63,7 +62,7 @@ class Checker {
     const auto g = [&](double offset, double* values) {
       return problem_.constraints(t_ + offset, q_.data(), values);
     };
-    compare_with_differences({'T', 1, nl, 0, g_t}, unit_of_time(), g, worst_);
+    compare_with_differences({'T', 1, nl, 0, g_t}, unit_of_time(t_), g, worst_);
   }
 
   void check_curvatures() {
@@ -79,7 +78,7 @@ class Checker {
       velocity.resize(q_.size());
       multiply(1.0, Op::plain, terms_.S, v_.data(), 0.0, velocity.data());
     }
-    double unit = unit_of_time();
+    double unit = unit_of_time(t_);
     for (std::size_t j = 0; j < q_.size(); ++j)
       if (velocity[j] != 0.0) unit = std::min(unit, std::max(1.0, std::fabs(q_[j])) / std::fabs(velocity[j]));
     const auto of_velocities = [&](double offset, double* values) {

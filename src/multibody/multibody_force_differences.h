@@ -18,7 +18,8 @@ class MultibodyForceDifferences {
       : equations_(equations), partition_(partition), neighbour_(neighbour), arena_(arena) {}
 
   // mudot := mu' by differences of order 4, on the side that may be evaluated. time_scale: in which the solution
-  // changes, as far as steps know. False if mu is not to be had near by. Throws Failure where a callback asks to stop.
+  // changes, as far as steps know. False if mu is not to be had near by. Throws Failure where a callback asks to
+  // stop.
   bool derivative(const MultibodyPoint& point, double time_scale, double* mudot);
 
  private:

@@ -13,6 +13,7 @@ namespace sfdae::core {
 
 void MultibodyModel::analyze(const PointOfInterest& point, const ModelOptions& options,
                              std::vector<RankDecision>& decisions) {
+  forget_system();
   decisions.clear();
   const MultibodySizes& sizes = problem_->sizes();
   problem_->check_rates(point.t, point.x);

@@ -41,8 +41,6 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   void restore(const ModelOptions& options, Archive& archive) override;
-  // q and v are known at points of the integration only.
-  std::unique_ptr<ChangeWatch> change_watch() override { return nullptr; }
   // The user's functions; null for recorded formulas.
   CallbackMultibody* callbacks() { return callbacks_; }
   // Of the point accepted last, after an analysis.

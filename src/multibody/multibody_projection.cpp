@@ -54,9 +54,9 @@ void MultibodyProjection::set_weights(const double* inverse_weights) {
 // The tangent of the linearization serves while it is good enough.
 PointStatus MultibodyProjection::project_positions(MultibodyPoint& point, MultibodyEquations& equations,
                                                    const MultibodyForm& form, Arena& arena) {
-  // Iterations; relative changes that are roundings, and those that are rounding errors once they do not decrease; the
-  // rate from which on N is computed anew; changes, in units of the tolerance, that are as good as none. No figures
-  // were recorded.
+  // Iterations; relative changes that are roundings, and those that are rounding errors once they do not decrease;
+  // the rate from which on N is computed anew; changes, in units of the tolerance, that are as good as none. No
+  // figures were recorded.
   constexpr int most = 12;
   constexpr double negligible = 2.0 * unit_roundoff, small = 1e-11, slow = 1e-2, far_below_tolerance = 1e-3;
   const Partition& partition = form.positions();

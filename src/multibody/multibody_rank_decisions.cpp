@@ -109,8 +109,8 @@ int check_acceleration_matrix(const MultibodyPoint& point, int rank, std::vector
   decisions.push_back(decision);
   const bool has_mass = mass > 0.0 || rank == nv;
   if (decision.rank == nv + rank && has_mass) return rank_of_mass;
-  // The condition of K is the square of that of C (docs/decisions/24-nearly-dependent-constraints.md): without it, M is
-  // left as the reason.
+  // The condition of K is the square of that of C (docs/decisions/24-nearly-dependent-constraints.md): without it, M
+  // is left as the reason.
   const int missing = nv + rank - judge_with(orthonormal_rows(C, arena)).rank;
   if (missing == 0 && has_mass)
     throw Failure(

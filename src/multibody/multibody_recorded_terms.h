@@ -1,5 +1,5 @@
-// Values of the formulas of a mechanical system: M, S, H, h and f, put where they belong in its terms. What is a number
-// is copied.
+// Values of the formulas of a mechanical system: M, S, H, h and f, put where they belong in its terms. What is a
+// number is copied.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

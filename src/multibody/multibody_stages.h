@@ -54,9 +54,9 @@ struct MultibodyStages {
   }
   void reserve(int s, const MultibodyForm& form) {
     if (times.size() >= index(s)) return;
-    times.resize(index(s));
     while (tangents.size() < index(s)) form.resize_tangents(tangents.emplace_back());
     for (auto* columns : {&qv, &particular, &changes, &rates, &a, &mu, &moves, &r, &z}) columns->reserve(s);
+    times.resize(index(s));  // last: it says that there is room for all
   }
 
   std::vector<double> times;

@@ -4,8 +4,8 @@
 //
 //     [Q1^T; C]^-1 = [T N],   T = Q1 - Q2 E,   N = Q2 (C Q2)^-1,   E = (C Q2)^-1 C Q1
 //
-// so that w = T y + N b. At the point where an orthogonal partition was chosen, E = 0. Where there are few uses of T it
-// is not formed: T y = Q1 y - N C Q1 y.
+// so that w = T y + N b. At the point where an orthogonal partition was chosen, E = 0. Where there are few uses of T
+// it is not formed: T y = Q1 y - N C Q1 y.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

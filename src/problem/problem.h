@@ -44,8 +44,8 @@ class Problem {
     lowest_t_ = lowest;
     highest_t_ = highest;
   }
-  // The limit behind, for integration in a direction.
-  double limit_behind(double direction) const { return direction > 0.0 ? lowest_t_ : highest_t_; }
+  // The one that an integration in a direction comes from.
+  double limit_before(double direction) const { return direction > 0.0 ? lowest_t_ : highest_t_; }
   // Distance from t to the limit in a direction (+1 or -1).
   double room(double t, double direction) const { return direction > 0.0 ? highest_t_ - t : t - lowest_t_; }
 

@@ -3,10 +3,10 @@
 // E(k) = D E^(k)(t) tau^k / k!,  A(k) = D A^(k)(t) tau^(k+1) / k!,  f(k) = D f^(k)(t) tau^(k+1) / k!
 //
 // D scales the rows by powers of two so that the largest entry of each row of [E A] lies in [1, 2): a constant row
-// factor at a point changes neither ranks nor solutions, but only the joint scaling distinguishes a badly scaled equation
-// from a singular perturbation. (A row that is small by cancellation carries the rounding errors of large ones, and
-// scaling it up turns them into signals: for doubtful cases there is one common factor for all rows as well.) tau is
-// the unit of time in which derivatives are compared.
+// factor at a point changes neither ranks nor solutions, but only the joint scaling distinguishes a badly scaled
+// equation from a singular perturbation. (A row that is small by cancellation carries the rounding errors of large
+// ones, and scaling it up turns them into signals: for doubtful cases there is one common factor for all rows as
+// well.) tau is the unit of time in which derivatives are compared.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

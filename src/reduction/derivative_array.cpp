@@ -111,4 +111,16 @@ Projectors projectors(LinearProblem& problem, const IndexAnalysis& known, const 
   return result;
 }
 
+StrangenessFreeEquations strangeness_free_equations(const DerivativeArray& array, const Projectors& projectors) {
+  const int m = projectors.Z1.rows(), n = array.N.cols(), rows = array.M.rows();
+  const ConstView g{array.g.data(), rows, 1, rows};
+  const ConstView E = array.M.view().block(0, 0, m, n), A = array.N.view().block(0, 0, m, n);
+  return {transpose_product(projectors.Z1, E),
+          transpose_product(projectors.Z1, A),
+          transpose_product(projectors.Z1, g.block(0, 0, m, 1)),
+          transpose_product(projectors.Z2, array.N),
+          transpose_product(projectors.Z2, g),
+          max_abs(transpose_product(projectors.Z3, g))};
+}
+
 }  // namespace sfdae::core

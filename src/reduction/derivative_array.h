@@ -32,4 +32,12 @@ struct Projectors {
 // known: by an analysis with these settings. Throws Failure if a callback fails, or the values do not hold at t.
 Projectors projectors(LinearProblem& problem, const IndexAnalysis& known, const AnalysisSettings& settings, double t);
 
+// The strangeness-free system E1 x' = A1 x + f1, 0 = A2 x + f2 that the projectors make of the array of level mu, and
+// max |Z3^T g|, the contradiction of redundant equations.
+struct StrangenessFreeEquations {
+  Matrix E1, A1, f1, A2, f2;
+  double residual = 0.0;
+};
+StrangenessFreeEquations strangeness_free_equations(const DerivativeArray& array, const Projectors& projectors);
+
 }  // namespace sfdae::core

@@ -20,7 +20,6 @@ class JetHistory {
   // The next point, or the one accepted last as it has been solved again.
   void accept(const Jet& jet);
   const Jet& accepted() const { return accepted_; }
-  const Jet& before() const { return before_; }
   bool has_two() const { return before_.t != accepted_.t; }
   // The nearer one of the two.
   const Jet& nearest(double t) const;

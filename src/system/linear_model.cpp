@@ -25,6 +25,7 @@ void LinearModel::parameters_changed() {
 
 void LinearModel::analyze(const PointOfInterest& point, const ModelOptions& options,
                           std::vector<RankDecision>& decisions) {
+  forget_system();
   DifferenceOptions differences = options.differences;
   differences.span = std::fabs(point.toward - point.t);
   problem_.set_differences(differences);

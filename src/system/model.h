@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -17,14 +19,11 @@
 
 namespace sfdae::core {
 
-struct ModelOptions {
+struct ModelOptions : Acceptance {
   AnalysisSettings analysis;
   DifferenceOptions differences;
   LeadingTerm leading = LeadingTerm::automatic;
   ConsistencyRequest consistency;
-  Tolerances tolerances;
-  bool ignore_inconsistency = false;
-  double consistency_tol = 1e-8;
 
   // What is asked of values near x.
   ConsistencyRequest request_at(const double* x) const {
@@ -40,6 +39,10 @@ struct PointOfInterest {
   const double* x;
   double direction() const { return toward < t ? -1.0 : 1.0; }
 };
+
+// Toward where nobody says where to: one unit of time away, or far from 0 a millionth of t, which rounding of t does
+// not disturb.
+inline double time_beside(double t, double direction) { return t + direction * std::max(1.0, 1e-6 * std::fabs(t)); }
 
 struct ConsistentPoint {
   double t = 0.0;
@@ -68,7 +71,7 @@ class Model {
   virtual EvaluationCounts evaluations() const = 0;
   // Of recorded equations, else null; parameters_changed() is due after a change there.
   virtual TaylorEvaluator* evaluator() = 0;
-  virtual void parameters_changed() = 0;
+  virtual void parameters_changed() {}
 
   // Index analysis: makes the system. decisions: all that were made, also when it throws Failure; then there is none.
   virtual void analyze(const PointOfInterest& point, const ModelOptions& options,
@@ -78,8 +81,8 @@ class Model {
   // Null before an analysis.
   virtual DaeSystem* system() = 0;
   virtual void forget_system() = 0;
-  // Null where points can be looked at in the steps of an integration only.
-  virtual std::unique_ptr<ChangeWatch> change_watch() = 0;
+  // Null where x is needed, which is known at points of an integration only.
+  virtual std::unique_ptr<ChangeWatch> change_watch() { return nullptr; }
 
   // Consistent values near x, x' in the direction toward `toward`; the system is at that point afterwards. Throws
   // Failure.

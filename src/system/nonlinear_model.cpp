@@ -37,6 +37,7 @@ class WholeArray {
 
 void NonlinearModel::analyze(const PointOfInterest& point, const ModelOptions& options,
                              std::vector<RankDecision>& decisions) {
+  forget_system();
   try {
     system_ = analyzed(options.analysis, point, options, decisions);
     return;

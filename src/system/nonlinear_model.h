@@ -26,12 +26,9 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
     return {.F = problem_->evaluations(), .linearizations = problem_->linearizations()};
   }
   TaylorEvaluator* evaluator() override { return evaluator_; }
-  void parameters_changed() override {}
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   void restore(const ModelOptions& options, Archive& archive) override;
-  // x is known at points of the integration only.
-  std::unique_ptr<ChangeWatch> change_watch() override { return nullptr; }
   // The user's function for total derivatives; null for recorded equations.
   CallbackProblem* callback() { return callback_; }
 

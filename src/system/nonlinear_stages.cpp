@@ -13,7 +13,7 @@ namespace sfdae::core {
 void NonlinearStages::resize(int s, const Jet& like) {
   s_ = s;
   const std::size_t stages = index(s), n = index(problem_.n()), rows = index(problem_.array_rows());
-  if (jets_.size() < stages) {
+  if (starts_.size() < stages) {
     jets_.resize(stages, like);
     starts_.resize(stages, like);
   }

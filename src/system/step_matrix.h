@@ -1,5 +1,5 @@
-// The matrix of a step, factored: c tau G - B with the rows of the free directions below, for one point or, decoupled,
-// for the stages of a Runge-Kutta step. It is kept as long as the linearization holds and c stays.
+// The matrix of a step, factored: c tau G - B with the rows of the free directions below, for one point or,
+// decoupled, for the stages of a Runge-Kutta step. It is kept as long as the linearization holds and c stays.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

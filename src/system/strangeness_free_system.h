@@ -66,6 +66,10 @@ struct StageEquations {
   Guess guess;
 };
 
+// Operations, about, of s stages that have a reduction each and one system of s q equations for all of them; n
+// unknowns.
+double cost_of_reduced_stages(int n, int q, int s);
+
 class StrangenessFreeSystem {
  public:
   virtual ~StrangenessFreeSystem() = default;
@@ -89,8 +93,10 @@ class StrangenessFreeSystem {
   // w := W x.
   virtual void leading(const double* x, double* w) = 0;
   virtual PointStatus solve(const StepEquations& equations, double* x) = 0;
-  // Work of solve_stages in units of its own; 0: that of a reduction at each stage and of one system for all of them.
-  virtual double stage_cost(int) const { return 0.0; }
+  // Cost of solve_stages for s stages, in units of its own: operations, about.
+  virtual double stage_cost(int s) const {
+    return cost_of_reduced_stages(unknowns(), differential() + undetermined(), s);
+  }
   // Solves F1(t_i, x_i, D_h w_i) = 0, F2(t_i, x_i) = 0 and U_i^T D_h x_i = 0 for all stages i together; x: n x s,
   // w: leading_size() x s. The system stands at t_end afterwards, or else at t_reached, the stage that fails.
   virtual PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) = 0;

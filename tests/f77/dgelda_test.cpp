@@ -337,7 +337,7 @@ TEST_P(Methods, EnlargeTolerancesThatAreTooSmall) {
   EXPECT_EQ(run.t, 0.0);
 }
 
-TEST_P(Methods, ReportTroubleWithTheFunctions) {
+TEST_P(Methods, ReportErrorsOfTheFunctions) {
   struct CallbackError {
     double from;
     int order, answer, expected;

@@ -1,6 +1,7 @@
 // Choice of step size and number of stages for the Radau methods.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/radau_control.h"
+#include "system/strangeness_free_system.h"
 
 #include <gtest/gtest.h>
 
@@ -29,7 +30,11 @@ ErrorTerms error_of(double error, int exponent) {
   return terms;
 }
 
-const StageCosts costs = costs_of_reductions(10, 5);
+const StageCosts costs = [] {
+  StageCosts result;
+  for (int s = 1; s <= max_stages; ++s) result.work[static_cast<std::size_t>(s)] = cost_of_reduced_stages(10, 5, s);
+  return result;
+}();
 
 // safety error^(-1/exponent)
 TEST(RadauControl, TheNextStepHasTheErrorAllowedLessSafety) {

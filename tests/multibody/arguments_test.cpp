@@ -153,7 +153,7 @@ struct CallbackError {
   }
 };
 
-TEST_F(Arguments, TroubleInCallbacksEndsWithItsName) {
+TEST_F(Arguments, ErrorsOfCallbacksEndWithTheirName) {
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
     const std::pair<CallbackError, int> cases[] = {{{-1, 0.5, false}, SFDAE_CALLBACK_STOPPED},
                                                    {{1, 0.5, false}, SFDAE_CALLBACK_FAILED},
