@@ -57,7 +57,7 @@ void Integrator::start(double t, const Vector& x, const Vector& xdot, const Inte
 
 void Integrator::restart(Method wanted, const IntegrationOptions& options) {
   const StepState state = stepper->state();
-  if (system.move_to(state.t) == PointStatus::callback_error) throw_callback_error(system);
+  if (system.move_to(state.t) == PointStatus::callback_error) system.callback_error().raise();
   const Vector x = stepper->x();
   Vector xdot(x.size());
   system.consistent_derivative(x.data(), direction, xdot.data());
@@ -71,10 +71,6 @@ void Integrator::restart(Method wanted, const IntegrationOptions& options) {
 
 double Integrator::smallest_step(double t, double tout) {
   return least_roundings * 2.0 * unit_roundoff * std::max(std::fabs(t), std::fabs(tout));
-}
-
-void throw_callback_error(const DaeSystem& system) {
-  throw Failure(system.callback_error().status, system.callback_error().message());
 }
 
 }  // namespace sfdae::core

@@ -41,6 +41,4 @@ struct Integrator {
   Contradictions contradictions;
 };
 
-[[noreturn]] void throw_callback_error(const DaeSystem& system);
-
 }  // namespace sfdae::core

@@ -47,7 +47,7 @@ void refine_polynomial(const SearchedStep& step) {
     const PointStatus status =
         step.output.refine(step.integrator, state.t - part * state.last.h, rough.x.data(), rough.xdot.data());
     if (status == PointStatus::callback_error && !system.callback_error().is_recoverable())
-      throw_callback_error(system);
+      system.callback_error().raise();
     const int now = step.integrator.stepper->state().refined_points;
     if (now == refined) return;
     refined = now;

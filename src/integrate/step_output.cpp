@@ -79,7 +79,7 @@ void StepOutput::move_to(Integrator& integrator, const PointRequest& request, co
   PointStatus status = move();
   // There is no other point to try; the same one again helps where a function failed for reasons that have passed.
   if (status == PointStatus::callback_error && system.callback_error().is_recoverable()) status = move();
-  if (status == PointStatus::callback_error) throw_callback_error(system);
+  if (status == PointStatus::callback_error) system.callback_error().raise();
   if (status == PointStatus::changed)
     throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
                   format("the characteristic values do not hold at t = %.15g, an isolated point: choose another "

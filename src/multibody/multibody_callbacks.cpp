@@ -57,7 +57,7 @@ void CallbackMultibody::check_rates(double t, const double* q) {
   const double offset = forward >= backward ? std::min(step, forward) : -std::min(step, backward);
   const auto evaluate = [&](double at, double* g) {
     const CallbackError error = constraints(at, q, g);
-    if (error.status != SFDAE_OK && !error.is_recoverable()) throw Failure(error.status, error.message());
+    if (error.status != SFDAE_OK && !error.is_recoverable()) error.raise();
     return error.status == SFDAE_OK;
   };
   // Two offsets, for the sake of periodic functions: their quotient is no simple fraction.

@@ -28,7 +28,7 @@ double size_of(const Vector& values) {
 }
 
 void demand(const CallbackError& error) {
-  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
+  if (error.status != SFDAE_OK) error.raise();
 }
 
 // But for rounding errors.

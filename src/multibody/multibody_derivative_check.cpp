@@ -27,7 +27,7 @@ class Checker {
         moved_terms_(sizes()),
         moved_q_(q_) {
     const CallbackError error = problem_.at_velocity(t_, q_.data(), v_.data(), terms_);
-    if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
+    if (error.status != SFDAE_OK) error.raise();
   }
 
   DerivativeMismatch worst() {

@@ -55,7 +55,7 @@ bool MultibodyForceDifferences::derivative(const MultibodyPoint& point, double t
     const double weight = (is_central ? central_weights[k] : side_weights[k]) / (12.0 * s);
     if (place != 0 && evaluate(point, place * s) != PointStatus::ok) {
       const CallbackError& error = equations_.error();
-      if (error.status != SFDAE_OK && !error.is_recoverable()) throw Failure(error.status, error.message());
+      if (error.status != SFDAE_OK && !error.is_recoverable()) error.raise();
       return false;
     }
     const std::vector<double>& mu = place == 0 ? point.mu : neighbour_.mu;

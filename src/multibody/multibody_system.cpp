@@ -38,7 +38,7 @@ MultibodySystem::MultibodySystem(MultibodyProblem& problem, const MultibodySetti
       equations_(problem, callback_error_, counts_) {
   resize();
   const PointStatus status = set_point(analysis_.t, q, v);
-  if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
+  if (status == PointStatus::callback_error) callback_error_.raise();
   if (status == PointStatus::singular) throw Failure(SFDAE_SINGULAR, singular_message(t_));
 }
 
@@ -196,7 +196,7 @@ void MultibodySystem::restore(const double*, const double* x_free, double* x) {
   is_end_new_ = false;
   end_.set(t_, x_free, x_free + sizes_.positions);
   const PointStatus status = project(end_);
-  if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
+  if (status == PointStatus::callback_error) callback_error_.raise();
   if (status != PointStatus::ok)
     throw Failure(SFDAE_NO_CONSISTENT_VALUES,
                   format("no values consistent with the constraints were found at t = %.15g.", t_));
@@ -210,7 +210,7 @@ const MultibodyPoint& MultibodySystem::point_at(const double* x) {
   is_end_new_ = false;
   end_.set(t_, x, x + sizes_.positions);
   const PointStatus status = equations_.evaluate(end_, partition());
-  if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
+  if (status == PointStatus::callback_error) callback_error_.raise();
   if (status != PointStatus::ok) throw Failure(SFDAE_SINGULAR, singular_message(t_));
   end_.measure_rows();
   end_.take_least_norm(partition(), arena_);

@@ -17,7 +17,7 @@ void compare(LinearProblem& problem, char which, double t, int order, Derivative
   SuppliedDerivative supplied{which, order, rows, 0, std::vector<double>(index(count))};
   const CallbackError error = problem.call(which, t, order, supplied.values.data());
   if (error.status == SFDAE_ORDER_MISSING) return;
-  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
+  if (error.status != SFDAE_OK) error.raise();
   const double unit = unit_of_time(t);
   compare_with_differences(
       supplied, unit,

@@ -41,8 +41,7 @@ Differences best_differences(int count, double unit, const OffsetFunction& funct
     bool reached = true;
     for (int i = 0; i < points && reached; ++i) {
       const CallbackError callback_error = function((i - points / 2) * h, one.data());
-      if (callback_error.status != SFDAE_OK && !callback_error.is_recoverable())
-        throw Failure(callback_error.status, callback_error.message());
+      if (callback_error.status != SFDAE_OK && !callback_error.is_recoverable()) callback_error.raise();
       reached = callback_error.status == SFDAE_OK;
       std::copy(one.begin(), one.end(), samples.begin() + static_cast<std::ptrdiff_t>(i) * count);
     }

@@ -24,31 +24,6 @@ double largest_entry(const double* values, int count) { return max_abs({values, 
 
 }  // namespace
 
-std::string CallbackError::message() const {
-  if (!detail.empty()) return detail;
-  switch (status) {
-    case SFDAE_CALLBACK_STOPPED:
-      return format("%s returned %d (stop) for derivative order %d at t = %.15g.", function, code, order, t);
-    case SFDAE_CALLBACK_FAILED:
-      return format("%s returned %d (cannot evaluate) for derivative order %d at t = %.15g.", function, code, order,
-                    t);
-    case SFDAE_NOT_FINITE:
-      if (row < 0)
-        return format("the coefficients at t = %.15g differ so much in size that they overflow: rescale.", t);
-      return format(
-          "%s returned NaN, Inf or a number near overflow in row %d, column %d of derivative order %d at "
-          "t = %.15g. Return 1 from the callback to have the step reduced.",
-          function, row, column, order, t);
-    case SFDAE_ORDER_MISSING:
-      return format(
-          "%s does not provide derivative order %d, which is needed at t = %.15g. Provide it, or set the "
-          "option difference_derivatives.",
-          function, order, t);
-    case SFDAE_STOPPED: return format("stopped on request at t = %.15g; the call can be repeated.", t);
-    default: return "";
-  }
-}
-
 LinearProblem::LinearProblem(LinearFunctions user)
     : user_(std::move(user)),
       functions_{Function{'E', m(), n(), user_.constant_E, 0, std::numeric_limits<int>::max(), 0.0, {}},

@@ -28,6 +28,8 @@ struct CallbackError {
   // A smaller step may help.
   bool is_recoverable() const { return status == SFDAE_CALLBACK_FAILED || status == SFDAE_NOT_FINITE; }
   std::string message() const;
+  // Throws Failure.
+  [[noreturn]] void raise() const;
 };
 
 // Components prescribed as functions of time.

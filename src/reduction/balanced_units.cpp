@@ -70,7 +70,7 @@ Units balanced_units(CoefficientSource& source, double t, double tau) {
   source.set_units({});
   TaylorData data;
   const CallbackError error = source.evaluate(t, {0, 0, -1}, tau, data);
-  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
+  if (error.status != SFDAE_OK) error.raise();
   std::vector<char> is_differential(index(data.m), 0), is_scaled(index(data.n), 0);
   for (int j = 0; j < data.n; ++j)
     for (int i = 0; i < data.m; ++i)

@@ -44,7 +44,7 @@ Matrix orthonormalized(Matrix a) {
 DerivativeArray derivative_array(LinearProblem& problem, double t, int level) {
   TaylorData data;
   const CallbackError error = problem.evaluate_plain(t, {level, level, level}, data);
-  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
+  if (error.status != SFDAE_OK) error.raise();
   const int m = problem.m(), n = problem.n();
   DerivativeArray array{Matrix((level + 1) * m, (level + 1) * n), Matrix((level + 1) * m, n), {}};
   for (int i = 0; i <= level; ++i) {
@@ -65,7 +65,7 @@ Projectors projectors(LinearProblem& problem, const IndexAnalysis& known, const 
   const int m = problem.m(), rows = (mu + 1) * m;
   TaylorData data;
   const CallbackError error = problem.evaluate(t, {mu, mu, 0}, known.time_scale, data);
-  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
+  if (error.status != SFDAE_OK) error.raise();
 
   // Carrying the identity along gives Z^T, the transformation itself, for the scaled array.
   const Judge::Settings judging{settings.rank_tol, settings.by_svd, known.noise};

@@ -103,7 +103,7 @@ Units choose_units(CoefficientSource& problem, double t) {
     problem.set_units(scale);
     TaylorData data;
     const CallbackError error = problem.evaluate(t, {0, 0, -1}, 0.0, data);
-    if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
+    if (error.status != SFDAE_OK) error.raise();
     std::vector<double> size(n);
     double largest = 0.0, smallest = std::numeric_limits<double>::infinity();
     for (std::size_t j = 0; j < n; ++j) {

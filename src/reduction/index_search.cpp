@@ -290,7 +290,7 @@ CharacteristicValues IndexSearch::values_of(int level, const LevelResult& found,
 
 void IndexSearch::evaluate(int level, double time_scale) {
   const CallbackError error = problem_.evaluate(t_, {level, level, 0}, time_scale, data_, rows_);
-  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
+  if (error.status != SFDAE_OK) error.raise();
 }
 
 // Ranks of level `level` from the data evaluated; the decisions are left in latest_.

@@ -44,7 +44,7 @@ class Probe {
       system_.reduction().set_rows(rows_);
     }
     if (status == PointStatus::callback_error && !system_.callback_error().is_recoverable())
-      throw Failure(system_.callback_error().status, system_.callback_error().message());
+      system_.callback_error().raise();
     // A point that cannot be evaluated says nothing: what is found with it does not count.
     if (status == PointStatus::callback_error) has_failed_ = true;
     return status != PointStatus::changed;

@@ -41,7 +41,7 @@ void ChangeWatch::start(double direction) {
   if (distance <= 0.0) return;
   const PointStatus status = system_.move_to(t + direction * distance);
   if (status == PointStatus::callback_error && !system_.callback_error().is_recoverable())
-    throw Failure(system_.callback_error().status, system_.callback_error().message());
+    system_.callback_error().raise();
   if (status == PointStatus::ok) accept();
 }
 

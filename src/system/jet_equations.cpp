@@ -55,7 +55,7 @@ void JetEquations::linearize(const Jet& jet, int level, double time_scale) {
   scaling.time_scale = time_scale;
   scaling.units = &units_;
   const CallbackError error = problem_.linearize(jet.t, jet.x.data(), {level, level, level}, scaling, data_);
-  if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
+  if (error.status != SFDAE_OK) error.raise();
   norm_ = length(data_.f(0), index(problem_.m()) * index(level + 1));
 }
 
@@ -70,7 +70,7 @@ double JetEquations::residual_norm(const Jet& jet) {
   residuals_.resize(index(m) * index(level_ + 1));
   const CallbackError error = problem_.residuals(jet.t, jet.x.data(), level_, residuals_.data());
   if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED || error.status == SFDAE_ORDER_MISSING)
-    throw Failure(error.status, error.message());
+    error.raise();
   if (error.status != SFDAE_OK) return infinity;
   double power = 1.0;
   for (int k = 0; k <= level_; ++k) {

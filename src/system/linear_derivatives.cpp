@@ -63,8 +63,7 @@ bool derivative_from_array(LinearProblem& problem, const AnalyzedPoint& at, cons
   if (level > highest && (settings.orders_up_to_mu_only || !problem.is_constant())) return false;
   TaylorData data;
   const CallbackError error = problem.evaluate(at.point.t, {level, level, level}, at.point.data.time_scale, data);
-  if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED)
-    throw Failure(error.status, error.message());
+  if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED) error.raise();
   if (error.status != SFDAE_OK) return false;
   const Judge::Settings judging{settings.rank_tol, false, at.analysis.noise};
   Judge judge(data, level, judging, nullptr);
@@ -114,7 +113,7 @@ void derivative_from_differences(LinearSystem& system, const double* x, double d
     for (; k < 5; ++k) {
       const PointStatus status = system.move_to(t + k * step);
       if (status == PointStatus::callback_error && !system.callback_error().is_recoverable())
-        throw Failure(system.callback_error().status, system.callback_error().message());
+        system.callback_error().raise();
       if (status != PointStatus::ok) break;
       evaluate_psi(psi);
       for (int i = 0; i < n; ++i) xdot[i] += weights[k] / step * (psi[index(i)] - x[i]);

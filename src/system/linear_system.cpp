@@ -126,7 +126,7 @@ void LinearSystem::choose_leading_term() {
     TaylorData data;
     const CallbackError error = problem_.evaluate_plain(analysis_.t, {1, -1, -1}, data);
     is_available = error.status != SFDAE_ORDER_MISSING;
-    if (is_available && error.status != SFDAE_OK) throw Failure(error.status, error.message());
+    if (is_available && error.status != SFDAE_OK) error.raise();
   }
   if (is_available) return;
   leading_ = LeadingTerm::identity;
@@ -175,7 +175,7 @@ void LinearSystem::return_to_accepted(double t) {
   if (!reduction_.has_constant_form()) return points_.return_to_accepted();
   // It was fine before: a failure that has passed is none.
   if (move_to(t) != PointStatus::ok && (!callback_error_.is_recoverable() || move_to(t) != PointStatus::ok))
-    throw Failure(callback_error_.status, callback_error_.message());
+    callback_error_.raise();
 }
 
 void LinearSystem::leading(const double* x, double* w) {

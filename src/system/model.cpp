@@ -15,8 +15,7 @@ void add_derivative(DaeSystem& system, double direction, ConsistentPoint& point)
 }
 
 void demand_point(const DaeSystem& system, PointStatus status, double t, const char* advice) {
-  if (status == PointStatus::callback_error)
-    throw Failure(system.callback_error().status, system.callback_error().message());
+  if (status == PointStatus::callback_error) system.callback_error().raise();
   if (status == PointStatus::ok) return;
   throw Failure(SFDAE_CHARACTERISTICS_CHANGED, "the characteristic values known (" +
                                                    describe(system.analysis().values) +

@@ -45,8 +45,7 @@ bool NextLevelJet::eliminate_at(const Jet& jet) {
   const NonlinearProblem::Scaling scaling{analysis.time_scale, RowScaling::each, nullptr, &problem_.units(), true};
   const CallbackError error = problem_.problem().linearize(jet.t, jet.x.data(), orders, scaling, data_);
   if (error.status == SFDAE_ORDER_MISSING) availability_ = Availability::no;
-  if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED)
-    throw Failure(error.status, error.message());
+  if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED) error.raise();
   if (error.status != SFDAE_OK) return false;
   const std::optional<RankSequence> ranks = matching_ranks(data_, level(), analysis, rank_tol, {arena_, rank_form_});
   if (!ranks) return false;

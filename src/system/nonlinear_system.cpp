@@ -24,7 +24,7 @@ NonlinearSystem::NonlinearSystem(NonlinearProblem& problem, const AnalysisSettin
                   format("%d components are prescribed, but only u = %d are free.",
                          static_cast<int>(problem_.prescribed().size()), analysis_.values.u));
   resize();
-  if (set_point(jet) == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
+  if (set_point(jet) == PointStatus::callback_error) callback_error_.raise();
 }
 
 NonlinearSystem::NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, Archive& saved)
@@ -173,7 +173,7 @@ void NonlinearSystem::restore(const double*, const double* x_free, double* x) {
   start_ = jet_;
   const PointStatus status =
       linearization_.is_usable() ? iteration_.solve_to_rounding(linearization_, jet_) : PointStatus::not_converged;
-  if (status == PointStatus::callback_error) throw Failure(callback_error_.status, callback_error_.message());
+  if (status == PointStatus::callback_error) callback_error_.raise();
   if (status != PointStatus::ok && problem_.prescribed().empty()) {
     // Between the ends of a long step the linearization, or derivatives, may be too far off.
     jet_ = start_;
@@ -212,7 +212,7 @@ void NonlinearSystem::correct_derivative(double, const double* x, double* xdot) 
 // xdot stays where F cannot be evaluated.
 void NonlinearSystem::correct_by_linearization(const double* x, double* xdot) {
   if (linearization_.correct_derivative(jet_.t, x, xdot) != PointStatus::ok && !callback_error_.is_recoverable())
-    throw Failure(callback_error_.status, callback_error_.message());
+    callback_error_.raise();
 }
 
 // ---- Checkpoints -----------------------------------------------------------------------------------------------

@@ -30,7 +30,7 @@ class LinearizedConstraints {
     const int mu = analysis_.values.mu;
     const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each, nullptr, &units_};
     const CallbackError error = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
-    if (error.status != SFDAE_OK) throw Failure(error.status, error.message());
+    if (error.status != SFDAE_OK) error.raise();
     const std::optional<RankSequence> ranks = matching_ranks(data_, mu, analysis_, 0.0, {arena_, form_});
     has_known_ranks_ = ranks.has_value();
     if (!ranks) return;
