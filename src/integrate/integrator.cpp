@@ -23,7 +23,7 @@ constexpr double nonlinear_safety = 0.2;
 // The interval of interest of a method that goes on from another one, in units of its next step: first steps are at
 // most about a thousandth of it, so that they are not longer than that step by far.
 constexpr double steps_ahead = 1e3;
-// Roundings of t that a step is worth at least.
+// A step is at least so many spacings of doubles near t, 2 unit_roundoff each.
 constexpr double least_roundings = 4.0;
 
 }  // namespace

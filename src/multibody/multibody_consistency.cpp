@@ -31,7 +31,7 @@ void demand(const CallbackError& error) {
   if (error.status != SFDAE_OK) error.raise();
 }
 
-// But for rounding errors.
+// But for rounding errors of its formulas; 1e-12 leaves room for thousands of them. (Chosen.)
 bool is_symmetric(const Matrix& A) {
   const double small = 1e-12 * max_abs(A);
   for (int j = 0; j < A.cols(); ++j)
@@ -152,6 +152,7 @@ bool MultibodyConsistency::improve(Vector& q, double& norm) {
   const Svd J = svd(product(scaled_rows(point_.position_rows()), directions_));
   if (J.s.empty() || J.s.front() == 0.0) return false;
   const double lambda = std::pow(J.s.front(), 2) * std::min(strongest, norm / size_of(q));
+  // Singular values that small are rounding errors of J.
   Vector p = damped_solution(J, scaled_g_, lambda, 1e-14 * J.s.front());
   Vector dq(q.size());
   multiply(-1.0, Op::plain, directions_, p.data(), 0.0, dq.data());
@@ -352,6 +353,7 @@ Vector MultibodyConsistency::velocities(const Vector& q, const double* given, in
   // Twice, for rounding errors of the first time.
   for (int pass = 0; pass < 2; ++pass) {
     read();
+    // Of known rank: a tenth of the smallest value that counts, and never less than rounding errors of C.
     const double least = rank > 0 && rank <= static_cast<int>(C.s.size()) ? 0.1 * C.s[index(rank - 1)] : 0.0;
     const Vector p = damped_solution(C, residuals, 0.0, std::max(least, C.s.empty() ? 0.0 : 1e-13 * C.s.front()));
     multiply(-1.0, Op::plain, P, p.data(), 1.0, point_.v.data());
