@@ -215,6 +215,13 @@ std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& problem, Pl
 
 }  // namespace
 
+bool fits_dimensions(const IndexAnalysis& analysis, int m, int n) {
+  const CharacteristicValues& values = analysis.values;
+  return values.mu >= 0 && values.mu <= max_derivative_order && values.d >= 0 && values.a >= 0 &&
+         values.d + values.a + values.v == m && values.d + values.a + values.u == n && analysis.v_hat >= 0 &&
+         analysis.v_hat <= (values.mu + 1) * m && std::isfinite(analysis.time_scale) && analysis.time_scale > 0.0;
+}
+
 std::string describe(const CharacteristicValues& values) {
   if (values.mu < 0) return "undetermined";
   return format("mu = %d, d = %d, a = %d, u = %d, v = %d", values.mu, values.d, values.a, values.u, values.v);

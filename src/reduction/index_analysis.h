@@ -55,6 +55,9 @@ struct IndexAnalysis {
   bool rank_E_constant = true;             // the same at the nearby point
 };
 
+// Whether an analysis that was read from a checkpoint can be one of m equations in n unknowns.
+bool fits_dimensions(const IndexAnalysis& analysis, int m, int n);
+
 // Analysis at t and at a nearby point toward `toward`. Throws Failure: errors of callbacks, SFDAE_INDEX_TOO_HIGH,
 // SFDAE_RANK_UNCLEAR, SFDAE_CHARACTERISTICS_CHANGED if t itself is an exceptional point.
 // decisions: all that were made, also when it throws.

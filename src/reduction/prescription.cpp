@@ -6,8 +6,24 @@
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
+#include "problem/failure.h"
+#include "sfdae/sfdae.h"
 
 namespace sfdae::core {
+
+void demand_free_components(const std::vector<int>& prescribed, int u) {
+  if (static_cast<int>(prescribed.size()) <= u) return;
+  throw Failure(SFDAE_PRESCRIPTION_SINGULAR, format("%d components are prescribed, but only u = %d are free.",
+                                                    static_cast<int>(prescribed.size()), u));
+}
+
+void demand_fitting_prescription(bool fits, double t) {
+  if (fits) return;
+  throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
+                format("the prescribed components do not determine the free part of the solution at t = %.15g: "
+                       "choose others.",
+                       t));
+}
 
 namespace {
 

@@ -16,6 +16,11 @@ struct Prescription {
   int count() const { return components == nullptr ? 0 : static_cast<int>(components->size()); }
 };
 
+// Both throw Failure SFDAE_PRESCRIPTION_SINGULAR: if there are more prescribed components than the u free ones, and if
+// they do not fit the free part of the solution at t.
+void demand_free_components(const std::vector<int>& prescribed, int u);
+void demand_fitting_prescription(bool fits, double t);
+
 // With J the prescribed components: (J T2)^T = Q [R; 0]. T2 Q1 =: P1 moves them, T2 Q2 leaves them alone.
 class PrescribedDirections {
  public:

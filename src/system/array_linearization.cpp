@@ -25,14 +25,6 @@ bool has_constraints(const PointRanks& ranks, const IndexAnalysis& known) {
   return ranks.a == known.values.a && ranks.v_hat == known.v_hat;
 }
 
-void demand_prescription(const PointRanks& ranks, bool lacks_equations, double t) {
-  if (ranks.prescription_fits && !lacks_equations) return;
-  throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
-                format("the prescribed components do not determine the free part of the solution at t = %.15g: "
-                       "choose others.",
-                       t));
-}
-
 // |x|, |y_1|, ..., |y_order| at the jet, scaled.
 void scaled_sizes(const Jet& jet, int order, double tau, const Units& units, double* size) {
   double power = 1.0;
@@ -95,7 +87,7 @@ PointStatus ArrayLinearization::renew(const Jet& jet, bool judged) {
   // Prescribed components that are differential take their equations away.
   const bool lacks_equations =
       judged && has_all_constraints && ranks.d < known.values.d && !problem_.prescribed().empty();
-  demand_prescription(ranks, lacks_equations, jet.t);
+  demand_fitting_prescription(ranks.prescription_fits && !lacks_equations, jet.t);
   const bool is_plausible = !judged || !data_.differentiations.empty() ||
                             stages_rise(judge.ranks(), problem_.mu(), std::min(data_.m, data_.n));
   if (!has_all_constraints || ranks.d != known.values.d || !is_plausible)

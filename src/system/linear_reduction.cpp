@@ -71,11 +71,8 @@ PointStatus LinearReduction::attempt(const Attempt& attempt, const KnownForm& kn
   const PointRanks ranks = build_form(attempt, known, point);
   const CharacteristicValues& values = known.analysis.values;
   if (ranks.a != values.a || ranks.v_hat != known.analysis.v_hat) return PointStatus::changed;
-  if (!ranks.prescription_fits || (ranks.d != values.d && !problem_.prescribed().empty()))
-    throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
-                  format("the prescribed components do not determine the free part of the solution at t = %.15g: "
-                         "choose others.",
-                         attempt.t));
+  const bool lacks_equations = ranks.d != values.d && !problem_.prescribed().empty();
+  demand_fitting_prescription(ranks.prescription_fits && !lacks_equations, attempt.t);
   if (ranks.d != values.d) return PointStatus::changed;
   if (known.leading == LeadingTerm::projector && ranks.rank_E != known.analysis.rank_E)
     return PointStatus::leading_changed;

@@ -35,12 +35,8 @@ bool leading_term_needs_E1(const LinearProblem& problem, const IndexAnalysis& an
 
 // Whether an analysis that was read can be one of the problem.
 bool is_plausible(const IndexAnalysis& analysis, int m, int n) {
-  const CharacteristicValues& values = analysis.values;
-  return values.mu >= 0 && values.mu <= max_derivative_order && values.d >= 0 && values.a >= 0 &&
-         values.d + values.a + values.v == m && values.d + values.a + values.u == n && analysis.rank_E >= 0 &&
-         analysis.rank_E <= std::min(m, n) && analysis.v_hat >= 0 && analysis.v_hat <= (values.mu + 1) * m &&
-         std::isfinite(analysis.time_scale) && analysis.time_scale > 0.0 && analysis.noise >= NoiseModel::carried &&
-         analysis.noise <= NoiseModel::data;
+  return fits_dimensions(analysis, m, n) && analysis.rank_E >= 0 && analysis.rank_E <= std::min(m, n) &&
+         analysis.noise >= NoiseModel::carried && analysis.noise <= NoiseModel::data;
 }
 
 // x = xp + T2 z.
@@ -58,10 +54,7 @@ LinearSystem::LinearSystem(LinearProblem& problem, const AnalysisSettings& setti
       settings_(settings),
       reduction_(problem_, settings_, arena_) {
   traits_ = traits_of(problem_, analysis_.values, leading_);
-  if (undetermined() < 0)
-    throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
-                  format("%d components are prescribed, but only u = %d are free.",
-                         static_cast<int>(problem_.prescribed().size()), analysis_.values.u));
+  demand_free_components(problem_.prescribed(), analysis_.values.u);
   resize();
   choose_leading_term();
 }

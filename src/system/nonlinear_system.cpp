@@ -19,10 +19,7 @@ NonlinearSystem::NonlinearSystem(NonlinearProblem& problem, const AnalysisSettin
     : DaeSystem(problem, problem.m(), std::move(analysis), LeadingTerm::identity),
       problem_(problem, settings, analysis_, std::move(units), callback_error_) {
   update_traits();
-  if (undetermined() < 0)
-    throw Failure(SFDAE_PRESCRIPTION_SINGULAR,
-                  format("%d components are prescribed, but only u = %d are free.",
-                         static_cast<int>(problem_.prescribed().size()), analysis_.values.u));
+  demand_free_components(problem_.prescribed(), analysis_.values.u);
   resize();
   if (set_point(jet) == PointStatus::callback_error) callback_error_.raise();
 }
@@ -219,13 +216,6 @@ void NonlinearSystem::correct_by_linearization(const double* x, double* xdot) {
 
 namespace {
 
-bool are_plausible(const IndexAnalysis& analysis, int m, int n) {
-  const CharacteristicValues& values = analysis.values;
-  return values.mu >= 0 && values.mu <= max_strangeness_index && values.d >= 0 && values.a >= 0 &&
-         values.d + values.a + values.v == m && values.d + values.a + values.u == n && analysis.v_hat >= 0 &&
-         analysis.v_hat <= (values.mu + 1) * m && std::isfinite(analysis.time_scale) && analysis.time_scale > 0.0;
-}
-
 void archive_ranks(Archive& archive, RankSequence& ranks) {
   int count = static_cast<int>(ranks.count);
   archive.small(count);
@@ -253,7 +243,9 @@ void NonlinearSystem::archive(Archive& archive) {
   const int m = problem_.m(), n = problem_.n();
   if (archive.is_reading()) {
     update_traits();
-    if (!are_plausible(analysis_, m, n) || undetermined() < 0 || origin.age < 0) throw DamagedArchive();
+    if (!fits_dimensions(analysis_, m, n) || values.mu > max_strangeness_index || undetermined() < 0 ||
+        origin.age < 0)
+      throw DamagedArchive();
     resize();
   }
   if (has_units) archive.reals(problem_.units().values(), index(n));
