@@ -18,9 +18,6 @@ constexpr double largest_coefficient = 1e60;
 // Factors of rows within 8 of those wanted are kept, for equations that depend smoothly on t
 // (docs/decisions/04-row-scaling.md).
 constexpr double about_right = 8.0;
-// How far the unit of time in which coefficients grow may be from that of E x' = A x, tau = |E| / |A|, to be
-// followed. By judgement: no figures were recorded.
-constexpr double shortest_growth = 0.1, longest_growth = 1e3;
 // Scaled data have entries of one to two, but for a tiny E with its small unit of time: below this they get another
 // factor.
 constexpr double small_data = 0.125;
@@ -35,17 +32,17 @@ void multiply_entries(double* values, std::size_t count, double factor) {
   for (std::size_t i = 0; i < count; ++i) values[i] *= factor;
 }
 
-// Sizes of the rows of [E A]; one that vanishes at this point only is measured by its derivatives.
-void measure_rows(const TaylorData& data, std::vector<double>& sizes) {
+// Sizes of the rows of [E unit A]; one that vanishes at this point only is measured by its derivatives.
+void measure_rows(const TaylorData& data, double unit_of_A, std::vector<double>& sizes) {
   std::fill(sizes.begin(), sizes.end(), 0.0);
-  const auto raise = [&](ConstView a) {
+  const auto raise = [&](ConstView a, double unit = 1.0) {
     for (int j = 0; j < data.n; ++j) {
       const double* column = a.column(j);
-      for (int i = 0; i < data.m; ++i) sizes[index(i)] = std::max(sizes[index(i)], std::fabs(column[i]));
+      for (int i = 0; i < data.m; ++i) sizes[index(i)] = std::max(sizes[index(i)], unit * std::fabs(column[i]));
     }
   };
   raise(data.E(0));
-  raise(data.A(0));
+  raise(data.A(0), unit_of_A);
   if (*std::min_element(sizes.begin(), sizes.end()) != 0.0) return;
   const std::vector<double> at_point = sizes;
   for (int k = 1; k <= data.orders.E; ++k) raise(data.E(k));
@@ -66,9 +63,9 @@ bool are_about_right(const std::vector<double>& preferred, const std::vector<dou
   return true;
 }
 
-void choose_row_scale(TaylorData& data, RowScaling rows, const std::vector<double>* preferred) {
+void choose_row_scale(TaylorData& data, double tau, RowScaling rows, const std::vector<double>* preferred) {
   std::vector<double>& row_scale = data.row_scale;
-  measure_rows(data, row_scale);
+  measure_rows(data, rows == RowScaling::timed ? tau : 1.0, row_scale);
   data.row_norm = row_scale;
   const double largest = *std::max_element(row_scale.begin(), row_scale.end());
   // Powers of two that bring the largest row to [1, 2) and the others to once or twice that: a common factor of all
@@ -134,15 +131,18 @@ void TaylorData::measure() {
   for (int k = 0; k <= orders.A; ++k) norms_.A[index(k)] = max_abs(A(k));
 }
 
+double TaylorData::growth(const std::array<double, max_derivative_order + 1>& norms, int order) {
+  double tau = std::numeric_limits<double>::infinity();
+  for (int k = 1; k <= order; ++k)
+    if (norms[index(k)] > 0.0 && norms[0] > 0.0) tau = std::min(tau, std::pow(norms[0] / norms[index(k)], 1.0 / k));
+  return tau;
+}
+
+double TaylorData::growth_time() const { return std::min(growth(norms_.E, orders.E), growth(norms_.A, orders.A)); }
+
 // Smallest time in which one of the coefficients grows as large as that of order 0.
 double TaylorData::choose_time_scale() const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  const auto growth = [](const auto& norms, int order) {
-    double tau = infinity;
-    for (int k = 1; k <= order; ++k)
-      if (norms[index(k)] > 0.0 && norms[0] > 0.0) tau = std::min(tau, std::pow(norms[0] / norms[index(k)], 1.0 / k));
-    return tau;
-  };
   const double grown_A = growth(norms_.A, orders.A);
   // Rows without E have been scaled for themselves: they say nothing about time.
   double E0 = norms_.E[0], A0 = 0.0;
@@ -159,13 +159,13 @@ double TaylorData::choose_time_scale() const {
     return grown < infinity ? grown : 1.0;
   }
   const double ratio = E0 / A0;
-  const double grown = std::min(growth(norms_.E, orders.E), grown_A);
+  const double grown = growth_time();
   return grown < infinity ? std::clamp(grown, shortest_growth * ratio, longest_growth * ratio) : ratio;
 }
 
 bool TaylorData::scale(double tau, RowScaling rows, const std::vector<double>* preferred) {
-  choose_row_scale(*this, rows, preferred);
   time_scale = tau > 0.0 ? power_of_two_near(tau) : 1.0;
+  choose_row_scale(*this, time_scale, rows, preferred);
   scale_rows_and_measure(time_scale);
   if (norm(std::max(orders.E, orders.A)) > largest_coefficient) return false;
   if (tau == 0.0) rescale_time(power_of_two_near(choose_time_scale()));

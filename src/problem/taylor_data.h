@@ -32,7 +32,12 @@ struct Orders {
   int f = -1;
 };
 
-enum class RowScaling { each, common };
+// each: rows of [E A] in units of time of the user; common: one factor for all; timed: rows of [E tau A].
+enum class RowScaling { each, common, timed };
+
+// How far the unit of time in which coefficients grow may be from that of E x' = A x, tau = |E| / |A|, to be
+// followed. By judgement: no figures were recorded.
+inline constexpr double shortest_growth = 0.1, longest_growth = 1e3;
 
 // Rows that differ by no more need no factor of their own (docs/decisions/05-cancellation-in-small-rows.md).
 inline constexpr double moderate_row_ratio = 4096.0;
@@ -61,6 +66,9 @@ class TaylorData {
   void scale_columns(const Units& factors);
   // Multiplies the time scale by `factor` once more.
   void rescale_time(double factor);
+  // Smallest time in which one of the coefficients grows as large as that of order 0, in units of the time scale;
+  // infinity where nothing grows.
+  double growth_time() const;
 
   // Norms anew after entries have been changed.
   void measure();
@@ -110,8 +118,9 @@ class TaylorData {
   struct Norms {
     std::array<double, max_derivative_order + 1> E{}, A{}, f{};
   };
-  std::ptrdiff_t first(int k) const { return static_cast<std::ptrdiff_t>(k) * m * n; }  // entry of order k
+  static double growth(const std::array<double, max_derivative_order + 1>& norms, int order);
   double choose_time_scale() const;
+  std::ptrdiff_t first(int k) const { return static_cast<std::ptrdiff_t>(k) * m * n; }  // entry of order k
   void scale_rows_and_measure(double tau);
   void multiply_all(double factor);
 

@@ -1,8 +1,9 @@
-// Units of the unknowns that fit a unit of time.
+// Units of equations, unknowns and time in which the entries of E x' = A x are near one.
 //
-// A structure of fast and slow parts written in metres and seconds, q' = v, v' = w, M w + K q = f with K / M = 1e12,
-// looks as if M were nothing. In the fast unit of time, with units of v and w that go with it, everything is of order
-// one.
+// What is small depends on units: microfarads beside megohms, a structure of fast and slow parts written in metres and
+// seconds. Powers of two r_i, c_j and one unit of time 2^s bring all nonzero entries r_i c_j E_ij / 2^s and r_i c_j A_ij
+// as near to one as possible in the mean square of their logarithms [CR72]. The same problem in other units is the same
+// scaled problem, but for the rounding of exponents: nothing that is decided there depends on the units of the user.
 //
 // [CR72] A. R. Curtis, J. K. Reid: On the automatic scaling of matrices for Gaussian elimination. IMA J. Appl. Math.
 //        10 (1972) 118-124.
@@ -15,9 +16,16 @@
 
 namespace sfdae::core {
 
-// Powers of two, one for each unknown: in the equations that contain derivatives, the entries of E and tau A at t are
-// as near to one as possible in the mean square of their logarithms [CR72]. Throws Failure. The column scale of the
-// source is changed.
-Units balanced_units(CoefficientSource& source, double t, double tau);
+struct BalancedUnits {
+  Units unknowns;     // powers of two, one for each unknown
+  double time = 1.0;  // 2^s
+  // Entries that lie so far below what the others suggest that they may be rounding errors where zeros are meant
+  // (cos(pi/2) = 6e-17): m x n flags of E and A. They do not count in the units.
+  std::vector<char> suspects_E, suspects_A;
+  bool has_suspects = false;
+};
+
+// Of E and A at t. Throws Failure. The units of the source are changed.
+BalancedUnits balanced_units(CoefficientSource& source, double t);
 
 }  // namespace sfdae::core

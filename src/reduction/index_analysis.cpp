@@ -10,85 +10,13 @@
 #include "linalg/index.h"
 #include "problem/failure.h"
 #include "reduction/balanced_units.h"
-#include "reduction/index_search.h"
+#include "reduction/certificate.h"
+#include "reduction/two_point_analysis.h"
+#include "reduction/unclear_ranks.h"
 
 namespace sfdae::core {
 
 namespace {
-
-// Where the analysis is made, and on which side its other point is.
-struct Place {
-  double t, toward;
-};
-
-// What the analysis would say if the doubtful value were decided by rank_tol.
-std::string result_with(CoefficientSource& problem, double t, AnalysisSettings settings, double rank_tol,
-                        Arena& arena) {
-  settings.rank_tol = rank_tol;
-  const CharacteristicValues values = find_local_values(problem, t, settings, arena);
-  return values.mu >= 0 ? "the characteristic values are " + describe(values)
-                        : "no level up to max_index fulfils the hypothesis";
-}
-
-// rank_tol for either answer: the geometric mean of the value and what is below it (two digits, where that is not
-// known) keeps it, three times the value drops it. Above one half nothing would be kept.
-[[noreturn]] void report_unclear(CoefficientSource& problem, double t, const AnalysisSettings& settings,
-                                 const LevelResult& found, Arena& arena) {
-  const RankDecision& decision = found.doubtful;
-  // The value in doubt is the smallest one kept, or, where that stands clear or there is none, the largest one
-  // dropped.
-  const bool doubts_kept = decision.rank > 0 && (decision.gap < clear_gap || decision.dropped <= decision.noise);
-  const double value = std::max(doubts_kept ? decision.kept : decision.dropped, decision.noise);
-  const double below = doubts_kept ? std::max({decision.dropped, decision.noise, 1e-300}) : 1e-2 * value;
-  const double keep_tol = std::min(std::sqrt(value * below), 0.5);
-  const double drop_tol = std::min(3.0 * value, 0.5);
-  const int rank = doubts_kept ? decision.rank : decision.rank + 1;
-  const std::string kept = result_with(problem, t, settings, keep_tol, arena);
-  const std::string dropped = result_with(problem, t, settings, drop_tol, arena);
-  throw Failure(SFDAE_RANK_UNCLEAR,
-                describe(decision) +
-                    (found.follows ? " is not clear." : " does not fit the ranks of the level below.") +
-                    format(" With rank %d ", rank) + kept + format("; with rank %d ", rank - 1) + dropped +
-                    format(". Try rank_tol = %.1e or %.1e, or scale the equations.", keep_tol, drop_tol));
-}
-
-std::string describe_levels(const std::vector<CharacteristicValues>& levels, int m) {
-  std::string text;
-  for (std::size_t l = 0; l < levels.size(); ++l)
-    text += format(" level %d: a = %d, rank(E T2) = %d of %d;", static_cast<int>(l), levels[l].a, levels[l].d,
-                   m - levels[l].a - levels[l].v);
-  return text;
-}
-
-IndexAnalysis search_at(CoefficientSource& problem, double t, const AnalysisSettings& settings, Arena& arena,
-                        std::vector<RankDecision>& decisions) {
-  IndexSearch upward(problem, t, settings, arena, &decisions);
-  const SearchResult found = upward.search(settings.max_index);
-  if (!found.last.clear) report_unclear(problem, t, settings, found.last, arena);
-  if (found.values.mu < 0)
-    throw Failure(SFDAE_INDEX_TOO_HIGH,
-                  format("no strangeness index up to max_index = %d at t = %.15g:", settings.max_index, t) +
-                      describe_levels(found.levels, problem.m()) +
-                      " raise max_index, or check that the problem is regular.");
-  IndexAnalysis analysis;
-  analysis.values = found.values;
-  analysis.t = t;
-  analysis.time_scale = found.last.time_scale;
-  analysis.v_hat = found.last.ranks.v_hat;
-  analysis.rank_E = found.last.ranks.rank_E;
-  analysis.noise = found.last.noise;
-  return analysis;
-}
-
-// Far enough for a coefficient that vanishes at t to be seen (six digits above the rounding of t), near enough to
-// stay on the same smooth piece, and no simple fraction of a period (docs/decisions/07-first-step.md).
-double nearby_point(Place place, double time_scale) {
-  const auto [t, toward] = place;
-  constexpr double near = 0.7e-3, resolved_roundings = 1e6;
-  const double distance = std::min(std::fabs(toward - t), time_scale) * near;
-  const double resolvable = resolved_roundings * unit_roundoff * std::fabs(t);
-  return t + std::copysign(std::min(std::max(distance, resolvable), std::fabs(toward - t)), toward - t);
-}
 
 // Units of the unknowns: columns of [E A] that differ by more than moderate_column_ratio are scaled to comparable
 // size. Columns below smallest_column are left alone: they may be rounding errors
@@ -119,42 +47,6 @@ Units choose_units(CoefficientSource& problem, double t) {
   return needed ? Units(scale) : Units();
 }
 
-// The analysis in the units of the unknowns that the problem has.
-IndexAnalysis analyze_in_units(CoefficientSource& problem, Place place, const AnalysisSettings& settings,
-                               Arena& arena, std::vector<RankDecision>& decisions) {
-  const double t = place.t;
-  IndexAnalysis here = search_at(problem, t, settings, arena, decisions);
-  if (!problem.is_constant()) {
-    const double nearby = nearby_point(place, here.time_scale);
-    const IndexAnalysis there = search_at(problem, nearby, settings, arena, decisions);
-    here.rank_E_constant = here.rank_E == there.rank_E;
-    const int mu = std::max(here.values.mu, there.values.mu);
-    if (here.values.mu != there.values.mu) {
-      // At the level that counts both points must agree: E = [0 t; 0 0], A = I does at mu = 1.
-      const bool raise_here = here.values.mu < mu;
-      IndexSearch again(problem, raise_here ? t : nearby, settings, arena, &decisions);
-      const CharacteristicValues raised = again.values_at(mu);
-      if (raise_here) {
-        here.values = raised;
-        const LevelResult found = again.determine_confirmed(mu);
-        here.time_scale = found.time_scale;
-        here.v_hat = found.ranks.v_hat;
-        here.noise = found.noise;
-      }
-      const CharacteristicValues& other = raise_here ? there.values : raised;
-      if (!(here.values == other))
-        throw Failure(SFDAE_CHARACTERISTICS_CHANGED, format("t = %.15g is an exceptional point: ", t) +
-                                                         describe(here.values) + " there, but " + describe(other) +
-                                                         format(" at t = %.15g. Start beside it.", nearby));
-    } else if (!(here.values == there.values)) {
-      throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                    format("t = %.15g is an exceptional point: ", t) + describe(here.values) + " there, but " +
-                        describe(there.values) + format(" at t = %.15g. Start beside it.", nearby));
-    }
-  }
-  return here;
-}
-
 double smallest_gap(const std::vector<RankDecision>& decisions) {
   double gap = std::numeric_limits<double>::infinity();
   for (const RankDecision& decision : decisions) gap = std::min(gap, decision.gap);
@@ -168,49 +60,196 @@ double smallest_kept(const std::vector<RankDecision>& decisions) {
   return kept;
 }
 
-// Analyzes the problem in faster and faster units of time (1, 1/8, ... 1.5e-11), the units of the unknowns balanced
-// for each: docs/decisions/21-fast-units-of-time.md, with the figures behind the constants. What is clear by far in
-// two of them, supported by a third, and contradicted in none, counts: the result with the largest gap. Units that
-// are much too fast shrink every value by the same factor from level to level: where the smallest one kept is small,
-// the next one would be lost among rounding errors, and ranks agree in being wrong.
-struct UnitsResult {
-  IndexAnalysis analysis;
-  std::vector<RankDecision> decisions;
-  Units units;
+// Decisions that norms make with such a distance need no certificate (docs/decisions/32-certificates.md).
+constexpr double gap_by_far = 1e6, kept_by_far = 1e-6;
+
+bool are_clear_by_far(const std::vector<RankDecision>& decisions) {
+  return std::all_of(decisions.begin(), decisions.end(),
+                     [](const RankDecision& d) { return d.verdict == Verdict::clear; }) &&
+         smallest_gap(decisions) >= gap_by_far && smallest_kept(decisions) >= kept_by_far;
+}
+
+// Units in use that are as good as balanced ones: within a factor of 2^6.
+constexpr double alike_bits = 6.0;
+
+bool are_balanced(const Units& used, double time, int n, const BalancedUnits& balanced) {
+  if (balanced.has_suspects || std::fabs(std::log2(time / balanced.time)) > alike_bits) return false;
+  double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
+  for (int j = 0; j < n; ++j) {
+    const double ratio = balanced.unknowns[j] / used[j];
+    smallest = std::min(smallest, ratio);
+    largest = std::max(largest, ratio);
+  }
+  return std::log2(largest / smallest) <= alike_bits;
+}
+
+// Equations both too few and too many: what a rank that is too small looks like.
+bool is_singular(const CharacteristicValues& values) { return values.u > 0 && values.v > 0; }
+
+// What could become clearer in other units, or by a certificate.
+bool is_about_ranks(const Failure& failure) {
+  return failure.status() == SFDAE_RANK_UNCLEAR || failure.status() == SFDAE_INDEX_TOO_HIGH ||
+         failure.status() == SFDAE_CHARACTERISTICS_CHANGED;
+}
+
+// The analysis of one problem in several ways.
+class Analysis {
+ public:
+  Analysis(CoefficientSource& problem, Place place, const AnalysisSettings& settings, Arena& arena)
+      : problem_(problem), place_(place), settings_(settings), scaled_(settings), arena_(arena) {
+    scaled_.time_scale = 0.0;
+    scaled_.rank_tol = 0.0;
+    balanced_ = balanced_units(problem, place.t);
+  }
+
+  IndexAnalysis by_tolerance(std::vector<RankDecision>& decisions);
+  IndexAnalysis run(std::vector<RankDecision>& decisions);
+
+ private:
+  SearchTask task_in_balanced_units(std::vector<RankDecision>* log) {
+    problem_.set_units(balanced_.unknowns);
+    return {problem_, scaled_, arena_, log, &balanced_};
+  }
+  bool is_confirmed_in_balanced_units(const IndexAnalysis& quick);
+  bool norms_agree(const AnalysisOutcome& outcome, std::vector<RankDecision>& decisions);
+  bool redundancy_agrees(const IndexAnalysis& analysis);
+  bool is_independent_of_suspects(const CharacteristicValues& values);
+  [[noreturn]] void report_useless(const AnalysisOutcome& outcome);
+  [[noreturn]] void report_unclear(const CharacteristicValues& certified);
+
+  CoefficientSource& problem_;
+  Place place_;
+  const AnalysisSettings& settings_;
+  AnalysisSettings scaled_;  // with what fits balanced units
+  Arena& arena_;
+  BalancedUnits balanced_;
 };
 
-std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& problem, Place place,
-                                                  const AnalysisSettings& settings, Arena& arena) {
-  constexpr double clear_by_far = 1e6, supporting = 1e4, ratio = 1.0 / 8.0, least_kept = 1e-6;
-  constexpr int num_units = 13;
-  std::optional<UnitsResult> best;
-  int agreeing = 0, clear = 0;
-  double tau = 1.0;
-  for (int attempt = 0; attempt < num_units; ++attempt, tau *= ratio) {
-    UnitsResult found;
-    AnalysisSettings scaled = settings;
-    scaled.time_scale = tau;
-    try {
-      found.units = balanced_units(problem, place.t, tau);
-      problem.set_units(found.units);
-      found.analysis = analyze_in_units(problem, place, scaled, arena, found.decisions);
-    } catch (const Failure& failure) {
-      if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
-      continue;
+// rank_tol acts in balanced units.
+IndexAnalysis Analysis::by_tolerance(std::vector<RankDecision>& decisions) {
+  scaled_ = settings_;
+  return analyze_at_two_points(task_in_balanced_units(&decisions), place_).analysis;
+}
+
+IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
+  const Units usual = choose_units(problem_, place_.t);
+  problem_.set_units(usual);
+  std::optional<IndexAnalysis> quick;
+  std::optional<Failure> failed;
+  try {
+    quick = analyze_at_two_points({problem_, settings_, arena_, &decisions}, place_).analysis;
+    if (are_clear_by_far(decisions) && !is_singular(quick->values) &&
+        (are_balanced(usual, quick->time_scale, problem_.n(), balanced_) || is_confirmed_in_balanced_units(*quick))) {
+      problem_.set_units(usual);
+      return *quick;
     }
-    const bool is_clear = std::all_of(found.decisions.begin(), found.decisions.end(),
-                                      [](const RankDecision& d) { return d.verdict == Verdict::clear; });
-    const double gap = smallest_gap(found.decisions);
-    if (!is_clear || gap < supporting) continue;
-    if (best && !(best->analysis.values == found.analysis.values)) return std::nullopt;
-    ++agreeing;
-    if (gap >= clear_by_far) ++clear;
-    const bool is_best = !best || gap > smallest_gap(best->decisions);
-    if (is_best) best = std::move(found);
-    // After the clearest one faster units have nothing to add.
-    if (agreeing >= 3 && clear >= 2 && smallest_kept(best->decisions) >= least_kept && !is_best) return best;
+  } catch (const Failure& failure) {
+    if (!is_about_ranks(failure)) throw;
+    failed = failure;
   }
-  return std::nullopt;
+  AnalysisOutcome certified;
+  SearchTask task = task_in_balanced_units(nullptr);
+  task.certified = true;
+  try {
+    certified = analyze_at_two_points(task, place_);
+  } catch (const Failure& failure) {
+    if (!is_about_ranks(failure)) throw;
+    if (!quick) throw *failed;
+    report_unclear({});
+  }
+  const CharacteristicValues& values = certified.analysis.values;
+  std::vector<RankDecision> confirmed;
+  if (certified.is_clear && redundancy_agrees(certified.analysis) && norms_agree(certified, confirmed) &&
+      is_independent_of_suspects(values)) {
+    if (certified.significance.smallest_pivot < settings_.least_useful_pivot) report_useless(certified);
+    // Units that are good enough stay: what is integrated does not depend on how sure its ranks are.
+    if (quick && quick->values == values) {
+      problem_.set_units(usual);
+      return *quick;
+    }
+    decisions = std::move(confirmed);
+    return certified.analysis;
+  }
+  if (quick && quick->values == values && !is_singular(values)) {
+    problem_.set_units(usual);
+    return *quick;
+  }
+  report_unclear(values);
+}
+
+bool Analysis::is_confirmed_in_balanced_units(const IndexAnalysis& quick) {
+  std::vector<RankDecision> decisions;
+  const CharacteristicValues values = local_values(task_in_balanced_units(&decisions), place_.t);
+  return values == quick.values && are_clear_by_far(decisions);
+}
+
+// The ranks of the certificate leave a gap between the norms of what is kept and dropped, too.
+bool Analysis::norms_agree(const AnalysisOutcome& outcome, std::vector<RankDecision>& decisions) {
+  constexpr double visible_gap = 10.0;
+  LevelResult certified;
+  certified.known_ranks = outcome.analysis.certified_ranks;
+  certified.time_scale = outcome.analysis.time_scale;
+  IndexSearch search(task_in_balanced_units(nullptr), place_.t);
+  decisions = search.decisions_with(outcome.analysis.values.mu, certified);
+  return std::all_of(decisions.begin(), decisions.end(),
+                     [](const RankDecision& d) { return d.rank == 0 || d.kept >= visible_gap * d.dropped; });
+}
+
+// u and v, from one matrix without a chain of decisions: of coefficients that are constant as far as the level mu can
+// see, from lambda E - A; else from the rows of the array. Nothing can be said where rows are left out.
+bool Analysis::redundancy_agrees(const IndexAnalysis& analysis) {
+  const CharacteristicValues& values = analysis.values;
+  if (!problem_.differentiations().empty()) return true;
+  TaylorData data;
+  problem_.set_units(balanced_.unknowns);
+  const CallbackError error =
+      problem_.evaluate(place_.t, {values.mu, values.mu, -1}, analysis.time_scale, data, RowScaling::timed);
+  if (error.status != SFDAE_OK) error.raise();
+  bool is_constant = true;
+  for (int k = 1; k <= values.mu; ++k) is_constant = is_constant && data.is_zero_E(k) && data.is_zero_A(k);
+  if (!is_constant) return analysis.v_hat == 0 || !has_independent_rows(data, values.mu, nullptr);
+  const int rank = clear_pencil_rank(data, nullptr);
+  return rank == problem_.n() - values.u && rank == problem_.m() - values.v;
+}
+
+bool Analysis::is_independent_of_suspects(const CharacteristicValues& values) {
+  if (!balanced_.has_suspects) return true;
+  SearchTask task = task_in_balanced_units(nullptr);
+  task.certified = task.omits_suspects = true;
+  try {
+    const AnalysisOutcome other = analyze_at_two_points(task, place_);
+    return other.is_clear && other.analysis.values == values;
+  } catch (const Failure& failure) {
+    if (!is_about_ranks(failure)) throw;
+    return false;
+  }
+}
+
+double relative_distance(const Significance& significance) {
+  return std::min(1.0, trial_perturbation * significance.weakest);
+}
+
+void Analysis::report_useless(const AnalysisOutcome& outcome) {
+  const CharacteristicValues& values = outcome.analysis.values;
+  const SearchTask task = task_in_balanced_units(nullptr);
+  throw Failure(SFDAE_RANK_UNCLEAR,
+                format("at t = %.15g, ", place_.t) + describe(values) +
+                    format(" is certain for these data (changing it takes relative changes of %.1e), but rests on a "
+                           "value of %.1e in balanced units that amplifies rounding errors by its inverse: ",
+                           relative_distance(outcome.significance), outcome.significance.smallest_pivot) +
+                    rank_tolerances(task, place_.t, values) + ".");
+}
+
+void Analysis::report_unclear(const CharacteristicValues& certified) {
+  const SearchTask task = task_in_balanced_units(nullptr);
+  throw Failure(SFDAE_RANK_UNCLEAR,
+                format("the ranks at t = %.15g are not clear: ", place_.t) +
+                    (certified.mu >= 0 ? "entry by entry the data suggest " + describe(certified) +
+                                             ", but errors of "
+                                             "their size of rounding or the sizes of what is kept and dropped do not "
+                                             "confirm it; in balanced units "
+                                       : "in balanced units ") +
+                    rank_tolerances(task, place_.t, certified) + ".");
 }
 
 }  // namespace
@@ -239,19 +278,14 @@ std::string describe(const RankDecision& decision) {
 
 CharacteristicValues find_local_values(CoefficientSource& problem, double t, const AnalysisSettings& settings,
                                        Arena& arena) {
-  try {
-    IndexSearch upward(problem, t, settings, arena, nullptr);
-    const SearchResult found = upward.search(settings.max_index);
-    return found.last.clear ? found.values : CharacteristicValues{};
-  } catch (const Failure& failure) {
-    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
-    return {};
-  }
+  return local_values({problem, settings, arena}, t);
 }
 
 bool known_values_hold(CoefficientSource& problem, double t, const AnalysisSettings& settings,
                        const IndexAnalysis& known, Arena& arena) {
-  IndexSearch upward(problem, t, settings, arena, nullptr);
+  AnalysisSettings scaled = settings;
+  scaled.rows = known.rows;
+  IndexSearch upward({problem, scaled, arena}, t);
   PointRanks expected;
   expected.a = known.values.a;
   expected.d = known.values.d;
@@ -262,21 +296,8 @@ bool known_values_hold(CoefficientSource& problem, double t, const AnalysisSetti
 IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,
                             Arena& arena, std::vector<RankDecision>& decisions) {
   decisions.clear();
-  problem.set_units({});
-  problem.set_units(choose_units(problem, t));
-  try {
-    return analyze_in_units(problem, {t, toward}, settings, arena, decisions);
-  } catch (const Failure& failure) {
-    if (failure.status() != SFDAE_RANK_UNCLEAR || settings.rank_tol > 0.0 || settings.time_scale > 0.0) throw;
-    if (std::optional<UnitsResult> found = analyze_in_other_units(problem, {t, toward}, settings, arena)) {
-      problem.set_units(found->units);
-      decisions = std::move(found->decisions);
-      return found->analysis;
-    }
-    problem.set_units({});
-    problem.set_units(choose_units(problem, t));
-    throw;
-  }
+  Analysis analysis(problem, {t, toward}, settings, arena);
+  return settings.rank_tol > 0.0 ? analysis.by_tolerance(decisions) : analysis.run(decisions);
 }
 
 }  // namespace sfdae::core

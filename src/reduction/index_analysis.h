@@ -20,6 +20,7 @@
 #include "linalg/arena.h"
 #include "problem/coefficient_source.h"
 #include "reduction/judge.h"
+#include "reduction/lockstep_elimination.h"
 
 namespace sfdae::core {
 
@@ -38,6 +39,8 @@ struct AnalysisSettings {
   double rank_tol = 0.0;
   double time_scale = 0.0;
   RowScaling rows = RowScaling::each;
+  // Pivots below it, in balanced units, amplify rounding errors beyond the tolerances even if they are certain.
+  double least_useful_pivot = 1e-10;
   // Where rows are left out of the array (CoefficientSource::differentiations), v cannot be read off it. What is
   // known of d and a (nothing: mu = -1) is to be found then.
   CharacteristicValues expected{};
@@ -53,6 +56,9 @@ struct IndexAnalysis {
   int rank_E = 0;
   NoiseModel noise = NoiseModel::carried;  // by which the ranks are right
   bool rank_E_constant = true;             // the same at the nearby point
+  // Where a certificate decided: the ranks of level mu, which norms alone would not give; else none.
+  RankSequence certified_ranks;
+  RowScaling rows = RowScaling::each;
 };
 
 // Whether an analysis that was read from a checkpoint can be one of m equations in n unknowns.

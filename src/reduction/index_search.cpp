@@ -7,6 +7,7 @@
 
 #include "linalg/random.h"
 #include "problem/failure.h"
+#include "reduction/certificate.h"
 #include "reduction/elimination.h"
 
 namespace sfdae::core {
@@ -46,25 +47,45 @@ bool is_weaker(const RankDecision& one, const RankDecision& other) { return clea
 
 }  // namespace
 
-IndexSearch::IndexSearch(CoefficientSource& problem, double t, const AnalysisSettings& settings, Arena& arena,
-                         std::vector<RankDecision>* log)
-    : problem_(problem),
+IndexSearch::IndexSearch(const SearchTask& task, double t)
+    : task_(task),
+      problem_(task.problem),
       t_(t),
-      settings_(settings),
-      arena_(arena),
-      log_(log),
-      judging_{settings.rank_tol, settings.by_svd, NoiseModel::carried},
-      rows_(settings.rows),
-      differentiations_(problem.differentiations()) {}
+      settings_(task.settings),
+      arena_(task.arena),
+      judging_{settings_.rank_tol, settings_.by_svd, NoiseModel::carried},
+      rows_(task.units != nullptr ? RowScaling::timed : settings_.rows),
+      differentiations_(problem_.differentiations()) {}
 
 LevelResult IndexSearch::determine(int level, double time_scale) {
   evaluate(level, time_scale);
   return judge_level(level);
 }
 
+LevelResult IndexSearch::certify(int level) {
+  evaluate(level, settings_.time_scale);
+  const CertifiedRanks certified = certified_ranks(data_, level, task_.omits_suspects ? task_.units : nullptr);
+  LevelResult found;
+  found.ranks = certified.ranks;
+  found.time_scale = data_.time_scale;
+  found.significance = certified.significance;
+  found.known_ranks = settings_.by_svd ? certified.list_by_svd : certified.list;
+  found.clear = certified.significance.is_clear();
+  return found;
+}
+
+std::vector<RankDecision> IndexSearch::decisions_with(int level, const LevelResult& certified) {
+  judging_.known_ranks = &certified.known_ranks;
+  determine(level, certified.time_scale);
+  judging_.known_ranks = nullptr;
+  return latest_;
+}
+
 LevelResult IndexSearch::determine_confirmed(int level) {
+  if (task_.certified) return certify(level);
   LevelResult found = determine(level, settings_.time_scale);
   std::vector<RankDecision> decisions = latest_;
+  const RowScaling scaling = rows_;
   if (!found.clear && data_.row_scale_ratio() <= moderate_row_ratio) {
     rows_ = RowScaling::common;
     const LevelResult unscaled = determine(level, settings_.time_scale);
@@ -72,11 +93,11 @@ LevelResult IndexSearch::determine_confirmed(int level) {
       found = unscaled;
       decisions = latest_;
     }
-    rows_ = settings_.rows;
+    rows_ = scaling;
   }
   if (!found.clear) measure(level, found, decisions);
   if (found.clear && settings_.rank_tol == 0.0) doubt_cancellations(level, found, decisions);
-  if (log_ != nullptr) log_->insert(log_->end(), decisions.begin(), decisions.end());
+  if (task_.log != nullptr) task_.log->insert(task_.log->end(), decisions.begin(), decisions.end());
   return found;
 }
 
@@ -101,13 +122,17 @@ SearchResult IndexSearch::search(int max_index) {
   for (int level = 0; level <= std::min(max_index, highest_level()); ++level) {
     const RankDecision weakest_below = result.last.weakest;
     result.last = determine_confirmed(level);
-    if (!result.last.clear) return result;
+    result.significance.join(result.last.significance);
+    result.is_clear = result.is_clear && result.last.clear;
+    if (!result.last.clear && !task_.certified) return result;
     const CharacteristicValues values = values_of(level, result.last, v_hat_below);
     if (level > 0 && !follows(result.levels.back(), values, result.last.ranks)) {
       result.last.follows = false;
       result.last.doubtful = std::min(weakest_below, result.last.weakest, is_weaker);
-      result.last.clear = settings_.rank_tol > 0.0 || clearness(result.last.doubtful) >= decisive_gap;
-      if (!result.last.clear) return result;
+      result.last.clear =
+          !task_.certified && (settings_.rank_tol > 0.0 || clearness(result.last.doubtful) >= decisive_gap);
+      result.is_clear = result.is_clear && result.last.clear;
+      if (!result.last.clear && !task_.certified) return result;
     }
     result.levels.push_back(values);
     result.levels.back().d = result.last.ranks.d;
@@ -289,8 +314,12 @@ CharacteristicValues IndexSearch::values_of(int level, const LevelResult& found,
 }
 
 void IndexSearch::evaluate(int level, double time_scale) {
-  const CallbackError error = problem_.evaluate(t_, {level, level, 0}, time_scale, data_, rows_);
+  const bool chooses = time_scale == 0.0 && task_.units != nullptr;
+  const double unit = chooses ? task_.units->time : time_scale;
+  const CallbackError error = problem_.evaluate(t_, {level, level, 0}, unit, data_, rows_);
   if (error.status != SFDAE_OK) error.raise();
+  if (const double grown = data_.growth_time(); chooses && std::isfinite(grown))
+    data_.rescale_time(std::exp2(std::round(std::log2(std::clamp(grown, shortest_growth, longest_growth)))));
 }
 
 // Ranks of level `level` from the data evaluated; the decisions are left in latest_.

@@ -6,7 +6,9 @@
 #include <random>
 #include <vector>
 
+#include "reduction/balanced_units.h"
 #include "reduction/index_analysis.h"
+#include "reduction/lockstep_elimination.h"
 #include "reduction/null_space_form.h"
 
 namespace sfdae::core {
@@ -20,6 +22,21 @@ struct LevelResult {
   RankDecision doubtful;                   // the first unclear decision
   RankDecision weakest;                    // the one that stands out least
   bool follows = true;                     // from the level below
+  Significance significance;               // of a certificate
+  RankSequence known_ranks;                // of a certificate
+};
+
+// What is searched, and how.
+struct SearchTask {
+  CoefficientSource& problem;
+  const AnalysisSettings& settings;
+  Arena& arena;
+  std::vector<RankDecision>* log = nullptr;  // gets all rank decisions; may be null
+  // The units that the source has, if they are balanced; time is then in their unit as far as nothing grows faster.
+  const BalancedUnits* units = nullptr;
+  // Ranks are those of certificates; suspects count as zeros if they are omitted.
+  bool certified = false;
+  bool omits_suspects = false;
 };
 
 // What a search leads to.
@@ -27,13 +44,14 @@ struct SearchResult {
   CharacteristicValues values;
   LevelResult last;
   std::vector<CharacteristicValues> levels;  // for messages: what each level said, d that of rank(E T2)
+  // Of all levels. Certificates are followed to the end even where they are not clear.
+  bool is_clear = true;
+  Significance significance;
 };
 
 class IndexSearch {
  public:
-  // log: gets all rank decisions; may be null.
-  IndexSearch(CoefficientSource& problem, double t, const AnalysisSettings& settings, Arena& arena,
-              std::vector<RankDecision>* log);
+  IndexSearch(const SearchTask& task, double t);
 
   // From level 0 up, to the smallest one at which the hypothesis holds.
   SearchResult search(int max_index);
@@ -43,6 +61,8 @@ class IndexSearch {
   CharacteristicValues values_at(int level);
   // Whether the ranks are those expected, and stay so under perturbations.
   bool has_ranks(int level, double time_scale, const PointRanks& expected);
+  // Decisions of a level, with the ranks of a certificate.
+  std::vector<RankDecision> decisions_with(int level, const LevelResult& certified);
 
  private:
   // What perturbations need not confirm: decisions that the propagated noise makes clear, or none at all.
@@ -61,13 +81,14 @@ class IndexSearch {
   int highest_level() const;
   CharacteristicValues values_of(int level, const LevelResult& found, int v_hat_below) const;
   void evaluate(int level, double time_scale);
+  LevelResult certify(int level);
   LevelResult judge_level(int level);
 
+  SearchTask task_;
   CoefficientSource& problem_;
   double t_;
   const AnalysisSettings& settings_;
   Arena& arena_;
-  std::vector<RankDecision>* log_;
   Judge::Settings judging_;
   RowScaling rows_;
   std::vector<int> differentiations_;

@@ -6,8 +6,20 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/index.h"
 
 namespace sfdae::core {
+
+namespace {
+
+Matrix diagonal_matrix(const std::vector<double>& values) {
+  const int count = static_cast<int>(values.size());
+  Matrix matrix(count, count);
+  for (int i = 0; i < count; ++i) matrix(i, i) = values[index(i)];
+  return matrix;
+}
+
+}  // namespace
 
 Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::vector<RankDecision>* log)
     : settings_(settings),
@@ -30,7 +42,28 @@ int Judge::take_known_rank(const Question& question, ConstView r) {
   ranks_.add(rank);
   if (rank > 0 && question.norm > 0.0)
     question.kept = std::min(question.kept, std::fabs(r(rank - 1, rank - 1)) / question.norm);
+  if (log_ != nullptr) record_known(question, r, rank);
   return rank;
+}
+
+void Judge::record_known(const Question& question, ConstView r, int rank) {
+  // The threshold that leads to this rank, so that the record reads as that of any other decision.
+  RankDecision decision = decide_rank(r.data, rank, r.ld + 1, {0.0, question.norm, 1, 1e-300, 0.0});
+  const double unit = question.norm > 0.0 ? question.norm : 1.0;
+  decision.rank = rank;
+  decision.rows = r.rows;
+  decision.cols = r.cols;
+  decision.dropped = rank < std::min(r.rows, r.cols) ? std::fabs(r(rank, rank)) / unit : 0.0;
+  decision.noise = question.noise / unit;
+  const double below = std::max(decision.dropped, decision.noise);
+  if (rank > 0 && below > 0.0) decision.gap = decision.kept / below;
+  decision.threshold = std::sqrt(decision.kept * below);
+  decision.verdict = Verdict::confirmed;
+  decision.t = t_;
+  decision.level = level_;
+  decision.stage = question.stage;
+  decision.subject = question.subject;
+  log_->push_back(decision);
 }
 
 int Judge::record(RankDecision decision, const Question& question) {
@@ -81,6 +114,14 @@ int Judge::decide_stage(int stage, ConstView r, ConstView original, double norm)
 }
 
 int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
+  if (settings_.known_ranks != nullptr) {
+    const int count = static_cast<int>(s.size());
+    const Matrix diagonal = diagonal_matrix(s);
+    const int rank = take_known_rank({Subject::array, 0, sizes_.eps * sizes_.norm, sizes_.norm, pivot_},
+                                     diagonal.view().block(0, 0, count, count));
+    constraint_errors_ = sizes_.eps * sizes_.norm_A / pivot_;
+    return rank;
+  }
   RankDecision decision =
       decide_rank(s.data(), static_cast<int>(s.size()), 1,
                   {sizes_.eps * sizes_.norm, sizes_.norm, std::max(rows, cols), settings_.rank_tol, 0.0});

@@ -95,6 +95,7 @@ class Judge {
   };
   int decide(Question question, ConstView r, ConstView original);
   int take_known_rank(const Question& question, ConstView r);
+  void record_known(const Question& question, ConstView r, int rank);
   int record(RankDecision decision, const Question& question);
 
   // Of the data of the reduction.

@@ -15,6 +15,7 @@ void LinearReduction::start(const IndexAnalysis& analysis) {
   prescribed_values_.resize(problem_.prescribed().size() + 1);
   // Where ranks are only compared with those known, the cheaper model comes first.
   noise_ = analysis.noise == NoiseModel::data ? NoiseModel::data : NoiseModel::pivots;
+  rows_ = analysis.rows;
 }
 
 // Values of the prescribed components, in the units of the unknowns.
@@ -82,7 +83,9 @@ PointStatus LinearReduction::attempt(const Attempt& attempt, const KnownForm& kn
 // Elimination and null-space form of the coefficients evaluated.
 PointRanks LinearReduction::build_form(const Attempt& attempt, const KnownForm& known, LinearPoint& point) {
   const int mu = known.analysis.values.mu;
-  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, attempt.noise};
+  const RankSequence& certified = known.analysis.certified_ranks;
+  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, attempt.noise,
+                                certified.count > 0 ? &certified : nullptr};
   Judge judge(point.data, mu, judging, nullptr);
   const Arena::Frame frame(arena_);
   const bool keep_transformation = problem_.is_constant();

@@ -42,7 +42,7 @@ bool NextLevelJet::eliminate_at(const Jet& jet) {
   const IndexAnalysis& analysis = problem_.analysis();
   const double rank_tol = problem_.settings().rank_tol;
   const Orders orders{level(), level(), level()};
-  const NonlinearProblem::Scaling scaling{analysis.time_scale, RowScaling::each, nullptr, &problem_.units(), true};
+  const NonlinearProblem::Scaling scaling{analysis.time_scale, analysis.rows, nullptr, &problem_.units(), true};
   const CallbackError error = problem_.problem().linearize(jet.t, jet.x.data(), orders, scaling, data_);
   if (error.status == SFDAE_ORDER_MISSING) availability_ = Availability::no;
   if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED) error.raise();

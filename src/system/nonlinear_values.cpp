@@ -28,7 +28,7 @@ class LinearizedConstraints {
 
   void linearize(const Jet& jet) {
     const int mu = analysis_.values.mu;
-    const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each, nullptr, &units_};
+    const NonlinearProblem::Scaling scaling{analysis_.time_scale, analysis_.rows, nullptr, &units_};
     const CallbackError error = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
     if (error.status != SFDAE_OK) error.raise();
     const std::optional<RankSequence> ranks = matching_ranks(data_, mu, analysis_, 0.0, {arena_, form_});

@@ -142,13 +142,16 @@ std::string analysis_of(CoefficientSource& source, double t, double toward,
 TEST(BalancedUnits, BringTheFastStructureToOrderOne) {
   FastStructure structure;
   LinearProblem problem(functions_of(structure.problem));
-  const double tau = std::ldexp(1.0, -20);
-  const Vector units = balanced_units(problem, 0.0, tau).values();
+  const BalancedUnits balanced = balanced_units(problem, 0.0);
+  EXPECT_FALSE(balanced.has_suspects);
+  const double tau = balanced.time;
+  EXPECT_NEAR(std::log2(tau), -20.0, 1.0);  // 1 / sqrt(K)
+  const Vector units = balanced.unknowns.values();
   ASSERT_EQ(units.size(), 4u);
   for (double unit : units) EXPECT_EQ(unit, std::ldexp(1.0, std::ilogb(unit)));
   problem.set_units(units);
   TaylorData data;
-  ASSERT_EQ(problem.evaluate(0.0, {0, 0, -1}, tau, data).status, SFDAE_OK);
+  ASSERT_EQ(problem.evaluate(0.0, {0, 0, -1}, tau, data, RowScaling::timed).status, SFDAE_OK);
   int entries = 0;
   for (ConstView matrix : {ConstView(data.E(0)), ConstView(data.A(0))})
     for (int j = 0; j < 4; ++j)
@@ -168,7 +171,7 @@ TEST(BalancedUnits, ReportTroubleWithTheEquations) {
   structure.problem.A = [](double, int, double*, void*) { return 1; };
   LinearProblem problem(functions_of(structure.problem));
   try {
-    balanced_units(problem, 0.0, 1.0);
+    balanced_units(problem, 0.0);
     FAIL();
   } catch (const Failure& failure) {
     EXPECT_EQ(failure.status(), SFDAE_CALLBACK_FAILED);
@@ -198,13 +201,12 @@ TEST(BalancedUnits, AreFiniteWhereNothingIsThereToBalance) {
     };
     callbacks.f = [](double, int, double* f, void*) { return f[0] = f[1] = 0.0, 0; };
     LinearProblem problem(functions_of(callbacks));
-    for (double tau : {1.0, 1e-12}) {
-      try {
-        const Vector units = balanced_units(problem, 0.0, tau).values();
-        for (double unit : units) EXPECT_TRUE(std::isfinite(unit) && unit > 0.0);
-      } catch (const Failure& failure) {
-        EXPECT_EQ(failure.status(), SFDAE_NOT_FINITE);
-      }
+    try {
+      const BalancedUnits balanced = balanced_units(problem, 0.0);
+      EXPECT_TRUE(std::isfinite(balanced.time) && balanced.time > 0.0);
+      for (double unit : balanced.unknowns.values()) EXPECT_TRUE(std::isfinite(unit) && unit > 0.0);
+    } catch (const Failure& failure) {
+      EXPECT_EQ(failure.status(), SFDAE_NOT_FINITE);
     }
   }
 }

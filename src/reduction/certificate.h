@@ -1,0 +1,33 @@
+// Ranks of one level of the derivative array with a certificate: by elimination in lockstep with perturbed copies of the
+// data.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "problem/taylor_data.h"
+#include "reduction/balanced_units.h"
+#include "reduction/judge.h"
+#include "reduction/lockstep_elimination.h"
+#include "reduction/null_space_form.h"
+
+namespace sfdae::core {
+
+struct CertifiedRanks {
+  PointRanks ranks;
+  RankSequence list;         // as known ranks of an elimination of this level
+  RankSequence list_by_svd;  // of one by singular values
+  Significance significance;
+};
+
+// data: in balanced units. omitted: entries that are taken as zeros; may be null.
+CertifiedRanks certified_ranks(const TaylorData& data, int level, const BalancedUnits* omitted);
+
+// Rank of lambda E - A for a lambda that is no eigenvalue: n - u = m - v of a problem with constant coefficients, from
+// one matrix, better conditioned than the chain of decisions. The largest rank that is clear for one lambda: fast and
+// slow parts ask for different ones.
+int clear_pencil_rank(const TaylorData& data, const BalancedUnits* omitted);
+
+// Whether the rows of the whole array [M N] of a level are clearly independent, again from one matrix: then nothing is
+// redundant, v^ = 0.
+bool has_independent_rows(const TaylorData& data, int level, const BalancedUnits* omitted);
+
+}  // namespace sfdae::core

@@ -1,0 +1,144 @@
+// Elimination of a matrix and of perturbed copies in lockstep.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/lockstep_elimination.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Entries below this part of what was added up, in all copies, are exact zeros with the rounding errors of the
+// elimination, which are no perturbations of the data.
+constexpr double arithmetic = 0x1p-47;
+// Significances within this factor of each other are alike: the larger entry is the better pivot.
+constexpr double alike = 4.0;
+
+double largest_move(const double* entry) {
+  double move = 0.0;
+  for (int k = 1; k < LockstepMatrix::lanes; ++k) move = std::max(move, std::fabs(entry[k] - entry[0]));
+  return move;
+}
+
+double significance_of(const double* entry) {
+  const double move = largest_move(entry);
+  return move > 0.0 ? std::fabs(entry[0]) / move : std::numeric_limits<double>::infinity();
+}
+
+bool is_zero(const double* entry) {
+  return std::all_of(entry, entry + LockstepMatrix::lanes, [](double v) { return v == 0.0; });
+}
+
+}  // namespace
+
+void Significance::join(const Significance& other) {
+  weakest = std::min(weakest, other.weakest);
+  strongest = std::max(strongest, other.strongest);
+  smallest_pivot = std::min(smallest_pivot, other.smallest_pivot);
+}
+
+LockstepMatrix::LockstepMatrix(int rows, int cols)
+    : rows_(rows), cols_(cols), values_(index(rows) * index(cols) * index(lanes), 0.0) {}
+
+std::size_t LockstepMatrix::first(int row, int col) const {
+  return (index(row) * index(cols_) + index(col)) * index(lanes);
+}
+
+void LockstepMatrix::normalize_rows() {
+  for (int i = 0; i < rows_; ++i) {
+    double largest = 0.0;
+    for (int j = 0; j < cols_; ++j) largest = std::max(largest, std::fabs(at(i, j)[0]));
+    if (!(largest > 0.0) || !std::isfinite(largest)) continue;
+    const double factor = std::ldexp(1.0, -std::ilogb(largest));
+    double* row = at(i, 0);
+    for (std::size_t k = 0; k < index(cols_) * index(lanes); ++k) row[k] *= factor;
+  }
+}
+
+// The most significant entry, of those alike the largest one.
+LockstepMatrix::Pivot LockstepMatrix::find_pivot(int rank, const std::vector<char>& used) const {
+  Pivot best;
+  for (int i = rank; i < rows_; ++i)
+    for (std::size_t j = 0; j < used.size(); ++j) {
+      const double* entry = at(i, static_cast<int>(j));
+      const double size = std::fabs(entry[0]);
+      if (used[j] != 0 || size == 0.0) continue;
+      const double q = significance_of(entry);
+      best.strongest = std::max(best.strongest, q);
+      if (q < 1.0) continue;
+      if (q > alike * best.significance || (q >= best.significance / alike && size > best.size))
+        best = {i, static_cast<int>(j), size, q, best.strongest};
+    }
+  return best;
+}
+
+void LockstepMatrix::swap_rows(int i, int j) {
+  if (i == j) return;
+  std::swap_ranges(at(i, 0), at(i, 0) + cols_ * lanes, at(j, 0));
+  double* sums = sums_.data();
+  std::swap_ranges(sums + i * cols_, sums + (i + 1) * cols_, sums + j * cols_);
+}
+
+void LockstepMatrix::clear_rounding_errors(int row, int col) {
+  double* entry = at(row, col);
+  const double small = arithmetic * sums_[index(row) * index(cols_) + index(col)];
+  if (std::all_of(entry, entry + lanes, [small](double v) { return std::fabs(v) <= small; }))
+    std::fill_n(entry, lanes, 0.0);
+}
+
+void LockstepMatrix::subtract_pivot_row(int rank, int col, const std::vector<char>& used) {
+  const double* pivot_row = at(rank, 0);
+  const double* pivot_sums = sums_.data() + index(rank) * index(cols_);
+  const double* pivot = at(rank, col);
+  const int width = static_cast<int>(used.size());
+  for (int i = rank + 1; i < rows_; ++i) {
+    double* entry = at(i, col);
+    if (is_zero(entry)) continue;
+    double factor[lanes];
+    for (int k = 0; k < lanes; ++k) factor[k] = entry[k] / pivot[k];
+    double* sums = sums_.data() + index(i) * index(cols_);
+    double* row = at(i, 0);
+    for (int j = 0; j < cols_; ++j) {
+      if (j < width && used[index(j)] != 0) continue;
+      const double* from = pivot_row + j * lanes;
+      if (from[0] == 0.0 && is_zero(from)) continue;
+      double* to = row + j * lanes;
+      for (int k = 0; k < lanes; ++k) to[k] -= factor[k] * from[k];
+      sums[j] += std::fabs(factor[0]) * pivot_sums[j];
+      clear_rounding_errors(i, j);
+    }
+    std::fill_n(entry, lanes, 0.0);
+  }
+}
+
+int LockstepMatrix::eliminate(int width, Significance& significance) {
+  sums_.resize(index(rows_) * index(cols_));
+  double largest = 0.0;
+  for (int i = 0; i < rows_; ++i)
+    for (int j = 0; j < cols_; ++j) {
+      const double size = std::fabs(at(i, j)[0]);
+      sums_[index(i) * index(cols_) + index(j)] = size;
+      if (j < width) largest = std::max(largest, size);
+    }
+  std::vector<char> used(index(width), 0);
+  int rank = 0;
+  for (; rank < std::min(rows_, width); ++rank) {
+    const Pivot pivot = find_pivot(rank, used);
+    if (pivot.row < 0) {
+      significance.strongest = std::max(significance.strongest, pivot.strongest);
+      break;
+    }
+    significance.weakest = std::min(significance.weakest, pivot.significance);
+    significance.smallest_pivot = std::min(significance.smallest_pivot, pivot.size / largest);
+    swap_rows(rank, pivot.row);
+    used[index(pivot.col)] = 1;
+    subtract_pivot_row(rank, pivot.col, used);
+  }
+  return rank;
+}
+
+}  // namespace sfdae::core
