@@ -60,13 +60,18 @@ double smallest_kept(const std::vector<RankDecision>& decisions) {
   return kept;
 }
 
+bool is_singular(const CharacteristicValues& values) { return values.u > 0 && values.v > 0; }
+
 // Decisions that norms make with such a distance need no certificate (docs/decisions/32-certificates.md).
 constexpr double gap_by_far = 1e6, kept_by_far = 1e-6;
+// Equations both too few and too many are what a rank that is too small looks like: more is asked of those.
+constexpr double gap_of_singular = 1e9, kept_of_singular = 1e-4;
 
-bool are_clear_by_far(const std::vector<RankDecision>& decisions) {
-  return std::all_of(decisions.begin(), decisions.end(),
-                     [](const RankDecision& d) { return d.verdict == Verdict::clear; }) &&
-         smallest_gap(decisions) >= gap_by_far && smallest_kept(decisions) >= kept_by_far;
+bool are_clear_by_far(const std::vector<RankDecision>& decisions, bool is_singular) {
+  return std::none_of(decisions.begin(), decisions.end(),
+                      [](const RankDecision& d) { return d.verdict == Verdict::unclear; }) &&
+         smallest_gap(decisions) >= (is_singular ? gap_of_singular : gap_by_far) &&
+         smallest_kept(decisions) >= (is_singular ? kept_of_singular : kept_by_far);
 }
 
 // Units in use that are as good as balanced ones: within a factor of 2^6.
@@ -82,9 +87,6 @@ bool are_balanced(const Units& used, double time, int n, const BalancedUnits& ba
   }
   return std::log2(largest / smallest) <= alike_bits;
 }
-
-// Equations both too few and too many: what a rank that is too small looks like.
-bool is_singular(const CharacteristicValues& values) { return values.u > 0 && values.v > 0; }
 
 // What could become clearer in other units, or by a certificate.
 bool is_about_ranks(const Failure& failure) {
@@ -138,7 +140,7 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
   std::optional<Failure> failed;
   try {
     quick = analyze_at_two_points({problem_, settings_, arena_, &decisions}, place_).analysis;
-    if (are_clear_by_far(decisions) && !is_singular(quick->values) &&
+    if (are_clear_by_far(decisions, is_singular(quick->values)) &&
         (are_balanced(usual, quick->time_scale, problem_.n(), balanced_) || is_confirmed_in_balanced_units(*quick))) {
       problem_.set_units(usual);
       return *quick;
@@ -170,7 +172,7 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
     decisions = std::move(confirmed);
     return certified.analysis;
   }
-  if (quick && quick->values == values && !is_singular(values)) {
+  if (quick && quick->values == values && redundancy_agrees(certified.analysis)) {
     problem_.set_units(usual);
     return *quick;
   }
@@ -180,7 +182,7 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
 bool Analysis::is_confirmed_in_balanced_units(const IndexAnalysis& quick) {
   std::vector<RankDecision> decisions;
   const CharacteristicValues values = local_values(task_in_balanced_units(&decisions), place_.t);
-  return values == quick.values && are_clear_by_far(decisions);
+  return values == quick.values && are_clear_by_far(decisions, is_singular(values));
 }
 
 // The ranks of the certificate leave a gap between the norms of what is kept and dropped, too.
