@@ -316,40 +316,43 @@ std::vector<Complex> amplitudes(const NodalEquations& equations, double omega, d
   return solve(matrix, F);
 }
 
-}  // namespace
-
-std::vector<double> PeriodicSolution::at(double t) const {
-  const double cosine = std::cos(omega * t), sine = std::sin(omega * t);
-  std::vector<double> x(real.size());
-  for (std::size_t j = 0; j < x.size(); ++j) x[j] = real[j] * sine + imaginary[j] * cosine;
-  return x;
-}
-
-std::optional<PeriodicSolution> periodic_solution(const Circuit& circuit, RandomNumbers& random) {
-  constexpr double rounding = 1e-16, harmless = 1e-9;
-  const NodalEquations equations = nodal_equations(circuit);
-  const std::vector<Complex> X = amplitudes(equations, circuit.omega, 0.0, random);
-  if (X.empty()) return std::nullopt;
-  PeriodicSolution solution;
-  solution.omega = circuit.omega;
-  const std::size_t nodes = static_cast<std::size_t>(circuit.nodes);
+// |X_j|, at least a thousandth of the largest of its kind; empty if there are only zeros.
+std::vector<double> sizes_of(const std::vector<Complex>& X, std::size_t nodes) {
   std::array<double, 2> largest{};  // potentials, currents
   for (std::size_t j = 0; j < X.size(); ++j) {
-    solution.real.push_back(static_cast<double>(X[j].real()));
-    solution.imaginary.push_back(static_cast<double>(X[j].imag()));
     double& of_kind = largest[j < nodes ? 0 : 1];
     of_kind = std::max(of_kind, static_cast<double>(std::abs(X[j])));
   }
+  std::vector<double> sizes;
   for (std::size_t j = 0; j < X.size(); ++j) {
     const double of_kind = largest[j < nodes ? 0 : 1];
-    if (of_kind == 0.0) return std::nullopt;
-    solution.sizes.push_back(std::max(static_cast<double>(std::abs(X[j])), 1e-3 * of_kind));
+    if (of_kind == 0.0) return {};
+    sizes.push_back(std::max(static_cast<double>(std::abs(X[j])), 1e-3 * of_kind));
   }
+  return sizes;
+}
+
+}  // namespace
+
+std::optional<ExactSolution> periodic_solution(const Circuit& circuit, RandomNumbers& random) {
+  constexpr double rounding = 1e-16, harmless = 1e-9;
+  const NodalEquations equations = nodal_equations(circuit);
+  const std::vector<Complex> X = amplitudes(equations, circuit.omega, 0.0, random);
+  ExactSolution solution;
+  solution.sizes = sizes_of(X, static_cast<std::size_t>(circuit.nodes));
+  if (solution.sizes.empty()) return std::nullopt;
   for (int trial = 0; trial < 3; ++trial) {
     const std::vector<Complex> other = amplitudes(equations, circuit.omega, rounding, random);
+    if (other.empty()) return std::nullopt;
     for (std::size_t j = 0; j < X.size(); ++j)
       if (!(static_cast<double>(std::abs(other[j] - X[j])) <= harmless * solution.sizes[j])) return std::nullopt;
   }
+  solution.x = [X, omega = circuit.omega](double t) {
+    const Complex turned = std::polar(1.0L, static_cast<long double>(omega) * static_cast<long double>(t));
+    std::vector<double> x;
+    for (const Complex& amplitude : X) x.push_back(static_cast<double>((amplitude * turned).imag()));
+    return x;
+  };
   return solution;
 }
 

@@ -20,7 +20,7 @@
 #include <optional>
 #include <vector>
 
-#include "linear_problem.h"
+#include "integration.h"
 
 namespace campaign {
 
@@ -61,15 +61,9 @@ Circuit random_circuit(const ComponentRanges& ranges, RandomNumbers& random);
 // capacitors only.
 Circuit random_divider(RandomNumbers& random);
 
-// Periodic solution x(t) = Im(X exp(i omega t)): the exact solution that starts at Im X.
-struct PeriodicSolution {
-  double omega = 0.0;
-  std::vector<double> real, imaginary;  // of X
-  std::vector<double> sizes;            // |X_j|, at least a thousandth of the largest potential or current
-  std::vector<double> at(double t) const;
-};
-
-// Nothing if rounding errors of the data change it by more than 1e-9 of its size.
-std::optional<PeriodicSolution> periodic_solution(const Circuit& circuit, RandomNumbers& random);
+// The periodic solution x(t) = Im(X exp(i omega t)), which is the one through its value at 0; sizes are |X_j|, at least
+// a thousandth of the largest potential or current. Nothing if rounding errors of the data change it by more than
+// 1e-9 of these.
+std::optional<ExactSolution> periodic_solution(const Circuit& circuit, RandomNumbers& random);
 
 }  // namespace campaign

@@ -10,8 +10,8 @@
 
 namespace campaign {
 
-// Numbers of the problems to be tried of `full` ones.
-std::vector<int> problem_numbers(int full);
+// Numbers of the problems to be tried of `full` ones; at least `least` of them.
+std::vector<int> problem_numbers(int full, int least = 1);
 
 // One problem is looked at closely.
 bool single_problem();

@@ -71,7 +71,10 @@ bool mostly_nonzero(const LinearProblem& problem) {
 }  // namespace
 
 KroneckerProblem random_kronecker_problem(const Difficulty& difficulty, RandomNumbers& random) {
-  const KroneckerSizes sizes = random_sizes(max_unknowns, max_strangeness, random);
+  return kronecker_problem(random_sizes(max_unknowns, max_strangeness, random), difficulty, random);
+}
+
+KroneckerProblem kronecker_problem(const KroneckerSizes& sizes, const Difficulty& difficulty, RandomNumbers& random) {
   const bool integers = random.chance(0.3), varies = random.chance(0.6);
   const double condition = random.log_uniform(1.0, difficulty.condition);
   const double share = random.chance(0.3) ? random.integer(0, 1) : random.uniform();

@@ -30,5 +30,7 @@ struct KroneckerProblem {
 
 // n <= 20, mu <= 4, units 1.
 KroneckerProblem random_kronecker_problem(const Difficulty& difficulty, RandomNumbers& random);
+// With blocks of these sizes.
+KroneckerProblem kronecker_problem(const KroneckerSizes& sizes, const Difficulty& difficulty, RandomNumbers& random);
 
 }  // namespace campaign

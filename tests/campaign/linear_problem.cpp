@@ -122,9 +122,9 @@ Answer answer_of(sfdae_solver* solver, int status) {
   return answer;
 }
 
-Answer analyze(const LinearProblem& problem) {
+Answer analyze(const LinearProblem& problem, const sfdae_options& options) {
   LinearCallbacks callbacks(problem);
-  Solver solver(callbacks, default_options());
+  Solver solver(callbacks, options);
   const double T = problem.units.time;
   const int status = sfdae_analyze(solver.get(), problem.begin * T, problem.end * T, nullptr);
   if (single_problem()) print(problem, solver.get());

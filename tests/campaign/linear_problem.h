@@ -82,7 +82,7 @@ struct Answer {
 Answer answer_of(sfdae_solver* solver, int status);
 
 // sfdae_analyze over the interval of the problem.
-Answer analyze(const LinearProblem& problem);
+Answer analyze(const LinearProblem& problem, const sfdae_options& options = default_options());
 
 // E, A and E', A' at the begin, what the library says last and its report.
 void print(const LinearProblem& problem, sfdae_solver* solver);

@@ -37,6 +37,21 @@ void Tally::add(int number, const LinearProblem& problem, const Answer& answer) 
   }
 }
 
+void Tally::add(int number, const LinearProblem& problem, const IntegrationOutcome& outcome, bool fits) {
+  if (outcome.answer.status < 0 || outcome.answer.values != problem.values || fits) {
+    add(number, problem, outcome.answer);
+    return;
+  }
+  char text[100];
+  std::snprintf(text, sizeof text, "n = %d, mu = %d, error %.1e of the size", problem.n, problem.values.mu,
+                outcome.error);
+  if (outcome.answer.status > 0) {
+    add_named(number, outcome.answer.status, text);
+  } else {
+    add_wrong(number, text);
+  }
+}
+
 int Tally::named() const {
   int sum = 0;
   for (const auto& [status, count] : statuses_) sum += count;

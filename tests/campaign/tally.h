@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "linear_problem.h"
+#include "integration.h"
 
 namespace campaign {
 
@@ -15,11 +15,13 @@ class Tally {
   explicit Tally(std::string family) : family_(std::move(family)) {}
 
   void add_right() { ++right_; }
-  // status < 0.
+  // status < 0, or a warning that goes with an answer that is not right.
   void add_named(int number, int status, const std::string& message);
   void add_wrong(int number, const std::string& what);
   // An analysis of a problem with these values.
   void add(int number, const LinearProblem& problem, const Answer& answer);
+  // An integration; fits: the error is one that the tolerances allow.
+  void add(int number, const LinearProblem& problem, const IntegrationOutcome& outcome, bool fits);
 
   int total() const { return right_ + named() + wrong(); }
   int named() const;
