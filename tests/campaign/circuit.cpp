@@ -265,43 +265,43 @@ namespace {
 
 using Complex = std::complex<long double>;
 
-// Gaussian elimination with row scaling and column pivoting; empty if singular.
-std::vector<Complex> solve(MatrixOf<Complex> matrix, std::vector<Complex> x) {
+// Gaussian elimination with row scaling and column pivoting; false if singular. X: right-hand sides, then solutions.
+bool solve(MatrixOf<Complex> matrix, MatrixOf<Complex>& X) {
   const int n = matrix.rows;
   for (int i = 0; i < n; ++i) {
     long double largest = 0.0L;
     for (int j = 0; j < n; ++j) largest = std::max(largest, std::abs(matrix(i, j)));
-    if (largest == 0.0L) return {};
+    if (largest == 0.0L) return false;
     for (int j = 0; j < n; ++j) matrix(i, j) /= largest;
-    x[static_cast<std::size_t>(i)] /= largest;
+    for (int j = 0; j < X.columns; ++j) X(i, j) /= largest;
   }
   for (int k = 0; k < n; ++k) {
     int pivot = k;
     for (int i = k + 1; i < n; ++i)
       if (std::abs(matrix(i, k)) > std::abs(matrix(pivot, k))) pivot = i;
-    if (std::abs(matrix(pivot, k)) == 0.0L) return {};
+    if (std::abs(matrix(pivot, k)) == 0.0L) return false;
     for (int j = 0; j < n; ++j) std::swap(matrix(k, j), matrix(pivot, j));
-    std::swap(x[static_cast<std::size_t>(k)], x[static_cast<std::size_t>(pivot)]);
+    for (int j = 0; j < X.columns; ++j) std::swap(X(k, j), X(pivot, j));
     for (int i = k + 1; i < n; ++i) {
       const Complex factor = matrix(i, k) / matrix(k, k);
       if (factor == Complex(0.0L)) continue;
       for (int j = k; j < n; ++j) matrix(i, j) -= factor * matrix(k, j);
-      x[static_cast<std::size_t>(i)] -= factor * x[static_cast<std::size_t>(k)];
+      for (int j = 0; j < X.columns; ++j) X(i, j) -= factor * X(k, j);
     }
   }
   for (int k = n - 1; k >= 0; --k) {
-    Complex& value = x[static_cast<std::size_t>(k)];
-    for (int j = k + 1; j < n; ++j) value -= matrix(k, j) * x[static_cast<std::size_t>(j)];
-    value /= matrix(k, k);
+    for (int j = 0; j < X.columns; ++j) {
+      for (int l = k + 1; l < n; ++l) X(k, j) -= matrix(k, l) * X(l, j);
+      X(k, j) /= matrix(k, k);
+    }
   }
-  return x;
+  return true;
 }
 
-// (i omega E - A) X = F, entries of E and A changed by a random relative amount up to `change`.
+// (i omega E - A) X = F, entries of E and A changed by a random relative amount up to `change`; empty if singular.
 std::vector<Complex> amplitudes(const NodalEquations& equations, double omega, double change, RandomNumbers& random) {
   const int n = equations.E.rows;
-  MatrixOf<Complex> matrix(n, n);
-  std::vector<Complex> F(static_cast<std::size_t>(n));
+  MatrixOf<Complex> matrix(n, n), X(n, 1);
   const auto changed = [&](double entry) {
     return static_cast<long double>(entry) * (1.0L + static_cast<long double>(change * random.uniform(-1.0, 1.0)));
   };
@@ -310,10 +310,48 @@ std::vector<Complex> amplitudes(const NodalEquations& equations, double omega, d
       matrix(i, j) =
           Complex(-changed(equations.A(i, j)), static_cast<long double>(omega) * changed(equations.E(i, j)));
   for (const auto& source : equations.sources)
-    F[static_cast<std::size_t>(source.row)] +=
-        std::polar(static_cast<long double>(1.0), static_cast<long double>(source.phase)) *
-        static_cast<long double>(source.amplitude);
-  return solve(matrix, F);
+    X(source.row, 0) +=
+        std::polar(1.0L, static_cast<long double>(source.phase)) * static_cast<long double>(source.amplitude);
+  if (!solve(matrix, X)) return {};
+  return X.entries;
+}
+
+// Norm of (sigma R)^2, R = (lambda E - A)^-1 E, sigma = Re lambda, unknowns measured by their sizes.
+double resolvent_norm(const NodalEquations& equations, const std::vector<double>& sizes, Complex lambda) {
+  const int n = equations.E.rows;
+  MatrixOf<Complex> matrix(n, n), R(n, n);
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const auto E = static_cast<long double>(equations.E(i, j)), A = static_cast<long double>(equations.A(i, j));
+      matrix(i, j) = lambda * E - A;
+      R(i, j) = lambda.real() * E;
+    }
+  }
+  if (!solve(matrix, R)) return 0.0;
+  long double largest = 0.0L;
+  for (int i = 0; i < n; ++i) {
+    long double sum = 0.0L;
+    for (int j = 0; j < n; ++j) {
+      Complex entry = 0.0L;
+      for (int k = 0; k < n; ++k) entry += R(i, k) * R(k, j);
+      sum += std::abs(entry) * static_cast<long double>(sizes[static_cast<std::size_t>(j)]);
+    }
+    largest = std::max(largest, sum / static_cast<long double>(sizes[static_cast<std::size_t>(i)]));
+  }
+  return static_cast<double>(largest);
+}
+
+// Lower bound of how much errors grow: sup over t >= 0 of the norm of exp(J t), J the finite part of the pencil, is at
+// least |(sigma (lambda - J)^-1)^2| for all lambda = sigma + i eta with sigma > 0 (Hille, Yosida). The square makes the
+// nilpotent part vanish, mu <= 1.
+double amplification(const NodalEquations& equations, const std::vector<double>& sizes, double duration) {
+  double largest = 0.0;
+  for (double decade = 0.0; decade <= 9.0; decade += 0.5) {
+    const auto sigma = static_cast<long double>(std::pow(10.0, decade) / duration);
+    for (long double slope : {0.0L, 1.0L, 3.0L, 10.0L})
+      largest = std::max(largest, resolvent_norm(equations, sizes, Complex(sigma, slope * sigma)));
+  }
+  return largest;
 }
 
 // |X_j|, at least a thousandth of the largest of its kind; empty if there are only zeros.
@@ -347,6 +385,9 @@ std::optional<ExactSolution> periodic_solution(const Circuit& circuit, RandomNum
     for (std::size_t j = 0; j < X.size(); ++j)
       if (!(static_cast<double>(std::abs(other[j] - X[j])) <= harmless * solution.sizes[j])) return std::nullopt;
   }
+  solution.amplification = [equations, sizes = solution.sizes, duration = circuit.duration] {
+    return amplification(equations, sizes, duration);
+  };
   solution.x = [X, omega = circuit.omega](double t) {
     const Complex turned = std::polar(1.0L, static_cast<long double>(omega) * static_cast<long double>(t));
     std::vector<double> x;

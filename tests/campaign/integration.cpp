@@ -11,6 +11,10 @@ namespace campaign {
 
 namespace {
 
+// Tolerances that errors of steps may add up to. Of 2,000 circuits and 3,000 problems with derivatives those with a
+// larger error than 1, 3, 10, 20, 30, 50 were 632, 135, 25, 13, 13, 8: what is beyond 30 is something else.
+constexpr double allowed = 30.0;
+
 double largest_error(const std::vector<double>& x, const ExactSolution& exact, double t) {
   const std::vector<double> reference = exact.x(t);
   double largest = 0.0;
@@ -53,15 +57,11 @@ IntegrationOutcome integrate(const LinearProblem& problem, const ExactSolution& 
   return outcome;
 }
 
-bool error_fits_tolerance(const LinearProblem& problem, const ExactSolution& exact,
-                          const IntegrationSettings& settings, double error) {
-  if (error <= 100.0 * settings.tolerance) return true;
-  if (!(error <= 1e4 * settings.tolerance)) return false;
-  IntegrationSettings tighter = settings;
-  tighter.tolerance *= 1e-2;
-  const IntegrationOutcome outcome = integrate(problem, exact, tighter);
-  if (single_problem()) std::printf("errors %.3e and %.3e, status %d\n", error, outcome.error, outcome.answer.status);
-  return outcome.answer.status >= 0 && outcome.error <= 0.1 * error;
+bool error_fits(const ExactSolution& exact, double tolerance, double error) {
+  if (error <= allowed * tolerance) return true;
+  const double amplification = exact.amplification ? exact.amplification() : 1.0;
+  if (single_problem()) std::printf("error %.3e of the size, amplification %.1e\n", error, amplification);
+  return error <= allowed * tolerance * std::max(amplification, 1.0);
 }
 
 }  // namespace campaign

@@ -87,7 +87,7 @@ KroneckerProblem kronecker_problem(const KroneckerSizes& sizes, const Difficulty
   problem.values = sizes.values();
   problem.units = Units(problem.m, problem.n);
   problem.begin = random.chance(0.3) ? 0.0 : integers ? 0.5 : random.uniform(-0.5, 0.5);
-  problem.end = problem.begin + (random.chance(0.8) ? 1.0 : -1.0);
+  problem.end = problem.begin + (random.chance(0.8) ? 1.0 : -1.0) * random.log_uniform(1e-2, 1.0);
 
   const KroneckerForm form = kronecker_form(sizes, {result.stiffness, integers}, random);
   const TransformationKind kind_of_P = random_kind(integers, varies && random.chance(0.7), random);

@@ -52,7 +52,7 @@ Groups random_groups(RandomNumbers& random) {
   for (int group = 0; group < count; ++group) {
     const bool with_chain = group == 0 || random.chance(0.5);
     groups.problems.push_back(kronecker_problem(group_sizes(with_chain, random), easy, random).problem);
-    const double size = random.chance(0.3) ? 1.0 : random.log_uniform(1e-6, 1e8);
+    const double size = random.chance(0.3) ? 1.0 : random.log_uniform(1.0, 1e8);
     for (int j = 0; j < groups.problems.back().n; ++j) {
       groups.rows.push_back({group, j});
       groups.unknowns.push_back(
@@ -82,15 +82,19 @@ void write_coefficients(const Groups& groups, double s, int order, TaylorMatrix&
   }
 }
 
-// f = E x' - A x, its value only.
-void write_inhomogeneity(const Groups& groups, double s, std::vector<TaylorSeries>& f) {
+// f = E x' - A x.
+void write_inhomogeneity(const Groups& groups, double s, int order, std::vector<TaylorSeries>& f) {
   const int n = static_cast<int>(groups.unknowns.size());
   TaylorMatrix E(n, n), A(n, n);
-  write_coefficients(groups, s, 0, E, A);
+  write_coefficients(groups, s, order, E, A);
   for (int j = 0; j < n; ++j) {
     const Unknown& unknown = groups.unknowns[static_cast<std::size_t>(j)];
-    const TaylorSeries x = sine(unknown.amplitude, unknown.frequency, unknown.phase, s);
-    for (int i = 0; i < n; ++i) f[static_cast<std::size_t>(i)][0] += E(i, j)[0] * x[1] - A(i, j)[0] * x[0];
+    const TaylorSeries slope = derivative(sine(unknown.amplitude, unknown.frequency, unknown.phase, s));
+    const TaylorSeries minus_x = sine(-unknown.amplitude, unknown.frequency, unknown.phase, s);
+    for (int i = 0; i < n; ++i) {
+      add_product(f[static_cast<std::size_t>(i)], E(i, j), slope, order);
+      add_product(f[static_cast<std::size_t>(i)], A(i, j), minus_x, order);
+    }
   }
 }
 
@@ -113,8 +117,8 @@ LinearProblem problem_of(const std::shared_ptr<const Groups>& groups, RandomNumb
   problem.coefficients = [groups](double s, int order, TaylorMatrix& E, TaylorMatrix& A) {
     write_coefficients(*groups, s, order, E, A);
   };
-  problem.inhomogeneity = [groups](double s, int, std::vector<TaylorSeries>& f) {
-    write_inhomogeneity(*groups, s, f);
+  problem.inhomogeneity = [groups](double s, int order, std::vector<TaylorSeries>& f) {
+    write_inhomogeneity(*groups, s, order, f);
   };
   return problem;
 }
@@ -125,13 +129,16 @@ UndifferentiatedProblem random_undifferentiated_problem(RandomNumbers& random) {
   const auto groups = std::make_shared<const Groups>(random_groups(random));
   UndifferentiatedProblem result;
   result.problem = problem_of(groups, random);
-  result.tolerance = random.log_uniform(result.problem.values.mu >= 3 ? 1e-8 : 1e-7, 1e-3);
   for (const Unknown& unknown : groups->unknowns) result.exact.sizes.push_back(unknown.amplitude);
-  // Errors of a group are errors of its size.
+  // The size of an unknown is that of its group.
   for (std::size_t j = 0; j < groups->unknowns.size(); ++j)
     for (const Unknown& other : groups->unknowns)
       if (other.group == groups->unknowns[j].group)
         result.exact.sizes[j] = std::max(result.exact.sizes[j], other.amplitude);
+  // Rounding errors of the largest group may reach the others.
+  const auto [smallest, largest] = std::minmax_element(result.exact.sizes.begin(), result.exact.sizes.end());
+  const double least = result.problem.values.mu >= 3 ? 1e-8 : 1e-7;
+  result.tolerance = random.log_uniform(std::max(least, 1e-14 * *largest / *smallest), 1e-3);
   result.exact.x = [groups](double t) {
     std::vector<double> x;
     for (const Unknown& unknown : groups->unknowns)
