@@ -1,0 +1,38 @@
+// Integrations whose exact solution is known.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "linear_problem.h"
+
+namespace campaign {
+
+struct ExactSolution {
+  std::function<std::vector<double>(double t)> x;
+  std::vector<double> sizes;  // of the unknowns: errors are measured by them
+  // How much errors may grow, measured by the sizes; empty: not at all.
+  std::function<double()> amplification;
+};
+
+struct IntegrationSettings {
+  double tolerance = 1e-6;  // rtol, and atol relative to the sizes
+  int method = SFDAE_METHOD_BDF;
+  bool differences = false;  // difference_derivatives
+};
+
+struct IntegrationOutcome {
+  Answer answer;       // of the last call
+  double error = 0.0;  // largest error of a component at the start, at 40 % and at the end, relative to the sizes
+};
+
+// Starts at the exact solution and integrates over the interval of the problem.
+IntegrationOutcome integrate(const LinearProblem& problem, const ExactSolution& exact,
+                             const IntegrationSettings& settings);
+
+// Tolerances bound errors of steps, which add up and which the problem amplifies: 30 tolerances are allowed, times the
+// amplification.
+bool error_fits(const ExactSolution& exact, double tolerance, double error);
+
+}  // namespace campaign
