@@ -34,6 +34,8 @@ struct Orders {
 
 // each: rows of [E A] in units of time of the user; common: one factor for all; timed: rows of [E tau A].
 enum class RowScaling { each, common, timed };
+// Of a number that was read.
+inline bool is_row_scaling(RowScaling rows) { return rows >= RowScaling::each && rows <= RowScaling::timed; }
 
 // How far the unit of time in which coefficients grow may be from that of E x' = A x, tau = |E| / |A|, to be
 // followed. By judgement: no figures were recorded.

@@ -42,6 +42,8 @@ constexpr double converged = 1e-10;
 // Entries that lie this many bits below the others may be rounding errors: a thousand of them at most, so that values
 // down to 1e-13 are left alone (docs/decisions/32-certificates.md).
 constexpr double suspicious_bits = 43.0;
+// And those below 1e-15 are: no sum that meant anything else would have shown them.
+constexpr double rounding_bits = 49.8;
 // Mean squares follow outliers half of the way and more rarely less than a quarter: entries above this are none.
 constexpr double inconspicuous_bits = suspicious_bits / 4.0;
 // Reweighted mean squares approach least absolute values; by judgement.
@@ -90,20 +92,38 @@ void fit(const std::vector<LogEntry>& entries, Exponents& x) {
 
 bool lies_below(const LogEntry& e, const Exponents& x, double bits) { return e.size + x.sum_at(e) < -bits; }
 
-// Moves the suspects to the end; returns how many entries are none.
-std::size_t separate_suspects(std::vector<LogEntry>& entries, const Exponents& mean_squares) {
-  const auto is_conspicuous = [&](const LogEntry& e) { return lies_below(e, mean_squares, inconspicuous_bits); };
-  if (std::none_of(entries.begin(), entries.end(), is_conspicuous)) return entries.size();
-  // Least absolute values pass by outliers.
-  Exponents x(mean_squares.m, mean_squares.n);
+// Takes the suspects away. data: for their places. Least absolute values pass by outliers.
+void separate_suspects(const TaylorData& data, std::vector<LogEntry>& entries, BalancedUnits& units) {
+  Exponents x(index(data.m), index(data.n));
   for (int pass = 0; pass < reweightings; ++pass) {
     for (LogEntry& e : entries) e.weight = 1.0 / std::max(1.0, std::fabs(e.size + x.sum_at(e)));
     fit(entries, x);
   }
   for (LogEntry& e : entries) e.weight = 1.0;
-  const auto first_suspect = std::stable_partition(
-      entries.begin(), entries.end(), [&](const LogEntry& e) { return !lies_below(e, x, suspicious_bits); });
-  return static_cast<std::size_t>(first_suspect - entries.begin());
+  const auto is_suspect = [&](const LogEntry& e) { return lies_below(e, x, suspicious_bits); };
+  if (std::none_of(entries.begin(), entries.end(), is_suspect)) return;
+  units.suspects_E.assign(index(data.m) * index(data.n), BalancedUnits::Suspicion::none);
+  units.suspects_A = units.suspects_E;
+  for (const LogEntry& e : entries) {
+    if (!is_suspect(e)) continue;
+    const bool is_rounding = lies_below(e, x, rounding_bits);
+    units.has_suspects = units.has_suspects || !is_rounding;
+    (e.time > 0.0 ? units.suspects_E : units.suspects_A)[e.row + e.column * index(data.m)] =
+        is_rounding ? BalancedUnits::Suspicion::certain : BalancedUnits::Suspicion::maybe;
+  }
+  entries.erase(std::remove_if(entries.begin(), entries.end(), is_suspect), entries.end());
+}
+
+// A factor common to all unknowns is free: at a point it brings their values near one, too.
+void bring_near(const std::vector<double>& point, Exponents& x) {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t j = 0; j < point.size(); ++j)
+    if (point[j] != 0.0) {
+      sum += std::log2(std::fabs(point[j])) - x.values[x.m + j];
+      count += 1.0;
+    }
+  if (count == 0.0) return;
+  for (std::size_t j = 0; j < x.n; ++j) x.values[x.m + j] += sum / count;
 }
 
 std::vector<LogEntry> entries_of(const TaylorData& data) {
@@ -135,19 +155,13 @@ BalancedUnits balanced_units(CoefficientSource& source, double t) {
   Exponents x(index(data.m), index(data.n));
   fit(entries, x);
   BalancedUnits units;
-  const std::size_t count = separate_suspects(entries, x);
-  if (count < entries.size()) {
-    units.has_suspects = true;
-    units.suspects_E.assign(index(data.m) * index(data.n), 0);
-    units.suspects_A = units.suspects_E;
-    for (std::size_t k = count; k < entries.size(); ++k) {
-      const LogEntry& e = entries[k];
-      (e.time > 0.0 ? units.suspects_E : units.suspects_A)[e.row + e.column * index(data.m)] = 1;
-    }
-    entries.resize(count);
+  const auto is_conspicuous = [&](const LogEntry& e) { return lies_below(e, x, inconspicuous_bits); };
+  if (std::any_of(entries.begin(), entries.end(), is_conspicuous)) separate_suspects(data, entries, units);
+  if (!units.suspects_E.empty()) {
     x = Exponents(x.m, x.n);
     fit(entries, x);
   }
+  bring_near(source.point(t), x);
   std::vector<double> unknowns;
   for (std::size_t j = 0; j < x.n; ++j) unknowns.push_back(unit_of(x.values[x.m + j]));
   units.unknowns = std::move(unknowns);

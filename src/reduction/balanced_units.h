@@ -20,9 +20,10 @@ struct BalancedUnits {
   Units unknowns;     // powers of two, one for each unknown
   double time = 1.0;  // 2^s
   // Entries that lie so far below what the others suggest that they may be rounding errors where zeros are meant
-  // (cos(pi/2) = 6e-17): m x n flags of E and A. They do not count in the units.
-  std::vector<char> suspects_E, suspects_A;
-  bool has_suspects = false;
+  // (cos(pi/2) = 6e-17), m x n of E and A; empty: none. They do not count in the units.
+  enum class Suspicion : char { none, maybe, certain };
+  std::vector<Suspicion> suspects_E, suspects_A;
+  bool has_suspects = false;  // any that may be values
 };
 
 // Of E and A at t. Throws Failure. The units of the source are changed.

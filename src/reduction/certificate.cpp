@@ -15,16 +15,18 @@ namespace sfdae::core {
 namespace {
 
 constexpr int lanes = LockstepMatrix::lanes;
+using Suspicion = BalancedUnits::Suspicion;
 
 // E_k and A_k with their copies, order after order, entry after entry.
 class PerturbedData {
  public:
-  PerturbedData(const TaylorData& data, int level, const BalancedUnits* omitted) : m_(data.m), n_(data.n) {
-    std::minstd_rand generator(1);
+  PerturbedData(const TaylorData& data, int level, const BalancedUnits& units, bool omits_suspects)
+      : m_(data.m), n_(data.n), generator_(1), least_(omits_suspects ? Suspicion::maybe : Suspicion::certain) {
     const double error = data.noise(level) > unit_roundoff ? data.noise(level) * data.norm(level) : 0.0;
     for (int k = 0; k <= level; ++k) {
-      add(data.E(k), error, omitted != nullptr && k == 0 ? omitted->suspects_E.data() : nullptr, E_, generator);
-      add(data.A(k), error, omitted != nullptr && k == 0 ? omitted->suspects_A.data() : nullptr, A_, generator);
+      const bool may_omit = k == 0 && !units.suspects_E.empty();
+      add(data.E(k), error, may_omit ? units.suspects_E.data() : nullptr, E_);
+      add(data.A(k), error, may_omit ? units.suspects_A.data() : nullptr, A_);
     }
   }
   const double* E(int k, int i, int j) const { return E_.data() + first(k, i, j); }
@@ -35,20 +37,22 @@ class PerturbedData {
     return ((index(k) * index(n_) + index(j)) * index(m_) + index(i)) * index(lanes);
   }
   // error: of every entry, absolute, on top of its own rounding.
-  void add(ConstView block, double error, const char* omitted, std::vector<double>& to, std::minstd_rand& generator) {
+  void add(ConstView block, double error, const Suspicion* suspects, std::vector<double>& to) {
     for (int j = 0; j < n_; ++j)
       for (int i = 0; i < m_; ++i) {
-        const bool is_zero = block(i, j) == 0.0 || (omitted != nullptr && omitted[i + j * m_] != 0);
+        const bool is_zero = block(i, j) == 0.0 || (suspects != nullptr && suspects[i + j * m_] >= least_);
         const double value = is_zero ? 0.0 : block(i, j);
         to.push_back(value);
         for (int k = 1; k < lanes; ++k) {
-          const double random = symmetric_random(generator);
+          const double random = symmetric_random(generator_);
           to.push_back(is_zero ? 0.0 : value + (trial_perturbation * std::fabs(value) + error) * random);
         }
       }
   }
 
   int m_, n_;
+  std::minstd_rand generator_;
+  Suspicion least_;  // that is taken for zero
   std::vector<double> E_, A_;
 };
 
@@ -104,9 +108,9 @@ LockstepMatrix stack(const LockstepMatrix& one, int rows_of_one, const LockstepM
 
 }  // namespace
 
-CertifiedRanks certified_ranks(const TaylorData& data, int level, const BalancedUnits* omitted) {
+CertifiedRanks certified_ranks(const TaylorData& data, int level, const BalancedUnits& units, bool omits_suspects) {
   const int n = data.n;
-  const PerturbedData perturbed(data, level, omitted);
+  const PerturbedData perturbed(data, level, units, omits_suspects);
   CertifiedRanks found;
   LockstepMatrix carried(0, (level + 1) * n);
   int diagonal_rank = 0, array_rank = 0;
@@ -144,9 +148,9 @@ CertifiedRanks certified_ranks(const TaylorData& data, int level, const Balanced
   return found;
 }
 
-bool has_independent_rows(const TaylorData& data, int level, const BalancedUnits* omitted) {
+bool has_independent_rows(const TaylorData& data, int level, const BalancedUnits& units) {
   const int n = data.n;
-  const PerturbedData perturbed(data, level, omitted);
+  const PerturbedData perturbed(data, level, units, false);
   int total = 0;
   for (int i = 0; i <= level; ++i) total += static_cast<int>(rows_of_level(data, i).size());
   LockstepMatrix array(total, (level + 2) * n);
@@ -165,8 +169,8 @@ bool has_independent_rows(const TaylorData& data, int level, const BalancedUnits
   return array.eliminate(array.cols(), significance) == total && significance.weakest > clear_significance;
 }
 
-int clear_pencil_rank(const TaylorData& data, const BalancedUnits* omitted) {
-  const PerturbedData perturbed(data, 0, omitted);
+int clear_pencil_rank(const TaylorData& data, const BalancedUnits& units) {
+  const PerturbedData perturbed(data, 0, units, false);
   const int full = std::min(data.m, data.n);
   int largest = 0;
   // lambda in balanced units of time, of either sign: far below and above what systems of a stiffness of 1e6 have.

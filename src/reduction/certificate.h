@@ -18,16 +18,16 @@ struct CertifiedRanks {
   Significance significance;
 };
 
-// data: in balanced units. omitted: entries that are taken as zeros; may be null.
-CertifiedRanks certified_ranks(const TaylorData& data, int level, const BalancedUnits* omitted);
+// data: in balanced units. Rounding errors among the suspects count as zeros, all suspects if they are omitted.
+CertifiedRanks certified_ranks(const TaylorData& data, int level, const BalancedUnits& units, bool omits_suspects);
 
 // Rank of lambda E - A for a lambda that is no eigenvalue: n - u = m - v of a problem with constant coefficients, from
 // one matrix, better conditioned than the chain of decisions. The largest rank that is clear for one lambda: fast and
 // slow parts ask for different ones.
-int clear_pencil_rank(const TaylorData& data, const BalancedUnits* omitted);
+int clear_pencil_rank(const TaylorData& data, const BalancedUnits& units);
 
 // Whether the rows of the whole array [M N] of a level are clearly independent, again from one matrix: then nothing is
 // redundant, v^ = 0.
-bool has_independent_rows(const TaylorData& data, int level, const BalancedUnits* omitted);
+bool has_independent_rows(const TaylorData& data, int level, const BalancedUnits& units);
 
 }  // namespace sfdae::core

@@ -78,7 +78,7 @@ bool are_clear_by_far(const std::vector<RankDecision>& decisions, bool is_singul
 constexpr double alike_bits = 6.0;
 
 bool are_balanced(const Units& used, double time, int n, const BalancedUnits& balanced) {
-  if (balanced.has_suspects || std::fabs(std::log2(time / balanced.time)) > alike_bits) return false;
+  if (std::fabs(std::log2(time / balanced.time)) > alike_bits) return false;
   double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
   for (int j = 0; j < n; ++j) {
     const double ratio = balanced.unknowns[j] / used[j];
@@ -140,7 +140,7 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
   std::optional<Failure> failed;
   try {
     quick = analyze_at_two_points({problem_, settings_, arena_, &decisions}, place_).analysis;
-    if (are_clear_by_far(decisions, is_singular(quick->values)) &&
+    if (!balanced_.has_suspects && are_clear_by_far(decisions, is_singular(quick->values)) &&
         (are_balanced(usual, quick->time_scale, problem_.n(), balanced_) || is_confirmed_in_balanced_units(*quick))) {
       problem_.set_units(usual);
       return *quick;
@@ -209,8 +209,8 @@ bool Analysis::redundancy_agrees(const IndexAnalysis& analysis) {
   if (error.status != SFDAE_OK) error.raise();
   bool is_constant = true;
   for (int k = 1; k <= values.mu; ++k) is_constant = is_constant && data.is_zero_E(k) && data.is_zero_A(k);
-  if (!is_constant) return analysis.v_hat == 0 || !has_independent_rows(data, values.mu, nullptr);
-  const int rank = clear_pencil_rank(data, nullptr);
+  if (!is_constant) return analysis.v_hat == 0 || !has_independent_rows(data, values.mu, balanced_);
+  const int rank = clear_pencil_rank(data, balanced_);
   return rank == problem_.n() - values.u && rank == problem_.m() - values.v;
 }
 

@@ -64,7 +64,7 @@ LevelResult IndexSearch::determine(int level, double time_scale) {
 
 LevelResult IndexSearch::certify(int level) {
   evaluate(level, settings_.time_scale);
-  const CertifiedRanks certified = certified_ranks(data_, level, task_.omits_suspects ? task_.units : nullptr);
+  const CertifiedRanks certified = certified_ranks(data_, level, *task_.units, task_.omits_suspects);
   LevelResult found;
   found.ranks = certified.ranks;
   found.time_scale = data_.time_scale;

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "linalg/archive.h"
 #include "linalg/arena.h"
 #include "problem/taylor_data.h"
 #include "reduction/index_analysis.h"
@@ -11,6 +12,9 @@
 #include "reduction/null_space_form.h"
 
 namespace sfdae::core {
+
+// Throws DamagedArchive.
+void archive_ranks(Archive& archive, RankSequence& ranks);
 
 struct RankResult {
   RankSequence list;

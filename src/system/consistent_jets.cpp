@@ -31,6 +31,12 @@ ConsistentJets::Point& ConsistentJets::point_at(double t) {
   return point;
 }
 
+std::vector<double> ConsistentJets::point(double t) const {
+  for (const Point& point : points_)
+    if (point.jet.t == t) return {point.jet.x.begin(), point.jet.x.begin() + point.jet.n};
+  return {};
+}
+
 const Jet& ConsistentJets::jet_at(double t, int level) {
   Point& point = point_at(t);
   JetSolver solver(problem_, units_);

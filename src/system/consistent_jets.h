@@ -32,6 +32,7 @@ class ConsistentJets final : public CoefficientSource {
   CallbackError evaluate(double t, Orders orders, double time_scale, TaylorData& data,
                          RowScaling rows = RowScaling::each,
                          const std::vector<double>* preferred_rows = nullptr) override;
+  std::vector<double> point(double t) const override;
   void set_units(Units units) override { units_ = std::move(units); }
   const Units& units() const { return units_; }
 

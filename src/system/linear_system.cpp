@@ -10,6 +10,7 @@
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "reduction/rank_sequence.h"
 #include "system/linear_derivatives.h"
 #include "system/linear_leading_term.h"
 
@@ -78,7 +79,8 @@ void LinearSystem::archive(Archive& archive) {
   CharacteristicValues& values = analysis_.values;
   RowScaling rows = reduction_.rows();
   archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.noise,
-                analysis_.rank_E_constant, leading_, rows, needs_E1_);
+                analysis_.rank_E_constant, leading_, rows, analysis_.rows, needs_E1_);
+  archive_ranks(archive, analysis_.certified_ranks);
   archive.real(analysis_.t);
   archive.real(analysis_.time_scale);
   problem_.archive(archive);
@@ -86,7 +88,7 @@ void LinearSystem::archive(Archive& archive) {
     traits_ = traits_of(problem_, values, leading_);
     const bool plausible = is_plausible(analysis_, problem_.m(), problem_.n()) && undetermined() >= 0 &&
                            leading_ >= LeadingTerm::projector && leading_ <= LeadingTerm::identity &&
-                           rows >= RowScaling::each && rows <= RowScaling::common;
+                           is_row_scaling(rows) && is_row_scaling(analysis_.rows);
     if (!plausible) throw DamagedArchive();
     reduction_.set_rows(rows);
     resize();

@@ -8,6 +8,7 @@
 
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "reduction/rank_sequence.h"
 #include "reduction/index_analysis.h"
 #include "system/consistent_jets.h"
 #include "system/jet_solver.h"
@@ -214,18 +215,6 @@ void NonlinearSystem::correct_by_linearization(const double* x, double* xdot) {
 
 // ---- Checkpoints -----------------------------------------------------------------------------------------------
 
-namespace {
-
-void archive_ranks(Archive& archive, RankSequence& ranks) {
-  int count = static_cast<int>(ranks.count);
-  archive.small(count);
-  if (archive.is_reading() && (count < 0 || count > static_cast<int>(ranks.rank.size()))) throw DamagedArchive();
-  ranks.count = index(count);
-  for (int i = 0; i < count; ++i) archive.small(ranks.rank[index(i)]);
-}
-
-}  // namespace
-
 void NonlinearSystem::archive(Archive& archive) {
   CharacteristicValues& values = analysis_.values;
   ArrayLinearization::Origin& origin = linearization_.origin();
@@ -233,7 +222,7 @@ void NonlinearSystem::archive(Archive& archive) {
        has_next = next_level_.has_jet();
   int unjudged = rank_check_.unjudged();
   archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.noise,
-                analysis_.rank_E_constant, has_units, origin.is_judged, origin.age, unjudged);
+                analysis_.rank_E_constant, analysis_.rows, has_units, origin.is_judged, origin.age, unjudged);
   archive.small(has_matrix, has_next, next_level_.availability());
   // Where there is none, that of the last point will do.
   if (!archive.is_reading() && !linearization_.is_usable()) origin.jet = history_.accepted();
@@ -244,7 +233,7 @@ void NonlinearSystem::archive(Archive& archive) {
   if (archive.is_reading()) {
     update_traits();
     if (!fits_dimensions(analysis_, m, n) || values.mu > max_strangeness_index || undetermined() < 0 ||
-        origin.age < 0)
+        !is_row_scaling(analysis_.rows) || origin.age < 0)
       throw DamagedArchive();
     resize();
   }
@@ -256,6 +245,7 @@ void NonlinearSystem::archive(Archive& archive) {
   if (has_next) next_level_.archive_highest_derivative(archive);
   RankSequence ranks = linearization_.ranks();
   archive_ranks(archive, ranks);
+  archive_ranks(archive, analysis_.certified_ranks);
   if (!archive.is_reading()) return;
   rank_check_.set_unjudged(unjudged);
   restore_linearization(ranks, has_matrix);
