@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <numeric>
 
 #include "linalg/index.h"
@@ -40,9 +41,9 @@ constexpr double largest_exponent = 300.0;
 // Squares of gradients below this are those of exponents that are right to a fraction of a bit.
 constexpr double converged = 1e-10;
 // Entries that lie this many bits below the others may be rounding errors: a thousand of them at most, so that values
-// down to 1e-13 are left alone (docs/decisions/32-certificates.md).
-constexpr double suspicious_bits = 43.0;
-// And those below 1e-15 are: no sum that meant anything else would have shown them.
+// down to 1e-12 are left alone (docs/decisions/32-certificates.md).
+constexpr double suspicious_bits = 41.0;
+// And those below 1e-15 are.
 constexpr double rounding_bits = 49.8;
 // Mean squares follow outliers half of the way and more rarely less than a quarter: entries above this are none.
 constexpr double inconspicuous_bits = suspicious_bits / 4.0;
@@ -92,26 +93,31 @@ void fit(const std::vector<LogEntry>& entries, Exponents& x) {
 
 bool lies_below(const LogEntry& e, const Exponents& x, double bits) { return e.size + x.sum_at(e) < -bits; }
 
-// Takes the suspects away. data: for their places. Least absolute values pass by outliers.
-void separate_suspects(const TaylorData& data, std::vector<LogEntry>& entries, BalancedUnits& units) {
-  Exponents x(index(data.m), index(data.n));
+// Takes the suspects out of the entries. Least absolute values pass by outliers.
+std::vector<LogEntry> take_suspects(std::vector<LogEntry>& entries, Exponents x) {
   for (int pass = 0; pass < reweightings; ++pass) {
     for (LogEntry& e : entries) e.weight = 1.0 / std::max(1.0, std::fabs(e.size + x.sum_at(e)));
     fit(entries, x);
   }
   for (LogEntry& e : entries) e.weight = 1.0;
   const auto is_suspect = [&](const LogEntry& e) { return lies_below(e, x, suspicious_bits); };
-  if (std::none_of(entries.begin(), entries.end(), is_suspect)) return;
-  units.suspects_E.assign(index(data.m) * index(data.n), BalancedUnits::Suspicion::none);
+  const auto first = std::stable_partition(entries.begin(), entries.end(), std::not_fn(is_suspect));
+  std::vector<LogEntry> suspects(first, entries.end());
+  entries.erase(first, entries.end());
+  return suspects;
+}
+
+// x: fits all the others.
+void mark(const std::vector<LogEntry>& suspects, const Exponents& x, BalancedUnits& units) {
+  using Suspicion = BalancedUnits::Suspicion;
+  units.suspects_E.assign(x.m * x.n, Suspicion::none);
   units.suspects_A = units.suspects_E;
-  for (const LogEntry& e : entries) {
-    if (!is_suspect(e)) continue;
+  for (const LogEntry& e : suspects) {
     const bool is_rounding = lies_below(e, x, rounding_bits);
     units.has_suspects = units.has_suspects || !is_rounding;
-    (e.time > 0.0 ? units.suspects_E : units.suspects_A)[e.row + e.column * index(data.m)] =
-        is_rounding ? BalancedUnits::Suspicion::certain : BalancedUnits::Suspicion::maybe;
+    (e.time > 0.0 ? units.suspects_E : units.suspects_A)[e.row + e.column * x.m] =
+        is_rounding ? Suspicion::certain : Suspicion::maybe;
   }
-  entries.erase(std::remove_if(entries.begin(), entries.end(), is_suspect), entries.end());
 }
 
 // A factor common to all unknowns is free: at a point it brings their values near one, too.
@@ -156,10 +162,13 @@ BalancedUnits balanced_units(CoefficientSource& source, double t) {
   fit(entries, x);
   BalancedUnits units;
   const auto is_conspicuous = [&](const LogEntry& e) { return lies_below(e, x, inconspicuous_bits); };
-  if (std::any_of(entries.begin(), entries.end(), is_conspicuous)) separate_suspects(data, entries, units);
-  if (!units.suspects_E.empty()) {
-    x = Exponents(x.m, x.n);
-    fit(entries, x);
+  if (std::any_of(entries.begin(), entries.end(), is_conspicuous)) {
+    const std::vector<LogEntry> suspects = take_suspects(entries, Exponents(x.m, x.n));
+    if (!suspects.empty()) {
+      x = Exponents(x.m, x.n);
+      fit(entries, x);
+      mark(suspects, x, units);
+    }
   }
   bring_near(source.point(t), x);
   std::vector<double> unknowns;
