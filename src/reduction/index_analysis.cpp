@@ -172,7 +172,9 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
     decisions = std::move(confirmed);
     return certified.analysis;
   }
-  if (quick && quick->values == values && redundancy_agrees(certified.analysis)) {
+  if (quick && quick->values == values &&
+      (certified.significance.is_plausible() || smallest_gap(decisions) >= gap_by_far) &&
+      redundancy_agrees(certified.analysis)) {
     problem_.set_units(usual);
     return *quick;
   }

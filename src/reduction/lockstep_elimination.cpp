@@ -15,6 +15,9 @@ namespace {
 // Entries below this part of what was added up, in all copies, are exact zeros with the rounding errors of the
 // elimination, which are no perturbations of the data.
 constexpr double arithmetic = 0x1p-47;
+// Bounds of amplifications and significances that make decisions clear: docs/decisions/32-certificates.md.
+constexpr double moderate_amplification = 1e4, largest_amplification = 1e8;
+constexpr double visible_value = 3.0, certain_value = 1e6;
 // Significances within this factor of each other are alike: the larger entry is the better pivot.
 constexpr double alike = 4.0;
 
@@ -35,10 +38,21 @@ bool is_zero(const double* entry) {
 
 }  // namespace
 
+bool Significance::is_plausible() const { return amplification < moderate_amplification; }
+
+bool Significance::is_clear() const {
+  // Errors of rounding that grow to 1e-12 leave room for what counts as zero to be one: everything that moves by more
+  // than its own size is, and values may move by a third. Where they grow to 1e-8, zeros have to move by far more than
+  // their size, and values that could be hidden are looked for in vain only if all the others are certain.
+  if (amplification < moderate_amplification) return weakest > visible_value && strongest < 1.0;
+  return amplification < largest_amplification && weakest > certain_value && strongest * clear_significance < 1.0;
+}
+
 void Significance::join(const Significance& other) {
   weakest = std::min(weakest, other.weakest);
   strongest = std::max(strongest, other.strongest);
   smallest_pivot = std::min(smallest_pivot, other.smallest_pivot);
+  amplification = std::max(amplification, other.amplification);
 }
 
 LockstepMatrix::LockstepMatrix(int rows, int cols)
@@ -115,6 +129,30 @@ void LockstepMatrix::subtract_pivot_row(int rank, int col, const std::vector<cha
   }
 }
 
+void LockstepMatrix::drop(int row, int col, Significance& significance) const {
+  const double* entry = at(row, col);
+  if (is_zero(entry)) return;
+  const double* sums = sums_.data() + row * cols_;
+  const double sum = *std::max_element(sums, sums + cols_);
+  significance.strongest = std::max(significance.strongest, significance_of(entry));
+  significance.amplification = std::max(significance.amplification, largest_move(entry) / (trial_perturbation * sum));
+}
+
+void LockstepMatrix::drop_rows(int top, int width, Significance& significance) {
+  for (int i = top; i < rows_; ++i) {
+    bool has_values = false;
+    for (int j = width; j < cols_ && !has_values; ++j) {
+      const double* entry = at(i, j);
+      has_values = entry[0] != 0.0 && significance_of(entry) >= 1.0;
+    }
+    if (has_values) continue;
+    for (int j = width; j < cols_; ++j) {
+      drop(i, j, significance);
+      std::fill_n(at(i, j), lanes, 0.0);
+    }
+  }
+}
+
 int LockstepMatrix::eliminate(int width, Significance& significance) {
   sums_.resize(index(rows_) * index(cols_));
   double largest = 0.0;
@@ -128,16 +166,17 @@ int LockstepMatrix::eliminate(int width, Significance& significance) {
   int rank = 0;
   for (; rank < std::min(rows_, width); ++rank) {
     const Pivot pivot = find_pivot(rank, used);
-    if (pivot.row < 0) {
-      significance.strongest = std::max(significance.strongest, pivot.strongest);
-      break;
-    }
+    if (pivot.row < 0) break;
     significance.weakest = std::min(significance.weakest, pivot.significance);
     significance.smallest_pivot = std::min(significance.smallest_pivot, pivot.size / largest);
     swap_rows(rank, pivot.row);
     used[index(pivot.col)] = 1;
     subtract_pivot_row(rank, pivot.col, used);
   }
+  for (int i = rank; i < rows_; ++i)
+    for (int j = 0; j < width; ++j)
+      if (used[index(j)] == 0) drop(i, j, significance);
+  drop_rows(rank, width, significance);
   return rank;
 }
 

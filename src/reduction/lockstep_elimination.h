@@ -21,7 +21,7 @@ namespace sfdae::core {
 
 // Of the nonzero entries, relative: well above the rounding errors that the elimination itself makes.
 inline constexpr double trial_perturbation = 1e-12;
-// Significances between 1 / clear_significance and this are unclear.
+// Pivots below this significance are unclear.
 inline constexpr double clear_significance = 30.0;
 
 // How far the decisions of one or several eliminations are from being others.
@@ -29,8 +29,13 @@ struct Significance {
   double weakest = std::numeric_limits<double>::infinity();  // smallest q of a pivot
   double strongest = 0.0;                                    // largest q of an entry that counts as zero
   double smallest_pivot = 1.0;  // relative to the largest entry of its matrix: what norms see
+  // What relative errors of the data become in entries that count as zero, relative to the sizes that were added up in
+  // their rows: values below that would not be seen.
+  double amplification = 0.0;
 
-  bool is_clear() const { return weakest > clear_significance && strongest * clear_significance < 1.0; }
+  bool is_clear() const;
+  // Not clear, but what is kept and dropped goes with what norms say.
+  bool is_plausible() const;
   void join(const Significance& other);
 };
 
@@ -66,6 +71,10 @@ class LockstepMatrix {
   void swap_rows(int i, int j);
   void subtract_pivot_row(int rank, int col, const std::vector<char>& used);
   void clear_rounding_errors(int row, int col);
+  // An entry counts as zero.
+  void drop(int row, int col, Significance& significance) const;
+  // Rows from `top` on without any value become zero.
+  void drop_rows(int top, int width, Significance& significance);
 
   int rows_ = 0, cols_ = 0;
   std::vector<double> values_;  // row after row, the copies of an entry beside each other
