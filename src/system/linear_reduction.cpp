@@ -117,6 +117,7 @@ PointStatus LinearReduction::replace_rhs(double t, int mu, LinearPoint& point, C
     for (int i = 0; i < problem_.m(); ++i)
       point.data.f(k)[i] = rhs_.f(k)[i] * factor * point.data.row_scale[index(i)];
   }
+  point.data.take_errors_of_f(rhs_);
   const Arena::Frame frame(arena_);
   double* f_hat = arena_.take(index(Zt_.rows()) + 1);
   multiply(1.0, Op::plain, Zt_, point.data.f(0), 0.0, f_hat);
