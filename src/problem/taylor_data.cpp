@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "linalg/index.h"
+#include "linalg/random.h"
 #include "linalg/rank.h"
 
 namespace sfdae::core {
@@ -275,8 +276,7 @@ double TaylorData::noise_f(int level) const {
 
 double* TaylorData::errors(char which, int order) {
   std::vector<double>& errors = errors_[slot(which)];
-  const int highest = which == 'E' ? orders.E : which == 'A' ? orders.A : orders.f;
-  if (errors.empty()) errors.assign(index(highest + 1) * static_cast<std::size_t>(size_of(which)), 0.0);
+  if (errors.empty()) errors.assign(index(highest(which) + 1) * static_cast<std::size_t>(size_of(which)), 0.0);
   return errors.data() + order * size_of(which);
 }
 
@@ -285,8 +285,7 @@ const double* TaylorData::errors(char which, int order) const {
 }
 
 double TaylorData::error_of_row(char which, int order, int row) const {
-  const int highest = which == 'E' ? orders.E : which == 'A' ? orders.A : orders.f;
-  if (order < 1 || order > highest || !has_errors(which)) return 0.0;
+  if (order < 1 || order > highest(which) || !has_errors(which)) return 0.0;
   const double* error = errors(which, order) + row;
   double largest = 0.0;
   for (int j = 0; j < (which == 'f' ? 1 : n); ++j, error += m) largest = std::max(largest, *error);
@@ -294,9 +293,27 @@ double TaylorData::error_of_row(char which, int order, int row) const {
 }
 
 double TaylorData::scaled_error_of_row(char which, int order, int row) const {
+  return row_scale[index(row)] * factor_of_order(which, order) * error_of_row(which, order, row);
+}
+
+// tau^k / k!, for A and f once more times tau.
+double TaylorData::factor_of_order(char which, int order) const {
   double factor = which == 'E' ? 1.0 : time_scale;
   for (int k = 1; k <= order; ++k) factor *= time_scale / k;
-  return row_scale[index(row)] * factor * error_of_row(which, order, row);
+  return factor;
+}
+
+void TaylorData::change_by_errors(std::minstd_rand& generator) {
+  for (const char which : {'E', 'A', 'f'})
+    for (int k = 1; has_errors(which) && k <= highest(which); ++k) {
+      double* values = which == 'E' ? E(k).data : which == 'A' ? A(k).data : f(k);
+      const double* error = errors(which, k);
+      const double factor = factor_of_order(which, k);
+      for (std::ptrdiff_t e = 0; e < size_of(which); ++e)
+        values[e] +=
+            std::copysign(error[e] * factor * row_scale[index(static_cast<int>(e % m))], symmetric_random(generator));
+    }
+  measure();
 }
 
 double TaylorData::largest_scaled_error(char which, int order) const {

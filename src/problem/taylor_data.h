@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <random>
 #include <vector>
 
 #include "linalg/index.h"
@@ -91,6 +92,8 @@ class TaylorData {
   double error_of_row(char which, int order, int row) const;
   // The same, of the coefficient as it is scaled: row_scale_i error tau^k / k!, for A and f once more times tau.
   double scaled_error_of_row(char which, int order, int row) const;
+  // Every coefficient that is scaled changes by its error, the sign at random.
+  void change_by_errors(std::minstd_rand& generator);
   // The errors of f are those of other data.
   void take_errors_of_f(const TaylorData& other) { errors_[slot('f')] = other.errors_[slot('f')]; }
 
@@ -125,6 +128,8 @@ class TaylorData {
   std::ptrdiff_t first(int k) const { return static_cast<std::ptrdiff_t>(k) * m * n; }  // entry of order k
   static std::size_t slot(char which) { return which == 'E' ? 0u : which == 'A' ? 1u : 2u; }
   std::ptrdiff_t size_of(char which) const { return which == 'f' ? m : static_cast<std::ptrdiff_t>(m) * n; }
+  int highest(char which) const { return which == 'E' ? orders.E : which == 'A' ? orders.A : orders.f; }
+  double factor_of_order(char which, int order) const;
   double largest_scaled_error(char which, int order) const;
   double choose_time_scale() const;
   void scale_rows_and_measure(double tau);

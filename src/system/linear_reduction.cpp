@@ -3,6 +3,8 @@
 #include "system/linear_reduction.h"
 
 #include <algorithm>
+#include <cmath>
+#include <random>
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
@@ -10,6 +12,13 @@
 #include "reduction/elimination.h"
 
 namespace sfdae::core {
+
+namespace {
+
+// Errors of other signs are rarely larger than the largest of these by much. Chosen.
+constexpr int error_samples = 2;
+
+}  // namespace
 
 void LinearReduction::start(const IndexAnalysis& analysis) {
   prescribed_values_.resize(problem_.prescribed().size() + 1);
@@ -103,6 +112,7 @@ PointRanks LinearReduction::build_form(const Attempt& attempt, const KnownForm& 
   point.kept_constraints = judge.kept_constraints();
   point.kept_differential = judge.kept_differential();
   point.pivot = judge.smallest_pivot();
+  ranks_ = judge.ranks();
   return ranks;
 }
 
@@ -124,6 +134,63 @@ PointStatus LinearReduction::replace_rhs(double t, int mu, LinearPoint& point, C
   point.form.replace_rhs(point.data, f_hat, {&problem_.prescribed(), prescribed_values_.data()}, arena_);
   point.t = t;
   return PointStatus::ok;
+}
+
+void LinearReduction::errors_of_x(const KnownForm& known, const LinearPoint& point, const double* x, double* errors) {
+  const int n = problem_.n();
+  std::fill_n(errors, n, 0.0);
+  std::minstd_rand generator(1);
+  TaylorData changed;
+  NullSpaceForm form;
+  const Arena::Frame frame(arena_);
+  double* Ex = arena_.take(index(problem_.m()));
+  multiply(1.0, Op::plain, point.data.E(0), x, 0.0, Ex);
+  for (int sample = 0; sample < error_samples; ++sample) {
+    changed = point.data;
+    changed.change_by_errors(generator);
+    // Where the ranks are others, they are unclear, which is said elsewhere.
+    if (!build_changed_form(known, point, changed, form)) continue;
+    double* q = arena_.take(index(form.d) + 1);
+    double* z = arena_.take(index(form.unknowns()) + 1);
+    double* moved = arena_.take(index(n));
+    multiply(1.0, Op::transposed, form.Z1(), Ex, 0.0, q);
+    for (int i = 0; i < form.d; ++i) q[i] -= form.g0()[i];
+    form.solve_G(q, z, arena_);
+    if (form.u > 0) {
+      // The free part of x stays.
+      double* along = arena_.take(index(form.unknowns()));
+      double* free_part = arena_.take(index(form.u));
+      multiply(1.0, Op::transposed, form.T2(), x, 0.0, along);
+      multiply(1.0, Op::transposed, form.Uz(), along, 0.0, free_part);
+      multiply(1.0, Op::plain, form.Uz(), free_part, 1.0, z);
+    }
+    std::copy_n(form.xp(), n, moved);
+    multiply(1.0, Op::plain, form.T2(), z, 1.0, moved);
+    for (int i = 0; i < n; ++i) errors[i] = std::max(errors[i], std::fabs(moved[i] - x[i]));
+  }
+}
+
+// With the ranks of the point.
+bool LinearReduction::build_changed_form(const KnownForm& known, const LinearPoint& point, TaylorData& changed,
+                                         NullSpaceForm& form) {
+  const int mu = known.analysis.values.mu;
+  const Prescription prescription{&problem_.prescribed(), prescribed_values_.data()};
+  const Arena::Frame frame(arena_);
+  if (has_constant_form_) {
+    form = point.form;
+    double* f_hat = arena_.take(index(Zt_.rows()) + 1);
+    multiply(1.0, Op::plain, Zt_, changed.f(0), 0.0, f_hat);
+    form.replace_rhs(changed, f_hat, prescription, arena_);
+    return true;
+  }
+  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, noise_, &ranks_};
+  Judge judge(changed, mu, judging, nullptr);
+  const Carried carried = settings_.by_svd ? eliminate_by_svd(changed, mu, changed.f_stack(mu), judge, arena_)
+                                           : eliminate(changed, mu, changed.f_stack(mu), 1, judge, arena_);
+  form.resize(problem_.m(), problem_.n(), static_cast<int>(problem_.prescribed().size()), carried.rows);
+  const PointRanks ranks = form.build(changed, carried, prescription, known.leading, judge, arena_);
+  return judge.fits_known_ranks() && ranks.prescription_fits && ranks.a == known.analysis.values.a &&
+         ranks.d == known.analysis.values.d;
 }
 
 void LinearReduction::prefer_rows_of(const LinearPoint& point) {
