@@ -19,8 +19,8 @@ constexpr double remembered = 0.5;
 // Components that start at zero need steps to become what they are. Chosen.
 constexpr int most_points_in_excess = 3;
 
-std::optional<CallResult> excess(const std::vector<double>& errors, const std::vector<double>& sizes, double t,
-                                 const ErrorWeights& weights) {
+std::optional<CallResult> find_excess(const std::vector<double>& errors, const std::vector<double>& sizes, double t,
+                                      const ErrorWeights& weights) {
   double largest = 1.0, allowed_there = 0.0;
   int worst = -1;
   for (int i = 0; i < static_cast<int>(errors.size()); ++i) {
@@ -56,12 +56,16 @@ void DifferenceCheck::accept(DaeSystem& system, const ErrorWeights& weights, con
   sizes_.resize(n, 0.0);
   system.difference_errors(x, errors_.data());
   for (std::size_t i = 0; i < n; ++i) sizes_[i] = std::max(std::fabs(x[i]), remembered * sizes_[i]);
-  points_in_excess_ = excess(errors_, sizes_, t_, weights) ? points_in_excess_ + 1 : 0;
+  points_in_excess_ = excess(weights) ? points_in_excess_ + 1 : 0;
+}
+
+std::optional<CallResult> DifferenceCheck::excess(const ErrorWeights& weights) const {
+  return find_excess(errors_, sizes_, t_, weights);
 }
 
 std::optional<CallResult> DifferenceCheck::lasting_excess(const ErrorWeights& weights) const {
   if (points_in_excess_ < most_points_in_excess) return std::nullopt;
-  return excess(errors_, sizes_, t_, weights);
+  return excess(weights);
 }
 
 std::optional<CallResult> DifferenceCheck::excess_at(DaeSystem& system, const ErrorWeights& weights,
@@ -71,7 +75,7 @@ std::optional<CallResult> DifferenceCheck::excess_at(DaeSystem& system, const Er
   sizes.resize(errors.size(), 0.0);
   system.difference_errors(x, errors.data());
   for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] = std::max(std::fabs(x[i]), sizes[i]);
-  return excess(errors, sizes, system.t(), weights);
+  return find_excess(errors, sizes, system.t(), weights);
 }
 
 void DifferenceCheck::archive(Archive& archive, std::size_t n) {

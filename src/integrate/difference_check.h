@@ -19,7 +19,8 @@ class DifferenceCheck {
  public:
   // The current point of the system has been accepted, x consistent there; is_first: of an integration.
   void accept(DaeSystem& system, const ErrorWeights& weights, const double* x, bool is_first);
-  // Several points in a row have errors beyond the tolerances, with those at present, too.
+  // The point accepted last has errors beyond the tolerances, or so have several points in a row.
+  std::optional<CallResult> excess(const ErrorWeights& weights) const;
   std::optional<CallResult> lasting_excess(const ErrorWeights& weights) const;
   // At another current point, which is returned to the user.
   std::optional<CallResult> excess_at(DaeSystem& system, const ErrorWeights& weights, const double* x) const;

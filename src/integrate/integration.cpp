@@ -318,7 +318,10 @@ CallResult Integration::give_up(StepOutcome outcome) {
     integrator_.must_restart = true;
     if (outcome == StepOutcome::changed) change_ = change_at_failure();
   }
-  return change_ ? result_of_change(integrator_.system, *change_) : result_of_smallest_step(outcome, integrator_);
+  if (change_) return result_of_change(integrator_.system, *change_);
+  // Errors of derivatives look like jumps of the solution.
+  if (auto excess = integrator_.differences.excess(integrator_.weights)) return *excess;
+  return result_of_smallest_step(outcome, integrator_);
 }
 
 // ---- Points returned -------------------------------------------------------------------------------------------
