@@ -10,6 +10,7 @@
 #include "linalg/index.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
+#include "reduction/index_search.h"
 
 namespace sfdae::core {
 
@@ -39,6 +40,7 @@ PointStatus LinearReduction::reduce(double t, const KnownForm& known, LinearPoin
                                     long& count) {
   PointStatus status = attempt({t, known.analysis.time_scale, rows_, noise_}, known, point, error, count);
   if (status == PointStatus::changed) status = attempt_others(t, known, point, error, count);
+  if (status == PointStatus::changed) status = keep_known_ranks(t, known, point, error, count);
   if (status != PointStatus::ok || !problem_.is_constant()) return status;
   // The same operations at every point: whether this is the first one does not show in any bit.
   has_constant_form_ = true;
@@ -69,6 +71,33 @@ PointStatus LinearReduction::attempt_others(double t, const KnownForm& known, Li
   return status;
 }
 
+// Unless the whole analysis says clearly that they are others (docs/decisions/30-known-ranks.md).
+PointStatus LinearReduction::keep_known_ranks(double t, const KnownForm& known, LinearPoint& point,
+                                              CallbackError& error, long& count) {
+  if (settings_.by_svd || settings_.rank_tol > 0.0) return PointStatus::changed;
+  // After a checkpoint they are found anew.
+  if (ranks_.count == 0 && known.analysis.t != t)
+    attempt({known.analysis.t, known.analysis.time_scale, rows_, noise_}, known, point, error, count);
+  if (ranks_.count == 0) return PointStatus::changed;
+  IndexSearch search(problem_, t, settings_, arena_, nullptr);
+  SearchResult found;
+  try {
+    found = search.search(settings_.max_index);
+  } catch (const Failure& failure) {
+    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    found.last.clear = false;
+  }
+  const bool is_confirmed = found.last.clear && found.values == known.analysis.values;
+  if (found.last.clear && !is_confirmed) return PointStatus::changed;
+  const RankSequence ranks = ranks_;
+  const PointStatus status =
+      attempt({t, known.analysis.time_scale, rows_, noise_, &ranks}, known, point, error, count);
+  if (status != PointStatus::ok || is_confirmed) return status;
+  // Values that are nothing but rounding errors.
+  const double smallest = std::min({point.pivot, point.kept_constraints, point.kept_differential});
+  return smallest >= unit_roundoff ? status : PointStatus::changed;
+}
+
 PointStatus LinearReduction::attempt(const Attempt& attempt, const KnownForm& known, LinearPoint& point,
                                      CallbackError& error, long& count) {
   point.forget();
@@ -79,19 +108,21 @@ PointStatus LinearReduction::attempt(const Attempt& attempt, const KnownForm& kn
   ++count;
   const PointRanks ranks = build_form(attempt, known, point);
   const CharacteristicValues& values = known.analysis.values;
+  if (candidate_.count == 0) return PointStatus::changed;
   if (ranks.a != values.a || ranks.v_hat != known.analysis.v_hat) return PointStatus::changed;
   const bool lacks_equations = ranks.d != values.d && !problem_.prescribed().empty();
   demand_fitting_prescription(ranks.prescription_fits && !lacks_equations, attempt.t);
   if (ranks.d != values.d) return PointStatus::changed;
   if (known.leading == LeadingTerm::projector && ranks.rank_E != known.analysis.rank_E)
     return PointStatus::leading_changed;
+  ranks_ = candidate_;
   return PointStatus::ok;
 }
 
 // Elimination and null-space form of the coefficients evaluated.
 PointRanks LinearReduction::build_form(const Attempt& attempt, const KnownForm& known, LinearPoint& point) {
   const int mu = known.analysis.values.mu;
-  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, attempt.noise};
+  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, attempt.noise, attempt.known_ranks};
   Judge judge(point.data, mu, judging, nullptr);
   const Arena::Frame frame(arena_);
   const bool keep_transformation = problem_.is_constant();
@@ -112,7 +143,7 @@ PointRanks LinearReduction::build_form(const Attempt& attempt, const KnownForm& 
   point.kept_constraints = judge.kept_constraints();
   point.kept_differential = judge.kept_differential();
   point.pivot = judge.smallest_pivot();
-  ranks_ = judge.ranks();
+  candidate_ = judge.fits_known_ranks() ? judge.ranks() : RankSequence();
   return ranks;
 }
 

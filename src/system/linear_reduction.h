@@ -50,10 +50,13 @@ class LinearReduction {
     double t, time_scale;
     RowScaling rows;
     NoiseModel noise;
+    const RankSequence* known_ranks = nullptr;  // taken, not decided
   };
   PointStatus attempt(const Attempt& attempt, const KnownForm& known, LinearPoint& point, CallbackError& error,
                       long& count);
   PointStatus attempt_others(double t, const KnownForm& known, LinearPoint& point, CallbackError& error, long& count);
+  PointStatus keep_known_ranks(double t, const KnownForm& known, LinearPoint& point, CallbackError& error,
+                               long& count);
   PointRanks build_form(const Attempt& attempt, const KnownForm& known, LinearPoint& point);
   CallbackError evaluate_prescribed(double t);
   bool build_changed_form(const KnownForm& known, const LinearPoint& point, TaylorData& changed, NullSpaceForm& form);
@@ -71,7 +74,7 @@ class LinearReduction {
   Matrix Zt_;
   TaylorData rhs_;
   bool has_constant_form_ = false;
-  RankSequence ranks_;  // of the point reduced last
+  RankSequence ranks_, candidate_;  // of the last point where the values known hold, and of the one tried last
 };
 
 }  // namespace sfdae::core
