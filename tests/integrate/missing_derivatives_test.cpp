@@ -226,3 +226,85 @@ TEST(MissingDerivatives, AreRightToTheTolerancesOrItIsSaid) {
     for (const auto& [what, count] : refused) printf("%s: %d of %d refused\n", what.c_str(), count[1], count[0]);
   EXPECT_GE(4 * solved, problems());
 }
+
+namespace {
+
+// x_i = x_(i+1)', ..., 0 = x_n - f_n(t) in chains one after the other; each ends with its own function.
+struct Chains {
+  int n;
+  std::vector<int> ends;  // the last component of each
+  double (*last)(int chain, double t);
+};
+
+int write_chain_E(double, int order, double* E, void* user) {
+  const Chains& c = *static_cast<Chains*>(user);
+  for (int i = 0; i + 1 < c.n && order == 0; ++i)
+    if (std::find(c.ends.begin(), c.ends.end(), i) == c.ends.end()) E[i + (i + 1) * c.n] = 1.0;
+  return 0;
+}
+int write_chain_A(double, int order, double* A, void* user) {
+  const Chains& c = *static_cast<Chains*>(user);
+  for (int i = 0; i < c.n && order == 0; ++i) A[i * (c.n + 1)] = 1.0;
+  return 0;
+}
+int write_chain_f(double t, int order, double* f, void* user) {
+  const Chains& c = *static_cast<Chains*>(user);
+  if (order > 0) return SFDAE_ORDER_NOT_AVAILABLE;
+  for (int chain = 0; chain < static_cast<int>(c.ends.size()); ++chain) f[c.ends[at(chain)]] = -c.last(chain, t);
+  return 0;
+}
+
+// Status of the last call; x at the end.
+int solve_chains(Chains c, double tol, bool constant, Numbers& x, std::string& message) {
+  sfdae_linear_problem problem;
+  sfdae_linear_problem_init(&problem, sizeof problem);
+  problem.num_equations = problem.num_unknowns = c.n;
+  problem.E = write_chain_E;
+  problem.A = write_chain_A;
+  problem.f = write_chain_f;
+  problem.constant_E = problem.constant_A = constant ? 1 : 0;
+  problem.user = &c;
+  sfdae_options options;
+  sfdae_options_init(&options, sizeof options);
+  options.rtol = options.atol = tol;
+  options.difference_derivatives = 1;
+  sfdae_solver* solver = nullptr;
+  EXPECT_EQ(sfdae_create_linear(&solver, &problem, &options), SFDAE_OK);
+  x.assign(at(c.n), 0.0);
+  int status = sfdae_start(solver, 0.0, 1.0, x.data(), nullptr);
+  for (int i = 1; i <= 4 && status >= SFDAE_OK; ++i) {
+    double t = 0.0;
+    status = sfdae_advance(solver, 0.25 * i, &t, x.data(), nullptr);
+  }
+  message = sfdae_message(solver);
+  sfdae_destroy(&solver);
+  return status;
+}
+
+}  // namespace
+
+// x1 = -sin t beside 1e8 cos 3t: one error for all of f made x1 = 0.
+TEST(MissingDerivatives, OfSmallRowsAreNotThoseOfLargeOnes) {
+  const Chains chains{
+      4, {1, 3}, [](int chain, double t) { return chain == 0 ? std::cos(t) : 1e8 * std::cos(3.0 * t); }};
+  for (const bool constant : {false, true}) {
+    Numbers x;
+    std::string message;
+    ASSERT_EQ(solve_chains(chains, 1e-6, constant, x, message), SFDAE_OK) << message;
+    EXPECT_NEAR(x[0], -std::sin(1.0), 1e-6);
+    EXPECT_NEAR(x[2], -3e8 * std::sin(3.0), 1e-6 * 3e8);
+  }
+}
+
+// The third derivative of sin 5t; the message names component 0, which it is.
+TEST(MissingDerivatives, AreReportedWhereTheyAreTooCoarse) {
+  const Chains chain{4, {3}, [](int, double t) { return std::sin(5.0 * t); }};
+  for (const bool constant : {false, true}) {
+    Numbers x;
+    std::string message;
+    EXPECT_EQ(solve_chains(chain, 1e-11, constant, x, message), SFDAE_TOLERANCE_TOO_SMALL);
+    EXPECT_NE(message.find("component 0 of x"), std::string::npos) << message;
+    ASSERT_EQ(solve_chains(chain, 1e-2, constant, x, message), SFDAE_OK) << message;
+    EXPECT_NEAR(x[0], -125.0 * std::cos(5.0), 1e-2 * 126.0);
+  }
+}

@@ -207,7 +207,7 @@ Result solve(const Circuit& circuit, double tf, const Choice& choice) {
   if (result.status != SFDAE_OK) return result;
   result.x.assign(at(circuit.n()), 0.0);
   result.status = sfdae_start(solver, 0.0, tf, result.x.data(), nullptr);
-  for (int i = 1; i <= choice.outputs && result.status == SFDAE_OK; ++i) {
+  for (int i = 1; i <= choice.outputs && result.status >= SFDAE_OK; ++i) {
     double t = 0.0;
     result.status = sfdae_advance(solver, tf * i / choice.outputs, &t, result.x.data(), nullptr);
   }
@@ -216,31 +216,53 @@ Result solve(const Circuit& circuit, double tf, const Choice& choice) {
   return result;
 }
 
-struct Case {
-  Circuit (*circuit)(double junction);
-  double tf;
-};
+// Sources that have this frequency, and a phase more.
+Circuit driven(Circuit circuit, double frequency, double phase) {
+  for (Element& e : circuit.elements) {
+    if (e.kind != Kind::source) continue;
+    e.frequency = frequency;
+    e.phase += phase;
+  }
+  return circuit;
+}
+
+// Three periods, in every way; all give the same voltages.
+void expect_solved(const Circuit& circuit, double frequency, const std::string& name) {
+  Numbers reference;
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (const bool by_callbacks : {false, true})
+      for (const int outputs : {1, 60}) {
+        const Result result = solve(circuit, 3.0 / frequency, {method, by_callbacks, outputs});
+        const std::string what = name + ", method " + std::to_string(method) +
+                                 (by_callbacks ? ", callbacks, " : ", recorded, ") + std::to_string(outputs) +
+                                 " outputs";
+        EXPECT_EQ(result.status, SFDAE_OK) << what << ": " << result.message;
+        if (result.status != SFDAE_OK) continue;
+        if (reference.empty()) reference = result.x;
+        for (int i = 0; i < circuit.nodes; ++i)
+          EXPECT_NEAR(result.x[at(i)], reference[at(i)], 1e-3 * (1.0 + std::fabs(reference[at(i)]))) << what;
+      }
+}
 
 }  // namespace
 
-// Every way of computing it gives the same voltages.
+// At rest at t = 0.
 TEST(StiffCircuits, KeepTheirRanksInStepsAndAtOutputs) {
-  for (const Case& c : {Case{rectifier, 3e-3}, Case{bridge, 3e-3}, Case{charge_pump, 5e-5}})
-    for (double junction : {1e-15, 1e-13, 1e-12}) {
-      const Circuit circuit = c.circuit(junction);
-      Numbers reference;
-      for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
-        for (const bool by_callbacks : {false, true})
-          for (const int outputs : {1, 7, 300}) {
-            const Result result = solve(circuit, c.tf, {method, by_callbacks, outputs});
-            const std::string what = circuit.name + ", C = " + std::to_string(junction * 1e15) + " fF, method " +
-                                     std::to_string(method) + (by_callbacks ? ", callbacks, " : ", recorded, ") +
-                                     std::to_string(outputs) + " outputs";
-            EXPECT_EQ(result.status, SFDAE_OK) << what << ": " << result.message;
-            if (result.status != SFDAE_OK) continue;
-            if (reference.empty()) reference = result.x;
-            for (int i = 0; i < circuit.nodes; ++i)
-              EXPECT_NEAR(result.x[at(i)], reference[at(i)], 1e-3 * (1.0 + std::fabs(reference[at(i)]))) << what;
-          }
-    }
+  for (const double junction : {1e-13, 1e-12}) {
+    const std::string name = ", " + std::to_string(junction * 1e15) + " fF";
+    expect_solved(driven(rectifier(junction), 1e3, 0.0), 1e3, "rectifier" + name);
+    expect_solved(driven(bridge(junction), 1e3, 0.0), 1e3, "bridge" + name);
+  }
+  expect_solved(driven(charge_pump(1e-12), 1e5, 0.0), 1e5, "charge pump");
+}
+
+// Switched on at a voltage: diodes conduct at once, with the ranks of an analysis in the units of time that it chose.
+// In those of the first points decisions are not clear, but the whole analysis there finds the same values.
+TEST(StiffCircuits, KeepTheirRanksWhereOneScalingDoubtsThem) {
+  struct Start {
+    double junction, phase;
+  };
+  for (const Start& start : {Start{1e-13, 0.3}, Start{1e-12, 0.3}, Start{1e-12, 1.0}, Start{1e-11, 0.3}})
+    expect_solved(driven(bridge(start.junction), 1e5, start.phase), 1e5,
+                  "bridge, " + std::to_string(start.junction * 1e15) + " fF, phase " + std::to_string(start.phase));
 }
