@@ -61,7 +61,10 @@ void SpacingSearch::add(const DifferencePoints& at) {
   const std::vector<double> interpolation = difference_weights(position, nodes, 0);
   const Coefficients node_product = node_polynomial(at.shift);
   const DifferenceFormula formula(at.shift, highest_);
-  std::vector<double> size(index(entries_), 0.0), missed(index(entries_)), unit(index(entries_), span_);
+  std::vector<double> missed(index(entries_)), unit(index(entries_), span_);
+  // That of the widest spacing, so that errors are not measured by an entry that happens to vanish here.
+  std::vector<double>& size = sizes_;
+  size.resize(index(entries_), 0.0);
   for (int e = 0; e < entries_; ++e) {
     double value = 0.0, magnitude = 0.0;
     for (int i = 0; i < points; ++i) {

@@ -41,6 +41,7 @@ class SpacingSearch {
   std::vector<double> steps_;
   std::vector<std::vector<float>> errors_;  // of the entries with each step, relative to their size
   std::vector<float> best_;
+  std::vector<double> sizes_;  // largest values met
 };
 
 }  // namespace sfdae::core
