@@ -93,7 +93,7 @@ extern "C" {
 #define SFDAE_MAX_STEPS (-40)           /* max_steps taken in this call */
 #define SFDAE_STEP_TOO_SMALL (-41)      /* the error test fails at the smallest step */
 #define SFDAE_SINGULAR (-42)            /* the iteration matrix stays singular */
-#define SFDAE_TOLERANCE_TOO_SMALL (-43) /* tolerances below what rounding allows */
+#define SFDAE_TOLERANCE_TOO_SMALL (-43) /* tolerances below what rounding, or derivatives by differences, allow */
 
 #define SFDAE_INTERNAL (-99) /* a defect of the library: please report it */
 
@@ -192,7 +192,9 @@ typedef struct sfdae_options {
   const double* atol_vector; /* NULL or n values that replace atol */
 
   /* Index analysis. Derivatives that callbacks do not provide (SFDAE_ORDER_NOT_AVAILABLE) can be computed from
-   * order 0 by differences, up to order 6. */
+   * order 0 by differences, up to order 6, each entry to the accuracy that its own values allow. Where that is not
+   * enough for the tolerances (above all for mu >= 3 and tolerances below 1e-8) steps and outputs end with
+   * SFDAE_TOLERANCE_TOO_SMALL, the component and its error in the message. */
   int max_index;              /* highest strangeness index tried, default 5; 0 ... 12 */
   int reduction;              /* SFDAE_REDUCTION_STAGED (default) or _SVD */
   double rank_tol;            /* > 0, < 1: values below rank_tol * norm of the data count as zero. Default 0: the

@@ -59,9 +59,10 @@ Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, 
 
 void Integration::archive(Archive& archive) {
   DaeSystem& system = integrator_.system;
-  // Bit 0: backward; bit 1: with events.
+  // Bit 0: backward; bit 1: with events; bit 2: with derivatives by differences.
   const bool has_events = options_.events != nullptr, is_reading = archive.is_reading();
-  int kind = (integrator_.direction < 0.0 ? 1 : 0) + (has_events ? 2 : 0);
+  int kind =
+      (integrator_.direction < 0.0 ? 1 : 0) + (has_events ? 2 : 0) + (integrator_.differences.has_errors() ? 4 : 0);
   bool has_change = change_.has_value();
   archive.small(kind, integrator_.must_restart, has_change, choice_.chosen, integrator_.method, choice_.outputs);
   if (is_reading) {
@@ -79,6 +80,7 @@ void Integration::archive(Archive& archive) {
   archive.real(last_returned_);
   integrator_.stepper->archive(archive, system);
   if (!has_change && watch_) watch_->archive(archive);
+  if ((kind & 4) != 0) integrator_.differences.archive(archive, index(system.unknowns()));
   if (has_events) archive_events(archive, *options_.events, index(system.unknowns()), span_);
   if (is_reading) {
     counts_.restore(all, system);
@@ -176,7 +178,7 @@ std::optional<CallResult> Integration::obstacle(long attempts, double tout) cons
   if (attempts >= options_.max_steps) return result_of_many_steps(options_.max_steps, tout, t);
   const double rounding = integrator_.weights.rounding(integrator_.stepper->x().data());
   if (rounding > 1.0) return result_of_small_tolerances(t, rounding);
-  return std::nullopt;
+  return integrator_.differences.lasting_excess(integrator_.weights);
 }
 
 void Integration::restart(Method method) {
@@ -240,6 +242,8 @@ std::optional<CallResult> Integration::accept_step(double h) {
   system.accept();
   if (counts.steps++ == 0) counts.first_step = h;
   choice_.note_step();
+  integrator_.differences.accept(system, integrator_.weights, integrator_.stepper->x().data(), false);
+  if (auto excess = integrator_.differences.lasting_excess(integrator_.weights)) return excess;
   return call_monitor(h);
 }
 
@@ -314,7 +318,10 @@ CallResult Integration::give_up(StepOutcome outcome) {
     integrator_.must_restart = true;
     if (outcome == StepOutcome::changed) change_ = change_at_failure();
   }
-  return change_ ? result_of_change(integrator_.system, *change_) : result_of_smallest_step(outcome, integrator_);
+  if (change_) return result_of_change(integrator_.system, *change_);
+  // Errors of derivatives look like jumps of the solution.
+  if (auto excess = integrator_.differences.excess(integrator_.weights)) return *excess;
+  return result_of_smallest_step(outcome, integrator_);
 }
 
 // ---- Points returned -------------------------------------------------------------------------------------------

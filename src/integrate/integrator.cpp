@@ -53,6 +53,7 @@ void Integrator::start(double t, const Vector& x, const Vector& xdot, const Inte
   weights.update(x.data());
   stepper->start(system, {t, x, xdot, w, wdot}, h);
   system.accept();
+  differences.accept(system, weights, x.data(), true);
 }
 
 void Integrator::restart(Method wanted, const IntegrationOptions& options) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "integrate/contradictions.h"
+#include "integrate/difference_check.h"
 #include "integrate/error_weights.h"
 #include "integrate/integration_options.h"
 #include "integrate/stepper.h"
@@ -39,6 +40,7 @@ struct Integrator {
   // The history does not fit the system any more, or its next step says nothing about the solution.
   bool must_restart = false;
   Contradictions contradictions;
+  DifferenceCheck differences;  // of the point accepted last
 };
 
 }  // namespace sfdae::core

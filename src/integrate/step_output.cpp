@@ -22,6 +22,11 @@ void check_ranks(Integrator& integrator, double t) {
              t, state.t - state.last.h));
 }
 
+void check_differences(Integrator& integrator, const double* x) {
+  const auto excess = integrator.differences.excess_at(integrator.system, integrator.weights, x);
+  if (excess) throw Failure(excess->status, excess->message);
+}
+
 // xdot: the slope of the polynomial (docs/decisions/10-derivative-at-outputs.md).
 void find_slopes(Integrator& integrator, const PointRequest& request, double* x, double* xdot) {
   DaeSystem& system = integrator.system;
@@ -65,6 +70,7 @@ void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, c
     throw Failure(SFDAE_INCONSISTENT_EQUATIONS, system.inconsistency_message());
   restore(integrator, request.t, x);
   check_ranks(integrator, request.t);
+  check_differences(integrator, x);
   find_slopes(integrator, request, x, xdot);
 }
 

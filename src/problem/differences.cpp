@@ -11,6 +11,28 @@
 
 namespace sfdae::core {
 
+namespace {
+
+constexpr int points = DifferenceFormula::points;
+
+bool are_equal(const double* samples, int stride) {
+  for (int i = 1; i < points; ++i)
+    if (samples[static_cast<std::ptrdiff_t>(i) * stride] != samples[0]) return false;
+  return true;
+}
+
+// Standard deviation of errors of the samples that are independent of each other: the eighth difference of those has
+// a variance of C(16, 8) of theirs, while that of a smooth function is small [MW11].
+double roughness(const double* samples, int stride) {
+  constexpr double binomials[points] = {1, -8, 28, -56, 70, -56, 28, -8, 1};
+  constexpr double deviation = 113.44602240713422;  // sqrt(12870)
+  double difference = 0.0;
+  for (int i = 0; i < points; ++i) difference += binomials[i] * samples[static_cast<std::ptrdiff_t>(i) * stride];
+  return std::fabs(difference) / deviation;
+}
+
+}  // namespace
+
 std::vector<double> difference_weights(double at, const std::vector<double>& nodes, int highest) {
   const int count = static_cast<int>(nodes.size());
   std::vector<double> weights(nodes.size() * index(highest + 1), 0.0);
@@ -42,31 +64,48 @@ DifferenceFormula::DifferenceFormula(int shift, int highest) {
   inner_ = difference_weights(0.0, {nodes.begin() + 1, nodes.end() - 1}, highest);
 }
 
-void DifferenceFormula::apply(int k, double step, const double* samples, int length, double* derivative,
-                              double* error) const {
-  const double* all = all_.data() + static_cast<std::ptrdiff_t>(k) * points;
-  const double* inner = inner_.data() + static_cast<std::ptrdiff_t>(k) * (points - 2);
-  const double scale = std::pow(step, -k);
+DifferenceFormula::Entry DifferenceFormula::differentiate(int k, const double* samples, int stride) const {
   // Rounding errors of samples, as a multiple of what they are if functions are computed to the last bit.
   constexpr double sample_roundings = 4.0;
+  const double* all = all_.data() + static_cast<std::ptrdiff_t>(k) * points;
+  const double* inner = inner_.data() + static_cast<std::ptrdiff_t>(k) * (points - 2);
+  double value = 0.0, coarse = 0.0, magnitude = 0.0;
+  for (int i = 0; i < points; ++i) {
+    const double s = samples[static_cast<std::ptrdiff_t>(i) * stride];
+    value += all[i] * s;
+    magnitude += std::fabs(all[i] * s);
+    if (i > 0 && i < points - 1) coarse += inner[i - 1] * s;
+  }
+  return {value, std::fabs(value - coarse) + sample_roundings * unit_roundoff * magnitude};
+}
+
+void DifferenceFormula::apply(int k, double step, const double* samples, int length, double* derivative,
+                              double* error) const {
+  const double scale = std::pow(step, -k);
   double largest = 0.0;
   for (int row = 0; row < length; ++row) {
-    double value = 0.0, coarse = 0.0, magnitude = 0.0;
-    for (int i = 0; i < points; ++i) {
-      const double s = samples[static_cast<std::ptrdiff_t>(i) * length + row];
-      value += all[i] * s;
-      magnitude += std::fabs(all[i] * s);
-      if (i > 0 && i < points - 1) coarse += inner[i - 1] * s;
-    }
-    derivative[row] = value * scale;
-    largest = std::max(largest,
-                       (std::fabs(value - coarse) + sample_roundings * unit_roundoff * magnitude) * std::fabs(scale));
+    const Entry entry = differentiate(k, samples + row, length);
+    derivative[row] = entry.value * scale;
+    largest = std::max(largest, entry.error * std::fabs(scale));
   }
   *error = largest;
 }
 
+void DifferenceFormula::apply_by_entry(int k, double step, const double* samples, int length, double* derivative,
+                                       double* errors) const {
+  const double scale = std::pow(step, -k);
+  double weights = 0.0;
+  for (int i = 0; i < points; ++i) weights = std::hypot(weights, all_[index(k) * points + index(i)]);
+  for (int row = 0; row < length; ++row) {
+    derivative[row] = errors[row] = 0.0;
+    if (are_equal(samples + row, length)) continue;
+    const Entry entry = differentiate(k, samples + row, length);
+    derivative[row] = entry.value * scale;
+    errors[row] = (entry.error + roughness(samples + row, length) * weights) * std::fabs(scale);
+  }
+}
+
 int fitting_shift(double below, double above, double& step) {
-  constexpr int points = DifferenceFormula::points;
   step = std::min(step, (below + above) / points);
   int shift = points / 2;
   if (above < (points - 1 - shift) * step) shift = points - 1 - static_cast<int>(above / step);

@@ -1,6 +1,7 @@
 // Derivatives by finite differences on equidistant points.
 //
 // [F88] B. Fornberg: Generation of finite difference formulas on arbitrarily spaced grids. Math. Comp. 51, 1988.
+// [MW11] J. J. More, S. M. Wild: Estimating computational noise. SIAM J. Sci. Comput. 33, 2011.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,14 +13,24 @@ namespace sfdae::core {
 std::vector<double> difference_weights(double at, const std::vector<double>& nodes, int highest);
 
 // Samples of a vector function at t + step * (i - shift), i = 0..points-1, each of `length` values, and the k-th
-// derivative at t computed from all of them. error: largest estimated error of an entry, from the formula with two
-// points less and from rounding.
+// derivative at t computed from all of them.
 struct DifferenceFormula {
   static constexpr int points = 9;  // order 8 for the first derivative, and six derivatives with correct digits
   explicit DifferenceFormula(int shift, int highest);
+  // error: largest estimated error of an entry, from the formula with two points less and from rounding.
   void apply(int k, double step, const double* samples, int length, double* derivative, double* error) const;
+  // errors: of every entry, judged by its own samples alone: samples that are all equal have derivatives that are
+  // exactly zero, those that are not smooth have the error of what makes them rough
+  // (docs/decisions/38-errors-of-differences.md).
+  void apply_by_entry(int k, double step, const double* samples, int length, double* derivative,
+                      double* errors) const;
 
  private:
+  // The derivative of one entry for step 1, and its error.
+  struct Entry {
+    double value, error;
+  };
+  Entry differentiate(int k, const double* samples, int stride) const;
   std::vector<double> all_, inner_;  // weights with all points and without the outer two, for step 1
 };
 

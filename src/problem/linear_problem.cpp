@@ -16,24 +16,27 @@ namespace {
 
 // Formulas of nine points give six orders with an accuracy worth having.
 constexpr int max_difference_order = 6;
-// Steps tried, from a sixteenth of the interval of interest down by halves to 1e-9 of it; by judgement.
-constexpr double widest_step = 1.0 / 16.0;
+// Steps tried, from about a sixteenth of the interval of interest, but no simple fraction of it, which may be that of
+// a period, down by halves to 1e-9 of it; by judgement.
+constexpr double widest_step = 0.93 / 16.0;
 constexpr int difference_steps = 24;
 
-double largest_entry(const double* values, int count) { return max_abs({values, count, 1, std::max(count, 1)}); }
+double* values_of(TaylorData& data, char which) {
+  return which == 'E' ? data.E(0).data : which == 'A' ? data.A(0).data : data.f(0);
+}
 
 }  // namespace
 
 LinearProblem::LinearProblem(LinearFunctions user)
     : user_(std::move(user)),
-      functions_{Function{'E', m(), n(), user_.constant_E, 0, std::numeric_limits<int>::max(), 0.0, {}},
-                 Function{'A', m(), n(), user_.constant_A, 0, std::numeric_limits<int>::max(), 0.0, {}},
-                 Function{'f', m(), 1, user_.f == nullptr, 0, std::numeric_limits<int>::max(), 0.0, {}}} {}
+      functions_{Function{'E', m(), n(), user_.constant_E, 0, std::numeric_limits<int>::max(), {}, {}},
+                 Function{'A', m(), n(), user_.constant_A, 0, std::numeric_limits<int>::max(), {}, {}},
+                 Function{'f', m(), 1, user_.f == nullptr, 0, std::numeric_limits<int>::max(), {}, {}}} {}
 
 void LinearProblem::set_differences(const DifferenceOptions& options) {
   differences_ = options;
   for (Function& function : functions_) {
-    function.difference_step = 0.0;
+    function.spacings = {};
     function.highest_order = std::numeric_limits<int>::max();
   }
 }
@@ -45,7 +48,21 @@ void LinearProblem::archive(Archive& archive) {
   else if (archive.is_reading()) units_ = {};
   if (!differences_.allowed) return;
   for (double* value : {&differences_.span, &lowest_t_, &highest_t_}) archive.real(*value);
-  for (Function& function : functions_) archive.real(function.difference_step);
+  for (Function& function : functions_) archive_spacings(archive, function);
+}
+
+void LinearProblem::archive_spacings(Archive& archive, Function& function) {
+  Spacings& spacings = function.spacings;
+  int count = static_cast<int>(spacings.steps.size());
+  archive.small(spacings.highest, count);
+  if (archive.is_reading() && (count < 0 || (count == 0 && spacings.highest > 0))) throw DamagedArchive();
+  archive.reals(spacings.steps, index(count));
+  const std::size_t entries = count < 2 ? 0 : index(function.rows) * index(function.columns);
+  spacings.of_entry.resize(entries);
+  for (int& number : spacings.of_entry) {
+    archive.small(number);
+    if (number < 0 || number >= count) throw DamagedArchive();
+  }
 }
 
 CallbackError LinearProblem::call(char which, double t, int order, double* values) {
@@ -85,10 +102,10 @@ CallbackError LinearProblem::call(char which, double t, int order, double* value
   return callback_error;
 }
 
-// All orders 0..order of one function, errors[k] that of differences relative to the largest value of its order.
-CallbackError LinearProblem::fill(Function& function, double t, int order, double* values, double* errors) {
+// All orders 0..order of one function, with the errors of differences.
+CallbackError LinearProblem::fill(Function& function, double t, int order, TaylorData& data) {
+  double* values = values_of(data, function.name);
   const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(function.rows) * function.columns;
-  std::fill_n(errors, max_derivative_order + 1, 0.0);
   if (function.constant) {
     if (function.constant_value.empty()) {
       std::vector<double> value(static_cast<std::size_t>(count));
@@ -117,7 +134,7 @@ CallbackError LinearProblem::fill(Function& function, double t, int order, doubl
       }
       return callback_error;
     }
-    return differentiate(function, t, {k, order}, values, errors);
+    return differentiate(function, t, {k, order}, data);
   }
   return {};
 }
@@ -138,69 +155,59 @@ CallbackError LinearProblem::sample(Function& function, double t, double& step, 
   return {};
 }
 
-// Halves the step while the worst relative error of the derivatives falls.
-CallbackError LinearProblem::choose_difference_step(Function& function, double t, int last) {
+// Tries steps that are halved each time.
+CallbackError LinearProblem::choose_spacings(Function& function, double t, int last) {
   if (differences_.step > 0.0) {
-    function.difference_step = differences_.step;
+    function.spacings = {last, {differences_.step}, {}};
     return {};
   }
   const int count = function.rows * function.columns;
-  std::vector<double> samples, derivative(index(count));
-  double best_error = std::numeric_limits<double>::infinity();
+  std::vector<double> samples, probe(index(count));
+  SpacingSearch search(count, last, differences_.span);
+  CallbackError last_error;
   double wanted = differences_.span * widest_step;
-  CallbackError callback_error, last_error;
   for (int attempt = 0; attempt < difference_steps; ++attempt, wanted /= 2.0) {
     int shift = 0;
     double step = wanted;
-    callback_error = sample(function, t, step, samples, shift);
+    CallbackError callback_error = sample(function, t, step, samples, shift);
+    if (callback_error.status == SFDAE_OK)
+      callback_error = call(function.name, t + step * SpacingSearch::probe_position(shift), 0, probe.data());
     if (callback_error.status == SFDAE_CALLBACK_STOPPED || callback_error.status == SFDAE_STOPPED)
       return callback_error;
-    if (callback_error.status != SFDAE_OK) {
-      last_error = callback_error;
-      continue;  // the points reach out of the domain of the function
-    }
-    const DifferenceFormula formula(shift, last);
-    double worst = 0.0, size = largest_entry(samples.data(), DifferenceFormula::points * count);
-    if (size == 0.0) size = 1.0;
-    // Errors of different orders are compared in the time in which the function changes by its own size.
-    double unit = differences_.span;
-    for (int k = 1; k <= last; ++k) {
-      double error = 0.0;
-      formula.apply(k, step, samples.data(), count, derivative.data(), &error);
-      if (k == 1) unit = std::min(unit, size / std::max(largest_entry(derivative.data(), count), size / unit));
-      worst = std::max(worst, error * std::pow(unit, k) / size);
-    }
-    if (worst < best_error) {
-      best_error = worst;
-      function.difference_step = step;
-    }
+    if (callback_error.status == SFDAE_OK) search.add({step, shift, samples.data(), probe.data()});
+    else last_error = callback_error;  // the points reach out of the domain of the function
   }
-  return function.difference_step > 0.0 ? CallbackError{} : last_error;
+  if (search.is_empty()) return last_error;
+  function.spacings = search.choose();
+  return {};
 }
 
-CallbackError LinearProblem::differentiate(Function& function, double t, OrderRange orders, double* values,
-                                           double* errors) {
+CallbackError LinearProblem::differentiate(Function& function, double t, OrderRange orders, TaylorData& data) {
   const auto [first, last] = orders;
   const int count = function.rows * function.columns;
-  if (function.difference_step == 0.0) {
-    const CallbackError callback_error = choose_difference_step(function, t, last);
+  if (function.spacings.highest < last) {
+    const CallbackError callback_error = choose_spacings(function, t, last);
     if (callback_error.status != SFDAE_OK) return callback_error;
   }
-  std::vector<double> samples;
-  int shift = 0;
-  double step = function.difference_step;
-  const CallbackError callback_error = sample(function, t, step, samples, shift);
-  if (callback_error.status != SFDAE_OK) return callback_error;
-  const DifferenceFormula formula(shift, last);
-  const double size = largest_entry(samples.data(), static_cast<int>(samples.size()));
-  for (int k = first; k <= last; ++k) {
-    double* derivative = values + static_cast<std::ptrdiff_t>(count) * k;
-    double error = 0.0;
-    formula.apply(k, step, samples.data(), count, derivative, &error);
-    // Values below the error are none: a constant matrix keeps derivatives that are exactly zero.
-    for (int i = 0; i < count; ++i)
-      if (std::fabs(derivative[i]) <= error) derivative[i] = 0.0;
-    errors[k] = size > 0.0 ? error / size : 0.0;
+  const Spacings& spacings = function.spacings;
+  std::vector<double> samples, derivative(index(count)), error(index(count));
+  for (int number = 0; number < static_cast<int>(spacings.steps.size()); ++number) {
+    int shift = 0;
+    double step = spacings.steps[index(number)];
+    const CallbackError callback_error = sample(function, t, step, samples, shift);
+    if (callback_error.status != SFDAE_OK) return callback_error;
+    const DifferenceFormula formula(shift, last);
+    for (int k = first; k <= last; ++k) {
+      double* values = values_of(data, function.name) + static_cast<std::ptrdiff_t>(count) * k;
+      double* errors = data.errors(function.name, k);
+      formula.apply_by_entry(k, step, samples.data(), count, derivative.data(), error.data());
+      for (int e = 0; e < count; ++e) {
+        if (spacings.of(e) != number) continue;
+        // What is below its own error is none: a constant keeps derivatives that are exactly zero.
+        values[e] = std::fabs(derivative[index(e)]) <= error[index(e)] ? 0.0 : derivative[index(e)];
+        errors[e] = error[index(e)];
+      }
+    }
   }
   return {};
 }
@@ -209,11 +216,9 @@ CallbackError LinearProblem::evaluate_plain(double t, Orders orders, TaylorData&
   data.resize(m(), n(), orders);
   data.t = t;
   CallbackError callback_error;
-  if (orders.E >= 0) callback_error = fill(functions_[0], t, orders.E, data.E(0).data, data.error_E.data());
-  if (callback_error.status == SFDAE_OK && orders.A >= 0)
-    callback_error = fill(functions_[1], t, orders.A, data.A(0).data, data.error_A.data());
-  if (callback_error.status == SFDAE_OK && orders.f >= 0)
-    callback_error = fill(functions_[2], t, orders.f, data.f(0), data.error_f.data());
+  if (orders.E >= 0) callback_error = fill(functions_[0], t, orders.E, data);
+  if (callback_error.status == SFDAE_OK && orders.A >= 0) callback_error = fill(functions_[1], t, orders.A, data);
+  if (callback_error.status == SFDAE_OK && orders.f >= 0) callback_error = fill(functions_[2], t, orders.f, data);
   return callback_error;
 }
 

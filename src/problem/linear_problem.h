@@ -10,6 +10,7 @@
 
 #include "linalg/archive.h"
 #include "problem/coefficient_source.h"
+#include "problem/difference_spacings.h"
 #include "problem/problem.h"
 #include "problem/taylor_data.h"
 #include "sfdae/sfdae.h"
@@ -86,7 +87,7 @@ class LinearProblem final : public Problem, public CoefficientSource {
     bool constant;
     long calls = 0;
     int highest_order = std::numeric_limits<int>::max();  // known to be available
-    double difference_step = 0.0;                         // 0: not chosen yet
+    Spacings spacings;                                    // of differences
     std::vector<double> constant_value;
   };
 
@@ -95,12 +96,12 @@ class LinearProblem final : public Problem, public CoefficientSource {
   };
 
   static std::size_t slot(char which) { return which == 'E' ? 0u : which == 'A' ? 1u : 2u; }
-  CallbackError fill(Function& function, double t, int order, double* values, double* errors);
-  // errors[k]: of the k-th derivative, relative to the largest value of the function.
-  CallbackError differentiate(Function& function, double t, OrderRange orders, double* values, double* errors);
+  CallbackError fill(Function& function, double t, int order, TaylorData& data);
+  CallbackError differentiate(Function& function, double t, OrderRange orders, TaylorData& data);
   // The step is made smaller where the limits are too close.
   CallbackError sample(Function& function, double t, double& step, std::vector<double>& samples, int& shift);
-  CallbackError choose_difference_step(Function& function, double t, int last);
+  CallbackError choose_spacings(Function& function, double t, int last);
+  static void archive_spacings(Archive& archive, Function& function);
 
   LinearFunctions user_;
   Units units_;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "linalg/index.h"
+#include "linalg/random.h"
 #include "linalg/rank.h"
 
 namespace sfdae::core {
@@ -90,6 +91,7 @@ void TaylorData::resize(int rows, int cols, Orders held) {
   m = rows;
   n = cols;
   orders = held;
+  for (std::vector<double>& errors : errors_) errors.clear();
   const std::size_t size = index(rows) * index(cols);
   E_.resize(std::max(E_.size(), size * index(held.E + 1)));
   A_.resize(std::max(A_.size(), size * index(held.A + 1)));
@@ -194,6 +196,8 @@ void TaylorData::scale_columns(const Units& factors) {
   };
   for (int k = 0; k <= orders.E; ++k) scale_all(E(k));
   for (int k = 0; k <= orders.A; ++k) scale_all(A(k));
+  for (int k = 0; has_errors('E') && k <= orders.E; ++k) scale_all({errors('E', k), m, n, m});
+  for (int k = 0; has_errors('A') && k <= orders.A; ++k) scale_all({errors('A', k), m, n, m});
 }
 
 void TaylorData::clear_unused_rows() {
@@ -254,25 +258,73 @@ double TaylorData::norm_f(int level) const {
 }
 
 double TaylorData::noise(int level) const {
-  // Errors of the coefficients of order k relative to the norm of all.
   const double size = norm(level);
-  double relative = std::max(unit_roundoff, residual_noise), factor = 1.0;
-  for (int k = 1; k <= level && size > 0.0; ++k) {
-    factor *= time_scale / k;
-    const double absolute = std::max(error_E[index(k)] * norms_.E[0], error_A[index(k)] * norms_.A[0]);
-    relative = std::max(relative, absolute * factor / size);
-  }
+  double relative = std::max(unit_roundoff, residual_noise);
+  for (int k = 1; k <= level && size > 0.0; ++k)
+    relative = std::max({relative, largest_scaled_error('E', k) / size, largest_scaled_error('A', k) / size});
   return relative;
 }
 
 double TaylorData::noise_f(int level) const {
   const double size = norm_f(level);
-  double relative = unit_roundoff, factor = 1.0;
-  for (int k = 1; k <= std::min(level, orders.f) && size > 0.0; ++k) {
-    factor *= time_scale / k;
-    relative = std::max(relative, error_f[index(k)] * norms_.f[0] * factor / size);
-  }
+  double relative = unit_roundoff;
+  for (int k = 1; k <= level && size > 0.0; ++k) relative = std::max(relative, largest_scaled_error('f', k) / size);
   return relative;
+}
+
+// ---- Errors of derivatives -------------------------------------------------------------------------------------
+
+double* TaylorData::errors(char which, int order) {
+  std::vector<double>& errors = errors_[slot(which)];
+  if (errors.empty()) errors.assign(index(highest(which) + 1) * static_cast<std::size_t>(size_of(which)), 0.0);
+  return errors.data() + order * size_of(which);
+}
+
+const double* TaylorData::errors(char which, int order) const {
+  return errors_[slot(which)].data() + order * size_of(which);
+}
+
+double TaylorData::error_of_row(char which, int order, int row) const {
+  if (order < 1 || order > highest(which) || !has_errors(which)) return 0.0;
+  const double* error = errors(which, order) + row;
+  double largest = 0.0;
+  for (int j = 0; j < (which == 'f' ? 1 : n); ++j, error += m) largest = std::max(largest, *error);
+  return largest;
+}
+
+double TaylorData::scaled_error(char which, int order, int entry) const {
+  if (order < 1 || order > highest(which) || !has_errors(which)) return 0.0;
+  return row_scale[index(entry % m)] * factor_of_order(which, order) * errors(which, order)[entry];
+}
+
+double TaylorData::scaled_error_of_row(char which, int order, int row) const {
+  return row_scale[index(row)] * factor_of_order(which, order) * error_of_row(which, order, row);
+}
+
+// tau^k / k!, for A and f once more times tau.
+double TaylorData::factor_of_order(char which, int order) const {
+  double factor = which == 'E' ? 1.0 : time_scale;
+  for (int k = 1; k <= order; ++k) factor *= time_scale / k;
+  return factor;
+}
+
+void TaylorData::change_by_errors(std::minstd_rand& generator) {
+  for (const char which : {'E', 'A', 'f'})
+    for (int k = 1; has_errors(which) && k <= highest(which); ++k) {
+      double* values = which == 'E' ? E(k).data : which == 'A' ? A(k).data : f(k);
+      const double* error = errors(which, k);
+      const double factor = factor_of_order(which, k);
+      for (std::ptrdiff_t e = 0; e < size_of(which); ++e)
+        values[e] +=
+            std::copysign(error[e] * factor * row_scale[index(static_cast<int>(e % m))], symmetric_random(generator));
+    }
+  measure();
+}
+
+double TaylorData::largest_scaled_error(char which, int order) const {
+  double largest = 0.0;
+  for (int i = 0; has_errors(which) && i < m; ++i) largest = std::max(largest, scaled_error_of_row(which, order, i));
+  return largest;
 }
 
 }  // namespace sfdae::core

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <random>
 #include <vector>
 
 #include "linalg/index.h"
@@ -85,10 +86,28 @@ class TaylorData {
   bool is_zero_E(int k) const { return norms_.E[index(k)] == 0.0; }
   bool is_zero_A(int k) const { return norms_.A[index(k)] == 0.0; }
   double norm_E0() const { return norms_.E[0]; }
-  // Rounding errors of the data of level 0 and of derivatives, relative to norm().
+  // Rounding errors of the data of level 0 and errors of derivatives, rows scaled, relative to norm().
   double noise(int level) const;
-  // Rounding errors of f of level 0 and of its derivatives, relative to norm_f().
+  // Rounding errors of f of level 0 and errors of its derivatives, relative to norm_f().
   double noise_f(int level) const;
+
+  // Estimated errors of derivatives by differences, which = 'E', 'A' or 'f': absolute ones of plain derivatives, one
+  // for each entry of E(k), A(k) (m x n) or f(k) (m) (docs/decisions/38-errors-of-differences.md). Order 0 has none.
+  bool has_errors(char which) const { return !errors_[slot(which)].empty(); }
+  bool has_errors() const { return has_errors('E') || has_errors('A') || has_errors('f'); }
+  // Room for them, all zero at first.
+  double* errors(char which, int order);
+  const double* errors(char which, int order) const;
+  // The largest one of a row; 0: exact.
+  double error_of_row(char which, int order, int row) const;
+  // The same, of the coefficient as it is scaled: row_scale_i error tau^k / k!, for A and f once more times tau.
+  double scaled_error_of_row(char which, int order, int row) const;
+  // And of one entry, counted as those of errors() are.
+  double scaled_error(char which, int order, int entry) const;
+  // Every coefficient that is scaled changes by its error, the sign at random.
+  void change_by_errors(std::minstd_rand& generator);
+  // The errors of f are those of other data.
+  void take_errors_of_f(const TaylorData& other) { errors_[slot('f')] = other.errors_[slot('f')]; }
 
   int m = 0;
   int n = 0;
@@ -97,8 +116,6 @@ class TaylorData {
   double time_scale = 1.0;
   std::vector<double> row_scale;  // diagonal of D
   std::vector<double> row_norm;   // largest entry of each row of [E A], unscaled
-  // Errors of difference derivatives (plain, not Taylor) relative to the largest value of the function; 0: exact.
-  std::array<double, max_derivative_order + 1> error_E{}, error_A{}, error_f{};
   // How often each row is differentiated at most: rows of higher levels of the array are left out. Empty: no limit.
   std::vector<int> differentiations;
   bool has_row(int row, int level) const { return differentiations.empty() || level <= differentiations[index(row)]; }
@@ -121,12 +138,18 @@ class TaylorData {
     std::array<double, max_derivative_order + 1> E{}, A{}, f{};
   };
   static double growth(const std::array<double, max_derivative_order + 1>& norms, int order);
+  static std::size_t slot(char which) { return which == 'E' ? 0u : which == 'A' ? 1u : 2u; }
+  std::ptrdiff_t size_of(char which) const { return which == 'f' ? m : static_cast<std::ptrdiff_t>(m) * n; }
+  int highest(char which) const { return which == 'E' ? orders.E : which == 'A' ? orders.A : orders.f; }
+  double factor_of_order(char which, int order) const;
+  double largest_scaled_error(char which, int order) const;
   double choose_time_scale() const;
   std::ptrdiff_t first(int k) const { return static_cast<std::ptrdiff_t>(k) * m * n; }  // entry of order k
   void scale_rows_and_measure(double tau);
   void multiply_all(double factor);
 
   std::vector<double> E_, A_, f_, row_factor_;
+  std::array<std::vector<double>, 3> errors_;  // of E, A, f, laid out as they are; empty: none
   Norms norms_;
 };
 

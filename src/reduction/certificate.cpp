@@ -22,11 +22,10 @@ class PerturbedData {
  public:
   PerturbedData(const TaylorData& data, int level, const BalancedUnits& units, bool omits_suspects)
       : m_(data.m), n_(data.n), generator_(1), least_(omits_suspects ? Suspicion::maybe : Suspicion::certain) {
-    const double error = data.noise(level) > unit_roundoff ? data.noise(level) * data.norm(level) : 0.0;
     for (int k = 0; k <= level; ++k) {
       const bool may_omit = k == 0 && !units.suspects_E.empty();
-      add(data.E(k), error, may_omit ? units.suspects_E.data() : nullptr, E_);
-      add(data.A(k), error, may_omit ? units.suspects_A.data() : nullptr, A_);
+      add(data, 'E', k, may_omit ? units.suspects_E.data() : nullptr, E_);
+      add(data, 'A', k, may_omit ? units.suspects_A.data() : nullptr, A_);
     }
   }
   const double* E(int k, int i, int j) const { return E_.data() + first(k, i, j); }
@@ -36,18 +35,18 @@ class PerturbedData {
   std::size_t first(int k, int i, int j) const {
     return ((index(k) * index(n_) + index(j)) * index(m_) + index(i)) * index(lanes);
   }
-  // error: of every entry, absolute, on top of its own rounding.
-  void add(ConstView block, double error, const Suspicion* suspects, std::vector<double>& to) {
-    for (int j = 0; j < n_; ++j)
-      for (int i = 0; i < m_; ++i) {
-        const bool is_zero = block(i, j) == 0.0 || (suspects != nullptr && suspects[i + j * m_] >= least_);
-        const double value = is_zero ? 0.0 : block(i, j);
-        to.push_back(value);
-        for (int k = 1; k < lanes; ++k) {
-          const double random = symmetric_random(generator_);
-          to.push_back(is_zero ? 0.0 : value + (trial_perturbation * std::fabs(value) + error) * random);
-        }
-      }
+  // On top of its own rounding each entry has the errors of differences and what residuals along a jet may change.
+  void add(const TaylorData& data, char which, int order, const Suspicion* suspects, std::vector<double>& to) {
+    const ConstView block = which == 'E' ? data.E(order) : data.A(order);
+    const double residual_error = data.residual_noise * data.norm(order);
+    for (int entry = 0; entry < m_ * n_; ++entry) {
+      const bool is_omitted = suspects != nullptr && suspects[entry] >= least_;
+      const double value = is_omitted ? 0.0 : block.data[entry];
+      const double error = data.scaled_error(which, order, entry) +
+                           (value != 0.0 ? trial_perturbation * std::fabs(value) + residual_error : 0.0);
+      to.push_back(value);
+      for (int k = 1; k < lanes; ++k) to.push_back(value + error * symmetric_random(generator_));
+    }
   }
 
   int m_, n_;

@@ -120,9 +120,43 @@ PointStatus ArrayLinearization::renew_with_other_ranks(const Jet& jet) {
     ranks_ = *found;
     return renew(jet, false);
   }
+  if (ranks_.count == 0) {
+    const std::optional<RankSequence> found = ranks_in_other_units(jet);
+    if (!found) return PointStatus::changed;
+    ranks_ = *found;
+    return renew(jet, false);
+  }
   JetCoefficients source(problem_.problem(), jet, problem_.units());
-  if (ranks_.count == 0 || !known_values_hold(source, jet.t, settings, known, arena_)) return PointStatus::changed;
+  if (!known_values_hold(source, jet.t, settings, known, arena_)) return PointStatus::changed;
   return renew(jet, false);
+}
+
+// As an analysis has found the values: with one factor for all rows, or in another unit of time.
+std::optional<RankSequence> ArrayLinearization::ranks_in_other_units(const Jet& jet) {
+  struct Scaling {
+    RowScaling rows;
+    double factor;
+  };
+  const AnalysisSettings& settings = problem_.settings();
+  const IndexAnalysis& known = problem_.analysis();
+  const int mu = problem_.mu();
+  TaylorData data;
+  // The units of time that an analysis tries (docs/decisions/02-undecided-values-are-measured.md), and further ones.
+  for (const Scaling& scaling : {Scaling{RowScaling::common, 1.0}, Scaling{RowScaling::each, 1.0 / 8.0},
+                                 Scaling{RowScaling::each, 4.0}, Scaling{RowScaling::each, 1.0 / 64.0}}) {
+    const NonlinearProblem::Scaling units{known.time_scale * scaling.factor, scaling.rows, nullptr,
+                                          &problem_.units()};
+    if (problem_.problem().linearize(jet.t, jet.x.data(), {mu, mu, mu}, units, data).status != SFDAE_OK)
+      return std::nullopt;
+    const auto found = matching_ranks(data, mu, known, settings.rank_tol, {arena_, rank_form_});
+    if (found) return found;
+  }
+  return std::nullopt;
+}
+
+bool ArrayLinearization::has_tiny_pivots() const {
+  return !(std::min({quality_.smallest_pivot, quality_.kept_constraints, quality_.kept_differential}) >=
+           unit_roundoff);
 }
 
 PointStatus ArrayLinearization::restore(Origin origin, const RankSequence& ranks) {

@@ -6,6 +6,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "linalg/arena.h"
@@ -56,6 +57,8 @@ class ArrayLinearization {
   // Null before the first renewal.
   const std::vector<double>* preferred_rows() const { return preferred_rows_.empty() ? nullptr : &preferred_rows_; }
   const PointQuality& quality() const { return quality_; }
+  // Values kept that are nothing but rounding errors: the ranks do not hold.
+  bool has_tiny_pivots() const;
   const TaylorData& data() const { return data_; }
   const NullSpaceForm& form() const { return form_; }
   StepMatrix& matrix() { return matrix_; }
@@ -94,6 +97,7 @@ class ArrayLinearization {
  private:
   PointRanks eliminate_array(Judge& judge);
   PointStatus renew_with_other_ranks(const Jet& jet);
+  std::optional<RankSequence> ranks_in_other_units(const Jet& jet);
   void measure_noise(const Jet& jet);
 
   AnalyzedEquations& problem_;

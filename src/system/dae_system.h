@@ -61,6 +61,11 @@ class DaeSystem : public StrangenessFreeSystem {
   // Errors of the components of x that rounding in the equations causes near the point; null: negligible.
   virtual const double* rounding_errors() const { return nullptr; }
 
+  // Whether derivatives by differences enter the equations at the current point, and the errors of x (n values) that
+  // theirs cause there, x consistent: an estimate (docs/decisions/38-errors-of-differences.md).
+  virtual bool has_difference_errors() const { return false; }
+  virtual void difference_errors(const double* /*x*/, double* /*errors*/) {}
+
   // Whether the characteristic values hold at the current point, where that has not been checked. What later steps
   // depend on stays as it is.
   virtual PointStatus check_ranks() { return PointStatus::ok; }

@@ -3,13 +3,28 @@
 #include "system/linear_reduction.h"
 
 #include <algorithm>
+#include <cmath>
+#include <random>
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
+#include "reduction/index_search.h"
 
 namespace sfdae::core {
+
+namespace {
+
+// Errors of other signs are rarely larger than the largest of these by much. Chosen.
+constexpr int error_samples = 2;
+
+// Values that are nothing but rounding errors.
+bool has_vanished(const LinearPoint& point) {
+  return std::min({point.pivot, point.kept_constraints, point.kept_differential}) < unit_roundoff;
+}
+
+}  // namespace
 
 void LinearReduction::start(const IndexAnalysis& analysis) {
   prescribed_values_.resize(problem_.prescribed().size() + 1);
@@ -29,8 +44,13 @@ CallbackError LinearReduction::evaluate_prescribed(double t) {
 
 PointStatus LinearReduction::reduce(double t, const KnownForm& known, LinearPoint& point, CallbackError& error,
                                     long& count) {
-  PointStatus status = attempt({t, known.analysis.time_scale, rows_, noise_}, known, point, error, count);
+  // Ranks that took a certificate norms alone would not give.
+  const RankSequence& certified = known.analysis.certified_ranks;
+  PointStatus status = attempt({t, known.analysis.time_scale, rows_, noise_, certified.count > 0 ? &certified : nullptr},
+                               known, point, error, count);
+  if (certified.count > 0 && status == PointStatus::ok && has_vanished(point)) status = PointStatus::changed;
   if (status == PointStatus::changed) status = attempt_others(t, known, point, error, count);
+  if (status == PointStatus::changed) status = keep_known_ranks(t, known, point, error, count);
   if (status != PointStatus::ok || !problem_.is_constant()) return status;
   // The same operations at every point: whether this is the first one does not show in any bit.
   has_constant_form_ = true;
@@ -61,6 +81,31 @@ PointStatus LinearReduction::attempt_others(double t, const KnownForm& known, Li
   return status;
 }
 
+// Unless the whole analysis says clearly that they are others (docs/decisions/30-known-ranks.md).
+PointStatus LinearReduction::keep_known_ranks(double t, const KnownForm& known, LinearPoint& point,
+                                              CallbackError& error, long& count) {
+  if (settings_.by_svd || settings_.rank_tol > 0.0) return PointStatus::changed;
+  // After a checkpoint they are found anew.
+  if (ranks_.count == 0 && known.analysis.t != t)
+    attempt({known.analysis.t, known.analysis.time_scale, rows_, noise_}, known, point, error, count);
+  if (ranks_.count == 0) return PointStatus::changed;
+  IndexSearch search({problem_, settings_, arena_}, t);
+  SearchResult found;
+  try {
+    found = search.search(settings_.max_index);
+  } catch (const Failure& failure) {
+    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    found.last.clear = false;
+  }
+  const bool is_confirmed = found.last.clear && found.values == known.analysis.values;
+  if (found.last.clear && !is_confirmed) return PointStatus::changed;
+  const RankSequence ranks = ranks_;
+  const PointStatus status =
+      attempt({t, known.analysis.time_scale, rows_, noise_, &ranks}, known, point, error, count);
+  if (status != PointStatus::ok || is_confirmed) return status;
+  return has_vanished(point) ? PointStatus::changed : status;
+}
+
 PointStatus LinearReduction::attempt(const Attempt& attempt, const KnownForm& known, LinearPoint& point,
                                      CallbackError& error, long& count) {
   point.forget();
@@ -71,21 +116,21 @@ PointStatus LinearReduction::attempt(const Attempt& attempt, const KnownForm& kn
   ++count;
   const PointRanks ranks = build_form(attempt, known, point);
   const CharacteristicValues& values = known.analysis.values;
+  if (candidate_.count == 0) return PointStatus::changed;
   if (ranks.a != values.a || ranks.v_hat != known.analysis.v_hat) return PointStatus::changed;
   const bool lacks_equations = ranks.d != values.d && !problem_.prescribed().empty();
   demand_fitting_prescription(ranks.prescription_fits && !lacks_equations, attempt.t);
   if (ranks.d != values.d) return PointStatus::changed;
   if (known.leading == LeadingTerm::projector && ranks.rank_E != known.analysis.rank_E)
     return PointStatus::leading_changed;
+  ranks_ = candidate_;
   return PointStatus::ok;
 }
 
 // Elimination and null-space form of the coefficients evaluated.
 PointRanks LinearReduction::build_form(const Attempt& attempt, const KnownForm& known, LinearPoint& point) {
   const int mu = known.analysis.values.mu;
-  const RankSequence& certified = known.analysis.certified_ranks;
-  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, attempt.noise,
-                                certified.count > 0 ? &certified : nullptr};
+  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, attempt.noise, attempt.known_ranks};
   Judge judge(point.data, mu, judging, nullptr);
   const Arena::Frame frame(arena_);
   const bool keep_transformation = problem_.is_constant();
@@ -106,6 +151,7 @@ PointRanks LinearReduction::build_form(const Attempt& attempt, const KnownForm& 
   point.kept_constraints = judge.kept_constraints();
   point.kept_differential = judge.kept_differential();
   point.pivot = judge.smallest_pivot();
+  candidate_ = judge.fits_known_ranks() ? judge.ranks() : RankSequence();
   return ranks;
 }
 
@@ -120,12 +166,70 @@ PointStatus LinearReduction::replace_rhs(double t, int mu, LinearPoint& point, C
     for (int i = 0; i < problem_.m(); ++i)
       point.data.f(k)[i] = rhs_.f(k)[i] * factor * point.data.row_scale[index(i)];
   }
+  point.data.take_errors_of_f(rhs_);
   const Arena::Frame frame(arena_);
   double* f_hat = arena_.take(index(Zt_.rows()) + 1);
   multiply(1.0, Op::plain, Zt_, point.data.f(0), 0.0, f_hat);
   point.form.replace_rhs(point.data, f_hat, {&problem_.prescribed(), prescribed_values_.data()}, arena_);
   point.t = t;
   return PointStatus::ok;
+}
+
+void LinearReduction::errors_of_x(const KnownForm& known, const LinearPoint& point, const double* x, double* errors) {
+  const int n = problem_.n();
+  std::fill_n(errors, n, 0.0);
+  std::minstd_rand generator(1);
+  TaylorData changed;
+  NullSpaceForm form;
+  const Arena::Frame frame(arena_);
+  double* Ex = arena_.take(index(problem_.m()));
+  multiply(1.0, Op::plain, point.data.E(0), x, 0.0, Ex);
+  for (int sample = 0; sample < error_samples; ++sample) {
+    changed = point.data;
+    changed.change_by_errors(generator);
+    // Where the ranks are others, they are unclear, which is said elsewhere.
+    if (!build_changed_form(known, point, changed, form)) continue;
+    double* q = arena_.take(index(form.d) + 1);
+    double* z = arena_.take(index(form.unknowns()) + 1);
+    double* moved = arena_.take(index(n));
+    multiply(1.0, Op::transposed, form.Z1(), Ex, 0.0, q);
+    for (int i = 0; i < form.d; ++i) q[i] -= form.g0()[i];
+    form.solve_G(q, z, arena_);
+    if (form.u > 0) {
+      // The free part of x stays.
+      double* along = arena_.take(index(form.unknowns()));
+      double* free_part = arena_.take(index(form.u));
+      multiply(1.0, Op::transposed, form.T2(), x, 0.0, along);
+      multiply(1.0, Op::transposed, form.Uz(), along, 0.0, free_part);
+      multiply(1.0, Op::plain, form.Uz(), free_part, 1.0, z);
+    }
+    std::copy_n(form.xp(), n, moved);
+    multiply(1.0, Op::plain, form.T2(), z, 1.0, moved);
+    for (int i = 0; i < n; ++i) errors[i] = std::max(errors[i], std::fabs(moved[i] - x[i]));
+  }
+}
+
+// With the ranks of the point.
+bool LinearReduction::build_changed_form(const KnownForm& known, const LinearPoint& point, TaylorData& changed,
+                                         NullSpaceForm& form) {
+  const int mu = known.analysis.values.mu;
+  const Prescription prescription{&problem_.prescribed(), prescribed_values_.data()};
+  const Arena::Frame frame(arena_);
+  if (has_constant_form_) {
+    form = point.form;
+    double* f_hat = arena_.take(index(Zt_.rows()) + 1);
+    multiply(1.0, Op::plain, Zt_, changed.f(0), 0.0, f_hat);
+    form.replace_rhs(changed, f_hat, prescription, arena_);
+    return true;
+  }
+  const Judge::Settings judging{settings_.rank_tol, settings_.by_svd, noise_, &ranks_};
+  Judge judge(changed, mu, judging, nullptr);
+  const Carried carried = settings_.by_svd ? eliminate_by_svd(changed, mu, changed.f_stack(mu), judge, arena_)
+                                           : eliminate(changed, mu, changed.f_stack(mu), 1, judge, arena_);
+  form.resize(problem_.m(), problem_.n(), static_cast<int>(problem_.prescribed().size()), carried.rows);
+  const PointRanks ranks = form.build(changed, carried, prescription, known.leading, judge, arena_);
+  return judge.fits_known_ranks() && ranks.prescription_fits && ranks.a == known.analysis.values.a &&
+         ranks.d == known.analysis.values.d;
 }
 
 void LinearReduction::prefer_rows_of(const LinearPoint& point) {

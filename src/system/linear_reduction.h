@@ -30,6 +30,10 @@ class LinearReduction {
   void forget_constant_form() { has_constant_form_ = false; }
   PointStatus replace_rhs(double t, int mu, LinearPoint& point, CallbackError& error);
 
+  // How x, consistent at the point reduced last, its differential part held, changes with the errors of derivatives:
+  // the point is reduced again with data that have these errors, their signs at random.
+  void errors_of_x(const KnownForm& known, const LinearPoint& point, const double* x, double* errors);
+
   // How rows are scaled from now on; RowScaling::each unless set.
   RowScaling rows() const { return rows_; }
   void set_rows(RowScaling rows) { rows_ = rows; }
@@ -46,12 +50,16 @@ class LinearReduction {
     double t, time_scale;
     RowScaling rows;
     NoiseModel noise;
+    const RankSequence* known_ranks = nullptr;  // taken, not decided
   };
   PointStatus attempt(const Attempt& attempt, const KnownForm& known, LinearPoint& point, CallbackError& error,
                       long& count);
   PointStatus attempt_others(double t, const KnownForm& known, LinearPoint& point, CallbackError& error, long& count);
+  PointStatus keep_known_ranks(double t, const KnownForm& known, LinearPoint& point, CallbackError& error,
+                               long& count);
   PointRanks build_form(const Attempt& attempt, const KnownForm& known, LinearPoint& point);
   CallbackError evaluate_prescribed(double t);
+  bool build_changed_form(const KnownForm& known, const LinearPoint& point, TaylorData& changed, NullSpaceForm& form);
 
   LinearProblem& problem_;
   const AnalysisSettings& settings_;
@@ -66,6 +74,7 @@ class LinearReduction {
   Matrix Zt_;
   TaylorData rhs_;
   bool has_constant_form_ = false;
+  RankSequence ranks_, candidate_;  // of the last point where the values known hold, and of the one tried last
 };
 
 }  // namespace sfdae::core

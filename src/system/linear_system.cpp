@@ -332,4 +332,11 @@ void LinearSystem::leading_derivative(const double* x, const double* xdot, doubl
   add_derivative_of_leading(known(), point(), units.inward(x, x_buffer.data()), wdot, arena_);
 }
 
+void LinearSystem::difference_errors(const double* x, double* errors) {
+  const Arena::Frame frame(arena_);
+  const std::size_t n = index(problem_.n());
+  reduction_.errors_of_x(known(), point(), problem_.units().inward(x, arena_.take(n)), errors);
+  problem_.units().outward(errors);
+}
+
 }  // namespace sfdae::core

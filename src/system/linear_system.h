@@ -59,6 +59,8 @@ class LinearSystem final : public DaeSystem {
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
   bool exact_derivative(const double* x, double* xdot) override;
   void leading_derivative(const double* x, const double* xdot, double* wdot) override;
+  bool has_difference_errors() const override { return point().data.has_errors(); }
+  void difference_errors(const double* x, double* errors) override;
 
  private:
   void resize();

@@ -68,8 +68,7 @@ PointStatus NonlinearSystem::set_point(const Jet& jet) {
   iteration_.chord().forget_rate();
   const PointStatus status = problem_.evaluate_inputs(jet_.t);
   if (status != PointStatus::ok) return status;
-  rank_check_.set_unjudged(0);
-  return linearization_.renew(jet_, true);
+  return rank_check_.renew(jet_, linearization_, iteration_);
 }
 
 void NonlinearSystem::apply_inputs() {

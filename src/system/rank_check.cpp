@@ -4,8 +4,11 @@
 
 #include <algorithm>
 
+#include "problem/failure.h"
 #include "reduction/index_analysis.h"
+#include "reduction/index_search.h"
 #include "reduction/rank_sequence.h"
+#include "system/consistent_jets.h"
 #include "system/jet_coefficients.h"
 
 namespace sfdae::core {
@@ -22,6 +25,15 @@ constexpr double rate_after_renewal = 0.1;
 
 PointStatus RankCheck::renew(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration) {
   unjudged_ = 0;
+  const PointStatus status = judge(jet, linearization, iteration);
+  if (status != PointStatus::changed || linearization.ranks().count == 0) return status;
+  const Finding finding = analyze(jet);
+  if (finding == Finding::other_values || linearization.renew(jet, false) != PointStatus::ok) return status;
+  const bool holds = finding == Finding::known_values || !linearization.has_tiny_pivots();
+  return holds ? PointStatus::ok : status;
+}
+
+PointStatus RankCheck::judge(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration) {
   const PointStatus status = linearization.renew(jet, true);
   if (status != PointStatus::changed || linearization.ranks().count == 0) return status;
   // With the known ranks residuals become rounding errors in a few iterations, unless the ranks do not hold.
@@ -30,6 +42,20 @@ PointStatus RankCheck::renew(const Jet& jet, ArrayLinearization& linearization, 
       iteration.solve(IterationTask{}, linearization, refined_) != PointStatus::ok)
     return status;
   return linearization.renew(refined_, true);
+}
+
+RankCheck::Finding RankCheck::analyze(const Jet& jet) const {
+  ConsistentJets jets(problem_.problem(), jet.t, jet.x.data(), {});
+  jets.set_units(problem_.units());
+  try {
+    IndexSearch search({jets, problem_.settings(), arena_}, jet.t);
+    const SearchResult found = search.search(problem_.settings().max_index);
+    if (!found.last.clear) return Finding::unclear;
+    return found.values == problem_.analysis().values ? Finding::known_values : Finding::other_values;
+  } catch (const Failure& failure) {
+    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    return Finding::unclear;
+  }
 }
 
 PointStatus RankCheck::compare(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration) {
@@ -43,7 +69,9 @@ PointStatus RankCheck::compare(const Jet& jet, ArrayLinearization& linearization
   }
   if (status == PointStatus::changed) {
     JetCoefficients source(problem_.problem(), jet, problem_.units());
-    if (known_values_hold(source, jet.t, problem_.settings(), problem_.analysis(), arena_)) status = PointStatus::ok;
+    if (known_values_hold(source, jet.t, problem_.settings(), problem_.analysis(), arena_) ||
+        analyze(jet) != Finding::other_values)
+      status = PointStatus::ok;
   }
   if (status == PointStatus::ok) compared_t_ = jet.t;
   return status;

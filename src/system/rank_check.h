@@ -2,7 +2,8 @@
 //
 // Between these points the known ranks are taken. Ranks hold on F_mu = 0 only: pivots that vanish there are as large
 // as the residuals that an iteration has left (docs/decisions/18-residuals-as-noise.md), so that doubtful points are
-// iterated to rounding first.
+// iterated to rounding first. In steps and at outputs alike the known ranks hold until the whole analysis says clearly
+// that they do not (docs/decisions/30-known-ranks.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -36,7 +37,11 @@ class RankCheck {
   void set_unjudged(int points) { unjudged_ = points; }
 
  private:
+  PointStatus judge(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
   PointStatus match_known_ranks(const Jet& jet, const ArrayLinearization& linearization);
+  // What the whole analysis says at a point.
+  enum class Finding { known_values, other_values, unclear };
+  Finding analyze(const Jet& jet) const;
 
   AnalyzedEquations& problem_;
   Arena& arena_;

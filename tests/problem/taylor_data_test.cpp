@@ -269,17 +269,52 @@ TEST(TaylorData, KnowsWhichCoefficientsVanishAndMeasuresAnew) {
 }
 
 // Level l uses derivatives up to order l; their errors count, exact data have rounding errors only. Errors are those of
-// plain derivatives relative to the function: of a coefficient of order k they are tau^k / k! times that.
+// plain derivatives: of a coefficient of order k they are tau^k / k! times that, of A and f once more times tau.
 TEST(TaylorData, NoiseIsThatOfTheDerivativesInUse) {
   TaylorData data = scalar({1.0, 1.0, 1.0}, {1.0, 1.0, 1.0});
   ASSERT_TRUE(data.scale(0.5));  // E: 1, 1/2, 1/8; A: 1/2, 1/4, 1/16
   EXPECT_EQ(data.noise(2), sfdae_test::unit_roundoff);
-  data.error_E[1] = 1e-10;
-  data.error_A[2] = 1e-7;
-  data.error_E[0] = 1.0;  // order 0 is never computed by differences
+  data.errors('E', 1)[0] = 1e-10;
+  data.errors('A', 2)[0] = 1e-7;
+  data.errors('E', 0)[0] = 1.0;  // order 0 is never computed by differences
   EXPECT_EQ(data.noise(0), sfdae_test::unit_roundoff);
   EXPECT_DOUBLE_EQ(data.noise(1), 0.5 * 1e-10);
   EXPECT_DOUBLE_EQ(data.noise(2), 0.125 * 0.5 * 1e-7);
+}
+
+// Rows of sizes 1 and 2^30: an error counts relative to its own row, in E and A, and relative to the largest f after
+// scaling; one of a column that is scaled grows with the column.
+TEST(TaylorData, ErrorsAreScaledWithTheirRowsAndColumns) {
+  TaylorData data;
+  data.resize(2, 2, {1, 1, 1});
+  for (View block : {data.E(0), data.E(1), data.A(0), data.A(1)}) fill(block, 0.0);
+  std::fill_n(data.f(0), 4, 0.0);
+  const double large = 0x1p30, tau = 0.25, error = 1e-9;
+  data.E(0)(0, 0) = data.A(0)(0, 1) = data.f(0)[0] = 1.0;
+  data.E(0)(1, 1) = data.A(0)(1, 0) = data.f(0)[1] = large;
+  EXPECT_FALSE(data.has_errors());
+  data.errors('E', 1)[2] = data.errors('f', 1)[0] = error;                   // row 0; of E in column 1
+  data.errors('E', 1)[3] = data.errors('f', 1)[1] = 0x1p-6 * error * large;  // row 1
+  EXPECT_TRUE(data.has_errors());
+  ASSERT_TRUE(data.scale(tau));
+  EXPECT_EQ(data.error_of_row('E', 1, 0), error);
+  EXPECT_EQ(data.error_of_row('A', 1, 0), 0.0);
+  EXPECT_EQ(data.error_of_row('E', 0, 0), 0.0);
+  EXPECT_DOUBLE_EQ(data.scaled_error_of_row('E', 1, 0), error * tau);
+  EXPECT_DOUBLE_EQ(data.scaled_error_of_row('E', 1, 1), 0x1p-6 * error * tau);
+  EXPECT_DOUBLE_EQ(data.scaled_error_of_row('f', 1, 0), error * tau * tau);
+  EXPECT_DOUBLE_EQ(data.noise(1), error * tau / data.norm(1));
+  EXPECT_DOUBLE_EQ(data.noise_f(1), error * tau * tau / data.norm_f(1));
+  data.rescale_time(0.5);
+  EXPECT_DOUBLE_EQ(data.scaled_error_of_row('E', 1, 0), error * 0.5 * tau);
+
+  TaylorData scaled;
+  scaled.resize(2, 2, {1, 1, 1});
+  scaled.errors('E', 1)[2] = error;
+  scaled.scale_columns(Units(std::vector<double>{1.0, 8.0}));
+  EXPECT_EQ(scaled.error_of_row('E', 1, 0), 8.0 * error);
+  scaled.resize(2, 2, {1, 1, 1});
+  EXPECT_FALSE(scaled.has_errors());
 }
 
 TEST(TaylorData, TheStackOfFIsContiguous) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace sfdae::core {
@@ -22,7 +23,8 @@ TaylorData data_of(double e, double a, double e1 = 0.0, double error = 0.0) {
   data.A(0)(0, 0) = a;
   data.E(1)(0, 0) = e1;
   data.measure();
-  data.error_E[1] = error;
+  std::fill(data.row_scale.begin(), data.row_scale.end(), 1.0);
+  data.errors('E', 1)[0] = error * e;
   data.t = 0.75;
   return data;
 }

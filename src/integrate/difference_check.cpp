@@ -1,0 +1,88 @@
+// Whether derivatives by differences are accurate enough for the tolerances.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/difference_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "linalg/index.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// What a component has been counts for half as much with every further step: a passage through zero takes few steps,
+// a decay to nothing many. Chosen.
+constexpr double remembered = 0.5;
+// Components that start at zero need steps to become what they are. Chosen.
+constexpr int most_points_in_excess = 3;
+
+std::optional<CallResult> find_excess(const std::vector<double>& errors, const std::vector<double>& sizes, double t,
+                                      const ErrorWeights& weights) {
+  double largest = 1.0, allowed_there = 0.0;
+  int worst = -1;
+  for (int i = 0; i < static_cast<int>(errors.size()); ++i) {
+    const double allowed = weights.tolerance(i, sizes.data()), error = errors[index(i)];
+    if (!(error > largest * allowed)) continue;
+    largest = allowed > 0.0 ? error / allowed : std::numeric_limits<double>::max();
+    allowed_there = allowed;
+    worst = i;
+  }
+  if (worst < 0) return std::nullopt;
+  return CallResult{SFDAE_TOLERANCE_TOO_SMALL,
+                    format("the tolerances are too small for derivatives by differences (option "
+                           "difference_derivatives): at t = %.15g they cause an error of about %.2g in component %d "
+                           "of x, whose tolerance is %.2g. Supply the derivatives, or multiply the tolerances by "
+                           "%.2g at least.",
+                           t, errors[index(worst)], worst, allowed_there, largest)};
+}
+
+}  // namespace
+
+void DifferenceCheck::accept(DaeSystem& system, const ErrorWeights& weights, const double* x, bool is_first) {
+  if (is_first) {
+    sizes_.clear();
+    points_in_excess_ = 0;
+  }
+  if (!system.has_difference_errors()) {
+    errors_.clear();
+    return;
+  }
+  const std::size_t n = index(system.unknowns());
+  t_ = system.t();
+  errors_.resize(n);
+  sizes_.resize(n, 0.0);
+  system.difference_errors(x, errors_.data());
+  for (std::size_t i = 0; i < n; ++i) sizes_[i] = std::max(std::fabs(x[i]), remembered * sizes_[i]);
+  points_in_excess_ = excess(weights) ? points_in_excess_ + 1 : 0;
+}
+
+std::optional<CallResult> DifferenceCheck::excess(const ErrorWeights& weights) const {
+  return find_excess(errors_, sizes_, t_, weights);
+}
+
+std::optional<CallResult> DifferenceCheck::lasting_excess(const ErrorWeights& weights) const {
+  if (points_in_excess_ < most_points_in_excess) return std::nullopt;
+  return excess(weights);
+}
+
+std::optional<CallResult> DifferenceCheck::excess_at(DaeSystem& system, const ErrorWeights& weights,
+                                                     const double* x) const {
+  if (!system.has_difference_errors()) return std::nullopt;
+  std::vector<double> errors(index(system.unknowns())), sizes = sizes_;
+  sizes.resize(errors.size(), 0.0);
+  system.difference_errors(x, errors.data());
+  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] = std::max(std::fabs(x[i]), sizes[i]);
+  return find_excess(errors, sizes, system.t(), weights);
+}
+
+void DifferenceCheck::archive(Archive& archive, std::size_t n) {
+  archive.small(points_in_excess_);
+  archive.real(t_);
+  archive.reals(errors_, n);
+  archive.reals(sizes_, n);
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,38 @@
+// Whether derivatives by differences are accurate enough for the tolerances
+// (docs/decisions/38-errors-of-differences.md).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "integrate/error_weights.h"
+#include "integrate/integration_options.h"
+#include "linalg/archive.h"
+#include "system/dae_system.h"
+
+namespace sfdae::core {
+
+// Errors are compared with tolerances for the size that a component has nearby, as one that passes through zero has no
+// digits to lose there.
+class DifferenceCheck {
+ public:
+  // The current point of the system has been accepted, x consistent there; is_first: of an integration.
+  void accept(DaeSystem& system, const ErrorWeights& weights, const double* x, bool is_first);
+  // The point accepted last has errors beyond the tolerances, or so have several points in a row.
+  std::optional<CallResult> excess(const ErrorWeights& weights) const;
+  std::optional<CallResult> lasting_excess(const ErrorWeights& weights) const;
+  // At another current point, which is returned to the user.
+  std::optional<CallResult> excess_at(DaeSystem& system, const ErrorWeights& weights, const double* x) const;
+
+  bool has_errors() const { return !errors_.empty(); }
+  void archive(Archive& archive, std::size_t n);
+
+ private:
+  double t_ = 0.0;
+  std::vector<double> errors_;  // of x at the point accepted last; empty: there are none
+  std::vector<double> sizes_;   // of the components there and shortly before
+  int points_in_excess_ = 0;
+};
+
+}  // namespace sfdae::core
