@@ -49,8 +49,8 @@ inline constexpr ComponentRanges si_units{{1.0, 1e6}, {1e-12, 1e-6}, {1e-9, 1e-3
 // At most 7 nodes, n <= 20, one source or more, one solution.
 Circuit random_circuit(const ComponentRanges& ranges, RandomNumbers& random);
 
-// R1 - (C1 - C2 divider) - L - R2: a source with R1 at node 1, C1 from there to node 2, C2 from node 2 to the ground, L
-// from node 1 or 2 to node 3, R2 from there to the ground. d = 3, mu = 0. If L is at node 1, the row of node 2 has
+// R1 - (C1 - C2 divider) - L - R2: a source with R1 at node 1, C1 from there to node 2, C2 from node 2 to the ground,
+// L from node 1 or 2 to node 3, R2 from there to the ground. d = 3, mu = 0. If L is at node 1, the row of node 2 has
 // capacitors only.
 Circuit random_divider(RandomNumbers& random);
 

@@ -1,5 +1,5 @@
-// Modified nodal analysis of a circuit. Unknowns: potentials e of the nodes, currents i_L of inductors, currents i_V of
-// voltage sources.
+// Modified nodal analysis of a circuit. Unknowns: potentials e of the nodes, currents i_L of inductors, currents i_V
+// of voltage sources.
 //
 //   A_C C A_C^T e' = -A_R G A_R^T e - A_L i_L - A_V i_V - A_I i_I(t)
 //           L i_L' =  A_L^T e

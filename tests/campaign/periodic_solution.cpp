@@ -91,9 +91,9 @@ double resolvent_norm(const NodalEquations& equations, const std::vector<double>
   return static_cast<double>(largest);
 }
 
-// Lower bound of how much errors grow: sup over t >= 0 of the norm of exp(J t), J the finite part of the pencil, is at
-// least |(sigma (lambda - J)^-1)^2| for all lambda = sigma + i eta with sigma > 0 (Hille, Yosida). The square makes the
-// nilpotent part vanish, mu <= 1.
+// Lower bound of how much errors grow: sup over t >= 0 of the norm of exp(J t), J the finite part of the pencil, is
+// at least |(sigma (lambda - J)^-1)^2| for all lambda = sigma + i eta with sigma > 0 (Hille, Yosida). The square
+// makes the nilpotent part vanish, mu <= 1.
 double amplification(const NodalEquations& equations, const std::vector<double>& sizes, double duration) {
   double largest = 0.0;
   for (double decade = 0.0; decade <= 9.0; decade += 0.5) {
