@@ -1,11 +1,4 @@
-// Random RLC circuits with independent sources in SI units, as modified nodal analysis states them, and what topology
-// says of them.
-//
-// Unknowns: potentials e of the nodes, currents i_L of inductors, currents i_V of voltage sources.
-//
-//   A_C C A_C^T e' = -A_R G A_R^T e - A_L i_L - A_V i_V - A_I i_I(t)
-//           L i_L' =  A_L^T e
-//                0 =  A_V^T e - v(t)
+// Random RLC circuits with independent sources, and what topology says of their equations by modified nodal analysis.
 //
 // There is one solution if there is no loop of voltage sources alone and no cutset of current sources alone. Then
 // u = v = 0; d is the number of capacitors in a normal tree (all V, then as many C as possible, then R, then L) and
@@ -20,7 +13,7 @@
 #include <optional>
 #include <vector>
 
-#include "integration.h"
+#include "kronecker_form.h"
 
 namespace campaign {
 
@@ -41,10 +34,10 @@ struct Circuit {
   std::vector<Branch> branches;
 };
 
+int unknowns(const Circuit& circuit);
+
 // Nothing if the circuit has no solution or more than one.
 std::optional<CharacteristicValues> values_by_topology(const Circuit& circuit);
-
-LinearProblem modified_nodal_analysis(const Circuit& circuit, const CharacteristicValues& values);
 
 // From ... to, in Ohm, F, H, s.
 struct ComponentRanges {
@@ -56,14 +49,9 @@ inline constexpr ComponentRanges si_units{{1.0, 1e6}, {1e-12, 1e-6}, {1e-9, 1e-3
 // At most 7 nodes, n <= 20, one source or more, one solution.
 Circuit random_circuit(const ComponentRanges& ranges, RandomNumbers& random);
 
-// R1 - (C1 - C2 divider) - L - R2: a source with R1 at node 1, C1 from there to node 2, C2 from node 2 to the ground, L
-// from node 1 or 2 to node 3, R2 from there to the ground. d = 3, mu = 0. If L is at node 1, the row of node 2 has
+// R1 - (C1 - C2 divider) - L - R2: a source with R1 at node 1, C1 from there to node 2, C2 from node 2 to the ground,
+// L from node 1 or 2 to node 3, R2 from there to the ground. d = 3, mu = 0. If L is at node 1, the row of node 2 has
 // capacitors only.
 Circuit random_divider(RandomNumbers& random);
-
-// The periodic solution x(t) = Im(X exp(i omega t)), which is the one through its value at 0; sizes are |X_j|, at least
-// a thousandth of the largest potential or current. Nothing if rounding errors of the data change it by more than
-// 1e-9 of these.
-std::optional<ExactSolution> periodic_solution(const Circuit& circuit, RandomNumbers& random);
 
 }  // namespace campaign

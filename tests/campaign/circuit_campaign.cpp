@@ -5,6 +5,8 @@
 
 #include "circuit.h"
 #include "extent.h"
+#include "nodal_equations.h"
+#include "periodic_solution.h"
 #include "tally.h"
 
 namespace campaign {
@@ -20,7 +22,7 @@ TEST(CircuitCampaign, TopologyGivesIndexAndFreedom) {
   for (int number : problem_numbers(5000)) {
     RandomNumbers random(circuit_family, static_cast<std::uint64_t>(number));
     const Circuit circuit = random_circuit(si_units, random);
-    LinearProblem problem = modified_nodal_analysis(circuit, *values_by_topology(circuit));
+    LinearProblem problem = nodal_problem(circuit, *values_by_topology(circuit));
     problem.constant = random.chance(0.7);  // declared so
     tally.add(number, problem, analyze(problem));
   }
@@ -33,7 +35,7 @@ TEST(CircuitCampaign, TopologyGivesIndexAndFreedomForValuesOfSizeOne) {
   for (int number : problem_numbers(5000)) {
     RandomNumbers random(unit_family, static_cast<std::uint64_t>(number));
     const Circuit circuit = random_circuit(unit_sizes, random);
-    const LinearProblem problem = modified_nodal_analysis(circuit, *values_by_topology(circuit));
+    const LinearProblem problem = nodal_problem(circuit, *values_by_topology(circuit));
     tally.add(number, problem, analyze(problem));
   }
   tally.expect_at_most(0.001);
@@ -47,7 +49,7 @@ TEST(CircuitCampaign, CapacitiveDividerHasThreeDegreesOfFreedom) {
     const CharacteristicValues values = *values_by_topology(circuit);
     ASSERT_EQ(values.d, 3);
     ASSERT_EQ(values.mu, 0);
-    const LinearProblem problem = modified_nodal_analysis(circuit, values);
+    const LinearProblem problem = nodal_problem(circuit, values);
     tally.add(number, problem, analyze(problem));
   }
   tally.expect_at_most(refused);
@@ -63,7 +65,7 @@ void integrate_circuits(int method, const std::string& name) {
       circuit = random_circuit(si_units, random);
       exact = periodic_solution(circuit, random);
     }
-    const LinearProblem problem = modified_nodal_analysis(circuit, *values_by_topology(circuit));
+    const LinearProblem problem = nodal_problem(circuit, *values_by_topology(circuit));
     const IntegrationSettings settings{1e-6, method};
     const IntegrationOutcome outcome = integrate(problem, *exact, settings);
     const bool fits = outcome.answer.status >= 0 && error_fits(*exact, settings.tolerance, outcome.error);

@@ -31,8 +31,8 @@ struct IntegrationOutcome {
 IntegrationOutcome integrate(const LinearProblem& problem, const ExactSolution& exact,
                              const IntegrationSettings& settings);
 
-// Tolerances bound errors of steps, which add up and which the problem amplifies: 30 tolerances are allowed, times the
-// amplification.
+// Tolerances bound errors of steps, which add up and which the problem amplifies: 30 tolerances are allowed, times
+// the amplification.
 bool error_fits(const ExactSolution& exact, double tolerance, double error);
 
 }  // namespace campaign

@@ -102,7 +102,13 @@ KroneckerProblem kronecker_problem(const KroneckerSizes& sizes, const Difficulty
   problem.constant = P.constant() && Q.constant() && random.chance(0.8);
   result.exact = P.exact() && Q.exact() && integers;
   result.dense = mostly_nonzero(problem);
+  result.condition = condition;
   return result;
+}
+
+bool determined(const KroneckerProblem& problem) {
+  if (problem.exact || !problem.dense) return true;
+  return std::pow(problem.stiffness, problem.problem.values.mu + 1) * problem.condition < 1e12;
 }
 
 }  // namespace campaign

@@ -26,7 +26,16 @@ struct KroneckerProblem {
   bool exact = false;      // integers, but for the units
   bool dense = false;      // more than half of the entries of E and A differ from zero
   double stiffness = 1.0;  // that of the ODE block, 1 if there is none
+  double condition = 1.0;  // of P and Q together, at most
 };
+
+// Whether the data, with their rounding errors, determine the values. A chain of k = mu + 1 whose entries are changed
+// by delta has eigenvalues of size delta^(-1/k) instead of infinite ones. If the problem has finite eigenvalues as
+// large as these, S^k delta >= 1 with delta = eps * condition, data that are dense and rounded are also those of
+// another problem. Four digits are left for what sums of n terms and mu differentiations add: S^k * condition < 1e12.
+// (Of 4,000 hard problems an analysis by perturbations named 1 % as unclear below 1e12, 16 % up to 1e14, 44 % up to
+// 1e16, 75 % above.)
+bool determined(const KroneckerProblem& problem);
 
 // n <= 20, mu <= 4, units 1.
 KroneckerProblem random_kronecker_problem(const Difficulty& difficulty, RandomNumbers& random);
