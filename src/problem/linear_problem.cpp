@@ -146,7 +146,7 @@ CallbackError LinearProblem::choose_difference_step(Function& function, double t
   }
   const int count = function.rows * function.columns;
   std::vector<double> samples, derivative(index(count));
-  double best_error = std::numeric_limits<double>::infinity();
+  double best_error = std::numeric_limits<double>::infinity(), best_step = 0.0;
   double wanted = differences_.span * widest_step;
   CallbackError callback_error, last_error;
   for (int attempt = 0; attempt < difference_steps; ++attempt, wanted /= 2.0) {
@@ -172,9 +172,10 @@ CallbackError LinearProblem::choose_difference_step(Function& function, double t
     }
     if (worst < best_error) {
       best_error = worst;
-      function.difference_step = step;
+      best_step = step;
     }
   }
+  function.difference_step = best_step;
   return function.difference_step > 0.0 ? CallbackError{} : last_error;
 }
 

@@ -90,9 +90,6 @@ void choose_row_scale(TaylorData& data, RowScaling rows, const std::vector<doubl
 }  // namespace
 
 void TaylorData::resize(int rows, int cols, Orders held) {
-  m = rows;
-  n = cols;
-  orders = held;
   const std::size_t size = index(rows) * index(cols);
   E_.resize(std::max(E_.size(), size * index(held.E + 1)));
   A_.resize(std::max(A_.size(), size * index(held.A + 1)));
@@ -100,6 +97,9 @@ void TaylorData::resize(int rows, int cols, Orders held) {
   row_scale.resize(index(rows));
   row_norm.resize(index(rows));
   row_factor_.resize(index(rows));
+  m = rows;
+  n = cols;
+  orders = held;
 }
 
 // Order k times D tau^k / k!, for A and f once more times tau.
