@@ -155,19 +155,19 @@ CallResult Integration::interpolate(double t, double* x, double* xdot) {
 // ---- Steps -----------------------------------------------------------------------------------------------------
 
 CallResult Integration::run(double tout, bool one_step) {
-  if (auto event = search_events(tout)) return *event;
+  if (auto event = search_events(tout)) return std::move(*event);
   // The last call gave up with a step that says nothing about the solution.
   if (integrator_.must_restart && !change_ && !integrator_.has_passed(tout)) restart(integrator_.method);
   for (long attempts = 0; !integrator_.has_passed(tout); ++attempts) {
-    if (auto stopped = obstacle(attempts, tout)) return *stopped;
+    if (auto stopped = obstacle(attempts, tout)) return std::move(*stopped);
     if (integrator_.method == Method::radau && integrator_.system.differential() > 0 && choice_.prefers_bdf())
       restart(Method::bdf);
     const long steps = counts_.own.steps;
     const auto result = attempt_step(tout);
     const bool is_step_taken = counts_.own.steps > steps;
     if (is_step_taken)
-      if (auto event = search_events(tout)) return *event;
-    if (result) return *result;
+      if (auto event = search_events(tout)) return std::move(*event);
+    if (result) return std::move(*result);
     if (one_step && is_step_taken && !integrator_.has_passed(tout)) return {SFDAE_STEP_TAKEN, ""};
   }
   return {};

@@ -65,6 +65,7 @@ struct Session {
   double t = 0.0;
   std::vector<double> x, xdot, checkpoint;
   std::vector<double> result;  // of the last call
+  long outputs = 0;            // returned, where a call asks for many
 };
 
 // One call of the library, within armed(). Fills `result` unless it fails; returns its status.
@@ -110,8 +111,8 @@ class FaultRun {
     }
   }
 
-  // Of each call the first allocations in turn, and then every stride-th: it fails alone, or with all later ones. The
-  // call is repeated then; or the next ones are made without it, and all again.
+  // Of each call the first allocations in turn, then fewer, but every stride-th at least: it fails alone, or with all
+  // later ones. The call is repeated then; or the next ones are made without it, and all again.
   const Counts& run(long stride) {
     for (std::size_t i = 0; i < sequence_.calls.size(); ++i) {
       for (long k = 1; fail_at(i, k); k += step_of(k, stride)) {
@@ -132,7 +133,7 @@ class FaultRun {
     bool all_later, is_repeated;
   };
 
-  static long step_of(long k, long stride) { return std::clamp(k / 4, 1L, stride); }
+  long step_of(long k, long stride) const { return std::clamp(k / sequence_.density, 1L, stride); }
 
   Session begin() const {
     Session session;
@@ -186,7 +187,7 @@ class FaultRun {
     for (std::size_t j = 0; j < i; ++j) call(session, j);
     long k = 1;
     int status = fail(session, {i, k, false, true});
-    while (status == SFDAE_OUT_OF_MEMORY && !testing::Test::HasFailure()) {
+    while (status == SFDAE_OUT_OF_MEMORY) {
       ++counts_.injected;
       k += step_of(k, stride);
       status = fail(session, {i, k, false, true});
@@ -226,6 +227,7 @@ class FaultRun {
         // Whatever they return.
         for (std::size_t j = next + 1; j < sequence_.calls.size(); ++j) call(session, j);
         session.x = sequence_.x;
+        session.outputs = 0;
         next = 0;
       }
     } else {

@@ -60,23 +60,19 @@ TEST_P(Methods, WhereTheRankOfEChanges) {
   };
   run_with_faults({"rank of E",
                    x,
-                   {create_call(create, until), set_options("stop at the change", until), start("start", x),
-                    advance("advance to the change", 0.5),
+                   {create_call(create, until), set_options("stop at the change", until), analyze(x, false),
+                    start("start", x), advance("advance to the change", 0.5),
                     set_options("no stop", options_of(GetParam(), 1e-3)), advance("advance beyond", 1.0)}});
 }
 
-// x1' = -x1,  (t - 1/2) x2' = -x2 + t: d = 1 at t = 1/2.
+// x1' = -x1,  (t - 1/2) x2' = x2: d = 1 at t = 1/2.
 int vanishing_E(double t, int order, double* E, void*) {
   if (order == 0) E[0] = 1.0, E[3] = t - 0.5;
   if (order == 1) E[3] = 1.0;
   return 0;
 }
 int vanishing_A(double, int order, double* A, void*) {
-  if (order == 0) A[0] = A[3] = -1.0;
-  return 0;
-}
-int vanishing_f(double t, int order, double* f, void*) {
-  f[1] = order == 0 ? t : order == 1 ? 1.0 : 0.0;
+  if (order == 0) A[0] = -1.0, A[3] = 1.0;
   return 0;
 }
 
@@ -92,14 +88,16 @@ Call get_change() {
 
 TEST_P(Methods, WhereCharacteristicValuesChange) {
   const auto create = [](sfdae_solver** solver, const sfdae_options& options) {
-    return create_linear(solver, options, 2, 2, vanishing_E, vanishing_A, vanishing_f);
+    return create_linear(solver, options, 2, 2, vanishing_E, vanishing_A, nullptr);
   };
-  const std::vector<double> x = {1.0, 0.5};
+  const std::vector<double> x = {1.0, -0.5};
   Call changed = advance("advance to the change", 1.0);
   changed.failure = SFDAE_CHARACTERISTICS_CHANGED;
+  // The place may be found from another interval; it is good to 1e-6 of the step.
   run_with_faults({"characteristic values",
                    x,
-                   {create_call(create, options_of(GetParam(), 1e-3)), start("start", x), changed, get_change()}});
+                   {create_call(create, options_of(GetParam(), 1e-3)), start("start", x), changed, get_change()},
+                   1e-6});
 }
 
 // y1' = t y2 - y1 + z,  y2' = y1 + z cos t,  0 = y1 + (2 + t) y2 - sin t without derivatives.
@@ -207,9 +205,10 @@ Call many_outputs(double until) {
   return {"many outputs",
           [until](Session& s) {
             int status = SFDAE_OK;
-            for (long k = std::lround(s.t * 100.0) + 1; k <= std::lround(until * 100.0) && status == SFDAE_OK; ++k)
+            for (; s.outputs < std::lround(until * 100.0) && status == SFDAE_OK; s.outputs += status == SFDAE_OK ? 1 : 0)
               status = armed([&] {
-                return sfdae_advance(s.solver, 0.01 * static_cast<double>(k), &s.t, s.x.data(), s.xdot.data());
+                const double tout = 0.01 * static_cast<double>(s.outputs + 1);
+                return sfdae_advance(s.solver, tout, &s.t, s.x.data(), s.xdot.data());
               });
             if (status >= 0) keep_point(s);
             return status;
@@ -289,18 +288,20 @@ Call operations_call(bool is_wrong, bool checks) {
               return checks ? sfdae_check_nonlinear(&problem, nullptr, text, sizeof text)
                             : sfdae_create_nonlinear(&s.solver, &problem, nullptr);
             });
-            if (checks) EXPECT_EQ(status == SFDAE_OUT_OF_MEMORY, std::string(text) == "out of memory.") << text;
+            const bool says_so = std::string(text).find("out of memory.") != std::string::npos;
+            EXPECT_EQ(checks && status == SFDAE_OUT_OF_MEMORY, says_so) << text;
             return status;
           },
           false, is_wrong ? SFDAE_ILLEGAL_ARGUMENT : SFDAE_OK};
 }
 
 TEST(FailingAllocations, InFormulasWithAndWithoutMistakes) {
-  run_with_faults({"mistakes in formulas", {}, {operations_call(true, false), operations_call(true, true)}});
+  run_with_faults({"mistakes in formulas",
+                   {},
+                   {operations_call(true, false), operations_call(true, true), operations_call(false, true)}});
   run_with_faults({"formulas",
                    {1.0},
-                   {operations_call(false, false), operations_call(false, true), start("start", {1.0}),
-                    advance("advance", 0.5)},
+                   {operations_call(false, false), start("start", {1.0}), advance("advance", 0.5)},
                    1e-5});
 }
 

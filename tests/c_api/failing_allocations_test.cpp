@@ -24,6 +24,7 @@ struct Subject {
   // linearization: another one gives other errors of iterations, and steps of other sizes.
   double tolerance = 0.0;
   std::vector<Call> more = {};
+  long density = 4;  // of Sequence
 };
 
 Sequence sequence_of(const Subject& subject, int method) {
@@ -34,6 +35,7 @@ Sequence sequence_of(const Subject& subject, int method) {
   result.name = subject.name + (method == SFDAE_METHOD_BDF ? " by BDF" : method == SFDAE_METHOD_RADAU ? " by Radau" : "");
   result.x = subject.x;
   result.tolerance = subject.tolerance;
+  result.density = subject.density;
   std::vector<Call>& calls = result.calls;
   calls.push_back(create_call(subject.create, options));
   calls.push_back(set_options("set options", options));
@@ -258,7 +260,7 @@ constexpr double tolerance = 1e-3, several_tolerances = 5.0 * tolerance;
 std::vector<Subject> subjects() {
   const std::vector<double> swing = {0.6, -0.8, 0.8, 0.6, 0.3}, turning = {0.0, 0.0, 0.0, 0.4, -0.04, 0.5, 0.1, 0.1};
   return {{"varying linear problem", create_varying, {0.3, 0.1, 0.2}, false, 0.0, linear_inspection()},
-          {"recorded pendulum", create_recorded, swing, true, several_tolerances, with_parameter(swing)},
+          {"recorded pendulum", create_recorded, swing, true, several_tolerances, with_parameter(swing), 1},
           {"callbacks of a nonlinear problem", create_callbacks, {1.0, 1.0}, true, several_tolerances, {check_total_derivatives()}},
           {"multibody pendulum", create_multibody, {0.6, -0.8, 0.8, 0.6, 0.1, 0.1}, true, 0.0, {check_multibody_derivatives()}},
           {"recorded skate", create_recorded_multibody, turning, true}};
