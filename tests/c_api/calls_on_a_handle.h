@@ -17,8 +17,7 @@ namespace sfdae::test {
 using Create = int (*)(sfdae_solver**, const sfdae_options&);
 
 inline Call create_call(Create create, const sfdae_options& options) {
-  return {"create",
-          [create, options](Session& s) { return armed([&] { return create(&s.solver, options); }); }};
+  return {"create", [create, options](Session& s) { return armed([&] { return create(&s.solver, options); }); }};
 }
 
 inline sfdae_options options_of(int method, double tol) {
@@ -64,8 +63,7 @@ inline Call start(const std::string& name, std::vector<double> guess) {
 inline Call advance(const std::string& name, double tout) {
   return {name,
           [tout](Session& s) {
-            const int status =
-                armed([&] { return sfdae_advance(s.solver, tout, &s.t, s.x.data(), s.xdot.data()); });
+            const int status = armed([&] { return sfdae_advance(s.solver, tout, &s.t, s.x.data(), s.xdot.data()); });
             if (status >= 0) keep_point(s);
             return status;
           },
@@ -127,9 +125,8 @@ inline Call interpolate() {
             sfdae_statistics_init(&c, sizeof c);
             sfdae_get_statistics(s.solver, &c);
             std::vector<double> x(s.x.size()), xdot(x);
-            const int status = armed([&] {
-              return sfdae_interpolate(s.solver, c.t_internal - 0.3 * c.last_step, x.data(), xdot.data());
-            });
+            const int status = armed(
+                [&] { return sfdae_interpolate(s.solver, c.t_internal - 0.3 * c.last_step, x.data(), xdot.data()); });
             s.result = x;
             s.result.insert(s.result.end(), xdot.begin(), xdot.end());
             return status;
@@ -157,10 +154,10 @@ inline std::vector<Call> checkpoint_calls() {
 }
 
 inline Call restore() {
-  return {"restore", [](Session& s) {
-            return armed(
-                [&] { return sfdae_restore_checkpoint(s.solver, s.checkpoint.data(), s.checkpoint.size()); });
-          }};
+  return {
+      "restore", [](Session& s) {
+        return armed([&] { return sfdae_restore_checkpoint(s.solver, s.checkpoint.data(), s.checkpoint.size()); });
+      }};
 }
 
 }  // namespace sfdae::test

@@ -81,6 +81,7 @@ struct Sequence {
   std::vector<double> x;    // to begin with
   std::vector<Call> calls;  // the first one creates the handle; those from the second one on may be made again
   double tolerance = 0.0;   // of results after a failure, relative to those of an undisturbed run; 0: every bit
+  long density = 4;         // of the allocations that fail, per doubling of their number
 };
 
 // Every so many allocations fail in turn; all of them with SFDAE_TEST_STRIDE=1 in the environment.

@@ -155,11 +155,11 @@ TEST_P(Methods, WithFreeComponentsAndContradictions) {
     return create_linear(solver, with, 3, 3, free_E, free_A, free_f);
   };
   const std::vector<double> x = {0.3, 0.1, 0.2};
-  run_with_faults({"free components",
-                   x,
-                   {create_call(create, options), set_options("set options", options), analyze(x, false),
-                    make_consistent(x), start("start", x), advance("advance", 0.5),
-                    advance("advance further", 1.0)}});
+  run_with_faults(
+      {"free components",
+       x,
+       {create_call(create, options), set_options("set options", options), analyze(x, false), make_consistent(x),
+        start("start", x), advance("advance", 0.5), advance("advance further", 1.0)}});
 }
 
 // The same without the contradiction, x2 prescribed.
@@ -205,7 +205,8 @@ Call many_outputs(double until) {
   return {"many outputs",
           [until](Session& s) {
             int status = SFDAE_OK;
-            for (; s.outputs < std::lround(until * 100.0) && status == SFDAE_OK; s.outputs += status == SFDAE_OK ? 1 : 0)
+            for (; s.outputs < std::lround(until * 100.0) && status == SFDAE_OK;
+                 s.outputs += status == SFDAE_OK ? 1 : 0)
               status = armed([&] {
                 const double tout = 0.01 * static_cast<double>(s.outputs + 1);
                 return sfdae_advance(s.solver, tout, &s.t, s.x.data(), s.xdot.data());
@@ -221,10 +222,10 @@ TEST(FailingAllocations, WhereTheMethodChanges) {
     return create_linear(solver, options, 2, 2, oscillator_E, oscillator_A, nullptr);
   };
   const std::vector<double> x = {0.0, 1.0};
-  run_with_faults({"automatic method",
-                   x,
-                   {create_call(create, options_of(SFDAE_METHOD_AUTOMATIC, 1e-4)), start("start", x),
-                    many_outputs(3.0)}});
+  run_with_faults(
+      {"automatic method",
+       x,
+       {create_call(create, options_of(SFDAE_METHOD_AUTOMATIC, 1e-4)), start("start", x), many_outputs(3.0)}});
 }
 
 // (1 + t p) x1' = x2 + exp(p t),  0 = x1 - p sin(x1 - x1 + t) recorded; linear as x1 - x1 vanishes.
@@ -245,9 +246,8 @@ TEST_P(Methods, WithRecordedLinearEquations) {
     return sfdae_create_nonlinear(solver, &problem, &options);
   };
   const auto set_parameter = [](double value) {
-    return Call{"set parameter", [value](Session& s) {
-                  return armed([&] { return sfdae_set_parameter(s.solver, "p", value); });
-                }};
+    return Call{"set parameter",
+                [value](Session& s) { return armed([&] { return sfdae_set_parameter(s.solver, "p", value); }); }};
   };
   sfdae_options options = options_of(GetParam(), 1e-3);
   options.reduction = SFDAE_REDUCTION_SVD;
@@ -299,10 +299,8 @@ TEST(FailingAllocations, InFormulasWithAndWithoutMistakes) {
   run_with_faults({"mistakes in formulas",
                    {},
                    {operations_call(true, false), operations_call(true, true), operations_call(false, true)}});
-  run_with_faults({"formulas",
-                   {1.0},
-                   {operations_call(false, false), start("start", {1.0}), advance("advance", 0.5)},
-                   1e-5});
+  run_with_faults(
+      {"formulas", {1.0}, {operations_call(false, false), start("start", {1.0}), advance("advance", 0.5)}, 1e-5});
 }
 
 }  // namespace

@@ -32,7 +32,9 @@ Sequence sequence_of(const Subject& subject, int method) {
   sfdae_options shallow = options;
   shallow.max_index = 2;
   Sequence result;
-  result.name = subject.name + (method == SFDAE_METHOD_BDF ? " by BDF" : method == SFDAE_METHOD_RADAU ? " by Radau" : "");
+  result.name = subject.name + (method == SFDAE_METHOD_BDF     ? " by BDF"
+                                : method == SFDAE_METHOD_RADAU ? " by Radau"
+                                                               : "");
   result.x = subject.x;
   result.tolerance = subject.tolerance;
   result.density = subject.density;
@@ -118,7 +120,8 @@ std::vector<Call> linear_inspection() {
                       }),
           linear_call("strangeness-free system",
                       [](sfdae_solver* solver, double* to) {
-                        return sfdae_get_strangeness_free(solver, 0.5, to, to + 10, to + 20, to + 30, to + 40, to + 50);
+                        return sfdae_get_strangeness_free(solver, 0.5, to, to + 10, to + 20, to + 30, to + 40,
+                                                          to + 50);
                       }),
           linear_call("check of derivatives", [](sfdae_solver* solver, double* to) {
             sfdae_derivative_check check;
@@ -150,12 +153,11 @@ int create_recorded(sfdae_solver** solver, const sfdae_options& options) {
 }
 
 std::vector<Call> with_parameter(const std::vector<double>& x) {
-  return {{"set parameter",
-           [](Session& s) { return armed([&] { return sfdae_set_parameter(s.solver, "k", 0.75); }); }},
-          start("start with parameter", x),
-          advance("advance with parameter", 0.4),
-          {"reset parameter",
-           [](Session& s) { return armed([&] { return sfdae_set_parameter(s.solver, "k", 0.5); }); }}};
+  return {
+      {"set parameter", [](Session& s) { return armed([&] { return sfdae_set_parameter(s.solver, "k", 0.75); }); }},
+      start("start with parameter", x),
+      advance("advance with parameter", 0.4),
+      {"reset parameter", [](Session& s) { return armed([&] { return sfdae_set_parameter(s.solver, "k", 0.5); }); }}};
 }
 
 // x1' = -x1 x2, 0 = x2 - x1 by total derivatives.
@@ -261,8 +263,18 @@ std::vector<Subject> subjects() {
   const std::vector<double> swing = {0.6, -0.8, 0.8, 0.6, 0.3}, turning = {0.0, 0.0, 0.0, 0.4, -0.04, 0.5, 0.1, 0.1};
   return {{"varying linear problem", create_varying, {0.3, 0.1, 0.2}, false, 0.0, linear_inspection()},
           {"recorded pendulum", create_recorded, swing, true, several_tolerances, with_parameter(swing), 1},
-          {"callbacks of a nonlinear problem", create_callbacks, {1.0, 1.0}, true, several_tolerances, {check_total_derivatives()}},
-          {"multibody pendulum", create_multibody, {0.6, -0.8, 0.8, 0.6, 0.1, 0.1}, true, 0.0, {check_multibody_derivatives()}},
+          {"callbacks of a nonlinear problem",
+           create_callbacks,
+           {1.0, 1.0},
+           true,
+           several_tolerances,
+           {check_total_derivatives()}},
+          {"multibody pendulum",
+           create_multibody,
+           {0.6, -0.8, 0.8, 0.6, 0.1, 0.1},
+           true,
+           0.0,
+           {check_multibody_derivatives()}},
           {"recorded skate", create_recorded_multibody, turning, true}};
 }
 
