@@ -77,7 +77,7 @@ Output output_within_step(int stages, int steps, double part, int failures) {
   equations.failing_t = at;
   equations.failures = failures;
   output.status = sfdae_interpolate(solver, at, output.x.data(), output.xdot.data());
-  EXPECT_EQ(equations.failures, 0);
+  EXPECT_TRUE(equations.failures == 0 || output.status == SFDAE_CALLBACK_FAILED);
   sfdae_destroy(&solver);
   return output;
 }
