@@ -372,10 +372,10 @@ int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t lengt
 int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, size_t length) {
   return guarded(solver, [&]() -> CallResult {
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
-    solver->forget_analysis();
-    solver->decisions.clear();
     solver->integration =
         restore_checkpoint(solver->model, solver->options.model, solver->options.integration, checkpoint, length);
+    solver->decisions.clear();
+    solver->initial_report.reset();
     solver->direction = solver->integration->direction();
     // Differences go on from where the integration started.
     const double start = solver->problem().limit_before(solver->direction),

@@ -76,6 +76,16 @@ class LinearProblem final : public Problem, public CoefficientSource {
 
   // Units of the unknowns and what was found out about derivatives.
   void archive(Archive& archive);
+  // All that set_units, set_differences, set_limits and archive change.
+  struct Settings {
+    Units units;
+    DifferenceOptions differences;
+    std::array<int, 3> highest_orders{};
+    std::array<double, 3> difference_steps{};
+    double lowest_t = 0.0, highest_t = 0.0;
+  };
+  Settings settings() const;
+  void set_settings(Settings settings);
 
   long evaluations(char which) const { return functions_[slot(which)].calls; }
 
