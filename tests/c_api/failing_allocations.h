@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "family_run.h"
 #include "sfdae/sfdae.h"
 
 namespace sfdae::test {
@@ -81,7 +82,7 @@ struct Sequence {
   std::vector<double> x;    // to begin with
   std::vector<Call> calls;  // the first one creates the handle; those from the second one on may be made again
   double tolerance = 0.0;   // of results after a failure, relative to those of an undisturbed run; 0: every bit
-  long density = 4;         // of the allocations that fail, per doubling of their number
+  int density = 4;          // of the allocations that fail, per doubling of their number
 };
 
 // Every so many allocations fail in turn; all of them with SFDAE_TEST_STRIDE=1 in the environment.
@@ -134,7 +135,9 @@ class FaultRun {
     bool all_later, is_repeated;
   };
 
-  long step_of(long k, long stride) const { return std::clamp(k / sequence_.density, 1L, stride); }
+  long step_of(long k, long stride) const {
+    return std::clamp(k / sfdae_test::scaled_count(sequence_.density), 1L, stride);
+  }
 
   Session begin() const {
     Session session;

@@ -24,7 +24,7 @@ struct Subject {
   // linearization: another one gives other errors of iterations, and steps of other sizes.
   double tolerance = 0.0;
   std::vector<Call> more = {};
-  long density = 4;  // of Sequence
+  int density = 4;  // of Sequence
 };
 
 Sequence sequence_of(const Subject& subject, int method) {
