@@ -23,7 +23,9 @@
  *    Failures are named here by group: callbacks, structure, values, integration. Any function may also return
  *    SFDAE_ILLEGAL_ARGUMENT, SFDAE_OUT_OF_MEMORY, SFDAE_BUSY or SFDAE_INTERNAL, and any that calls callbacks
  *    SFDAE_STOPPED, which leaves what a failure leaves.
- *  - After a failure outputs are untouched, except where stated (sfdae_advance, sfdae_step).
+ *  - After a failure outputs are untouched, except where stated (sfdae_advance, sfdae_step). An argument that is
+ *    refused with SFDAE_ILLEGAL_ARGUMENT changes nothing at all: an integration under way goes on. After
+ *    SFDAE_OUT_OF_MEMORY the solver is still usable: the call may be repeated, and so may any other.
  *  - Structs begin with their size. Call the init function of a struct before anything else, with sizeof(struct) in
  *    your program: later versions of the library may know more members.
  *  - Whatever the library keeps it copies. Only what the callbacks use, functions and the object that `user` points
@@ -290,7 +292,8 @@ SFDAE_API int sfdae_characteristics_init(sfdae_characteristics* characteristics,
  * end of the interval of interest, toward != t). The larger one counts and stays fixed until the next analysis.
  * `result` may be NULL. The point reached is forgotten: sfdae_start has to follow.
  * Warnings: SFDAE_NOT_UNIQUE. Failures: callbacks, structure; SFDAE_ILLEGAL_ARGUMENT for nonlinear problems, which
- * need sfdae_analyze_at. After a failure there is no analysis, but its rank decisions can be read. */
+ * need sfdae_analyze_at. After a failure there is no analysis, but its rank decisions can be read; an argument that
+ * is refused changes nothing. */
 SFDAE_API int sfdae_analyze(sfdae_solver* solver, double t, double toward, sfdae_characteristics* result);
 
 /* Detects the strangeness index of any problem along the solution through a point near x (n values, which need not
@@ -298,7 +301,7 @@ SFDAE_API int sfdae_analyze(sfdae_solver* solver, double t, double toward, sfdae
  * direction of `toward`, toward != t. sfdae_start does this where it has not been done. `result` may be NULL. The
  * point reached is forgotten: sfdae_start has to follow.
  * Warnings: SFDAE_NOT_UNIQUE. Failures: callbacks, structure, SFDAE_NO_CONSISTENT_VALUES. After a failure there is
- * no analysis, but its rank decisions can be read. */
+ * no analysis, but its rank decisions can be read; an argument that is refused changes nothing. */
 SFDAE_API int sfdae_analyze_at(sfdae_solver* solver, double t, double toward, const double* x,
                                sfdae_characteristics* result);
 
@@ -390,8 +393,8 @@ SFDAE_API int sfdae_get_initial_report(const sfdae_solver* solver, sfdae_initial
  * distance sets the scale of the first step. Analyzes if that has not happened or was made for the other direction;
  * a restart on an analyzed solver needs no new analysis.
  * Warnings: SFDAE_NOT_UNIQUE, SFDAE_INCONSISTENCY_IGNORED. Failures: callbacks, structure, values;
- * SFDAE_CHARACTERISTICS_CHANGED if the values known do not hold at t: call sfdae_analyze. After a failure nothing
- * is started, and an integration that was under way is lost. */
+ * SFDAE_CHARACTERISTICS_CHANGED if the values known do not hold at t: call sfdae_analyze. After these nothing is
+ * started, and an integration that was under way is lost; an argument that is refused changes nothing. */
 SFDAE_API int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double* xdot);
 
 /* Integrates to tout and returns there: *t = tout, x (n values), xdot (n values, may be NULL). tout must lie in the
@@ -470,8 +473,8 @@ SFDAE_API int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, si
 /* Continues from a checkpoint of `length` doubles instead of sfdae_start: sfdae_advance is next. The solver has to
  * be created with the problem and the options that the checkpoint was made with (tolerances, limits and the monitor
  * may differ). No callback of a linear problem is called; a nonlinear one is linearized as it was. An integration
- * under way is lost. SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or does not fit; then nothing is
- * started. */
+ * under way is replaced. SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or does not fit; after any failure
+ * everything is as before, and an integration under way goes on. */
 SFDAE_API int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, size_t length);
 
 /* ---- Inspection ------------------------------------------------------------------------------ */

@@ -57,7 +57,11 @@ sfdae_expression combine(const Operands& operands, Action action, Number number)
     return in(record, action(record->recorder, nodes));
   } catch (...) {
     // Only memory can be missing. Short strings need none.
-    if (record != nullptr) record->remember(SFDAE_OUT_OF_MEMORY, "out of memory.");
+    for (const sfdae_expression& operand : operands.list) {
+      if (operand.record == nullptr) continue;
+      record = operand.record;
+      record->remember(SFDAE_OUT_OF_MEMORY, "out of memory.");
+    }
     return in(record, mistaken);
   }
 }

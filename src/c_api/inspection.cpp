@@ -122,11 +122,13 @@ std::string name_of(const DerivativeMismatch& mismatch) {
 
 // Passes a mismatch on, with words if it is suspicious.
 CallResult report_mismatch(const DerivativeMismatch& worst, sfdae_derivative_check* result) {
+  CallResult words;
+  if (worst.suspicious())
+    words.message = format("%s differs from differences in row %d, column %d: %.10g supplied, %.10g by differences.",
+                           name_of(worst).c_str(), worst.row, worst.column, worst.supplied, worst.difference);
   fill_struct(result, {sizeof *result, worst.function, worst.order, worst.row, worst.column, worst.supplied,
                        worst.difference, worst.error, worst.uncertainty, worst.suspicious() ? 1 : 0});
-  if (!worst.suspicious()) return {};
-  return {SFDAE_OK, format("%s differs from differences in row %d, column %d: %.10g supplied, %.10g by differences.",
-                           name_of(worst).c_str(), worst.row, worst.column, worst.supplied, worst.difference)};
+  return words;
 }
 
 template <class Struct>
@@ -138,14 +140,19 @@ bool is_usable(const Struct* result) {
 template <class Body>
 int query(const sfdae_solver* solver, Body body) noexcept {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  const auto say = [solver](int status, const char* text) {
+    std::snprintf(solver->message, sizeof solver->message, "%s", text);
+    return status;
+  };
   try {
     const CallResult result = body();
-    if (result.status < 0) std::snprintf(solver->message, sizeof solver->message, "%s", result.message.c_str());
-    return result.status;
+    return result.status < 0 ? say(result.status, result.message.c_str()) : result.status;
   } catch (const std::bad_alloc&) {
-    return SFDAE_OUT_OF_MEMORY;
+    return say(SFDAE_OUT_OF_MEMORY, out_of_memory);
+  } catch (const std::exception& unexpected) {
+    return say(SFDAE_INTERNAL, unexpected.what());
   } catch (...) {
-    return SFDAE_INTERNAL;
+    return say(SFDAE_INTERNAL, "an unknown exception.");
   }
 }
 

@@ -121,17 +121,22 @@ CallResult read_arguments(const Problem* problem, const sfdae_options* options, 
   return checked.status == SFDAE_OK ? check_options(result.options, unknowns_of(result.problem)) : checked;
 }
 
-// Runs a body without a solver that could keep a message.
+// Runs a body without a solver that could keep a message: what there is to say goes to `text`, of that length.
 template <class Body>
-CallResult caught(Body body) {
+int caught(char* text, size_t length, Body body) noexcept {
+  const auto say = [=](int status, const char* message) {
+    if (length > 0) std::snprintf(text, length, "%s", message);
+    return status;
+  };
   try {
-    return body();
+    const CallResult result = body();
+    return say(result.status, result.message.c_str());
   } catch (const Failure& failure) {
-    return {failure.status(), failure.what()};
+    return say(failure.status(), failure.what());
   } catch (const std::bad_alloc&) {
-    return {SFDAE_OUT_OF_MEMORY, "out of memory."};
+    return say(SFDAE_OUT_OF_MEMORY, out_of_memory);
   } catch (...) {
-    return {SFDAE_INTERNAL, "an exception came out of a callback."};
+    return say(SFDAE_INTERNAL, "an exception came out of a callback.");
   }
 }
 
@@ -139,19 +144,23 @@ template <class Problem>
 int create(sfdae_solver** solver, const Problem* problem, const sfdae_options* options, const Problem& defaults) {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
   *solver = nullptr;
-  return caught([&]() -> CallResult {
-           Arguments<Problem> arguments;
-           CallResult result = read_arguments(problem, options, defaults, arguments);
-           if (result.status == SFDAE_OK)
-             *solver = new sfdae_solver(make_model(arguments.problem), arguments.options);
-           return result;
-         })
-      .status;
+  return caught(nullptr, 0, [&]() -> CallResult {
+    Arguments<Problem> arguments;
+    CallResult result = read_arguments(problem, options, defaults, arguments);
+    if (result.status == SFDAE_OK) *solver = new sfdae_solver(make_model(arguments.problem), arguments.options);
+    return result;
+  });
 }
 
-int copy_message(const CallResult& result, char* text, size_t length) {
-  if (text != nullptr && length > 0) std::snprintf(text, length, "%s", result.message.c_str());
-  return result.status;
+template <class Problem>
+int check(const Problem* problem, const sfdae_options* options, const Problem& defaults, char* text, size_t length) {
+  if (text == nullptr && length > 0) return SFDAE_ILLEGAL_ARGUMENT;
+  return caught(text, length, [&] {
+    Arguments<Problem> arguments;
+    const CallResult checked = read_arguments(problem, options, defaults, arguments);
+    if (checked.status == SFDAE_OK) make_model(arguments.problem);
+    return checked;
+  });
 }
 
 CallResult advance(sfdae_solver* solver, double tout, bool one_step, double* t, double* x, double* xdot) {
@@ -180,36 +189,17 @@ CallResult check_point(double t, double toward, const double* x, int n) {
 extern "C" {
 
 int sfdae_check_linear(const sfdae_linear_problem* problem, const sfdae_options* options, char* text, size_t length) {
-  if (text == nullptr && length > 0) return SFDAE_ILLEGAL_ARGUMENT;
-  const CallResult result = caught([&] {
-    Arguments<sfdae_linear_problem> arguments;
-    return read_arguments(problem, options, default_problem(), arguments);
-  });
-  return copy_message(result, text, length);
+  return check(problem, options, default_problem(), text, length);
 }
 
 int sfdae_check_nonlinear(const sfdae_nonlinear_problem* problem, const sfdae_options* options, char* text,
                           size_t length) {
-  if (text == nullptr && length > 0) return SFDAE_ILLEGAL_ARGUMENT;
-  const CallResult result = caught([&] {
-    Arguments<sfdae_nonlinear_problem> arguments;
-    const CallResult checked = read_arguments(problem, options, default_nonlinear_problem(), arguments);
-    if (checked.status == SFDAE_OK) make_model(arguments.problem);
-    return checked;
-  });
-  return copy_message(result, text, length);
+  return check(problem, options, default_nonlinear_problem(), text, length);
 }
 
 int sfdae_check_multibody(const sfdae_multibody_problem* problem, const sfdae_options* options, char* text,
                           size_t length) {
-  if (text == nullptr && length > 0) return SFDAE_ILLEGAL_ARGUMENT;
-  const CallResult result = caught([&] {
-    Arguments<sfdae_multibody_problem> arguments;
-    const CallResult checked = read_arguments(problem, options, default_multibody_problem(), arguments);
-    if (checked.status == SFDAE_OK) make_model(arguments.problem);
-    return checked;
-  });
-  return copy_message(result, text, length);
+  return check(problem, options, default_multibody_problem(), text, length);
 }
 
 int sfdae_create_linear(sfdae_solver** solver, const sfdae_linear_problem* problem, const sfdae_options* options) {
@@ -249,14 +239,12 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
         now.analysis.rank_tol == old.analysis.rank_tol && now.analysis.time_scale == old.analysis.time_scale &&
         now.differences.allowed == old.differences.allowed && now.differences.step == old.differences.step &&
         now.leading == old.leading;
-    solver->options = fresh;
-    if (!same_analysis) {
-      solver->forget_analysis();
-    }
-    if (solver->integration) {
-      solver->integration->set_options(fresh.integration);
-      set_limits(*solver, solver->integration->stepper().state().t, solver->integration->direction());
-    }
+    const bool goes_on = solver->integration && same_analysis;
+    if (goes_on) solver->integration->set_options(fresh.integration);
+    // Nothing fails from here on.
+    solver->options = std::move(fresh);
+    if (!same_analysis) solver->forget_analysis();
+    if (goes_on) set_limits(*solver, solver->integration->stepper().state().t, solver->integration->direction());
     return {};
   });
 }
@@ -278,8 +266,9 @@ int sfdae_analyze(sfdae_solver* solver, double t, double toward, sfdae_character
     if (solver->model.needs_x())
       return illegal_argument("the characteristic values of a nonlinear problem depend on x: call sfdae_analyze_at.");
     analyze(*solver, {t, toward, nullptr});
+    CallResult warning = warning_of(*solver, false);
     if (result != nullptr) fill_struct(result, characteristics_of(*solver));
-    return warning_of(*solver, false);
+    return warning;
   });
 }
 
@@ -290,8 +279,9 @@ int sfdae_analyze_at(sfdae_solver* solver, double t, double toward, const double
     if (result != nullptr && !is_plausible_size(result->size))
       return illegal_argument("result->size is not set: call sfdae_characteristics_init.");
     analyze(*solver, {t, toward, x});
+    CallResult warning = warning_of(*solver, false);
     if (result != nullptr) fill_struct(result, characteristics_of(*solver));
-    return warning_of(*solver, false);
+    return warning;
   });
 }
 
@@ -317,10 +307,11 @@ int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdo
     if (checked.status != SFDAE_OK) return checked;
     if (!solver->system()) analyze(*solver, {t, toward, x});
     const ConsistentPoint found = solver->model.consistent_point_beside({t, toward, x}, solver->options.model);
+    CallResult warning = warning_of(*solver, found.has_contradiction);
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = report_of(found);
-    return warning_of(*solver, found.has_contradiction);
+    return warning;
   });
 }
 
@@ -338,13 +329,14 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
     solver->integration.reset();
     set_limits(*solver, t, direction);
     const ConsistentPoint found = solver->model.consistent_point({t, toward, x}, solver->options.model);
+    CallResult warning = warning_of(*solver, found.has_contradiction);
     solver->integration =
         std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
                                       solver->options.integration, InitialPoint{t, toward, found.x, found.xdot});
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = report_of(found);
-    return warning_of(*solver, found.has_contradiction);
+    return warning;
   });
 }
 
@@ -380,10 +372,10 @@ int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t lengt
 int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, size_t length) {
   return guarded(solver, [&]() -> CallResult {
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
-    solver->forget_analysis();
-    solver->decisions.clear();
     solver->integration =
         restore_checkpoint(solver->model, solver->options.model, solver->options.integration, checkpoint, length);
+    solver->decisions.clear();
+    solver->initial_report.reset();
     solver->direction = solver->integration->direction();
     // Differences go on from where the integration started.
     const double start = solver->problem().limit_before(solver->direction),

@@ -60,6 +60,8 @@ struct sfdae_solver {
 
 namespace sfdae::core {
 
+inline constexpr const char* out_of_memory = "out of memory.";
+
 // Runs the body of an API call: one at a time, exceptions to status and message.
 template <class Body>
 int guarded(sfdae_solver* solver, Body body) noexcept {
@@ -76,7 +78,7 @@ int guarded(sfdae_solver* solver, Body body) noexcept {
   } catch (const Failure& failure) {
     status = say(failure.status(), failure.what());
   } catch (const std::bad_alloc&) {
-    status = say(SFDAE_OUT_OF_MEMORY, "out of memory.");
+    status = say(SFDAE_OUT_OF_MEMORY, out_of_memory);
   } catch (const std::exception& unexpected) {
     status = say(SFDAE_INTERNAL, unexpected.what());
   } catch (...) {

@@ -87,11 +87,13 @@ bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders
 // Room for series of this order in every slot. Never shrinks.
 void TaylorEvaluator::reserve(int order) {
   if (order < stride_) return;
-  stride_ = order + 1;
-  slots_.assign(index(tape_.num_slots) * index(stride_), 0.0);
-  adjoints_.assign(index(tape_.num_slots) * index(stride_), 0.0);
-  program_ = {in_offsets(tape_.of_parameters, stride_), in_offsets(tape_.of_time, stride_),
-              in_offsets(tape_.of_state, stride_), in_offsets(tape_.edges, stride_)};
+  const int stride = order + 1;
+  std::vector<double> slots(index(tape_.num_slots) * index(stride), 0.0), adjoints(slots);
+  program_ = {in_offsets(tape_.of_parameters, stride), in_offsets(tape_.of_time, stride),
+              in_offsets(tape_.of_state, stride), in_offsets(tape_.edges, stride)};
+  slots_ = std::move(slots);
+  adjoints_ = std::move(adjoints);
+  stride_ = stride;
   for (const Tape::Number& constant : tape_.constants)
     slots_[index(constant.slot) * index(stride_)] = record_->constant(constant.index);
   parameters_changed_ = true;

@@ -3,6 +3,7 @@
 #include "integrate/bdf.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -43,11 +44,13 @@ void Bdf::resize(const StrangenessFreeSystem& system) {
 }
 
 void Bdf::start(const StrangenessFreeSystem& system, const StartingPoint& point, double h) {
-  history_.start(point);
-  resize(system);
-  control_.start(max_order_);
-  next_step_ = h;
-  last_ = {};
+  Bdf started = *this;
+  started.history_.start(point);
+  started.resize(system);
+  started.control_.start(max_order_);
+  started.next_step_ = h;
+  started.last_ = {};
+  *this = std::move(started);
 }
 
 StepState Bdf::state() const {

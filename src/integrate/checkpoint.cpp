@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/checkpoint.h"
 
+#include <optional>
+#include <utility>
+
+#include "integrate/events.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
 
@@ -57,36 +61,70 @@ void save_checkpoint(DaeSystem& system, Integration& integration, double* to) {
   to[header_size] = checksum(to + header_size + 1, length - header_size - 1);
 }
 
+namespace {
+
+// The doubles behind the header, which are those of a checkpoint of such a problem. Throws Failure or DamagedArchive.
+Archive checked_content(const Model& model, const double* from, std::size_t length) {
+  Archive start = Archive::reader(from, length);
+  Header header;
+  header.archive(start);
+  double sum = 0.0;
+  start.real(sum);
+  if (header.version != layout || header.length <= 0 || static_cast<std::size_t>(header.length) > length)
+    throw DamagedArchive();
+  if (header.m != model.m() || header.n != model.n())
+    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                  format("the checkpoint is that of a problem with %d equations in %d unknowns, "
+                         "not %d in %d.",
+                         header.m, header.n, model.m(), model.n()));
+  const std::size_t total = static_cast<std::size_t>(header.length);
+  if (sum != checksum(from + start.size(), total - start.size())) throw DamagedArchive();
+  return Archive::reader(from + start.size(), total - start.size());
+}
+
+// The model and the events are as they were before when this ends, unless it is told otherwise.
+class Undo {
+ public:
+  Undo(Model& model, Events* events) : model_(model), events_(events) {
+    if (events_ != nullptr) events_before_ = *events_;
+  }
+  Undo(const Undo&) = delete;
+  Undo& operator=(const Undo&) = delete;
+  ~Undo() {
+    if (has_finished_) return;
+    if (has_restored_) model_.undo_restore();
+    if (events_ != nullptr) *events_ = std::move(*events_before_);
+  }
+  void note_restored() { has_restored_ = true; }
+  void finish() {
+    model_.finish_restore();
+    has_finished_ = true;
+  }
+
+ private:
+  Model& model_;
+  Events* events_;
+  std::optional<Events> events_before_;
+  bool has_restored_ = false, has_finished_ = false;
+};
+
+}  // namespace
+
 std::unique_ptr<Integration> restore_checkpoint(Model& model, const ModelOptions& model_options,
                                                 const IntegrationOptions& options, const double* from,
                                                 std::size_t length) {
   try {
-    Archive start = Archive::reader(from, length);
-    Header header;
-    header.archive(start);
-    double sum = 0.0;
-    start.real(sum);
-    if (header.version != layout || header.length <= 0 || static_cast<std::size_t>(header.length) > length)
-      throw DamagedArchive();
-    if (header.m != model.m() || header.n != model.n())
-      throw Failure(SFDAE_ILLEGAL_ARGUMENT,
-                    format("the checkpoint is that of a problem with %d equations in %d unknowns, "
-                           "not %d in %d.",
-                           header.m, header.n, model.m(), model.n()));
-    const std::size_t total = static_cast<std::size_t>(header.length);
-    if (sum != checksum(from + start.size(), total - start.size())) throw DamagedArchive();
-    Archive archive = Archive::reader(from + start.size(), total - start.size());
+    Archive archive = checked_content(model, from, length);
+    Undo undo(model, options.events);
     model.restore(model_options, archive);
+    undo.note_restored();
     auto integration = std::make_unique<Integration>(*model.system(), model.change_watch(), options, archive);
-    if (archive.size() != total - start.size()) throw DamagedArchive();
+    if (!archive.has_ended()) throw DamagedArchive();
+    undo.finish();
     return integration;
   } catch (const DamagedArchive&) {
-    model.forget_system();
     throw Failure(SFDAE_ILLEGAL_ARGUMENT,
                   "this is not a checkpoint, or it was made with other options or is damaged.");
-  } catch (...) {
-    model.forget_system();
-    throw;
   }
 }
 

@@ -18,8 +18,8 @@ std::size_t checkpoint_size(DaeSystem& system, Integration& integration);
 void save_checkpoint(DaeSystem& system, Integration& integration, double* to);
 
 // The model gets its system again. Throws Failure SFDAE_ILLEGAL_ARGUMENT if it is not a checkpoint of such a problem,
-// or damaged; then the model has none. length may be larger than the checkpoint. No callback of a linear problem is
-// called.
+// or damaged; then, and where anything else fails, nothing has changed. length may be larger than the checkpoint. No
+// callback of a linear problem is called.
 std::unique_ptr<Integration> restore_checkpoint(Model& model, const ModelOptions& model_options,
                                                 const IntegrationOptions& options, const double* from,
                                                 std::size_t length);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "linalg/index.h"
 #include "linalg/rank.h"
@@ -25,15 +26,19 @@ double ErrorWeights::reduction(double tol) const {
 }
 
 void ErrorWeights::set(const Tolerances& tolerances, Tightening tightening, double safety) {
-  tightening_ = tightening;
-  safety_ = safety;
-  rtol_ = tolerances.rtol;
-  atol_ = tolerances.atol;
-  inverse_.assign(rtol_.size(), 1.0);
-  reduction_.assign(rtol_.size(), 1.0);
-  relative_ = rtol_;
-  for (std::size_t i = 0; i < rtol_.size(); ++i)
-    if (rtol_[i] > 0.0) reduction_[i] = reduction(rtol_[i]);
+  ErrorWeights set;
+  set.tightening_ = tightening;
+  set.safety_ = safety;
+  set.floor_ = floor_;
+  set.floor_ratio_ = floor_ratio_;
+  set.rtol_ = tolerances.rtol;
+  set.atol_ = tolerances.atol;
+  set.inverse_.assign(tolerances.rtol.size(), 1.0);
+  set.reduction_.assign(tolerances.rtol.size(), 1.0);
+  set.relative_ = tolerances.rtol;
+  for (std::size_t i = 0; i < tolerances.rtol.size(); ++i)
+    if (tolerances.rtol[i] > 0.0) set.reduction_[i] = set.reduction(tolerances.rtol[i]);
+  *this = std::move(set);
 }
 
 void ErrorWeights::update(const double* x) {

@@ -17,7 +17,7 @@ enum class Tightening {
 
 class ErrorWeights {
  public:
-  // safety: a factor of all tolerances, <= 1.
+  // safety: a factor of all tolerances, <= 1. Everything is as before where memory is missing.
   void set(const Tolerances& tolerances, Tightening tightening, double safety = 1.0);
   // Weights are never less than these errors (n values that live on and may change, or null), which smaller steps
   // cannot reduce.

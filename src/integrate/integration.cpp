@@ -99,8 +99,9 @@ void Integration::archive_change(Archive& archive) {
 }
 
 void Integration::set_options(const IntegrationOptions& options) {
-  options_ = options;
-  integrator_.set_options(options_);
+  IntegrationOptions copy = options;
+  integrator_.set_options(copy);
+  options_ = std::move(copy);
 }
 
 IntegrationCounts Integration::counts() const {
@@ -116,6 +117,8 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
   if (options_.stop_time && (*options_.stop_time - tout) * direction < 0.0)
     return result_beyond_stop_time(tout, *options_.stop_time);
   contradictions.ignored_in_call = false;
+  // A call that was stopped may be repeated with the same tout, even if the last step went past it.
+  const auto note_returned = [&] { last_returned_ = (t - tout) * direction > 0.0 ? tout : t; };
   CallResult result;
   try {
     result = run(tout, one_step);
@@ -124,16 +127,17 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
     else return_last_point(t, x, xdot);
   } catch (const Failure& failure) {
     return_last_point(t, x, xdot);
+    note_returned();
     result = {failure.status(), failure.what()};
   } catch (...) {
     return_last_point(t, x, xdot);
+    note_returned();
     throw;
   }
+  note_returned();
   if (result.status == SFDAE_STOPPED) integrator_.system.take_stop_request();
   if (result.status == SFDAE_OK && contradictions.ignored_in_call)
     result = result_of_ignored_contradictions(contradictions.largest);
-  // A call that was stopped may be repeated with the same tout, even if the last step went past it.
-  last_returned_ = (t - tout) * direction > 0.0 ? tout : t;
   return result;
 }
 
@@ -153,19 +157,19 @@ CallResult Integration::interpolate(double t, double* x, double* xdot) {
 // ---- Steps -----------------------------------------------------------------------------------------------------
 
 CallResult Integration::run(double tout, bool one_step) {
-  if (auto event = search_events(tout)) return *event;
+  if (auto event = search_events(tout)) return std::move(*event);
   // The last call gave up with a step that says nothing about the solution.
   if (integrator_.must_restart && !change_ && !integrator_.has_passed(tout)) restart(integrator_.method);
   for (long attempts = 0; !integrator_.has_passed(tout); ++attempts) {
-    if (auto stopped = obstacle(attempts, tout)) return *stopped;
+    if (auto stopped = obstacle(attempts, tout)) return std::move(*stopped);
     if (integrator_.method == Method::radau && integrator_.system.differential() > 0 && choice_.prefers_bdf())
       restart(Method::bdf);
     const long steps = counts_.own.steps;
     const auto result = attempt_step(tout);
     const bool is_step_taken = counts_.own.steps > steps;
     if (is_step_taken)
-      if (auto event = search_events(tout)) return *event;
-    if (result) return *result;
+      if (auto event = search_events(tout)) return std::move(*event);
+    if (result) return std::move(*result);
     if (one_step && is_step_taken && !integrator_.has_passed(tout)) return {SFDAE_STEP_TAKEN, ""};
   }
   return {};
@@ -182,8 +186,8 @@ std::optional<CallResult> Integration::obstacle(long attempts, double tout) cons
 }
 
 void Integration::restart(Method method) {
-  integrator_.restart(method, options_);
   output_.resize(integrator_.system);
+  integrator_.restart(method, options_);
 }
 
 std::optional<CallResult> Integration::attempt_step(double tout) {
@@ -332,8 +336,7 @@ std::optional<CallResult> Integration::search_events(double tout) {
   const SearchedStep step{*options_.events, integrator_, output_, options_};
   if (!search.is_started()) start_search(step, last_returned_, span_);
   if (!search_step(step, tout)) return std::nullopt;
-  return CallResult{
-      SFDAE_EVENT, format("event at t = %.15g: sfdae_get_events reports which. Advance again to go on.", search.t())};
+  return result_of_event(search.t());
 }
 
 void Integration::return_last_point(double& t, double* x, double* xdot) {
@@ -349,9 +352,9 @@ void Integration::return_consistent_point(double& t, double* x, double* xdot) {
 }
 
 CallResult Integration::output(double tout, double& t, double* x, double* xdot) {
-  choice_.note_output();
   if (has_searched_to(options_.events, tout)) return_searched_point(*options_.events, t, x, xdot);
   else output_.evaluate(integrator_, {tout, true, wants_slopes_}, options_, x, xdot);
+  choice_.note_output();
   t = tout;
   return {};
 }

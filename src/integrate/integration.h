@@ -41,6 +41,7 @@ class Integration {
   // The solution at any t within the last step; the point reached stays.
   CallResult interpolate(double t, double* x, double* xdot);
 
+  // Everything is as before where memory is missing.
   void set_options(const IntegrationOptions& options);
   // Whether anybody will look at xdot; else it need not be accurate.
   void want_slopes(bool wanted) { wants_slopes_ = wanted || options_.events != nullptr; }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/integration_results.h"
 
+#include <new>
+
 #include "linalg/index.h"
 #include "problem/failure.h"
 
@@ -37,6 +39,15 @@ CallResult result_beyond_stop_time(double tout, double stop_time) {
 CallResult result_outside_last_step(double t, double start, double end) {
   return {SFDAE_ILLEGAL_ARGUMENT,
           format("t = %.15g lies outside of the last step, from %.15g to %.15g.", t, start, end)};
+}
+
+// The event counts as returned: it must not be lost for want of words. Short strings need no memory.
+CallResult result_of_event(double t) noexcept {
+  try {
+    return {SFDAE_EVENT, format("event at t = %.15g: sfdae_get_events reports which. Advance again to go on.", t)};
+  } catch (const std::bad_alloc&) {
+    return {SFDAE_EVENT, "event."};
+  }
 }
 
 CallResult result_of_stop_request(double t) {

@@ -10,6 +10,7 @@ namespace sfdae::core {
 CallResult result_of_wrong_direction(double tout, double last_returned);
 CallResult result_beyond_stop_time(double tout, double stop_time);
 CallResult result_outside_last_step(double t, double start, double end);
+CallResult result_of_event(double t) noexcept;
 CallResult result_of_stop_request(double t);
 CallResult result_of_monitor_stop(double t);
 CallResult result_of_many_steps(long max_steps, double tout, double t);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "integrate/bdf.h"
 #include "integrate/radau.h"
@@ -62,11 +63,19 @@ void Integrator::restart(Method wanted, const IntegrationOptions& options) {
   const Vector x = stepper->x();
   Vector xdot(x.size());
   system.consistent_derivative(x.data(), direction, xdot.data());
-  if (wanted != method) {
-    create(wanted, options);
-    first_step = stepper->first_step(weights, x.data(), xdot.data(), steps_ahead * std::fabs(state.next_step));
+  if (wanted == method) {
+    start(state.t, x, xdot, options);
+  } else {
+    Integrator next(system, direction);
+    next.create(wanted, options);
+    const double span = steps_ahead * std::fabs(state.next_step);
+    next.first_step = next.stepper->first_step(next.weights, x.data(), xdot.data(), span);
+    next.start(state.t, x, xdot, options);
+    method = next.method;
+    stepper = std::move(next.stepper);
+    weights = std::move(next.weights);
+    first_step = next.first_step;
   }
-  start(state.t, x, xdot, options);
   must_restart = false;
 }
 

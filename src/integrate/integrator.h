@@ -20,11 +20,13 @@ struct Integrator {
 
   // Without a point to start from; the method is bdf afterwards, or radau.
   void create(Method wanted, const IntegrationOptions& options);
+  // Everything is as before where memory is missing.
   void set_options(const IntegrationOptions& options);
   // At the consistent point (t, x) with derivative xdot, where the system stands.
   void start(double t, const std::vector<double>& x, const std::vector<double>& xdot,
              const IntegrationOptions& options);
-  // From the last point, with the method at present or another one. Throws Failure.
+  // From the last point, with the method at present or another one. Throws Failure; then, and where memory is
+  // missing, the history is as before.
   void restart(Method wanted, const IntegrationOptions& options);
 
   bool has_passed(double t) const { return (stepper->state().t - t) * direction >= 0.0; }

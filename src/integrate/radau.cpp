@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -62,12 +63,14 @@ void Radau::resize(std::size_t n, std::size_t size_w) {
 }
 
 void Radau::start(const StrangenessFreeSystem&, const StartingPoint& point, double h) {
-  history_.resize(point.x.size(), point.w.size(), options_);
-  resize(point.x.size(), point.w.size());
-  history_.start(point);
-  control_.start(options_);
-  control_.set_stages(std::clamp(first_stages_, options_.min_stages, options_.max_stages));
-  next_step_ = h;
+  Radau started = *this;
+  started.history_.resize(point.x.size(), point.w.size(), options_);
+  started.resize(point.x.size(), point.w.size());
+  started.history_.start(point);
+  started.control_.start(options_);
+  started.control_.set_stages(std::clamp(first_stages_, options_.min_stages, options_.max_stages));
+  started.next_step_ = h;
+  *this = std::move(started);
 }
 
 // Hermite polynomials need one node more than the method has stages to be as accurate as it is.

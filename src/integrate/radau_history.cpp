@@ -97,10 +97,10 @@ void RadauHistory::set_extent(const Extent& extent, const StrangenessFreeSystem&
   if (extent.nodes < 1 || extent.nodes > options.max_stages + 1 || extent.order < 0 ||
       extent.order > 2 * options.max_stages - 1 || extent.inner < 0 || extent.inner > inner_capacity)
     throw DamagedArchive();
+  resize(index(system.unknowns()), index(system.leading_size()), options);
   count_ = extent.nodes;
   last_.order = extent.order;
   inner_count_ = extent.inner;
-  resize(index(system.unknowns()), index(system.leading_size()), options);
 }
 
 void RadauHistory::archive(Archive& archive, const Extent& extent, bool with_x, bool with_stages) {

@@ -19,6 +19,12 @@ constexpr double interpolation_error = 0.5, nonlinear_interpolation_error = 1e-3
 // Of the step to a point within the last one, while its equations have no solution.
 constexpr int most_halvings = 4;
 
+// Of the nodes around t.
+void set_polynomial(const RadauHistory& history, Interpolated which, double t, HermiteTable& table) {
+  const ChosenNodes chosen = history.nodes_around(t);
+  table.set_nodes(chosen, which, 2 * chosen.count, history.newest().t, history.last().h);
+}
+
 void copy_to(const RadauNode& node, const PointValues& point) {
   std::copy(node.w.begin(), node.w.end(), point.w);
   std::copy(node.x.begin(), node.x.end(), point.x);
@@ -37,11 +43,9 @@ void RadauOutput::resize(std::size_t n, std::size_t size_w, int most_stages) {
 void RadauOutput::interpolate(const RadauHistory& history, HermiteTable& table, const PointValues& point) {
   const RadauNode& newest = history.newest();
   if (point.t == newest.t || history.count() < 2) return copy_to(newest, point);
-  const ChosenNodes chosen = history.nodes_around(point.t);
-  const double h = history.last().h;
-  table.set_nodes(chosen, Interpolated::x, 2 * chosen.count, newest.t, h);
+  set_polynomial(history, Interpolated::x, point.t, table);
   table.evaluate(point.t, point.x, point.xdot);
-  table.set_nodes(chosen, Interpolated::w, 2 * chosen.count, newest.t, h);
+  set_polynomial(history, Interpolated::w, point.t, table);
   table.evaluate(point.t, point.w, nullptr);
 }
 
@@ -98,9 +102,13 @@ PointStatus RadauOutput::refine(StrangenessFreeSystem& system, ErrorWeights& wei
   if (weights.norm(mapped_.data()) <= limit) return PointStatus::ok;
   double reached = t;
   const PointStatus stages = solve_within(system, weights, history, workspace, reached);
+  if (stages == PointStatus::callback_error && reached == t) {
+    // The guess of the stages has taken the place of the polynomial, which is looked at again if the caller tries again.
+    set_polynomial(history, Interpolated::w, t, workspace.table);
+    return stages;
+  }
   // A stage may fail where the point itself does not: then the polynomial has to do.
-  if (stages != PointStatus::ok)
-    return stages == PointStatus::callback_error && reached == t ? stages : system.move_to(t);
+  if (stages != PointStatus::ok) return system.move_to(t);
   copy_to(history.insert(within_.end), point);
   return PointStatus::ok;
 }

@@ -46,7 +46,7 @@ void find_slopes(Integrator& integrator, const PointRequest& request, double* x,
 }  // namespace
 
 void StepOutput::resize(const DaeSystem& system) {
-  w_.resize(index(system.leading_size()));
+  w_.resize(std::max(w_.size(), index(system.leading_size())));
   x_free_.resize(index(system.unknowns()));
 }
 
@@ -100,7 +100,7 @@ void StepOutput::restore(Integrator& integrator, double t, double* x) {
   const bool at_step = t == integrator.stepper->state().t;
   if (integrator.must_restart && !at_step) {
     // The history is that of another leading term: x alone can be used.
-    w_.resize(index(system.leading_size()));
+    w_.resize(std::max(w_.size(), index(system.leading_size())));
     system.leading(x_free_.data(), w_.data());
   }
   // Iterations for nonlinear equations end when errors are small against the tolerances: the constraints want more.

@@ -16,7 +16,7 @@ struct PointRequest {
 
 class StepOutput {
  public:
-  // Whenever the integrator starts or is restored.
+  // Before the integrator starts anew or when it is restored. Never shrinks: the history may still be the old one.
   void resize(const DaeSystem& system);
 
   // Consistent x, and x'. Throws Failure.

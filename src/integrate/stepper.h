@@ -93,7 +93,7 @@ class Stepper {
   // Size of a first attempt. span: length of the interval of interest.
   virtual double first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) = 0;
 
-  // The first step will have size h.
+  // The first step will have size h. Everything is as before where memory is missing.
   virtual void start(const StrangenessFreeSystem& system, const StartingPoint& point, double h) = 0;
   // Tries one step from the last point to t; commit() makes an accepted one the last point.
   virtual StepOutcome attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) = 0;

@@ -39,6 +39,7 @@ class Archive {
 
   bool is_reading() const { return from_ != nullptr; }
   std::size_t size() const { return size_; }  // doubles counted, written or read so far
+  bool has_ended() const { return size_ == length_; }
 
   // Reading beyond the end, or NaN, throws DamagedArchive.
   void real(double& value) { reals(&value, 1); }

@@ -44,7 +44,7 @@ inline int padded_rows(int rows) {
 class Matrix {
  public:
   Matrix() = default;
-  Matrix(int rows, int cols) : rows_(rows), cols_(cols), entries_(index(rows) * index(cols) + 1, 0.0) {}
+  Matrix(int rows, int cols) : entries_(index(rows) * index(cols) + 1, 0.0), rows_(rows), cols_(cols) {}
 
   int rows() const { return rows_; }
   int cols() const { return cols_; }
@@ -58,9 +58,10 @@ class Matrix {
   operator ConstView() const { return view(); }
 
  private:
+  // First, as members are copied in order: where there is no memory for them the sizes stay, too.
+  std::vector<double> entries_;
   int rows_ = 0;
   int cols_ = 0;
-  std::vector<double> entries_;
 };
 
 void copy(ConstView from, View to);

@@ -35,8 +35,8 @@ void MultibodyModel::analyze(const PointOfInterest& point, const ModelOptions& o
                                               q.data(), v.data());
 }
 
-void MultibodyModel::restore(const ModelOptions& options, Archive& archive) {
-  system_ = std::make_unique<MultibodySystem>(*problem_, settings({}, options.analysis), archive);
+std::unique_ptr<MultibodySystem> MultibodyModel::archived_system(const ModelOptions& options, Archive& archive) {
+  return std::make_unique<MultibodySystem>(*problem_, settings({}, options.analysis), archive);
 }
 
 std::unique_ptr<MultibodySystem> MultibodyModel::copy_of_system() {

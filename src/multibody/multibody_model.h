@@ -40,7 +40,6 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
   void parameters_changed() override { problem_->parameters_changed(); }
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
-  void restore(const ModelOptions& options, Archive& archive) override;
   // The user's functions; null for recorded formulas.
   CallbackMultibody* callbacks() { return callbacks_; }
   // Of the point accepted last, after an analysis.
@@ -48,6 +47,7 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
 
  protected:
   std::unique_ptr<MultibodySystem> copy_of_system() override;
+  std::unique_ptr<MultibodySystem> archived_system(const ModelOptions& options, Archive& archive) override;
   ConsistentPoint make_consistent(MultibodySystem& system, const PointOfInterest& point,
                                   const ModelOptions& options) override;
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "linalg/index.h"
@@ -54,7 +55,11 @@ struct MultibodyStages {
   }
   void reserve(int s, const MultibodyForm& form) {
     if (times.size() >= index(s)) return;
-    while (tangents.size() < index(s)) form.resize_tangents(tangents.emplace_back());
+    while (tangents.size() < index(s)) {
+      Tangents more;
+      form.resize_tangents(more);
+      tangents.push_back(std::move(more));
+    }
     for (auto* columns : {&qv, &particular, &changes, &rates, &a, &mu, &moves, &r, &z}) columns->reserve(s);
     times.resize(index(s));  // last: it says that there is room for all
   }

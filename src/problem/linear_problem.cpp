@@ -41,6 +41,25 @@ void LinearProblem::set_differences(const DifferenceOptions& options) {
   }
 }
 
+LinearProblem::Settings LinearProblem::settings() const {
+  Settings settings{units_, differences_, {}, {}, lowest_t_, highest_t_};
+  for (std::size_t i = 0; i < functions_.size(); ++i) {
+    settings.highest_orders[i] = functions_[i].highest_order;
+    settings.spacings[i] = functions_[i].spacings;
+  }
+  return settings;
+}
+
+void LinearProblem::set_settings(Settings settings) {
+  units_ = std::move(settings.units);
+  differences_ = settings.differences;
+  set_limits(settings.lowest_t, settings.highest_t);
+  for (std::size_t i = 0; i < functions_.size(); ++i) {
+    functions_[i].highest_order = settings.highest_orders[i];
+    functions_[i].spacings = std::move(settings.spacings[i]);
+  }
+}
+
 void LinearProblem::archive(Archive& archive) {
   bool has_scale = !units_.are_one();
   archive.small(has_scale);

@@ -77,6 +77,16 @@ class LinearProblem final : public Problem, public CoefficientSource {
 
   // Units of the unknowns and what was found out about derivatives.
   void archive(Archive& archive);
+  // All that set_units, set_differences, set_limits and archive change.
+  struct Settings {
+    Units units;
+    DifferenceOptions differences;
+    std::array<int, 3> highest_orders{};
+    std::array<Spacings, 3> spacings{};
+    double lowest_t = 0.0, highest_t = 0.0;
+  };
+  Settings settings() const;
+  void set_settings(Settings settings);
 
   long evaluations(char which) const { return functions_[slot(which)].calls; }
 

@@ -88,10 +88,6 @@ void choose_row_scale(TaylorData& data, double tau, RowScaling rows, const std::
 }  // namespace
 
 void TaylorData::resize(int rows, int cols, Orders held) {
-  m = rows;
-  n = cols;
-  orders = held;
-  for (std::vector<double>& errors : errors_) errors.clear();
   const std::size_t size = index(rows) * index(cols);
   E_.resize(std::max(E_.size(), size * index(held.E + 1)));
   A_.resize(std::max(A_.size(), size * index(held.A + 1)));
@@ -99,6 +95,10 @@ void TaylorData::resize(int rows, int cols, Orders held) {
   row_scale.resize(index(rows));
   row_norm.resize(index(rows));
   row_factor_.resize(index(rows));
+  for (std::vector<double>& errors : errors_) errors.clear();
+  m = rows;
+  n = cols;
+  orders = held;
 }
 
 // Order k times D tau^k / k!, for A and f once more times tau.

@@ -11,16 +11,16 @@
 namespace sfdae::core {
 
 void ConstraintFactors::resize(int n, int rows) {
-  n_ = n;
   factors_.resize(index(n) * index(rows) + 1);
   tau_.resize(index(n) + 1);
   pivots_.resize(index(rows) + 1);
+  n_ = n;
 }
 
 void ConstraintFactors::factor(const Carried& carried, Judge& judge, Arena& arena) {
+  factors_.resize(std::max(factors_.size(), index(n_) * index(carried.rows) + 1));
+  pivots_.resize(std::max(pivots_.size(), index(carried.rows) + 1));
   rows_ = carried.rows;
-  factors_.resize(std::max(factors_.size(), index(n_) * index(rows_) + 1));
-  pivots_.resize(std::max(pivots_.size(), index(rows_) + 1));
   const View to{factors_.data(), n_, rows_, n_};
   for (int i = 0; i < rows_; ++i)
     for (int j = 0; j < n_; ++j) to(j, i) = carried.constraints(i, j);

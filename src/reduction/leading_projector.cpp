@@ -8,8 +8,8 @@
 namespace sfdae::core {
 
 void LeadingProjector::resize(int n) {
-  n_ = n;
   K_.resize(index(n) * index(n) + 1);
+  n_ = n;
 }
 
 // ker E = range of P [-R11^-1 R12; I], orthonormalized.

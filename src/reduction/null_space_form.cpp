@@ -14,17 +14,17 @@ std::size_t area(int rows, int cols) { return index(rows) * index(cols) + 1; }
 }  // namespace
 
 void NullSpaceForm::resize(int rows, int cols, int num_prescribed, int carried) {
+  constraints_.resize(cols, carried);
+  prescribed_.resize(cols, num_prescribed);
+  differential_.resize(cols);
+  projector_.resize(cols);
+  T2_.resize(area(cols, cols + 1));
+  Z1_.resize(area(rows, cols));
+  G_.resize(area(cols, cols));
+  B_.resize(area(cols, cols + 1));
+  g0_.resize(area(cols, 1));
   m = rows;
   n = cols;
-  constraints_.resize(n, carried);
-  prescribed_.resize(n, num_prescribed);
-  differential_.resize(n);
-  projector_.resize(n);
-  T2_.resize(area(n, n + 1));
-  Z1_.resize(area(m, n));
-  G_.resize(area(n, n));
-  B_.resize(area(n, n + 1));
-  g0_.resize(area(n, 1));
 }
 
 PointRanks NullSpaceForm::build(const TaylorData& data, const Carried& carried, Prescription prescription,

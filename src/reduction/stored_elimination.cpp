@@ -20,9 +20,9 @@ View column(double* values, int rows) { return {values, rows, 1, std::max(rows, 
 }  // namespace
 
 void StoredElimination::Block::resize(int new_rows, int new_cols) {
+  entries.resize(index(new_rows) * index(new_cols) + 1);
   rows = new_rows;
   cols = new_cols;
-  entries.resize(index(rows) * index(cols) + 1);
 }
 
 void StoredElimination::Block::keep(ConstView from) {

@@ -66,6 +66,13 @@ void ArrayLinearization::resize() {
 }
 
 PointStatus ArrayLinearization::renew(const Jet& jet, bool judged) {
+  is_complete_ = false;
+  const PointStatus status = linearize(jet, judged);
+  is_complete_ = true;
+  return status;
+}
+
+PointStatus ArrayLinearization::linearize(const Jet& jet, bool judged) {
   origin_.jet = jet;
   origin_.is_judged = judged;
   origin_.age = 0;

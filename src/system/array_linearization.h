@@ -45,6 +45,9 @@ class ArrayLinearization {
   // Linearizes and eliminates at the jet; the ranks are judged there, or those known are taken. Throws Failure where
   // prescribed components do not determine the free part.
   PointStatus renew(const Jet& jet, bool judged);
+  // False after a renewal that did not come to its end, for want of memory for example: then nothing but a renewal is
+  // allowed.
+  bool is_complete() const { return is_complete_; }
   // Makes the linearization again with these ranks, which are judged if they were.
   PointStatus restore(Origin origin, const RankSequence& ranks);
   void count_point() { ++origin_.age; }
@@ -95,6 +98,7 @@ class ArrayLinearization {
   void error_in_x(const double* dw, int count, double* dx) const;
 
  private:
+  PointStatus linearize(const Jet& jet, bool judged);
   PointRanks eliminate_array(Judge& judge);
   PointStatus renew_with_other_ranks(const Jet& jet);
   std::optional<RankSequence> ranks_in_other_units(const Jet& jet);
@@ -104,7 +108,7 @@ class ArrayLinearization {
   SystemCounts& counts_;
   Arena& arena_;
   Origin origin_;
-  bool is_usable_ = false;
+  bool is_usable_ = false, is_complete_ = true;
   TaylorData data_;
   StoredElimination elimination_;
   NullSpaceForm form_;

@@ -29,6 +29,13 @@ constexpr double distance_beside_start = 0.7e-3;
 
 }  // namespace
 
+// All memory at once: samples that count must not be without values.
+ChangeWatch::ChangeWatch(LinearSystem& system) : system_(system) {
+  const std::size_t rows = index(system.equations());
+  for (Sample* sample : {&older_, &last_, &trend_[0], &trend_[1]}) sample->values.resize(rows + 2);
+  now_.row_norms.resize(rows);
+}
+
 void ChangeWatch::start(double direction) {
   samples_ = 0;
   accept();

@@ -19,7 +19,7 @@ namespace sfdae::core {
 // For linear problems, where every point can be reduced without a solution.
 class ChangeWatch {
  public:
-  explicit ChangeWatch(LinearSystem& system) : system_(system) {}
+  explicit ChangeWatch(LinearSystem& system);
   // The current point of the system is the first one of an integration in the given direction.
   void start(double direction);
   // Looks for a change between the point accepted last, t_last, and the current one, at every point that the step

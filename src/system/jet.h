@@ -11,9 +11,10 @@ namespace sfdae::core {
 
 // x_k, k = 0..order, at t.
 struct Jet {
+  // n x (order + 1). First, as members are copied in order: where there is no memory for them the sizes stay, too.
+  std::vector<double> x;
   double t = 0.0;
   int n = 0, order = 0;
-  std::vector<double> x;  // n x (order + 1)
   double* column(int k) { return x.data() + static_cast<std::ptrdiff_t>(k) * n; }
   const double* column(int k) const { return x.data() + static_cast<std::ptrdiff_t>(k) * n; }
   // Coefficients above the order become 0.

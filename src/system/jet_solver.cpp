@@ -25,6 +25,21 @@ constexpr double still_gaining = 0.9;
 // leave is below, what users notice is above. Chosen, not measured.
 constexpr double consistent_residual = 1e-9;
 
+// Further components are fixed while this lives.
+class FixedForNow {
+ public:
+  FixedForNow(JetEquations& equations, std::vector<char> fixed) : equations_(equations), before_(equations.fixed()) {
+    equations_.set_fixed(std::move(fixed));
+  }
+  ~FixedForNow() { equations_.set_fixed(std::move(before_)); }
+  FixedForNow(const FixedForNow&) = delete;
+  FixedForNow& operator=(const FixedForNow&) = delete;
+
+ private:
+  JetEquations& equations_;
+  std::vector<char> before_;
+};
+
 }  // namespace
 
 void JetSolver::solve(Jet& jet, int level) {
@@ -89,16 +104,15 @@ bool JetSolver::solve_for_algebraic(Jet& jet, int level) {
   constexpr int most = 8;
   // Products of unknowns that are far off make residuals grow at first. Chosen, not measured.
   constexpr double too_far = 1e12;
-  const std::vector<char> fixed_by_user = equations_.fixed();
   equations_.linearize(jet, level, 0.0);
-  std::vector<char> fixed = fixed_by_user;
+  std::vector<char> fixed = equations_.fixed();
   fixed.resize(index(jet.n), 0);
   bool any_free = false;
   for (int j = 0; j < jet.n; ++j) {
     if (equations_.has_derivative_of(j)) fixed[index(j)] = 1;
     any_free = any_free || fixed[index(j)] == 0;
   }
-  equations_.set_fixed(std::move(fixed));
+  const FixedForNow fixed_for_now(equations_, std::move(fixed));
   const double first = equations_.norm();
   bool goes_on = any_free;
   Vector change;
@@ -113,7 +127,6 @@ bool JetSolver::solve_for_algebraic(Jet& jet, int level) {
     jet = std::move(trial.jet);
     equations_.linearize(jet, level, equations_.time_scale());
   }
-  equations_.set_fixed(fixed_by_user);
   return any_free && (equations_.norm() == 0.0 || equations_.is_converged(jet, consistent_residual));
 }
 

@@ -3,6 +3,7 @@
 #include "system/linear_model.h"
 
 #include <cmath>
+#include <utility>
 
 #include "problem/failure.h"
 
@@ -34,9 +35,22 @@ void LinearModel::analyze(const PointOfInterest& point, const ModelOptions& opti
   system_ = std::make_unique<LinearSystem>(problem_, options.analysis, std::move(analysis), options.leading);
 }
 
-void LinearModel::restore(const ModelOptions& options, Archive& archive) {
-  problem_.set_differences(options.differences);
-  system_ = std::make_unique<LinearSystem>(problem_, options.analysis, archive);
+std::unique_ptr<LinearSystem> LinearModel::archived_system(const ModelOptions& options, Archive& archive) {
+  LinearProblem::Settings before = problem_.settings();
+  try {
+    problem_.set_differences(options.differences);
+    auto system = std::make_unique<LinearSystem>(problem_, options.analysis, archive);
+    settings_before_ = std::move(before);
+    return system;
+  } catch (...) {
+    problem_.set_settings(std::move(before));
+    throw;
+  }
+}
+
+void LinearModel::undo_restore() {
+  ModelOf::undo_restore();
+  problem_.set_settings(std::move(settings_before_));
 }
 
 std::unique_ptr<LinearSystem> LinearModel::copy_of_system() {

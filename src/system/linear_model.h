@@ -28,7 +28,7 @@ class LinearModel final : public ModelOf<LinearSystem> {
   void parameters_changed() override;
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
-  void restore(const ModelOptions& options, Archive& archive) override;
+  void undo_restore() override;
   std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<ChangeWatch>(*system_); }
 
   // Moves the system to t. Throws Failure where the characteristic values do not hold, or redundant equations
@@ -41,6 +41,7 @@ class LinearModel final : public ModelOf<LinearSystem> {
 
  protected:
   std::unique_ptr<LinearSystem> copy_of_system() override;
+  std::unique_ptr<LinearSystem> archived_system(const ModelOptions& options, Archive& archive) override;
   ConsistentPoint make_consistent(LinearSystem& system, const PointOfInterest& point,
                                   const ModelOptions& options) override;
 
@@ -49,6 +50,7 @@ class LinearModel final : public ModelOf<LinearSystem> {
 
   std::unique_ptr<RecordedLinearCoefficients> recorded_;  // problem_ calls it
   LinearProblem problem_;
+  LinearProblem::Settings settings_before_;  // restore()
 };
 
 }  // namespace sfdae::core

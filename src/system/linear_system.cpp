@@ -57,7 +57,7 @@ LinearSystem::LinearSystem(LinearProblem& problem, const AnalysisSettings& setti
   traits_ = traits_of(problem_, analysis_.values, leading_);
   demand_free_components(problem_.prescribed(), analysis_.values.u);
   resize();
-  choose_leading_term();
+  choose_leading_term(leading_);
 }
 
 LinearSystem::LinearSystem(LinearProblem& problem, const AnalysisSettings& settings, Archive& saved)
@@ -108,31 +108,31 @@ void LinearSystem::archive(Archive& archive) {
   point.forget();
 }
 
-void LinearSystem::choose_leading_term() {
-  if (leading_ == LeadingTerm::automatic)
-    leading_ = analysis_.rank_E_constant ? LeadingTerm::projector : LeadingTerm::matrix;
-  if (leading_ == LeadingTerm::projector && !analysis_.rank_E_constant) leading_ = LeadingTerm::matrix;
-  needs_E1_ = leading_term_needs_E1(problem_, analysis_, leading_);
-  traits_ = traits_of(problem_, analysis_.values, leading_);
-  if (!needs_E1_ || analysis_.values.mu >= 1) return;
-  // mu = 0 would not need derivatives otherwise: do without where there are none.
-  bool is_available = !settings_.orders_up_to_mu_only;
-  if (is_available) {
-    TaylorData data;
-    const CallbackError error = problem_.evaluate_plain(analysis_.t, {1, -1, -1}, data);
-    is_available = error.status != SFDAE_ORDER_MISSING;
-    if (is_available && error.status != SFDAE_OK) error.raise();
+// mu = 0 would not need derivatives of E but for the leading term. Throws Failure where E cannot be evaluated.
+bool LinearSystem::has_derivative_of_E() {
+  if (settings_.orders_up_to_mu_only) return false;
+  TaylorData data;
+  const CallbackError error = problem_.evaluate_plain(analysis_.t, {1, -1, -1}, data);
+  if (error.status != SFDAE_ORDER_MISSING && error.status != SFDAE_OK) error.raise();
+  return error.status == SFDAE_OK;
+}
+
+void LinearSystem::choose_leading_term(LeadingTerm wanted) {
+  LeadingTerm leading = wanted == LeadingTerm::automatic ? LeadingTerm::projector : wanted;
+  if (leading == LeadingTerm::projector && !analysis_.rank_E_constant) leading = LeadingTerm::matrix;
+  bool needs_E1 = leading_term_needs_E1(problem_, analysis_, leading);
+  if (needs_E1 && analysis_.values.mu < 1 && !has_derivative_of_E()) {
+    leading = LeadingTerm::identity;
+    needs_E1 = false;
   }
-  if (is_available) return;
-  leading_ = LeadingTerm::identity;
-  needs_E1_ = false;
+  leading_ = leading;
+  needs_E1_ = needs_E1;
   traits_ = traits_of(problem_, analysis_.values, leading_);
 }
 
 void LinearSystem::give_up_projector() {
   analysis_.rank_E_constant = false;
-  leading_ = LeadingTerm::automatic;
-  choose_leading_term();
+  choose_leading_term(LeadingTerm::automatic);
   reduction_.forget_constant_form();
   matrix_.forget();
 }

@@ -64,7 +64,9 @@ class LinearSystem final : public DaeSystem {
 
  private:
   void resize();
-  void choose_leading_term();
+  bool has_derivative_of_E();
+  // Nothing has changed where it throws.
+  void choose_leading_term(LeadingTerm wanted);
   KnownForm known() const { return {analysis_, leading_, needs_E1_}; }
   bool factor_step_matrix(double c);
   // Scaled x and x'.

@@ -76,8 +76,11 @@ class Model {
   // Index analysis: makes the system. decisions: all that were made, also when it throws Failure; then there is none.
   virtual void analyze(const PointOfInterest& point, const ModelOptions& options,
                        std::vector<RankDecision>& decisions) = 0;
-  // The system as it was when it was archived. Throws DamagedArchive.
+  // The system as it was when it was archived; the one that it replaces is kept until one of the other two is called.
+  // Throws DamagedArchive or Failure, and nothing has changed then.
   virtual void restore(const ModelOptions& options, Archive& archive) = 0;
+  virtual void undo_restore() = 0;
+  virtual void finish_restore() = 0;
   // Null before an analysis.
   virtual DaeSystem* system() = 0;
   virtual void forget_system() = 0;
@@ -97,6 +100,15 @@ class ModelOf : public Model {
  public:
   System* system() override { return system_.get(); }
   void forget_system() override { system_.reset(); }
+  void restore(const ModelOptions& options, Archive& archive) override {
+    replaced_ = archived_system(options, archive);
+    std::swap(system_, replaced_);
+  }
+  void undo_restore() override {
+    std::swap(system_, replaced_);
+    replaced_.reset();
+  }
+  void finish_restore() override { replaced_.reset(); }
   ConsistentPoint consistent_point(const PointOfInterest& point, const ModelOptions& options) override {
     return make_consistent(*system_, point, options);
   }
@@ -107,10 +119,11 @@ class ModelOf : public Model {
 
  protected:
   virtual std::unique_ptr<System> copy_of_system() = 0;
+  virtual std::unique_ptr<System> archived_system(const ModelOptions& options, Archive& archive) = 0;
   virtual ConsistentPoint make_consistent(System& system, const PointOfInterest& point,
                                           const ModelOptions& options) = 0;
 
-  std::unique_ptr<System> system_;
+  std::unique_ptr<System> system_, replaced_;
 };
 
 // x' of the point into it; `system` is there. Throws Failure if it is not finite.

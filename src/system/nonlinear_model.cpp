@@ -76,8 +76,8 @@ std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed_against_whole_array(co
   }
 }
 
-void NonlinearModel::restore(const ModelOptions& options, Archive& archive) {
-  system_ = std::make_unique<NonlinearSystem>(*problem_, options.analysis, archive);
+std::unique_ptr<NonlinearSystem> NonlinearModel::archived_system(const ModelOptions& options, Archive& archive) {
+  return std::make_unique<NonlinearSystem>(*problem_, options.analysis, archive);
 }
 
 std::unique_ptr<NonlinearSystem> NonlinearModel::copy_of_system() {

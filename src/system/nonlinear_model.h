@@ -28,12 +28,12 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   TaylorEvaluator* evaluator() override { return evaluator_; }
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
-  void restore(const ModelOptions& options, Archive& archive) override;
   // The user's function for total derivatives; null for recorded equations.
   CallbackProblem* callback() { return callback_; }
 
  protected:
   std::unique_ptr<NonlinearSystem> copy_of_system() override;
+  std::unique_ptr<NonlinearSystem> archived_system(const ModelOptions& options, Archive& archive) override;
   ConsistentPoint make_consistent(NonlinearSystem& system, const PointOfInterest& point,
                                   const ModelOptions& options) override;
 

@@ -78,8 +78,17 @@ void NonlinearSystem::apply_inputs() {
   history_.restart(jet_);
 }
 
+// Where the last renewal did not come to its end it is made up for at the point accepted last.
+PointStatus NonlinearSystem::complete_linearization() {
+  if (linearization_.is_complete()) return PointStatus::ok;
+  iteration_.chord().forget_rate();
+  const PointStatus status = problem_.evaluate_inputs(history_.accepted().t);
+  return status == PointStatus::ok ? rank_check_.renew(history_.accepted(), linearization_, iteration_) : status;
+}
+
 PointStatus NonlinearSystem::move_to(double t) {
-  const PointStatus status = problem_.evaluate_inputs(t);
+  PointStatus status = complete_linearization();
+  if (status == PointStatus::ok) status = problem_.evaluate_inputs(t);
   if (status != PointStatus::ok) return status;
   if (t == history_.accepted().t) jet_ = history_.accepted();
   else if (t != jet_.t) history_.interpolate(t, jet_);
@@ -133,6 +142,7 @@ PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
 
 PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) {
   t_reached = equations.t_end;
+  if (const PointStatus completed = complete_linearization(); completed != PointStatus::ok) return completed;
   stages_.predict(equations, history_, linearization_.determined());
   const bool has_one = equations.method.s == 1;
   const PointStatus status =

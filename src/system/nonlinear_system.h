@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "linalg/archive.h"
 #include "linalg/arena.h"
@@ -34,7 +35,7 @@ class NonlinearSystem final : public DaeSystem {
   // As it was when it was archived. Throws DamagedArchive.
   NonlinearSystem(NonlinearProblem& problem, const AnalysisSettings& settings, Archive& archive);
 
-  double t() const override { return jet_.t; }
+  double t() const override { return linearization_.is_complete() ? jet_.t : std::nan(""); }
   // A point consistent up to level mu becomes the current and accepted one; the ranks are judged there.
   PointStatus set_point(const Jet& jet);
   // Prescribed components at the current point get their values, others change as little as they must.
@@ -69,6 +70,7 @@ class NonlinearSystem final : public DaeSystem {
   void archive(Archive& archive) override;
 
  private:
+  PointStatus complete_linearization();
   void update_traits();
   void resize();
   void restore_linearization(const RankSequence& ranks, bool has_matrix);

@@ -50,8 +50,8 @@ bool TransformedStages::factor(const Form& form, double tau, const StageMethod& 
     const std::complex<double> c = method.lambda[k] * (c_real / method.gamma);
     std::vector<std::complex<double>>& matrix = matrices_[k];
     if (!matrix.empty() && values_[k] == c) continue;
-    matrix.resize(order * order + 1);
     pivots_[k].resize(order + 1);
+    matrix.resize(order * order + 1);  // last: a matrix that is not empty counts as factored for values_[k]
     const ComplexView M{matrix.data(), q, q, std::max(q, 1)};
     form.step_matrix(c * tau, M);
     if (q > 0) ++count;

@@ -398,16 +398,25 @@ static void checkpoints_survive_a_text_file(void) {
 
 /* ---- What is refused ----------------------------------------------------------------------------------------- */
 
-/* Refused with a reason, and nothing is started. */
+/* Refused with a reason, and nothing changes: an integration under way is where it was, in every bit. */
 static void refused(int line, sfdae_solver* solver, const double* values, size_t length) {
   double t, x[N];
-  const int before = failures;
-  guard(&t, sizeof t), guard(x, sizeof x);
+  size_t present = 0;
+  checkpoint was = {NULL, 0}, is = {NULL, 0};
+  const int before = failures, is_started = sfdae_get_checkpoint_length(solver, &present) == SFDAE_OK;
+  if (is_started) was = save(solver);
   check_status(__FILE__, line, "sfdae_restore_checkpoint", sfdae_restore_checkpoint(solver, values, length),
                SFDAE_ILLEGAL_ARGUMENT);
   CHECK(sfdae_message(solver)[0] != 0);
-  CHECK_STATUS(sfdae_advance(solver, 4, &t, x, NULL), SFDAE_NOT_STARTED);
-  CHECK(guarded(&t, sizeof t) && guarded(x, sizeof x));
+  if (is_started) {
+    is = save(solver);
+    CHECK(is.length == was.length && memcmp(is.values, was.values, is.length * sizeof(double)) == 0);
+    free(was.values), free(is.values);
+  } else {
+    guard(&t, sizeof t), guard(x, sizeof x);
+    CHECK_STATUS(sfdae_advance(solver, 4, &t, x, NULL), SFDAE_NOT_STARTED);
+    CHECK(guarded(&t, sizeof t) && guarded(x, sizeof x));
+  }
   if (failures > before) fprintf(stderr, "  ... from line %d\n", line);
 }
 #define REFUSED(solver, values, length) refused(__LINE__, (solver), (values), (length))
