@@ -4,7 +4,10 @@
 
 #include <cmath>
 
+#include "linalg/dense.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
+#include "system/jet_theory.h"
 
 namespace sfdae::core {
 
@@ -69,6 +72,53 @@ ConsistentPoint LinearModel::make_consistent(LinearSystem& system, const PointOf
 
 Projectors LinearModel::projectors(double t) {
   return core::projectors(problem_, system_->analysis(), system_->settings(), t);
+}
+
+// The derivatives y of least norm with M y = N x + g.
+Jet LinearModel::jet_through(double t, const double* x, int level) {
+  // Singular values below, relative, are rounding errors of the array. Residuals of x, relative to what is added up,
+  // above the other are errors of the user. Chosen, not measured.
+  constexpr double rounding = 1e-13, consistent_residual = 1e-9;
+  const DerivativeArray array = derivative_array(t, level);
+  std::vector<double> rhs = array.g;
+  multiply(1.0, Op::plain, array.N, x, 1.0, rhs.data());
+  const std::vector<double> y = least_squares(array.M, rhs, rounding * singular_values(array.M).front());
+  Jet jet;
+  jet.t = t;
+  jet.n = n();
+  jet.x.assign(x, x + n());
+  jet.set_order(level + 1);
+  double factorial = 1.0;
+  for (int k = 1; k <= level + 1; ++k) {
+    factorial *= k;
+    for (int j = 0; j < n(); ++j) jet.column(k)[j] = y[index((k - 1) * n() + j)] / factorial;
+  }
+  for (int i = 0; i < array.M.rows(); ++i) {
+    double residual = -array.g[index(i)], size = std::fabs(residual);
+    const auto add = [&](double term) {
+      residual += term;
+      size += std::fabs(term);
+    };
+    for (int j = 0; j < array.M.cols(); ++j) add(array.M(i, j) * y[index(j)]);
+    for (int j = 0; j < n(); ++j) add(-array.N(i, j) * x[j]);
+    if (!(std::fabs(residual) <= consistent_residual * size))
+      throw Failure(SFDAE_INCONSISTENT_VALUES,
+                    format("no derivatives of x fulfil the equations and their derivatives up to order %d at t = "
+                           "%.15g: x is not consistent. Call sfdae_make_consistent first.",
+                           level, t));
+  }
+  return jet;
+}
+
+DerivativeArray LinearModel::derivative_array(const Jet& jet, int level) {
+  DerivativeArray array = derivative_array(jet.t, level);
+  if (jet.n > 0) move_to_jet(jet, array);
+  return array;
+}
+
+StrangenessFreeEquations LinearModel::strangeness_free(const Jet& jet) {
+  const Projectors found = projectors(jet.t);
+  return strangeness_free_equations(derivative_array(jet, system_->analysis().values.mu), found);
 }
 
 }  // namespace sfdae::core
