@@ -14,9 +14,7 @@ namespace {
 struct Term {
   Recorder& recorder;
   int node;
-  Term with(Operation operation, int other = -1) const {
-    return {recorder, recorder.apply(operation, node, other)};
-  }
+  Term with(Operation operation, int other = -1) const { return {recorder, recorder.apply(operation, node, other)}; }
   Term number(double value) const { return {recorder, recorder.constant(value)}; }
 };
 Term operator+(Term a, Term b) { return a.with(Operation::add, b.node); }

@@ -62,14 +62,15 @@ std::shared_ptr<const Record> first_order_equations(Recorder& recorder, const Mu
   for (int i = 0; i < nv; ++i) {
     const int inertia = combination(recorder, row_of(formulas.M, nv, i), vdot);
     int force = combination(recorder, column_of(formulas.S, nq, i), reactions);
-    if (nk > 0) force = recorder.apply(Operation::add, force, combination(recorder, column_of(formulas.H, nk, i), kappa));
-    residuals.push_back(recorder.apply(
-        Operation::add, recorder.apply(Operation::subtract, inertia, formulas.f[index(i)]), force));
+    if (nk > 0)
+      force = recorder.apply(Operation::add, force, combination(recorder, column_of(formulas.H, nk, i), kappa));
+    residuals.push_back(
+        recorder.apply(Operation::add, recorder.apply(Operation::subtract, inertia, formulas.f[index(i)]), force));
   }
   residuals.insert(residuals.end(), formulas.g.begin(), formulas.g.end());
   for (int i = 0; i < nk; ++i)
-    residuals.push_back(recorder.apply(Operation::add, combination(recorder, row_of(formulas.H, nk, i), v),
-                                       formulas.h[index(i)]));
+    residuals.push_back(
+        recorder.apply(Operation::add, combination(recorder, row_of(formulas.H, nk, i), v), formulas.h[index(i)]));
   return recorder.excerpt(formulas.sizes.unknowns(), residuals, numbered("F", formulas.sizes.unknowns()));
 }
 

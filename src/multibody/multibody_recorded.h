@@ -59,10 +59,10 @@ class RecordedMultibody final : public MultibodyProblem {
   std::optional<RecordedBalance> balance_;  // there from the end of the constructor on
   Recorder recorder_;                       // with the formulas
   MultibodyFormulas formulas_;
-  std::vector<double> q_jet_;               // nq x 4
-  std::vector<double> jet_;                 // of (q, v): (nq + nv) x 3
-  std::vector<double> g_jet_;               // nl x 3
-  std::vector<double> rates_;               // S v or H v + h, and their first coefficients
+  std::vector<double> q_jet_;  // nq x 4
+  std::vector<double> jet_;    // of (q, v): (nq + nv) x 3
+  std::vector<double> g_jet_;  // nl x 3
+  std::vector<double> rates_;  // S v or H v + h, and their first coefficients
   std::vector<double> gradients_;
   Matrix rate_q_, rate_v_;  // derivatives of 2 q_2 by q and v
 };

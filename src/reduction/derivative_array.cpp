@@ -75,8 +75,7 @@ DerivativeArray derivative_array(const TaylorData& data, int level, const Units&
     for (int j = 0; j <= i; ++j) {
       const View block = array.M.view().block(i * m, j * n, m, n);
       add(binomial(i, j) * unscaled[index(i - j)], data.E(i - j), i, block);
-      if (j < i)
-        add(-binomial(i, j + 1) * unscaled[index(i - j - 1)] / data.time_scale, data.A(i - j - 1), i, block);
+      if (j < i) add(-binomial(i, j + 1) * unscaled[index(i - j - 1)] / data.time_scale, data.A(i - j - 1), i, block);
     }
     add(unscaled[index(i)] / data.time_scale, data.A(i), i, array.N.view().block(i * m, 0, m, n));
     for (int row = 0; row < m; ++row)

@@ -63,10 +63,11 @@ Jet jet_through(NonlinearProblem& problem, const Units& units, const Jet& start,
   jet = start;
   jet.set_order(0);
   if (solve_for_derivatives(problem, units, level, jet)) return jet;
-  throw Failure(SFDAE_INCONSISTENT_VALUES,
-                format("no derivatives of x fulfil the equations and their derivatives up to order %d at t = %.15g: x "
-                       "is not consistent. Call sfdae_make_consistent first.",
-                       level, start.t));
+  throw Failure(
+      SFDAE_INCONSISTENT_VALUES,
+      format("no derivatives of x fulfil the equations and their derivatives up to order %d at t = %.15g: x "
+             "is not consistent. Call sfdae_make_consistent first.",
+             level, start.t));
 }
 
 DerivativeArray derivative_array(NonlinearProblem& problem, const Jet& jet, int level) {
@@ -80,9 +81,8 @@ Projectors projectors(NonlinearProblem& problem, const Units& units, const Index
   IndexAnalysis found = known;
   const std::optional<RankSequence> ranks = fitting_ranks(data, settings, found);
   if (!ranks)
-    throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                  "the characteristic values known (" + describe(known.values) +
-                      format(") do not hold at this jet at t = %.15g.", jet.t));
+    throw Failure(SFDAE_CHARACTERISTICS_CHANGED, "the characteristic values known (" + describe(known.values) +
+                                                     format(") do not hold at this jet at t = %.15g.", jet.t));
   return projectors(data, units, found, {settings.rank_tol, false, NoiseModel::pivots, &*ranks});
 }
 

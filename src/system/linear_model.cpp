@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/linear_model.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "linalg/dense.h"
@@ -93,14 +94,20 @@ Jet LinearModel::jet_through(double t, const double* x, int level) {
     factorial *= k;
     for (int j = 0; j < n(); ++j) jet.column(k)[j] = y[index((k - 1) * n() + j)] / factorial;
   }
+  // Where all derivatives vanish, they are rounding errors of values like x.
+  const double largest_x = max_abs(x, n()),
+               largest_y = std::max(largest_x, max_abs(y.data(), static_cast<int>(y.size())));
   for (int i = 0; i < array.M.rows(); ++i) {
-    double residual = -array.g[index(i)], size = std::fabs(residual);
-    const auto add = [&](double term) {
-      residual += term;
-      size += std::fabs(term);
-    };
-    for (int j = 0; j < array.M.cols(); ++j) add(array.M(i, j) * y[index(j)]);
-    for (int j = 0; j < n(); ++j) add(-array.N(i, j) * x[j]);
+    double residual = -array.g[index(i)], size = std::fabs(residual), largest_M = 0.0, largest_N = 0.0;
+    for (int j = 0; j < array.M.cols(); ++j) {
+      residual += array.M(i, j) * y[index(j)];
+      largest_M = std::max(largest_M, std::fabs(array.M(i, j)));
+    }
+    for (int j = 0; j < n(); ++j) {
+      residual -= array.N(i, j) * x[j];
+      largest_N = std::max(largest_N, std::fabs(array.N(i, j)));
+    }
+    size += largest_M * largest_y + largest_N * largest_x;
     if (!(std::fabs(residual) <= consistent_residual * size))
       throw Failure(SFDAE_INCONSISTENT_VALUES,
                     format("no derivatives of x fulfil the equations and their derivatives up to order %d at t = "

@@ -100,8 +100,10 @@ class Model {
   // With Z2 and Z3, or without.
   virtual Projectors projectors(const Jet& jet, bool of_array) = 0;
   virtual StrangenessFreeEquations strangeness_free(const Jet& jet) = 0;
-  // x at the point that the system stands at after the analysis; none where it does not matter.
-  virtual std::vector<double> accepted_x() const { return {}; }
+  // The level of the jets that projectors and the strangeness-free system need.
+  virtual int level_of_jets(bool) { return system()->analysis().values.mu; }
+  // The point accepted last, or that of the analysis, order 0; of linear problems none (n = 0).
+  virtual Jet accepted_point() const { return {}; }
 };
 
 // What all kinds of models have in common.

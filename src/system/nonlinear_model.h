@@ -36,7 +36,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   DerivativeArray derivative_array(const Jet& jet, int level) override;
   Projectors projectors(const Jet& jet, bool of_array) override;
   StrangenessFreeEquations strangeness_free(const Jet& jet) override;
-  std::vector<double> accepted_x() const override;
+  Jet accepted_point() const override;
 
  protected:
   std::unique_ptr<NonlinearSystem> copy_of_system() override;

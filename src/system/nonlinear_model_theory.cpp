@@ -31,9 +31,10 @@ StrangenessFreeEquations NonlinearModel::strangeness_free(const Jet& jet) {
   return strangeness_free_equations(derivative_array(jet, system_->analysis().values.mu), projectors(jet, true));
 }
 
-std::vector<double> NonlinearModel::accepted_x() const {
-  const Jet& jet = system_->accepted_jet();
-  return {jet.x.begin(), jet.x.begin() + jet.n};
+Jet NonlinearModel::accepted_point() const {
+  Jet jet = system_->accepted_jet();
+  jet.set_order(0);
+  return jet;
 }
 
 }  // namespace sfdae::core
