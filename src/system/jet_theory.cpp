@@ -63,11 +63,15 @@ Jet jet_through(NonlinearProblem& problem, const Units& units, const Jet& start,
   jet = start;
   jet.set_order(0);
   if (solve_for_derivatives(problem, units, level, jet)) return jet;
+  throw_inconsistent_jet(start.t, level);
+}
+
+void throw_inconsistent_jet(double t, int level) {
   throw Failure(
       SFDAE_INCONSISTENT_VALUES,
       format("no derivatives of x fulfil the equations and their derivatives up to order %d at t = %.15g: x "
              "is not consistent. Call sfdae_make_consistent first.",
-             level, start.t));
+             level, t));
 }
 
 DerivativeArray derivative_array(NonlinearProblem& problem, const Jet& jet, int level) {

@@ -15,6 +15,9 @@ namespace sfdae::core {
 // Failure: errors of callbacks, SFDAE_INCONSISTENT_VALUES where there is none.
 Jet jet_through(NonlinearProblem& problem, const Units& units, const Jet& start, int level);
 
+// SFDAE_INCONSISTENT_VALUES: there is no jet of this level through x.
+[[noreturn]] void throw_inconsistent_jet(double t, int level);
+
 // Both throw Failure. The jet need not fulfil F_level = 0.
 DerivativeArray derivative_array(NonlinearProblem& problem, const Jet& jet, int level);
 // Of the array of level mu. known.v_hat -1: as many redundant rows as are found.

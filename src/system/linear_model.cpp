@@ -75,44 +75,43 @@ Projectors LinearModel::projectors(double t) {
   return core::projectors(problem_, system_->analysis(), system_->settings(), t);
 }
 
-// The derivatives y of least norm with M y = N x + g.
+// The derivatives y of least norm with M y = N x + g, in the units of the analysis and with rows of size 1.
 Jet LinearModel::jet_through(double t, const double* x, int level) {
   // Singular values below, relative, are rounding errors of the array. Residuals of x, relative to what is added up,
   // above the other are errors of the user. Chosen, not measured.
   constexpr double rounding = 1e-13, consistent_residual = 1e-9;
-  const DerivativeArray array = derivative_array(t, level);
-  std::vector<double> rhs = array.g;
-  multiply(1.0, Op::plain, array.N, x, 1.0, rhs.data());
-  const std::vector<double> y = least_squares(array.M, rhs, rounding * singular_values(array.M).front());
+  DerivativeArray array = derivative_array(t, level);
+  const int rows = array.M.rows(), size = array.M.cols();
   Jet jet;
   jet.t = t;
   jet.n = n();
   jet.x.assign(x, x + n());
   jet.set_order(level + 1);
+  move_to_jet(jet, array);  // what is left with y = 0
+  std::vector<double> unit(index(size));
+  for (int j = 0; j < size; ++j)
+    unit[index(j)] = problem_.units()[j % n()] / std::pow(system_->analysis().time_scale, j / n() + 1);
+  double largest_x = 0.0;
+  for (int j = 0; j < n(); ++j) largest_x = std::max(largest_x, std::fabs(x[j]) / problem_.units()[j]);
+  for (int i = 0; i < rows; ++i) {
+    double largest = 0.0;
+    for (int j = 0; j < size; ++j) largest = std::max(largest, std::fabs(array.M(i, j) *= unit[index(j)]));
+    for (int j = 0; j < n(); ++j) largest = std::max(largest, std::fabs(array.N(i, j) * problem_.units()[j]));
+    if (largest == 0.0) continue;
+    for (int j = 0; j < size; ++j) array.M(i, j) /= largest;
+    array.g[index(i)] /= largest;
+  }
+  const std::vector<double> y = least_squares(array.M, array.g, rounding * singular_values(array.M).front());
+  const double largest = std::max(largest_x, max_abs(y.data(), size));
+  multiply(-1.0, Op::plain, array.M, y.data(), 1.0, array.g.data());
+  if (!(max_abs(array.g.data(), rows) <= consistent_residual * largest)) throw_inconsistent_jet(t, level);
   double factorial = 1.0;
   for (int k = 1; k <= level + 1; ++k) {
     factorial *= k;
-    for (int j = 0; j < n(); ++j) jet.column(k)[j] = y[index((k - 1) * n() + j)] / factorial;
-  }
-  // Where all derivatives vanish, they are rounding errors of values like x.
-  const double largest_x = max_abs(x, n()),
-               largest_y = std::max(largest_x, max_abs(y.data(), static_cast<int>(y.size())));
-  for (int i = 0; i < array.M.rows(); ++i) {
-    double residual = -array.g[index(i)], size = std::fabs(residual), largest_M = 0.0, largest_N = 0.0;
-    for (int j = 0; j < array.M.cols(); ++j) {
-      residual += array.M(i, j) * y[index(j)];
-      largest_M = std::max(largest_M, std::fabs(array.M(i, j)));
+    for (int i = 0; i < n(); ++i) {
+      const std::size_t j = index((k - 1) * n() + i);
+      jet.column(k)[i] = unit[j] * y[j] / factorial;
     }
-    for (int j = 0; j < n(); ++j) {
-      residual -= array.N(i, j) * x[j];
-      largest_N = std::max(largest_N, std::fabs(array.N(i, j)));
-    }
-    size += largest_M * largest_y + largest_N * largest_x;
-    if (!(std::fabs(residual) <= consistent_residual * size))
-      throw Failure(SFDAE_INCONSISTENT_VALUES,
-                    format("no derivatives of x fulfil the equations and their derivatives up to order %d at t = "
-                           "%.15g: x is not consistent. Call sfdae_make_consistent first.",
-                           level, t));
   }
   return jet;
 }
