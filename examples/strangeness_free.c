@@ -4,11 +4,8 @@
  *
  *     x1' = x3,   x2' = x4,   x3' = -2 x1 x5,   x4' = -2 x2 x5 - g,   0 = x1^2 + x2^2 - 1,
  *
- * mu = 2, d = 2, a = 3: at every point x of the solution it is equivalent, for small changes dx, to
- *
- *     E1 dx' = A1 dx   (2 equations),   0 = A2 dx   (3 equations, two of them hidden in those above).
- *
- * The solution stays within all constraints: A2 x' = 0. */
+ * is for small changes dx at a point of the solution E1 dx' = A1 dx (d = 2 equations), 0 = A2 dx (a = 3, two of them
+ * hidden in those above). The solution stays within all constraints: A2 x' = 0. */
 #include <math.h>
 #include <stdio.h>
 
@@ -35,7 +32,7 @@ static void print(const char* name, const double* matrix, int rows) {
 int main(void) {
   sfdae_nonlinear_problem problem;
   sfdae_solver* solver = NULL;
-  double t = 0, x[5] = {0.8, -0.6, 0, 0, 0}, xdot[5], E1[10], A2[15], f1[2], f2[3], worst = 0;
+  double t = 0, x[5] = {0.8, -0.6, 0, 0, 0}, xdot[5], E1[10], A2[15], f1[2], f2[3], residual = 0, drift = 0;
   int i, j, k, status;
 
   sfdae_nonlinear_problem_init(&problem, sizeof problem);
@@ -50,14 +47,15 @@ int main(void) {
     printf("t = %.1f   x = %.4f %.4f %.4f %.4f %.4f\n", t, x[0], x[1], x[2], x[3], x[4]);
     print("  E1 ", E1, 2);
     print("  A2 ", A2, 3);
+    for (i = 0; i < 2; i++) residual = fmax(residual, fabs(f1[i]));
     for (i = 0; i < 3; i++) {
       double slope = 0;
       for (j = 0; j < 5; j++) slope += A2[i + 3 * j] * xdot[j];
-      worst = fmax(worst, fmax(fabs(slope) * 1e-7, fabs(f2[i]))); /* x' is less exact than x */
+      residual = fmax(residual, fabs(f2[i]));
+      drift = fmax(drift, fabs(slope));
     }
-    worst = fmax(worst, fmax(fabs(f1[0]), fabs(f1[1])));
   }
-  printf("%s %s\nresiduals %.1e\n", sfdae_status_name(status), sfdae_message(solver), worst);
+  printf("%s %s\nresiduals %.1e, A2 x' %.1e\n", sfdae_status_name(status), sfdae_message(solver), residual, drift);
   sfdae_destroy(&solver);
-  return !(status >= 0 && k == 4 && worst < 1e-11);
+  return !(status >= 0 && k == 4 && residual < 1e-11 && drift < 1e-3);
 }

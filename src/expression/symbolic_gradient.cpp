@@ -59,8 +59,13 @@ Adjoints adjoints_of_operands(Recorder& recorder, const Node& f, int v_node, int
       return {-1, recorder.apply(Operation::choose, f.a, y.node, zero),
               recorder.apply(Operation::choose, f.a, zero, y.node)};
     }
-    default: return {-1, -1, -1};
+    case Operation::constant:
+    case Operation::parameter:
+    case Operation::time:
+    case Operation::unknown:
+    case Operation::derivative: break;  // no operands
   }
+  return {-1, -1, -1};
 }
 
 }  // namespace

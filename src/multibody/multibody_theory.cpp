@@ -204,9 +204,8 @@ Matrix MultibodyTheory::Z1() const {
 
 ExtendedSystem MultibodyTheory::extended(const Partition& positions, const Partition& velocities,
                                          const double* x) const {
-  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), n = sizes_.unknowns();
-  const int rq = positions.rank, rv = velocities.rank, order = n + rq + rv;
-  const MultibodyTerms& terms = point_.terms;
+  const int nq = sizes_.positions, nv = sizes_.velocities, rq = positions.rank, rv = velocities.rank,
+            order = sizes_.unknowns() + rq + rv;
   const double* mu = x + nq + nv;
   ExtendedSystem result{directions(positions),
                         directions(velocities),
@@ -214,53 +213,80 @@ ExtendedSystem MultibodyTheory::extended(const Partition& positions, const Parti
                         Matrix(order, order),
                         std::vector<double>(index(order), 0.0),
                         std::vector<double>(index(rq + rv), 0.0)};
-  const View E = result.E, A = result.A;
-  double *const f = result.f.data(), *const wq = result.w.data(), *const wv = wq + rq;
-  const Matrix along = projector(velocities.Q1());
-  std::vector<double> rates(index(nq)), residuals(index(nc) + 1);
+  std::vector<double> rates(index(nq));
   point_.rates(rates.data());
-  multiply(1.0, Op::transposed, positions.Q2(), rates.data(), 0.0, wq);
-  multiply(1.0, Op::transposed, velocities.Q2(), point_.a.data(), 0.0, wv);
+  multiply(1.0, Op::transposed, positions.Q2(), rates.data(), 0.0, result.w.data());
+  multiply(1.0, Op::transposed, velocities.Q2(), point_.a.data(), 0.0, result.w.data() + rq);
+  write_kinematics(positions, result);
+  write_dynamics(velocities, mu, result, nq);
+  write_constraints(positions, velocities, result, nq + nv);
+  write_accelerations(velocities, result, nq + nv + rq + rv);
+  write_least_norm(mu, result, nq + nv + rq + 2 * rv);
+  return result;
+}
 
-  // Q1 Q1^T q' + Q2 wq = S v, which q' fulfils.
+// Q1 Q1^T q' + Q2 wq = S v, which q' fulfils.
+void MultibodyTheory::write_kinematics(const Partition& positions, ExtendedSystem& to) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities;
+  const View E = to.E, A = to.A;
   copy(projector(positions.Q1()), E.block(0, 0, nq, nq));
-  if (terms.S.rows() > 0) copy(jacobian_.kinematics_q, A.block(0, 0, nq, nq));
+  if (point_.terms.S.rows() > 0) copy(jacobian_.kinematics_q, A.block(0, 0, nq, nq));
   copy(kinematics(point_), A.block(0, nq, nq, nv));
-  copy_multiple(-1.0, positions.Q2(), A.block(0, n, nq, rq));
-  // M (Q1 Q1^T v' + Q2 wv) = f - C^T mu
-  int row = nq;
-  multiply(1.0, Op::plain, terms.M, Op::plain, along, 0.0, E.block(row, nq, nv, nv));
+  copy_multiple(-1.0, positions.Q2(), A.block(0, sizes_.unknowns(), nq, positions.rank));
+}
+
+// M (Q1 Q1^T v' + Q2 wv) = f - C^T mu
+void MultibodyTheory::write_dynamics(const Partition& velocities, const double* mu, ExtendedSystem& to,
+                                     int row) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), rv = velocities.rank;
+  const MultibodyTerms& terms = point_.terms;
+  const View E = to.E, A = to.A;
+  double* const f = to.f.data() + row;
+  multiply(1.0, Op::plain, terms.M, Op::plain, projector(velocities.Q1()), 0.0, E.block(row, nq, nv, nv));
   copy(jacobian_.force_q, A.block(row, 0, nv, nq));
   copy(jacobian_.force_v, A.block(row, nq, nv, nv));
   copy_multiple(-1.0, transpose(terms.C), A.block(row, nq + nv, nv, nc));
-  multiply(-1.0, Op::plain, terms.M, Op::plain, velocities.Q2(), 0.0, A.block(row, n + rq, nv, rv));
-  std::copy_n(terms.f.data(), nv, f + row);
-  multiply(-1.0, Op::plain, terms.M, point_.a.data(), 1.0, f + row);
-  multiply(-1.0, Op::transposed, terms.C, mu, 1.0, f + row);
-  // g = 0
-  row += nv;
-  copy_rows(-1.0, terms.g_q, positions.rows, A.block(row, 0, rq, nq));
-  for (int k = 0; k < rq; ++k) f[row + k] = -terms.g[index(positions.rows[index(k)])];
-  // C v + r = 0
+  multiply(-1.0, Op::plain, terms.M, Op::plain, velocities.Q2(), 0.0, A.block(row, A.cols - rv, nv, rv));
+  std::copy_n(terms.f.data(), nv, f);
+  multiply(-1.0, Op::plain, terms.M, point_.a.data(), 1.0, f);
+  multiply(-1.0, Op::transposed, terms.C, mu, 1.0, f);
+}
+
+// g = 0, C v + r = 0
+void MultibodyTheory::write_constraints(const Partition& positions, const Partition& velocities, ExtendedSystem& to,
+                                        int row) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities, rq = positions.rank, rv = velocities.rank;
+  const View A = to.A;
+  std::vector<double> residuals(index(sizes_.constraints()) + 1);
+  point_.velocity_residuals(residuals.data());
+  copy_rows(-1.0, point_.terms.g_q, positions.rows, A.block(row, 0, rq, nq));
+  for (int k = 0; k < rq; ++k) to.f[index(row + k)] = -point_.terms.g[index(positions.rows[index(k)])];
   row += rq;
   copy_rows(-1.0, jacobian_.velocity_q, velocities.rows, A.block(row, 0, rv, nq));
-  copy_rows(-1.0, terms.C, velocities.rows, A.block(row, nq, rv, nv));
-  point_.velocity_residuals(residuals.data());
-  for (int k = 0; k < rv; ++k) f[row + k] = -residuals[index(velocities.rows[index(k)])];
-  // C (Q1 Q1^T v' + Q2 wv) + s = 0, which a fulfils.
-  row += rv;
-  copy_rows(1.0, product(terms.C, along), velocities.rows, E.block(row, nq, rv, nv));
+  copy_rows(-1.0, point_.terms.C, velocities.rows, A.block(row, nq, rv, nv));
+  for (int k = 0; k < rv; ++k) to.f[index(row + k)] = -residuals[index(velocities.rows[index(k)])];
+}
+
+// C (Q1 Q1^T v' + Q2 wv) + s = 0, which a fulfils.
+void MultibodyTheory::write_accelerations(const Partition& velocities, ExtendedSystem& to, int row) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities, rv = velocities.rank;
+  const Matrix& C = point_.terms.C;
+  const View E = to.E, A = to.A;
+  copy_rows(1.0, product(C, projector(velocities.Q1())), velocities.rows, E.block(row, nq, rv, nv));
   copy_rows(-1.0, jacobian_.acceleration_q, velocities.rows, A.block(row, 0, rv, nq));
   copy_rows(-1.0, jacobian_.acceleration_v, velocities.rows, A.block(row, nq, rv, nv));
-  copy_rows(-1.0, product(terms.C, velocities.Q2()), velocities.rows, A.block(row, n + rq, rv, rv));
-  // N^T mu = 0, N^T C = 0, from what is known of mu.
-  row += rv;
-  if (rv == nc) return result;
-  const Matrix N = to_matrix(svd(terms.C).U.view().columns(rv, nc - rv));
-  copy(transpose_product(N, mu_qv_), A.block(row, 0, nc - rv, nq + nv));
-  copy_multiple(-1.0, transpose(N), A.block(row, nq + nv, nc - rv, nc));
-  multiply(-1.0, Op::transposed, N, mu, 0.0, f + row);
-  return result;
+  copy_rows(-1.0, product(C, velocities.Q2()), velocities.rows, A.block(row, A.cols - rv, rv, rv));
+}
+
+// N^T mu = 0, N^T C = 0, from what is known of mu; none without redundant constraints.
+void MultibodyTheory::write_least_norm(const double* mu, ExtendedSystem& to, int row) const {
+  const int nq = sizes_.positions, nv = sizes_.velocities, nc = sizes_.constraints(), count = to.E.rows() - row;
+  if (count == 0) return;
+  const View A = to.A;
+  const Matrix N = to_matrix(svd(point_.terms.C).U.view().columns(nc - count, count));
+  copy(transpose_product(N, mu_qv_), A.block(row, 0, count, nq + nv));
+  copy_multiple(-1.0, transpose(N), A.block(row, nq + nv, count, nc));
+  multiply(-1.0, Op::transposed, N, mu, 0.0, to.f.data() + row);
 }
 
 DerivativeArray array_of_level_0(MultibodyProblem& problem, const Jet& jet) {

@@ -53,6 +53,12 @@ class MultibodyTheory {
   void add_redundant_part(MultibodyProblem& problem);
   int differential() const { return form_.unknowns(); }
   Matrix tangent() const;
+  // Equations of the extended system from a row on.
+  void write_kinematics(const Partition& positions, ExtendedSystem& to) const;
+  void write_dynamics(const Partition& velocities, const double* mu, ExtendedSystem& to, int row) const;
+  void write_constraints(const Partition& positions, const Partition& velocities, ExtendedSystem& to, int row) const;
+  void write_accelerations(const Partition& velocities, ExtendedSystem& to, int row) const;
+  void write_least_norm(const double* mu, ExtendedSystem& to, int row) const;
 
   MultibodySizes sizes_;
   Arena arena_;
