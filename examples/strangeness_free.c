@@ -47,11 +47,10 @@ int main(void) {
     printf("t = %.1f   x = %.4f %.4f %.4f %.4f %.4f\n", t, x[0], x[1], x[2], x[3], x[4]);
     print("  E1 ", E1, 2);
     print("  A2 ", A2, 3);
-    for (i = 0; i < 2; i++) residual = fmax(residual, fabs(f1[i]));
     for (i = 0; i < 3; i++) {
       double slope = 0;
       for (j = 0; j < 5; j++) slope += A2[i + 3 * j] * xdot[j];
-      residual = fmax(residual, fabs(f2[i]));
+      residual = fmax(residual, fmax(fabs(f1[i % 2]), fabs(f2[i])));
       drift = fmax(drift, fabs(slope));
     }
   }

@@ -78,15 +78,17 @@ Projectors LinearModel::projectors(double t) {
 // The derivatives y of least norm with M y = N x + g, in the units of the analysis and with rows of size 1.
 Jet LinearModel::jet_through(double t, const double* x, int level) {
   // Singular values below, relative, are rounding errors of the array. Residuals of x, relative to what is added up,
-  // above the other are errors of the user. Chosen, not measured.
-  constexpr double rounding = 1e-13, consistent_residual = 1e-9;
-  DerivativeArray array = derivative_array(t, level);
+  // above the second are errors of the user; where constants cancel and x = 0, the last is some roundings of values of
+  // size 1. Chosen, not measured.
+  constexpr double rounding = 1e-13, consistent_residual = 1e-9, cancelled = 1e-14;
+  const int highest = std::max(level, system_->analysis().values.mu);
+  DerivativeArray array = derivative_array(t, highest);
   const int rows = array.M.rows(), size = array.M.cols();
   Jet jet;
   jet.t = t;
   jet.n = n();
   jet.x.assign(x, x + n());
-  jet.set_order(level + 1);
+  jet.set_order(highest + 1);
   move_to_jet(jet, array);  // what is left with y = 0
   std::vector<double> unit(index(size));
   for (int j = 0; j < size; ++j)
@@ -104,15 +106,17 @@ Jet LinearModel::jet_through(double t, const double* x, int level) {
   const std::vector<double> y = least_squares(array.M, array.g, rounding * singular_values(array.M).front());
   const double largest = std::max(largest_x, max_abs(y.data(), size));
   multiply(-1.0, Op::plain, array.M, y.data(), 1.0, array.g.data());
-  if (!(max_abs(array.g.data(), rows) <= consistent_residual * largest)) throw_inconsistent_jet(t, level);
+  if (!(max_abs(array.g.data(), rows) <= consistent_residual * largest + cancelled))
+    throw_inconsistent_jet(t, highest);
   double factorial = 1.0;
-  for (int k = 1; k <= level + 1; ++k) {
+  for (int k = 1; k <= highest + 1; ++k) {
     factorial *= k;
     for (int i = 0; i < n(); ++i) {
       const std::size_t j = index((k - 1) * n() + i);
       jet.column(k)[i] = unit[j] * y[j] / factorial;
     }
   }
+  jet.set_order(level + 1);
   return jet;
 }
 

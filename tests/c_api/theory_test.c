@@ -269,9 +269,9 @@ static int constraint_jacobian(double t, const double* q, double* G, void* user)
 static int mechanical_formulas(sfdae_record* record, sfdae_expression t, const sfdae_expression* q,
                                const sfdae_expression* v, const sfdae_multibody_formulas* to, void* user) {
   const sfdae_expression value = sfdae_subtract(sfdae_add(product(q[0], q[0]), product(q[1], q[1])), sfdae_number(1));
-  (void)record, (void)t, (void)v;
+  (void)t, (void)v;
   to->M[0] = to->M[3] = sfdae_number(1);
-  to->f[1] = sfdae_number(-g);
+  to->f[1] = sfdae_negate(sfdae_parameter(record, "g", g));
   to->g[0] = value;
   if (user) to->g[1] = product(sfdae_exp(q[0]), value);
   return 0;
@@ -310,6 +310,11 @@ static void properties_hold_for_mechanical_systems(void) {
       for (step = 0; step < 4; step++) {
         CHECK_STATUS(sfdae_step(solver, 1, &t, x, NULL), SFDAE_STEP_TAKEN);
         CHECK(theory_check(&subject, t) == 0);
+      }
+      if (!by_callbacks) { /* all equations know of another value */
+        CHECK_STATUS(sfdae_set_parameter(solver, "g", 5), SFDAE_OK);
+        CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
+        CHECK(theory_check(&subject, 0) == 0);
       }
       sfdae_destroy(&solver);
     }
