@@ -33,8 +33,9 @@ constexpr int large = 40, rather_large = 20;
 template <class Run>
 void check_along(Run& run, const theory_subject& subject, const TestProblem& p) {
   const int started = run.start(p.t0, p.tf, p.x0);
-  // A named error of the analysis is no matter of this test.
-  if (started == SFDAE_RANK_UNCLEAR && subject.kind == THEORY_NONLINEAR) return;
+  // Stiff, and with accelerations among the unknowns: as a general problem it may be refused by a named error.
+  const bool may_be_refused = p.name == "slider_crank" && subject.kind == THEORY_NONLINEAR;
+  if (may_be_refused && (started == SFDAE_RANK_UNCLEAR || started == SFDAE_NO_CONSISTENT_VALUES)) return;
   ASSERT_GE(started, 0) << p.name << ": " << sfdae_message(subject.solver);
   const auto check_at = [&](double t) { EXPECT_EQ(theory_check(&subject, t), 0) << p.name << " at " << t; };
   if (p.n < large) check_at(run.t);

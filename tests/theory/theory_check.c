@@ -370,51 +370,37 @@ static void check_without_jet(objects* o) {
 
 /* ---- Extended systems of multibody systems ------------------------------------------------------------------ */
 
-typedef struct constant_system {
-  int order;
-  const double *E, *A;
-} constant_system;
-
-static int constant_E(double t, int order, double* matrix, void* user) {
-  const constant_system* s = (const constant_system*)user;
-  (void)t;
-  if (order == 0) memcpy(matrix, s->E, sizeof(double) * (size_t)(s->order * s->order));
-  return 0;
+/* to := rows x count matrix X times Q, Q of order count. */
+static void multiply(const double* X, const double* Q, int rows, int count, double* to) {
+  int i, j, k;
+  for (j = 0; j < count; j++)
+    for (i = 0; i < rows; i++)
+      for (k = 0, to[i + rows * j] = 0; k < count; k++) to[i + rows * j] += X[i + rows * k] * Q[k + count * j];
 }
 
-static int constant_A(double t, int order, double* matrix, void* user) {
-  const constant_system* s = (const constant_system*)user;
-  (void)t;
-  if (order == 0) memcpy(matrix, s->A, sizeof(double) * (size_t)(s->order * s->order));
-  return 0;
-}
-
-/* Its linearization has no index and as many differential equations as the multibody system. */
+/* The extended system E X' = A X + f is strangeness-free with d differential equations if E has rank d and A is
+ * regular from ker E to what E does not reach. ker E are the directions Q2, the multipliers and w, so that the matrix
+ * [E Q1, A Q2, A (mu, w)] has to be regular, which E Q2 = 0 makes enough. */
 static void check_extended(objects* o) {
   sfdae_multibody_report report;
-  sfdae_linear_problem problem;
-  sfdae_solver* linear = NULL;
-  sfdae_characteristics c;
-  constant_system system;
-  int nq, nv, rq, rv, order, i, status;
-  double *Qq, *Qv, *E, *A, *f, *w, worst = 0, size = 0;
+  int nq, nv, rq, rv, order, i, j;
+  double *Qq, *Qv, *E, *A, *f, *w, *EQ, *AQ, *rows, worst, size = 0;
   sfdae_multibody_report_init(&report, sizeof report);
   sfdae_get_multibody_report(o->subject->solver, &report);
-  /* d = (nq - rq) + (nv - rv), and n = nq + nv + nl + nk. */
+  /* n = nq + nv + nl + nk */
   rv = report.holonomic + report.nonholonomic - report.redundant;
   nv = report.degrees_of_freedom + rv;
   nq = o->subject->n - nv - report.holonomic - report.nonholonomic;
   rq = nq - report.position_freedom;
   order = o->subject->n + rq + rv;
   Qq = vector(nq * nq), Qv = vector(nv * nv), E = vector(order * order), A = vector(order * order);
-  f = vector(order), w = vector(rq + rv);
+  EQ = vector(order * order), AQ = vector(order * order), f = vector(order), w = vector(rq + rv);
   demand_status(o, sfdae_get_extended_system(o->subject->solver, o->t, NULL, Qq, Qv, E, A, f, w),
                 "sfdae_get_extended_system");
   worst = fmax(defect_of_orthonormality(Qq, nq, nq), defect_of_orthonormality(Qv, nv, nv));
   demand(o, worst <= 100 * DBL_EPSILON * (nq + nv), "[Q1 Q2] is not orthonormal", worst);
   for (i = 0, worst = 0; i < order; i++) {
     double row = 0;
-    int j;
     for (j = 0; j < o->subject->n; j++) row += fabs(A[i + order * j] * o->jet[j]);
     for (j = 0; j < rq + rv; j++) row += fabs(A[i + order * (o->subject->n + j)] * w[j]);
     size = fmax(size, row);
@@ -422,21 +408,23 @@ static void check_extended(objects* o) {
   }
   measure("extendedf", worst / (size + DBL_EPSILON));
   demand(o, worst <= small * size + DBL_EPSILON, "the extended system is not fulfilled", worst);
-  system.order = order, system.E = E, system.A = A;
-  sfdae_linear_problem_init(&problem, sizeof problem);
-  problem.num_equations = problem.num_unknowns = order;
-  problem.E = constant_E, problem.A = constant_A;
-  problem.constant_E = problem.constant_A = 1;
-  problem.user = &system;
-  sfdae_characteristics_init(&c, sizeof c);
-  status = sfdae_create_linear(&linear, &problem, NULL);
-  if (status >= 0) status = sfdae_analyze(linear, 0, 1, &c);
-  if (status < 0) fprintf(stderr, "%s\n", linear ? sfdae_message(linear) : "");
-  demand(o, status >= 0, "the extended system could not be analyzed", status);
-  demand(o, status < 0 || (c.strangeness_index == 0 && c.differential == o->d && c.undetermined == 0),
-         "the extended system is not strangeness-free", c.strangeness_index);
-  sfdae_destroy(&linear);
-  free(Qq), free(Qv), free(E), free(A), free(f), free(w);
+  demand(o, o->d == nq - rq + nv - rv, "d is not the number of directions Q1", o->d);
+  memcpy(EQ, E, sizeof(double) * (size_t)(order * order));
+  memcpy(AQ, A, sizeof(double) * (size_t)(order * order));
+  multiply(E, Qq, order, nq, EQ), multiply(E + order * nq, Qv, order, nv, EQ + order * nq);
+  multiply(A, Qq, order, nq, AQ), multiply(A + order * nq, Qv, order, nv, AQ + order * nq);
+  for (j = 0, worst = 0; j < order; j++) {
+    const int is_Q1 = j < nq - rq || (j >= nq && j < nq + nv - rv);
+    if (is_Q1) memcpy(AQ + order * j, EQ + order * j, sizeof(double) * (size_t)order);
+    else worst = fmax(worst, length(EQ + order * j, order));
+  }
+  size = length(E, order * order);
+  demand(o, worst <= 100 * DBL_EPSILON * (nq + nv) * size, "E Q2 is not 0", worst);
+  rows = transposed(AQ, order, order);
+  worst = smallest_independent_part(rows, order, order);
+  measure("extended", -worst);
+  demand(o, worst > 1e-13, "the extended system is not strangeness-free", worst);
+  free(Qq), free(Qv), free(E), free(A), free(f), free(w), free(EQ), free(AQ), free(rows);
 }
 
 /* ---- Entries -------------------------------------------------------------------------------------------------- */
