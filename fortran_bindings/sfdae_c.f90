@@ -17,10 +17,11 @@ module sfdae_c
     c_check_multibody_derivatives, c_check_nonlinear, c_check_total_derivatives, c_choose, c_cos, &
     c_cosh, c_create_linear, c_create_multibody, c_create_nonlinear, c_decision_init, &
     c_derivative_check_init, c_destroy, c_divide, c_exp, c_get_change, c_get_characteristics, &
-    c_get_checkpoint_length, c_get_decision, c_get_derivative_array, c_get_events, &
-    c_get_initial_report, c_get_multibody_report, c_get_num_decisions, c_get_parameter, &
-    c_get_projectors, c_get_statistics, c_get_strangeness_free, c_initial_report_init, &
-    c_interpolate, c_linear_problem_init, c_log, c_make_consistent, c_max, c_message, c_min, &
+    c_get_checkpoint_length, c_get_decision, c_get_derivative_array, c_get_derivative_array_at, &
+    c_get_events, c_get_extended_system, c_get_initial_report, c_get_jet, c_get_multibody_report, &
+    c_get_num_decisions, c_get_parameter, c_get_projectors, c_get_projectors_at, c_get_statistics, &
+    c_get_strangeness_free, c_get_strangeness_free_at, c_initial_report_init, c_interpolate, &
+    c_linear_problem_init, c_log, c_make_consistent, c_max, c_message, c_min, &
     c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
     c_nonlinear_problem_init, c_number, c_options_init, c_parameter, c_power, c_report, &
     c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_set_events, c_set_options, &
@@ -395,6 +396,19 @@ module sfdae_c
       integer(c_int) :: c_get_derivative_array
     end function c_get_derivative_array
 
+    function c_get_derivative_array_at(solver, t, jet, level, m, n, g) &
+      bind(c, name="sfdae_get_derivative_array_at")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(in) :: jet(*)
+      integer(c_int), value :: level
+      real(c_double), intent(inout) :: m(*)
+      real(c_double), intent(inout) :: n(*)
+      real(c_double), intent(inout) :: g(*)
+      integer(c_int) :: c_get_derivative_array_at
+    end function c_get_derivative_array_at
+
     function c_get_events(solver, which) bind(c, name="sfdae_get_events")
       import :: c_int, c_ptr
       type(c_ptr), value :: solver
@@ -402,12 +416,37 @@ module sfdae_c
       integer(c_int) :: c_get_events
     end function c_get_events
 
+    function c_get_extended_system(solver, t, x, qq, qv, e, a, f, w) &
+      bind(c, name="sfdae_get_extended_system")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      type(c_ptr), value :: x
+      real(c_double), intent(inout) :: qq(*)
+      real(c_double), intent(inout) :: qv(*)
+      real(c_double), intent(inout) :: e(*)
+      real(c_double), intent(inout) :: a(*)
+      real(c_double), intent(inout) :: f(*)
+      real(c_double), intent(inout) :: w(*)
+      integer(c_int) :: c_get_extended_system
+    end function c_get_extended_system
+
     function c_get_initial_report(solver, result) bind(c, name="sfdae_get_initial_report")
       import :: c_int, c_ptr, sfdae_initial_report
       type(c_ptr), value :: solver
       type(sfdae_initial_report), intent(inout) :: result
       integer(c_int) :: c_get_initial_report
     end function c_get_initial_report
+
+    function c_get_jet(solver, t, x, level, jet) bind(c, name="sfdae_get_jet")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      type(c_ptr), value :: x
+      integer(c_int), value :: level
+      real(c_double), intent(inout) :: jet(*)
+      integer(c_int) :: c_get_jet
+    end function c_get_jet
 
     function c_get_multibody_report(solver, report) bind(c, name="sfdae_get_multibody_report")
       import :: c_int, c_ptr, sfdae_multibody_report
@@ -436,12 +475,26 @@ module sfdae_c
       type(c_ptr), value :: solver
       real(c_double), value :: t
       real(c_double), intent(inout) :: z1(*)
-      real(c_double), intent(inout) :: z2(*)
-      real(c_double), intent(inout) :: z3(*)
+      type(c_ptr), value :: z2
+      type(c_ptr), value :: z3
       real(c_double), intent(inout) :: t2(*)
-      integer(c_int), intent(inout) :: vhat
+      type(c_ptr), value :: vhat
       integer(c_int) :: c_get_projectors
     end function c_get_projectors
+
+    function c_get_projectors_at(solver, t, jet, z1, z2, z3, t2, vhat) &
+      bind(c, name="sfdae_get_projectors_at")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(in) :: jet(*)
+      real(c_double), intent(inout) :: z1(*)
+      type(c_ptr), value :: z2
+      type(c_ptr), value :: z3
+      real(c_double), intent(inout) :: t2(*)
+      type(c_ptr), value :: vhat
+      integer(c_int) :: c_get_projectors_at
+    end function c_get_projectors_at
 
     function c_get_statistics(solver, result) bind(c, name="sfdae_get_statistics")
       import :: c_int, c_ptr, sfdae_statistics
@@ -463,6 +516,21 @@ module sfdae_c
       real(c_double), intent(inout) :: residual
       integer(c_int) :: c_get_strangeness_free
     end function c_get_strangeness_free
+
+    function c_get_strangeness_free_at(solver, t, jet, e1, a1, f1, a2, f2, residual) &
+      bind(c, name="sfdae_get_strangeness_free_at")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(in) :: jet(*)
+      real(c_double), intent(inout) :: e1(*)
+      real(c_double), intent(inout) :: a1(*)
+      real(c_double), intent(inout) :: f1(*)
+      real(c_double), intent(inout) :: a2(*)
+      real(c_double), intent(inout) :: f2(*)
+      real(c_double), intent(inout) :: residual
+      integer(c_int) :: c_get_strangeness_free_at
+    end function c_get_strangeness_free_at
 
     function c_initial_report_init(report, size) bind(c, name="sfdae_initial_report_init")
       import :: c_int, c_size_t, sfdae_initial_report

@@ -7,9 +7,11 @@ module sfdae_solver
   use sfdae_c, only: c_advance, c_analyze, c_analyze_at, c_change_init, c_characteristics_init, &
     c_check_derivatives, c_check_multibody_derivatives, c_check_total_derivatives, &
     c_decision_init, c_derivative_check_init, c_destroy, c_get_change, c_get_characteristics, &
-    c_get_checkpoint_length, c_get_decision, c_get_derivative_array, c_get_events, &
-    c_get_initial_report, c_get_multibody_report, c_get_num_decisions, c_get_parameter, &
-    c_get_projectors, c_get_statistics, c_get_strangeness_free, c_initial_report_init, &
+    c_get_checkpoint_length, c_get_decision, c_get_derivative_array, &
+    c_get_derivative_array_at, c_get_events, c_get_extended_system, c_get_initial_report, &
+    c_get_jet, c_get_multibody_report, c_get_num_decisions, c_get_parameter, c_get_projectors, &
+    c_get_projectors_at, c_get_statistics, c_get_strangeness_free, c_get_strangeness_free_at, &
+    c_initial_report_init, &
     c_interpolate, c_make_consistent, c_message, c_multibody_report_init, c_report, &
     c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_set_events, c_set_options, &
     c_set_parameter, c_start, c_statistics_init, c_status_name, c_step, c_version
@@ -68,9 +70,11 @@ module sfdae_solver
     procedure :: interpolate => solver_interpolate
     procedure :: get_statistics => solver_get_statistics
     procedure :: report => solver_report
+    procedure :: get_jet => solver_get_jet
     procedure :: get_derivative_array => solver_get_derivative_array
     procedure :: get_projectors => solver_get_projectors
     procedure :: get_strangeness_free => solver_get_strangeness_free
+    procedure :: get_extended_system => solver_get_extended_system
     procedure :: check_derivatives => solver_check_derivatives
     procedure :: check_total_derivatives => solver_check_total_derivatives
     procedure :: check_multibody_derivatives => solver_check_multibody_derivatives
@@ -631,9 +635,30 @@ contains
     if (status >= 0) text = text_in(buffer)
   end subroutine solver_report
 
-  !> Classical derivative array M y = N x + g at t, with plain derivatives y = (x', x'', ...).
-  !> Arrays are allocated as needed.
-  recursive subroutine solver_get_derivative_array(self, t, level, status, m, n, g)
+  !> The jet of a level through (t, x), n x (level + 2): x, x', ..., x^(level + 1) in its columns.
+  recursive subroutine solver_get_jet(self, t, level, status, jet, x)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> l >= 0.
+    integer(c_int), intent(in) :: level
+    integer(c_int), intent(out) :: status
+    !> Allocated as needed.
+    real(c_double), allocatable, intent(inout) :: jet(:, :)
+    !> n consistent values; absent: those of the solution at t.
+    real(c_double), contiguous, target, intent(in), optional :: x(:)
+    real(c_double), allocatable :: found(:, :)
+    type(c_ptr) :: x_address
+
+    call check_optional_x(self, status, x, x_address)
+    if (status < 0) return
+    allocate (found(self%holder%problem%num_unknowns, max(level, 0_c_int) + 2))
+    status = c_get_jet(self%handle, t, x_address, level, found)
+    if (status >= 0) call move_alloc(found, jet)
+  end subroutine solver_get_jet
+
+  !> Derivative array M y = N x + g at t, with plain derivatives y = (x', x'', ...); of nonlinear
+  !> problems M dy = N dx + g along the solution. Arrays are allocated as needed.
+  recursive subroutine solver_get_derivative_array(self, t, level, status, m, n, g, jet)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
     !> l >= 0.
@@ -645,11 +670,14 @@ contains
     real(c_double), allocatable, intent(inout), optional :: n(:, :)
     !> (l+1)m entries f^(i).
     real(c_double), allocatable, intent(inout), optional :: g(:)
+    !> n x (l+2): the array for changes of this jet.
+    real(c_double), contiguous, intent(in), optional :: jet(:, :)
     real(c_double), allocatable :: m_found(:, :), n_found(:, :), g_found(:)
     integer(c_size_t) :: rows, columns
     integer :: allocation
 
     call check_call(self, status)
+    if (present(jet)) call check_jet(self, jet, level, status)
     if (status < 0) return
     rows = (level + 1_c_size_t) * self%holder%problem%num_equations
     columns = self%holder%problem%num_unknowns
@@ -660,16 +688,20 @@ contains
       self%complaint = "out of memory for the derivative array"
       return
     end if
-    status = c_get_derivative_array(self%handle, t, level, m_found, n_found, g_found)
+    if (present(jet)) then
+      status = c_get_derivative_array_at(self%handle, t, jet, level, m_found, n_found, g_found)
+    else
+      status = c_get_derivative_array(self%handle, t, level, m_found, n_found, g_found)
+    end if
     if (status < 0) return
     if (present(m)) call move_alloc(m_found, m)
     if (present(n)) call move_alloc(n_found, n)
     if (present(g)) call move_alloc(g_found, g)
   end subroutine solver_get_derivative_array
 
-  !> Projectors at t for the classical array of level mu, with orthonormal columns. Arrays are
-  !> allocated as needed. Needs an analysis.
-  recursive subroutine solver_get_projectors(self, t, status, z1, z2, z3, t2)
+  !> Projectors at t for the array of level mu, with orthonormal columns; of nonlinear problems
+  !> along the solution. Arrays are allocated as needed. Needs an analysis.
+  recursive subroutine solver_get_projectors(self, t, status, z1, z2, z3, t2, jet)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
     integer(c_int), intent(out) :: status
@@ -681,11 +713,18 @@ contains
     real(c_double), allocatable, intent(inout), optional :: z3(:, :)
     !> T2, n x (n-a): A2 T2 = 0.
     real(c_double), allocatable, intent(inout), optional :: t2(:, :)
+    !> n x (mu+2): the projectors at this jet.
+    real(c_double), contiguous, intent(in), optional :: jet(:, :)
     type(sfdae_characteristics) :: sizes
-    real(c_double), allocatable :: z1_found(:, :), z2_found(:, :), z3_found(:, :), t2_found(:, :)
-    integer(c_int) :: rows, m, n, vhat
+    real(c_double), allocatable :: z1_found(:, :), t2_found(:, :)
+    real(c_double), allocatable, target :: z2_found(:, :), z3_found(:, :)
+    type(c_ptr) :: z2_address, z3_address, vhat_address
+    integer(c_int) :: rows, m, n
+    integer(c_int), target :: vhat
 
     call self%get_characteristics(sizes, status)
+    if (present(jet)) call check_jet(self, jet, level_of_jets(self, sizes, &
+      present(z2) .or. present(z3)), status)
     if (status < 0) return
     m = self%holder%problem%num_equations
     n = self%holder%problem%num_unknowns
@@ -693,7 +732,22 @@ contains
     allocate (z1_found(m, sizes%differential), z2_found(rows, sizes%algebraic))
     allocate (z3_found(rows, rows - sizes%algebraic), t2_found(n, n - sizes%algebraic))
     vhat = 0
-    status = c_get_projectors(self%handle, t, z1_found, z2_found, z3_found, t2_found, vhat)
+    ! Z2 and Z3 are not always to be had: only if they are asked for.
+    z2_address = c_null_ptr
+    z3_address = c_null_ptr
+    vhat_address = c_null_ptr
+    if (present(z2)) z2_address = c_loc(z2_found)
+    if (present(z3)) then
+      z3_address = c_loc(z3_found)
+      vhat_address = c_loc(vhat)
+    end if
+    if (present(jet)) then
+      status = c_get_projectors_at(self%handle, t, jet, z1_found, z2_address, z3_address, &
+        t2_found, vhat_address)
+    else
+      status = c_get_projectors(self%handle, t, z1_found, z2_address, z3_address, t2_found, &
+        vhat_address)
+    end if
     if (status < 0) return
     if (present(z1)) call move_alloc(z1_found, z1)
     if (present(z2)) call move_alloc(z2_found, z2)
@@ -701,9 +755,10 @@ contains
     if (present(t2)) call move_alloc(t2_found, t2)
   end subroutine solver_get_projectors
 
-  !> Strangeness-free system at t: E1 x' = A1 x + f1, 0 = A2 x + f2. Arrays are allocated as
-  !> needed. Needs an analysis.
-  recursive subroutine solver_get_strangeness_free(self, t, status, e1, a1, f1, a2, f2, residual)
+  !> Strangeness-free system at t: E1 x' = A1 x + f1, 0 = A2 x + f2; of nonlinear problems for
+  !> changes along the solution. Arrays are allocated as needed. Needs an analysis.
+  recursive subroutine solver_get_strangeness_free(self, t, status, e1, a1, f1, a2, f2, &
+    residual, jet)
     class(dae_solver), intent(inout) :: self
     real(c_double), intent(in) :: t
     integer(c_int), intent(out) :: status
@@ -719,19 +774,27 @@ contains
     real(c_double), allocatable, intent(inout), optional :: f2(:)
     !> Max norm of Z3^T g, the contradiction of redundant equations.
     real(c_double), intent(inout), optional :: residual
+    !> n x (mu+2), of mechanical systems n x 2: the system for changes of this jet.
+    real(c_double), contiguous, intent(in), optional :: jet(:, :)
     type(sfdae_characteristics) :: sizes
     real(c_double), allocatable :: e1_found(:, :), a1_found(:, :), a2_found(:, :)
     real(c_double), allocatable :: f1_found(:), f2_found(:)
     real(c_double) :: residual_found
 
     call self%get_characteristics(sizes, status)
+    if (present(jet)) call check_jet(self, jet, level_of_jets(self, sizes, .false.), status)
     if (status < 0) return
     associate (d => sizes%differential, a => sizes%algebraic, n => self%holder%problem%num_unknowns)
       allocate (e1_found(d, n), a1_found(d, n), f1_found(d), a2_found(a, n), f2_found(a))
     end associate
     residual_found = 0
-    status = c_get_strangeness_free(self%handle, t, e1_found, a1_found, f1_found, a2_found, &
-      f2_found, residual_found)
+    if (present(jet)) then
+      status = c_get_strangeness_free_at(self%handle, t, jet, e1_found, a1_found, f1_found, &
+        a2_found, f2_found, residual_found)
+    else
+      status = c_get_strangeness_free(self%handle, t, e1_found, a1_found, f1_found, a2_found, &
+        f2_found, residual_found)
+    end if
     if (status < 0) return
     if (present(e1)) call move_alloc(e1_found, e1)
     if (present(a1)) call move_alloc(a1_found, a1)
@@ -740,6 +803,53 @@ contains
     if (present(f2)) call move_alloc(f2_found, f2)
     if (present(residual)) residual = residual_found
   end subroutine solver_get_strangeness_free
+
+  !> The extended system of a mechanical system at (t, x): E X' = A X + f for changes of
+  !> X = (x, wq, wv). Arrays are allocated as needed.
+  recursive subroutine solver_get_extended_system(self, t, status, qq, qv, e, a, f, w, x)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    integer(c_int), intent(out) :: status
+    !> [Q1 Q2] of positions, nq x nq.
+    real(c_double), allocatable, intent(inout), optional :: qq(:, :)
+    !> [Q1 Q2] of velocities, nv x nv.
+    real(c_double), allocatable, intent(inout), optional :: qv(:, :)
+    !> E and A, square, of as many rows as X has entries.
+    real(c_double), allocatable, intent(inout), optional :: e(:, :)
+    real(c_double), allocatable, intent(inout), optional :: a(:, :)
+    !> What is left of the equations.
+    real(c_double), allocatable, intent(inout), optional :: f(:)
+    !> (wq, wv): derivatives of the dependent directions.
+    real(c_double), allocatable, intent(inout), optional :: w(:)
+    !> n values; absent: those of the solution at t.
+    real(c_double), contiguous, target, intent(in), optional :: x(:)
+    type(sfdae_multibody_report) :: report
+    real(c_double), allocatable :: qq_found(:, :), qv_found(:, :), e_found(:, :), a_found(:, :)
+    real(c_double), allocatable :: f_found(:), w_found(:)
+    type(c_ptr) :: x_address
+    integer(c_int) :: given, rq, rv, nq, nv, order
+
+    call check_optional_x(self, status, x, x_address)
+    if (status == sfdae_ok) call self%get_multibody_report(report, status)
+    if (status < 0) return
+    given = report%holonomic + report%nonholonomic
+    rv = given - report%redundant
+    nv = report%degrees_of_freedom + rv
+    nq = self%holder%problem%num_unknowns - nv - given
+    rq = nq - report%position_freedom
+    order = self%holder%problem%num_unknowns + rq + rv
+    allocate (qq_found(nq, nq), qv_found(nv, nv), e_found(order, order), a_found(order, order))
+    allocate (f_found(order), w_found(rq + rv))
+    status = c_get_extended_system(self%handle, t, x_address, qq_found, qv_found, e_found, &
+      a_found, f_found, w_found)
+    if (status < 0) return
+    if (present(qq)) call move_alloc(qq_found, qq)
+    if (present(qv)) call move_alloc(qv_found, qv)
+    if (present(e)) call move_alloc(e_found, e)
+    if (present(a)) call move_alloc(a_found, a)
+    if (present(f)) call move_alloc(f_found, f)
+    if (present(w)) call move_alloc(w_found, w)
+  end subroutine solver_get_extended_system
 
   !> Compares the derivatives that the callbacks supply near t with differences of the order
   !> below; message says it in words if they do not fit. Orders that are not available are
@@ -865,6 +975,51 @@ contains
     call check_entries(self, "xdot", size(xdot, kind=c_int), status)
     xdot_address = c_loc(xdot)
   end subroutine check_point
+
+  !> Refuses a call with x that has not n entries.
+  subroutine check_optional_x(self, status, x, x_address)
+    class(dae_solver), intent(inout) :: self
+    integer(c_int), intent(out) :: status
+    real(c_double), contiguous, target, intent(in), optional :: x(:)
+    !> Null if x is absent.
+    type(c_ptr), intent(out) :: x_address
+
+    call check_call(self, status)
+    x_address = c_null_ptr
+    if (.not. present(x)) return
+    call check_entries(self, "x", size(x, kind=c_int), status)
+    x_address = c_loc(x)
+  end subroutine check_optional_x
+
+  !> Refuses a call with a jet that is smaller than its level demands.
+  subroutine check_jet(self, jet, level, status)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: jet(:, :)
+    integer(c_int), intent(in) :: level
+    !> If not sfdae_ok, the call is refused already.
+    integer(c_int), intent(inout) :: status
+
+    call check_entries(self, "a column of jet", size(jet, 1, c_int), status)
+    if (status /= sfdae_ok .or. size(jet, 2) >= level + 2) return
+    self%complaint = "jet has too few columns for this level"
+    status = sfdae_illegal_argument
+  end subroutine check_jet
+
+  !> That of the jets that projectors and the strangeness-free system need.
+  integer(c_int) function level_of_jets(self, sizes, of_array) result(level)
+    class(dae_solver), intent(in) :: self
+    type(sfdae_characteristics), intent(in) :: sizes
+    !> Z2 or Z3 are asked for.
+    logical, intent(in) :: of_array
+
+    level = 0
+    if (.not. associated(self%holder)) return
+    level = sizes%strangeness_index
+    select type (system => self%holder%problem)
+    class is (multibody_holder)
+      if (.not. of_array) level = 0
+    end select
+  end function level_of_jets
 
   !> A mismatch with rows and columns that count from 1.
   function from_one(found) result(check)

@@ -42,13 +42,21 @@ SINGLE = {
     ("sfdae_get_checkpoint_length", "length"),
     ("sfdae_get_num_decisions", "count"),
     ("sfdae_get_parameter", "value"),
-    ("sfdae_get_projectors", "vhat"),
     ("sfdae_get_strangeness_free", "residual"),
+    ("sfdae_get_strangeness_free_at", "residual"),
     ("sfdae_report", "needed"),
 }
 # or an array for which the modules may pass NULL.
 ADDRESSES = {
     ("sfdae_advance", "xdot"),
+    ("sfdae_get_extended_system", "x"),
+    ("sfdae_get_jet", "x"),
+    ("sfdae_get_projectors", "Z2"),
+    ("sfdae_get_projectors", "Z3"),
+    ("sfdae_get_projectors", "vhat"),
+    ("sfdae_get_projectors_at", "Z2"),
+    ("sfdae_get_projectors_at", "Z3"),
+    ("sfdae_get_projectors_at", "vhat"),
     ("sfdae_interpolate", "xdot"),
     ("sfdae_make_consistent", "xdot"),
     ("sfdae_set_events", "directions"),

@@ -141,6 +141,27 @@ SFDAE_API int sfdae_multibody_report_init(sfdae_multibody_report* report, size_t
  * analysis, SFDAE_ILLEGAL_ARGUMENT for other problems. */
 SFDAE_API int sfdae_get_multibody_report(const sfdae_solver* solver, sfdae_multibody_report* report);
 
+/* The extended system of a multibody system at (t, x), x: n values, or NULL for the solution at t, which has to lie
+ * within the last step taken as for sfdae_interpolate:
+ *
+ *     Q1 Q1^T q' + Q2 wq = S v,   M (Q1 Q1^T v' + Q2 wv) = f - G^T lambda - H^T kappa,
+ *     0 = g,   0 = C v + r,   C (Q1 Q1^T v' + Q2 wv) + s = 0,   C = [G; H], r = (g_t, h), s = (gamma, eta)
+ *
+ * with the partition [Q1 Q2] in use, of positions in the first equation, of velocities in the others, and the
+ * derivatives wq = Q2^T q', wv = Q2^T v' of dependent directions as unknowns of their own. It is strangeness-free
+ * (mu = 0) while g_q Q2 and C Q2 are regular. With rq = nq - position_freedom and rv = nv - degrees_of_freedom of
+ * sfdae_get_multibody_report:
+ *   Qq: [Q1 Q2] of positions, nq x nq, Q2 the last rq columns;  Qv: of velocities, nv x nv, Q2 the last rv columns;
+ *   E, A (N x N), f (N entries): the system linearized at (t, x), E X' = A X + f for changes of X = (x, wq, wv), N =
+ *   n + rq + rv, in the order above, rq and rv independent rows of constraints. If nl + nk > rv, redundant, equations
+ *   follow that keep the multipliers those of least norm;  w: (wq, wv), rq + rv values.
+ * Any of Qq, Qv, E, A, f, w may be NULL. Derivatives of callbacks are computed by differences.
+ * Failures: callbacks, SFDAE_NOT_STARTED before an analysis, those of sfdae_interpolate for x = NULL,
+ * SFDAE_CHARACTERISTICS_CHANGED where the ranks of constraints are others; SFDAE_ILLEGAL_ARGUMENT for other
+ * problems. */
+SFDAE_API int sfdae_get_extended_system(sfdae_solver* solver, double t, const double* x, double* Qq, double* Qv,
+                                        double* E, double* A, double* f, double* w);
+
 /* Compares g_q, g_t, gamma and eta as callbacks supply them with differences near (t, q, v), q: nq values, v: nv
  * values, where derivatives of g_q, of S and of H are those along (1, S v), and reports the worst mismatch;
  * sfdae_message says it in words if it is suspicious. A constraint_rate that is missing counts as zero; gamma and

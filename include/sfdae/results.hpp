@@ -83,24 +83,31 @@ struct Point {
   std::vector<double> xdot;  ///< x'(t), resized to n by the solver
 };
 
-/// M y = N x + g, see sfdae_get_derivative_array.
+/// M y = N x + g, or M dy = N dx + g along a jet; see sfdae_get_derivative_array.
 struct DerivativeArray {
   Matrix M, N;
   std::vector<double> g;
 };
 
-/// See sfdae_get_projectors.
+/// See sfdae_get_projectors. Z2 and Z3 of multibody systems given by callbacks are empty.
 struct Projectors {
   Matrix Z1, Z2, Z3, T2;
 };
 
-/// E1 x' = A1 x + f1, 0 = A2 x + f2, see sfdae_get_strangeness_free.
+/// E1 x' = A1 x + f1, 0 = A2 x + f2, or those of changes; see sfdae_get_strangeness_free.
 struct StrangenessFreeSystem {
   Matrix E1, A1;
   std::vector<double> f1;
   Matrix A2;
   std::vector<double> f2;
   double residual = 0;  ///< contradiction of redundant equations
+};
+
+/// E X' = A X + f for changes of X = (x, wq, wv), see sfdae_get_extended_system.
+struct ExtendedSystem {
+  Matrix Qq, Qv;
+  Matrix E, A;
+  std::vector<double> f, w;
 };
 
 }  // namespace sfdae

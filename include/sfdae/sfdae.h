@@ -484,28 +484,84 @@ SFDAE_API int sfdae_restore_checkpoint(sfdae_solver* solver, const double* check
  * of the whole text + 1. */
 SFDAE_API int sfdae_report(const sfdae_solver* solver, char* text, size_t length, size_t* needed);
 
-/* Classical derivative array M y = N x + g of a linear problem of the given level l, 0 ... 12, at t, with plain
- * derivatives y = (x', x'', ..., x^(l+1)): M is (l+1)m x (l+1)n with blocks C(i,j) E^(i-j) - C(i,j+1) A^(i-j-1), N
- * is (l+1)m x n with blocks A^(i), g has (l+1)m entries f^(i). Any of M, N, g may be NULL. Failures: callbacks;
- * SFDAE_ILLEGAL_ARGUMENT for nonlinear problems, whose array depends on more than t. */
+/* The theory's objects: derivative array, projectors, strangeness-free system.
+ *
+ * Those of linear problems depend on t alone. Those of others belong to a jet, that is t, x, x', ..., x^(l+1), in
+ * which F and its derivatives F' = dF/dt, ..., F^(l) along the jet are linearized: they are said of changes dx of x
+ * and dy of y = (x', ..., x^(l+1)),
+ *
+ *     M dy = N dx + g,   M = dF_l/dy,   N = -dF_l/dx,   g = -F_l,   F_l = (F, F', ..., F^(l)),
+ *
+ * with plain derivatives, without factorials. Of a linear problem, F = E x' - A x - f, these are the same M and N at
+ * any jet, and g at the jet 0, where dx = x and dy = y. In memory a jet is an n x (l+2) array, x first.
+ *
+ * Multibody systems are taken as x = (q, v, lambda, kappa) and F = (q' - S v, M v' - f + G^T lambda + H^T kappa, g,
+ * H v + h), m = n.
+ *
+ * Functions whose name ends in _at take a jet from the user, which need not be consistent; what is said of Z2, Z3 and
+ * T2 then holds as far as F_l = 0 does. The others, for nonlinear problems and multibody systems, take the jet
+ * of the solution at t, which has to lie within the last step taken, as for sfdae_interpolate, or be the start before
+ * the first step, or the point of the analysis before a start. Nothing of an integration is disturbed.
+ *
+ * Where equations are differentiated a limited number of times (sfdae_nonlinear_problem.differentiations), rows of
+ * the array that are left out are zero, in Z2 and Z3 as well. */
+
+/* Writes the jet of level l, 0 ... 12, through (t, x): x and derivatives x', ..., x^(l+1) with F_k = 0, k = max(l,
+ * mu). Directions that these equations leave open are as near as possible to those of the point reached. x: n values,
+ * consistent, or NULL for the solution at t. jet: n x (l+2).
+ * Callbacks of multibody systems: level 0 only, with lambda' and kappa' by differences; else SFDAE_ORDER_MISSING.
+ * Failures: callbacks, SFDAE_NOT_STARTED before an analysis, and for x = NULL those of sfdae_interpolate;
+ * SFDAE_INCONSISTENT_VALUES if there is no such jet. */
+SFDAE_API int sfdae_get_jet(sfdae_solver* solver, double t, const double* x, int level, double* jet);
+
+/* Derivative array of level l, 0 ... 12, at t: M is (l+1)m x (l+1)n, N is (l+1)m x n, g has (l+1)m entries. Linear
+ * problems: M y = N x + g, blocks of M are C(i,j) E^(i-j) - C(i,j+1) A^(i-j-1), of N A^(i), of g f^(i), at any t,
+ * analyzed or not. Others: M dy = N dx + g at the jet of the solution, with (F_x')^(i-j) for E^(i-j) and -(F_x)^(i)
+ * for A^(i), where ^(i) is the i-th total derivative along the jet. Any of M, N, g may be NULL.
+ * Failures: callbacks, and those of sfdae_get_jet; SFDAE_ORDER_MISSING for callbacks of multibody systems at levels
+ * above 0. */
 SFDAE_API int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double* M, double* N, double* g);
 
-/* Projectors of a linear problem at t, with orthonormal columns, for the classical array of level mu:
+/* Derivative array of level l, 0 ... 12, for changes of a jet, n x (l+2), of any problem, analyzed or not: g = -F_l
+ * there. Any of M, N, g may be NULL. Failures: callbacks; SFDAE_ORDER_MISSING for callbacks of multibody systems at
+ * levels above 0. */
+SFDAE_API int sfdae_get_derivative_array_at(sfdae_solver* solver, double t, const double* jet, int level, double* M,
+                                            double* N, double* g);
+
+/* Projectors at t, with orthonormal columns, for the array of level mu:
  *   Z2 ((mu+1)m x a):  Z2^T M = 0, A2 = Z2^T N has full row rank;   Z3 ((mu+1)m x vhat): Z3^T [M N] = 0;
- *   T2 (n x (n-a)):    A2 T2 = 0;                                   Z1 (m x d): spans the range of E T2.
+ *   T2 (n x (n-a)):    A2 T2 = 0;                                   Z1 (m x d): spans the range of E T2, E = F_x'.
  * *vhat, the number of columns of Z3, is at most (mu+1)m - a. All pointers may be NULL; for the sizes ask
  * sfdae_get_characteristics, and call with all matrices NULL for vhat.
- * Failures: callbacks, structure, SFDAE_NOT_STARTED before an analysis; SFDAE_ILLEGAL_ARGUMENT for nonlinear
- * problems. */
+ * Multibody systems: Z1 and T2 are those of the minimal extension. Z2 and Z3 need the array: ask for them, and for
+ * vhat, for recorded formulas only (SFDAE_ORDER_MISSING). If r constraints are redundant, the array does not
+ * determine r multipliers: the last r columns of Z2 are zero.
+ * Failures: callbacks, structure, SFDAE_NOT_STARTED before an analysis, those of sfdae_get_jet. */
 SFDAE_API int sfdae_get_projectors(sfdae_solver* solver, double t, double* Z1, double* Z2, double* Z3, double* T2,
                                    int* vhat);
 
-/* Strangeness-free system of a linear problem at t:  E1 x' = A1 x + f1 (d rows),  0 = A2 x + f2 (a rows), with
- * E1 = Z1^T E and so on for the projectors of sfdae_get_projectors; E1, A1 are d x n, A2 is a x n. *residual: max
- * norm of Z3^T g, the contradiction of redundant equations. Any pointer may be NULL. Failures: callbacks,
- * structure, SFDAE_NOT_STARTED before an analysis; SFDAE_ILLEGAL_ARGUMENT for nonlinear problems. */
+/* Projectors at a jet, n x (mu+2): those of sfdae_get_projectors. Of multibody systems that are asked for Z1 and T2
+ * alone, two columns are enough. */
+SFDAE_API int sfdae_get_projectors_at(sfdae_solver* solver, double t, const double* jet, double* Z1, double* Z2,
+                                      double* Z3, double* T2, int* vhat);
+
+/* Strangeness-free system at t, E1, A1 d x n, A2 a x n, for the projectors of sfdae_get_projectors:
+ *   E1 = Z1^T F_x', A1 = -Z1^T F_x, f1 = -Z1^T F:   E1 dx' = A1 dx + f1   (d rows)
+ *   A2 = Z2^T N,    f2 = -Z2^T F_mu:                      0 = A2 dx + f2   (a rows)
+ * at the jet of the solution. Linear problems: E1 x' = A1 x + f1, 0 = A2 x + f2 with E1 = Z1^T E, A1 = Z1^T A, f1 =
+ * Z1^T f, f2 = Z2^T g. [E1; A2] is regular for u = 0. *residual: max norm of Z3^T g, the contradiction of redundant
+ * equations. Any pointer may be NULL.
+ * Multibody systems, callbacks as well: 0 = A2 dx + f2 are independent rows of g = 0, then of G v + g_t = 0 and H v +
+ * h = 0, then (lambda, kappa) = mu(t, q, v), all multipliers, all with the sign of -F; they span what Z2^T N spans,
+ * unless constraints are redundant. residual: that of the other rows of constraints.
+ * Failures: callbacks, structure, SFDAE_NOT_STARTED before an analysis, those of sfdae_get_jet. */
 SFDAE_API int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, double* A1, double* f1,
                                          double* A2, double* f2, double* residual);
+
+/* Strangeness-free system for changes of a jet, n x (mu+2), of multibody systems n x 2, of any problem: f1 = -Z1^T F,
+ * f2 = -Z2^T F_mu there. */
+SFDAE_API int sfdae_get_strangeness_free_at(sfdae_solver* solver, double t, const double* jet, double* E1, double* A1,
+                                            double* f1, double* A2, double* f2, double* residual);
 
 /* Worst mismatch found by sfdae_check_derivatives, sfdae_check_total_derivatives or
  * sfdae_check_multibody_derivatives. */

@@ -234,41 +234,81 @@ class Solver {
     return text;
   }
 
-  /// Classical derivative array of the given level at t.
+  /// The jet of a level through (t, x), n x (level + 2): x, x', ..., x^(level + 1). x: consistent, or empty for the
+  /// solution at t.
+  Matrix jet(double t, int level, const std::vector<double>& x = {}) {
+    if (!x.empty()) detail::require_size(x.size(), num_unknowns(), "x");
+    Matrix result(num_unknowns(), (level < 0 ? 0 : level) + 2);
+    checked(sfdae_get_jet(get(), t, x.empty() ? nullptr : x.data(), level, result.data()));
+    return result;
+  }
+
+  /// Derivative array of the given level at t, of nonlinear problems along the solution.
   DerivativeArray derivative_array(double t, int level) {
     checked(sfdae_get_derivative_array(get(), t, level, nullptr, nullptr, nullptr));  // refuses impossible levels
-    const int blocks = level + 1, rows = blocks * num_equations();
-    DerivativeArray array{
-        {rows, blocks * num_unknowns()}, {rows, num_unknowns()}, std::vector<double>(detail::size(rows))};
+    DerivativeArray array = array_of_level(level);
     checked(sfdae_get_derivative_array(get(), t, level, array.M.data(), array.N.data(), array.g.data()));
     return array;
   }
 
-  /// Projectors at t for the classical array of level mu.
-  Projectors projectors(double t) {
-    const Characteristics c = characteristics();
-    const int rows = (c.strangeness_index + 1) * num_equations();
-    int vhat = 0;
-    checked(sfdae_get_projectors(get(), t, nullptr, nullptr, nullptr, nullptr, &vhat));
-    Projectors p{{num_equations(), c.differential},
-                 {rows, c.algebraic},
-                 {rows, vhat},
-                 {num_unknowns(), num_unknowns() - c.algebraic}};
-    checked(sfdae_get_projectors(get(), t, p.Z1.data(), p.Z2.data(), p.Z3.data(), p.T2.data(), &vhat));
-    return p;
+  /// Derivative array of the given level at a jet, n x (level + 2).
+  DerivativeArray derivative_array(double t, int level, const Matrix& jet) {
+    require_jet(jet, level);
+    checked(sfdae_get_derivative_array_at(get(), t, jet.data(), level, nullptr, nullptr, nullptr));
+    DerivativeArray array = array_of_level(level);
+    checked(
+        sfdae_get_derivative_array_at(get(), t, jet.data(), level, array.M.data(), array.N.data(), array.g.data()));
+    return array;
   }
 
-  /// Strangeness-free system at t.
+  /// Projectors at t for the array of level mu, of nonlinear problems along the solution.
+  Projectors projectors(double t) {
+    return projectors([&](double* Z1, double* Z2, double* Z3, double* T2, int* vhat) {
+      return sfdae_get_projectors(get(), t, Z1, Z2, Z3, T2, vhat);
+    });
+  }
+
+  /// Projectors at a jet, n x (mu + 2).
+  Projectors projectors(double t, const Matrix& jet) {
+    require_jet(jet, characteristics().strangeness_index);
+    return projectors([&](double* Z1, double* Z2, double* Z3, double* T2, int* vhat) {
+      return sfdae_get_projectors_at(get(), t, jet.data(), Z1, Z2, Z3, T2, vhat);
+    });
+  }
+
+  /// Strangeness-free system at t, of nonlinear problems along the solution.
   StrangenessFreeSystem strangeness_free(double t) {
-    const Characteristics c = characteristics();
-    const int n = num_unknowns();
-    StrangenessFreeSystem s{{c.differential, n},
-                            {c.differential, n},
-                            std::vector<double>(detail::size(c.differential)),
-                            {c.algebraic, n},
-                            std::vector<double>(detail::size(c.algebraic))};
+    StrangenessFreeSystem s = strangeness_free();
     checked(sfdae_get_strangeness_free(get(), t, s.E1.data(), s.A1.data(), s.f1.data(), s.A2.data(), s.f2.data(),
                                        &s.residual));
+    return s;
+  }
+
+  /// Strangeness-free system for changes of a jet, n x (mu + 2), of multibody systems n x 2.
+  StrangenessFreeSystem strangeness_free(double t, const Matrix& jet) {
+    const bool is_multibody = std::holds_alternative<MultibodyProblem>(state_->problem);
+    require_jet(jet, is_multibody ? 0 : characteristics().strangeness_index);
+    StrangenessFreeSystem s = strangeness_free();
+    checked(sfdae_get_strangeness_free_at(get(), t, jet.data(), s.E1.data(), s.A1.data(), s.f1.data(), s.A2.data(),
+                                          s.f2.data(), &s.residual));
+    return s;
+  }
+
+  /// The extended system of a multibody system at (t, x); x: n values, or empty for the solution at t.
+  ExtendedSystem extended_system(double t, const std::vector<double>& x = {}) {
+    if (!x.empty()) detail::require_size(x.size(), num_unknowns(), "x");
+    const MultibodyReport report = multibody_report();
+    const int given = report.holonomic + report.nonholonomic, rv = given - report.redundant,
+              nv = report.degrees_of_freedom + rv, nq = num_unknowns() - nv - given,
+              rq = nq - report.position_freedom, order = num_unknowns() + rq + rv;
+    ExtendedSystem s{{nq, nq},
+                     {nv, nv},
+                     {order, order},
+                     {order, order},
+                     std::vector<double>(detail::size(order)),
+                     std::vector<double>(detail::size(rq + rv))};
+    checked(sfdae_get_extended_system(get(), t, x.empty() ? nullptr : x.data(), s.Qq.data(), s.Qv.data(), s.E.data(),
+                                      s.A.data(), s.f.data(), s.w.data()));
     return s;
   }
 
@@ -319,6 +359,48 @@ class Solver {
 
  private:
   using State = detail::CallbackState;
+
+  /// Refuses a jet that is smaller than its level demands.
+  void require_jet(const Matrix& jet, int level) const {
+    detail::require_size(detail::size(jet.rows()), num_unknowns(), "a column of the jet");
+    if (jet.columns() < level + 2)
+      throw Error(SFDAE_ILLEGAL_ARGUMENT, "jet has " + std::to_string(jet.columns()) + " columns, not " +
+                                              std::to_string(level + 2) + " as level " + std::to_string(level) +
+                                              " demands");
+  }
+
+  DerivativeArray array_of_level(int level) const {
+    const int blocks = level + 1, rows = blocks * num_equations();
+    return {{rows, blocks * num_unknowns()}, {rows, num_unknowns()}, std::vector<double>(detail::size(rows))};
+  }
+
+  /// get: as sfdae_get_projectors without solver and t.
+  template <class Get>
+  Projectors projectors(Get get_projectors) {
+    const Characteristics c = characteristics();
+    const int rows = (c.strangeness_index + 1) * num_equations();
+    int vhat = 0;
+    const int status = get_projectors(nullptr, nullptr, nullptr, nullptr, &vhat);
+    const bool has_array =
+        status != SFDAE_ORDER_MISSING || !std::holds_alternative<MultibodyProblem>(state_->problem);
+    if (has_array) checked(status);
+    Projectors p{{num_equations(), c.differential}, {}, {}, {num_unknowns(), num_unknowns() - c.algebraic}};
+    if (has_array) p.Z2 = Matrix(rows, c.algebraic);
+    if (has_array) p.Z3 = Matrix(rows, vhat);
+    checked(get_projectors(p.Z1.data(), has_array ? p.Z2.data() : nullptr, has_array ? p.Z3.data() : nullptr,
+                           p.T2.data(), has_array ? &vhat : nullptr));
+    return p;
+  }
+
+  StrangenessFreeSystem strangeness_free() const {
+    const Characteristics c = characteristics();
+    const int n = num_unknowns();
+    return {{c.differential, n},
+            {c.differential, n},
+            std::vector<double>(detail::size(c.differential)),
+            {c.algebraic, n},
+            std::vector<double>(detail::size(c.algebraic))};
+  }
 
   template <class CProblem>
   using Create = int (*)(sfdae_solver**, const CProblem*, const sfdae_options*);

@@ -7,13 +7,11 @@
 #include "c_api/codes.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
-#include "linalg/dense.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "multibody/multibody_derivative_check.h"
 #include "problem/derivative_check.h"
 #include "problem/total_derivative_check.h"
-#include "reduction/derivative_array.h"
 
 namespace sfdae::core {
 
@@ -95,11 +93,6 @@ sfdae_multibody_report public_report(const ConstraintsReport& report) {
           report.partitions,
           report.position_residual,
           report.velocity_residual};
-}
-
-void copy_out(ConstView from, double* to) {
-  if (to == nullptr || from.rows == 0 || from.cols == 0) return;
-  copy(from, {to, from.rows, from.cols, from.rows});
 }
 
 CallResult linear_only() { return illegal_argument("the problem is not linear."); }
@@ -241,56 +234,6 @@ int sfdae_report(const sfdae_solver* solver, char* text, size_t length, size_t* 
     const std::string report = report_of(*solver);
     if (length > 0) std::snprintf(text, length, "%s", report.c_str());
     if (needed != nullptr) *needed = report.size() + 1;
-    return {};
-  });
-}
-
-int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double* M, double* N, double* g) {
-  return guarded(solver, [&]() -> CallResult {
-    if (!std::isfinite(t) || level < 0 || level > max_strangeness_index)
-      return illegal_argument(format("t = %g, level = %d: level must be 0 ... %d.", t, level, max_strangeness_index));
-    LinearModel* linear = solver->kind.linear;
-    if (linear == nullptr) return linear_only();
-    const DerivativeArray array = linear->derivative_array(t, level);
-    copy_out(array.M, M);
-    copy_out(array.N, N);
-    if (g != nullptr) std::copy(array.g.begin(), array.g.end(), g);
-    return {};
-  });
-}
-
-int sfdae_get_projectors(sfdae_solver* solver, double t, double* Z1, double* Z2, double* Z3, double* T2, int* vhat) {
-  return guarded(solver, [&]() -> CallResult {
-    if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
-    LinearModel* linear = solver->kind.linear;
-    if (linear == nullptr) return linear_only();
-    if (!solver->system()) return {SFDAE_NOT_STARTED, "call sfdae_analyze first."};
-    const Projectors found = linear->projectors(t);
-    copy_out(found.Z1, Z1);
-    copy_out(found.Z2, Z2);
-    copy_out(found.Z3, Z3);
-    copy_out(found.T2, T2);
-    if (vhat != nullptr) *vhat = found.Z3.cols();
-    return {};
-  });
-}
-
-int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, double* A1, double* f1, double* A2,
-                               double* f2, double* residual) {
-  return guarded(solver, [&]() -> CallResult {
-    if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
-    LinearModel* linear = solver->kind.linear;
-    if (linear == nullptr) return linear_only();
-    if (!solver->system()) return {SFDAE_NOT_STARTED, "call sfdae_analyze first."};
-    const Projectors projectors = linear->projectors(t);
-    const DerivativeArray array = linear->derivative_array(t, linear->system()->analysis().values.mu);
-    const StrangenessFreeEquations found = strangeness_free_equations(array, projectors);
-    copy_out(found.E1, E1);
-    copy_out(found.A1, A1);
-    copy_out(found.f1, f1);
-    copy_out(found.A2, A2);
-    copy_out(found.f2, f2);
-    if (residual != nullptr) *residual = found.residual;
     return {};
   });
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_formulas.h"
 
+#include "expression/symbolic_gradient.h"
 #include "expression/taylor_evaluator.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
@@ -41,6 +42,36 @@ int combination(Recorder& recorder, const std::vector<int>& coefficients, const 
   for (std::size_t j = 0; j < factors.size(); ++j)
     sum = recorder.apply(Operation::add, sum, recorder.apply(Operation::multiply, coefficients[j], factors[j]));
   return sum;
+}
+
+std::shared_ptr<const Record> first_order_equations(Recorder& recorder, const MultibodyFormulas& formulas) {
+  const auto [nq, nv, nl, nk] = formulas.sizes;
+  const auto unknowns = [&recorder](int first, int count) {
+    std::vector<int> nodes;
+    for (int j = 0; j < count; ++j) nodes.push_back(recorder.unknown(first + j));
+    return nodes;
+  };
+  const std::vector<int> v = unknowns(nq, nv), kappa = unknowns(nq + nv + nl, nk);
+  std::vector<int> vdot, residuals;
+  for (int j = 0; j < nv; ++j) vdot.push_back(recorder.derivative(nq + j));
+  for (int i = 0; i < nq; ++i)
+    residuals.push_back(recorder.apply(Operation::subtract, recorder.derivative(i),
+                                       combination(recorder, row_of(formulas.S, nq, i), v)));
+  const int potential = combination(recorder, formulas.g, unknowns(nq + nv, nl));
+  const std::vector<int> reactions = symbolic_gradient(recorder, potential, nq);  // g_q^T lambda
+  for (int i = 0; i < nv; ++i) {
+    const int inertia = combination(recorder, row_of(formulas.M, nv, i), vdot);
+    int force = combination(recorder, column_of(formulas.S, nq, i), reactions);
+    if (nk > 0)
+      force = recorder.apply(Operation::add, force, combination(recorder, column_of(formulas.H, nk, i), kappa));
+    residuals.push_back(
+        recorder.apply(Operation::add, recorder.apply(Operation::subtract, inertia, formulas.f[index(i)]), force));
+  }
+  residuals.insert(residuals.end(), formulas.g.begin(), formulas.g.end());
+  for (int i = 0; i < nk; ++i)
+    residuals.push_back(
+        recorder.apply(Operation::add, combination(recorder, row_of(formulas.H, nk, i), v), formulas.h[index(i)]));
+  return recorder.excerpt(formulas.sizes.unknowns(), residuals, numbered("F", formulas.sizes.unknowns()));
 }
 
 bool report_failure(const TaylorEvaluator& evaluator, CallbackError& error) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ std::vector<int> row_of(const std::vector<int>& matrix, int rows, int row);
 std::vector<int> column_of(const std::vector<int>& matrix, int rows, int column);
 // sum_j coefficients_j factors_j, zeros left out.
 int combination(Recorder& recorder, const std::vector<int>& coefficients, const std::vector<int>& factors);
+
+// The equations as they are, in x = (q, v, lambda, kappa): q' - S v, M v' - f + G^T lambda + H^T kappa, g, H v + h.
+std::shared_ptr<const Record> first_order_equations(Recorder& recorder, const MultibodyFormulas& formulas);
 
 // Describes why formulas could not be evaluated at error.t; false.
 bool report_failure(const TaylorEvaluator& evaluator, CallbackError& error);

@@ -7,6 +7,7 @@
 #include "multibody/multibody_callbacks.h"
 #include "multibody/multibody_recorded.h"
 #include "multibody/multibody_system.h"
+#include "multibody/multibody_theory.h"
 #include "system/model.h"
 
 namespace sfdae::core {
@@ -24,7 +25,7 @@ struct ConstraintsReport {
 class MultibodyModel final : public ModelOf<MultibodySystem> {
  public:
   MultibodyModel(std::unique_ptr<RecordedMultibody> problem, Coordinates coordinates)
-      : problem_(std::move(problem)), coordinates_(coordinates) {}
+      : recorded_(problem.get()), problem_(std::move(problem)), coordinates_(coordinates) {}
   MultibodyModel(std::unique_ptr<CallbackMultibody> problem, Coordinates coordinates)
       : callbacks_(problem.get()), problem_(std::move(problem)), coordinates_(coordinates) {}
 
@@ -37,13 +38,27 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
     return {.F = problem_->evaluations(), .linearizations = problem_->linearizations()};
   }
   TaylorEvaluator* evaluator() override { return problem_->evaluator(); }
-  void parameters_changed() override { problem_->parameters_changed(); }
+  void parameters_changed() override {
+    problem_->parameters_changed();
+    first_order_.reset();
+  }
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   // The user's functions; null for recorded formulas.
   CallbackMultibody* callbacks() { return callbacks_; }
   // Of the point accepted last, after an analysis.
   ConstraintsReport constraints() const;
+
+  // Of the first-order equations of multibody_theory.h. Arrays and jets of level 1 and above, Z2 and Z3 are those of
+  // recorded formulas.
+  Jet jet_through(double t, const double* x, int level) override;
+  DerivativeArray derivative_array(const Jet& jet, int level) override;
+  Projectors projectors(const Jet& jet, bool of_array) override;
+  StrangenessFreeEquations strangeness_free(const Jet& jet) override;
+  int level_of_jets(bool of_array) override { return of_array ? system_->analysis().values.mu : 0; }
+  Jet accepted_point() const override;
+  // Throws Failure.
+  ExtendedSystem extended_system(double t, const double* x);
 
  protected:
   std::unique_ptr<MultibodySystem> copy_of_system() override;
@@ -57,9 +72,14 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
   }
   void keep_fixed(const ConsistencyRequest& request, const PointOfInterest& given, std::vector<double>& x) const;
 
+  MultibodyTheory theory_at(double t, const double* x) { return {*problem_, system_->settings(), t, x}; }
+  RecordedProblem& first_order_problem();
+
   CallbackMultibody* callbacks_ = nullptr;
+  RecordedMultibody* recorded_ = nullptr;
   std::unique_ptr<MultibodyProblem> problem_;
   Coordinates coordinates_;
+  std::unique_ptr<RecordedProblem> first_order_;  // once it has been asked for
 };
 
 }  // namespace sfdae::core

@@ -42,10 +42,11 @@ void add_product(double factor, ConstView a, ConstView b, View to) {
 
 }  // namespace
 
-RecordedMultibody::RecordedMultibody(Recorder& recorder, const MultibodyFormulas& formulas)
+RecordedMultibody::RecordedMultibody(Recorder& recorder, MultibodyFormulas formulas)
     : MultibodyProblem(formulas.sizes),
       num_parameters_(recorder.num_parameters()),
-      terms_(recorder, formulas, needs_kinematics(recorder, formulas)) {
+      terms_(recorder, formulas, needs_kinematics(recorder, formulas)),
+      recorder_(0) {
   const int nq = sizes().positions, nv = sizes().velocities, nl = sizes().holonomic, nk = sizes().nonholonomic;
   if (nl > 0) constraints_.emplace(recorder.excerpt(nq, formulas.g, numbered("g", nl)));
   for (const int node : formulas.g)
@@ -66,7 +67,15 @@ RecordedMultibody::RecordedMultibody(Recorder& recorder, const MultibodyFormulas
     nonholonomic_.emplace(recorder.excerpt(nq + nv, levels, numbered("H v + h", nk)));
   }
   balance_.emplace(recorder, formulas, kinematics_.has_value(), rheonomic_);
+  recorder_ = std::move(recorder);
+  formulas_ = std::move(formulas);
   allocate();
+}
+
+std::unique_ptr<RecordedProblem> RecordedMultibody::first_order_problem() {
+  auto problem = std::make_unique<RecordedProblem>(first_order_equations(recorder_, formulas_), PrescribedInputs{});
+  for (int i = 0; i < num_parameters_; ++i) problem->evaluator().set_parameter(i, terms_.evaluator().parameter(i));
+  return problem;
 }
 
 void RecordedMultibody::allocate() {

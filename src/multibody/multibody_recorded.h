@@ -7,6 +7,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -16,13 +17,14 @@
 #include "multibody/multibody_problem.h"
 #include "multibody/multibody_recorded_balance.h"
 #include "multibody/multibody_recorded_terms.h"
+#include "problem/nonlinear_problem.h"
 
 namespace sfdae::core {
 
 class RecordedMultibody final : public MultibodyProblem {
  public:
   // The recorder is of no use afterwards.
-  RecordedMultibody(Recorder& recorder, const MultibodyFormulas& formulas);
+  RecordedMultibody(Recorder& recorder, MultibodyFormulas formulas);
 
   bool has_kinematics() const override { return kinematics_.has_value(); }
   CallbackError constraints(double t, const double* q, double* g) override;
@@ -32,6 +34,8 @@ class RecordedMultibody final : public MultibodyProblem {
                           MultibodyJacobian& jacobian) override;
   TaylorEvaluator* evaluator() override { return &terms_.evaluator(); }
   void parameters_changed() override;
+  // first_order_equations() of multibody_formulas.h, with the values that parameters have now.
+  std::unique_ptr<RecordedProblem> first_order_problem();
 
  private:
   void allocate();
@@ -53,10 +57,12 @@ class RecordedMultibody final : public MultibodyProblem {
   // g; S v; H v + h.
   std::optional<TaylorEvaluator> constraints_, kinematics_, nonholonomic_;
   std::optional<RecordedBalance> balance_;  // there from the end of the constructor on
-  std::vector<double> q_jet_;               // nq x 4
-  std::vector<double> jet_;                 // of (q, v): (nq + nv) x 3
-  std::vector<double> g_jet_;               // nl x 3
-  std::vector<double> rates_;               // S v or H v + h, and their first coefficients
+  Recorder recorder_;                       // with the formulas
+  MultibodyFormulas formulas_;
+  std::vector<double> q_jet_;  // nq x 4
+  std::vector<double> jet_;    // of (q, v): (nq + nv) x 3
+  std::vector<double> g_jet_;  // nl x 3
+  std::vector<double> rates_;  // S v or H v + h, and their first coefficients
   std::vector<double> gradients_;
   Matrix rate_q_, rate_v_;  // derivatives of 2 q_2 by q and v
 };

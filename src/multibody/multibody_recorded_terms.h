@@ -24,6 +24,7 @@ class RecordedTerms {
 
   // Of all formulas: where parameters are changed; copy_parameters is due after a change of the first ones.
   TaylorEvaluator& evaluator() { return *all_; }
+  const TaylorEvaluator& evaluator() const { return *all_; }
   void copy_parameters(int count) {
     for (int i = 0; i < count; ++i) position_->set_parameter(i, all_->parameter(i));
   }

@@ -42,6 +42,7 @@ class MultibodySystem final : public DaeSystem {
   const MultibodyPoint& accepted_point() const { return accepted_; }
   // The partition of velocities, and how many have been chosen since set_point.
   const Partition& partition() const { return linearization_.form().velocities(); }
+  const Partition& position_partition() const { return linearization_.form().positions(); }
   long partitions() const { return monitor_.count(); }
 
   PointStatus move_to(double t) override;

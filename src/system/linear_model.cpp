@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/linear_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "linalg/dense.h"
+#include "linalg/index.h"
 #include "problem/failure.h"
+#include "system/jet_theory.h"
 
 namespace sfdae::core {
 
@@ -83,6 +87,62 @@ ConsistentPoint LinearModel::make_consistent(LinearSystem& system, const PointOf
 
 Projectors LinearModel::projectors(double t) {
   return core::projectors(problem_, system_->analysis(), system_->settings(), t);
+}
+
+// The derivatives y of least norm with M y = N x + g, in the units of the analysis and with rows of size 1.
+Jet LinearModel::jet_through(double t, const double* x, int level) {
+  // Singular values below, relative, are rounding errors of the array. Residuals of x, relative to what is added up,
+  // above the second are errors of the user; where constants cancel and x = 0, the last is some roundings of values of
+  // size 1. Chosen, not measured.
+  constexpr double rounding = 1e-13, consistent_residual = 1e-9, cancelled = 1e-14;
+  const int highest = std::max(level, system_->analysis().values.mu);
+  DerivativeArray array = derivative_array(t, highest);
+  const int rows = array.M.rows(), size = array.M.cols();
+  Jet jet;
+  jet.t = t;
+  jet.n = n();
+  jet.x.assign(x, x + n());
+  jet.set_order(highest + 1);
+  move_to_jet(jet, array);  // what is left with y = 0
+  std::vector<double> unit(index(size));
+  for (int j = 0; j < size; ++j)
+    unit[index(j)] = problem_.units()[j % n()] / std::pow(system_->analysis().time_scale, j / n() + 1);
+  double largest_x = 0.0;
+  for (int j = 0; j < n(); ++j) largest_x = std::max(largest_x, std::fabs(x[j]) / problem_.units()[j]);
+  for (int i = 0; i < rows; ++i) {
+    double largest = 0.0;
+    for (int j = 0; j < size; ++j) largest = std::max(largest, std::fabs(array.M(i, j) *= unit[index(j)]));
+    for (int j = 0; j < n(); ++j) largest = std::max(largest, std::fabs(array.N(i, j) * problem_.units()[j]));
+    if (largest == 0.0) continue;
+    for (int j = 0; j < size; ++j) array.M(i, j) /= largest;
+    array.g[index(i)] /= largest;
+  }
+  const std::vector<double> y = least_squares(array.M, array.g, rounding * singular_values(array.M).front());
+  const double largest = std::max(largest_x, max_abs(y.data(), size));
+  multiply(-1.0, Op::plain, array.M, y.data(), 1.0, array.g.data());
+  if (!(max_abs(array.g.data(), rows) <= consistent_residual * largest + cancelled))
+    throw_inconsistent_jet(t, highest);
+  double factorial = 1.0;
+  for (int k = 1; k <= highest + 1; ++k) {
+    factorial *= k;
+    for (int i = 0; i < n(); ++i) {
+      const std::size_t j = index((k - 1) * n() + i);
+      jet.column(k)[i] = unit[j] * y[j] / factorial;
+    }
+  }
+  jet.set_order(level + 1);
+  return jet;
+}
+
+DerivativeArray LinearModel::derivative_array(const Jet& jet, int level) {
+  DerivativeArray array = derivative_array(jet.t, level);
+  if (jet.n > 0) move_to_jet(jet, array);
+  return array;
+}
+
+StrangenessFreeEquations LinearModel::strangeness_free(const Jet& jet) {
+  const Projectors found = projectors(jet.t);
+  return strangeness_free_equations(derivative_array(jet, system_->analysis().values.mu), found);
 }
 
 }  // namespace sfdae::core

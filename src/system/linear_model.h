@@ -35,9 +35,13 @@ class LinearModel final : public ModelOf<LinearSystem> {
   // contradict each other and that is not to be ignored; true if it is.
   bool set_point(double t, const ModelOptions& options) { return set_point(*system_, t, options); }
 
-  // The theory's objects at t. Both throw Failure.
+  // Equations linearized anywhere are those of x = 0. Both throw Failure.
   DerivativeArray derivative_array(double t, int level) { return core::derivative_array(problem_, t, level); }
   Projectors projectors(double t);
+  Jet jet_through(double t, const double* x, int level) override;
+  DerivativeArray derivative_array(const Jet& jet, int level) override;
+  Projectors projectors(const Jet& jet, bool) override { return projectors(jet.t); }
+  StrangenessFreeEquations strangeness_free(const Jet& jet) override;
 
  protected:
   std::unique_ptr<LinearSystem> copy_of_system() override;

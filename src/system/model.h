@@ -12,10 +12,12 @@
 #include "linalg/archive.h"
 #include "problem/differences.h"
 #include "problem/problem.h"
+#include "reduction/derivative_array.h"
 #include "reduction/index_analysis.h"
 #include "system/change_watch.h"
 #include "system/consistent_values.h"
 #include "system/dae_system.h"
+#include "system/jet.h"
 
 namespace sfdae::core {
 
@@ -92,6 +94,19 @@ class Model {
   virtual ConsistentPoint consistent_point(const PointOfInterest& point, const ModelOptions& options) = 0;
   // With a copy of the system, so that an integration is not disturbed.
   virtual ConsistentPoint consistent_point_beside(const PointOfInterest& point, const ModelOptions& options) = 0;
+
+  // The theory's objects, of the equations linearized at a jet (derivative_array.h); nothing of an integration is
+  // disturbed. All throw Failure, and all but the array need an analysis.
+  // The jet with F_level = 0, order level + 1, through x.
+  virtual Jet jet_through(double t, const double* x, int level) = 0;
+  virtual DerivativeArray derivative_array(const Jet& jet, int level) = 0;
+  // With Z2 and Z3, or without.
+  virtual Projectors projectors(const Jet& jet, bool of_array) = 0;
+  virtual StrangenessFreeEquations strangeness_free(const Jet& jet) = 0;
+  // The level of the jets that projectors and the strangeness-free system need.
+  virtual int level_of_jets(bool) { return system()->analysis().values.mu; }
+  // The point accepted last, or that of the analysis, order 0; of linear problems none (n = 0).
+  virtual Jet accepted_point() const { return {}; }
 };
 
 // What all kinds of models have in common.

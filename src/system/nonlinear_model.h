@@ -31,6 +31,12 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   // The user's function for total derivatives; null for recorded equations.
   CallbackProblem* callback() { return callback_; }
 
+  Jet jet_through(double t, const double* x, int level) override;
+  DerivativeArray derivative_array(const Jet& jet, int level) override;
+  Projectors projectors(const Jet& jet, bool of_array) override;
+  StrangenessFreeEquations strangeness_free(const Jet& jet) override;
+  Jet accepted_point() const override;
+
  protected:
   std::unique_ptr<NonlinearSystem> copy_of_system() override;
   std::unique_ptr<NonlinearSystem> archived_system(const ModelOptions& options, Archive& archive) override;

@@ -42,6 +42,8 @@ class NonlinearSystem final : public DaeSystem {
   void apply_inputs();
   // The current jet, x = column 0.
   const Jet& jet() const { return jet_; }
+  // That of the point accepted last.
+  const Jet& accepted_jet() const { return history_.accepted(); }
   const Units& units() const { return problem_.units(); }
   const AnalysisSettings& settings() const { return problem_.settings(); }
 

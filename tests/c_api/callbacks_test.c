@@ -544,6 +544,11 @@ static void use_solver_from_inside(sfdae_solver* solver) {
   CHECK_STATUS(sfdae_get_derivative_array(solver, 0, 1, matrix, NULL, NULL), SFDAE_BUSY);
   CHECK_STATUS(sfdae_get_projectors(solver, 0, matrix, NULL, NULL, NULL, &count), SFDAE_BUSY);
   CHECK_STATUS(sfdae_get_strangeness_free(solver, 0, matrix, NULL, NULL, NULL, NULL, &t), SFDAE_BUSY);
+  CHECK_STATUS(sfdae_get_jet(solver, 0, x, 0, matrix), SFDAE_BUSY);
+  CHECK_STATUS(sfdae_get_derivative_array_at(solver, 0, x, 0, matrix, NULL, NULL), SFDAE_BUSY);
+  CHECK_STATUS(sfdae_get_projectors_at(solver, 0, x, matrix, NULL, NULL, NULL, &count), SFDAE_BUSY);
+  CHECK_STATUS(sfdae_get_strangeness_free_at(solver, 0, x, matrix, NULL, NULL, NULL, NULL, &t), SFDAE_BUSY);
+  CHECK_STATUS(sfdae_get_extended_system(solver, 0, x, matrix, NULL, NULL, NULL, NULL, NULL), SFDAE_BUSY);
   CHECK_STATUS(sfdae_check_derivatives(solver, 0, 1, &check), SFDAE_BUSY);
   CHECK(sfdae_message(solver) != NULL);
   CHECK(t == unset && x[0] == unset && matrix[0] == unset && count == -1);

@@ -305,8 +305,8 @@ static void calls_too_early_are_refused(void) {
   sfdae_destroy(&solver);
 }
 
-/* Linear problems alone have arrays that depend on t alone. */
-static void arrays_of_linear_problems_are_refused(void) {
+/* Linear problems alone have arrays that depend on t alone: of others the only point known is that of the analysis. */
+static void arrays_are_those_of_points_that_are_known(void) {
   sfdae_nonlinear_problem problem = recorded_pendulum();
   sfdae_solver* solver = CREATE(&problem, NULL);
   sfdae_derivative_check check;
@@ -315,10 +315,13 @@ static void arrays_of_linear_problems_are_refused(void) {
   sfdae_derivative_check_init(&check, sizeof check);
   guard(array, sizeof array);
   exact(0, x);
+  CHECK_STATUS(sfdae_get_derivative_array(solver, 0, 0, array, NULL, NULL), SFDAE_NOT_STARTED);
+  CHECK_STATUS(sfdae_get_projectors(solver, 0, array, NULL, NULL, NULL, &vhat), SFDAE_NOT_STARTED);
+  CHECK_STATUS(sfdae_get_strangeness_free(solver, 0, array, NULL, NULL, NULL, NULL, NULL), SFDAE_NOT_STARTED);
   CHECK_STATUS(sfdae_analyze_at(solver, 0, 1, x, NULL), SFDAE_OK);
-  CHECK_STATUS(sfdae_get_derivative_array(solver, 0, 0, array, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);
-  CHECK_STATUS(sfdae_get_projectors(solver, 0, array, NULL, NULL, NULL, &vhat), SFDAE_ILLEGAL_ARGUMENT);
-  CHECK_STATUS(sfdae_get_strangeness_free(solver, 0, array, NULL, NULL, NULL, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK_STATUS(sfdae_get_derivative_array(solver, 1, 0, array, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK_STATUS(sfdae_get_projectors(solver, 1, array, NULL, NULL, NULL, &vhat), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK_STATUS(sfdae_get_strangeness_free(solver, 1, array, NULL, NULL, NULL, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);
   CHECK_STATUS(sfdae_check_derivatives(solver, 0, 1, &check), SFDAE_ILLEGAL_ARGUMENT);
   CHECK(strlen(sfdae_message(solver)) > 10);
   CHECK(guarded(array, sizeof array) && vhat == -3 && check.function == 0);
@@ -442,7 +445,7 @@ int main(void) {
   wrong_points_are_refused();
   absurd_guesses_are_survived();
   calls_too_early_are_refused();
-  arrays_of_linear_problems_are_refused();
+  arrays_are_those_of_points_that_are_known();
   parameters_can_be_changed();
   options_can_be_changed();
   requests_to_stop_are_obeyed();

@@ -1,0 +1,233 @@
+// The theory's objects: the C API of jets, derivative arrays, projectors, strangeness-free and extended systems.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "c_api/solver.h"
+#include "linalg/index.h"
+#include "linalg/matrix.h"
+#include "reduction/derivative_array.h"
+
+namespace sfdae::core {
+
+namespace {
+
+void copy_out(ConstView from, double* to) {
+  if (to == nullptr || from.rows == 0 || from.cols == 0) return;
+  copy(from, {to, from.rows, from.cols, from.rows});
+}
+
+void copy_out(const std::vector<double>& from, double* to) {
+  if (to != nullptr) std::copy(from.begin(), from.end(), to);
+}
+
+[[noreturn]] void raise(int status, const std::string& message) { throw Failure(status, message); }
+
+void demand_time(double t) {
+  if (!std::isfinite(t)) raise(SFDAE_ILLEGAL_ARGUMENT, format("t is %g.", t));
+}
+
+void demand_level(double t, int level) {
+  if (!std::isfinite(t) || level < 0 || level > max_strangeness_index)
+    raise(SFDAE_ILLEGAL_ARGUMENT,
+          format("t = %g, level = %d: level must be 0 ... %d.", t, level, max_strangeness_index));
+}
+
+void demand_analysis(const sfdae_solver& solver) {
+  if (!solver.system()) raise(SFDAE_NOT_STARTED, "call sfdae_analyze, sfdae_analyze_at or sfdae_start first.");
+}
+
+void demand_numbers(const char* name, const double* values, std::size_t count) {
+  if (values == nullptr) raise(SFDAE_ILLEGAL_ARGUMENT, format("%s is NULL.", name));
+  if (!all_finite(values, count)) raise(SFDAE_ILLEGAL_ARGUMENT, format("%s contains NaN or Inf.", name));
+}
+
+// The solution at t: within the last step of an integration, else at the point of the analysis.
+std::vector<double> solution_at(sfdae_solver& solver, double t) {
+  if (solver.integration) {
+    std::vector<double> x(index(solver.model.n())), xdot(x);
+    solver.integration->want_slopes(false);
+    const CallResult result = solver.integration->interpolate(t, x.data(), xdot.data());
+    if (result.status < 0) raise(result.status, result.message);
+    return x;
+  }
+  demand_analysis(solver);
+  const Jet point = solver.model.accepted_point();
+  if (point.n == 0) raise(SFDAE_NOT_STARTED, "there is no solution yet: call sfdae_start first.");
+  if (point.t != t)
+    raise(
+        SFDAE_ILLEGAL_ARGUMENT,
+        format("t = %.15g: the one point known before sfdae_start is that of the analysis, t = %.15g.", t, point.t));
+  return {point.x.begin(), point.x.begin() + point.n};
+}
+
+// What objects are asked for at: t alone for linear problems, a jet of the solution for others.
+Jet point_at(sfdae_solver& solver, double t, int level) {
+  if (solver.kind.linear != nullptr) {
+    Jet point;
+    point.t = t;
+    return point;
+  }
+  return solver.model.jet_through(t, solution_at(solver, t).data(), level);
+}
+
+Jet given_jet(const sfdae_solver& solver, double t, const double* derivatives, int level) {
+  const std::size_t n = index(solver.model.n());
+  demand_numbers("jet", derivatives, n * index(level + 2));
+  Jet jet;
+  jet.t = t;
+  jet.n = solver.model.n();
+  jet.order = level + 1;
+  double factorial = 1.0;
+  for (int k = 0; k <= jet.order; ++k) {
+    factorial *= std::max(k, 1);
+    for (std::size_t j = 0; j < n; ++j) jet.x.push_back(derivatives[index(k) * n + j] / factorial);
+  }
+  return jet;
+}
+
+struct ArrayPlaces {
+  double *M, *N, *g;
+};
+
+CallResult write(const DerivativeArray& array, const ArrayPlaces& to) {
+  copy_out(array.M, to.M);
+  copy_out(array.N, to.N);
+  copy_out(array.g, to.g);
+  return {};
+}
+
+struct ProjectorPlaces {
+  double *Z1, *Z2, *Z3, *T2;
+  int* vhat;
+  bool of_array() const { return Z2 != nullptr || Z3 != nullptr || vhat != nullptr; }
+};
+
+CallResult write(const Projectors& found, const ProjectorPlaces& to) {
+  copy_out(found.Z1, to.Z1);
+  copy_out(found.Z2, to.Z2);
+  copy_out(found.Z3, to.Z3);
+  copy_out(found.T2, to.T2);
+  if (to.vhat != nullptr) *to.vhat = found.Z3.cols();
+  return {};
+}
+
+struct SystemPlaces {
+  double *E1, *A1, *f1, *A2, *f2, *residual;
+};
+
+CallResult write(const StrangenessFreeEquations& found, const SystemPlaces& to) {
+  copy_out(found.E1, to.E1);
+  copy_out(found.A1, to.A1);
+  copy_out(found.f1, to.f1);
+  copy_out(found.A2, to.A2);
+  copy_out(found.f2, to.f2);
+  if (to.residual != nullptr) *to.residual = found.residual;
+  return {};
+}
+
+}  // namespace
+
+}  // namespace sfdae::core
+
+using namespace sfdae::core;
+
+extern "C" {
+
+int sfdae_get_jet(sfdae_solver* solver, double t, const double* x, int level, double* jet) {
+  return guarded(solver, [&]() -> CallResult {
+    demand_level(t, level);
+    if (jet == nullptr) return illegal_argument("jet is NULL.");
+    demand_analysis(*solver);
+    std::vector<double> given;
+    if (x == nullptr) given = solution_at(*solver, t);
+    else demand_numbers("x", x, index(solver->model.n()));
+    const Jet found = solver->model.jet_through(t, x == nullptr ? given.data() : x, level);
+    double factorial = 1.0;
+    for (int k = 0; k <= level + 1; ++k) {
+      factorial *= std::max(k, 1);
+      for (int j = 0; j < found.n; ++j) *jet++ = factorial * found.column(k)[j];
+    }
+    return {};
+  });
+}
+
+int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double* M, double* N, double* g) {
+  return guarded(solver, [&]() -> CallResult {
+    demand_level(t, level);
+    if (solver->kind.linear == nullptr) demand_analysis(*solver);
+    return write(solver->model.derivative_array(point_at(*solver, t, level), level), {M, N, g});
+  });
+}
+
+int sfdae_get_derivative_array_at(sfdae_solver* solver, double t, const double* jet, int level, double* M, double* N,
+                                  double* g) {
+  return guarded(solver, [&]() -> CallResult {
+    demand_level(t, level);
+    return write(solver->model.derivative_array(given_jet(*solver, t, jet, level), level), {M, N, g});
+  });
+}
+
+int sfdae_get_projectors(sfdae_solver* solver, double t, double* Z1, double* Z2, double* Z3, double* T2, int* vhat) {
+  return guarded(solver, [&]() -> CallResult {
+    demand_time(t);
+    demand_analysis(*solver);
+    const ProjectorPlaces to{Z1, Z2, Z3, T2, vhat};
+    const Jet jet = point_at(*solver, t, solver->model.level_of_jets(to.of_array()));
+    return write(solver->model.projectors(jet, to.of_array()), to);
+  });
+}
+
+int sfdae_get_projectors_at(sfdae_solver* solver, double t, const double* jet, double* Z1, double* Z2, double* Z3,
+                            double* T2, int* vhat) {
+  return guarded(solver, [&]() -> CallResult {
+    demand_time(t);
+    demand_analysis(*solver);
+    const ProjectorPlaces to{Z1, Z2, Z3, T2, vhat};
+    const Jet given = given_jet(*solver, t, jet, solver->model.level_of_jets(to.of_array()));
+    return write(solver->model.projectors(given, to.of_array()), to);
+  });
+}
+
+int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, double* A1, double* f1, double* A2,
+                               double* f2, double* residual) {
+  return guarded(solver, [&]() -> CallResult {
+    demand_time(t);
+    demand_analysis(*solver);
+    const Jet jet = point_at(*solver, t, solver->model.level_of_jets(false));
+    return write(solver->model.strangeness_free(jet), {E1, A1, f1, A2, f2, residual});
+  });
+}
+
+int sfdae_get_strangeness_free_at(sfdae_solver* solver, double t, const double* jet, double* E1, double* A1,
+                                  double* f1, double* A2, double* f2, double* residual) {
+  return guarded(solver, [&]() -> CallResult {
+    demand_time(t);
+    demand_analysis(*solver);
+    const Jet given = given_jet(*solver, t, jet, solver->model.level_of_jets(false));
+    return write(solver->model.strangeness_free(given), {E1, A1, f1, A2, f2, residual});
+  });
+}
+
+int sfdae_get_extended_system(sfdae_solver* solver, double t, const double* x, double* Qq, double* Qv, double* E,
+                              double* A, double* f, double* w) {
+  return guarded(solver, [&]() -> CallResult {
+    demand_time(t);
+    if (solver->kind.multibody == nullptr) return illegal_argument("the problem is not a multibody system.");
+    demand_analysis(*solver);
+    std::vector<double> given;
+    if (x == nullptr) given = solution_at(*solver, t);
+    else demand_numbers("x", x, index(solver->model.n()));
+    const ExtendedSystem found = solver->kind.multibody->extended_system(t, x == nullptr ? given.data() : x);
+    copy_out(found.Qq, Qq);
+    copy_out(found.Qv, Qv);
+    copy_out(found.E, E);
+    copy_out(found.A, A);
+    copy_out(found.f, f);
+    copy_out(found.w, w);
+    return {};
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,17 @@
+// Derivatives of a recorded expression, recorded themselves: for equations that contain them.
+//
+// [GW08] A. Griewank, A. Walther: Evaluating Derivatives, 2nd ed. SIAM, 2008. Chapter 3: the reverse mode.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "expression/recorder.h"
+
+namespace sfdae::core {
+
+// Nodes of the derivatives of `node` by the first `count` unknowns; where there are kinks, those of the branch that
+// holds.
+std::vector<int> symbolic_gradient(Recorder& recorder, int node, int count);
+
+}  // namespace sfdae::core
