@@ -63,6 +63,7 @@ extern "C" {
 #define SFDAE_NOT_UNIQUE 3            /* u > 0: the free part of the solution is held constant */
 #define SFDAE_INCONSISTENCY_IGNORED 4 /* redundant equations contradict each other, ignored as the option says */
 #define SFDAE_EVENT 5                 /* an event: sfdae_get_events reports which */
+#define SFDAE_VALUES_CHANGED 6        /* initial values: what is differentiated had to change beyond the tolerances */
 
 /* Failures: wrong use. */
 #define SFDAE_ILLEGAL_ARGUMENT (-1)
@@ -151,7 +152,7 @@ SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t si
 #define SFDAE_REDUCTION_SVD 1    /* singular value decompositions of the whole array, the classical way */
 
 /* How initial values become consistent. */
-#define SFDAE_INITIAL_NEAREST 0 /* the consistent point that is nearest in the weighted 2-norm */
+#define SFDAE_INITIAL_NEAREST 0 /* the nearest consistent point; what is differentiated stays if it can */
 #define SFDAE_INITIAL_FIXED 1   /* the nearest one that leaves the components marked in `fixed` as they are */
 #define SFDAE_INITIAL_ACCEPT 2  /* taken as given and checked: violations above the tolerances are refused */
 
@@ -360,7 +361,8 @@ SFDAE_API int sfdae_get_change(const sfdae_solver* solver, sfdae_change* result)
 /* Makes x (n values, in: guess, out: consistent) consistent at t as the options say and computes the derivative
  * x'(t) of the solution through it (xdot: n values, may be NULL; minimum norm in directions that the problem leaves
  * free). Analyzes first, forward from t, if there is no analysis. The point reached is unaffected.
- * Warnings: SFDAE_NOT_UNIQUE, SFDAE_INCONSISTENCY_IGNORED. Failures: callbacks, structure, values. */
+ * Warnings: SFDAE_INCONSISTENCY_IGNORED, SFDAE_VALUES_CHANGED, SFDAE_NOT_UNIQUE, the first that applies;
+ * sfdae_message names all. Failures: callbacks, structure, values. */
 SFDAE_API int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdot);
 
 /* What the last sfdae_start or sfdae_make_consistent did to the initial values. */
@@ -387,7 +389,8 @@ SFDAE_API int sfdae_get_initial_report(const sfdae_solver* solver, sfdae_initial
  * options say and computes x' (xdot: n values, may be NULL). `toward`, not equal to t, sets the direction; its
  * distance sets the scale of the first step. Analyzes if that has not happened or was made for the other direction;
  * a restart on an analyzed solver needs no new analysis.
- * Warnings: SFDAE_NOT_UNIQUE, SFDAE_INCONSISTENCY_IGNORED. Failures: callbacks, structure, values;
+ * Warnings: SFDAE_INCONSISTENCY_IGNORED, SFDAE_VALUES_CHANGED, SFDAE_NOT_UNIQUE, the first that applies;
+ * sfdae_message names all. Failures: callbacks, structure, values;
  * SFDAE_CHARACTERISTICS_CHANGED if the values known do not hold at t: call sfdae_analyze. After a failure nothing
  * is started, and an integration that was under way is lost. */
 SFDAE_API int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double* xdot);

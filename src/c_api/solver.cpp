@@ -8,6 +8,7 @@
 
 #include "c_api/codes.h"
 #include "c_api/structs.h"
+#include "c_api/warnings.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
 
@@ -34,17 +35,6 @@ sfdae_initial_report report_of(const ConsistentPoint& point) {
           point.derivative_exact ? 1 : 0};
 }
 
-CallResult warning_of(const sfdae_solver& solver, bool contradiction) {
-  if (contradiction)
-    return {SFDAE_INCONSISTENCY_IGNORED, "redundant equations contradict each other; ignored as asked for."};
-  const int u = solver.system()->undetermined();
-  if (u == 0) return {};
-  return {SFDAE_NOT_UNIQUE,
-          format("the solution is not unique: %d component(s) are free (u = %d). The free part is held "
-                 "constant; prescribe components to choose another solution.",
-                 u, solver.system()->analysis().values.u)};
-}
-
 }  // namespace
 
 SolverOptions::SolverOptions(const sfdae_options& o, int n) {
@@ -52,6 +42,7 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n) {
   model.differences = {o.difference_derivatives != 0, o.difference_step, 1.0};
   model.leading = leading_term_of(o.leading_term);
   model.consistency.kind = initial_values_of(o.initial_values);
+  model.consistency.keeps_differentiated = true;
   if (o.initial_values == SFDAE_INITIAL_FIXED)
     for (int i = 0; i < n; ++i) model.consistency.fixed.push_back(static_cast<char>(o.fixed[i]));
   if (o.initial_weights != nullptr) model.consistency.weights.assign(o.initial_weights, o.initial_weights + n);
@@ -279,7 +270,7 @@ int sfdae_analyze(sfdae_solver* solver, double t, double toward, sfdae_character
       return illegal_argument("the characteristic values of a nonlinear problem depend on x: call sfdae_analyze_at.");
     analyze(*solver, {t, toward, nullptr});
     if (result != nullptr) fill_struct(result, characteristics_of(*solver));
-    return warning_of(*solver, false);
+    return warning_of(*solver->system());
   });
 }
 
@@ -291,7 +282,7 @@ int sfdae_analyze_at(sfdae_solver* solver, double t, double toward, const double
       return illegal_argument("result->size is not set: call sfdae_characteristics_init.");
     analyze(*solver, {t, toward, x});
     if (result != nullptr) fill_struct(result, characteristics_of(*solver));
-    return warning_of(*solver, false);
+    return warning_of(*solver->system());
   });
 }
 
@@ -320,7 +311,7 @@ int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdo
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = report_of(found);
-    return warning_of(*solver, found.has_contradiction);
+    return warning_of(*solver->system(), found);
   });
 }
 
@@ -344,7 +335,7 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = report_of(found);
-    return warning_of(*solver, found.has_contradiction);
+    return warning_of(*solver->system(), found);
   });
 }
 

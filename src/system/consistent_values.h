@@ -17,6 +17,15 @@ struct ConsistencyRequest {
   InitialValues kind = InitialValues::nearest;
   std::vector<char> fixed;      // kind fixed: n flags
   std::vector<double> weights;  // empty or n positive weights
+  // nearest, fixed: unknowns whose derivative occurs move only where the others cannot make x consistent. Weights
+  // take precedence.
+  bool keeps_differentiated = false;
+  bool differentiated_stay() const {
+    return keeps_differentiated && weights.empty() &&
+           (kind == InitialValues::nearest || kind == InitialValues::fixed);
+  }
+  // Whether a change of theirs is to be reported: with fixed components the user has said what is to stay.
+  bool reports_changes() const { return differentiated_stay() && kind == InitialValues::nearest; }
   // Fixed components fit the constraints if the rest is small against this.
   double least_size = 0.0;
   // accept: largest |change_i| to the nearest consistent point that passes.

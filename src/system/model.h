@@ -16,6 +16,7 @@
 #include "system/change_watch.h"
 #include "system/consistent_values.h"
 #include "system/dae_system.h"
+#include "system/value_change.h"
 
 namespace sfdae::core {
 
@@ -48,6 +49,7 @@ struct ConsistentPoint {
   double t = 0.0;
   std::vector<double> x, xdot;
   ConsistencyResult change;
+  ValueChange value_change;  // of what was to stay; none where the request did not ask for that
   bool derivative_exact = false;
   bool has_contradiction = false;  // of redundant equations, and is to be ignored
 };
