@@ -8,6 +8,7 @@
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "system/least_change.h"
 
 namespace sfdae::core {
 
@@ -94,6 +95,30 @@ Candidates satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& re
   return {z0, to_matrix(decomposition.V.view().columns(rank, form.unknowns() - rank))};
 }
 
+// In scaled unknowns.
+Vector scaled_sizes(const ConsistencyRequest& request, const Units& units) {
+  Vector sizes = request.sizes();
+  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] /= units[i];
+  return sizes;
+}
+
+// Among the candidates, x with the least change of E x, and then of x.
+Vector with_differentiated_kept(const ConstrainedPoint& point, const ConsistencyRequest& request,
+                                const Candidates& candidates, const Vector& user_x) {
+  const auto& [form, data, units, rank_E, kept] = point;
+  const int n = form.n;
+  Vector base(form.xp(), form.xp() + n), x(user_x);
+  multiply(1.0, Op::plain, form.T2(), candidates.z0.data(), 1.0, base.data());
+  for (int i = 0; i < n; ++i) x[index(i)] /= units[i];
+  const Matrix directions = product(form.T2(), candidates.N);
+  const Vector dx = least_change({base.data(), directions}, LeadingKernel(data.E(0), rank_E),
+                                 {scaled_sizes(request, units), least_cosine(n, kept)}, x.data());
+  Vector consistent(user_x);
+  for (int i = 0; i < n; ++i)
+    if (request.fixed.empty() || request.fixed[index(i)] == 0) consistent[index(i)] += dx[index(i)] * units[i];
+  return consistent;
+}
+
 // z0: E1 (xp + T2 z0 - x) = 0; N spans what that leaves open, the free directions. With Z1 spanning the range of E T2
 // these are the normal equations of min |E (xp + T2 z - x)|: E x changes as little as possible.
 Candidates keep_differential(const NullSpaceForm& form, const TaylorData& data, const Vector& x) {
@@ -114,9 +139,9 @@ Candidates keep_differential(const NullSpaceForm& form, const TaylorData& data, 
 
 }  // namespace
 
-Vector consistent_point(const NullSpaceForm& form, const TaylorData& data, const Units& units,
-                        const ConsistencyRequest& request, const Vector& user_x) {
+Vector consistent_point(const ConstrainedPoint& point, const ConsistencyRequest& request, const Vector& user_x) {
   // The null-space form is that of scaled unknowns.
+  const auto& [form, data, units, rank_E, kept] = point;
   const int n = form.n;
   Vector x(user_x), inverse_weights(index(n));
   for (int i = 0; i < n; ++i) {
@@ -129,6 +154,7 @@ Vector consistent_point(const NullSpaceForm& form, const TaylorData& data, const
   Candidates candidates{Vector(index(form.unknowns()) + 1, 0.0), identity(form.unknowns())};
   if (request.kind == InitialValues::fixed) candidates = satisfy_fixed(form, request, x, data.t);
   if (request.kind == InitialValues::keep_differential) candidates = keep_differential(form, data, x);
+  if (request.differentiated_stay()) return with_differentiated_kept(point, request, candidates, user_x);
   Vector consistent(form.xp(), form.xp() + n);
   const bool any_change = request.kind == InitialValues::nearest || request.kind == InitialValues::accept;
   if (plain_norm && any_change) {
@@ -144,6 +170,50 @@ Vector consistent_point(const NullSpaceForm& form, const TaylorData& data, const
     for (int i = 0; i < n; ++i)
       if (request.fixed[index(i)] != 0) consistent[index(i)] = user_x[index(i)];
   return consistent;
+}
+
+Vector differentiated_change(const ConstrainedPoint& point, const ConsistencyRequest& request, const Vector& dx) {
+  Vector scaled(dx);
+  for (std::size_t i = 0; i < dx.size(); ++i) scaled[i] /= point.units[i];
+  scaled =
+      differentiated_part(LeadingKernel(point.data.E(0), point.rank_E), scaled_sizes(request, point.units), scaled);
+  point.units.outward(scaled.data());
+  return scaled;
+}
+
+ValueChange change_of_differentiated(const ConstrainedPoint& point, const ConsistencyRequest& request,
+                                     const Vector& given, const Vector& found) {
+  if (!request.reports_changes()) return {};
+  // Errors of the directions times the largest value, in the units of the equations, are no change; two digits of room
+  // (chosen).
+  constexpr double room = 1e2;
+  const Units& units = point.units;
+  const int n = point.form.n;
+  double size = 0.0;
+  Vector dx(index(n)), tolerances(request.tolerances);
+  for (int i = 0; i < n; ++i) {
+    dx[index(i)] = found[index(i)] - given[index(i)];
+    size = std::max({size, std::fabs(given[index(i)]) / units[i], std::fabs(found[index(i)]) / units[i]});
+  }
+  const double rounding = room * error_of_directions(n, point.kept) * size;
+  for (int i = 0; i < n; ++i) tolerances[index(i)] = std::max(tolerances[index(i)], rounding * units[i]);
+  const Vector part = differentiated_change(point, request, dx);
+  ValueChange change = largest_change(given.data(), part.data(), tolerances, n);
+  change.is_part = !LeadingKernel(point.data.E(0), point.rank_E).is_coordinates();
+  return change;
+}
+
+Vector ConsistencyRequest::sizes() const {
+  Vector sizes(tolerances);
+  const double largest = max_abs(sizes.data(), static_cast<int>(sizes.size()));
+  for (double& size : sizes)
+    if (size == 0.0) size = largest > 0.0 ? largest : 1.0;
+  return sizes;
+}
+
+ConstrainedPoint constraints_of(LinearSystem& system) {
+  const LinearPoint& point = system.point();
+  return {point.form, point.data, system.problem().units(), point.rank_E, point.kept_constraints * point.pivot};
 }
 
 void report_change(const ConsistencyRequest& request, double t, const Vector& given, const Vector& consistent,
@@ -179,7 +249,7 @@ ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest
   };
   ConsistencyResult result;
   result.residual_before = violation_of(user_x);
-  const Vector consistent = consistent_point(form, system.point().data, units, request, user_x);
+  const Vector consistent = consistent_point(constraints_of(system), request, user_x);
   report_change(request, system.t(), user_x, consistent, result);
   if (request.kind != InitialValues::accept) user_x = consistent;
   result.residual_after = request.kind == InitialValues::accept ? result.residual_before : violation_of(user_x);

@@ -6,6 +6,7 @@
 
 #include "system/linear_system.h"
 #include "system/tolerances.h"
+#include "system/value_change.h"
 
 namespace sfdae::core {
 
@@ -26,9 +27,12 @@ struct ConsistencyRequest {
   }
   // Whether a change of theirs is to be reported: with fixed components the user has said what is to stay.
   bool reports_changes() const { return differentiated_stay() && kind == InitialValues::nearest; }
+  // Changes that count as one where differentiated_stay(): the tolerances. Where neither a value nor its tolerance says
+  // anything the largest one has to do.
+  std::vector<double> sizes() const;
   // Fixed components fit the constraints if the rest is small against this.
   double least_size = 0.0;
-  // accept: largest |change_i| to the nearest consistent point that passes.
+  // n of them. accept: largest |change_i| to the nearest consistent point that passes.
   std::vector<double> tolerances;
   void set_tolerances(const Tolerances& of, const double* x) {
     tolerances.resize(of.rtol.size());
@@ -44,15 +48,34 @@ struct ConsistencyResult {
   int component = -1;  // of the largest change
 };
 
-// The consistent x = xp + T2 z of a form in the unknowns x_j / unit_j, chosen as requested for the given x, both in
-// the user's units. Throws Failure SFDAE_FIXED_VALUES.
-std::vector<double> consistent_point(const NullSpaceForm& form, const TaylorData& data, const Units& units,
-                                     const ConsistencyRequest& request, const std::vector<double>& x);
+// The constraints at a point: x = xp + T2 z in the unknowns x_j / unit_j.
+struct ConstrainedPoint {
+  const NullSpaceForm& form;
+  const TaylorData& data;
+  const Units& units;
+  int rank_E;
+  double kept;  // smallest relative value that the decisions behind T2 kept
+};
+
+// The consistent x chosen as requested for the given x, both in the user's units. Throws Failure SFDAE_FIXED_VALUES.
+std::vector<double> consistent_point(const ConstrainedPoint& point, const ConsistencyRequest& request,
+                                     const std::vector<double>& x);
+
+// What a change dx of x, in the user's units, means for E x: least_change.h.
+std::vector<double> differentiated_change(const ConstrainedPoint& point, const ConsistencyRequest& request,
+                                          const std::vector<double>& dx);
+
+// The largest change among what was to stay, from the values given to those found; none where the request does not ask
+// for it, or rounding errors explain it.
+ValueChange change_of_differentiated(const ConstrainedPoint& point, const ConsistencyRequest& request,
+                                     const std::vector<double>& given, const std::vector<double>& found);
 
 // largest_change and component of the result; what is more than tolerances allow is refused for
 // InitialValues::accept.
 void report_change(const ConsistencyRequest& request, double t, const std::vector<double>& given,
                    const std::vector<double>& consistent, ConsistencyResult& result);
+
+ConstrainedPoint constraints_of(LinearSystem& system);
 
 // Makes x (n values) consistent at the point the system was moved to. Throws Failure SFDAE_INCONSISTENT_VALUES or
 // SFDAE_FIXED_VALUES and leaves x as it was then.

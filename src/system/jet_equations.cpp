@@ -27,6 +27,8 @@ constexpr double largest_residual = 1e150;
 // y may change this much more easily than x: x is what was guessed, y has no better start than 0. Chosen, not
 // measured.
 constexpr double ease_of_y = 1e3;
+// Likewise for unknowns that are in no equation with their derivative, where those that are have to stay.
+constexpr double ease_of_algebraic = 1e3;
 
 double length(const double* v, std::size_t count) {
   double sum = 0.0;
@@ -99,7 +101,15 @@ double JetEquations::residual_noise() const {
   return std::min(most, norm_ / std::max(data_.norm(level_), tiny));
 }
 
-bool JetEquations::staged_change(NoiseModel model, double noise, Vector& change) {
+// In scaled unknowns.
+Vector JetEquations::change_of_kept(const ConsistentSet& set, int rank_E, double noise) const {
+  ChangeMeasure measure{sizes_, noise};
+  for (int i = 0; i < data_.n; ++i) measure.sizes[index(i)] /= units_[i];
+  const Vector zero(index(data_.n), 0.0);
+  return least_change(set, LeadingKernel(data_.E(0), rank_E), measure, zero.data());
+}
+
+bool JetEquations::staged_change(NoiseModel model, double noise, bool keep, Vector& change) {
   const int m = problem_.m(), n = problem_.n();
   const Arena::Frame frame(arena_);
   data_.residual_noise = noise;
@@ -111,7 +121,14 @@ bool JetEquations::staged_change(NoiseModel model, double noise, Vector& change)
   form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
   data_.residual_noise = 0.0;
   change.assign(index(n) * index(level_ + 2), 0.0);
-  std::copy_n(form_.xp(), n, change.data());
+  if (keep && keeps_differentiated()) {
+    const double kept = judge.kept_constraints() * judge.smallest_pivot();
+    const Vector dx =
+        change_of_kept({form_.xp(), form_.T2()}, carried.rank_E, std::max(noise, least_cosine(n, kept)));
+    std::copy(dx.begin(), dx.end(), change.begin());
+  } else {
+    std::copy_n(form_.xp(), n, change.data());
+  }
   recover_derivatives(change);
   return all_finite(change.data(), change.size());
 }
@@ -130,6 +147,7 @@ Vector JetEquations::unit_changes(const Jet& jet) const {
     const double size = std::max(1.0, std::fabs(jet.column(0)[i]) / scale);
     const bool is_fixed = !fixed_.empty() && fixed_[index(i)] != 0;
     unit[index(i)] = is_fixed ? 0.0 : size;
+    if (!is_fixed && keeps_differentiated() && !has_derivative_of(i)) unit[index(i)] *= ease_of_algebraic;
     for (int k = 1; k <= level_ + 1; ++k) unit[index(k * n + i)] = ease_of_y * size;
   }
   return unit;

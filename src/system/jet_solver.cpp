@@ -67,7 +67,8 @@ bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
     double wanted = 0.0, size = 0.0;
     Trial trial;
     for (double noise : {equations_.residual_noise(), 0.0}) {
-      if (!equations_.staged_change(noise > 0.0 ? NoiseModel::pivots : NoiseModel::carried, noise, change)) continue;
+      if (!equations_.staged_change(noise > 0.0 ? NoiseModel::pivots : NoiseModel::carried, noise, true, change))
+        continue;
       wanted = max_abs(change.data(), jet.n);
       std::fill_n(change.begin(), n, 0.0);
       equations_.recover_derivatives(change);
@@ -132,13 +133,18 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet) {
     NoiseModel model;
     double noise;
   };
-  for (const Attempt& attempt :
-       {Attempt{NoiseModel::pivots, equations_.residual_noise()}, Attempt{NoiseModel::pivots, 0.0},
-        Attempt{NoiseModel::carried, 0.0}, Attempt{NoiseModel::data, 0.0}}) {
-    if (!equations_.staged_change(attempt.model, attempt.noise, change)) continue;
-    Trial trial = equations_.try_change(jet, change);
-    if (trial.valid && (!best.valid || trial.norm < best.norm)) best = std::move(trial);
-    if (best.valid && best.norm <= good_reduction * equations_.norm()) break;
+  const auto is_good = [&] { return best.valid && best.norm <= good_reduction * equations_.norm(); };
+  for (bool keep : {true, false}) {
+    // Where what is differentiated has to move, or ranks mislead, the smallest change may do better.
+    if (!keep && (!equations_.keeps_differentiated() || is_good())) break;
+    for (const Attempt& attempt :
+         {Attempt{NoiseModel::pivots, equations_.residual_noise()}, Attempt{NoiseModel::pivots, 0.0},
+          Attempt{NoiseModel::carried, 0.0}, Attempt{NoiseModel::data, 0.0}}) {
+      if (!equations_.staged_change(attempt.model, attempt.noise, keep, change)) continue;
+      Trial trial = equations_.try_change(jet, change);
+      if (trial.valid && (!best.valid || trial.norm < best.norm)) best = std::move(trial);
+      if (is_good()) break;
+    }
   }
   return best;
 }

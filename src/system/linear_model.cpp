@@ -61,8 +61,11 @@ ConsistentPoint LinearModel::make_consistent(LinearSystem& system, const PointOf
   ConsistentPoint result;
   result.t = point.t;
   result.has_contradiction = set_point(system, point.t, options);
-  result.x.assign(point.x, point.x + n());
-  result.change = core::make_consistent(system, options.request_at(point.x), result.x);
+  const std::vector<double> given(point.x, point.x + n());
+  const ConsistencyRequest request = options.request_at(point.x);
+  result.x = given;
+  result.change = core::make_consistent(system, request, result.x);
+  result.value_change = change_of_differentiated(constraints_of(system), request, given, result.x);
   add_derivative(system, point.direction(), result);
   return result;
 }

@@ -34,10 +34,12 @@ struct ModelOptions : Acceptance {
   }
 };
 
-// x: n values, or null where none are known. toward: in the direction of integration.
+// x: n values, or null where none are known. toward: in the direction of integration. xdot: a guess, or null; of
+// nonlinear problems it chooses among the derivatives that F(t, x, x') = 0 allows.
 struct PointOfInterest {
   double t, toward;
   const double* x;
+  const double* xdot = nullptr;
   double direction() const { return toward < t ? -1.0 : 1.0; }
 };
 

@@ -18,6 +18,17 @@ std::vector<char> fixed_components(const ModelOptions& options) {
   return options.consistency.kind == InitialValues::fixed ? options.consistency.fixed : std::vector<char>();
 }
 
+Jet guessed_jet(const PointOfInterest& point, int n) {
+  Jet jet;
+  jet.t = point.t;
+  jet.n = n;
+  jet.x.assign(point.x, point.x + n);
+  if (point.xdot == nullptr) return jet;
+  jet.set_order(1);
+  std::copy_n(point.xdot, n, jet.column(1));
+  return jet;
+}
+
 // Rows of the derivative array are left out, but not while this lives.
 class WholeArray {
  public:
@@ -50,7 +61,10 @@ void NonlinearModel::analyze(const PointOfInterest& point, const ModelOptions& o
 std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed(const AnalysisSettings& settings,
                                                           const PointOfInterest& point, const ModelOptions& options,
                                                           std::vector<RankDecision>& decisions) {
+  const ConsistencyRequest request = options.request_at(point.x);
   ConsistentJets jets(*problem_, point.t, point.x, fixed_components(options));
+  if (request.differentiated_stay()) jets.keep_differentiated(request.sizes());
+  if (point.xdot != nullptr) jets.guess_derivative(point.xdot);
   Arena arena;
   IndexAnalysis analysis = analyze_index(jets, point.t, point.toward, settings, arena, decisions);
   return std::make_unique<NonlinearSystem>(*problem_, options.analysis, std::move(analysis), jets.units(),
@@ -91,19 +105,18 @@ ConsistentPoint NonlinearModel::make_consistent(NonlinearSystem& system, const P
   result.t = point.t;
   result.x.assign(point.x, point.x + n());
   // The jet that is known helps where it is near.
+  const ConsistencyRequest request = options.request_at(point.x);
   Jet start = system.jet();
-  if (start.t != point.t || !std::equal(point.x, point.x + n(), start.x.data())) {
-    start.t = point.t;
-    start.x.assign(point.x, point.x + n());
-    start.set_order(0);
+  if (start.t != point.t || point.xdot != nullptr || !std::equal(point.x, point.x + n(), start.x.data())) {
+    start = guessed_jet(point, n());
     JetSolver solver(*problem_, system.units());
-    solver.set_fixed(fixed_components(options));
+    prepare(solver, request);
     for (int level = 0; level <= system.analysis().values.mu; ++level) solver.solve(start, level);
   }
-  const ConsistencyRequest request = options.request_at(point.x);
   ConsistentJetResult found =
       choose_consistent_jet(*problem_, system.analysis(), system.units(), request, {result.x, start});
   result.change = found.change;
+  result.value_change = found.value_change;
   demand_point(system, system.set_point(found.jet), point.t, "Analyze the problem there.");
   system.apply_inputs();
   if (request.kind != InitialValues::accept) result.x.assign(system.jet().x.data(), system.jet().x.data() + n());

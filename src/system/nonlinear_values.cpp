@@ -12,7 +12,6 @@
 #include "reduction/null_space_form.h"
 #include "reduction/rank_sequence.h"
 #include "reduction/stored_elimination.h"
-#include "system/jet_solver.h"
 
 namespace sfdae::core {
 
@@ -40,7 +39,10 @@ class LinearizedConstraints {
     const Carried carried = eliminate(data_, mu, data_.f_stack(mu), 1, judge, arena_, &elimination_);
     form_.resize(problem_.m(), problem_.n(), 0, carried.rows);
     form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
+    rank_E_ = carried.rank_E;
+    kept_ = judge.kept_constraints() * judge.smallest_pivot();
   }
+  ConstrainedPoint point() const { return {form_, data_, units_, rank_E_, kept_}; }
   bool has_known_ranks() const { return has_known_ranks_; }
 
   // Moves the jet by the change that brings x nearest to the target within the linearized constraints. Returns its
@@ -55,7 +57,7 @@ class LinearizedConstraints {
     }
     ConsistencyRequest relative = request;
     relative.least_size = size;
-    Vector dx = consistent_point(form_, data_, units_, relative, missing);
+    Vector dx = consistent_point(point(), relative, missing);
     double largest = 0.0;
     for (int i = 0; i < n; ++i) {
       dx[index(i)] /= units_[i];
@@ -82,20 +84,54 @@ class LinearizedConstraints {
   NullSpaceForm form_;
   StoredElimination elimination_;
   Arena arena_;
+  int rank_E_ = 0;
+  double kept_ = 1.0;
   bool has_known_ranks_ = true;
 };
 
 // weights: empty, or units of the components.
-double distance_between(const Vector& a, const double* b, const Vector& weights) {
+double length(const Vector& v, const Vector& weights) {
   double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const double difference = (a[i] - b[i]) / (weights.empty() ? 1.0 : weights[i]);
-    sum += difference * difference;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double entry = v[i] / (weights.empty() ? 1.0 : weights[i]);
+    sum += entry * entry;
   }
   return std::sqrt(sum);
 }
 
+Vector difference(const Vector& a, const double* b) {
+  Vector result(a);
+  for (std::size_t i = 0; i < a.size(); ++i) result[i] -= b[i];
+  return result;
+}
+
+// How far a jet is from the values given: what is least first, and then.
+struct Distance {
+  double of_differentiated = 0.0, whole = 0.0;
+};
+
+Distance distance_between(const ConstrainedPoint& point, const ConsistencyRequest& request, const Vector& given,
+                          const Jet& jet) {
+  const Vector dx = difference(given, jet.x.data());
+  if (!request.differentiated_stay()) return {0.0, length(dx, request.weights)};
+  return {length(differentiated_change(point, request, dx), request.sizes()), length(dx, request.sizes())};
+}
+
+// By more than what the accuracy of the iteration leaves open. The sizes of both parts are those of one change.
+bool is_farther(const Distance& one, const Distance& other) {
+  constexpr double nearer = 1.01, negligible = 1e-6;
+  const double least = negligible * other.whole;
+  if (one.of_differentiated > nearer * other.of_differentiated + least) return true;
+  if (other.of_differentiated > nearer * one.of_differentiated + least) return false;
+  return one.whole > nearer * other.whole;
+}
+
 }  // namespace
+
+void prepare(JetSolver& solver, const ConsistencyRequest& request) {
+  if (request.kind == InitialValues::fixed) solver.set_fixed(request.fixed);
+  if (request.differentiated_stay()) solver.keep_differentiated(request.sizes());
+}
 
 ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const IndexAnalysis& analysis,
                                           const Units& units, const ConsistencyRequest& request,
@@ -105,8 +141,6 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
   constexpr double accuracy = 1e-8;
   // A few roundings of x: there is nothing to change.
   constexpr double no_change = 1e-15;
-  // Nearer than before, up to what the accuracy leaves open.
-  constexpr double nearer = 1.01;
   constexpr int most = 30;
   const Vector& x = start.given;
   const int mu = analysis.values.mu;
@@ -114,7 +148,7 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
   result.jet = start.jet;
   result.jet.set_order(mu + 1);
   JetSolver solver(problem, units);
-  if (request.kind == InitialValues::fixed) solver.set_fixed(request.fixed);
+  prepare(solver, request);
   LinearizedConstraints constraints(problem, analysis, units);
   double before = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
@@ -135,8 +169,8 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
         if (failure.status() != SFDAE_NO_CONSISTENT_VALUES && failure.status() != SFDAE_NOT_FINITE) throw;
         break;
       }
-      const double distance = distance_between(x, next.x.data(), request.weights);
-      if (iteration > 0 && distance > nearer * distance_between(x, result.jet.x.data(), request.weights)) break;
+      const auto distance = [&](const Jet& jet) { return distance_between(constraints.point(), request, x, jet); };
+      if (iteration > 0 && is_farther(distance(next), distance(result.jet))) break;
       result.jet = next;
     }
     if (change < accuracy) break;
@@ -144,9 +178,10 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
   }
   constraints.linearize(result.jet);
   const Vector found(result.jet.x.data(), result.jet.x.data() + problem.n());
-  result.change.residual_before = distance_between(x, found.data(), {});
+  result.change.residual_before = length(difference(x, found.data()), {});
   result.change.residual_after = constraints.distance();
   report_change(request, start.jet.t, x, found, result.change);
+  result.value_change = change_of_differentiated(constraints.point(), request, x, found);
   return result;
 }
 
