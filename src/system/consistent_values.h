@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "system/linear_system.h"
@@ -55,6 +56,11 @@ struct ConstrainedPoint {
   const Units& units;
   int rank_E;
   double kept;  // smallest relative value that the decisions behind T2 kept
+  // Components that have to have the values given, as far as the form does not know of them; null: none.
+  const std::vector<int>* prescribed = nullptr;
+  bool is_prescribed(int i) const {
+    return prescribed != nullptr && std::find(prescribed->begin(), prescribed->end(), i) != prescribed->end();
+  }
 };
 
 // The consistent x chosen as requested for the given x, both in the user's units. Throws Failure SFDAE_FIXED_VALUES.

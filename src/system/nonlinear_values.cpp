@@ -42,7 +42,11 @@ class LinearizedConstraints {
     rank_E_ = carried.rank_E;
     kept_ = judge.kept_constraints() * judge.smallest_pivot();
   }
-  ConstrainedPoint point() const { return {form_, data_, units_, rank_E_, kept_}; }
+  ConstrainedPoint point() const {
+    return {form_, data_, units_, rank_E_, kept_, follows_inputs_ ? &problem_.prescribed() : nullptr};
+  }
+  // Prescribed components go to the values in the target.
+  void follow_inputs() { follows_inputs_ = !problem_.prescribed().empty(); }
   bool has_known_ranks() const { return has_known_ranks_; }
 
   // Moves the jet by the change that brings x nearest to the target within the linearized constraints. Returns its
@@ -86,8 +90,17 @@ class LinearizedConstraints {
   Arena arena_;
   int rank_E_ = 0;
   double kept_ = 1.0;
-  bool has_known_ranks_ = true;
+  bool has_known_ranks_ = true, follows_inputs_ = false;
 };
+
+// The values given, prescribed components as the user's function has them at t.
+Vector with_inputs(NonlinearProblem& problem, double t, const Vector& given) {
+  Vector target(given), values(problem.prescribed().size() + 1);
+  const CallbackError error = problem.evaluate_prescribed(t, values.data());
+  if (error.status != SFDAE_OK) error.raise();
+  for (std::size_t k = 0; k < problem.prescribed().size(); ++k) target[index(problem.prescribed()[k])] = values[k];
+  return target;
+}
 
 // weights: empty, or units of the components.
 double length(const Vector& v, const Vector& weights) {
@@ -142,7 +155,9 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
   // A few roundings of x: there is nothing to change.
   constexpr double no_change = 1e-15;
   constexpr int most = 30;
+  const bool may_move = request.kind == InitialValues::nearest || request.kind == InitialValues::fixed;
   const Vector& x = start.given;
+  const Vector target = may_move ? with_inputs(problem, start.jet.t, x) : x;
   const int mu = analysis.values.mu;
   ConsistentJetResult result;
   result.jet = start.jet;
@@ -150,6 +165,7 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
   JetSolver solver(problem, units);
   prepare(solver, request);
   LinearizedConstraints constraints(problem, analysis, units);
+  if (may_move) constraints.follow_inputs();
   double before = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
     constraints.linearize(result.jet);
@@ -160,7 +176,7 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
                         format(") do not hold at t = %.15g. Analyze the problem there.", start.jet.t));
     }
     Jet next = result.jet;
-    const double change = constraints.move(request, x, next);
+    const double change = constraints.move(request, target, next);
     if (iteration > 0 && change > before) break;
     if (change > no_change) {
       try {
@@ -169,7 +185,9 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
         if (failure.status() != SFDAE_NO_CONSISTENT_VALUES && failure.status() != SFDAE_NOT_FINITE) throw;
         break;
       }
-      const auto distance = [&](const Jet& jet) { return distance_between(constraints.point(), request, x, jet); };
+      const auto distance = [&](const Jet& jet) {
+        return distance_between(constraints.point(), request, target, jet);
+      };
       if (iteration > 0 && is_farther(distance(next), distance(result.jet))) break;
       result.jet = next;
     }
