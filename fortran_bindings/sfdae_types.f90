@@ -241,6 +241,7 @@ module sfdae_types
     integer(c_int) :: method = 0
     integer(c_int) :: min_stages = 0
     integer(c_int) :: max_stages = 0
+    integer(c_int) :: xdot_is_guess = 0
   end type sfdae_options
 
   type, bind(c), public :: sfdae_progress

@@ -37,7 +37,7 @@ sfdae_initial_report report_of(const ConsistentPoint& point) {
 
 }  // namespace
 
-SolverOptions::SolverOptions(const sfdae_options& o, int n) {
+SolverOptions::SolverOptions(const sfdae_options& o, int n) : xdot_is_guess(o.xdot_is_guess != 0) {
   model.analysis = {o.max_index, o.reduction == SFDAE_REDUCTION_SVD, o.rank_tol, o.time_scale};
   model.differences = {o.difference_derivatives != 0, o.difference_step, 1.0};
   model.leading = leading_term_of(o.leading_term);
@@ -164,6 +164,19 @@ CallResult check_point(double t, double toward, const double* x, int n) {
   if (n > 0 && x == nullptr) return illegal_argument("x is NULL.");
   if (n > 0 && !finite_vector(x, n)) return illegal_argument("x contains NaN or Inf.");
   return {};
+}
+
+// A point that initial values are asked for at, with the guess of x' if xdot is one.
+CallResult check_initial_point(const sfdae_solver& solver, const PointOfInterest& point) {
+  const int n = solver.model.n();
+  const CallResult checked = check_point(point.t, point.toward, point.x, n);
+  if (checked.status != SFDAE_OK || point.xdot == nullptr || finite_vector(point.xdot, n)) return checked;
+  return illegal_argument("xdot, which is a guess, contains NaN or Inf.");
+}
+
+PointOfInterest initial_point(const sfdae_solver& solver, double t, double toward, const double* x,
+                              const double* xdot) {
+  return {t, toward, x, solver.options.xdot_is_guess ? xdot : nullptr};
 }
 
 }  // namespace
@@ -303,11 +316,11 @@ int sfdae_set_parameter(sfdae_solver* solver, const char* name, double value) {
 
 int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdot) {
   return guarded(solver, [&]() -> CallResult {
-    const double toward = time_beside(t, solver->direction);
-    CallResult checked = check_point(t, toward, x, solver->model.n());
+    const PointOfInterest point = initial_point(*solver, t, time_beside(t, solver->direction), x, xdot);
+    const CallResult checked = check_initial_point(*solver, point);
     if (checked.status != SFDAE_OK) return checked;
-    if (!solver->system()) analyze(*solver, {t, toward, x});
-    const ConsistentPoint found = solver->model.consistent_point_beside({t, toward, x}, solver->options.model);
+    if (!solver->system()) analyze(*solver, point);
+    const ConsistentPoint found = solver->model.consistent_point_beside(point, solver->options.model);
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = report_of(found);
@@ -317,18 +330,19 @@ int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdo
 
 int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double* xdot) {
   return guarded(solver, [&]() -> CallResult {
-    CallResult checked = check_point(t, toward, x, solver->model.n());
+    const PointOfInterest point = initial_point(*solver, t, toward, x, xdot);
+    const CallResult checked = check_initial_point(*solver, point);
     if (checked.status != SFDAE_OK) return checked;
-    const double direction = toward < t ? -1.0 : 1.0;
+    const double direction = point.direction();
     const auto& stop = solver->options.integration.stop_time;
     if (stop && (*stop - t) * direction <= 0.0)
       return illegal_argument(format("t = %.15g lies at or beyond stop_time = %.15g.", t, *stop));
     if (!solver->system() || (direction != solver->direction && !solver->model.is_constant()))
-      analyze(*solver, {t, toward, x});
+      analyze(*solver, point);
     solver->direction = direction;
     solver->integration.reset();
     set_limits(*solver, t, direction);
-    const ConsistentPoint found = solver->model.consistent_point({t, toward, x}, solver->options.model);
+    const ConsistentPoint found = solver->model.consistent_point(point, solver->options.model);
     solver->integration =
         std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
                                       solver->options.integration, InitialPoint{t, toward, found.x, found.xdot});

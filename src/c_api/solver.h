@@ -26,6 +26,7 @@ struct SolverOptions {
   SolverOptions(const sfdae_options& options, int n);
   ModelOptions model;
   IntegrationOptions integration;
+  bool xdot_is_guess;
 };
 
 }  // namespace sfdae::core

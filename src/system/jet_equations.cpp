@@ -102,11 +102,16 @@ double JetEquations::residual_noise() const {
 }
 
 // In scaled unknowns.
-Vector JetEquations::change_of_kept(const ConsistentSet& set, int rank_E, double noise) const {
-  ChangeMeasure measure{sizes_, noise};
+Vector JetEquations::change_of_kept(int rank_E, double least_cosine) {
+  ChangeMeasure measure{sizes_, least_cosine};
   for (int i = 0; i < data_.n; ++i) measure.sizes[index(i)] /= units_[i];
+  const LeadingKernel kernel(data_.E(0), rank_E);
   const Vector zero(index(data_.n), 0.0);
-  return least_change(set, LeadingKernel(data_.E(0), rank_E), measure, zero.data());
+  Vector dx = least_change({form_.xp(), form_.T2()}, kernel, measure, zero.data());
+  Vector moved = differentiated_part(kernel, measure.sizes, dx);
+  for (std::size_t i = 0; i < moved.size(); ++i) moved[i] /= measure.sizes[i];
+  moved_ = length(moved.data(), moved.size());
+  return dx;
 }
 
 bool JetEquations::staged_change(NoiseModel model, double noise, bool keep, Vector& change) {
@@ -123,8 +128,7 @@ bool JetEquations::staged_change(NoiseModel model, double noise, bool keep, Vect
   change.assign(index(n) * index(level_ + 2), 0.0);
   if (keep && keeps_differentiated()) {
     const double kept = judge.kept_constraints() * judge.smallest_pivot();
-    const Vector dx =
-        change_of_kept({form_.xp(), form_.T2()}, carried.rank_E, std::max(noise, least_cosine(n, kept)));
+    const Vector dx = change_of_kept(carried.rank_E, least_cosine(n, kept));
     std::copy(dx.begin(), dx.end(), change.begin());
   } else {
     std::copy_n(form_.xp(), n, change.data());

@@ -22,7 +22,8 @@ class JetEquations {
   // A jet after a change.
   struct Trial {
     Jet jet;
-    double norm = 0.0;  // of its residuals
+    double norm = 0.0;   // of its residuals
+    double moved = 0.0;  // how far what is differentiated went, in the sizes that count as one
     bool valid = false;
   };
 
@@ -55,6 +56,8 @@ class JetEquations {
   // differentiated least. noise: of the coefficients, as they are not those of a consistent jet. False if nothing finite
   // is found, as below.
   bool staged_change(NoiseModel model, double noise, bool keep, std::vector<double>& change);
+  // Of the last staged_change: see Trial.
+  double moved_by_last_change() const { return moved_; }
   // Of the last staged_change, for another change of x.
   void recover_derivatives(std::vector<double>& change);
   // change = U J^T (J J^T + damping I)^-1 f, J in units of U.
@@ -72,7 +75,7 @@ class JetEquations {
   double residual_norm(const Jet& jet);
   // U: changes that count as one, of x relative to its size, of y more.
   std::vector<double> unit_changes(const Jet& jet) const;
-  std::vector<double> change_of_kept(const ConsistentSet& set, int rank_E, double noise) const;
+  std::vector<double> change_of_kept(int rank_E, double least_cosine);
 
   NonlinearProblem& problem_;
   const Units& units_;
@@ -80,7 +83,7 @@ class JetEquations {
   std::vector<double> sizes_;
   int level_ = 0;
   TaylorData data_;
-  double norm_ = 0.0;
+  double norm_ = 0.0, moved_ = 0.0;
   std::vector<double> residuals_;
   StoredElimination stored_;
   NullSpaceForm form_;

@@ -133,18 +133,24 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet) {
     NoiseModel model;
     double noise;
   };
-  const auto is_good = [&] { return best.valid && best.norm <= good_reduction * equations_.norm(); };
-  for (bool keep : {true, false}) {
-    // Where what is differentiated has to move, or ranks mislead, the smallest change may do better.
-    if (!keep && (!equations_.keeps_differentiated() || is_good())) break;
+  const auto is_good = [&](const Trial& trial) {
+    return trial.valid && trial.norm <= good_reduction * equations_.norm();
+  };
+  for (bool keep : {equations_.keeps_differentiated(), false}) {
     for (const Attempt& attempt :
          {Attempt{NoiseModel::pivots, equations_.residual_noise()}, Attempt{NoiseModel::pivots, 0.0},
           Attempt{NoiseModel::carried, 0.0}, Attempt{NoiseModel::data, 0.0}}) {
       if (!equations_.staged_change(attempt.model, attempt.noise, keep, change)) continue;
       Trial trial = equations_.try_change(jet, change);
-      if (trial.valid && (!best.valid || trial.norm < best.norm)) best = std::move(trial);
-      if (is_good()) break;
+      if (keep) trial.moved = equations_.moved_by_last_change();
+      // Ranks that mislead move what could stay.
+      const bool is_better = keep && is_good(best) ? is_good(trial) && trial.moved < best.moved
+                                                   : trial.valid && (!best.valid || trial.norm < best.norm);
+      if (is_better) best = std::move(trial);
+      if (is_good(best) && (!keep || best.moved <= 1.0)) return best;
     }
+    // Where what is differentiated has to go far, the smallest change may do better.
+    if (!keep || is_good(best)) break;
   }
   return best;
 }

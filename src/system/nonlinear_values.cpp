@@ -19,6 +19,10 @@ namespace {
 
 using Vector = std::vector<double>;
 
+// The iteration leaves out the curvature of the constraints and converges linearly where x is far from them: accurate
+// to this it is as near as anybody wants. Chosen, not measured.
+constexpr double accuracy = 1e-8;
+
 // One linearization of the constraints at a jet.
 class LinearizedConstraints {
  public:
@@ -130,12 +134,13 @@ Distance distance_between(const ConstrainedPoint& point, const ConsistencyReques
   return {length(differentiated_change(point, request, dx), request.sizes()), length(dx, request.sizes())};
 }
 
-// By more than what the accuracy of the iteration leaves open. The sizes of both parts are those of one change.
+// By more than what the accuracy of the iteration leaves open: of what is differentiated, or, where that makes no
+// difference, altogether.
 bool is_farther(const Distance& one, const Distance& other) {
-  constexpr double nearer = 1.01, negligible = 1e-6;
-  const double least = negligible * other.whole;
-  if (one.of_differentiated > nearer * other.of_differentiated + least) return true;
-  if (other.of_differentiated > nearer * one.of_differentiated + least) return false;
+  constexpr double nearer = 1.01, negligible = 1e-3;  // in tolerances
+  if (one.of_differentiated > nearer * other.of_differentiated + negligible) return true;
+  const double gained = other.of_differentiated - one.of_differentiated;
+  if (gained > negligible + accuracy * other.of_differentiated) return false;
   return one.whole > nearer * other.whole;
 }
 
@@ -146,26 +151,81 @@ void prepare(JetSolver& solver, const ConsistencyRequest& request) {
   if (request.differentiated_stay()) solver.keep_differentiated(request.sizes());
 }
 
+namespace {
+
+// The jet a part of the way from one to another.
+Jet between(const Jet& from, const Jet& to, double part) {
+  Jet jet = to;
+  for (std::size_t i = 0; part < 1.0 && i < jet.x.size(); ++i) jet.x[i] = from.x[i] + part * (to.x[i] - from.x[i]);
+  return jet;
+}
+
+// The change of a consistent jet toward the values wanted.
+class Approach {
+ public:
+  Approach(JetSolver& solver, const LinearizedConstraints& constraints, const ConsistencyRequest& request,
+           const Vector& target)
+      : solver_(solver), constraints_(constraints), request_(request), target_(target) {}
+
+  // Goes from the jet toward `full` and back to the constraints, so far as that succeeds and, if it has to, brings it
+  // nearer. False, and the jet as it was, if no part of the way does.
+  bool advance(const Jet& full, bool has_to_be_nearer, Jet& jet) {
+    // Chosen, not measured.
+    constexpr double shortest = 1.0 / 32.0;
+    const int mu = full.order - 1;
+    for (double part = 1.0; part >= shortest; part *= 0.5) {
+      Jet next = between(jet, full, part);
+      if (!is_solved(next, mu)) continue;
+      if (!has_to_be_nearer || !is_farther(distance(next), distance(jet))) {
+        jet = std::move(next);
+        return true;
+      }
+      if (!request_.differentiated_stay()) return false;
+    }
+    return false;
+  }
+
+ private:
+  Distance distance(const Jet& jet) const { return distance_between(constraints_.point(), request_, target_, jet); }
+  bool is_solved(Jet& jet, int mu) {
+    try {
+      solver_.solve(jet, mu);
+      return true;
+    } catch (const Failure& failure) {
+      const int status = failure.status();
+      if (status != SFDAE_NO_CONSISTENT_VALUES && status != SFDAE_NOT_FINITE && status != SFDAE_CALLBACK_FAILED)
+        throw;
+      return false;
+    }
+  }
+
+  JetSolver& solver_;
+  const LinearizedConstraints& constraints_;
+  const ConsistencyRequest& request_;
+  const Vector& target_;
+};
+
+}  // namespace
+
 ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const IndexAnalysis& analysis,
                                           const Units& units, const ConsistencyRequest& request,
                                           const ConsistentJetStart& start) {
-  // The iteration leaves out the curvature of the constraints and converges linearly where x is far from them:
-  // accurate to this it is as near as anybody wants. Chosen, not measured.
-  constexpr double accuracy = 1e-8;
   // A few roundings of x: there is nothing to change.
   constexpr double no_change = 1e-15;
-  constexpr int most = 30;
+  // Iterations: those with shortened steps may be slow. Chosen, not measured.
+  const bool keeps = request.differentiated_stay();
+  const int most = keeps ? 100 : 30;
   const bool may_move = request.kind == InitialValues::nearest || request.kind == InitialValues::fixed;
   const Vector& x = start.given;
   const Vector target = may_move ? with_inputs(problem, start.jet.t, x) : x;
-  const int mu = analysis.values.mu;
   ConsistentJetResult result;
   result.jet = start.jet;
-  result.jet.set_order(mu + 1);
+  result.jet.set_order(analysis.values.mu + 1);
   JetSolver solver(problem, units);
   prepare(solver, request);
   LinearizedConstraints constraints(problem, analysis, units);
   if (may_move) constraints.follow_inputs();
+  Approach approach(solver, constraints, request, target);
   double before = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
     constraints.linearize(result.jet);
@@ -175,22 +235,10 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
                     "the characteristic values known (" + describe(analysis.values) +
                         format(") do not hold at t = %.15g. Analyze the problem there.", start.jet.t));
     }
-    Jet next = result.jet;
-    const double change = constraints.move(request, target, next);
-    if (iteration > 0 && change > before) break;
-    if (change > no_change) {
-      try {
-        solver.solve(next, mu);
-      } catch (const Failure& failure) {
-        if (failure.status() != SFDAE_NO_CONSISTENT_VALUES && failure.status() != SFDAE_NOT_FINITE) throw;
-        break;
-      }
-      const auto distance = [&](const Jet& jet) {
-        return distance_between(constraints.point(), request, target, jet);
-      };
-      if (iteration > 0 && is_farther(distance(next), distance(result.jet))) break;
-      result.jet = next;
-    }
+    Jet full = result.jet;
+    const double change = constraints.move(request, target, full);
+    if (iteration > 0 && change > before && !keeps) break;
+    if (change > no_change && !approach.advance(full, keeps || iteration > 0, result.jet)) break;
     if (change < accuracy) break;
     before = change;
   }
