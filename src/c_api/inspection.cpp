@@ -134,13 +134,14 @@ bool is_usable(const Struct* result) {
   return result != nullptr && is_plausible_size(result->size);
 }
 
-// Read-only calls are allowed from callbacks too. They leave the message alone unless they fail.
+// Read-only calls are allowed from callbacks, too.
 template <class Body>
 int query(const sfdae_solver* solver, Body body) noexcept {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
   try {
     const CallResult result = body();
-    if (result.status < 0) std::snprintf(solver->message, sizeof solver->message, "%s", result.message.c_str());
+    if (result.status < 0 && !solver->message_explains_failure)
+      std::snprintf(solver->message, sizeof solver->message, "%s", result.message.c_str());
     return result.status;
   } catch (const std::bad_alloc&) {
     return SFDAE_OUT_OF_MEMORY;
@@ -239,7 +240,7 @@ int sfdae_report(const sfdae_solver* solver, char* text, size_t length, size_t* 
 }
 
 int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double* M, double* N, double* g) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     if (!std::isfinite(t) || level < 0 || level > max_strangeness_index)
       return illegal_argument(format("t = %g, level = %d: level must be 0 ... %d.", t, level, max_strangeness_index));
     LinearModel* linear = solver->kind.linear;
@@ -253,7 +254,7 @@ int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double
 }
 
 int sfdae_get_projectors(sfdae_solver* solver, double t, double* Z1, double* Z2, double* Z3, double* T2, int* vhat) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
     LinearModel* linear = solver->kind.linear;
     if (linear == nullptr) return linear_only();
@@ -270,7 +271,7 @@ int sfdae_get_projectors(sfdae_solver* solver, double t, double* Z1, double* Z2,
 
 int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, double* A1, double* f1, double* A2,
                                double* f2, double* residual) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
     LinearModel* linear = solver->kind.linear;
     if (linear == nullptr) return linear_only();

@@ -71,6 +71,7 @@ void analyze(sfdae_solver& solver, PointOfInterest point) {
   if (stop && (*stop - point.toward) * direction < 0.0) point.toward = *stop;
   if (point.toward == t) throw Failure(SFDAE_ILLEGAL_ARGUMENT, format("t = %.15g lies at or beyond stop_time.", t));
   set_limits(solver, t, direction);
+  const UserTime user_time(solver.problem(), t);
   solver.forget_analysis();
   solver.model.analyze(point, solver.options.model, solver.decisions);
   solver.direction = direction;
@@ -320,6 +321,7 @@ int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdo
     const CallResult checked = check_initial_point(*solver, point);
     if (checked.status != SFDAE_OK) return checked;
     if (!solver->system()) analyze(*solver, point);
+    const UserTime user_time(solver->problem(), t);
     const ConsistentPoint found = solver->model.consistent_point_beside(point, solver->options.model);
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
@@ -342,6 +344,7 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
     solver->direction = direction;
     solver->integration.reset();
     set_limits(*solver, t, direction);
+    const UserTime user_time(solver->problem(), t);
     const ConsistentPoint found = solver->model.consistent_point(point, solver->options.model);
     solver->integration =
         std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
@@ -362,7 +365,7 @@ int sfdae_step(sfdae_solver* solver, double tout, double* t, double* x, double* 
 }
 
 int sfdae_get_checkpoint_length(sfdae_solver* solver, size_t* length) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     if (length == nullptr) return illegal_argument("length is NULL.");
     if (!solver->integration) return not_started("sfdae_start");
     *length = checkpoint_size(*solver->model.system(), *solver->integration);

@@ -46,8 +46,7 @@ int combination(Recorder& recorder, const std::vector<int>& coefficients, const 
 bool report_failure(const TaylorEvaluator& evaluator, CallbackError& error) {
   error.status = SFDAE_NOT_FINITE;
   error.row = evaluator.failure().equation;
-  error.detail =
-      format("the formulas cannot be evaluated at t = %.15g: ", error.t) + evaluator.failure().message + ".";
+  error.detail = "the formulas cannot be evaluated at " + error.where() + ": " + evaluator.failure().message + ".";
   return false;
 }
 

@@ -224,7 +224,10 @@ void JetEquations::give_up(const Jet& jet) const {
   for (int i = 0; i < count; ++i) order[index(i)] = i;
   std::sort(order.begin(), order.end(),
             [&](int a, int b) { return std::fabs(data_.f(0)[a]) > std::fabs(data_.f(0)[b]); });
-  std::string text = format("no consistent values were found near the guess at t = %.15g; what remains:", jet.t);
+  CallbackError place;
+  place.t = jet.t;
+  place.user_t = problem_.user_t();
+  std::string text = "no consistent values were found near the guess at " + place.where() + "; what remains:";
   double factorial = 1.0;
   for (int q = 0; q < std::min(count, most_named); ++q) {
     const int k = order[index(q)] / m, i = order[index(q)] % m;

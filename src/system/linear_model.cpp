@@ -10,7 +10,7 @@ namespace sfdae::core {
 
 LinearModel::LinearModel(std::unique_ptr<RecordedLinearCoefficients> coefficients)
     : recorded_(std::move(coefficients)), problem_(recorded_->functions()) {
-  problem_.set_explanation([recorded = recorded_.get()](double t) { return recorded->failure(t); });
+  problem_.set_explanation([recorded = recorded_.get()] { return recorded->failure(); });
 }
 
 EvaluationCounts LinearModel::evaluations() const {
