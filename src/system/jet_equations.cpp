@@ -219,6 +219,8 @@ bool JetEquations::is_converged(const Jet& jet, double tolerance) const {
 
 void JetEquations::give_up(const Jet& jet) const {
   constexpr int most_named = 4;
+  // Figures beyond say no more than that.
+  constexpr double largest_named = 1e6;
   const int m = problem_.m(), count = m * (level_ + 1);
   std::vector<int> order(index(count));
   for (int i = 0; i < count; ++i) order[index(i)] = i;
@@ -235,8 +237,10 @@ void JetEquations::give_up(const Jet& jet) const {
     for (int j = 2; j <= k; ++j) factorial *= j;
     const double value = -data_.f(k)[i] / (data_.row_scale[index(i)] * std::pow(data_.time_scale, k + 1)) * factorial;
     if (value == 0.0) break;
-    text += k == 0 ? format(" equation %d by %.3g,", i, value)
-                   : format(" derivative %d of equation %d by %.3g,", k, i, value);
+    const std::string amount =
+        std::fabs(value) <= largest_named ? format("%.3g", value) : format("more than %.0e", largest_named);
+    text += k == 0 ? format(" equation %d by %s,", i, amount.c_str())
+                   : format(" derivative %d of equation %d by %s,", k, i, amount.c_str());
   }
   text.back() = '.';
   throw Failure(SFDAE_NO_CONSISTENT_VALUES,

@@ -15,7 +15,8 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Against endless searches. Chosen, not measured.
+// Against endless searches; steps that reduce the residuals well do not count: of an exponential a Newton step takes
+// one power of e, and guesses may be hundreds of them away. Chosen, not measured.
 constexpr int max_iterations = 200;
 // A step that reduces the residuals to this fraction needs no damping. Chosen, not measured.
 constexpr double good_reduction = 0.5;
@@ -24,6 +25,11 @@ constexpr double still_gaining = 0.9;
 // Residuals relative to what was added up in them, of a jet that counts as consistent: what ill-conditioned arrays
 // leave is below, what users notice is above. Chosen, not measured.
 constexpr double consistent_residual = 1e-9;
+
+// Another step may lead where the equations can be evaluated.
+bool is_recoverable(const Failure& failure) {
+  return failure.status() == SFDAE_NOT_FINITE || failure.status() == SFDAE_CALLBACK_FAILED;
+}
 
 }  // namespace
 
@@ -38,8 +44,17 @@ void JetSolver::solve(Jet& jet, int level) {
 
 void JetSolver::find(Jet& jet, int level) {
   const Jet start = jet;
+  // False where steps lead out of the domain of the equations.
+  const auto succeeds = [&](auto step) {
+    try {
+      return step();
+    } catch (const Failure& failure) {
+      if (!is_recoverable(failure)) throw;
+      return false;
+    }
+  };
   // Where x is consistent it must not move, though y is far off.
-  if (solve_for_derivatives(jet, level)) return;
+  if (succeeds([&] { return solve_for_derivatives(jet, level); })) return;
   jet = start;
   try {
     search(jet, level, false);
@@ -47,10 +62,24 @@ void JetSolver::find(Jet& jet, int level) {
     if (failure.status() != SFDAE_NO_CONSISTENT_VALUES) throw;
     // What has no derivative may be far off alone: forces have other units.
     jet = start;
-    if (solve_for_algebraic(jet, level) && solve_for_derivatives(jet, level)) return;
+    if (succeeds([&] { return solve_for_algebraic(jet, level) && solve_for_derivatives(jet, level); })) return;
     jet = start;
     search(jet, level, true);
   }
+}
+
+// The jet after the trial, with the equations linearized there; false, and all as it was, where they cannot be.
+bool JetSolver::accept(Jet& jet, Trial&& trial, int level) {
+  const double time_scale = equations_.time_scale();
+  try {
+    equations_.linearize(trial.jet, level, time_scale);
+  } catch (const Failure& failure) {
+    if (!is_recoverable(failure)) throw;
+    equations_.linearize(jet, level, time_scale);
+    return false;
+  }
+  jet = std::move(trial.jet);
+  return true;
 }
 
 // y alone changes: true if F_level = 0 to rounding then, and nothing calls for a change of x. Large y alone may
@@ -85,14 +114,31 @@ bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
   return equations_.norm() == 0.0;
 }
 
+namespace {
+
+// Other components are fixed while it lives.
+class OtherFixed {
+ public:
+  explicit OtherFixed(JetEquations& equations) : equations_(equations), fixed_(equations.fixed()) {}
+  OtherFixed(const OtherFixed&) = delete;
+  OtherFixed& operator=(const OtherFixed&) = delete;
+  ~OtherFixed() { equations_.set_fixed(std::move(fixed_)); }
+
+ private:
+  JetEquations& equations_;
+  std::vector<char> fixed_;
+};
+
+}  // namespace
+
 // y and those components of x change whose derivatives are in no equation: true if F_level = 0 then.
 bool JetSolver::solve_for_algebraic(Jet& jet, int level) {
   constexpr int most = 8;
   // Products of unknowns that are far off make residuals grow at first. Chosen, not measured.
   constexpr double too_far = 1e12;
-  const std::vector<char> fixed_by_user = equations_.fixed();
   equations_.linearize(jet, level, 0.0);
-  std::vector<char> fixed = fixed_by_user;
+  const OtherFixed other(equations_);
+  std::vector<char> fixed = equations_.fixed();
   fixed.resize(index(jet.n), 0);
   bool any_free = false;
   for (int j = 0; j < jet.n; ++j) {
@@ -114,7 +160,6 @@ bool JetSolver::solve_for_algebraic(Jet& jet, int level) {
     jet = std::move(trial.jet);
     equations_.linearize(jet, level, equations_.time_scale());
   }
-  equations_.set_fixed(fixed_by_user);
   return any_free && (equations_.norm() == 0.0 || equations_.is_converged(jet, consistent_residual));
 }
 
@@ -165,19 +210,32 @@ bool JetSolver::search_undamped(Jet& jet, int level, Trial trial) {
   const Jet start = jet;
   const double before = equations_.norm(), time_scale = equations_.time_scale();
   for (int step = 0; step < most && trial.valid && trial.norm <= too_far * before; ++step) {
-    jet = trial.jet;
-    try {
-      equations_.linearize(jet, level, time_scale);
-    } catch (const Failure& failure) {
-      if (failure.status() != SFDAE_NOT_FINITE && failure.status() != SFDAE_CALLBACK_FAILED) throw;
-      break;
-    }
+    if (!accept(jet, std::move(trial), level)) break;
     if (equations_.norm() <= good_reduction * before) return true;
     trial = undamped_trial(jet);
   }
   jet = start;
   equations_.linearize(jet, level, time_scale);
   return false;
+}
+
+// Part of an undamped step that led out of the domain of the equations, or enormously far: not valid if none reduces
+// the residuals.
+JetSolver::Trial JetSolver::shortened_trial(const Jet& jet) {
+  // 2^-10 of a step is shorter than what damping would make of it. Chosen, not measured.
+  constexpr int halvings = 10;
+  constexpr double least_gain = 0.1;
+  Vector change;
+  const bool is_found = equations_.fixed().empty() ? equations_.staged_change(NoiseModel::pivots, 0.0, true, change)
+                                                   : equations_.dense_change(jet, 0.0, change);
+  double part = 1.0;
+  for (int k = 0; is_found && k < halvings; ++k) {
+    part *= 0.5;
+    for (double& entry : change) entry *= 0.5;
+    Trial trial = equations_.try_change(jet, change);
+    if (trial.valid && trial.norm < (1.0 - least_gain * part) * equations_.norm()) return trial;
+  }
+  return {};
 }
 
 // A damped step that reduces the residuals, however little: where the damping is too strong, less of it follows.
@@ -200,11 +258,13 @@ JetSolver::Trial JetSolver::damped_trial(const Jet& jet, double& damping) {
 
 void JetSolver::search(Jet& jet, int level, bool may_grow) {
   // Of the damping relative to the squared norm of the array. Chosen, not measured.
-  constexpr double first_damping = 1e-3, least_damping = 1e-12, weaker = 16.0;
+  constexpr double first_damping = 1e-3, least_damping = 1e-12, weaker = 16.0, after_failure = 1e3;
+  // Residuals so much larger that exponentials have run away. Chosen, not measured.
+  constexpr double enormous = 1e6;
   equations_.linearize(jet, level, 0.0);
   double damping = first_damping;
   bool is_undamped = true;
-  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+  for (int iteration = 0; iteration < max_iterations;) {
     if (equations_.norm() == 0.0) return;
     const double before = equations_.norm();
     // An undamped step first; it is the last one if rounding lets it gain nothing.
@@ -212,14 +272,17 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
     if (is_undamped) trial = undamped_trial(jet);
     const bool converged = equations_.is_converged(jet, consistent_residual);
     if (!trial.valid || trial.norm > good_reduction * before) {
+      ++iteration;
       if (converged && trial.valid && trial.norm < still_gaining * before) {
-        jet = trial.jet;
-        equations_.linearize(jet, level, equations_.time_scale());
-        continue;
+        if (accept(jet, std::move(trial), level)) continue;
+        return;
       }
       if (converged) return;
+      const bool is_far_off = is_undamped && (!trial.valid || trial.norm > enormous * before);
       if (may_grow && is_undamped && search_undamped(jet, level, std::move(trial))) continue;
-      is_undamped = false;
+      trial.valid = false;
+      if (is_far_off) trial = shortened_trial(jet);
+      is_undamped = trial.valid;
     }
     if (!is_undamped) {
       trial = damped_trial(jet, damping);
@@ -228,8 +291,11 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
       damping = std::max(damping / weaker, least_damping);
       is_undamped = trial.norm < good_reduction * before;
     }
-    jet = trial.jet;
-    equations_.linearize(jet, level, equations_.time_scale());
+    if (accept(jet, std::move(trial), level)) continue;
+    // Shorter steps from here.
+    ++iteration;
+    is_undamped = false;
+    damping *= after_failure;
   }
   if (!equations_.is_converged(jet, consistent_residual)) equations_.give_up(jet);
 }

@@ -32,8 +32,10 @@ class JetSolver {
   bool solve_for_algebraic(Jet& jet, int level);
   // may_grow: residuals may do so during a few undamped steps.
   void search(Jet& jet, int level, bool may_grow);
+  bool accept(Jet& jet, Trial&& trial, int level);
   bool search_undamped(Jet& jet, int level, Trial trial);
   Trial undamped_trial(const Jet& jet);
+  Trial shortened_trial(const Jet& jet);
   Trial damped_trial(const Jet& jet, double& damping);
 
   JetEquations equations_;

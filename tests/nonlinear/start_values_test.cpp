@@ -158,3 +158,91 @@ TEST(StartValues, ReachTheBranchOfKvaernosProblem) {
         EXPECT_LE(std::fabs(run.x[i] - exact[i]), 10.0 * tol * (1.0 + exact[i])) << i;
     }
 }
+
+// A chain of n diodes behind resistors; voltages of up to 15 V are guessed where one diode takes 26 mV for a factor e.
+TEST(StartValues, FindDiodesFromPoorGuesses) {
+  for (const int n : {1, 2, 4}) {
+    const auto equations = equations_of(1 + n, 1 + n, [n](const auto& t, const auto* x, const auto* xdot, auto* F) {
+      const double thermal_voltage = 0.026, saturation = 1e-12;
+      F[0] = xdot[0] + x[0] - 5.0 * cos(t);
+      for (int k = 1; k <= n; ++k) {
+        F[k] = (x[0] - x[k]) / (10.0 * k) - saturation * (exp(x[k] / thermal_voltage) - 1.0);
+        if (k > 1) F[k] = F[k] - saturation * (exp((x[k] - x[k - 1]) / thermal_voltage) - 1.0);
+      }
+    });
+    for (std::uint64_t seed = 1; seed <= 20; ++seed)
+      for (const double voltage : {0.5, 5.0, 15.0}) {
+        SCOPED_TRACE(testing::Message() << n << " diodes, " << voltage << " V, seed " << seed);
+        std::vector<double> guess = random_vector(1 + n, seed);
+        for (double& v : guess) v *= voltage;
+        guess[0] = 5.0;
+        NonlinearRun run(equations, default_options());
+        const int status = run.start(0.0, 1.0, guess);
+        if (status == SFDAE_NOT_FINITE) {  // exp(710) overflows at the guess already, which is said
+          EXPECT_NE(run.message().find("exp of "), std::string::npos) << run.message();
+          EXPECT_EQ(voltage, 15.0);
+          continue;
+        }
+        ASSERT_EQ(status, SFDAE_OK) << run.message();
+        EXPECT_NEAR(run.x[0], 5.0, 1e-14);
+        double current = (5.0 - run.x[1]) / 10.0;
+        EXPECT_NEAR(1e-12 * (std::exp(run.x[1] / 0.026) - 1.0) / current, 1.0, 1e-9);
+      }
+  }
+}
+
+// Newton's steps lead to logarithms and roots of negative numbers: they are shortened.
+TEST(StartValues, StayWhereTheEquationsAreDefined) {
+  for (const double guess : {1e-3, 0.5, 5.0, 50.0}) {
+    SCOPED_TRACE(guess);
+    NonlinearRun run(equations_of(3, 3,
+                                  [](const auto&, const auto* x, const auto* xdot, auto* F) {
+                                    F[0] = xdot[0] + x[0] * x[2];
+                                    F[1] = sqrt(x[1]) - x[0];
+                                    F[2] = sqrt(x[2] - x[1]) + exp(x[2]) - 5.0 - x[0];
+                                  }),
+                     default_options());
+    ASSERT_EQ(run.start(0.0, 1.0, {0.1, guess, guess + 0.5}), SFDAE_OK) << run.message();
+    EXPECT_EQ(run.x[0], 0.1);
+    EXPECT_NEAR(run.x[1], 0.01, 1e-14);
+    EXPECT_NEAR(std::sqrt(run.x[2] - run.x[1]) + std::exp(run.x[2]), 5.1, 1e-12);
+  }
+  for (const double guess : {1e-3, 1e3, 1e6})
+    for (const double logarithm : {-3.0, 0.0, 3.0}) {
+      NonlinearRun run(equations_of(2, 2,
+                                    [](const auto&, const auto* x, const auto* xdot, auto* F) {
+                                      F[0] = xdot[0] + x[0];
+                                      F[1] = log(x[1]) - x[0];
+                                    }),
+                       default_options());
+      ASSERT_EQ(run.start(0.0, 1.0, {logarithm, guess}), SFDAE_OK) << run.message();
+      EXPECT_NEAR(run.x[1] / std::exp(logarithm), 1.0, 1e-12);
+    }
+}
+
+// exp(40 x2) + 1 = 0 has no solution; at the guess it is 1e173.
+TEST(StartValues, MessagesHaveNoAbsurdResiduals) {
+  NonlinearRun run(equations_of(2, 2,
+                                [](const auto&, const auto* x, const auto* xdot, auto* F) {
+                                  F[0] = xdot[0] + x[0];
+                                  F[1] = exp(40.0 * x[1]) + 1.0 + x[0] * x[0];
+                                }),
+                   default_options());
+  EXPECT_LT(run.start(0.0, 1.0, {1.0, 10.0}), 0);
+  const std::string text = run.message();
+  for (std::size_t e = text.find("e+"); e != std::string::npos; e = text.find("e+", e + 2))
+    EXPECT_LE(std::stoi(text.substr(e + 2)), 6) << text;
+}
+
+// A formula that is not defined beside t0 = 0: the analysis looks there, and says that the point is its own.
+TEST(StartValues, MessagesTellInternalPointsFromTimesGiven) {
+  NonlinearRun run(equations_of(2, 2,
+                                [](const auto& t, const auto* x, const auto* xdot, auto* F) {
+                                  F[0] = xdot[0] + x[0];
+                                  F[1] = x[1] * x[1] * x[1] + x[1] - sqrt(1e-9 - t);
+                                }),
+                   default_options());
+  EXPECT_EQ(run.start(0.0, 1.0, {1.0, 0.0}), SFDAE_NOT_FINITE);
+  EXPECT_NE(run.message().find("at the internal point t = "), std::string::npos) << run.message();
+  EXPECT_NE(run.message().find(", beside t0 = 0: "), std::string::npos) << run.message();
+}
