@@ -228,6 +228,17 @@ ValueChange change_of_differentiated(const ConstrainedPoint& point, const Consis
   return change;
 }
 
+ConsistencyRequest ConsistencyRequest::trusting_digits(const double* x) const {
+  // Six digits, or far below the tolerances (chosen); never above them.
+  constexpr double last_digit = 1e-6, negligible = 1e-3;
+  ConsistencyRequest request = *this;
+  request.trusts_digits = true;
+  for (std::size_t i = 0; i < tolerances.size(); ++i)
+    request.tolerances[i] =
+        std::max(std::min(last_digit * std::fabs(x[i]), tolerances[i]), negligible * tolerances[i]);
+  return request;
+}
+
 Vector ConsistencyRequest::sizes() const {
   Vector sizes(trusts_digits ? digits : tolerances);
   const double largest = max_abs(sizes.data(), static_cast<int>(sizes.size()));

@@ -62,19 +62,16 @@ ConsistentPoint LinearModel::make_consistent(LinearSystem& system, const PointOf
   result.t = point.t;
   result.has_contradiction = set_point(system, point.t, options);
   const std::vector<double> given(point.x, point.x + n());
-  ConsistencyRequest request = options.request_at(point.x);
-  request.trusts_digits = request.differentiated_stay();
+  const ConsistencyRequest request = options.request_at(point.x);
   ValueChange change;
-  const auto choose = [&] {
+  const auto choose = [&](const ConsistencyRequest& way) {
     result.x = given;
-    result.change = core::make_consistent(system, request, result.x);
-    change = change_of_differentiated(constraints_of(system), request, given, result.x);
+    result.change = core::make_consistent(system, way, result.x);
+    change = change_of_differentiated(constraints_of(system), way, given, result.x);
   };
-  choose();
-  if (request.trusts_digits && change.is_beyond_tolerances()) {
-    request.trusts_digits = false;
-    choose();
-  }
+  const bool may_trust = request.differentiated_stay();
+  choose(may_trust ? request.trusting_digits(point.x) : request);
+  if (may_trust && change.is_beyond_tolerances()) choose(request);
   if (request.reports_changes()) result.value_change = change;
   add_derivative(system, point.direction(), result);
   return result;

@@ -164,13 +164,12 @@ ConsistentPoint NonlinearModel::make_consistent(NonlinearSystem& system, const P
   ConsistentPoint result;
   result.t = point.t;
   result.x.assign(point.x, point.x + n());
-  ConsistencyRequest request = options.request_at(point.x);
-  request.trusts_digits = request.differentiated_stay();
-  ConsistentJetResult found = choose_from_starts(*problem_, system, point, request);
-  if (request.trusts_digits && found.value_change.is_beyond_tolerances()) {
-    request.trusts_digits = false;
+  const ConsistencyRequest request = options.request_at(point.x);
+  const bool may_trust = request.differentiated_stay();
+  ConsistentJetResult found =
+      choose_from_starts(*problem_, system, point, may_trust ? request.trusting_digits(point.x) : request);
+  if (may_trust && found.value_change.is_beyond_tolerances())
     found = choose_from_starts(*problem_, system, point, request);
-  }
   result.change = found.change;
   if (request.reports_changes()) result.value_change = found.value_change;
   demand_point(system, system.set_point(found.jet), point.t, "Analyze the problem there.");
