@@ -211,7 +211,7 @@ ValueChange change_of_differentiated(const ConstrainedPoint& point, const Consis
   if (!request.differentiated_stay()) return {};
   // Errors of the directions times the largest value, in the units of the equations, are no change; two digits of room
   // (chosen).
-  constexpr double room = 1e2;
+  constexpr double room = 1e2, most_rounding = 1e-8;
   const Units& units = point.units;
   const int n = point.form.n;
   double size = 0.0;
@@ -220,7 +220,7 @@ ValueChange change_of_differentiated(const ConstrainedPoint& point, const Consis
     dx[index(i)] = found[index(i)] - given[index(i)];
     size = std::max({size, std::fabs(given[index(i)]) / units[i], std::fabs(found[index(i)]) / units[i]});
   }
-  const double rounding = room * error_of_directions(n, point.kept) * size;
+  const double rounding = std::min(room * error_of_directions(n, point.kept), most_rounding) * size;
   for (int i = 0; i < n; ++i) tolerances[index(i)] = std::max(tolerances[index(i)], rounding * units[i]);
   const Vector part = differentiated_change(point, request, dx);
   ValueChange change = largest_change(given.data(), part.data(), tolerances, n);

@@ -140,6 +140,27 @@ TEST(StartValues, GuessesOfTheSlopeThatAreNoNumbersAreRefused) {
   EXPECT_NE(without.start(0.0, 2.0, {0.5}), SFDAE_ILLEGAL_ARGUMENT);
 }
 
+// Only v_y = -0.15 is missing besides the force: at x = 0 no other change fulfils the derivative of the constraint.
+TEST(StartValues, AreNotLedAstrayByZerosAndLooseTolerances) {
+  for (const double tol : {1e-2, 1e-6}) {
+    sfdae_options options = default_options();
+    options.rtol = options.atol = tol;
+    NonlinearRun run(equations_of(5, 5,
+                                  [](const auto& t, const auto* x, const auto* xdot, auto* F) {
+                                    const auto a = x[0] - sin(3.0 * t);
+                                    F[0] = xdot[0] - x[2];
+                                    F[1] = xdot[1] - x[3];
+                                    F[2] = xdot[2] + x[4] * a;
+                                    F[3] = xdot[3] + x[4] * x[1] + 9.81;
+                                    F[4] = a * a + x[1] * x[1] - 1.0 - 0.3 * sin(t);
+                                  }),
+                     options);
+    ASSERT_EQ(run.start(0.0, 3.0, {0.0, -1.0, 3.0, 0.0, 0.0}), SFDAE_VALUES_CHANGED) << run.message();
+    EXPECT_NEAR(run.x[3], -0.15, 1e-6);
+    for (const double change : {run.x[0], run.x[1] + 1.0, run.x[2] - 3.0}) EXPECT_NEAR(change, 0.0, 1e-6);
+  }
+}
+
 TEST(StartValues, ReachTheBranchOfKvaernosProblem) {
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
     for (const double tol : {1e-4, 1e-8}) {
