@@ -80,7 +80,7 @@ module sfdae
   public :: sfdae_ok
   !> Warnings: the call did what it could, read on.
   public :: sfdae_step_taken, sfdae_stopped, sfdae_not_unique, sfdae_inconsistency_ignored, &
-    sfdae_event
+    sfdae_values_changed, sfdae_event
   !> Failures: wrong use.
   public :: sfdae_illegal_argument, sfdae_out_of_memory, sfdae_busy, sfdae_empty_problem, &
     sfdae_not_started

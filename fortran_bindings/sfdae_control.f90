@@ -96,6 +96,10 @@ module sfdae_control
     integer(c_int) :: min_stages = 1
     !> Radau: largest number of stages, 1, 3, 5 or 7, >= min_stages.
     integer(c_int) :: max_stages = 7
+
+    !> xdot of start and make_consistent is a guess of x' on entry, which a nonlinear problem follows
+    !> where F(t, x, x') = 0 allows several x'. Zeros: no guess.
+    logical :: xdot_is_guess = .false.
   end type dae_options
 
   ! ---- Events -------------------------------------------------------------------------------
@@ -231,6 +235,7 @@ contains
     c_options%method = options%method
     c_options%min_stages = options%min_stages
     c_options%max_stages = options%max_stages
+    c_options%xdot_is_guess = flag(options%xdot_is_guess)
 
     holder%monitor => options%monitor
     if (associated(options%monitor)) c_options%monitor = address_of_monitor_function(call_monitor)

@@ -55,6 +55,7 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_step_too_small = -41
   integer(c_int), parameter, public :: sfdae_stopped = 2
   integer(c_int), parameter, public :: sfdae_tolerance_too_small = -43
+  integer(c_int), parameter, public :: sfdae_values_changed = 6
   integer(c_int), parameter, public :: sfdae_verdict_clear = 0
   integer(c_int), parameter, public :: sfdae_verdict_confirmed = 1
   integer(c_int), parameter, public :: sfdae_verdict_unclear = 2
@@ -240,6 +241,7 @@ module sfdae_types
     integer(c_int) :: method = 0
     integer(c_int) :: min_stages = 0
     integer(c_int) :: max_stages = 0
+    integer(c_int) :: xdot_is_guess = 0
   end type sfdae_options
 
   type, bind(c), public :: sfdae_progress

@@ -65,6 +65,7 @@ extern "C" {
 #define SFDAE_NOT_UNIQUE 3            /* u > 0: the free part of the solution is held constant */
 #define SFDAE_INCONSISTENCY_IGNORED 4 /* redundant equations contradict each other, ignored as the option says */
 #define SFDAE_EVENT 5                 /* an event: sfdae_get_events reports which */
+#define SFDAE_VALUES_CHANGED 6        /* initial values: what is differentiated had to change beyond the tolerances */
 
 /* Failures: wrong use. */
 #define SFDAE_ILLEGAL_ARGUMENT (-1)
@@ -153,7 +154,7 @@ SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t si
 #define SFDAE_REDUCTION_SVD 1    /* singular value decompositions of the whole array, the classical way */
 
 /* How initial values become consistent. */
-#define SFDAE_INITIAL_NEAREST 0 /* the consistent point that is nearest in the weighted 2-norm */
+#define SFDAE_INITIAL_NEAREST 0 /* the nearest consistent point; what is differentiated stays if it can */
 #define SFDAE_INITIAL_FIXED 1   /* the nearest one that leaves the components marked in `fixed` as they are */
 #define SFDAE_INITIAL_ACCEPT 2  /* taken as given and checked: violations above the tolerances are refused */
 
@@ -205,10 +206,13 @@ typedef struct sfdae_options {
   int difference_derivatives; /* 1: differences are allowed. Default 0: SFDAE_ORDER_MISSING */
   double difference_step;     /* > 0: spacing of the points used for them; default 0: chosen */
 
-  /* Initial values. */
+  /* Initial values. Where x violates the constraints, unknowns without a derivative (multipliers, currents; the kernel
+   * of E or F_x') adapt first. Only what then remains moves the others, and as little as possible:
+   * sum (change_i / (rtol |x_i| + atol))^2 is smallest; SFDAE_VALUES_CHANGED if that is beyond the tolerances
+   * (_NEAREST). Weights make sum (change_i / w_i)^2 of all unknowns smallest instead, without that warning. */
   int initial_values;            /* SFDAE_INITIAL_NEAREST (default), _FIXED or _ACCEPT */
   const int* fixed;              /* for _FIXED: n flags, 1 where x_i must not change */
-  const double* initial_weights; /* NULL or n positive numbers w_i: sum (change_i / w_i)^2 is smallest */
+  const double* initial_weights; /* NULL or n positive numbers w_i */
 
   /* Redundant equations, v > 0. */
   int ignore_inconsistency; /* 1: go on (SFDAE_INCONSISTENCY_IGNORED) where they contradict. Default 0: stop */
@@ -231,6 +235,11 @@ typedef struct sfdae_options {
    * sfdae_start. */
   int method;                 /* SFDAE_METHOD_BDF (default), ... */
   int min_stages, max_stages; /* defaults 1 and 7 */
+
+  /* 1: xdot is in/out for sfdae_start and sfdae_make_consistent: a guess of x' that a nonlinear problem follows where
+   * F(t, x, x') = 0 allows several x' (zeros: none; linear and multibody problems determine x' and ignore it).
+   * Default 0: xdot is out. */
+  int xdot_is_guess;
 } sfdae_options;
 /* Sets every member to its default. size: sizeof(sfdae_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_options_init(sfdae_options* options, size_t size);
@@ -261,8 +270,8 @@ SFDAE_API int sfdae_destroy(sfdae_solver** solver);
 SFDAE_API int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options);
 
 /* What the last call on this solver had to say: what, where, with which numbers, what to do next. "" after
- * SFDAE_OK. Calls on a const solver leave the text alone unless they fail. It lives until the next call. NULL:
- * "". */
+ * SFDAE_OK. Functions that only read (a const solver, sfdae_get_...) leave the text alone where it explains the
+ * failure of an earlier call, and else say why they fail. It lives until the next call. NULL: "". */
 SFDAE_API const char* sfdae_message(const sfdae_solver* solver);
 
 /* Stops the call that is running, or else the next one, at its next callback or step: it returns SFDAE_STOPPED,
@@ -364,8 +373,10 @@ SFDAE_API int sfdae_get_change(const sfdae_solver* solver, sfdae_change* result)
 
 /* Makes x (n values, in: guess, out: consistent) consistent at t as the options say and computes the derivative
  * x'(t) of the solution through it (xdot: n values, may be NULL; minimum norm in directions that the problem leaves
- * free). Analyzes first, forward from t, if there is no analysis. The point reached is unaffected.
- * Warnings: SFDAE_NOT_UNIQUE, SFDAE_INCONSISTENCY_IGNORED. Failures: callbacks, structure, values. */
+ * free). xdot is a guess before if the option xdot_is_guess says so. Analyzes first, forward from t, if there is no
+ * analysis. The point reached is unaffected.
+ * Warnings: SFDAE_INCONSISTENCY_IGNORED, SFDAE_VALUES_CHANGED, SFDAE_NOT_UNIQUE, the first that applies;
+ * sfdae_message names all. Failures: callbacks, structure, values. */
 SFDAE_API int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdot);
 
 /* What the last sfdae_start or sfdae_make_consistent did to the initial values. */
@@ -389,10 +400,11 @@ SFDAE_API int sfdae_get_initial_report(const sfdae_solver* solver, sfdae_initial
 /* ---- Integration ----------------------------------------------------------------------------- */
 
 /* Starts or restarts the integration at (t, x): makes x (n values, in: guess, out: consistent) consistent as the
- * options say and computes x' (xdot: n values, may be NULL). `toward`, not equal to t, sets the direction; its
+ * options say and computes x' (xdot: n values, may be NULL; a guess before with xdot_is_guess). `toward`, not equal to t, sets the direction; its
  * distance sets the scale of the first step. Analyzes if that has not happened or was made for the other direction;
  * a restart on an analyzed solver needs no new analysis.
- * Warnings: SFDAE_NOT_UNIQUE, SFDAE_INCONSISTENCY_IGNORED. Failures: callbacks, structure, values;
+ * Warnings: SFDAE_INCONSISTENCY_IGNORED, SFDAE_VALUES_CHANGED, SFDAE_NOT_UNIQUE, the first that applies;
+ * sfdae_message names all. Failures: callbacks, structure, values;
  * SFDAE_CHARACTERISTICS_CHANGED if the values known do not hold at t: call sfdae_analyze. After these nothing is
  * started, and an integration that was under way is lost; an argument that is refused changes nothing. */
 SFDAE_API int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double* xdot);

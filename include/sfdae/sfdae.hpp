@@ -144,7 +144,8 @@ class Solver {
   /// Where the characteristic values changed, after SFDAE_CHARACTERISTICS_CHANGED.
   Change change() const { return filled(sfdae_change_init, sfdae_get_change); }
 
-  /// Makes point.x consistent at point.t and computes point.xdot. The point reached is unaffected.
+  /// Makes point.x consistent at point.t and computes point.xdot, a guess before if options.xdot_is_guess is 1. The
+  /// point reached is unaffected.
   int make_consistent(Point& point) {
     double* const xdot = prepared(point);
     return checked(sfdae_make_consistent(get(), point.t, point.x.data(), xdot));
@@ -153,7 +154,8 @@ class Solver {
   /// What the last start or make_consistent did to the initial values.
   InitialReport initial_report() const { return filled(sfdae_initial_report_init, sfdae_get_initial_report); }
 
-  /// Starts or restarts at point.t toward the given time: makes point.x consistent, computes point.xdot.
+  /// Starts or restarts at point.t toward the given time: makes point.x consistent, computes point.xdot, a guess before
+  /// if options.xdot_is_guess is 1.
   int start(Point& point, double toward) {
     double* const xdot = prepared(point);
     return checked(sfdae_start(get(), point.t, toward, point.x.data(), xdot));

@@ -47,7 +47,7 @@ int sfdae_set_events(sfdae_solver* solver, int num_events, sfdae_event_function 
 int sfdae_get_events(const sfdae_solver* solver, int* which) {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
   if (which == nullptr) {
-    std::snprintf(solver->message, sizeof solver->message, "which is NULL.");
+    if (!solver->message_explains_failure) std::snprintf(solver->message, sizeof solver->message, "which is NULL.");
     return SFDAE_ILLEGAL_ARGUMENT;
   }
   if (!solver->events) return SFDAE_OK;

@@ -129,12 +129,12 @@ bool is_usable(const Struct* result) {
   return result != nullptr && is_plausible_size(result->size);
 }
 
-// Read-only calls are allowed from callbacks too. They leave the message alone unless they fail.
+// Read-only calls are allowed from callbacks, too.
 template <class Body>
 int query(const sfdae_solver* solver, Body body) noexcept {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
   const auto say = [solver](int status, const char* text) {
-    std::snprintf(solver->message, sizeof solver->message, "%s", text);
+    if (!solver->message_explains_failure) std::snprintf(solver->message, sizeof solver->message, "%s", text);
     return status;
   };
   try {

@@ -8,6 +8,7 @@
 
 #include "c_api/codes.h"
 #include "c_api/structs.h"
+#include "c_api/warnings.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
 
@@ -34,24 +35,14 @@ sfdae_initial_report report_of(const ConsistentPoint& point) {
           point.derivative_exact ? 1 : 0};
 }
 
-CallResult warning_of(const sfdae_solver& solver, bool contradiction) {
-  if (contradiction)
-    return {SFDAE_INCONSISTENCY_IGNORED, "redundant equations contradict each other; ignored as asked for."};
-  const int u = solver.system()->undetermined();
-  if (u == 0) return {};
-  return {SFDAE_NOT_UNIQUE,
-          format("the solution is not unique: %d component(s) are free (u = %d). The free part is held "
-                 "constant; prescribe components to choose another solution.",
-                 u, solver.system()->analysis().values.u)};
-}
-
 }  // namespace
 
-SolverOptions::SolverOptions(const sfdae_options& o, int n) {
+SolverOptions::SolverOptions(const sfdae_options& o, int n) : xdot_is_guess(o.xdot_is_guess != 0) {
   model.analysis = {o.max_index, o.reduction == SFDAE_REDUCTION_SVD, o.rank_tol, o.time_scale};
   model.differences = {o.difference_derivatives != 0, o.difference_step, 1.0};
   model.leading = leading_term_of(o.leading_term);
   model.consistency.kind = initial_values_of(o.initial_values);
+  model.consistency.keeps_differentiated = true;
   if (o.initial_values == SFDAE_INITIAL_FIXED)
     for (int i = 0; i < n; ++i) model.consistency.fixed.push_back(static_cast<char>(o.fixed[i]));
   if (o.initial_weights != nullptr) model.consistency.weights.assign(o.initial_weights, o.initial_weights + n);
@@ -80,6 +71,7 @@ void analyze(sfdae_solver& solver, PointOfInterest point) {
   if (stop && (*stop - point.toward) * direction < 0.0) point.toward = *stop;
   if (point.toward == t) throw Failure(SFDAE_ILLEGAL_ARGUMENT, format("t = %.15g lies at or beyond stop_time.", t));
   set_limits(solver, t, direction);
+  const UserTime user_time(solver.problem(), t);
   solver.forget_analysis();
   solver.model.analyze(point, solver.options.model, solver.decisions);
   solver.direction = direction;
@@ -184,6 +176,19 @@ CallResult check_point(double t, double toward, const double* x, int n) {
   return {};
 }
 
+// A point that initial values are asked for at, with the guess of x' if xdot is one.
+CallResult check_initial_point(const sfdae_solver& solver, const PointOfInterest& point) {
+  const int n = solver.model.n();
+  const CallResult checked = check_point(point.t, point.toward, point.x, n);
+  if (checked.status != SFDAE_OK || point.xdot == nullptr || finite_vector(point.xdot, n)) return checked;
+  return illegal_argument("xdot, which is a guess, contains NaN or Inf.");
+}
+
+PointOfInterest initial_point(const sfdae_solver& solver, double t, double toward, const double* x,
+                              const double* xdot) {
+  return {t, toward, x, solver.options.xdot_is_guess ? xdot : nullptr};
+}
+
 }  // namespace
 
 extern "C" {
@@ -266,7 +271,7 @@ int sfdae_analyze(sfdae_solver* solver, double t, double toward, sfdae_character
     if (solver->model.needs_x())
       return illegal_argument("the characteristic values of a nonlinear problem depend on x: call sfdae_analyze_at.");
     analyze(*solver, {t, toward, nullptr});
-    CallResult warning = warning_of(*solver, false);
+    CallResult warning = warning_of(*solver->system());
     if (result != nullptr) fill_struct(result, characteristics_of(*solver));
     return warning;
   });
@@ -279,7 +284,7 @@ int sfdae_analyze_at(sfdae_solver* solver, double t, double toward, const double
     if (result != nullptr && !is_plausible_size(result->size))
       return illegal_argument("result->size is not set: call sfdae_characteristics_init.");
     analyze(*solver, {t, toward, x});
-    CallResult warning = warning_of(*solver, false);
+    CallResult warning = warning_of(*solver->system());
     if (result != nullptr) fill_struct(result, characteristics_of(*solver));
     return warning;
   });
@@ -302,12 +307,13 @@ int sfdae_set_parameter(sfdae_solver* solver, const char* name, double value) {
 
 int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdot) {
   return guarded(solver, [&]() -> CallResult {
-    const double toward = time_beside(t, solver->direction);
-    CallResult checked = check_point(t, toward, x, solver->model.n());
+    const PointOfInterest point = initial_point(*solver, t, time_beside(t, solver->direction), x, xdot);
+    const CallResult checked = check_initial_point(*solver, point);
     if (checked.status != SFDAE_OK) return checked;
-    if (!solver->system()) analyze(*solver, {t, toward, x});
-    const ConsistentPoint found = solver->model.consistent_point_beside({t, toward, x}, solver->options.model);
-    CallResult warning = warning_of(*solver, found.has_contradiction);
+    if (!solver->system()) analyze(*solver, point);
+    const UserTime user_time(solver->problem(), t);
+    const ConsistentPoint found = solver->model.consistent_point_beside(point, solver->options.model);
+    CallResult warning = warning_of(*solver->system(), found);
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = report_of(found);
@@ -317,19 +323,21 @@ int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdo
 
 int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double* xdot) {
   return guarded(solver, [&]() -> CallResult {
-    CallResult checked = check_point(t, toward, x, solver->model.n());
+    const PointOfInterest point = initial_point(*solver, t, toward, x, xdot);
+    const CallResult checked = check_initial_point(*solver, point);
     if (checked.status != SFDAE_OK) return checked;
-    const double direction = toward < t ? -1.0 : 1.0;
+    const double direction = point.direction();
     const auto& stop = solver->options.integration.stop_time;
     if (stop && (*stop - t) * direction <= 0.0)
       return illegal_argument(format("t = %.15g lies at or beyond stop_time = %.15g.", t, *stop));
     if (!solver->system() || (direction != solver->direction && !solver->model.is_constant()))
-      analyze(*solver, {t, toward, x});
+      analyze(*solver, point);
     solver->direction = direction;
     solver->integration.reset();
     set_limits(*solver, t, direction);
-    const ConsistentPoint found = solver->model.consistent_point({t, toward, x}, solver->options.model);
-    CallResult warning = warning_of(*solver, found.has_contradiction);
+    const UserTime user_time(solver->problem(), t);
+    const ConsistentPoint found = solver->model.consistent_point(point, solver->options.model);
+    CallResult warning = warning_of(*solver->system(), found);
     solver->integration =
         std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
                                       solver->options.integration, InitialPoint{t, toward, found.x, found.xdot});
@@ -349,7 +357,7 @@ int sfdae_step(sfdae_solver* solver, double tout, double* t, double* x, double* 
 }
 
 int sfdae_get_checkpoint_length(sfdae_solver* solver, size_t* length) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     if (length == nullptr) return illegal_argument("length is NULL.");
     if (!solver->integration) return not_started("sfdae_start");
     *length = checkpoint_size(*solver->model.system(), *solver->integration);

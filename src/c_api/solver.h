@@ -26,6 +26,7 @@ struct SolverOptions {
   SolverOptions(const sfdae_options& options, int n);
   ModelOptions model;
   IntegrationOptions integration;
+  bool xdot_is_guess;
 };
 
 }  // namespace sfdae::core
@@ -55,19 +56,25 @@ struct sfdae_solver {
   std::optional<sfdae_initial_report> initial_report;
 
   std::atomic<bool> busy{false};
-  mutable char message[1536] = "";  // the last call's; read-only calls may fail, too
+  // Of the last call. Functions that only read leave it alone where it explains a failure.
+  mutable char message[1536] = "";
+  bool message_explains_failure = false;
 };
 
 namespace sfdae::core {
 
 inline constexpr const char* out_of_memory = "out of memory.";
+// Whose words stay: those of the call always, or those that explain an earlier failure.
+enum class Text { of_call, of_failure };
 
 // Runs the body of an API call: one at a time, exceptions to status and message.
-template <class Body>
+template <Text text_kept = Text::of_call, class Body>
 int guarded(sfdae_solver* solver, Body body) noexcept {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
   if (solver->busy.exchange(true)) return SFDAE_BUSY;
   const auto say = [solver](int status, const char* text) {
+    if (text_kept == Text::of_call) solver->message_explains_failure = status < 0;
+    else if (solver->message_explains_failure) return status;
     std::snprintf(solver->message, sizeof solver->message, "%s", text);
     return status;
   };

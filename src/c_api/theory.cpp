@@ -136,7 +136,7 @@ using namespace sfdae::core;
 extern "C" {
 
 int sfdae_get_jet(sfdae_solver* solver, double t, const double* x, int level, double* jet) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     demand_level(t, level);
     if (jet == nullptr) return illegal_argument("jet is NULL.");
     demand_analysis(*solver);
@@ -154,7 +154,7 @@ int sfdae_get_jet(sfdae_solver* solver, double t, const double* x, int level, do
 }
 
 int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double* M, double* N, double* g) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     demand_level(t, level);
     if (solver->kind.linear == nullptr) demand_analysis(*solver);
     return write(solver->model.derivative_array(point_at(*solver, t, level), level), {M, N, g});
@@ -163,14 +163,14 @@ int sfdae_get_derivative_array(sfdae_solver* solver, double t, int level, double
 
 int sfdae_get_derivative_array_at(sfdae_solver* solver, double t, const double* jet, int level, double* M, double* N,
                                   double* g) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     demand_level(t, level);
     return write(solver->model.derivative_array(given_jet(*solver, t, jet, level), level), {M, N, g});
   });
 }
 
 int sfdae_get_projectors(sfdae_solver* solver, double t, double* Z1, double* Z2, double* Z3, double* T2, int* vhat) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     demand_time(t);
     demand_analysis(*solver);
     const ProjectorPlaces to{Z1, Z2, Z3, T2, vhat};
@@ -181,7 +181,7 @@ int sfdae_get_projectors(sfdae_solver* solver, double t, double* Z1, double* Z2,
 
 int sfdae_get_projectors_at(sfdae_solver* solver, double t, const double* jet, double* Z1, double* Z2, double* Z3,
                             double* T2, int* vhat) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     demand_time(t);
     demand_analysis(*solver);
     const ProjectorPlaces to{Z1, Z2, Z3, T2, vhat};
@@ -192,7 +192,7 @@ int sfdae_get_projectors_at(sfdae_solver* solver, double t, const double* jet, d
 
 int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, double* A1, double* f1, double* A2,
                                double* f2, double* residual) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     demand_time(t);
     demand_analysis(*solver);
     const Jet jet = point_at(*solver, t, solver->model.level_of_jets(false));
@@ -202,7 +202,7 @@ int sfdae_get_strangeness_free(sfdae_solver* solver, double t, double* E1, doubl
 
 int sfdae_get_strangeness_free_at(sfdae_solver* solver, double t, const double* jet, double* E1, double* A1,
                                   double* f1, double* A2, double* f2, double* residual) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     demand_time(t);
     demand_analysis(*solver);
     const Jet given = given_jet(*solver, t, jet, solver->model.level_of_jets(false));
@@ -212,7 +212,7 @@ int sfdae_get_strangeness_free_at(sfdae_solver* solver, double t, const double* 
 
 int sfdae_get_extended_system(sfdae_solver* solver, double t, const double* x, double* Qq, double* Qv, double* E,
                               double* A, double* f, double* w) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     demand_time(t);
     if (solver->kind.multibody == nullptr) return illegal_argument("the problem is not a multibody system.");
     demand_analysis(*solver);

@@ -16,8 +16,8 @@ View column(double* values, int count) { return {values, count, 1, std::max(coun
 
 void describe_code(const char* name, CallbackError& error) {
   error.status = error.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
-  error.detail = format("%s returned %d (%s) at t = %.15g.", name, error.code,
-                        error.code < 0 ? "stop" : "cannot evaluate", error.t);
+  error.detail = format("%s returned %d (%s) at %s.", name, error.code, error.code < 0 ? "stop" : "cannot evaluate",
+                        error.where().c_str());
 }
 
 void describe_entry(const char* name, ConstView result, CallbackError& error) {
@@ -27,9 +27,9 @@ void describe_entry(const char* name, ConstView result, CallbackError& error) {
   error.row = first % result.rows;
   error.column = first / result.rows;
   error.detail = format(
-      "%s returned NaN, Inf or a number near overflow in row %d, column %d at t = %.15g. Return 1 "
+      "%s returned NaN, Inf or a number near overflow in row %d, column %d at %s. Return 1 "
       "from the callback to have the step reduced.",
-      name, error.row, error.column, error.t);
+      name, error.row, error.column, error.where().c_str());
 }
 
 }  // namespace
@@ -49,6 +49,7 @@ bool MultibodyFunctions::checked(const char* name, double t, View result, Callba
   std::fill_n(result.data, count, 0.0);
   error.function = name;
   error.t = t;
+  error.user_t = problem_.user_t();
   if (problem_.stop_is_requested()) {
     error.status = SFDAE_STOPPED;
     return false;

@@ -103,6 +103,7 @@ void RecordedMultibody::parameters_changed() {
 CallbackError RecordedMultibody::begin(double t) const {
   CallbackError error;
   error.t = t;
+  error.user_t = user_t();
   if (stop_is_requested()) error.status = SFDAE_STOPPED;
   return error;
 }

@@ -92,6 +92,7 @@ CallbackError LinearProblem::call(char which, double t, int order, double* value
   callback_error.function = function.name == 'E' ? "E" : function.name == 'A' ? "A" : "f";
   callback_error.order = order;
   callback_error.t = t;
+  callback_error.user_t = user_t();
   if (stop_is_requested()) {
     callback_error.status = SFDAE_STOPPED;
     return callback_error;
@@ -107,7 +108,8 @@ CallbackError LinearProblem::call(char which, double t, int order, double* value
                                                                                : SFDAE_CALLBACK_FAILED;
     if (explanation_ && callback_error.status == SFDAE_CALLBACK_FAILED) {
       callback_error.status = SFDAE_NOT_FINITE;
-      callback_error.detail = explanation_(t);
+      callback_error.detail =
+          "the equations cannot be evaluated at " + callback_error.where() + ": " + explanation_() + ".";
     }
     return callback_error;
   }
@@ -150,6 +152,7 @@ CallbackError LinearProblem::fill(Function& function, double t, int order, Taylo
         callback_error.function = function.name == 'E' ? "E" : function.name == 'A' ? "A" : "f";
         callback_error.order = k;
         callback_error.t = t;
+        callback_error.user_t = user_t();
       }
       return callback_error;
     }
@@ -249,6 +252,7 @@ CallbackError LinearProblem::evaluate(double t, Orders orders, double time_scale
     callback_error.status = SFDAE_NOT_FINITE;
     callback_error.row = -1;
     callback_error.t = t;
+    callback_error.user_t = user_t();
   }
   return callback_error;
 }
@@ -260,6 +264,7 @@ CallbackError LinearProblem::evaluate_prescribed(double t, double* values) {
   std::fill_n(values, count, 0.0);
   callback_error.function = "prescribed_values";
   callback_error.t = t;
+  callback_error.user_t = user_t();
   callback_error.code = user_.inputs.values(t, 0, values, user_.inputs.user);
   if (callback_error.code != 0)
     callback_error.status = callback_error.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;

@@ -62,7 +62,7 @@ class LinearProblem final : public Problem, public CoefficientSource {
   CallbackError call(char which, double t, int order, double* values);
 
   // Says why callbacks cannot evaluate, where they know it.
-  void set_explanation(std::function<std::string(double t)> explanation) { explanation_ = std::move(explanation); }
+  void set_explanation(std::function<std::string()> explanation) { explanation_ = std::move(explanation); }
 
   // Also forgets which orders were not available.
   void set_differences(const DifferenceOptions& options);
@@ -117,7 +117,7 @@ class LinearProblem final : public Problem, public CoefficientSource {
   Units units_;
   std::array<Function, 3> functions_;
   DifferenceOptions differences_;
-  std::function<std::string(double t)> explanation_;
+  std::function<std::string()> explanation_;
 };
 
 }  // namespace sfdae::core

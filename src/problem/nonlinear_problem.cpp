@@ -26,6 +26,7 @@ CallbackError NonlinearProblem::stopped(double t) const {
   CallbackError error;
   if (stop_is_requested()) error.status = SFDAE_STOPPED;
   error.t = t;
+  error.user_t = user_t();
   return error;
 }
 
@@ -36,6 +37,7 @@ CallbackError NonlinearProblem::evaluate_prescribed(double t, double* values) {
   std::fill_n(values, count, 0.0);
   error.function = "prescribed_values";
   error.t = t;
+  error.user_t = user_t();
   error.code = inputs_.values(t, 0, values, inputs_.user);
   if (error.code != 0) error.status = error.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
   else if (!all_finite(values, count)) error.status = SFDAE_NOT_FINITE;
@@ -121,9 +123,9 @@ CallbackError RecordedProblem::failure(double t) const {
   CallbackError error;
   error.status = SFDAE_NOT_FINITE;
   error.t = t;
+  error.user_t = user_t();
   error.row = evaluator_.failure().equation;
-  error.detail =
-      "the equations cannot be evaluated" + format(" at t = %.15g: ", t) + evaluator_.failure().message + ".";
+  error.detail = "the equations cannot be evaluated at " + error.where() + ": " + evaluator_.failure().message + ".";
   return error;
 }
 
@@ -159,6 +161,7 @@ CallbackError CallbackProblem::call(double t, int order, const double* derivativ
   error.function = "F";
   error.order = order;
   error.t = t;
+  error.user_t = user_t();
   error.code = function_(t, order, derivatives, F, F_x, F_xdot, user_);
   if (error.code != 0) {
     error.status = error.code < 0                            ? SFDAE_CALLBACK_STOPPED

@@ -23,11 +23,15 @@ struct CallbackError {
   int row = 0;   // of the first entry that is not finite
   int column = 0;
   double t = 0.0;
+  // Where t is an internal point of the library's beside a time of the user's: that one. NaN: all times are the user's.
+  double user_t = std::numeric_limits<double>::quiet_NaN();
   std::string detail;  // what there is to say instead of function and order
 
   // A smaller step may help.
   bool is_recoverable() const { return status == SFDAE_CALLBACK_FAILED || status == SFDAE_NOT_FINITE; }
   std::string message() const;
+  // "t = 0.5", or "the internal point t = 0.5007, beside t0 = 0.5"
+  std::string where() const;
   // Throws Failure.
   [[noreturn]] void raise() const;
 };
@@ -48,6 +52,9 @@ class Problem {
   }
   // The one that an integration in a direction comes from.
   double limit_before(double direction) const { return direction > 0.0 ? lowest_t_ : highest_t_; }
+  // See CallbackError::user_t.
+  double user_t() const { return user_t_; }
+
   // Distance from t to the limit in a direction (+1 or -1).
   double room(double t, double direction) const { return direction > 0.0 ? highest_t_ - t : t - lowest_t_; }
 
@@ -64,7 +71,22 @@ class Problem {
   double highest_t_ = std::numeric_limits<double>::infinity();
 
  private:
+  friend class UserTime;
+
   std::atomic<bool> stop_requested_{false};
+  double user_t_ = std::numeric_limits<double>::quiet_NaN();
+};
+
+// While it lives the user knows of t only: other times are points of an analysis, or of differences.
+class UserTime {
+ public:
+  UserTime(Problem& problem, double t) : problem_(problem) { problem_.user_t_ = t; }
+  UserTime(const UserTime&) = delete;
+  UserTime& operator=(const UserTime&) = delete;
+  ~UserTime() { problem_.user_t_ = std::numeric_limits<double>::quiet_NaN(); }
+
+ private:
+  Problem& problem_;
 };
 
 }  // namespace sfdae::core

@@ -48,10 +48,6 @@ bool RecordedLinearCoefficients::evaluate(double t, int order) {
   return true;
 }
 
-std::string RecordedLinearCoefficients::failure(double t) const {
-  return format("the equations cannot be evaluated at t = %.15g: ", t) + evaluator_.failure().message + ".";
-}
-
 int RecordedLinearCoefficients::derivative(char which, double t, int order, double* values) {
   constexpr int cannot_evaluate = 1;  // returned as callbacks of users do
   if (order > max_derivative_order) return SFDAE_ORDER_NOT_AVAILABLE;

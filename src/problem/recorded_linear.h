@@ -22,7 +22,7 @@ class RecordedLinearCoefficients {
   LinearFunctions functions();
   TaylorEvaluator& evaluator() { return evaluator_; }
   // Why the last evaluation failed.
-  std::string failure(double t) const;
+  const std::string& failure() const { return evaluator_.failure().message; }
   // After parameters have been changed.
   void forget() { known_order_ = -1; }
 

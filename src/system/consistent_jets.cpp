@@ -17,6 +17,12 @@ ConsistentJets::ConsistentJets(NonlinearProblem& problem, double t, const double
   points_.push_back(std::move(first));
 }
 
+void ConsistentJets::guess_derivative(const double* xdot) {
+  Jet& jet = points_.front().jet;
+  jet.set_order(1);
+  std::copy_n(xdot, jet.n, jet.column(1));
+}
+
 // A new point starts from the Taylor polynomial of the first one.
 ConsistentJets::Point& ConsistentJets::point_at(double t) {
   for (Point& point : points_)
@@ -41,6 +47,7 @@ const Jet& ConsistentJets::jet_at(double t, int level) {
   Point& point = point_at(t);
   JetSolver solver(problem_, units_);
   if (t == points_.front().jet.t) solver.set_fixed(fixed_);
+  solver.keep_differentiated(sizes_);
   while (point.level < level) {
     solver.solve(point.jet, point.level + 1);
     ++point.level;

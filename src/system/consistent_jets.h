@@ -23,6 +23,11 @@ class ConsistentJets final : public CoefficientSource {
   // fixed: components of x at t that must not change (n flags, or empty).
   ConsistentJets(NonlinearProblem& problem, double t, const double* x, std::vector<char> fixed);
 
+  // What is differentiated stays if it can; sizes: of changes of x that count as one, n of them.
+  void keep_differentiated(std::vector<double> sizes) { sizes_ = std::move(sizes); }
+  // x' at t: the jet there is looked for near it.
+  void guess_derivative(const double* xdot);
+
   int m() const override { return problem_.m(); }
   int n() const override { return problem_.n(); }
   std::vector<int> differentiations() const override { return problem_.differentiations(); }
@@ -49,6 +54,7 @@ class ConsistentJets final : public CoefficientSource {
   NonlinearProblem& problem_;
   Units units_;
   std::vector<char> fixed_;
+  std::vector<double> sizes_;
   std::deque<Point> points_;  // the first one is that of the guess
 };
 

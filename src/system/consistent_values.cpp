@@ -8,6 +8,7 @@
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "system/least_change.h"
 
 namespace sfdae::core {
 
@@ -61,37 +62,83 @@ Vector nearest(const NullSpaceForm& form, const Vector& x, const Vector& inverse
   return result;
 }
 
-// The fixed components alone: T2_J z = x_J - xp_J has to be solvable; N spans what they leave open. Throws Failure.
-Candidates satisfy_fixed(const NullSpaceForm& form, const ConsistencyRequest& request, const Vector& x, double t) {
-  const int count = static_cast<int>(std::count(request.fixed.begin(), request.fixed.end(), 1));
-  Matrix J(count, form.unknowns());
-  Vector missing(index(count));
-  std::vector<int> components;
-  for (int i = 0, row = 0; i < form.n; ++i) {
-    if (request.fixed[index(i)] == 0) continue;
-    components.push_back(i);
-    for (int j = 0; j < J.cols(); ++j) J(row, j) = form.T2()(i, j);
-    missing[index(row++)] = x[index(i)] - form.xp()[i];
-  }
+// Candidates that have given values in components J: T2_J z = x_J - xp_J; N spans what they leave open.
+Candidates with_components(const NullSpaceForm& form, const std::vector<int>& components, const Vector& missing,
+                           Matrix& J) {
+  const int count = static_cast<int>(components.size());
+  J = Matrix(count, form.unknowns());
+  for (int row = 0; row < count; ++row)
+    for (int j = 0; j < J.cols(); ++j) J(row, j) = form.T2()(components[index(row)], j);
   // T2 has orthonormal columns: singular values of its rows are cosines, 1e-9 is as good as none.
   const Svd decomposition = svd(J);
   int rank = 0;
   for (double s : decomposition.s) rank += s > fixed_tolerance ? 1 : 0;
-  const Vector z0 = least_squares(J, missing, fixed_tolerance);
+  return {least_squares(J, missing, fixed_tolerance),
+          to_matrix(decomposition.V.view().columns(rank, form.unknowns() - rank))};
+}
+
+// The fixed components, and those that are prescribed, for the given x. Throws Failure if fixed ones do not fit.
+Candidates satisfy_fixed(const ConstrainedPoint& point, const ConsistencyRequest& request, const Vector& x) {
+  const NullSpaceForm& form = point.form;
+  std::vector<int> components;
+  Vector missing;
+  for (int i = 0; i < form.n; ++i) {
+    const bool is_fixed = request.kind == InitialValues::fixed && request.fixed[index(i)] != 0;
+    if (!is_fixed && !point.is_prescribed(i)) continue;
+    components.push_back(i);
+    missing.push_back(x[index(i)] - form.xp()[i]);
+  }
+  Matrix J;
+  Candidates candidates = with_components(form, components, missing, J);
   Vector residual(missing);
-  if (count > 0) multiply(-1.0, Op::plain, J, z0.data(), 1.0, residual.data());
-  for (int row = 0; row < count; ++row) {
+  if (!components.empty()) multiply(-1.0, Op::plain, J, candidates.z0.data(), 1.0, residual.data());
+  for (int row = 0; row < J.rows(); ++row) {
     // Relative to what was added up in this component.
     const int i = components[index(row)];
+    if (request.kind != InitialValues::fixed || request.fixed[index(i)] == 0) continue;
     double size = std::max({std::fabs(x[index(i)]), std::fabs(form.xp()[i]), request.least_size});
-    for (int j = 0; j < J.cols(); ++j) size = std::max(size, std::fabs(J(row, j) * z0[index(j)]));
+    for (int j = 0; j < J.cols(); ++j) size = std::max(size, std::fabs(J(row, j) * candidates.z0[index(j)]));
     if (std::fabs(residual[index(row)]) > fixed_tolerance * size)
       throw Failure(SFDAE_FIXED_VALUES,
                     format("the fixed components contradict the constraints at t = %.15g: x[%d] = %.6g would have to "
                            "change by %.3g. Fix fewer components, or correct their values.",
-                           t, components[index(row)], x[index(components[index(row)])], -residual[index(row)]));
+                           point.data.t, i, x[index(i)], -residual[index(row)]));
   }
-  return {z0, to_matrix(decomposition.V.view().columns(rank, form.unknowns() - rank))};
+  return candidates;
+}
+
+// In scaled unknowns.
+Vector scaled_sizes(const ConsistencyRequest& request, const Units& units) {
+  Vector sizes = request.sizes();
+  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] /= units[i];
+  return sizes;
+}
+
+// Among the candidates, x with the least change of E x, and then of x.
+Vector with_differentiated_kept(const ConstrainedPoint& point, const ConsistencyRequest& request,
+                                const Candidates& candidates, const Vector& user_x) {
+  const NullSpaceForm& form = point.form;
+  const Units& units = point.units;
+  const int n = form.n;
+  Vector base(form.xp(), form.xp() + n), x(user_x);
+  multiply(1.0, Op::plain, form.T2(), candidates.z0.data(), 1.0, base.data());
+  for (int i = 0; i < n; ++i) x[index(i)] /= units[i];
+  const Matrix directions = product(form.T2(), candidates.N);
+  const LeadingKernel kernel(point.data.E(0), point.rank_E);
+  const ChangeMeasure measure{scaled_sizes(request, units), least_cosine(n, point.kept)};
+  // Once more where digits were cancelled: values may be given that are far too large.
+  bool has_cancellation = true;
+  for (int pass = 0; pass < 2 && has_cancellation; ++pass) {
+    const Vector dx = least_change({base.data(), directions}, kernel, measure, x.data());
+    has_cancellation = false;
+    for (int i = 0; i < n; ++i) {
+      if (!request.fixed.empty() && request.fixed[index(i)] != 0) continue;
+      x[index(i)] += dx[index(i)];
+      has_cancellation = has_cancellation || std::fabs(dx[index(i)]) > 2.0 * std::fabs(x[index(i)]);
+    }
+  }
+  units.outward(x.data());
+  return x;
 }
 
 // z0: E1 (xp + T2 z0 - x) = 0; N spans what that leaves open, the free directions. With Z1 spanning the range of E T2
@@ -114,9 +161,10 @@ Candidates keep_differential(const NullSpaceForm& form, const TaylorData& data, 
 
 }  // namespace
 
-Vector consistent_point(const NullSpaceForm& form, const TaylorData& data, const Units& units,
-                        const ConsistencyRequest& request, const Vector& user_x) {
+Vector consistent_point(const ConstrainedPoint& point, const ConsistencyRequest& request, const Vector& user_x) {
   // The null-space form is that of scaled unknowns.
+  const NullSpaceForm& form = point.form;
+  const Units& units = point.units;
   const int n = form.n;
   Vector x(user_x), inverse_weights(index(n));
   for (int i = 0; i < n; ++i) {
@@ -127,10 +175,13 @@ Vector consistent_point(const NullSpaceForm& form, const TaylorData& data, const
   const bool plain_norm =
       std::all_of(inverse_weights.begin(), inverse_weights.end(), [](double w) { return w == 1.0; });
   Candidates candidates{Vector(index(form.unknowns()) + 1, 0.0), identity(form.unknowns())};
-  if (request.kind == InitialValues::fixed) candidates = satisfy_fixed(form, request, x, data.t);
-  if (request.kind == InitialValues::keep_differential) candidates = keep_differential(form, data, x);
+  if (request.kind == InitialValues::fixed || point.prescribed != nullptr)
+    candidates = satisfy_fixed(point, request, x);
+  if (request.kind == InitialValues::keep_differential) candidates = keep_differential(form, point.data, x);
+  if (request.differentiated_stay()) return with_differentiated_kept(point, request, candidates, user_x);
   Vector consistent(form.xp(), form.xp() + n);
-  const bool any_change = request.kind == InitialValues::nearest || request.kind == InitialValues::accept;
+  const bool any_change = point.prescribed == nullptr &&
+                          (request.kind == InitialValues::nearest || request.kind == InitialValues::accept);
   if (plain_norm && any_change) {
     // xp + T2 T2^T x
     Vector& z = candidates.z0;
@@ -144,6 +195,61 @@ Vector consistent_point(const NullSpaceForm& form, const TaylorData& data, const
     for (int i = 0; i < n; ++i)
       if (request.fixed[index(i)] != 0) consistent[index(i)] = user_x[index(i)];
   return consistent;
+}
+
+Vector differentiated_change(const ConstrainedPoint& point, const ConsistencyRequest& request, const Vector& dx) {
+  Vector scaled(dx);
+  for (std::size_t i = 0; i < dx.size(); ++i) scaled[i] /= point.units[i];
+  scaled =
+      differentiated_part(LeadingKernel(point.data.E(0), point.rank_E), scaled_sizes(request, point.units), scaled);
+  point.units.outward(scaled.data());
+  return scaled;
+}
+
+ValueChange change_of_differentiated(const ConstrainedPoint& point, const ConsistencyRequest& request,
+                                     const Vector& given, const Vector& found) {
+  if (!request.differentiated_stay()) return {};
+  // Errors of the directions times the largest value, in the units of the equations, are no change; two digits of room
+  // (chosen).
+  constexpr double room = 1e2, most_rounding = 1e-8;
+  const Units& units = point.units;
+  const int n = point.form.n;
+  double size = 0.0;
+  Vector dx(index(n)), tolerances(request.tolerances);
+  for (int i = 0; i < n; ++i) {
+    dx[index(i)] = found[index(i)] - given[index(i)];
+    size = std::max({size, std::fabs(given[index(i)]) / units[i], std::fabs(found[index(i)]) / units[i]});
+  }
+  const double rounding = std::min(room * error_of_directions(n, point.kept), most_rounding) * size;
+  for (int i = 0; i < n; ++i) tolerances[index(i)] = std::max(tolerances[index(i)], rounding * units[i]);
+  const Vector part = differentiated_change(point, request, dx);
+  ValueChange change = largest_change(given.data(), part.data(), tolerances, n);
+  change.is_part = !LeadingKernel(point.data.E(0), point.rank_E).is_coordinates();
+  return change;
+}
+
+ConsistencyRequest ConsistencyRequest::trusting_digits(const double* x) const {
+  // Six digits, or far below the tolerances (chosen); never above them.
+  constexpr double last_digit = 1e-6, negligible = 1e-3;
+  ConsistencyRequest request = *this;
+  request.trusts_digits = true;
+  for (std::size_t i = 0; i < tolerances.size(); ++i)
+    request.tolerances[i] =
+        std::max(std::min(last_digit * std::fabs(x[i]), tolerances[i]), negligible * tolerances[i]);
+  return request;
+}
+
+Vector ConsistencyRequest::sizes() const {
+  Vector sizes(trusts_digits ? digits : tolerances);
+  const double largest = max_abs(sizes.data(), static_cast<int>(sizes.size()));
+  for (double& size : sizes)
+    if (size == 0.0) size = largest > 0.0 ? largest : 1.0;
+  return sizes;
+}
+
+ConstrainedPoint constraints_of(LinearSystem& system) {
+  const LinearPoint& point = system.point();
+  return {point.form, point.data, system.problem().units(), point.rank_E, point.kept_constraints * point.pivot};
 }
 
 void report_change(const ConsistencyRequest& request, double t, const Vector& given, const Vector& consistent,
@@ -179,7 +285,7 @@ ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest
   };
   ConsistencyResult result;
   result.residual_before = violation_of(user_x);
-  const Vector consistent = consistent_point(form, system.point().data, units, request, user_x);
+  const Vector consistent = consistent_point(constraints_of(system), request, user_x);
   report_change(request, system.t(), user_x, consistent, result);
   if (request.kind != InitialValues::accept) user_x = consistent;
   result.residual_after = request.kind == InitialValues::accept ? result.residual_before : violation_of(user_x);

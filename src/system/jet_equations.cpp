@@ -27,6 +27,8 @@ constexpr double largest_residual = 1e150;
 // y may change this much more easily than x: x is what was guessed, y has no better start than 0. Chosen, not
 // measured.
 constexpr double ease_of_y = 1e3;
+// Likewise for unknowns that are in no equation with their derivative, where those that are have to stay.
+constexpr double ease_of_algebraic = 1e3;
 
 double length(const double* v, std::size_t count) {
   double sum = 0.0;
@@ -99,7 +101,20 @@ double JetEquations::residual_noise() const {
   return std::min(most, norm_ / std::max(data_.norm(level_), tiny));
 }
 
-bool JetEquations::staged_change(NoiseModel model, double noise, Vector& change) {
+// In scaled unknowns.
+Vector JetEquations::change_of_kept(int rank_E, double least_cosine) {
+  ChangeMeasure measure{sizes_, least_cosine};
+  for (int i = 0; i < data_.n; ++i) measure.sizes[index(i)] /= units_[i];
+  const LeadingKernel kernel(data_.E(0), rank_E);
+  const Vector zero(index(data_.n), 0.0);
+  Vector dx = least_change({form_.xp(), form_.T2()}, kernel, measure, zero.data());
+  Vector moved = differentiated_part(kernel, measure.sizes, dx);
+  for (std::size_t i = 0; i < moved.size(); ++i) moved[i] /= measure.sizes[i];
+  moved_ = length(moved.data(), moved.size());
+  return dx;
+}
+
+bool JetEquations::staged_change(NoiseModel model, double noise, bool keep, Vector& change) {
   const int m = problem_.m(), n = problem_.n();
   const Arena::Frame frame(arena_);
   data_.residual_noise = noise;
@@ -111,7 +126,13 @@ bool JetEquations::staged_change(NoiseModel model, double noise, Vector& change)
   form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
   data_.residual_noise = 0.0;
   change.assign(index(n) * index(level_ + 2), 0.0);
-  std::copy_n(form_.xp(), n, change.data());
+  if (keep && keeps_differentiated()) {
+    const double kept = judge.kept_constraints() * judge.smallest_pivot();
+    const Vector dx = change_of_kept(carried.rank_E, least_cosine(n, kept));
+    std::copy(dx.begin(), dx.end(), change.begin());
+  } else {
+    std::copy_n(form_.xp(), n, change.data());
+  }
   recover_derivatives(change);
   return all_finite(change.data(), change.size());
 }
@@ -130,6 +151,7 @@ Vector JetEquations::unit_changes(const Jet& jet) const {
     const double size = std::max(1.0, std::fabs(jet.column(0)[i]) / scale);
     const bool is_fixed = !fixed_.empty() && fixed_[index(i)] != 0;
     unit[index(i)] = is_fixed ? 0.0 : size;
+    if (!is_fixed && keeps_differentiated() && !has_derivative_of(i)) unit[index(i)] *= ease_of_algebraic;
     for (int k = 1; k <= level_ + 1; ++k) unit[index(k * n + i)] = ease_of_y * size;
   }
   return unit;
@@ -197,12 +219,17 @@ bool JetEquations::is_converged(const Jet& jet, double tolerance) const {
 
 void JetEquations::give_up(const Jet& jet) const {
   constexpr int most_named = 4;
+  // Figures beyond say no more than that.
+  constexpr double largest_named = 1e6;
   const int m = problem_.m(), count = m * (level_ + 1);
   std::vector<int> order(index(count));
   for (int i = 0; i < count; ++i) order[index(i)] = i;
   std::sort(order.begin(), order.end(),
             [&](int a, int b) { return std::fabs(data_.f(0)[a]) > std::fabs(data_.f(0)[b]); });
-  std::string text = format("no consistent values were found near the guess at t = %.15g; what remains:", jet.t);
+  CallbackError place;
+  place.t = jet.t;
+  place.user_t = problem_.user_t();
+  std::string text = "no consistent values were found near the guess at " + place.where() + "; what remains:";
   double factorial = 1.0;
   for (int q = 0; q < std::min(count, most_named); ++q) {
     const int k = order[index(q)] / m, i = order[index(q)] % m;
@@ -210,8 +237,10 @@ void JetEquations::give_up(const Jet& jet) const {
     for (int j = 2; j <= k; ++j) factorial *= j;
     const double value = -data_.f(k)[i] / (data_.row_scale[index(i)] * std::pow(data_.time_scale, k + 1)) * factorial;
     if (value == 0.0) break;
-    text += k == 0 ? format(" equation %d by %.3g,", i, value)
-                   : format(" derivative %d of equation %d by %.3g,", k, i, value);
+    const std::string amount =
+        std::fabs(value) <= largest_named ? format("%.3g", value) : format("more than %.0e", largest_named);
+    text += k == 0 ? format(" equation %d by %s,", i, amount.c_str())
+                   : format(" derivative %d of equation %d by %s,", k, i, amount.c_str());
   }
   text.back() = '.';
   throw Failure(SFDAE_NO_CONSISTENT_VALUES,

@@ -13,6 +13,7 @@
 #include "reduction/null_space_form.h"
 #include "reduction/stored_elimination.h"
 #include "system/jet.h"
+#include "system/least_change.h"
 
 namespace sfdae::core {
 
@@ -21,7 +22,8 @@ class JetEquations {
   // A jet after a change.
   struct Trial {
     Jet jet;
-    double norm = 0.0;  // of its residuals
+    double norm = 0.0;   // of its residuals
+    double moved = 0.0;  // how far what is differentiated went, in the sizes that count as one
     bool valid = false;
   };
 
@@ -30,6 +32,10 @@ class JetEquations {
   // Components of x that must not change (n flags, or empty).
   const std::vector<char>& fixed() const { return fixed_; }
   void set_fixed(std::vector<char> fixed) { fixed_ = std::move(fixed); }
+  // What is differentiated stays if it can: x changes as least_change.h says. sizes: of changes of x that count as one,
+  // n of them in the user's units.
+  void keep_differentiated(std::vector<double> sizes) { sizes_ = std::move(sizes); }
+  bool keeps_differentiated() const { return !sizes_.empty(); }
 
   // time_scale 0: chosen. Throws Failure where the equations cannot be evaluated.
   void linearize(const Jet& jet, int level, double time_scale);
@@ -46,9 +52,12 @@ class JetEquations {
   // (docs/decisions/18-residuals-as-noise.md).
   double residual_noise() const;
 
-  // The smallest change of x by the staged elimination. noise: of the coefficients, as they are not those of a
-  // consistent jet. False if nothing finite is found, as below.
-  bool staged_change(NoiseModel model, double noise, std::vector<double>& change);
+  // The smallest change of x by the staged elimination, or, if `keep` and that is asked for, the one that moves what is
+  // differentiated least. noise: of the coefficients, as they are not those of a consistent jet. False if nothing finite
+  // is found, as below.
+  bool staged_change(NoiseModel model, double noise, bool keep, std::vector<double>& change);
+  // Of the last staged_change: see Trial.
+  double moved_by_last_change() const { return moved_; }
   // Of the last staged_change, for another change of x.
   void recover_derivatives(std::vector<double>& change);
   // change = U J^T (J J^T + damping I)^-1 f, J in units of U.
@@ -66,13 +75,15 @@ class JetEquations {
   double residual_norm(const Jet& jet);
   // U: changes that count as one, of x relative to its size, of y more.
   std::vector<double> unit_changes(const Jet& jet) const;
+  std::vector<double> change_of_kept(int rank_E, double least_cosine);
 
   NonlinearProblem& problem_;
   const Units& units_;
   std::vector<char> fixed_;
+  std::vector<double> sizes_;
   int level_ = 0;
   TaylorData data_;
-  double norm_ = 0.0;
+  double norm_ = 0.0, moved_ = 0.0;
   std::vector<double> residuals_;
   StoredElimination stored_;
   NullSpaceForm form_;

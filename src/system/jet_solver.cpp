@@ -15,7 +15,8 @@ namespace {
 
 using Vector = std::vector<double>;
 
-// Against endless searches. Chosen, not measured.
+// Against endless searches; steps that reduce the residuals well do not count: of an exponential a Newton step takes
+// one power of e, and guesses may be hundreds of them away. Chosen, not measured.
 constexpr int max_iterations = 200;
 // A step that reduces the residuals to this fraction needs no damping. Chosen, not measured.
 constexpr double good_reduction = 0.5;
@@ -39,6 +40,10 @@ class FixedForNow {
   JetEquations& equations_;
   std::vector<char> before_;
 };
+// Another step may lead where the equations can be evaluated.
+bool is_recoverable(const Failure& failure) {
+  return failure.status() == SFDAE_NOT_FINITE || failure.status() == SFDAE_CALLBACK_FAILED;
+}
 
 }  // namespace
 
@@ -53,8 +58,17 @@ void JetSolver::solve(Jet& jet, int level) {
 
 void JetSolver::find(Jet& jet, int level) {
   const Jet start = jet;
+  // False where steps lead out of the domain of the equations.
+  const auto succeeds = [&](auto step) {
+    try {
+      return step();
+    } catch (const Failure& failure) {
+      if (!is_recoverable(failure)) throw;
+      return false;
+    }
+  };
   // Where x is consistent it must not move, though y is far off.
-  if (solve_for_derivatives(jet, level)) return;
+  if (succeeds([&] { return solve_for_derivatives(jet, level); })) return;
   jet = start;
   try {
     search(jet, level, false);
@@ -62,10 +76,24 @@ void JetSolver::find(Jet& jet, int level) {
     if (failure.status() != SFDAE_NO_CONSISTENT_VALUES) throw;
     // What has no derivative may be far off alone: forces have other units.
     jet = start;
-    if (solve_for_algebraic(jet, level) && solve_for_derivatives(jet, level)) return;
+    if (succeeds([&] { return solve_for_algebraic(jet, level) && solve_for_derivatives(jet, level); })) return;
     jet = start;
     search(jet, level, true);
   }
+}
+
+// The jet after the trial, with the equations linearized there; false, and all as it was, where they cannot be.
+bool JetSolver::accept(Jet& jet, Trial&& trial, int level) {
+  const double time_scale = equations_.time_scale();
+  try {
+    equations_.linearize(trial.jet, level, time_scale);
+  } catch (const Failure& failure) {
+    if (!is_recoverable(failure)) throw;
+    equations_.linearize(jet, level, time_scale);
+    return false;
+  }
+  jet = std::move(trial.jet);
+  return true;
 }
 
 // y alone changes: true if F_level = 0 to rounding then, and nothing calls for a change of x. Large y alone may
@@ -82,7 +110,8 @@ bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
     double wanted = 0.0, size = 0.0;
     Trial trial;
     for (double noise : {equations_.residual_noise(), 0.0}) {
-      if (!equations_.staged_change(noise > 0.0 ? NoiseModel::pivots : NoiseModel::carried, noise, change)) continue;
+      if (!equations_.staged_change(noise > 0.0 ? NoiseModel::pivots : NoiseModel::carried, noise, true, change))
+        continue;
       wanted = max_abs(change.data(), jet.n);
       std::fill_n(change.begin(), n, 0.0);
       equations_.recover_derivatives(change);
@@ -145,13 +174,24 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet) {
     NoiseModel model;
     double noise;
   };
-  for (const Attempt& attempt :
-       {Attempt{NoiseModel::pivots, equations_.residual_noise()}, Attempt{NoiseModel::pivots, 0.0},
-        Attempt{NoiseModel::carried, 0.0}, Attempt{NoiseModel::data, 0.0}}) {
-    if (!equations_.staged_change(attempt.model, attempt.noise, change)) continue;
-    Trial trial = equations_.try_change(jet, change);
-    if (trial.valid && (!best.valid || trial.norm < best.norm)) best = std::move(trial);
-    if (best.valid && best.norm <= good_reduction * equations_.norm()) break;
+  const auto is_good = [&](const Trial& trial) {
+    return trial.valid && trial.norm <= good_reduction * equations_.norm();
+  };
+  for (bool keep : {equations_.keeps_differentiated(), false}) {
+    for (const Attempt& attempt :
+         {Attempt{NoiseModel::pivots, equations_.residual_noise()}, Attempt{NoiseModel::pivots, 0.0},
+          Attempt{NoiseModel::carried, 0.0}, Attempt{NoiseModel::data, 0.0}}) {
+      if (!equations_.staged_change(attempt.model, attempt.noise, keep, change)) continue;
+      Trial trial = equations_.try_change(jet, change);
+      if (keep) trial.moved = equations_.moved_by_last_change();
+      // Ranks that mislead move what could stay.
+      const bool is_better = keep && is_good(best) ? is_good(trial) && trial.moved < best.moved
+                                                   : trial.valid && (!best.valid || trial.norm < best.norm);
+      if (is_better) best = std::move(trial);
+      if (is_good(best) && (!keep || best.moved <= 1.0)) return best;
+    }
+    // Where what is differentiated has to go far, the smallest change may do better.
+    if (!keep || is_good(best)) break;
   }
   return best;
 }
@@ -166,19 +206,32 @@ bool JetSolver::search_undamped(Jet& jet, int level, Trial trial) {
   const Jet start = jet;
   const double before = equations_.norm(), time_scale = equations_.time_scale();
   for (int step = 0; step < most && trial.valid && trial.norm <= too_far * before; ++step) {
-    jet = trial.jet;
-    try {
-      equations_.linearize(jet, level, time_scale);
-    } catch (const Failure& failure) {
-      if (failure.status() != SFDAE_NOT_FINITE && failure.status() != SFDAE_CALLBACK_FAILED) throw;
-      break;
-    }
+    if (!accept(jet, std::move(trial), level)) break;
     if (equations_.norm() <= good_reduction * before) return true;
     trial = undamped_trial(jet);
   }
   jet = start;
   equations_.linearize(jet, level, time_scale);
   return false;
+}
+
+// Part of an undamped step that led out of the domain of the equations, or enormously far: not valid if none reduces
+// the residuals.
+JetSolver::Trial JetSolver::shortened_trial(const Jet& jet) {
+  // 2^-10 of a step is shorter than what damping would make of it. Chosen, not measured.
+  constexpr int halvings = 10;
+  constexpr double least_gain = 0.1;
+  Vector change;
+  const bool is_found = equations_.fixed().empty() ? equations_.staged_change(NoiseModel::pivots, 0.0, true, change)
+                                                   : equations_.dense_change(jet, 0.0, change);
+  double part = 1.0;
+  for (int k = 0; is_found && k < halvings; ++k) {
+    part *= 0.5;
+    for (double& entry : change) entry *= 0.5;
+    Trial trial = equations_.try_change(jet, change);
+    if (trial.valid && trial.norm < (1.0 - least_gain * part) * equations_.norm()) return trial;
+  }
+  return {};
 }
 
 // A damped step that reduces the residuals, however little: where the damping is too strong, less of it follows.
@@ -201,11 +254,13 @@ JetSolver::Trial JetSolver::damped_trial(const Jet& jet, double& damping) {
 
 void JetSolver::search(Jet& jet, int level, bool may_grow) {
   // Of the damping relative to the squared norm of the array. Chosen, not measured.
-  constexpr double first_damping = 1e-3, least_damping = 1e-12, weaker = 16.0;
+  constexpr double first_damping = 1e-3, least_damping = 1e-12, weaker = 16.0, after_failure = 1e3;
+  // Residuals so much larger that exponentials have run away. Chosen, not measured.
+  constexpr double enormous = 1e6;
   equations_.linearize(jet, level, 0.0);
   double damping = first_damping;
   bool is_undamped = true;
-  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+  for (int iteration = 0; iteration < max_iterations;) {
     if (equations_.norm() == 0.0) return;
     const double before = equations_.norm();
     // An undamped step first; it is the last one if rounding lets it gain nothing.
@@ -213,14 +268,17 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
     if (is_undamped) trial = undamped_trial(jet);
     const bool converged = equations_.is_converged(jet, consistent_residual);
     if (!trial.valid || trial.norm > good_reduction * before) {
+      ++iteration;
       if (converged && trial.valid && trial.norm < still_gaining * before) {
-        jet = trial.jet;
-        equations_.linearize(jet, level, equations_.time_scale());
-        continue;
+        if (accept(jet, std::move(trial), level)) continue;
+        return;
       }
       if (converged) return;
+      const bool is_far_off = is_undamped && (!trial.valid || trial.norm > enormous * before);
       if (may_grow && is_undamped && search_undamped(jet, level, std::move(trial))) continue;
-      is_undamped = false;
+      trial.valid = false;
+      if (is_far_off) trial = shortened_trial(jet);
+      is_undamped = trial.valid;
     }
     if (!is_undamped) {
       trial = damped_trial(jet, damping);
@@ -229,8 +287,11 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
       damping = std::max(damping / weaker, least_damping);
       is_undamped = trial.norm < good_reduction * before;
     }
-    jet = trial.jet;
-    equations_.linearize(jet, level, equations_.time_scale());
+    if (accept(jet, std::move(trial), level)) continue;
+    // Shorter steps from here.
+    ++iteration;
+    is_undamped = false;
+    damping *= after_failure;
   }
   if (!equations_.is_converged(jet, consistent_residual)) equations_.give_up(jet);
 }

@@ -18,6 +18,8 @@ class JetSolver {
 
   // Components of x that must not change (n flags, or empty).
   void set_fixed(std::vector<char> fixed) { equations_.set_fixed(std::move(fixed)); }
+  // What is differentiated stays if it can. sizes: of changes of x that count as one, n of them.
+  void keep_differentiated(std::vector<double> sizes) { equations_.keep_differentiated(std::move(sizes)); }
   // Makes the jet, of order level + 1 at least, fulfil F_level = 0 as well as rounding permits. Throws Failure:
   // errors of callbacks, SFDAE_NO_CONSISTENT_VALUES.
   void solve(Jet& jet, int level);
@@ -30,8 +32,10 @@ class JetSolver {
   bool solve_for_algebraic(Jet& jet, int level);
   // may_grow: residuals may do so during a few undamped steps.
   void search(Jet& jet, int level, bool may_grow);
+  bool accept(Jet& jet, Trial&& trial, int level);
   bool search_undamped(Jet& jet, int level, Trial trial);
   Trial undamped_trial(const Jet& jet);
+  Trial shortened_trial(const Jet& jet);
   Trial damped_trial(const Jet& jet, double& damping);
 
   JetEquations equations_;

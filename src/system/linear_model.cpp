@@ -15,7 +15,7 @@ namespace sfdae::core {
 
 LinearModel::LinearModel(std::unique_ptr<RecordedLinearCoefficients> coefficients)
     : recorded_(std::move(coefficients)), problem_(recorded_->functions()) {
-  problem_.set_explanation([recorded = recorded_.get()](double t) { return recorded->failure(t); });
+  problem_.set_explanation([recorded = recorded_.get()] { return recorded->failure(); });
 }
 
 EvaluationCounts LinearModel::evaluations() const {
@@ -79,8 +79,18 @@ ConsistentPoint LinearModel::make_consistent(LinearSystem& system, const PointOf
   ConsistentPoint result;
   result.t = point.t;
   result.has_contradiction = set_point(system, point.t, options);
-  result.x.assign(point.x, point.x + n());
-  result.change = core::make_consistent(system, options.request_at(point.x), result.x);
+  const std::vector<double> given(point.x, point.x + n());
+  const ConsistencyRequest request = options.request_at(point.x);
+  ValueChange change;
+  const auto choose = [&](const ConsistencyRequest& way) {
+    result.x = given;
+    result.change = core::make_consistent(system, way, result.x);
+    change = change_of_differentiated(constraints_of(system), way, given, result.x);
+  };
+  const bool may_trust = request.differentiated_stay();
+  choose(may_trust ? request.trusting_digits(point.x) : request);
+  if (may_trust && change.is_beyond_tolerances()) choose(request);
+  if (request.reports_changes()) result.value_change = change;
   add_derivative(system, point.direction(), result);
   return result;
 }

@@ -27,6 +27,7 @@ struct LinearPoint {
   TaylorData data;
   NullSpaceForm form;
   double t = std::numeric_limits<double>::quiet_NaN();  // until it is complete
+  int rank_E = 0;
   // Smallest values kept in the decisions on A^ and E T2, and smallest pivot of the elimination; relative.
   double kept_constraints = 1.0, kept_differential = 1.0, pivot = 1.0;
   int det_sign = 1;  // of det G once the point is accepted, for u = 0

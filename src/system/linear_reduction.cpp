@@ -148,6 +148,7 @@ PointRanks LinearReduction::build_form(const Attempt& attempt, const KnownForm& 
   const PointRanks ranks = point.form.build(point.data, carried, {&problem_.prescribed(), prescribed_values_.data()},
                                             known.leading, judge, arena_);
   point.t = attempt.t;
+  point.rank_E = ranks.rank_E;
   point.kept_constraints = judge.kept_constraints();
   point.kept_differential = judge.kept_differential();
   point.pivot = judge.smallest_pivot();

@@ -18,6 +18,7 @@
 #include "system/consistent_values.h"
 #include "system/dae_system.h"
 #include "system/jet.h"
+#include "system/value_change.h"
 
 namespace sfdae::core {
 
@@ -35,10 +36,12 @@ struct ModelOptions : Acceptance {
   }
 };
 
-// x: n values, or null where none are known. toward: in the direction of integration.
+// x: n values, or null where none are known. toward: in the direction of integration. xdot: a guess, or null; of
+// nonlinear problems it chooses among the derivatives that F(t, x, x') = 0 allows.
 struct PointOfInterest {
   double t, toward;
   const double* x;
+  const double* xdot = nullptr;
   double direction() const { return toward < t ? -1.0 : 1.0; }
 };
 
@@ -50,6 +53,7 @@ struct ConsistentPoint {
   double t = 0.0;
   std::vector<double> x, xdot;
   ConsistencyResult change;
+  ValueChange value_change;  // of what was to stay; none where the request did not ask for that
   bool derivative_exact = false;
   bool has_contradiction = false;  // of redundant equations, and is to be ignored
 };

@@ -12,13 +12,16 @@
 #include "reduction/null_space_form.h"
 #include "reduction/rank_sequence.h"
 #include "reduction/stored_elimination.h"
-#include "system/jet_solver.h"
 
 namespace sfdae::core {
 
 namespace {
 
 using Vector = std::vector<double>;
+
+// The iteration leaves out the curvature of the constraints and converges linearly where x is far from them: accurate
+// to this it is as near as anybody wants. Chosen, not measured.
+constexpr double accuracy = 1e-8;
 
 // One linearization of the constraints at a jet.
 class LinearizedConstraints {
@@ -40,7 +43,14 @@ class LinearizedConstraints {
     const Carried carried = eliminate(data_, mu, data_.f_stack(mu), 1, judge, arena_, &elimination_);
     form_.resize(problem_.m(), problem_.n(), 0, carried.rows);
     form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
+    rank_E_ = carried.rank_E;
+    kept_ = judge.kept_constraints() * judge.smallest_pivot();
   }
+  ConstrainedPoint point() const {
+    return {form_, data_, units_, rank_E_, kept_, follows_inputs_ ? &problem_.prescribed() : nullptr};
+  }
+  // Prescribed components go to the values in the target.
+  void follow_inputs() { follows_inputs_ = !problem_.prescribed().empty(); }
   bool has_known_ranks() const { return has_known_ranks_; }
 
   // Moves the jet by the change that brings x nearest to the target within the linearized constraints. Returns its
@@ -55,7 +65,7 @@ class LinearizedConstraints {
     }
     ConsistencyRequest relative = request;
     relative.least_size = size;
-    Vector dx = consistent_point(form_, data_, units_, relative, missing);
+    Vector dx = consistent_point(point(), relative, missing);
     double largest = 0.0;
     for (int i = 0; i < n; ++i) {
       dx[index(i)] /= units_[i];
@@ -82,40 +92,156 @@ class LinearizedConstraints {
   NullSpaceForm form_;
   StoredElimination elimination_;
   Arena arena_;
-  bool has_known_ranks_ = true;
+  int rank_E_ = 0;
+  double kept_ = 1.0;
+  bool has_known_ranks_ = true, follows_inputs_ = false;
 };
 
+// The values given, prescribed components as the user's function has them at t.
+Vector with_inputs(NonlinearProblem& problem, double t, const Vector& given) {
+  Vector target(given), values(problem.prescribed().size() + 1);
+  const CallbackError error = problem.evaluate_prescribed(t, values.data());
+  if (error.status != SFDAE_OK) error.raise();
+  for (std::size_t k = 0; k < problem.prescribed().size(); ++k) target[index(problem.prescribed()[k])] = values[k];
+  return target;
+}
+
 // weights: empty, or units of the components.
-double distance_between(const Vector& a, const double* b, const Vector& weights) {
+double length(const Vector& v, const Vector& weights) {
   double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const double difference = (a[i] - b[i]) / (weights.empty() ? 1.0 : weights[i]);
-    sum += difference * difference;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double entry = v[i] / (weights.empty() ? 1.0 : weights[i]);
+    sum += entry * entry;
   }
   return std::sqrt(sum);
 }
+
+Vector difference(const Vector& a, const double* b) {
+  Vector result(a);
+  for (std::size_t i = 0; i < a.size(); ++i) result[i] -= b[i];
+  return result;
+}
+
+// How far a jet is from the values given: what is least first, and then.
+struct Distance {
+  double of_differentiated = 0.0, whole = 0.0;
+};
+
+Distance distance_between(const ConstrainedPoint& point, const ConsistencyRequest& request, const Vector& given,
+                          const Jet& jet) {
+  const Vector dx = difference(given, jet.x.data());
+  if (!request.differentiated_stay()) return {0.0, length(dx, request.weights)};
+  return {length(differentiated_change(point, request, dx), request.sizes()), length(dx, request.sizes())};
+}
+
+// By more than what the accuracy of the iteration leaves open: of what is differentiated, or, where that makes no
+// difference, altogether.
+bool is_farther(const Distance& one, const Distance& other) {
+  constexpr double nearer = 1.01, negligible = 1e-3;  // in tolerances
+  if (one.of_differentiated > nearer * other.of_differentiated + negligible) return true;
+  const double gained = other.of_differentiated - one.of_differentiated;
+  if (gained > negligible + accuracy * other.of_differentiated) return false;
+  return one.whole > nearer * other.whole;
+}
+
+}  // namespace
+
+void prepare(JetSolver& solver, const ConsistencyRequest& request) {
+  if (request.kind == InitialValues::fixed) solver.set_fixed(request.fixed);
+  if (request.differentiated_stay()) solver.keep_differentiated(request.sizes());
+}
+
+namespace {
+
+// The jet a part of the way from one to another.
+Jet between(const Jet& from, const Jet& to, double part) {
+  Jet jet = to;
+  for (std::size_t i = 0; part < 1.0 && i < jet.x.size(); ++i) jet.x[i] = from.x[i] + part * (to.x[i] - from.x[i]);
+  return jet;
+}
+
+// Derivatives far off may make up for constraints that x does not fulfil: these show in the linearized ones.
+void demand_constraints(double distance, const Jet& jet, ConsistencyRequest request) {
+  // Relative to x, or in tolerances; consistent jets are better by orders of magnitude. Chosen: one of 6000 random
+  // starts had 0.1.
+  constexpr double consistent = 1e-6;
+  request.trusts_digits = false;
+  const std::vector<double> sizes = request.sizes();
+  const double allowed =
+      std::max(consistent * max_abs(jet.x.data(), jet.n), max_abs(sizes.data(), static_cast<int>(sizes.size())));
+  if (distance <= allowed) return;
+  throw Failure(SFDAE_NO_CONSISTENT_VALUES,
+                format("no consistent values were found near the guess at t = %.15g; what was found violates the "
+                       "constraints by %.3g. Give a better guess, or fix fewer components.",
+                       jet.t, distance));
+}
+
+// The change of a consistent jet toward the values wanted.
+class Approach {
+ public:
+  Approach(JetSolver& solver, const LinearizedConstraints& constraints, const ConsistencyRequest& request,
+           const Vector& target)
+      : solver_(solver), constraints_(constraints), request_(request), target_(target) {}
+
+  // Goes from the jet toward `full` and back to the constraints, so far as that succeeds and, if it has to, brings it
+  // nearer. False, and the jet as it was, if no part of the way does.
+  bool advance(const Jet& full, bool has_to_be_nearer, Jet& jet) {
+    // Chosen, not measured.
+    constexpr double shortest = 1.0 / 32.0;
+    const int mu = full.order - 1;
+    for (double part = 1.0; part >= shortest; part *= 0.5) {
+      Jet next = between(jet, full, part);
+      if (!is_solved(next, mu)) continue;
+      if (!has_to_be_nearer || !is_farther(distance(next), distance(jet))) {
+        jet = std::move(next);
+        return true;
+      }
+      if (!request_.differentiated_stay()) return false;
+    }
+    return false;
+  }
+
+ private:
+  Distance distance(const Jet& jet) const { return distance_between(constraints_.point(), request_, target_, jet); }
+  bool is_solved(Jet& jet, int mu) {
+    try {
+      solver_.solve(jet, mu);
+      return true;
+    } catch (const Failure& failure) {
+      const int status = failure.status();
+      if (status != SFDAE_NO_CONSISTENT_VALUES && status != SFDAE_NOT_FINITE && status != SFDAE_CALLBACK_FAILED)
+        throw;
+      return false;
+    }
+  }
+
+  JetSolver& solver_;
+  const LinearizedConstraints& constraints_;
+  const ConsistencyRequest& request_;
+  const Vector& target_;
+};
 
 }  // namespace
 
 ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const IndexAnalysis& analysis,
                                           const Units& units, const ConsistencyRequest& request,
                                           const ConsistentJetStart& start) {
-  // The iteration leaves out the curvature of the constraints and converges linearly where x is far from them:
-  // accurate to this it is as near as anybody wants. Chosen, not measured.
-  constexpr double accuracy = 1e-8;
   // A few roundings of x: there is nothing to change.
   constexpr double no_change = 1e-15;
-  // Nearer than before, up to what the accuracy leaves open.
-  constexpr double nearer = 1.01;
-  constexpr int most = 30;
+  // Iterations: those with shortened steps may be slow. Chosen, not measured.
+  const bool keeps = request.differentiated_stay();
+  const int most = keeps ? 100 : 30;
+  const bool may_move = request.kind == InitialValues::nearest || request.kind == InitialValues::fixed;
   const Vector& x = start.given;
-  const int mu = analysis.values.mu;
+  const Vector target = may_move ? with_inputs(problem, start.jet.t, x) : x;
   ConsistentJetResult result;
   result.jet = start.jet;
-  result.jet.set_order(mu + 1);
+  result.jet.set_order(analysis.values.mu + 1);
   JetSolver solver(problem, units);
-  if (request.kind == InitialValues::fixed) solver.set_fixed(request.fixed);
+  prepare(solver, request);
   LinearizedConstraints constraints(problem, analysis, units);
+  if (may_move) constraints.follow_inputs();
+  Approach approach(solver, constraints, request, target);
   double before = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
     constraints.linearize(result.jet);
@@ -125,28 +251,20 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
                     "the characteristic values known (" + describe(analysis.values) +
                         format(") do not hold at t = %.15g. Analyze the problem there.", start.jet.t));
     }
-    Jet next = result.jet;
-    const double change = constraints.move(request, x, next);
-    if (iteration > 0 && change > before) break;
-    if (change > no_change) {
-      try {
-        solver.solve(next, mu);
-      } catch (const Failure& failure) {
-        if (failure.status() != SFDAE_NO_CONSISTENT_VALUES && failure.status() != SFDAE_NOT_FINITE) throw;
-        break;
-      }
-      const double distance = distance_between(x, next.x.data(), request.weights);
-      if (iteration > 0 && distance > nearer * distance_between(x, result.jet.x.data(), request.weights)) break;
-      result.jet = next;
-    }
+    Jet full = result.jet;
+    const double change = constraints.move(request, target, full);
+    if (iteration > 0 && change > before && !keeps) break;
+    if (change > no_change && !approach.advance(full, keeps || iteration > 0, result.jet)) break;
     if (change < accuracy) break;
     before = change;
   }
   constraints.linearize(result.jet);
+  if (keeps) demand_constraints(constraints.distance(), result.jet, request);
   const Vector found(result.jet.x.data(), result.jet.x.data() + problem.n());
-  result.change.residual_before = distance_between(x, found.data(), {});
+  result.change.residual_before = length(difference(x, found.data()), {});
   result.change.residual_after = constraints.distance();
   report_change(request, start.jet.t, x, found, result.change);
+  result.value_change = change_of_differentiated(constraints.point(), request, x, found);
   return result;
 }
 

@@ -8,6 +8,7 @@
 #include "reduction/index_analysis.h"
 #include "system/consistent_values.h"
 #include "system/jet.h"
+#include "system/jet_solver.h"
 
 namespace sfdae::core {
 
@@ -20,7 +21,11 @@ struct ConsistentJetStart {
 struct ConsistentJetResult {
   Jet jet;  // consistent up to level mu
   ConsistencyResult change;
+  ValueChange value_change;  // of what was to stay
 };
+
+// The solver changes x in the way that is asked for, as far as one step at a time can.
+void prepare(JetSolver& solver, const ConsistencyRequest& request);
 
 // The consistent jet that is chosen for the values given as requested. Throws Failure: SFDAE_INCONSISTENT_VALUES,
 // SFDAE_FIXED_VALUES, SFDAE_NO_CONSISTENT_VALUES, SFDAE_CHARACTERISTICS_CHANGED, errors of callbacks.

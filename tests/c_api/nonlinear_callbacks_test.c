@@ -128,7 +128,7 @@ static int run_analyze(sfdae_solver* solver) {
   x[4] += 0.1;
   status = sfdae_analyze_at(solver, 0, last, x, &c);
   if (status < 0 || status == SFDAE_STOPPED) CHECK(memcmp(&c, &before, sizeof c) == 0);
-  else CHECK(c.strangeness_index == 2 && c.differential == 2 && c.algebraic == 3 && c.undetermined == 1);
+  else CHECK(garbage || (c.strangeness_index == 2 && c.differential == 2 && c.algebraic == 3 && c.undetermined == 1));
   return status;
 }
 

@@ -232,7 +232,7 @@ static void overdetermined_problems_are_solved(void) {
     options.consistency_tol = 1e-4; /* what the iteration leaves counts, too */
     solver = CREATE(&problem, &options);
     sfdae_characteristics_init(&c, sizeof c);
-    CHECK_STATUS(sfdae_start(solver, 0, 2, x, NULL), SFDAE_OK);
+    CHECK_STATUS(sfdae_start(solver, 0, 2, x, NULL), SFDAE_VALUES_CHANGED);
     CHECK(fabs(x[0]) <= 1e-14 && fabs(x[1] - 1) <= 1e-14);
     sfdae_get_characteristics(solver, &c);
     CHECK(c.differential + c.algebraic == 2 && c.undetermined == 0 && c.redundant == 1);
@@ -294,7 +294,7 @@ static void solve_linear(sfdae_solver* solver, double* x, double* M_array) {
   CHECK_STATUS(sfdae_analyze(solver, 0, 2, &c), SFDAE_OK);
   CHECK(c.strangeness_index == 1 && c.differential == 0 && c.algebraic == 2);
   x[0] = 5, x[1] = -3;
-  CHECK_STATUS(sfdae_start(solver, 0, 2, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_start(solver, 0, 2, x, NULL), SFDAE_VALUES_CHANGED);
   CHECK_STATUS(sfdae_advance(solver, 2, &t, x, NULL), SFDAE_OK);
   CHECK(fabs(x[0] - (1 - eta * t) * exp(-t)) <= 1e-13 && fabs(x[1] - exp(-t)) <= 1e-13);
   CHECK_STATUS(sfdae_check_derivatives(solver, 0.5, 2, &check), SFDAE_OK);
@@ -326,7 +326,7 @@ static void linear_equations_are_solved_as_linear_problems(void) {
     solve_linear(solver, x[form_of_problem], arrays[form_of_problem]);
     if (form_of_problem < 2) {
       CHECK_STATUS(sfdae_set_parameter(solver, "eta", 3), SFDAE_OK);
-      CHECK_STATUS(sfdae_start(solver, 0, 2, x[form_of_problem], NULL), SFDAE_OK);
+      CHECK_STATUS(sfdae_start(solver, 0, 2, x[form_of_problem], NULL), SFDAE_VALUES_CHANGED);
       CHECK(fabs(x[form_of_problem][1] - 1) <= 1e-13 || form_of_problem == 1); /* A(1, 1) is no parameter there */
     }
     sfdae_destroy(&solver);

@@ -47,7 +47,7 @@ static sfdae_solver* create(const sfdae_options* options) {
 
 static void solve(sfdae_solver* solver) {
   double t, x[2] = {3, 3};
-  CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_VALUES_CHANGED);
   CHECK_STATUS(sfdae_advance(solver, 1, &t, x, NULL), SFDAE_OK);
 }
 

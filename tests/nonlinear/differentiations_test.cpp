@@ -179,7 +179,7 @@ TEST(MinimalExtension, IsNotContentWithAPartOfTheConstraints) {
       });
   NonlinearRun good(limited(equations, {1, 0, 2}), options_with(1e-6)),
       bad(limited(equations, {0, 0, 2}), options_with(1e-6));
-  ASSERT_EQ(good.start(1.0, 2.0, {0.0, 0.0, 0.0}), SFDAE_OK) << good.message();
+  ASSERT_EQ(good.start(1.0, 2.0, {0.0, 0.0, 0.0}), SFDAE_VALUES_CHANGED) << good.message();
   EXPECT_EQ(good.values(), (CharacteristicValues{2, 0, 3, 0, 0}));
   EXPECT_NEAR(good.x[0], 1.0, 1e-14);
   EXPECT_NEAR(good.x[1], 2.0, 1e-14);

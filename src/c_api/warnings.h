@@ -1,0 +1,19 @@
+// Warnings of the calls that analyze and start, for problems of all kinds.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "integrate/integration_options.h"
+#include "system/dae_system.h"
+#include "system/model.h"
+
+namespace sfdae::core {
+
+// SFDAE_NOT_UNIQUE or SFDAE_OK.
+CallResult warning_of(const DaeSystem& system);
+
+// The same for initial values: the first of SFDAE_INCONSISTENCY_IGNORED, SFDAE_VALUES_CHANGED and SFDAE_NOT_UNIQUE that
+// applies, with the words of all that do. What makes results doubtful comes first, then what concerns this call, then
+// what is known of the problem.
+CallResult warning_of(const DaeSystem& system, const ConsistentPoint& point);
+
+}  // namespace sfdae::core

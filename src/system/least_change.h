@@ -1,0 +1,53 @@
+// The change of values that makes them consistent and moves what is differentiated as little as possible.
+//
+// With K spanning ker E, consistent points x + dx, Q^T dx = r (Q orthonormal: the normals of the constraints):
+//
+//     Q^T K P = Qc [R1; 0]        what the kernel can fulfil, and constraints B dx = b on E x alone, B K = 0
+//     dx_1 = least |dx|, B dx = b     E x moves by E dx_1, as little as it can
+//     dx = dx_1 + K c             least |K c| with R1 c = what remains
+//
+// Which constraints are which does not depend on the units of the unknowns where K consists of unit vectors: unknowns
+// whose derivative does not occur. |dx| is measured in the sizes given (docs/decisions/28-start-values.md).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/matrix.h"
+
+namespace sfdae::core {
+
+// The kernel of E of the rank given: unit vectors where unknowns have no derivative, then what else there is.
+struct LeadingKernel {
+  LeadingKernel(ConstView E, int rank);
+  Matrix basis;  // K, orthonormal
+  int num_unit_vectors = 0;
+  // Every unknown is differentiated by itself, or not at all.
+  bool is_coordinates() const { return num_unit_vectors == basis.cols(); }
+};
+
+// Consistent points: base + directions z, with orthonormal directions.
+struct ConsistentSet {
+  const double* base;
+  ConstView directions;
+};
+
+struct ChangeMeasure {
+  std::vector<double> sizes;  // a change of x_j by sizes_j counts as one; positive
+  double noise;               // cosines of angles between the kernel and the constraints below it count as zero
+};
+
+// Error of the directions that satisfy constraints, relative, if the decisions behind them kept values of this size.
+double error_of_directions(int n, double kept);
+// What counts as zero then.
+double least_cosine(int n, double kept);
+
+// dx such that x + dx is in the set.
+std::vector<double> least_change(const ConsistentSet& set, const LeadingKernel& kernel, const ChangeMeasure& measure,
+                                 const double* x);
+
+// What moves E x: the part of dx that is orthogonal to the kernel in the norm of the sizes.
+std::vector<double> differentiated_part(const LeadingKernel& kernel, const std::vector<double>& sizes,
+                                        const std::vector<double>& dx);
+
+}  // namespace sfdae::core

@@ -1,0 +1,24 @@
+// The largest change of what was to stay as given: unknowns whose derivative occurs.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+namespace sfdae::core {
+
+struct ValueChange {
+  int component = -1;  // i, -1: nothing changed
+  double from = 0.0, to = 0.0;
+  double in_tolerances = 0.0;  // |to - from| over the tolerance of x_i
+  // Not x_i itself was to stay, but combinations of unknowns: to - from is the part that the change of these has in it.
+  bool is_part = false;
+
+  bool is_beyond_tolerances() const { return in_tolerances > 1.0; }
+};
+
+// The largest of the changes (count of them, of components 0, ..., count - 1) from the values given, measured in the
+// tolerances.
+ValueChange largest_change(const double* given, const double* changes, const std::vector<double>& tolerances,
+                           int count);
+
+}  // namespace sfdae::core
