@@ -79,7 +79,12 @@ PointStatus MultibodySystem::set_point(double t, const double* q, const double* 
   if (status != PointStatus::ok) return status;
   if (!monitor_.has_known_ranks()) return PointStatus::changed;
   end_ = accepted_;
-  status = project(end_);
+  // What holds stays to the last bit.
+  using Moves = MultibodyProjection::Moves;
+  const Moves moves = !positions_hold_to_rounding(end_)    ? Moves::all
+                      : !velocities_hold_to_rounding(end_) ? Moves::velocities
+                                                           : Moves::nothing;
+  status = projection_.project(end_, equations_, linearization_.form(), arena_, moves);
   if (status != PointStatus::ok) return status;
   monitor_.start(projection_.tangents());
   is_end_new_ = true;
