@@ -29,7 +29,7 @@ int main(void) {
   sfdae_nonlinear_problem problem;
   sfdae_options options;
   sfdae_solver* solver = NULL;
-  double t = 0, x[5] = {1, 0, 0, 0, 0}, energy = 0, violation = 0;
+  double t = 0, x[5] = {0.6, -0.8, 0, 0, 0}, energy = 0, violation = 0; /* at rest; 0 stands for the force */
   int k, status;
 
   sfdae_nonlinear_problem_init(&problem, sizeof problem);
@@ -42,7 +42,7 @@ int main(void) {
   if (status >= 0) status = sfdae_start(solver, 0, 10, x, NULL);
   for (k = 1; k <= 10 && status >= 0; k++) {
     status = sfdae_advance(solver, k, &t, x, NULL);
-    energy = fmax(energy, fabs((x[2] * x[2] + x[3] * x[3]) / 2 + 9.81 * x[1]));
+    energy = fmax(energy, fabs((x[2] * x[2] + x[3] * x[3]) / 2 + 9.81 * (x[1] + 0.8)));
     violation = fmax(violation, fabs(x[0] * x[0] + x[1] * x[1] - 1));
     violation = fmax(violation, fabs(x[0] * x[2] + x[1] * x[3]));
     violation = fmax(violation, fabs(x[2] * x[2] + x[3] * x[3] - 9.81 * x[1] - 2 * x[4]));

@@ -33,7 +33,7 @@ int main() try {
   double worst = 0;
   for (double g : {9.81, 1.62}) {  // on the earth and on the moon
     solver.set_parameter("g", g);
-    sfdae::Point point{0.0, {1, 0, 0, 0, 0}, {}};
+    sfdae::Point point{0.0, {0.6, -0.8, 0, 0, 0}, {}};  // at rest; 0 stands for the force
     solver.start(point, 10);
     for (int k = 1; k <= 10; ++k) {
       solver.advance(k, point);
@@ -41,7 +41,7 @@ int main() try {
       std::vector<double> F(5);
       pendulum(g, x, point.xdot, F);
       for (double entry : F) worst = std::max(worst, 1e-2 * std::abs(entry));  // the error of x' is that of x over h
-      worst = std::max(worst, std::abs((x[2] * x[2] + x[3] * x[3]) / 2 + g * x[1]));
+      worst = std::max(worst, std::abs((x[2] * x[2] + x[3] * x[3]) / 2 + g * (x[1] + 0.8)));
       worst = std::max(worst, std::abs(x[0] * x[2] + x[1] * x[3]));
     }
     std::cout << "g = " << g << ": x(10) = (" << point.x[0] << ", " << point.x[1] << "), "

@@ -36,7 +36,7 @@ program pendulum
   type(dae_options) :: options
   type(dae_solver) :: solver
   type(sfdae_characteristics) :: c
-  real(dp) :: t, x(5) = [1, 0, 0, 0, 0], energy
+  real(dp) :: t, x(5) = [0.6_dp, -0.8_dp, 0.0_dp, 0.0_dp, 0.0_dp], energy
   integer(c_int) :: status
   integer :: k
   options = dae_options(rtol=1.0e-9_dp, atol=1.0e-9_dp, method=sfdae_method_radau)
@@ -46,7 +46,7 @@ program pendulum
     if (status >= 0) call solver%advance(1.0_dp * k, t, x, status)
     if (status < 0) print '(a)', solver%message()
     if (status < 0) error stop "failed"
-    energy = sum(x(3:4)**2) / 2 + g * x(2)
+    energy = sum(x(3:4)**2) / 2 + g * (x(2) + 0.8_dp)
     print '(a,f5.1,a,2f10.6,a,es8.1)', "t =", t, "   position", x(1:2), "   error of energy", energy
     if (.not. abs(energy) < 1.0e-6_dp) error stop "wrong energy"
     if (.not. abs(sum(x(1:2)**2) - 1) < 1.0e-12_dp) error stop "wrong length"

@@ -266,8 +266,8 @@ SFDAE_API int sfdae_destroy(sfdae_solver** solver);
 SFDAE_API int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options);
 
 /* What the last call on this solver had to say: what, where, with which numbers, what to do next. "" after
- * SFDAE_OK. Functions that only read (a const solver, sfdae_get_...) leave the text alone; where they fail they say
- * why unless the text explains the failure of an earlier call. It lives until the next call. NULL: "". */
+ * SFDAE_OK. Functions that only read (a const solver, sfdae_get_...) leave the text alone where it explains the
+ * failure of an earlier call, and else say why they fail. It lives until the next call. NULL: "". */
 SFDAE_API const char* sfdae_message(const sfdae_solver* solver);
 
 /* Stops the call that is running, or else the next one, at its next callback or step: it returns SFDAE_STOPPED,

@@ -73,7 +73,7 @@ int guarded(sfdae_solver* solver, Body body) noexcept {
   if (solver->busy.exchange(true)) return SFDAE_BUSY;
   const auto say = [solver](int status, const char* text) {
     if (text_kept == Text::of_call) solver->message_explains_failure = status < 0;
-    else if (solver->message_explains_failure || status == SFDAE_OK) return status;
+    else if (solver->message_explains_failure) return status;
     std::snprintf(solver->message, sizeof solver->message, "%s", text);
     return status;
   };

@@ -208,7 +208,7 @@ Vector differentiated_change(const ConstrainedPoint& point, const ConsistencyReq
 
 ValueChange change_of_differentiated(const ConstrainedPoint& point, const ConsistencyRequest& request,
                                      const Vector& given, const Vector& found) {
-  if (!request.reports_changes()) return {};
+  if (!request.differentiated_stay()) return {};
   // Errors of the directions times the largest value, in the units of the equations, are no change; two digits of room
   // (chosen).
   constexpr double room = 1e2;
@@ -229,7 +229,7 @@ ValueChange change_of_differentiated(const ConstrainedPoint& point, const Consis
 }
 
 Vector ConsistencyRequest::sizes() const {
-  Vector sizes(tolerances);
+  Vector sizes(trusts_digits ? digits : tolerances);
   const double largest = max_abs(sizes.data(), static_cast<int>(sizes.size()));
   for (double& size : sizes)
     if (size == 0.0) size = largest > 0.0 ? largest : 1.0;

@@ -28,17 +28,25 @@ struct ConsistencyRequest {
   }
   // Whether a change of theirs is to be reported: with fixed components the user has said what is to stay.
   bool reports_changes() const { return differentiated_stay() && kind == InitialValues::nearest; }
-  // Changes that count as one where differentiated_stay(): the tolerances. Where neither a value nor its tolerance says
-  // anything the largest one has to do.
+  // Changes that count as one where differentiated_stay(): the tolerances. If digits are trusted, as they are until that
+  // leads beyond the tolerances, absolute parts count a millionth: published values are off by their last digit. Where
+  // neither a value nor its tolerance says anything the largest size has to do.
+  bool trusts_digits = false;
   std::vector<double> sizes() const;
   // Fixed components fit the constraints if the rest is small against this.
   double least_size = 0.0;
   // n of them. accept: largest |change_i| to the nearest consistent point that passes.
   std::vector<double> tolerances;
+  std::vector<double> digits;  // the same with a small absolute part
   void set_tolerances(const Tolerances& of, const double* x) {
+    constexpr double absolute_part = 1e-6;
     tolerances.resize(of.rtol.size());
-    for (std::size_t i = 0; i < of.rtol.size(); ++i)
-      tolerances[i] = of.rtol[i] * (x[i] < 0.0 ? -x[i] : x[i]) + of.atol[i];
+    digits.resize(of.rtol.size());
+    for (std::size_t i = 0; i < of.rtol.size(); ++i) {
+      const double relative = of.rtol[i] * (x[i] < 0.0 ? -x[i] : x[i]);
+      tolerances[i] = relative + of.atol[i];
+      digits[i] = relative + absolute_part * of.atol[i];
+    }
   }
 };
 
@@ -72,7 +80,7 @@ std::vector<double> differentiated_change(const ConstrainedPoint& point, const C
                                           const std::vector<double>& dx);
 
 // The largest change among what was to stay, from the values given to those found; none where the request does not ask
-// for it, or rounding errors explain it.
+// for that, or rounding errors explain it.
 ValueChange change_of_differentiated(const ConstrainedPoint& point, const ConsistencyRequest& request,
                                      const std::vector<double>& given, const std::vector<double>& found);
 

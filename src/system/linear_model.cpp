@@ -62,10 +62,20 @@ ConsistentPoint LinearModel::make_consistent(LinearSystem& system, const PointOf
   result.t = point.t;
   result.has_contradiction = set_point(system, point.t, options);
   const std::vector<double> given(point.x, point.x + n());
-  const ConsistencyRequest request = options.request_at(point.x);
-  result.x = given;
-  result.change = core::make_consistent(system, request, result.x);
-  result.value_change = change_of_differentiated(constraints_of(system), request, given, result.x);
+  ConsistencyRequest request = options.request_at(point.x);
+  request.trusts_digits = request.differentiated_stay();
+  ValueChange change;
+  const auto choose = [&] {
+    result.x = given;
+    result.change = core::make_consistent(system, request, result.x);
+    change = change_of_differentiated(constraints_of(system), request, given, result.x);
+  };
+  choose();
+  if (request.trusts_digits && change.is_beyond_tolerances()) {
+    request.trusts_digits = false;
+    choose();
+  }
+  if (request.reports_changes()) result.value_change = change;
   add_derivative(system, point.direction(), result);
   return result;
 }

@@ -3,6 +3,7 @@
 #include "system/nonlinear_model.h"
 
 #include <algorithm>
+#include <functional>
 #include <string>
 
 #include "problem/failure.h"
@@ -16,6 +17,12 @@ namespace {
 
 std::vector<char> fixed_components(const ModelOptions& options) {
   return options.consistency.kind == InitialValues::fixed ? options.consistency.fixed : std::vector<char>();
+}
+
+// No other start will help.
+bool is_final(const Failure& failure) {
+  const int status = failure.status();
+  return status == SFDAE_STOPPED || status == SFDAE_CALLBACK_STOPPED || status == SFDAE_ORDER_MISSING;
 }
 
 Jet guessed_jet(const PointOfInterest& point, int n) {
@@ -62,13 +69,23 @@ std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed(const AnalysisSettings
                                                           const PointOfInterest& point, const ModelOptions& options,
                                                           std::vector<RankDecision>& decisions) {
   const ConsistencyRequest request = options.request_at(point.x);
-  ConsistentJets jets(*problem_, point.t, point.x, fixed_components(options));
-  if (request.differentiated_stay()) jets.keep_differentiated(request.sizes());
-  if (point.xdot != nullptr) jets.guess_derivative(point.xdot);
-  Arena arena;
-  IndexAnalysis analysis = analyze_index(jets, point.t, point.toward, settings, arena, decisions);
-  return std::make_unique<NonlinearSystem>(*problem_, options.analysis, std::move(analysis), jets.units(),
-                                           jets.jet_at(point.t, analysis.values.mu));
+  const auto analyzed_near = [&](bool keeps) {
+    ConsistentJets jets(*problem_, point.t, point.x, fixed_components(options));
+    if (keeps) jets.keep_differentiated(request.sizes());
+    if (point.xdot != nullptr) jets.guess_derivative(point.xdot);
+    Arena arena;
+    IndexAnalysis analysis = analyze_index(jets, point.t, point.toward, settings, arena, decisions);
+    return std::make_unique<NonlinearSystem>(*problem_, options.analysis, std::move(analysis), jets.units(),
+                                             jets.jet_at(point.t, analysis.values.mu));
+  };
+  if (!request.differentiated_stay()) return analyzed_near(false);
+  try {
+    return analyzed_near(true);
+  } catch (const Failure& failure) {
+    if (is_final(failure)) throw;
+  }
+  // Where what is differentiated is far off, too, the smallest changes lead more safely to the constraints.
+  return analyzed_near(false);
 }
 
 // How many equations are redundant only the array with all its rows shows.
@@ -99,24 +116,63 @@ std::unique_ptr<NonlinearSystem> NonlinearModel::copy_of_system() {
                                            system_->jet());
 }
 
+namespace {
+
+// Where the search for consistent values begins: jets near the guess.
+std::vector<std::function<Jet()>> starts(NonlinearProblem& problem, NonlinearSystem& system,
+                                         const PointOfInterest& point, const ConsistencyRequest& request) {
+  const int n = problem.n();
+  const Jet& known = system.jet();
+  const bool is_known = known.t == point.t && point.xdot == nullptr;
+  // The jet that is known helps where it is near.
+  if (is_known && std::equal(point.x, point.x + n, known.x.data())) return {[&known] { return known; }};
+  const auto solved = [&problem, &system, point, n](const ConsistencyRequest& as_asked) {
+    Jet jet = guessed_jet(point, n);
+    JetSolver solver(problem, system.units());
+    prepare(solver, as_asked);
+    for (int level = 0; level <= system.analysis().values.mu; ++level) solver.solve(jet, level);
+    return jet;
+  };
+  std::vector<std::function<Jet()>> list = {[solved, request] { return solved(request); }};
+  if (!request.differentiated_stay()) return list;
+  ConsistencyRequest plain = request;
+  plain.keeps_differentiated = false;
+  list.push_back([solved, plain] { return solved(plain); });
+  if (is_known) list.push_back([&known] { return known; });
+  return list;
+}
+
+// The first start that leads to consistent values; throws what the last one met if none does.
+ConsistentJetResult choose_from_starts(NonlinearProblem& problem, NonlinearSystem& system,
+                                       const PointOfInterest& point, const ConsistencyRequest& request) {
+  const std::vector<double> given(point.x, point.x + problem.n());
+  const auto list = starts(problem, system, point, request);
+  for (std::size_t k = 0; k + 1 < list.size(); ++k) {
+    try {
+      return choose_consistent_jet(problem, system.analysis(), system.units(), request, {given, list[k]()});
+    } catch (const Failure& failure) {
+      if (is_final(failure)) throw;
+    }
+  }
+  return choose_consistent_jet(problem, system.analysis(), system.units(), request, {given, list.back()()});
+}
+
+}  // namespace
+
 ConsistentPoint NonlinearModel::make_consistent(NonlinearSystem& system, const PointOfInterest& point,
                                                 const ModelOptions& options) {
   ConsistentPoint result;
   result.t = point.t;
   result.x.assign(point.x, point.x + n());
-  // The jet that is known helps where it is near.
-  const ConsistencyRequest request = options.request_at(point.x);
-  Jet start = system.jet();
-  if (start.t != point.t || point.xdot != nullptr || !std::equal(point.x, point.x + n(), start.x.data())) {
-    start = guessed_jet(point, n());
-    JetSolver solver(*problem_, system.units());
-    prepare(solver, request);
-    for (int level = 0; level <= system.analysis().values.mu; ++level) solver.solve(start, level);
+  ConsistencyRequest request = options.request_at(point.x);
+  request.trusts_digits = request.differentiated_stay();
+  ConsistentJetResult found = choose_from_starts(*problem_, system, point, request);
+  if (request.trusts_digits && found.value_change.is_beyond_tolerances()) {
+    request.trusts_digits = false;
+    found = choose_from_starts(*problem_, system, point, request);
   }
-  ConsistentJetResult found =
-      choose_consistent_jet(*problem_, system.analysis(), system.units(), request, {result.x, start});
   result.change = found.change;
-  result.value_change = found.value_change;
+  if (request.reports_changes()) result.value_change = found.value_change;
   demand_point(system, system.set_point(found.jet), point.t, "Analyze the problem there.");
   system.apply_inputs();
   if (request.kind != InitialValues::accept) result.x.assign(system.jet().x.data(), system.jet().x.data() + n());

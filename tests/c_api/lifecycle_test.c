@@ -209,7 +209,7 @@ static void options_have_the_documented_defaults(void) {
   CHECK(o.ignore_inconsistency == 0 && o.consistency_tol == 1e-8);
   CHECK(o.max_order == 5 && o.initial_step == 0 && o.max_step == 0 && o.use_stop_time == 0);
   CHECK(o.max_steps == 100000 && o.leading_term == SFDAE_LEADING_AUTOMATIC && o.monitor == NULL);
-  CHECK(o.method == SFDAE_METHOD_BDF && o.min_stages == 1 && o.max_stages == 7);
+  CHECK(o.method == SFDAE_METHOD_BDF && o.min_stages == 1 && o.max_stages == 7 && o.xdot_is_guess == 0);
 }
 
 /* An older caller knows fewer members: those that it does not know keep their defaults. A newer caller has more. */

@@ -82,6 +82,24 @@ TEST(NonlinearProblem, IsSolvedFromRecordedEquations) {
   }
 }
 
+// x'^2 = 1 follows the slope guessed.
+TEST(NonlinearProblem, FollowsAGuessOfTheSlope) {
+  sfdae::NonlinearProblem problem(1, 1);
+  problem.equations = [](const Expression&, ConstExpressions, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] * xdot[0] - 1.0;
+  };
+  sfdae::Options options;
+  options.xdot_is_guess = 1;
+  for (const double slope : {1.0, -1.0}) {
+    sfdae::Solver solver(problem, options);
+    sfdae::Point point{0.0, {2.0}, {0.5 * slope}};
+    EXPECT_EQ(solver.start(point, 1.0), SFDAE_OK);
+    EXPECT_NEAR(point.xdot[0], slope, 1e-14);
+    EXPECT_EQ(solver.advance(1.0, point), SFDAE_OK);
+    EXPECT_NEAR(point.x[0], 2.0 + slope, 1e-5);
+  }
+}
+
 TEST(NonlinearProblem, HasParametersWithNames) {
   sfdae::Solver solver(circle_problem());
   EXPECT_EQ(solver.parameter("r"), 1.0);

@@ -180,6 +180,68 @@ static void what_does_not_exist_is_not_found(void) {
   sfdae_destroy(&solver);
 }
 
+/* x'^2 = 1 */
+static int square_of_slope(sfdae_record* record, sfdae_expression t, const sfdae_expression* x,
+                           const sfdae_expression* xdot, sfdae_expression* F, void* user) {
+  (void)record, (void)t, (void)x, (void)user;
+  F[0] = sfdae_subtract(sfdae_multiply(xdot[0], xdot[0]), sfdae_number(1));
+  return 0;
+}
+
+static sfdae_solver* create_square_of_slope(int xdot_is_guess) {
+  sfdae_nonlinear_problem problem;
+  sfdae_options options = default_options();
+  sfdae_nonlinear_problem_init(&problem, sizeof problem);
+  problem.num_equations = problem.num_unknowns = 1;
+  problem.equations = square_of_slope;
+  options.xdot_is_guess = xdot_is_guess;
+  return CREATE(&problem, &options);
+}
+
+/* Either branch, from start and make_consistent; refused guesses leave all as it was. */
+static void slopes_are_guessed(void) {
+  static const double signs[2] = {1, -1};
+  int i;
+  for (i = 0; i < 2; i++) {
+    sfdae_solver* solver = create_square_of_slope(1);
+    double t = unset, x[1] = {3}, xdot[1];
+    xdot[0] = 0.7 * signs[i];
+    CHECK_STATUS(sfdae_make_consistent(solver, 0, x, xdot), SFDAE_OK);
+    CHECK(x[0] == 3 && fabs(xdot[0] - signs[i]) <= 1e-14);
+    xdot[0] = -20 * signs[i];
+    CHECK_STATUS(sfdae_start(solver, 0, 1, x, xdot), SFDAE_OK);
+    CHECK(x[0] == 3 && fabs(xdot[0] + signs[i]) <= 1e-14);
+    CHECK_STATUS(sfdae_advance(solver, 1, &t, x, xdot), SFDAE_OK);
+    CHECK(fabs(x[0] - 3 + signs[i]) <= 1e-5 && fabs(xdot[0] + signs[i]) <= 1e-5);
+    xdot[0] = HUGE_VAL;
+    CHECK_STATUS(sfdae_start(solver, 0, 1, x, xdot), SFDAE_ILLEGAL_ARGUMENT);
+    CHECK(strstr(sfdae_message(solver), "xdot") != NULL);
+    sfdae_destroy(&solver);
+  }
+}
+
+/* A failed question does not hide why the last call failed; without such a failure it says what is wrong itself. */
+static void questions_leave_explanations(void) {
+  sfdae_solver* solver = create_square_of_slope(0);
+  sfdae_characteristics c;
+  char why[2000];
+  int count = 0;
+  double x[1] = {3};
+  sfdae_characteristics_init(&c, sizeof c);
+  CHECK_STATUS(sfdae_get_num_decisions(solver, &count), SFDAE_NOT_STARTED);
+  CHECK(strstr(sfdae_message(solver), "first") != NULL);
+  CHECK_STATUS(sfdae_get_num_decisions(solver, NULL), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK(strstr(sfdae_message(solver), "NULL") != NULL);
+  CHECK_STATUS(sfdae_start(solver, 0, 0, x, NULL), SFDAE_ILLEGAL_ARGUMENT);
+  strcpy(why, sfdae_message(solver));
+  CHECK(strlen(why) > 10);
+  CHECK_STATUS(sfdae_get_characteristics(solver, &c), SFDAE_NOT_STARTED);
+  CHECK_STATUS(sfdae_get_num_decisions(solver, NULL), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK_STATUS(sfdae_get_projectors(solver, 0, NULL, NULL, NULL, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK(strcmp(sfdae_message(solver), why) == 0);
+  sfdae_destroy(&solver);
+}
+
 int main(void) {
   the_nearest_point_is_found();
   values_that_are_consistent_stay();
@@ -188,5 +250,7 @@ int main(void) {
   weights_count();
   guesses_need_not_be_consistent();
   what_does_not_exist_is_not_found();
+  slopes_are_guessed();
+  questions_leave_explanations();
   return failures != 0;
 }

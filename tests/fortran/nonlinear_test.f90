@@ -11,7 +11,8 @@ module nonlinear_problems
   implicit none
   private
 
-  public :: pendulum_dae, differentiated_pendulum, pushed_mass, growing_dae, gravity
+  public :: pendulum_dae, differentiated_pendulum, pushed_mass, growing_dae, squared_slope, &
+    gravity
 
   real(dp), parameter :: gravity = 9.81_dp
 
@@ -48,7 +49,23 @@ module nonlinear_problems
     procedure :: eval_prescribed => growing_prescribed
   end type growing_dae
 
+  !> x'**2 = 1.
+  type, extends(nonlinear_dae) :: squared_slope
+  contains
+    procedure :: equations => squared_slope_equations
+  end type squared_slope
+
 contains
+
+  subroutine squared_slope_equations(self, t, x, xdot, residual)
+    class(squared_slope), intent(inout) :: self
+    type(expression), intent(in) :: t
+    type(expression), intent(in) :: x(:)
+    type(expression), intent(in) :: xdot(:)
+    type(expression), intent(inout) :: residual(:)
+
+    residual(1) = xdot(1)**2 - 1
+  end subroutine squared_slope_equations
 
   subroutine pendulum_equations(self, t, x, xdot, residual)
     class(pendulum_dae), intent(inout) :: self
@@ -145,7 +162,7 @@ program nonlinear_test
   use, intrinsic :: iso_c_binding, only: c_int, dp => c_double
   use sfdae
   use nonlinear_problems, only: differentiated_pendulum, gravity, growing_dae, pendulum_dae, &
-    pushed_mass
+    pushed_mass, squared_slope
   use test_support, only: check, check_close, check_status, finish
   implicit none
 
@@ -160,6 +177,8 @@ program nonlinear_test
   call linear_equations_are_solved_as_such()
   call components_are_prescribed()
   call only_constraints_are_differentiated()
+  call slopes_are_guessed()
+  call forces_are_found()
   call refuses_wrong_use()
   call finish()
 
@@ -400,6 +419,57 @@ contains
   end subroutine components_are_prescribed
 
   !> In words.
+  !> Either branch of x'**2 = 1.
+  subroutine slopes_are_guessed()
+    type(squared_slope), target :: problem
+    type(dae_solver) :: solver
+    type(dae_options) :: options
+    real(dp) :: t, slope, x(1), xdot(1)
+    integer(c_int) :: status
+    integer :: k
+
+    problem%num_equations = 1
+    problem%num_unknowns = 1
+    options%xdot_is_guess = .true.
+    do k = -1, 1, 2
+      slope = real(k, dp)
+      call solver%create(problem, status, options)
+      call check_status(status, sfdae_ok, "create")
+      x = 2
+      xdot = 0.5_dp * slope
+      call solver%start(0.0_dp, 1.0_dp, x, status, xdot)
+      call check_status(status, sfdae_ok, "start with a slope")
+      call check_close(xdot, [slope], 1.0e-13_dp, 1.0e-13_dp, "slope at the start")
+      call solver%advance(1.0_dp, t, x, status)
+      call check_status(status, sfdae_ok, "advance")
+      call check_close(x, [2 + slope], 1.0e-5_dp, 1.0e-5_dp, "branch")
+      call solver%destroy()
+    end do
+  end subroutine slopes_are_guessed
+
+  !> A force that is not known changes nothing else; a position off the circle does, and that is said.
+  subroutine forces_are_found()
+    type(pendulum_dae), target :: problem
+    type(dae_solver) :: solver
+    real(dp) :: x(5)
+    integer(c_int) :: status
+
+    problem%num_equations = 5
+    problem%num_unknowns = 5
+    call solver%create(problem, status)
+    call check_status(status, sfdae_ok, "create")
+    x = [0.6_dp, -0.8_dp, 0.8_dp, 0.6_dp, 0.0_dp]
+    call solver%start(0.0_dp, 1.0_dp, x, status)
+    call check_status(status, sfdae_ok, "start without the force")
+    call check_close(x, [0.6_dp, -0.8_dp, 0.8_dp, 0.6_dp, (1 + 0.8_dp * gravity) / 2], &
+      1.0e-13_dp, 1.0e-13_dp, "start values")
+    x(1) = 0.7_dp
+    call solver%start(0.0_dp, 1.0_dp, x, status)
+    call check_status(status, sfdae_values_changed, "start beside the circle")
+    call check(index(solver%message(), " changed from ") > 0, "words on the change")
+    call solver%destroy()
+  end subroutine forces_are_found
+
   subroutine refuses_wrong_use()
     type(pendulum_dae), target :: problem
     type(dae_solver) :: solver

@@ -428,7 +428,7 @@ contains
     x = 0
     call solver%create(inner, status)
     if (status == sfdae_ok) call solver%start(t - 1, t, x, status)
-    if (status == sfdae_ok) call solver%advance(t, t_reached, x, status)
+    if (status >= sfdae_ok) call solver%advance(t, t_reached, x, status)
     f(1) = merge(x(2), sin(t + order * acos(0.0_dp)), order == 0)
     call solver%destroy()
   end subroutine nested_f

@@ -65,7 +65,10 @@ TEST(CharacteristicValuesOfTheTestSet, AreFoundFromConsistentAndFromRoughGuesses
         EXPECT_TRUE(status == SFDAE_RANK_UNCLEAR || status == SFDAE_NO_CONSISTENT_VALUES) << status_text(run, status);
         continue;
       }
-      ASSERT_EQ(status, p.values.u > 0 ? SFDAE_NOT_UNIQUE : SFDAE_OK) << status_text(run, status);
+      ASSERT_GE(status, 0) << status_text(run, status);
+      if (change == 0.0) {
+        EXPECT_EQ(status, p.values.u > 0 ? SFDAE_NOT_UNIQUE : SFDAE_OK) << status_text(run, status);
+      }
       EXPECT_EQ(run.values(), p.values);
     }
   });
@@ -102,12 +105,42 @@ const std::map<std::string, PeerDigits> peers = {
     {"fekete", {{3.4, 4.8, 6.3}, {3.7, 5.9, 7.1}}},   {"transistor_amplifier", {{3.2, 5.7, 7.6}, {4.6, 6.2, 8.4}}},
     {"akzo", {{2.8, 4.8, 6.2}, {4.2, 5.4, 6.7}}},     {"nand", {{5.2, 6.8, 8.6}, {0.0, 0.0, 0.0}}}};
 
-// Of the flexible slider crank positions and velocities are given to 9 digits, and accelerations follow.
-std::vector<double> initial_weights(const TestProblem& p) {
-  if (p.name != "slider_crank") return {};
-  std::vector<double> weights(size(p.n), 1.0);
-  std::fill(weights.begin() + 14, weights.end(), 1e3);
-  return weights;
+template <class Equations>
+std::vector<bool> have_derivatives(const TestProblem& p, const Equations& equations) {
+  std::vector<bool> result;
+  std::vector<double> xdot = p.xdot0, before(size(p.m)), after(size(p.m));
+  xdot.resize(size(p.n), 0.0);
+  equations(0, p.t0, p.x0.data(), xdot.data(), before.data());
+  for (double& slope : xdot) {
+    const double kept = slope;
+    slope += 1.0;
+    equations(0, p.t0, p.x0.data(), xdot.data(), after.data());
+    slope = kept;
+    result.push_back(before != after);
+  }
+  return result;
+}
+
+// Positions and velocities are those of a consistent point, all others are given as zero.
+TEST(StartValuesOfTheTestSet, KeepWhatIsDifferentiated) {
+  for_each_problem_of_test_set([](const TestProblem& p, const auto& equations) {
+    if (p.values.mu < 1 || (p.n > 100 && cases_of(2) < 2)) return;
+    SCOPED_TRACE(p.name);
+    NonlinearRun consistent(recorded(p, equations, 0), options_with(1e-6)),
+        run(recorded(p, equations, 0), options_with(1e-6));
+    ASSERT_GE(consistent.start(p.t0, p.tf, p.x0), 0) << consistent.message();
+    const std::vector<bool> stay = have_derivatives(p, equations);
+    std::vector<double> guess = consistent.x;
+    for (std::size_t i = 0; i < guess.size(); ++i)
+      if (!stay[i]) guess[i] = 0.0;
+    ASSERT_EQ(run.start(p.t0, p.tf, guess), SFDAE_OK) << run.message();
+    double largest_kept = 0.0;
+    for (std::size_t i = 0; i < guess.size(); ++i) largest_kept = std::max(largest_kept, std::abs(guess[i]));
+    for (std::size_t i = 0; i < guess.size(); ++i)
+      if (stay[i]) {
+        EXPECT_NEAR(run.x[i], guess[i], 1e-11 * largest_kept) << i;
+      }
+  });
 }
 
 // Digits at the end of an integration scatter where the tolerance is loose: those of BDF on Andrews' mechanism do. Of the
@@ -116,14 +149,12 @@ TEST(DigitsOfTheTestSet, AreThoseOfOtherSolvers) {
   for_each_problem_of_test_set([](const TestProblem& p, const auto& equations) {
     const auto known = peers.find(p.name);
     if (known == peers.end()) return;
-    const std::vector<double> weights = initial_weights(p);
     for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
       for (std::size_t i = 0; i < cases_of(tolerances.size()); ++i) {
         SCOPED_TRACE(testing::Message() << p.name << ", method " << method << ", tolerance " << tolerances[i]);
         const double theirs = method == SFDAE_METHOD_BDF ? known->second.bdf[i] : known->second.radau[i];
         if (theirs == 0.0 && p.name == "slider_crank") continue;
-        sfdae_options options = options_with(tolerances[i], method);
-        if (!weights.empty()) options.initial_weights = weights.data();
+        const sfdae_options options = options_with(tolerances[i], method);
         std::vector<double> x;
         ASSERT_EQ(solve(p, equations, options, x), SFDAE_OK);
         const double ours = correct_digits(p, p.references.back(), x.data());
