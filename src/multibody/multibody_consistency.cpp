@@ -213,7 +213,6 @@ Vector MultibodyConsistency::velocities(const Vector& q, const double* given, in
   return point_.v;
 }
 
-// Throws Failure if residuals are left that are not tolerated.
 void MultibodyConsistency::refuse_velocities(const Vector& residuals, const double* given) {
   // Relative to velocities; rounding errors are smaller by orders of magnitude.
   constexpr double contradiction = 1e-9;

@@ -38,8 +38,9 @@ class MultibodyConsistency {
   // Returns if that is tolerated.
   void refuse_positions(const PositionSearch& search, const Matrix& open);
   void check_nearby(const std::vector<double>& q, const MultibodyRanks& ranks);
-  // Of the velocities of the point, in units of the rows; how much of them counts as nothing.
+  // C v + r at the point, in units of the rows.
   std::vector<double> scaled_velocity_residuals() const;
+  // Returns if they are rounding errors, or tolerated.
   void refuse_velocities(const std::vector<double>& residuals, const double* given);
   bool has_fixed(int first, int count) const;
   std::string name_of(int constraint) const;
