@@ -15,14 +15,15 @@
  * The solver is used as any other. The strangeness index is 2, 1 without holonomic constraints, 0 without any; d
  * counts independent positions and velocities, a all other unknowns.
  *
- *  - SFDAE_INITIAL_NEAREST and _FIXED change positions (where q' = v) and velocities as little as possible in the
- *    metric of the kinetic energy, v^T M v, if M is symmetric and positive definite and there are no
- *    initial_weights, else in the (weighted) 2-norm. lambda and kappa follow: values given count only if they are
- *    fixed or to be accepted.
+ *  - SFDAE_INITIAL_NEAREST and _FIXED leave positions and velocities that fulfil the constraints as they are, to the
+ *    last bit, and change others as little as possible in the metric of the kinetic energy, v^T M v, if M is
+ *    symmetric and positive definite and there are no initial_weights, else in the (weighted) 2-norm: positions
+ *    first, then velocities there. Changes beyond the tolerances are SFDAE_VALUES_CHANGED. lambda and kappa follow:
+ *    values given count only if they are fixed or to be accepted.
  *  - rank_tol: rows of [G; H] of length 1 depend on each other if what is left of one is below it.
  *  - Singular configurations, where the rank of [G; H] drops, end with SFDAE_CHARACTERISTICS_CHANGED, also at the
- *    start. Those that are touched without being crossed, so that det of the constraints keeps its sign, end with
- *    SFDAE_STEP_TOO_SMALL if forces grow beyond all bounds there, and are not seen otherwise.
+ *    start, and where steps fail just before: motions end or branch there. Those that are touched without being
+ *    crossed, so that det of the constraints keeps its sign, and without steps that fail, are not seen.
  *  - Options without a meaning here: reduction, time_scale, difference_derivatives, leading_term.
  *
  * sfdae.h has the conventions, and includes this header.

@@ -317,10 +317,18 @@ LocatedChange Integration::change_at_failure() const {
   return {state.t, state.tried_t, integrator_.system.values_at(state.tried_t)};
 }
 
+// Of which failures of steps are signs.
+std::optional<LocatedChange> Integration::change_nearby() const {
+  const std::optional<double> t = integrator_.system.change_nearby();
+  if (!t) return std::nullopt;
+  return LocatedChange{integrator_.stepper->state().t, *t, integrator_.system.values_at(*t)};
+}
+
 CallResult Integration::give_up(StepOutcome outcome) {
   if (!change_) {
     integrator_.must_restart = true;
     if (outcome == StepOutcome::changed) change_ = change_at_failure();
+    else if (outcome != StepOutcome::callback_error) change_ = change_nearby();
   }
   if (change_) return result_of_change(integrator_.system, *change_);
   // Errors of derivatives look like jumps of the solution.

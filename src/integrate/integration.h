@@ -72,6 +72,7 @@ class Integration {
   bool has_located_change(double h, double tout);
   CallResult give_up(StepOutcome outcome);
   LocatedChange change_at_failure() const;
+  std::optional<LocatedChange> change_nearby() const;
   void restart(Method method);
 
   // Up to tout or the last point: the event found, if any.

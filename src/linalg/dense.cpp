@@ -304,7 +304,11 @@ int determinant_sign(View a, Arena& arena) {
   return sign;
 }
 
-int count_negative_eigenvalues(View a, Arena& arena) {
+namespace {
+
+// Calls visit with every eigenvalue that is real, or is so but for rounding errors.
+template <class Visit>
+void for_each_real_eigenvalue(View a, Arena& arena, Visit visit) {
   // Rounding errors make a pair of complex ones of two that are equal: they part by the square root of rounding,
   // 1e-8; two digits of safety by judgement (docs/decisions/23-multibody-singular-configurations.md).
   constexpr double nearly_real = 1e-6;
@@ -317,10 +321,24 @@ int count_negative_eigenvalues(View a, Arena& arena) {
   if (n > 0)
     dgeev_("N", "N", &n, a.data, &a.ld, real, imaginary, &unused, &unit_stride, &unused, &unit_stride,
            arena.take(index(length)), &length, &info);
-  int count = 0;
   for (int k = info; k < n; ++k)
-    if (real[k] < 0.0 && std::fabs(imaginary[k]) <= -nearly_real * real[k]) ++count;
+    if (std::fabs(imaginary[k]) <= nearly_real * std::fabs(real[k])) visit(real[k]);
+}
+
+}  // namespace
+
+int count_negative_eigenvalues(View a, Arena& arena) {
+  int count = 0;
+  for_each_real_eigenvalue(a, arena, [&](double value) { count += value < 0.0 ? 1 : 0; });
   return count;
+}
+
+double largest_real_eigenvalue(View a, Arena& arena) {
+  double largest = 0.0;
+  for_each_real_eigenvalue(a, arena, [&](double value) {
+    if (std::fabs(value) > std::fabs(largest)) largest = value;
+  });
+  return largest;
 }
 
 }  // namespace sfdae::core

@@ -65,5 +65,8 @@ std::vector<double> least_squares(ConstView a, const std::vector<double>& b, dou
 int determinant_sign(View a, Arena& arena);
 // How many eigenvalues are real and negative, or are so but for rounding errors; A is destroyed.
 int count_negative_eigenvalues(View a, Arena& arena);
+// Of the eigenvalues that are real, or are so but for rounding errors, the one of largest size, 0 if there is none; A is
+// destroyed.
+double largest_real_eigenvalue(View a, Arena& arena);
 
 }  // namespace sfdae::core

@@ -1,10 +1,7 @@
 // Consistent positions and velocities of a mechanical system with constraints, and the ranks that hold there.
 //
-// Positions move by damped Gauss-Newton steps (Levenberg-Marquardt with a parameter that vanishes with the residual,
-// so that constraints which depend on each other only where they hold do no harm) and then along the constraints to
-// the point nearest to what was given; velocities by one linear step. The norm is that of the kinetic energy, where M
-// is symmetric and positive definite; for positions, where q' = v besides. Else, or where weights are given, it is
-// the (weighted) 2-norm.
+// What holds to rounding stays to the last bit. Else positions move to the nearest that fulfil the constraints
+// (multibody_nearest_positions.h), in the metric of multibody_metric.h, and then velocities by one linear step.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -12,6 +9,7 @@
 
 #include "linalg/rank.h"
 #include "multibody/multibody_point.h"
+#include "multibody/multibody_position_search.h"
 #include "multibody/multibody_problem.h"
 #include "multibody/multibody_ranks.h"
 #include "system/consistent_values.h"
@@ -35,16 +33,15 @@ class MultibodyConsistency {
 
  private:
   void evaluate_at(const std::vector<double>& q);
-  Matrix metric(int first, int count, bool by_mass) const;
-  Matrix scaled_rows(const ConstraintRows& rows) const;
-  double residual(const std::vector<double>& q);
+  PositionSearch search_at(const std::vector<double>& q);
   double position_tolerance() const;
-  void approach(std::vector<double>& q);
-  bool improve(std::vector<double>& q, double& residual);
-  void minimize_change(const std::vector<double>& given, std::vector<double>& q);
   // Returns if that is tolerated.
-  void refuse_positions(const std::vector<double>& q, double residual);
+  void refuse_positions(const PositionSearch& search, const Matrix& open);
   void check_nearby(const std::vector<double>& q, const MultibodyRanks& ranks);
+  // C v + r at the point, in units of the rows.
+  std::vector<double> scaled_velocity_residuals() const;
+  // Returns if they are rounding errors, or tolerated.
+  void refuse_velocities(const std::vector<double>& residuals, const double* given);
   bool has_fixed(int first, int count) const;
   std::string name_of(int constraint) const;
 
@@ -53,8 +50,6 @@ class MultibodyConsistency {
   double t_;
   const ConsistencyRequest& request_;
   MultibodyPoint point_;
-  Matrix directions_;  // of positions: dq = P p, |p| the norm
-  std::vector<double> scaled_g_;
   Arena arena_;
   double rank_tol_ = 0.0;
   int rank_of_mass_ = 0;

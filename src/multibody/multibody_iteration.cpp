@@ -120,7 +120,11 @@ double MultibodyIteration::change() {
     qv[k] += changes[k];
   }
   double norm = 0.0;
-  for (int i = 0; i < s; ++i) norm = std::max(norm, norm_of(stages.changes.column(i)));
+  for (int i = 0; i < s; ++i) {
+    const double own = norm_of(stages.changes.column(i));
+    if (!std::isfinite(own)) return own;  // std::max would drop NaN
+    norm = std::max(norm, own);
+  }
   return norm;
 }
 

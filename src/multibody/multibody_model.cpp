@@ -11,6 +11,24 @@
 
 namespace sfdae::core {
 
+namespace {
+
+// The largest change of positions and velocities; rounding errors of the largest of them are none, whatever the tolerances.
+ValueChange change_of_motion(const MultibodySizes& sizes, const std::vector<double>& tolerances,
+                             const std::vector<double>& given, const std::vector<double>& x) {
+  constexpr double rounding = 1e-13;
+  const int nq = sizes.positions, nv = sizes.velocities;
+  const double of_positions = rounding * max_abs(x.data(), nq), of_velocities = rounding * max_abs(x.data() + nq, nv);
+  std::vector<double> changes(index(nq + nv));
+  for (int i = 0; i < nq + nv; ++i) {
+    const double change = x[index(i)] - given[index(i)];
+    if (std::fabs(change) > (i < nq ? of_positions : of_velocities)) changes[index(i)] = change;
+  }
+  return largest_change(given.data(), changes.data(), tolerances, nq + nv);
+}
+
+}  // namespace
+
 void MultibodyModel::analyze(const PointOfInterest& point, const ModelOptions& options,
                              std::vector<RankDecision>& decisions) {
   forget_system();
@@ -70,6 +88,7 @@ ConsistentPoint MultibodyModel::make_consistent(MultibodySystem& system, const P
   result.change.residual_before = std::sqrt(sum);
   result.change.residual_after = std::max(position_residual(found), velocity_residual(found));
   report_change(request, point.t, given, result.x, result.change);
+  if (request.reports_changes()) result.value_change = change_of_motion(sizes, request.tolerances, given, result.x);
   if (request.kind == InitialValues::accept) result.x = given;
   add_derivative(system, point.direction(), result);
   return result;

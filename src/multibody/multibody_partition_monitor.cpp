@@ -72,23 +72,41 @@ PointStatus PartitionMonitor::check(const MultibodyPoint& point, const Multibody
   return PointStatus::changed;
 }
 
+PointStatus PartitionMonitor::check_within(const Tangents& tangents, MultibodyLinearization& linearization) const {
+  if (orientation_of(tangents) == orientation_) return PointStatus::ok;
+  linearization.set_valid(false);
+  return PointStatus::not_converged;
+}
+
 // Which constraint vanishes, in the units of its gradient.
-void PartitionMonitor::note_change(const MultibodyPoint& point, const Crossings& crossings, const MultibodyForm& form,
-                                   Arena& arena) {
-  // Beyond that nothing is small at the end of the step, though it vanished within: the constraint that turned most
-  // is the one to name.
+void PartitionMonitor::name_constraint(const MultibodyPoint& point, int turning_row, const MultibodyForm& form,
+                                       Arena& arena) {
+  // Beyond that nothing is small at the point, though it vanishes nearby: the constraint that turned most is the one to
+  // name.
   constexpr double independent = 0.1;
   has_changed_ = true;
   form.judge(point, arena, change_.vanishing_row, change_.vanishing_value);
-  if (change_.vanishing_value > independent) {
-    change_.vanishing_value = 0.0;
-    if (crossings.velocities.row >= 0) change_.vanishing_row = crossings.velocities.row;
-  }
+  if (change_.vanishing_value <= independent) return;
+  change_.vanishing_value = 0.0;
+  if (turning_row >= 0) change_.vanishing_row = turning_row;
+}
+
+void PartitionMonitor::note_change(const MultibodyPoint& point, const Crossings& crossings, const MultibodyForm& form,
+                                   Arena& arena) {
+  name_constraint(point, crossings.velocities.row, form, arena);
   change_.ranks = settings_.ranks;
   const auto lost = [](bool has_turned_over, int count) { return std::max(count, has_turned_over ? 1 : 0); };
   change_.ranks.velocities -=
       lost(end_orientation_.velocities != orientation_.velocities, crossings.velocities.count);
   change_.ranks.positions -= lost(end_orientation_.positions != orientation_.positions, crossings.positions.count);
+}
+
+void PartitionMonitor::note_singularity(const MultibodyPoint& point, const NearbySingularity& singularity,
+                                        const MultibodyForm& form, Arena& arena) {
+  name_constraint(point, singularity.row, form, arena);
+  change_.ranks = settings_.ranks;
+  change_.ranks.positions -= singularity.is_of_positions ? 1 : 0;
+  change_.ranks.velocities -= singularity.is_of_velocities ? 1 : 0;
 }
 
 void PartitionMonitor::accept() {

@@ -13,6 +13,7 @@
 #include "multibody/multibody_linearization.h"
 #include "multibody/multibody_projection.h"
 #include "multibody/multibody_ranks.h"
+#include "multibody/multibody_singularity.h"
 #include "system/dae_system.h"
 
 namespace sfdae::core {
@@ -51,6 +52,12 @@ class PartitionMonitor {
   // only a shorter step can show that.
   PointStatus check(const MultibodyPoint& point, const MultibodyPoint& accepted, const Tangents& tangents,
                     MultibodyLinearization& linearization, Arena& arena);
+  // At a stage within the step: reports not_converged where constraints have turned over, and only shorter steps can show
+  // what they do up to its end.
+  PointStatus check_within(const Tangents& tangents, MultibodyLinearization& linearization) const;
+  // Notes a singular configuration near a point, which steps do not reach.
+  void note_singularity(const MultibodyPoint& point, const NearbySingularity& singularity, const MultibodyForm& form,
+                        Arena& arena);
   void accept();
 
   // Since the point accepted last.
@@ -76,6 +83,7 @@ class PartitionMonitor {
     return {tangents.positions.sign(), tangents.of_velocities().sign()};
   }
   double largest_rotation() const;
+  void name_constraint(const MultibodyPoint& point, int turning_row, const MultibodyForm& form, Arena& arena);
   void note_change(const MultibodyPoint& point, const Crossings& crossings, const MultibodyForm& form, Arena& arena);
 
   int holonomic_ = 0;

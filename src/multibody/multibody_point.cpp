@@ -236,4 +236,46 @@ double velocity_residual(const MultibodyPoint& point) {
   return largest_residual(residuals, point.velocity_units, nc);
 }
 
+namespace {
+
+// Of the sum of |terms| that is rounded: some roundings of the numbers themselves, of products, and of their sum.
+constexpr double roundings = 8.0 * unit_roundoff;
+
+double largest(const std::vector<double>& values) { return max_abs(values.data(), static_cast<int>(values.size())); }
+
+}  // namespace
+
+bool positions_hold_to_rounding(const MultibodyPoint& point) {
+  const ConstView g_q = point.terms.g_q;
+  const double size = largest(point.q);
+  for (int i = 0; i < g_q.rows; ++i) {
+    double terms = std::fabs(point.terms.velocity_rest[index(i)] * point.t);
+    for (int j = 0; j < g_q.cols; ++j) terms += std::fabs(g_q(i, j) * point.q[index(j)]);
+    // Terms without derivatives, as cos phi near 0, are taken to be as large as positions.
+    terms = std::max(terms, point.position_units[index(i)] * size);
+    if (!(std::fabs(point.terms.g[index(i)]) <= roundings * terms)) return false;
+  }
+  return true;
+}
+
+bool velocities_hold_to_rounding(const MultibodyPoint& point) {
+  const ConstView C = point.terms.C;
+  std::vector<double> residuals(index(C.rows) + 1), rates(point.q.size(), 0.0);
+  point.velocity_residuals(residuals.data());
+  const double size = largest(point.v);
+  // C = g_q S may vanish but for rounding errors, as for the length of a quaternion.
+  const Matrix& S = point.terms.S;
+  for (int j = 0; j < S.cols(); ++j)
+    for (int k = 0; k < S.rows(); ++k) rates[index(k)] += std::fabs(S(k, j) * point.v[index(j)]);
+  for (int i = 0; i < C.rows; ++i) {
+    double terms = std::fabs(point.terms.velocity_rest[index(i)]);
+    for (int j = 0; j < C.cols; ++j) terms += std::fabs(C(i, j) * point.v[index(j)]);
+    for (int k = 0; k < S.rows() && i < point.terms.g_q.rows(); ++k)
+      terms += std::fabs(point.terms.g_q(i, k) * rates[index(k)]);
+    terms = std::max(terms, point.velocity_units[index(i)] * size);
+    if (!(std::fabs(residuals[index(i)]) <= roundings * terms)) return false;
+  }
+  return true;
+}
+
 }  // namespace sfdae::core

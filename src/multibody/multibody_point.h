@@ -75,5 +75,8 @@ double condition_of_constraints(const MultibodyPoint& point, const Partition& pa
 // The largest residuals there of g = 0 and of C v + r = 0, in the same units.
 double position_residual(const MultibodyPoint& point);
 double velocity_residual(const MultibodyPoint& point);
+// Whether the constraints on positions, and those on velocities, hold there but for rounding errors of t, q and v.
+bool positions_hold_to_rounding(const MultibodyPoint& point);
+bool velocities_hold_to_rounding(const MultibodyPoint& point);
 
 }  // namespace sfdae::core

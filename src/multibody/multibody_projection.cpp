@@ -108,13 +108,16 @@ PointStatus MultibodyProjection::project_velocities(MultibodyPoint& point, Multi
 }
 
 PointStatus MultibodyProjection::project(MultibodyPoint& point, MultibodyEquations& equations,
-                                         const MultibodyForm& form, Arena& arena) {
-  PointStatus status = project_positions(point, equations, form, arena);
-  if (status == PointStatus::ok) status = equations.at_velocity(point);
-  if (status != PointStatus::ok) return status;
-  point.measure_rows();
+                                         const MultibodyForm& form, Arena& arena, Moves moves) {
+  PointStatus status = PointStatus::ok;
+  if (moves == Moves::all) {
+    status = project_positions(point, equations, form, arena);
+    if (status == PointStatus::ok) status = equations.at_velocity(point);
+    if (status != PointStatus::ok) return status;
+    point.measure_rows();
+  }
   if (!build_tangents(point, form, arena)) return PointStatus::singular;
-  status = project_velocities(point, equations, form, arena);
+  if (moves != Moves::nothing) status = project_velocities(point, equations, form, arena);
   if (status != PointStatus::ok) return status;
   status = equations.accelerations(point, form.velocities(), tangents_.of_velocities(), arena);
   if (status != PointStatus::ok) return status;

@@ -20,8 +20,11 @@ class MultibodyProjection {
   // Of (q, v): an error of one unit is as large as the tolerance. 0, before there are any, for no tolerance.
   void set_weights(const double* inverse_weights);
 
+  // What is to move; positions that stay are those of a point with terms and rows.
+  enum class Moves { all, velocities, nothing };
   // The form: of a linearization near the point.
-  PointStatus project(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form, Arena& arena);
+  PointStatus project(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form, Arena& arena,
+                      Moves moves = Moves::all);
   // T and N of the point projected last.
   const Tangents& tangents() const { return tangents_; }
   // At a point whose rows are measured; false if the partition does not fit it.

@@ -68,6 +68,22 @@ CharacteristicValues MultibodySystem::values_at(double) {
   return characteristic_values(sizes_, monitor_.change().ranks);
 }
 
+std::optional<double> MultibodySystem::change_nearby() {
+  // Of the longest step, which tells how fast the system moves where nothing is singular
+  // (docs/decisions/23-multibody-singular-configurations.md).
+  constexpr double near = 0.5;
+  const NearbySingularity found = nearby_singularity(accepted_, settings_.ranks, equations_, arena_);
+  if (!(std::fabs(found.t - accepted_.t) <= near * longest_step_)) return std::nullopt;
+  monitor_.note_singularity(accepted_, found, linearization_.form(), arena_);
+  return found.t;
+}
+
+std::string MultibodySystem::about_change() const {
+  if (!monitor_.has_changed()) return {};
+  return monitor_.message() + format(" At t = %.12g the condition of the constraints is %.2g.", accepted_.t,
+                                     condition_of_constraints(accepted_, partition()));
+}
+
 PointStatus MultibodySystem::set_point(double t, const double* q, const double* v) {
   t_ = t;
   accepted_.set(t, q, v);
@@ -75,11 +91,17 @@ PointStatus MultibodySystem::set_point(double t, const double* q, const double* 
   if (status != PointStatus::ok) return status;
   accepted_.measure_rows();
   monitor_.forget();
+  longest_step_ = 0.0;
   status = linearize(t, q, v);
   if (status != PointStatus::ok) return status;
   if (!monitor_.has_known_ranks()) return PointStatus::changed;
   end_ = accepted_;
-  status = project(end_);
+  // What holds stays to the last bit.
+  using Moves = MultibodyProjection::Moves;
+  const Moves moves = !positions_hold_to_rounding(end_)    ? Moves::all
+                      : !velocities_hold_to_rounding(end_) ? Moves::velocities
+                                                           : Moves::nothing;
+  status = projection_.project(end_, equations_, linearization_.form(), arena_, moves);
   if (status != PointStatus::ok) return status;
   monitor_.start(projection_.tangents());
   is_end_new_ = true;
@@ -95,6 +117,7 @@ PointStatus MultibodySystem::move_to(double t) {
 void MultibodySystem::accept() {
   if (!is_end_new_) return;
   is_end_new_ = false;
+  longest_step_ = std::max(longest_step_, std::fabs(end_.t - accepted_.t));
   std::swap(accepted_, end_);
   monitor_.accept();
 }
@@ -137,6 +160,9 @@ PointStatus MultibodySystem::solve_points(const MultibodyDiscretization& discret
     is_end_new_ = false;
     status = project(end_);
   }
+  if (status == PointStatus::ok)
+    for (int i = 0; i < last && status == PointStatus::ok; ++i)
+      status = monitor_.check_within(stages_.tangents[index(i)], linearization_);
   if (status == PointStatus::ok) {
     status = monitor_.check(end_, accepted_, projection_.tangents(), linearization_, arena_);
     is_end_new_ = status == PointStatus::ok;
@@ -309,6 +335,7 @@ void MultibodySystem::archive(Archive& archive) {
   archive_point(accepted_);
   archive_point(monitor_.origin());
   archive_point(linearized);
+  archive.real(longest_step_);
   archive.reals(accepted_.a, nv);
   archive.reals(accepted_.mu, index(sizes_.constraints()) + 1);
   if (archive.is_reading()) rebuild(linearized, has_matrix ? matrix.c() : 0.0);

@@ -65,8 +65,10 @@ class MultibodySystem final : public DaeSystem {
   // q and v are known at points of the integration only, so that a change is located by its steps becoming short:
   // the values where it was met last, whatever t is.
   CharacteristicValues values_at(double t) override;
+  // Constraints that become singular within the longest step so far.
+  std::optional<double> change_nearby() override;
   std::string inconsistency_message() const override { return projection_.inconsistency_message(t_); }
-  std::string about_change() const override { return monitor_.message(); }
+  std::string about_change() const override;
   // False where mu' is a difference of mu along the solution.
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
   // mu' along the solution by differences of high order, too: nearly as accurate as if it came from more derivatives.
@@ -100,6 +102,7 @@ class MultibodySystem final : public DaeSystem {
   PartitionMonitor monitor_;
 
   MultibodyPoint accepted_, end_;
+  double longest_step_ = 0.0;
   bool is_end_new_ = false;  // end_ is that of a step, or a start, not accepted yet
 };
 

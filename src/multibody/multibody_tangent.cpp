@@ -128,12 +128,11 @@ void Tangent::enforce(const Partition& partition, const double* b, double* w, Ar
   subtract(partition, rest, w);
 }
 
-// The negative eigenvalues of X = B Q2 (C Q2)^-1; there are none if its symmetric part is positive definite.
-Tangent::ZeroCrossings Tangent::zero_crossings_from(const Partition& partition, ConstView B, Arena& arena) const {
+// X^T for X = B Q2 (C Q2)^-1
+void Tangent::relative_to_rows(const Partition& partition, ConstView B, View Xt, Arena& arena) const {
   const int r = rank_, n = T_.rows();
-  if (r == 0) return {};
   const Arena::Frame frame(arena);
-  const View independent = arena.matrix(r, n), Xt = arena.matrix(r, r);
+  const View independent = arena.matrix(r, n);
   for (int j = 0; j < n; ++j)
     for (int k = 0; k < r; ++k) independent(k, j) = units_[index(k)] * B(partition.rows[index(k)], j);
   if (r <= most_explicit) {
@@ -142,11 +141,33 @@ Tangent::ZeroCrossings Tangent::zero_crossings_from(const Partition& partition, 
     multiply(1.0, Op::transposed, partition.Q2(), Op::transposed, independent, 0.0, Xt);
     solve_lu_transposed(ConstView{lu_.data(), r, r, r}, pivots_.data(), Xt);
   }
+}
+
+// The negative eigenvalues of X; there are none if its symmetric part is positive definite.
+Tangent::ZeroCrossings Tangent::zero_crossings_from(const Partition& partition, ConstView B, Arena& arena) const {
+  const int r = rank_;
+  if (r == 0) return {};
+  const Arena::Frame frame(arena);
+  const View Xt = arena.matrix(r, r);
+  relative_to_rows(partition, B, Xt, arena);
   if (has_positive_symmetric_part(Xt, arena)) return {};
   int most = 0;
   for (int k = 1; k < r; ++k)
     if (Xt(k, k) < Xt(most, most)) most = k;
   return {count_negative_eigenvalues(Xt, arena), partition.rows[index(most)]};
+}
+
+double Tangent::fastest_change(const Partition& partition, ConstView B, int& row, Arena& arena) const {
+  const int r = rank_;
+  if (r == 0) return 0.0;
+  const Arena::Frame frame(arena);
+  const View Xt = arena.matrix(r, r);
+  relative_to_rows(partition, B, Xt, arena);
+  int fastest = 0;
+  for (int k = 1; k < r; ++k)
+    if (std::fabs(Xt(k, k)) > std::fabs(Xt(fastest, fastest))) fastest = k;
+  row = partition.rows[index(fastest)];
+  return largest_real_eigenvalue(Xt, arena);
 }
 
 void Tangent::correction(const Partition& partition, const double* residuals, double* w, Arena& arena) const {

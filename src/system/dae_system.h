@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -43,6 +44,9 @@ class DaeSystem : public StrangenessFreeSystem {
   virtual std::string inconsistency_message() const;
   // What there is to say about a change of the characteristic values that was met last; empty: nothing.
   virtual std::string about_change() const { return {}; }
+  // Asked where steps have failed, before an integration ends for that: whether the characteristic values change near the
+  // point accepted last, and when, as far as that point tells.
+  virtual std::optional<double> change_nearby() { return std::nullopt; }
   // The characteristic values that hold at t, or, where x is needed and not known there, at the point where a change
   // was met last.
   virtual CharacteristicValues values_at(double t) = 0;

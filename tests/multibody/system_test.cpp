@@ -91,5 +91,53 @@ TEST_F(SystemOfPendulum, RestoreProjectsFromFarAway) {
   EXPECT_NEAR(x[4], x[2] * x[2] + x[3] * x[3] - x[1], 1e-13);
 }
 
+// A constraint in units that underflow at the times of one stage: N = 1 / 1e-310 overflows there, and N g is NaN. The
+// iteration ends there, whichever stage it is, and callbacks are not called with it.
+struct Underflow {
+  double from = 0.0, to = 0.0;
+  bool has_seen_nan = false;
+  double unit(double t) const { return t > from && t < to ? 1e-310 : 1.0; }
+  static Underflow& of(void* user) { return *static_cast<Underflow*>(user); }
+  static int forces(double, const double* q, const double*, double* f, void* user) {
+    of(user).has_seen_nan = of(user).has_seen_nan || std::isnan(q[0]) || std::isnan(q[1]);
+    f[1] = -1.0;
+    return 0;
+  }
+  static int constraints(double t, const double* q, double* g, void* user) {
+    of(user).has_seen_nan = of(user).has_seen_nan || std::isnan(q[0]) || std::isnan(q[1]);
+    g[0] = of(user).unit(t) * (q[0] + q[1]);
+    return 0;
+  }
+  static int jacobian(double t, const double*, double* g_q, void* user) {
+    g_q[0] = g_q[1] = of(user).unit(t);
+    return 0;
+  }
+  static int curvature(double, const double*, const double*, double*, void*) { return 0; }
+};
+
+TEST(StagesOfMultibodySystems, NoNaNOfAnyStageIsDropped) {
+  const StageMethod& method = radau_method(3).stages;
+  for (std::size_t bad = 0; bad < 3; ++bad) {
+    const double h = 0.1, near = 1e-3;
+    Underflow model{h * method.c[bad] - near, h * method.c[bad] + near};
+    sfdae_multibody_problem callbacks = multibody_problem_of(2, 1);
+    callbacks.forces = Underflow::forces;
+    callbacks.constraints = Underflow::constraints;
+    callbacks.constraint_jacobian = Underflow::jacobian;
+    callbacks.constraint_curvature = Underflow::curvature;
+    callbacks.user = &model;
+    const auto problem = sfdae_test::problem_of(callbacks);
+    IndexAnalysis analysis;
+    analysis.values = characteristic_values(problem->sizes(), {1, 1});
+    const std::vector<double> x = {0.0, 0.0, 0.0, 0.0, 0.0}, exacting(5, 1e6);
+    MultibodySystem system(*problem, {{1, 1}, Coordinates::orthogonal}, analysis, x.data(), x.data() + 2);
+    std::vector<double> all(15), w(15), guess(15);
+    double reached = 0.0;
+    const StageEquations equations{method, 0.0, h, x.data(), x.data(), {guess.data(), x.data(), exacting.data()}};
+    EXPECT_NE(system.solve_stages(equations, all.data(), w.data(), reached), PointStatus::ok) << bad;
+    EXPECT_FALSE(model.has_seen_nan) << bad;
+  }
+}
+
 }  // namespace
 }  // namespace sfdae::test

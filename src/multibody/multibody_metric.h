@@ -1,0 +1,35 @@
+// How changes of positions and velocities of a mechanical system are measured.
+//
+// Velocities by the kinetic energy, |dv|^2 = dv^T M dv, where M is symmetric and positive definite: what constraints
+// change is then what an impulse of theirs would, M dv = -C^T p, in whatever coordinates. Positions by W = M where
+// q' = v; else a change has a part S w and one that no velocity leads to, as the length of a quaternion, which is
+// measured with the masses of the single components:
+//
+//     W = B^T M B + R^T D R,   B = S^+,   R = I - S B,   D the diagonal of B^T M B
+//
+// Without such an M, or with weights w_i of the user, |dx|^2 = sum (dx_i / w_i)^2.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "multibody/multibody_problem.h"
+#include "system/consistent_values.h"
+
+namespace sfdae::core {
+
+// dx = P y for changes of the components that are not fixed, |y| their size, and y = R dx.
+struct Metric {
+  Matrix P, R;
+};
+
+// And columns of the identity, the directions in which a change of each component counts as it is.
+struct PositionMetric : Metric {
+  Matrix open;
+};
+
+// terms: those at a position.
+PositionMetric position_metric(const MultibodyTerms& terms, const ConsistencyRequest& request);
+Metric velocity_metric(const MultibodyTerms& terms, const ConsistencyRequest& request);
+
+}  // namespace sfdae::core
