@@ -1,0 +1,38 @@
+// The jets that an integration has gone through last, and those in between by interpolation.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+#include "system/jet.h"
+#include "system/nonlinear_stages.h"
+#include "system/stage_method.h"
+
+namespace sfdae::core {
+
+class JetCourse {
+ public:
+  // From this point on.
+  void start(const Jet& jet);
+  // The next accepted point.
+  void add(const Jet& jet);
+  // The end of a step that is tried, and its stages if it has several (the last one is the end), or null: they are
+  // referred to until the next call.
+  void set_attempt(const Jet& end, const NonlinearStages* stages);
+  const Jet& newest() const { return accepted_[index(newest_)]; }
+  // The jet at t, by polynomials through the jets nearby.
+  void interpolate(double t, Jet& jet) const;
+
+ private:
+  // More points than pass between two linearizations.
+  static constexpr int most = 16;
+  // Points of the polynomials outside of steps with stages: as accurate as BDF of low orders.
+  static constexpr int window = 5;
+
+  std::array<Jet, most> accepted_;  // a ring
+  int count_ = 0, newest_ = 0;
+  std::array<const Jet*, most + max_stages> nodes_{};  // the newest first
+  int num_nodes_ = 0, num_stages_ = 0;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,195 @@
+// Changes of the characteristic values of a nonlinear problem along the way.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/nonlinear_change_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// A value that falls is looked at when it has gone this part of the straight way to zero since the last sample.
+// (Chosen: 0.75 costs ...)
+constexpr double way_to_zero = 0.75;
+// Of the step: how far the interpolated solution may be from where it is found, and the part of the first step in which
+// a point was found that is short enough to report it.
+constexpr double uncertain = 0.05, short_enough = 0.25;
+// Of the first step in which it was found: the last point before it where the solution is wanted.
+constexpr double beside = 1e-6;
+// Of times: a step about a singular point is not shorter than so many roundings.
+constexpr double roundings = 1024.0;
+// Values fall to this before steps fail in front of a singular point.
+constexpr double fallen = 1e-2;
+
+struct Sized {
+  double t, value;
+};
+
+// The line through both is below zero at t.
+bool would_vanish(Sized older, Sized last, double t) {
+  return last.value + (last.value - older.value) * (t - last.t) / (last.t - older.t) < 0.0;
+}
+
+}  // namespace
+
+void NonlinearChangeWatch::start(double direction) {
+  direction_ = direction;
+  samples_ = 0;
+  suspect_ = {};
+  search_.course().start(system_.jet());
+  has_within_ = has_end_ = false;
+  if (!search_.measure(system_.jet(), last_)) return;
+  samples_ = 1;
+  // Sizes are known from here on: steps allocate nothing.
+  older_ = within_ = end_ = last_;
+  largest_ = last_.values;
+  set_next_look();
+}
+
+// Of the linearizations that the step was made with, and of its end where that was compared or has to be looked at.
+void NonlinearChangeWatch::take_samples() {
+  const double t = system_.jet().t;
+  const ArrayLinearization& linearization = system_.linearization();
+  const int mu = system_.analysis().values.mu;
+  has_within_ = has_end_ = false;
+  const double t_origin = linearization.origin().jet.t;
+  const bool is_new = linearization.is_usable() && (samples_ == 0 || is_after(t_origin, last_.t));
+  if (is_new && !is_after(t_origin, t)) {
+    has_within_ = true;
+    is_within_sure_ = linearization.origin().is_judged;
+    within_.take(t_origin, linearization.data(), mu, linearization.form());
+    if (t_origin == t && is_within_sure_) {
+      std::swap(within_, end_);
+      std::swap(has_within_, has_end_);
+    }
+  }
+  if (has_end_) return;
+  const NullSpaceForm* form = system_.rank_check().compared_form(t);
+  if (form != nullptr && system_.analyzed_equations().prescribed().empty()) {
+    end_.take(t, system_.rank_check().compared_data(), mu, *form);
+    has_end_ = true;
+  } else if (samples_ < 2 || is_after(t, next_look_)) {
+    has_end_ = search_.measure(system_.jet(), end_);
+  }
+  if (has_end_ && has_within_ && t_origin == t) has_within_ = false;
+}
+
+std::optional<LocatedChange> NonlinearChangeWatch::find(double t_last) {
+  search_.course().set_attempt(system_.jet(), system_.stages());
+  take_samples();
+  if (samples_ == 0) return std::nullopt;
+  const SingularitySample* older = samples_ < 2 ? nullptr : &older_;
+  const SingularitySample* last = &last_;
+  bool was_turned = false;
+  for (const SingularitySample* now : {&within_, &end_}) {
+    if (now == &within_ ? !has_within_ : !has_end_) continue;
+    const bool is_turned = now->is_turned_from(last_, arena_);
+    std::optional<double> t;
+    if (is_turned != was_turned) t = search_.find_turn(last->t, now->t);
+    if (!t) t = search_dips(older, *last, *now);
+    if (t)
+      if (auto change = change_at(*t, t_last)) return change;
+    was_turned = is_turned;
+    older = last;
+    last = now;
+  }
+  return std::nullopt;
+}
+
+std::optional<double> NonlinearChangeWatch::search_dips(const SingularitySample* older, const SingularitySample& last,
+                                                        const SingularitySample& now) {
+  if (older == nullptr) return std::nullopt;
+  for (std::size_t i = 0; i < now.values.size(); ++i) {
+    const Sized before{older->t, older->values[i]}, here{last.t, last.values[i]}, after{now.t, now.values[i]};
+    if (would_vanish(before, here, now.t))
+      if (auto t = search_.find_dip({last.t, now.t, here.value, after.value}, i)) return t;
+    // What has gone down and up again since the sample before the last one.
+    if (would_vanish(after, here, older->t))
+      if (auto t = search_.find_dip({older->t, last.t, before.value, here.value}, i)) return t;
+  }
+  return std::nullopt;
+}
+
+// A singular point at t, found in the step from t_last: to be confirmed by a shorter step, or reported, or nothing.
+std::optional<LocatedChange> NonlinearChangeWatch::change_at(double t, double t_last) {
+  const double step = std::fabs(system_.jet().t - t_last);
+  const bool is_known = std::fabs(t - suspect_.t) <= suspect_.step;
+  if (is_known && suspect_.is_harmless) return std::nullopt;
+  if (!is_known) suspect_ = {t, step, false};
+  LocatedChange change;
+  change.t = t;
+  const double least = roundings * unit_roundoff * std::max(std::fabs(t), std::fabs(t_last));
+  if (step > std::max(short_enough * suspect_.step, least / uncertain) && is_after(t, t_last)) {
+    change.uncertainty = uncertain * step;
+    return change;
+  }
+  // The values known contradict what was found, unless equations vanish that were redundant.
+  const CharacteristicValues& known = system_.analysis().values;
+  change.new_values = search_.values_at(t, last_);
+  suspect_.is_harmless = known.v > 0 && change.new_values == known;
+  if (suspect_.is_harmless) return std::nullopt;
+  if (change.new_values == known) change.new_values = {};
+  change.t_before = t - direction_ * std::max(beside * suspect_.step, roundings * unit_roundoff * std::fabs(t));
+  return change;
+}
+
+void NonlinearChangeWatch::shift(SingularitySample& sample) {
+  std::swap(older_, last_);
+  std::swap(last_, sample);
+  samples_ = std::min(samples_ + 1, 2);
+}
+
+void NonlinearChangeWatch::accept() {
+  if (has_within_ && (is_within_sure_ || has_end_)) shift(within_);
+  if (has_end_) shift(end_);
+  if (has_within_ || has_end_) {
+    largest_.resize(last_.values.size());
+    for (std::size_t i = 0; i < largest_.size(); ++i) largest_[i] = std::max(largest_[i], last_.values[i]);
+    set_next_look();
+  }
+  has_within_ = has_end_ = false;
+  search_.course().add(system_.jet());
+}
+
+void NonlinearChangeWatch::set_next_look() {
+  next_look_ = direction_ * std::numeric_limits<double>::infinity();
+  if (samples_ < 2) return;
+  for (std::size_t i = 0; i < last_.values.size(); ++i) {
+    const double fall = older_.values[i] - last_.values[i];
+    if (fall <= 0.0) continue;
+    const double look = last_.t + way_to_zero * last_.values[i] * (last_.t - older_.t) / fall;
+    if (is_after(next_look_, look)) next_look_ = look;
+  }
+}
+
+std::optional<LocatedChange> NonlinearChangeWatch::find_beyond() {
+  const Jet& jet = search_.course().newest();
+  const double t = jet.t;
+  LocatedChange change;
+  change.t_before = t;
+  // Found already, but no short step leads there.
+  if (!suspect_.is_harmless && is_after(suspect_.t, t) && std::fabs(suspect_.t - t) <= suspect_.step) {
+    change.t = suspect_.t;
+    return change;
+  }
+  if (samples_ == 0 || !search_.measure(jet, end_)) return std::nullopt;
+  const SingularitySample& last = last_.t == t ? older_ : last_;
+  for (std::size_t i = 0; i < end_.values.size(); ++i) {
+    const double now = end_.values[i], before = last.values[i];
+    if (now > fallen * largest_[i] || now >= before) continue;
+    // As a square root, which is how determinants vanish where solutions end.
+    change.t = t + (t - last.t) * now * now / (before * before - now * now);
+    return change;
+  }
+  return std::nullopt;
+}
+
+void NonlinearChangeWatch::archive(Archive& archive, double direction) {
+  if (archive.is_reading()) start(direction);
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,162 @@
+// Singular points of a nonlinear system between two points.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/singularity_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "problem/failure.h"
+#include "reduction/elimination.h"
+#include "reduction/rank_sequence.h"
+#include "system/consistent_jets.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// A value that falls by this factor at a point inside a step has vanished there, as for linear problems
+// (docs/decisions/09-changes-between-steps.md).
+constexpr double dip = 1e-3;
+// Values up to so many times the smallest one kept at the point located count as zero there: it is not hit exactly.
+// Ranks by a tolerance above a tenth would mean nothing.
+constexpr double vanishing = 30.0;
+constexpr double largest_tolerance = 0.1;
+// Points are told apart down to this part of the interval searched, or to eight roundings of t.
+constexpr double resolution = 1e-9;
+constexpr double roundings = 8.0;
+// Consistent values that differ from the interpolated ones by more, relative, are those of another point.
+constexpr double nearness = 1e-3;
+
+bool is_near(const std::vector<double>& x, const Jet& consistent, const Units& units) {
+  double largest = 0.0, distance = 0.0;
+  for (int i = 0; i < consistent.n; ++i) {
+    largest = std::max(largest, std::fabs(x[index(i)]) / units[i]);
+    distance = std::max(distance, std::fabs(x[index(i)] - consistent.x[index(i)]) / units[i]);
+  }
+  return distance <= nearness * largest;
+}
+
+}  // namespace
+
+bool SingularitySearch::measure(const Jet& jet, SingularitySample& sample) {
+  const PointStatus status = problem_.linearize(jet, linearization_.preferred_rows(), data_);
+  if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
+  has_failed_ |= status != PointStatus::ok;
+  if (status != PointStatus::ok) return false;
+  const IndexAnalysis& known = problem_.analysis();
+  const int mu = problem_.mu();
+  const NoiseModel noise = known.noise == NoiseModel::data ? NoiseModel::data : NoiseModel::pivots;
+  const Judge::Settings judging{problem_.settings().rank_tol, false, noise, &linearization_.ranks()};
+  Judge judge(data_, mu, judging, nullptr);
+  const Arena::Frame frame(arena_);
+  const Carried carried = eliminate(data_, mu, data_.f_stack(mu), 1, judge, arena_);
+  form_.resize(data_.m, data_.n, static_cast<int>(problem_.prescribed().size()), carried.rows);
+  const Prescription inputs{&problem_.prescribed(), problem_.input_values().data()};
+  const PointRanks ranks = form_.build(data_, carried, inputs, LeadingTerm::identity, judge, arena_);
+  if (!judge.fits_known_ranks() || ranks.a != known.values.a || ranks.d != known.values.d ||
+      !ranks.prescription_fits)
+    return false;
+  sample.take(jet.t, data_, mu, form_);
+  return true;
+}
+
+bool SingularitySearch::measure_at(double t, SingularitySample& sample) {
+  course_.interpolate(t, jet_);
+  return measure(jet_, sample);
+}
+
+// Where the known ranks cannot be taken something has vanished.
+double SingularitySearch::value_at(double t, std::size_t number) {
+  return measure_at(t, middle_) ? middle_.values[number] : 0.0;
+}
+
+bool SingularitySearch::is_resolved(double left, double right) const {
+  return std::fabs(right - left) <=
+         std::max(resolution * span_, roundings * unit_roundoff * std::max(std::fabs(left), std::fabs(right)));
+}
+
+std::optional<double> SingularitySearch::find_turn(double left, double right) {
+  has_failed_ = false;
+  span_ = std::fabs(right - left);
+  if (!measure_at(left, left_) || !measure_at(right, right_) || !right_.is_turned_from(left_, arena_))
+    return std::nullopt;
+  const double kept_left = std::min(left_.values[0], left_.values[1]);
+  while (!is_resolved(left, right)) {
+    const double middle = left + 0.5 * (right - left);
+    if (!measure_at(middle, middle_)) {
+      if (has_failed_) return std::nullopt;
+      return middle;
+    }
+    if (middle_.is_turned_from(left_, arena_)) {
+      right = middle;
+      std::swap(right_, middle_);
+    } else {
+      left = middle;
+      std::swap(left_, middle_);
+      // Bases that turned far within a step feign a change; over shorter distances it disappears.
+      if (!right_.is_turned_from(left_, arena_)) return std::nullopt;
+    }
+  }
+  if (std::min({left_.values[0], left_.values[1], right_.values[0], right_.values[1]}) > dip * kept_left)
+    return std::nullopt;
+  return 0.5 * (left + right);
+}
+
+// By golden section.
+double SingularitySearch::smallest(double left, double right, std::size_t number, double& value) {
+  constexpr double golden = 0.6180339887498949;
+  double a = left, b = right;
+  double t1 = b - golden * (b - a), t2 = a + golden * (b - a);
+  double v1 = value_at(t1, number), v2 = value_at(t2, number);
+  while (!is_resolved(a, b) && !has_failed_) {
+    if (v1 < v2) {
+      b = t2, t2 = t1, v2 = v1;
+      v1 = value_at(t1 = b - golden * (b - a), number);
+    } else {
+      a = t1, t1 = t2, v1 = v2;
+      v2 = value_at(t2 = a + golden * (b - a), number);
+    }
+  }
+  value = std::min(v1, v2);
+  return v1 < v2 ? t1 : t2;
+}
+
+std::optional<double> SingularitySearch::find_dip(Ends ends, std::size_t number) {
+  has_failed_ = false;
+  span_ = std::fabs(ends.right - ends.left);
+  const double level = std::min(ends.before, ends.after);
+  const double crossing = ends.left + (ends.right - ends.left) * ends.before / (ends.before + ends.after);
+  if (value_at(crossing, number) > 0.5 * level || has_failed_) return std::nullopt;
+  double value = 0.0;
+  const double t = smallest(ends.left, ends.right, number, value);
+  if (has_failed_ || value > dip * level) return std::nullopt;
+  return t;
+}
+
+CharacteristicValues SingularitySearch::values_at(double t, const SingularitySample& beside) {
+  course_.interpolate(t, jet_);
+  const std::vector<double> x(jet_.x.begin(), jet_.x.begin() + jet_.n);
+  try {
+    ConsistentJets jets(problem_.problem(), t, x.data(), {});
+    jets.set_units(problem_.units());
+    const Jet& consistent = jets.jet_at(t, problem_.mu());
+    if (!is_near(x, consistent, problem_.units())) return {};
+    AnalysisSettings settings = problem_.settings();
+    double left = 0.0;  // of a value that has vanished
+    if (measure(consistent, middle_))
+      for (std::size_t i = 0; i < middle_.values.size(); ++i) {
+        const double part = middle_.values[i] / beside.values[i];
+        left = std::max(left, part <= dip ? part : 0.0);
+        // Rows that vanish must not be scaled up.
+        if (i >= SingularitySample::first_row && part <= dip) settings.rows = RowScaling::common;
+      }
+    settings.rank_tol = std::max(settings.rank_tol, std::min(vanishing * left, largest_tolerance));
+    return find_local_values(jets, t, settings, arena_);
+  } catch (const Failure& failure) {
+    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    return {};
+  }
+}
+
+}  // namespace sfdae::core
