@@ -26,11 +26,11 @@ void JetCourse::add(const Jet& jet) {
 
 void JetCourse::set_attempt(const Jet& end, const NonlinearStages* stages) {
   num_nodes_ = 0;
+  is_improved_ = false;
   num_stages_ = stages != nullptr ? stages->count() : 0;
   for (int i = num_stages_ - 1; i >= 0; --i) nodes_[index(num_nodes_++)] = &stages->jet(i);
   if (num_stages_ == 0) nodes_[index(num_nodes_++)] = &end;
-  for (int k = 0; k < count_; ++k)
-    nodes_[index(num_nodes_++)] = &accepted_[index((newest_ - k + most) % most)];
+  for (int k = 0; k < count_; ++k) nodes_[index(num_nodes_++)] = &accepted_[index((newest_ - k + most) % most)];
 }
 
 void JetCourse::interpolate(double t, Jet& jet) const {

@@ -20,6 +20,19 @@ class JetCourse {
   // referred to until the next call.
   void set_attempt(const Jet& end, const NonlinearStages* stages);
   const Jet& newest() const { return accepted_[index(newest_)]; }
+  // What polynomials go through from now on, until the next attempt: every point after it has been passed to
+  // improve(Jet&).
+  template <class Improve>
+  void improve_nodes(Improve improve) {
+    if (is_improved_) return;
+    for (int i = 0; i < num_nodes_; ++i) {
+      Jet& node = improved_[index(i)];
+      node = *nodes_[index(i)];
+      improve(node);
+      nodes_[index(i)] = &node;
+    }
+    is_improved_ = true;
+  }
   // The jet at t, by polynomials through the jets nearby.
   void interpolate(double t, Jet& jet) const;
 
@@ -32,7 +45,9 @@ class JetCourse {
   std::array<Jet, most> accepted_;  // a ring
   int count_ = 0, newest_ = 0;
   std::array<const Jet*, most + max_stages> nodes_{};  // the newest first
+  std::array<Jet, most + max_stages> improved_;
   int num_nodes_ = 0, num_stages_ = 0;
+  bool is_improved_ = false;
 };
 
 }  // namespace sfdae::core

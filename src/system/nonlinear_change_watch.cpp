@@ -22,6 +22,9 @@ constexpr double uncertain = 0.05, short_enough = 0.25;
 constexpr double beside = 1e-6;
 // Of times: a step about a singular point is not shorter than so many roundings.
 constexpr double roundings = 1024.0;
+// A value that falls by this factor at a point inside a step has vanished there, as for linear problems
+// (docs/decisions/09-changes-between-steps.md); before a shorter step confirms it, interpolated values need not do so.
+constexpr double dip = 1e-3, first_dip = 5e-2;
 // Values fall to this before steps fail in front of a singular point.
 constexpr double fallen = 1e-2;
 
@@ -76,12 +79,28 @@ void NonlinearChangeWatch::take_samples() {
     has_end_ = search_.measure(system_.jet(), end_);
   }
   if (has_end_ && has_within_ && t_origin == t) has_within_ = false;
+  // Predicted jets raise suspicions, but do not confirm any.
+  if (!has_within_ || is_within_sure_) return;
+  is_within_sure_ = has_within_ = is_suspicious(within_) && search_.measure_at(t_origin, within_);
+}
+
+// Beside the samples before, or the one after.
+bool NonlinearChangeWatch::is_suspicious(const SingularitySample& now) {
+  if (samples_ == 0) return false;
+  if (now.is_turned_from(last_, arena_)) return true;
+  for (std::size_t i = 0; i < now.values.size(); ++i) {
+    const Sized last{last_.t, last_.values[i]}, here{now.t, now.values[i]};
+    if (samples_ > 1 && would_vanish({older_.t, older_.values[i]}, last, now.t)) return true;
+    if (has_end_ && would_vanish({end_.t, end_.values[i]}, here, last.t)) return true;
+  }
+  return false;
 }
 
 std::optional<LocatedChange> NonlinearChangeWatch::find(double t_last) {
   search_.course().set_attempt(system_.jet(), system_.stages());
   take_samples();
   if (samples_ == 0) return std::nullopt;
+  search_.set_dip(is_short(t_last) ? dip : first_dip);
   const SingularitySample* older = samples_ < 2 ? nullptr : &older_;
   const SingularitySample* last = &last_;
   bool was_turned = false;
@@ -114,6 +133,13 @@ std::optional<double> NonlinearChangeWatch::search_dips(const SingularitySample*
   return std::nullopt;
 }
 
+// Whether the step is short enough for what is found in it to be reported.
+bool NonlinearChangeWatch::is_short(double t_last) const {
+  const double t = system_.jet().t, step = std::fabs(t - t_last);
+  if (step <= roundings * unit_roundoff * std::max(std::fabs(t), std::fabs(t_last)) / uncertain) return true;
+  return std::fabs(t - suspect_.t) <= suspect_.step && step <= short_enough * suspect_.step;
+}
+
 // A singular point at t, found in the step from t_last: to be confirmed by a shorter step, or reported, or nothing.
 std::optional<LocatedChange> NonlinearChangeWatch::change_at(double t, double t_last) {
   const double step = std::fabs(system_.jet().t - t_last);
@@ -122,8 +148,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::change_at(double t, double t_
   if (!is_known) suspect_ = {t, step, false};
   LocatedChange change;
   change.t = t;
-  const double least = roundings * unit_roundoff * std::max(std::fabs(t), std::fabs(t_last));
-  if (step > std::max(short_enough * suspect_.step, least / uncertain) && is_after(t, t_last)) {
+  if (!is_short(t_last) && is_after(t, t_last)) {
     change.uncertainty = uncertain * step;
     return change;
   }
@@ -144,7 +169,7 @@ void NonlinearChangeWatch::shift(SingularitySample& sample) {
 }
 
 void NonlinearChangeWatch::accept() {
-  if (has_within_ && (is_within_sure_ || has_end_)) shift(within_);
+  if (has_within_) shift(within_);
   if (has_end_) shift(end_);
   if (has_within_ || has_end_) {
     largest_.resize(last_.values.size());

@@ -34,6 +34,8 @@ class NonlinearChangeWatch final : public ChangeWatch {
  private:
   bool is_after(double t, double then) const { return (t - then) * direction_ > 0.0; }
   void take_samples();
+  bool is_suspicious(const SingularitySample& now);
+  bool is_short(double t_last) const;
   std::optional<double> search_dips(const SingularitySample* older, const SingularitySample& last,
                                     const SingularitySample& now);
   std::optional<LocatedChange> change_at(double t, double t_last);
@@ -48,9 +50,9 @@ class NonlinearChangeWatch final : public ChangeWatch {
   int samples_ = 0;
   SingularitySample within_, end_;  // of the step that is tried
   bool has_within_ = false, has_end_ = false;
-  bool is_within_sure_ = false;     // its jet has converged
-  double next_look_ = 0.0;          // a value might be near zero after this time
-  std::vector<double> largest_;     // values so far
+  bool is_within_sure_ = false;  // its jet has converged
+  double next_look_ = 0.0;       // a value might be near zero after this time
+  std::vector<double> largest_;  // values so far
   // Singular points found: where, in a step of which size, and whether the solution passes them.
   struct Suspect {
     double t = std::numeric_limits<double>::quiet_NaN();

@@ -46,7 +46,7 @@ class RankCheck {
   Arena& arena_;
   int unjudged_ = 0;
   double compared_t_ = std::numeric_limits<double>::quiet_NaN();  // the ranks hold there
-  bool has_form_ = false;  // form_ has the known ranks
+  bool has_form_ = false;                                         // form_ has the known ranks
   Jet refined_;
   TaylorData data_;
   NullSpaceForm form_;

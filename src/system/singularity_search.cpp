@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "linalg/matrix.h"
 #include "problem/failure.h"
 #include "reduction/elimination.h"
 #include "reduction/rank_sequence.h"
@@ -15,9 +16,6 @@ namespace sfdae::core {
 
 namespace {
 
-// A value that falls by this factor at a point inside a step has vanished there, as for linear problems
-// (docs/decisions/09-changes-between-steps.md).
-constexpr double dip = 1e-3;
 // Values up to so many times the smallest one kept at the point located count as zero there: it is not hit exactly.
 // Ranks by a tolerance above a tenth would mean nothing.
 constexpr double vanishing = 30.0;
@@ -27,6 +25,10 @@ constexpr double resolution = 1e-9;
 constexpr double roundings = 8.0;
 // Consistent values that differ from the interpolated ones by more, relative, are those of another point.
 constexpr double nearness = 1e-3;
+// Corrections of interpolated values that are larger, relative, lead elsewhere.
+constexpr double largest_correction = 1e-2;
+// Of points that have converged to some tolerance: rounding is reached by two.
+constexpr int corrections = 2;
 
 bool is_near(const std::vector<double>& x, const Jet& consistent, const Units& units) {
   double largest = 0.0, distance = 0.0;
@@ -39,7 +41,7 @@ bool is_near(const std::vector<double>& x, const Jet& consistent, const Units& u
 
 }  // namespace
 
-bool SingularitySearch::measure(const Jet& jet, SingularitySample& sample) {
+bool SingularitySearch::reduce(const Jet& jet) {
   const PointStatus status = problem_.linearize(jet, linearization_.preferred_rows(), data_);
   if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
   has_failed_ |= status != PointStatus::ok;
@@ -50,20 +52,49 @@ bool SingularitySearch::measure(const Jet& jet, SingularitySample& sample) {
   const Judge::Settings judging{problem_.settings().rank_tol, false, noise, &linearization_.ranks()};
   Judge judge(data_, mu, judging, nullptr);
   const Arena::Frame frame(arena_);
-  const Carried carried = eliminate(data_, mu, data_.f_stack(mu), 1, judge, arena_);
+  const Carried carried = eliminate(data_, mu, data_.f_stack(mu), 1, judge, arena_, &elimination_);
   form_.resize(data_.m, data_.n, static_cast<int>(problem_.prescribed().size()), carried.rows);
   const Prescription inputs{&problem_.prescribed(), problem_.input_values().data()};
   const PointRanks ranks = form_.build(data_, carried, inputs, LeadingTerm::identity, judge, arena_);
-  if (!judge.fits_known_ranks() || ranks.a != known.values.a || ranks.d != known.values.d ||
-      !ranks.prescription_fits)
-    return false;
-  sample.take(jet.t, data_, mu, form_);
+  return judge.fits_known_ranks() && ranks.a == known.values.a && ranks.d == known.values.d &&
+         ranks.prescription_fits;
+}
+
+bool SingularitySearch::measure(const Jet& jet, SingularitySample& sample) {
+  if (!reduce(jet)) return false;
+  sample.take(jet.t, data_, problem_.mu(), form_);
   return true;
 }
 
 bool SingularitySearch::measure_at(double t, SingularitySample& sample) {
   course_.interpolate(t, jet_);
   return measure(jet_, sample);
+}
+
+// One step of Newton's method from the jet that has been reduced, by the smallest change of x. False where that is
+// large, as it is beside singular points: it leads elsewhere.
+bool SingularitySearch::correct(Jet& jet) {
+  const std::size_t n = index(problem_.n()), levels = index(problem_.mu() + 1);
+  transformed_.resize(index(problem_.array_rows()) + 1);
+  dy_.resize(n * levels);
+  double size = 0.0;
+  for (std::size_t i = 0; i < n; ++i)
+    size = std::max(size, std::fabs(jet.x[i]) / problem_.units()[static_cast<int>(i)]);
+  if (!(max_abs(form_.xp(), problem_.n()) <= largest_correction * size)) return false;
+  elimination_.transform(data_.f(0), transformed_.data(), arena_);
+  elimination_.recover(data_, {data_.f(0), transformed_.data()}, form_.xp(), dy_.data(), arena_);
+  if (!all_finite(dy_.data(), dy_.size())) return false;
+  jet.add_scaled(form_.xp(), dy_.data(), problem_.jet_order(), data_.time_scale, problem_.units());
+  return true;
+}
+
+// Iterations for steps leave residuals, which look like values that do not vanish.
+void SingularitySearch::improve_course() {
+  if (!problem_.prescribed().empty()) return;
+  course_.improve_nodes([this](Jet& jet) {
+    for (int k = 0; k < corrections; ++k)
+      if (!reduce(jet) || !correct(jet)) return;
+  });
 }
 
 // Where the known ranks cannot be taken something has vanished.
@@ -79,6 +110,9 @@ bool SingularitySearch::is_resolved(double left, double right) const {
 std::optional<double> SingularitySearch::find_turn(double left, double right) {
   has_failed_ = false;
   span_ = std::fabs(right - left);
+  if (!measure_at(left, left_) || !measure_at(right, right_) || !right_.is_turned_from(left_, arena_))
+    return std::nullopt;
+  improve_course();
   if (!measure_at(left, left_) || !measure_at(right, right_) || !right_.is_turned_from(left_, arena_))
     return std::nullopt;
   const double kept_left = std::min(left_.values[0], left_.values[1]);
@@ -98,7 +132,7 @@ std::optional<double> SingularitySearch::find_turn(double left, double right) {
       if (!right_.is_turned_from(left_, arena_)) return std::nullopt;
     }
   }
-  if (std::min({left_.values[0], left_.values[1], right_.values[0], right_.values[1]}) > dip * kept_left)
+  if (std::min({left_.values[0], left_.values[1], right_.values[0], right_.values[1]}) > dip_ * kept_left)
     return std::nullopt;
   return 0.5 * (left + right);
 }
@@ -122,15 +156,25 @@ double SingularitySearch::smallest(double left, double right, std::size_t number
   return v1 < v2 ? t1 : t2;
 }
 
+// Looks where values that go straight to zero and up again, or as parabolas, would have it.
+bool SingularitySearch::dips_between(Ends ends, std::size_t number, double level) {
+  for (const double power : {1.0, 0.5}) {
+    const double before = std::pow(ends.before, power), after = std::pow(ends.after, power);
+    const double t = ends.left + (ends.right - ends.left) * before / (before + after);
+    if (!measure_at(t, middle_) || middle_.values[number] <= level) return true;
+  }
+  return false;
+}
+
 std::optional<double> SingularitySearch::find_dip(Ends ends, std::size_t number) {
   has_failed_ = false;
   span_ = std::fabs(ends.right - ends.left);
   const double level = std::min(ends.before, ends.after);
-  const double crossing = ends.left + (ends.right - ends.left) * ends.before / (ends.before + ends.after);
-  if (value_at(crossing, number) > 0.5 * level || has_failed_) return std::nullopt;
+  if (!dips_between(ends, number, 0.5 * level) || has_failed_) return std::nullopt;
+  improve_course();
   double value = 0.0;
   const double t = smallest(ends.left, ends.right, number, value);
-  if (has_failed_ || value > dip * level) return std::nullopt;
+  if (has_failed_ || value > dip_ * level) return std::nullopt;
   return t;
 }
 
@@ -147,9 +191,9 @@ CharacteristicValues SingularitySearch::values_at(double t, const SingularitySam
     if (measure(consistent, middle_))
       for (std::size_t i = 0; i < middle_.values.size(); ++i) {
         const double part = middle_.values[i] / beside.values[i];
-        left = std::max(left, part <= dip ? part : 0.0);
+        left = std::max(left, part <= dip_ ? part : 0.0);
         // Rows that vanish must not be scaled up.
-        if (i >= SingularitySample::first_row && part <= dip) settings.rows = RowScaling::common;
+        if (i >= SingularitySample::first_row && part <= dip_) settings.rows = RowScaling::common;
       }
     settings.rank_tol = std::max(settings.rank_tol, std::min(vanishing * left, largest_tolerance));
     return find_local_values(jets, t, settings, arena_);

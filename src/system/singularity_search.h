@@ -7,8 +7,10 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "linalg/arena.h"
+#include "reduction/stored_elimination.h"
 #include "system/analyzed_equations.h"
 #include "system/array_linearization.h"
 #include "system/jet_course.h"
@@ -26,6 +28,10 @@ class SingularitySearch {
   // Linearizes at the jet, with the known ranks. False where that is not possible. Throws Failure where a callback
   // stops.
   bool measure(const Jet& jet, SingularitySample& sample);
+  // At the interpolated jet.
+  bool measure_at(double t, SingularitySample& sample);
+  // Values that fall by this factor have vanished from now on.
+  void set_dip(double dip) { dip_ = dip; }
   // A point between left and right where the sign changes and the values vanish.
   std::optional<double> find_turn(double left, double right);
   // A point between left and right where the value of that number vanishes; before, after: its sizes there.
@@ -39,7 +45,10 @@ class SingularitySearch {
   CharacteristicValues values_at(double t, const SingularitySample& beside);
 
  private:
-  bool measure_at(double t, SingularitySample& sample);
+  bool reduce(const Jet& jet);
+  bool correct(Jet& jet);
+  void improve_course();
+  bool dips_between(Ends ends, std::size_t number, double level);
   double value_at(double t, std::size_t number);
   bool is_resolved(double left, double right) const;
   double smallest(double left, double right, std::size_t number, double& value);
@@ -53,6 +62,9 @@ class SingularitySearch {
   TaylorData data_;
   NullSpaceForm form_;
   SingularitySample left_, middle_, right_;
+  StoredElimination elimination_;
+  std::vector<double> transformed_, dy_;
+  double dip_ = 0.0;
   bool has_failed_ = false;  // a point could not be evaluated
   double span_ = 0.0;        // that is searched
 };
