@@ -32,7 +32,8 @@ struct Orders {
   int f = -1;
 };
 
-enum class RowScaling { each, common };
+// given: the factors that are preferred, right or not.
+enum class RowScaling { each, common, given };
 
 // Rows that differ by no more need no factor of their own (docs/decisions/05-cancellation-in-small-rows.md).
 inline constexpr double moderate_row_ratio = 4096.0;

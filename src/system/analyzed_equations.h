@@ -47,8 +47,9 @@ class AnalyzedEquations {
     return status_of(problem_.residuals(t, jet, level, F));
   }
   // Taylor coefficients up to order mu; preferred_rows: factors of rows to take again, or null.
-  PointStatus linearize(const Jet& jet, const std::vector<double>* preferred_rows, TaylorData& data) {
-    const NonlinearProblem::Scaling scaling{analysis_.time_scale, RowScaling::each, preferred_rows, &units_};
+  PointStatus linearize(const Jet& jet, const std::vector<double>* preferred_rows, TaylorData& data,
+                        RowScaling rows = RowScaling::each) {
+    const NonlinearProblem::Scaling scaling{analysis_.time_scale, rows, preferred_rows, &units_};
     return status_of(problem_.linearize(jet.t, jet.x.data(), {mu(), mu(), mu()}, scaling, data));
   }
 

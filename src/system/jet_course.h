@@ -20,6 +20,7 @@ class JetCourse {
   // referred to until the next call.
   void set_attempt(const Jet& end, const NonlinearStages* stages);
   const Jet& newest() const { return accepted_[index(newest_)]; }
+  const Jet& oldest() const { return accepted_[index((newest_ - count_ + 1 + most) % most)]; }
   // What polynomials go through from now on, until the next attempt: every point after it has been passed to
   // improve(Jet&).
   template <class Improve>

@@ -25,8 +25,8 @@ constexpr double roundings = 1024.0;
 // A value that falls by this factor at a point inside a step has vanished there, as for linear problems
 // (docs/decisions/09-changes-between-steps.md); before a shorter step confirms it, interpolated values need not do so.
 constexpr double dip = 1e-3, first_dip = 5e-2;
-// Values fall to this before steps fail in front of a singular point.
-constexpr double fallen = 1e-2;
+// Values fall to this, and by this in the last few steps, before steps fail in front of a singular point.
+constexpr double fallen = 1e-2, still_falling = 0.999;
 
 struct Sized {
   double t, value;
@@ -43,13 +43,13 @@ void NonlinearChangeWatch::start(double direction) {
   direction_ = direction;
   samples_ = 0;
   suspect_ = {};
-  search_.course().start(system_.jet());
+  first_ = system_.jet();
+  search_.course().start(first_);
   has_within_ = has_end_ = false;
   if (!search_.measure(system_.jet(), last_)) return;
   samples_ = 1;
   // Sizes are known from here on: steps allocate nothing.
   older_ = within_ = end_ = last_;
-  largest_ = last_.values;
   set_next_look();
 }
 
@@ -110,8 +110,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::find(double t_last) {
     std::optional<double> t;
     if (is_turned != was_turned) t = search_.find_turn(last->t, now->t);
     if (!t) t = search_dips(older, *last, *now);
-    if (t)
-      if (auto change = change_at(*t, t_last)) return change;
+    if (t) return change_at(*t, t_last);
     was_turned = is_turned;
     older = last;
     last = now;
@@ -125,10 +124,10 @@ std::optional<double> NonlinearChangeWatch::search_dips(const SingularitySample*
   for (std::size_t i = 0; i < now.values.size(); ++i) {
     const Sized before{older->t, older->values[i]}, here{last.t, last.values[i]}, after{now.t, now.values[i]};
     if (would_vanish(before, here, now.t))
-      if (auto t = search_.find_dip({last.t, now.t, here.value, after.value}, i)) return t;
+      if (auto t = search_.find_dip({last.t, now.t, here.value, after.value})) return t;
     // What has gone down and up again since the sample before the last one.
     if (would_vanish(after, here, older->t))
-      if (auto t = search_.find_dip({older->t, last.t, before.value, here.value}, i)) return t;
+      if (auto t = search_.find_dip({older->t, last.t, before.value, here.value})) return t;
   }
   return std::nullopt;
 }
@@ -140,24 +139,18 @@ bool NonlinearChangeWatch::is_short(double t_last) const {
   return std::fabs(t - suspect_.t) <= suspect_.step && step <= short_enough * suspect_.step;
 }
 
-// A singular point at t, found in the step from t_last: to be confirmed by a shorter step, or reported, or nothing.
-std::optional<LocatedChange> NonlinearChangeWatch::change_at(double t, double t_last) {
+// A singular point at t, found in the step from t_last: to be confirmed by a shorter step, or reported.
+LocatedChange NonlinearChangeWatch::change_at(double t, double t_last) {
   const double step = std::fabs(system_.jet().t - t_last);
-  const bool is_known = std::fabs(t - suspect_.t) <= suspect_.step;
-  if (is_known && suspect_.is_harmless) return std::nullopt;
-  if (!is_known) suspect_ = {t, step, false};
+  const bool is_final = is_short(t_last) || !is_after(t, t_last);
+  if (!(std::fabs(t - suspect_.t) <= suspect_.step)) suspect_ = {t, step};
   LocatedChange change;
   change.t = t;
-  if (!is_short(t_last) && is_after(t, t_last)) {
-    change.uncertainty = uncertain * step;
-    return change;
-  }
-  // The values known contradict what was found, unless equations vanish that were redundant.
-  const CharacteristicValues& known = system_.analysis().values;
-  change.new_values = search_.values_at(t, last_);
-  suspect_.is_harmless = known.v > 0 && change.new_values == known;
-  if (suspect_.is_harmless) return std::nullopt;
-  if (change.new_values == known) change.new_values = {};
+  change.uncertainty = is_final ? 0.0 : uncertain * step;
+  if (!is_final) return change;
+  // The values known contradict what was found.
+  change.new_values = search_.values_at(t);
+  if (change.new_values == system_.analysis().values) change.new_values = {};
   change.t_before = t - direction_ * std::max(beside * suspect_.step, roundings * unit_roundoff * std::fabs(t));
   return change;
 }
@@ -172,8 +165,6 @@ void NonlinearChangeWatch::accept() {
   if (has_within_) shift(within_);
   if (has_end_) shift(end_);
   if (has_within_ || has_end_) {
-    largest_.resize(last_.values.size());
-    for (std::size_t i = 0; i < largest_.size(); ++i) largest_[i] = std::max(largest_[i], last_.values[i]);
     set_next_look();
   }
   has_within_ = has_end_ = false;
@@ -197,20 +188,17 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_beyond() {
   LocatedChange change;
   change.t_before = t;
   // Found already, but no short step leads there.
-  if (!suspect_.is_harmless && is_after(suspect_.t, t) && std::fabs(suspect_.t - t) <= suspect_.step) {
+  if (is_after(suspect_.t, t) && std::fabs(suspect_.t - t) <= suspect_.step) {
     change.t = suspect_.t;
     return change;
   }
-  if (samples_ == 0 || !search_.measure(jet, end_)) return std::nullopt;
-  const SingularitySample& last = last_.t == t ? older_ : last_;
-  for (std::size_t i = 0; i < end_.values.size(); ++i) {
-    const double now = end_.values[i], before = last.values[i];
-    if (now > fallen * largest_[i] || now >= before) continue;
-    // As a square root, which is how determinants vanish where solutions end.
-    change.t = t + (t - last.t) * now * now / (before * before - now * now);
-    return change;
-  }
-  return std::nullopt;
+  const Jet& earlier = search_.course().oldest();
+  if (earlier.t == t) return std::nullopt;
+  const double kept = search_.kept(earlier, jet);
+  if (kept > still_falling || search_.kept(first_, jet) > fallen) return std::nullopt;
+  // As a square root, which is how determinants vanish where solutions end.
+  change.t = t + (t - earlier.t) * kept * kept / (1.0 - kept * kept);
+  return change;
 }
 
 void NonlinearChangeWatch::archive(Archive& archive, double direction) {

@@ -38,7 +38,7 @@ class NonlinearChangeWatch final : public ChangeWatch {
   bool is_short(double t_last) const;
   std::optional<double> search_dips(const SingularitySample* older, const SingularitySample& last,
                                     const SingularitySample& now);
-  std::optional<LocatedChange> change_at(double t, double t_last);
+  LocatedChange change_at(double t, double t_last);
   void shift(SingularitySample& sample);
   void set_next_look();
 
@@ -52,12 +52,11 @@ class NonlinearChangeWatch final : public ChangeWatch {
   bool has_within_ = false, has_end_ = false;
   bool is_within_sure_ = false;  // its jet has converged
   double next_look_ = 0.0;       // a value might be near zero after this time
-  std::vector<double> largest_;  // values so far
-  // Singular points found: where, in a step of which size, and whether the solution passes them.
+  Jet first_;  // of the integration
+  // The singular point found last: where, and in a step of which size.
   struct Suspect {
     double t = std::numeric_limits<double>::quiet_NaN();
     double step = 0.0;
-    bool is_harmless = false;
   };
   Suspect suspect_;
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "linalg/matrix.h"
@@ -41,8 +42,8 @@ bool is_near(const std::vector<double>& x, const Jet& consistent, const Units& u
 
 }  // namespace
 
-bool SingularitySearch::reduce(const Jet& jet) {
-  const PointStatus status = problem_.linearize(jet, linearization_.preferred_rows(), data_);
+bool SingularitySearch::reduce(const Jet& jet, const std::vector<double>* rows, RowScaling scaling) {
+  const PointStatus status = problem_.linearize(jet, rows, data_, scaling);
   if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
   has_failed_ |= status != PointStatus::ok;
   if (status != PointStatus::ok) return false;
@@ -61,7 +62,7 @@ bool SingularitySearch::reduce(const Jet& jet) {
 }
 
 bool SingularitySearch::measure(const Jet& jet, SingularitySample& sample) {
-  if (!reduce(jet)) return false;
+  if (!reduce(jet, linearization_.preferred_rows(), RowScaling::each)) return false;
   sample.take(jet.t, data_, problem_.mu(), form_);
   return true;
 }
@@ -93,13 +94,36 @@ void SingularitySearch::improve_course() {
   if (!problem_.prescribed().empty()) return;
   course_.improve_nodes([this](Jet& jet) {
     for (int k = 0; k < corrections; ++k)
-      if (!reduce(jet) || !correct(jet)) return;
+      if (!reduce(jet, linearization_.preferred_rows(), RowScaling::each) || !correct(jet)) return;
   });
 }
 
-// Where the known ranks cannot be taken something has vanished.
-double SingularitySearch::value_at(double t, std::size_t number) {
-  return measure_at(t, middle_) ? middle_.values[number] : 0.0;
+bool SingularitySearch::set_reference(const Jet& jet) {
+  reference_ = {};
+  if (!reduce(jet, linearization_.preferred_rows(), RowScaling::each)) return false;
+  rows_ = data_.row_scale;
+  reference_ = {form_.rank_of_constraints() > 0 ? form_.smallest_constraint() : 1.0,
+                form_.d > 0 ? form_.smallest_of_G() : 1.0};
+  return reference_.constraints > 0.0 && reference_.differential > 0.0;
+}
+
+// Relative to the reference. Where the known ranks cannot be taken something has vanished.
+double SingularitySearch::kept_of(const Jet& jet) {
+  if (!reduce(jet, &rows_, RowScaling::given)) return 0.0;
+  const double factor = rows_[0] / data_.row_scale[0];  // of all rows, where data are tiny
+  double kept = std::numeric_limits<double>::infinity();
+  if (form_.rank_of_constraints() > 0) kept = form_.smallest_constraint() / reference_.constraints;
+  if (form_.d > 0) kept = std::min(kept, form_.smallest_of_G() / reference_.differential);
+  return factor * kept;
+}
+
+double SingularitySearch::kept_at(double t) {
+  course_.interpolate(t, jet_);
+  return kept_of(jet_);
+}
+
+double SingularitySearch::kept(const Jet& reference, const Jet& jet) {
+  return set_reference(reference) ? kept_of(jet) : 1.0;
 }
 
 bool SingularitySearch::is_resolved(double left, double right) const {
@@ -113,9 +137,10 @@ std::optional<double> SingularitySearch::find_turn(double left, double right) {
   if (!measure_at(left, left_) || !measure_at(right, right_) || !right_.is_turned_from(left_, arena_))
     return std::nullopt;
   improve_course();
-  if (!measure_at(left, left_) || !measure_at(right, right_) || !right_.is_turned_from(left_, arena_))
+  course_.interpolate(left, jet_);
+  if (!measure_at(right, right_) || !set_reference(jet_) || !measure(jet_, left_) ||
+      !right_.is_turned_from(left_, arena_))
     return std::nullopt;
-  const double kept_left = std::min(left_.values[0], left_.values[1]);
   while (!is_resolved(left, right)) {
     const double middle = left + 0.5 * (right - left);
     if (!measure_at(middle, middle_)) {
@@ -132,53 +157,55 @@ std::optional<double> SingularitySearch::find_turn(double left, double right) {
       if (!right_.is_turned_from(left_, arena_)) return std::nullopt;
     }
   }
-  if (std::min({left_.values[0], left_.values[1], right_.values[0], right_.values[1]}) > dip_ * kept_left)
-    return std::nullopt;
-  return 0.5 * (left + right);
+  const double t = 0.5 * (left + right);
+  return kept_at(t) <= dip_ ? std::optional<double>(t) : std::nullopt;
 }
 
-// By golden section.
-double SingularitySearch::smallest(double left, double right, std::size_t number, double& value) {
-  constexpr double golden = 0.6180339887498949;
-  double a = left, b = right;
-  double t1 = b - golden * (b - a), t2 = a + golden * (b - a);
-  double v1 = value_at(t1, number), v2 = value_at(t2, number);
-  while (!is_resolved(a, b) && !has_failed_) {
-    if (v1 < v2) {
-      b = t2, t2 = t1, v2 = v1;
-      v1 = value_at(t1 = b - golden * (b - a), number);
+// By golden section from a point where less is kept than at both ends.
+double SingularitySearch::smallest(double left, double middle, double right, double& kept) {
+  constexpr double golden = 0.3819660112501051;
+  while (!is_resolved(left, right) && !has_failed_) {
+    const bool is_right_longer = std::fabs(right - middle) > std::fabs(middle - left);
+    const double t = middle + golden * ((is_right_longer ? right : left) - middle);
+    const double kept_there = kept_at(t);
+    double& end_beyond = is_right_longer ? left : right;
+    double& end_here = is_right_longer ? right : left;
+    if (kept_there < kept) {
+      end_beyond = middle, middle = t, kept = kept_there;
     } else {
-      a = t1, t1 = t2, v1 = v2;
-      v2 = value_at(t2 = a + golden * (b - a), number);
+      end_here = t;
     }
   }
-  value = std::min(v1, v2);
-  return v1 < v2 ? t1 : t2;
+  return middle;
 }
 
-// Looks where values that go straight to zero and up again, or as parabolas, would have it.
-bool SingularitySearch::dips_between(Ends ends, std::size_t number, double level) {
-  for (const double power : {1.0, 0.5}) {
-    const double before = std::pow(ends.before, power), after = std::pow(ends.after, power);
-    const double t = ends.left + (ends.right - ends.left) * before / (before + after);
-    if (!measure_at(t, middle_) || middle_.values[number] <= level) return true;
-  }
-  return false;
-}
-
-std::optional<double> SingularitySearch::find_dip(Ends ends, std::size_t number) {
+// The first look is where values that go straight to zero and up again, or as parabolas, would have it.
+std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
+  constexpr double dips = 0.5;
+  const double left = suspicion.left, right = suspicion.right;
   has_failed_ = false;
-  span_ = std::fabs(ends.right - ends.left);
-  const double level = std::min(ends.before, ends.after);
-  if (!dips_between(ends, number, 0.5 * level) || has_failed_) return std::nullopt;
+  span_ = std::fabs(right - left);
+  course_.interpolate(left, jet_);
+  if (!set_reference(jet_)) return std::nullopt;
+  double kept = 1.0, middle = left;
+  for (const double power : {1.0, 0.5}) {
+    const double before = std::pow(suspicion.before, power), after = std::pow(suspicion.after, power);
+    const double t = left + (right - left) * before / (before + after), kept_there = kept_at(t);
+    if (kept_there < kept) middle = t, kept = kept_there;
+  }
+  if (kept > dips || has_failed_) return std::nullopt;
+  const double level = std::min(1.0, kept_at(right));
+  if (kept > dips * level) return std::nullopt;
   improve_course();
-  double value = 0.0;
-  const double t = smallest(ends.left, ends.right, number, value);
-  if (has_failed_ || value > dip_ * level) return std::nullopt;
+  course_.interpolate(left, jet_);
+  if (!set_reference(jet_)) return std::nullopt;
+  kept = kept_at(middle);
+  const double t = smallest(left, middle, right, kept);
+  if (has_failed_ || kept > dip_ * level) return std::nullopt;
   return t;
 }
 
-CharacteristicValues SingularitySearch::values_at(double t, const SingularitySample& beside) {
+CharacteristicValues SingularitySearch::values_at(double t) {
   course_.interpolate(t, jet_);
   const std::vector<double> x(jet_.x.begin(), jet_.x.begin() + jet_.n);
   try {
@@ -187,15 +214,10 @@ CharacteristicValues SingularitySearch::values_at(double t, const SingularitySam
     const Jet& consistent = jets.jet_at(t, problem_.mu());
     if (!is_near(x, consistent, problem_.units())) return {};
     AnalysisSettings settings = problem_.settings();
-    double left = 0.0;  // of a value that has vanished
-    if (measure(consistent, middle_))
-      for (std::size_t i = 0; i < middle_.values.size(); ++i) {
-        const double part = middle_.values[i] / beside.values[i];
-        left = std::max(left, part <= dip_ ? part : 0.0);
-        // Rows that vanish must not be scaled up.
-        if (i >= SingularitySample::first_row && part <= dip_) settings.rows = RowScaling::common;
-      }
-    settings.rank_tol = std::max(settings.rank_tol, std::min(vanishing * left, largest_tolerance));
+    settings.rank_tol = std::max(settings.rank_tol, std::min(vanishing * kept_of(consistent), largest_tolerance));
+    // Rows that vanish must not be scaled up, unless they are of very different size anyway.
+    const auto [least, most] = std::minmax_element(rows_.begin(), rows_.end());
+    if (*most <= moderate_row_ratio * *least) settings.rows = RowScaling::common;
     return find_local_values(jets, t, settings, arena_);
   } catch (const Failure& failure) {
     if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;

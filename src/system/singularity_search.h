@@ -1,11 +1,11 @@
 // Singular points of a nonlinear system between two points that an integration went through.
 //
-// The solution in between is interpolated; at a singular point the sign of det(Z1^T F_x' T2) changes (bases aligned
-// from point to point), or a value of singularity_sample.h vanishes (docs/decisions/31-nonlinear-singular-points.md).
+// The solution in between is interpolated. At a singular point the sign of det(Z1^T F_x' T2) changes (bases aligned
+// from point to point), or E T2 or A2 lose rank: values relative to one point, with the factors of rows from there,
+// vanish (docs/decisions/31-nonlinear-singular-points.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -32,26 +32,34 @@ class SingularitySearch {
   bool measure_at(double t, SingularitySample& sample);
   // Values that fall by this factor have vanished from now on.
   void set_dip(double dip) { dip_ = dip; }
-  // A point between left and right where the sign changes and the values vanish.
+  // A point between left and right where the sign changes and something vanishes.
   std::optional<double> find_turn(double left, double right);
-  // A point between left and right where the value of that number vanishes; before, after: its sizes there.
-  struct Ends {
+  // A point between left and right where something vanishes. before, after: a value at the ends that raised the
+  // suspicion.
+  struct Suspicion {
     double left, right;
     double before, after;
   };
-  std::optional<double> find_dip(Ends ends, std::size_t number);
+  std::optional<double> find_dip(const Suspicion& suspicion);
   // The characteristic values at a singular point of the interpolated solution; undetermined where no consistent
-  // values are found near. beside: a sample of a point that is not singular.
-  CharacteristicValues values_at(double t, const SingularitySample& beside);
+  // values are found near.
+  CharacteristicValues values_at(double t);
+  // What is kept at `jet` of the smallest values at `reference`, 1 where that is not known.
+  double kept(const Jet& reference, const Jet& jet);
 
  private:
-  bool reduce(const Jet& jet);
+  // The smallest values kept of A^ and E T2.
+  struct Kept {
+    double constraints = 1.0, differential = 1.0;
+  };
+  bool reduce(const Jet& jet, const std::vector<double>* rows, RowScaling scaling);
   bool correct(Jet& jet);
   void improve_course();
-  bool dips_between(Ends ends, std::size_t number, double level);
-  double value_at(double t, std::size_t number);
+  bool set_reference(const Jet& jet);
+  double kept_at(double t);
+  double kept_of(const Jet& jet);
   bool is_resolved(double left, double right) const;
-  double smallest(double left, double right, std::size_t number, double& value);
+  double smallest(double left, double middle, double right, double& kept);
 
   AnalyzedEquations& problem_;
   const ArrayLinearization& linearization_;
@@ -61,8 +69,10 @@ class SingularitySearch {
   Jet jet_;
   TaylorData data_;
   NullSpaceForm form_;
-  SingularitySample left_, middle_, right_;
   StoredElimination elimination_;
+  SingularitySample left_, middle_, right_;
+  std::vector<double> rows_;  // factors of the reference
+  Kept reference_;
   std::vector<double> transformed_, dy_;
   double dip_ = 0.0;
   bool has_failed_ = false;  // a point could not be evaluated
