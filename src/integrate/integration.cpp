@@ -299,6 +299,10 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
   }
   if (outcome == StepOutcome::changed && has_located_change(h, tout)) return std::nullopt;
   ++counts.other_failures;
+  if (!change_ && watch_ && (outcome == StepOutcome::not_converged || outcome == StepOutcome::singular)) {
+    change_ = watch_->find_ahead(h);
+    if (change_) return std::nullopt;
+  }
   integrator_.stepper->reduce_after_failure(h);
   const StepState state = integrator_.stepper->state();
   if (state.failures_in_a_row > max_point_failures ||

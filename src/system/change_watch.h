@@ -29,6 +29,8 @@ class ChangeWatch {
   virtual void accept() = 0;
   // Looks for the change between left, where the values known hold, and right, where others do.
   virtual std::optional<LocatedChange> locate(double left, double right) = 0;
+  // After a step of size h that failed for want of a solution: what it may have met.
+  virtual std::optional<LocatedChange> find_ahead(double) { return std::nullopt; }
   // Whether no step from the point accepted last succeeds because a change is met there.
   virtual std::optional<LocatedChange> find_beyond() { return std::nullopt; }
   // Of an integration in the given direction.

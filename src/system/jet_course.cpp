@@ -3,6 +3,7 @@
 #include "system/jet_course.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "linalg/index.h"
 
@@ -33,8 +34,23 @@ void JetCourse::set_attempt(const Jet& end, const NonlinearStages* stages) {
   for (int k = 0; k < count_; ++k) nodes_[index(num_nodes_++)] = &accepted_[index((newest_ - k + most) % most)];
 }
 
+void JetCourse::set_points() {
+  num_nodes_ = num_stages_ = 0;
+  is_improved_ = false;
+  for (int k = 0; k < count_; ++k) nodes_[index(num_nodes_++)] = &accepted_[index((newest_ - k + most) % most)];
+}
+
+const Jet& JetCourse::earlier(double reach) const {
+  const Jet* found = &newest();
+  for (int k = 1; k < count_ && k < window; ++k) {
+    found = &accepted_[index((newest_ - k + most) % most)];
+    if (std::fabs(newest().t - found->t) >= std::fabs(reach)) break;
+  }
+  return *found;
+}
+
 void JetCourse::interpolate(double t, Jet& jet) const {
-  const double direction = nodes_[0]->t < newest().t ? -1.0 : 1.0;
+  const double direction = nodes_[0]->t < oldest().t ? -1.0 : 1.0;
   int first = 0, count = std::min(num_nodes_, window);
   if (num_stages_ > 0 && (t - newest().t) * direction >= 0.0) {
     count = num_stages_ + 1;

@@ -19,6 +19,10 @@ class JetCourse {
   // The end of a step that is tried, and its stages if it has several (the last one is the end), or null: they are
   // referred to until the next call.
   void set_attempt(const Jet& end, const NonlinearStages* stages);
+  // Polynomials go through accepted points alone.
+  void set_points();
+  // An accepted point that lies about as far before the newest one as the reach, or the last one but it.
+  const Jet& earlier(double reach) const;
   const Jet& newest() const { return accepted_[index(newest_)]; }
   const Jet& oldest() const { return accepted_[index((newest_ - count_ + 1 + most) % most)]; }
   // What polynomials go through from now on, until the next attempt: every point after it has been passed to

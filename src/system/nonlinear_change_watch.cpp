@@ -25,6 +25,9 @@ constexpr double roundings = 1024.0;
 // A value that falls by this factor at a point inside a step has vanished there, as for linear problems
 // (docs/decisions/09-changes-between-steps.md); before a shorter step confirms it, interpolated values need not do so.
 constexpr double dip = 1e-3, first_dip = 5e-2;
+// Steps that fail in front of a singular point are some times as long as the way there. One look costs as much as a few of them.
+constexpr double reach = 2.0;
+constexpr int failures_per_look = 4;
 // Values fall to this, and by this in the last few steps, before steps fail in front of a singular point.
 constexpr double fallen = 1e-2, still_falling = 0.999;
 
@@ -180,6 +183,20 @@ void NonlinearChangeWatch::set_next_look() {
     const double look = last_.t + way_to_zero * last_.values[i] * (last_.t - older_.t) / fall;
     if (is_after(next_look_, look)) next_look_ = look;
   }
+}
+
+std::optional<LocatedChange> NonlinearChangeWatch::find_ahead(double h) {
+  if (++failures_ < failures_per_look || samples_ == 0) return std::nullopt;
+  failures_ = 0;
+  search_.set_dip(dip);
+  const std::optional<double> t = search_.find_ahead(reach * h);
+  if (!t) return std::nullopt;
+  LocatedChange change;
+  change.t_before = search_.course().newest().t;
+  change.t = *t;
+  change.new_values = search_.values_at(*t);
+  if (change.new_values == system_.analysis().values) change.new_values = {};
+  return change;
 }
 
 std::optional<LocatedChange> NonlinearChangeWatch::find_beyond() {

@@ -27,6 +27,7 @@ class NonlinearChangeWatch final : public ChangeWatch {
   void accept() override;
   // x is not known in between: steps that become short locate it.
   std::optional<LocatedChange> locate(double, double) override { return std::nullopt; }
+  std::optional<LocatedChange> find_ahead(double h) override;
   std::optional<LocatedChange> find_beyond() override;
   // Nothing is kept: the watch starts anew at the point accepted last.
   void archive(Archive& archive, double direction) override;
@@ -52,6 +53,7 @@ class NonlinearChangeWatch final : public ChangeWatch {
   bool has_within_ = false, has_end_ = false;
   bool is_within_sure_ = false;  // its jet has converged
   double next_look_ = 0.0;       // a value might be near zero after this time
+  int failures_ = 0;  // without a look ahead
   Jet first_;  // of the integration
   // The singular point found last: where, and in a step of which size.
   struct Suspect {

@@ -98,9 +98,17 @@ void SingularitySearch::improve_course() {
   });
 }
 
+// Rows get factors by E, so that stiff components do not hide others.
 bool SingularitySearch::set_reference(const Jet& jet) {
   reference_ = {};
   if (!reduce(jet, linearization_.preferred_rows(), RowScaling::each)) return false;
+  rows_ = data_.row_scale;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    double row = 0.0;
+    for (int j = 0; j < data_.n; ++j) row = std::max(row, std::fabs(data_.E(0)(static_cast<int>(i), j)));
+    if (row > 0.0) rows_[i] = std::ldexp(rows_[i], std::clamp(-std::ilogb(row), -60, 60));
+  }
+  if (!reduce(jet, &rows_, RowScaling::given)) return false;
   rows_ = data_.row_scale;
   reference_ = {form_.rank_of_constraints() > 0 ? form_.smallest_constraint() : 1.0,
                 form_.d > 0 ? form_.smallest_of_G() : 1.0};
@@ -137,8 +145,7 @@ std::optional<double> SingularitySearch::find_turn(double left, double right) {
   if (!measure_at(left, left_) || !measure_at(right, right_) || !right_.is_turned_from(left_, arena_))
     return std::nullopt;
   improve_course();
-  course_.interpolate(left, jet_);
-  if (!measure_at(right, right_) || !set_reference(jet_) || !measure(jet_, left_) ||
+  if (!measure_at(right, right_) || !measure_at(left, left_) || !set_reference(jet_) ||
       !right_.is_turned_from(left_, arena_))
     return std::nullopt;
   while (!is_resolved(left, right)) {
@@ -203,6 +210,31 @@ std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
   const double t = smallest(left, middle, right, kept);
   if (has_failed_ || kept > dip_ * level) return std::nullopt;
   return t;
+}
+
+// Beyond the last point: where values that go straight to zero, or as parabolas, would have it.
+std::optional<double> SingularitySearch::find_ahead(double reach) {
+  constexpr double fallen = 0.1;
+  has_failed_ = false;
+  const double t = course_.newest().t;
+  course_.set_points();
+  improve_course();
+  course_.interpolate(t, jet_);
+  if (!set_reference(jet_)) return std::nullopt;
+  // The last point but one that tells.
+  const double before = course_.earlier(reach).t;
+  const double kept_before = kept_at(before);
+  if (!(kept_before > 1.0) || before == t) return std::nullopt;
+  span_ = std::fabs(reach);
+  for (const double power : {1.0, 0.5, 1.0 / 3.0}) {
+    const double distance = (t - before) / (std::pow(kept_before, power) - 1.0);
+    if (std::fabs(distance) > std::fabs(reach)) continue;
+    double kept = kept_at(t + distance);
+    if (kept > fallen) continue;
+    const double found = smallest(t, t + distance, t + 2.0 * distance, kept);
+    if (!has_failed_ && kept <= dip_) return found;
+  }
+  return std::nullopt;
 }
 
 CharacteristicValues SingularitySearch::values_at(double t) {

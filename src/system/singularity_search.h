@@ -41,6 +41,8 @@ class SingularitySearch {
     double before, after;
   };
   std::optional<double> find_dip(const Suspicion& suspicion);
+  // A point up to `reach` after the last accepted one where something vanishes if the solution goes on as it has.
+  std::optional<double> find_ahead(double reach);
   // The characteristic values at a singular point of the interpolated solution; undetermined where no consistent
   // values are found near.
   CharacteristicValues values_at(double t);
