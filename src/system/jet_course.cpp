@@ -11,6 +11,10 @@ namespace sfdae::core {
 
 void JetCourse::start(const Jet& jet) {
   for (Jet& node : accepted_) node = jet;
+  for (Jet& node : landmarks_) node = jet;
+  for (Jet& node : improved_) node = jet;
+  num_landmarks_ = 0;
+  add_landmark(jet);
   count_ = 1;
   newest_ = 0;
   num_nodes_ = num_stages_ = 0;
@@ -20,6 +24,7 @@ void JetCourse::add(const Jet& jet) {
   if (jet.t != newest().t) {
     newest_ = (newest_ + 1) % most;
     count_ = std::min(count_ + 1, most);
+    add_landmark(jet);
   }
   accepted_[index(newest_)] = jet;
   num_nodes_ = num_stages_ = 0;
@@ -34,23 +39,34 @@ void JetCourse::set_attempt(const Jet& end, const NonlinearStages* stages) {
   for (int k = 0; k < count_; ++k) nodes_[index(num_nodes_++)] = &accepted_[index((newest_ - k + most) % most)];
 }
 
-void JetCourse::set_points() {
-  num_nodes_ = num_stages_ = 0;
-  is_improved_ = false;
-  for (int k = 0; k < count_; ++k) nodes_[index(num_nodes_++)] = &accepted_[index((newest_ - k + most) % most)];
+// Those that are not needed make room; if there are none the oldest one does.
+void JetCourse::add_landmark(const Jet& jet) {
+  const auto distance = [&](int i) { return std::fabs(jet.t - landmarks_[index(landmark_order_[index(i)])].t); };
+  int removed = num_landmarks_ < most_landmarks ? num_landmarks_ : most_landmarks - 1;
+  for (int i = 1; i + 1 < num_landmarks_; ++i)
+    if (distance(i + 1) <= 2.0 * distance(i - 1)) {
+      removed = i;
+      break;
+    }
+  if (removed == num_landmarks_) landmark_order_[index(num_landmarks_++)] = removed;
+  std::rotate(landmark_order_.begin(), landmark_order_.begin() + removed, landmark_order_.begin() + removed + 1);
+  landmarks_[index(landmark_order_[0])] = jet;
 }
 
-const Jet& JetCourse::earlier(double reach) const {
-  const Jet* found = &newest();
-  for (int k = 1; k < count_ && k < window; ++k) {
-    found = &accepted_[index((newest_ - k + most) % most)];
-    if (std::fabs(newest().t - found->t) >= std::fabs(reach)) break;
-  }
-  return *found;
+void JetCourse::set_landmarks() {
+  num_nodes_ = num_stages_ = 0;
+  is_improved_ = false;
+  for (int i = 0; i < num_landmarks_; ++i) nodes_[index(num_nodes_++)] = &landmarks_[index(landmark_order_[index(i)])];
+}
+
+const Jet& JetCourse::landmark(double distance) const {
+  int i = 1;
+  while (i + 1 < num_nodes_ && std::fabs(nodes_[index(i)]->t - nodes_[0]->t) < distance) ++i;
+  return *nodes_[index(std::min(i, num_nodes_ - 1))];
 }
 
 void JetCourse::interpolate(double t, Jet& jet) const {
-  const double direction = nodes_[0]->t < oldest().t ? -1.0 : 1.0;
+  const double direction = nodes_[0]->t < nodes_[index(num_nodes_ - 1)]->t ? -1.0 : 1.0;
   int first = 0, count = std::min(num_nodes_, window);
   if (num_stages_ > 0 && (t - newest().t) * direction >= 0.0) {
     count = num_stages_ + 1;

@@ -19,10 +19,10 @@ class JetCourse {
   // The end of a step that is tried, and its stages if it has several (the last one is the end), or null: they are
   // referred to until the next call.
   void set_attempt(const Jet& end, const NonlinearStages* stages);
-  // Polynomials go through accepted points alone.
-  void set_points();
-  // An accepted point that lies about as far before the newest one as the reach, or the last one but it.
-  const Jet& earlier(double reach) const;
+  // Polynomials go through accepted points alone, from the whole way so far: the farther back, the fewer.
+  void set_landmarks();
+  // Of those, the nearest one that lies so far before the newest, or the oldest.
+  const Jet& landmark(double distance) const;
   const Jet& newest() const { return accepted_[index(newest_)]; }
   const Jet& oldest() const { return accepted_[index((newest_ - count_ + 1 + most) % most)]; }
   // What polynomials go through from now on, until the next attempt: every point after it has been passed to
@@ -42,6 +42,7 @@ class JetCourse {
   void interpolate(double t, Jet& jet) const;
 
  private:
+  void add_landmark(const Jet& jet);
   // More points than pass between two linearizations.
   static constexpr int most = 16;
   // Points of the polynomials outside of steps with stages: as accurate as BDF of low orders.
@@ -49,8 +50,14 @@ class JetCourse {
 
   std::array<Jet, most> accepted_;  // a ring
   int count_ = 0, newest_ = 0;
-  std::array<const Jet*, most + max_stages> nodes_{};  // the newest first
-  std::array<Jet, most + max_stages> improved_;
+  // Points from the whole way, the newest first; distances from the newest grow about as powers of sqrt(2).
+  static constexpr int most_landmarks = 32;
+  std::array<Jet, most_landmarks> landmarks_;
+  std::array<int, most_landmarks> landmark_order_{};
+  int num_landmarks_ = 0;
+  std::array<const Jet*, most_landmarks> nodes_{};  // the newest first
+  std::array<Jet, most_landmarks> improved_;
+  static_assert(most + max_stages <= most_landmarks);
   int num_nodes_ = 0, num_stages_ = 0;
   bool is_improved_ = false;
 };

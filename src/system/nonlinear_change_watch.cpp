@@ -25,9 +25,8 @@ constexpr double roundings = 1024.0;
 // A value that falls by this factor at a point inside a step has vanished there, as for linear problems
 // (docs/decisions/09-changes-between-steps.md); before a shorter step confirms it, interpolated values need not do so.
 constexpr double dip = 1e-3, first_dip = 5e-2;
-// Steps that fail in front of a singular point are some times as long as the way there. One look costs as much as a few of them.
-constexpr double reach = 2.0;
-constexpr int failures_per_look = 4;
+// Steps that failed before the first look ahead, which costs as much as a few of them; then twice as many each time.
+constexpr int failures_before_look = 4;
 // Values fall to this, and by this in the last few steps, before steps fail in front of a singular point.
 constexpr double fallen = 1e-2, still_falling = 0.999;
 
@@ -46,6 +45,8 @@ void NonlinearChangeWatch::start(double direction) {
   direction_ = direction;
   samples_ = 0;
   suspect_ = {};
+  failures_ = 0;
+  next_failure_ = failures_before_look;
   first_ = system_.jet();
   search_.course().start(first_);
   has_within_ = has_end_ = false;
@@ -186,10 +187,10 @@ void NonlinearChangeWatch::set_next_look() {
 }
 
 std::optional<LocatedChange> NonlinearChangeWatch::find_ahead(double h) {
-  if (++failures_ < failures_per_look || samples_ == 0) return std::nullopt;
-  failures_ = 0;
+  if (++failures_ < next_failure_ || samples_ == 0) return std::nullopt;
+  next_failure_ *= 2;
   search_.set_dip(dip);
-  const std::optional<double> t = search_.find_ahead(reach * h);
+  const std::optional<double> t = search_.find_ahead(h);
   if (!t) return std::nullopt;
   LocatedChange change;
   change.t_before = search_.course().newest().t;

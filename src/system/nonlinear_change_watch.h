@@ -53,7 +53,7 @@ class NonlinearChangeWatch final : public ChangeWatch {
   bool has_within_ = false, has_end_ = false;
   bool is_within_sure_ = false;  // its jet has converged
   double next_look_ = 0.0;       // a value might be near zero after this time
-  int failures_ = 0;  // without a look ahead
+  int failures_ = 0, next_failure_ = 0;  // of steps; when to look ahead
   Jet first_;  // of the integration
   // The singular point found last: where, and in a step of which size.
   struct Suspect {

@@ -212,25 +212,35 @@ std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
   return t;
 }
 
-// Beyond the last point: where values that go straight to zero, or as parabolas, would have it.
-std::optional<double> SingularitySearch::find_ahead(double reach) {
-  constexpr double fallen = 0.1;
+// Steps may fail long before a singular point: what falls is compared with points farther and farther back.
+std::optional<double> SingularitySearch::find_ahead(double h) {
+  constexpr double falls = 2.0, farther = 8.0;
+  constexpr int most = 8;
   has_failed_ = false;
+  course_.set_landmarks();
   const double t = course_.newest().t;
-  course_.set_points();
-  improve_course();
-  course_.interpolate(t, jet_);
-  if (!set_reference(jet_)) return std::nullopt;
-  // The last point but one that tells.
-  const double before = course_.earlier(reach).t;
-  const double kept_before = kept_at(before);
-  if (!(kept_before > 1.0) || before == t) return std::nullopt;
-  span_ = std::fabs(reach);
+  if (!set_reference(course_.newest())) return std::nullopt;
+  double last = t;
+  for (int k = 0; k < most; ++k) {
+    const Jet& landmark = course_.landmark(std::fabs(h) * std::pow(farther, k));
+    if (landmark.t == last) continue;
+    last = landmark.t;
+    const double kept_before = kept_of(landmark);
+    if (kept_before >= falls) return find_ahead_of(t, last, kept_before);
+  }
+  return std::nullopt;
+}
+
+// Where values that go to zero straight, as parabolas or as cubes would have it.
+std::optional<double> SingularitySearch::find_ahead_of(double t, double before, double kept_before) {
+  constexpr double fallen = 0.3;
   for (const double power : {1.0, 0.5, 1.0 / 3.0}) {
     const double distance = (t - before) / (std::pow(kept_before, power) - 1.0);
-    if (std::fabs(distance) > std::fabs(reach)) continue;
+    span_ = std::fabs(distance);
     double kept = kept_at(t + distance);
     if (kept > fallen) continue;
+    improve_course();
+    kept = kept_at(t + distance);
     const double found = smallest(t, t + distance, t + 2.0 * distance, kept);
     if (!has_failed_ && kept <= dip_) return found;
   }

@@ -41,8 +41,9 @@ class SingularitySearch {
     double before, after;
   };
   std::optional<double> find_dip(const Suspicion& suspicion);
-  // A point up to `reach` after the last accepted one where something vanishes if the solution goes on as it has.
-  std::optional<double> find_ahead(double reach);
+  // A point after the last accepted one where something vanishes if the solution goes on as it has. h: the size of a
+  // step that has failed.
+  std::optional<double> find_ahead(double h);
   // The characteristic values at a singular point of the interpolated solution; undetermined where no consistent
   // values are found near.
   CharacteristicValues values_at(double t);
@@ -61,6 +62,7 @@ class SingularitySearch {
   double kept_at(double t);
   double kept_of(const Jet& jet);
   bool is_resolved(double left, double right) const;
+  std::optional<double> find_ahead_of(double t, double before, double kept_before);
   double smallest(double left, double middle, double right, double& kept);
 
   AnalyzedEquations& problem_;

@@ -33,7 +33,7 @@ struct Outcome {
 
 Outcome run(const SingularSystem& system, int method, double tolerance) {
   sfdae_options options = options_with(tolerance, method);
-  options.max_steps = 20000;
+  options.max_steps = 4000;
   NonlinearRun run(recorded(system), options);
   Outcome outcome;
   outcome.status = run.created < 0 ? run.created : run.integrate(system.start(), system.end(), system.exact(system.start()));
