@@ -26,7 +26,11 @@ constexpr double roundings = 1024.0;
 // (docs/decisions/09-changes-between-steps.md); before a shorter step confirms it, interpolated values need not do so.
 constexpr double dip = 1e-3, first_dip = 5e-2;
 // Steps that failed before the first look ahead, which costs as much as a few of them; then twice as many each time.
-constexpr int failures_before_look = 4;
+constexpr int failures_before_look = 4, most_failures = 64;
+// Steps that fail are so much shorter than the way to a singular point where none of them leads there.
+constexpr double many_steps = 100.0;
+// Of the way there: two points extrapolated one after the other are no farther from each other.
+constexpr double steadiness = 0.1;
 // Values fall to this, and by this in the last few steps, before steps fail in front of a singular point.
 constexpr double fallen = 1e-2, still_falling = 0.999;
 
@@ -34,9 +38,10 @@ struct Sized {
   double t, value;
 };
 
-// The line through both is below zero at t.
-bool would_vanish(Sized older, Sized last, double t) {
-  return last.value + (last.value - older.value) * (t - last.t) / (last.t - older.t) < 0.0;
+// The line through older and last goes about as far below zero as the next value is above.
+bool would_vanish(Sized older, Sized last, Sized next) {
+  constexpr double about = 0.5;
+  return last.value + (last.value - older.value) * (next.t - last.t) / (last.t - older.t) < -about * next.value;
 }
 
 }  // namespace
@@ -46,6 +51,7 @@ void NonlinearChangeWatch::start(double direction) {
   samples_ = 0;
   suspect_ = {};
   failures_ = 0;
+  expected_ = std::numeric_limits<double>::quiet_NaN();
   next_failure_ = failures_before_look;
   first_ = system_.jet();
   search_.course().start(first_);
@@ -94,8 +100,8 @@ bool NonlinearChangeWatch::is_suspicious(const SingularitySample& now) {
   if (now.is_turned_from(last_, arena_)) return true;
   for (std::size_t i = 0; i < now.values.size(); ++i) {
     const Sized last{last_.t, last_.values[i]}, here{now.t, now.values[i]};
-    if (samples_ > 1 && would_vanish({older_.t, older_.values[i]}, last, now.t)) return true;
-    if (has_end_ && would_vanish({end_.t, end_.values[i]}, here, last.t)) return true;
+    if (samples_ > 1 && would_vanish({older_.t, older_.values[i]}, last, here)) return true;
+    if (has_end_ && would_vanish({end_.t, end_.values[i]}, here, last)) return true;
   }
   return false;
 }
@@ -127,11 +133,11 @@ std::optional<double> NonlinearChangeWatch::search_dips(const SingularitySample*
   if (older == nullptr) return std::nullopt;
   for (std::size_t i = 0; i < now.values.size(); ++i) {
     const Sized before{older->t, older->values[i]}, here{last.t, last.values[i]}, after{now.t, now.values[i]};
-    if (would_vanish(before, here, now.t))
-      if (auto t = search_.find_dip({last.t, now.t, here.value, after.value})) return t;
+    if (would_vanish(before, here, after))
+      if (auto t = search_.find_dip({last.t, now.t, i, here.value, after.value})) return t;
     // What has gone down and up again since the sample before the last one.
-    if (would_vanish(after, here, older->t))
-      if (auto t = search_.find_dip({older->t, last.t, before.value, here.value})) return t;
+    if (would_vanish(after, here, before))
+      if (auto t = search_.find_dip({older->t, last.t, i, before.value, here.value})) return t;
   }
   return std::nullopt;
 }
@@ -188,12 +194,18 @@ void NonlinearChangeWatch::set_next_look() {
 
 std::optional<LocatedChange> NonlinearChangeWatch::find_ahead(double h) {
   if (++failures_ < next_failure_ || samples_ == 0) return std::nullopt;
-  next_failure_ *= 2;
+  next_failure_ += std::min(next_failure_, most_failures);
   search_.set_dip(dip);
   const std::optional<double> t = search_.find_ahead(h);
+  const double t_last = search_.course().newest().t;
   if (!t) return std::nullopt;
+  // Steps that can get there will tell more, and what is extrapolated has to stay where it is.
+  const double distance = std::fabs(*t - t_last);
+  const bool is_steady = std::fabs(*t - expected_) <= steadiness * distance;
+  expected_ = *t;
+  if (distance < many_steps * std::fabs(h) || !is_steady) return std::nullopt;
   LocatedChange change;
-  change.t_before = search_.course().newest().t;
+  change.t_before = t_last;
   change.t = *t;
   change.new_values = search_.values_at(*t);
   if (change.new_values == system_.analysis().values) change.new_values = {};

@@ -115,14 +115,20 @@ bool SingularitySearch::set_reference(const Jet& jet) {
   return reference_.constraints > 0.0 && reference_.differential > 0.0;
 }
 
-// Relative to the reference. Where the known ranks cannot be taken something has vanished.
-double SingularitySearch::kept_of(const Jet& jet) {
-  if (!reduce(jet, &rows_, RowScaling::given)) return 0.0;
+// With the rows of the reference, relative to what is kept there. Where the known ranks cannot be taken something has
+// vanished.
+SingularitySearch::Kept SingularitySearch::relative(const Jet& jet) {
+  if (!reduce(jet, &rows_, RowScaling::given)) return {0.0, 0.0};
   const double factor = rows_[0] / data_.row_scale[0];  // of all rows, where data are tiny
-  double kept = std::numeric_limits<double>::infinity();
-  if (form_.rank_of_constraints() > 0) kept = form_.smallest_constraint() / reference_.constraints;
-  if (form_.d > 0) kept = std::min(kept, form_.smallest_of_G() / reference_.differential);
-  return factor * kept;
+  Kept kept;
+  if (form_.rank_of_constraints() > 0) kept.constraints = factor * form_.smallest_constraint() / reference_.constraints;
+  if (form_.d > 0) kept.differential = factor * form_.smallest_of_G() / reference_.differential;
+  return kept;
+}
+
+double SingularitySearch::kept_of(const Jet& jet) {
+  const Kept kept = relative(jet);
+  return std::min(kept.constraints, kept.differential);
 }
 
 double SingularitySearch::kept_at(double t) {
@@ -188,10 +194,14 @@ double SingularitySearch::smallest(double left, double middle, double right, dou
 
 // The first look is where values that go straight to zero and up again, or as parabolas, would have it.
 std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
-  constexpr double dips = 0.5;
+  constexpr double dips = 0.5, falls = 0.7;
   const double left = suspicion.left, right = suspicion.right;
   has_failed_ = false;
   span_ = std::fabs(right - left);
+  const double crossing = left + (right - left) * suspicion.before / (suspicion.before + suspicion.after);
+  if (measure_at(crossing, middle_) &&
+      middle_.values[suspicion.number] > falls * std::min(suspicion.before, suspicion.after))
+    return std::nullopt;
   course_.interpolate(left, jet_);
   if (!set_reference(jet_)) return std::nullopt;
   double kept = 1.0, middle = left;
@@ -225,7 +235,8 @@ std::optional<double> SingularitySearch::find_ahead(double h) {
     const Jet& landmark = course_.landmark(std::fabs(h) * std::pow(farther, k));
     if (landmark.t == last) continue;
     last = landmark.t;
-    const double kept_before = kept_of(landmark);
+    const Kept before = relative(landmark);
+    const double kept_before = std::max(before.constraints, before.differential);
     if (kept_before >= falls) return find_ahead_of(t, last, kept_before);
   }
   return std::nullopt;

@@ -6,6 +6,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -34,10 +35,11 @@ class SingularitySearch {
   void set_dip(double dip) { dip_ = dip; }
   // A point between left and right where the sign changes and something vanishes.
   std::optional<double> find_turn(double left, double right);
-  // A point between left and right where something vanishes. before, after: a value at the ends that raised the
-  // suspicion.
+  // A point between left and right where something vanishes. before, after: sizes at the ends of the value of that
+  // number in a sample, which raised the suspicion.
   struct Suspicion {
     double left, right;
+    std::size_t number;
     double before, after;
   };
   std::optional<double> find_dip(const Suspicion& suspicion);
@@ -60,6 +62,7 @@ class SingularitySearch {
   void improve_course();
   bool set_reference(const Jet& jet);
   double kept_at(double t);
+  Kept relative(const Jet& jet);
   double kept_of(const Jet& jet);
   bool is_resolved(double left, double right) const;
   std::optional<double> find_ahead_of(double t, double before, double kept_before);
