@@ -299,7 +299,9 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
   }
   if (outcome == StepOutcome::changed && has_located_change(h, tout)) return std::nullopt;
   ++counts.other_failures;
-  if (!change_ && watch_ && (outcome == StepOutcome::not_converged || outcome == StepOutcome::singular || outcome == StepOutcome::changed)) {
+  if (!change_ && watch_ &&
+      (outcome == StepOutcome::not_converged || outcome == StepOutcome::singular ||
+       outcome == StepOutcome::changed)) {
     change_ = watch_->find_ahead(h);
     if (change_) return std::nullopt;
   }

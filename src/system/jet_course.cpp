@@ -56,7 +56,8 @@ void JetCourse::add_landmark(const Jet& jet) {
 void JetCourse::set_landmarks() {
   num_nodes_ = num_stages_ = 0;
   is_improved_ = false;
-  for (int i = 0; i < num_landmarks_; ++i) nodes_[index(num_nodes_++)] = &landmarks_[index(landmark_order_[index(i)])];
+  for (int i = 0; i < num_landmarks_; ++i)
+    nodes_[index(num_nodes_++)] = &landmarks_[index(landmark_order_[index(i)])];
 }
 
 const Jet& JetCourse::landmark(double distance) const {

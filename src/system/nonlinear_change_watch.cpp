@@ -12,9 +12,6 @@ namespace sfdae::core {
 
 namespace {
 
-// A value that falls is looked at when it has gone this part of the straight way to zero since the last sample.
-// (Chosen: 0.75 costs ...)
-constexpr double way_to_zero = 0.75;
 // Of the step: how far the interpolated solution may be from where it is found, and the part of the first step in which
 // a point was found that is short enough to report it.
 constexpr double uncertain = 0.05, short_enough = 0.25;
@@ -40,7 +37,7 @@ struct Sized {
 
 // The line through older and last goes about as far below zero as the next value is above.
 bool would_vanish(Sized older, Sized last, Sized next) {
-  constexpr double about = 0.5;
+  constexpr double about = 0.75;
   return last.value + (last.value - older.value) * (next.t - last.t) / (last.t - older.t) < -about * next.value;
 }
 
@@ -56,7 +53,10 @@ void NonlinearChangeWatch::start(double direction) {
   first_ = system_.jet();
   search_.course().start(first_);
   has_within_ = has_end_ = false;
-  if (!search_.measure(system_.jet(), last_)) return;
+  const ArrayLinearization& linearization = system_.linearization();
+  if (linearization.is_usable() && linearization.origin().jet.t == first_.t)
+    last_.take(first_.t, linearization.data(), system_.analysis().values.mu, linearization.form());
+  else if (!search_.measure(first_, last_)) return;
   samples_ = 1;
   // Sizes are known from here on: steps allocate nothing.
   older_ = within_ = end_ = last_;
@@ -187,7 +187,7 @@ void NonlinearChangeWatch::set_next_look() {
   for (std::size_t i = 0; i < last_.values.size(); ++i) {
     const double fall = older_.values[i] - last_.values[i];
     if (fall <= 0.0) continue;
-    const double look = last_.t + way_to_zero * last_.values[i] * (last_.t - older_.t) / fall;
+    const double look = last_.t + last_.values[i] * (last_.t - older_.t) / fall;
     if (is_after(next_look_, look)) next_look_ = look;
   }
 }

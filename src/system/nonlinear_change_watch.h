@@ -51,11 +51,11 @@ class NonlinearChangeWatch final : public ChangeWatch {
   int samples_ = 0;
   SingularitySample within_, end_;  // of the step that is tried
   bool has_within_ = false, has_end_ = false;
-  bool is_within_sure_ = false;  // its jet has converged
-  double next_look_ = 0.0;       // a value might be near zero after this time
-  int failures_ = 0, next_failure_ = 0;  // of steps; when to look ahead
+  bool is_within_sure_ = false;                                 // its jet has converged
+  double next_look_ = 0.0;                                      // a value that goes straight on is zero then
+  int failures_ = 0, next_failure_ = 0;                         // of steps; when to look ahead
   double expected_ = std::numeric_limits<double>::quiet_NaN();  // the singular point, by the last look
-  Jet first_;  // of the integration
+  Jet first_;                                                   // of the integration
   // The singular point found last: where, and in a step of which size.
   struct Suspect {
     double t = std::numeric_limits<double>::quiet_NaN();

@@ -121,7 +121,8 @@ SingularitySearch::Kept SingularitySearch::relative(const Jet& jet) {
   if (!reduce(jet, &rows_, RowScaling::given)) return {0.0, 0.0};
   const double factor = rows_[0] / data_.row_scale[0];  // of all rows, where data are tiny
   Kept kept;
-  if (form_.rank_of_constraints() > 0) kept.constraints = factor * form_.smallest_constraint() / reference_.constraints;
+  if (form_.rank_of_constraints() > 0)
+    kept.constraints = factor * form_.smallest_constraint() / reference_.constraints;
   if (form_.d > 0) kept.differential = factor * form_.smallest_of_G() / reference_.differential;
   return kept;
 }
@@ -199,9 +200,15 @@ std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
   has_failed_ = false;
   span_ = std::fabs(right - left);
   const double crossing = left + (right - left) * suspicion.before / (suspicion.before + suspicion.after);
-  if (measure_at(crossing, middle_) &&
-      middle_.values[suspicion.number] > falls * std::min(suspicion.before, suspicion.after))
-    return std::nullopt;
+  // What has been measured in the same interval for another value often tells as much.
+  const auto is_dismissed = [&] {
+    return middle_.values[suspicion.number] > falls * std::min(suspicion.before, suspicion.after);
+  };
+  const double nearby = 0.1 * span_;
+  if (is_measured_ && std::fabs(middle_.t - crossing) <= nearby && is_dismissed()) return std::nullopt;
+  is_measured_ = measure_at(crossing, middle_);
+  if (is_measured_ && is_dismissed()) return std::nullopt;
+  is_measured_ = false;
   course_.interpolate(left, jet_);
   if (!set_reference(jet_)) return std::nullopt;
   double kept = 1.0, middle = left;

@@ -82,8 +82,9 @@ class SingularitySearch {
   Kept reference_;
   std::vector<double> transformed_, dy_;
   double dip_ = 0.0;
-  bool has_failed_ = false;  // a point could not be evaluated
-  double span_ = 0.0;        // that is searched
+  bool is_measured_ = false;  // middle_ is a sample of the last suspicion
+  bool has_failed_ = false;   // a point could not be evaluated
+  double span_ = 0.0;         // that is searched
 };
 
 }  // namespace sfdae::core

@@ -82,7 +82,8 @@ class SingularSystem {
   Factored factored_;
   bool by_time_ = false;  // the factor is one of t, not of z0
   int n_ = 0, d_ = 0, coupled_ = 0, chain_ = 0, pair_ = 0;
-  double start_ = 0.0, unit_ = 1.0, s_ = 0.0, margin_ = 0.0, theta_ = 0.0, rate_ = 0.0, stiffness_ = 1.0, growth_ = 0.0;
+  double start_ = 0.0, unit_ = 1.0, s_ = 0.0, margin_ = 0.0, theta_ = 0.0, rate_ = 0.0, stiffness_ = 1.0,
+         growth_ = 0.0;
   std::vector<Curve> curves_;
   std::vector<double> damping_;
   std::vector<Bend> bends_[2];
@@ -93,7 +94,10 @@ inline SingularSystem::SingularSystem(unsigned seed, bool is_singular) : is_sing
   RandomNumbers numbers(1000003u * seed + 17u);
   const auto pick = [&](int count) { return numbers.integer(0, count - 1); };
   const int kind = is_singular ? pick(8) : pick(6);
-  kind_ = kind < 4 ? Singularity::factor : kind == 4 ? Singularity::square : kind < 7 ? Singularity::fold : Singularity::impasse;
+  kind_ = kind < 4    ? Singularity::factor
+          : kind == 4 ? Singularity::square
+          : kind < 7  ? Singularity::fold
+                      : Singularity::impasse;
   if (!is_singular && kind == 4) kind_ = Singularity::factor;
   const bool has_pair = kind_ == Singularity::fold || kind_ == Singularity::impasse;
   d_ = 1 + pick(has_pair ? 2 : 3);
@@ -108,7 +112,7 @@ inline SingularSystem::SingularSystem(unsigned seed, bool is_singular) : is_sing
   unit_ = std::pow(10.0, numbers.uniform(-3.0, 3.0));
   start_ *= unit_;
   s_ = numbers.uniform(0.5, 1.9);
-  margin_ = is_singular ? 0.0 : numbers.uniform(0.1, 0.5);
+  margin_ = is_singular ? 0.0 : numbers.uniform(0.1, 0.5) + (mu > 0 ? 0.4 : 0.0);
   theta_ = is_singular ? std::acos(0.0) : numbers.uniform(-1.5, 1.5);
   rate_ = numbers.uniform(0.4, 0.65);
   stiffness_ = pick(4) == 0 ? 1e4 : 1.0;
@@ -127,11 +131,13 @@ inline SingularSystem::SingularSystem(unsigned seed, bool is_singular) : is_sing
       rotations_[layer].push_back({i, (i + 1 + pick(n_ - 1)) % n_, 0, numbers.uniform(-1.5, 1.5), 0.0});
     }
     for (int i = n_ - 1; i > 0; --i)
-      bends_[layer].push_back({i, pick(i), numbers.uniform(-0.4, 0.4), numbers.uniform(0.4, 1.2), numbers.uniform(-0.5, 0.5)});
+      bends_[layer].push_back(
+          {i, pick(i), numbers.uniform(-0.4, 0.4), numbers.uniform(0.4, 1.2), numbers.uniform(-0.5, 0.5)});
   }
   for (int q = 0; q < n_ && n_ > 1; ++q) {
     const int i = pick(n_);
-    turns_.push_back({i, (i + 1 + pick(n_ - 1)) % n_, pick(n_), numbers.uniform(-1.5, 1.5), numbers.uniform(-0.4, 0.4)});
+    turns_.push_back(
+        {i, (i + 1 + pick(n_ - 1)) % n_, pick(n_), numbers.uniform(-1.5, 1.5), numbers.uniform(-0.4, 0.4)});
   }
 }
 
@@ -146,8 +152,7 @@ std::vector<Dual<V>> SingularSystem::to_canonical(const Dual<V>& s, const V* x, 
       z[at(r.i)] = std::cos(r.angle) * a - std::sin(r.angle) * b;
       z[at(r.j)] = std::sin(r.angle) * a + std::cos(r.angle) * b;
     }
-    for (const Bend& b : bends_[layer])
-      z[at(b.i)] = z[at(b.i)] + b.size * sin(b.frequency * z[at(b.j)] + b.rate * s);
+    for (const Bend& b : bends_[layer]) z[at(b.i)] = z[at(b.i)] + b.size * sin(b.frequency * z[at(b.j)] + b.rate * s);
   }
   return z;
 }
@@ -181,7 +186,8 @@ void SingularSystem::residual(const V& t, const V* x, const V* xdot, V* F) const
     r.push_back(e[at(i + 1)].slope - e[at(i)].value - sin(z[0].value) * e[at(i + 1)].value);
   if (chain_ > 0) r.push_back(e[at(pair - 1)].value);
   if (kind_ == Singularity::fold) {
-    const V theta_slope = is_singular_ ? rate_ + 0.15 * cos(3.0 * (s - s_)) : (1.25 * rate_) * cos(rate_ * s + theta_);
+    const V theta_slope =
+        is_singular_ ? rate_ + 0.15 * cos(3.0 * (s - s_)) : (1.25 * rate_) * cos(rate_ * s + theta_);
     r.push_back(z[at(pair)].slope - theta_slope * z[at(pair + 1)].value);
     r.push_back(z[at(pair)].value * z[at(pair)].value + z[at(pair + 1)].value * z[at(pair + 1)].value - 1.0);
   } else if (kind_ == Singularity::impasse) {
