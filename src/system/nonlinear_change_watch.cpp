@@ -51,6 +51,7 @@ void NonlinearChangeWatch::start(double direction) {
   expected_ = std::numeric_limits<double>::quiet_NaN();
   next_failure_ = failures_before_look;
   first_ = system_.jet();
+  for (Fall& fall : falls_) fall = {0.0, 0.0, first_, first_};
   search_.course().start(first_);
   has_within_ = has_end_ = false;
   const ArrayLinearization& linearization = system_.linearization();
@@ -124,6 +125,26 @@ std::optional<LocatedChange> NonlinearChangeWatch::find(double t_last) {
     was_turned = is_turned;
     older = last;
     last = now;
+  }
+  return find_passed();
+}
+
+// Small steps may have gone through a singular point with values that are too inaccurate to be searched there.
+std::optional<LocatedChange> NonlinearChangeWatch::find_passed() {
+  if (!has_end_) return std::nullopt;
+  const Jet& jet = system_.jet();
+  for (std::size_t i = 0; i < 2; ++i) {
+    Fall& fall = falls_[i];
+    const double now = end_.values[i];
+    if (now < fall.lowest) fall.lowest = now, fall.at_lowest = jet;
+    const bool has_dipped = fall.highest > 0.0 && fall.lowest <= dip * std::min(fall.highest, now);
+    if (now < fall.highest && !has_dipped) continue;
+    const bool is_confirmed = has_dipped && search_.kept(fall.at_highest, fall.at_lowest) <= dip &&
+                              search_.kept(jet, fall.at_lowest) <= dip;
+    const double t = fall.at_lowest.t;
+    fall.highest = fall.lowest = now;
+    fall.at_highest = fall.at_lowest = jet;
+    if (is_confirmed) return LocatedChange{t, t, {}, 0.0};
   }
   return std::nullopt;
 }

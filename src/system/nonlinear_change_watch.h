@@ -37,6 +37,7 @@ class NonlinearChangeWatch final : public ChangeWatch {
   void take_samples();
   bool is_suspicious(const SingularitySample& now);
   bool is_short(double t_last) const;
+  std::optional<LocatedChange> find_passed();
   std::optional<double> search_dips(const SingularitySample* older, const SingularitySample& last,
                                     const SingularitySample& now);
   LocatedChange change_at(double t, double t_last);
@@ -55,7 +56,13 @@ class NonlinearChangeWatch final : public ChangeWatch {
   double next_look_ = 0.0;                                      // a value that goes straight on is zero then
   int failures_ = 0, next_failure_ = 0;                         // of steps; when to look ahead
   double expected_ = std::numeric_limits<double>::quiet_NaN();  // the singular point, by the last look
-  Jet first_;                                                   // of the integration
+  // Of the values of A2 and E T2: the largest sample so far, and the smallest one since.
+  struct Fall {
+    double highest = 0.0, lowest = 0.0;
+    Jet at_highest, at_lowest;
+  };
+  Fall falls_[2];
+  Jet first_;  // of the integration
   // The singular point found last: where, and in a step of which size.
   struct Suspect {
     double t = std::numeric_limits<double>::quiet_NaN();
