@@ -79,7 +79,7 @@ void Integration::archive(Archive& archive) {
   archive.real(integrator_.first_step);
   archive.real(last_returned_);
   integrator_.stepper->archive(archive, system);
-  if (!has_change && watch_) watch_->archive(archive);
+  if (!has_change && watch_) watch_->archive(archive, integrator_.direction);
   if ((kind & 4) != 0) integrator_.differences.archive(archive, index(system.unknowns()));
   if (has_events) archive_events(archive, *options_.events, index(system.unknowns()), span_);
   if (is_reading) {
@@ -197,6 +197,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   // Without differential equations nothing accumulates: the solution at tout is one reduction away.
   if (integrator_.system.differential() == 0 && state.failures_in_a_row == 0) size = std::fabs(tout - state.t);
   if (options_.max_step > 0.0) size = std::min(size, options_.max_step);
+  if (approach_ && approach_->is_reached) size = std::min(size, approach_->step);
   const double smallest = Integrator::smallest_step(state.t, tout);
   if (size < smallest) {
     if (state.failures_in_a_row > 0) return give_up(StepOutcome::error_too_large);
@@ -216,6 +217,7 @@ Integration::Target Integration::choose_target(const StepState& state, double h,
   const double direction = integrator_.direction;
   Target target{state.t + h, 0.0};
   std::optional<double> limit = options_.stop_time;
+  if (approach_ && !approach_->is_reached) limit = approach_->t;
   if (change_) limit = change_->t_before;
   // No tiny rest before a limit, and not a bit beyond.
   if (limit && (target.t - *limit) * direction > -rest_at_limit * std::fabs(h)) target.t = *limit;
@@ -248,17 +250,30 @@ std::optional<CallResult> Integration::accept_step(double h) {
   choice_.note_step();
   integrator_.differences.accept(system, integrator_.weights, integrator_.stepper->x().data(), false);
   if (auto excess = integrator_.differences.lasting_excess(integrator_.weights)) return excess;
+  if (approach_ && approach_->is_reached) approach_.reset();
+  else if (approach_ && integrator_.has_passed(approach_->t)) approach_->is_reached = true;
   return call_monitor(h);
 }
 
 // Then the step, of size h, is tried again up to the change.
 bool Integration::has_found_change(double h) {
   if (change_ || !watch_) return false;
-  change_ = watch_->find(integrator_.stepper->state().t);
-  if (!change_) return false;
+  const std::optional<LocatedChange> found = watch_->find(integrator_.stepper->state().t);
+  if (!found) return false;
   integrator_.stepper->withdraw();
   integrator_.stepper->set_next_step(h);
+  if (found->uncertainty > 0.0) look_closer(*found, h);
+  else change_ = found;
   return true;
+}
+
+// By a step up to where the change cannot be yet, and one from there that is as long as its time is uncertain.
+void Integration::look_closer(const LocatedChange& suspect, double h) {
+  const double t = integrator_.stepper->state().t, before = suspect.t - integrator_.direction * suspect.uncertainty;
+  const bool is_there = (before - t) * integrator_.direction < suspect.uncertainty;
+  approach_ = Approach{before, is_there ? std::fabs(suspect.t - t) + suspect.uncertainty : 2.0 * suspect.uncertainty,
+                       is_there};
+  if (is_there) integrator_.stepper->set_next_step(std::copysign(approach_->step, h));
 }
 
 std::optional<CallResult> Integration::call_monitor(double h) const {
@@ -292,6 +307,12 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
   }
   if (outcome == StepOutcome::changed && has_located_change(h, tout)) return std::nullopt;
   ++counts.other_failures;
+  if (!change_ && watch_ &&
+      (outcome == StepOutcome::not_converged || outcome == StepOutcome::singular ||
+       outcome == StepOutcome::changed)) {
+    change_ = watch_->find_ahead(h);
+    if (change_) return std::nullopt;
+  }
   integrator_.stepper->reduce_after_failure(h);
   const StepState state = integrator_.stepper->state();
   if (state.failures_in_a_row > max_point_failures ||
@@ -301,6 +322,7 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
 }
 
 bool Integration::has_located_change(double h, double tout) {
+  if (change_) return false;
   const StepState state = integrator_.stepper->state();
   if (!(std::fabs(h) > Integrator::smallest_step(state.t, tout) * room_to_locate)) {
     change_ = change_at_failure();
@@ -328,7 +350,7 @@ CallResult Integration::give_up(StepOutcome outcome) {
   if (!change_) {
     integrator_.must_restart = true;
     if (outcome == StepOutcome::changed) change_ = change_at_failure();
-    else if (outcome != StepOutcome::callback_error) change_ = change_nearby();
+    else if (outcome != StepOutcome::callback_error) change_ = watch_ ? watch_->find_beyond() : change_nearby();
   }
   if (change_) return result_of_change(integrator_.system, *change_);
   // Errors of derivatives look like jumps of the solution.

@@ -67,6 +67,7 @@ class Integration {
   Target choose_target(const StepState& state, double h, double tout) const;
   std::optional<CallResult> accept_step(double h);
   bool has_found_change(double h);
+  void look_closer(const LocatedChange& suspect, double h);
   std::optional<CallResult> call_monitor(double h) const;
   std::optional<CallResult> handle_failure(StepOutcome outcome, double h, double tout);
   bool has_located_change(double h, double tout);
@@ -89,6 +90,13 @@ class Integration {
   WorkCounts counts_;
   std::unique_ptr<ChangeWatch> watch_;  // none where points can be looked at in steps only
   std::optional<LocatedChange> change_;
+  // A suspected change that has to be confirmed: a step ends at t, before it, and the next ones are no longer than
+  // `step` until one is accepted.
+  struct Approach {
+    double t, step;
+    bool is_reached;
+  };
+  std::optional<Approach> approach_;
   double last_returned_ = 0.0;
   double span_ = 0.0;  // the interval of interest
   bool wants_slopes_ = true;

@@ -81,8 +81,8 @@ void choose_row_scale(TaylorData& data, double tau, RowScaling rows, const std::
     const int exponent = std::ilogb(size);
     size = power_of_two(-exponent + (std::ldexp(size, -exponent) < top_mantissa ? 1 : 0));
   }
-  if (preferred != nullptr && rows != RowScaling::common && are_about_right(*preferred, row_scale))
-    row_scale = *preferred;
+  if (preferred == nullptr || rows == RowScaling::common) return;
+  if (rows == RowScaling::given || are_about_right(*preferred, row_scale)) row_scale = *preferred;
 }
 
 }  // namespace

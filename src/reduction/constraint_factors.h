@@ -4,6 +4,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "linalg/arena.h"
@@ -21,6 +22,8 @@ class ConstraintFactors {
   void factor(const Carried& carried, Judge& judge, Arena& arena);
 
   int rank() const { return rank_; }  // a
+  // |r_aa| of R11, the smallest value kept; a > 0.
+  double smallest_kept() const { return std::fabs(factors()(rank_ - 1, rank_ - 1)); }
   int rows() const { return rows_; }
   // T2: n x (n - rank).
   void write_T2(View T2, Arena& arena) const;

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduction/differential_factors.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "linalg/dense.h"
 #include "linalg/index.h"
 
@@ -53,6 +56,12 @@ void DifferentialFactors::solve(const double* q, double* z, Arena& arena) const 
   }
   solve_upper(Op::transposed, R, {y, d_, 1, std::max(d_, 1)});
   multiply(1.0, Op::plain, ConstView{row_space_.data(), unknowns(), d_, unknowns()}, y, 0.0, z);
+}
+
+double DifferentialFactors::smallest_kept() const {
+  double smallest = std::fabs(R_[0]);
+  for (int i = 1; i < d_; ++i) smallest = std::min(smallest, std::fabs(R_[index(i) * index(d_ + 1)]));
+  return smallest;
 }
 
 int DifferentialFactors::determinant_sign() const {

@@ -21,6 +21,8 @@ class DifferentialFactors {
   ConstView kernel() const { return {kernel_.data(), unknowns(), u_, std::max(unknowns(), 1)}; }
   // z of smallest norm with G z = q.
   void solve(const double* q, double* z, Arena& arena) const;
+  // The smallest entry on the diagonal of R; d > 0.
+  double smallest_kept() const;
   // Sign of det G, 0 if it vanishes; u = 0 only.
   int determinant_sign() const;
 

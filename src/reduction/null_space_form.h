@@ -84,6 +84,10 @@ class NullSpaceForm {
   void solve_G(const double* q, double* z, Arena& arena) const { differential_.solve(q, z, arena); }
   // Sign of det G, 0 if it vanishes; u = 0 only.
   int sign_of_G() const { return differential_.determinant_sign(); }
+  // Smallest values kept in the decisions on A^ and on E T2 (a > 0, d > 0), or of about their size.
+  double smallest_constraint() const { return constraints_.smallest_kept(); }
+  double smallest_of_G() const { return differential_.smallest_kept(); }
+  int rank_of_constraints() const { return constraints_.rank(); }  // a without the prescribed components
   // y := P y for W = P, else y stays.
   void project(double* y, Arena& arena) const { projector_.apply(y, arena); }
   void project(View Y, Arena& arena) const { projector_.apply(Y, arena); }

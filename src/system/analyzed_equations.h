@@ -48,7 +48,11 @@ class AnalyzedEquations {
   }
   // Taylor coefficients up to order mu; preferred_rows: factors of rows to take again, or null.
   PointStatus linearize(const Jet& jet, const std::vector<double>* preferred_rows, TaylorData& data) {
-    const NonlinearProblem::Scaling scaling{analysis_.time_scale, analysis_.rows, preferred_rows, &units_};
+    return linearize(jet, preferred_rows, data, analysis_.rows);
+  }
+  PointStatus linearize(const Jet& jet, const std::vector<double>* preferred_rows, TaylorData& data,
+                        RowScaling rows) {
+    const NonlinearProblem::Scaling scaling{analysis_.time_scale, rows, preferred_rows, &units_};
     return status_of(problem_.linearize(jet.t, jet.x.data(), {mu(), mu(), mu()}, scaling, data));
   }
 

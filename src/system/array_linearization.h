@@ -55,6 +55,7 @@ class ArrayLinearization {
   // The last renewal has succeeded.
   bool is_usable() const { return is_usable_; }
   Origin& origin() { return origin_; }
+  const Origin& origin() const { return origin_; }
   // Known ranks: those of the last renewal that has succeeded.
   const RankSequence& ranks() const { return ranks_; }
   // Null before the first renewal.

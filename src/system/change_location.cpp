@@ -62,7 +62,7 @@ class Probe {
       (holds_at(middle) ? left : right) = middle;
     }
     Arena& arena = system_.arena();
-    return {left, right, find_local_values(system_.problem(), right, system_.settings(), arena)};
+    return {left, right, find_local_values(system_.problem(), right, system_.settings(), arena), 0.0};
   }
 
   // Values at a point where kept() nearly vanishes: what vanishes there counts as zero.
@@ -70,7 +70,7 @@ class Probe {
     AnalysisSettings settings = system_.settings();
     settings.rank_tol = std::max(settings.rank_tol, std::min(vanishing * kept_at(t), largest_tolerance));
     settings.rows = rows_;
-    return {before, t, find_local_values(system_.problem(), t, settings, system_.arena())};
+    return {before, t, find_local_values(system_.problem(), t, settings, system_.arena()), 0.0};
   }
 
  private:

@@ -4,15 +4,10 @@
 
 #include <optional>
 
+#include "system/change_watch.h"
 #include "system/linear_system.h"
 
 namespace sfdae::core {
-
-struct LocatedChange {
-  double t_before = 0.0;  // the values known still hold here
-  double t = 0.0;
-  CharacteristicValues new_values;
-};
 
 // Between left, where the values known hold, and right, where others do. The points of the system stay.
 std::optional<LocatedChange> locate_change(LinearSystem& system, double left, double right);

@@ -1,49 +1,40 @@
-// Changes of the characteristic values along the way: noticed between steps, located.
-//
-// A value that vanishes at an isolated point leaves traces: the sign of det[E1; A2] (bases aligned from step to
-// step), or smallest kept values of the rank decisions, or sizes of rows, that would run straight through zero if one
-// of them had its sign changed. These are only suspicions; locate() confirms them by narrowing the point down.
+// Changes of the characteristic values along the way, as an integration asks for them.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "linalg/archive.h"
-#include "system/change_location.h"
-#include "system/change_trace.h"
-#include "system/linear_system.h"
+#include "reduction/index_analysis.h"
 
 namespace sfdae::core {
 
-// For linear problems, where every point can be reduced without a solution.
+struct LocatedChange {
+  double t_before = 0.0;  // the values known still hold here
+  double t = 0.0;
+  CharacteristicValues new_values;
+  // Of t; more than nothing: a step that is so short about t has to confirm it.
+  double uncertainty = 0.0;
+};
+
 class ChangeWatch {
  public:
-  explicit ChangeWatch(LinearSystem& system);
+  virtual ~ChangeWatch() = default;
   // The current point of the system is the first one of an integration in the given direction.
-  void start(double direction);
+  virtual void start(double direction) = 0;
   // Looks for a change between the point accepted last, t_last, and the current one, at every point that the step
   // went through.
-  std::optional<LocatedChange> find(double t_last);
+  virtual std::optional<LocatedChange> find(double t_last) = 0;
   // The current point of the system is accepted.
-  void accept();
+  virtual void accept() = 0;
   // Looks for the change between left, where the values known hold, and right, where others do.
-  std::optional<LocatedChange> locate(double left, double right) { return locate_change(system_, left, right); }
-  void archive(Archive& archive);
-
- private:
-  struct Sample {
-    double t = 0.0;
-    std::vector<double> values;  // kept values of A^ and E T2, then row norms
-  };
-  static void keep(const ChangeTrace& trace, Sample& sample);
-  static bool breaks_trend(const Sample& older, const Sample& last, const ChangeTrace& now);
-
-  LinearSystem& system_;
-  Sample older_, last_;
-  Sample trend_[2];
-  ChangeTrace now_;
-  int samples_ = 0;
+  virtual std::optional<LocatedChange> locate(double left, double right) = 0;
+  // After a step of size h that failed for want of a solution: what it may have met.
+  virtual std::optional<LocatedChange> find_ahead(double) { return std::nullopt; }
+  // Whether no step from the point accepted last succeeds because a change is met there.
+  virtual std::optional<LocatedChange> find_beyond() { return std::nullopt; }
+  // Of an integration in the given direction.
+  virtual void archive(Archive& archive, double direction) = 0;
 };
 
 }  // namespace sfdae::core

@@ -7,6 +7,7 @@
 #include "problem/linear_problem.h"
 #include "problem/recorded_linear.h"
 #include "reduction/derivative_array.h"
+#include "system/linear_change_watch.h"
 #include "system/linear_system.h"
 #include "system/model.h"
 
@@ -29,7 +30,7 @@ class LinearModel final : public ModelOf<LinearSystem> {
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   void undo_restore() override;
-  std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<ChangeWatch>(*system_); }
+  std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<LinearChangeWatch>(*system_); }
 
   // Moves the system to t. Throws Failure where the characteristic values do not hold, or redundant equations
   // contradict each other and that is not to be ignored; true if it is.

@@ -32,7 +32,9 @@ class NonlinearStages {
                     NonlinearIteration& iteration);
   // Predicted, at the middle of the step.
   const Jet& middle() const { return starts_[index(s_ / 2)]; }
+  int count() const { return s_; }
   // Solved.
+  const Jet& jet(int i) const { return jets_[index(i)]; }
   const Jet& last() const { return jets_[index(s_ - 1)]; }
   // x: n x s.
   void copy_to(double* x) const;

@@ -46,6 +46,14 @@ class NonlinearSystem final : public DaeSystem {
   const Jet& accepted_jet() const { return history_.accepted(); }
   const Units& units() const { return problem_.units(); }
   const AnalysisSettings& settings() const { return problem_.settings(); }
+  // What a watch looks at (nonlinear_change_watch.h): the equations and linearizations of the last step, and the jets
+  // of its stages, null if it had none but its end.
+  AnalyzedEquations& analyzed_equations() { return problem_; }
+  const ArrayLinearization& linearization() const { return linearization_; }
+  const RankCheck& rank_check() const { return rank_check_; }
+  const NonlinearStages* stages() const {
+    return stages_.count() > 1 && stages_.last().t == jet_.t ? &stages_ : nullptr;
+  }
 
   PointStatus move_to(double t) override;
   void accept() override;

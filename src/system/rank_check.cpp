@@ -78,11 +78,12 @@ PointStatus RankCheck::compare(const Jet& jet, ArrayLinearization& linearization
 }
 
 PointStatus RankCheck::match_known_ranks(const Jet& jet, const ArrayLinearization& linearization) {
+  has_form_ = false;
   const PointStatus status = problem_.linearize(jet, linearization.preferred_rows(), data_);
   if (status != PointStatus::ok) return status;
-  return matching_ranks(data_, problem_.mu(), problem_.analysis(), problem_.settings().rank_tol, {arena_, form_})
-             ? PointStatus::ok
-             : PointStatus::changed;
+  has_form_ = matching_ranks(data_, problem_.mu(), problem_.analysis(), problem_.settings().rank_tol, {arena_, form_})
+                  .has_value();
+  return has_form_ ? PointStatus::ok : PointStatus::changed;
 }
 
 PointStatus RankCheck::review(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration) {

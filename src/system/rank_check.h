@@ -32,6 +32,10 @@ class RankCheck {
   // A further point has converged: the known ranks are compared with those there, the linearization stays.
   PointStatus review_by_comparison(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
 
+  // Data and form of the comparison at t, or null where there was none, or none that the form is left of.
+  const NullSpaceForm* compared_form(double t) const { return compared_t_ == t && has_form_ ? &form_ : nullptr; }
+  const TaylorData& compared_data() const { return data_; }
+
   // Points since ranks were judged.
   int unjudged() const { return unjudged_; }
   void set_unjudged(int points) { unjudged_ = points; }
@@ -47,6 +51,7 @@ class RankCheck {
   Arena& arena_;
   int unjudged_ = 0;
   double compared_t_ = std::numeric_limits<double>::quiet_NaN();  // the ranks hold there
+  bool has_form_ = false;                                         // form_ has the known ranks
   Jet refined_;
   TaylorData data_;
   NullSpaceForm form_;

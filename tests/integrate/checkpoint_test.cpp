@@ -42,7 +42,7 @@ struct Trip {
         options(options_for(analyzed.callbacks.n(), 1e-5, method)) {
     const Vector start = analyzed.exact(0.0), slope = analyzed.exact_derivative(0.0);
     EXPECT_EQ(analyzed.system.move_to(0.0), PointStatus::ok);
-    integration = std::make_unique<Integration>(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system),
+    integration = std::make_unique<Integration>(analyzed.system, std::make_unique<LinearChangeWatch>(analyzed.system),
                                                 options, InitialPoint{0.0, 1.0, start, slope});
     system = &analyzed.system;
     x = start;

@@ -194,7 +194,7 @@ Solve solve(const FamilyPointer& family, double tol, int outputs, const Integrat
   IntegrationOptions options = choice;
   options.tolerances = {Vector(x.size(), tol), Vector(x.size(), tol)};
   analyzed.system.move_to(0.0);
-  Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options,
+  Integration integration(analyzed.system, std::make_unique<LinearChangeWatch>(analyzed.system), options,
                           {0.0, t1, x, xdot});
   const auto scaled = [&](const Vector& values, double t) {
     const Vector exact = analyzed.exact(t);
@@ -284,7 +284,7 @@ TEST(RadauIntegration, NeverPassesOutputsIfAskedNotTo) {
   Vector x = analyzed.exact(0.0), xdot = analyzed.exact_derivative(0.0);
   options.tolerances = {Vector(8, 1e-5), Vector(8, 1e-5)};
   analyzed.system.move_to(0.0);
-  Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options,
+  Integration integration(analyzed.system, std::make_unique<LinearChangeWatch>(analyzed.system), options,
                           {0.0, 1.0, x, xdot});
   double t = 0.0;
   for (double tout : {0.1, 0.15, 1.0, 2.0}) {
@@ -339,7 +339,7 @@ TEST(RadauIntegration, AToleranceThatIsAbsoluteIsMetWhateverRtolIs) {
     IntegrationOptions options = with(Method::radau, 3, 3);
     options.tolerances = {Vector(2, rtol), Vector(2, atol)};
     analyzed.system.move_to(0.0);
-    Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options,
+    Integration integration(analyzed.system, std::make_unique<LinearChangeWatch>(analyzed.system), options,
                             {0.0, 1.0, x, xdot});
     double t = 0.0, worst = 0.0;
     while (integration.advance(1.0, true, t, x.data(), xdot.data()).status == SFDAE_STEP_TAKEN)
@@ -376,7 +376,7 @@ TEST(RadauIntegration, TheStepPlannedBeforeAnOutputIsTakenAfterIt) {
   Vector x = analyzed.exact(0.0), xdot = analyzed.exact_derivative(0.0);
   options.tolerances = {Vector(8, 1e-6), Vector(8, 1e-6)};
   analyzed.system.move_to(0.0);
-  Integration integration(analyzed.system, std::make_unique<ChangeWatch>(analyzed.system), options,
+  Integration integration(analyzed.system, std::make_unique<LinearChangeWatch>(analyzed.system), options,
                           {0.0, 2.0, x, xdot});
   double t = 0.0;
   ASSERT_EQ(integration.advance(0.5, false, t, x.data(), xdot.data()).status, SFDAE_OK);

@@ -1,6 +1,6 @@
-// Changes of the characteristic values along the way.
+// Changes of the characteristic values of a linear problem along the way.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "system/change_watch.h"
+#include "system/linear_change_watch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,13 +30,13 @@ constexpr double distance_beside_start = 0.7e-3;
 }  // namespace
 
 // All memory at once: samples that count must not be without values.
-ChangeWatch::ChangeWatch(LinearSystem& system) : system_(system) {
+LinearChangeWatch::LinearChangeWatch(LinearSystem& system) : system_(system) {
   const std::size_t rows = index(system.equations());
   for (Sample* sample : {&older_, &last_, &trend_[0], &trend_[1]}) sample->values.resize(rows + 2);
   now_.row_norms.resize(rows);
 }
 
-void ChangeWatch::start(double direction) {
+void LinearChangeWatch::start(double direction) {
   samples_ = 0;
   accept();
   if (system_.differential() > 0 || system_.is_constant()) return;
@@ -52,7 +52,7 @@ void ChangeWatch::start(double direction) {
   if (status == PointStatus::ok) accept();
 }
 
-bool ChangeWatch::breaks_trend(const Sample& older, const Sample& last, const ChangeTrace& now) {
+bool LinearChangeWatch::breaks_trend(const Sample& older, const Sample& last, const ChangeTrace& now) {
   const auto breaks = [&](std::size_t i, double value) {
     return runs_through_zero({older.t, older.values[i]}, {last.t, last.values[i]}, {now.t, value});
   };
@@ -62,7 +62,7 @@ bool ChangeWatch::breaks_trend(const Sample& older, const Sample& last, const Ch
   return false;
 }
 
-std::optional<LocatedChange> ChangeWatch::find(double t_last) {
+std::optional<LocatedChange> LinearChangeWatch::find(double t_last) {
   if (system_.is_constant()) return std::nullopt;
   now_.take(system_.point(), system_.orientation_kept());
   const Sample* older = samples_ < 2 ? nullptr : &older_;
@@ -86,7 +86,7 @@ std::optional<LocatedChange> ChangeWatch::find(double t_last) {
   return std::nullopt;
 }
 
-void ChangeWatch::accept() {
+void LinearChangeWatch::accept() {
   if (samples_ > 0 && last_.t == system_.t()) samples_ = 0;
   // The last two points that the step went through.
   const StageTraces& stages = system_.stage_traces();
@@ -106,7 +106,7 @@ void ChangeWatch::accept() {
   samples_ = std::min(samples_ + 1, 2);
 }
 
-void ChangeWatch::keep(const ChangeTrace& trace, Sample& sample) {
+void LinearChangeWatch::keep(const ChangeTrace& trace, Sample& sample) {
   sample.t = trace.t;
   sample.values.resize(trace.row_norms.size() + 2);
   sample.values[0] = trace.kept_constraints;
@@ -114,7 +114,7 @@ void ChangeWatch::keep(const ChangeTrace& trace, Sample& sample) {
   std::copy(trace.row_norms.begin(), trace.row_norms.end(), sample.values.begin() + 2);
 }
 
-void ChangeWatch::archive(Archive& archive) {
+void LinearChangeWatch::archive(Archive& archive, double) {
   if (system_.is_constant()) return;
   archive.small(samples_);
   if (archive.is_reading() && (samples_ < 0 || samples_ > 2)) throw DamagedArchive();

@@ -1,0 +1,259 @@
+// Changes of the characteristic values of a nonlinear problem along the way.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/nonlinear_change_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Of the step: how far the interpolated solution may be from where it is found, and the part of the first step in which
+// a point was found that is short enough to report it.
+constexpr double uncertain = 0.05, short_enough = 0.25;
+// Of the first step in which it was found: the last point before it where the solution is wanted.
+constexpr double beside = 1e-6;
+// Of times: a step about a singular point is not shorter than so many roundings.
+constexpr double roundings = 1024.0;
+// A value that falls by this factor at a point inside a step has vanished there, as for linear problems
+// (docs/decisions/09-changes-between-steps.md); before a shorter step confirms it, interpolated values need not do so.
+constexpr double dip = 1e-3, first_dip = 5e-2;
+// Steps that failed before the first look ahead, which costs as much as a few of them; then twice as many each time.
+constexpr int failures_before_look = 4, most_failures = 64;
+// Steps that fail are so much shorter than the way to a singular point where none of them leads there.
+constexpr double many_steps = 100.0;
+// Of the way there: two points extrapolated one after the other are no farther from each other.
+constexpr double steadiness = 0.1;
+// Values fall to this, and by this in the last few steps, before steps fail in front of a singular point.
+constexpr double fallen = 1e-2, still_falling = 0.999;
+
+struct Sized {
+  double t, value;
+};
+
+// The line through older and last goes about as far below zero as the next value is above.
+bool would_vanish(Sized older, Sized last, Sized next) {
+  constexpr double about = 0.75;
+  return last.value + (last.value - older.value) * (next.t - last.t) / (last.t - older.t) < -about * next.value;
+}
+
+}  // namespace
+
+void NonlinearChangeWatch::start(double direction) {
+  direction_ = direction;
+  samples_ = 0;
+  suspect_ = {};
+  failures_ = 0;
+  expected_ = std::numeric_limits<double>::quiet_NaN();
+  next_failure_ = failures_before_look;
+  first_ = system_.jet();
+  for (Fall& fall : falls_) fall = {0.0, 0.0, first_, first_};
+  search_.course().start(first_);
+  has_within_ = has_end_ = false;
+  const ArrayLinearization& linearization = system_.linearization();
+  if (linearization.is_usable() && linearization.origin().jet.t == first_.t)
+    last_.take(first_.t, linearization.data(), system_.analysis().values.mu, linearization.form());
+  else if (!search_.measure(first_, last_)) return;
+  samples_ = 1;
+  // Sizes are known from here on: steps allocate nothing.
+  older_ = within_ = end_ = last_;
+  set_next_look();
+}
+
+// Of the linearizations that the step was made with, and of its end where that was compared or has to be looked at.
+void NonlinearChangeWatch::take_samples() {
+  const double t = system_.jet().t;
+  const ArrayLinearization& linearization = system_.linearization();
+  const int mu = system_.analysis().values.mu;
+  has_within_ = has_end_ = false;
+  const double t_origin = linearization.origin().jet.t;
+  const bool is_new = linearization.is_usable() && (samples_ == 0 || is_after(t_origin, last_.t));
+  if (is_new && !is_after(t_origin, t)) {
+    has_within_ = true;
+    is_within_sure_ = linearization.origin().is_judged;
+    within_.take(t_origin, linearization.data(), mu, linearization.form());
+    if (t_origin == t && is_within_sure_) {
+      std::swap(within_, end_);
+      std::swap(has_within_, has_end_);
+    }
+  }
+  if (has_end_) return;
+  const NullSpaceForm* form = system_.rank_check().compared_form(t);
+  if (form != nullptr && system_.analyzed_equations().prescribed().empty()) {
+    end_.take(t, system_.rank_check().compared_data(), mu, *form);
+    has_end_ = true;
+  } else if (samples_ < 2 || is_after(t, next_look_)) {
+    has_end_ = search_.measure(system_.jet(), end_);
+  }
+  if (has_end_ && has_within_ && t_origin == t) has_within_ = false;
+  // Predicted jets raise suspicions, but do not confirm any.
+  if (!has_within_ || is_within_sure_) return;
+  is_within_sure_ = has_within_ = is_suspicious(within_) && search_.measure_at(t_origin, within_);
+}
+
+// Beside the samples before, or the one after.
+bool NonlinearChangeWatch::is_suspicious(const SingularitySample& now) {
+  if (samples_ == 0) return false;
+  if (now.is_turned_from(last_, arena_)) return true;
+  for (std::size_t i = 0; i < now.values.size(); ++i) {
+    const Sized last{last_.t, last_.values[i]}, here{now.t, now.values[i]};
+    if (samples_ > 1 && would_vanish({older_.t, older_.values[i]}, last, here)) return true;
+    if (has_end_ && would_vanish({end_.t, end_.values[i]}, here, last)) return true;
+  }
+  return false;
+}
+
+std::optional<LocatedChange> NonlinearChangeWatch::find(double t_last) {
+  search_.course().set_attempt(system_.jet(), system_.stages());
+  take_samples();
+  if (samples_ == 0) return std::nullopt;
+  search_.set_dip(is_short(t_last) ? dip : first_dip);
+  const SingularitySample* older = samples_ < 2 ? nullptr : &older_;
+  const SingularitySample* last = &last_;
+  bool was_turned = false;
+  for (const SingularitySample* now : {&within_, &end_}) {
+    if (now == &within_ ? !has_within_ : !has_end_) continue;
+    const bool is_turned = now->is_turned_from(last_, arena_);
+    std::optional<double> t;
+    if (is_turned != was_turned) t = search_.find_turn(last->t, now->t);
+    if (!t) t = search_dips(older, *last, *now);
+    if (t) return change_at(*t, t_last);
+    was_turned = is_turned;
+    older = last;
+    last = now;
+  }
+  return find_passed();
+}
+
+// Small steps may have gone through a singular point with values that are too inaccurate to be searched there.
+std::optional<LocatedChange> NonlinearChangeWatch::find_passed() {
+  if (!has_end_) return std::nullopt;
+  const Jet& jet = system_.jet();
+  for (std::size_t i = 0; i < 2; ++i) {
+    Fall& fall = falls_[i];
+    const double now = end_.values[i];
+    if (now < fall.lowest) fall.lowest = now, fall.at_lowest = jet;
+    const bool has_dipped = fall.highest > 0.0 && fall.lowest <= dip * std::min(fall.highest, now);
+    if (now < fall.highest && !has_dipped) continue;
+    const bool is_confirmed = has_dipped && search_.kept(fall.at_highest, fall.at_lowest) <= dip &&
+                              search_.kept(jet, fall.at_lowest) <= dip;
+    const double t = fall.at_lowest.t;
+    fall.highest = fall.lowest = now;
+    fall.at_highest = fall.at_lowest = jet;
+    if (is_confirmed) return LocatedChange{t, t, {}, 0.0};
+  }
+  return std::nullopt;
+}
+
+std::optional<double> NonlinearChangeWatch::search_dips(const SingularitySample* older, const SingularitySample& last,
+                                                        const SingularitySample& now) {
+  if (older == nullptr) return std::nullopt;
+  for (std::size_t i = 0; i < now.values.size(); ++i) {
+    const Sized before{older->t, older->values[i]}, here{last.t, last.values[i]}, after{now.t, now.values[i]};
+    if (would_vanish(before, here, after))
+      if (auto t = search_.find_dip({last.t, now.t, i, here.value, after.value})) return t;
+    // What has gone down and up again since the sample before the last one.
+    if (would_vanish(after, here, before))
+      if (auto t = search_.find_dip({older->t, last.t, i, before.value, here.value})) return t;
+  }
+  return std::nullopt;
+}
+
+// Whether the step is short enough for what is found in it to be reported.
+bool NonlinearChangeWatch::is_short(double t_last) const {
+  const double t = system_.jet().t, step = std::fabs(t - t_last);
+  if (step <= roundings * unit_roundoff * std::max(std::fabs(t), std::fabs(t_last)) / uncertain) return true;
+  return std::fabs(t - suspect_.t) <= suspect_.step && step <= short_enough * suspect_.step;
+}
+
+// A singular point at t, found in the step from t_last: to be confirmed by a shorter step, or reported.
+LocatedChange NonlinearChangeWatch::change_at(double t, double t_last) {
+  const double step = std::fabs(system_.jet().t - t_last);
+  const bool is_final = is_short(t_last) || !is_after(t, t_last);
+  if (!(std::fabs(t - suspect_.t) <= suspect_.step)) suspect_ = {t, step};
+  LocatedChange change;
+  change.t = t;
+  change.uncertainty = is_final ? 0.0 : uncertain * step;
+  if (!is_final) return change;
+  // The values known contradict what was found.
+  change.new_values = search_.values_at(t);
+  if (change.new_values == system_.analysis().values) change.new_values = {};
+  change.t_before = t - direction_ * std::max(beside * suspect_.step, roundings * unit_roundoff * std::fabs(t));
+  return change;
+}
+
+void NonlinearChangeWatch::shift(SingularitySample& sample) {
+  std::swap(older_, last_);
+  std::swap(last_, sample);
+  samples_ = std::min(samples_ + 1, 2);
+}
+
+void NonlinearChangeWatch::accept() {
+  if (has_within_) shift(within_);
+  if (has_end_) shift(end_);
+  if (has_within_ || has_end_) {
+    set_next_look();
+  }
+  has_within_ = has_end_ = false;
+  search_.course().add(system_.jet());
+}
+
+void NonlinearChangeWatch::set_next_look() {
+  next_look_ = direction_ * std::numeric_limits<double>::infinity();
+  if (samples_ < 2) return;
+  for (std::size_t i = 0; i < last_.values.size(); ++i) {
+    const double fall = older_.values[i] - last_.values[i];
+    if (fall <= 0.0) continue;
+    const double look = last_.t + last_.values[i] * (last_.t - older_.t) / fall;
+    if (is_after(next_look_, look)) next_look_ = look;
+  }
+}
+
+std::optional<LocatedChange> NonlinearChangeWatch::find_ahead(double h) {
+  if (++failures_ < next_failure_ || samples_ == 0) return std::nullopt;
+  next_failure_ += std::min(next_failure_, most_failures);
+  search_.set_dip(dip);
+  const std::optional<double> t = search_.find_ahead(h);
+  const double t_last = search_.course().newest().t;
+  if (!t) return std::nullopt;
+  // Steps that can get there will tell more, and what is extrapolated has to stay where it is.
+  const double distance = std::fabs(*t - t_last);
+  const bool is_steady = std::fabs(*t - expected_) <= steadiness * distance;
+  expected_ = *t;
+  if (distance < many_steps * std::fabs(h) || !is_steady) return std::nullopt;
+  LocatedChange change;
+  change.t_before = t_last;
+  change.t = *t;
+  change.new_values = search_.values_at(*t);
+  if (change.new_values == system_.analysis().values) change.new_values = {};
+  return change;
+}
+
+std::optional<LocatedChange> NonlinearChangeWatch::find_beyond() {
+  const Jet& jet = search_.course().newest();
+  const double t = jet.t;
+  LocatedChange change;
+  change.t_before = t;
+  // Found already, but no short step leads there.
+  if (is_after(suspect_.t, t) && std::fabs(suspect_.t - t) <= suspect_.step) {
+    change.t = suspect_.t;
+    return change;
+  }
+  const Jet& earlier = search_.course().oldest();
+  if (earlier.t == t) return std::nullopt;
+  const double kept = search_.kept(earlier, jet);
+  if (kept > still_falling || search_.kept(first_, jet) > fallen) return std::nullopt;
+  // As a square root, which is how determinants vanish where solutions end.
+  change.t = t + (t - earlier.t) * kept * kept / (1.0 - kept * kept);
+  return change;
+}
+
+void NonlinearChangeWatch::archive(Archive& archive, double direction) {
+  if (archive.is_reading()) start(direction);
+}
+
+}  // namespace sfdae::core

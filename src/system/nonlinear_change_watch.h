@@ -1,0 +1,74 @@
+// Changes of the characteristic values of a nonlinear problem along the way: noticed between steps, located.
+//
+// x is known at points of the integration only, and equations are linearized at some of these. Signs and sizes there
+// raise suspicions, as for linear problems (linear_change_watch.h); the solution interpolated in between dismisses
+// them, or says where a shorter step is needed. What is found in a short step is reported
+// (docs/decisions/31-nonlinear-singular-points.md).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "system/change_watch.h"
+#include "system/nonlinear_system.h"
+#include "system/singularity_sample.h"
+#include "system/singularity_search.h"
+
+namespace sfdae::core {
+
+class NonlinearChangeWatch final : public ChangeWatch {
+ public:
+  explicit NonlinearChangeWatch(NonlinearSystem& system)
+      : system_(system), search_(system.analyzed_equations(), system.linearization(), system.callback_error()) {}
+  void start(double direction) override;
+  std::optional<LocatedChange> find(double t_last) override;
+  void accept() override;
+  // x is not known in between: steps that become short locate it.
+  std::optional<LocatedChange> locate(double, double) override { return std::nullopt; }
+  std::optional<LocatedChange> find_ahead(double h) override;
+  std::optional<LocatedChange> find_beyond() override;
+  // Nothing is kept: the watch starts anew at the point accepted last.
+  void archive(Archive& archive, double direction) override;
+
+ private:
+  bool is_after(double t, double then) const { return (t - then) * direction_ > 0.0; }
+  void take_samples();
+  bool is_suspicious(const SingularitySample& now);
+  bool is_short(double t_last) const;
+  std::optional<LocatedChange> find_passed();
+  std::optional<double> search_dips(const SingularitySample* older, const SingularitySample& last,
+                                    const SingularitySample& now);
+  LocatedChange change_at(double t, double t_last);
+  void shift(SingularitySample& sample);
+  void set_next_look();
+
+  NonlinearSystem& system_;
+  SingularitySearch search_;
+  Arena arena_;
+  double direction_ = 1.0;
+  SingularitySample older_, last_;  // of accepted points; signs are compared with the last one
+  int samples_ = 0;
+  SingularitySample within_, end_;  // of the step that is tried
+  bool has_within_ = false, has_end_ = false;
+  bool is_within_sure_ = false;                                 // its jet has converged
+  double next_look_ = 0.0;                                      // a value that goes straight on is zero then
+  int failures_ = 0, next_failure_ = 0;                         // of steps; when to look ahead
+  double expected_ = std::numeric_limits<double>::quiet_NaN();  // the singular point, by the last look
+  // Of the values of A2 and E T2: the largest sample so far, and the smallest one since.
+  struct Fall {
+    double highest = 0.0, lowest = 0.0;
+    Jet at_highest, at_lowest;
+  };
+  Fall falls_[2];
+  Jet first_;  // of the integration
+  // The singular point found last: where, and in a step of which size.
+  struct Suspect {
+    double t = std::numeric_limits<double>::quiet_NaN();
+    double step = 0.0;
+  };
+  Suspect suspect_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,50 @@
+// What a singular point of a nonlinear system shows in, at one jet.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/singularity_sample.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/dense.h"
+
+namespace sfdae::core {
+
+namespace {
+
+double unscaled_norm_E0(const TaylorData& data) {
+  double norm = 0.0;
+  for (int i = 0; i < data.m; ++i) {
+    double row = 0.0;
+    for (int j = 0; j < data.n; ++j) row = std::max(row, std::fabs(data.E(0)(i, j)));
+    norm = std::max(norm, row / data.row_scale[index(i)]);
+  }
+  return norm;
+}
+
+}  // namespace
+
+void SingularitySample::take(double at, const TaylorData& data, int mu, const NullSpaceForm& form) {
+  t = at;
+  m_ = form.m;
+  n_ = form.n;
+  d_ = form.d;
+  values.resize(first_row + data.row_norm.size());
+  values[0] = form.rank_of_constraints() > 0 ? form.smallest_constraint() / data.norm_A(mu) : 1.0;
+  values[1] = d_ > 0 ? form.smallest_of_G() / data.norm_E0() * unscaled_norm_E0(data) : 1.0;
+  std::copy(data.row_norm.begin(), data.row_norm.end(), values.begin() + first_row);
+  sign_ = d_ > 0 && form.u == 0 ? form.sign_of_G() : 0;
+  if (sign_ == 0) return;
+  Z1_.assign(form.Z1().data, form.Z1().data + index(m_) * index(d_));
+  T2_.assign(form.T2().data, form.T2().data + index(n_) * index(d_));
+}
+
+bool SingularitySample::is_turned_from(const SingularitySample& then, Arena& arena) const {
+  if (sign_ == 0 || then.sign_ == 0 || d_ != then.d_) return false;
+  const Arena::Frame frame(arena);
+  const View K = arena.matrix(d_, d_), T = arena.matrix(d_, d_);
+  multiply(1.0, Op::transposed, then.Z1(), Op::plain, Z1(), 0.0, K);
+  multiply(1.0, Op::transposed, then.T2(), Op::plain, T2(), 0.0, T);
+  return determinant_sign(K, arena) * determinant_sign(T, arena) * sign_ != then.sign_;
+}
+
+}  // namespace sfdae::core
