@@ -164,8 +164,9 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
   if (certified.is_clear && redundancy_agrees(certified.analysis) && norms_agree(certified, confirmed) &&
       is_independent_of_suspects(values)) {
     if (certified.significance.smallest_pivot < settings_.least_useful_pivot) report_useless(certified);
-    // Units that are good enough stay: what is integrated does not depend on how sure its ranks are.
-    if (quick && quick->values == values) {
+    // Units that are good enough stay: what is integrated does not depend on how sure its ranks are. Small values kept
+    // amplify rounding errors, in these units.
+    if (quick && quick->values == values && smallest_kept(decisions) >= kept_by_far) {
       problem_.set_units(usual);
       return *quick;
     }

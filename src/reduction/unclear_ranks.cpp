@@ -56,8 +56,11 @@ std::string rank_tolerances(const SearchTask& task, double t, const Characterist
   const Range* keeping = nullptr;
   const Range* dropping = nullptr;
   for (const Range& range : ranges) {
-    const Range*& widest = range.values == certain ? keeping : dropping;
+    const bool keeps = range.values == certain;
+    const Range*& widest = keeps ? keeping : dropping;
     if (widest == nullptr || range.length() > widest->length()) widest = &range;
+    // What is dropped is so by larger tolerances.
+    if (keeps && keeping == &range) dropping = nullptr;
   }
   const auto tell = [](const Range* range, const char* what) {
     return range == nullptr
