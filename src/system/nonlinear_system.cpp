@@ -8,8 +8,8 @@
 
 #include "linalg/index.h"
 #include "problem/failure.h"
-#include "reduction/rank_sequence.h"
 #include "reduction/index_analysis.h"
+#include "reduction/rank_sequence.h"
 #include "system/consistent_jets.h"
 #include "system/jet_solver.h"
 
