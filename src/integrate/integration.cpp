@@ -207,8 +207,9 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   const double h = target.t - state.t;
   const StepOutcome outcome = stepper.attempt(integrator_.system, target.t, integrator_.weights);
   if (outcome != StepOutcome::accepted) {
+    auto result = handle_failure(outcome, h, tout);
     choice_.note_attempt(false);
-    return handle_failure(outcome, h, tout);
+    return result;
   }
   if (std::fabs(target.uncut) > (1.0 + nearly) * std::fabs(h)) stepper.set_next_step(target.uncut);
   return accept_step(h, state.next_step);
