@@ -35,6 +35,7 @@ class Bdf final : public Stepper {
 
   StepState state() const override;
   const std::vector<double>& x() const override { return history_.x(); }
+  const std::vector<double>& tried_x() const override { return tried_.x; }
   const std::vector<double>& error() const override { return estimate_.error(); }
   // The polynomials of the last step.
   void interpolate(const PointValues& point) override;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "linalg/index.h"
 #include "problem/failure.h"
@@ -42,21 +43,19 @@ std::optional<CallResult> find_excess(const std::vector<double>& errors, const s
 }  // namespace
 
 void DifferenceCheck::accept(DaeSystem& system, const ErrorWeights& weights, const double* x, bool is_first) {
-  if (is_first) {
-    sizes_.clear();
-    points_in_excess_ = 0;
-  }
+  DifferenceCheck next = is_first ? DifferenceCheck() : *this;
   if (!system.has_difference_errors()) {
-    errors_.clear();
-    return;
+    next.errors_.clear();
+  } else {
+    const std::size_t n = index(system.unknowns());
+    next.t_ = system.t();
+    next.errors_.resize(n);
+    next.sizes_.resize(n, 0.0);
+    system.difference_errors(x, next.errors_.data());
+    for (std::size_t i = 0; i < n; ++i) next.sizes_[i] = std::max(std::fabs(x[i]), remembered * next.sizes_[i]);
+    next.points_in_excess_ = next.excess(weights) ? next.points_in_excess_ + 1 : 0;
   }
-  const std::size_t n = index(system.unknowns());
-  t_ = system.t();
-  errors_.resize(n);
-  sizes_.resize(n, 0.0);
-  system.difference_errors(x, errors_.data());
-  for (std::size_t i = 0; i < n; ++i) sizes_[i] = std::max(std::fabs(x[i]), remembered * sizes_[i]);
-  points_in_excess_ = excess(weights) ? points_in_excess_ + 1 : 0;
+  *this = std::move(next);
 }
 
 std::optional<CallResult> DifferenceCheck::excess(const ErrorWeights& weights) const {

@@ -17,7 +17,8 @@ namespace sfdae::core {
 // digits to lose there.
 class DifferenceCheck {
  public:
-  // The current point of the system has been accepted, x consistent there; is_first: of an integration.
+  // The current point of the system is accepted, x consistent there; is_first: of an integration. Nothing has changed
+  // where it throws.
   void accept(DaeSystem& system, const ErrorWeights& weights, const double* x, bool is_first);
   // The point accepted last has errors beyond the tolerances, or so have several points in a row.
   std::optional<CallResult> excess(const ErrorWeights& weights) const;

@@ -206,10 +206,13 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   const Target target = choose_target(state, integrator_.direction * size, tout);
   const double h = target.t - state.t;
   const StepOutcome outcome = stepper.attempt(integrator_.system, target.t, integrator_.weights);
-  choice_.note_attempt(outcome == StepOutcome::accepted);
-  if (outcome != StepOutcome::accepted) return handle_failure(outcome, h, tout);
+  if (outcome != StepOutcome::accepted) {
+    auto result = handle_failure(outcome, h, tout);
+    choice_.note_attempt(false);
+    return result;
+  }
   if (std::fabs(target.uncut) > (1.0 + nearly) * std::fabs(h)) stepper.set_next_step(target.uncut);
-  return accept_step(h);
+  return accept_step(h, state.next_step);
 }
 
 // The end of a step of size h, or what limits it.
@@ -229,16 +232,28 @@ Integration::Target Integration::choose_target(const StepState& state, double h,
   return target;
 }
 
-std::optional<CallResult> Integration::accept_step(double h) {
+// wanted: the step that was to be tried, before limits made it one of size h.
+std::optional<CallResult> Integration::accept_step(double h, double wanted) {
   DaeSystem& system = integrator_.system;
   Contradictions& contradictions = integrator_.contradictions;
+  const MethodChoice choice = choice_;
+  choice_.note_attempt(true);
   const PointQuality quality = system.quality();
   if (!contradictions.tolerate(quality.inconsistency, options_)) {
     integrator_.stepper->withdraw();
     return CallResult{SFDAE_INCONSISTENT_EQUATIONS, system.inconsistency_message()};
   }
   contradictions.largest = std::max(contradictions.largest, quality.inconsistency);
-  if (has_found_change(h)) return std::nullopt;
+  try {
+    if (has_found_change(h)) return std::nullopt;
+    integrator_.differences.accept(system, integrator_.weights, integrator_.stepper->tried_x().data(), false);
+  } catch (...) {
+    // The next call tries this step again.
+    integrator_.stepper->withdraw();
+    integrator_.stepper->set_next_step(wanted);
+    choice_ = choice;
+    throw;
+  }
   if (watch_) watch_->accept();
   IntegrationCounts& counts = counts_.own;
   counts.rounding = std::max(counts.rounding, integrator_.weights.floor_ratio());
@@ -248,10 +263,9 @@ std::optional<CallResult> Integration::accept_step(double h) {
   system.accept();
   if (counts.steps++ == 0) counts.first_step = h;
   choice_.note_step();
-  integrator_.differences.accept(system, integrator_.weights, integrator_.stepper->x().data(), false);
-  if (auto excess = integrator_.differences.lasting_excess(integrator_.weights)) return excess;
   if (approach_ && approach_->is_reached) approach_.reset();
   else if (approach_ && integrator_.has_passed(approach_->t)) approach_->is_reached = true;
+  if (auto excess = integrator_.differences.lasting_excess(integrator_.weights)) return excess;
   return call_monitor(h);
 }
 

@@ -65,7 +65,7 @@ class Integration {
   std::optional<CallResult> obstacle(long attempts, double tout) const;
   std::optional<CallResult> attempt_step(double tout);
   Target choose_target(const StepState& state, double h, double tout) const;
-  std::optional<CallResult> accept_step(double h);
+  std::optional<CallResult> accept_step(double h, double wanted);
   bool has_found_change(double h);
   void look_closer(const LocatedChange& suspect, double h);
   std::optional<CallResult> call_monitor(double h) const;

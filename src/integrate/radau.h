@@ -30,6 +30,7 @@ class Radau final : public Stepper {
 
   StepState state() const override;
   const std::vector<double>& x() const override { return history_.newest().x; }
+  const std::vector<double>& tried_x() const override { return tried_.end.x; }
   const std::vector<double>& error() const override { return estimate_.error(); }
   void interpolate(const PointValues& point) override { output_.interpolate(history_, workspace_.table, point); }
   PointStatus refine(StrangenessFreeSystem& system, ErrorWeights& weights, const PointValues& point) override {

@@ -105,8 +105,9 @@ class Stepper {
   virtual void set_next_step(double h) = 0;
 
   virtual StepState state() const = 0;
-  virtual const std::vector<double>& x() const = 0;      // at the last point
-  virtual const std::vector<double>& error() const = 0;  // of the last attempt, mapped to x
+  virtual const std::vector<double>& x() const = 0;        // at the last point
+  virtual const std::vector<double>& tried_x() const = 0;  // at the end of the last attempt, where it was accepted
+  virtual const std::vector<double>& error() const = 0;    // of the last attempt, mapped to x
 
   // A point within the last step; its x is inaccurate in the constraints.
   virtual void interpolate(const PointValues& point) = 0;

@@ -84,11 +84,14 @@ void PartitionMonitor::name_constraint(const MultibodyPoint& point, int turning_
   // Beyond that nothing is small at the point, though it vanishes nearby: the constraint that turned most is the one to
   // name.
   constexpr double independent = 0.1;
+  MultibodyRankChange found = change_;
+  form.judge(point, arena, found.vanishing_row, found.vanishing_value);
+  if (found.vanishing_value > independent) {
+    found.vanishing_value = 0.0;
+    if (turning_row >= 0) found.vanishing_row = turning_row;
+  }
+  change_ = found;
   has_changed_ = true;
-  form.judge(point, arena, change_.vanishing_row, change_.vanishing_value);
-  if (change_.vanishing_value <= independent) return;
-  change_.vanishing_value = 0.0;
-  if (turning_row >= 0) change_.vanishing_row = turning_row;
 }
 
 void PartitionMonitor::note_change(const MultibodyPoint& point, const Crossings& crossings, const MultibodyForm& form,

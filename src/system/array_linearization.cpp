@@ -74,13 +74,13 @@ PointStatus ArrayLinearization::renew(const Jet& jet, bool judged) {
 }
 
 PointStatus ArrayLinearization::linearize(const Jet& jet, bool judged) {
+  is_usable_ = false;
+  matrix_.forget();
   origin_.jet = jet;
   origin_.is_judged = judged;
   origin_.age = 0;
   if (preferred_rows_.empty()) origin_.rows.assign(index(problem_.m()), no_preference);
   else origin_.rows = preferred_rows_;
-  is_usable_ = false;
-  matrix_.forget();
   const PointStatus status = problem_.linearize(jet, preferred_rows(), data_);
   if (status != PointStatus::ok) return status;
   ++counts_.reductions;

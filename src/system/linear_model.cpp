@@ -13,6 +13,24 @@
 
 namespace sfdae::core {
 
+namespace {
+
+// What is asked for of a problem may need differences of higher orders, with other spacings: those in use come back
+// when this ends, as an integration goes on with them.
+class SameSettings {
+ public:
+  explicit SameSettings(LinearProblem& problem) : problem_(problem), settings_(problem.settings()) {}
+  SameSettings(const SameSettings&) = delete;
+  SameSettings& operator=(const SameSettings&) = delete;
+  ~SameSettings() { problem_.set_settings(std::move(settings_)); }
+
+ private:
+  LinearProblem& problem_;
+  LinearProblem::Settings settings_;
+};
+
+}  // namespace
+
 LinearModel::LinearModel(std::unique_ptr<RecordedLinearCoefficients> coefficients)
     : recorded_(std::move(coefficients)), problem_(recorded_->functions()) {
   problem_.set_explanation([recorded = recorded_.get()] { return recorded->failure(); });
@@ -108,7 +126,13 @@ ConsistentPoint LinearModel::make_consistent(LinearSystem& system, const PointOf
   return result;
 }
 
+DerivativeArray LinearModel::derivative_array(double t, int level) {
+  const SameSettings same(problem_);
+  return core::derivative_array(problem_, t, level);
+}
+
 Projectors LinearModel::projectors(double t) {
+  const SameSettings same(problem_);
   return core::projectors(problem_, system_->analysis(), system_->settings(), t);
 }
 

@@ -38,7 +38,7 @@ class LinearModel final : public ModelOf<LinearSystem> {
   bool set_point(double t, const ModelOptions& options) { return set_point(*system_, t, options); }
 
   // Equations linearized anywhere are those of x = 0. Both throw Failure.
-  DerivativeArray derivative_array(double t, int level) { return core::derivative_array(problem_, t, level); }
+  DerivativeArray derivative_array(double t, int level);
   Projectors projectors(double t);
   Jet jet_through(double t, const double* x, int level) override;
   DerivativeArray derivative_array(const Jet& jet, int level) override;

@@ -73,9 +73,9 @@ void NonlinearChangeWatch::take_samples() {
   const double t_origin = linearization.origin().jet.t;
   const bool is_new = linearization.is_usable() && (samples_ == 0 || is_after(t_origin, last_.t));
   if (is_new && !is_after(t_origin, t)) {
+    within_.take(t_origin, linearization.data(), mu, linearization.form());
     has_within_ = true;
     is_within_sure_ = linearization.origin().is_judged;
-    within_.take(t_origin, linearization.data(), mu, linearization.form());
     if (t_origin == t && is_within_sure_) {
       std::swap(within_, end_);
       std::swap(has_within_, has_end_);
@@ -214,23 +214,31 @@ void NonlinearChangeWatch::set_next_look() {
 }
 
 std::optional<LocatedChange> NonlinearChangeWatch::find_ahead(double h) {
-  if (++failures_ < next_failure_ || samples_ == 0) return std::nullopt;
-  next_failure_ += std::min(next_failure_, most_failures);
+  if (failures_ + 1 < next_failure_ || samples_ == 0) {
+    ++failures_;
+    return std::nullopt;
+  }
   search_.set_dip(dip);
   const std::optional<double> t = search_.find_ahead(h);
-  const double t_last = search_.course().newest().t;
-  if (!t) return std::nullopt;
-  // Steps that can get there will tell more, and what is extrapolated has to stay where it is.
-  const double distance = std::fabs(*t - t_last);
-  const bool is_steady = std::fabs(*t - expected_) <= steadiness * distance;
-  expected_ = *t;
-  if (distance < many_steps * std::fabs(h) || !is_steady) return std::nullopt;
-  LocatedChange change;
-  change.t_before = t_last;
-  change.t = *t;
-  change.new_values = search_.values_at(*t);
-  if (change.new_values == system_.analysis().values) change.new_values = {};
+  std::optional<LocatedChange> change;
+  if (t && is_confirmed_ahead(*t, h)) {
+    change.emplace();
+    change->t_before = search_.course().newest().t;
+    change->t = *t;
+    change->new_values = search_.values_at(*t);
+    if (change->new_values == system_.analysis().values) change->new_values = {};
+  }
+  // Where the search throws it is made again after the same step.
+  ++failures_;
+  next_failure_ += std::min(next_failure_, most_failures);
+  if (t) expected_ = *t;
   return change;
+}
+
+// Steps that can get there will tell more, and what is extrapolated has to stay where it is.
+bool NonlinearChangeWatch::is_confirmed_ahead(double t, double h) const {
+  const double distance = std::fabs(t - search_.course().newest().t);
+  return distance >= many_steps * std::fabs(h) && std::fabs(t - expected_) <= steadiness * distance;
 }
 
 std::optional<LocatedChange> NonlinearChangeWatch::find_beyond() {

@@ -24,15 +24,23 @@ double unscaled_norm_E0(const TaylorData& data) {
 }  // namespace
 
 void SingularitySample::take(double at, const TaylorData& data, int mu, const NullSpaceForm& form) {
+  const int sign = form.d > 0 && form.u == 0 ? form.sign_of_G() : 0;
+  const std::size_t count = first_row + data.row_norm.size();
+  // All memory first: where there is none the sample stays as it is.
+  values.reserve(count);
+  if (sign != 0) {
+    Z1_.reserve(index(form.m) * index(form.d));
+    T2_.reserve(index(form.n) * index(form.d));
+  }
   t = at;
   m_ = form.m;
   n_ = form.n;
   d_ = form.d;
-  values.resize(first_row + data.row_norm.size());
+  values.resize(count);
   values[0] = form.rank_of_constraints() > 0 ? form.smallest_constraint() / data.norm_A(mu) : 1.0;
   values[1] = d_ > 0 ? form.smallest_of_G() / data.norm_E0() * unscaled_norm_E0(data) : 1.0;
   std::copy(data.row_norm.begin(), data.row_norm.end(), values.begin() + first_row);
-  sign_ = d_ > 0 && form.u == 0 ? form.sign_of_G() : 0;
+  sign_ = sign;
   if (sign_ == 0) return;
   Z1_.assign(form.Z1().data, form.Z1().data + index(m_) * index(d_));
   T2_.assign(form.T2().data, form.T2().data + index(n_) * index(d_));

@@ -19,7 +19,7 @@ struct SingularitySample {
   std::vector<double> values;
   static constexpr std::size_t first_row = 2;
 
-  // From the data of a reduction at t and its form.
+  // From the data of a reduction at t and its form. Nothing has changed where memory is missing.
   void take(double at, const TaylorData& data, int mu, const NullSpaceForm& form);
   // Whether the sign of det(Z1^T E T2) is another one than at `then`, with Z1 and T2 aligned to those there. False
   // where there is none (u > 0, d = 0).

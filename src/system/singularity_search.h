@@ -26,6 +26,7 @@ class SingularitySearch {
       : problem_(problem), linearization_(linearization), callback_error_(callback_error) {}
 
   JetCourse& course() { return course_; }
+  const JetCourse& course() const { return course_; }
   // Linearizes at the jet, with the known ranks. False where that is not possible. Throws Failure where a callback
   // stops.
   bool measure(const Jet& jet, SingularitySample& sample);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,13 @@
 #include "sfdae/sfdae.h"
 
 namespace sfdae::test {
+
+inline void run_with_faults(const Sequence& sequence) {
+  FaultRun run(sequence);
+  const FaultRun::Counts& counts = run.run(stride_of_faults(500));
+  std::printf("%s: %ld faults, %ld refused, %ld compared, %ld differing, at most by %.2g\n", sequence.name.c_str(),
+              counts.injected, counts.refused, counts.compared, counts.differing, counts.largest_difference);
+}
 
 using Create = int (*)(sfdae_solver**, const sfdae_options&);
 
@@ -115,6 +123,16 @@ Call make_consistent(const std::vector<double>& near) {
             const int status = armed([&] { return sfdae_make_consistent(s.solver, 0.0, x.data(), xdot.data()); });
             s.result = x;
             s.result.insert(s.result.end(), xdot.begin(), xdot.end());
+            return status;
+          }};
+}
+
+inline Call get_change() {
+  return {"get change", [](Session& s) {
+            sfdae_change change;
+            sfdae_change_init(&change, sizeof change);
+            const int status = armed([&] { return sfdae_get_change(s.solver, &change); });
+            s.result = {change.t, 1.0 * change.new_differential};
             return status;
           }};
 }

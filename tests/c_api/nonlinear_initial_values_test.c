@@ -237,7 +237,7 @@ static void questions_leave_explanations(void) {
   CHECK(strlen(why) > 10);
   CHECK_STATUS(sfdae_get_characteristics(solver, &c), SFDAE_NOT_STARTED);
   CHECK_STATUS(sfdae_get_num_decisions(solver, NULL), SFDAE_ILLEGAL_ARGUMENT);
-  CHECK_STATUS(sfdae_get_projectors(solver, 0, NULL, NULL, NULL, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK_STATUS(sfdae_get_projectors(solver, 0, NULL, NULL, NULL, NULL, NULL), SFDAE_NOT_STARTED);
   CHECK(strcmp(sfdae_message(solver), why) == 0);
   sfdae_destroy(&solver);
 }
