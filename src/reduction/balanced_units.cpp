@@ -8,6 +8,8 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <utility>
+#include <vector>
 
 #include "linalg/index.h"
 #include "problem/failure.h"
@@ -195,12 +197,53 @@ Units units_of(const Exponents& x) {
   return unknowns;
 }
 
-// Whether the usual units are as good as balanced ones for all entries that are not suspicious there: in others what is
-// small says nothing.
+// Which units the entries tie together: r_i + c_j = time s for each, that is differences of r_i and -c_j in trees.
+class Ties {
+ public:
+  Ties(std::size_t m, std::size_t n) : m_(m), parent_(m + n), offset_(m + n, 0.0) {
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  }
+  void add(const LogEntry& e) {
+    const auto [row, of_row] = root(e.row);
+    const auto [column, of_column] = root(m_ + e.column);
+    const double difference = e.time - of_row + of_column;
+    if (row != column) {
+      parent_[row] = column;
+      offset_[row] = difference;
+    } else if (difference != 0.0) {
+      fixes_time_ = true;
+    }
+  }
+  // Whether the size of an entry follows from those that were added.
+  bool determine(const LogEntry& e) const {
+    const auto [row, of_row] = root(e.row);
+    const auto [column, of_column] = root(m_ + e.column);
+    return row == column && (fixes_time_ || of_row - of_column == e.time);
+  }
+
+ private:
+  // With the multiple of s that lies between.
+  std::pair<std::size_t, double> root(std::size_t node) const {
+    double offset = 0.0;
+    for (; parent_[node] != node; node = parent_[node]) offset += offset_[node];
+    return {node, offset};
+  }
+
+  std::size_t m_;
+  std::vector<std::size_t> parent_;
+  std::vector<double> offset_;
+  bool fixes_time_ = false;
+};
+
+// Whether the usual units say something about small entries: they are as good as balanced ones for all others, which
+// determine what size these ought to have.
 bool are_balanced_without_suspects(std::vector<LogEntry> entries, const Units& usual, const TaylorData& data) {
-  const auto is_suspicious = [](const LogEntry& e) { return e.suspicion != Suspicion::none; };
-  const auto first = std::remove_if(entries.begin(), entries.end(), is_suspicious);
+  const auto is_usual = [](const LogEntry& e) { return e.suspicion == Suspicion::none; };
+  const auto first = std::stable_partition(entries.begin(), entries.end(), is_usual);
   if (first == entries.end()) return true;
+  Ties ties(index(data.m), index(data.n));
+  std::for_each(entries.begin(), first, [&](const LogEntry& e) { ties.add(e); });
+  if (!std::all_of(first, entries.end(), [&](const LogEntry& e) { return ties.determine(e); })) return false;
   entries.erase(first, entries.end());
   Exponents x(index(data.m), index(data.n));
   fit(entries, x);

@@ -68,8 +68,12 @@ constexpr double gap_by_far = 1e6, kept_by_far = 1e-6;
 constexpr double gap_of_singular = 1e9, kept_of_singular = 1e-4;
 
 bool are_clear_by_far(const std::vector<RankDecision>& decisions, bool is_singular) {
-  return std::none_of(decisions.begin(), decisions.end(),
-                      [](const RankDecision& d) { return d.verdict == Verdict::unclear; }) &&
+  // What is dropped without being as small as rounding may be a value that pivots have made small.
+  constexpr double as_small_as_rounding = 8.0 * unit_roundoff;
+  const auto is_clear = [](const RankDecision& d) {
+    return d.verdict == Verdict::clear || (d.verdict == Verdict::confirmed && d.dropped < as_small_as_rounding);
+  };
+  return std::all_of(decisions.begin(), decisions.end(), is_clear) &&
          smallest_gap(decisions) >= (is_singular ? gap_of_singular : gap_by_far) &&
          smallest_kept(decisions) >= (is_singular ? kept_of_singular : kept_by_far);
 }
