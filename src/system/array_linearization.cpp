@@ -312,8 +312,12 @@ PointStatus ArrayLinearization::correct_derivative(double t, const double* x, do
 }
 
 void ArrayLinearization::error_in_x(const double* dw, int count, double* dx) const {
-  assert(is_usable_);
   const int m = problem_.m(), n = problem_.n();
+  if (!is_usable_) {
+    // Whatever the constraints would make of them; w = x.
+    std::copy_n(dw, index(n) * index(count), dx);
+    return;
+  }
   const Units& units = problem_.units();
   const Arena::Frame frame(arena_);
   const View scaled = arena_.matrix(n, count), Ew = arena_.matrix(m, count), q = arena_.matrix(form_.d, count),

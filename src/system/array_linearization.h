@@ -52,7 +52,7 @@ class ArrayLinearization {
   PointStatus restore(Origin origin, const RankSequence& ranks);
   void count_point() { ++origin_.age; }
 
-  // The last renewal has succeeded: else nothing is left that points may be solved or errors be measured with.
+  // The last renewal has succeeded: else nothing is left that points may be solved with.
   bool is_usable() const { return is_usable_; }
   Origin& origin() { return origin_; }
   const Origin& origin() const { return origin_; }
@@ -95,7 +95,7 @@ class ArrayLinearization {
   void remove_free_part(double* xdot) const;
   // F1(t, x, xdot) = 0 by changes within the directions that the constraints leave open.
   PointStatus correct_derivative(double t, const double* x, double* xdot);
-  // As StrangenessFreeSystem::error_in_x.
+  // As StrangenessFreeSystem::error_in_x; all of dw where the linearization is not usable.
   void error_in_x(const double* dw, int count, double* dx) const;
 
  private:
