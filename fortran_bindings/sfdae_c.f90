@@ -13,20 +13,20 @@ module sfdae_c
   private
 
   public :: c_abs, c_acos, c_add, c_advance, c_analyze, c_analyze_at, c_asin, c_atan, c_atan2, &
-    c_change_init, c_characteristics_init, c_check_derivatives, c_check_linear, c_check_multibody, &
-    c_check_multibody_derivatives, c_check_nonlinear, c_check_total_derivatives, c_choose, c_cos, &
-    c_cosh, c_create_linear, c_create_multibody, c_create_nonlinear, c_decision_init, &
-    c_derivative_check_init, c_destroy, c_divide, c_exp, c_get_change, c_get_characteristics, &
-    c_get_checkpoint_length, c_get_decision, c_get_derivative_array, c_get_derivative_array_at, &
-    c_get_events, c_get_extended_system, c_get_initial_report, c_get_jet, c_get_multibody_report, &
-    c_get_num_decisions, c_get_parameter, c_get_projectors, c_get_projectors_at, c_get_statistics, &
-    c_get_strangeness_free, c_get_strangeness_free_at, c_initial_report_init, c_interpolate, &
-    c_linear_problem_init, c_log, c_make_consistent, c_max, c_message, c_min, &
-    c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
-    c_nonlinear_problem_init, c_number, c_options_init, c_parameter, c_power, c_report, &
-    c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_set_events, c_set_options, &
-    c_set_parameter, c_sin, c_sinh, c_sqrt, c_start, c_statistics_init, c_status_name, c_step, &
-    c_subtract, c_tan, c_tanh, c_version, address_of_equations_function, &
+    c_certify, c_change_init, c_characteristics_init, c_check_derivatives, c_check_linear, &
+    c_check_multibody, c_check_multibody_derivatives, c_check_nonlinear, &
+    c_check_total_derivatives, c_choose, c_cos, c_cosh, c_create_linear, c_create_multibody, &
+    c_create_nonlinear, c_decision_init, c_derivative_check_init, c_destroy, c_divide, c_exp, &
+    c_get_change, c_get_characteristics, c_get_checkpoint_length, c_get_decision, &
+    c_get_derivative_array, c_get_derivative_array_at, c_get_events, c_get_extended_system, &
+    c_get_initial_report, c_get_jet, c_get_multibody_report, c_get_num_decisions, c_get_parameter, &
+    c_get_projectors, c_get_projectors_at, c_get_statistics, c_get_strangeness_free, &
+    c_get_strangeness_free_at, c_initial_report_init, c_interpolate, c_linear_problem_init, c_log, &
+    c_make_consistent, c_max, c_message, c_min, c_multibody_problem_init, c_multibody_report_init, &
+    c_multiply, c_negate, c_nonlinear_problem_init, c_number, c_options_init, c_parameter, &
+    c_power, c_report, c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_set_events, &
+    c_set_options, c_set_parameter, c_sin, c_sinh, c_sqrt, c_start, c_statistics_init, &
+    c_status_name, c_step, c_subtract, c_tan, c_tanh, c_version, address_of_equations_function, &
     address_of_event_function, address_of_linear_equations_function, address_of_matrix_function, &
     address_of_monitor_function, address_of_multibody_equations_function, &
     address_of_position_function, address_of_total_derivative_function, &
@@ -203,6 +203,13 @@ module sfdae_c
       type(expression), value :: x
       type(expression) :: c_atan2
     end function c_atan2
+
+    function c_certify(solver, distance) bind(c, name="sfdae_certify")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), intent(inout) :: distance
+      integer(c_int) :: c_certify
+    end function c_certify
 
     function c_change_init(change, size) bind(c, name="sfdae_change_init")
       import :: c_int, c_size_t, sfdae_change

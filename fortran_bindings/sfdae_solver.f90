@@ -5,7 +5,7 @@ module sfdae_solver
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_int, c_loc, &
     c_null_char, c_null_ptr, c_ptr, c_size_t, c_sizeof
   use sfdae_c, only: c_advance, c_analyze, c_analyze_at, c_change_init, c_characteristics_init, &
-    c_check_derivatives, c_check_multibody_derivatives, c_check_total_derivatives, &
+    c_certify, c_check_derivatives, c_check_multibody_derivatives, c_check_total_derivatives, &
     c_decision_init, c_derivative_check_init, c_destroy, c_get_change, c_get_characteristics, &
     c_get_checkpoint_length, c_get_decision, c_get_derivative_array, &
     c_get_derivative_array_at, c_get_events, c_get_extended_system, c_get_initial_report, &
@@ -75,6 +75,7 @@ module sfdae_solver
     procedure :: get_projectors => solver_get_projectors
     procedure :: get_strangeness_free => solver_get_strangeness_free
     procedure :: get_extended_system => solver_get_extended_system
+    procedure :: certify => solver_certify
     procedure :: check_derivatives => solver_check_derivatives
     procedure :: check_total_derivatives => solver_check_total_derivatives
     procedure :: check_multibody_derivatives => solver_check_multibody_derivatives
@@ -850,6 +851,18 @@ contains
     if (present(f)) call move_alloc(f_found, f)
     if (present(w)) call move_alloc(w_found, w)
   end subroutine solver_get_extended_system
+
+  !> Certifies the ranks of the analysis by perturbed copies of the data.
+  recursive subroutine solver_certify(self, distance, status)
+    class(dae_solver), intent(inout) :: self
+    !> The smallest relative change of the data that gives other characteristic values, about.
+    real(c_double), intent(out) :: distance
+    integer(c_int), intent(out) :: status
+
+    distance = 0.0_c_double
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_certify(self%handle, distance)
+  end subroutine solver_certify
 
   !> Compares the derivatives that the callbacks supply near t with differences of the order
   !> below; message says it in words if they do not fit. Orders that are not available are

@@ -42,6 +42,7 @@ SINGLE = {
     ("sfdae_get_checkpoint_length", "length"),
     ("sfdae_get_num_decisions", "count"),
     ("sfdae_get_parameter", "value"),
+    ("sfdae_certify", "distance"),
     ("sfdae_get_strangeness_free", "residual"),
     ("sfdae_get_strangeness_free_at", "residual"),
     ("sfdae_report", "needed"),

@@ -200,8 +200,9 @@ typedef struct sfdae_options {
    * SFDAE_TOLERANCE_TOO_SMALL, the component and its error in the message. */
   int max_index;              /* highest strangeness index tried, default 5; 0 ... 12 */
   int reduction;              /* SFDAE_REDUCTION_STAGED (default) or _SVD */
-  double rank_tol;            /* > 0, < 1: values below rank_tol * norm of the data count as zero. Default 0: the
-                                 library judges by propagated rounding errors */
+  double rank_tol;            /* > 0, < 1: values below rank_tol * norm of the data, in balanced units, count as
+                                 zero. Default 0: the library judges by propagated rounding errors and, where norms
+                                 are not clear in two systems of units, by a certificate (sfdae_certify) */
   double time_scale;          /* > 0: unit of time of derivatives, rounded to a power of two. Default 0: chosen */
   int difference_derivatives; /* 1: differences are allowed. Default 0: SFDAE_ORDER_MISSING */
   double difference_step;     /* > 0: spacing of the points used for them; default 0: chosen */
@@ -325,7 +326,7 @@ SFDAE_API int sfdae_get_characteristics(const sfdae_solver* solver, sfdae_charac
 
 /* Verdicts. */
 #define SFDAE_VERDICT_CLEAR 0
-#define SFDAE_VERDICT_CONFIRMED 1 /* small gap, confirmed by a second judgement (SVD, other time scale) */
+#define SFDAE_VERDICT_CONFIRMED 1 /* small gap, confirmed by a second judgement (SVD, certificate) */
 #define SFDAE_VERDICT_UNCLEAR 2
 #define SFDAE_VERDICT_USER 3 /* decided by rank_tol */
 
@@ -495,6 +496,15 @@ SFDAE_API int sfdae_restore_checkpoint(sfdae_solver* solver, const double* check
  * most length characters, final zero included (text NULL with length 0 is allowed). *needed (may be NULL): length
  * of the whole text + 1. */
 SFDAE_API int sfdae_report(const sfdae_solver* solver, char* text, size_t length, size_t* needed);
+
+/* Certifies the ranks of the analysis: the elimination runs once more on copies of the data whose entries are perturbed
+ * by 1e-12 of themselves (zeros stay), in units that are balanced. What stays put is a value, what moves is an error,
+ * whatever its size. *distance (may be NULL): the smallest relative change of the data, entry by entry, that gives other
+ * characteristic values, about; 1 is the most that is said. sfdae_report says it, too, from then on. Nonlinear problems:
+ * at the point reached. Evaluates callbacks. Failures: callbacks; SFDAE_NOT_STARTED before an analysis;
+ * SFDAE_RANK_UNCLEAR if the certificate does not confirm the values; SFDAE_ILLEGAL_ARGUMENT for multibody systems, whose
+ * ranks are those of the constraints. */
+SFDAE_API int sfdae_certify(sfdae_solver* solver, double* distance);
 
 /* The theory's objects: derivative array, projectors, strangeness-free system.
  *

@@ -314,6 +314,14 @@ class Solver {
     return s;
   }
 
+  /// Certifies the ranks of the analysis by perturbed copies of the data; returns the smallest relative change of the
+  /// data that gives other characteristic values, about (sfdae_certify).
+  double certify() {
+    double distance = 0.0;
+    checked(sfdae_certify(get(), &distance));
+    return distance;
+  }
+
   /// Compares the derivatives of order 1 ... max_order that the callbacks of a linear problem supply near t with
   /// differences; returns the worst mismatch.
   DerivativeCheck check_derivatives(double t, int max_order) {

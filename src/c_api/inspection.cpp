@@ -238,6 +238,16 @@ int sfdae_report(const sfdae_solver* solver, char* text, size_t length, size_t* 
   });
 }
 
+int sfdae_certify(sfdae_solver* solver, double* distance) {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
+    if (!solver->system()) return {SFDAE_NOT_STARTED, "call sfdae_analyze first."};
+    const double found = solver->model.certify();
+    solver->model.system()->set_distance(found);
+    if (distance != nullptr) *distance = found;
+    return {};
+  });
+}
+
 int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_order, sfdae_derivative_check* result) {
   return guarded(solver, [&]() -> CallResult {
     if (!std::isfinite(t) || max_order < 1 || max_order > max_derivative_order)

@@ -55,6 +55,9 @@ std::string analysis_report(const sfdae_solver& solver) {
   constexpr const char* leading[] = {"", "W = E^+ E", "W = E", "W = I"};
   text += format("time scale %.3g, leading term %s\n", analysis.time_scale,
                  leading[code_of(solver.system()->leading_term())]);
+  if (analysis.distance > 0.0)
+    text += format("the smallest relative change of the data that gives another answer is about %.0e\n",
+                   analysis.distance);
   return text;
 }
 

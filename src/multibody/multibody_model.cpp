@@ -116,6 +116,12 @@ void MultibodyModel::keep_fixed(const ConsistencyRequest& request, const PointOf
   }
 }
 
+// Their ranks are those of the constraints, with a condition in the report.
+double MultibodyModel::certify() {
+  throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                "the ranks of multibody systems are those of the constraints: see sfdae_get_multibody_report.");
+}
+
 ConstraintsReport MultibodyModel::constraints() const {
   const MultibodySizes& sizes = problem_->sizes();
   const MultibodyRanks& ranks = system_->settings().ranks;

@@ -47,6 +47,7 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
   // The user's functions; null for recorded formulas.
   CallbackMultibody* callbacks() { return callbacks_; }
   // Of the point accepted last, after an analysis.
+  double certify() override;
   ConstraintsReport constraints() const;
 
   // Of the first-order equations of multibody_theory.h. Arrays and jets of level 1 and above, Z2 and Z3 are those of

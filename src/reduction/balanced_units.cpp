@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <numeric>
 
 #include "linalg/index.h"
@@ -15,12 +16,15 @@ namespace sfdae::core {
 
 namespace {
 
+using Suspicion = BalancedUnits::Suspicion;
+
 // One nonzero entry: what is to be made zero is size + r_row + c_column - time s.
 struct LogEntry {
   std::size_t row, column;
   double time;  // 1 for E, 0 for A
   double size;  // log2
   double weight;
+  Suspicion suspicion;  // by the usual units
 };
 
 using Vector = std::vector<double>;
@@ -47,6 +51,8 @@ constexpr double suspicious_bits = 41.0;
 constexpr double rounding_bits = 49.8;
 // Mean squares follow outliers half of the way and more rarely less than a quarter: entries above this are none.
 constexpr double inconspicuous_bits = suspicious_bits / 4.0;
+// Units in use that are as good as balanced ones: within a factor of 2^6.
+constexpr double alike_bits = 6.0;
 // Reweighted mean squares approach least absolute values; by judgement.
 constexpr int reweightings = 25;
 
@@ -100,7 +106,9 @@ std::vector<LogEntry> take_suspects(std::vector<LogEntry>& entries, Exponents x)
     fit(entries, x);
   }
   for (LogEntry& e : entries) e.weight = 1.0;
-  const auto is_suspect = [&](const LogEntry& e) { return lies_below(e, x, suspicious_bits); };
+  const auto is_suspect = [&](const LogEntry& e) {
+    return e.suspicion != Suspicion::none || lies_below(e, x, suspicious_bits);
+  };
   const auto first = std::stable_partition(entries.begin(), entries.end(), std::not_fn(is_suspect));
   std::vector<LogEntry> suspects(first, entries.end());
   entries.erase(first, entries.end());
@@ -109,11 +117,10 @@ std::vector<LogEntry> take_suspects(std::vector<LogEntry>& entries, Exponents x)
 
 // x: fits all the others.
 void mark(const std::vector<LogEntry>& suspects, const Exponents& x, BalancedUnits& units) {
-  using Suspicion = BalancedUnits::Suspicion;
   units.suspects_E.assign(x.m * x.n, Suspicion::none);
   units.suspects_A = units.suspects_E;
   for (const LogEntry& e : suspects) {
-    const bool is_rounding = lies_below(e, x, rounding_bits);
+    const bool is_rounding = e.suspicion == Suspicion::certain || lies_below(e, x, rounding_bits);
     units.has_suspects = units.has_suspects || !is_rounding;
     (e.time > 0.0 ? units.suspects_E : units.suspects_A)[e.row + e.column * x.m] =
         is_rounding ? Suspicion::certain : Suspicion::maybe;
@@ -132,16 +139,48 @@ void bring_near(const std::vector<double>& point, Exponents& x) {
   for (std::size_t j = 0; j < x.n; ++j) x.values[x.m + j] += sum / count;
 }
 
-std::vector<LogEntry> entries_of(const TaylorData& data) {
+TaylorData evaluated(CoefficientSource& source, double t, const Units& units, double tau) {
+  source.set_units(units);
+  TaylorData data;
+  const CallbackError error = source.evaluate(t, {0, 0, -1}, tau, data);
+  if (error.status != SFDAE_OK) error.raise();
+  return data;
+}
+
+// The largest entries of rows and columns of [E tau A].
+struct Largest {
+  Vector of_row, of_column;
+  explicit Largest(const TaylorData& data) : of_row(index(data.m), 0.0), of_column(index(data.n), 0.0) {
+    for (ConstView matrix : {data.E(0), data.A(0)})
+      for (int j = 0; j < data.n; ++j)
+        for (int i = 0; i < data.m; ++i) {
+          const double size = std::fabs(matrix(i, j));
+          of_row[index(i)] = std::max(of_row[index(i)], size);
+          of_column[index(j)] = std::max(of_column[index(j)], size);
+        }
+  }
+  // What is small against only one of them has another unit.
+  Suspicion suspicion_of(double size, int i, int j) const {
+    const double limit = std::min(of_row[index(i)], of_column[index(j)]);
+    return size < std::exp2(-rounding_bits) * limit     ? Suspicion::certain
+           : size < std::exp2(-suspicious_bits) * limit ? Suspicion::maybe
+                                                        : Suspicion::none;
+  }
+};
+
+std::vector<LogEntry> entries_of(const TaylorData& data, const TaylorData& in_usual_units) {
+  const Largest largest(in_usual_units);
   std::vector<LogEntry> entries;
   for (bool is_E : {true, false}) {
     const ConstView matrix = is_E ? data.E(0) : data.A(0);
+    const ConstView usual = is_E ? in_usual_units.E(0) : in_usual_units.A(0);
     // A holds tau times A.
     const double unit = is_E ? 0.0 : std::log2(data.time_scale);
     for (int j = 0; j < data.n; ++j)
       for (int i = 0; i < data.m; ++i)
         if (const double a = std::fabs(matrix(i, j)); a > 0.0)
-          entries.push_back({index(i), index(j), is_E ? 1.0 : 0.0, std::log2(a) - unit, 1.0});
+          entries.push_back({index(i), index(j), is_E ? 1.0 : 0.0, std::log2(a) - unit, 1.0,
+                             largest.suspicion_of(std::fabs(usual(i, j)), i, j)});
   }
   return entries;
 }
@@ -150,18 +189,52 @@ double unit_of(double exponent) {
   return std::ldexp(1.0, static_cast<int>(std::lround(std::clamp(exponent, -largest_exponent, largest_exponent))));
 }
 
-}  // namespace
+Units units_of(const Exponents& x) {
+  std::vector<double> unknowns;
+  for (std::size_t j = 0; j < x.n; ++j) unknowns.push_back(unit_of(x.values[x.m + j]));
+  return unknowns;
+}
 
-BalancedUnits balanced_units(CoefficientSource& source, double t) {
-  source.set_units({});
-  TaylorData data;
-  const CallbackError error = source.evaluate(t, {0, 0, -1}, 1.0, data);
-  if (error.status != SFDAE_OK) error.raise();
-  std::vector<LogEntry> entries = entries_of(data);
+// Whether the usual units are as good as balanced ones for all entries that are not suspicious there: in others what is
+// small says nothing.
+bool are_balanced_without_suspects(std::vector<LogEntry> entries, const Units& usual, const TaylorData& data) {
+  const auto is_suspicious = [](const LogEntry& e) { return e.suspicion != Suspicion::none; };
+  const auto first = std::remove_if(entries.begin(), entries.end(), is_suspicious);
+  if (first == entries.end()) return true;
+  entries.erase(first, entries.end());
   Exponents x(index(data.m), index(data.n));
   fit(entries, x);
   BalancedUnits units;
-  const auto is_conspicuous = [&](const LogEntry& e) { return lies_below(e, x, inconspicuous_bits); };
+  units.unknowns = units_of(x);
+  units.time = unit_of(x.of_time());
+  return are_balanced(usual, data.time_scale, units);
+}
+
+}  // namespace
+
+bool are_balanced(const Units& used, double time, const BalancedUnits& balanced) {
+  if (std::fabs(std::log2(time / balanced.time)) > alike_bits) return false;
+  double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
+  for (std::size_t j = 0; j < balanced.unknowns.values().size(); ++j) {
+    const double ratio = balanced.unknowns[j] / used[j];
+    smallest = std::min(smallest, ratio);
+    largest = std::max(largest, ratio);
+  }
+  return std::log2(largest / smallest) <= alike_bits;
+}
+
+BalancedUnits balanced_units(CoefficientSource& source, double t, const Units& usual) {
+  const TaylorData in_usual_units = evaluated(source, t, usual, 0.0);
+  const TaylorData data = evaluated(source, t, {}, 1.0);
+  std::vector<LogEntry> entries = entries_of(data, in_usual_units);
+  if (!are_balanced_without_suspects(entries, usual, in_usual_units))
+    for (LogEntry& e : entries) e.suspicion = Suspicion::none;
+  Exponents x(index(data.m), index(data.n));
+  fit(entries, x);
+  BalancedUnits units;
+  const auto is_conspicuous = [&](const LogEntry& e) {
+    return e.suspicion != Suspicion::none || lies_below(e, x, inconspicuous_bits);
+  };
   if (std::any_of(entries.begin(), entries.end(), is_conspicuous)) {
     const std::vector<LogEntry> suspects = take_suspects(entries, Exponents(x.m, x.n));
     if (!suspects.empty()) {
@@ -171,9 +244,7 @@ BalancedUnits balanced_units(CoefficientSource& source, double t) {
     }
   }
   bring_near(source.point(t), x);
-  std::vector<double> unknowns;
-  for (std::size_t j = 0; j < x.n; ++j) unknowns.push_back(unit_of(x.values[x.m + j]));
-  units.unknowns = std::move(unknowns);
+  units.unknowns = units_of(x);
   units.time = unit_of(x.of_time());
   return units;
 }

@@ -26,7 +26,11 @@ struct BalancedUnits {
   bool has_suspects = false;  // any that may be values
 };
 
-// Of E and A at t. Throws Failure. The units of the source are changed.
-BalancedUnits balanced_units(CoefficientSource& source, double t);
+// Of E and A at t. usual: units of the unknowns in which columns are of comparable size; if they are as good as
+// balanced ones, what is small there against the largest entries of its row and its column is suspicious, too. Throws Failure. The units of the source are changed.
+BalancedUnits balanced_units(CoefficientSource& source, double t, const Units& usual);
+
+// Whether units of the unknowns and of time in use are as good.
+bool are_balanced(const Units& used, double time, const BalancedUnits& balanced);
 
 }  // namespace sfdae::core

@@ -107,16 +107,16 @@ LockstepMatrix stack(const LockstepMatrix& one, int rows_of_one, const LockstepM
 
 }  // namespace
 
-CertifiedRanks certified_ranks(const TaylorData& data, int level, const BalancedUnits& units, bool omits_suspects) {
+CertifiedRanks certified_ranks(const TaylorData& data, int level, const CertificateSettings& settings) {
   const int n = data.n;
-  const PerturbedData perturbed(data, level, units, omits_suspects);
+  const PerturbedData perturbed(data, level, settings.units, settings.omits_suspects);
   CertifiedRanks found;
   LockstepMatrix carried(0, (level + 1) * n);
   int diagonal_rank = 0, array_rank = 0;
   for (int i = level; i >= 0; --i) {
     const std::vector<int> rows = rows_of_level(data, i);
     if (i == level || data.has_last_rows(i)) {
-      diagonal_rank = rows_of_E(perturbed, rows, n).eliminate(n, found.significance);
+      diagonal_rank = rows_of_E(perturbed, rows, n).eliminate(n, found.significance, settings.rank_tol);
       found.list.add(diagonal_rank);
     }
     const int count = static_cast<int>(rows.size());
@@ -124,7 +124,7 @@ CertifiedRanks certified_ranks(const TaylorData& data, int level, const Balanced
     write_block_row(perturbed, rows, i, n, stage);
     for (int row = 0; row < carried.rows(); ++row)
       for (int j = 0; j < carried.cols(); ++j) copy_entry(carried.at(row, j), stage.at(count + row, j));
-    const int rank = stage.eliminate(n, found.significance);
+    const int rank = stage.eliminate(n, found.significance, settings.rank_tol);
     array_rank += rank;
     if (carried.rows() > 0 && diagonal_rank < n) found.list.add(rank - diagonal_rank);
     carried = remainder(stage, rank, n);
@@ -132,11 +132,11 @@ CertifiedRanks certified_ranks(const TaylorData& data, int level, const Balanced
   found.ranks.rank_E = diagonal_rank;
   const int rows = carried.rows();
   LockstepMatrix constraints = std::move(carried);
-  const int a = constraints.eliminate(n, found.significance);
+  const int a = constraints.eliminate(n, found.significance, settings.rank_tol);
   if (rows > 0) found.list.add(a);
   LockstepMatrix E = stack(constraints, a, rows_of_E(perturbed, rows_of_level(data, 0), n));
   E.normalize_rows();
-  const int d = E.eliminate(n, found.significance) - a;
+  const int d = E.eliminate(n, found.significance, settings.rank_tol) - a;
   if (a < n) found.list.add(d);
   for (int rank : {diagonal_rank, array_rank}) found.list_by_svd.add(rank);
   if (rows > 0) found.list_by_svd.add(a);

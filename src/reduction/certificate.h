@@ -18,8 +18,14 @@ struct CertifiedRanks {
   Significance significance;
 };
 
-// data: in balanced units. Rounding errors among the suspects count as zeros, all suspects if they are omitted.
-CertifiedRanks certified_ranks(const TaylorData& data, int level, const BalancedUnits& units, bool omits_suspects);
+struct CertificateSettings {
+  const BalancedUnits& units;
+  bool omits_suspects = false;  // rounding errors among them count as zeros always
+  double rank_tol = 0.0;        // > 0: the user decides, relative to the largest entry of each matrix judged
+};
+
+// data: in balanced units.
+CertifiedRanks certified_ranks(const TaylorData& data, int level, const CertificateSettings& settings);
 
 // Rank of lambda E - A for a lambda that is no eigenvalue: n - u = m - v of a problem with constant coefficients, from
 // one matrix, better conditioned than the chain of decisions. The largest rank that is clear for one lambda: fast and

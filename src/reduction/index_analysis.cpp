@@ -74,18 +74,8 @@ bool are_clear_by_far(const std::vector<RankDecision>& decisions, bool is_singul
          smallest_kept(decisions) >= (is_singular ? kept_of_singular : kept_by_far);
 }
 
-// Units in use that are as good as balanced ones: within a factor of 2^6.
-constexpr double alike_bits = 6.0;
-
-bool are_balanced(const Units& used, double time, int n, const BalancedUnits& balanced) {
-  if (std::fabs(std::log2(time / balanced.time)) > alike_bits) return false;
-  double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
-  for (int j = 0; j < n; ++j) {
-    const double ratio = balanced.unknowns[j] / used[j];
-    smallest = std::min(smallest, ratio);
-    largest = std::max(largest, ratio);
-  }
-  return std::log2(largest / smallest) <= alike_bits;
+double relative_distance(const Significance& significance) {
+  return std::min(1.0, trial_perturbation * significance.weakest);
 }
 
 // What could become clearer in other units, or by a certificate.
@@ -101,7 +91,8 @@ class Analysis {
       : problem_(problem), place_(place), settings_(settings), scaled_(settings), arena_(arena) {
     scaled_.time_scale = 0.0;
     scaled_.rank_tol = 0.0;
-    balanced_ = balanced_units(problem, place.t);
+    usual_ = choose_units(problem, place.t);
+    balanced_ = balanced_units(problem, place.t, usual_);
   }
 
   IndexAnalysis by_tolerance(std::vector<RankDecision>& decisions);
@@ -124,25 +115,29 @@ class Analysis {
   const AnalysisSettings& settings_;
   AnalysisSettings scaled_;  // with what fits balanced units
   Arena& arena_;
+  Units usual_;
   BalancedUnits balanced_;
 };
 
 // rank_tol acts in balanced units.
 IndexAnalysis Analysis::by_tolerance(std::vector<RankDecision>& decisions) {
   scaled_ = settings_;
-  return analyze_at_two_points(task_in_balanced_units(&decisions), place_).analysis;
+  SearchTask task = task_in_balanced_units(nullptr);
+  task.certified = true;
+  const AnalysisOutcome found = analyze_at_two_points(task, place_);
+  norms_agree(found, decisions);
+  return found.analysis;
 }
 
 IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
-  const Units usual = choose_units(problem_, place_.t);
-  problem_.set_units(usual);
+  problem_.set_units(usual_);
   std::optional<IndexAnalysis> quick;
   std::optional<Failure> failed;
   try {
     quick = analyze_at_two_points({problem_, settings_, arena_, &decisions}, place_).analysis;
     if (!balanced_.has_suspects && are_clear_by_far(decisions, is_singular(quick->values)) &&
-        (are_balanced(usual, quick->time_scale, problem_.n(), balanced_) || is_confirmed_in_balanced_units(*quick))) {
-      problem_.set_units(usual);
+        (are_balanced(usual_, quick->time_scale, balanced_) || is_confirmed_in_balanced_units(*quick))) {
+      problem_.set_units(usual_);
       return *quick;
     }
   } catch (const Failure& failure) {
@@ -160,13 +155,16 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
     report_unclear({});
   }
   const CharacteristicValues& values = certified.analysis.values;
+  certified.analysis.distance = relative_distance(certified.significance);
   std::vector<RankDecision> confirmed;
   if (certified.is_clear && redundancy_agrees(certified.analysis) && norms_agree(certified, confirmed) &&
       is_independent_of_suspects(values)) {
     if (certified.significance.smallest_pivot < settings_.least_useful_pivot) report_useless(certified);
-    // Units that are good enough stay: what is integrated does not depend on how sure its ranks are.
-    if (quick && quick->values == values) {
-      problem_.set_units(usual);
+    // Units that are good enough stay: what is integrated does not depend on how sure its ranks are. Small values kept
+    // amplify rounding errors, in these units.
+    if (quick && quick->values == values && smallest_kept(decisions) >= kept_by_far) {
+      problem_.set_units(usual_);
+      quick->distance = certified.analysis.distance;
       return *quick;
     }
     decisions = std::move(confirmed);
@@ -175,7 +173,7 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
   if (quick && quick->values == values &&
       (certified.significance.is_plausible() || smallest_gap(decisions) >= gap_by_far) &&
       redundancy_agrees(certified.analysis)) {
-    problem_.set_units(usual);
+    problem_.set_units(usual_);
     return *quick;
   }
   report_unclear(values);
@@ -227,10 +225,6 @@ bool Analysis::is_independent_of_suspects(const CharacteristicValues& values) {
     if (!is_about_ranks(failure)) throw;
     return false;
   }
-}
-
-double relative_distance(const Significance& significance) {
-  return std::min(1.0, trial_perturbation * significance.weakest);
 }
 
 void Analysis::report_useless(const AnalysisOutcome& outcome) {
@@ -295,6 +289,28 @@ bool known_values_hold(CoefficientSource& problem, double t, const AnalysisSetti
   expected.d = known.values.d;
   expected.v_hat = known.v_hat;
   return upward.has_ranks(known.values.mu, known.time_scale, expected);
+}
+
+double certified_distance(CoefficientSource& source, double t, const IndexAnalysis& known,
+                          const AnalysisSettings& settings, Arena& arena) {
+  const BalancedUnits units = balanced_units(source, t, choose_units(source, t));
+  source.set_units(units.unknowns);
+  AnalysisSettings scaled = settings;
+  scaled.time_scale = scaled.rank_tol = 0.0;
+  SearchTask task{source, scaled, arena, nullptr, &units};
+  task.certified = true;
+  const CharacteristicValues& values = known.values;
+  const LevelResult found = IndexSearch(task, t).determine_confirmed(values.mu);
+  const PointRanks& ranks = found.ranks;
+  const bool is_same = ranks.a == values.a && ranks.d == values.d && ranks.v_hat == known.v_hat;
+  if (!is_same || !found.clear)
+    throw Failure(SFDAE_RANK_UNCLEAR, format("at t = %.15g perturbed data ", t) +
+                                          (is_same ? std::string("do not make clear that ") + describe(values)
+                                                   : format("have a = %d, d = %d at level %d, but the analysis says ",
+                                                            ranks.a, ranks.d, values.mu) +
+                                                         describe(values)) +
+                                          ".");
+  return relative_distance(found.significance);
 }
 
 IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,

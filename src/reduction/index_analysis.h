@@ -58,6 +58,8 @@ struct IndexAnalysis {
   bool rank_E_constant = true;             // the same at the nearby point
   // Where a certificate decided: the ranks of level mu, which norms alone would not give; else none.
   RankSequence certified_ranks;
+  // The smallest relative change of the data that gives others, about, if a certificate was made; else 0.
+  double distance = 0.0;
   RowScaling rows = RowScaling::each;
 };
 
@@ -69,6 +71,11 @@ bool fits_dimensions(const IndexAnalysis& analysis, int m, int n);
 // decisions: all that were made, also when it throws.
 IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,
                             Arena& arena, std::vector<RankDecision>& decisions);
+
+// The distance of an analysis, by a certificate at t. Throws Failure: errors of callbacks, SFDAE_RANK_UNCLEAR where it
+// does not confirm the values known. The units of the source are changed.
+double certified_distance(CoefficientSource& source, double t, const IndexAnalysis& known,
+                          const AnalysisSettings& settings, Arena& arena);
 
 // Whether the values known hold at t although the propagated noise would not let them: judged by the effect of trial
 // perturbations. Throws Failure if a callback fails.

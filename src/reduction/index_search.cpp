@@ -64,13 +64,14 @@ LevelResult IndexSearch::determine(int level, double time_scale) {
 
 LevelResult IndexSearch::certify(int level) {
   evaluate(level, settings_.time_scale);
-  const CertifiedRanks certified = certified_ranks(data_, level, *task_.units, task_.omits_suspects);
+  const CertifiedRanks certified =
+      certified_ranks(data_, level, {*task_.units, task_.omits_suspects, settings_.rank_tol});
   LevelResult found;
   found.ranks = certified.ranks;
   found.time_scale = data_.time_scale;
   found.significance = certified.significance;
   found.known_ranks = settings_.by_svd ? certified.list_by_svd : certified.list;
-  found.clear = certified.significance.is_clear();
+  found.clear = settings_.rank_tol > 0.0 || certified.significance.is_clear();
   return found;
 }
 
@@ -130,7 +131,7 @@ SearchResult IndexSearch::search(int max_index) {
       result.last.follows = false;
       result.last.doubtful = std::min(weakest_below, result.last.weakest, is_weaker);
       result.last.clear =
-          !task_.certified && (settings_.rank_tol > 0.0 || clearness(result.last.doubtful) >= decisive_gap);
+          settings_.rank_tol > 0.0 || (!task_.certified && clearness(result.last.doubtful) >= decisive_gap);
       result.is_clear = result.is_clear && result.last.clear;
       if (!result.last.clear && !task_.certified) return result;
     }

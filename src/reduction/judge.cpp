@@ -58,7 +58,7 @@ void Judge::record_known(const Question& question, ConstView r, int rank) {
   const double below = std::max(decision.dropped, decision.noise);
   if (rank > 0 && below > 0.0) decision.gap = decision.kept / below;
   decision.threshold = std::sqrt(decision.kept * below);
-  decision.verdict = Verdict::confirmed;
+  decision.verdict = settings_.rank_tol > 0.0 ? Verdict::user : Verdict::confirmed;
   decision.t = t_;
   decision.level = level_;
   decision.stage = question.stage;

@@ -90,6 +90,18 @@ LockstepMatrix::Pivot LockstepMatrix::find_pivot(int rank, const std::vector<cha
   return best;
 }
 
+LockstepMatrix::Pivot LockstepMatrix::find_largest(int rank, const std::vector<char>& used, double threshold) const {
+  Pivot best;
+  best.size = threshold;
+  for (int i = rank; i < rows_; ++i)
+    for (std::size_t j = 0; j < used.size(); ++j) {
+      const double* entry = at(i, static_cast<int>(j));
+      if (used[j] != 0 || !(std::fabs(entry[0]) > best.size)) continue;
+      best = {i, static_cast<int>(j), std::fabs(entry[0]), significance_of(entry)};
+    }
+  return best;
+}
+
 void LockstepMatrix::swap_rows(int i, int j) {
   if (i == j) return;
   std::swap_ranges(at(i, 0), at(i, 0) + cols_ * lanes, at(j, 0));
@@ -138,12 +150,14 @@ void LockstepMatrix::drop(int row, int col, Significance& significance) const {
   significance.amplification = std::max(significance.amplification, largest_move(entry) / (trial_perturbation * sum));
 }
 
-void LockstepMatrix::drop_rows(int top, int width, Significance& significance) {
+void LockstepMatrix::drop_rows(int top, int width, Significance& significance, double tolerance) {
   for (int i = top; i < rows_; ++i) {
     bool has_values = false;
+    const double* sums = sums_.data() + i * cols_;
+    const double zero = tolerance > 0.0 ? tolerance * *std::max_element(sums, sums + cols_) : 0.0;
     for (int j = width; j < cols_ && !has_values; ++j) {
       const double* entry = at(i, j);
-      has_values = entry[0] != 0.0 && significance_of(entry) >= 1.0;
+      has_values = tolerance > 0.0 ? std::fabs(entry[0]) > zero : entry[0] != 0.0 && significance_of(entry) >= 1.0;
     }
     if (has_values) continue;
     for (int j = width; j < cols_; ++j) {
@@ -153,7 +167,7 @@ void LockstepMatrix::drop_rows(int top, int width, Significance& significance) {
   }
 }
 
-int LockstepMatrix::eliminate(int width, Significance& significance) {
+int LockstepMatrix::eliminate(int width, Significance& significance, double tolerance) {
   sums_.resize(index(rows_) * index(cols_));
   double largest = 0.0;
   for (int i = 0; i < rows_; ++i)
@@ -165,7 +179,7 @@ int LockstepMatrix::eliminate(int width, Significance& significance) {
   std::vector<char> used(index(width), 0);
   int rank = 0;
   for (; rank < std::min(rows_, width); ++rank) {
-    const Pivot pivot = find_pivot(rank, used);
+    const Pivot pivot = tolerance > 0.0 ? find_largest(rank, used, tolerance * largest) : find_pivot(rank, used);
     if (pivot.row < 0) break;
     significance.weakest = std::min(significance.weakest, pivot.significance);
     significance.smallest_pivot = std::min(significance.smallest_pivot, pivot.size / largest);
@@ -176,7 +190,7 @@ int LockstepMatrix::eliminate(int width, Significance& significance) {
   for (int i = rank; i < rows_; ++i)
     for (int j = 0; j < width; ++j)
       if (used[index(j)] == 0) drop(i, j, significance);
-  drop_rows(rank, width, significance);
+  drop_rows(rank, width, significance, tolerance);
   return rank;
 }
 

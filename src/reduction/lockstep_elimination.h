@@ -57,8 +57,9 @@ class LockstepMatrix {
   void normalize_rows();
 
   // Eliminates the first `width` columns. The rows without pivots come to stand below those that have one; their
-  // entries in these columns count as zero. Returns the rank.
-  int eliminate(int width, Significance& significance);
+  // entries in these columns count as zero. Returns the rank. tolerance > 0: what is zero is decided by it alone, relative
+  // to the largest entry of these columns.
+  int eliminate(int width, Significance& significance, double tolerance = 0.0);
 
  private:
   struct Pivot {
@@ -68,13 +69,14 @@ class LockstepMatrix {
   };
   std::size_t first(int row, int col) const;
   Pivot find_pivot(int rank, const std::vector<char>& used) const;
+  Pivot find_largest(int rank, const std::vector<char>& used, double threshold) const;
   void swap_rows(int i, int j);
   void subtract_pivot_row(int rank, int col, const std::vector<char>& used);
   void clear_rounding_errors(int row, int col);
   // An entry counts as zero.
   void drop(int row, int col, Significance& significance) const;
   // Rows from `top` on without any value become zero.
-  void drop_rows(int top, int width, Significance& significance);
+  void drop_rows(int top, int width, Significance& significance, double tolerance);
 
   int rows_ = 0, cols_ = 0;
   std::vector<double> values_;  // row after row, the copies of an entry beside each other

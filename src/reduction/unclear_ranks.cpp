@@ -12,27 +12,29 @@ namespace sfdae::core {
 namespace {
 
 // Exponents of ten that are tried. Below 1e-17 only data with exact zeros have values.
-constexpr int exponents[] = {-30, -26, -22, -19, -17, -16, -15, -14, -13, -12,
-                             -11, -10, -9,  -8,  -7,  -6,  -5,  -4,  -3,  -2};
+constexpr int exponents[] = {-100, -75, -60, -50, -40, -33, -30, -26, -22, -19, -17, -16, -15,
+                             -14,  -13, -12, -11, -10, -9,  -8,  -7,  -6,  -5,  -4,  -3,  -2};
 
 // Neighbouring exponents with the same values.
 struct Range {
   CharacteristicValues values;
-  int first, last;
-  double tolerance() const { return std::pow(10.0, 0.5 * (first + last)); }
-  int length() const { return last - first; }
+  std::vector<int> tried;
+  // One that was tried.
+  double tolerance() const { return std::pow(10.0, tried[tried.size() / 2]); }
+  int length() const { return tried.back() - tried.front(); }
 };
 
 std::vector<Range> ranges_of(const SearchTask& task, double t) {
   std::vector<Range> ranges;
   AnalysisSettings settings = task.settings;
-  const SearchTask by_tolerance{task.problem, settings, task.arena, nullptr, task.units};
+  SearchTask by_tolerance{task.problem, settings, task.arena, nullptr, task.units};
+  by_tolerance.certified = true;
   for (int exponent : exponents) {
     settings.rank_tol = std::pow(10.0, exponent);
     const CharacteristicValues values = local_values(by_tolerance, t);
     if (values.mu < 0) continue;
-    if (!ranges.empty() && ranges.back().values == values) ranges.back().last = exponent;
-    else ranges.push_back({values, exponent, exponent});
+    if (!ranges.empty() && ranges.back().values == values) ranges.back().tried.push_back(exponent);
+    else ranges.push_back({values, {exponent}});
   }
   return ranges;
 }
@@ -56,8 +58,11 @@ std::string rank_tolerances(const SearchTask& task, double t, const Characterist
   const Range* keeping = nullptr;
   const Range* dropping = nullptr;
   for (const Range& range : ranges) {
-    const Range*& widest = range.values == certain ? keeping : dropping;
+    const bool keeps = range.values == certain;
+    const Range*& widest = keeps ? keeping : dropping;
     if (widest == nullptr || range.length() > widest->length()) widest = &range;
+    // What is dropped is so by larger tolerances.
+    if (keeps && keeping == &range) dropping = nullptr;
   }
   const auto tell = [](const Range* range, const char* what) {
     return range == nullptr

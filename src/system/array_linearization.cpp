@@ -3,6 +3,7 @@
 #include "system/array_linearization.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <optional>
 
@@ -202,6 +203,7 @@ void ArrayLinearization::measure_noise(const Jet& jet) {
 }
 
 bool ArrayLinearization::factor_step_matrix(double c) {
+  assert(is_usable_);
   if (matrix_.is_valid() && matrix_.is_for(c)) return true;
   return matrix_.factor(form_, data_.time_scale, c, counts_.factorizations);
 }
@@ -280,7 +282,7 @@ void ArrayLinearization::free_part(double factor, const double* v, double* to) c
 }
 
 void ArrayLinearization::remove_free_part(double* xdot) const {
-  if (form_.u == 0) return;
+  if (!is_usable_ || form_.u == 0) return;
   const int n = problem_.n();
   const Units& units = problem_.units();
   const Arena::Frame frame(arena_);
@@ -310,6 +312,7 @@ PointStatus ArrayLinearization::correct_derivative(double t, const double* x, do
 }
 
 void ArrayLinearization::error_in_x(const double* dw, int count, double* dx) const {
+  assert(is_usable_);
   const int m = problem_.m(), n = problem_.n();
   const Units& units = problem_.units();
   const Arena::Frame frame(arena_);

@@ -52,7 +52,7 @@ class ArrayLinearization {
   PointStatus restore(Origin origin, const RankSequence& ranks);
   void count_point() { ++origin_.age; }
 
-  // The last renewal has succeeded.
+  // The last renewal has succeeded: else nothing is left that points may be solved or errors be measured with.
   bool is_usable() const { return is_usable_; }
   Origin& origin() { return origin_; }
   const Origin& origin() const { return origin_; }

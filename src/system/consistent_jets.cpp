@@ -4,9 +4,20 @@
 
 #include <algorithm>
 
+#include "problem/failure.h"
 #include "system/jet_solver.h"
 
 namespace sfdae::core {
+
+namespace {
+
+// The search may succeed from another start.
+bool depends_on_start(const Failure& failure) {
+  return failure.status() == SFDAE_NOT_FINITE || failure.status() == SFDAE_CALLBACK_FAILED ||
+         failure.status() == SFDAE_NO_CONSISTENT_VALUES;
+}
+
+}  // namespace
 
 ConsistentJets::ConsistentJets(NonlinearProblem& problem, double t, const double* x, std::vector<char> fixed)
     : problem_(problem), fixed_(std::move(fixed)) {
@@ -34,6 +45,7 @@ ConsistentJets::Point& ConsistentJets::point_at(double t) {
   point.jet.shift(t - point.jet.t);
   point.jet.t = t;
   point.level = -1;
+  point.is_unshifted = false;
   return point;
 }
 
@@ -43,16 +55,37 @@ std::vector<double> ConsistentJets::point(double t) const {
   return {};
 }
 
+// Polynomials of stiff problems lead far off within a short time: derivatives of fast components are large where these
+// are not at rest. x alone is a better start there.
 const Jet& ConsistentJets::jet_at(double t, int level) {
   Point& point = point_at(t);
+  if (&point == &points_.front()) {
+    solve(point, level);
+    return point.jet;
+  }
+  try {
+    solve(point, level);
+    return point.jet;
+  } catch (const Failure& failure) {
+    if (point.is_unshifted || !depends_on_start(failure)) throw;
+  }
+  point.jet = points_.front().jet;
+  point.jet.set_order(0);
+  point.jet.t = t;
+  point.level = -1;
+  point.is_unshifted = true;
+  solve(point, level);
+  return point.jet;
+}
+
+void ConsistentJets::solve(Point& point, int level) {
   JetSolver solver(problem_, units_);
-  if (t == points_.front().jet.t) solver.set_fixed(fixed_);
+  if (&point == &points_.front()) solver.set_fixed(fixed_);
   solver.keep_differentiated(sizes_);
   while (point.level < level) {
     solver.solve(point.jet, point.level + 1);
     ++point.level;
   }
-  return point.jet;
 }
 
 CallbackError ConsistentJets::evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows,

@@ -48,8 +48,11 @@ class ConsistentJets final : public CoefficientSource {
   struct Point {
     Jet jet;
     int level = -1;
+    bool is_unshifted = false;  // it started from x at the first point
   };
   Point& point_at(double t);
+  // Up to the level.
+  void solve(Point& point, int level);
 
   NonlinearProblem& problem_;
   Units units_;

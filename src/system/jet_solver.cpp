@@ -97,13 +97,16 @@ bool JetSolver::accept(Jet& jet, Trial&& trial, int level) {
 }
 
 // y alone changes: true if F_level = 0 to rounding then, and nothing calls for a change of x. Large y alone may
-// fulfil the equations near points that are not consistent.
+// fulfil the equations near points that are not consistent. Where x must not change rounding of x stays in residuals,
+// which stiff equations amplify: it is enough that the jet counts as consistent.
 bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
   constexpr int most = 12;
   // Some hundred roundings of what is added up in a residual, and of what was multiplied in a change of x.
   constexpr double rounding = 1e-14, negligible = 1e-12;
   equations_.linearize(jet, level, 0.0);
   const std::size_t n = index(jet.n);
+  const std::vector<char>& fixed = equations_.fixed();
+  const bool is_x_given = !fixed.empty() && std::find(fixed.begin(), fixed.end(), 0) == fixed.end();
   Vector change;
   for (int iteration = 0; iteration < most && equations_.norm() > 0.0; ++iteration) {
     const double before = equations_.norm();
@@ -121,7 +124,7 @@ bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
     }
     for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::fabs(jet.x[i]) / equations_.units()[i]);
     if (!trial.valid || trial.norm >= still_gaining * before)
-      return wanted <= negligible * size && equations_.is_converged(jet, rounding);
+      return wanted <= negligible * size && equations_.is_converged(jet, is_x_given ? consistent_residual : rounding);
     jet = trial.jet;
     equations_.linearize(jet, level, equations_.time_scale());
   }

@@ -79,6 +79,19 @@ std::unique_ptr<LinearSystem> LinearModel::copy_of_system() {
   return std::make_unique<LinearSystem>(problem_, system_->settings(), system_->analysis(), system_->leading_term());
 }
 
+double LinearModel::certify() {
+  // The units of the unknowns belong to the system.
+  struct KeptUnits {
+    LinearProblem& problem;
+    Units units;
+    ~KeptUnits() { problem.set_units(std::move(units)); }
+  };
+  const KeptUnits kept{problem_, problem_.units()};
+  const IndexAnalysis& known = system_->analysis();
+  Arena arena;
+  return certified_distance(problem_, known.t, known, system_->settings(), arena);
+}
+
 bool LinearModel::set_point(LinearSystem& system, double t, const ModelOptions& options) {
   PointStatus status = system.move_to(t);
   if (status == PointStatus::leading_changed) {

@@ -30,6 +30,7 @@ class LinearModel final : public ModelOf<LinearSystem> {
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   void undo_restore() override;
+  double certify() override;
   std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<LinearChangeWatch>(*system_); }
 
   // Moves the system to t. Throws Failure where the characteristic values do not hold, or redundant equations

@@ -46,8 +46,9 @@ PointStatus LinearReduction::reduce(double t, const KnownForm& known, LinearPoin
                                     long& count) {
   // Ranks that took a certificate norms alone would not give.
   const RankSequence& certified = known.analysis.certified_ranks;
-  PointStatus status = attempt({t, known.analysis.time_scale, rows_, noise_, certified.count > 0 ? &certified : nullptr},
-                               known, point, error, count);
+  PointStatus status =
+      attempt({t, known.analysis.time_scale, rows_, noise_, certified.count > 0 ? &certified : nullptr}, known, point,
+              error, count);
   if (certified.count > 0 && status == PointStatus::ok && has_vanished(point)) status = PointStatus::changed;
   if (status == PointStatus::changed) status = attempt_others(t, known, point, error, count);
   if (status == PointStatus::changed) status = keep_known_ranks(t, known, point, error, count);

@@ -90,6 +90,9 @@ class Model {
   // Null before an analysis.
   virtual DaeSystem* system() = 0;
   virtual void forget_system() = 0;
+  // A certificate for the ranks of the analysis: the smallest relative change of the data that gives others, about.
+  // Throws Failure: SFDAE_RANK_UNCLEAR where it does not confirm them.
+  virtual double certify() = 0;
   // Null where x is needed, which is known at points of an integration only.
   virtual std::unique_ptr<ChangeWatch> change_watch() { return nullptr; }
 

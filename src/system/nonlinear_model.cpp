@@ -8,6 +8,7 @@
 
 #include "problem/failure.h"
 #include "system/consistent_jets.h"
+#include "system/jet_coefficients.h"
 #include "system/jet_solver.h"
 #include "system/nonlinear_values.h"
 
@@ -109,6 +110,12 @@ std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed_against_whole_array(co
 
 std::unique_ptr<NonlinearSystem> NonlinearModel::archived_system(const ModelOptions& options, Archive& archive) {
   return std::make_unique<NonlinearSystem>(*problem_, options.analysis, archive);
+}
+
+double NonlinearModel::certify() {
+  JetCoefficients source(*problem_, system_->jet(), {});
+  Arena arena;
+  return certified_distance(source, system_->jet().t, system_->analysis(), system_->settings(), arena);
 }
 
 std::unique_ptr<NonlinearSystem> NonlinearModel::copy_of_system() {

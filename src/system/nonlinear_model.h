@@ -29,6 +29,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   TaylorEvaluator* evaluator() override { return evaluator_; }
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
+  double certify() override;
   std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<NonlinearChangeWatch>(*system_); }
   // The user's function for total derivatives; null for recorded equations.
   CallbackProblem* callback() { return callback_; }

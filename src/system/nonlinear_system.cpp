@@ -8,8 +8,8 @@
 
 #include "linalg/index.h"
 #include "problem/failure.h"
-#include "reduction/rank_sequence.h"
 #include "reduction/index_analysis.h"
+#include "reduction/rank_sequence.h"
 #include "system/consistent_jets.h"
 #include "system/jet_solver.h"
 
@@ -105,13 +105,15 @@ PointStatus NonlinearSystem::check_ranks() { return rank_check_.compare(jet_, li
 // ---- Steps -----------------------------------------------------------------------------------------------------
 
 // Linearizes anew at the point accepted last, where ranks can be judged, and if need be at the start of the
-// iteration.
+// iteration. What a renewal that has failed leaves behind is none: iterations may converge with it, but errors of
+// steps come out as zero.
 template <class Iterate>
 PointStatus NonlinearSystem::iterate_with_renewal(const Jet& start, Iterate iterate) {
   const Jet& accepted = history_.accepted();
-  PointStatus status = iterate();
+  const bool is_usable = linearization_.is_usable();
+  PointStatus status = is_usable ? iterate() : PointStatus::not_converged;
   if (status == PointStatus::ok || is_hopeless(status)) return status;
-  if (linearization_.origin().jet.t != accepted.t) {
+  if (!is_usable || linearization_.origin().jet.t != accepted.t) {
     iteration_.chord().forget_rate();
     status = rank_check_.renew(accepted, linearization_, iteration_);
     if (status == PointStatus::ok) status = iterate();
@@ -216,8 +218,9 @@ void NonlinearSystem::correct_derivative(double, const double* x, double* xdot) 
   if (!exact_derivative(x, xdot)) correct_by_linearization(x, xdot);
 }
 
-// xdot stays where F cannot be evaluated.
+// xdot stays where F cannot be evaluated, or could not when it was to be linearized.
 void NonlinearSystem::correct_by_linearization(const double* x, double* xdot) {
+  if (!linearization_.is_usable()) return;
   if (linearization_.correct_derivative(jet_.t, x, xdot) != PointStatus::ok && !callback_error_.is_recoverable())
     callback_error_.raise();
 }

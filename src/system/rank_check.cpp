@@ -64,7 +64,7 @@ PointStatus RankCheck::compare(const Jet& jet, ArrayLinearization& linearization
   if (status == PointStatus::changed) {
     // What the iteration has left as residuals looks like pivots that do not vanish.
     refined_ = jet;
-    if (iteration.solve_to_rounding(linearization, refined_) == PointStatus::ok)
+    if (linearization.is_usable() && iteration.solve_to_rounding(linearization, refined_) == PointStatus::ok)
       status = match_known_ranks(refined_, linearization);
   }
   if (status == PointStatus::changed) {

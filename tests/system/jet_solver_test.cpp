@@ -260,6 +260,27 @@ TEST(ConsistentJets, SupplyTheIndexAnalysisFromGuesses) {
     }
 }
 
+// x' = 1e6 (2 - x), exp(y) = 1 + x, from x = 1: by the polynomial of the first jet y is 5e4 after 0.1, where exp(y)
+// overflows.
+TEST(ConsistentJets, StartFromValuesAloneWherePolynomialsLeadTooFar) {
+  const auto record = sfdae::core::record_equations(
+      [](sfdae_record*, sfdae_expression, const sfdae_expression* x, const sfdae_expression* xdot,
+         sfdae_expression* F, void*) {
+        const sfdae::Expression a(x[0]), b(x[1]), slope(xdot[0]);
+        F[0] = (slope - 1e6 * (2.0 - a)).c();
+        F[1] = (exp(b) - 1.0 - a).c();
+        return 0;
+      },
+      2, 2, nullptr);
+  NonlinearExample example(record);
+  const std::vector<double> x = {1.0, std::log(2.0)};
+  ConsistentJets jets(*example.problem, 0.0, x.data(), {});
+  EXPECT_NEAR(jets.jet_at(0.0, 1).column(1)[1], 5e5, 1e-6 * 5e5);
+  const Jet there = jets.jet_at(0.1, 1);
+  EXPECT_EQ(there.t, 0.1);
+  EXPECT_LE(relative_residual(*example.problem, there, 1), rounding(100));
+}
+
 // Away from the first point the jet is that of the solution: torus through its exact values.
 TEST(ConsistentJets, StayOnTheSolutionAtPointsNearby) {
   const auto& p = sfdae_test::formula_problem("torus");

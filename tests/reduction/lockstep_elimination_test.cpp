@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Values stay put relative to themselves when data are perturbed, errors move: ranks that do not depend on units.
+#include "reduction/lockstep_elimination.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "linalg/random.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Rows = std::vector<std::vector<double>>;
+
+LockstepMatrix perturbed(const Rows& rows) {
+  std::minstd_rand generator(3);
+  LockstepMatrix matrix(static_cast<int>(rows.size()), static_cast<int>(rows[0].size()));
+  for (int i = 0; i < matrix.rows(); ++i)
+    for (int j = 0; j < matrix.cols(); ++j) {
+      const double value = rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+      matrix.at(i, j)[0] = value;
+      for (int k = 1; k < LockstepMatrix::lanes; ++k)
+        matrix.at(i, j)[k] = value * (1.0 + trial_perturbation * symmetric_random(generator));
+    }
+  return matrix;
+}
+
+struct Found {
+  int rank;
+  Significance significance;
+};
+
+Found eliminated(const Rows& rows) {
+  LockstepMatrix matrix = perturbed(rows);
+  Found found{};
+  found.rank = matrix.eliminate(matrix.cols(), found.significance);
+  return found;
+}
+
+}  // namespace
+
+// An entry of 1e-30 that stands alone is as certain as one of 1.
+TEST(LockstepElimination, ExactSmallEntriesAreValues) {
+  const Found found = eliminated({{1.0, 0.0}, {1.0, 1e-30}});
+  EXPECT_EQ(found.rank, 2);
+  EXPECT_TRUE(found.significance.is_clear());
+  EXPECT_GE(found.significance.weakest, 1.0 / trial_perturbation / 10.0);
+}
+
+// 1 1; 1 1+h: the determinant h vanishes when entries change by h / 4 of themselves.
+TEST(LockstepElimination, DifferencesAreValuesAboveThePerturbationAndErrorsBelow) {
+  for (double h : {1e-3, 1e-6, 1e-10}) {
+    const Found found = eliminated({{1.0, 1.0}, {1.0, 1.0 + h}});
+    EXPECT_EQ(found.rank, 2) << h;
+    EXPECT_TRUE(found.significance.is_clear()) << h;
+    EXPECT_GE(found.significance.weakest, h / trial_perturbation / 4.0);
+    EXPECT_LE(found.significance.weakest, h / trial_perturbation * 4.0);
+  }
+  for (double h : {0.0, 4e-16, 1e-15}) {
+    const Found found = eliminated({{1.0, 1.0}, {1.0, 1.0 + h}});
+    EXPECT_EQ(found.rank, 1) << h;
+    EXPECT_TRUE(found.significance.is_clear()) << h;
+  }
+  EXPECT_FALSE(eliminated({{1.0, 1.0}, {1.0, 1.0 + 2e-12}}).significance.is_clear());
+}
+
+// Rows that depend on each other in exact arithmetic, with entries that leave rounding errors: 0.1 + 0.2 - 0.3.
+TEST(LockstepElimination, RoundingErrorsOfSumsAreNoValues) {
+  const Found found = eliminated({{0.1, 0.7, 0.3}, {0.2, 1.4, 0.6}, {0.3, 2.1, 0.9}, {0.1, 0.4, 0.3}});
+  EXPECT_EQ(found.rank, 2);
+  EXPECT_TRUE(found.significance.is_clear());
+}
+
+TEST(LockstepElimination, UnitsOfRowsAndColumnsChangeNothing) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> entry(-1.0, 1.0), exponent(-60.0, 60.0);
+  for (int trial = 0; trial < 50; ++trial) {
+    // Rank 3 of 5 x 5.
+    Rows left(5, std::vector<double>(3)), right(3, std::vector<double>(5)), product(5, std::vector<double>(5, 0.0));
+    for (auto* factor : {&left, &right})
+      for (auto& row : *factor)
+        for (double& value : row) value = entry(random);
+    for (std::size_t i = 0; i < 5; ++i)
+      for (std::size_t j = 0; j < 5; ++j)
+        for (std::size_t k = 0; k < 3; ++k) product[i][j] += left[i][k] * right[k][j];
+    const Found before = eliminated(product);
+    EXPECT_EQ(before.rank, 3);
+    for (auto& row : product) {
+      const double unit = std::exp2(std::round(exponent(random)));
+      for (double& value : row) value *= unit;
+    }
+    for (std::size_t j = 0; j < 5; ++j) {
+      const double unit = std::exp2(std::round(exponent(random)));
+      for (auto& row : product) row[j] *= unit;
+    }
+    const Found after = eliminated(product);
+    EXPECT_EQ(after.rank, 3);
+    EXPECT_EQ(after.significance.is_clear(), before.significance.is_clear());
+  }
+}
+
+// The third row is three times the second less two times the first: the pivot h takes errors of 1e-12 to 1e-12 / h in the
+// rest, where a value of 1e-4 would not be seen.
+TEST(LockstepElimination, ZerosThatMayHideValuesAreNotClear) {
+  const double h = 1e-9;
+  LockstepMatrix matrix = perturbed({{1.0, 1.0, 0.0}, {1.0, 1.0 + h, 1.0}, {1.0, 1.0 + 3.0 * h, 3.0}});
+  Significance significance;
+  EXPECT_EQ(matrix.eliminate(2, significance), 2);
+  EXPECT_GE(significance.amplification, 0.01 / h);
+  EXPECT_FALSE(significance.is_clear());
+}
+
+// Columns beside those eliminated are carried along.
+TEST(LockstepElimination, CarriesTheRest) {
+  LockstepMatrix matrix = perturbed({{2.0, 0.0, 1.0}, {4.0, 0.0, 5.0}});
+  Significance significance;
+  ASSERT_EQ(matrix.eliminate(2, significance), 1);
+  // [2 0 | 1], then [4 0 | 5] - 2 [2 0 | 1], or the other way round: -1/2 of that.
+  const double rest = matrix.at(1, 2)[0];
+  EXPECT_TRUE(rest == 3.0 || rest == -1.5) << rest;
+}
+
+}  // namespace sfdae::core
