@@ -362,9 +362,9 @@ std::optional<LocatedChange> Integration::change_nearby() const {
 
 CallResult Integration::give_up(StepOutcome outcome) {
   if (!change_) {
-    integrator_.must_restart = true;
     if (outcome == StepOutcome::changed) change_ = change_at_failure();
     else if (outcome != StepOutcome::callback_error) change_ = watch_ ? watch_->find_beyond() : change_nearby();
+    integrator_.must_restart = true;
   }
   if (change_) return result_of_change(integrator_.system, *change_);
   // Errors of derivatives look like jumps of the solution.

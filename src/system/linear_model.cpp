@@ -15,8 +15,8 @@ namespace sfdae::core {
 
 namespace {
 
-// What is asked for of a problem may need differences of higher orders, with other spacings: those in use come back
-// when this ends, as an integration goes on with them.
+// What is asked for of a problem may need other units, and differences of higher orders with other spacings: those in
+// use come back when this ends, as the system and an integration go on with them.
 class SameSettings {
  public:
   explicit SameSettings(LinearProblem& problem) : problem_(problem), settings_(problem.settings()) {}
@@ -80,13 +80,7 @@ std::unique_ptr<LinearSystem> LinearModel::copy_of_system() {
 }
 
 double LinearModel::certify() {
-  // The units of the unknowns belong to the system.
-  struct KeptUnits {
-    LinearProblem& problem;
-    Units units;
-    ~KeptUnits() { problem.set_units(std::move(units)); }
-  };
-  const KeptUnits kept{problem_, problem_.units()};
+  const SameSettings same(problem_);
   const IndexAnalysis& known = system_->analysis();
   Arena arena;
   return certified_distance(problem_, known.t, known, system_->settings(), arena);

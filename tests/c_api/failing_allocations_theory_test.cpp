@@ -68,6 +68,10 @@ std::vector<Call> get_all_at(double t) {
           })};
 }
 
+Call certify() {
+  return get("certify", [](sfdae_solver* solver, double* to) { return sfdae_certify(solver, to); });
+}
+
 void run_with_theory(Sequence sequence, const std::vector<Call>& getters) {
   std::vector<Call> all = std::move(sequence.calls);
   all.insert(all.end(), getters.begin(), getters.end());
@@ -162,11 +166,11 @@ Call start_downward() {
 TEST_P(Methods, WhereTheSlopeIsGuessed) {
   sfdae_options options = options_of(GetParam(), 1e-3);
   options.xdot_is_guess = 1;
-  run_with_faults(
-      {"guess of a slope",
-       {1.0},
-       {create_call(create_recorded<record_square, 1>, options), start_downward(), advance("advance", 0.5)},
-       1e-2});
+  run_with_faults({"guess of a slope",
+                   {1.0},
+                   {create_call(create_recorded<record_square, 1>, options), start_downward(), certify(),
+                    advance("advance", 0.5)},
+                   1e-2});
 }
 
 // x' = y,  x^2 + y^2 = 1: x = sin t, and F_x' and the constraint leave y open at t = pi / 2.
@@ -221,8 +225,12 @@ TEST_P(Methods, WhereRanksNeedACertificate) {
     return sfdae_create_linear(solver, &problem, &options);
   };
   const std::vector<double> x(6, 0.0);
-  std::vector<Call> calls = {create_call(create, options_of(GetParam(), 1e-3)), analyze(x, false), start("start", x),
-                             advance("advance", 0.1)};
+  std::vector<Call> calls = {create_call(create, options_of(GetParam(), 1e-3)),
+                             analyze(x, false),
+                             start("start", x),
+                             certify(),
+                             advance("advance", 0.1),
+                             certify()};
   for (Call& call : checkpoint_calls()) calls.push_back(std::move(call));
   calls.push_back(restore());
   calls.push_back(advance("advance after restore", 0.2));

@@ -160,4 +160,40 @@ TEST(Theory, CallbacksOfMechanicalSystemsHaveNoArray) {
   EXPECT_EQ(status_of([&] { solver.derivative_array(0.0, 1); }), SFDAE_ORDER_MISSING);
 }
 
+// The plain derivatives of functions by differences: objects that need higher orders choose other spacings for
+// themselves only.
+TEST(Theory, LeavesTheDifferencesOfAnIntegration) {
+  sfdae::LinearProblem problem(2, 2);
+  const auto has = [](int order) { return order > 0 ? SFDAE_ORDER_NOT_AVAILABLE : 0; };
+  problem.E = [has](double t, int order, sfdae::MatrixRef E) {
+    E(0, 0) = 1.0;
+    E(0, 1) = 0.5 * std::sin(3.0 * t);
+    return has(order);
+  };
+  problem.A = [has](double t, int order, sfdae::MatrixRef A) {
+    A(0, 0) = -std::cos(t);
+    A(1, 0) = 1.0;
+    A(1, 1) = 2.0 + std::sin(t);
+    return has(order);
+  };
+  problem.f = [has](double t, int order, sfdae::VectorRef f) {
+    f[1] = std::exp(-t);
+    return has(order);
+  };
+  sfdae::Options options;
+  options.difference_derivatives = 1;
+  sfdae::Solver one(problem, options), other(problem, options);
+  sfdae::Point of_one{0.0, {0.3, 0.1}, {}}, of_other = of_one;
+  one.start(of_one, 2.0);
+  other.start(of_other, 2.0);
+  for (const double t : {0.5, 1.0, 1.5}) {
+    one.derivative_array(t, 3);
+    one.projectors(t);
+    one.advance(t, of_one);
+    other.advance(t, of_other);
+    EXPECT_EQ(of_one.x, of_other.x);
+    EXPECT_EQ(of_one.xdot, of_other.xdot);
+  }
+}
+
 }  // namespace
