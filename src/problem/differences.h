@@ -21,7 +21,7 @@ struct DifferenceFormula {
   void apply(int k, double step, const double* samples, int length, double* derivative, double* error) const;
   // errors: of every entry, judged by its own samples alone: samples that are all equal have derivatives that are
   // exactly zero, those that are not smooth have the error of what makes them rough
-  // (docs/decisions/38-errors-of-differences.md).
+  // (docs/decisions/33-errors-of-differences.md).
   void apply_by_entry(int k, double step, const double* samples, int length, double* derivative,
                       double* errors) const;
 

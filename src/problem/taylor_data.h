@@ -93,7 +93,7 @@ class TaylorData {
   double noise_f(int level) const;
 
   // Estimated errors of derivatives by differences, which = 'E', 'A' or 'f': absolute ones of plain derivatives, one
-  // for each entry of E(k), A(k) (m x n) or f(k) (m) (docs/decisions/38-errors-of-differences.md). Order 0 has none.
+  // for each entry of E(k), A(k) (m x n) or f(k) (m) (docs/decisions/33-errors-of-differences.md). Order 0 has none.
   bool has_errors(char which) const { return !errors_[slot(which)].empty(); }
   bool has_errors() const { return has_errors('E') || has_errors('A') || has_errors('f'); }
   // Room for them, all zero at first.

@@ -320,7 +320,55 @@ static void changes_are_located(void) {
   sfdae_destroy(&solver);
 }
 
+/* ---- Certificates ------------------------------------------------------------------------------- */
+
+/* [1 1; 1 1+h] x' = -x: entries that change by h / 4 of themselves make E singular. */
+static double h;
+
+static int nearly_singular(double t, int order, double* matrix, void* user) {
+  (void)t, (void)user;
+  if (order == 0) matrix[0] = matrix[1] = matrix[2] = 1, matrix[3] = 1 + h;
+  return 0;
+}
+
+static int minus_identity(double t, int order, double* matrix, void* user) {
+  (void)t, (void)user;
+  if (order == 0) matrix[0] = matrix[3] = -1;
+  return 0;
+}
+
+static void certificates_tell_the_distance(void) {
+  for (h = 1e-2; h > 1e-7; h /= 10) {
+    sfdae_linear_problem problem;
+    sfdae_solver* solver = NULL;
+    double distance = -1, x[2] = {1, 1}, t, before[2], after[2];
+    char text[4000];
+    sfdae_linear_problem_init(&problem, sizeof problem);
+    problem.num_equations = problem.num_unknowns = 2;
+    problem.E = nearly_singular;
+    problem.A = minus_identity;
+    CHECK_STATUS(sfdae_create_linear(&solver, &problem, NULL), SFDAE_OK);
+    CHECK_STATUS(sfdae_certify(solver, &distance), SFDAE_NOT_STARTED);
+    CHECK(distance == -1);
+    CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
+    CHECK_STATUS(sfdae_certify(solver, &distance), SFDAE_OK);
+    CHECK(distance >= h / 20 && distance <= h);
+    CHECK_STATUS(sfdae_report(solver, text, sizeof text, NULL), SFDAE_OK);
+    CHECK(strstr(text, "the smallest relative change of the data that gives another answer is about") != NULL);
+    /* Nothing of the integration changes. */
+    CHECK_STATUS(sfdae_advance(solver, 1, &t, before, NULL), SFDAE_OK);
+    x[0] = x[1] = 1;
+    CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
+    CHECK_STATUS(sfdae_advance(solver, 1, &t, after, NULL), SFDAE_OK);
+    CHECK(memcmp(before, after, sizeof before) == 0);
+    CHECK_STATUS(sfdae_certify(solver, NULL), SFDAE_OK);
+    sfdae_destroy(&solver);
+  }
+  CHECK_STATUS(sfdae_certify(NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);
+}
+
 int main(void) {
+  certificates_tell_the_distance();
   report_is_complete_in_every_phase();
   decisions_support_the_characteristics();
   svd_judges_the_whole_array();

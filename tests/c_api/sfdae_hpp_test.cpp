@@ -512,6 +512,7 @@ TEST(Solver, LooksInside) {
   EXPECT_EQ(s.residual, 0);
 
   EXPECT_EQ(solver.check_derivatives(0.5, 1).suspicious, 0);
+  EXPECT_GE(solver.certify(), 1e-3);
   EXPECT_STREQ(sfdae::version(), sfdae_version());
   EXPECT_STREQ(sfdae::status_name(SFDAE_BUSY), "SFDAE_BUSY");
 }

@@ -295,7 +295,7 @@ contains
     type(dae_solver) :: solver
     integer(c_int) :: status
     character(len=:), allocatable :: text
-    real(dp) :: t, x(3)
+    real(dp) :: t, x(3), distance
 
     call solver%create(problem, status)
     x = 0
@@ -306,6 +306,11 @@ contains
     call check(len(text) > 200 .and. index(text, achar(0)) == 0, "length of the report")
     call check(index(text, new_line('a')) > 0, "lines of the report")
     call check(index(text, "strangeness index 1") > 0, "strangeness index in the report")
+    call solver%certify(distance, status)
+    call check_status(status, sfdae_ok, "certify")
+    call check(distance > 1.0e-3_dp .and. distance <= 1.0_dp, "distance of a tame problem")
+    call solver%report(text, status)
+    call check(index(text, "gives another answer") > 0, "distance in the report")
     call solver%destroy()
   end subroutine writes_report
 
