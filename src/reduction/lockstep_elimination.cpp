@@ -18,6 +18,8 @@ constexpr double arithmetic = 0x1p-47;
 // Bounds of amplifications and significances that make decisions clear: docs/decisions/32-certificates.md.
 constexpr double moderate_amplification = 1e4, largest_amplification = 1e8;
 constexpr double visible_value = 3.0, certain_value = 1e6;
+// Of zeros that errors have blown up: above, they stand clear of single roundings of the data.
+constexpr double rounding_significance = 2e-3;
 // Significances within this factor of each other are alike: the larger entry is the better pivot.
 constexpr double alike = 4.0;
 
@@ -45,7 +47,7 @@ bool Significance::is_clear() const {
   // than its own size is, and values may move by a third. Where they grow to 1e-8, zeros have to move by far more than
   // their size, and values that could be hidden are looked for in vain only if all the others are certain.
   if (amplification < moderate_amplification) return weakest > visible_value && strongest < 1.0;
-  return amplification < largest_amplification && weakest > certain_value && strongest * clear_significance < 1.0;
+  return amplification < largest_amplification && weakest > certain_value && strongest < rounding_significance;
 }
 
 void Significance::join(const Significance& other) {

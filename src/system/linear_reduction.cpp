@@ -17,7 +17,7 @@ namespace sfdae::core {
 namespace {
 
 // Errors of other signs are rarely larger than the largest of these by much. Chosen.
-constexpr int error_samples = 2;
+constexpr int error_samples = 4;
 
 // Values that are nothing but rounding errors.
 bool has_vanished(const LinearPoint& point) {
