@@ -45,16 +45,22 @@ struct Exponents {
 // Units from 2^-300 to 2^300: products of three of them are finite.
 constexpr double largest_exponent = 300.0;
 // Squares of gradients below this are those of exponents that are right to a fraction of a bit.
-constexpr double converged = 1e-10;
+constexpr double converged = 1e-3;
 // Entries that lie this many bits below the others may be rounding errors: a thousand of them at most, so that values
 // down to 1e-12 are left alone (docs/decisions/32-certificates.md).
 constexpr double suspicious_bits = 41.0;
 // And those below 1e-15 are.
 constexpr double rounding_bits = 49.8;
-// Mean squares follow outliers half of the way and more rarely less than a quarter: entries above this are none.
-constexpr double inconspicuous_bits = suspicious_bits / 4.0;
 // Units in use that are as good as balanced ones: within a factor of 2^6.
 constexpr double alike_bits = 6.0;
+// Mean squares follow outliers by what they determine of the units, (m + n) / entries of it on the average; small
+// problems half of the way and more rarely less than a quarter. Entries above this are no outliers.
+double inconspicuous_bits(std::size_t units, std::size_t entries) {
+  const double followed = 2.0 * static_cast<double>(units) / static_cast<double>(entries);
+  return suspicious_bits * std::max(0.25, 1.0 - followed);
+}
+// Well above what accidents make of entries of one size, well below what hides values: by judgement.
+constexpr double even_ratio = 0x1p16;
 // Reweighted mean squares approach least absolute values; by judgement.
 constexpr int reweightings = 25;
 
@@ -141,10 +147,10 @@ void bring_near(const std::vector<double>& point, Exponents& x) {
   for (std::size_t j = 0; j < x.n; ++j) x.values[x.m + j] += sum / count;
 }
 
-TaylorData evaluated(CoefficientSource& source, double t, const Units& units, double tau) {
+TaylorData evaluated(CoefficientSource& source, double t, const Units& units) {
   source.set_units(units);
   TaylorData data;
-  const CallbackError error = source.evaluate(t, {0, 0, -1}, tau, data);
+  const CallbackError error = source.evaluate(t, {0, 0, -1}, 0.0, data);
   if (error.status != SFDAE_OK) error.raise();
   return data;
 }
@@ -170,19 +176,21 @@ struct Largest {
   }
 };
 
-std::vector<LogEntry> entries_of(const TaylorData& data, const TaylorData& in_usual_units) {
-  const Largest largest(in_usual_units);
+// data: in the usual units; the entries are those in units of one.
+std::vector<LogEntry> entries_of(const TaylorData& data, const Units& usual) {
+  const Largest largest(data);
   std::vector<LogEntry> entries;
   for (bool is_E : {true, false}) {
     const ConstView matrix = is_E ? data.E(0) : data.A(0);
-    const ConstView usual = is_E ? in_usual_units.E(0) : in_usual_units.A(0);
     // A holds tau times A.
-    const double unit = is_E ? 0.0 : std::log2(data.time_scale);
-    for (int j = 0; j < data.n; ++j)
+    const double unit_of_time = is_E ? 0.0 : std::log2(data.time_scale);
+    for (int j = 0; j < data.n; ++j) {
+      const double unit = unit_of_time + std::log2(usual[j]);
       for (int i = 0; i < data.m; ++i)
         if (const double a = std::fabs(matrix(i, j)); a > 0.0)
-          entries.push_back({index(i), index(j), is_E ? 1.0 : 0.0, std::log2(a) - unit, 1.0,
-                             largest.suspicion_of(std::fabs(usual(i, j)), i, j)});
+          entries.push_back(
+              {index(i), index(j), is_E ? 1.0 : 0.0, std::log2(a) - unit, 1.0, largest.suspicion_of(a, i, j)});
+    }
   }
   return entries;
 }
@@ -255,6 +263,19 @@ bool are_balanced_without_suspects(std::vector<LogEntry> entries, const Units& u
 
 }  // namespace
 
+bool has_even_entries(CoefficientSource& source, double t, const Units& usual) {
+  const TaylorData data = evaluated(source, t, usual);
+  double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
+  for (ConstView matrix : {data.E(0), data.A(0)})
+    for (int j = 0; j < data.n; ++j)
+      for (int i = 0; i < data.m; ++i) {
+        const double size = std::fabs(matrix(i, j));
+        largest = std::max(largest, size);
+        if (size > 0.0) smallest = std::min(smallest, size);
+      }
+  return largest <= even_ratio * smallest;
+}
+
 bool are_balanced(const Units& used, double time, const BalancedUnits& balanced) {
   if (std::fabs(std::log2(time / balanced.time)) > alike_bits) return false;
   double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
@@ -267,16 +288,16 @@ bool are_balanced(const Units& used, double time, const BalancedUnits& balanced)
 }
 
 BalancedUnits balanced_units(CoefficientSource& source, double t, const Units& usual) {
-  const TaylorData in_usual_units = evaluated(source, t, usual, 0.0);
-  const TaylorData data = evaluated(source, t, {}, 1.0);
-  std::vector<LogEntry> entries = entries_of(data, in_usual_units);
-  if (!are_balanced_without_suspects(entries, usual, in_usual_units))
+  const TaylorData data = evaluated(source, t, usual);
+  std::vector<LogEntry> entries = entries_of(data, usual);
+  if (!are_balanced_without_suspects(entries, usual, data))
     for (LogEntry& e : entries) e.suspicion = Suspicion::none;
   Exponents x(index(data.m), index(data.n));
   fit(entries, x);
   BalancedUnits units;
+  const double inconspicuous = inconspicuous_bits(x.m + x.n, entries.size());
   const auto is_conspicuous = [&](const LogEntry& e) {
-    return e.suspicion != Suspicion::none || lies_below(e, x, inconspicuous_bits);
+    return e.suspicion != Suspicion::none || lies_below(e, x, inconspicuous);
   };
   if (std::any_of(entries.begin(), entries.end(), is_conspicuous)) {
     const std::vector<LogEntry> suspects = take_suspects(entries, Exponents(x.m, x.n));

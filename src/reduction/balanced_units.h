@@ -30,6 +30,9 @@ struct BalancedUnits {
 // balanced ones, what is small there against the largest entries of its row and its column is suspicious, too. Throws Failure. The units of the source are changed.
 BalancedUnits balanced_units(CoefficientSource& source, double t, const Units& usual);
 
+// Whether the entries at t are within 2^16 of each other in the usual units: there is nothing to balance. Throws Failure.
+bool has_even_entries(CoefficientSource& source, double t, const Units& usual);
+
 // Whether units of the unknowns and of time in use are as good.
 bool are_balanced(const Units& used, double time, const BalancedUnits& balanced);
 

@@ -96,7 +96,10 @@ class Analysis {
     scaled_.time_scale = 0.0;
     scaled_.rank_tol = 0.0;
     usual_ = choose_units(problem, place.t);
-    balanced_ = balanced_units(problem, place.t, usual_);
+    is_even_ = has_even_entries(problem, place.t, usual_);
+    // Along a jet the values given count, not what a search has made of them.
+    is_balanced_ = !is_even_ || settings.rank_tol > 0.0 || !problem.point(place.t).empty();
+    if (is_balanced_) balanced_ = balanced_units(problem, place.t, usual_);
   }
 
   IndexAnalysis by_tolerance(std::vector<RankDecision>& decisions);
@@ -120,6 +123,8 @@ class Analysis {
   AnalysisSettings scaled_;  // with what fits balanced units
   Arena& arena_;
   Units usual_;
+  bool is_even_ = false;  // in usual units; balanced ones are only found where more is needed
+  bool is_balanced_ = false;
   BalancedUnits balanced_;
 };
 
@@ -140,7 +145,7 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
   try {
     quick = analyze_at_two_points({problem_, settings_, arena_, &decisions}, place_).analysis;
     if (!balanced_.has_suspects && are_clear_by_far(decisions, is_singular(quick->values)) &&
-        (are_balanced(usual_, quick->time_scale, balanced_) || is_confirmed_in_balanced_units(*quick))) {
+        (is_even_ || are_balanced(usual_, quick->time_scale, balanced_) || is_confirmed_in_balanced_units(*quick))) {
       problem_.set_units(usual_);
       return *quick;
     }
@@ -148,6 +153,7 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
     if (!is_about_ranks(failure)) throw;
     failed = failure;
   }
+  if (!is_balanced_) balanced_ = balanced_units(problem_, place_.t, usual_);
   AnalysisOutcome certified;
   SearchTask task = task_in_balanced_units(nullptr);
   task.certified = true;
