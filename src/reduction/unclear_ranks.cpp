@@ -28,7 +28,7 @@ std::vector<Range> ranges_of(const SearchTask& task, double t) {
   std::vector<Range> ranges;
   AnalysisSettings settings = task.settings;
   SearchTask by_tolerance{task.problem, settings, task.arena, nullptr, task.units};
-  by_tolerance.certified = true;
+  by_tolerance.certified = task.units != nullptr;
   for (int exponent : exponents) {
     settings.rank_tol = std::pow(10.0, exponent);
     const CharacteristicValues values = local_values(by_tolerance, t);
