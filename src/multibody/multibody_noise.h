@@ -23,11 +23,12 @@ class MultibodyNoise {
   const std::vector<double>& of_steps() const { return of_steps_; }
 
  private:
-  void of_residuals(const MultibodyPoint& point, const Partition& partition, double* g, double* velocity,
+  void add_sample(const MultibodyPoint& point, const MultibodyForm& form, int sample, Arena& arena);
+  void of_residuals(const MultibodyPoint& point, const Partition& partition, int sample, double* g, double* velocity,
                     double* forces) const;
 
   std::vector<double> at_rest_;   // of (q, v), accelerations aside
-  std::vector<double> of_rates_;  // of accelerations, in local coordinates
+  std::vector<double> of_rates_;  // of accelerations, in local coordinates, sample by sample
   std::vector<double> of_steps_;
 };
 
