@@ -258,7 +258,8 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
     return *quick;
   }
   // Even data whose ranks norms make clear by far: what perturbed copies lose is the size of the array.
-  if (quick && is_even_ && !certified.is_clear && smallest_gap(decisions) >= gap_of_singular &&
+  const bool is_usual_good = is_even_ || (quick && are_balanced(usual_, quick->time_scale, balanced_));
+  if (quick && is_usual_good && !certified.is_clear && smallest_gap(decisions) >= gap_of_singular &&
       smallest_kept(decisions) >= kept_by_far) {
     problem_.set_units(usual_);
     return *quick;
