@@ -18,8 +18,6 @@ namespace sfdae::core {
 sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
   const IndexAnalysis& analysis = solver.system()->analysis();
   const CharacteristicValues& values = analysis.values;
-  double smallest_gap = 1e300;
-  for (const RankDecision& decision : solver.decisions) smallest_gap = std::min(smallest_gap, decision.gap);
   return {sizeof(sfdae_characteristics),
           analysis.t,
           values.mu,
@@ -30,7 +28,7 @@ sfdae_characteristics characteristics_of(const sfdae_solver& solver) {
           analysis.rank_E,
           code_of(solver.system()->leading_term()),
           analysis.time_scale,
-          smallest_gap};
+          smallest_gap(solver.decisions)};
 }
 
 sfdae_statistics statistics_of(const sfdae_solver& solver) {

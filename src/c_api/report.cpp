@@ -40,12 +40,9 @@ std::string analysis_report(const sfdae_solver& solver) {
   std::string text = format("strangeness index %d", values.mu);
   if (values.u == 0 && values.v == 0) text += format(" (differentiation index %d)", values.a > 0 ? values.mu + 1 : 0);
   text += format(": d = %d, a = %d, u = %d, v = %d\n", values.d, values.a, values.u, values.v);
-  double gap = 1e300;
+  const double gap = smallest_gap(solver.decisions);
   Verdict worst = Verdict::clear;
-  for (const RankDecision& decision : solver.decisions) {
-    gap = std::min(gap, decision.gap);
-    worst = std::max(worst, decision.verdict);
-  }
+  for (const RankDecision& decision : solver.decisions) worst = std::max(worst, decision.verdict);
   const char* summary = worst == Verdict::clear       ? "every decision is safe"
                         : worst == Verdict::confirmed ? "doubtful decisions were confirmed by a second computation"
                         : worst == Verdict::user      ? "ranks were decided by rank_tol"

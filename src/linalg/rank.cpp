@@ -50,4 +50,17 @@ RankDecision decide_rank(const double* values, int count, int stride, const Rank
   return decision;
 }
 
+double smallest_gap(const std::vector<RankDecision>& decisions) {
+  double gap = largest_gap;
+  for (const RankDecision& decision : decisions) gap = std::min(gap, decision.gap);
+  return gap;
+}
+
+double smallest_kept(const std::vector<RankDecision>& decisions) {
+  double kept = 1.0;
+  for (const RankDecision& decision : decisions)
+    if (decision.rank > 0) kept = std::min(kept, decision.kept);
+  return kept;
+}
+
 }  // namespace sfdae::core

@@ -48,4 +48,8 @@ struct RankScale {
 // Judges `count` decreasing magnitudes values[0], values[stride], ...
 RankDecision decide_rank(const double* values, int count, int stride, const RankScale& scale);
 
+// The smallest gap, 1e300 without decisions, and the smallest value kept, 1 where none is.
+double smallest_gap(const std::vector<RankDecision>& decisions);
+double smallest_kept(const std::vector<RankDecision>& decisions);
+
 }  // namespace sfdae::core

@@ -206,8 +206,9 @@ inline void multiply_few(double alpha, ConstView a, const double* x, double beta
 }
 
 // A := A^-1 by Gauss-Jordan elimination with pivoting, for well-conditioned matrices; the pivots are returned, and
-// the exchanges of rows (counted from 0). False if a pivot vanishes.
+// the exchanges of rows (counted from 0). False if a pivot vanishes, or products of its inverse would overflow.
 inline bool invert(View a, double* pivots, int* exchanges) {
+  constexpr double smallest_pivot = 1e-150;
   const int n = a.cols;
   for (int k = 0; k < n; ++k) {
     double* x = a.column(k);
@@ -216,7 +217,7 @@ inline bool invert(View a, double* pivots, int* exchanges) {
       if (std::fabs(x[i]) > std::fabs(x[best])) best = i;
     exchanges[k] = best;
     pivots[k] = x[best];
-    if (x[best] == 0.0) return false;
+    if (std::isless(std::fabs(x[best]), smallest_pivot)) return false;
     if (best != k)
       for (int j = 0; j < n; ++j) std::swap(a(k, j), a(best, j));
     const double inverse = 1.0 / x[k];

@@ -13,6 +13,12 @@ namespace sfdae::core {
 
 namespace {
 
+// Rows of which the inverse of their size would overflow vanish.
+double unit_of(double size) {
+  constexpr double smallest = 1e-300;
+  return size < smallest ? 0.0 : size;
+}
+
 // Squares that would overflow or vanish are taken of entries relative to the largest one.
 double row_length(ConstView a, int i) {
   constexpr double smallest = 1e-140, largest = 1e140;
@@ -75,10 +81,10 @@ void MultibodyPoint::measure_rows() {
   const int nl = terms.g_q.rows(), nc = terms.C.rows();
   const double kinematics = terms.S.rows() > 0 ? mean_length(terms.S) : 1.0;
   for (int i = 0; i < nl; ++i) {
-    position_units[index(i)] = row_length(terms.g_q, i);
-    velocity_units[index(i)] = kinematics * position_units[index(i)];
+    position_units[index(i)] = unit_of(row_length(terms.g_q, i));
+    velocity_units[index(i)] = unit_of(kinematics * position_units[index(i)]);
   }
-  for (int i = nl; i < nc; ++i) velocity_units[index(i)] = row_length(terms.C, i);
+  for (int i = nl; i < nc; ++i) velocity_units[index(i)] = unit_of(row_length(terms.C, i));
 }
 
 void MultibodyPoint::velocity_residuals(double* residuals) const {

@@ -25,8 +25,8 @@ class CoefficientSource {
   virtual CallbackError evaluate(double t, Orders orders, double time_scale, TaylorData& data,
                                  RowScaling rows = RowScaling::each,
                                  const std::vector<double>* preferred_rows = nullptr) = 0;
-  // Values of the unknowns at t, where coefficients belong to a point; empty: none. After an evaluation at t.
-  virtual std::vector<double> point(double) const { return {}; }
+  // Coefficients are those along a jet, which has residuals and rounding errors of its own.
+  virtual bool is_along_jet() const { return false; }
   // evaluate() multiplies column j of E and A by scale[j] (powers of two) from now on: unknowns x_j / scale[j].
   // Empty: 1.
   virtual void set_units(Units units) = 0;

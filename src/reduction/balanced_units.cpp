@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "linalg/index.h"
-#include "problem/failure.h"
 
 namespace sfdae::core {
 
@@ -56,7 +55,7 @@ constexpr double alike_bits = 6.0;
 // Mean squares follow outliers by what they determine of the units, (m + n) / entries of it on the average; small
 // problems half of the way and more rarely less than a quarter. Entries above this are no outliers.
 double inconspicuous_bits(std::size_t units, std::size_t entries) {
-  const double followed = 2.0 * static_cast<double>(units) / static_cast<double>(entries);
+  const double followed = 2.0 * static_cast<double>(units) / static_cast<double>(std::max<std::size_t>(entries, 1));
   return suspicious_bits * std::max(0.25, 1.0 - followed);
 }
 // Well above what accidents make of entries of one size, well below what hides values: by judgement.
@@ -133,26 +132,6 @@ void mark(const std::vector<LogEntry>& suspects, const Exponents& x, BalancedUni
     (e.time > 0.0 ? units.suspects_E : units.suspects_A)[e.row + e.column * x.m] =
         is_rounding ? Suspicion::certain : Suspicion::maybe;
   }
-}
-
-// A factor common to all unknowns is free: at a point it brings their values near one, too.
-void bring_near(const std::vector<double>& point, Exponents& x) {
-  double sum = 0.0, count = 0.0;
-  for (std::size_t j = 0; j < point.size(); ++j)
-    if (point[j] != 0.0) {
-      sum += std::log2(std::fabs(point[j])) - x.values[x.m + j];
-      count += 1.0;
-    }
-  if (count == 0.0) return;
-  for (std::size_t j = 0; j < x.n; ++j) x.values[x.m + j] += sum / count;
-}
-
-TaylorData evaluated(CoefficientSource& source, double t, const Units& units) {
-  source.set_units(units);
-  TaylorData data;
-  const CallbackError error = source.evaluate(t, {0, 0, -1}, 0.0, data);
-  if (error.status != SFDAE_OK) error.raise();
-  return data;
 }
 
 // The largest entries of rows and columns of [E tau A].
@@ -263,8 +242,7 @@ bool are_balanced_without_suspects(std::vector<LogEntry> entries, const Units& u
 
 }  // namespace
 
-bool has_even_entries(CoefficientSource& source, double t, const Units& usual) {
-  const TaylorData data = evaluated(source, t, usual);
+bool has_even_entries(const TaylorData& data) {
   double smallest = std::numeric_limits<double>::infinity(), largest = 0.0;
   for (ConstView matrix : {data.E(0), data.A(0)})
     for (int j = 0; j < data.n; ++j)
@@ -287,8 +265,7 @@ bool are_balanced(const Units& used, double time, const BalancedUnits& balanced)
   return std::log2(largest / smallest) <= alike_bits;
 }
 
-BalancedUnits balanced_units(CoefficientSource& source, double t, const Units& usual) {
-  const TaylorData data = evaluated(source, t, usual);
+BalancedUnits balanced_units(const TaylorData& data, const Units& usual) {
   std::vector<LogEntry> entries = entries_of(data, usual);
   if (!are_balanced_without_suspects(entries, usual, data))
     for (LogEntry& e : entries) e.suspicion = Suspicion::none;
@@ -307,7 +284,6 @@ BalancedUnits balanced_units(CoefficientSource& source, double t, const Units& u
       mark(suspects, x, units);
     }
   }
-  bring_near(source.point(t), x);
   units.unknowns = units_of(x);
   units.time = unit_of(x.of_time());
   return units;

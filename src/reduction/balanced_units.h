@@ -12,7 +12,7 @@
 
 #include <vector>
 
-#include "problem/coefficient_source.h"
+#include "problem/taylor_data.h"
 
 namespace sfdae::core {
 
@@ -26,12 +26,12 @@ struct BalancedUnits {
   bool has_suspects = false;  // any that may be values
 };
 
-// Of E and A at t. usual: units of the unknowns in which columns are of comparable size; if they are as good as
-// balanced ones, what is small there against the largest entries of its row and its column is suspicious, too. Throws Failure. The units of the source are changed.
-BalancedUnits balanced_units(CoefficientSource& source, double t, const Units& usual);
+// data: E and A at a point in the usual units of the unknowns, in which columns are of comparable size; if these are as
+// good as balanced ones, what is small there against the largest entries of its row and its column is suspicious, too.
+BalancedUnits balanced_units(const TaylorData& data, const Units& usual);
 
-// Whether the entries at t are within 2^16 of each other in the usual units: there is nothing to balance. Throws Failure.
-bool has_even_entries(CoefficientSource& source, double t, const Units& usual);
+// Whether the entries are within 2^16 of each other: there is nothing to balance.
+bool has_even_entries(const TaylorData& data);
 
 // Whether units of the unknowns and of time in use are as good.
 bool are_balanced(const Units& used, double time, const BalancedUnits& balanced);

@@ -7,7 +7,7 @@
 #include <cstddef>
 
 #include "linalg/index.h"
-#include "problem/failure.h"
+#include "reduction/usual_units.h"
 
 namespace sfdae::core {
 
@@ -67,10 +67,7 @@ void scale_others(const TaylorData& data, const std::vector<char>& is_differenti
 }  // namespace
 
 Units fast_units(CoefficientSource& source, double t, double tau) {
-  source.set_units({});
-  TaylorData data;
-  const CallbackError error = source.evaluate(t, {0, 0, -1}, tau, data);
-  if (error.status != SFDAE_OK) error.raise();
+  const TaylorData data = data_in_units(source, t, {}, tau);
   std::vector<char> is_differential(index(data.m), 0), is_scaled(index(data.n), 0);
   for (int j = 0; j < data.n; ++j)
     for (int i = 0; i < data.m; ++i)

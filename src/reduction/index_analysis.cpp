@@ -7,59 +7,17 @@
 #include <limits>
 #include <optional>
 
-#include "linalg/index.h"
 #include "problem/failure.h"
 #include "reduction/balanced_units.h"
 #include "reduction/certificate.h"
-#include "reduction/fast_units.h"
+#include "reduction/jet_analysis.h"
 #include "reduction/two_point_analysis.h"
 #include "reduction/unclear_ranks.h"
+#include "reduction/usual_units.h"
 
 namespace sfdae::core {
 
 namespace {
-
-// Units of the unknowns: columns of [E A] that differ by more than moderate_column_ratio are scaled to comparable
-// size. Columns below smallest_column are left alone: they may be rounding errors
-// (docs/decisions/06-units-of-unknowns.md).
-Units choose_units(CoefficientSource& problem, double t) {
-  constexpr double moderate_column_ratio = 1024.0, smallest_column = 1e-12;
-  const std::size_t n = index(problem.n());
-  std::vector<double> scale(n, 1.0);
-  bool needed = false;
-  // Scaling of rows and columns depends on each other: two sweeps.
-  for (int sweep = 0; sweep < 2; ++sweep) {
-    problem.set_units(scale);
-    TaylorData data;
-    const CallbackError error = problem.evaluate(t, {0, 0, -1}, 0.0, data);
-    if (error.status != SFDAE_OK) error.raise();
-    std::vector<double> size(n);
-    double largest = 0.0, smallest = std::numeric_limits<double>::infinity();
-    for (std::size_t j = 0; j < n; ++j) {
-      const int column = static_cast<int>(j);
-      size[j] = std::max(max_abs(data.E(0).column(column), data.m), max_abs(data.A(0).column(column), data.m));
-      largest = std::max(largest, size[j]);
-      if (size[j] > 0.0) smallest = std::min(smallest, size[j]);
-    }
-    needed = needed || largest > moderate_column_ratio * smallest;
-    for (std::size_t j = 0; j < n; ++j)
-      if (size[j] > smallest_column * largest) scale[j] *= std::ldexp(1.0, -std::ilogb(size[j]));
-  }
-  return needed ? Units(scale) : Units();
-}
-
-double smallest_gap(const std::vector<RankDecision>& decisions) {
-  double gap = std::numeric_limits<double>::infinity();
-  for (const RankDecision& decision : decisions) gap = std::min(gap, decision.gap);
-  return gap;
-}
-
-double smallest_kept(const std::vector<RankDecision>& decisions) {
-  double kept = 1.0;
-  for (const RankDecision& decision : decisions)
-    if (decision.rank > 0) kept = std::min(kept, decision.kept);
-  return kept;
-}
 
 bool is_singular(const CharacteristicValues& values) { return values.u > 0 && values.v > 0; }
 
@@ -67,6 +25,8 @@ bool is_singular(const CharacteristicValues& values) { return values.u > 0 && va
 constexpr double gap_by_far = 1e6, kept_by_far = 1e-6;
 // Equations both too few and too many are what a rank that is too small looks like: more is asked of those.
 constexpr double gap_of_singular = 1e9, kept_of_singular = 1e-4;
+// Where there is no certificate: kron with n = 100, mu = 3, w = 4 has a gap of 2e8.
+constexpr double gap_without_certificate = 1e8;
 
 bool are_clear_by_far(const std::vector<RankDecision>& decisions, bool is_singular) {
   // What is dropped without being as small as rounding may be a value that pivots have made small.
@@ -90,93 +50,49 @@ bool is_about_ranks(const Failure& failure) {
          failure.status() == SFDAE_CHARACTERISTICS_CHANGED;
 }
 
-// Analyzes the problem in faster and faster units of time (1, 1/8, ... 1.5e-11), the units of the unknowns balanced
-// for each: docs/decisions/21-fast-units-of-time.md, with the figures behind the constants. What is clear by far in
-// two of them, supported by a third, and contradicted in none, counts: the result with the largest gap. Units that
-// are much too fast shrink every value by the same factor from level to level: where the smallest one kept is small,
-// the next one would be lost among rounding errors, and ranks agree in being wrong.
-struct UnitsResult {
-  IndexAnalysis analysis;
-  std::vector<RankDecision> decisions;
-  Units units;
-};
-
-std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& problem, Place place,
-                                                  const AnalysisSettings& settings, Arena& arena) {
-  constexpr double clear_by_far = 1e6, supporting = 1e4, ratio = 1.0 / 8.0, least_kept = 1e-6;
-  constexpr int num_units = 13;
-  std::optional<UnitsResult> best;
-  int agreeing = 0, clear = 0;
-  double tau = 1.0;
-  for (int attempt = 0; attempt < num_units; ++attempt, tau *= ratio) {
-    UnitsResult found;
-    AnalysisSettings scaled = settings;
-    scaled.time_scale = tau;
-    try {
-      found.units = fast_units(problem, place.t, tau);
-      problem.set_units(found.units);
-      found.analysis = analyze_at_two_points({problem, scaled, arena, &found.decisions}, place).analysis;
-    } catch (const Failure& failure) {
-      if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
-      continue;
-    }
-    const bool is_clear = std::all_of(found.decisions.begin(), found.decisions.end(),
-                                      [](const RankDecision& d) { return d.verdict == Verdict::clear; });
-    const double gap = smallest_gap(found.decisions);
-    if (!is_clear || gap < supporting) continue;
-    if (best && !(best->analysis.values == found.analysis.values)) return std::nullopt;
-    ++agreeing;
-    if (gap >= clear_by_far) ++clear;
-    const bool is_best = !best || gap > smallest_gap(best->decisions);
-    if (is_best) best = std::move(found);
-    // After the clearest one faster units have nothing to add.
-    if (agreeing >= 3 && clear >= 2 && smallest_kept(best->decisions) >= least_kept && !is_best) return best;
-  }
-  return std::nullopt;
-}
-
-// Along a jet: residuals and rounding errors of jets look like values to a certificate.
-IndexAnalysis analyze_along_jet(CoefficientSource& problem, Place place, const AnalysisSettings& settings,
-                                Arena& arena, std::vector<RankDecision>& decisions) {
-  const Units usual = choose_units(problem, place.t);
-  problem.set_units(usual);
-  try {
-    return analyze_at_two_points({problem, settings, arena, &decisions}, place).analysis;
-  } catch (const Failure& failure) {
-    if (failure.status() != SFDAE_RANK_UNCLEAR || settings.rank_tol > 0.0 || settings.time_scale > 0.0) throw;
-    if (std::optional<UnitsResult> found = analyze_in_other_units(problem, place, settings, arena)) {
-      problem.set_units(found->units);
-      decisions = std::move(found->decisions);
-      return found->analysis;
-    }
-    problem.set_units(usual);
-    throw Failure(SFDAE_RANK_UNCLEAR, std::string(failure.what()) + " Set rank_tol, or scale the equations: " +
-                                          rank_tolerances({problem, settings, arena}, place.t, {}) + ".");
-  }
-}
+// No level fulfils the hypothesis with perturbed copies, or not both points agree.
+struct NoCertificate {};
 
 // The analysis of one problem in several ways.
 class Analysis {
  public:
   Analysis(CoefficientSource& problem, Place place, const AnalysisSettings& settings, Arena& arena)
-      : problem_(problem), place_(place), settings_(settings), scaled_(settings), arena_(arena) {
+      : problem_(problem),
+        place_(place),
+        settings_(settings),
+        scaled_(settings),
+        arena_(arena),
+        usual_(usual_units(problem, place.t)) {
     scaled_.time_scale = 0.0;
     scaled_.rank_tol = 0.0;
-    usual_ = choose_units(problem, place.t);
-    is_even_ = has_even_entries(problem, place.t, usual_);
-    is_balanced_ = !is_even_ || settings.rank_tol > 0.0;
-    if (is_balanced_) balanced_ = balanced_units(problem, place.t, usual_);
+    const TaylorData data = data_in_units(problem, place.t, usual_);
+    is_even_ = has_even_entries(data);
+    if (!is_even_) balanced_ = balanced_units(data, usual_);
   }
 
   IndexAnalysis by_tolerance(std::vector<RankDecision>& decisions);
   IndexAnalysis run(std::vector<RankDecision>& decisions);
 
  private:
-  SearchTask task_in_balanced_units(std::vector<RankDecision>* log) {
-    problem_.set_units(balanced_.unknowns);
-    return {problem_, scaled_, arena_, log, &balanced_};
+  const BalancedUnits& balanced() {
+    if (!balanced_) balanced_ = balanced_units(data_in_units(problem_, place_.t, usual_), usual_);
+    return *balanced_;
   }
-  bool is_confirmed_in_balanced_units(const IndexAnalysis& quick);
+  SearchTask task_in_balanced_units(std::vector<RankDecision>* log) {
+    problem_.set_units(balanced().unknowns);
+    return {problem_, scaled_, arena_, log, &balanced()};
+  }
+  IndexAnalysis in_usual_units(const IndexAnalysis& quick) {
+    problem_.set_units(usual_);
+    return quick;
+  }
+  IndexAnalysis by_certificate(const std::optional<IndexAnalysis>& quick, std::vector<RankDecision>& decisions);
+  AnalysisOutcome certified();
+  bool has_good_usual_units(const IndexAnalysis& quick) {
+    return is_even_ || are_balanced(usual_, quick.time_scale, balanced());
+  }
+  bool is_clear_by_norms(const IndexAnalysis& quick, const std::vector<RankDecision>& decisions);
+  bool outlasts_certificate(const IndexAnalysis& quick, const std::vector<RankDecision>& decisions);
   bool norms_agree(const AnalysisOutcome& outcome, std::vector<RankDecision>& decisions);
   bool redundancy_agrees(const IndexAnalysis& analysis);
   bool is_independent_of_suspects(const CharacteristicValues& values);
@@ -189,17 +105,14 @@ class Analysis {
   AnalysisSettings scaled_;  // with what fits balanced units
   Arena& arena_;
   Units usual_;
-  bool is_even_ = false;  // in usual units; balanced ones are only found where more is needed
-  bool is_balanced_ = false;
-  BalancedUnits balanced_;
+  bool is_even_ = false;                   // in usual units
+  std::optional<BalancedUnits> balanced_;  // found where more is needed
 };
 
 // rank_tol acts in balanced units.
 IndexAnalysis Analysis::by_tolerance(std::vector<RankDecision>& decisions) {
   scaled_ = settings_;
-  SearchTask task = task_in_balanced_units(nullptr);
-  task.certified = true;
-  const AnalysisOutcome found = analyze_at_two_points(task, place_);
+  const AnalysisOutcome found = certified();
   norms_agree(found, decisions);
   return found.analysis;
 }
@@ -210,100 +123,106 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
   std::optional<Failure> failed;
   try {
     quick = analyze_at_two_points({problem_, settings_, arena_, &decisions}, place_).analysis;
-    if (!balanced_.has_suspects && are_clear_by_far(decisions, is_singular(quick->values)) &&
-        (is_even_ || are_balanced(usual_, quick->time_scale, balanced_) || is_confirmed_in_balanced_units(*quick))) {
-      problem_.set_units(usual_);
-      return *quick;
-    }
+    if (is_clear_by_norms(*quick, decisions)) return in_usual_units(*quick);
   } catch (const Failure& failure) {
     if (!is_about_ranks(failure)) throw;
     failed = failure;
   }
-  if (!is_balanced_) balanced_ = balanced_units(problem_, place_.t, usual_);
-  AnalysisOutcome certified;
-  SearchTask task = task_in_balanced_units(nullptr);
-  task.certified = true;
   try {
-    certified = analyze_at_two_points(task, place_);
-  } catch (const Failure& failure) {
-    if (!is_about_ranks(failure)) throw;
-    if (!quick) throw *failed;
-    // Levels too high for a certificate: rounding errors have grown beyond what it perturbs.
-    if (smallest_gap(decisions) >= gap_of_singular && smallest_kept(decisions) >= kept_by_far) {
-      problem_.set_units(usual_);
-      return *quick;
-    }
+    return by_certificate(quick, decisions);
+  } catch (const NoCertificate&) {
+    if (quick && outlasts_certificate(*quick, decisions)) return in_usual_units(*quick);
+    if (failed && failed->status() != SFDAE_RANK_UNCLEAR) throw *failed;
     report_unclear({});
   }
-  const CharacteristicValues& values = certified.analysis.values;
-  certified.analysis.distance = relative_distance(certified.significance);
+}
+
+AnalysisOutcome Analysis::certified() {
+  SearchTask task = task_in_balanced_units(nullptr);
+  task.certified = true;
+  return analyze_at_two_points(task, place_);
+}
+
+// quick: by norms, where these do not decide alone; decisions: theirs. Throws NoCertificate where there is no result.
+IndexAnalysis Analysis::by_certificate(const std::optional<IndexAnalysis>& quick,
+                                       std::vector<RankDecision>& decisions) {
+  AnalysisOutcome found;
+  try {
+    found = certified();
+  } catch (const Failure& failure) {
+    if (!is_about_ranks(failure)) throw;
+    throw NoCertificate();
+  }
+  const CharacteristicValues& values = found.analysis.values;
+  const bool is_same = quick && quick->values == values;
+  const bool is_redundancy_right = (found.is_clear || is_same) && redundancy_agrees(found.analysis);
+  found.analysis.distance = relative_distance(found.significance);
   std::vector<RankDecision> confirmed;
-  if (certified.is_clear && redundancy_agrees(certified.analysis) && norms_agree(certified, confirmed) &&
-      is_independent_of_suspects(values)) {
-    if (certified.significance.smallest_pivot < settings_.least_useful_pivot) report_useless(certified);
+  if (found.is_clear && is_redundancy_right && norms_agree(found, confirmed) && is_independent_of_suspects(values)) {
+    if (found.significance.smallest_pivot < settings_.least_useful_pivot) report_useless(found);
     // Units that are good enough stay: what is integrated does not depend on how sure its ranks are. Small values kept
     // amplify rounding errors, in these units.
-    if (quick && quick->values == values && smallest_kept(decisions) >= kept_by_far) {
-      problem_.set_units(usual_);
-      quick->distance = certified.analysis.distance;
-      return *quick;
+    if (is_same && smallest_kept(decisions) >= kept_by_far) {
+      IndexAnalysis usual = in_usual_units(*quick);
+      usual.distance = found.analysis.distance;
+      return usual;
     }
     decisions = std::move(confirmed);
-    return certified.analysis;
+    problem_.set_units(balanced().unknowns);
+    return found.analysis;
   }
-  if (quick && quick->values == values &&
-      (certified.significance.is_plausible() || smallest_gap(decisions) >= gap_by_far) &&
-      redundancy_agrees(certified.analysis)) {
-    problem_.set_units(usual_);
-    return *quick;
-  }
-  // Even data whose ranks norms make clear by far: what perturbed copies lose is the size of the array.
-  const bool is_usual_good = is_even_ || (quick && are_balanced(usual_, quick->time_scale, balanced_));
-  if (quick && is_usual_good && !certified.is_clear && smallest_gap(decisions) >= gap_of_singular &&
-      smallest_kept(decisions) >= kept_by_far) {
-    problem_.set_units(usual_);
-    return *quick;
-  }
+  const bool is_visible = found.significance.is_plausible() || smallest_gap(decisions) >= gap_by_far;
+  if (is_same && is_visible && is_redundancy_right) return in_usual_units(*quick);
+  if (quick && !found.is_clear && has_good_usual_units(*quick) && outlasts_certificate(*quick, decisions))
+    return in_usual_units(*quick);
   report_unclear(values);
 }
 
-bool Analysis::is_confirmed_in_balanced_units(const IndexAnalysis& quick) {
-  std::vector<RankDecision> decisions;
-  const CharacteristicValues values = local_values(task_in_balanced_units(&decisions), place_.t);
-  return values == quick.values && are_clear_by_far(decisions, is_singular(values));
+// What norms say in the usual units decides, alone or with what they say in balanced ones.
+bool Analysis::is_clear_by_norms(const IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
+  if (balanced_ && balanced_->has_suspects) return false;
+  if (!are_clear_by_far(decisions, is_singular(quick.values))) return false;
+  if (has_good_usual_units(quick)) return true;
+  std::vector<RankDecision> others;
+  const CharacteristicValues values = local_values(task_in_balanced_units(&others), place_.t);
+  return values == quick.values && are_clear_by_far(others, is_singular(values));
+}
+
+// What norms make clear where there is no clear certificate: perturbed copies lose large arrays and high levels, whose
+// rounding errors grow beyond what is perturbed.
+bool Analysis::outlasts_certificate(const IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
+  const double gap = is_singular(quick.values) ? gap_of_singular : gap_without_certificate;
+  return smallest_gap(decisions) >= gap && smallest_kept(decisions) >= kept_by_far;
 }
 
 // The ranks of the certificate leave a gap between the norms of what is kept and dropped, too.
 bool Analysis::norms_agree(const AnalysisOutcome& outcome, std::vector<RankDecision>& decisions) {
   constexpr double visible_gap = 10.0;
-  LevelResult certified;
-  certified.known_ranks = outcome.analysis.certified_ranks;
-  certified.time_scale = outcome.analysis.time_scale;
+  const IndexAnalysis& analysis = outcome.analysis;
   IndexSearch search(task_in_balanced_units(nullptr), place_.t);
-  decisions = search.decisions_with(outcome.analysis.values.mu, certified);
+  decisions = search.decisions_with(analysis.values.mu, analysis.certified_ranks, analysis.time_scale);
   return std::all_of(decisions.begin(), decisions.end(),
                      [](const RankDecision& d) { return d.rank == 0 || d.kept >= visible_gap * d.dropped; });
 }
 
 // u and v, from one matrix without a chain of decisions: of coefficients that are constant as far as the level mu can
-// see, from lambda E - A; else from the rows of the array. Nothing can be said where rows are left out.
+// see, from lambda E - A; else from the rows of the array.
 bool Analysis::redundancy_agrees(const IndexAnalysis& analysis) {
   const CharacteristicValues& values = analysis.values;
-  if (!problem_.differentiations().empty()) return true;
   TaylorData data;
-  problem_.set_units(balanced_.unknowns);
+  problem_.set_units(balanced().unknowns);
   const CallbackError error =
       problem_.evaluate(place_.t, {values.mu, values.mu, -1}, analysis.time_scale, data, RowScaling::timed);
   if (error.status != SFDAE_OK) error.raise();
   bool is_constant = true;
   for (int k = 1; k <= values.mu; ++k) is_constant = is_constant && data.is_zero_E(k) && data.is_zero_A(k);
-  if (!is_constant) return analysis.v_hat == 0 || !has_independent_rows(data, values.mu, balanced_);
-  const int rank = clear_pencil_rank(data, balanced_);
+  if (!is_constant) return analysis.v_hat == 0 || !has_independent_rows(data, values.mu, balanced());
+  const int rank = clear_pencil_rank(data, balanced());
   return rank == problem_.n() - values.u && rank == problem_.m() - values.v;
 }
 
 bool Analysis::is_independent_of_suspects(const CharacteristicValues& values) {
-  if (!balanced_.has_suspects) return true;
+  if (!balanced().has_suspects) return true;
   SearchTask task = task_in_balanced_units(nullptr);
   task.certified = task.omits_suspects = true;
   try {
@@ -381,7 +300,8 @@ bool known_values_hold(CoefficientSource& problem, double t, const AnalysisSetti
 
 double certified_distance(CoefficientSource& source, double t, const IndexAnalysis& known,
                           const AnalysisSettings& settings, Arena& arena) {
-  const BalancedUnits units = balanced_units(source, t, choose_units(source, t));
+  const Units usual = usual_units(source, t);
+  const BalancedUnits units = balanced_units(data_in_units(source, t, usual), usual);
   source.set_units(units.unknowns);
   AnalysisSettings scaled = settings;
   scaled.time_scale = scaled.rank_tol = 0.0;
@@ -404,7 +324,7 @@ double certified_distance(CoefficientSource& source, double t, const IndexAnalys
 IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,
                             Arena& arena, std::vector<RankDecision>& decisions) {
   decisions.clear();
-  if (!problem.point(t).empty()) return analyze_along_jet(problem, {t, toward}, settings, arena, decisions);
+  if (problem.is_along_jet()) return analyze_along_jet(problem, {t, toward}, settings, arena, decisions);
   Analysis analysis(problem, {t, toward}, settings, arena);
   return settings.rank_tol > 0.0 ? analysis.by_tolerance(decisions) : analysis.run(decisions);
 }

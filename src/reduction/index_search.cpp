@@ -75,9 +75,9 @@ LevelResult IndexSearch::certify(int level) {
   return found;
 }
 
-std::vector<RankDecision> IndexSearch::decisions_with(int level, const LevelResult& certified) {
-  judging_.known_ranks = &certified.known_ranks;
-  determine(level, certified.time_scale);
+std::vector<RankDecision> IndexSearch::decisions_with(int level, const RankSequence& certified, double time_scale) {
+  judging_.known_ranks = &certified;
+  determine(level, time_scale);
   judging_.known_ranks = nullptr;
   return latest_;
 }
@@ -340,6 +340,17 @@ LevelResult IndexSearch::judge_level(int level) {
   for (const RankDecision& decision : latest_)
     if (decision.verdict == Verdict::unclear && found.doubtful.verdict == Verdict::clear) found.doubtful = decision;
   return found;
+}
+
+CharacteristicValues local_values(const SearchTask& task, double t) {
+  try {
+    IndexSearch upward(task, t);
+    const SearchResult found = upward.search(task.settings.max_index);
+    return found.is_clear ? found.values : CharacteristicValues{};
+  } catch (const Failure& failure) {
+    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    return {};
+  }
 }
 
 }  // namespace sfdae::core

@@ -62,7 +62,7 @@ class IndexSearch {
   // Whether the ranks are those expected, and stay so under perturbations.
   bool has_ranks(int level, double time_scale, const PointRanks& expected);
   // Decisions of a level, with the ranks of a certificate.
-  std::vector<RankDecision> decisions_with(int level, const LevelResult& certified);
+  std::vector<RankDecision> decisions_with(int level, const RankSequence& certified, double time_scale);
 
  private:
   // What perturbations need not confirm: decisions that the propagated noise makes clear, or none at all.
@@ -96,5 +96,9 @@ class IndexSearch {
   NullSpaceForm form_;
   std::vector<RankDecision> latest_;
 };
+
+// The smallest level at t alone, by norms or, where they are given, by rank_tol: mu = -1 if no level up to max_index
+// holds or a decision is unclear. Throws Failure if the user stops.
+CharacteristicValues local_values(const SearchTask& task, double t);
 
 }  // namespace sfdae::core

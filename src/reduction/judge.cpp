@@ -39,6 +39,11 @@ int Judge::take_known_rank(const Question& question, ConstView r) {
     fits_ = false;
     rank = count;
   }
+  // Nothing can be solved with pivots that have vanished.
+  while (rank > 0 && r(rank - 1, rank - 1) == 0.0) {
+    fits_ = false;
+    --rank;
+  }
   ranks_.add(rank);
   if (rank > 0 && question.norm > 0.0)
     question.kept = std::min(question.kept, std::fabs(r(rank - 1, rank - 1)) / question.norm);

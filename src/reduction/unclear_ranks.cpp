@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduction/unclear_ranks.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <vector>
 
 #include "problem/failure.h"
@@ -39,18 +41,29 @@ std::vector<Range> ranges_of(const SearchTask& task, double t) {
   return ranges;
 }
 
-}  // namespace
-
-CharacteristicValues local_values(const SearchTask& task, double t) {
-  try {
-    IndexSearch upward(task, t);
-    const SearchResult found = upward.search(task.settings.max_index);
-    return found.is_clear ? found.values : CharacteristicValues{};
-  } catch (const Failure& failure) {
-    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
-    return {};
-  }
+// What the analysis would say if the doubtful value were decided by rank_tol.
+std::string result_with(const SearchTask& task, double t, double rank_tol) {
+  AnalysisSettings settings = task.settings;
+  settings.rank_tol = rank_tol;
+  settings.max_index = std::min(settings.max_index, task.log->back().level + 1);
+  const CharacteristicValues values = local_values({task.problem, settings, task.arena}, t);
+  return values.mu >= 0 ? "the characteristic values are " + describe(values)
+                        : format("no level up to %d fulfils the hypothesis", settings.max_index);
 }
+
+// Of the level judged last: the first that is unclear, or the one with the smallest gap.
+const RankDecision& doubtful_decision(const std::vector<RankDecision>& log) {
+  auto first = log.end();
+  while (first != log.begin() && std::prev(first)->level == log.back().level && std::prev(first)->t == log.back().t)
+    --first;
+  const auto unclear =
+      std::find_if(first, log.end(), [](const RankDecision& d) { return d.verdict == Verdict::unclear; });
+  if (unclear != log.end()) return *unclear;
+  return *std::min_element(first, log.end(),
+                           [](const RankDecision& a, const RankDecision& b) { return a.gap < b.gap; });
+}
+
+}  // namespace
 
 std::string rank_tolerances(const SearchTask& task, double t, const CharacteristicValues& certain) {
   const std::vector<Range> ranges = ranges_of(task, t);
@@ -75,6 +88,24 @@ std::string rank_tolerances(const SearchTask& task, double t, const Characterist
     return text.empty() ? "no rank_tol gives a result" : text;
   }
   return tell(keeping, "keeps it") + ", " + tell(dropping, "drops it");
+}
+
+// rank_tol for either answer: the geometric mean of the value and what is below it (two digits, where that is not
+// known) keeps it, three times the value drops it. Above one half nothing would be kept.
+std::string neighbouring_ranks(const SearchTask& task, double t) {
+  if (task.log == nullptr || task.log->empty()) return {};
+  const RankDecision& decision = doubtful_decision(*task.log);
+  // The value in doubt is the smallest one kept, or, where that stands clear or there is none, the largest one
+  // dropped.
+  const bool doubts_kept = decision.rank > 0 && (decision.gap < clear_gap || decision.dropped <= decision.noise);
+  const double value = std::max(doubts_kept ? decision.kept : decision.dropped, decision.noise);
+  const double below = doubts_kept ? std::max({decision.dropped, decision.noise, 1e-300}) : 1e-2 * value;
+  const double keep_tol = std::min(std::sqrt(value * below), 0.5);
+  const double drop_tol = std::min(3.0 * value, 0.5);
+  const int rank = doubts_kept ? decision.rank : decision.rank + 1;
+  return format(" With rank %d ", rank) + result_with(task, t, keep_tol) + format("; with rank %d ", rank - 1) +
+         result_with(task, t, drop_tol) +
+         format(". Try rank_tol = %.1e or %.1e, or scale the equations.", keep_tol, drop_tol);
 }
 
 }  // namespace sfdae::core

@@ -8,12 +8,12 @@
 
 namespace sfdae::core {
 
-// The smallest level at t alone, by norms or, where they are given, by rank_tol: mu = -1 if no level up to max_index
-// holds or a decision is unclear. Throws Failure if the user stops.
-CharacteristicValues local_values(const SearchTask& task, double t);
-
 // "rank_tol = 1.0e-16 keeps it (mu = 0, d = 3, ...), rank_tol = 1.0e-08 drops it (...)": tolerances that were tried, in
 // balanced units, and what they lead to. certain: the values that one of them ought to give.
 std::string rank_tolerances(const SearchTask& task, double t, const CharacteristicValues& certain);
+
+// " With rank 3 the characteristic values are mu = 1, ...; with rank 2 ... Try rank_tol = 1.0e-09 or 1.0e-06, ...": of
+// the doubtful decision that the log of the task ends with, in the units that the source has; two searches.
+std::string neighbouring_ranks(const SearchTask& task, double t);
 
 }  // namespace sfdae::core

@@ -49,12 +49,6 @@ ConsistentJets::Point& ConsistentJets::point_at(double t) {
   return point;
 }
 
-std::vector<double> ConsistentJets::point(double t) const {
-  for (const Point& point : points_)
-    if (point.jet.t == t) return {point.jet.x.begin(), point.jet.x.begin() + point.jet.n};
-  return {};
-}
-
 // Polynomials of stiff problems lead far off within a short time: derivatives of fast components are large where these
 // are not at rest. x alone is a better start there.
 const Jet& ConsistentJets::jet_at(double t, int level) {

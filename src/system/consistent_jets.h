@@ -33,11 +33,11 @@ class ConsistentJets final : public CoefficientSource {
   std::vector<int> differentiations() const override { return problem_.differentiations(); }
   bool is_constant() const override { return false; }
   bool checks_next_level() const override { return true; }
+  bool is_along_jet() const override { return true; }
   // The jet at t becomes consistent up to the highest order asked for. Throws Failure as JetSolver::solve does.
   CallbackError evaluate(double t, Orders orders, double time_scale, TaylorData& data,
                          RowScaling rows = RowScaling::each,
                          const std::vector<double>* preferred_rows = nullptr) override;
-  std::vector<double> point(double t) const override;
   void set_units(Units units) override { units_ = std::move(units); }
   const Units& units() const { return units_; }
 

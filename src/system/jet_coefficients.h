@@ -24,7 +24,7 @@ class JetCoefficients final : public CoefficientSource {
                          const std::vector<double>* preferred_rows = nullptr) override {
     return problem_.linearize(jet_.t, jet_.x.data(), orders, {time_scale, rows, preferred_rows, &units_}, data);
   }
-  std::vector<double> point(double) const override { return {jet_.x.begin(), jet_.x.begin() + jet_.n}; }
+  bool is_along_jet() const override { return true; }
   void set_units(Units units) override { units_ = std::move(units); }
 
  private:

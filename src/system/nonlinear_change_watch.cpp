@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "linalg/index.h"
@@ -46,9 +47,9 @@ bool would_vanish(Sized older, Sized last, Sized next) {
 void NonlinearChangeWatch::start(double direction) {
   direction_ = direction;
   samples_ = 0;
-  suspect_ = {};
+  suspect_.reset();
   failures_ = 0;
-  expected_ = std::numeric_limits<double>::quiet_NaN();
+  expected_.reset();
   next_failure_ = failures_before_look;
   first_ = system_.jet();
   for (Fall& fall : falls_) fall = {0.0, 0.0, first_, first_};
@@ -167,14 +168,14 @@ std::optional<double> NonlinearChangeWatch::search_dips(const SingularitySample*
 bool NonlinearChangeWatch::is_short(double t_last) const {
   const double t = system_.jet().t, step = std::fabs(t - t_last);
   if (step <= roundings * unit_roundoff * std::max(std::fabs(t), std::fabs(t_last)) / uncertain) return true;
-  return std::fabs(t - suspect_.t) <= suspect_.step && step <= short_enough * suspect_.step;
+  return suspect_ && suspect_->is_near(t) && step <= short_enough * suspect_->step;
 }
 
 // A singular point at t, found in the step from t_last: to be confirmed by a shorter step, or reported.
 LocatedChange NonlinearChangeWatch::change_at(double t, double t_last) {
   const double step = std::fabs(system_.jet().t - t_last);
   const bool is_final = is_short(t_last) || !is_after(t, t_last);
-  if (!(std::fabs(t - suspect_.t) <= suspect_.step)) suspect_ = {t, step};
+  if (!suspect_ || !suspect_->is_near(t)) suspect_ = {t, step};
   LocatedChange change;
   change.t = t;
   change.uncertainty = is_final ? 0.0 : uncertain * step;
@@ -182,7 +183,7 @@ LocatedChange NonlinearChangeWatch::change_at(double t, double t_last) {
   // The values known contradict what was found.
   change.new_values = search_.values_at(t);
   if (change.new_values == system_.analysis().values) change.new_values = {};
-  change.t_before = t - direction_ * std::max(beside * suspect_.step, roundings * unit_roundoff * std::fabs(t));
+  change.t_before = t - direction_ * std::max(beside * suspect_->step, roundings * unit_roundoff * std::fabs(t));
   return change;
 }
 
@@ -238,7 +239,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_ahead(double h) {
 // Steps that can get there will tell more, and what is extrapolated has to stay where it is.
 bool NonlinearChangeWatch::is_confirmed_ahead(double t, double h) const {
   const double distance = std::fabs(t - search_.course().newest().t);
-  return distance >= many_steps * std::fabs(h) && std::fabs(t - expected_) <= steadiness * distance;
+  return expected_ && distance >= many_steps * std::fabs(h) && std::fabs(t - *expected_) <= steadiness * distance;
 }
 
 std::optional<LocatedChange> NonlinearChangeWatch::find_beyond() {
@@ -247,8 +248,8 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_beyond() {
   LocatedChange change;
   change.t_before = t;
   // Found already, but no short step leads there.
-  if (is_after(suspect_.t, t) && std::fabs(suspect_.t - t) <= suspect_.step) {
-    change.t = suspect_.t;
+  if (suspect_ && is_after(suspect_->t, t) && suspect_->is_near(t)) {
+    change.t = suspect_->t;
     return change;
   }
   const Jet& earlier = search_.course().oldest();

@@ -7,7 +7,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <limits>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -53,10 +53,10 @@ class NonlinearChangeWatch final : public ChangeWatch {
   int samples_ = 0;
   SingularitySample within_, end_;  // of the step that is tried
   bool has_within_ = false, has_end_ = false;
-  bool is_within_sure_ = false;                                 // its jet has converged
-  double next_look_ = 0.0;                                      // a value that goes straight on is zero then
-  int failures_ = 0, next_failure_ = 0;                         // of steps; when to look ahead
-  double expected_ = std::numeric_limits<double>::quiet_NaN();  // the singular point, by the last look
+  bool is_within_sure_ = false;          // its jet has converged
+  double next_look_ = 0.0;               // a value that goes straight on is zero then
+  int failures_ = 0, next_failure_ = 0;  // of steps; when to look ahead
+  std::optional<double> expected_;       // the singular point, by the last look
   // Of the values of A2 and E T2: the largest sample so far, and the smallest one since.
   struct Fall {
     double highest = 0.0, lowest = 0.0;
@@ -66,10 +66,10 @@ class NonlinearChangeWatch final : public ChangeWatch {
   Jet first_;  // of the integration
   // The singular point found last: where, and in a step of which size.
   struct Suspect {
-    double t = std::numeric_limits<double>::quiet_NaN();
-    double step = 0.0;
+    double t, step;
+    bool is_near(double time) const { return std::fabs(time - t) <= step; }
   };
-  Suspect suspect_;
+  std::optional<Suspect> suspect_;
 };
 
 }  // namespace sfdae::core

@@ -11,6 +11,8 @@ namespace sfdae::core {
 
 namespace {
 
+double relative(double value, double norm) { return norm > 0.0 ? value / norm : 0.0; }
+
 double unscaled_norm_E0(const TaylorData& data) {
   double norm = 0.0;
   for (int i = 0; i < data.m; ++i) {
@@ -37,8 +39,8 @@ void SingularitySample::take(double at, const TaylorData& data, int mu, const Nu
   n_ = form.n;
   d_ = form.d;
   values.resize(count);
-  values[0] = form.rank_of_constraints() > 0 ? form.smallest_constraint() / data.norm_A(mu) : 1.0;
-  values[1] = d_ > 0 ? form.smallest_of_G() / data.norm_E0() * unscaled_norm_E0(data) : 1.0;
+  values[0] = form.rank_of_constraints() > 0 ? relative(form.smallest_constraint(), data.norm_A(mu)) : 1.0;
+  values[1] = d_ > 0 ? relative(form.smallest_of_G(), data.norm_E0()) * unscaled_norm_E0(data) : 1.0;
   std::copy(data.row_norm.begin(), data.row_norm.end(), values.begin() + first_row);
   sign_ = sign;
   if (sign_ == 0) return;

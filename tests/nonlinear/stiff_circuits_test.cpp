@@ -92,6 +92,7 @@ struct Circuit {
           if (order == 0) stamp(e, F_xdot, e.value);
           break;
         case Kind::diode: {
+          if (u(0) > 700.0 * thermal) return 1;  // exp would overflow
           const double g = saturation / thermal * std::exp(u(0) / thermal), r = u(1) / thermal;
           i = order == 0 ? g * thermal - saturation : order == 1 ? g * u(1) : g * (u(2) + r * u(1));
           stamp(e, F_x, order == 0 ? g : order == 1 ? g * r : g * (u(2) / thermal + r * r));

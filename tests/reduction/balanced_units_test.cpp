@@ -16,6 +16,7 @@
 #include "problem/failure.h"
 #include "problem/linear_problem.h"
 #include "reduction/index_analysis.h"
+#include "reduction/usual_units.h"
 
 namespace sfdae::core {
 
@@ -142,7 +143,7 @@ std::string analysis_of(CoefficientSource& source, double t, double toward,
 TEST(BalancedUnits, BringTheFastStructureToOrderOne) {
   FastStructure structure;
   LinearProblem problem(functions_of(structure.problem));
-  const BalancedUnits balanced = balanced_units(problem, 0.0, {});
+  const BalancedUnits balanced = balanced_units(data_in_units(problem, 0.0, {}), {});
   EXPECT_FALSE(balanced.has_suspects);
   const double tau = balanced.time;
   EXPECT_NEAR(std::log2(tau), -20.0, 1.0);  // 1 / sqrt(K)
@@ -171,7 +172,7 @@ TEST(BalancedUnits, ReportTroubleWithTheEquations) {
   structure.problem.A = [](double, int, double*, void*) { return 1; };
   LinearProblem problem(functions_of(structure.problem));
   try {
-    balanced_units(problem, 0.0, {});
+    balanced_units(data_in_units(problem, 0.0, {}), {});
     FAIL();
   } catch (const Failure& failure) {
     EXPECT_EQ(failure.status(), SFDAE_CALLBACK_FAILED);
@@ -202,7 +203,7 @@ TEST(BalancedUnits, AreFiniteWhereNothingIsThereToBalance) {
     callbacks.f = [](double, int, double* f, void*) { return f[0] = f[1] = 0.0, 0; };
     LinearProblem problem(functions_of(callbacks));
     try {
-      const BalancedUnits balanced = balanced_units(problem, 0.0, {});
+      const BalancedUnits balanced = balanced_units(data_in_units(problem, 0.0, {}), {});
       EXPECT_TRUE(std::isfinite(balanced.time) && balanced.time > 0.0);
       for (double unit : balanced.unknowns.values()) EXPECT_TRUE(std::isfinite(unit) && unit > 0.0);
     } catch (const Failure& failure) {

@@ -12,6 +12,7 @@
 #include "problem/failure.h"
 #include "problem/linear_problem.h"
 #include "reduction/index_analysis.h"
+#include "reduction/usual_units.h"
 
 namespace sfdae::core {
 
@@ -220,7 +221,7 @@ TEST(Certificate, RanksOfPencilsShowWhatIsRedundant) {
   regular.e(0, 0) = 1.0, regular.a(0, 1) = regular.a(1, 0) = -1.0;
   for (Pencil* pencil : {&singular, &regular}) {
     LinearProblem problem(pencil->functions());
-    const BalancedUnits units = balanced_units(problem, 0.0, {});
+    const BalancedUnits units = balanced_units(data_in_units(problem, 0.0, {}), {});
     TaylorData data;
     ASSERT_EQ(problem.evaluate(0.0, {1, 1, -1}, 1.0, data).status, SFDAE_OK);
     EXPECT_EQ(clear_pencil_rank(data, units), pencil == &singular ? 1 : 2);

@@ -1,0 +1,85 @@
+// The analysis along a jet.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/jet_analysis.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "problem/failure.h"
+#include "reduction/fast_units.h"
+#include "reduction/unclear_ranks.h"
+#include "reduction/usual_units.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Analyzes the source in faster and faster units of time (1, 1/8, ... 1.5e-11), the units of the unknowns balanced
+// for each: docs/decisions/21-fast-units-of-time.md, with the figures behind the constants. What is clear by far in
+// two of them, supported by a third, and contradicted in none, counts: the result with the largest gap. Units that
+// are much too fast shrink every value by the same factor from level to level: where the smallest one kept is small,
+// the next one would be lost among rounding errors, and ranks agree in being wrong.
+struct UnitsResult {
+  IndexAnalysis analysis;
+  std::vector<RankDecision> decisions;
+  Units units;
+};
+
+std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& source, Place place,
+                                                  const AnalysisSettings& settings, Arena& arena) {
+  constexpr double clear_by_far = 1e6, supporting = 1e4, ratio = 1.0 / 8.0, least_kept = 1e-6;
+  constexpr int num_units = 13;
+  std::optional<UnitsResult> best;
+  int agreeing = 0, clear = 0;
+  double tau = 1.0;
+  for (int attempt = 0; attempt < num_units; ++attempt, tau *= ratio) {
+    UnitsResult found;
+    AnalysisSettings scaled = settings;
+    scaled.time_scale = tau;
+    try {
+      found.units = fast_units(source, place.t, tau);
+      source.set_units(found.units);
+      found.analysis = analyze_at_two_points({source, scaled, arena, &found.decisions}, place).analysis;
+    } catch (const Failure& failure) {
+      if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+      continue;
+    }
+    const bool is_clear = std::all_of(found.decisions.begin(), found.decisions.end(),
+                                      [](const RankDecision& d) { return d.verdict == Verdict::clear; });
+    const double gap = smallest_gap(found.decisions);
+    if (!is_clear || gap < supporting) continue;
+    if (best && !(best->analysis.values == found.analysis.values)) return std::nullopt;
+    ++agreeing;
+    if (gap >= clear_by_far) ++clear;
+    const bool is_best = !best || gap > smallest_gap(best->decisions);
+    if (is_best) best = std::move(found);
+    // After the clearest one faster units have nothing to add.
+    if (agreeing >= 3 && clear >= 2 && smallest_kept(best->decisions) >= least_kept && !is_best) return best;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+IndexAnalysis analyze_along_jet(CoefficientSource& source, Place place, const AnalysisSettings& settings,
+                                Arena& arena, std::vector<RankDecision>& decisions) {
+  const Units usual = usual_units(source, place.t);
+  source.set_units(usual);
+  const SearchTask task{source, settings, arena, &decisions};
+  try {
+    return analyze_at_two_points(task, place).analysis;
+  } catch (const Failure& failure) {
+    if (failure.status() != SFDAE_RANK_UNCLEAR || settings.rank_tol > 0.0 || settings.time_scale > 0.0) throw;
+    if (std::optional<UnitsResult> found = analyze_in_other_units(source, place, settings, arena)) {
+      source.set_units(found->units);
+      decisions = std::move(found->decisions);
+      return found->analysis;
+    }
+    source.set_units(usual);
+    throw Failure(SFDAE_RANK_UNCLEAR, std::string(failure.what()) + neighbouring_ranks(task, place.t));
+  }
+}
+
+}  // namespace sfdae::core
