@@ -56,6 +56,7 @@ class Archive {
     const int* next = packed;
     if (is_reading()) ((values = static_cast<Integers>(*next++)), ...);
   }
+  void small(int* values, std::size_t count) { pack(values, count); }
 
  private:
   Archive(double* to, const double* from, std::size_t length) : to_(to), from_(from), length_(length) {}

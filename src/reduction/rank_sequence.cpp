@@ -12,9 +12,13 @@ namespace sfdae::core {
 void archive_ranks(Archive& archive, RankSequence& ranks) {
   int count = static_cast<int>(ranks.count);
   archive.small(count);
-  if (archive.is_reading() && (count < 0 || count > static_cast<int>(ranks.rank.size()))) throw DamagedArchive();
+  archive_ranks(archive, ranks, count);
+}
+
+void archive_ranks(Archive& archive, RankSequence& ranks, int count) {
+  if (count < 0 || count > static_cast<int>(ranks.rank.size())) throw DamagedArchive();
   ranks.count = index(count);
-  for (int i = 0; i < count; ++i) archive.small(ranks.rank[index(i)]);
+  archive.small(ranks.rank.data(), ranks.count);
 }
 
 RankResult determine_ranks(const TaylorData& data, int level, const Judge::Settings& settings,

@@ -15,6 +15,8 @@ namespace sfdae::core {
 
 // Throws DamagedArchive.
 void archive_ranks(Archive& archive, RankSequence& ranks);
+// Their number is archived elsewhere. Throws DamagedArchive.
+void archive_ranks(Archive& archive, RankSequence& ranks, int count);
 
 struct RankResult {
   RankSequence list;

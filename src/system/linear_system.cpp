@@ -78,13 +78,22 @@ void LinearSystem::resize() {
 void LinearSystem::archive(Archive& archive) {
   CharacteristicValues& values = analysis_.values;
   RowScaling rows = reduction_.rows();
+  // Packed further, so that it fits the smallest arrays of Fortran 77.
+  constexpr int num_scalings = 8;
+  int scalings = static_cast<int>(rows) + num_scalings * static_cast<int>(analysis_.rows);
+  int flags = (analysis_.rank_E_constant ? 1 : 0) + (needs_E1_ ? 2 : 0);
+  int count = static_cast<int>(analysis_.certified_ranks.count);
   archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.noise,
-                analysis_.rank_E_constant, leading_, rows, analysis_.rows, needs_E1_);
-  archive_ranks(archive, analysis_.certified_ranks);
+                leading_, scalings, flags, count);
+  archive_ranks(archive, analysis_.certified_ranks, count);
   archive.real(analysis_.t);
   archive.real(analysis_.time_scale);
   problem_.archive(archive);
   if (archive.is_reading()) {
+    rows = static_cast<RowScaling>(scalings % num_scalings);
+    analysis_.rows = static_cast<RowScaling>(scalings / num_scalings);
+    analysis_.rank_E_constant = (flags & 1) != 0;
+    needs_E1_ = (flags & 2) != 0;
     traits_ = traits_of(problem_, values, leading_);
     const bool plausible = is_plausible(analysis_, problem_.m(), problem_.n()) && undetermined() >= 0 &&
                            leading_ >= LeadingTerm::projector && leading_ <= LeadingTerm::identity &&

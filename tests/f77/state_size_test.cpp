@@ -2,6 +2,7 @@
 // What DGELDA keeps between calls fits into the work arrays of the documented lengths, whatever it consists of.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -84,6 +85,39 @@ TEST(StateSizeAtAChange, FitsTheDocumentedMinimum) {
         while (run.call(2.0) == 1) ASSERT_TRUE(run.guards_are_intact());
         EXPECT_EQ(run.ierr, -26) << method << " " << n << " " << max_order << " " << run.t;
         EXPECT_TRUE(run.guards_are_intact());
+      }
+}
+
+// Ranks that a certificate has decided are part of the state, too: x' = -x times [1 r; 1 -r].
+TEST(StateSizeWithCertifiedRanks, FitsTheDocumentedMinimum) {
+  const double r = 1e-14;
+  for (int method : {1, 2})
+    for (int max_index = 0; max_index <= 5; ++max_index)
+      for (int max_order : {1, 5}) {
+        SCOPED_TRACE("MXINDX " + std::to_string(max_index) + ", MAXORD " + std::to_string(max_order));
+        UserData data = full_dynamics(2, false, false);
+        data.E = [=](double, int order, double* E) {
+          if (order > 0) return 0;
+          const double values[] = {1.0, 1.0, r, -r};
+          std::copy_n(values, 4, E);
+          return 0;
+        };
+        data.A = [=](double, int order, double* A) {
+          if (order > 0) return 0;
+          const double values[] = {-1.0, -1.0, -r, r};
+          std::copy_n(values, 4, A);
+          return 0;
+        };
+        DgeldaRun<> run(data, method, max_order, max_index);
+        run.info[2] = 1;
+        run.rtol[0] = run.atol[0] = 1e-4;
+        ASSERT_EQ(run.call(0.0), 4);
+        ASSERT_TRUE(run.guards_are_intact());
+        for (int i = 0; i < 14; ++i) {
+          const int ierr = run.call(run.t + 1.0);
+          ASSERT_TRUE(ierr == 1 || ierr == 3) << ierr;
+          ASSERT_TRUE(run.guards_are_intact());
+        }
       }
 }
 
