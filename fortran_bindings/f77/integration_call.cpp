@@ -128,6 +128,9 @@ core::AnalysisSettings IntegrationCall::settings() const {
   core::AnalysisSettings settings;
   settings.max_index = std::min(options_.max_index, core::max_strangeness_index);
   settings.orders_up_to_mu_only = true;
+  std::vector<double> rtol;
+  for (int i = 0; i < arguments_.n; ++i) rtol.push_back(arguments_.rtol_of(i));
+  settings.least_useful_pivot = core::least_useful_pivot(rtol);
   return settings;
 }
 

@@ -50,6 +50,7 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n) : xdot_is_guess(o.xd
     model.tolerances.rtol.push_back(o.rtol_vector != nullptr ? o.rtol_vector[i] : o.rtol);
     model.tolerances.atol.push_back(o.atol_vector != nullptr ? o.atol_vector[i] : o.atol);
   }
+  model.analysis.least_useful_pivot = least_useful_pivot(model.tolerances.rtol);
   model.ignore_inconsistency = o.ignore_inconsistency != 0;
   model.consistency_tol = o.consistency_tol;
   static_cast<Acceptance&>(integration) = model;

@@ -281,6 +281,15 @@ std::string describe(const RankDecision& decision) {
                 decision.noise, decision.gap);
 }
 
+// What norms decide alone is not larger.
+double least_useful_pivot(const std::vector<double>& rtol) {
+  constexpr double roundings = 10.0;
+  double smallest = useful_pivot_at_best;
+  for (double tolerance : rtol)
+    if (tolerance > 0.0) smallest = std::max(smallest, roundings * unit_roundoff / tolerance);
+  return std::min(smallest, kept_by_far);
+}
+
 CharacteristicValues find_local_values(CoefficientSource& problem, double t, const AnalysisSettings& settings,
                                        Arena& arena) {
   return local_values({problem, settings, arena}, t);

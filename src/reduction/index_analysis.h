@@ -33,6 +33,10 @@ struct CharacteristicValues {
 std::string describe(const CharacteristicValues& values);  // "mu = 1, d = 0, a = 2, u = 0, v = 0"
 std::string describe(const RankDecision& decision);        // "rank decision at level 1 (...): kept ..., dropped ..."
 
+inline constexpr double useful_pivot_at_best = 1e-10;
+// For relative tolerances, 0: none; docs/decisions/32-certificates.md.
+double least_useful_pivot(const std::vector<double>& rtol);
+
 struct AnalysisSettings {
   int max_index = 5;
   bool by_svd = false;
@@ -40,7 +44,7 @@ struct AnalysisSettings {
   double time_scale = 0.0;
   RowScaling rows = RowScaling::each;
   // Pivots below it, in balanced units, amplify rounding errors beyond the tolerances even if they are certain.
-  double least_useful_pivot = 1e-10;
+  double least_useful_pivot = useful_pivot_at_best;
   // Where rows are left out of the array (CoefficientSource::differentiations), v cannot be read off it. What is
   // known of d and a (nothing: mu = -1) is to be found then.
   CharacteristicValues expected{};

@@ -49,13 +49,10 @@ bool is_weaker(const RankDecision& one, const RankDecision& other) { return clea
 
 IndexSearch::IndexSearch(const SearchTask& task, double t)
     : task_(task),
-      problem_(task.problem),
       t_(t),
-      settings_(task.settings),
-      arena_(task.arena),
-      judging_{settings_.rank_tol, settings_.by_svd, NoiseModel::carried},
-      rows_(task.units != nullptr ? RowScaling::timed : settings_.rows),
-      differentiations_(problem_.differentiations()) {}
+      judging_{task_.settings.rank_tol, task_.settings.by_svd, NoiseModel::carried},
+      rows_(task.units != nullptr ? RowScaling::timed : task_.settings.rows),
+      differentiations_(task_.problem.differentiations()) {}
 
 LevelResult IndexSearch::determine(int level, double time_scale) {
   evaluate(level, time_scale);
@@ -63,15 +60,15 @@ LevelResult IndexSearch::determine(int level, double time_scale) {
 }
 
 LevelResult IndexSearch::certify(int level) {
-  evaluate(level, settings_.time_scale);
+  evaluate(level, task_.settings.time_scale);
   const CertifiedRanks certified =
-      certified_ranks(data_, level, {*task_.units, task_.omits_suspects, settings_.rank_tol});
+      certified_ranks(data_, level, {*task_.units, task_.omits_suspects, task_.settings.rank_tol});
   LevelResult found;
   found.ranks = certified.ranks;
   found.time_scale = data_.time_scale;
   found.significance = certified.significance;
-  found.known_ranks = settings_.by_svd ? certified.list_by_svd : certified.list;
-  found.clear = settings_.rank_tol > 0.0 || certified.significance.is_clear();
+  found.known_ranks = task_.settings.by_svd ? certified.list_by_svd : certified.list;
+  found.clear = task_.settings.rank_tol > 0.0 || certified.significance.is_clear();
   return found;
 }
 
@@ -84,12 +81,12 @@ std::vector<RankDecision> IndexSearch::decisions_with(int level, const RankSeque
 
 LevelResult IndexSearch::determine_confirmed(int level) {
   if (task_.certified) return certify(level);
-  LevelResult found = determine(level, settings_.time_scale);
+  LevelResult found = determine(level, task_.settings.time_scale);
   std::vector<RankDecision> decisions = latest_;
   const RowScaling scaling = rows_;
   if (!found.clear && data_.row_scale_ratio() <= moderate_row_ratio) {
     rows_ = RowScaling::common;
-    const LevelResult unscaled = determine(level, settings_.time_scale);
+    const LevelResult unscaled = determine(level, task_.settings.time_scale);
     if (unscaled.clear) {
       found = unscaled;
       decisions = latest_;
@@ -97,7 +94,7 @@ LevelResult IndexSearch::determine_confirmed(int level) {
     rows_ = scaling;
   }
   if (!found.clear) measure(level, found, decisions);
-  if (found.clear && settings_.rank_tol == 0.0) doubt_cancellations(level, found, decisions);
+  if (found.clear && task_.settings.rank_tol == 0.0) doubt_cancellations(level, found, decisions);
   if (task_.log != nullptr) task_.log->insert(task_.log->end(), decisions.begin(), decisions.end());
   return found;
 }
@@ -131,7 +128,7 @@ SearchResult IndexSearch::search(int max_index) {
       result.last.follows = false;
       result.last.doubtful = std::min(weakest_below, result.last.weakest, is_weaker);
       result.last.clear =
-          settings_.rank_tol > 0.0 || (!task_.certified && clearness(result.last.doubtful) >= decisive_gap);
+          task_.settings.rank_tol > 0.0 || (!task_.certified && clearness(result.last.doubtful) >= decisive_gap);
       result.is_clear = result.is_clear && result.last.clear;
       if (!result.last.clear && !task_.certified) return result;
     }
@@ -148,7 +145,7 @@ SearchResult IndexSearch::search(int max_index) {
 
 // Whether level l + 1 has the same values. Where it is not available or unclear, nothing speaks against them.
 bool IndexSearch::holds_above(int level, const CharacteristicValues& values, const PointRanks& ranks) {
-  if (!problem_.checks_next_level() || level >= std::min(max_derivative_order, highest_level())) return true;
+  if (!task_.problem.checks_next_level() || level >= std::min(max_derivative_order, highest_level())) return true;
   try {
     const LevelResult above = determine_confirmed(level + 1);
     if (leaves_out_rows()) return !above.clear || (above.ranks.a == values.a && above.ranks.d == values.d);
@@ -189,7 +186,7 @@ void IndexSearch::measure(int level, LevelResult& found, std::vector<RankDecisio
     break;
   }
   judging_.noise = NoiseModel::carried;
-  judging_.by_singular_values = settings_.by_svd;
+  judging_.by_singular_values = task_.settings.by_svd;
   if (!confirmed && !agrees_with_other_time_scales(level, found)) return;
   found.clear = true;
   for (RankDecision& decision : decisions)
@@ -238,7 +235,7 @@ bool IndexSearch::survives_perturbations(int level, double time_scale, const std
     }
   }
   for (std::size_t q = 0; q < decisions.size(); ++q)
-    if (decisions[q].dropped > certain_roundings * problem_.n() * unit_roundoff && moved[q] == 0) return false;
+    if (decisions[q].dropped > certain_roundings * task_.problem.n() * unit_roundoff && moved[q] == 0) return false;
   return true;
 }
 
@@ -305,19 +302,19 @@ int IndexSearch::highest_level() const {
 // never becomes smaller. Once it is m, or d and a are those expected, all have been found.
 CharacteristicValues IndexSearch::values_of(int level, const LevelResult& found, int v_hat_below) const {
   if (leaves_out_rows()) {
-    const CharacteristicValues& expected = settings_.expected;
-    const int d = found.ranks.d, a = found.ranks.a, v = problem_.m() - d - a;
+    const CharacteristicValues& expected = task_.settings.expected;
+    const int d = found.ranks.d, a = found.ranks.a, v = task_.problem.m() - d - a;
     const bool is_found = expected.mu < 0 ? v == 0 : d == expected.d && a == expected.a;
-    return {is_found ? level : -1, d, a, problem_.n() - a - d, v};
+    return {is_found ? level : -1, d, a, task_.problem.n() - a - d, v};
   }
-  const int a = found.ranks.a, v = found.ranks.v_hat - v_hat_below, d = problem_.m() - a - v;
-  return {found.ranks.d == d ? level : -1, d, a, problem_.n() - a - d, v};
+  const int a = found.ranks.a, v = found.ranks.v_hat - v_hat_below, d = task_.problem.m() - a - v;
+  return {found.ranks.d == d ? level : -1, d, a, task_.problem.n() - a - d, v};
 }
 
 void IndexSearch::evaluate(int level, double time_scale) {
   const bool chooses = time_scale == 0.0 && task_.units != nullptr;
   const double unit = chooses ? task_.units->time : time_scale;
-  const CallbackError error = problem_.evaluate(t_, {level, level, 0}, unit, data_, rows_);
+  const CallbackError error = task_.problem.evaluate(t_, {level, level, 0}, unit, data_, rows_);
   if (error.status != SFDAE_OK) error.raise();
   if (const double grown = data_.growth_time(); chooses && std::isfinite(grown))
     data_.rescale_time(std::exp2(std::round(std::log2(std::clamp(grown, shortest_growth, longest_growth)))));
@@ -327,13 +324,13 @@ void IndexSearch::evaluate(int level, double time_scale) {
 LevelResult IndexSearch::judge_level(int level) {
   latest_.clear();
   Judge judge(data_, level, judging_, &latest_);
-  const Arena::Frame frame(arena_);
-  const Matrix no_rhs((level + 1) * problem_.m(), 1);
-  const Carried carried = settings_.by_svd ? eliminate_by_svd(data_, level, no_rhs, judge, arena_)
-                                           : eliminate(data_, level, no_rhs, 1, judge, arena_);
-  form_.resize(problem_.m(), problem_.n(), 0, carried.rows);
+  const Arena::Frame frame(task_.arena);
+  const Matrix no_rhs((level + 1) * task_.problem.m(), 1);
+  const Carried carried = task_.settings.by_svd ? eliminate_by_svd(data_, level, no_rhs, judge, task_.arena)
+                                                : eliminate(data_, level, no_rhs, 1, judge, task_.arena);
+  form_.resize(task_.problem.m(), task_.problem.n(), 0, carried.rows);
   LevelResult found;
-  found.ranks = form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
+  found.ranks = form_.build(data_, carried, {}, LeadingTerm::identity, judge, task_.arena);
   found.time_scale = data_.time_scale;
   found.clear = judge.all_clear();
   if (!latest_.empty()) found.weakest = *std::min_element(latest_.begin(), latest_.end(), is_weaker);

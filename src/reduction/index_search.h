@@ -85,10 +85,7 @@ class IndexSearch {
   LevelResult judge_level(int level);
 
   SearchTask task_;
-  CoefficientSource& problem_;
   double t_;
-  const AnalysisSettings& settings_;
-  Arena& arena_;
   Judge::Settings judging_;
   RowScaling rows_;
   std::vector<int> differentiations_;

@@ -10,17 +10,6 @@
 
 namespace sfdae::core {
 
-namespace {
-
-Matrix diagonal_matrix(const std::vector<double>& values) {
-  const int count = static_cast<int>(values.size());
-  Matrix matrix(count, count);
-  for (int i = 0; i < count; ++i) matrix(i, i) = values[index(i)];
-  return matrix;
-}
-
-}  // namespace
-
 Judge::Judge(const TaylorData& data, int level, const Settings& settings, std::vector<RankDecision>* log)
     : settings_(settings),
       log_(log),
@@ -64,23 +53,23 @@ void Judge::record_known(const Question& question, ConstView r, int rank) {
   if (rank > 0 && below > 0.0) decision.gap = decision.kept / below;
   decision.threshold = std::sqrt(decision.kept * below);
   decision.verdict = settings_.rank_tol > 0.0 ? Verdict::user : Verdict::confirmed;
+  log(decision, question);
+}
+
+int Judge::record(const RankDecision& decision, const Question& question) {
+  if (decision.rank > 0) question.kept = std::min(question.kept, decision.kept);
+  if (decision.verdict == Verdict::unclear) all_clear_ = false;
+  if (log_ != nullptr) log(decision, question);
+  ranks_.add(decision.rank);
+  return decision.rank;
+}
+
+void Judge::log(RankDecision decision, const Question& question) {
   decision.t = t_;
   decision.level = level_;
   decision.stage = question.stage;
   decision.subject = question.subject;
   log_->push_back(decision);
-}
-
-int Judge::record(RankDecision decision, const Question& question) {
-  decision.t = t_;
-  decision.level = level_;
-  decision.stage = question.stage;
-  decision.subject = question.subject;
-  if (decision.rank > 0) question.kept = std::min(question.kept, decision.kept);
-  if (decision.verdict == Verdict::unclear) all_clear_ = false;
-  if (log_ != nullptr) log_->push_back(decision);
-  ranks_.add(decision.rank);
-  return decision.rank;
 }
 
 int Judge::decide(Question question, ConstView r, ConstView original) {
@@ -121,9 +110,8 @@ int Judge::decide_stage(int stage, ConstView r, ConstView original, double norm)
 int Judge::decide_array(const std::vector<double>& s, int rows, int cols) {
   if (settings_.known_ranks != nullptr) {
     const int count = static_cast<int>(s.size());
-    const Matrix diagonal = diagonal_matrix(s);
-    const int rank = take_known_rank({Subject::array, 0, sizes_.eps * sizes_.norm, sizes_.norm, pivot_},
-                                     diagonal.view().block(0, 0, count, count));
+    const ConstView diagonal{s.data(), count, count, 0};  // of which only the diagonal is read
+    const int rank = take_known_rank({Subject::array, 0, sizes_.eps * sizes_.norm, sizes_.norm, pivot_}, diagonal);
     constraint_errors_ = sizes_.eps * sizes_.norm_A / pivot_;
     return rank;
   }

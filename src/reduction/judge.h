@@ -96,7 +96,8 @@ class Judge {
   int decide(Question question, ConstView r, ConstView original);
   int take_known_rank(const Question& question, ConstView r);
   void record_known(const Question& question, ConstView r, int rank);
-  int record(RankDecision decision, const Question& question);
+  int record(const RankDecision& decision, const Question& question);
+  void log(RankDecision decision, const Question& question);
 
   // Of the data of the reduction.
   struct Sizes {

@@ -133,6 +133,22 @@ TEST(Certificate, GainsOfCascadesAreSeenOrBothResultsAreNamed) {
   EXPECT_GE(named, 20);
 }
 
+// What rounding errors become has to be less than the tolerances: at 1e-9 a pivot of 1e-6 / 3 is of no use any more.
+TEST(Certificate, WhatIsOfUseDependsOnTheTolerances) {
+  EXPECT_EQ(least_useful_pivot({}), 1e-10);
+  EXPECT_EQ(least_useful_pivot({0.0, 1e-3}), 1e-10);
+  EXPECT_NEAR(least_useful_pivot({1e-3, 1e-8, 0.0}), 1.11e-7, 1e-9);
+  EXPECT_EQ(least_useful_pivot({1e-12}), 1e-6);  // as what norms decide alone
+  const Pencil pencil = cascade(2, 10000.0);
+  AnalysisSettings loose, tight;
+  loose.least_useful_pivot = least_useful_pivot({1e-6});
+  tight.least_useful_pivot = least_useful_pivot({1e-9});
+  EXPECT_EQ(describe(analyze(pencil, loose).values), "mu = 0, d = 2, a = 6, u = 0, v = 0");
+  const Answer answer = analyze(pencil, tight);
+  EXPECT_EQ(answer.status, SFDAE_RANK_UNCLEAR);
+  EXPECT_NE(answer.message.find("is certain"), std::string::npos) << answer.message;
+}
+
 // The user's unit of time does not change what is certain.
 TEST(Certificate, TimeScalesOfTheUserDoNotHideValues) {
   AnalysisSettings settings;
