@@ -179,12 +179,13 @@ void demand_constraints(double distance, const Jet& jet, ConsistencyRequest requ
 // The change of a consistent jet toward the values wanted.
 class Approach {
  public:
-  Approach(JetSolver& solver, const LinearizedConstraints& constraints, const ConsistencyRequest& request,
+  Approach(JetSolver& solver, LinearizedConstraints& constraints, const ConsistencyRequest& request,
            const Vector& target)
       : solver_(solver), constraints_(constraints), request_(request), target_(target) {}
 
-  // Goes from the jet toward `full` and back to the constraints, so far as that succeeds and, if it has to, brings it
-  // nearer. False, and the jet as it was, if no part of the way does.
+  // Goes from the jet toward `full` and back to the constraints, so far as that succeeds at a point of the ranks known
+  // and, if it has to, brings it nearer; the constraints are those of the jet that results. False, and the jet as it was,
+  // if no part of the way does.
   bool advance(const Jet& full, bool has_to_be_nearer, Jet& jet) {
     // Chosen, not measured.
     constexpr double shortest = 1.0 / 32.0;
@@ -192,16 +193,23 @@ class Approach {
     for (double part = 1.0; part >= shortest; part *= 0.5) {
       Jet next = between(jet, full, part);
       if (!is_solved(next, mu)) continue;
-      if (!has_to_be_nearer || !is_farther(distance(next), distance(jet))) {
+      const bool is_allowed = !has_to_be_nearer || !is_farther(distance(next), distance(jet));
+      if (is_allowed && has_known_ranks(next)) {
         jet = std::move(next);
         return true;
       }
-      if (!request_.differentiated_stay()) return false;
+      if (is_allowed) constraints_.linearize(jet);
+      else if (!request_.differentiated_stay()) return false;
     }
     return false;
   }
 
  private:
+  // Residuals of other ranks can be small where hidden constraints are violated.
+  bool has_known_ranks(const Jet& jet) {
+    constraints_.linearize(jet);
+    return constraints_.has_known_ranks();
+  }
   Distance distance(const Jet& jet) const { return distance_between(constraints_.point(), request_, target_, jet); }
   bool is_solved(Jet& jet, int mu) {
     try {
@@ -216,7 +224,7 @@ class Approach {
   }
 
   JetSolver& solver_;
-  const LinearizedConstraints& constraints_;
+  LinearizedConstraints& constraints_;
   const ConsistencyRequest& request_;
   const Vector& target_;
 };
@@ -243,14 +251,12 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
   if (may_move) constraints.follow_inputs();
   Approach approach(solver, constraints, request, target);
   double before = 0.0;
+  constraints.linearize(result.jet);
+  if (!constraints.has_known_ranks())
+    throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                  "the characteristic values known (" + describe(analysis.values) +
+                      format(") do not hold at t = %.15g. Analyze the problem there.", start.jet.t));
   for (int iteration = 0; iteration < most; ++iteration) {
-    constraints.linearize(result.jet);
-    if (!constraints.has_known_ranks()) {
-      if (iteration > 0) break;  // the last point is consistent, this one is too far off
-      throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                    "the characteristic values known (" + describe(analysis.values) +
-                        format(") do not hold at t = %.15g. Analyze the problem there.", start.jet.t));
-    }
     Jet full = result.jet;
     const double change = constraints.move(request, target, full);
     if (iteration > 0 && change > before && !keeps) break;
@@ -258,7 +264,6 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
     if (change < accuracy) break;
     before = change;
   }
-  constraints.linearize(result.jet);
   if (keeps) demand_constraints(constraints.distance(), result.jet, request);
   const Vector found(result.jet.x.data(), result.jet.x.data() + problem.n());
   result.change.residual_before = length(difference(x, found.data()), {});
