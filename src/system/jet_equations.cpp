@@ -195,7 +195,9 @@ bool JetEquations::dense_change(const Jet& jet, double most_dropped, Vector& cha
 bool JetEquations::is_converged(const Jet& jet, double tolerance) const {
   const int m = data_.m, n = data_.n;
   double power = 1.0;
-  Vector size(index(m) * index(level_ + 1), 0.0);
+  // Where nothing was added up, constants cancel: their size is that of the coefficients, but not of those of other rows
+  // that derivatives far off have made large.
+  Vector size(index(m) * index(level_ + 1), 0.0), least(size.size(), data_.norm(0));
   for (int k = 0; k <= level_ + 1; ++k) {
     const double to_scaled = k == 0 ? 1.0 : k * (power *= data_.time_scale);
     for (int j = 0; j < n; ++j) {
@@ -207,13 +209,12 @@ bool JetEquations::is_converged(const Jet& jet, double tolerance) const {
           if (k > 0 && i + 1 >= k) entry = std::fabs(data_.E(i + 1 - k)(row, j));
           if (k > 0 && i >= k) entry += std::fabs(data_.A(i - k)(row, j)) / k;
           size[index(i * m + row)] += entry * y;
+          least[index(i * m + row)] = std::max(least[index(i * m + row)], entry);
         }
     }
   }
-  // Where nothing was added up, constants cancel: their size is that of the coefficients.
-  const double least = data_.norm(level_);
   for (std::size_t i = 0; i < size.size(); ++i)
-    if (std::fabs(data_.f(0)[i]) > tolerance * (size[i] + least)) return false;
+    if (std::fabs(data_.f(0)[i]) > tolerance * (size[i] + least[i])) return false;
   return true;
 }
 

@@ -25,6 +25,9 @@ constexpr double still_gaining = 0.9;
 // Residuals relative to what was added up in them, of a jet that counts as consistent: what ill-conditioned arrays
 // leave is below, what users notice is above. Chosen, not measured.
 constexpr double consistent_residual = 1e-9;
+// Damped steps get below any residual in time, where derivatives run away to make up for constraints that x does not
+// fulfil. What is consistent shows in undamped steps, or in residuals of rounding errors (docs/decisions/28-start-values.md).
+constexpr double consistent_after_damping = 1e-12;
 
 // Further components are fixed while this lives.
 class FixedForNow {
@@ -260,6 +263,9 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
   constexpr double first_damping = 1e-3, least_damping = 1e-12, weaker = 16.0, after_failure = 1e3;
   // Residuals so much larger that exponentials have run away. Chosen, not measured.
   constexpr double enormous = 1e6;
+  const auto is_converged = [this](const Jet& of, bool by_undamped_steps) {
+    return equations_.is_converged(of, by_undamped_steps ? consistent_residual : consistent_after_damping);
+  };
   equations_.linearize(jet, level, 0.0);
   double damping = first_damping;
   bool is_undamped = true;
@@ -269,7 +275,7 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
     // An undamped step first; it is the last one if rounding lets it gain nothing.
     Trial trial;
     if (is_undamped) trial = undamped_trial(jet);
-    const bool converged = equations_.is_converged(jet, consistent_residual);
+    const bool converged = is_converged(jet, is_undamped);
     if (!trial.valid || trial.norm > good_reduction * before) {
       ++iteration;
       if (converged && trial.valid && trial.norm < still_gaining * before) {
@@ -296,7 +302,7 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
     is_undamped = false;
     damping *= after_failure;
   }
-  if (!equations_.is_converged(jet, consistent_residual)) equations_.give_up(jet);
+  if (!is_converged(jet, is_undamped)) equations_.give_up(jet);
 }
 
 }  // namespace sfdae::core

@@ -57,12 +57,9 @@ class LinearizedConstraints {
   // size relative to x.
   double move(const ConsistencyRequest& request, const Vector& target, Jet& jet) {
     const int n = problem_.n(), mu = analysis_.values.mu;
+    const double size = size_of(jet);
     Vector missing(index(n));
-    double size = 0.0;
-    for (int i = 0; i < n; ++i) {
-      missing[index(i)] = target[index(i)] - jet.x[index(i)];
-      size = std::max(size, std::fabs(jet.x[index(i)]) / units_[i]);
-    }
+    for (int i = 0; i < n; ++i) missing[index(i)] = target[index(i)] - jet.x[index(i)];
     ConsistencyRequest relative = request;
     relative.least_size = size;
     Vector dx = consistent_point(point(), relative, missing);
@@ -78,10 +75,17 @@ class LinearizedConstraints {
     return size > 0.0 ? largest / size : largest;
   }
 
-  double distance() const {
-    double sum = 0.0;
-    for (int i = 0; i < form_.n; ++i) sum += std::pow(form_.xp()[i] * units_[i], 2);
-    return std::sqrt(sum);
+  // The least change of x that fulfils the linearized constraints.
+  Vector violation() const {
+    Vector change(form_.xp(), form_.xp() + form_.n);
+    units_.outward(change.data());
+    return change;
+  }
+  // The largest component in the units of the equations.
+  double size_of(const Jet& jet) const {
+    double size = 0.0;
+    for (int i = 0; i < jet.n; ++i) size = std::max(size, std::fabs(jet.x[index(i)]) / units_[i]);
+    return size;
   }
 
  private:
@@ -161,30 +165,38 @@ Jet between(const Jet& from, const Jet& to, double part) {
 }
 
 // Derivatives far off may make up for constraints that x does not fulfil: these show in the linearized ones.
-void demand_constraints(double distance, const Jet& jet, ConsistencyRequest request) {
-  // Relative to x, or in tolerances; consistent jets are better by orders of magnitude. Chosen: one of 6000 random
-  // starts had 0.1.
-  constexpr double consistent = 1e-6;
+void demand_constraints(const LinearizedConstraints& constraints, const Jet& jet, ConsistencyRequest request) {
+  // Of a component, or of what is largest in the units of the equations; consistent jets are better by orders of
+  // magnitude. Chosen: one of 6000 random starts had 0.1.
+  constexpr double consistent = 1e-6, rounding = 1e-8;
   request.trusts_digits = false;
-  const std::vector<double> sizes = request.sizes();
-  const double allowed =
-      std::max(consistent * max_abs(jet.x.data(), jet.n), max_abs(sizes.data(), static_cast<int>(sizes.size())));
-  if (distance <= allowed) return;
-  throw Failure(SFDAE_NO_CONSISTENT_VALUES,
-                format("no consistent values were found near the guess at t = %.15g; what was found violates the "
-                       "constraints by %.3g. Give a better guess, or fix fewer components.",
-                       jet.t, distance));
+  Vector sizes = request.sizes();
+  sizes.resize(index(jet.n), 0.0);
+  const Vector violation = constraints.violation();
+  const double largest = constraints.size_of(jet);
+  for (int i = 0; i < jet.n; ++i) {
+    const double allowed = std::max({consistent * std::fabs(jet.x[index(i)]), sizes[index(i)],
+                                     rounding * largest * constraints.point().units[i]});
+    if (std::fabs(violation[index(i)]) <= allowed) continue;
+    throw Failure(
+        SFDAE_NO_CONSISTENT_VALUES,
+        format("no consistent values were found near the guess at t = %.15g; in what was found constraints "
+               "are violated, by which x[%d] would have to change by %.3g. Give a better guess, or fix fewer "
+               "components.",
+               jet.t, i, violation[index(i)]));
+  }
 }
 
 // The change of a consistent jet toward the values wanted.
 class Approach {
  public:
-  Approach(JetSolver& solver, const LinearizedConstraints& constraints, const ConsistencyRequest& request,
+  Approach(JetSolver& solver, LinearizedConstraints& constraints, const ConsistencyRequest& request,
            const Vector& target)
       : solver_(solver), constraints_(constraints), request_(request), target_(target) {}
 
-  // Goes from the jet toward `full` and back to the constraints, so far as that succeeds and, if it has to, brings it
-  // nearer. False, and the jet as it was, if no part of the way does.
+  // Goes from the jet toward `full` and back to the constraints, so far as that succeeds at a point of the ranks known
+  // and, if it has to, brings it nearer; the constraints are those of the jet that results. False, and the jet as it was,
+  // if no part of the way does.
   bool advance(const Jet& full, bool has_to_be_nearer, Jet& jet) {
     // Chosen, not measured.
     constexpr double shortest = 1.0 / 32.0;
@@ -192,16 +204,23 @@ class Approach {
     for (double part = 1.0; part >= shortest; part *= 0.5) {
       Jet next = between(jet, full, part);
       if (!is_solved(next, mu)) continue;
-      if (!has_to_be_nearer || !is_farther(distance(next), distance(jet))) {
+      const bool is_allowed = !has_to_be_nearer || !is_farther(distance(next), distance(jet));
+      if (is_allowed && has_known_ranks(next)) {
         jet = std::move(next);
         return true;
       }
-      if (!request_.differentiated_stay()) return false;
+      if (is_allowed) constraints_.linearize(jet);
+      else if (!request_.differentiated_stay()) return false;
     }
     return false;
   }
 
  private:
+  // Residuals of other ranks can be small where hidden constraints are violated.
+  bool has_known_ranks(const Jet& jet) {
+    constraints_.linearize(jet);
+    return constraints_.has_known_ranks();
+  }
   Distance distance(const Jet& jet) const { return distance_between(constraints_.point(), request_, target_, jet); }
   bool is_solved(Jet& jet, int mu) {
     try {
@@ -216,7 +235,7 @@ class Approach {
   }
 
   JetSolver& solver_;
-  const LinearizedConstraints& constraints_;
+  LinearizedConstraints& constraints_;
   const ConsistencyRequest& request_;
   const Vector& target_;
 };
@@ -243,14 +262,12 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
   if (may_move) constraints.follow_inputs();
   Approach approach(solver, constraints, request, target);
   double before = 0.0;
+  constraints.linearize(result.jet);
+  if (!constraints.has_known_ranks())
+    throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
+                  "the characteristic values known (" + describe(analysis.values) +
+                      format(") do not hold at t = %.15g. Analyze the problem there.", start.jet.t));
   for (int iteration = 0; iteration < most; ++iteration) {
-    constraints.linearize(result.jet);
-    if (!constraints.has_known_ranks()) {
-      if (iteration > 0) break;  // the last point is consistent, this one is too far off
-      throw Failure(SFDAE_CHARACTERISTICS_CHANGED,
-                    "the characteristic values known (" + describe(analysis.values) +
-                        format(") do not hold at t = %.15g. Analyze the problem there.", start.jet.t));
-    }
     Jet full = result.jet;
     const double change = constraints.move(request, target, full);
     if (iteration > 0 && change > before && !keeps) break;
@@ -258,11 +275,10 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
     if (change < accuracy) break;
     before = change;
   }
-  constraints.linearize(result.jet);
-  if (keeps) demand_constraints(constraints.distance(), result.jet, request);
+  demand_constraints(constraints, result.jet, request);
   const Vector found(result.jet.x.data(), result.jet.x.data() + problem.n());
   result.change.residual_before = length(difference(x, found.data()), {});
-  result.change.residual_after = constraints.distance();
+  result.change.residual_after = length(constraints.violation(), {});
   report_change(request, start.jet.t, x, found, result.change);
   result.value_change = change_of_differentiated(constraints.point(), request, x, found);
   return result;

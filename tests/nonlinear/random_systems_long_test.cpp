@@ -30,7 +30,7 @@ bool says_that_nothing_is_known(int status) {
 }
 
 struct Counts {
-  int all = 0, named_errors = 0, accurate = 0, violating = 0;
+  int all = 0, named_errors = 0, accurate = 0;
 };
 
 // distance: of the guess, relative to the size of the components.
@@ -57,11 +57,7 @@ void start_from_guess(unsigned seed, double distance_of_guess, Counts& counts) {
   EXPECT_EQ(run.values(), system.values());
   // Rounding errors grow with every derivative: rarely beyond 1e-12.
   const double violation = system.constraint_violation(start_time, run.x);
-  // A known defect: starts from rough guesses that violate hidden constraints, 3 of 6,000.
-  if (violation > 1e-7) {
-    ++counts.violating;
-    return;
-  }
+  EXPECT_LE(violation, 1e-7);
   if (violation <= 1e-12) ++counts.accurate;
   system.residual(start_time, run.x.data(), run.xdot.data(), F.data());
   EXPECT_LE(largest(F), 1e-9 * (1.0 + largest(run.xdot)));
@@ -76,8 +72,20 @@ TEST_P(RandomSystems, HaveTheValuesTheyAreBuiltFrom) {
   const unsigned end = static_cast<unsigned>(scaled_count(2000));
   for (unsigned seed = 0; seed < end; ++seed) start_from_guess(seed, GetParam(), counts);
   EXPECT_LE(counts.named_errors, 0.02 * counts.all + 1.0);
-  EXPECT_LE(counts.violating, 0.001 * counts.all);
   EXPECT_GE(counts.accurate, 0.99 * (counts.all - counts.named_errors) - 1.0);
+}
+
+// From these guesses iterations came to jets with large derivatives and other ranks, and with residuals that were small
+// beside those, though hidden constraints were violated by up to 1.3.
+TEST(RandomSystemsFarOff, FulfilHiddenConstraints) {
+  struct Start {
+    unsigned seed;
+    double distance_of_guess;
+  };
+  Counts counts;
+  for (const Start& start : {Start{372, 0.1}, Start{1496, 0.1}, Start{8026, 0.1}, Start{1634, 0.3}, Start{8222, 0.3},
+                             Start{10058, 0.3}, Start{6919, 1.0}})
+    start_from_guess(start.seed, start.distance_of_guess, counts);
 }
 
 void integrate(unsigned seed, int method, double tolerance, Counts& counts) {

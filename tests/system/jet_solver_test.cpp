@@ -232,6 +232,24 @@ TEST(JetSolver, TellsThatTheEquationsCannotBeEvaluatedAtTheGuess) {
   EXPECT_NEAR(inside.x[0], 1.01, rounding(10));
 }
 
+// 0 = x1 - 1e9 t, 0 = x2 + x1^2 / 2 at t = 0: x1' = 1e9 is a coefficient of the derivative of the second equation, and
+// makes no error of x1 in the first one small.
+TEST(JetEquations, MeasureEveryResidualByItsOwnEquation) {
+  sfdae_test::Recording r(2);
+  NonlinearExample example(r.finish({r.x[0] - 1e9 * r.t, r.x[1] + 0.5 * r.x[0] * r.x[0]}));
+  const Units units;
+  for (double error : {0.0, 1e-3}) {
+    Jet jet = jet_of(0.0, {error, -0.5 * error * error});
+    jet.set_order(2);
+    jet.column(1)[0] = 1e9;
+    jet.column(1)[1] = -1e9 * error;
+    JetEquations equations(*example.problem, units);
+    equations.linearize(jet, 1, 1.0);
+    EXPECT_NEAR(equations.norm(), error, rounding(2));
+    EXPECT_EQ(equations.is_converged(jet, 1e-9), error == 0.0);
+  }
+}
+
 // Units of the unknowns are an aid, not part of the answer.
 TEST(JetSolver, FulfilsTheEquationsInOtherUnitsOfTheUnknowns) {
   const Example e = examples().front();

@@ -174,6 +174,32 @@ TEST(NonlinearValues, AcceptRefusesChangesBeyondTheTolerances) {
   }
 }
 
+// 0 = x^2 + 1 at x = 1, where x - 1 fulfils what is linear of it: nothing leads from there to consistent values, and the
+// jet that was taken for one is none, whatever was asked for.
+TEST(NonlinearValues, HaveToFulfilTheConstraints) {
+  sfdae_test::Recording r(1);
+  NonlinearExample example(r.finish({r.x[0] * r.x[0] + 1.0}));
+  IndexAnalysis analysis;
+  analysis.values = {.mu = 0, .d = 0, .a = 1, .u = 0, .v = 0};
+  Jet start;
+  start.n = 1;
+  start.x = {1.0};
+  ConsistencyRequest nearest, weighted, keeping;
+  weighted.weights = {3.0};
+  keeping.keeps_differentiated = true;
+  for (ConsistencyRequest request : {nearest, weighted, keeping}) {
+    request.set_tolerances({{1e-6}, {1e-6}}, start.x.data());
+    std::string message;
+    const int status = status_of(
+        [&] {
+          choose_consistent_jet(*example.problem, analysis, {}, request, {start.x, start});
+        },
+        message);
+    EXPECT_EQ(status, SFDAE_NO_CONSISTENT_VALUES);
+    EXPECT_NE(message.find("x[0] would have to change by -1."), std::string::npos) << message;
+  }
+}
+
 // d = 0: nothing may be chosen, and u > 0: any change of the free component is too much.
 TEST(NonlinearValues, FreeComponentsStay) {
   NonlinearExample example(sfdae_test::record_with_free_component());
