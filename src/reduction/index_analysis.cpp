@@ -159,7 +159,6 @@ IndexAnalysis Analysis::by_certificate(const std::optional<IndexAnalysis>& quick
   found.analysis.distance = relative_distance(found.significance);
   std::vector<RankDecision> confirmed;
   if (found.is_clear && is_redundancy_right && norms_agree(found, confirmed) && is_independent_of_suspects(values)) {
-    if (found.significance.smallest_pivot < settings_.least_useful_pivot) report_useless(found);
     // Units that are good enough stay: what is integrated does not depend on how sure its ranks are. Small values kept
     // amplify rounding errors, in these units.
     if (is_same && smallest_kept(decisions) >= kept_by_far) {
@@ -167,6 +166,7 @@ IndexAnalysis Analysis::by_certificate(const std::optional<IndexAnalysis>& quick
       usual.distance = found.analysis.distance;
       return usual;
     }
+    if (found.significance.smallest_pivot < settings_.least_useful_pivot) report_useless(found);
     decisions = std::move(confirmed);
     problem_.set_units(balanced().unknowns);
     return found.analysis;
