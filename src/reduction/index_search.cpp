@@ -330,7 +330,7 @@ LevelResult IndexSearch::judge_level(int level) {
                                                 : eliminate(data_, level, no_rhs, 1, judge, task_.arena);
   form_.resize(task_.problem.m(), task_.problem.n(), 0, carried.rows);
   LevelResult found;
-  found.ranks = form_.build(data_, carried, {}, LeadingTerm::identity, judge, task_.arena);
+  found.ranks = form_.find_ranks(data_, carried, judge, task_.arena);
   found.time_scale = data_.time_scale;
   found.clear = judge.all_clear();
   if (!latest_.empty()) found.weakest = *std::min_element(latest_.begin(), latest_.end(), is_weaker);

@@ -13,6 +13,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct RankSequence {
   std::array<int, 2 * (max_derivative_order + 1) + 4> rank{};
   std::size_t count = 0;
   void add(int value) { rank[count++] = value; }
+  bool operator==(const RankSequence& other) const {
+    return std::equal(rank.begin(), rank.begin() + count, other.rank.begin(), other.rank.begin() + other.count);
+  }
 };
 
 // Where the noise of a decision comes from: errors carried along (e above), the smallest pivot alone (e = eps |data|

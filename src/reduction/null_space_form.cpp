@@ -27,14 +27,31 @@ void NullSpaceForm::resize(int rows, int cols, int num_prescribed, int carried) 
   n = cols;
 }
 
-PointRanks NullSpaceForm::build(const TaylorData& data, const Carried& carried, Prescription prescription,
-                                LeadingTerm leading, Judge& judge, Arena& arena) {
+PointRanks NullSpaceForm::factor_constraints(const Carried& carried, Judge& judge, Arena& arena) {
   PointRanks ranks;
   ranks.rank_E = carried.rank_E;
   constraints_.factor(carried, judge, arena);
   a = ranks.a = constraints_.rank();
+  d = 0;
+  u = n - a;
   ranks.v_hat = carried.rows - ranks.a;
   constraints_.write_T2(columns_T2(n - a), arena);
+  return ranks;
+}
+
+PointRanks NullSpaceForm::find_ranks(const TaylorData& data, const Carried& carried, Judge& judge, Arena& arena) {
+  PointRanks ranks = factor_constraints(carried, judge, arena);
+  const Arena::Frame frame(arena);
+  const View ET = arena.matrix(m, n - a);
+  multiply(1.0, Op::plain, data.E(0), Op::plain, columns_T2(n - a), 0.0, ET);
+  ranks.d =
+      factor_differential({ET, arena.integers(ET.cols), arena.take(index(std::min(m, ET.cols)) + 1)}, judge, arena);
+  return ranks;
+}
+
+PointRanks NullSpaceForm::build_constraints(const TaylorData& data, const Carried& carried, Prescription prescription,
+                                            Judge& judge, Arena& arena) {
+  PointRanks ranks = factor_constraints(carried, judge, arena);
   if (prescription.count() > 0) {
     ranks.prescription_fits = prescribed_.split(*prescription.components, columns_T2(n - a), arena);
     if (ranks.prescription_fits) a += prescription.count();
@@ -46,11 +63,30 @@ PointRanks NullSpaceForm::build(const TaylorData& data, const Carried& carried, 
   for (int i = 0; i < carried.rows; ++i) f_hat[i] = carried.rhs(i, 0);
   inconsistency_ = constraints_.solve(f_hat, data.norm_f(data.orders.f), particular(), arena);
   if (ranks.prescription_fits) prescribed_.apply(prescription, particular(), arena);
+  return ranks;
+}
+
+PointRanks NullSpaceForm::build(const TaylorData& data, const Carried& carried, Prescription prescription,
+                                LeadingTerm leading, Judge& judge, Arena& arena) {
+  PointRanks ranks = build_constraints(data, carried, prescription, judge, arena);
   if (leading == LeadingTerm::projector) projector_.build(carried, arena);
   else projector_.set_identity();
   build_differential_equations(data, leading, judge, arena);
   ranks.d = d;
   return ranks;
+}
+
+// Of E T2 P; its rank.
+int NullSpaceForm::factor_differential(const PivotedFactors& ET, Judge& judge, Arena& arena) {
+  const Arena::Frame frame(arena);
+  ConstView original;
+  if (judge.keeps_originals()) {
+    const View kept = arena.matrix(ET.factors.rows, ET.factors.cols);
+    copy(ET.factors, kept);
+    original = kept;
+  }
+  factor_qr_pivoted(ET.factors, ET.pivots, ET.tau, arena);
+  return ET.factors.cols > 0 && m > 0 ? judge.decide_differential(ET.factors, original) : 0;
 }
 
 // E T2 P = Z1 R3, then G, B, b, g0.
@@ -61,17 +97,10 @@ void NullSpaceForm::build_differential_equations(const TaylorData& data, Leading
   const ConstView T2_xp{T2_.data(), n, columns + 1, n};
   const View ET = arena.matrix(m, columns + 1);
   multiply(1.0, Op::plain, data.E(0), Op::plain, T2_xp, 0.0, ET);
-  ConstView original;
   const View factors = ET.columns(0, columns);
-  if (judge.keeps_originals()) {
-    const View kept = arena.matrix(m, columns);
-    copy(factors, kept);
-    original = kept;
-  }
   double* tau = arena.take(index(std::min(m, columns)) + 1);
   int* pivots = arena.integers(columns);
-  factor_qr_pivoted(factors, pivots, tau, arena);
-  d = columns > 0 && m > 0 ? judge.decide_differential(factors, original) : 0;
+  d = factor_differential({factors, pivots, tau}, judge, arena);
   u = columns - d;
   form_q(factors, d, tau, {Z1_.data(), m, d, m}, arena);
 

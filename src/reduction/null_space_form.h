@@ -45,7 +45,10 @@ class NullSpaceForm {
   // Room for m x n problems whose elimination carries at most `carried` rows.
   void resize(int m, int n, int num_prescribed, int carried);
 
-  // carried.rhs is one column, f^.
+  // What follows of an elimination: ranks alone; constraints, with T2 and xp; or all. carried.rhs is one column, f^.
+  PointRanks find_ranks(const TaylorData& data, const Carried& carried, Judge& judge, Arena& arena);
+  PointRanks build_constraints(const TaylorData& data, const Carried& carried, Prescription prescription,
+                               Judge& judge, Arena& arena);
   PointRanks build(const TaylorData& data, const Carried& carried, Prescription prescription, LeadingTerm leading,
                    Judge& judge, Arena& arena);
   // A new right-hand side f_hat, f_0 = data.f(0) and new prescribed values; all matrices stay.
@@ -95,6 +98,14 @@ class NullSpaceForm {
   void archive_bases(Archive& archive);
 
  private:
+  // A^ and T2 without the prescribed components.
+  PointRanks factor_constraints(const Carried& carried, Judge& judge, Arena& arena);
+  struct PivotedFactors {
+    View factors;
+    int* pivots;
+    double* tau;
+  };
+  int factor_differential(const PivotedFactors& ET, Judge& judge, Arena& arena);
   void build_differential_equations(const TaylorData& data, LeadingTerm leading, Judge& judge, Arena& arena);
   void apply_C(const TaylorData& data, LeadingTerm leading, ConstView X, View CX, Arena& arena) const;
 

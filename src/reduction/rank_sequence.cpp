@@ -21,20 +21,38 @@ void archive_ranks(Archive& archive, RankSequence& ranks, int count) {
   archive.small(ranks.rank.data(), ranks.count);
 }
 
-RankResult determine_ranks(const TaylorData& data, int level, const Judge::Settings& settings,
-                           RankWorkspace workspace) {
+namespace {
+
+// build: of the form, from what is left of an elimination.
+template <class Build>
+RankResult eliminate_for_ranks(const TaylorData& data, int level, const Judge::Settings& settings,
+                               RankWorkspace workspace, Build build) {
   Arena& arena = workspace.arena;
   Judge judge(data, level, settings, nullptr);
   const Arena::Frame frame(arena);
   const View rhs = arena.matrix((level + 1) * data.m, 1);
   fill(rhs, 0.0);
   const Carried carried = eliminate(data, level, rhs, 1, judge, arena);
-  NullSpaceForm& form = workspace.form;
-  form.resize(data.m, data.n, 0, carried.rows);
+  workspace.form.resize(data.m, data.n, 0, carried.rows);
   RankResult found;
-  found.ranks = form.build(data, carried, {}, LeadingTerm::identity, judge, arena);
+  found.ranks = build(carried, judge);
   found.list = judge.ranks();
   return found;
+}
+
+}  // namespace
+
+RankResult determine_ranks(const TaylorData& data, int level, const Judge::Settings& settings,
+                           RankWorkspace workspace) {
+  return eliminate_for_ranks(data, level, settings, workspace, [&](const Carried& carried, Judge& judge) {
+    return workspace.form.build(data, carried, {}, LeadingTerm::identity, judge, workspace.arena);
+  });
+}
+
+RankResult find_ranks(const TaylorData& data, int level, const Judge::Settings& settings, RankWorkspace workspace) {
+  return eliminate_for_ranks(data, level, settings, workspace, [&](const Carried& carried, Judge& judge) {
+    return workspace.form.find_ranks(data, carried, judge, workspace.arena);
+  });
 }
 
 bool stages_rise(const RankSequence& list, int level, int full_rank) {

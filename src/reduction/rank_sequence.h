@@ -29,8 +29,10 @@ struct RankWorkspace {
   NullSpaceForm& form;
 };
 
+// With the form that belongs to them, for a right-hand side 0; or alone.
 RankResult determine_ranks(const TaylorData& data, int level, const Judge::Settings& settings,
                            RankWorkspace workspace);
+RankResult find_ranks(const TaylorData& data, int level, const Judge::Settings& settings, RankWorkspace workspace);
 
 // Stage k + 1 is about derivatives of one order less, with the rows of one more level: what determines y_j at stage k
 // does so, differentiated, for y_(j+1) then, so that ranks do not fall. Residuals mistaken for pivots make them.

@@ -101,11 +101,32 @@ double JetEquations::residual_noise() const {
   return std::min(most, norm_ / std::max(data_.norm(level_), tiny));
 }
 
+const RankSequence& JetEquations::eliminate_staged(NoiseModel model, double noise) {
+  const Arena::Frame frame(arena_);
+  data_.residual_noise = noise;
+  // Rows of errors that are carried along have no place in a stored elimination: ranks are found before.
+  RankSequence known;
+  Judge::Settings judging{0.0, false, model, nullptr};
+  if (model == NoiseModel::carried) {
+    known = find_ranks(data_, level_, judging, {arena_, form_}).list;
+    judging = {0.0, false, NoiseModel::pivots, &known};
+  }
+  Judge judge(data_, level_, judging, nullptr);
+  const Carried carried = eliminate(data_, level_, data_.f_stack(level_), 1, judge, arena_, &stored_);
+  form_.resize(problem_.m(), problem_.n(), 0, carried.rows);
+  form_.build_constraints(data_, carried, {}, judge, arena_);
+  data_.residual_noise = 0.0;
+  ranks_ = judge.ranks();
+  rank_E_ = carried.rank_E;
+  kept_ = judge.kept_constraints() * judge.smallest_pivot();
+  return ranks_;
+}
+
 // In scaled unknowns.
-Vector JetEquations::change_of_kept(int rank_E, double least_cosine) {
-  ChangeMeasure measure{sizes_, least_cosine};
+Vector JetEquations::change_of_kept() {
+  ChangeMeasure measure{sizes_, least_cosine(data_.n, kept_)};
   for (int i = 0; i < data_.n; ++i) measure.sizes[index(i)] /= units_[i];
-  const LeadingKernel kernel(data_.E(0), rank_E);
+  const LeadingKernel kernel(data_.E(0), rank_E_);
   const Vector zero(index(data_.n), 0.0);
   Vector dx = least_change({form_.xp(), form_.T2()}, kernel, measure, zero.data());
   Vector moved = differentiated_part(kernel, measure.sizes, dx);
@@ -114,21 +135,11 @@ Vector JetEquations::change_of_kept(int rank_E, double least_cosine) {
   return dx;
 }
 
-bool JetEquations::staged_change(NoiseModel model, double noise, bool keep, Vector& change) {
-  const int m = problem_.m(), n = problem_.n();
-  const Arena::Frame frame(arena_);
-  data_.residual_noise = noise;
-  const RankResult found = determine_ranks(data_, level_, {0.0, false, model, nullptr}, {arena_, form_});
-  const Judge::Settings settings{0.0, false, NoiseModel::pivots, &found.list};
-  Judge judge(data_, level_, settings, nullptr);
-  const Carried carried = eliminate(data_, level_, data_.f_stack(level_), 1, judge, arena_, &stored_);
-  form_.resize(m, n, 0, carried.rows);
-  form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
-  data_.residual_noise = 0.0;
+bool JetEquations::staged_change(bool keep, Vector& change) {
+  const int n = problem_.n();
   change.assign(index(n) * index(level_ + 2), 0.0);
   if (keep && keeps_differentiated()) {
-    const double kept = judge.kept_constraints() * judge.smallest_pivot();
-    const Vector dx = change_of_kept(carried.rank_E, least_cosine(n, kept));
+    const Vector dx = change_of_kept();
     std::copy(dx.begin(), dx.end(), change.begin());
   } else {
     std::copy_n(form_.xp(), n, change.data());

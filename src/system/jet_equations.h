@@ -52,13 +52,15 @@ class JetEquations {
   // (docs/decisions/18-residuals-as-noise.md).
   double residual_noise() const;
 
-  // The smallest change of x by the staged elimination, or, if `keep` and that is asked for, the one that moves what is
-  // differentiated least. noise: of the coefficients, as they are not those of a consistent jet. False if nothing finite
-  // is found, as below.
-  bool staged_change(NoiseModel model, double noise, bool keep, std::vector<double>& change);
+  // The staged elimination, with the ranks that it finds. noise: of the coefficients, as they are not those of a consistent
+  // jet.
+  const RankSequence& eliminate_staged(NoiseModel model, double noise);
+  // By the last one: the smallest change of x, or, if `keep` and that is asked for, the one that moves what is
+  // differentiated least. False if nothing finite is found, as below.
+  bool staged_change(bool keep, std::vector<double>& change);
   // Of the last staged_change: see Trial.
   double moved_by_last_change() const { return moved_; }
-  // Of the last staged_change, for another change of x.
+  // By the last elimination, for another change of x.
   void recover_derivatives(std::vector<double>& change);
   // change = U J^T (J J^T + damping I)^-1 f, J in units of U.
   bool damped_change(const Jet& jet, double damping, std::vector<double>& change);
@@ -75,7 +77,7 @@ class JetEquations {
   double residual_norm(const Jet& jet);
   // U: changes that count as one, of x relative to its size, of y more.
   std::vector<double> unit_changes(const Jet& jet) const;
-  std::vector<double> change_of_kept(int rank_E, double least_cosine);
+  std::vector<double> change_of_kept();
 
   NonlinearProblem& problem_;
   const Units& units_;
@@ -85,8 +87,12 @@ class JetEquations {
   TaylorData data_;
   double norm_ = 0.0, moved_ = 0.0;
   std::vector<double> residuals_;
+  // The last elimination: of all rows, and what it leaves of them; its ranks, that of E_0, and what is kept by them.
   StoredElimination stored_;
   NullSpaceForm form_;
+  RankSequence ranks_;
+  int rank_E_ = 0;
+  double kept_ = 1.0;
   Arena arena_;
 };
 

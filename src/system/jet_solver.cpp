@@ -29,6 +29,9 @@ constexpr double consistent_residual = 1e-9;
 // fulfil. What is consistent shows in undamped steps, or in residuals of rounding errors (docs/decisions/28-start-values.md).
 constexpr double consistent_after_damping = 1e-12;
 
+// Some hundred roundings of what is added up in a residual.
+constexpr double rounding = 1e-14;
+
 // Further components are fixed while this lives.
 class FixedForNow {
  public:
@@ -104,8 +107,8 @@ bool JetSolver::accept(Jet& jet, Trial&& trial, int level) {
 // which stiff equations amplify: it is enough that the jet counts as consistent.
 bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
   constexpr int most = 12;
-  // Some hundred roundings of what is added up in a residual, and of what was multiplied in a change of x.
-  constexpr double rounding = 1e-14, negligible = 1e-12;
+  // Of what was multiplied in a change of x: some thousand roundings.
+  constexpr double negligible = 1e-12;
   equations_.linearize(jet, level, 0.0);
   const std::size_t n = index(jet.n);
   const std::vector<char>& fixed = equations_.fixed();
@@ -113,21 +116,21 @@ bool JetSolver::solve_for_derivatives(Jet& jet, int level) {
   Vector change;
   for (int iteration = 0; iteration < most && equations_.norm() > 0.0; ++iteration) {
     const double before = equations_.norm();
-    double wanted = 0.0, size = 0.0;
     Trial trial;
     for (double noise : {equations_.residual_noise(), 0.0}) {
-      if (!equations_.staged_change(noise > 0.0 ? NoiseModel::pivots : NoiseModel::carried, noise, true, change))
-        continue;
-      wanted = max_abs(change.data(), jet.n);
-      std::fill_n(change.begin(), n, 0.0);
+      equations_.eliminate_staged(noise > 0.0 ? NoiseModel::pivots : NoiseModel::carried, noise);
+      change.assign(n * index(level + 2), 0.0);
       equations_.recover_derivatives(change);
       if (!all_finite(change.data(), change.size())) continue;
       trial = equations_.try_change(jet, change);
       if (trial.valid && trial.norm < still_gaining * before) break;
     }
-    for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::fabs(jet.x[i]) / equations_.units()[i]);
-    if (!trial.valid || trial.norm >= still_gaining * before)
-      return wanted <= negligible * size && equations_.is_converged(jet, is_x_given ? consistent_residual : rounding);
+    if (!trial.valid || trial.norm >= still_gaining * before) {
+      if (!equations_.is_converged(jet, is_x_given ? consistent_residual : rounding)) return false;
+      double size = 0.0;
+      for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::fabs(jet.x[i]) / equations_.units()[i]);
+      return equations_.staged_change(true, change) && max_abs(change.data(), jet.n) <= negligible * size;
+    }
     jet = trial.jet;
     equations_.linearize(jet, level, equations_.time_scale());
   }
@@ -180,14 +183,21 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet) {
     NoiseModel model;
     double noise;
   };
+  const bool is_at_rounding = equations_.is_converged(jet, rounding);
   const auto is_good = [&](const Trial& trial) {
     return trial.valid && trial.norm <= good_reduction * equations_.norm();
   };
   for (bool keep : {equations_.keeps_differentiated(), false}) {
+    std::vector<RankSequence> tried;
     for (const Attempt& attempt :
          {Attempt{NoiseModel::pivots, equations_.residual_noise()}, Attempt{NoiseModel::pivots, 0.0},
           Attempt{NoiseModel::carried, 0.0}, Attempt{NoiseModel::data, 0.0}}) {
-      if (!equations_.staged_change(attempt.model, attempt.noise, keep, change)) continue;
+      // Where only rounding errors are left, other ranks remove no more of them.
+      if (!tried.empty() && is_at_rounding) return best;
+      const RankSequence& ranks = equations_.eliminate_staged(attempt.model, attempt.noise);
+      if (std::find(tried.begin(), tried.end(), ranks) != tried.end()) continue;
+      tried.push_back(ranks);
+      if (!equations_.staged_change(keep, change)) continue;
       Trial trial = equations_.try_change(jet, change);
       if (keep) trial.moved = equations_.moved_by_last_change();
       // Ranks that mislead move what could stay.
@@ -228,8 +238,13 @@ JetSolver::Trial JetSolver::shortened_trial(const Jet& jet) {
   constexpr int halvings = 10;
   constexpr double least_gain = 0.1;
   Vector change;
-  const bool is_found = equations_.fixed().empty() ? equations_.staged_change(NoiseModel::pivots, 0.0, true, change)
-                                                   : equations_.dense_change(jet, 0.0, change);
+  bool is_found = false;
+  if (equations_.fixed().empty()) {
+    equations_.eliminate_staged(NoiseModel::pivots, 0.0);
+    is_found = equations_.staged_change(true, change);
+  } else {
+    is_found = equations_.dense_change(jet, 0.0, change);
+  }
   double part = 1.0;
   for (int k = 0; is_found && k < halvings; ++k) {
     part *= 0.5;

@@ -33,7 +33,7 @@ std::optional<RankSequence> fitting_ranks(const TaylorData& data, const Analysis
   NullSpaceForm form;
   if (known.v_hat >= 0) return matching_ranks(data, mu, known, settings.rank_tol, {arena, form});
   for (const NoiseModel noise : {NoiseModel::pivots, NoiseModel::carried, NoiseModel::data}) {
-    const RankResult found = determine_ranks(data, mu, {settings.rank_tol, false, noise, nullptr}, {arena, form});
+    const RankResult found = find_ranks(data, mu, {settings.rank_tol, false, noise, nullptr}, {arena, form});
     if (found.ranks.a != known.values.a || found.ranks.d != known.values.d) continue;
     known.v_hat = found.ranks.v_hat;
     return found.list;
