@@ -297,6 +297,15 @@ void* operator new(std::size_t size, std::align_val_t alignment) {
 void* operator new[](std::size_t size, std::align_val_t alignment) {
   return sfdae::test::allocate(size, static_cast<std::size_t>(alignment));
 }
+// Algorithms of the standard library do without memory where there is none.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  try {
+    return sfdae::test::allocate(size, 0);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+void operator delete(void* memory, const std::nothrow_t&) noexcept { sfdae::test::give_back(memory); }
 void operator delete(void* memory) noexcept { sfdae::test::give_back(memory); }
 void operator delete[](void* memory) noexcept { sfdae::test::give_back(memory); }
 void operator delete(void* memory, std::size_t) noexcept { sfdae::test::give_back(memory); }
