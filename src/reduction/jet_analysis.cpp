@@ -78,7 +78,7 @@ IndexAnalysis analyze_along_jet(CoefficientSource& source, Place place, const An
       return found->analysis;
     }
     source.set_units(usual);
-    throw Failure(SFDAE_RANK_UNCLEAR, std::string(failure.what()) + neighbouring_ranks(task, place.t));
+    throw Failure(SFDAE_RANK_UNCLEAR, std::string(failure.what()) + neighbouring_ranks(task));
   }
 }
 

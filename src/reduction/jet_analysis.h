@@ -1,5 +1,5 @@
-// The analysis along a jet of a nonlinear problem: by norms, as residuals and rounding errors of jets look like values to
-// a certificate.
+// The analysis along a jet of a nonlinear problem: by norms, as residuals and rounding errors of jets look like
+// values to a certificate.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 

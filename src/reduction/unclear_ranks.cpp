@@ -41,14 +41,16 @@ std::vector<Range> ranges_of(const SearchTask& task, double t) {
   return ranges;
 }
 
-// What the analysis would say if the doubtful value were decided by rank_tol.
-std::string result_with(const SearchTask& task, double t, double rank_tol) {
+// What the analysis would say at the point of the decision if rank_tol made it: " With rank 3 (rank_tol = 1.0e-09) ...".
+std::string result_with(const SearchTask& task, const RankDecision& decision, int rank, double rank_tol) {
   AnalysisSettings settings = task.settings;
   settings.rank_tol = rank_tol;
-  settings.max_index = std::min(settings.max_index, task.log->back().level + 1);
-  const CharacteristicValues values = local_values({task.problem, settings, task.arena}, t);
-  return values.mu >= 0 ? "the characteristic values are " + describe(values)
-                        : format("no level up to %d fulfils the hypothesis", settings.max_index);
+  settings.max_index = std::min(settings.max_index, decision.level + 1);
+  const CharacteristicValues values = local_values({task.problem, settings, task.arena}, decision.t);
+  if (values.mu < 0)
+    return format(" With rank %d no level up to %d fulfils the hypothesis.", rank, settings.max_index);
+  return format(" With rank %d (rank_tol = %.1e) the characteristic values are ", rank, rank_tol) + describe(values) +
+         ".";
 }
 
 // Of the level judged last: the first that is unclear, or the one with the smallest gap.
@@ -92,7 +94,7 @@ std::string rank_tolerances(const SearchTask& task, double t, const Characterist
 
 // rank_tol for either answer: the geometric mean of the value and what is below it (two digits, where that is not
 // known) keeps it, three times the value drops it. Above one half nothing would be kept.
-std::string neighbouring_ranks(const SearchTask& task, double t) {
+std::string neighbouring_ranks(const SearchTask& task) {
   if (task.log == nullptr || task.log->empty()) return {};
   const RankDecision& decision = doubtful_decision(*task.log);
   // The value in doubt is the smallest one kept, or, where that stands clear or there is none, the largest one
@@ -103,9 +105,8 @@ std::string neighbouring_ranks(const SearchTask& task, double t) {
   const double keep_tol = std::min(std::sqrt(value * below), 0.5);
   const double drop_tol = std::min(3.0 * value, 0.5);
   const int rank = doubts_kept ? decision.rank : decision.rank + 1;
-  return format(" With rank %d ", rank) + result_with(task, t, keep_tol) + format("; with rank %d ", rank - 1) +
-         result_with(task, t, drop_tol) +
-         format(". Try rank_tol = %.1e or %.1e, or scale the equations.", keep_tol, drop_tol);
+  return result_with(task, decision, rank, keep_tol) + result_with(task, decision, rank - 1, drop_tol) +
+         " Set rank_tol, or scale the equations.";
 }
 
 }  // namespace sfdae::core

@@ -154,14 +154,15 @@ ConsistentJetResult choose_from_starts(NonlinearProblem& problem, NonlinearSyste
                                        const PointOfInterest& point, const ConsistencyRequest& request) {
   const std::vector<double> given(point.x, point.x + problem.n());
   const auto list = starts(problem, system, point, request);
+  const double rank_tol = system.settings().rank_tol;
   for (std::size_t k = 0; k + 1 < list.size(); ++k) {
     try {
-      return choose_consistent_jet(problem, system.analysis(), system.units(), request, {given, list[k]()});
+      return choose_consistent_jet(problem, system.analysis(), system.units(), request, {given, list[k](), rank_tol});
     } catch (const Failure& failure) {
       if (is_final(failure)) throw;
     }
   }
-  return choose_consistent_jet(problem, system.analysis(), system.units(), request, {given, list.back()()});
+  return choose_consistent_jet(problem, system.analysis(), system.units(), request, {given, list.back()(), rank_tol});
 }
 
 }  // namespace

@@ -26,18 +26,23 @@ constexpr double accuracy = 1e-8;
 // One linearization of the constraints at a jet.
 class LinearizedConstraints {
  public:
-  LinearizedConstraints(NonlinearProblem& problem, const IndexAnalysis& analysis, const Units& units)
-      : problem_(problem), analysis_(analysis), units_(units) {}
+  struct Known {
+    const IndexAnalysis& analysis;
+    const Units& units;
+    double rank_tol;
+  };
+  LinearizedConstraints(NonlinearProblem& problem, const Known& known)
+      : problem_(problem), analysis_(known.analysis), units_(known.units), rank_tol_(known.rank_tol) {}
 
   void linearize(const Jet& jet) {
     const int mu = analysis_.values.mu;
     const NonlinearProblem::Scaling scaling{analysis_.time_scale, analysis_.rows, nullptr, &units_};
     const CallbackError error = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
     if (error.status != SFDAE_OK) error.raise();
-    const std::optional<RankSequence> ranks = matching_ranks(data_, mu, analysis_, 0.0, {arena_, form_});
+    const std::optional<RankSequence> ranks = matching_ranks(data_, mu, analysis_, rank_tol_, {arena_, form_});
     has_known_ranks_ = ranks.has_value();
     if (!ranks) return;
-    const Judge::Settings settings{0.0, false, NoiseModel::pivots, &*ranks};
+    const Judge::Settings settings{rank_tol_, false, NoiseModel::pivots, &*ranks};
     Judge judge(data_, mu, settings, nullptr);
     const Arena::Frame frame(arena_);
     const Carried carried = eliminate(data_, mu, data_.f_stack(mu), 1, judge, arena_, &elimination_);
@@ -92,6 +97,7 @@ class LinearizedConstraints {
   NonlinearProblem& problem_;
   const IndexAnalysis& analysis_;
   const Units& units_;
+  double rank_tol_;
   TaylorData data_;
   NullSpaceForm form_;
   StoredElimination elimination_;
@@ -165,17 +171,16 @@ Jet between(const Jet& from, const Jet& to, double part) {
 }
 
 // Derivatives far off may make up for constraints that x does not fulfil: these show in the linearized ones.
-void demand_constraints(const LinearizedConstraints& constraints, const Jet& jet, ConsistencyRequest request) {
+void demand_constraints(const LinearizedConstraints& constraints, const Jet& jet, const ConsistencyRequest& request) {
   // Of a component, or of what is largest in the units of the equations; consistent jets are better by orders of
   // magnitude. Chosen: one of 6000 random starts had 0.1.
   constexpr double consistent = 1e-6, rounding = 1e-8;
-  request.trusts_digits = false;
-  Vector sizes = request.sizes();
-  sizes.resize(index(jet.n), 0.0);
+  Vector tolerances = request.tolerances;
+  tolerances.resize(index(jet.n), 0.0);
   const Vector violation = constraints.violation();
   const double largest = constraints.size_of(jet);
   for (int i = 0; i < jet.n; ++i) {
-    const double allowed = std::max({consistent * std::fabs(jet.x[index(i)]), sizes[index(i)],
+    const double allowed = std::max({consistent * std::fabs(jet.x[index(i)]), tolerances[index(i)],
                                      rounding * largest * constraints.point().units[i]});
     if (std::fabs(violation[index(i)]) <= allowed) continue;
     throw Failure(
@@ -194,9 +199,9 @@ class Approach {
            const Vector& target)
       : solver_(solver), constraints_(constraints), request_(request), target_(target) {}
 
-  // Goes from the jet toward `full` and back to the constraints, so far as that succeeds at a point of the ranks known
-  // and, if it has to, brings it nearer; the constraints are those of the jet that results. False, and the jet as it was,
-  // if no part of the way does.
+  // Goes from the jet toward `full` and back to the constraints, so far as that succeeds at a point of the ranks
+  // known and, if it has to, brings it nearer; the constraints are those of the jet that results. False, and the jet
+  // as it was, if no part of the way does.
   bool advance(const Jet& full, bool has_to_be_nearer, Jet& jet) {
     // Chosen, not measured.
     constexpr double shortest = 1.0 / 32.0;
@@ -258,7 +263,7 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
   result.jet.set_order(analysis.values.mu + 1);
   JetSolver solver(problem, units);
   prepare(solver, request);
-  LinearizedConstraints constraints(problem, analysis, units);
+  LinearizedConstraints constraints(problem, {analysis, units, start.rank_tol});
   if (may_move) constraints.follow_inputs();
   Approach approach(solver, constraints, request, target);
   double before = 0.0;

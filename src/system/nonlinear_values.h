@@ -16,6 +16,7 @@ namespace sfdae::core {
 struct ConsistentJetStart {
   const std::vector<double>& given;
   const Jet& jet;
+  double rank_tol = 0.0;  // of the analysis
 };
 
 struct ConsistentJetResult {
