@@ -26,7 +26,8 @@ constexpr double still_gaining = 0.9;
 // leave is below, what users notice is above. Chosen, not measured.
 constexpr double consistent_residual = 1e-9;
 // Damped steps get below any residual in time, where derivatives run away to make up for constraints that x does not
-// fulfil. What is consistent shows in undamped steps, or in residuals of rounding errors (docs/decisions/28-start-values.md).
+// fulfil. What is consistent shows in undamped steps, or in residuals of rounding errors
+// (docs/decisions/28-start-values.md).
 constexpr double consistent_after_damping = 1e-12;
 
 // Some hundred roundings of what is added up in a residual.
@@ -193,7 +194,7 @@ JetSolver::Trial JetSolver::undamped_trial(const Jet& jet) {
          {Attempt{NoiseModel::pivots, equations_.residual_noise()}, Attempt{NoiseModel::pivots, 0.0},
           Attempt{NoiseModel::carried, 0.0}, Attempt{NoiseModel::data, 0.0}}) {
       // Where only rounding errors are left, other ranks remove no more of them.
-      if (!tried.empty() && is_at_rounding) return best;
+      if (is_at_rounding && best.valid && (!keep || best.moved <= 1.0)) return best;
       const RankSequence& ranks = equations_.eliminate_staged(attempt.model, attempt.noise);
       if (std::find(tried.begin(), tried.end(), ranks) != tried.end()) continue;
       tried.push_back(ranks);
@@ -306,12 +307,12 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
     }
     if (!is_undamped) {
       trial = damped_trial(jet, damping);
-      if (!trial.valid && converged) return;
       if (!trial.valid) equations_.give_up(jet);
       damping = std::max(damping / weaker, least_damping);
       is_undamped = trial.norm < good_reduction * before;
     }
     if (accept(jet, std::move(trial), level)) continue;
+    if (converged && is_undamped) return;
     // Shorter steps from here.
     ++iteration;
     is_undamped = false;
