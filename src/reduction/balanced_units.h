@@ -1,9 +1,10 @@
 // Units of equations, unknowns and time in which the entries of E x' = A x are near one.
 //
-// What is small depends on units: microfarads beside megohms, a structure of fast and slow parts written in metres and
-// seconds. Powers of two r_i, c_j and one unit of time 2^s bring all nonzero entries r_i c_j E_ij / 2^s and r_i c_j A_ij
-// as near to one as possible in the mean square of their logarithms [CR72]. The same problem in other units is the same
-// scaled problem, but for the rounding of exponents: nothing that is decided there depends on the units of the user.
+// What is small depends on units: microfarads beside megohms, a structure of fast and slow parts written in metres
+// and seconds. Powers of two r_i, c_j and one unit of time 2^s bring all nonzero entries r_i c_j E_ij / 2^s and r_i
+// c_j A_ij as near to one as possible in the mean square of their logarithms [CR72]. The same problem in other units
+// is the same scaled problem, but for the rounding of exponents: nothing that is decided there depends on the units
+// of the user.
 //
 // [CR72] A. R. Curtis, J. K. Reid: On the automatic scaling of matrices for Gaussian elimination. IMA J. Appl. Math.
 //        10 (1972) 118-124.
@@ -26,8 +27,9 @@ struct BalancedUnits {
   bool has_suspects = false;  // any that may be values
 };
 
-// data: E and A at a point in the usual units of the unknowns, in which columns are of comparable size; if these are as
-// good as balanced ones, what is small there against the largest entries of its row and its column is suspicious, too.
+// data: E and A at a point in the usual units of the unknowns, in which columns are of comparable size; if these are
+// as good as balanced ones, what is small there against the largest entries of its row and its column is suspicious,
+// too.
 BalancedUnits balanced_units(const TaylorData& data, const Units& usual);
 
 // Whether the entries are within 2^16 of each other: there is nothing to balance.

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
+#include <utility>
 
 #include "problem/failure.h"
 #include "reduction/balanced_units.h"
@@ -50,9 +50,6 @@ bool is_about_ranks(const Failure& failure) {
          failure.status() == SFDAE_CHARACTERISTICS_CHANGED;
 }
 
-// No level fulfils the hypothesis with perturbed copies, or not both points agree.
-struct NoCertificate {};
-
 // The analysis of one problem in several ways.
 class Analysis {
  public:
@@ -86,8 +83,10 @@ class Analysis {
     problem_.set_units(usual_);
     return quick;
   }
-  IndexAnalysis by_certificate(const std::optional<IndexAnalysis>& quick, std::vector<RankDecision>& decisions);
+  IndexAnalysis by_certificate(AnalysisOutcome found, const std::optional<IndexAnalysis>& quick,
+                               std::vector<RankDecision>& decisions);
   AnalysisOutcome certified();
+  std::optional<AnalysisOutcome> certified_if_any();
   bool has_good_usual_units(const IndexAnalysis& quick) {
     return is_even_ || are_balanced(usual_, quick.time_scale, balanced());
   }
@@ -128,13 +127,11 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
     if (!is_about_ranks(failure)) throw;
     failed = failure;
   }
-  try {
-    return by_certificate(quick, decisions);
-  } catch (const NoCertificate&) {
-    if (quick && outlasts_certificate(*quick, decisions)) return in_usual_units(*quick);
-    if (failed && failed->status() != SFDAE_RANK_UNCLEAR) throw *failed;
-    report_unclear({});
-  }
+  if (std::optional<AnalysisOutcome> found = certified_if_any())
+    return by_certificate(std::move(*found), quick, decisions);
+  if (quick && outlasts_certificate(*quick, decisions)) return in_usual_units(*quick);
+  if (failed && failed->status() != SFDAE_RANK_UNCLEAR) throw *failed;
+  report_unclear({});
 }
 
 AnalysisOutcome Analysis::certified() {
@@ -143,24 +140,27 @@ AnalysisOutcome Analysis::certified() {
   return analyze_at_two_points(task, place_);
 }
 
-// quick: by norms, where these do not decide alone; decisions: theirs. Throws NoCertificate where there is no result.
-IndexAnalysis Analysis::by_certificate(const std::optional<IndexAnalysis>& quick,
-                                       std::vector<RankDecision>& decisions) {
-  AnalysisOutcome found;
+// None if no level fulfils the hypothesis with perturbed copies, or not both points agree.
+std::optional<AnalysisOutcome> Analysis::certified_if_any() {
   try {
-    found = certified();
+    return certified();
   } catch (const Failure& failure) {
     if (!is_about_ranks(failure)) throw;
-    throw NoCertificate();
+    return std::nullopt;
   }
+}
+
+// quick: by norms, where these do not decide alone; decisions: theirs.
+IndexAnalysis Analysis::by_certificate(AnalysisOutcome found, const std::optional<IndexAnalysis>& quick,
+                                       std::vector<RankDecision>& decisions) {
   const CharacteristicValues& values = found.analysis.values;
   const bool is_same = quick && quick->values == values;
   const bool is_redundancy_right = (found.is_clear || is_same) && redundancy_agrees(found.analysis);
   found.analysis.distance = relative_distance(found.significance);
   std::vector<RankDecision> confirmed;
   if (found.is_clear && is_redundancy_right && norms_agree(found, confirmed) && is_independent_of_suspects(values)) {
-    // Units that are good enough stay: what is integrated does not depend on how sure its ranks are. Small values kept
-    // amplify rounding errors, in these units.
+    // Units that are good enough stay: what is integrated does not depend on how sure its ranks are. Small values
+    // kept amplify rounding errors, in these units.
     if (is_same && smallest_kept(decisions) >= kept_by_far) {
       IndexAnalysis usual = in_usual_units(*quick);
       usual.distance = found.analysis.distance;
@@ -188,9 +188,10 @@ bool Analysis::is_clear_by_norms(const IndexAnalysis& quick, const std::vector<R
   return values == quick.values && are_clear_by_far(others, is_singular(values));
 }
 
-// What norms make clear where there is no clear certificate: perturbed copies lose large arrays and high levels, whose
-// rounding errors grow beyond what is perturbed.
+// What norms make clear where there is no clear certificate: perturbed copies lose large arrays and high levels,
+// whose rounding errors grow beyond what is perturbed.
 bool Analysis::outlasts_certificate(const IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
+  if (balanced().has_suspects) return false;
   const double gap = is_singular(quick.values) ? gap_of_singular : gap_without_certificate;
   return smallest_gap(decisions) >= gap && smallest_kept(decisions) >= kept_by_far;
 }
@@ -201,8 +202,9 @@ bool Analysis::norms_agree(const AnalysisOutcome& outcome, std::vector<RankDecis
   const IndexAnalysis& analysis = outcome.analysis;
   IndexSearch search(task_in_balanced_units(nullptr), place_.t);
   decisions = search.decisions_with(analysis.values.mu, analysis.certified_ranks, analysis.time_scale);
-  return std::all_of(decisions.begin(), decisions.end(),
-                     [](const RankDecision& d) { return d.rank == 0 || d.kept >= visible_gap * d.dropped; });
+  return !decisions.empty() && std::all_of(decisions.begin(), decisions.end(), [](const RankDecision& d) {
+    return d.rank == 0 || d.kept >= visible_gap * d.dropped;
+  });
 }
 
 // u and v, from one matrix without a chain of decisions: of coefficients that are constant as far as the level mu can

@@ -76,8 +76,8 @@ bool fits_dimensions(const IndexAnalysis& analysis, int m, int n);
 IndexAnalysis analyze_index(CoefficientSource& problem, double t, double toward, const AnalysisSettings& settings,
                             Arena& arena, std::vector<RankDecision>& decisions);
 
-// The distance of an analysis, by a certificate at t. Throws Failure: errors of callbacks, SFDAE_RANK_UNCLEAR where it
-// does not confirm the values known. The units of the source are changed.
+// The distance of an analysis, by a certificate at t. Throws Failure: errors of callbacks, SFDAE_RANK_UNCLEAR where
+// it does not confirm the values known. The units of the source are changed.
 double certified_distance(CoefficientSource& source, double t, const IndexAnalysis& known,
                           const AnalysisSettings& settings, Arena& arena);
 

@@ -74,9 +74,9 @@ LevelResult IndexSearch::certify(int level) {
 
 std::vector<RankDecision> IndexSearch::decisions_with(int level, const RankSequence& certified, double time_scale) {
   judging_.known_ranks = &certified;
-  determine(level, time_scale);
+  const bool fits = determine(level, time_scale).fits_known_ranks;
   judging_.known_ranks = nullptr;
-  return latest_;
+  return fits ? latest_ : std::vector<RankDecision>();
 }
 
 LevelResult IndexSearch::determine_confirmed(int level) {
@@ -333,6 +333,7 @@ LevelResult IndexSearch::judge_level(int level) {
   found.ranks = form_.find_ranks(data_, carried, judge, task_.arena);
   found.time_scale = data_.time_scale;
   found.clear = judge.all_clear();
+  found.fits_known_ranks = judge.fits_known_ranks();
   if (!latest_.empty()) found.weakest = *std::min_element(latest_.begin(), latest_.end(), is_weaker);
   for (const RankDecision& decision : latest_)
     if (decision.verdict == Verdict::unclear && found.doubtful.verdict == Verdict::clear) found.doubtful = decision;

@@ -22,6 +22,7 @@ struct LevelResult {
   RankDecision doubtful;                   // the first unclear decision
   RankDecision weakest;                    // the one that stands out least
   bool follows = true;                     // from the level below
+  bool fits_known_ranks = true;            // where ranks were given
   Significance significance;               // of a certificate
   RankSequence known_ranks;                // of a certificate
 };
@@ -61,7 +62,7 @@ class IndexSearch {
   CharacteristicValues values_at(int level);
   // Whether the ranks are those expected, and stay so under perturbations.
   bool has_ranks(int level, double time_scale, const PointRanks& expected);
-  // Decisions of a level, with the ranks of a certificate.
+  // Decisions of a level, with the ranks of a certificate; none if these do not fit.
   std::vector<RankDecision> decisions_with(int level, const RankSequence& certified, double time_scale);
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Units of unknowns and of time are a matter of choice: they bring entries to order one, and change no characteristic value.
+// Units of unknowns and of time are a matter of choice: they bring entries to order one, and change no characteristic
+// value.
 #include "reduction/balanced_units.h"
 
 #include <gtest/gtest.h>
@@ -212,7 +213,8 @@ TEST(BalancedUnits, AreFiniteWhereNothingIsThereToBalance) {
   }
 }
 
-// Linear: the values of the family, or a named error where rounding of the rescaled data makes ranks unclear; never others.
+// Linear: the values of the family, or a named error where rounding of the rescaled data makes ranks unclear; never
+// others.
 TEST(Units, ChangeNoCharacteristicValuesOfLinearProblems) {
   int unclear = 0, all = 0;
   for (int mu = 0; mu <= 3; ++mu)

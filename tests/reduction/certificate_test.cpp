@@ -217,7 +217,8 @@ TEST(Certificate, CapacitiveDividersKeepTheirStates) {
       }
 }
 
-// Zeros that were computed, cos(pi/2) = 6e-17, are none in a tame problem; a value of 1e-14 beside ones is a question.
+// Zeros that were computed, cos(pi/2) = 6e-17, are none in a tame problem; a value of 1e-14 beside ones is a
+// question.
 TEST(Certificate, RoundingErrorsInPlaceOfZerosAreZeros) {
   Pencil p(3);
   p.e(0, 0) = p.e(1, 1) = 1.0;

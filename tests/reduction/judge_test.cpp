@@ -38,6 +38,25 @@ Matrix diagonal(double first, double second) {
 
 }  // namespace
 
+// A known rank does not fit where its last pivot has vanished: nothing can be solved with that.
+TEST(Judge, TakesNoKnownRankWithVanishedPivots) {
+  const TaylorData data = data_of(1.0, 1.0);
+  RankSequence known;
+  known.add(2);
+  Judge::Settings settings;
+  settings.known_ranks = &known;
+  Judge vanished(data, 1, settings, nullptr), tiny(data, 1, settings, nullptr);
+  EXPECT_EQ(vanished.decide_diagonal_block(diagonal(1.0, 0.0), {}), 1);
+  EXPECT_FALSE(vanished.fits_known_ranks());
+  EXPECT_EQ(tiny.decide_diagonal_block(diagonal(1.0, 1e-200), {}), 2);
+  EXPECT_TRUE(tiny.fits_known_ranks());
+  Judge of_array(data, 1, settings, nullptr), of_singular_array(data, 1, settings, nullptr);
+  EXPECT_EQ(of_array.decide_array({3.0, 2.0, 0.0}, 4, 6), 2);
+  EXPECT_TRUE(of_array.fits_known_ranks());
+  EXPECT_EQ(of_singular_array.decide_array({3.0, 0.0, 0.0}, 4, 6), 1);
+  EXPECT_FALSE(of_singular_array.fits_known_ranks());
+}
+
 TEST(Judge, RecordsWhatItDecidedAndWhere) {
   const TaylorData data = data_of(1.0, 1.0);
   const Judge::Settings settings;
