@@ -206,8 +206,8 @@ bool JetEquations::dense_change(const Jet& jet, double most_dropped, Vector& cha
 bool JetEquations::is_converged(const Jet& jet, double tolerance) const {
   const int m = data_.m, n = data_.n;
   double power = 1.0;
-  // Where nothing was added up, constants cancel: their size is that of the coefficients, but not of those of other rows
-  // that derivatives far off have made large.
+  // Where nothing was added up, constants cancel: their size is that of the coefficients, but not of those of other
+  // rows that derivatives far off have made large.
   Vector size(index(m) * index(level_ + 1), 0.0), least(size.size(), data_.norm(0));
   for (int k = 0; k <= level_ + 1; ++k) {
     const double to_scaled = k == 0 ? 1.0 : k * (power *= data_.time_scale);

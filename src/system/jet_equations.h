@@ -32,8 +32,8 @@ class JetEquations {
   // Components of x that must not change (n flags, or empty).
   const std::vector<char>& fixed() const { return fixed_; }
   void set_fixed(std::vector<char> fixed) { fixed_ = std::move(fixed); }
-  // What is differentiated stays if it can: x changes as least_change.h says. sizes: of changes of x that count as one,
-  // n of them in the user's units.
+  // What is differentiated stays if it can: x changes as least_change.h says. sizes: of changes of x that count as
+  // one, n of them in the user's units.
   void keep_differentiated(std::vector<double> sizes) { sizes_ = std::move(sizes); }
   bool keeps_differentiated() const { return !sizes_.empty(); }
 
@@ -52,8 +52,8 @@ class JetEquations {
   // (docs/decisions/18-residuals-as-noise.md).
   double residual_noise() const;
 
-  // The staged elimination, with the ranks that it finds. noise: of the coefficients, as they are not those of a consistent
-  // jet.
+  // The staged elimination, with the ranks that it finds. noise: of the coefficients, as they are not those of a
+  // consistent jet.
   const RankSequence& eliminate_staged(NoiseModel model, double noise);
   // By the last one: the smallest change of x, or, if `keep` and that is asked for, the one that moves what is
   // differentiated least. False if nothing finite is found, as below.

@@ -13,15 +13,16 @@ namespace sfdae::core {
 
 namespace {
 
-// Of the step: how far the interpolated solution may be from where it is found, and the part of the first step in which
-// a point was found that is short enough to report it.
+// Of the step: how far the interpolated solution may be from where it is found, and the part of the first step in
+// which a point was found that is short enough to report it.
 constexpr double uncertain = 0.05, short_enough = 0.25;
 // Of the first step in which it was found: the last point before it where the solution is wanted.
 constexpr double beside = 1e-6;
 // Of times: a step about a singular point is not shorter than so many roundings.
 constexpr double roundings = 1024.0;
 // A value that falls by this factor at a point inside a step has vanished there, as for linear problems
-// (docs/decisions/09-changes-between-steps.md); before a shorter step confirms it, interpolated values need not do so.
+// (docs/decisions/09-changes-between-steps.md); before a shorter step confirms it, interpolated values need not do
+// so.
 constexpr double dip = 1e-3, first_dip = 5e-2;
 // Steps that failed before the first look ahead, which costs as much as a few of them; then twice as many each time.
 constexpr int failures_before_look = 4, most_failures = 64;

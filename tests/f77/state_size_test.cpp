@@ -13,8 +13,8 @@ using sfdae_test::UserData;
 
 namespace {
 
-// x_i' = -(1 + i) c_i x_i + cos t with c_1 = 1e-6 or 1 (columns of different units are scaled); free: the last equation
-// is 0 = 0. All n (n - 1) components are differential, so that histories and bases are the largest possible.
+// x_i' = -(1 + i) c_i x_i + cos t with c_1 = 1e-6 or 1 (columns of different units are scaled); free: the last
+// equation is 0 = 0. All n (n - 1) components are differential, so that histories and bases are the largest possible.
 UserData full_dynamics(int n, bool in_other_units, bool has_free_component) {
   const int rows = has_free_component ? n - 1 : n;
   const auto at = [n](int i) { return static_cast<std::size_t>(i + i * n); };
@@ -66,7 +66,8 @@ TEST_P(StateSize, FitsTheDocumentedMinimum) {
       }
 }
 
-// A change of the characteristic values that lies ahead is part of the state: (1 - t)^4 x' = 1 - x for t < 1, then 0 = 1 - x.
+// A change of the characteristic values that lies ahead is part of the state: (1 - t)^4 x' = 1 - x for t < 1, then 0
+// = 1 - x.
 TEST(StateSizeAtAChange, FitsTheDocumentedMinimum) {
   for (int method : {1, 2})
     for (int n = 1; n <= 3; ++n)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Random nonlinear systems, random_system.h: the characteristic values are right or an error says that they are not known,
-// values are consistent, and solutions are as accurate as was asked for.
+// Random nonlinear systems, random_system.h: the characteristic values are right or an error says that they are not
+// known, values are consistent, and solutions are as accurate as was asked for.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -75,8 +75,8 @@ TEST_P(RandomSystems, HaveTheValuesTheyAreBuiltFrom) {
   EXPECT_GE(counts.accurate, 0.99 * (counts.all - counts.named_errors) - 1.0);
 }
 
-// From these guesses iterations came to jets with large derivatives and other ranks, and with residuals that were small
-// beside those, though hidden constraints were violated by up to 1.3.
+// From these guesses iterations came to jets with large derivatives and other ranks, and with residuals that were
+// small beside those, though hidden constraints were violated by up to 1.3.
 TEST(RandomSystemsFarOff, FulfilHiddenConstraints) {
   struct Start {
     unsigned seed;
@@ -86,6 +86,7 @@ TEST(RandomSystemsFarOff, FulfilHiddenConstraints) {
   for (const Start& start : {Start{372, 0.1}, Start{1496, 0.1}, Start{8026, 0.1}, Start{1634, 0.3}, Start{8222, 0.3},
                              Start{10058, 0.3}, Start{6919, 1.0}})
     start_from_guess(start.seed, start.distance_of_guess, counts);
+  EXPECT_LE(counts.named_errors, 2);
 }
 
 void integrate(unsigned seed, int method, double tolerance, Counts& counts) {

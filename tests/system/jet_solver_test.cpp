@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Jets that are found fulfil the equations and their total derivatives; where none exists, the failure names what remains.
+// Jets that are found fulfil the equations and their total derivatives; where none exists, the failure names what
+// remains.
 #include "system/jet_solver.h"
 
 #include <gtest/gtest.h>
@@ -193,7 +194,8 @@ TEST(JetSolver, NamesWhatRemainsWhereFixedComponentsAreImpossible) {
   EXPECT_EQ(jet.x[0], 2.0);
 }
 
-// 0 = x^2 + 1 has no solution at all, 0 = x1, 0 = x1 - t contradict each other at t = 1 by 1, or in the first derivative.
+// 0 = x^2 + 1 has no solution at all, 0 = x1, 0 = x1 - t contradict each other at t = 1 by 1, or in the first
+// derivative.
 TEST(JetSolver, NamesTheDerivativeThatCannotBeFulfilled) {
   sfdae_test::Recording square(1), contradiction(2);
   const auto no_square = square.finish({square.x[0] * square.x[0] + 1.0});
@@ -232,8 +234,8 @@ TEST(JetSolver, TellsThatTheEquationsCannotBeEvaluatedAtTheGuess) {
   EXPECT_NEAR(inside.x[0], 1.01, rounding(10));
 }
 
-// 0 = x1 - 1e9 t, 0 = x2 + x1^2 / 2 at t = 0: x1' = 1e9 is a coefficient of the derivative of the second equation, and
-// makes no error of x1 in the first one small.
+// 0 = x1 - 1e9 t, 0 = x2 + x1^2 / 2 at t = 0: x1' = 1e9 is a coefficient of the derivative of the second equation,
+// and makes no error of x1 in the first one small.
 TEST(JetEquations, MeasureEveryResidualByItsOwnEquation) {
   sfdae_test::Recording r(2);
   NonlinearExample example(r.finish({r.x[0] - 1e9 * r.t, r.x[1] + 0.5 * r.x[0] * r.x[0]}));

@@ -88,8 +88,8 @@ int status_of(const std::function<void()>& call, std::string& message) {
 
 }  // namespace
 
-// The distance is that of the nearest point up to the square of the accuracy 1e-8 that the iteration stops at, and of that
-// of linear convergence where x is far off.
+// The distance is that of the nearest point up to the square of the accuracy 1e-8 that the iteration stops at, and of
+// that of linear convergence where x is far off.
 TEST(NonlinearValues, NearestIsTheNearestPoint) {
   for (const Vector& weights : {Vector{}, Vector{1.0, 1.0, 3.0, 3.0, 20.0}, Vector{0.01, 1.0, 1.0, 1.0, 10.0}})
     for (double amount : {1e-6, 1e-3, 0.1})
@@ -174,8 +174,8 @@ TEST(NonlinearValues, AcceptRefusesChangesBeyondTheTolerances) {
   }
 }
 
-// 0 = x^2 + 1 at x = 1, where x - 1 fulfils what is linear of it: nothing leads from there to consistent values, and the
-// jet that was taken for one is none, whatever was asked for.
+// 0 = x^2 + 1 at x = 1, where x - 1 fulfils what is linear of it: nothing leads from there to consistent values, and
+// the jet that was taken for one is none, whatever was asked for.
 TEST(NonlinearValues, HaveToFulfilTheConstraints) {
   sfdae_test::Recording r(1);
   NonlinearExample example(r.finish({r.x[0] * r.x[0] + 1.0}));
