@@ -63,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(Reductions, RandomProblems, testing::Values(SFDAE_REDUC
                          });
 
 TEST_P(RandomProblems, AllHaveTheRightCharacteristicValues) {
-  const int count = scaled_count(10000);
+  const int count = scaled_count(5000);
   RandomOptions random;
   random.w = 1.0;
   const Tally tally = classify(1, count / 2 + 1, random, GetParam());
@@ -76,7 +76,7 @@ TEST_P(RandomProblems, AllHaveTheRightCharacteristicValues) {
 
 // Fast rotations at mu = 4 make Taylor coefficients grow until some decisions are unclear: these are named, none is wrong.
 TEST_P(RandomProblems, FastRotationsGiveTheRightValuesOrANamedError) {
-  const int count = scaled_count(2000);
+  const int count = scaled_count(1000);
   RandomOptions random;
   random.w = 4.0;
   const Tally tally = classify(200001, count, random, GetParam());
@@ -85,7 +85,7 @@ TEST_P(RandomProblems, FastRotationsGiveTheRightValuesOrANamedError) {
 
 // Slow rotations make tau large, stiff dynamics |E^-1 A|: errors grow from stage to stage. Rows may be scaled besides.
 TEST_P(RandomProblems, SlowAndStiffOnesGiveTheRightValuesOrANamedError) {
-  const int count = scaled_count(10000);
+  const int count = scaled_count(5000);
   Tally tally;
   for (int seed = 300001; seed <= 300000 + count; ++seed) {
     RandomNumbers numbers(static_cast<std::uint64_t>(seed));
@@ -102,7 +102,7 @@ TEST_P(RandomProblems, SlowAndStiffOnesGiveTheRightValuesOrANamedError) {
 
 // The same for Kronecker forms with u = v up to 2, half of them in one piece without a redundant equation.
 TEST_P(RandomProblems, SlowAndStiffKroneckerFormsGiveTheRightValuesOrANamedError) {
-  const int count = scaled_count(5000);
+  const int count = scaled_count(2000);
   int named_errors = 0;
   for (int seed = 1; seed <= count; ++seed) {
     RandomNumbers numbers(static_cast<std::uint64_t>(seed));
