@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "f77/call_outputs.h"
 #include "f77/routine.h"

@@ -1,6 +1,5 @@
 // Looking inside: the C API of reports, decisions, statistics, arrays, projectors.
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 

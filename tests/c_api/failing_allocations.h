@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "family_run.h"
+#include "replaced_new.h"
 #include "sfdae/sfdae.h"
 
 namespace sfdae::test {
@@ -30,7 +31,7 @@ struct Allocations {
 };
 inline Allocations allocations;
 
-inline void* allocate(std::size_t size, std::size_t alignment) {
+void before_allocation() {
   Allocations& a = allocations;
   if (a.armed) {
     ++a.seen;
@@ -39,16 +40,11 @@ inline void* allocate(std::size_t size, std::size_t alignment) {
       throw std::bad_alloc();
     }
   }
-  void* memory = alignment > 0 ? std::aligned_alloc(alignment, (size / alignment + 1) * alignment)
-                               : std::malloc(size > 0 ? size : 1);
-  if (memory == nullptr) throw std::bad_alloc();
   ++a.blocks;
-  return memory;
 }
 
-inline void give_back(void* memory) {
+void before_release(void* memory) noexcept {
   if (memory != nullptr) --allocations.blocks;
-  std::free(memory);
 }
 
 // Runs a call of the library in which allocations count.
@@ -288,29 +284,3 @@ class FaultRun {
 };
 
 }  // namespace sfdae::test
-
-void* operator new(std::size_t size) { return sfdae::test::allocate(size, 0); }
-void* operator new[](std::size_t size) { return sfdae::test::allocate(size, 0); }
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  return sfdae::test::allocate(size, static_cast<std::size_t>(alignment));
-}
-void* operator new[](std::size_t size, std::align_val_t alignment) {
-  return sfdae::test::allocate(size, static_cast<std::size_t>(alignment));
-}
-// Algorithms of the standard library do without memory where there is none.
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  try {
-    return sfdae::test::allocate(size, 0);
-  } catch (const std::bad_alloc&) {
-    return nullptr;
-  }
-}
-void operator delete(void* memory, const std::nothrow_t&) noexcept { sfdae::test::give_back(memory); }
-void operator delete(void* memory) noexcept { sfdae::test::give_back(memory); }
-void operator delete[](void* memory) noexcept { sfdae::test::give_back(memory); }
-void operator delete(void* memory, std::size_t) noexcept { sfdae::test::give_back(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { sfdae::test::give_back(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { sfdae::test::give_back(memory); }
-void operator delete[](void* memory, std::align_val_t) noexcept { sfdae::test::give_back(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { sfdae::test::give_back(memory); }
-void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { sfdae::test::give_back(memory); }

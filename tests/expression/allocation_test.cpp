@@ -3,38 +3,20 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <new>
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
 #include "recorded.h"
+#include "replaced_new.h"
 
 namespace {
 
 long allocations = 0;
 
-void* counted(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
-
 }  // namespace
 
-void* operator new(std::size_t size) { return counted(size); }
-void* operator new[](std::size_t size) { return counted(size); }
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  try {
-    return counted(size);
-  } catch (const std::bad_alloc&) {
-    return nullptr;
-  }
-}
-void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+void sfdae::test::before_allocation() { ++allocations; }
+void sfdae::test::before_release(void*) noexcept {}
 
 namespace sfdae::core {
 

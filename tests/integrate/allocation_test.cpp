@@ -6,12 +6,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
-#include <new>
 #include <vector>
 
 #include "../multibody/pendulum.h"
 #include "family_problem.h"
 #include "family_run.h"
+#include "replaced_new.h"
 #include "test_set/formula_problems.h"
 #include "test_set/pendulum.h"
 #include "test_set/recorded.h"
@@ -21,29 +21,12 @@ namespace {
 std::atomic<bool> counting{false};
 std::atomic<long> allocations{0};
 
-void* counted(std::size_t size) {
-  if (counting.load(std::memory_order_relaxed)) ++allocations;
-  void* memory = std::malloc(size > 0 ? size : 1);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
-
 }  // namespace
 
-void* operator new(std::size_t size) { return counted(size); }
-void* operator new[](std::size_t size) { return counted(size); }
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  try {
-    return counted(size);
-  } catch (const std::bad_alloc&) {
-    return nullptr;
-  }
+void sfdae::test::before_allocation() {
+  if (counting.load(std::memory_order_relaxed)) ++allocations;
 }
-void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+void sfdae::test::before_release(void*) noexcept {}
 
 namespace {
 
