@@ -48,6 +48,7 @@ Ensemble ensemble_of(std::vector<std::string> names, int unknowns, int instances
   return ensemble;
 }
 
+// Every third one is held horizontally: the start values are consistent as they are.
 Ensemble pendula(int instances) {
   std::minstd_rand generator(7);
   Ensemble ensemble = ensemble_of({"L", "g"}, 5, instances);
@@ -55,8 +56,8 @@ Ensemble pendula(int instances) {
     const double L = random_between(generator, 0.5, 2.0), angle = random_between(generator, -2.0, 2.0);
     ensemble.parameters(0, i) = L;
     ensemble.parameters(1, i) = random_between(generator, 1.0, 20.0);
-    ensemble.x0(0, i) = L * std::sin(angle);
-    ensemble.x0(1, i) = -L * std::cos(angle);
+    ensemble.x0(0, i) = i % 3 == 2 ? L : L * std::sin(angle);
+    ensemble.x0(1, i) = i % 3 == 2 ? 0.0 : -L * std::cos(angle);
   }
   return ensemble;
 }
@@ -126,6 +127,21 @@ TEST(Ensemble, EqualsSolversOfTheirOwnToTheLastBit) {
     }
 }
 
+/// Where start values are consistent the jet of the analysis is the start.
+TEST(Ensemble, EqualsSolversOfTheirOwnFromConsistentValues) {
+  constexpr int instances = 12;
+  Ensemble ensemble = pendula(instances);
+  for (int i = 0; i < instances; ++i) ensemble.x0(2, i) = 0.1 * i, ensemble.x0(3, i) = 0.05;
+  Solver solver(raw_pendulum(), options_of(SFDAE_METHOD_RADAU));
+  const EnsembleSolution first = solver.solve_ensemble(ensemble);
+  for (int i = 0; i < instances; ++i)
+    for (int j = 0; j < 5; ++j) ensemble.x0(j, i) = first.x(i, 1)[j];
+  const EnsembleSolution solution = solver.solve_ensemble(ensemble);
+  for (int i = 0; i < instances; ++i)
+    expect_same(outcome_of(solution, i), solved_alone(raw_pendulum(), options_of(SFDAE_METHOD_RADAU), ensemble, i),
+                i);
+}
+
 /// Energy is kept, and length. Over 1.5 units of time errors of the tolerances grow by less than 1000.
 TEST(Ensemble, SwingsPendulaAsNewtonSays) {
   Ensemble ensemble = pendula(5);
@@ -160,6 +176,26 @@ TEST(Ensemble, TakesTheAnalysisOfTheSolverAsPrecedent) {
   EXPECT_EQ(solver.solve_ensemble(pendula(6)).num_analyses, 0);
 }
 
+/// w t x2' = x1 + 1, 0 = x2 - sin t: x1 = w t cos t - 1. For w = 0 the strangeness index is 0, else 1; at t = 0 ranks are the
+/// same, so that only what happens beyond shows that the precedent does not hold.
+TEST(Ensemble, AnalyzesAnewWhereTheStartAloneIsMisleading) {
+  NonlinearProblem problem(2, 2);
+  problem.linear_equations = [](const auto& t, auto E, auto A, auto f) {
+    E(0, 1) = parameter(t, "w", 0.0) * t;
+    A(0, 0) = A(1, 1) = 1.0;
+    f[0] = 1.0, f[1] = -sin(t);
+  };
+  Ensemble ensemble = ensemble_of({"w"}, 2, 4);
+  for (int i = 0; i < 4; ++i) ensemble.parameters(0, i) = i;
+  Solver solver(problem);
+  const EnsembleSolution solution = solver.solve_ensemble(ensemble);
+  EXPECT_EQ(solution.num_analyses, 4);
+  for (int i = 0; i < 4; ++i) {
+    expect_same(outcome_of(solution, i), solved_alone(problem, {}, ensemble, i), i);
+    EXPECT_NEAR(solution.x(i, 3)[0], i * std::cos(1.0) - 1.0, 1e-12);
+  }
+}
+
 TEST(Ensemble, LeavesTheSolverAsItIs) {
   const auto reached = [](bool disturbed) {
     Solver solver(raw_pendulum());
@@ -192,15 +228,15 @@ TEST(Ensemble, HasParametersOfTheSolverWhereItsOwnAreNotNamed) {
 // ---- Options ---------------------------------------------------------------------------------------------------
 
 TEST(Ensemble, KeepsFixedComponentsAndWeights) {
-  Ensemble ensemble = pendula(4);
-  for (int i = 0; i < 4; ++i) ensemble.x0(0, i) *= 1.01;  // off the circle
+  Ensemble ensemble = pendula(2);
+  for (int i = 0; i < 2; ++i) ensemble.x0(0, i) *= 0.99;  // off the circle
   for (const bool fixed : {true, false}) {
     Options options = options_of(SFDAE_METHOD_BDF);
     if (fixed) options.initial_values = SFDAE_INITIAL_FIXED, options.fixed = {1, 0, 0, 0, 0};
     else options.initial_weights = {1.0, 0.01, 1.0, 1.0, 1.0};
     Solver solver(multibody_pendulum(), options);
     const EnsembleSolution solution = solver.solve_ensemble(ensemble);
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < 2; ++i) {
       expect_same(outcome_of(solution, i), solved_alone(multibody_pendulum(), options, ensemble, i), i);
       if (fixed) {
         EXPECT_EQ(solution.x(i, 0)[0], ensemble.x0(0, i));
