@@ -471,7 +471,7 @@ class Solver {
   }
 
   static void require_matrix(const Matrix& matrix, int rows, int columns, const char* name) {
-    if (columns == 0 || (matrix.rows() == rows && matrix.columns() == columns)) return;
+    if (matrix.columns() == columns && (columns == 0 || matrix.rows() == rows)) return;
     throw Error(SFDAE_ILLEGAL_ARGUMENT, std::string(name) + " is " + std::to_string(matrix.rows()) + " x " +
                                             std::to_string(matrix.columns()) + ", not " + std::to_string(rows) +
                                             " x " + std::to_string(columns));

@@ -394,6 +394,9 @@ TEST(Ensemble, RefusesMatricesOfOtherSizes) {
   ensemble = pendula(3);
   ensemble.parameters = Matrix(2, 2);
   EXPECT_THROW(solver.solve_ensemble(ensemble), Error);
+  ensemble = pendula(3);
+  ensemble.x0 = Matrix();
+  EXPECT_THROW(solver.solve_ensemble(ensemble), Error);
 }
 
 // ---- Monitor and stop requests ---------------------------------------------------------------------------------
