@@ -4,8 +4,8 @@
 //
 //     x1' = x3,   x2' = x4,   x3' = -2 x1 x5,   x4' = -2 x2 x5 - g,   0 = x1^2 + x2^2 - L^2
 //
-// Swings by a small angle have the period 2 pi sqrt(L / g) (1 + angle^2 / 16 + ...): after it each is where it began. It
-// is measured here by the passage of the lowest point, at times around a quarter of it.
+// Swings by a small angle have the period 2 pi sqrt(L / g) (1 + angle^2 / 16 + ...): after it each is where it began.
+// It is measured here by the passage of the lowest point, at times around a quarter of it.
 #include <cmath>
 #include <cstdlib>
 #include <iostream>

@@ -24,8 +24,8 @@ typedef struct sfdae_ensemble_progress {
   int num_instances; /* N */
 } sfdae_ensemble_progress;
 
-/* Called whenever an instance has ended, with success or without, in the order in which they end, which depends on the
- * threads. Calls come from the threads that solve, but never two at a time. Any value but 0 stops the ensemble. */
+/* Called whenever an instance has ended, with success or without, in the order in which they end, which depends on
+ * the threads. Calls come from the threads that solve, but never two at a time. Any value but 0 stops all. */
 typedef int (*sfdae_ensemble_monitor_function)(const sfdae_ensemble_progress* progress, void* user);
 
 /* What is to be solved: N instances. Call sfdae_ensemble_init first, then set members. Nothing is copied: arrays must
@@ -45,8 +45,8 @@ typedef struct sfdae_ensemble {
   const double* x0;    /* n x N */
   const double* xdot0; /* NULL (default) or n x N guesses of x', for the option xdot_is_guess */
 
-  /* Outputs, in the direction of integration: either increasing or decreasing, each beyond the one before. The first one
-   * may be t0, where x is the consistent start value; the last one must not. */
+  /* Outputs, in the direction of integration: either increasing or decreasing, each beyond the one before. The first
+   * one may be t0, where x is the consistent start value; the last one must not. */
   int num_times; /* K >= 1 */
   const double* times;
 
@@ -58,7 +58,7 @@ typedef struct sfdae_ensemble {
 /* Sets every member to its default. size: sizeof(sfdae_ensemble). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_ensemble_init(sfdae_ensemble* ensemble, size_t size);
 
-/* Where results go, arrays of the user's, and a summary. Call sfdae_ensemble_results_init first, then set the arrays. */
+/* Where results go, arrays of the user's, and a summary. Call sfdae_ensemble_results_init first, then set arrays. */
 typedef struct sfdae_ensemble_results {
   size_t size;      /* set by sfdae_ensemble_results_init */
   double* x;        /* n x K x N: x at times[k] of instance i begins at x[(k + i * K) * n] */
@@ -78,27 +78,28 @@ typedef struct sfdae_ensemble_results {
 SFDAE_API int sfdae_ensemble_results_init(sfdae_ensemble_results* results, size_t size);
 
 /* Solves N instances of the problem of a solver, which must have been recorded (not callbacks for E, A, f, total
- * derivatives or mechanical systems). Each is started at t0 toward the last time and advanced to all times. The results
- * of an instance are to the last bit those of a solver of its own with the same options and parameters, whatever the
- * number of threads and whatever the others do. The solver itself stays as it is: its parameters, its analysis, an
- * integration under way.
+ * derivatives or mechanical systems). Each is started at t0 toward the last time and advanced to all times. The
+ * results of an instance are to the last bit those of a solver of its own with the same options and parameters,
+ * whatever the number of threads and whatever the others do. The solver itself stays as it is: its parameters, its
+ * analysis, an integration under way.
  *
- *  - Options are those of the solver: tolerances, method, limits (max_steps for each output), initial values with fixed
- *    components and weights. Only its monitor, which could not know of instances, is not called.
- *  - Status of an instance: SFDAE_OK, its first warning, or the failure that ended it, of sfdae_start or sfdae_advance;
- *    SFDAE_ILLEGAL_ARGUMENT for parameters or start values that are not finite. Outputs before a failure are kept. One
- *    that fails does not disturb the others.
+ *  - Options are those of the solver: tolerances, method, limits (max_steps for each output), initial values with
+ *    fixed components and weights. Only its monitor, which could not know of instances, is not called.
+ *  - Status of an instance: SFDAE_OK, its first warning, or the failure that ended it, of sfdae_start or
+ *    sfdae_advance; SFDAE_ILLEGAL_ARGUMENT for parameters or start values that are not finite. Outputs before a
+ *    failure are kept. One that fails does not disturb the others.
  *  - Events are not supported: SFDAE_ILLEGAL_ARGUMENT if the solver has some.
  *  - Prescribed values (sfdae_nonlinear_problem.prescribed_values) are asked for by several threads at once, with the
  *    same `user`. What they return ends their instance only.
- *  - sfdae_request_stop(solver) and the monitor stop all: SFDAE_STOPPED. Instances under way keep their outputs, those
- *    that were not begun have none; both have the status SFDAE_STOPPED.
+ *  - sfdae_request_stop(solver) and the monitor stop all: SFDAE_STOPPED. Instances under way keep their outputs,
+ *    those that were not begun have none; both have the status SFDAE_STOPPED.
  *  - The recording is shared. The index analysis of the solver, or else of the first instance that has one, is a
  *    precedent: where an instance has the same ranks at its start, clearly, it is not analyzed any further; else its
  *    analysis is made anew.
  *  - Where threads cannot be made, fewer do the work; the calling thread is one of them.
- *  - BLAS should use one thread: set OPENBLAS_NUM_THREADS=1 (or what your BLAS has for that) before the program starts.
- *    Else k threads start as many each, which is slower, and results of large problems may depend on their number.
+ *  - BLAS should use one thread: set OPENBLAS_NUM_THREADS=1 (or what your BLAS has for that) before the program
+ *    starts. Else k threads start as many each, which is slower, and results of large problems may depend on their
+ *    number.
  *
  * Warnings: SFDAE_INSTANCES_FAILED; sfdae_message then names the first one that failed, and why. Failures:
  * SFDAE_ILLEGAL_ARGUMENT; SFDAE_OUT_OF_MEMORY if no instance could be begun. After these nothing is written. */

@@ -1,5 +1,5 @@
-// One of those who solve the instances of an ensemble, one after the other: a solver of its own on the shared recording.
-// SPDX-License-Identifier: BSD-3-Clause
+// One of those who solve the instances of an ensemble, one after the other: a solver of its own on the shared
+// recording. SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <vector>

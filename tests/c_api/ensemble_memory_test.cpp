@@ -1,6 +1,5 @@
-// Ensembles where memory is missing, here and there or at all: the instances that it concerns say so, all others are as
-// they should be.
-// SPDX-License-Identifier: BSD-3-Clause
+// Ensembles where memory is missing, here and there or at all: the instances that it concerns say so, all others are
+// as they should be. SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -40,14 +40,14 @@ inline NonlinearProblem raw_pendulum() {
   return problem;
 }
 
-// x1' + w t x2' = -x1 + cos t, 0 = x1 + (w t - 1) x2 + a sin t: mu = 1 for every w, as the second row differentiated is
-// the first one's x1' + w t x2' and an x2'. x(0) = (x1, x1).
+// x1' + w t x2' = -x1 + cos t, 0 = x1 + w t x2 + a sin t, x3' = x1 + x2 - x3: mu = 1, as the second row
+// differentiated has the first one's x1' + w t x2'. It leaves 0 = w x2 - x1 + (1 + a) cos t; d = 1.
 inline NonlinearProblem time_varying() {
-  NonlinearProblem problem(2, 2);
+  NonlinearProblem problem(3, 3);
   problem.linear_equations = [](const auto& t, auto E, auto A, auto f) {
     const Expression w = parameter(t, "w", 1.0), a = parameter(t, "a", 1.0);
-    E(0, 0) = 1.0, E(0, 1) = w * t;
-    A(0, 0) = -1.0, A(1, 0) = 1.0, A(1, 1) = w * t - 1.0;
+    E(0, 0) = 1.0, E(0, 1) = w * t, E(2, 2) = 1.0;
+    A(0, 0) = -1.0, A(1, 0) = 1.0, A(1, 1) = w * t, A(2, 0) = A(2, 1) = 1.0, A(2, 2) = -1.0;
     f[0] = cos(t), f[1] = a * sin(t);
   };
   return problem;
