@@ -67,7 +67,7 @@ set(cxx_runtime ${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES})
 list(REMOVE_DUPLICATES cxx_runtime)
 list(REMOVE_ITEM cxx_runtime ${CMAKE_C_IMPLICIT_LINK_LIBRARIES})
 list(TRANSFORM cxx_runtime PREPEND "-l" REGEX "^[^-/]")
-list(APPEND pkgconfig_libs_private ${cxx_runtime})
+list(APPEND pkgconfig_libs_private ${cxx_runtime} ${CMAKE_THREAD_LIBS_INIT})
 list(JOIN pkgconfig_libs_private " " pkgconfig_libs_private)
 
 configure_file("${PROJECT_SOURCE_DIR}/cmake/sfdae.pc.in" "${PROJECT_BINARY_DIR}/sfdae.pc" @ONLY)

@@ -39,6 +39,7 @@
 !  - Kinds are c_int, c_long and c_double of iso_c_binding, whatever the default kinds are.
 module sfdae
   use sfdae_control, only: dae_events, dae_monitor, dae_options
+  use sfdae_ensembles, only: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results
   use sfdae_expressions
   use sfdae_multibody, only: kinematic_multibody_dae, multibody_dae, multibody_formulas, &
     recorded_multibody_dae
@@ -54,6 +55,7 @@ module sfdae
   public :: linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae
   public :: recorded_multibody_dae, multibody_dae, kinematic_multibody_dae, multibody_formulas
   public :: dae_events, dae_monitor, dae_options, dae_solver
+  public :: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results
   public :: sfdae_check_linear, sfdae_check_nonlinear, sfdae_check_multibody
   public :: sfdae_status_name, sfdae_version
 
@@ -70,6 +72,7 @@ module sfdae
     sfdae_statistics, sfdae_derivative_check, sfdae_progress, sfdae_multibody_report
   public :: sfdae_linear_problem, sfdae_nonlinear_problem, sfdae_multibody_problem, &
     sfdae_multibody_formulas, sfdae_options
+  public :: sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results
 
   ! ---- Version of the header that these modules mirror --------------------------------------
 
@@ -80,7 +83,7 @@ module sfdae
   public :: sfdae_ok
   !> Warnings: the call did what it could, read on.
   public :: sfdae_step_taken, sfdae_stopped, sfdae_not_unique, sfdae_inconsistency_ignored, &
-    sfdae_values_changed, sfdae_event
+    sfdae_values_changed, sfdae_event, sfdae_instances_failed
   !> Failures: wrong use.
   public :: sfdae_illegal_argument, sfdae_out_of_memory, sfdae_busy, sfdae_empty_problem, &
     sfdae_not_started

@@ -6,9 +6,10 @@ module sfdae_c
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funloc, c_funptr, c_int, c_ptr, &
     c_size_t
   use sfdae_types, only: expression, sfdae_change, sfdae_characteristics, sfdae_decision, &
-    sfdae_derivative_check, sfdae_initial_report, sfdae_linear_problem, sfdae_multibody_formulas, &
-    sfdae_multibody_problem, sfdae_multibody_report, sfdae_nonlinear_problem, sfdae_options, &
-    sfdae_progress, sfdae_statistics
+    sfdae_derivative_check, sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results, &
+    sfdae_initial_report, sfdae_linear_problem, sfdae_multibody_formulas, sfdae_multibody_problem, &
+    sfdae_multibody_report, sfdae_nonlinear_problem, sfdae_options, sfdae_progress, &
+    sfdae_statistics
   implicit none
   private
 
@@ -16,23 +17,32 @@ module sfdae_c
     c_certify, c_change_init, c_characteristics_init, c_check_derivatives, c_check_linear, &
     c_check_multibody, c_check_multibody_derivatives, c_check_nonlinear, &
     c_check_total_derivatives, c_choose, c_cos, c_cosh, c_create_linear, c_create_multibody, &
-    c_create_nonlinear, c_decision_init, c_derivative_check_init, c_destroy, c_divide, c_exp, &
-    c_get_change, c_get_characteristics, c_get_checkpoint_length, c_get_decision, &
-    c_get_derivative_array, c_get_derivative_array_at, c_get_events, c_get_extended_system, &
-    c_get_initial_report, c_get_jet, c_get_multibody_report, c_get_num_decisions, c_get_parameter, &
-    c_get_projectors, c_get_projectors_at, c_get_statistics, c_get_strangeness_free, &
-    c_get_strangeness_free_at, c_initial_report_init, c_interpolate, c_linear_problem_init, c_log, &
-    c_make_consistent, c_max, c_message, c_min, c_multibody_problem_init, c_multibody_report_init, &
-    c_multiply, c_negate, c_nonlinear_problem_init, c_number, c_options_init, c_parameter, &
-    c_power, c_report, c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_set_events, &
-    c_set_options, c_set_parameter, c_sin, c_sinh, c_sqrt, c_start, c_statistics_init, &
-    c_status_name, c_step, c_subtract, c_tan, c_tanh, c_version, address_of_equations_function, &
+    c_create_nonlinear, c_decision_init, c_derivative_check_init, c_destroy, c_divide, &
+    c_ensemble_init, c_ensemble_results_init, c_exp, c_get_change, c_get_characteristics, &
+    c_get_checkpoint_length, c_get_decision, c_get_derivative_array, c_get_derivative_array_at, &
+    c_get_events, c_get_extended_system, c_get_initial_report, c_get_jet, c_get_multibody_report, &
+    c_get_num_decisions, c_get_parameter, c_get_projectors, c_get_projectors_at, c_get_statistics, &
+    c_get_strangeness_free, c_get_strangeness_free_at, c_initial_report_init, c_interpolate, &
+    c_linear_problem_init, c_log, c_make_consistent, c_max, c_message, c_min, &
+    c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
+    c_nonlinear_problem_init, c_number, c_options_init, c_parameter, c_power, c_report, &
+    c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_set_events, c_set_options, &
+    c_set_parameter, c_sin, c_sinh, c_solve_ensemble, c_sqrt, c_start, c_statistics_init, &
+    c_status_name, c_step, c_subtract, c_tan, c_tanh, c_version, &
+    address_of_ensemble_monitor_function, address_of_equations_function, &
     address_of_event_function, address_of_linear_equations_function, address_of_matrix_function, &
     address_of_monitor_function, address_of_multibody_equations_function, &
     address_of_position_function, address_of_total_derivative_function, &
     address_of_vector_function, address_of_velocity_function
 
   abstract interface
+
+    function sfdae_ensemble_monitor_function(progress, user) bind(c)
+      import :: c_int, c_ptr, sfdae_ensemble_progress
+      type(sfdae_ensemble_progress), intent(in) :: progress
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_ensemble_monitor_function
+    end function sfdae_ensemble_monitor_function
 
     function sfdae_equations_function(record, t, x, xdot, residual, user) bind(c)
       import :: c_int, c_ptr, expression
@@ -355,6 +365,20 @@ module sfdae_c
       type(expression), value :: b
       type(expression) :: c_divide
     end function c_divide
+
+    function c_ensemble_init(ensemble, size) bind(c, name="sfdae_ensemble_init")
+      import :: c_int, c_size_t, sfdae_ensemble
+      type(sfdae_ensemble), intent(inout) :: ensemble
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_ensemble_init
+    end function c_ensemble_init
+
+    function c_ensemble_results_init(results, size) bind(c, name="sfdae_ensemble_results_init")
+      import :: c_int, c_size_t, sfdae_ensemble_results
+      type(sfdae_ensemble_results), intent(inout) :: results
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_ensemble_results_init
+    end function c_ensemble_results_init
 
     function c_exp(a) bind(c, name="sfdae_exp")
       import :: expression
@@ -729,6 +753,14 @@ module sfdae_c
       type(expression) :: c_sinh
     end function c_sinh
 
+    function c_solve_ensemble(solver, ensemble, results) bind(c, name="sfdae_solve_ensemble")
+      import :: c_int, c_ptr, sfdae_ensemble, sfdae_ensemble_results
+      type(c_ptr), value :: solver
+      type(sfdae_ensemble), intent(in) :: ensemble
+      type(sfdae_ensemble_results), intent(inout) :: results
+      integer(c_int) :: c_solve_ensemble
+    end function c_solve_ensemble
+
     function c_sqrt(a) bind(c, name="sfdae_sqrt")
       import :: expression
       type(expression), value :: a
@@ -795,6 +827,14 @@ module sfdae_c
   end interface
 
 contains
+
+  !> Of a sfdae_ensemble_monitor_function; the compiler compares its arguments.
+  function address_of_ensemble_monitor_function(callback) result(address)
+    procedure(sfdae_ensemble_monitor_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_ensemble_monitor_function
 
   !> Of a sfdae_equations_function; the compiler compares its arguments.
   function address_of_equations_function(callback) result(address)

@@ -18,6 +18,7 @@ module sfdae_solver
   use sfdae_control, only: compare_size, control_holder, dae_events, dae_monitor, dae_options, &
     event_callback, fill_options
   use sfdae_conversions, only: text_at, text_in, text_in_c
+  use sfdae_ensembles, only: dae_ensemble, dae_ensemble_results, solve_ensemble_in_c
   use sfdae_multibody, only: any_multibody_dae, multibody_holder
   use sfdae_problems, only: any_dae, linear_dae, linear_holder, nonlinear_holder, problem_holder
   use sfdae_types, only: sfdae_change, sfdae_characteristics, sfdae_decision, &
@@ -63,6 +64,7 @@ module sfdae_solver
     procedure :: start => solver_start
     procedure :: advance => solver_advance
     procedure :: step => solver_step
+    procedure :: solve_ensemble => solver_solve_ensemble
     procedure :: save_checkpoint => solver_save_checkpoint
     procedure :: restore_checkpoint => solver_restore_checkpoint
     procedure :: set_events => solver_set_events
@@ -499,6 +501,21 @@ contains
     call check_point(self, x, status, xdot, xdot_address)
     if (status == sfdae_ok) status = c_step(self%handle, tout, t, x, xdot_address)
   end subroutine solver_step
+
+  !> Solves many instances of recorded equations on several threads. The solver stays as it is.
+  recursive subroutine solver_solve_ensemble(self, ensemble, results, status)
+    class(dae_solver), intent(inout) :: self
+    !> What is to be solved.
+    type(dae_ensemble), target, intent(in) :: ensemble
+    !> Replaced unless the call fails.
+    type(dae_ensemble_results), intent(inout) :: results
+    !> Warnings: sfdae_instances_failed, sfdae_stopped. Failure: sfdae_illegal_argument.
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) call solve_ensemble_in_c(self%handle, &
+      self%holder%problem%num_unknowns, ensemble, results, status, self%complaint)
+  end subroutine solver_solve_ensemble
 
   !> The analysis and the state of the integration as an array of plain numbers, to be kept,
   !> written to a file (17 digits) or handed to another process. Problem and options are not in it.

@@ -29,6 +29,7 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_initial_accept = 2
   integer(c_int), parameter, public :: sfdae_initial_fixed = 1
   integer(c_int), parameter, public :: sfdae_initial_nearest = 0
+  integer(c_int), parameter, public :: sfdae_instances_failed = 7
   integer(c_int), parameter, public :: sfdae_internal = -99
   integer(c_int), parameter, public :: sfdae_leading_automatic = 0
   integer(c_int), parameter, public :: sfdae_leading_identity = 3
@@ -122,6 +123,43 @@ module sfdae_types
     real(c_double) :: uncertainty = 0
     integer(c_int) :: suspicious = 0
   end type sfdae_derivative_check
+
+  type, bind(c), public :: sfdae_ensemble
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: num_instances = 0
+    integer(c_int) :: num_parameters = 0
+    type(c_ptr) :: parameter_names = c_null_ptr
+    type(c_ptr) :: parameters = c_null_ptr
+    real(c_double) :: t0 = 0
+    type(c_ptr) :: x0 = c_null_ptr
+    type(c_ptr) :: xdot0 = c_null_ptr
+    integer(c_int) :: num_times = 0
+    type(c_ptr) :: times = c_null_ptr
+    integer(c_int) :: num_threads = 0
+    type(c_funptr) :: monitor = c_null_funptr
+    type(c_ptr) :: monitor_user = c_null_ptr
+  end type sfdae_ensemble
+
+  type, bind(c), public :: sfdae_ensemble_progress
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: instance = 0
+    integer(c_int) :: status = 0
+    integer(c_int) :: num_ended = 0
+    integer(c_int) :: num_instances = 0
+  end type sfdae_ensemble_progress
+
+  type, bind(c), public :: sfdae_ensemble_results
+    integer(c_size_t) :: size = 0
+    type(c_ptr) :: x = c_null_ptr
+    type(c_ptr) :: xdot = c_null_ptr
+    type(c_ptr) :: statuses = c_null_ptr
+    type(c_ptr) :: num_outputs = c_null_ptr
+    type(c_ptr) :: messages = c_null_ptr
+    integer(c_size_t) :: message_length = 0
+    integer(c_int) :: num_failed = 0
+    integer(c_int) :: num_analyses = 0
+    integer(c_int) :: num_threads = 0
+  end type sfdae_ensemble_results
 
   type, bind(c), public :: expression
     type(c_ptr) :: record = c_null_ptr

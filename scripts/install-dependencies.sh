@@ -9,6 +9,8 @@ set -euo pipefail
 
 demo=(build-essential g++ cmake pkg-config libopenblas-dev libblas-dev liblapack-dev gnuplot-nox)
 test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev valgrind python3 ninja-build clang-format-14)
+# For an example of MPI: installed with others that are missing, never alone, as nothing else needs them.
+welcome=(libopenmpi-dev openmpi-bin)
 
 case "${1:-test}" in
   demo) wanted=("${demo[@]}") ;;
@@ -44,6 +46,11 @@ if [[ ${#missing[@]} -eq 0 ]]; then
   exit 0
 fi
 
+if [[ "${1:-test}" == test ]]; then
+  for package in "${welcome[@]}"; do
+    is_present "$package" || missing+=("$package")
+  done
+fi
 echo "Installing ${missing[*]}"
 as_root=()
 if [[ "$(id -u)" -ne 0 ]]; then

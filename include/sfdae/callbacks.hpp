@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <exception>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <variant>
@@ -50,12 +51,14 @@ struct CallbackState {
   CallbackState(const CallbackState&) = delete;
   CallbackState& operator=(const CallbackState&) = delete;
 
-  /// No exception may cross the frames of the library: it waits here, the value returned stops the call.
+  /// No exception may cross the frames of the library: it waits here, the value returned stops the call. Those of an
+  /// ensemble come from several threads.
   template <class Call>
   int guarded(Call call) noexcept {
     try {
       return call();
     } catch (...) {
+      const std::lock_guard<std::mutex> lock(exception_access);
       if (!exception) exception = std::current_exception();
       return -1;
     }
@@ -72,6 +75,7 @@ struct CallbackState {
   EventFunction event_function;
   int num_events = 0;
   std::exception_ptr exception;
+  std::mutex exception_access;
   sfdae_solver* solver = nullptr;
 };
 

@@ -14,7 +14,7 @@
  *
  * Here are the life cycle, options, linear problems, integration and inspection. This header includes all others:
  * sfdae/events.h, sfdae/expression.h for equations written as formulas and nonlinear problems, sfdae/multibody.h
- * for mechanical systems.
+ * for mechanical systems, sfdae/ensemble.h for many instances of a problem.
  *
  * Conventions
  *  - Matrices are column-major without padding: entry (i, j) of an m x n matrix is a[i + j * m]. Indices count from
@@ -66,6 +66,7 @@ extern "C" {
 #define SFDAE_INCONSISTENCY_IGNORED 4 /* redundant equations contradict each other, ignored as the option says */
 #define SFDAE_EVENT 5                 /* an event: sfdae_get_events reports which */
 #define SFDAE_VALUES_CHANGED 6        /* initial values: what is differentiated had to change beyond the tolerances */
+#define SFDAE_INSTANCES_FAILED 7      /* sfdae_solve_ensemble: some instances failed, as their statuses say */
 
 /* Failures: wrong use. */
 #define SFDAE_ILLEGAL_ARGUMENT (-1)
@@ -612,6 +613,7 @@ SFDAE_API int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_or
 }
 #endif
 
+#include <sfdae/ensemble.h>
 #include <sfdae/events.h>
 #include <sfdae/expression.h>
 #include <sfdae/multibody.h>

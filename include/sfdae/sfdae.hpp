@@ -28,6 +28,7 @@
 
 #include <sfdae/sfdae.h>
 #include <sfdae/callbacks.hpp>
+#include <sfdae/ensemble.hpp>
 #include <sfdae/expression.hpp>
 #include <sfdae/problem.hpp>
 #include <sfdae/results.hpp>
@@ -223,6 +224,36 @@ class Solver {
     return checked(sfdae_interpolate(get(), point.t, point.x.data(), xdot));
   }
 
+  /// Solves many instances of recorded equations on several threads, see sfdae_solve_ensemble. The solver itself stays
+  /// as it is. Failures of instances are in the result. Where the problem has prescribed values, exceptions thrown there
+  /// end their instance with SFDAE_CALLBACK_STOPPED and are not passed on.
+  EnsembleSolution solve_ensemble(const Ensemble& ensemble) {
+    const int n = num_unknowns(), N = ensemble.x0.columns();
+    EnsembleSolution solution(n, static_cast<int>(ensemble.times.size()), N, ensemble.wants_xdot);
+    detail::EnsembleMonitorState monitor{ensemble.monitor, nullptr};
+    std::vector<const char*> names;
+    for (const std::string& name : ensemble.parameter_names) names.push_back(name.c_str());
+    const sfdae_ensemble c_ensemble = in_c(ensemble, names, monitor);
+    std::vector<char> texts(detail::size(N) * message_length);
+    sfdae_ensemble_results results;
+    sfdae_ensemble_results_init(&results, sizeof results);
+    results.x = solution.x().data();
+    results.xdot = ensemble.wants_xdot ? solution.xdot().data() : nullptr;
+    results.statuses = solution.statuses.data();
+    results.num_outputs = solution.num_outputs.data();
+    results.messages = N > 0 ? texts.data() : nullptr;
+    results.message_length = message_length;
+    solution.status = sfdae_solve_ensemble(get(), &c_ensemble, &results);
+    if (state_) state_->exception = nullptr;
+    if (monitor.exception) std::rethrow_exception(monitor.exception);
+    checked(solution.status);
+    for (std::size_t i = 0; i < detail::size(N); ++i) solution.messages[i] = texts.data() + i * message_length;
+    solution.num_failed = results.num_failed;
+    solution.num_analyses = results.num_analyses;
+    solution.num_threads = results.num_threads;
+    return solution;
+  }
+
   /// Counts and step sizes of the integration.
   Statistics statistics() const { return filled(sfdae_statistics_init, sfdae_get_statistics); }
 
@@ -410,6 +441,40 @@ class Solver {
             std::vector<double>(detail::size(c.differential)),
             {c.algebraic, n},
             std::vector<double>(detail::size(c.algebraic))};
+  }
+
+  /// For texts that are never cut off.
+  static constexpr std::size_t message_length = 1536;
+
+  /// An ensemble in C, which points to the one given, to the names and to the monitor.
+  sfdae_ensemble in_c(const Ensemble& ensemble, const std::vector<const char*>& names,
+                      detail::EnsembleMonitorState& monitor) const {
+    const int n = num_unknowns(), N = ensemble.x0.columns(), num_parameters = static_cast<int>(names.size());
+    require_matrix(ensemble.x0, n, N, "x0");
+    if (ensemble.xdot0.columns() > 0) require_matrix(ensemble.xdot0, n, N, "xdot0");
+    if (num_parameters > 0) require_matrix(ensemble.parameters, num_parameters, N, "parameters");
+    sfdae_ensemble c;
+    sfdae_ensemble_init(&c, sizeof c);
+    c.num_instances = N;
+    c.num_parameters = num_parameters;
+    c.parameter_names = names.data();
+    c.parameters = ensemble.parameters.data();
+    c.t0 = ensemble.t0;
+    c.x0 = ensemble.x0.data();
+    c.xdot0 = ensemble.xdot0.columns() > 0 ? ensemble.xdot0.data() : nullptr;
+    c.num_times = static_cast<int>(ensemble.times.size());
+    c.times = ensemble.times.data();
+    c.num_threads = ensemble.threads;
+    c.monitor = ensemble.monitor ? detail::call_ensemble_monitor : nullptr;
+    c.monitor_user = &monitor;
+    return c;
+  }
+
+  static void require_matrix(const Matrix& matrix, int rows, int columns, const char* name) {
+    if (matrix.columns() == columns && (columns == 0 || matrix.rows() == rows)) return;
+    throw Error(SFDAE_ILLEGAL_ARGUMENT, std::string(name) + " is " + std::to_string(matrix.rows()) + " x " +
+                                            std::to_string(matrix.columns()) + ", not " + std::to_string(rows) +
+                                            " x " + std::to_string(columns));
   }
 
   template <class CProblem>

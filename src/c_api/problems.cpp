@@ -57,6 +57,12 @@ LinearFunctions functions_of(const sfdae_linear_problem& problem) {
           .inputs = inputs_of(problem)};
 }
 
+AnyModel clone_of(const AnyModel& model) {
+  if (model.linear != nullptr) return any(model.linear->clone());
+  if (model.nonlinear != nullptr) return any(model.nonlinear->clone());
+  return any(model.multibody->clone());
+}
+
 AnyModel make_model(const sfdae_linear_problem& problem) {
   return any(std::make_unique<LinearModel>(functions_of(problem)));
 }

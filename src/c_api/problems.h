@@ -25,6 +25,10 @@ AnyModel make_model(const sfdae_linear_problem& problem);
 AnyModel make_model(const sfdae_nonlinear_problem& problem);
 AnyModel make_model(const sfdae_multibody_problem& problem);
 
+// Another model of the same recorded equations, with the values that parameters have now; the recording is shared. Null
+// for problems given by functions.
+AnyModel clone_of(const AnyModel& model);
+
 LinearFunctions functions_of(const sfdae_linear_problem& problem);
 
 }  // namespace sfdae::core

@@ -35,6 +35,9 @@ struct sfdae_solver {
   sfdae_solver(sfdae::core::AnyModel its_kind, const sfdae_options& user_options)
       : kind(std::move(its_kind)), model(*kind.model), options(user_options, model.n()) {}
 
+  sfdae_solver(sfdae::core::AnyModel its_kind, sfdae::core::SolverOptions its_options)
+      : kind(std::move(its_kind)), model(*kind.model), options(std::move(its_options)) {}
+
   sfdae::core::Problem& problem() { return model.problem(); }
   // Null before an analysis.
   const sfdae::core::DaeSystem* system() const { return model.system(); }

@@ -53,7 +53,8 @@ std::vector<Edge> in_offsets(std::vector<Edge> edges, int stride) {
 
 }  // namespace
 
-TaylorEvaluator::TaylorEvaluator(std::shared_ptr<const Record> record) : record_(std::move(record)), tape_(*record_) {
+TaylorEvaluator::TaylorEvaluator(std::shared_ptr<const Record> record)
+    : record_(std::move(record)), shared_tape_(std::make_shared<const Tape>(*record_)) {
   for (const Parameter& parameter : record_->parameters()) parameters_.push_back(parameter.value);
 }
 

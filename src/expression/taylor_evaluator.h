@@ -32,6 +32,9 @@ struct SeriesOrders {
 class TaylorEvaluator {
  public:
   explicit TaylorEvaluator(std::shared_ptr<const Record> record);
+  // Of the same recording, which is shared, with the values that parameters have now.
+  TaylorEvaluator(const TaylorEvaluator& other) = default;
+  TaylorEvaluator& operator=(const TaylorEvaluator&) = delete;
 
   const Record& record() const { return *record_; }
 
@@ -70,7 +73,8 @@ class TaylorEvaluator {
   bool fail(int equation, int order, int order_of_gradients);
 
   std::shared_ptr<const Record> record_;
-  Tape tape_;
+  std::shared_ptr<const Tape> shared_tape_;
+  const Tape& tape_ = *shared_tape_;
   Program program_;
   std::vector<double> parameters_;
   int stride_ = 0;  // of slots

@@ -49,6 +49,7 @@ void MultibodyModel::analyze(const PointOfInterest& point, const ModelOptions& o
   analysis.t = point.t;
   analysis.v_hat = sizes.constraints() - ranks.velocities;
   analysis.rank_E = sizes.positions + consistency.rank_of_mass();
+  analysis.by_precedent = analysis.values == options.precedent.values && analysis.rank_E == options.precedent.rank_E;
   system_ = std::make_unique<MultibodySystem>(*problem_, settings(ranks, options.analysis), std::move(analysis),
                                               q.data(), v.data());
 }

@@ -29,6 +29,12 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
   MultibodyModel(std::unique_ptr<CallbackMultibody> problem, Coordinates coordinates)
       : callbacks_(problem.get()), problem_(std::move(problem)), coordinates_(coordinates) {}
 
+  // Another one of the same recorded formulas; null for functions.
+  std::unique_ptr<MultibodyModel> clone() const {
+    if (recorded_ == nullptr) return nullptr;
+    return std::make_unique<MultibodyModel>(std::make_unique<RecordedMultibody>(*recorded_), coordinates_);
+  }
+
   MultibodyProblem& problem() override { return *problem_; }
   int m() const override { return n(); }
   int n() const override { return problem_->sizes().unknowns(); }

@@ -45,8 +45,7 @@ void add_product(double factor, ConstView a, ConstView b, View to) {
 RecordedMultibody::RecordedMultibody(Recorder& recorder, MultibodyFormulas formulas)
     : MultibodyProblem(formulas.sizes),
       num_parameters_(recorder.num_parameters()),
-      terms_(recorder, formulas, needs_kinematics(recorder, formulas)),
-      recorder_(0) {
+      terms_(recorder, formulas, needs_kinematics(recorder, formulas)) {
   const int nq = sizes().positions, nv = sizes().velocities, nl = sizes().holonomic, nk = sizes().nonholonomic;
   if (nl > 0) constraints_.emplace(recorder.excerpt(nq, formulas.g, numbered("g", nl)));
   for (const int node : formulas.g)
@@ -67,13 +66,14 @@ RecordedMultibody::RecordedMultibody(Recorder& recorder, MultibodyFormulas formu
     nonholonomic_.emplace(recorder.excerpt(nq + nv, levels, numbered("H v + h", nk)));
   }
   balance_.emplace(recorder, formulas, kinematics_.has_value(), rheonomic_);
-  recorder_ = std::move(recorder);
-  formulas_ = std::move(formulas);
+  recording_ = std::make_shared<const Recording>(Recording{std::move(recorder), std::move(formulas)});
   allocate();
 }
 
 std::unique_ptr<RecordedProblem> RecordedMultibody::first_order_problem() {
-  auto problem = std::make_unique<RecordedProblem>(first_order_equations(recorder_, formulas_), PrescribedInputs{});
+  Recorder recorder = recording_->recorder;
+  auto problem =
+      std::make_unique<RecordedProblem>(first_order_equations(recorder, recording_->formulas), PrescribedInputs{});
   for (int i = 0; i < num_parameters_; ++i) problem->evaluator().set_parameter(i, terms_.evaluator().parameter(i));
   return problem;
 }

@@ -25,6 +25,8 @@ class RecordedMultibody final : public MultibodyProblem {
  public:
   // The recorder is of no use afterwards.
   RecordedMultibody(Recorder& recorder, MultibodyFormulas formulas);
+  // A copy shares the recording.
+  RecordedMultibody(const RecordedMultibody&) = default;
 
   bool has_kinematics() const override { return kinematics_.has_value(); }
   CallbackError constraints(double t, const double* q, double* g) override;
@@ -57,12 +59,15 @@ class RecordedMultibody final : public MultibodyProblem {
   // g; S v; H v + h.
   std::optional<TaylorEvaluator> constraints_, kinematics_, nonholonomic_;
   std::optional<RecordedBalance> balance_;  // there from the end of the constructor on
-  Recorder recorder_;                       // with the formulas
-  MultibodyFormulas formulas_;
-  std::vector<double> q_jet_;  // nq x 4
-  std::vector<double> jet_;    // of (q, v): (nq + nv) x 3
-  std::vector<double> g_jet_;  // nl x 3
-  std::vector<double> rates_;  // S v or H v + h, and their first coefficients
+  struct Recording {
+    Recorder recorder;
+    MultibodyFormulas formulas;
+  };
+  std::shared_ptr<const Recording> recording_;  // the formulas
+  std::vector<double> q_jet_;                   // nq x 4
+  std::vector<double> jet_;                     // of (q, v): (nq + nv) x 3
+  std::vector<double> g_jet_;                   // nl x 3
+  std::vector<double> rates_;                   // S v or H v + h, and their first coefficients
   std::vector<double> gradients_;
   Matrix rate_q_, rate_v_;  // derivatives of 2 q_2 by q and v
 };

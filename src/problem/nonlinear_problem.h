@@ -66,6 +66,8 @@ class RecordedProblem final : public NonlinearProblem {
  public:
   RecordedProblem(std::shared_ptr<const Record> record, PrescribedInputs inputs)
       : NonlinearProblem(record->m(), record->n(), std::move(inputs)), evaluator_(std::move(record)) {}
+  // A copy shares the recording.
+  RecordedProblem(const RecordedProblem&) = default;
   TaylorEvaluator& evaluator() { return evaluator_; }
 
  protected:

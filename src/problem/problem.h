@@ -61,10 +61,16 @@ class Problem {
   void request_stop() { stop_requested_.store(true, std::memory_order_relaxed); }
   // True once for every request.
   bool take_stop_request() { return stop_requested_.exchange(false, std::memory_order_relaxed); }
-  bool stop_is_requested() const { return stop_requested_.load(std::memory_order_relaxed); }
+  bool stop_is_requested() const {
+    return stop_requested_.load(std::memory_order_relaxed) || (leader_ != nullptr && leader_->stop_is_requested());
+  }
+  // Stops where the leader is asked to, and leaves its request pending.
+  void stop_with(const Problem& leader) { leader_ = &leader; }
 
  protected:
   Problem() = default;
+  // The same equations; limits and requests are not theirs.
+  Problem(const Problem&) {}
   ~Problem() = default;
 
   double lowest_t_ = -std::numeric_limits<double>::infinity();
@@ -74,6 +80,7 @@ class Problem {
   friend class UserTime;
 
   std::atomic<bool> stop_requested_{false};
+  const Problem* leader_ = nullptr;
   double user_t_ = std::numeric_limits<double>::quiet_NaN();
 };
 

@@ -3,6 +3,7 @@
 #include "problem/recorded_linear.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "linalg/index.h"
 #include "problem/failure.h"
@@ -11,6 +12,13 @@ namespace sfdae::core {
 
 RecordedLinearCoefficients::RecordedLinearCoefficients(std::shared_ptr<const Record> record, PrescribedInputs inputs)
     : evaluator_(std::move(record)), inputs_(std::move(inputs)) {}
+
+RecordedLinearCoefficients::RecordedLinearCoefficients(const TaylorEvaluator& evaluator, PrescribedInputs inputs)
+    : evaluator_(evaluator), inputs_(std::move(inputs)) {}
+
+std::unique_ptr<RecordedLinearCoefficients> RecordedLinearCoefficients::clone() const {
+  return std::unique_ptr<RecordedLinearCoefficients>(new RecordedLinearCoefficients(evaluator_, inputs_));
+}
 
 LinearFunctions RecordedLinearCoefficients::functions() {
   const Record& record = evaluator_.record();

@@ -17,6 +17,8 @@ class RecordedLinearCoefficients {
  public:
   RecordedLinearCoefficients(std::shared_ptr<const Record> record, PrescribedInputs inputs);
   RecordedLinearCoefficients(const RecordedLinearCoefficients&) = delete;
+  // Another one of the same recording, which is shared.
+  std::unique_ptr<RecordedLinearCoefficients> clone() const;
   RecordedLinearCoefficients& operator=(const RecordedLinearCoefficients&) = delete;
 
   LinearFunctions functions();
@@ -27,6 +29,7 @@ class RecordedLinearCoefficients {
   void forget() { known_order_ = -1; }
 
  private:
+  RecordedLinearCoefficients(const TaylorEvaluator& evaluator, PrescribedInputs inputs);
   // Derivative of the given order into `values`: which = 'E', 'A' or 'f'.
   int derivative(char which, double t, int order, double* values);
   bool evaluate(double t, int order);

@@ -60,6 +60,7 @@ class Analysis {
         scaled_(settings),
         arena_(arena),
         usual_(usual_units(problem, place.t)) {
+    scaled_.precedent = {};
     scaled_.time_scale = 0.0;
     scaled_.rank_tol = 0.0;
     const TaylorData data = data_in_units(problem, place.t, usual_);
@@ -68,6 +69,7 @@ class Analysis {
   }
 
   IndexAnalysis by_tolerance(std::vector<RankDecision>& decisions);
+  std::optional<IndexAnalysis> by_precedent(std::vector<RankDecision>& decisions);
   IndexAnalysis run(std::vector<RankDecision>& decisions);
 
  private:
@@ -111,12 +113,23 @@ class Analysis {
 // rank_tol acts in balanced units.
 IndexAnalysis Analysis::by_tolerance(std::vector<RankDecision>& decisions) {
   scaled_ = settings_;
+  scaled_.precedent = {};
   const AnalysisOutcome found = certified();
   norms_agree(found, decisions);
   return found.analysis;
 }
 
+// Where norms make the ranks at t clear by far, alone.
+std::optional<IndexAnalysis> Analysis::by_precedent(std::vector<RankDecision>& decisions) {
+  problem_.set_units(usual_);
+  const auto found = analyze_by_precedent({problem_, settings_, arena_, &decisions}, place_);
+  if (found && is_clear_by_norms(*found, decisions)) return in_usual_units(*found);
+  decisions.clear();
+  return std::nullopt;
+}
+
 IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
+  if (const auto found = by_precedent(decisions)) return *found;
   problem_.set_units(usual_);
   std::optional<IndexAnalysis> quick;
   std::optional<Failure> failed;
@@ -260,6 +273,10 @@ void Analysis::report_unclear(const CharacteristicValues& certified) {
 }
 
 }  // namespace
+
+Precedent precedent_of(const IndexAnalysis& analysis) {
+  return {analysis.values, analysis.rank_E, analysis.rank_E_constant};
+}
 
 bool fits_dimensions(const IndexAnalysis& analysis, int m, int n) {
   const CharacteristicValues& values = analysis.values;

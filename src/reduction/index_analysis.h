@@ -33,6 +33,13 @@ struct CharacteristicValues {
 std::string describe(const CharacteristicValues& values);  // "mu = 1, d = 0, a = 2, u = 0, v = 0"
 std::string describe(const RankDecision& decision);        // "rank decision at level 1 (...): kept ..., dropped ..."
 
+// What the analysis of the same equations with other parameters has found.
+struct Precedent {
+  CharacteristicValues values;  // mu = -1: there is none
+  int rank_E = -1;
+  bool rank_E_constant = true;
+};
+
 inline constexpr double useful_pivot_at_best = 1e-10;
 // For relative tolerances, 0: none; docs/decisions/32-certificates.md.
 double least_useful_pivot(const std::vector<double>& rtol);
@@ -48,6 +55,8 @@ struct AnalysisSettings {
   // Where rows are left out of the array (CoefficientSource::differentiations), v cannot be read off it. What is
   // known of d and a (nothing: mu = -1) is to be found then.
   CharacteristicValues expected{};
+  // Where ranks at t are clear and agree with it, neither the next level nor a nearby point is analyzed.
+  Precedent precedent{};
   // Derivatives of order mu + 1, or of order 1 for mu = 0, are not asked for even where they would be of use.
   bool orders_up_to_mu_only = false;
 };
@@ -65,7 +74,10 @@ struct IndexAnalysis {
   // The smallest relative change of the data that gives others, about, if a certificate was made; else 0.
   double distance = 0.0;
   RowScaling rows = RowScaling::each;
+  bool by_precedent = false;  // nothing but the ranks at t was looked at
 };
+
+Precedent precedent_of(const IndexAnalysis& analysis);
 
 // Whether an analysis that was read from a checkpoint can be one of m equations in n unknowns.
 bool fits_dimensions(const IndexAnalysis& analysis, int m, int n);

@@ -143,10 +143,15 @@ SearchResult IndexSearch::search(int max_index) {
   return result;
 }
 
-// Whether level l + 1 has the same values. Where it is not available or unclear, nothing speaks against them.
+// Whether level l + 1 has the same values. Where it is not available or unclear, nothing speaks against them. A
+// precedent says that it has: only the jet is solved for as without one, so that results are the same.
 bool IndexSearch::holds_above(int level, const CharacteristicValues& values, const PointRanks& ranks) {
   if (!task_.problem.checks_next_level() || level >= std::min(max_derivative_order, highest_level())) return true;
   try {
+    if (values == task_.settings.precedent.values) {
+      evaluate(level + 1, task_.settings.time_scale);
+      return true;
+    }
     const LevelResult above = determine_confirmed(level + 1);
     if (leaves_out_rows()) return !above.clear || (above.ranks.a == values.a && above.ranks.d == values.d);
     return !above.clear ||

@@ -37,6 +37,7 @@ std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& source, Pla
   for (int attempt = 0; attempt < num_units; ++attempt, tau *= ratio) {
     UnitsResult found;
     AnalysisSettings scaled = settings;
+    scaled.precedent = {};
     scaled.time_scale = tau;
     try {
       found.units = fast_units(source, place.t, tau);
@@ -67,7 +68,11 @@ IndexAnalysis analyze_along_jet(CoefficientSource& source, Place place, const An
                                 Arena& arena, std::vector<RankDecision>& decisions) {
   const Units usual = usual_units(source, place.t);
   source.set_units(usual);
-  const SearchTask task{source, settings, arena, &decisions};
+  if (const auto found = analyze_by_precedent({source, settings, arena, &decisions}, place)) return *found;
+  decisions.clear();
+  AnalysisSettings anew = settings;
+  anew.precedent = {};
+  const SearchTask task{source, anew, arena, &decisions};
   try {
     return analyze_at_two_points(task, place).analysis;
   } catch (const Failure& failure) {

@@ -88,6 +88,21 @@ void raise_to_level(const SearchTask& task, int mu, double nearby, AnalysisOutco
 
 }  // namespace
 
+std::optional<IndexAnalysis> analyze_by_precedent(const SearchTask& task, Place place) {
+  const Precedent& precedent = task.settings.precedent;
+  if (precedent.values.mu < 0) return std::nullopt;
+  try {
+    IndexAnalysis found = search_at(task, place.t).analysis;
+    if (!(found.values == precedent.values) || found.rank_E != precedent.rank_E) return std::nullopt;
+    found.rank_E_constant = precedent.rank_E_constant;
+    found.by_precedent = true;
+    return found;
+  } catch (const Failure& failure) {
+    if (failure.status() != SFDAE_RANK_UNCLEAR && failure.status() != SFDAE_INDEX_TOO_HIGH) throw;
+    return std::nullopt;
+  }
+}
+
 AnalysisOutcome analyze_at_two_points(const SearchTask& task, Place place) {
   AnalysisOutcome here = search_at(task, place.t);
   if (task.problem.is_constant()) return here;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
 #include "reduction/index_search.h"
 
 namespace sfdae::core {
@@ -17,6 +19,9 @@ struct AnalysisOutcome {
   Significance significance;
   bool is_clear = true;
 };
+
+// By the ranks at t alone, where they are clear and those of the precedent of the settings; else none.
+std::optional<IndexAnalysis> analyze_by_precedent(const SearchTask& task, Place place);
 
 // Throws Failure: SFDAE_INDEX_TOO_HIGH; SFDAE_CHARACTERISTICS_CHANGED if t is an exceptional point; SFDAE_RANK_UNCLEAR,
 // but not for certificates, which say so in the outcome.

@@ -53,7 +53,8 @@ void LinearModel::analyze(const PointOfInterest& point, const ModelOptions& opti
   differences.span = std::fabs(point.toward - point.t);
   problem_.set_differences(differences);
   Arena arena;
-  IndexAnalysis analysis = analyze_index(problem_, point.t, point.toward, options.analysis, arena, decisions);
+  IndexAnalysis analysis =
+      analyze_index(problem_, point.t, point.toward, options.analysis_by_precedent(), arena, decisions);
   system_ = std::make_unique<LinearSystem>(problem_, options.analysis, std::move(analysis), options.leading);
 }
 

@@ -19,6 +19,11 @@ class LinearModel final : public ModelOf<LinearSystem> {
   // Recorded equations that are linear: E, A and f are read off the record.
   explicit LinearModel(std::unique_ptr<RecordedLinearCoefficients> coefficients);
 
+  // Another one of the same recorded equations; null for functions.
+  std::unique_ptr<LinearModel> clone() const {
+    return recorded_ ? std::make_unique<LinearModel>(recorded_->clone()) : nullptr;
+  }
+
   LinearProblem& problem() override { return problem_; }
   int m() const override { return problem_.m(); }
   int n() const override { return problem_.n(); }

@@ -27,12 +27,18 @@ struct ModelOptions : Acceptance {
   DifferenceOptions differences;
   LeadingTerm leading = LeadingTerm::automatic;
   ConsistencyRequest consistency;
+  Precedent precedent;  // of analyses to come
 
   // What is asked of values near x.
   ConsistencyRequest request_at(const double* x) const {
     ConsistencyRequest request = consistency;
     request.set_tolerances(tolerances, x);
     return request;
+  }
+  AnalysisSettings analysis_by_precedent() const {
+    AnalysisSettings settings = analysis;
+    settings.precedent = precedent;
+    return settings;
   }
 };
 

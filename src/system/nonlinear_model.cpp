@@ -58,7 +58,7 @@ void NonlinearModel::analyze(const PointOfInterest& point, const ModelOptions& o
                              std::vector<RankDecision>& decisions) {
   forget_system();
   try {
-    system_ = analyzed(options.analysis, point, options, decisions);
+    system_ = analyzed(options.analysis_by_precedent(), point, options, decisions);
     return;
   } catch (const Failure& failure) {
     if (problem_->differentiations().empty() || failure.status() != SFDAE_INDEX_TOO_HIGH) throw;

@@ -14,9 +14,15 @@ namespace sfdae::core {
 class NonlinearModel final : public ModelOf<NonlinearSystem> {
  public:
   explicit NonlinearModel(std::unique_ptr<RecordedProblem> problem)
-      : evaluator_(&problem->evaluator()), problem_(std::move(problem)) {}
+      : recorded_(problem.get()), problem_(std::move(problem)) {}
   explicit NonlinearModel(std::unique_ptr<CallbackProblem> problem)
       : callback_(problem.get()), problem_(std::move(problem)) {}
+
+  // Another one of the same recorded equations; null for functions.
+  std::unique_ptr<NonlinearModel> clone() const {
+    return recorded_ != nullptr ? std::make_unique<NonlinearModel>(std::make_unique<RecordedProblem>(*recorded_))
+                                : nullptr;
+  }
 
   NonlinearProblem& problem() override { return *problem_; }
   int m() const override { return problem_->m(); }
@@ -26,7 +32,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   EvaluationCounts evaluations() const override {
     return {.F = problem_->evaluations(), .linearizations = problem_->linearizations()};
   }
-  TaylorEvaluator* evaluator() override { return evaluator_; }
+  TaylorEvaluator* evaluator() override { return recorded_ != nullptr ? &recorded_->evaluator() : nullptr; }
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   double certify() override;
@@ -53,7 +59,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
                                                                 const ModelOptions& options,
                                                                 std::vector<RankDecision>& decisions);
 
-  TaylorEvaluator* evaluator_ = nullptr;
+  RecordedProblem* recorded_ = nullptr;
   CallbackProblem* callback_ = nullptr;
   std::unique_ptr<NonlinearProblem> problem_;
 };

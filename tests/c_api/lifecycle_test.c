@@ -96,6 +96,8 @@ static void every_status_has_its_name(void) {
       NAMED(SFDAE_STOPPED),
       NAMED(SFDAE_NOT_UNIQUE),
       NAMED(SFDAE_INCONSISTENCY_IGNORED),
+      NAMED(SFDAE_VALUES_CHANGED),
+      NAMED(SFDAE_INSTANCES_FAILED),
       NAMED(SFDAE_ILLEGAL_ARGUMENT),
       NAMED(SFDAE_OUT_OF_MEMORY),
       NAMED(SFDAE_BUSY),
@@ -121,7 +123,7 @@ static void every_status_has_its_name(void) {
   size_t i;
   for (i = 0; i < sizeof table / sizeof table[0]; i++)
     CHECK(strcmp(sfdae_status_name(table[i].status), table[i].name) == 0);
-  CHECK(strcmp(sfdae_status_name(7), "unknown status") == 0);
+  CHECK(strcmp(sfdae_status_name(8), "unknown status") == 0);
   CHECK(strcmp(sfdae_status_name(INT_MIN), "unknown status") == 0);
   CHECK(strcmp(sfdae_status_name(INT_MAX), "unknown status") == 0);
 }

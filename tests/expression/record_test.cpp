@@ -177,4 +177,21 @@ TEST_F(Recorded, ParametersChangeWithoutRecordingAnew) {
   EXPECT_EQ(F[0], 4.0);
 }
 
+TEST_F(Recorded, CopiesOfEvaluatorsHaveParametersAndValuesOfTheirOwn) {
+  const Term p = recording.parameter("p", 2.0);
+  TaylorEvaluator evaluator(recording.finish({p * x(0) * recording.t}));
+  const double jet[] = {1.0, 0.0}, other_jet[] = {5.0, 0.0};
+  double F = 0.0;
+  evaluator.set_parameter(0, 3.0);
+  ASSERT_TRUE(evaluator.values(0.5, jet, 0, &F));
+  TaylorEvaluator copy(evaluator);
+  EXPECT_EQ(&copy.record(), &evaluator.record());
+  EXPECT_EQ(copy.parameter(0), 3.0);
+  copy.set_parameter(0, 7.0);
+  ASSERT_TRUE(copy.values(2.0, other_jet, 0, &F));
+  EXPECT_EQ(F, 70.0);
+  ASSERT_TRUE(evaluator.values(0.5, jet, 0, &F));
+  EXPECT_EQ(F, 1.5);
+}
+
 }  // namespace sfdae::core

@@ -17,6 +17,9 @@ size_t fill_multibody_problem(sfdae_multibody_problem* s);
 size_t fill_multibody_formulas(sfdae_multibody_formulas* s);
 size_t fill_multibody_report(sfdae_multibody_report* s);
 size_t fill_options(sfdae_options* s);
+size_t fill_ensemble(sfdae_ensemble* s);
+size_t fill_ensemble_progress(sfdae_ensemble_progress* s);
+size_t fill_ensemble_results(sfdae_ensemble_results* s);
 size_t fill_expression(sfdae_expression* s);
 
 /* Addresses stand for numbers: entry k of this array for k. */
@@ -159,6 +162,40 @@ size_t fill_options(sfdae_options* s) {
       23, monitor_5,     &integers[25], 26,          27,          28, 29};
   *s = value;
   numbers[4] = 4.0, numbers[5] = 5.0, integers[13] = 13, numbers[14] = 14.0, integers[25] = 25;
+  return sizeof value;
+}
+
+size_t fill_ensemble(sfdae_ensemble* s) {
+  static const char* text = "4";
+  const sfdae_ensemble value = {1,
+                                2,
+                                3,
+                                &text,
+                                &numbers[5],
+                                6.0,
+                                &numbers[7],
+                                &numbers[8],
+                                9,
+                                &numbers[10],
+                                11,
+                                (sfdae_ensemble_monitor_function)(void (*)(void))matrix_1,
+                                &integers[13]};
+  *s = value;
+  numbers[5] = 5.0, numbers[7] = 7.0, numbers[8] = 8.0, numbers[10] = 10.0, integers[13] = 13;
+  return sizeof value;
+}
+
+size_t fill_ensemble_progress(sfdae_ensemble_progress* s) {
+  const sfdae_ensemble_progress value = {1, 2, 3, 4, 5};
+  *s = value;
+  return sizeof value;
+}
+
+size_t fill_ensemble_results(sfdae_ensemble_results* s) {
+  static char text = 6;
+  const sfdae_ensemble_results value = {1, &numbers[2], &numbers[3], &integers[4], &integers[5], &text, 7, 8, 9, 10};
+  *s = value;
+  numbers[2] = 2.0, numbers[3] = 3.0, integers[4] = 4, integers[5] = 5;
   return sizeof value;
 }
 

@@ -5,7 +5,8 @@ program mirror_test
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_f_procpointer, &
     c_funptr, c_int, c_ptr, c_size_t, c_sizeof
   use sfdae, only: dae_options, expression, sfdae_change, sfdae_characteristics, sfdae_decision, &
-    sfdae_derivative_check, sfdae_initial_report, sfdae_linear_problem, &
+    sfdae_derivative_check, sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results, &
+    sfdae_initial_report, sfdae_linear_problem, &
     sfdae_multibody_formulas, sfdae_multibody_problem, sfdae_multibody_report, &
     sfdae_nonlinear_problem, sfdae_options, sfdae_progress, sfdae_statistics
   use test_support, only: check, finish
@@ -89,6 +90,21 @@ program mirror_test
       type(sfdae_options), intent(inout) :: s
       integer(c_size_t) :: bytes
     end function fill_options
+    function fill_ensemble(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_ensemble
+      type(sfdae_ensemble), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_ensemble
+    function fill_ensemble_progress(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_ensemble_progress
+      type(sfdae_ensemble_progress), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_ensemble_progress
+    function fill_ensemble_results(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_ensemble_results
+      type(sfdae_ensemble_results), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_ensemble_results
   end interface
 
   abstract interface
@@ -115,6 +131,7 @@ program mirror_test
   call check_progress()
   call check_problem()
   call check_multibody()
+  call check_ensemble()
   call check_options()
   call check_defaults()
   call finish()
@@ -172,6 +189,33 @@ contains
     call check(counts([real(c_double) :: p%size, p%t, p%step, p%order, p%steps, p%num_unknowns, &
       number_at(p%x)]), "members of sfdae_progress")
   end subroutine check_progress
+
+  !> Structs of ensembles.
+  subroutine check_ensemble()
+    type(sfdae_ensemble) :: e
+    type(sfdae_ensemble_progress) :: p
+    type(sfdae_ensemble_results) :: r
+    character(kind=c_char), pointer :: text
+    type(c_ptr), pointer :: name
+
+    call check(fill_ensemble(e) == c_sizeof(e), "size of sfdae_ensemble")
+    call c_f_pointer(e%parameter_names, name)
+    call c_f_pointer(name, text)
+    call check(counts([real(c_double) :: e%size, e%num_instances, e%num_parameters, &
+      iachar(text) - iachar("0"), number_at(e%parameters), e%t0, number_at(e%x0), &
+      number_at(e%xdot0), e%num_times, number_at(e%times), e%num_threads, &
+      number_of(e%monitor) + 11, integer_at(e%monitor_user)]), "members of sfdae_ensemble")
+
+    call check(fill_ensemble_progress(p) == c_sizeof(p), "size of sfdae_ensemble_progress")
+    call check(counts([real(c_double) :: p%size, p%instance, p%status, p%num_ended, &
+      p%num_instances]), "members of sfdae_ensemble_progress")
+
+    call check(fill_ensemble_results(r) == c_sizeof(r), "size of sfdae_ensemble_results")
+    call c_f_pointer(r%messages, text)
+    call check(counts([real(c_double) :: r%size, number_at(r%x), number_at(r%xdot), &
+      integer_at(r%statuses), integer_at(r%num_outputs), iachar(text), r%message_length, &
+      r%num_failed, r%num_analyses, r%num_threads]), "members of sfdae_ensemble_results")
+  end subroutine check_ensemble
 
   !> Structs of problems.
   subroutine check_problem()

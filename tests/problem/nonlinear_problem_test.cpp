@@ -248,6 +248,20 @@ TEST(NonlinearProblem, AsksForNothingOnceAStopIsRequested) {
   EXPECT_EQ(problem.residuals(0.0, jet.data(), 0, F).status, SFDAE_OK);
 }
 
+TEST(NonlinearProblem, StopsWithItsLeaderWhoseRequestStays) {
+  Behavior behavior;
+  CallbackProblem leader(m, n, total_derivatives, &behavior, {}), problem(m, n, total_derivatives, &behavior, {});
+  problem.stop_with(leader);
+  leader.request_stop();
+  const std::vector<double> jet = jet_of_order(1);
+  double F[m];
+  EXPECT_EQ(problem.residuals(0.0, jet.data(), 0, F).status, SFDAE_STOPPED);
+  EXPECT_FALSE(problem.take_stop_request());
+  EXPECT_TRUE(problem.stop_is_requested());
+  EXPECT_TRUE(leader.take_stop_request());
+  EXPECT_EQ(problem.residuals(0.0, jet.data(), 0, F).status, SFDAE_OK);
+}
+
 // values = (2 t, code or NaN from t = 1 on)
 TEST(NonlinearProblem, HandsOutPrescribedValuesAndTheirTrouble) {
   struct Input {

@@ -1,0 +1,21 @@
+// The instances of an ensemble, divided among threads.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "c_api/ensemble_worker.h"
+
+namespace sfdae::core {
+
+struct EnsembleSummary {
+  int stopped = 0, failed = 0;  // instances
+  int analyses = 0;
+  int threads = 0;
+  int first_failed = -1;  // the smallest number of an instance that failed
+  InstanceOutcome failure;
+  bool monitor_threw = false;
+};
+
+// Solves all instances. Throws std::bad_alloc before anything has been written, if there is no memory to begin with.
+EnsembleSummary solve_ensemble(sfdae_solver& prototype, const EnsembleTask& task);
+
+}  // namespace sfdae::core

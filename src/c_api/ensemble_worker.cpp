@@ -1,0 +1,118 @@
+// Instances of an ensemble, solved one after the other.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "c_api/ensemble_worker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// That of an instance knows nothing of the others, and events are none.
+SolverOptions options_of_instances(const sfdae_solver& prototype) {
+  SolverOptions options = prototype.options;
+  options.integration.monitor = nullptr;
+  options.integration.events = nullptr;
+  return options;
+}
+
+// What more than the ranks at the start might have to do with.
+bool is_about_structure(int status) { return status <= SFDAE_INDEX_TOO_HIGH && status > SFDAE_INCONSISTENT_VALUES; }
+
+void say(InstanceOutcome& outcome, int status, const char* message) {
+  outcome.status = status;
+  std::snprintf(outcome.message, sizeof outcome.message, "%s", message);
+}
+
+}  // namespace
+
+EnsembleWorker::EnsembleWorker(sfdae_solver& prototype, const EnsembleTask& task)
+    : task_(task),
+      solver_(clone_of(prototype.kind), options_of_instances(prototype)),
+      x_(index(solver_.model.n())),
+      xdot_(index(solver_.model.n())) {
+  solver_.problem().stop_with(prototype.problem());
+}
+
+bool EnsembleWorker::set_parameters(int instance, InstanceOutcome& outcome) {
+  const sfdae_ensemble& ensemble = task_.ensemble;
+  const double* const values = ensemble.parameters + index(instance) * index(ensemble.num_parameters);
+  for (int k = 0; k < ensemble.num_parameters; ++k) {
+    if (!std::isfinite(values[k])) {
+      say(outcome, SFDAE_ILLEGAL_ARGUMENT,
+          format("the value of parameter \"%.60s\" is %g.", ensemble.parameter_names[k], values[k]).c_str());
+      return false;
+    }
+    solver_.model.evaluator()->set_parameter(task_.parameters[index(k)], values[k]);
+  }
+  solver_.model.parameters_changed();
+  solver_.forget_analysis();
+  return true;
+}
+
+bool EnsembleWorker::note(int status, InstanceOutcome& outcome) const {
+  const bool is_first = outcome.status == SFDAE_OK || status < 0 || status == SFDAE_STOPPED;
+  if (status != SFDAE_OK && is_first) say(outcome, status, sfdae_message(&solver_));
+  return status >= 0 && status != SFDAE_STOPPED;
+}
+
+void EnsembleWorker::solve_once(int instance, InstanceOutcome& outcome) {
+  const sfdae_ensemble& ensemble = task_.ensemble;
+  const sfdae_ensemble_results& results = task_.results;
+  const std::size_t n = x_.size(), first = index(instance) * n;
+  if (!set_parameters(instance, outcome)) return;
+  std::copy_n(ensemble.x0 + first, n, x_.data());
+  if (ensemble.xdot0 != nullptr) std::copy_n(ensemble.xdot0 + first, n, xdot_.data());
+  double t = ensemble.t0;
+  const int started = sfdae_start(&solver_, t, ensemble.times[ensemble.num_times - 1], x_.data(),
+                                  ensemble.xdot0 != nullptr ? xdot_.data() : nullptr);
+  if (!note(started, outcome)) return;
+  for (int k = 0; k < ensemble.num_times; ++k) {
+    double* const xdot = results.xdot != nullptr ? xdot_.data() : nullptr;
+    if (!note(sfdae_advance(&solver_, ensemble.times[k], &t, x_.data(), xdot), outcome)) return;
+    const std::size_t place = (index(instance) * index(ensemble.num_times) + index(k)) * n;
+    std::copy_n(x_.data(), n, results.x + place);
+    if (xdot != nullptr) std::copy_n(xdot, n, results.xdot + place);
+    outcome.outputs = k + 1;
+  }
+}
+
+InstanceOutcome EnsembleWorker::solve(int instance, const Precedent& precedent) noexcept {
+  InstanceOutcome outcome;
+  try {
+    solver_.options.model.precedent = precedent;
+    solve_once(instance, outcome);
+    const bool is_precedented = solver_.system() != nullptr && solver_.system()->analysis().by_precedent;
+    outcome.analyzed_anew = !is_precedented;
+    if (!is_about_structure(outcome.status) || precedent.values.mu < 0) return outcome;
+    // Ranks at one point may not be all that there is.
+    solver_.options.model.precedent = {};
+    outcome = {};
+    outcome.analyzed_anew = true;
+    solve_once(instance, outcome);
+  } catch (...) {
+    say(outcome, SFDAE_OUT_OF_MEMORY, out_of_memory);
+  }
+  return outcome;
+}
+
+Precedent EnsembleWorker::analyze(int instance) noexcept {
+  try {
+    const sfdae_ensemble& ensemble = task_.ensemble;
+    InstanceOutcome outcome;
+    solver_.options.model.precedent = {};
+    if (!set_parameters(instance, outcome)) return {};
+    sfdae_analyze_at(&solver_, ensemble.t0, ensemble.times[ensemble.num_times - 1],
+                     ensemble.x0 + index(instance) * x_.size(), nullptr);
+    return solver_.system() != nullptr ? precedent_of(solver_.system()->analysis()) : Precedent{};
+  } catch (...) {
+    return {};
+  }
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,47 @@
+// One of those who solve the instances of an ensemble, one after the other: a solver of its own on the shared
+// recording. SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "c_api/solver.h"
+
+namespace sfdae::core {
+
+// An ensemble after all checks.
+struct EnsembleTask {
+  const sfdae_ensemble& ensemble;
+  const sfdae_ensemble_results& results;
+  std::vector<int> parameters;  // indices of those that differ
+};
+
+struct InstanceOutcome {
+  int status = SFDAE_OK;
+  int outputs = 0;
+  bool analyzed_anew = false;
+  char message[sizeof(sfdae_solver::message)] = "";
+};
+
+class EnsembleWorker {
+ public:
+  // The prototype only lends its equations, options and parameters, and its requests to stop. Throws std::bad_alloc.
+  EnsembleWorker(sfdae_solver& prototype, const EnsembleTask& task);
+
+  // Writes the outputs of the instance. What it did before does not matter.
+  InstanceOutcome solve(int instance, const Precedent& precedent) noexcept;
+  // Of the instance; mu = -1 if its analysis fails.
+  Precedent analyze(int instance) noexcept;
+
+ private:
+  // False, with an outcome, if values are not finite.
+  bool set_parameters(int instance, InstanceOutcome& outcome);
+  void solve_once(int instance, InstanceOutcome& outcome);
+  // Goes into the outcome; true if the instance goes on.
+  bool note(int status, InstanceOutcome& outcome) const;
+
+  const EnsembleTask& task_;
+  sfdae_solver solver_;
+  std::vector<double> x_, xdot_;
+};
+
+}  // namespace sfdae::core
