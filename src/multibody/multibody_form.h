@@ -31,6 +31,11 @@ class MultibodyForm {
   const Partition& positions() const { return positions_; }
   const Partition& velocities() const { return same_rows_ ? positions_ : velocities_; }
   const Tangents& tangents() const { return tangents_; }
+  // Q_v1^T a_q, Q_v1^T a_v and (C v + r)_q at the linearization, the last of which may vanish altogether.
+  ConstView A_q() const { return A_q_; }
+  ConstView A_v() const { return A_v_; }
+  ConstView velocity_q() const { return velocity_q_; }
+  bool has_velocity_q() const { return has_velocity_q_; }
   void resize_tangents(Tangents& tangents) const;
 
   // New partitions at the point; what is found of the ranks.

@@ -143,7 +143,7 @@ PointStatus MultibodySystem::iterate_from(const MultibodyDiscretization& discret
     if (status != PointStatus::ok) return status;
   }
   return MultibodyIteration(discretization, guess.inverse_weights,
-                            {equations_, linearization_, noise_, stages_, arena_})
+                            {equations_, linearization_, noise_, stages_, lanes_, arena_})
       .run();
 }
 
@@ -162,7 +162,7 @@ PointStatus MultibodySystem::solve_points(const MultibodyDiscretization& discret
   }
   if (status == PointStatus::ok)
     for (int i = 0; i < last && status == PointStatus::ok; ++i)
-      status = monitor_.check_within(stages_.tangents[index(i)], linearization_);
+      status = monitor_.check_within(stages_.orientations[index(i)], linearization_);
   if (status == PointStatus::ok) {
     status = monitor_.check(end_, accepted_, projection_.tangents(), linearization_, arena_);
     is_end_new_ = status == PointStatus::ok;
