@@ -38,14 +38,14 @@ PointStatus MultibodyIteration::run() {
 bool MultibodyIteration::factor() {
   auto& [equations, linearization, noise, stages, lanes, arena] = parts_;
   const MultibodyForm& form = linearization.form();
-  StepMatrix& matrix = linearization.matrix();
+  MultibodyStepMatrix& matrix = linearization.matrix();
   long& count = equations.counts().factorizations;
   const double c = discretization_.coefficient();
   if (!matrix.is_valid() || !matrix.is_for(c)) {
-    if (!matrix.factor(form, 1.0, c, count)) return false;
+    if (!matrix.factor(form, c, count)) return false;
     noise.measure_steps(form, matrix, arena);
   }
-  return discretization_.method == nullptr || matrix.factor_stages(form, 1.0, *discretization_.method, count);
+  return discretization_.method == nullptr || matrix.factor_stages(form, *discretization_.method, count);
 }
 
 void MultibodyIteration::begin_lanes() {
@@ -131,7 +131,7 @@ double MultibodyIteration::change() {
     linearization.matrix().solve_stages(*method, r, z, arena);
   } else {
     std::copy_n(r.data, r.rows, z.data);
-    linearization.matrix().solve(z.data);
+    linearization.matrix().solve(z);
   }
   if (in_lanes_) return lanes.change(linearization.form(), {noise.of_steps().data(), inverse_weights_}, stages);
   change_columns();

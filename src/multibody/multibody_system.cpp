@@ -255,7 +255,7 @@ bool MultibodySystem::exact_derivative(const double* x, double* xdot) {
   constexpr double steps = 3.0;
   const MultibodyPoint& point = point_at(x);
   const int nc = sizes_.constraints();
-  const StepMatrix& matrix = linearization_.matrix();
+  const MultibodyStepMatrix& matrix = linearization_.matrix();
   const double time_scale = matrix.is_valid() && matrix.c() != 0.0 ? steps / std::fabs(matrix.c()) : 1.0;
   const Arena::Frame frame(arena_);
   double* mudot = arena_.take(index(nc));
@@ -300,7 +300,7 @@ void MultibodySystem::archive(Archive& archive) {
   const std::size_t nq = index(sizes_.positions), nv = index(sizes_.velocities);
   MultibodyRanks& ranks = settings_.ranks;
   ChordIteration& chord = linearization_.chord();
-  StepMatrix& matrix = linearization_.matrix();
+  MultibodyStepMatrix& matrix = linearization_.matrix();
   MultibodyOrientation orientation = monitor_.orientation();
   bool has_matrix = matrix.is_valid(), is_slow = chord.is_slow(), is_valid = linearization_.is_valid();
   archive.small(ranks.positions, ranks.velocities, analysis_.rank_E, has_matrix, is_valid, is_slow,
@@ -366,10 +366,10 @@ void MultibodySystem::rebuild(const MultibodyPhasePoint& linearized, double c) {
   chord.set_slow(was_slow);
   chord.set_rate(rate);
   linearization_.renewal().set_fresh(was_fresh);
-  StepMatrix& matrix = linearization_.matrix();
+  MultibodyStepMatrix& matrix = linearization_.matrix();
   matrix.forget();
   long uncounted = 0;
-  if (c != 0.0 && matrix.factor(linearization_.form(), 1.0, c, uncounted))
+  if (c != 0.0 && matrix.factor(linearization_.form(), c, uncounted))
     noise_.measure_steps(linearization_.form(), matrix, arena_);
 }
 
