@@ -59,7 +59,7 @@ void MultibodyIteration::begin_lanes() {
 // evaluated one by one.
 PointStatus MultibodyIteration::evaluate() {
   if (in_lanes_) {
-    if (parts_.lanes.evaluate(parts_.equations, parts_.linearization.form(), parts_.stages)) return PointStatus::ok;
+    if (parts_.lanes.evaluate(parts_.equations, parts_.linearization.form())) return PointStatus::ok;
     parts_.lanes.leave(parts_.stages);
     in_lanes_ = false;
     has_moves_ = true;
@@ -126,6 +126,9 @@ double MultibodyIteration::change() {
   auto& [equations, linearization, noise, stages, lanes, arena] = parts_;
   const StageMethod* method = discretization_.method;
   const int s = discretization_.s;
+  if (in_lanes_)
+    return lanes.change(linearization.form(), linearization.matrix(), {noise.of_steps().data(), inverse_weights_},
+                        stages, arena);
   const View r = stages.r.view(s), z = stages.z.view(s);
   if (method != nullptr) {
     linearization.matrix().solve_stages(*method, r, z, arena);
@@ -133,7 +136,6 @@ double MultibodyIteration::change() {
     std::copy_n(r.data, r.rows, z.data);
     linearization.matrix().solve(z);
   }
-  if (in_lanes_) return lanes.change(linearization.form(), {noise.of_steps().data(), inverse_weights_}, stages);
   change_columns();
   double norm = 0.0;
   for (int i = 0; i < s; ++i) {

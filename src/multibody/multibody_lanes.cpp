@@ -34,8 +34,10 @@ struct MultibodyLaneWork {
   Factors C2, reduced;
   Lanes *T, *MT, *scratch;
   Lanes *qv, *moves, *particular, *changes, *a, *mu, *residuals;
-  const Lanes *z, *D;
+  Lanes* z;
+  const Lanes* D;
   double h;
+  const MultibodyStepMatrix::LaneInverses* inverses = nullptr;  // null: z is known
   const double* noise = nullptr;
   const double* inverse_weights = nullptr;
   // Results: whether all points could be evaluated here, signs of det C Q2, the norm of the change.
@@ -295,8 +297,45 @@ void evaluate_stages(Work& work) {
   }
 }
 
+// A complex number in the lanes A, B times those of x, as MultibodyStepMatrix has them; y += the product.
+void add_complex_product(const LaneBlock& A, const LaneBlock& B, const Lanes& x, Lanes& y) {
+  const Lanes exchanged = __builtin_shufflevector(x, x, 0, 2, 1, 4, 3, 6, 5, 7);
+  y += lanes(A) * x + lanes(B) * exchanged;
+}
+
+// Column j of a matrix in block j, its rows in lanes: y_i = sum_j matrix_ij x_j for the entries of x.
+void transform(const Work& work, const LaneBlock* matrix, const Lanes& x, Lanes& y) {
+  Lanes sum{};
+  for (int j = 0; j < work.s; ++j) sum += x[j] * lanes(matrix[j]);
+  y = sum;
+}
+
+// As MultibodyStepMatrix::solve_stages.
+void solve_stages(Work& work) {
+  const MultibodyStepMatrix::LaneInverses& inverses = *work.inverses;
+  const int d = work.d;
+  Lanes *const y = work.scratch, *const right = y + 2 * d, *const z = right + d;
+  for (int k = 0; k < 2 * d; ++k) transform(work, inverses.T_inverse, work.residuals[k], y[k]);
+  clear(right, 2 * d);
+  add_product(1.0, plain(inverses.K), y, z);
+  for (int i = 0; i < d; ++i) {
+    right[i] = y[d + i];
+    add_complex_product(*inverses.c_A, *inverses.c_B, z[i], right[i]);
+  }
+  clear(z, d);
+  for (int i = 0; i < d; ++i)
+    for (int j = 0; j < d; ++j) add_complex_product(inverses.A[i * d + j], inverses.B[i * d + j], right[j], z[i]);
+  for (int i = 0; i < d; ++i) {
+    Lanes quotient{};
+    add_complex_product(*inverses.c_A, *inverses.c_B, z[i] + y[i], quotient);
+    transform(work, inverses.T, quotient, work.z[i]);
+    transform(work, inverses.T, z[i], work.z[d + i]);
+  }
+}
+
 void change_stages(Work& work) {
   const int n = work.n, r = work.r, d = work.d;
+  if (work.inverses != nullptr) solve_stages(work);
   const ConstView Q1 = work.Q1();
   Lanes *const dq = work.changes, *const dv = dq + n, *const b = work.scratch + r;
   for (int k = 0; k < 2 * d; ++k) work.moves[k] += work.z[k];
@@ -372,7 +411,7 @@ void MultibodyLanes::resize(int n) {
   const int order = std::max({r, d, whole <= largest_whole ? whole : 0});
   set_size(reduced_, order * order);
   set_size(reduced_inverse_, order);
-  set_size(scratch_, std::max({r * d, 2 * (r + d) + n, 2 * whole}));
+  set_size(scratch_, std::max({r * d, 2 * (r + d) + n, 2 * whole, 4 * d}));
   order_.assign(index(r) + 1, 0);
   reduced_order_.assign(index(order) + 1, 0);
   units_.assign(index(r) + 1, 1.0);
@@ -448,7 +487,7 @@ void MultibodyLanes::leave(MultibodyStages& stages) const {
   lanes_to_columns(moves_.data(), 2 * (n_ - rank_), s, stages.moves.column(0));
 }
 
-bool MultibodyLanes::evaluate(MultibodyEquations& equations, const MultibodyForm& form, MultibodyStages& stages) {
+bool MultibodyLanes::evaluate(MultibodyEquations& equations, const MultibodyForm& form) {
   const int s = discretization_->s;
   if (!equations.at_velocities(s, t_.data(), qv_.data(), terms_)) return false;
   MultibodyLaneWork kernel = work(form);
@@ -456,13 +495,22 @@ bool MultibodyLanes::evaluate(MultibodyEquations& equations, const MultibodyForm
   if (!kernel.is_good) return false;
   equations.counts().factorizations += s;
   lanes(sign_) = kernel.sign;
-  lanes_to_columns(r_.data(), stages.r.rows, s, stages.r.column(0));
   return true;
 }
 
-double MultibodyLanes::change(const MultibodyForm& form, const Norms& norms, MultibodyStages& stages) {
-  columns_to_lanes(stages.z.column(0), stages.z.rows, discretization_->s, z_.data());
+double MultibodyLanes::change(const MultibodyForm& form, MultibodyStepMatrix& matrix, const Norms& norms,
+                              MultibodyStages& stages, Arena& arena) {
+  const int s = discretization_->s;
   MultibodyLaneWork kernel = work(form);
+  MultibodyStepMatrix::LaneInverses inverses{};
+  if (matrix.has_lane_inverses()) {
+    inverses = matrix.lane_inverses();
+    kernel.inverses = &inverses;
+  } else {
+    lanes_to_columns(r_.data(), stages.r.rows, s, stages.r.column(0));
+    matrix.solve_stages(*discretization_->method, stages.r.view(s), stages.z.view(s), arena);
+    columns_to_lanes(stages.z.column(0), stages.z.rows, s, z_.data());
+  }
   kernel.noise = norms.noise;
   kernel.inverse_weights = norms.inverse_weights;
   run_change_stages(kernel);

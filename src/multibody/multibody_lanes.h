@@ -11,6 +11,7 @@
 #include "multibody/multibody_form.h"
 #include "multibody/multibody_lane_terms.h"
 #include "multibody/multibody_stages.h"
+#include "multibody/multibody_step_matrix.h"
 
 namespace sfdae::core {
 
@@ -24,16 +25,17 @@ class MultibodyLanes {
   // From the guesses in the columns of qv. units: of the rows of constraints. The discretization has to stay.
   void begin(const MultibodyDiscretization& discretization, const MultibodyForm& form, const double* units,
              MultibodyStages& stages);
-  // The residuals of the stages, in the columns of r. False where one of them has to be looked at alone.
-  bool evaluate(MultibodyEquations& equations, const MultibodyForm& form, MultibodyStages& stages);
+  // The residuals of the stages. False where one of them has to be looked at alone.
+  bool evaluate(MultibodyEquations& equations, const MultibodyForm& form);
   // Back to the columns, as they were before that.
   void leave(MultibodyStages& stages) const;
-  // Changes all stages by the columns of z; the norm of the change. Both by components of (q, v).
+  // Changes all stages by the solution for these residuals; the norm of the change. Norms: by components of (q, v).
   struct Norms {
     const double* noise;
     const double* inverse_weights;
   };
-  double change(const MultibodyForm& form, const Norms& norms, MultibodyStages& stages);
+  double change(const MultibodyForm& form, MultibodyStepMatrix& matrix, const Norms& norms, MultibodyStages& stages,
+                Arena& arena);
   // Puts into the columns what is asked for after the last change.
   void finish(const MultibodyForm& form, MultibodyStages& stages) const;
 

@@ -10,6 +10,17 @@ namespace sfdae::core {
 
 namespace {
 
+// Explicit inverses, which cost a third of the factors more, are for small matrices, where calls cost more than what is
+// computed. (Chosen.)
+constexpr int largest_inverse = 6;
+
+// a + i b in the lanes of a pair, 0 being that of the real stage.
+void set_pair(std::size_t k, std::complex<double> value, LaneBlock& A, LaneBlock& B) {
+  A.lane[2 * k + 1] = A.lane[2 * k + 2] = value.real();
+  B.lane[2 * k + 1] = value.imag();
+  B.lane[2 * k + 2] = -value.imag();
+}
+
 // y := (z + y) / c
 template <class Scalar>
 void complete(int count, Scalar c, const Scalar* z, Scalar* y) {
@@ -26,10 +37,13 @@ void MultibodyStepMatrix::resize(int unknowns) {
   K_.assign(area, 0.0);
   pivots_.assign(index(unknowns) + 1, 0);
   omega_.assign(index(unknowns) + 1, 0.0);
+  const std::size_t entries = index(largest_inverse) * index(largest_inverse);
+  for (auto* blocks : {&inverse_A_, &inverse_B_}) blocks->assign(entries, {});
+  for (auto* blocks : {&T_, &T_inverse_}) blocks->assign(max_stages, {});
 }
 
 void MultibodyStepMatrix::forget() {
-  is_valid_ = false;
+  is_valid_ = has_lane_inverses_ = false;
   for (auto& matrix : pairs_) matrix.clear();
 }
 
@@ -45,6 +59,7 @@ bool MultibodyStepMatrix::factor(const MultibodyForm& form, double c, long& coun
   }
   is_valid_ = factor_lu(M, pivots_.data());
   c_ = c;
+  has_lane_inverses_ = false;
   if (q > 0) ++count;
   return is_valid_;
 }
@@ -55,6 +70,7 @@ bool MultibodyStepMatrix::factor_stages(const MultibodyForm& form, const StageMe
     const std::complex<double> c = method.lambda[k] * (c_ / method.gamma);
     std::vector<std::complex<double>>& matrix = pairs_[k];
     if (!matrix.empty() && values_[k] == c) continue;
+    has_lane_inverses_ = false;
     pivots_of_pairs_[k].resize(index(q) + 1);
     matrix.resize(index(q) * index(q) + 1);  // last: a matrix that is not empty counts as factored for values_[k]
     const ComplexView M{matrix.data(), q, q, std::max(q, 1)};
@@ -66,7 +82,42 @@ bool MultibodyStepMatrix::factor_stages(const MultibodyForm& form, const StageMe
     matrix.clear();
     return false;
   }
+  if (!has_lane_inverses_ && eliminated_ > 0 && q <= largest_inverse) invert(method);
   return true;
+}
+
+void MultibodyStepMatrix::invert(const StageMethod& method) {
+  const int q = order(), s = method.s;
+  std::fill(inverse_A_.begin(), inverse_A_.end(), LaneBlock());
+  std::fill(inverse_B_.begin(), inverse_B_.end(), LaneBlock());
+  c_A_ = c_B_ = LaneBlock();
+  c_A_.lane[0] = 1.0 / c_;
+  for (int j = 0; j < q; ++j) {
+    double column[largest_inverse] = {};
+    column[j] = 1.0;
+    solve_lu(ConstView{entries_.data(), q, q, q}, pivots_.data(), column);
+    for (int i = 0; i < q; ++i) inverse_A_[index(i * q + j)].lane[0] = column[i];
+  }
+  for (std::size_t k = 0; 2 * static_cast<int>(k) + 2 < s; ++k) {
+    set_pair(k, 1.0 / values_[k], c_A_, c_B_);
+    for (int j = 0; j < q; ++j) {
+      std::complex<double> column[largest_inverse] = {};
+      column[j] = 1.0;
+      solve_lu(ComplexView{pairs_[k].data(), q, q, q}, pivots_of_pairs_[k].data(), column);
+      for (int i = 0; i < q; ++i) set_pair(k, column[i], inverse_A_[index(i * q + j)], inverse_B_[index(i * q + j)]);
+    }
+  }
+  // Lanes beyond the stages repeat the last one of them, and transformed ones are zero.
+  for (int j = 0; j < s; ++j)
+    for (int l = 0; l < lane_count; ++l) {
+      T_[index(j)].lane[l] = method.T[index(std::min(l, s - 1) + j * s)];
+      T_inverse_[index(j)].lane[l] = l < s ? method.T_inverse[index(l + j * s)] : 0.0;
+    }
+  has_lane_inverses_ = true;
+}
+
+MultibodyStepMatrix::LaneInverses MultibodyStepMatrix::lane_inverses() const {
+  return {order(), K(), inverse_A_.data(), inverse_B_.data(), &c_A_, &c_B_, T_.data(), T_inverse_.data()};
 }
 
 // Ky: K r_y

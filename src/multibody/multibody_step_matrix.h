@@ -18,6 +18,7 @@
 #include "linalg/archive.h"
 #include "linalg/arena.h"
 #include "linalg/index.h"
+#include "linalg/lanes.h"
 #include "linalg/matrix.h"
 #include "multibody/multibody_form.h"
 #include "system/stage_method.h"
@@ -44,6 +45,19 @@ class MultibodyStepMatrix {
   // The further ones of the stages, for the c of the last factor(), gamma / h. Those that are known are kept.
   bool factor_stages(const MultibodyForm& form, const StageMethod& method, long& count);
 
+  // Inverses for all stages at once, there for few unknowns once they are factored: stages transformed by T are in
+  // lanes, the real one in the first, pairs first and second in the next ones. A number a + i b times omega = first - i
+  // second is first a + second b, second a - first b: A has the lanes a, B those of b and -b.
+  struct LaneInverses {
+    int order;
+    ConstView K;
+    const LaneBlock *A, *B;          // of c I - D - K / c, by rows
+    const LaneBlock *c_A, *c_B;      // 1 / c
+    const LaneBlock *T, *T_inverse;  // of the method, a block for each column
+  };
+  bool has_lane_inverses() const { return has_lane_inverses_; }
+  LaneInverses lane_inverses() const;
+
   void solve(View yz) const;
   // A column for each stage.
   void solve_stages(const StageMethod& method, ConstView r, View yz, Arena& arena);
@@ -54,6 +68,7 @@ class MultibodyStepMatrix {
   static constexpr std::size_t max_pairs = (max_stages - 1) / 2;
   int order() const { return unknowns_ - eliminated_; }
   ConstView K() const { return {K_.data(), order(), eliminated_, order() > 0 ? order() : 1}; }
+  void invert(const StageMethod& method);
   void solve_real(double* yz, const double* Ky) const;
   void solve_pair(std::size_t k, double* first, double* second, ConstView Ky);
 
@@ -67,6 +82,9 @@ class MultibodyStepMatrix {
   std::array<std::vector<int>, max_pairs> pivots_of_pairs_;
   std::array<std::complex<double>, max_pairs> values_{};
   std::vector<std::complex<double>> omega_;
+  bool has_lane_inverses_ = false;
+  LaneArray inverse_A_, inverse_B_, T_, T_inverse_;
+  LaneBlock c_A_, c_B_;
 };
 
 }  // namespace sfdae::core
