@@ -45,7 +45,7 @@ class MultibodyLanes {
 
   const MultibodyDiscretization* discretization_ = nullptr;
   int n_ = 0, rank_ = -1;
-  bool along_tangents_ = false;
+  bool is_usable_ = false, along_tangents_ = false;
   MultibodyLaneTerms terms_;
   std::vector<std::size_t> first_of_column_, by_column_;  // of the entries of C
   std::vector<int> position_of_row_;
