@@ -267,6 +267,7 @@ bool LaneEvaluator::evaluate(const TaylorEvaluator& source, const Points& points
 void LaneEvaluator::reserve(const TaylorEvaluator& source, int order) {
   const Tape& tape = source.tape();
   const int stride = order + 1;
+  stride_ = 0;  // until there is memory for all
   LaneArray slots(index(tape.num_slots) * index(stride) + 1), adjoints(index(tape.num_slots) + 1),
       gradients(tape.targets.size() + 1);
   of_parameters_ = in_offsets(tape.of_parameters, stride);
@@ -281,7 +282,7 @@ void LaneEvaluator::reserve(const TaylorEvaluator& source, int order) {
   slots_ = std::move(slots);
   adjoints_ = std::move(adjoints);
   gradients_ = std::move(gradients);
-  parameters_.clear();
+  parameters_.resize(tape.parameters.size());
   time_order_ = -1;
   stride_ = stride;
 }
@@ -291,7 +292,6 @@ bool LaneEvaluator::parameters_are_new(const TaylorEvaluator& source) {
   const std::vector<Tape::Number>& used = source.tape().parameters;
   const bool is_first = time_order_ < 0;
   bool is_new = is_first;
-  parameters_.resize(used.size());
   for (std::size_t i = 0; i < used.size(); ++i) {
     const double value = source.parameter(used[i].index);
     if (!is_first && value == parameters_[i]) continue;

@@ -31,8 +31,8 @@ constexpr int most_steps = 1000;
 // h_new / h_old after a failed error test: overflow; an estimate for the very first step, later ones. (Chosen; the
 // first step may be wrong by far.)
 constexpr double fall_at_overflow = 0.1, lowest_first_ratio = 1e-3, lowest_ratio = 0.5, highest_ratio = 0.9;
-// Of the safety factor: what a rejected step takes off, at most; every accepted step gives one part back, so that about
-// one step in twenty is rejected (docs/decisions/36-evaluation-of-stages.md).
+// Of the safety factor: what a rejected step takes off, the first of several in a row, and at most; every accepted step
+// gives one part back, so that about one step in twenty is rejected (docs/decisions/36-evaluation-of-stages.md).
 constexpr double part_of_safety = 0.0025;
 constexpr int caution_of_rejection = 20, most_caution = 80;
 // h_new / h_old where a step failed without an estimate, as in DASSL.
@@ -136,7 +136,7 @@ double RadauControl::accepted_without_error(double h) {
 
 double RadauControl::rejected(double h, const ErrorTerms& terms) {
   ++failures_;
-  caution_ = std::min(caution_ + caution_of_rejection, most_caution);
+  if (failures_ == 1) caution_ = std::min(caution_ + caution_of_rejection, most_caution);
   last_h_ = 0.0;
   if (!std::isfinite(terms.error)) return fall_at_overflow * h;
   // Nothing was known about the first step but its estimate.

@@ -27,16 +27,17 @@ bool MultibodyLanes::prepare(int s, MultibodyEquations& equations, const Multibo
   if (!equations.has_lanes() || s < fewest_stages || r > most_constraints || form.unknowns() == 0) return false;
   along_tangents_ = equations.solves_along_tangents();
   if (rank_ == r) return is_usable_;
+  rank_ = -1;  // until there is memory for all
   equations.prepare_lanes(terms_);
-  rank_ = r;
   is_usable_ = terms_.has_diagonal_mass || along_tangents_ || whole <= largest_whole;
-  if (is_usable_) resize(n);
+  if (is_usable_) resize(n, r);
+  rank_ = r;
   return is_usable_;
 }
 
-void MultibodyLanes::resize(int n) {
+void MultibodyLanes::resize(int n, int r) {
   n_ = n;
-  const int r = rank_, d = n - r, whole = n + r;
+  const int d = n - r, whole = n + r;
   const auto set_size = [](LaneArray& blocks, int count) { blocks.assign(index(count) + 1, {}); };
   for (auto* blocks : {&qv_, &particular_, &changes_}) set_size(*blocks, 2 * n);
   for (auto* blocks : {&moves_, &r_, &z_}) set_size(*blocks, 2 * d);

@@ -40,7 +40,7 @@ class MultibodyLanes {
   void finish(const MultibodyForm& form, MultibodyStages& stages) const;
 
  private:
-  void resize(int n);
+  void resize(int n, int r);
   MultibodyLaneWork work(const MultibodyForm& form);
 
   const MultibodyDiscretization* discretization_ = nullptr;

@@ -3,6 +3,7 @@
 #include "multibody/multibody_recorded_lanes.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "linalg/index.h"
 
@@ -31,19 +32,19 @@ void RecordedLanes::prepare(const Formulas& formulas, MultibodyLaneTerms& terms)
     }
   terms.M.resize();
   terms.f.assign(index(nv) + 1, {});
-  masses_.clear();
-  forces_.clear();
+  // Where there is no memory, what another system uses stays.
+  std::vector<Target> masses, forces;
+  LaneArray zeros(index(formulas.positions) + 1);
   for (std::size_t e = 0; e < terms.M.places.size(); ++e) {
     const auto [i, j] = terms.M.places[e];
     const int value = value_of[index(i + j * nv)];
-    if (value >= 0) masses_.push_back({value, e});
+    if (value >= 0) masses.push_back({value, e});
     else fill(terms.M.entries[e], numbers.M(i, j));
   }
   for (int i = 0; i < nv; ++i) fill(terms.f[index(i)], numbers.f[index(i)]);
   for (const RecordedTerms::Place& place : formulas.terms.places())
-    if (place.part == Part::f) forces_.push_back({static_cast<int>(place.value), place.entry});
+    if (place.part == Part::f) forces.push_back({static_cast<int>(place.value), place.entry});
   terms.C.places.clear();
-  zeros_.assign(index(formulas.positions) + 1, {});
   terms.is_rheonomic = formulas.is_rheonomic;
   int constraints = 0;
   if (formulas.constraints != nullptr) {
@@ -56,6 +57,9 @@ void RecordedLanes::prepare(const Formulas& formulas, MultibodyLaneTerms& terms)
   terms.C.resize();
   for (auto* values : {&terms.g, &terms.velocity_rest, &terms.acceleration_rest})
     values->assign(index(constraints) + 1, {});
+  masses_ = std::move(masses);
+  forces_ = std::move(forces);
+  zeros_ = std::move(zeros);
 }
 
 bool RecordedLanes::evaluate(const Formulas& formulas, const LaneBlock* t, const LaneBlock* qv,
