@@ -62,7 +62,7 @@ inline void lanes_to_columns(const LaneBlock* blocks, int rows, int count, doubl
 
 // The instruction sets that there is code for.
 enum class InstructionSet { portable, avx2, avx512 };
-// That in use: the best one of the machine, unless a test has chosen another one that it has.
+// That in use: the fastest one of the machine, unless a test has chosen another one that it has.
 InstructionSet instruction_set();
 bool has_instruction_set(InstructionSet set);
 void use_instruction_set(InstructionSet set);
