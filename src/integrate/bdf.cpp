@@ -98,7 +98,7 @@ StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& 
   system.leading(tried_.x.data(), tried_.w.data());
   weights.update(tried_.x.data());
   LocalTerms terms;
-  const double error = estimate_.estimate(system, history_, tried_, weights, terms);
+  const double error = estimate_.estimate(system, history_, {tried_, control_.may_raise_order()}, weights, terms);
   if (error <= 1.0) {
     next_step_ = control_.accepted(tried_.h, terms);
     return StepOutcome::accepted;

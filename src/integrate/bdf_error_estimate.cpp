@@ -35,8 +35,9 @@ void BdfErrorEstimate::resize(std::size_t n, std::size_t size_w) {
 
 // The difference between w and its predictor of degree q is prod_{i<=q} (t - t_i) times a divided difference of
 // order q + 1: from it the local terms of the orders around k, and the error of the formula.
-double BdfErrorEstimate::estimate(StrangenessFreeSystem& system, const BdfHistory& history, const BdfStep& step,
+double BdfErrorEstimate::estimate(StrangenessFreeSystem& system, const BdfHistory& history, const Judged& judged,
                                   const ErrorWeights& weights, LocalTerms& terms) {
+  const BdfStep& step = judged.step;
   const int k = step.order;
   std::fill(std::begin(terms.of_order), std::end(terms.of_order), -1.0);
   if (system.differential() == 0) {
@@ -45,7 +46,8 @@ double BdfErrorEstimate::estimate(StrangenessFreeSystem& system, const BdfHistor
     return 0.0;
   }
   const std::size_t size = history.size_w(), n = history.size_x();
-  const int first = std::max(1, k - 2), last = std::min(k + 1, std::min(history.points(), k + 3) - 1);
+  const int first = std::max(1, k - 2),
+            last = std::min(judged.may_rise ? k + 1 : k, std::min(history.points(), k + 3) - 1);
   // Column q - first of differences_: w less its predictor of degree q.
   double factors[max_bdf_order + 2];
   std::copy_n(step.w.data(), size, difference_.data());
@@ -58,9 +60,15 @@ double BdfErrorEstimate::estimate(StrangenessFreeSystem& system, const BdfHistor
     factors[q] = factorial / product;
     if (q >= first) std::copy_n(difference_.data(), size, differences_.data() + size * index(q - first));
   }
-  system.error_in_x(differences_.data(), last - first + 1, mapped_.data());
-  for (int q = first; q <= last; ++q)
-    terms.of_order[q] = factors[q] * weights.norm(mapped_.data() + n * index(q - first));
+  const auto map = [&](int from, int to) {
+    const std::size_t column = index(from - first);
+    system.error_in_x(differences_.data() + size * column, to - from + 1, mapped_.data() + n * column);
+    for (int q = from; q <= to; ++q)
+      terms.of_order[q] = factors[q] * weights.norm(mapped_.data() + n * index(q - first));
+  };
+  map(std::max(first, k - 1), last);
+  // That of order k - 2 counts only where that of order k - 1 calls for a lower order, too.
+  if (first < k - 1 && can_lower_order(k, terms)) map(first, k - 2);
   std::copy_n(mapped_.data() + n * index(k - first), n, error_.data());
   return error_constant(history, step) * weights.norm(error_.data());
 }

@@ -12,8 +12,13 @@ class BdfErrorEstimate {
  public:
   void resize(std::size_t n, std::size_t size_w);
   // The error of a step in units of the tolerances, the system standing at its end, and the local terms of the orders
-  // around that of the step.
-  double estimate(StrangenessFreeSystem& system, const BdfHistory& history, const BdfStep& step,
+  // around that of the step: that of the next higher one if it may become the order (may_rise), and those of lower ones
+  // as far as they can lower the order.
+  struct Judged {
+    const BdfStep& step;
+    bool may_rise;
+  };
+  double estimate(StrangenessFreeSystem& system, const BdfHistory& history, const Judged& judged,
                   const ErrorWeights& weights, LocalTerms& terms);
   // Of the step estimated last, mapped to x, without its constant.
   const std::vector<double>& error() const { return error_; }

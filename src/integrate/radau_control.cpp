@@ -31,6 +31,10 @@ constexpr int most_steps = 1000;
 // h_new / h_old after a failed error test: overflow; an estimate for the very first step, later ones. (Chosen; the
 // first step may be wrong by far.)
 constexpr double fall_at_overflow = 0.1, lowest_first_ratio = 1e-3, lowest_ratio = 0.5, highest_ratio = 0.9;
+// Of the safety factor: what a rejected step takes off, the first of several in a row, and at most; every accepted step
+// gives one part back, so that about one step in twenty is rejected (docs/decisions/36-evaluation-of-stages.md).
+constexpr double part_of_safety = 0.0025;
+constexpr int caution_of_rejection = 20, most_caution = 80;
 // h_new / h_old where a step failed without an estimate, as in DASSL.
 constexpr double fall_at_failure = 0.25;
 
@@ -72,6 +76,8 @@ void RadauControl::set_options(const StepOptions& options) {
   stages_ = std::clamp(stages_, options.min_stages, options.max_stages);
 }
 
+double RadauControl::safety() const { return options_.safety * (1.0 - part_of_safety * caution_); }
+
 double RadauControl::limited(double ratio) const {
   return std::clamp(ratio, 1.0 / options_.fastest_fall, 1.0 / options_.fastest_rise);
 }
@@ -80,7 +86,7 @@ double RadauControl::limited(double ratio) const {
 // cut short by outputs all limits would be met, and the fewest stages look best.
 double RadauControl::step_for_stages(int s, const ErrorTerms& terms) const {
   const double error = radau_method(s).error_constant * decay_at(2 * s, terms);
-  return options_.safety * std::pow(std::max(error, tiny), -1.0 / (2 * s));
+  return safety() * std::pow(std::max(error, tiny), -1.0 / (2 * s));
 }
 
 // The number of stages with the best progress for its work; returns the ratio of step sizes that goes with it.
@@ -105,8 +111,9 @@ double RadauControl::choose_stages(const ErrorTerms& terms, const StageCosts& co
 }
 
 double RadauControl::accepted(double h, const ErrorTerms& terms, const StageCosts& costs, bool keep) {
+  caution_ = std::max(caution_ - 1, 0);
   const double error = std::max(terms.error, least_error), power = 1.0 / terms.exponent;
-  double ratio = options_.safety * std::pow(error, -power);
+  double ratio = safety() * std::pow(error, -power);
   // Gustafsson's predictive control [HW96, IV.8].
   if (!options_.classical_control && last_h_ != 0.0)
     ratio = std::min(ratio, ratio * (h / last_h_) * std::pow(last_error_ / error, power));
@@ -129,11 +136,12 @@ double RadauControl::accepted_without_error(double h) {
 
 double RadauControl::rejected(double h, const ErrorTerms& terms) {
   ++failures_;
+  if (failures_ == 1) caution_ = std::min(caution_ + caution_of_rejection, most_caution);
   last_h_ = 0.0;
   if (!std::isfinite(terms.error)) return fall_at_overflow * h;
   // Nothing was known about the first step but its estimate.
   const double lowest = any_accepted_ ? std::min(1.0 / options_.fastest_fall, lowest_ratio) : lowest_first_ratio;
-  return h * std::clamp(options_.safety * std::pow(terms.error, -1.0 / terms.exponent), lowest, highest_ratio);
+  return h * std::clamp(safety() * std::pow(terms.error, -1.0 / terms.exponent), lowest, highest_ratio);
 }
 
 double RadauControl::failed(double h) {
@@ -143,10 +151,12 @@ double RadauControl::failed(double h) {
 }
 
 void RadauControl::archive(Archive& archive) {
-  archive.small(stages_, failures_, steps_with_stages_, any_accepted_);
+  archive.small(stages_, failures_, steps_with_stages_, any_accepted_, caution_);
   archive.real(last_h_);
   archive.real(last_error_);
-  if (archive.is_reading() && (stages_ < 1 || stages_ > max_stages || stages_ % 2 == 0)) throw DamagedArchive();
+  const bool plausible =
+      stages_ >= 1 && stages_ <= max_stages && stages_ % 2 == 1 && caution_ >= 0 && caution_ <= most_caution;
+  if (archive.is_reading() && !plausible) throw DamagedArchive();
   set_options(options_);
 }
 

@@ -50,6 +50,8 @@ class RadauControl {
   void archive(Archive& archive);
 
  private:
+  // The option, less where steps have been rejected lately.
+  double safety() const;
   double limited(double ratio) const;
   double step_for_stages(int s, const ErrorTerms& terms) const;
   double choose_stages(const ErrorTerms& terms, const StageCosts& costs, double ratio);
@@ -58,6 +60,7 @@ class RadauControl {
   int stages_ = 3;
   int failures_ = 0;
   int steps_with_stages_ = 0;  // accepted
+  int caution_ = 0;            // in parts of the safety factor
   bool any_accepted_ = false;
   double last_h_ = 0.0, last_error_ = 0.0;  // of the step accepted last, 0 if it cannot be compared with
 };

@@ -36,12 +36,16 @@ void StepControl::start(int max_order) {
   failures_ = 0;
 }
 
+bool can_lower_order(int k, const LocalTerms& terms) {
+  return k * terms.of_order[k - 1] <= (k + 1) * terms.of_order[k];
+}
+
 // The order is lowered where the terms do not fall: near the imaginary axis that is the safe policy [BCP96].
 int StepControl::lower_order(const LocalTerms& terms) const {
   const int k = order_;
   const double* term = terms.of_order;
   if (k == 2 && 2.0 * term[1] <= 0.5 * 3.0 * term[2]) return 1;
-  if (k > 2 && std::max(k * term[k - 1], (k - 1) * term[k - 2]) <= (k + 1) * term[k]) return k - 1;
+  if (k > 2 && can_lower_order(k, terms) && (k - 1) * term[k - 2] <= (k + 1) * term[k]) return k - 1;
   return k;
 }
 

@@ -17,6 +17,9 @@ struct LocalTerms {
   double of_order[max_bdf_order + 2];
 };
 
+// Whether the order k > 2 may be lowered by what is known of order k - 1, whatever order k - 2 says.
+bool can_lower_order(int k, const LocalTerms& terms);
+
 class StepControl {
  public:
   // start: the first step is of order 1, and order and step are raised with every step until terms stop falling.
@@ -27,6 +30,9 @@ class StepControl {
     max_order_ = max_order;
     order_ = order_ < max_order ? order_ : max_order;
   }
+  // Whether the next step may have a higher order than this one, if it is accepted, as its terms say: in the beginning
+  // the order rises whatever they are.
+  bool may_raise_order() const { return !starting_ && order_ < max_order_ && steps_at_order_ >= order_; }
   // The next step size after an accepted step of size h.
   double accepted(double h, const LocalTerms& terms);
   // The next step size after a step of size h failed the error test.

@@ -22,6 +22,7 @@ class MultibodyEquations {
 
   // The ranks decide which way to accelerations is the cheaper one.
   void set_ranks(const MultibodyRanks& ranks);
+  bool solves_along_tangents() const { return along_tangents_; }
 
   const MultibodyProblem& problem() const { return problem_; }
   const MultibodySizes& sizes() const { return problem_.sizes(); }
@@ -32,6 +33,12 @@ class MultibodyEquations {
   PointStatus constraints(MultibodyPoint& point);
   PointStatus at_position(MultibodyPoint& point);
   PointStatus at_velocity(MultibodyPoint& point);
+  // All terms at several points; false where one of them has to be looked at alone.
+  bool has_lanes() const { return problem_.has_lanes(); }
+  void prepare_lanes(MultibodyLaneTerms& terms) { problem_.prepare_lanes(terms); }
+  bool at_velocities(int count, const LaneBlock* t, const LaneBlock* qv, MultibodyLaneTerms& terms) {
+    return problem_.at_velocities(count, t, qv, terms);
+  }
   // With a and mu of the point.
   PointStatus derivatives(const MultibodyPoint& point, MultibodyJacobian& jacobian);
 

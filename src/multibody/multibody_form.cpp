@@ -24,6 +24,8 @@ void MultibodyForm::resize(const MultibodySizes& sizes, int position_rank, int v
   Z_ = Matrix(nv, dq_);
   A_q_ = Matrix(dv_, nq);
   A_v_ = Matrix(dv_, nv);
+  mu_q_ = Matrix(velocity_rank, nq);
+  mu_v_ = Matrix(velocity_rank, nv);
   B_ = Matrix(dq_ + dv_, dq_ + dv_);
 }
 
@@ -64,29 +66,13 @@ bool MultibodyForm::fit_tangents(const MultibodyPoint& point, Tangents& tangents
 }
 
 void MultibodyForm::build(const MultibodyPoint& point, const MultibodyJacobian& jacobian, Arena& arena) {
-  const int nq = sizes_.positions, nv = sizes_.velocities, r = velocities().rank;
+  const int nq = sizes_.positions;
   const Arena::Frame frame(arena);
   const ConstView S = point.terms.S, T_q = tangents_.positions.T(), T_v = tangents_.of_velocities().T();
-  const ConstView Q_q1 = positions_.Q1(), Q_v1 = velocities().Q1();
+  const ConstView Q_q1 = positions_.Q1();
   copy(jacobian.velocity_q, velocity_q_);
   has_velocity_q_ = max_abs(velocity_q_) > 0.0;
-  // Rows of K^-1: Q_v1^T (a_q, a_v) without the other accelerations.
-  const View L = arena.matrix(nv + r, dv_);
-  fill(L, 0.0);
-  copy(Q_v1, L.top(nv));
-  point.solve_transposed(L);
-  const View rest = arena.matrix(r, std::max(nq, nv));
-  const auto pick = [&](const Matrix& from, View to) {
-    for (int j = 0; j < to.cols; ++j)
-      for (int k = 0; k < r; ++k) to(k, j) = from(velocities().rows[index(k)], j);
-  };
-  const ConstView L_constraints = L.block(nv, 0, r, dv_);
-  multiply(1.0, Op::transposed, L.top(nv), Op::plain, jacobian.force_q, 0.0, A_q_);
-  pick(jacobian.acceleration_q, rest.columns(0, nq));
-  multiply(-1.0, Op::transposed, L_constraints, Op::plain, rest.columns(0, nq), 1.0, A_q_);
-  multiply(1.0, Op::transposed, L.top(nv), Op::plain, jacobian.force_v, 0.0, A_v_);
-  pick(jacobian.acceleration_v, rest.columns(0, nv));
-  multiply(-1.0, Op::transposed, L_constraints, Op::plain, rest.columns(0, nv), 1.0, A_v_);
+  differentiate_accelerations(point, jacobian, arena);
   // Z
   fill(Z_, 0.0);
   if (has_velocity_q_ && dq_ > 0) {
@@ -100,6 +86,12 @@ void MultibodyForm::build(const MultibodyPoint& point, const MultibodyJacobian& 
   multiply(1.0, Op::plain, A_q_, Op::plain, T_q, 0.0, B.block(dq_, 0, dv_, dq_));
   multiply(1.0, Op::plain, A_v_, Op::plain, Z_, 1.0, B.block(dq_, 0, dv_, dq_));
   multiply(1.0, Op::plain, A_v_, Op::plain, T_v, 0.0, B.block(dq_, dq_, dv_, dv_));
+  if (same_rows_) {
+    // Q_q1^T T_v = I, and Z is in the range of Q2.
+    fill(B.top(dq_), 0.0);
+    for (int i = 0; i < dq_; ++i) B(i, dq_ + i) = 1.0;
+    return;
+  }
   if (S.rows == 0) {
     multiply(1.0, Op::transposed, Q_q1, Op::plain, Z_, 0.0, B.block(0, 0, dq_, dq_));
     multiply(1.0, Op::transposed, Q_q1, Op::plain, T_v, 0.0, B.block(0, dq_, dq_, dv_));
@@ -112,6 +104,37 @@ void MultibodyForm::build(const MultibodyPoint& point, const MultibodyJacobian& 
   multiply(1.0, Op::transposed, Q_q1, Op::plain, rates.columns(0, dq_), 0.0, B.block(0, 0, dq_, dq_));
   multiply(1.0, Op::plain, S, Op::plain, T_v, 0.0, rates.columns(0, dv_));
   multiply(1.0, Op::transposed, Q_q1, Op::plain, rates.columns(0, dv_), 0.0, B.block(0, dq_, dq_, dv_));
+}
+
+// Rows of K^-1: Q_v1^T (a_q, a_v) and (mu_q, mu_v) without the other accelerations.
+void MultibodyForm::differentiate_accelerations(const MultibodyPoint& point, const MultibodyJacobian& jacobian,
+                                                Arena& arena) {
+  const int nq = sizes_.positions, nv = sizes_.velocities, r = velocities().rank;
+  const Arena::Frame frame(arena);
+  const View L = arena.matrix(nv + r, dv_ + r), rest = arena.matrix(r, std::max(nq, nv));
+  fill(L, 0.0);
+  copy(velocities().Q1(), L.block(0, 0, nv, dv_));
+  for (int k = 0; k < r; ++k) L(nv + k, dv_ + k) = 1.0;
+  point.solve_transposed(L);
+  const auto differentiate = [&](ConstView rows, const Matrix& force, const Matrix& acceleration, View to) {
+    const View independent = rest.columns(0, acceleration.cols());
+    for (int j = 0; j < independent.cols; ++j)
+      for (int k = 0; k < r; ++k) independent(k, j) = acceleration(velocities().rows[index(k)], j);
+    multiply(1.0, Op::transposed, rows.top(nv), Op::plain, force, 0.0, to);
+    multiply(-1.0, Op::transposed, rows.block(nv, 0, r, rows.cols), Op::plain, independent, 1.0, to);
+  };
+  differentiate(L.columns(0, dv_), jacobian.force_q, jacobian.acceleration_q, A_q_);
+  differentiate(L.columns(0, dv_), jacobian.force_v, jacobian.acceleration_v, A_v_);
+  if (r == 0) return;
+  differentiate(L.columns(dv_, r), jacobian.force_q, jacobian.acceleration_q, mu_q_);
+  differentiate(L.columns(dv_, r), jacobian.force_v, jacobian.acceleration_v, mu_v_);
+}
+
+void MultibodyForm::forces(ConstView changes, View mu) const {
+  if (mu.rows == 0) return;
+  multiply(1.0, Op::plain, mu_q_, Op::plain, changes.top(sizes_.positions), 0.0, mu);
+  multiply(1.0, Op::plain, mu_v_, Op::plain, changes.block(sizes_.positions, 0, sizes_.velocities, changes.cols), 1.0,
+           mu);
 }
 
 void MultibodyForm::project(const double* qv, double* yz) const {

@@ -31,6 +31,11 @@ class MultibodyForm {
   const Partition& positions() const { return positions_; }
   const Partition& velocities() const { return same_rows_ ? positions_ : velocities_; }
   const Tangents& tangents() const { return tangents_; }
+  // Q_v1^T a_q, Q_v1^T a_v and (C v + r)_q at the linearization, the last of which may vanish altogether.
+  ConstView A_q() const { return A_q_; }
+  ConstView A_v() const { return A_v_; }
+  ConstView velocity_q() const { return velocity_q_; }
+  bool has_velocity_q() const { return has_velocity_q_; }
   void resize_tangents(Tangents& tangents) const;
 
   // New partitions at the point; what is found of the ranks.
@@ -57,8 +62,23 @@ class MultibodyForm {
       M(j, j) += c;
     }
   }
+  // Whether y' = z, as S is the identity: B = [0 I; K D] but for rounding errors.
+  bool has_velocities_as_rates() const { return same_rows_; }
+  ConstView stiffness() const { return B_.view().block(dq_, 0, dv_, dq_); }
+  // M := c I - D - K / c
+  template <class Scalar>
+  void reduced_step_matrix(Scalar c, BasicView<Scalar> M) const {
+    const Scalar inverse = 1.0 / c;
+    for (int j = 0; j < dv_; ++j) {
+      const double *const K = B_.view().column(j) + dq_, *const D = B_.view().column(dq_ + j) + dq_;
+      for (int i = 0; i < dv_; ++i) M(i, j) = -(D[i] + K[i] * inverse);
+      M(j, j) += c;
+    }
+  }
   // (y, z) of (q, v).
   void project(const double* qv, double* yz) const;
+  // Changes of the independent mu that belong to changes of q and v, a column for each.
+  void forces(ConstView changes, View mu) const;
   // (y, z) of (q, v), a column for each point.
   void project(ConstView qv, View yz) const;
   // dq, dv := -N (residuals), both residuals complete, N from some point nearby.
@@ -77,6 +97,8 @@ class MultibodyForm {
   void expand(ConstView yz, View qv) const;
 
  private:
+  void differentiate_accelerations(const MultibodyPoint& point, const MultibodyJacobian& jacobian, Arena& arena);
+
   MultibodySizes sizes_;
   bool same_rows_ = false;  // one set of rows on both levels: S the identity, no nonholonomic constraints
   int dq_ = 0, dv_ = 0;
@@ -85,6 +107,7 @@ class MultibodyForm {
   Matrix velocity_q_, kinematics_q_;  // of the Jacobian
   bool has_velocity_q_ = false;
   Matrix Z_, A_q_, A_v_, B_;  // nv x dq; Q_v1^T a_q, Q_v1^T a_v
+  Matrix mu_q_, mu_v_;        // of the independent rows
 };
 
 }  // namespace sfdae::core

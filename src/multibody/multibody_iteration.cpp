@@ -17,16 +17,14 @@ PointStatus MultibodyIteration::run() {
   if (!factor()) return PointStatus::singular;
   double before = 0.0;
   chord.begin();
+  begin_lanes();
   for (int iteration = 0; iteration < most; ++iteration) {
-    for (int i = 0; i < discretization_.s; ++i) {
-      const PointStatus status = evaluate_stage(i);
-      if (status != PointStatus::ok) return status;
-      if (iteration == 0) start_moves(i);
-    }
-    complete_residuals();
+    const PointStatus status = evaluate();
+    if (status != PointStatus::ok) return status;
     const double norm = change();
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     if (has_converged(iteration, norm, before)) {
+      finish();
       parts_.linearization.count_iterations(discretization_.s, iteration + 1);
       return PointStatus::ok;
     }
@@ -38,21 +36,47 @@ PointStatus MultibodyIteration::run() {
 
 // The matrix of the step, and those of its decoupled stages, unless they are known.
 bool MultibodyIteration::factor() {
-  auto& [equations, linearization, noise, stages, arena] = parts_;
+  auto& [equations, linearization, noise, stages, lanes, arena] = parts_;
   const MultibodyForm& form = linearization.form();
-  StepMatrix& matrix = linearization.matrix();
+  MultibodyStepMatrix& matrix = linearization.matrix();
   long& count = equations.counts().factorizations;
   const double c = discretization_.coefficient();
   if (!matrix.is_valid() || !matrix.is_for(c)) {
-    if (!matrix.factor(form, 1.0, c, count)) return false;
+    if (!matrix.factor(form, c, count)) return false;
     noise.measure_steps(form, matrix, arena);
   }
-  return discretization_.method == nullptr || matrix.factor_stages(form, 1.0, *discretization_.method, count);
+  return discretization_.method == nullptr || matrix.factor_stages(form, *discretization_.method, count);
+}
+
+void MultibodyIteration::begin_lanes() {
+  auto& [equations, linearization, noise, stages, lanes, arena] = parts_;
+  in_lanes_ = discretization_.method != nullptr && lanes.prepare(discretization_.s, equations, linearization.form());
+  if (in_lanes_)
+    lanes.begin(discretization_, linearization.form(), linearization.point().position_units.data(), stages);
+}
+
+// Residuals of all stages. Where one of them cannot be evaluated with the others, what it is like is seen when they are
+// evaluated one by one.
+PointStatus MultibodyIteration::evaluate() {
+  if (in_lanes_) {
+    if (parts_.lanes.evaluate(parts_.equations, parts_.linearization.form())) return PointStatus::ok;
+    parts_.lanes.leave(parts_.stages);
+    in_lanes_ = false;
+    has_moves_ = true;
+  }
+  for (int i = 0; i < discretization_.s; ++i) {
+    const PointStatus status = evaluate_stage(i);
+    if (status != PointStatus::ok) return status;
+    if (!has_moves_) start_moves(i);
+  }
+  has_moves_ = true;
+  complete_residuals();
+  return PointStatus::ok;
 }
 
 // Rates, accelerations, forces and the particular change of stage i.
 PointStatus MultibodyIteration::evaluate_stage(int i) {
-  auto& [equations, linearization, noise, stages, arena] = parts_;
+  auto& [equations, linearization, noise, stages, lanes, arena] = parts_;
   const MultibodyForm& form = linearization.form();
   MultibodyPoint& point = stages.point;
   const double* qv = stages.qv.column(i);
@@ -99,26 +123,20 @@ void MultibodyIteration::complete_residuals() {
 
 // Changes all stages; the norm of the change.
 double MultibodyIteration::change() {
-  auto& [equations, linearization, noise, stages, arena] = parts_;
+  auto& [equations, linearization, noise, stages, lanes, arena] = parts_;
   const StageMethod* method = discretization_.method;
-  const int s = discretization_.s, size = stages.qv.rows;
+  const int s = discretization_.s;
+  if (in_lanes_)
+    return lanes.change(linearization.form(), linearization.matrix(), {noise.of_steps().data(), inverse_weights_},
+                        stages, arena);
   const View r = stages.r.view(s), z = stages.z.view(s);
   if (method != nullptr) {
     linearization.matrix().solve_stages(*method, r, z, arena);
   } else {
     std::copy_n(r.data, r.rows, z.data);
-    linearization.matrix().solve(z.data);
+    linearization.matrix().solve(z);
   }
-  // As Q1^T p = 0 the changes of Q1^T q and Q1^T v are known.
-  double *moves = stages.moves.column(0), *changes = stages.changes.column(0), *qv = stages.qv.column(0);
-  const double* particular = stages.particular.column(0);
-  const double rate_of_moves = discretization_.rate_of_moves();
-  for (int k = 0; k < s * z.rows; ++k) moves[k] += rate_of_moves * z.data[k];
-  linearization.form().expand(stages.tangents.data(), z, stages.changes.view(s), arena);
-  for (int k = 0; k < s * size; ++k) {
-    changes[k] += particular[k];
-    qv[k] += changes[k];
-  }
+  change_columns();
   double norm = 0.0;
   for (int i = 0; i < s; ++i) {
     const double own = norm_of(stages.changes.column(i));
@@ -126,6 +144,29 @@ double MultibodyIteration::change() {
     norm = std::max(norm, own);
   }
   return norm;
+}
+
+// As Q1^T p = 0 the changes of Q1^T q and Q1^T v are known.
+void MultibodyIteration::change_columns() {
+  MultibodyStages& stages = parts_.stages;
+  const int s = discretization_.s, size = stages.qv.rows;
+  const View z = stages.z.view(s);
+  double *moves = stages.moves.column(0), *changes = stages.changes.column(0), *qv = stages.qv.column(0);
+  const double* particular = stages.particular.column(0);
+  const double rate_of_moves = discretization_.rate_of_moves();
+  for (int k = 0; k < s * z.rows; ++k) moves[k] += rate_of_moves * z.data[k];
+  parts_.linearization.form().expand(stages.tangents.data(), z, stages.changes.view(s), parts_.arena);
+  for (int k = 0; k < s * size; ++k) {
+    changes[k] += particular[k];
+    qv[k] += changes[k];
+  }
+}
+
+void MultibodyIteration::finish() {
+  MultibodyStages& stages = parts_.stages;
+  if (in_lanes_) return parts_.lanes.finish(parts_.linearization.form(), stages);
+  for (std::size_t i = 0; i < index(discretization_.s); ++i)
+    stages.orientations[i] = stages.tangents[i].orientation();
 }
 
 // In units of the tolerance; rounding errors will not become less.

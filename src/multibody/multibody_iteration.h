@@ -10,6 +10,7 @@
 #pragma once
 
 #include "multibody/multibody_equations.h"
+#include "multibody/multibody_lanes.h"
 #include "multibody/multibody_linearization.h"
 #include "multibody/multibody_noise.h"
 #include "multibody/multibody_stages.h"
@@ -24,6 +25,7 @@ class MultibodyIteration {
     MultibodyLinearization& linearization;
     MultibodyNoise& noise;
     MultibodyStages& stages;
+    MultibodyLanes& lanes;
     Arena& arena;
   };
   // inverse_weights: of (q, v).
@@ -35,16 +37,22 @@ class MultibodyIteration {
 
  private:
   bool factor();
+  void begin_lanes();
+  PointStatus evaluate();
   PointStatus evaluate_stage(int i);
   void start_moves(int i);
   void complete_residuals();
   double change();
+  void change_columns();
+  void finish();
   double norm_of(const double* change) const;
   bool has_converged(int iteration, double norm, double before);
 
   const MultibodyDiscretization& discretization_;
   const double* inverse_weights_;
   Parts parts_;
+  bool in_lanes_ = false;   // all stages at once, in parts_.lanes
+  bool has_moves_ = false;  // in the columns
 };
 
 }  // namespace sfdae::core

@@ -76,26 +76,16 @@ void MultibodyLinearization::error_of_forces(View yz, View dmu, Arena& arena) co
   change_of_forces(dqv, dmu, arena);
 }
 
-// K (da; dmu) = (force_q dq + force_v dv; -(C a + s)_q dq - (C a + s)_v dv).
 void MultibodyLinearization::change_of_forces(ConstView dqv, View dmu, Arena& arena) const {
   const Partition& partition = form_.velocities();
-  const std::vector<int>& rows = partition.rows;
-  const int nq = static_cast<int>(point_.q.size()), nv = static_cast<int>(point_.v.size()),
-            nc = point_.terms.C.rows(), r = partition.rank, count = dqv.cols;
+  const int r = partition.rank, count = dqv.cols;
   fill(dmu, 0.0);
   if (r == 0) return;
   const Arena::Frame frame(arena);
-  const View forces = arena.matrix(nv + r, count), rest = arena.matrix(nc, count);
-  const ConstView dq = dqv.top(nq), dv = dqv.block(nq, 0, nv, count);
-  multiply(1.0, Op::plain, jacobian_.force_q, Op::plain, dq, 0.0, forces.top(nv));
-  multiply(1.0, Op::plain, jacobian_.force_v, Op::plain, dv, 1.0, forces.top(nv));
-  multiply(-1.0, Op::plain, jacobian_.acceleration_q, Op::plain, dq, 0.0, rest);
-  multiply(-1.0, Op::plain, jacobian_.acceleration_v, Op::plain, dv, 1.0, rest);
+  const View independent = arena.matrix(r, count);
+  form_.forces(dqv, independent);
   for (int j = 0; j < count; ++j)
-    for (int k = 0; k < r; ++k) forces(nv + k, j) = rest(rows[index(k)], j);
-  point_.solve(forces);
-  for (int j = 0; j < count; ++j)
-    for (int k = 0; k < r; ++k) dmu(rows[index(k)], j) = forces(nv + k, j);
+    for (int k = 0; k < r; ++k) dmu(partition.rows[index(k)], j) = independent(k, j);
   // As mu itself: with other units of the constraints the part that does not matter may be by far the largest.
   for (int j = 0; j < count; ++j) point_.take_least_norm(partition, dmu.column(j), arena);
 }

@@ -10,8 +10,8 @@
 #include "multibody/multibody_point.h"
 #include "multibody/multibody_ranks.h"
 #include "multibody/multibody_renewal.h"
+#include "multibody/multibody_step_matrix.h"
 #include "system/chord_iteration.h"
-#include "system/step_matrix.h"
 
 namespace sfdae::core {
 
@@ -35,8 +35,8 @@ class MultibodyLinearization {
   const MultibodyForm& form() const { return form_; }
   bool is_valid() const { return is_valid_; }
   void set_valid(bool is_valid) { is_valid_ = is_valid; }
-  StepMatrix& matrix() { return matrix_; }
-  const StepMatrix& matrix() const { return matrix_; }
+  MultibodyStepMatrix& matrix() { return matrix_; }
+  const MultibodyStepMatrix& matrix() const { return matrix_; }
   ChordIteration& chord() { return chord_; }
   const ChordIteration& chord() const { return chord_; }
   MultibodyRenewal& renewal() { return renewal_; }
@@ -53,7 +53,7 @@ class MultibodyLinearization {
   MultibodyPoint point_;
   MultibodyJacobian jacobian_;
   MultibodyForm form_;
-  StepMatrix matrix_;
+  MultibodyStepMatrix matrix_;
   ChordIteration chord_;
   MultibodyRenewal renewal_;
   bool is_valid_ = false;

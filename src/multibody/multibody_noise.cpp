@@ -29,73 +29,77 @@ void MultibodyNoise::resize(const MultibodySizes& sizes, int differential) {
   of_rates_.assign(index(num_samples) * index(differential) + 1, 0.0);
 }
 
-// A rounding of what is added up in each equation: in g, in C v + r, and in K (a; mu) = (f; -s).
-void MultibodyNoise::of_residuals(const MultibodyPoint& point, const Partition& partition, int sample, double* g,
-                                  double* velocity, double* forces) const {
+// What is added up in each equation: in g, in C v + r, and in K (a; mu) = (f; -s).
+void MultibodyNoise::add_sizes(const MultibodyPoint& point, const Partition& partition, double* g, double* velocity,
+                               double* forces) const {
   const MultibodyTerms& terms = point.terms;
   const int nl = terms.g_q.rows(), nq = terms.g_q.cols(), nc = terms.C.rows(), nv = terms.M.rows(),
             r = partition.rank;
   for (int j = 0; j < nq; ++j)
-    for (int i = 0; i < nl; ++i) g[i] += rounding(i, sample) * std::fabs(terms.g_q(i, j) * point.q[index(j)]);
+    for (int i = 0; i < nl; ++i) g[i] += std::fabs(terms.g_q(i, j) * point.q[index(j)]);
   for (int j = 0; j < nv; ++j) {
     const std::size_t column = index(j);
-    for (int i = 0; i < nc; ++i) velocity[i] += rounding(i, sample) * std::fabs(terms.C(i, j) * point.v[column]);
-    for (int i = 0; i < nv; ++i) forces[i] += rounding(i, sample) * std::fabs(terms.M(i, j) * point.a[column]);
-    for (int i = 0; i < nc; ++i) forces[j] += rounding(j, sample) * std::fabs(terms.C(i, j) * point.mu[index(i)]);
-    forces[j] += rounding(j, sample) * std::fabs(terms.f[column]);
-    for (int k = 0; k < r; ++k)
-      forces[nv + k] += rounding(k, sample) * std::fabs(terms.C(partition.rows[index(k)], j) * point.a[column]);
+    for (int i = 0; i < nc; ++i) velocity[i] += std::fabs(terms.C(i, j) * point.v[column]);
+    for (int i = 0; i < nv; ++i) forces[i] += std::fabs(terms.M(i, j) * point.a[column]);
+    for (int i = 0; i < nc; ++i) forces[j] += std::fabs(terms.C(i, j) * point.mu[index(i)]);
+    forces[j] += std::fabs(terms.f[column]);
+    for (int k = 0; k < r; ++k) forces[nv + k] += std::fabs(terms.C(partition.rows[index(k)], j) * point.a[column]);
   }
-  for (int k = 0; k < r; ++k)
-    forces[nv + k] += rounding(k, sample) * std::fabs(terms.acceleration_rest[index(partition.rows[index(k)])]);
+  for (int k = 0; k < r; ++k) forces[nv + k] += std::fabs(terms.acceleration_rest[index(partition.rows[index(k)])]);
 }
 
 // Rounding errors go the way of residuals. Samples show their size to some factor.
 void MultibodyNoise::measure(const MultibodyPoint& point, const MultibodyForm& form, Arena& arena) {
-  std::fill(at_rest_.begin(), at_rest_.end(), 0.0);
-  for (int sample = 0; sample < num_samples; ++sample) add_sample(point, form, sample, arena);
-}
-
-void MultibodyNoise::add_sample(const MultibodyPoint& point, const MultibodyForm& form, int sample, Arena& arena) {
   const int nq = static_cast<int>(point.q.size()), nv = static_cast<int>(point.v.size()), size = nq + nv,
-            nl = point.terms.g_q.rows(), nc = point.terms.C.rows(), d = form.unknowns();
+            nl = point.terms.g_q.rows(), nc = point.terms.C.rows(), r = form.velocities().rank, d = form.unknowns();
   const Arena::Frame frame(arena);
-  double* g = arena.zeros(index(nl) + 1);
-  double* velocity = arena.zeros(index(nc) + 1);
-  double* forces = arena.zeros(index(nv + nc) + 1);
-  double* rates = arena.zeros(index(size));
-  of_residuals(point, form.velocities(), sample, g, velocity, forces);
-  double* at_rest = arena.take(index(size) + 1);
-  form.particular(form.tangents(), {g, velocity}, at_rest, arena);
-  point.solve(forces);
-  std::copy_n(forces, nv, rates + nq);
-  form.project(rates, of_rates_.data() + index(sample) * index(d));
+  double *const g = arena.zeros(index(nl) + 1), *const velocity = arena.zeros(index(nc) + 1),
+                *const forces = arena.zeros(index(nv + nc) + 1);
+  add_sizes(point, form.velocities(), g, velocity, forces);
+  const View in_forces = arena.matrix(nv + r, num_samples), at_rest = arena.matrix(size, num_samples);
+  const View in_rates = arena.matrix(size, num_samples), of_rates{of_rates_.data(), d, num_samples, std::max(d, 1)};
+  double *const in_g = arena.take(index(nl) + 1), *const in_velocity = arena.take(index(nc) + 1);
+  for (int sample = 0; sample < num_samples; ++sample) {
+    for (int i = 0; i < nl; ++i) in_g[i] = rounding(i, sample) * g[i];
+    for (int i = 0; i < nc; ++i) in_velocity[i] = rounding(i, sample) * velocity[i];
+    form.particular(form.tangents(), {in_g, in_velocity}, at_rest.column(sample), arena);
+    double* const in_force = in_forces.column(sample);
+    for (int i = 0; i < nv; ++i) in_force[i] = rounding(i, sample) * forces[i];
+    for (int k = 0; k < r; ++k) in_force[nv + k] = rounding(k, sample) * forces[nv + k];
+  }
+  point.solve(in_forces);
+  fill(in_rates.top(nq), 0.0);
+  copy(in_forces.top(nv), in_rates.block(nq, 0, nv, num_samples));
+  form.project(in_rates, of_rates);
   // What local coordinates are rounded to.
-  double* yz = arena.take(index(d) + 1);
-  double* qv = arena.take(index(size));
-  for (int k = 0; k < nq; ++k) rates[k] = rounding(k, sample) * std::fabs(point.q[index(k)]);
-  for (int k = 0; k < nv; ++k) rates[nq + k] = rounding(k, sample) * std::fabs(point.v[index(k)]);
-  form.project(rates, yz);
-  form.expand(ConstView{yz, d, 1, std::max(d, 1)}, View{qv, size, 1, size});
-  for (int k = 0; k < size; ++k)
-    at_rest_[index(k)] = std::max(at_rest_[index(k)], std::fabs(at_rest[k]) + std::fabs(qv[k]) + std::fabs(rates[k]));
+  const View yz = arena.matrix(d, num_samples), qv = arena.matrix(size, num_samples);
+  for (int sample = 0; sample < num_samples; ++sample) {
+    double* const rates = in_rates.column(sample);
+    for (int k = 0; k < nq; ++k) rates[k] = rounding(k, sample) * std::fabs(point.q[index(k)]);
+    for (int k = 0; k < nv; ++k) rates[nq + k] = rounding(k, sample) * std::fabs(point.v[index(k)]);
+  }
+  form.project(in_rates, yz);
+  form.expand(yz, qv);
+  std::fill(at_rest_.begin(), at_rest_.end(), 0.0);
+  for (int sample = 0; sample < num_samples; ++sample)
+    for (int k = 0; k < size; ++k)
+      at_rest_[index(k)] = std::max(at_rest_[index(k)], std::fabs(at_rest(k, sample)) + std::fabs(qv(k, sample)) +
+                                                            std::fabs(in_rates(k, sample)));
 }
 
-void MultibodyNoise::measure_steps(const MultibodyForm& form, const StepMatrix& matrix, Arena& arena) {
+void MultibodyNoise::measure_steps(const MultibodyForm& form, const MultibodyStepMatrix& matrix, Arena& arena) {
   // The largest error of a step may well be larger than a few samples: Andrews' squeezer (BDF, 1e-11) does not start
   // with 5, and starts with 5.5. This leaves room for a factor of three.
   constexpr double safety = 16.0;
   const int d = form.unknowns(), size = static_cast<int>(of_steps_.size()) - 1;
   const Arena::Frame frame(arena);
-  double* yz = arena.take(index(d) + 1);
-  double* qv = arena.take(index(size) + 1);
+  const View yz = arena.matrix(d, num_samples), qv = arena.matrix(size, num_samples);
+  copy(ConstView{of_rates_.data(), d, num_samples, std::max(d, 1)}, yz);
+  matrix.solve(yz);
+  form.expand(yz, qv);
   std::fill(of_steps_.begin(), of_steps_.end(), 0.0);
-  for (int sample = 0; sample < num_samples; ++sample) {
-    std::copy_n(of_rates_.data() + index(sample) * index(d), d, yz);
-    matrix.solve(yz);
-    form.expand(ConstView{yz, d, 1, std::max(d, 1)}, View{qv, size, 1, std::max(size, 1)});
-    for (int k = 0; k < size; ++k) of_steps_[index(k)] = std::max(of_steps_[index(k)], std::fabs(qv[k]));
-  }
+  for (int sample = 0; sample < num_samples; ++sample)
+    for (int k = 0; k < size; ++k) of_steps_[index(k)] = std::max(of_steps_[index(k)], std::fabs(qv(k, sample)));
   for (int k = 0; k < size; ++k) of_steps_[index(k)] = safety * (of_steps_[index(k)] + at_rest_[index(k)]);
 }
 

@@ -7,7 +7,7 @@
 
 #include "multibody/multibody_form.h"
 #include "multibody/multibody_point.h"
-#include "system/step_matrix.h"
+#include "multibody/multibody_step_matrix.h"
 
 namespace sfdae::core {
 
@@ -18,14 +18,13 @@ class MultibodyNoise {
   // At the point of a linearization: K factored there, a and mu known.
   void measure(const MultibodyPoint& point, const MultibodyForm& form, Arena& arena);
   // Of steps with this matrix, after measure.
-  void measure_steps(const MultibodyForm& form, const StepMatrix& matrix, Arena& arena);
+  void measure_steps(const MultibodyForm& form, const MultibodyStepMatrix& matrix, Arena& arena);
   // Of the components of (q, v) in steps.
   const std::vector<double>& of_steps() const { return of_steps_; }
 
  private:
-  void add_sample(const MultibodyPoint& point, const MultibodyForm& form, int sample, Arena& arena);
-  void of_residuals(const MultibodyPoint& point, const Partition& partition, int sample, double* g, double* velocity,
-                    double* forces) const;
+  void add_sizes(const MultibodyPoint& point, const Partition& partition, double* g, double* velocity,
+                 double* forces) const;
 
   std::vector<double> at_rest_;   // of (q, v), accelerations aside
   std::vector<double> of_rates_;  // of accelerations, in local coordinates, sample by sample

@@ -38,7 +38,7 @@ PointStatus PartitionMonitor::choose(MultibodyLinearization& linearization, cons
   std::copy(point.v.begin(), point.v.end(), origin_.v.begin());
   ++count_;
   if (projection.build_tangents(accepted, linearization.form(), arena))
-    orientation_ = orientation_of(projection.tangents());
+    orientation_ = projection.tangents().orientation();
   return PointStatus::ok;
 }
 
@@ -55,7 +55,7 @@ PointStatus PartitionMonitor::check(const MultibodyPoint& point, const Multibody
   const MultibodyForm& form = linearization.form();
   const bool has_rotated = tangents.rotation() > largest_rotation();
   if (has_rotated) linearization.chord().set_slow(true);
-  end_orientation_ = orientation_of(tangents);
+  end_orientation_ = tangents.orientation();
   Crossings crossings;
   crossings.positions =
       tangents.positions.zero_crossings_from(form.positions(), accepted.position_rows().matrix, arena);
@@ -72,8 +72,9 @@ PointStatus PartitionMonitor::check(const MultibodyPoint& point, const Multibody
   return PointStatus::changed;
 }
 
-PointStatus PartitionMonitor::check_within(const Tangents& tangents, MultibodyLinearization& linearization) const {
-  if (orientation_of(tangents) == orientation_) return PointStatus::ok;
+PointStatus PartitionMonitor::check_within(const MultibodyOrientation& orientation,
+                                           MultibodyLinearization& linearization) const {
+  if (orientation == orientation_) return PointStatus::ok;
   linearization.set_valid(false);
   return PointStatus::not_converged;
 }

@@ -18,12 +18,6 @@
 
 namespace sfdae::core {
 
-// Signs of det C Q2 on the levels of positions and velocities.
-struct MultibodyOrientation {
-  int positions = 1, velocities = 1;
-  bool operator==(const MultibodyOrientation&) const = default;
-};
-
 // A change of ranks: those beyond it, and which constraint vanishes relative to others, or altogether.
 struct MultibodyRankChange {
   MultibodyRanks ranks;
@@ -47,14 +41,14 @@ class PartitionMonitor {
   long count() const { return count_; }
 
   // The first point, projected, is the one accepted last.
-  void start(const Tangents& tangents) { end_orientation_ = orientation_ = orientation_of(tangents); }
+  void start(const Tangents& tangents) { end_orientation_ = orientation_ = tangents.orientation(); }
   // After a step from the accepted point to a projected one: whether ranks have changed. Reports not_converged where
   // only a shorter step can show that.
   PointStatus check(const MultibodyPoint& point, const MultibodyPoint& accepted, const Tangents& tangents,
                     MultibodyLinearization& linearization, Arena& arena);
   // At a stage within the step: reports not_converged where constraints have turned over, and only shorter steps can show
   // what they do up to its end.
-  PointStatus check_within(const Tangents& tangents, MultibodyLinearization& linearization) const;
+  PointStatus check_within(const MultibodyOrientation& orientation, MultibodyLinearization& linearization) const;
   // Notes a singular configuration near a point, which steps do not reach.
   void note_singularity(const MultibodyPoint& point, const NearbySingularity& singularity, const MultibodyForm& form,
                         Arena& arena);
@@ -79,9 +73,6 @@ class PartitionMonitor {
     Tangent::ZeroCrossings positions, velocities;
   };
 
-  static MultibodyOrientation orientation_of(const Tangents& tangents) {
-    return {tangents.positions.sign(), tangents.of_velocities().sign()};
-  }
   double largest_rotation() const;
   void name_constraint(const MultibodyPoint& point, int turning_row, const MultibodyForm& form, Arena& arena);
   void note_change(const MultibodyPoint& point, const Crossings& crossings, const MultibodyForm& form, Arena& arena);

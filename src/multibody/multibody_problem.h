@@ -13,6 +13,7 @@
 
 #include "expression/taylor_evaluator.h"
 #include "linalg/matrix.h"
+#include "multibody/multibody_lane_terms.h"
 #include "problem/problem.h"
 
 namespace sfdae::core {
@@ -69,6 +70,11 @@ class MultibodyProblem : public Problem {
   virtual CallbackError at_position(double t, const double* q, MultibodyTerms& terms) = 0;
   // All.
   virtual CallbackError at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) = 0;
+  // Whether several points can be evaluated at once; then the sizes of terms, and their values at the points of the first
+  // `count` lanes. False where that fails: the points one by one tell why.
+  virtual bool has_lanes() const { return false; }
+  virtual void prepare_lanes(MultibodyLaneTerms&) {}
+  virtual bool at_velocities(int, const LaneBlock*, const LaneBlock*, MultibodyLaneTerms&) { return false; }
   // terms: those at (t, q, v).
   virtual CallbackError linearize(const MultibodyState& state, const MultibodyTerms& terms,
                                   MultibodyJacobian& jacobian) = 0;

@@ -182,6 +182,12 @@ CallbackError RecordedMultibody::at_velocity(double t, const double* q, const do
   return error;
 }
 
+bool RecordedMultibody::at_velocities(int count, const LaneBlock* t, const LaneBlock* qv, MultibodyLaneTerms& terms) {
+  if (stop_is_requested() || !lanes_.evaluate(formulas_of_lanes(), t, qv, terms)) return false;
+  evaluations_ += count;
+  return true;
+}
+
 // Completes the jet by q_2.
 bool RecordedMultibody::linearize_kinematics(const MultibodyTerms& terms, MultibodyJacobian& jacobian,
                                              CallbackError& error) {

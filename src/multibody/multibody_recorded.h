@@ -16,6 +16,7 @@
 #include "multibody/multibody_formulas.h"
 #include "multibody/multibody_problem.h"
 #include "multibody/multibody_recorded_balance.h"
+#include "multibody/multibody_recorded_lanes.h"
 #include "multibody/multibody_recorded_terms.h"
 #include "problem/nonlinear_problem.h"
 
@@ -32,6 +33,9 @@ class RecordedMultibody final : public MultibodyProblem {
   CallbackError constraints(double t, const double* q, double* g) override;
   CallbackError at_position(double t, const double* q, MultibodyTerms& terms) override;
   CallbackError at_velocity(double t, const double* q, const double* v, MultibodyTerms& terms) override;
+  bool has_lanes() const override { return !kinematics_ && !nonholonomic_; }
+  void prepare_lanes(MultibodyLaneTerms& terms) override { lanes_.prepare(formulas_of_lanes(), terms); }
+  bool at_velocities(int count, const LaneBlock* t, const LaneBlock* qv, MultibodyLaneTerms& terms) override;
   CallbackError linearize(const MultibodyState& state, const MultibodyTerms& terms,
                           MultibodyJacobian& jacobian) override;
   TaylorEvaluator* evaluator() override { return &terms_.evaluator(); }
@@ -41,6 +45,9 @@ class RecordedMultibody final : public MultibodyProblem {
 
  private:
   void allocate();
+  RecordedLanes::Formulas formulas_of_lanes() const {
+    return {terms_, constraints_ ? &*constraints_ : nullptr, sizes().positions, rheonomic_};
+  }
 
   // Errors know the time.
   CallbackError begin(double t) const;
@@ -56,6 +63,7 @@ class RecordedMultibody final : public MultibodyProblem {
   int num_parameters_;      // the user's
   bool rheonomic_ = false;  // g depends on t
   RecordedTerms terms_;     // M, S, H, h, f
+  RecordedLanes lanes_;
   // g; S v; H v + h.
   std::optional<TaylorEvaluator> constraints_, kinematics_, nonholonomic_;
   std::optional<RecordedBalance> balance_;  // there from the end of the constructor on

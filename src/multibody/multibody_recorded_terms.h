@@ -17,6 +17,13 @@ namespace sfdae::core {
 
 class RecordedTerms {
  public:
+  enum class Part { M, S, C, rest, f };
+  // An entry that is not a number, and which of the values goes there.
+  struct Place {
+    Part part;
+    std::size_t entry, value;
+  };
+
   RecordedTerms(const Recorder& recorder, const MultibodyFormulas& formulas, bool has_kinematics);
 
   // M, S, H, h at (error.t, q), with f at (error.t, q, v); x: (q, v). False if they cannot be evaluated.
@@ -25,23 +32,20 @@ class RecordedTerms {
   // Of all formulas: where parameters are changed; copy_parameters is due after a change of the first ones.
   TaylorEvaluator& evaluator() { return *all_; }
   const TaylorEvaluator& evaluator() const { return *all_; }
+  // Entries that are numbers, and where the values of the evaluator belong.
+  const MultibodyTerms& numbers() const { return numbers_; }
+  const std::vector<Place>& places() const { return all_places_; }
   void copy_parameters(int count) {
     for (int i = 0; i < count; ++i) position_->set_parameter(i, all_->parameter(i));
   }
 
  private:
-  enum class Part { M, S, C, rest, f };
   // Of formulas within MultibodyTerms.
   struct Block {
     Part part;
     const char* name;
     int rows, columns;
     int first, ld;  // of the entries of the part
-  };
-  // An entry that is not a number, and which of the values goes there.
-  struct Place {
-    Part part;
-    std::size_t entry, value;
   };
   struct Values {
     std::unordered_map<int, std::size_t> known;  // by node

@@ -61,20 +61,22 @@ struct MultibodyStages {
       tangents.push_back(std::move(more));
     }
     for (auto* columns : {&qv, &particular, &changes, &rates, &a, &mu, &moves, &r, &z}) columns->reserve(s);
+    orientations.resize(index(s));
     times.resize(index(s));  // last: it says that there is room for all
   }
 
   std::vector<double> times;
-  MultibodyColumns qv;          // (q, v)
-  MultibodyColumns particular;  // changes of (q, v) that remove residuals of the constraints
-  MultibodyColumns changes;     // of (q, v), the last ones
-  MultibodyColumns rates;       // q' after these particular changes
-  MultibodyColumns a, mu;       // before the last changes
-  MultibodyColumns moves;       // Q1^T (w_i - w); without a method Q1^T D_h w
-  MultibodyColumns r, z;        // residuals and changes in local coordinates
-  std::vector<Tangents> tangents;
-  MultibodyPoint point;           // where something is evaluated just now
-  std::vector<double> residuals;  // C v + r there
+  MultibodyColumns qv;                             // (q, v)
+  MultibodyColumns particular;                     // changes of (q, v) that remove residuals of the constraints
+  MultibodyColumns changes;                        // of (q, v), the last ones
+  MultibodyColumns rates;                          // q' after these particular changes
+  MultibodyColumns a, mu;                          // before the last changes
+  MultibodyColumns moves;                          // Q1^T (w_i - w); without a method Q1^T D_h w
+  MultibodyColumns r, z;                           // residuals and changes in local coordinates
+  std::vector<Tangents> tangents;                  // not where stages are side by side (multibody_lanes.h)
+  std::vector<MultibodyOrientation> orientations;  // of the constraints, once solved
+  MultibodyPoint point;                            // where something is evaluated just now
+  std::vector<double> residuals;                   // C v + r there
 };
 
 }  // namespace sfdae::core

@@ -143,7 +143,7 @@ PointStatus MultibodySystem::iterate_from(const MultibodyDiscretization& discret
     if (status != PointStatus::ok) return status;
   }
   return MultibodyIteration(discretization, guess.inverse_weights,
-                            {equations_, linearization_, noise_, stages_, arena_})
+                            {equations_, linearization_, noise_, stages_, lanes_, arena_})
       .run();
 }
 
@@ -162,7 +162,7 @@ PointStatus MultibodySystem::solve_points(const MultibodyDiscretization& discret
   }
   if (status == PointStatus::ok)
     for (int i = 0; i < last && status == PointStatus::ok; ++i)
-      status = monitor_.check_within(stages_.tangents[index(i)], linearization_);
+      status = monitor_.check_within(stages_.orientations[index(i)], linearization_);
   if (status == PointStatus::ok) {
     status = monitor_.check(end_, accepted_, projection_.tangents(), linearization_, arena_);
     is_end_new_ = status == PointStatus::ok;
@@ -255,7 +255,7 @@ bool MultibodySystem::exact_derivative(const double* x, double* xdot) {
   constexpr double steps = 3.0;
   const MultibodyPoint& point = point_at(x);
   const int nc = sizes_.constraints();
-  const StepMatrix& matrix = linearization_.matrix();
+  const MultibodyStepMatrix& matrix = linearization_.matrix();
   const double time_scale = matrix.is_valid() && matrix.c() != 0.0 ? steps / std::fabs(matrix.c()) : 1.0;
   const Arena::Frame frame(arena_);
   double* mudot = arena_.take(index(nc));
@@ -300,7 +300,7 @@ void MultibodySystem::archive(Archive& archive) {
   const std::size_t nq = index(sizes_.positions), nv = index(sizes_.velocities);
   MultibodyRanks& ranks = settings_.ranks;
   ChordIteration& chord = linearization_.chord();
-  StepMatrix& matrix = linearization_.matrix();
+  MultibodyStepMatrix& matrix = linearization_.matrix();
   MultibodyOrientation orientation = monitor_.orientation();
   bool has_matrix = matrix.is_valid(), is_slow = chord.is_slow(), is_valid = linearization_.is_valid();
   archive.small(ranks.positions, ranks.velocities, analysis_.rank_E, has_matrix, is_valid, is_slow,
@@ -366,10 +366,10 @@ void MultibodySystem::rebuild(const MultibodyPhasePoint& linearized, double c) {
   chord.set_slow(was_slow);
   chord.set_rate(rate);
   linearization_.renewal().set_fresh(was_fresh);
-  StepMatrix& matrix = linearization_.matrix();
+  MultibodyStepMatrix& matrix = linearization_.matrix();
   matrix.forget();
   long uncounted = 0;
-  if (c != 0.0 && matrix.factor(linearization_.form(), 1.0, c, uncounted))
+  if (c != 0.0 && matrix.factor(linearization_.form(), c, uncounted))
     noise_.measure_steps(linearization_.form(), matrix, arena_);
 }
 

@@ -15,6 +15,7 @@
 #include <string>
 
 #include "multibody/multibody_equations.h"
+#include "multibody/multibody_lanes.h"
 #include "multibody/multibody_linearization.h"
 #include "multibody/multibody_noise.h"
 #include "multibody/multibody_partition_monitor.h"
@@ -98,6 +99,7 @@ class MultibodySystem final : public DaeSystem {
   MultibodyLinearization linearization_;
   MultibodyNoise noise_;
   MultibodyStages stages_;
+  MultibodyLanes lanes_;
   MultibodyProjection projection_;
   PartitionMonitor monitor_;
 

@@ -76,12 +76,19 @@ class Tangent {
   int sign_ = 1;
 };
 
+// Signs of det C Q2 on the levels of positions and velocities.
+struct MultibodyOrientation {
+  int positions = 1, velocities = 1;
+  bool operator==(const MultibodyOrientation&) const = default;
+};
+
 // Of the constraints on both levels; one for both where their rows are the same.
 struct Tangents {
   Tangent positions, velocities;
   bool same_rows = false;
   const Tangent& of_velocities() const { return same_rows ? positions : velocities; }
   Tangent& of_velocities() { return same_rows ? positions : velocities; }
+  MultibodyOrientation orientation() const { return {positions.sign(), of_velocities().sign()}; }
   double rotation() const {
     return same_rows ? positions.rotation() : std::max(positions.rotation(), velocities.rotation());
   }

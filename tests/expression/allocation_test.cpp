@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
+#include "expression/lane_evaluator.h"
 #include "expression/taylor_evaluator.h"
 #include "recorded.h"
 #include "replaced_new.h"
@@ -43,6 +44,33 @@ TEST(Allocation, HappensInTheFirstEvaluationOnly) {
   const long before = allocations;
   ASSERT_GT(before, 0);
   const bool fine = evaluate_all(6);
+  const long after = allocations;
+  EXPECT_TRUE(fine);
+  EXPECT_EQ(after, before);
+}
+
+TEST(Allocation, HappensInTheFirstEvaluationOfSeveralPointsOnly) {
+  Recording recording(2);
+  const auto& x = recording.x;
+  const Term p = recording.parameter("p", 2.0);
+  TaylorEvaluator source(recording.finish({x[0] - atan(x[1]) * sin(recording.t), pow(x[0], p) * x[1]}));
+  LaneEvaluator lanes;
+  LaneBlock t;
+  LaneArray jet(6);
+  for (LaneBlock& block : jet)
+    for (double& number : block.lane) number = 0.5;
+  const auto evaluate_all = [&] {
+    bool fine = true;
+    for (int order = 2; order >= 0; --order) {
+      t.lane[0] = 0.1 * order;
+      fine = fine && lanes.evaluate(source, {&t, {jet.data(), jet.data() + 2, jet.data() + 4}}, order, order != 1);
+      source.set_parameter(0, 1.5 + order);
+    }
+    return fine;
+  };
+  ASSERT_TRUE(evaluate_all());
+  const long before = allocations;
+  const bool fine = evaluate_all();
   const long after = allocations;
   EXPECT_TRUE(fine);
   EXPECT_EQ(after, before);

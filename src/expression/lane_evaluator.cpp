@@ -1,0 +1,305 @@
+// Recorded equations at several points in one pass of their tape.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "expression/lane_evaluator.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+
+#include "expression/kernel.h"
+#include "expression/quiet_arithmetic.h"
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using series::Fixed;
+
+template <class Order>
+void multiply(const Lanes* a, const Lanes* b, Lanes* v, Order K) {
+  for (int k = 0; k <= K; ++k) {
+    Lanes sum = a[0] * b[k];
+    for (int j = 1; j <= k; ++j) sum += a[j] * b[k - j];
+    v[k] = sum;
+  }
+}
+
+// Point by point, as TaylorEvaluator does it. Slot 0 is a leaf: a result there is none.
+template <bool with_slopes, class Order>
+void execute_singly(const Instruction& given, Lanes* slots, Order K) {
+  constexpr int size = LaneEvaluator::highest_order + 1;
+  const Instruction own{given.code, 0, size, 2 * size, 3 * size, 4 * size, 5 * size};
+  const int from[] = {given.v, given.a, given.b, given.c, given.p, given.q};
+  double series[6 * size] = {};
+  for (int l = 0; l < lane_count; ++l) {
+    for (int i = 0; i < 6; ++i)
+      for (int k = 0; k <= K; ++k) series[i * size + k] = slots[from[i] + k][l];
+    execute<with_slopes>(own, series, K);
+    for (const int i : {0, 4, 5})
+      if (from[i] != 0)
+        for (int k = 0; k <= K; ++k) slots[from[i] + k][l] = series[i * size + k];
+  }
+}
+
+template <class Order>
+bool divide(const Lanes* a, const Lanes* b, Lanes* v, Order K) {
+  if (any(b[0] == 0.0)) return false;
+  for (int k = 0; k <= K; ++k) {
+    Lanes sum = a[k];
+    for (int j = 1; j <= k; ++j) sum -= b[j] * v[k - j];
+    v[k] = sum / b[0];
+  }
+  return true;
+}
+
+template <class Order>
+bool sqrt(const Lanes* a, Lanes* v, Order K) {
+  if (!all(a[0] > 0.0)) return false;
+  for (int l = 0; l < lane_count; ++l) v[0][l] = std::sqrt(a[0][l]);
+  for (int k = 1; k <= K; ++k) {
+    Lanes sum = a[k];
+    for (int j = 1; j < k; ++j) sum -= v[j] * v[k - j];
+    v[k] = sum / (2.0 * v[0]);
+  }
+  return true;
+}
+
+template <class Order>
+bool sin_cos(const Lanes* a, Lanes* s, Lanes* c, Order K) {
+  LaneMask bad{};
+  note_not_finite(a[0], bad);
+  if (any(bad)) return false;
+  for (int l = 0; l < lane_count; ++l) {
+    s[0][l] = std::sin(a[0][l]);
+    c[0][l] = std::cos(a[0][l]);
+  }
+  for (int k = 1; k <= K; ++k) {
+    Lanes sum_s{}, sum_c{};
+    for (int j = 1; j <= k; ++j) {
+      const Lanes change = static_cast<double>(j) * a[j];
+      sum_s += change * c[k - j];
+      sum_c -= change * s[k - j];
+    }
+    s[k] = sum_s / static_cast<double>(k);
+    c[k] = sum_c / static_cast<double>(k);
+  }
+  return true;
+}
+
+// The same operations in the same order as execute(); false where lanes have to be looked at one by one. slopes: of
+// order 0 alone, as gradients are.
+template <bool with_slopes, class Order>
+bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
+  const Lanes* const a = slots + instruction.a;
+  const Lanes* const b = slots + instruction.b;
+  Lanes* const v = slots + instruction.v;
+  Lanes* const p = slots + instruction.p;
+  switch (instruction.code) {
+    case Code::negate:
+      for (int k = 0; k <= K; ++k) v[k] = -a[k];
+      return true;
+    case Code::add:
+      for (int k = 0; k <= K; ++k) v[k] = a[k] + b[k];
+      return true;
+    case Code::subtract:
+      for (int k = 0; k <= K; ++k) v[k] = a[k] - b[k];
+      return true;
+    case Code::multiply: multiply(a, b, v, K); return true;
+    case Code::scale:
+      for (int k = 0; k <= K; ++k) v[k] = b[0] * a[k];
+      return true;
+    case Code::divide:
+      if (!divide(a, b, v, K)) return false;
+      if constexpr (with_slopes) {
+        p[0] = 1.0 / b[0];
+        slots[instruction.q] = v[0] * p[0];
+      }
+      return true;
+    case Code::divide_by_number:
+      if (any(b[0] == 0.0)) return false;
+      for (int k = 0; k <= K; ++k) v[k] = a[k] / b[0];
+      if constexpr (with_slopes) p[0] = 1.0 / b[0];
+      return true;
+    case Code::sqrt:
+      if (!sqrt(a, v, K)) return false;
+      if constexpr (with_slopes) p[0] = 0.5 / v[0];
+      return true;
+    case Code::sin_cos: return sin_cos(a, v, p, K);
+    default: return false;
+  }
+}
+
+template <bool with_slopes, class Order>
+void execute_all(const std::vector<Instruction>& instructions, Lanes* slots, Order K) {
+  for (const Instruction& instruction : instructions)
+    if (!execute_together<with_slopes>(instruction, slots, K)) execute_singly<with_slopes>(instruction, slots, K);
+}
+
+// Adjoints of order 0. with_choices: as in edges.h.
+template <bool with_choices>
+void follow(const Edge* first, const Edge* last, const Lanes* slots, Lanes* adjoints) {
+  for (const Edge* edge = first; edge != last; ++edge) {
+    const Lanes from = adjoints[edge->from], factor = slots[edge->factor];
+    Lanes handed = from;
+    switch (edge->code) {
+      case EdgeCode::pass: break;
+      case EdgeCode::negate: handed = -from; break;
+      case EdgeCode::multiply:
+      case EdgeCode::scale: handed = from * factor; break;
+      case EdgeCode::multiply_negated: handed = -(from * factor); break;
+      case EdgeCode::pass_if_positive: handed = factor > 0.0 ? from : Lanes{}; break;
+      case EdgeCode::pass_otherwise: handed = factor > 0.0 ? Lanes{} : from; break;
+    }
+    if constexpr (with_choices) handed = from == 0.0 ? Lanes{} : handed;
+    if (edge->is_first) adjoints[edge->to] = handed;
+    else adjoints[edge->to] += handed;
+  }
+}
+
+struct Pass {
+  const Tape& tape;
+  const std::vector<Instruction>*of_parameters, *of_time;  // null: nothing to be done
+  const std::vector<Instruction>& of_state;
+  const std::vector<Edge>& edges;
+  const LaneEvaluator::Points& points;
+  int stride, order;
+  bool with_gradients;
+  Lanes *slots, *adjoints, *gradients;
+  bool is_finite;
+};
+
+template <class Order>
+void run(Pass& pass, Order K) {
+  const Tape& tape = pass.tape;
+  Lanes* const slots = pass.slots;
+  LaneMask bad{};
+  if (pass.of_parameters != nullptr) execute_all<false>(*pass.of_parameters, slots, Fixed<0>());
+  if (pass.of_time != nullptr) {
+    const Lanes& t = lanes(*pass.points.t);
+    note_not_finite(t, bad);
+    if (tape.time >= 0) {
+      slots[tape.time * pass.stride] = t;
+      if (K > 0) slots[tape.time * pass.stride + 1] = Lanes{} + 1.0;
+    }
+    execute_all<false>(*pass.of_time, slots, K);
+  }
+  for (const Tape::Leaf& leaf : tape.leaves)
+    for (int k = 0; k <= K; ++k) {
+      const Lanes x = lanes(pass.points.x[index(k)][leaf.unknown]);
+      note_not_finite(x, bad);
+      slots[leaf.slot * pass.stride + k] = x;
+    }
+  if (any(bad)) {
+    pass.is_finite = false;
+    return;
+  }
+  if (pass.with_gradients) execute_all<true>(pass.of_state, slots, K);
+  else execute_all<false>(pass.of_state, slots, K);
+  for (const int slot : tape.residuals)
+    for (int k = 0; k <= K; ++k) note_not_finite(slots[slot * pass.stride + k], bad);
+  if (pass.with_gradients) {
+    for (std::size_t i = 0; i < tape.residuals.size(); ++i) {
+      pass.adjoints[tape.residuals[i]] = Lanes{} + 1.0;
+      const Edge* const first = pass.edges.data() + tape.first_edge[i];
+      const Edge* const last = pass.edges.data() + tape.first_edge[i + 1];
+      if (tape.has_choices) follow<true>(first, last, slots, pass.adjoints);
+      else follow<false>(first, last, slots, pass.adjoints);
+      for (std::size_t e = tape.first_target[i]; e < tape.first_target[i + 1]; ++e) {
+        const Lanes entry = pass.adjoints[tape.targets[e].slot];
+        note_not_finite(entry, bad);
+        pass.gradients[e] = entry;
+      }
+    }
+  }
+  pass.is_finite = !any(bad);
+}
+
+void evaluate_pass(Pass& pass) {
+  switch (pass.order) {
+    case 0: return run(pass, Fixed<0>());
+    case 1: return run(pass, Fixed<1>());
+    default: return run(pass, Fixed<2>());
+  }
+}
+SFDAE_LANE_KERNEL(evaluate_pass, Pass)
+
+std::vector<Instruction> in_offsets(std::vector<Instruction> instructions, int stride) {
+  for (Instruction& instruction : instructions)
+    for (int* slot : {&instruction.v, &instruction.a, &instruction.b, &instruction.c, &instruction.p, &instruction.q})
+      *slot = std::max(*slot, 0) * stride;
+  return instructions;
+}
+
+Lanes* to_lanes(LaneArray& blocks) { return reinterpret_cast<Lanes*>(blocks.data()); }
+
+}  // namespace
+
+bool LaneEvaluator::evaluate(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients) {
+  assert(order >= 0 && order <= highest_order);
+  const QuietArithmetic quiet;
+  if (order >= stride_) reserve(source, order);
+  const bool has_new_parameters = parameters_are_new(source);
+  const bool has_new_time = has_new_parameters || order > time_order_ || std::memcmp(&t_, points.t, sizeof t_) != 0;
+  Pass pass{source.tape(),
+            has_new_parameters ? &of_parameters_ : nullptr,
+            has_new_time ? &of_time_ : nullptr,
+            of_state_,
+            edges_,
+            points,
+            stride_,
+            order,
+            with_gradients,
+            to_lanes(slots_),
+            to_lanes(adjoints_),
+            to_lanes(gradients_),
+            true};
+  run_evaluate_pass(pass);
+  if (has_new_time) {
+    t_ = *points.t;
+    time_order_ = pass.is_finite ? order : -1;
+  }
+  return pass.is_finite;
+}
+
+// Room for series of this order in every slot. The first slot is none: it takes what is not used.
+void LaneEvaluator::reserve(const TaylorEvaluator& source, int order) {
+  const Tape& tape = source.tape();
+  const int stride = order + 1;
+  stride_ = 0;  // until there is memory for all
+  LaneArray slots(index(tape.num_slots) * index(stride) + 1), adjoints(index(tape.num_slots) + 1),
+      gradients(tape.targets.size() + 1);
+  of_parameters_ = in_offsets(tape.of_parameters, stride);
+  of_time_ = in_offsets(tape.of_time, stride);
+  of_state_ = in_offsets(tape.of_state, stride);
+  edges_ = tape.edges;
+  for (Edge& edge : edges_) edge.factor = std::max(edge.factor, 0) * stride;
+  values_ = tape.residuals;
+  for (int& slot : values_) slot *= stride;
+  for (const Tape::Number& constant : tape.constants)
+    lanes(slots[index(constant.slot * stride)]) = Lanes{} + source.record().constant(constant.index);
+  slots_ = std::move(slots);
+  adjoints_ = std::move(adjoints);
+  gradients_ = std::move(gradients);
+  parameters_.resize(tape.parameters.size());
+  time_order_ = -1;
+  stride_ = stride;
+}
+
+// Those that the equations depend on, which become known.
+bool LaneEvaluator::parameters_are_new(const TaylorEvaluator& source) {
+  const std::vector<Tape::Number>& used = source.tape().parameters;
+  const bool is_first = time_order_ < 0;
+  bool is_new = is_first;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    const double value = source.parameter(used[i].index);
+    if (!is_first && value == parameters_[i]) continue;
+    is_new = true;
+    parameters_[i] = value;
+    lanes(slots_[index(used[i].slot * stride_)]) = Lanes{} + value;
+  }
+  return is_new;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,49 @@
+// Recorded equations at several points in one pass of their tape: values and Taylor coefficients, to the last bit those
+// of TaylorEvaluator, and gradients.
+//
+// The tape and the parameters are those of a TaylorEvaluator; this is the memory that one thread needs beside.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "expression/taylor_evaluator.h"
+#include "linalg/lanes.h"
+
+namespace sfdae::core {
+
+class LaneEvaluator {
+ public:
+  static constexpr int highest_order = 2;
+  // x(t + s) = sum x_k s^k: x[k] points to the unknowns. Coefficients beyond the order asked for are not read.
+  struct Points {
+    const LaneBlock* t;
+    std::array<const LaneBlock*, highest_order + 1> x;
+  };
+
+  // Coefficients of F up to the order, and F_x if asked for. False where anything is not finite, at any of the points,
+  // whatever the reason; the TaylorEvaluator can tell which. Equations without x'.
+  bool evaluate(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients);
+
+  // Of equation i, coefficient after coefficient.
+  const LaneBlock* value(int i) const { return slots_.data() + values_[index(i)]; }
+  // Entries of F_x that can differ from zero, in the order of the targets of the tape.
+  const LaneBlock* gradients() const { return gradients_.data(); }
+
+ private:
+  void reserve(const TaylorEvaluator& source, int order);
+  bool parameters_are_new(const TaylorEvaluator& source);
+
+  int stride_ = 0;  // of slots
+  // Slots are offsets.
+  std::vector<Instruction> of_parameters_, of_time_, of_state_;
+  std::vector<Edge> edges_;
+  std::vector<int> values_;
+  LaneArray slots_, adjoints_, gradients_;
+  std::vector<double> parameters_;
+  LaneBlock t_;
+  int time_order_ = -1;  // of what depends on t alone, at t_; -1: not known
+};
+
+}  // namespace sfdae::core

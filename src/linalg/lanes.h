@@ -1,0 +1,89 @@
+// Eight numbers side by side, one of each of eight points, for the same operation on all of them.
+//
+// Sums and products of lanes are those of single numbers to the last bit: sources that use them are compiled without
+// contraction to fused operations, and for every instruction set in the same way. Points that are not there repeat one
+// that is, so that nothing happens in their lanes that does not happen elsewhere.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace sfdae::core {
+
+inline constexpr int lane_count = 8;
+
+struct alignas(64) LaneBlock {
+  double lane[lane_count] = {};
+};
+using LaneArray = std::vector<LaneBlock>;
+
+// What the compiler computes with: a vector type of GCC and Clang, whatever registers there are.
+typedef double Lanes __attribute__((vector_size(64), may_alias));
+typedef std::int64_t LaneMask __attribute__((vector_size(64), may_alias));
+
+inline Lanes& lanes(LaneBlock& block) { return reinterpret_cast<Lanes&>(block); }
+inline const Lanes& lanes(const LaneBlock& block) { return reinterpret_cast<const Lanes&>(block); }
+
+inline bool any(const LaneMask& mask) {
+  std::int64_t found = 0;
+  for (int l = 0; l < lane_count; ++l) found |= mask[l];
+  return found != 0;
+}
+inline bool all(const LaneMask& mask) {
+  std::int64_t found = -1;
+  for (int l = 0; l < lane_count; ++l) found &= mask[l];
+  return found != 0;
+}
+inline double smallest(const Lanes& values) {
+  double least = values[0];
+  for (int l = 1; l < lane_count; ++l) least = values[l] < least ? values[l] : least;
+  return least;
+}
+
+// Bits of exponents that are all set belong to NaN and infinite numbers: no comparison that could be an exception.
+inline void note_not_finite(const Lanes& values, LaneMask& found) {
+  constexpr std::int64_t exponent = 0x7ff0000000000000;
+  const LaneMask bits = reinterpret_cast<const LaneMask&>(values) & exponent;
+  found |= bits == exponent;
+}
+
+// The columns of a matrix become lanes: block k has entry k of each, the last column in the lanes beyond.
+inline void columns_to_lanes(const double* columns, int rows, int count, LaneBlock* blocks) {
+  for (int l = 0; l < lane_count; ++l) {
+    const double* column = columns + static_cast<std::ptrdiff_t>(l < count ? l : count - 1) * rows;
+    for (int k = 0; k < rows; ++k) blocks[k].lane[l] = column[k];
+  }
+}
+inline void lanes_to_columns(const LaneBlock* blocks, int rows, int count, double* columns) {
+  for (int l = 0; l < count; ++l)
+    for (int k = 0; k < rows; ++k) columns[static_cast<std::ptrdiff_t>(l) * rows + k] = blocks[k].lane[l];
+}
+
+// The instruction sets that there is code for.
+enum class InstructionSet { portable, avx2, avx512 };
+// That in use: the fastest one of the machine, unless a test has chosen another one that it has.
+InstructionSet instruction_set();
+bool has_instruction_set(InstructionSet set);
+void use_instruction_set(InstructionSet set);
+
+// SFDAE_LANE_KERNEL(name, Work) defines run_name(Work&), which calls name(Work&) compiled for the instruction set in
+// use, everything that it calls included.
+#if defined(__x86_64__) && defined(__GNUC__)
+#define SFDAE_LANE_KERNEL(name, Work)                                                                        \
+  __attribute__((target("avx512f,avx512dq"), flatten)) static void name##_avx512(Work& work) { name(work); } \
+  __attribute__((target("avx2"), flatten)) static void name##_avx2(Work& work) { name(work); }               \
+  __attribute__((flatten)) static void name##_portable(Work& work) { name(work); }                           \
+  static void run_##name(Work& work) {                                                                       \
+    switch (instruction_set()) {                                                                             \
+      case InstructionSet::avx512: return name##_avx512(work);                                               \
+      case InstructionSet::avx2: return name##_avx2(work);                                                   \
+      default: return name##_portable(work);                                                                 \
+    }                                                                                                        \
+  }
+#else
+#define SFDAE_LANE_KERNEL(name, Work) \
+  static void run_##name(Work& work) { name(work); }
+#endif
+
+}  // namespace sfdae::core

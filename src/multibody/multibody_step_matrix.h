@@ -1,0 +1,90 @@
+// The matrix c I - B of a step of a mechanical system, factored, for one point or, decoupled, for the stages of a
+// Runge-Kutta step. It is kept as long as the linearization holds and c stays.
+//
+// Where y' = z, as S is the identity, B = [0 I; K D], and half of the unknowns are eliminated beforehand, as RADAU5
+// does for such problems [HW96, IV.8]:
+//
+//     (c I - D - K / c) z = r_z + K r_y / c,   y = (z + r_y) / c
+//
+// [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <complex>
+#include <vector>
+
+#include "linalg/archive.h"
+#include "linalg/arena.h"
+#include "linalg/index.h"
+#include "linalg/lanes.h"
+#include "linalg/matrix.h"
+#include "multibody/multibody_form.h"
+#include "system/stage_method.h"
+
+namespace sfdae::core {
+
+class MultibodyStepMatrix {
+ public:
+  // Room for so many local coordinates.
+  void resize(int unknowns);
+  // Another linearization holds from now on.
+  void forget();
+
+  // Steps of one size differ in their last bits, as times are rounded: c of the matrix kept serves those, too.
+  bool is_for(double c) const {
+    constexpr double rounding_of_steps = 1e-13;
+    return std::fabs(c - c_) <= rounding_of_steps * std::fabs(c);
+  }
+  bool is_valid() const { return is_valid_; }
+  double c() const { return c_; }
+
+  // Factors the matrix for c. False if it is singular. count: of factorizations, raised.
+  bool factor(const MultibodyForm& form, double c, long& count);
+  // The further ones of the stages, for the c of the last factor(), gamma / h. Those that are known are kept.
+  bool factor_stages(const MultibodyForm& form, const StageMethod& method, long& count);
+
+  // Inverses for all stages at once, there for few unknowns once they are factored: stages transformed by T are in
+  // lanes, the real one in the first, pairs first and second in the next ones. A number a + i b times omega = first - i
+  // second is first a + second b, second a - first b: A has the lanes a, B those of b and -b.
+  struct LaneInverses {
+    int order;
+    ConstView K;
+    const LaneBlock *A, *B;          // of c I - D - K / c, by rows
+    const LaneBlock *c_A, *c_B;      // 1 / c
+    const LaneBlock *T, *T_inverse;  // of the method, a block for each column
+  };
+  bool has_lane_inverses() const { return has_lane_inverses_; }
+  LaneInverses lane_inverses() const;
+
+  void solve(View yz) const;
+  // A column for each stage.
+  void solve_stages(const StageMethod& method, ConstView r, View yz, Arena& arena);
+
+  void archive_c(Archive& archive) { archive.real(c_); }
+
+ private:
+  static constexpr std::size_t max_pairs = (max_stages - 1) / 2;
+  int order() const { return unknowns_ - eliminated_; }
+  ConstView K() const { return {K_.data(), order(), eliminated_, order() > 0 ? order() : 1}; }
+  void invert(const StageMethod& method);
+  void solve_real(double* yz, const double* Ky) const;
+  void solve_pair(std::size_t k, double* first, double* second, ConstView Ky);
+
+  int unknowns_ = 0, eliminated_ = 0;
+  std::vector<double> entries_, K_;
+  std::vector<int> pivots_;
+  double c_ = 0.0;
+  bool is_valid_ = false;
+  // Of pairs of stages: factors, empty: none, for these values of c.
+  std::array<std::vector<std::complex<double>>, max_pairs> pairs_;
+  std::array<std::vector<int>, max_pairs> pivots_of_pairs_;
+  std::array<std::complex<double>, max_pairs> values_{};
+  std::vector<std::complex<double>> omega_;
+  bool has_lane_inverses_ = false;
+  LaneArray inverse_A_, inverse_B_, T_, T_inverse_;
+  LaneBlock c_A_, c_B_;
+};
+
+}  // namespace sfdae::core
