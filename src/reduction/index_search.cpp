@@ -151,10 +151,25 @@ SearchResult IndexSearch::search(int max_index) {
 // As many equations as unknowns, and none of them redundant: [M N] has full row rank, which it keeps nearby, so that
 // F_mu = 0 is a manifold on which a can only become smaller. That it does not, the point nearby shows. Values kept that
 // residuals of the jet might be are in doubt.
-bool IndexSearch::is_final(const CharacteristicValues& values, const LevelResult& found) const {
+bool IndexSearch::is_final(const CharacteristicValues& values, const LevelResult& found) {
   const bool is_regular = values.u == 0 && values.v == 0 && found.ranks.v_hat == 0;
-  return is_regular && task_.settings.rank_tol == 0.0 && found.noise == NoiseModel::carried &&
-         found.gap >= gap_of_final_ranks && found.kept >= clear_gap * found.residual;
+  const bool is_clear = is_regular && task_.settings.rank_tol == 0.0 && found.gap >= gap_of_final_ranks &&
+                        found.kept >= clear_gap * found.residual;
+  return is_clear && (found.noise == NoiseModel::carried || stands_firm(values.mu, found));
+}
+
+// What was confirmed by perturbations is so with this margin, too.
+bool IndexSearch::stands_firm(int level, const LevelResult& found) {
+  judging_.noise = found.noise;
+  judging_.by_singular_values = true;
+  const PointRanks ranks = determine(level, found.time_scale).ranks;
+  const std::vector<RankDecision> decisions = latest_;
+  const bool is_same = ranks.a == found.ranks.a && ranks.d == found.ranks.d && ranks.v_hat == found.ranks.v_hat;
+  const bool is_firm =
+      is_same && survives_perturbations(level, found.time_scale, decisions, gap_of_final_ranks, Trust::none);
+  judging_.noise = NoiseModel::carried;
+  judging_.by_singular_values = task_.settings.by_svd;
+  return is_firm;
 }
 
 // Whether level l + 1 has the same values. Where it is not available or unclear, nothing speaks against them.

@@ -72,7 +72,8 @@ class IndexSearch {
   enum class Trust { clear_ones, none };
 
   LevelResult determine(int level, double time_scale);
-  bool is_final(const CharacteristicValues& values, const LevelResult& found) const;
+  bool is_final(const CharacteristicValues& values, const LevelResult& found);
+  bool stands_firm(int level, const LevelResult& found);
   bool holds_above(int level, const CharacteristicValues& values, const PointRanks& ranks);
   void measure(int level, LevelResult& found, std::vector<RankDecision>& decisions);
   bool agrees_with_other_time_scales(int level, const LevelResult& found);
