@@ -8,7 +8,6 @@
 
 #include "linalg/index.h"
 #include "problem/failure.h"
-#include "reduction/elimination.h"
 #include "reduction/rank_sequence.h"
 
 namespace sfdae::core {
@@ -47,13 +46,8 @@ bool NextLevelJet::eliminate_at(const Jet& jet) {
   if (error.status == SFDAE_ORDER_MISSING) availability_ = Availability::no;
   if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED) error.raise();
   if (error.status != SFDAE_OK) return false;
-  const std::optional<RankSequence> ranks = matching_ranks(data_, level(), analysis, rank_tol, {arena_, rank_form_});
-  if (!ranks) return false;
-  const Judge::Settings judging{rank_tol, false, NoiseModel::pivots, &*ranks};
-  Judge judge(data_, level(), judging, nullptr);
-  const Arena::Frame frame(arena_);
-  eliminate(data_, level(), data_.f_stack(level()), 1, judge, arena_, &elimination_);
-  return true;
+  StoredReduction reduction{elimination_};
+  return reduce_with_known_values(data_, level(), analysis, rank_tol, {arena_, rank_form_}, reduction);
 }
 
 // One change of y. None if it is not finite.
