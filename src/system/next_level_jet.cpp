@@ -19,6 +19,7 @@ bool NextLevelJet::solve(const Jet& start, const double* x) {
   constexpr double negligible = 1e-14, still_gaining = 0.1;
   const int n = problem_.n();
   if (availability_ == Availability::no) return false;
+  if (is_solved_for(start, x)) return true;
   const bool continues = jet_.order == level() + 1 && jet_.n == n;
   trial_ = start;
   trial_.set_order(level() + 1);
@@ -33,7 +34,20 @@ bool NextLevelJet::solve(const Jet& start, const double* x) {
     before = change->norm;
   }
   jet_ = trial_;
+  is_new_ = true;
   return true;
+}
+
+void NextLevelJet::copy_derivatives(Jet& jet) const {
+  std::copy(jet_.column(1), jet_.column(1) + jet_.n * std::min(jet.order, jet_.order), jet.column(1));
+}
+
+// The last solution itself.
+bool NextLevelJet::is_solved_for(const Jet& start, const double* x) const {
+  const int n = problem_.n();
+  return is_new_ && jet_.n == n && jet_.t == start.t && start.order == level() &&
+         std::equal(x, x + n, jet_.column(0)) &&
+         std::equal(start.column(1), start.column(1) + n * level(), jet_.column(1));
 }
 
 // False where F_{mu+1} cannot be evaluated or has other ranks.
@@ -78,6 +92,7 @@ std::optional<NextLevelJet::Change> NextLevelJet::change_derivatives(Jet& jet) {
 
 void NextLevelJet::archive_highest_derivative(Archive& archive) {
   if (archive.is_reading()) {
+    is_new_ = false;
     jet_.n = problem_.n();
     jet_.set_order(level() + 1);
   }

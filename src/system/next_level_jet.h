@@ -25,6 +25,8 @@ class NextLevelJet {
   // not possible. Throws Failure where a callback stops.
   bool solve(const Jet& start, const double* x);
   const double* derivative() const { return jet_.column(1); }
+  // Those that the jet has.
+  void copy_derivatives(Jet& jet) const;
 
   bool has_jet() const { return jet_.n > 0; }
   Availability& availability() { return availability_; }
@@ -33,6 +35,7 @@ class NextLevelJet {
 
  private:
   int level() const { return problem_.mu() + 1; }
+  bool is_solved_for(const Jet& start, const double* x) const;
   bool eliminate_at(const Jet& jet);
   // Of x', scaled: the largest change, and the largest entry.
   struct Change {
@@ -44,6 +47,7 @@ class NextLevelJet {
   Arena& arena_;
   Availability availability_ = Availability::unknown;
   Jet jet_, trial_;
+  bool is_new_ = false;  // solved here, not read from an archive
   TaylorData data_;
   StoredElimination elimination_;
   NullSpaceForm rank_form_;

@@ -205,6 +205,7 @@ ConsistentPoint NonlinearModel::make_consistent(NonlinearSystem& system, const P
     found = choose_from_starts(*problem_, system, point, request);
   result.change = found.change;
   if (request.reports_changes()) result.value_change = found.value_change;
+  system.complete(found.jet);
   demand_point(system, system.set_point(found.jet), point.t, "Analyze the problem there.");
   system.apply_inputs();
   if (request.kind != InitialValues::accept) result.x.assign(system.jet().x.data(), system.jet().x.data() + n());
