@@ -19,7 +19,9 @@ bool NextLevelJet::solve(const Jet& start, const double* x) {
   constexpr double negligible = 1e-14, still_gaining = 0.1;
   const int n = problem_.n();
   if (availability_ == Availability::no) return false;
-  if (is_solved_for(start, x)) return true;
+  const bool is_solved = is_solved_for(start, x);
+  is_new_ = false;
+  if (is_solved) return true;
   const bool continues = jet_.order == level() + 1 && jet_.n == n;
   trial_ = start;
   trial_.set_order(level() + 1);
@@ -42,7 +44,7 @@ void NextLevelJet::copy_derivatives(Jet& jet) const {
   std::copy(jet_.column(1), jet_.column(1) + jet_.n * std::min(jet.order, jet_.order), jet.column(1));
 }
 
-// The last solution itself.
+// The last solution itself; it is given once, as equations may have changed later.
 bool NextLevelJet::is_solved_for(const Jet& start, const double* x) const {
   const int n = problem_.n();
   return is_new_ && jet_.n == n && jet_.t == start.t && start.order == level() &&

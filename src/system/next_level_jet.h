@@ -25,6 +25,8 @@ class NextLevelJet {
   // not possible. Throws Failure where a callback stops.
   bool solve(const Jet& start, const double* x);
   const double* derivative() const { return jet_.column(1); }
+  // The next solve() is made even if the jet is that of the last one.
+  void forget_solution() { is_new_ = false; }
   // Those that the jet has.
   void copy_derivatives(Jet& jet) const;
 
@@ -47,7 +49,7 @@ class NextLevelJet {
   Arena& arena_;
   Availability availability_ = Availability::unknown;
   Jet jet_, trial_;
-  bool is_new_ = false;  // solved here, not read from an archive
+  bool is_new_ = false;  // and not asked for since it was solved
   TaylorData data_;
   StoredElimination elimination_;
   NullSpaceForm rank_form_;
