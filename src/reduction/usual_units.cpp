@@ -34,6 +34,10 @@ namespace {
 // where products would overflow.
 void change_units(const Units& units, TaylorData& data) {
   data.rescale_time(1.0 / data.time_scale);
+  // Which row is the largest one decides about factors: those of the user are wanted.
+  for (View block : {data.E(0), data.A(0)})
+    for (int j = 0; j < data.n; ++j)
+      for (int i = 0; i < data.m; ++i) block(i, j) /= data.row_scale[index(i)];
   data.scale_columns(units);
   if (data.scale(0.0)) return;
   CallbackError error;

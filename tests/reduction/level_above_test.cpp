@@ -88,8 +88,7 @@ TEST(LevelAbove, IsAskedForWhereValuesKeptAreSmall) {
   }
 }
 
-// The data that are returned with the units are those that the source has in them, in every bit, but for the factors of
-// rows; it is evaluated once.
+// The data that are returned with the units are those that the source has in them, in every bit; it is evaluated once.
 TEST(UsualUnits, TakeASingleEvaluation) {
   for (double unit : {1.0, 1e-7, 1e9}) {
     SCOPED_TRACE(unit);
@@ -105,6 +104,7 @@ TEST(UsualUnits, TakeASingleEvaluation) {
     EXPECT_EQ(found.units.are_one(), unit >= 1.0);
     const TaylorData expected = data_in_units(counted, 0.0, found.units);
     EXPECT_EQ(found.data.time_scale, expected.time_scale);
+    EXPECT_EQ(found.data.row_scale, expected.row_scale);
     for (int j = 0; j < 3; ++j)
       for (int i = 0; i < 3; ++i) {
         EXPECT_EQ(found.data.E(0)(i, j), expected.E(0)(i, j));
