@@ -77,14 +77,16 @@ void descend(const std::vector<LogEntry>& entries, const Vector& residuals, Expo
 
 double square(const Vector& v) { return std::inner_product(v.begin(), v.end(), v.begin(), 0.0); }
 
-// Conjugate gradients on the normal equations, from x on: directions that change nothing stay as they are.
-void fit(const std::vector<LogEntry>& entries, Exponents& x) {
+// Conjugate gradients on the normal equations, from x on: directions that change nothing stay as they are. False if x
+// was right.
+bool fit(const std::vector<LogEntry>& entries, Exponents& x) {
   Vector residuals(entries.size()), change(entries.size());
   for (std::size_t k = 0; k < entries.size(); ++k) residuals[k] = -(entries[k].size + x.sum_at(entries[k]));
   Exponents gradient(x.m, x.n), direction(x.m, x.n);
   descend(entries, residuals, gradient);
   direction = gradient;
   double size = square(gradient.values);
+  if (!(size > converged)) return false;
   const std::size_t most_steps = 4 * x.values.size();
   for (std::size_t step = 0; step < most_steps && size > converged; ++step) {
     double curvature = 0.0;
@@ -92,7 +94,7 @@ void fit(const std::vector<LogEntry>& entries, Exponents& x) {
       change[k] = direction.sum_at(entries[k]);
       curvature += entries[k].weight * change[k] * change[k];
     }
-    if (!(curvature > 0.0)) return;
+    if (!(curvature > 0.0)) return step > 0;
     const double length = size / curvature;
     for (std::size_t i = 0; i < x.values.size(); ++i) x.values[i] += length * direction.values[i];
     for (std::size_t k = 0; k < entries.size(); ++k) residuals[k] -= length * change[k];
@@ -102,6 +104,7 @@ void fit(const std::vector<LogEntry>& entries, Exponents& x) {
       direction.values[i] = gradient.values[i] + next / size * direction.values[i];
     size = next;
   }
+  return true;
 }
 
 bool lies_below(const LogEntry& e, const Exponents& x, double bits) { return e.size + x.sum_at(e) < -bits; }
@@ -110,7 +113,7 @@ bool lies_below(const LogEntry& e, const Exponents& x, double bits) { return e.s
 std::vector<LogEntry> take_suspects(std::vector<LogEntry>& entries, Exponents x) {
   for (int pass = 0; pass < reweightings; ++pass) {
     for (LogEntry& e : entries) e.weight = 1.0 / std::max(1.0, std::fabs(e.size + x.sum_at(e)));
-    fit(entries, x);
+    if (!fit(entries, x)) break;  // all that follows would be the same
   }
   for (LogEntry& e : entries) e.weight = 1.0;
   const auto is_suspect = [&](const LogEntry& e) {
@@ -159,6 +162,7 @@ struct Largest {
 std::vector<LogEntry> entries_of(const TaylorData& data, const Units& usual) {
   const Largest largest(data);
   std::vector<LogEntry> entries;
+  entries.reserve(2 * index(data.m) * index(data.n));
   for (bool is_E : {true, false}) {
     const ConstView matrix = is_E ? data.E(0) : data.A(0);
     // A holds tau times A.
@@ -224,10 +228,11 @@ class Ties {
 
 // Whether the usual units say something about small entries: they are as good as balanced ones for all others, which
 // determine what size these ought to have.
-bool are_balanced_without_suspects(std::vector<LogEntry> entries, const Units& usual, const TaylorData& data) {
+bool are_balanced_without_suspects(const std::vector<LogEntry>& all, const Units& usual, const TaylorData& data) {
   const auto is_usual = [](const LogEntry& e) { return e.suspicion == Suspicion::none; };
+  if (std::all_of(all.begin(), all.end(), is_usual)) return true;
+  std::vector<LogEntry> entries = all;
   const auto first = std::stable_partition(entries.begin(), entries.end(), is_usual);
-  if (first == entries.end()) return true;
   Ties ties(index(data.m), index(data.n));
   std::for_each(entries.begin(), first, [&](const LogEntry& e) { ties.add(e); });
   if (!std::all_of(first, entries.end(), [&](const LogEntry& e) { return ties.determine(e); })) return false;

@@ -54,18 +54,14 @@ bool is_about_ranks(const Failure& failure) {
 class Analysis {
  public:
   Analysis(CoefficientSource& problem, Place place, const AnalysisSettings& settings, Arena& arena)
-      : problem_(problem),
-        place_(place),
-        settings_(settings),
-        scaled_(settings),
-        arena_(arena),
-        usual_(usual_units(problem, place.t)) {
+      : problem_(problem), place_(place), settings_(settings), scaled_(settings), arena_(arena) {
+    UsualUnits usual = usual_units(problem, place.t);
+    usual_ = std::move(usual.units);
     scaled_.precedent = {};
     scaled_.time_scale = 0.0;
     scaled_.rank_tol = 0.0;
-    const TaylorData data = data_in_units(problem, place.t, usual_);
-    is_even_ = has_even_entries(data);
-    if (!is_even_) balanced_ = balanced_units(data, usual_);
+    is_even_ = has_even_entries(usual.data);
+    if (!is_even_) balanced_ = balanced_units(usual.data, usual_);
   }
 
   IndexAnalysis by_tolerance(std::vector<RankDecision>& decisions);
@@ -328,8 +324,8 @@ bool known_values_hold(CoefficientSource& problem, double t, const AnalysisSetti
 
 double certified_distance(CoefficientSource& source, double t, const IndexAnalysis& known,
                           const AnalysisSettings& settings, Arena& arena) {
-  const Units usual = usual_units(source, t);
-  const BalancedUnits units = balanced_units(data_in_units(source, t, usual), usual);
+  const UsualUnits usual = usual_units(source, t);
+  const BalancedUnits units = balanced_units(usual.data, usual.units);
   source.set_units(units.unknowns);
   AnalysisSettings scaled = settings;
   scaled.time_scale = scaled.rank_tol = 0.0;

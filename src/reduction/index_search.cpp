@@ -38,6 +38,9 @@ constexpr double least_trusted = 1e-11, callback_errors = 1e-13, firm = 1e-3;
 // (docs/decisions/03-ranks-follow-from-the-level-below.md).
 constexpr double decisive_gap = 1e9;
 
+// Ranks of a regular problem with such gaps are those of the level above (docs/decisions/39-starts.md).
+constexpr double gap_of_final_ranks = 1e6;
+
 // How far a value that is not zero stands, or would have stood, above those that are; 1e-300 avoids a division by
 // zero.
 double clearness(const RankDecision& decision) {
@@ -95,6 +98,8 @@ LevelResult IndexSearch::determine_confirmed(int level) {
   }
   if (!found.clear) measure(level, found, decisions);
   if (found.clear && task_.settings.rank_tol == 0.0) doubt_cancellations(level, found, decisions);
+  found.gap = smallest_gap(decisions);
+  found.kept = smallest_kept(decisions);
   if (task_.log != nullptr) task_.log->insert(task_.log->end(), decisions.begin(), decisions.end());
   return found;
 }
@@ -134,13 +139,37 @@ SearchResult IndexSearch::search(int max_index) {
     }
     result.levels.push_back(values);
     result.levels.back().d = result.last.ranks.d;
-    if (values.mu >= 0 && holds_above(level, values, result.last.ranks)) {
+    if (values.mu >= 0 && (is_final(values, result.last) || holds_above(level, values, result.last.ranks))) {
       result.values = values;
       return result;
     }
     v_hat_below = result.last.ranks.v_hat;
   }
   return result;
+}
+
+// As many equations as unknowns, and none of them redundant: [M N] has full row rank, which it keeps nearby, so that
+// F_mu = 0 is a manifold on which a can only become smaller. That it does not, the point nearby shows. Values kept that
+// residuals of the jet might be are in doubt.
+bool IndexSearch::is_final(const CharacteristicValues& values, const LevelResult& found) {
+  const bool is_regular = values.u == 0 && values.v == 0 && found.ranks.v_hat == 0;
+  const bool is_clear = is_regular && task_.settings.rank_tol == 0.0 && found.gap >= gap_of_final_ranks &&
+                        found.kept >= clear_gap * found.residual;
+  return is_clear && (found.noise == NoiseModel::carried || stands_firm(values.mu, found));
+}
+
+// What was confirmed by perturbations is so with this margin, too.
+bool IndexSearch::stands_firm(int level, const LevelResult& found) {
+  judging_.noise = found.noise;
+  judging_.by_singular_values = true;
+  const PointRanks ranks = determine(level, found.time_scale).ranks;
+  const std::vector<RankDecision> decisions = latest_;
+  const bool is_same = ranks.a == found.ranks.a && ranks.d == found.ranks.d && ranks.v_hat == found.ranks.v_hat;
+  const bool is_firm =
+      is_same && survives_perturbations(level, found.time_scale, decisions, gap_of_final_ranks, Trust::none);
+  judging_.noise = NoiseModel::carried;
+  judging_.by_singular_values = task_.settings.by_svd;
+  return is_firm;
 }
 
 // Whether level l + 1 has the same values. Where it is not available or unclear, nothing speaks against them. A
@@ -319,7 +348,8 @@ CharacteristicValues IndexSearch::values_of(int level, const LevelResult& found,
 void IndexSearch::evaluate(int level, double time_scale) {
   const bool chooses = time_scale == 0.0 && task_.units != nullptr;
   const double unit = chooses ? task_.units->time : time_scale;
-  const CallbackError error = task_.problem.evaluate(t_, {level, level, 0}, unit, data_, rows_);
+  const int order_of_f = task_.problem.is_along_jet() ? level : 0;
+  const CallbackError error = task_.problem.evaluate(t_, {level, level, order_of_f}, unit, data_, rows_);
   if (error.status != SFDAE_OK) error.raise();
   if (const double grown = data_.growth_time(); chooses && std::isfinite(grown))
     data_.rescale_time(std::exp2(std::round(std::log2(std::clamp(grown, shortest_growth, longest_growth)))));
@@ -337,12 +367,19 @@ LevelResult IndexSearch::judge_level(int level) {
   LevelResult found;
   found.ranks = form_.find_ranks(data_, carried, judge, task_.arena);
   found.time_scale = data_.time_scale;
+  if (task_.problem.is_along_jet()) found.residual = residual(level);
   found.clear = judge.all_clear();
   found.fits_known_ranks = judge.fits_known_ranks();
   if (!latest_.empty()) found.weakest = *std::min_element(latest_.begin(), latest_.end(), is_weaker);
   for (const RankDecision& decision : latest_)
     if (decision.verdict == Verdict::unclear && found.doubtful.verdict == Verdict::clear) found.doubtful = decision;
   return found;
+}
+
+// Those of F, which is -f along a jet.
+double IndexSearch::residual(int level) const {
+  const double norm = data_.norm(level);
+  return norm > 0.0 ? data_.norm_f(level) / norm : 0.0;
 }
 
 CharacteristicValues local_values(const SearchTask& task, double t) {

@@ -21,6 +21,8 @@ struct LevelResult {
   NoiseModel noise = NoiseModel::carried;  // others are confirmed by perturbations
   RankDecision doubtful;                   // the first unclear decision
   RankDecision weakest;                    // the one that stands out least
+  double gap = 0.0, kept = 0.0;            // the smallest ones of all decisions
+  double residual = 0.0;                   // of the jet relative to its coefficients, 0 for linear problems
   bool follows = true;                     // from the level below
   bool fits_known_ranks = true;            // where ranks were given
   Significance significance;               // of a certificate
@@ -70,6 +72,8 @@ class IndexSearch {
   enum class Trust { clear_ones, none };
 
   LevelResult determine(int level, double time_scale);
+  bool is_final(const CharacteristicValues& values, const LevelResult& found);
+  bool stands_firm(int level, const LevelResult& found);
   bool holds_above(int level, const CharacteristicValues& values, const PointRanks& ranks);
   void measure(int level, LevelResult& found, std::vector<RankDecision>& decisions);
   bool agrees_with_other_time_scales(int level, const LevelResult& found);
@@ -80,6 +84,7 @@ class IndexSearch {
   bool follows(const CharacteristicValues& below, const CharacteristicValues& values, const PointRanks& ranks) const;
   bool leaves_out_rows() const { return !differentiations_.empty(); }
   int highest_level() const;
+  double residual(int level) const;
   CharacteristicValues values_of(int level, const LevelResult& found, int v_hat_below) const;
   void evaluate(int level, double time_scale);
   LevelResult certify(int level);

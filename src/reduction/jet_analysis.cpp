@@ -66,7 +66,7 @@ std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& source, Pla
 
 IndexAnalysis analyze_along_jet(CoefficientSource& source, Place place, const AnalysisSettings& settings,
                                 Arena& arena, std::vector<RankDecision>& decisions) {
-  const Units usual = usual_units(source, place.t);
+  const Units usual = usual_units(source, place.t).units;
   source.set_units(usual);
   if (const auto found = analyze_by_precedent({source, settings, arena, &decisions}, place)) return *found;
   decisions.clear();

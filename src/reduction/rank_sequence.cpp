@@ -62,17 +62,64 @@ bool stages_rise(const RankSequence& list, int level, int full_rank) {
   return true;
 }
 
-std::optional<RankSequence> matching_ranks(const TaylorData& data, int level, const IndexAnalysis& known,
-                                           double rank_tol, RankWorkspace workspace) {
+namespace {
+
+bool has_known_values(const RankResult& found, const TaylorData& data, int level, const IndexAnalysis& known) {
   const CharacteristicValues& values = known.values;
   const int v_hat = known.v_hat + (level - values.mu) * values.v;
+  return found.ranks.a == values.a && found.ranks.d == values.d && found.ranks.v_hat == v_hat &&
+         (!data.differentiations.empty() || stages_rise(found.list, level, std::min(data.m, data.n)));
+}
+
+// find: ranks by a noise model.
+template <class Find>
+std::optional<RankSequence> first_match(const TaylorData& data, int level, const IndexAnalysis& known, Find find) {
   for (NoiseModel noise : {NoiseModel::pivots, NoiseModel::carried, NoiseModel::data}) {
-    const RankResult found = determine_ranks(data, level, {rank_tol, false, noise, nullptr}, workspace);
-    if (found.ranks.a == values.a && found.ranks.d == values.d && found.ranks.v_hat == v_hat &&
-        (!data.differentiations.empty() || stages_rise(found.list, level, std::min(data.m, data.n))))
-      return found.list;
+    const RankResult found = find(noise);
+    if (has_known_values(found, data, level, known)) return found.list;
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<RankSequence> matching_ranks(const TaylorData& data, int level, const IndexAnalysis& known,
+                                           double rank_tol, RankWorkspace workspace) {
+  return first_match(data, level, known, [&](NoiseModel noise) {
+    return find_ranks(data, level, {rank_tol, false, noise, nullptr}, workspace);
+  });
+}
+
+bool matching_form(const TaylorData& data, int level, const IndexAnalysis& known, double rank_tol,
+                   RankWorkspace workspace) {
+  return first_match(data, level, known,
+                     [&](NoiseModel noise) {
+                       return determine_ranks(data, level, {rank_tol, false, noise, nullptr}, workspace);
+                     })
+      .has_value();
+}
+
+bool reduce_with_known_values(const TaylorData& data, int level, const IndexAnalysis& known, double rank_tol,
+                              RankWorkspace workspace, StoredReduction& reduction) {
+  auto& [arena, form] = workspace;
+  const auto reduce = [&](const RankSequence* ranks) {
+    const Judge::Settings settings{rank_tol, false, NoiseModel::pivots, ranks};
+    Judge judge(data, level, settings, nullptr);
+    const Arena::Frame frame(arena);
+    const Carried carried = eliminate(data, level, data.f_stack(level), 1, judge, arena, &reduction.elimination);
+    form.resize(data.m, data.n, 0, carried.rows);
+    RankResult found;
+    found.ranks = reduction.has_form ? form.build(data, carried, {}, LeadingTerm::identity, judge, arena)
+                                     : form.find_ranks(data, carried, judge, arena);
+    found.list = judge.ranks();
+    reduction.rank_E = carried.rank_E;
+    reduction.kept = judge.kept_constraints() * judge.smallest_pivot();
+    return found;
+  };
+  if (has_known_values(reduce(nullptr), data, level, known)) return true;
+  const std::optional<RankSequence> ranks = matching_ranks(data, level, known, rank_tol, workspace);
+  if (ranks) reduce(&*ranks);
+  return ranks.has_value();
 }
 
 }  // namespace sfdae::core

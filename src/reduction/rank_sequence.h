@@ -10,6 +10,7 @@
 #include "reduction/index_analysis.h"
 #include "reduction/judge.h"
 #include "reduction/null_space_form.h"
+#include "reduction/stored_elimination.h"
 
 namespace sfdae::core {
 
@@ -39,8 +40,23 @@ RankResult find_ranks(const TaylorData& data, int level, const Judge::Settings& 
 // full_rank: min(m, n). Where rows are left out of the array, they may fall.
 bool stages_rise(const RankSequence& list, int level, int full_rank);
 
-// Ranks that agree with the values known, by one noise model or another; level: mu, or above.
+// Ranks that agree with the values known, by one noise model or another; level: mu, or above. matching_form leaves the
+// form that belongs to them, for a right-hand side 0, in the workspace.
 std::optional<RankSequence> matching_ranks(const TaylorData& data, int level, const IndexAnalysis& known,
                                            double rank_tol, RankWorkspace workspace);
+bool matching_form(const TaylorData& data, int level, const IndexAnalysis& known, double rank_tol,
+                   RankWorkspace workspace);
+
+// An elimination of the data with their f that was stored.
+struct StoredReduction {
+  StoredElimination& elimination;
+  bool has_form = false;  // that of its right-hand side is built as well
+  int rank_E = 0;         // of E_0
+  double kept = 1.0;      // the smallest relative value behind the constraints
+};
+
+// The same, stored on the way: a single elimination as a rule. False if no noise model leads to the values known.
+bool reduce_with_known_values(const TaylorData& data, int level, const IndexAnalysis& known, double rank_tol,
+                              RankWorkspace workspace, StoredReduction& reduction);
 
 }  // namespace sfdae::core

@@ -28,13 +28,38 @@ TaylorData data_in_units(CoefficientSource& source, double t, const Units& units
   return data;
 }
 
-Units usual_units(CoefficientSource& source, double t) {
+namespace {
+
+// The data as they would be with such units, time and rows scaled anew: all factors are powers of two. Throws Failure
+// where products would overflow.
+void change_units(const Units& units, TaylorData& data) {
+  data.rescale_time(1.0 / data.time_scale);
+  // Which row is the largest one decides about factors: those of the user are wanted.
+  for (View block : {data.E(0), data.A(0)})
+    for (int j = 0; j < data.n; ++j)
+      for (int i = 0; i < data.m; ++i) block(i, j) /= data.row_scale[index(i)];
+  data.scale_columns(units);
+  if (data.scale(0.0)) return;
+  CallbackError error;
+  error.status = SFDAE_NOT_FINITE;
+  error.row = -1;
+  error.t = data.t;
+  error.raise();
+}
+
+}  // namespace
+
+UsualUnits usual_units(CoefficientSource& source, double t) {
   const std::size_t n = index(source.n());
+  UsualUnits result;
+  result.data = data_in_units(source, t, {});
+  const TaylorData plain = result.data;
   std::vector<double> scale(n, 1.0);
   bool needed = false;
   // Scaling of rows and columns depends on each other: two sweeps.
   for (int sweep = 0; sweep < 2; ++sweep) {
-    const TaylorData data = data_in_units(source, t, scale);
+    if (sweep > 0) change_units(scale, result.data);
+    const TaylorData& data = result.data;
     std::vector<double> size(n);
     double largest = 0.0, smallest = std::numeric_limits<double>::infinity();
     for (std::size_t j = 0; j < n; ++j) {
@@ -47,7 +72,11 @@ Units usual_units(CoefficientSource& source, double t) {
     for (std::size_t j = 0; j < n; ++j)
       if (size[j] > smallest_column * largest) scale[j] *= std::ldexp(1.0, -std::ilogb(size[j]));
   }
-  return needed ? Units(scale) : Units();
+  result.data = plain;
+  if (!needed) return result;
+  result.units = Units(scale);
+  change_units(result.units, result.data);
+  return result;
 }
 
 }  // namespace sfdae::core

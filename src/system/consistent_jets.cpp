@@ -34,15 +34,24 @@ void ConsistentJets::guess_derivative(const double* xdot) {
   std::copy_n(xdot, jet.n, jet.column(1));
 }
 
-// A new point starts from the Taylor polynomial of the first one.
+// A new point starts from the Taylor polynomial of the first one, as far as that is determined.
 ConsistentJets::Point& ConsistentJets::point_at(double t) {
   for (Point& point : points_)
     if (point.jet.t == t) return point;
   points_.push_back(points_.front());
   Point& point = points_.back();
+  Jet& jet = point.jet;
   const int level = std::max(points_.front().level, 0);
-  if (point.jet.order > level) point.jet.set_order(level);  // the highest coefficients are not determined
-  point.jet.shift(t - point.jet.t);
+  if (jet.order > level) {
+    // The highest coefficients are determined in part; the others are what they were guessed.
+    const std::vector<double> highest(jet.column(level + 1), jet.column(level + 1) + jet.n);
+    jet.set_order(level);
+    jet.shift(t - jet.t);
+    jet.set_order(level + 1);
+    std::copy(highest.begin(), highest.end(), jet.column(level + 1));
+  } else {
+    jet.shift(t - jet.t);
+  }
   point.jet.t = t;
   point.level = -1;
   point.is_unshifted = false;

@@ -197,13 +197,21 @@ Vector consistent_point(const ConstrainedPoint& point, const ConsistencyRequest&
   return consistent;
 }
 
-Vector differentiated_change(const ConstrainedPoint& point, const ConsistencyRequest& request, const Vector& dx) {
+namespace {
+
+Vector differentiated_change(const LeadingKernel& kernel, const ConstrainedPoint& point,
+                             const ConsistencyRequest& request, const Vector& dx) {
   Vector scaled(dx);
   for (std::size_t i = 0; i < dx.size(); ++i) scaled[i] /= point.units[i];
-  scaled =
-      differentiated_part(LeadingKernel(point.data.E(0), point.rank_E), scaled_sizes(request, point.units), scaled);
+  scaled = differentiated_part(kernel, scaled_sizes(request, point.units), scaled);
   point.units.outward(scaled.data());
   return scaled;
+}
+
+}  // namespace
+
+Vector differentiated_change(const ConstrainedPoint& point, const ConsistencyRequest& request, const Vector& dx) {
+  return differentiated_change(LeadingKernel(point.data.E(0), point.rank_E), point, request, dx);
 }
 
 ValueChange change_of_differentiated(const ConstrainedPoint& point, const ConsistencyRequest& request,
@@ -222,9 +230,10 @@ ValueChange change_of_differentiated(const ConstrainedPoint& point, const Consis
   }
   const double rounding = std::min(room * error_of_directions(n, point.kept), most_rounding) * size;
   for (int i = 0; i < n; ++i) tolerances[index(i)] = std::max(tolerances[index(i)], rounding * units[i]);
-  const Vector part = differentiated_change(point, request, dx);
+  const LeadingKernel kernel(point.data.E(0), point.rank_E);
+  const Vector part = differentiated_change(kernel, point, request, dx);
   ValueChange change = largest_change(given.data(), part.data(), tolerances, n);
-  change.is_part = !LeadingKernel(point.data.E(0), point.rank_E).is_coordinates();
+  change.is_part = !kernel.is_coordinates();
   return change;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "linalg/arena.h"
 #include "linalg/dense.h"
@@ -24,6 +25,17 @@ Matrix orthonormal(ConstView A, int columns) {
   factor_qr(factors, tau.data(), arena);
   form_q(factors, std::min(A.rows, A.cols), tau.data(), basis, arena);
   return basis;
+}
+
+// x of least |A x - b|, A of full column rank.
+Vector least_squares_of_full_rank(Matrix A, Matrix b) {
+  const int columns = A.cols();
+  Arena arena;
+  Vector tau(index(columns) + 1);
+  factor_qr(A, tau.data(), arena);
+  apply_q(Op::transposed, A, columns, tau.data(), b, arena);
+  solve_upper(Op::plain, A.view().top(columns), b.view().top(columns));
+  return {b.data(), b.data() + columns};
 }
 
 // x of least 2-norm with A x = b, A of full row rank.
@@ -189,9 +201,9 @@ Vector differentiated_part(const LeadingKernel& kernel, const Vector& sizes, con
         if (kernel.basis(i, j) != 0.0) part[index(i)] = 0.0;
     return part;
   }
-  Vector target(dx);
-  for (int i = 0; i < n; ++i) target[index(i)] /= sizes[index(i)];
-  const Vector shares = least_squares(with_rows_divided(kernel.basis, sizes), target, 0.0);
+  Matrix target(n, 1);
+  for (int i = 0; i < n; ++i) target(i, 0) = dx[index(i)] / sizes[index(i)];
+  const Vector shares = least_squares_of_full_rank(with_rows_divided(kernel.basis, sizes), std::move(target));
   multiply(-1.0, Op::plain, kernel.basis, shares.data(), 1.0, part.data());
   return part;
 }

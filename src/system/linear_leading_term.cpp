@@ -7,7 +7,6 @@
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
-#include "linalg/small_kernels.h"
 
 namespace sfdae::core {
 
@@ -21,33 +20,69 @@ void add_derivative_of_E(const TaylorData& data, const double* x, double* wdot) 
   for (int i = 0; i < data.m; ++i) wdot[i] += h[index(i)] / data.row_scale[index(i)];
 }
 
-// to := E^+ from, or E^+^T from. E = U diag(s) V^T of known rank.
-void apply_pseudo_inverse(Op op, const Svd& E, int rank, const std::vector<double>& from, std::vector<double>& to) {
-  const ConstView left = op == Op::plain ? E.U.view() : E.V.view();
-  const ConstView right = op == Op::plain ? E.V.view() : E.U.view();
-  std::fill_n(to.data(), right.rows, 0.0);
-  for (int k = 0; k < rank; ++k) {
-    const double c = small::dot(left.rows, left.column(k), from.data()) / E.s[index(k)];
-    small::add_scaled(right.rows, c, right.column(k), to.data());
+// The pseudo-inverse of E_0 of the rank known, which rests on E P = Q [R11 R12; 0 0] and on the projector of the point:
+// E^+ = (I - K K^T) P [R11^-1; 0] Q1^T.
+class PseudoInverse {
+ public:
+  PseudoInverse(const LinearPoint& point, int rank, Arena& arena)
+      : point_(point),
+        rank_(rank),
+        arena_(arena),
+        factors_(to_matrix(point.data.E(0))),
+        pivots_(index(factors_.cols()) + 1),
+        tau_(index(std::min(factors_.rows(), factors_.cols())) + 1) {
+    factor_qr_pivoted(factors_, pivots_.data(), tau_.data(), arena);
   }
-}
+  // E^+ h; h is destroyed.
+  std::vector<double> apply(std::vector<double>& h) {
+    std::vector<double> result(index(factors_.cols()), 0.0);
+    apply_q(Op::transposed, factors_, rank_, tau_.data(), column(h), arena_);
+    solve_upper(Op::plain, R11(), column(h).top(rank_));
+    for (int k = 0; k < rank_; ++k) result[index(pivots_[index(k)])] = h[index(k)];
+    point_.form.project(result.data(), arena_);
+    return result;
+  }
+  // E^+^T x
+  std::vector<double> apply_transposed(std::vector<double> x) {
+    std::vector<double> result(index(factors_.rows()), 0.0);
+    point_.form.project(x.data(), arena_);
+    for (int k = 0; k < rank_; ++k) result[index(k)] = x[index(pivots_[index(k)])];
+    solve_upper(Op::transposed, R11(), column(result).top(rank_));
+    apply_q(Op::plain, factors_, rank_, tau_.data(), column(result), arena_);
+    return result;
+  }
+
+ private:
+  static View column(std::vector<double>& v) {
+    const int rows = static_cast<int>(v.size());
+    return {v.data(), rows, 1, std::max(rows, 1)};
+  }
+  ConstView R11() const { return factors_.view().block(0, 0, rank_, rank_); }
+
+  const LinearPoint& point_;
+  int rank_;
+  Arena& arena_;
+  Matrix factors_;
+  std::vector<int> pivots_;
+  std::vector<double> tau_;
+};
 
 // P' = S + S^T with S = E^+ E' (I - P), for constant rank.
 void add_derivative_of_projector(const LinearPoint& point, int rank_E, const double* x, double* wdot, Arena& arena) {
   const TaylorData& data = point.data;
   const int n = data.n, m = data.m;
   const double per_tau = 1.0 / data.time_scale;
-  const Svd decomposition = svd(data.E(0));
+  PseudoInverse inverse(point, rank_E, arena);
   const std::vector<double> whole(x, x + n);
-  std::vector<double> kernel_part(whole), Px(whole), h(index(m)), s(index(n));
+  std::vector<double> kernel_part(whole), Px(whole), h(index(m));
   point.form.project(Px.data(), arena);
   for (int i = 0; i < n; ++i) kernel_part[index(i)] -= Px[index(i)];
   multiply(per_tau, Op::plain, data.E(1), kernel_part.data(), 0.0, h.data());
-  apply_pseudo_inverse(Op::plain, decomposition, rank_E, h, s);
+  const std::vector<double> s = inverse.apply(h);
   for (int i = 0; i < n; ++i) wdot[i] += s[index(i)];
   // S^T x = (I - P) E'^T E^+^T x
-  std::vector<double> e(index(m)), back(index(n));
-  apply_pseudo_inverse(Op::transposed, decomposition, rank_E, whole, e);
+  const std::vector<double> e = inverse.apply_transposed(whole);
+  std::vector<double> back(index(n));
   multiply(per_tau, Op::transposed, data.E(1), e.data(), 0.0, back.data());
   std::vector<double> projected = back;
   point.form.project(projected.data(), arena);

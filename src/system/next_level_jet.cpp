@@ -8,7 +8,6 @@
 
 #include "linalg/index.h"
 #include "problem/failure.h"
-#include "reduction/elimination.h"
 #include "reduction/rank_sequence.h"
 
 namespace sfdae::core {
@@ -20,6 +19,9 @@ bool NextLevelJet::solve(const Jet& start, const double* x) {
   constexpr double negligible = 1e-14, still_gaining = 0.1;
   const int n = problem_.n();
   if (availability_ == Availability::no) return false;
+  const bool is_solved = is_solved_for(start, x);
+  is_new_ = false;
+  if (is_solved) return true;
   const bool continues = jet_.order == level() + 1 && jet_.n == n;
   trial_ = start;
   trial_.set_order(level() + 1);
@@ -34,7 +36,20 @@ bool NextLevelJet::solve(const Jet& start, const double* x) {
     before = change->norm;
   }
   jet_ = trial_;
+  is_new_ = true;
   return true;
+}
+
+void NextLevelJet::copy_derivatives(Jet& jet) const {
+  std::copy(jet_.column(1), jet_.column(1) + jet_.n * std::min(jet.order, jet_.order), jet.column(1));
+}
+
+// The last solution itself; it is given once, as equations may have changed later.
+bool NextLevelJet::is_solved_for(const Jet& start, const double* x) const {
+  const int n = problem_.n();
+  return is_new_ && jet_.n == n && jet_.t == start.t && start.order == level() &&
+         std::equal(x, x + n, jet_.column(0)) &&
+         std::equal(start.column(1), start.column(1) + n * level(), jet_.column(1));
 }
 
 // False where F_{mu+1} cannot be evaluated or has other ranks.
@@ -47,13 +62,8 @@ bool NextLevelJet::eliminate_at(const Jet& jet) {
   if (error.status == SFDAE_ORDER_MISSING) availability_ = Availability::no;
   if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED) error.raise();
   if (error.status != SFDAE_OK) return false;
-  const std::optional<RankSequence> ranks = matching_ranks(data_, level(), analysis, rank_tol, {arena_, rank_form_});
-  if (!ranks) return false;
-  const Judge::Settings judging{rank_tol, false, NoiseModel::pivots, &*ranks};
-  Judge judge(data_, level(), judging, nullptr);
-  const Arena::Frame frame(arena_);
-  eliminate(data_, level(), data_.f_stack(level()), 1, judge, arena_, &elimination_);
-  return true;
+  StoredReduction reduction{elimination_};
+  return reduce_with_known_values(data_, level(), analysis, rank_tol, {arena_, rank_form_}, reduction);
 }
 
 // One change of y. None if it is not finite.
@@ -84,6 +94,7 @@ std::optional<NextLevelJet::Change> NextLevelJet::change_derivatives(Jet& jet) {
 
 void NextLevelJet::archive_highest_derivative(Archive& archive) {
   if (archive.is_reading()) {
+    is_new_ = false;
     jet_.n = problem_.n();
     jet_.set_order(level() + 1);
   }

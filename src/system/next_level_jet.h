@@ -25,6 +25,10 @@ class NextLevelJet {
   // not possible. Throws Failure where a callback stops.
   bool solve(const Jet& start, const double* x);
   const double* derivative() const { return jet_.column(1); }
+  // The next solve() is made even if the jet is that of the last one.
+  void forget_solution() { is_new_ = false; }
+  // Those that the jet has.
+  void copy_derivatives(Jet& jet) const;
 
   bool has_jet() const { return jet_.n > 0; }
   Availability& availability() { return availability_; }
@@ -33,6 +37,7 @@ class NextLevelJet {
 
  private:
   int level() const { return problem_.mu() + 1; }
+  bool is_solved_for(const Jet& start, const double* x) const;
   bool eliminate_at(const Jet& jet);
   // Of x', scaled: the largest change, and the largest entry.
   struct Change {
@@ -44,6 +49,7 @@ class NextLevelJet {
   Arena& arena_;
   Availability availability_ = Availability::unknown;
   Jet jet_, trial_;
+  bool is_new_ = false;  // and not asked for since it was solved
   TaylorData data_;
   StoredElimination elimination_;
   NullSpaceForm rank_form_;

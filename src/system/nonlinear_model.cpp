@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "problem/failure.h"
 #include "system/consistent_jets.h"
@@ -79,9 +81,12 @@ std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed(const AnalysisSettings
     return std::make_unique<NonlinearSystem>(*problem_, options.analysis, std::move(analysis), jets.units(),
                                              jets.jet_at(point.t, analysis.values.mu));
   };
+  guess_.clear();
   if (!request.differentiated_stay()) return analyzed_near(false);
   try {
-    return analyzed_near(true);
+    std::unique_ptr<NonlinearSystem> system = analyzed_near(true);
+    if (point.xdot == nullptr) guess_.assign(point.x, point.x + n());
+    return system;
   } catch (const Failure& failure) {
     if (is_final(failure)) throw;
   }
@@ -165,6 +170,22 @@ ConsistentJetResult choose_from_starts(NonlinearProblem& problem, NonlinearSyste
   return choose_consistent_jet(problem, system.analysis(), system.units(), request, {given, list.back()(), rank_tol});
 }
 
+// From the jet that the analysis has found near the same values: none if it moves what is differentiated, where another
+// start may find something nearer.
+std::optional<ConsistentJetResult> choose_from_analysis(NonlinearProblem& problem, NonlinearSystem& system,
+                                                        const PointOfInterest& point,
+                                                        const ConsistencyRequest& request) {
+  const std::vector<double> given(point.x, point.x + problem.n());
+  try {
+    ConsistentJetResult found = choose_consistent_jet(problem, system.analysis(), system.units(), request,
+                                                      {given, system.jet(), system.settings().rank_tol});
+    if (!found.value_change.is_beyond_tolerances()) return found;
+  } catch (const Failure& failure) {
+    if (is_final(failure)) throw;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 ConsistentPoint NonlinearModel::make_consistent(NonlinearSystem& system, const PointOfInterest& point,
@@ -174,12 +195,17 @@ ConsistentPoint NonlinearModel::make_consistent(NonlinearSystem& system, const P
   result.x.assign(point.x, point.x + n());
   const ConsistencyRequest request = options.request_at(point.x);
   const bool may_trust = request.differentiated_stay();
-  ConsistentJetResult found =
-      choose_from_starts(*problem_, system, point, may_trust ? request.trusting_digits(point.x) : request);
+  const ConsistencyRequest first = may_trust ? request.trusting_digits(point.x) : request;
+  const bool is_analyzed = may_trust && point.xdot == nullptr && system.jet().t == point.t &&
+                           std::equal(guess_.begin(), guess_.end(), point.x, point.x + n());
+  std::optional<ConsistentJetResult> near;
+  if (is_analyzed) near = choose_from_analysis(*problem_, system, point, first);
+  ConsistentJetResult found = near ? std::move(*near) : choose_from_starts(*problem_, system, point, first);
   if (may_trust && found.value_change.is_beyond_tolerances())
     found = choose_from_starts(*problem_, system, point, request);
   result.change = found.change;
   if (request.reports_changes()) result.value_change = found.value_change;
+  system.complete(found.jet);
   demand_point(system, system.set_point(found.jet), point.t, "Analyze the problem there.");
   system.apply_inputs();
   if (request.kind != InitialValues::accept) result.x.assign(system.jet().x.data(), system.jet().x.data() + n());

@@ -62,6 +62,8 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   RecordedProblem* recorded_ = nullptr;
   CallbackProblem* callback_ = nullptr;
   std::unique_ptr<NonlinearProblem> problem_;
+  // Of x, near which the analysis has found its jet without moving what is differentiated if it could; empty: other.
+  std::vector<double> guess_;
 };
 
 }  // namespace sfdae::core

@@ -71,6 +71,13 @@ PointStatus NonlinearSystem::set_point(const Jet& jet) {
   return rank_check_.renew(jet_, linearization_, iteration_);
 }
 
+// Level mu leaves open some components of its highest derivatives, on which the linearization depends all the same.
+void NonlinearSystem::complete(Jet& jet) {
+  jet.set_order(problem_.jet_order());
+  next_level_.forget_solution();
+  if (problem_.prescribed().empty() && next_level_.solve(jet, jet.column(0))) next_level_.copy_derivatives(jet);
+}
+
 void NonlinearSystem::apply_inputs() {
   if (problem_.prescribed().empty()) return;
   std::vector<double> x(index(problem_.n()));

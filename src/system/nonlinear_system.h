@@ -38,6 +38,9 @@ class NonlinearSystem final : public DaeSystem {
   double t() const override { return linearization_.is_complete() ? jet_.t : std::nan(""); }
   // A point consistent up to level mu becomes the current and accepted one; the ranks are judged there.
   PointStatus set_point(const Jet& jet);
+  // The derivatives of a jet consistent up to level mu become those that level mu + 1 determines, where that is
+  // available.
+  void complete(Jet& jet);
   // Prescribed components at the current point get their values, others change as little as they must.
   void apply_inputs();
   // The current jet, x = column 0.

@@ -8,7 +8,6 @@
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
-#include "reduction/elimination.h"
 #include "reduction/null_space_form.h"
 #include "reduction/rank_sequence.h"
 #include "reduction/stored_elimination.h"
@@ -39,17 +38,10 @@ class LinearizedConstraints {
     const NonlinearProblem::Scaling scaling{analysis_.time_scale, analysis_.rows, nullptr, &units_};
     const CallbackError error = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
     if (error.status != SFDAE_OK) error.raise();
-    const std::optional<RankSequence> ranks = matching_ranks(data_, mu, analysis_, rank_tol_, {arena_, form_});
-    has_known_ranks_ = ranks.has_value();
-    if (!ranks) return;
-    const Judge::Settings settings{rank_tol_, false, NoiseModel::pivots, &*ranks};
-    Judge judge(data_, mu, settings, nullptr);
-    const Arena::Frame frame(arena_);
-    const Carried carried = eliminate(data_, mu, data_.f_stack(mu), 1, judge, arena_, &elimination_);
-    form_.resize(problem_.m(), problem_.n(), 0, carried.rows);
-    form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena_);
-    rank_E_ = carried.rank_E;
-    kept_ = judge.kept_constraints() * judge.smallest_pivot();
+    StoredReduction reduction{elimination_, true};
+    has_known_ranks_ = reduce_with_known_values(data_, mu, analysis_, rank_tol_, {arena_, form_}, reduction);
+    rank_E_ = reduction.rank_E;
+    kept_ = reduction.kept;
   }
   ConstrainedPoint point() const {
     return {form_, data_, units_, rank_E_, kept_, follows_inputs_ ? &problem_.prescribed() : nullptr};

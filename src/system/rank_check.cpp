@@ -81,8 +81,7 @@ PointStatus RankCheck::match_known_ranks(const Jet& jet, const ArrayLinearizatio
   has_form_ = false;
   const PointStatus status = problem_.linearize(jet, linearization.preferred_rows(), data_);
   if (status != PointStatus::ok) return status;
-  has_form_ = matching_ranks(data_, problem_.mu(), problem_.analysis(), problem_.settings().rank_tol, {arena_, form_})
-                  .has_value();
+  has_form_ = matching_form(data_, problem_.mu(), problem_.analysis(), problem_.settings().rank_tol, {arena_, form_});
   return has_form_ ? PointStatus::ok : PointStatus::changed;
 }
 
