@@ -1,0 +1,71 @@
+// Loops over whole vectors of numbers, compiled for several instruction sets; which one is taken is decided at run time.
+//
+// They work on padded matrices: columns aligned to 64 bytes, leading dimension a multiple of 8, zeros in the rows from
+// `rows` to the next multiple of 8, and room for spare columns, so that no loop has a remainder. dense.h uses them.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace sfdae::core::kernels {
+
+// What rows are rounded up to: the longest vector, and a cache line.
+inline constexpr int lanes = 8;
+// Columns behind the last one that loops over groups of columns may read and write; zeros.
+inline constexpr int spare_columns = 8;
+
+// An array with the properties above.
+struct Padded {
+  double* data;
+  int ld;
+  int rows, cols;
+};
+
+// A factorization A P = Q R under way: R and the Householder vectors in A as LAPACK has them.
+struct QrWork {
+  Padded a;
+  double* v;    // the Householder vector at work, with its zeros and 1: ld entries
+  double* row;  // the row at work: as many entries as there are columns, rounded up, and spare ones
+  double* tau;
+  // With column pivoting; nullptr: without. Squared norms of what is left of each column, and what these were when they
+  // were last computed and not only updated; of the length of `row`.
+  int* pivots;
+  double* norms;
+  double* reference;
+  // Of a panel: A = A - V F^T is what its reflections do to the columns behind it. Of the length of `row` times the
+  // width of a panel, and as many coefficients as that is wide, and spare ones.
+  Padded F;
+  double* coefficients;
+};
+
+struct Loops {
+  const char* name;
+  // Copies a into `to` and pads it; squares, if not nullptr: the squared norms of the columns.
+  void (*pad)(const double* a, int lda, Padded to, double* squares);
+  // Reflections first, ..., last - 1, each applied to all columns up to end at once.
+  void (*factor_columns)(const QrWork& work, int first, int last, int end);
+  // Reflections first, ..., first + count - 1 at most, pivoted: the columns behind the panel get their pivot rows, the
+  // rest of them is left as it was, for one product with F. Returns how many were made: fewer where norms have to be
+  // computed anew before the next pivot can be chosen.
+  int (*factor_panel)(const QrWork& work, int first, int count);
+  // Norms of the columns from `first` on, in the rows from there on, computed anew where updates have lost them.
+  void (*renew_norms)(const QrWork& work, int first);
+  // C := Q^T C (in the order of the reflections) or Q C (from last to first). V: Householder vectors with zeros and 1.
+  void (*apply_reflections)(Padded V, const double* tau, bool last_first, Padded C);
+  // T of Q = I - V T V^T from S = V^T V, upper triangular; zeros below.
+  void (*triangular_factor)(Padded S, const double* tau, Padded T);
+};
+
+enum class InstructionSet { portable, avx2, avx512 };
+
+// nullptr where the processor, or this build, does not have it.
+const Loops* loops_for(InstructionSet set);
+// The best there is, or less if the environment variable SFDAE_INSTRUCTIONS says so: portable, avx2.
+const Loops& loops();
+// Chooses others from now on, for tests; nullptr: as at the start.
+void use_loops(const Loops* chosen);
+
+// What the parts of the build have; called by loops_for().
+const Loops* portable_loops();
+const Loops* avx2_loops();
+const Loops* avx512_loops();
+
+}  // namespace sfdae::core::kernels

@@ -1,0 +1,59 @@
+// Loops for processors with AVX-512.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linalg/kernels.h"
+
+#if defined(__AVX512F__) && defined(__FMA__)
+
+#include <immintrin.h>
+
+namespace sfdae::core::kernels {
+
+namespace {
+
+struct Lanes {
+  using V = __m512d;
+  static constexpr int width = 8;
+  static constexpr const char* name = "avx512";
+  static V zero() { return _mm512_setzero_pd(); }
+  static V all(double x) { return _mm512_set1_pd(x); }
+  static V load(const double* x) { return _mm512_load_pd(x); }
+  static V load_anywhere(const double* x) { return _mm512_loadu_pd(x); }
+  static void store(double* x, V v) { _mm512_store_pd(x, v); }
+  static V add_product(V a, V b, V c) { return _mm512_fmadd_pd(a, b, c); }
+  static V subtract_product(V a, V b, V c) { return _mm512_fnmadd_pd(a, b, c); }
+  static V product(V a, V b) { return _mm512_mul_pd(a, b); }
+  static V sum(V a, V b) { return _mm512_add_pd(a, b); }
+  static V larger(V a, V b) { return _mm512_max_pd(a, b); }
+  static V smaller(V a, V b) { return _mm512_min_pd(a, b); }
+  static double largest(V a) { return _mm512_reduce_max_pd(a); }
+  static double smallest(V a) { return _mm512_reduce_min_pd(a); }
+  static double total(V a) { return _mm512_reduce_add_pd(a); }
+  static __m256d half(V a) { return _mm256_add_pd(_mm512_castpd512_pd256(a), _mm512_extractf64x4_pd(a, 1)); }
+  static void sums(V a, V b, V c, V d, double* to) {
+    const __m256d ab = _mm256_hadd_pd(half(a), half(b)), cd = _mm256_hadd_pd(half(c), half(d));
+    const __m256d crossed = _mm256_permute2f128_pd(ab, cd, 0x21), kept = _mm256_blend_pd(ab, cd, 0xc);
+    _mm256_storeu_pd(to, _mm256_add_pd(crossed, kept));
+  }
+};
+
+}  // namespace
+
+}  // namespace sfdae::core::kernels
+
+#include "linalg/kernel_loops.h"
+
+namespace sfdae::core::kernels {
+
+const Loops* avx512_loops() { return &made; }
+
+}  // namespace sfdae::core::kernels
+
+#else
+
+namespace sfdae::core::kernels {
+
+const Loops* avx512_loops() { return nullptr; }
+
+}  // namespace sfdae::core::kernels
+
+#endif

@@ -1,0 +1,50 @@
+// Loops for any processor: vectors of two numbers that compilers map to what there is.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linalg/kernels.h"
+
+namespace sfdae::core::kernels {
+
+namespace {
+
+struct Lanes {
+  struct V {
+    double x, y;
+  };
+  static constexpr int width = 2;
+  static constexpr const char* name = "portable";
+  static V zero() { return {0.0, 0.0}; }
+  static V all(double x) { return {x, x}; }
+  static V load(const double* x) { return {x[0], x[1]}; }
+  static V load_anywhere(const double* x) { return {x[0], x[1]}; }
+  static void store(double* x, V v) {
+    x[0] = v.x;
+    x[1] = v.y;
+  }
+  static V add_product(V a, V b, V c) { return {c.x + a.x * b.x, c.y + a.y * b.y}; }
+  static V subtract_product(V a, V b, V c) { return {c.x - a.x * b.x, c.y - a.y * b.y}; }
+  static V product(V a, V b) { return {a.x * b.x, a.y * b.y}; }
+  static V sum(V a, V b) { return {a.x + b.x, a.y + b.y}; }
+  static V larger(V a, V b) { return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y}; }
+  static V smaller(V a, V b) { return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y}; }
+  static double largest(V a) { return a.x > a.y ? a.x : a.y; }
+  static double smallest(V a) { return a.x < a.y ? a.x : a.y; }
+  static double total(V a) { return a.x + a.y; }
+  static void sums(V a, V b, V c, V d, double* to) {
+    to[0] = total(a);
+    to[1] = total(b);
+    to[2] = total(c);
+    to[3] = total(d);
+  }
+};
+
+}  // namespace
+
+}  // namespace sfdae::core::kernels
+
+#include "linalg/kernel_loops.h"
+
+namespace sfdae::core::kernels {
+
+const Loops* portable_loops() { return &made; }
+
+}  // namespace sfdae::core::kernels

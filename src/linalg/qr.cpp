@@ -1,0 +1,207 @@
+// QR factorizations: small loops, vector loops up to medium sizes, blocks of reflections.
+//
+// A block of reflections is I - V T V^T with V their vectors and T upper triangular [SVL89]. LAPACK's pivoted
+// factorization is unblocked below 128 columns, and its blocks cost more than they save up to 100
+// (docs/decisions/37-dense-kernels.md).
+//
+// [SVL89] R. Schreiber, C. Van Loan: A storage-efficient WY representation for products of Householder transformations.
+//         SIAM J. Sci. Stat. Comput. 10, 1989.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "linalg/dense.h"
+#include "linalg/index.h"
+#include "linalg/kernels.h"
+#include "linalg/small_kernels.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using kernels::lanes;
+using kernels::Padded;
+
+// Measured crossovers, docs/decisions/37-dense-kernels.md.
+// Up to so many rows plain loops win.
+constexpr int tiny_rows = 12;
+// Reflections in a block.
+constexpr int block = 16;
+// What is left of a pivoted factorization is not worth a panel.
+constexpr int unblocked = 32;
+
+int round_up(int i) { return (i + lanes - 1) & ~(lanes - 1); }
+
+int leading_dimension(int rows) {
+  const int rounded = std::max(round_up(rows), lanes);
+  return rounded % 64 == 0 ? rounded + lanes : rounded;  // powers of two alias in the cache
+}
+
+Padded padded(int rows, int cols, Arena& arena) {
+  const int ld = leading_dimension(rows);
+  return {arena.take(index(ld) * index(cols + kernels::spare_columns)), ld, rows, cols};
+}
+
+View view(const Padded& a) { return {a.data, a.rows, a.cols, a.ld}; }
+
+kernels::QrWork work_for(ConstView a, double* tau, Arena& arena) {
+  const int length = round_up(a.cols) + kernels::spare_columns;
+  kernels::QrWork work{};
+  work.a = padded(a.rows, a.cols, arena);
+  work.v = arena.take(index(work.a.ld));
+  work.row = arena.zeros(index(length));
+  work.tau = tau;
+  return work;
+}
+
+void add_pivoting(kernels::QrWork& work, int* pivots, Arena& arena) {
+  const int cols = work.a.cols, length = round_up(cols) + kernels::spare_columns;
+  work.pivots = pivots;
+  for (int j = 0; j < cols; ++j) pivots[j] = j;
+  work.norms = arena.take(index(length));
+  work.reference = arena.take(index(length));
+  std::fill(work.norms + cols, work.norms + length, -1.0);
+  std::fill(work.reference + cols, work.reference + length, -1e300);
+  work.F = {arena.take(index(length) * index(block)), length, cols, block};
+  work.coefficients = arena.take(index(block + kernels::spare_columns));
+}
+
+// C -= V F^T
+void subtract_product(ConstView V, ConstView F, View C) { multiply(-1.0, Op::plain, V, Op::transposed, F, 1.0, C); }
+
+// Reflections first, ..., first + count - 1 of a factorization as a block, in the rows from `first` on.
+struct Block {
+  View V;  // with zeros and ones
+  View Y;  // V T^T or V T: the block is I - V Y^T
+};
+
+Block make_block(ConstView factors, int first, int count, const double* tau, Op op, Arena& arena) {
+  const int rows = factors.rows - first;
+  const Padded V = padded(rows, count, arena), Y = padded(rows, count, arena);
+  const Arena::Frame frame(arena);
+  const Padded S = padded(count, count, arena), T = padded(count, count, arena);
+  for (int q = 0; q < count; ++q) {
+    double* to = view(V).column(q);
+    std::fill_n(to, q, 0.0);
+    to[q] = 1.0;
+    std::copy_n(&factors(first, first + q) + q + 1, rows - q - 1, to + q + 1);
+  }
+  for (int q = 0; q < count; ++q) std::fill(view(S).column(q) + count, view(S).column(q) + S.ld, 0.0);
+  multiply(1.0, Op::transposed, view(V), Op::plain, view(V), 0.0, view(S));
+  kernels::loops().triangular_factor(S, tau + first, T);
+  multiply(1.0, Op::plain, view(V), op == Op::plain ? Op::transposed : Op::plain, view(T), 0.0, view(Y));
+  return {view(V), view(Y)};
+}
+
+void apply_block(const Block& of, View C, Arena& arena) {
+  const Arena::Frame frame(arena);
+  const View W = arena.matrix(of.V.cols, C.cols);
+  multiply(1.0, Op::transposed, of.Y, Op::plain, C, 0.0, W);
+  multiply(-1.0, Op::plain, of.V, Op::plain, W, 1.0, C);
+}
+
+// One reflection after the other.
+void apply_unblocked(Op op, ConstView factors, int count, const double* tau, View C, Arena& arena) {
+  const Arena::Frame frame(arena);
+  const Padded V = padded(C.rows, count, arena), work = padded(C.rows, C.cols, arena);
+  kernels::loops().pad(factors.data, factors.ld, V, nullptr);
+  for (int q = 0; q < count; ++q) {
+    std::fill_n(view(V).column(q), q, 0.0);
+    view(V)(q, q) = 1.0;
+  }
+  kernels::loops().pad(C.data, C.ld, work, nullptr);
+  kernels::loops().apply_reflections(V, tau, op == Op::plain, work);
+  copy(view(work), C);
+}
+
+int last_block(int count) { return (count - 1) / block * block; }
+
+}  // namespace
+
+void factor_qr(View a, double* tau, Arena& arena) {
+  if (a.rows == 0 || a.cols == 0) return;
+  if (a.rows <= tiny_rows) return small::factor_qr(a, tau);
+  const Arena::Frame frame(arena);
+  const kernels::QrWork work = work_for(a, tau, arena);
+  const kernels::Loops& loops = kernels::loops();
+  loops.pad(a.data, a.ld, work.a, nullptr);
+  const int steps = std::min(a.rows, a.cols);
+  const View factors = view(work.a);
+  for (int first = 0; first < steps;) {
+    const bool is_last = a.cols - first <= unblocked;
+    const int next = is_last ? steps : std::min(first + block, steps);
+    loops.factor_columns(work, first, next, is_last ? a.cols : next);
+    if (!is_last && next < a.cols) {
+      const Arena::Frame inner(arena);
+      const Block of = make_block(factors, first, next - first, tau, Op::transposed, arena);
+      apply_block(of, factors.block(first, next, a.rows - first, a.cols - next), arena);
+    }
+    first = next;
+  }
+  copy(factors, a);
+}
+
+void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena) {
+  if (a.cols == 0) return;
+  const Arena::Frame frame(arena);
+  if (a.rows <= tiny_rows) return small::factor_qr_pivoted(a, pivots, tau, arena.take(2 * index(a.cols)));
+  kernels::QrWork work = work_for(a, tau, arena);
+  add_pivoting(work, pivots, arena);
+  const kernels::Loops& loops = kernels::loops();
+  loops.pad(a.data, a.ld, work.a, work.norms);
+  std::copy_n(work.norms, a.cols, work.reference);
+  const int steps = std::min(a.rows, a.cols);
+  const View factors = view(work.a);
+  for (int first = 0; first < steps;) {
+    const int columns = a.cols - first;
+    if (columns <= unblocked || steps - first <= block) {
+      loops.factor_columns(work, first, steps, a.cols);
+      break;
+    }
+    const int done = loops.factor_panel(work, first, block), next = first + done;
+    subtract_product(factors.block(next, first, a.rows - next, done), view(work.F).block(next, 0, a.cols - next, done),
+                     factors.block(next, next, a.rows - next, a.cols - next));
+    loops.renew_norms(work, next);
+    first = next;
+  }
+  copy(factors, a);
+}
+
+void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Arena& arena) {
+  if (c.rows == 0 || c.cols == 0 || count == 0) return;
+  if (c.rows <= tiny_rows || c.cols == 1) {
+    for (int step = 0; step < count; ++step) {
+      const int p = op == Op::transposed ? step : count - 1 - step;
+      small::apply_reflector(&factors(p, p), tau[p], c.block(p, 0, c.rows - p, c.cols));
+    }
+    return;
+  }
+  if (count <= block) return apply_unblocked(op, factors, count, tau, c, arena);
+  const int last = last_block(count);
+  for (int step = 0; step <= last; step += block) {
+    const int first = op == Op::transposed ? step : last - step;
+    const Arena::Frame frame(arena);
+    const Block of = make_block(factors, first, std::min(block, count - first), tau, op, arena);
+    apply_block(of, c.block(first, 0, c.rows - first, c.cols), arena);
+  }
+}
+
+void form_q(ConstView factors, int count, const double* tau, View q, Arena& arena) {
+  if (q.rows == 0 || q.cols == 0) return;
+  fill(q, 0.0);
+  for (int j = 0; j < q.cols; ++j) q(j, j) = 1.0;
+  if (count == 0) return;
+  if (q.rows <= tiny_rows) {
+    // Reflection p leaves the first p columns of the identity alone.
+    for (int p = count - 1; p >= 0; --p)
+      small::apply_reflector(&factors(p, p), tau[p], q.block(p, p, q.rows - p, q.cols - p));
+    return;
+  }
+  if (count <= block) return apply_unblocked(Op::plain, factors, count, tau, q, arena);
+  for (int first = last_block(count); first >= 0; first -= block) {
+    const Arena::Frame frame(arena);
+    const Block of = make_block(factors, first, std::min(block, count - first), tau, Op::plain, arena);
+    apply_block(of, q.block(first, first, q.rows - first, q.cols - first), arena);
+  }
+}
+
+}  // namespace sfdae::core
