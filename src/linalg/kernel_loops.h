@@ -202,28 +202,40 @@ double reflect_tiny(double* x, int first, int rows, double& alpha) {
 
 // The reflection that maps column p to a multiple of e_p, in the rows from p on.
 double make_reflection(const QrWork& work, int p) {
-  const int rows = work.a.rows, from = round_down(p), to = round_up(rows);
+  const int rows = work.a.rows, from = round_down(p), whole = from + lanes, to = round_up(rows);
   double *x = column(work.a, p), *v = work.v;
-  for (int i = from; i < to; i += width) Lanes::store(v + i, Lanes::load(x + i));
-  for (int i = from; i <= p; ++i) v[i] = 0.0;
-  const double tail = square(v, from, rows);
-  double alpha = x[p];
-  double tau = 0.0;
-  const double sum = alpha * alpha + tail;
+  V squares = Lanes::zero();
+  for (int i = from; i < whole; i += width) {
+    const V below = Lanes::behind(Lanes::load(x + i), p - i);
+    Lanes::store(v + i, below);
+    squares = Lanes::add_product(below, below, squares);
+  }
+  for (int i = whole; i < to; i += width) squares = Lanes::add_product(Lanes::load(x + i), Lanes::load(x + i), squares);
+  double alpha = x[p], tau = 0.0, scale = 0.0;
+  const double tail = Lanes::total(squares), sum = alpha * alpha + tail;
   if (sum < least_square) {
+    for (int i = whole; i < rows; ++i) v[i] = x[i];
     tau = reflect_tiny(v, p + 1, rows, alpha);
+    for (int i = p + 1; i < rows; ++i) x[i] = v[i];
+    scale = 1.0;
   } else if (tail > 0.0) {
     const double beta = -copysign(sqrt(sum), alpha);
-    const V scale = Lanes::all(1.0 / (alpha - beta));
-    for (int i = from; i < to; i += width) Lanes::store(v + i, Lanes::product(Lanes::load(v + i), scale));
+    scale = 1.0 / (alpha - beta);
     tau = (beta - alpha) / beta;
     alpha = beta;
   }
-  x[p] = alpha;
-  const int whole = round_up(p + 1);
-  for (int i = p + 1; i < whole && i < rows; ++i) x[i] = v[i];
-  for (int i = whole; i < to; i += width) Lanes::store(x + i, Lanes::load(v + i));
-  v[p] = 1.0;
+  const V factor = Lanes::all(scale);
+  for (int i = from; i < whole; i += width) {
+    const V below = Lanes::product(Lanes::load(v + i), factor);
+    Lanes::store(v + i, Lanes::with(below, p - i, 1.0));
+    const V above = Lanes::load(x + i);
+    Lanes::store(x + i, Lanes::with(Lanes::sum(Lanes::up_to(above, p - i), below), p - i, alpha));
+  }
+  for (int i = whole; i < to; i += width) {
+    const V below = Lanes::product(Lanes::load(x + i), factor);
+    Lanes::store(v + i, below);
+    Lanes::store(x + i, below);
+  }
   return work.tau[p] = tau;
 }
 
@@ -242,8 +254,10 @@ int largest_norm(const QrWork& work, int p) {
   V best = Lanes::all(done_norm);
   for (int j = round_down(p); j < round_up(work.a.cols); j += width) best = Lanes::larger(best, Lanes::load(work.norms + j));
   const double most = Lanes::largest(best);
-  for (int j = p; j < work.a.cols; ++j)
-    if (work.norms[j] == most) return j;
+  for (int j = round_down(p); j < round_up(work.a.cols); j += width) {
+    const int lane = Lanes::find(Lanes::load(work.norms + j), most);
+    if (lane < width) return j + lane < p ? p : j + lane;
+  }
   return p;
 }
 
@@ -307,13 +321,17 @@ void factor_columns(const QrWork& work, int first, int last, int end) {
 
 // What the reflections first, ..., p - 1 do to column p, in the rows from p on.
 void catch_up(const QrWork& work, int first, int p) {
-  const int from = round_down(p), count = p - first;
-  double* x = column(work.a, p);
-  double kept[lanes];
-  for (int i = from; i < p; ++i) kept[i - from] = x[i];
+  const int from = round_down(p), count = p - first, to = round_up(work.a.rows);
+  double *x = column(work.a, p), *y = work.v;
+  for (int i = from; i < to; i += width) Lanes::store(y + i, Lanes::load(x + i));
   for (int q = 0; q < count; ++q) work.coefficients[q] = -column(work.F, q)[p];
-  add_combination({column(work.a, first), work.a.ld, count, work.coefficients}, from, round_up(work.a.rows), x);
-  for (int i = from; i < p; ++i) x[i] = kept[i - from];
+  add_combination({column(work.a, first), work.a.ld, count, work.coefficients}, from, to, y);
+  // Rows above are finished. No vector is read of which parts have just been written: that would wait for them.
+  for (int i = from; i < from + lanes; i += width) {
+    const V above = Lanes::up_to(Lanes::load(x + i), p - 1 - i), below = Lanes::behind(Lanes::load(y + i), p - 1 - i);
+    Lanes::store(x + i, Lanes::sum(above, below));
+  }
+  for (int i = from + lanes; i < to; i += width) Lanes::store(x + i, Lanes::load(y + i));
 }
 
 // Column p - first of F: tau A^T v, less what the reflections before have made of A.
@@ -357,13 +375,9 @@ int factor_panel(const QrWork& work, int first, int count) {
 
 void apply_reflections(Padded vectors, const double* tau, bool last_first, Padded C) {
   const int count = vectors.cols, to = round_up(vectors.rows);
-  for (int j = 0; j < C.cols; j += 8) {
-    for (int step = 0; step < count; ++step) {
-      const int p = last_first ? count - 1 - step : step;
-      const Reflection h{column(vectors, p), tau[p], round_down(p), to};
-      if (j + 4 < C.cols) reflect_eight(h, column(C, j), C.ld);
-      else reflect_four(h, column(C, j), C.ld);
-    }
+  for (int step = 0; step < count; ++step) {
+    const int p = last_first ? count - 1 - step : step;
+    reflect({column(vectors, p), tau[p], round_down(p), to}, C, 0, C.cols, true);
   }
 }
 

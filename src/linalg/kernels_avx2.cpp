@@ -25,6 +25,18 @@ struct Lanes {
   static V sum(V a, V b) { return _mm256_add_pd(a, b); }
   static V larger(V a, V b) { return _mm256_max_pd(a, b); }
   static V smaller(V a, V b) { return _mm256_min_pd(a, b); }
+  // Numbers of the places behind a place, up to it, and with one replaced; it may lie outside.
+  static V places() { return _mm256_set_pd(3.0, 2.0, 1.0, 0.0); }
+  static V behind(V a, int place) { return _mm256_and_pd(a, _mm256_cmp_pd(places(), all(place), _CMP_GT_OQ)); }
+  static V up_to(V a, int place) { return _mm256_and_pd(a, _mm256_cmp_pd(places(), all(place), _CMP_LE_OQ)); }
+  static V with(V a, int place, double x) {
+    return _mm256_blendv_pd(a, all(x), _mm256_cmp_pd(places(), all(place), _CMP_EQ_OQ));
+  }
+  // The first place that is equal, or the width.
+  static int find(V a, double x) {
+    const int equal = _mm256_movemask_pd(_mm256_cmp_pd(a, all(x), _CMP_EQ_OQ));
+    return equal == 0 ? 4 : __builtin_ctz(static_cast<unsigned>(equal));
+  }
   static __m128d upper(V a) { return _mm256_extractf128_pd(a, 1); }
   static __m128d lower(V a) { return _mm256_castpd256_pd128(a); }
   static double largest(V a) {

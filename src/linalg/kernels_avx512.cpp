@@ -25,6 +25,19 @@ struct Lanes {
   static V sum(V a, V b) { return _mm512_add_pd(a, b); }
   static V larger(V a, V b) { return _mm512_max_pd(a, b); }
   static V smaller(V a, V b) { return _mm512_min_pd(a, b); }
+  // Numbers of the places behind a place, up to it, and with one replaced; it may lie outside.
+  static __mmask8 first_places(int count) { return static_cast<__mmask8>(count <= 0 ? 0 : count >= 8 ? 255 : (1 << count) - 1); }
+  static V behind(V a, int place) { return _mm512_maskz_mov_pd(static_cast<__mmask8>(~first_places(place + 1)), a); }
+  static V up_to(V a, int place) { return _mm512_maskz_mov_pd(first_places(place + 1), a); }
+  static V with(V a, int place, double x) {
+    const int mask = first_places(place + 1) ^ first_places(place);
+    return _mm512_mask_mov_pd(a, static_cast<__mmask8>(mask), _mm512_set1_pd(x));
+  }
+  // The first place that is equal, or the width.
+  static int find(V a, double x) {
+    const int equal = _mm512_cmp_pd_mask(a, _mm512_set1_pd(x), _CMP_EQ_OQ);
+    return equal == 0 ? 8 : __builtin_ctz(static_cast<unsigned>(equal));
+  }
   static double largest(V a) { return _mm512_reduce_max_pd(a); }
   static double smallest(V a) { return _mm512_reduce_min_pd(a); }
   static double total(V a) { return _mm512_reduce_add_pd(a); }

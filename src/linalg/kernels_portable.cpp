@@ -26,6 +26,12 @@ struct Lanes {
   static V sum(V a, V b) { return {a.x + b.x, a.y + b.y}; }
   static V larger(V a, V b) { return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y}; }
   static V smaller(V a, V b) { return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y}; }
+  // Numbers of the places behind a place, up to it, and with one replaced; it may lie outside.
+  static V behind(V a, int place) { return {place < 0 ? a.x : 0.0, place < 1 ? a.y : 0.0}; }
+  static V up_to(V a, int place) { return {place >= 0 ? a.x : 0.0, place >= 1 ? a.y : 0.0}; }
+  static V with(V a, int place, double x) { return {place == 0 ? x : a.x, place == 1 ? x : a.y}; }
+  // The first place that is equal, or the width.
+  static int find(V a, double x) { return a.x == x ? 0 : a.y == x ? 1 : 2; }
   static double largest(V a) { return a.x > a.y ? a.x : a.y; }
   static double smallest(V a) { return a.x < a.y ? a.x : a.y; }
   static double total(V a) { return a.x + a.y; }

@@ -24,10 +24,12 @@ using kernels::Padded;
 // Measured crossovers, docs/decisions/37-dense-kernels.md.
 // Up to so many rows plain loops win.
 constexpr int tiny_rows = 12;
-// Reflections in a block.
+// Reflections in a block, and in a panel of a pivoted factorization, where the first pass over the matrix is as long as
+// all others together.
 constexpr int block = 16;
+constexpr int panel = 8;
 // What is left of a pivoted factorization is not worth a panel.
-constexpr int unblocked = 32;
+constexpr int unblocked = 40;
 
 int round_up(int i) { return (i + lanes - 1) & ~(lanes - 1); }
 
@@ -61,8 +63,8 @@ void add_pivoting(kernels::QrWork& work, int* pivots, Arena& arena) {
   work.reference = arena.take(index(length));
   std::fill(work.norms + cols, work.norms + length, -1.0);
   std::fill(work.reference + cols, work.reference + length, -1e300);
-  work.F = {arena.take(index(length) * index(block)), length, cols, block};
-  work.coefficients = arena.take(index(block + kernels::spare_columns));
+  work.F = {arena.take(index(length) * index(panel)), length, cols, panel};
+  work.coefficients = arena.take(index(panel + kernels::spare_columns));
 }
 
 // C -= V F^T
@@ -70,13 +72,13 @@ void subtract_product(ConstView V, ConstView F, View C) { multiply(-1.0, Op::pla
 
 // Reflections first, ..., first + count - 1 of a factorization as a block, in the rows from `first` on.
 struct Block {
-  View V;  // with zeros and ones
-  View Y;  // V T^T or V T: the block is I - V Y^T
+  View V;   // with zeros and ones
+  View Yt;  // T V^T, or T^T V^T for the transposed block, which is I - V Yt
 };
 
 Block make_block(ConstView factors, int first, int count, const double* tau, Op op, Arena& arena) {
   const int rows = factors.rows - first;
-  const Padded V = padded(rows, count, arena), Y = padded(rows, count, arena);
+  const Padded V = padded(rows, count, arena), Yt = padded(count, rows, arena);
   const Arena::Frame frame(arena);
   const Padded S = padded(count, count, arena), T = padded(count, count, arena);
   for (int q = 0; q < count; ++q) {
@@ -88,14 +90,14 @@ Block make_block(ConstView factors, int first, int count, const double* tau, Op 
   for (int q = 0; q < count; ++q) std::fill(view(S).column(q) + count, view(S).column(q) + S.ld, 0.0);
   multiply(1.0, Op::transposed, view(V), Op::plain, view(V), 0.0, view(S));
   kernels::loops().triangular_factor(S, tau + first, T);
-  multiply(1.0, Op::plain, view(V), op == Op::plain ? Op::transposed : Op::plain, view(T), 0.0, view(Y));
-  return {view(V), view(Y)};
+  multiply(1.0, op, view(T), Op::transposed, view(V), 0.0, view(Yt));
+  return {view(V), view(Yt)};
 }
 
 void apply_block(const Block& of, View C, Arena& arena) {
   const Arena::Frame frame(arena);
   const View W = arena.matrix(of.V.cols, C.cols);
-  multiply(1.0, Op::transposed, of.Y, Op::plain, C, 0.0, W);
+  multiply(1.0, Op::plain, of.Yt, Op::plain, C, 0.0, W);
   multiply(-1.0, Op::plain, of.V, Op::plain, W, 1.0, C);
 }
 
@@ -153,11 +155,11 @@ void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena) {
   const View factors = view(work.a);
   for (int first = 0; first < steps;) {
     const int columns = a.cols - first;
-    if (columns <= unblocked || steps - first <= block) {
+    if (columns <= unblocked || steps - first <= panel) {
       loops.factor_columns(work, first, steps, a.cols);
       break;
     }
-    const int done = loops.factor_panel(work, first, block), next = first + done;
+    const int done = loops.factor_panel(work, first, panel), next = first + done;
     subtract_product(factors.block(next, first, a.rows - next, done), view(work.F).block(next, 0, a.cols - next, done),
                      factors.block(next, next, a.rows - next, a.cols - next));
     loops.renew_norms(work, next);
@@ -199,8 +201,17 @@ void form_q(ConstView factors, int count, const double* tau, View q, Arena& aren
   if (count <= block) return apply_unblocked(Op::plain, factors, count, tau, q, arena);
   for (int first = last_block(count); first >= 0; first -= block) {
     const Arena::Frame frame(arena);
-    const Block of = make_block(factors, first, std::min(block, count - first), tau, Op::plain, arena);
-    apply_block(of, q.block(first, first, q.rows - first, q.cols - first), arena);
+    const int width = std::min(block, count - first);
+    const Block of = make_block(factors, first, width, tau, Op::plain, arena);
+    const View C = q.block(first, first, q.rows - first, q.cols - first);
+    const View W = arena.matrix(width, C.cols);
+    // C begins with columns of the identity, and has nothing but zeros beside them.
+    const bool is_identity = first + width >= count;
+    const int columns = is_identity ? C.cols : width, below = C.rows - width;
+    copy(of.Yt.columns(0, columns), W.columns(0, columns));
+    multiply(1.0, Op::plain, of.Yt.columns(width, below), Op::plain, C.block(width, columns, below, C.cols - columns),
+             0.0, W.columns(columns, C.cols - columns));
+    multiply(-1.0, Op::plain, of.V, Op::plain, W, 1.0, C);
   }
 }
 
