@@ -20,7 +20,7 @@ constexpr int small_lu_order = 16;
 constexpr int small_complex_order = 12;
 constexpr int few_entries = 16;
 constexpr int few_vector_entries = 32 * 32;  // of a matrix times a vector
-constexpr double small_product_flops = 2.0 * 12 * 12 * 12;
+constexpr double small_product_flops = 2.0 * 8 * 8 * 8;
 
 const double one = 1.0;
 const int unit_stride = 1;
