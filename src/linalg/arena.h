@@ -77,7 +77,8 @@ class Arena {
     const std::size_t size = std::max({count, std::size_t{4096}, chunks_.empty() ? 0 : 2 * chunks_.back().size});
     constexpr std::size_t line = 64;  // bytes
     std::unique_ptr<double[]> memory(new double[size + line / sizeof(double)]);
-    double* first = memory.get() + (line - reinterpret_cast<std::uintptr_t>(memory.get()) % line) % line / sizeof(double);
+    double* first =
+        memory.get() + (line - reinterpret_cast<std::uintptr_t>(memory.get()) % line) % line / sizeof(double);
     chunks_.push_back({std::move(memory), first, size});
     used_ = 0;
   }

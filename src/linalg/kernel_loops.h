@@ -138,7 +138,8 @@ void add_combination(const Combination& of, int from, int to, double* y) {
     const V c0 = Lanes::all(of.c[q]), c1 = Lanes::all(of.c[q + 1]);
     const V c2 = Lanes::all(of.c[q + 2]), c3 = Lanes::all(of.c[q + 3]);
     for (int i = from; i < to; i += width) {
-      const V even = Lanes::add_product(Lanes::load(x2 + i), c2, Lanes::add_product(Lanes::load(x0 + i), c0, Lanes::load(y + i)));
+      const V even = Lanes::add_product(Lanes::load(x2 + i), c2,
+                                        Lanes::add_product(Lanes::load(x0 + i), c0, Lanes::load(y + i)));
       const V odd = Lanes::add_product(Lanes::load(x3 + i), c3, Lanes::product(Lanes::load(x1 + i), c1));
       Lanes::store(y + i, Lanes::sum(even, odd));
     }
@@ -210,7 +211,8 @@ double make_reflection(const QrWork& work, int p) {
     Lanes::store(v + i, below);
     squares = Lanes::add_product(below, below, squares);
   }
-  for (int i = whole; i < to; i += width) squares = Lanes::add_product(Lanes::load(x + i), Lanes::load(x + i), squares);
+  for (int i = whole; i < to; i += width)
+    squares = Lanes::add_product(Lanes::load(x + i), Lanes::load(x + i), squares);
   double alpha = x[p], tau = 0.0, scale = 0.0;
   const double tail = Lanes::total(squares), sum = alpha * alpha + tail;
   if (sum < least_square) {
@@ -252,7 +254,8 @@ void mark_done(const QrWork& work, int j) {
 
 int largest_norm(const QrWork& work, int p) {
   V best = Lanes::all(done_norm);
-  for (int j = round_down(p); j < round_up(work.a.cols); j += width) best = Lanes::larger(best, Lanes::load(work.norms + j));
+  for (int j = round_down(p); j < round_up(work.a.cols); j += width)
+    best = Lanes::larger(best, Lanes::load(work.norms + j));
   const double most = Lanes::largest(best);
   for (int j = round_down(p); j < round_up(work.a.cols); j += width) {
     const int lane = Lanes::find(Lanes::load(work.norms + j), most);
@@ -392,8 +395,67 @@ void triangular_factor(Padded S, const double* tau, Padded T) {
   }
 }
 
-constexpr Loops made{Lanes::name,       pad,  factor_columns, factor_panel, renew_norms,
-                     apply_reflections, triangular_factor};
+// ---- Arrays -----------------------------------------------------------------------------------------------------
+
+double size_of(double x) { return x < 0.0 ? -x : x; }
+double larger_of(double a, double b) { return a > b ? a : b; }
+
+double largest_size(const double* x, int count) {
+  // Two maxima: one alone would wait for itself.
+  V first = Lanes::zero(), second = first;
+  int i = 0;
+  for (; i + 2 * width <= count; i += 2 * width) {
+    first = Lanes::larger(Lanes::size(Lanes::load_anywhere(x + i)), first);
+    second = Lanes::larger(Lanes::size(Lanes::load_anywhere(x + i + width)), second);
+  }
+  double largest = Lanes::largest(Lanes::larger(first, second));
+  for (; i < count; ++i) largest = larger_of(size_of(x[i]), largest);
+  return largest;
+}
+
+bool all_finite(const double* x, size_t count) {
+  Lanes::Carries carries = Lanes::no_carries();
+  size_t i = 0;
+  for (; i + width <= count; i += width) carries = Lanes::add_carries(x + i, carries);
+  double last[width] = {};
+  for (int k = 0; i < count; ++i, ++k) last[k] = x[i];
+  return !Lanes::has_carry(Lanes::add_carries(last, carries));
+}
+
+double scale_entries(double* x, const double* factors, int count) {
+  V most = Lanes::zero();
+  int i = 0;
+  for (; i + width <= count; i += width) {
+    const V scaled = Lanes::product(Lanes::load_anywhere(x + i), Lanes::load_anywhere(factors + i));
+    Lanes::store_anywhere(x + i, scaled);
+    most = Lanes::larger(Lanes::size(scaled), most);
+  }
+  double largest = Lanes::largest(most);
+  for (; i < count; ++i) {
+    x[i] *= factors[i];
+    largest = larger_of(size_of(x[i]), largest);
+  }
+  return largest;
+}
+
+void raise_sizes(const double* x, double unit, int count, double* sizes) {
+  const V units = Lanes::all(unit);
+  int i = 0;
+  for (; i + width <= count; i += width) {
+    const V size = Lanes::product(units, Lanes::size(Lanes::load_anywhere(x + i)));
+    Lanes::store_anywhere(sizes + i, Lanes::larger(size, Lanes::load_anywhere(sizes + i)));
+  }
+  for (; i < count; ++i) sizes[i] = larger_of(unit * size_of(x[i]), sizes[i]);
+}
+
+constexpr Loops made{Lanes::name,
+                     {largest_size, all_finite, scale_entries, raise_sizes},
+                     pad,
+                     factor_columns,
+                     factor_panel,
+                     renew_norms,
+                     apply_reflections,
+                     triangular_factor};
 
 }  // namespace
 

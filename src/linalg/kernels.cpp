@@ -1,8 +1,7 @@
 // Which loops are taken.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "linalg/kernels.h"
+#include "linalg/kernels_in_use.h"
 
-#include <atomic>
 #include <cstdlib>
 #include <cstring>
 
@@ -30,8 +29,6 @@ const Loops& best_loops() {
   return *portable_loops();
 }
 
-std::atomic<const Loops*> chosen_for_tests{nullptr};
-
 }  // namespace
 
 const Loops* loops_for(InstructionSet set) {
@@ -40,12 +37,12 @@ const Loops* loops_for(InstructionSet set) {
   return set == InstructionSet::avx2 ? avx2_loops() : avx512_loops();
 }
 
-const Loops& loops() {
-  static const Loops& best = best_loops();
-  const Loops* chosen = chosen_for_tests.load(std::memory_order_relaxed);
-  return chosen != nullptr ? *chosen : best;
-}
+std::atomic<const Loops*> loops_in_use{nullptr};
 
-void use_loops(const Loops* chosen) { chosen_for_tests.store(chosen, std::memory_order_relaxed); }
+const Loops& choose_loops() {
+  const Loops& best = best_loops();
+  loops_in_use.store(&best, std::memory_order_relaxed);
+  return best;
+}
 
 }  // namespace sfdae::core::kernels

@@ -5,6 +5,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <stddef.h>
+
 namespace sfdae::core::kernels {
 
 // What rows are rounded up to: the longest vector, and a cache line.
@@ -36,8 +38,21 @@ struct QrWork {
   double* coefficients;
 };
 
+// For arrays of any alignment and length.
+struct ArrayLoops {
+  // max |x_i|
+  double (*largest_size)(const double* x, int count);
+  // Neither NaN nor infinite; raises no floating-point exception.
+  bool (*all_finite)(const double* x, size_t count);
+  // x_i := x_i factor_i; returns the largest size that there is then.
+  double (*scale_entries)(double* x, const double* factors, int count);
+  // sizes_i := max(sizes_i, unit |x_i|)
+  void (*raise_sizes)(const double* x, double unit, int count, double* sizes);
+};
+
 struct Loops {
   const char* name;
+  ArrayLoops arrays;
   // Copies a into `to` and pads it; squares, if not nullptr: the squared norms of the columns.
   void (*pad)(const double* a, int lda, Padded to, double* squares);
   // Reflections first, ..., last - 1, each applied to all columns up to end at once.
@@ -58,11 +73,6 @@ enum class InstructionSet { portable, avx2, avx512 };
 
 // nullptr where the processor, or this build, does not have it.
 const Loops* loops_for(InstructionSet set);
-// The best there is, or less if the environment variable SFDAE_INSTRUCTIONS says so: portable, avx2.
-const Loops& loops();
-// Chooses others from now on, for tests; nullptr: as at the start.
-void use_loops(const Loops* chosen);
-
 // What the parts of the build have; called by loops_for().
 const Loops* portable_loops();
 const Loops* avx2_loops();

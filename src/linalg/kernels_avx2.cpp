@@ -19,6 +19,17 @@ struct Lanes {
   static V load(const double* x) { return _mm256_load_pd(x); }
   static V load_anywhere(const double* x) { return _mm256_loadu_pd(x); }
   static void store(double* x, V v) { _mm256_store_pd(x, v); }
+  static void store_anywhere(double* x, V v) { _mm256_storeu_pd(x, v); }
+  static V size(V a) { return _mm256_andnot_pd(all(-0.0), a); }
+  // An exponent of all ones carries into the sign bit when one is added to it.
+  using Carries = __m256i;
+  static Carries no_carries() { return _mm256_setzero_si256(); }
+  static Carries add_carries(const double* x, Carries carries) {
+    const Carries exponent = _mm256_set1_epi64x(0x7ff0000000000000), one = _mm256_set1_epi64x(0x0010000000000000);
+    const Carries bits = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(x));
+    return _mm256_or_si256(carries, _mm256_add_epi64(_mm256_and_si256(bits, exponent), one));
+  }
+  static bool has_carry(Carries carries) { return _mm256_movemask_pd(_mm256_castsi256_pd(carries)) != 0; }
   static V add_product(V a, V b, V c) { return _mm256_fmadd_pd(a, b, c); }
   static V subtract_product(V a, V b, V c) { return _mm256_fnmadd_pd(a, b, c); }
   static V product(V a, V b) { return _mm256_mul_pd(a, b); }

@@ -19,6 +19,16 @@ struct Lanes {
   static V load(const double* x) { return _mm512_load_pd(x); }
   static V load_anywhere(const double* x) { return _mm512_loadu_pd(x); }
   static void store(double* x, V v) { _mm512_store_pd(x, v); }
+  static void store_anywhere(double* x, V v) { _mm512_storeu_pd(x, v); }
+  static V size(V a) { return _mm512_abs_pd(a); }
+  // An exponent of all ones carries into the sign bit when one is added to it.
+  using Carries = __m512i;
+  static Carries no_carries() { return _mm512_setzero_si512(); }
+  static Carries add_carries(const double* x, Carries carries) {
+    const Carries exponent = _mm512_set1_epi64(0x7ff0000000000000), one = _mm512_set1_epi64(0x0010000000000000);
+    return _mm512_or_si512(carries, _mm512_add_epi64(_mm512_and_si512(_mm512_loadu_si512(x), exponent), one));
+  }
+  static bool has_carry(Carries carries) { return _mm512_cmplt_epi64_mask(carries, _mm512_setzero_si512()) != 0; }
   static V add_product(V a, V b, V c) { return _mm512_fmadd_pd(a, b, c); }
   static V subtract_product(V a, V b, V c) { return _mm512_fnmadd_pd(a, b, c); }
   static V product(V a, V b) { return _mm512_mul_pd(a, b); }
@@ -26,7 +36,9 @@ struct Lanes {
   static V larger(V a, V b) { return _mm512_max_pd(a, b); }
   static V smaller(V a, V b) { return _mm512_min_pd(a, b); }
   // Numbers of the places behind a place, up to it, and with one replaced; it may lie outside.
-  static __mmask8 first_places(int count) { return static_cast<__mmask8>(count <= 0 ? 0 : count >= 8 ? 255 : (1 << count) - 1); }
+  static __mmask8 first_places(int count) {
+    return static_cast<__mmask8>(count <= 0 ? 0 : count >= 8 ? 255 : (1 << count) - 1);
+  }
   static V behind(V a, int place) { return _mm512_maskz_mov_pd(static_cast<__mmask8>(~first_places(place + 1)), a); }
   static V up_to(V a, int place) { return _mm512_maskz_mov_pd(first_places(place + 1), a); }
   static V with(V a, int place, double x) {

@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linalg/kernels.h"
 
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
 namespace sfdae::core::kernels {
 
 namespace {
@@ -20,6 +24,18 @@ struct Lanes {
     x[0] = v.x;
     x[1] = v.y;
   }
+  static void store_anywhere(double* x, V v) { store(x, v); }
+  static V size(V a) { return {fabs(a.x), fabs(a.y)}; }
+  // An exponent of all ones carries into the sign bit when one is added to it.
+  using Carries = uint64_t;
+  static Carries no_carries() { return 0; }
+  static Carries add_carries(const double* x, Carries carries) {
+    constexpr uint64_t exponent = 0x7ff0000000000000u, one = 0x0010000000000000u;
+    uint64_t bits[2];
+    memcpy(bits, x, sizeof bits);
+    return carries | ((bits[0] & exponent) + one) | ((bits[1] & exponent) + one);
+  }
+  static bool has_carry(Carries carries) { return carries >> 63 != 0; }
   static V add_product(V a, V b, V c) { return {c.x + a.x * b.x, c.y + a.y * b.y}; }
   static V subtract_product(V a, V b, V c) { return {c.x - a.x * b.x, c.y - a.y * b.y}; }
   static V product(V a, V b) { return {a.x * b.x, a.y * b.y}; }

@@ -11,7 +11,7 @@
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
-#include "linalg/kernels.h"
+#include "linalg/kernels_in_use.h"
 #include "linalg/small_kernels.h"
 
 namespace sfdae::core {
@@ -160,7 +160,8 @@ void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena) {
       break;
     }
     const int done = loops.factor_panel(work, first, panel), next = first + done;
-    subtract_product(factors.block(next, first, a.rows - next, done), view(work.F).block(next, 0, a.cols - next, done),
+    subtract_product(factors.block(next, first, a.rows - next, done),
+                     view(work.F).block(next, 0, a.cols - next, done),
                      factors.block(next, next, a.rows - next, a.cols - next));
     loops.renew_norms(work, next);
     first = next;
