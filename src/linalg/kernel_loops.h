@@ -166,19 +166,19 @@ void pad(const double* a, int lda, Padded to, double* squares) {
   const int whole = to.rows & ~(width - 1), end = round_up(to.rows);
   for (int j = 0; j < to.cols; ++j, a += lda) {
     double* y = column(to, j);
+    for (int i = 0; i < whole; i += width) Lanes::store(y + i, Lanes::load_anywhere(a + i));
+    for (int i = whole; i < to.rows; ++i) y[i] = a[i];
+    for (int i = to.rows; i < end; ++i) y[i] = 0.0;
+    if (squares == nullptr) continue;
+    // Read from where they came: what has just been written in parts would have to be waited for.
     V s = Lanes::zero();
     for (int i = 0; i < whole; i += width) {
       const V x = Lanes::load_anywhere(a + i);
-      Lanes::store(y + i, x);
       s = Lanes::add_product(x, x, s);
     }
-    double tail = 0.0;
-    for (int i = whole; i < to.rows; ++i) {
-      y[i] = a[i];
-      tail += a[i] * a[i];
-    }
-    for (int i = to.rows; i < end; ++i) y[i] = 0.0;
-    if (squares != nullptr) squares[j] = Lanes::total(s) + tail;
+    double sum = Lanes::total(s);
+    for (int i = whole; i < to.rows; ++i) sum += a[i] * a[i];
+    squares[j] = sum;
   }
   for (int j = to.cols; j < to.cols + spare_columns; ++j)
     for (int i = 0; i < end; i += width) Lanes::store(column(to, j) + i, Lanes::zero());
@@ -252,14 +252,15 @@ void mark_done(const QrWork& work, int j) {
   work.reference[j] = done_reference;
 }
 
+// p where nothing can be compared: norms that are NaN are passed over.
 int largest_norm(const QrWork& work, int p) {
   V best = Lanes::all(done_norm);
   for (int j = round_down(p); j < round_up(work.a.cols); j += width)
-    best = Lanes::larger(best, Lanes::load(work.norms + j));
+    best = Lanes::larger(Lanes::load(work.norms + j), best);
   const double most = Lanes::largest(best);
   for (int j = round_down(p); j < round_up(work.a.cols); j += width) {
     const int lane = Lanes::find(Lanes::load(work.norms + j), most);
-    if (lane < width) return j + lane < p ? p : j + lane;
+    if (lane < width) return j + lane < p || j + lane >= work.a.cols ? p : j + lane;
   }
   return p;
 }

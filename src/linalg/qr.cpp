@@ -8,6 +8,7 @@
 //         SIAM J. Sci. Stat. Comput. 10, 1989.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
@@ -115,6 +116,23 @@ void apply_unblocked(Op op, ConstView factors, int count, const double* tau, Vie
   copy(view(work), C);
 }
 
+// Squares of entries of other sizes over- or underflow: these matrices are scaled, which rounds nothing that matters.
+// 1: no need.
+double scale_for_squares(ConstView a) {
+  const double size = max_abs(a);
+  return size > 1e140 && std::isfinite(size) ? 0x1p-600 : size < 1e-140 && size > 0.0 ? 0x1p+600 : 1.0;
+}
+
+void multiply_entries(View a, double factor) {
+  for (int j = 0; j < a.cols; ++j)
+    for (int i = 0; i < a.rows; ++i) a(i, j) *= factor;
+}
+
+void multiply_upper_triangle(View a, double factor) {
+  for (int j = 0; j < a.cols; ++j)
+    for (int i = 0; i <= std::min(j, a.rows - 1); ++i) a(i, j) *= factor;
+}
+
 int last_block(int count) { return (count - 1) / block * block; }
 
 }  // namespace
@@ -122,6 +140,11 @@ int last_block(int count) { return (count - 1) / block * block; }
 void factor_qr(View a, double* tau, Arena& arena) {
   if (a.rows == 0 || a.cols == 0) return;
   if (a.rows <= tiny_rows) return small::factor_qr(a, tau);
+  if (const double scale = scale_for_squares(a); scale != 1.0) {
+    multiply_entries(a, scale);
+    factor_qr(a, tau, arena);
+    return multiply_upper_triangle(a, 1.0 / scale);
+  }
   const Arena::Frame frame(arena);
   const kernels::QrWork work = work_for(a, tau, arena);
   const kernels::Loops& loops = kernels::loops();
@@ -146,6 +169,11 @@ void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena) {
   if (a.cols == 0) return;
   const Arena::Frame frame(arena);
   if (a.rows <= tiny_rows) return small::factor_qr_pivoted(a, pivots, tau, arena.take(2 * index(a.cols)));
+  if (const double scale = scale_for_squares(a); scale != 1.0) {
+    multiply_entries(a, scale);
+    factor_qr_pivoted(a, pivots, tau, arena);
+    return multiply_upper_triangle(a, 1.0 / scale);
+  }
   kernels::QrWork work = work_for(a, tau, arena);
   add_pivoting(work, pivots, arena);
   const kernels::Loops& loops = kernels::loops();
