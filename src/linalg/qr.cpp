@@ -216,6 +216,23 @@ void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Are
   }
 }
 
+void form_last_q(ConstView factors, int count, const double* tau, View q, Arena& arena) {
+  fill(q, 0.0);
+  for (int j = 0; j < q.cols; ++j) q(q.rows - q.cols + j, j) = 1.0;
+  if (q.rows <= tiny_rows || count <= block) return apply_q(Op::plain, factors, count, tau, q, arena);
+  for (int first = last_block(count); first >= 0; first -= block) {
+    const int width = std::min(block, count - first), below = q.rows - first - width;
+    const Arena::Frame frame(arena);
+    const Block of = make_block(factors, first, width, tau, Op::plain, arena);
+    // Rows of the block, and those above, are zero yet; below the last block the identity stands.
+    const View W = arena.matrix(width, q.cols);
+    const ConstView Yt = of.Yt.columns(width, below);
+    if (first + width == count) copy(Yt.columns(below - q.cols, q.cols), W);
+    else multiply(1.0, Op::plain, Yt, Op::plain, q.block(first + width, 0, below, q.cols), 0.0, W);
+    multiply(-1.0, Op::plain, of.V, Op::plain, W, 1.0, q.block(first, 0, q.rows - first, q.cols));
+  }
+}
+
 void form_q(ConstView factors, int count, const double* tau, View q, Arena& arena) {
   if (q.rows == 0 || q.cols == 0) return;
   fill(q, 0.0);

@@ -202,6 +202,11 @@ TEST_P(EveryInstructionSet, QIsAppliedFromBothSides) {
     for (int j = 0; j < count; ++j) first(j, j) = 1.0;
     apply_q(Op::plain, f.QR, count, f.tau.data(), first, arena_);
     EXPECT_LE(distance(Q, first), rounding(shape.rows));
+    Matrix last(shape.rows, shape.rows - f.steps()), unit(shape.rows, last.cols());
+    for (int j = 0; j < last.cols(); ++j) unit(f.steps() + j, j) = 1.0;
+    form_last_q(f.QR, f.steps(), f.tau.data(), last, arena_);
+    apply_q(Op::plain, f.QR, f.steps(), f.tau.data(), unit, arena_);
+    EXPECT_LE(distance(last, unit), rounding(shape.rows));
     EXPECT_LE(orthonormality_defect(Q), rounding(shape.rows));
   }
 }
