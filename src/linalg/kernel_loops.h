@@ -162,26 +162,32 @@ double square(const double* x, int first, int rows) {
   return result;
 }
 
+// Copies a column and pads it; with `measured` its squared norm, else 0.
+template <bool measured>
+double pad_column(const double* a, int rows, double* y) {
+  const int whole = rows & ~(width - 1), end = round_up(rows);
+  V s = Lanes::zero();
+  for (int i = 0; i < whole; i += width) {
+    const V x = Lanes::load_anywhere(a + i);
+    Lanes::store(y + i, x);
+    if (measured) s = Lanes::add_product(x, x, s);
+  }
+  double sum = measured ? Lanes::total(s) : 0.0;
+  for (int i = whole; i < rows; ++i) {
+    y[i] = a[i];
+    if (measured) sum += a[i] * a[i];
+  }
+  for (int i = rows; i < end; ++i) y[i] = 0.0;
+  return sum;
+}
+
 void pad(const double* a, int lda, Padded to, double* squares) {
-  const int whole = to.rows & ~(width - 1), end = round_up(to.rows);
   for (int j = 0; j < to.cols; ++j, a += lda) {
-    double* y = column(to, j);
-    for (int i = 0; i < whole; i += width) Lanes::store(y + i, Lanes::load_anywhere(a + i));
-    for (int i = whole; i < to.rows; ++i) y[i] = a[i];
-    for (int i = to.rows; i < end; ++i) y[i] = 0.0;
-    if (squares == nullptr) continue;
-    // Read from where they came: what has just been written in parts would have to be waited for.
-    V s = Lanes::zero();
-    for (int i = 0; i < whole; i += width) {
-      const V x = Lanes::load_anywhere(a + i);
-      s = Lanes::add_product(x, x, s);
-    }
-    double sum = Lanes::total(s);
-    for (int i = whole; i < to.rows; ++i) sum += a[i] * a[i];
-    squares[j] = sum;
+    if (squares != nullptr) squares[j] = pad_column<true>(a, to.rows, column(to, j));
+    else pad_column<false>(a, to.rows, column(to, j));
   }
   for (int j = to.cols; j < to.cols + spare_columns; ++j)
-    for (int i = 0; i < end; i += width) Lanes::store(column(to, j) + i, Lanes::zero());
+    for (int i = 0; i < round_up(to.rows); i += width) Lanes::store(column(to, j) + i, Lanes::zero());
 }
 
 // (beta, tau) of the reflection that maps (alpha, x) to (beta, 0), where squares of x underflow: x *= scale is done.
@@ -377,11 +383,12 @@ int factor_panel(const QrWork& work, int first, int count) {
 
 // ---- Applying ---------------------------------------------------------------------------------------------------
 
-void apply_reflections(Padded vectors, const double* tau, bool last_first, Padded C) {
+void apply_reflections(Padded vectors, const double* tau, Order order, Padded C) {
   const int count = vectors.cols, to = round_up(vectors.rows);
   for (int step = 0; step < count; ++step) {
-    const int p = last_first ? count - 1 - step : step;
-    reflect({column(vectors, p), tau[p], round_down(p), to}, C, 0, C.cols, true);
+    const int p = order == Order::first_to_last ? step : count - 1 - step;
+    const int first = order == Order::to_identity ? p : 0;
+    reflect({column(vectors, p), tau[p], round_down(p), to}, C, first, C.cols, true);
   }
 }
 

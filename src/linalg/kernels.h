@@ -50,6 +50,10 @@ struct ArrayLoops {
   void (*raise_sizes)(const double* x, double unit, int count, double* sizes);
 };
 
+// Q^T C takes the first reflection first, Q C the last; to_identity: Q C where C begins with the identity, whose first p
+// columns reflection p leaves alone.
+enum class Order { first_to_last, last_to_first, to_identity };
+
 struct Loops {
   const char* name;
   ArrayLoops arrays;
@@ -63,8 +67,8 @@ struct Loops {
   int (*factor_panel)(const QrWork& work, int first, int count);
   // Norms of the columns from `first` on, in the rows from there on, computed anew where updates have lost them.
   void (*renew_norms)(const QrWork& work, int first);
-  // C := Q^T C (in the order of the reflections) or Q C (from last to first). V: Householder vectors with zeros and 1.
-  void (*apply_reflections)(Padded V, const double* tau, bool last_first, Padded C);
+  // C := Q^T C or Q C, reflection by reflection. V: Householder vectors with zeros and 1.
+  void (*apply_reflections)(Padded V, const double* tau, Order order, Padded C);
   // T of Q = I - V T V^T from S = V^T V, upper triangular; zeros below.
   void (*triangular_factor)(Padded S, const double* tau, Padded T);
 };

@@ -45,6 +45,7 @@ double max_abs(const double* values, int count) {
 }
 
 double max_abs(ConstView a) {
+  if (a.ld == a.rows) return max_abs(a.data, a.rows * a.cols);
   double largest = 0.0;
   for (int j = 0; j < a.cols; ++j) largest = std::max(largest, max_abs(a.column(j), a.rows));
   return largest;

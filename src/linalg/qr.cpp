@@ -20,6 +20,7 @@ namespace sfdae::core {
 namespace {
 
 using kernels::lanes;
+using kernels::Order;
 using kernels::Padded;
 
 // Measured crossovers, docs/decisions/37-dense-kernels.md.
@@ -103,7 +104,7 @@ void apply_block(const Block& of, View C, Arena& arena) {
 }
 
 // One reflection after the other.
-void apply_unblocked(Op op, ConstView factors, int count, const double* tau, View C, Arena& arena) {
+void apply_unblocked(Order order, ConstView factors, int count, const double* tau, View C, Arena& arena) {
   const Arena::Frame frame(arena);
   const Padded V = padded(C.rows, count, arena), work = padded(C.rows, C.cols, arena);
   kernels::loops().pad(factors.data, factors.ld, V, nullptr);
@@ -112,7 +113,7 @@ void apply_unblocked(Op op, ConstView factors, int count, const double* tau, Vie
     view(V)(q, q) = 1.0;
   }
   kernels::loops().pad(C.data, C.ld, work, nullptr);
-  kernels::loops().apply_reflections(V, tau, op == Op::plain, work);
+  kernels::loops().apply_reflections(V, tau, order, work);
   copy(view(work), C);
 }
 
@@ -206,7 +207,9 @@ void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Are
     }
     return;
   }
-  if (count <= block) return apply_unblocked(op, factors, count, tau, c, arena);
+  if (count <= block)
+    return apply_unblocked(op == Op::plain ? Order::last_to_first : Order::first_to_last, factors, count, tau, c,
+                           arena);
   const int last = last_block(count);
   for (int step = 0; step <= last; step += block) {
     const int first = op == Op::transposed ? step : last - step;
@@ -244,7 +247,7 @@ void form_q(ConstView factors, int count, const double* tau, View q, Arena& aren
       small::apply_reflector(&factors(p, p), tau[p], q.block(p, p, q.rows - p, q.cols - p));
     return;
   }
-  if (count <= block) return apply_unblocked(Op::plain, factors, count, tau, q, arena);
+  if (count <= block) return apply_unblocked(Order::to_identity, factors, count, tau, q, arena);
   for (int first = last_block(count); first >= 0; first -= block) {
     const Arena::Frame frame(arena);
     const int width = std::min(block, count - first);
