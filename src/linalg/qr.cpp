@@ -72,13 +72,21 @@ void add_pivoting(kernels::QrWork& work, int* pivots, Arena& arena) {
 // C -= V F^T
 void subtract_product(ConstView V, ConstView F, View C) { multiply(-1.0, Op::plain, V, Op::transposed, F, 1.0, C); }
 
-// Reflections first, ..., first + count - 1 of a factorization as a block, in the rows from `first` on.
+// Reflections first, ..., first + count - 1 of a factorization.
+struct Reflections {
+  ConstView factors;
+  const double* tau;
+  int first, count;
+};
+
+// As a block, in the rows from `first` on.
 struct Block {
   View V;   // with zeros and ones
   View Yt;  // T V^T, or T^T V^T for the transposed block, which is I - V Yt
 };
 
-Block make_block(ConstView factors, int first, int count, const double* tau, Op op, Arena& arena) {
+Block make_block(const Reflections& of, Op op, Arena& arena) {
+  const auto& [factors, tau, first, count] = of;
   const int rows = factors.rows - first;
   const Padded V = padded(rows, count, arena), Yt = padded(count, rows, arena);
   const Arena::Frame frame(arena);
@@ -104,16 +112,17 @@ void apply_block(const Block& of, View C, Arena& arena) {
 }
 
 // One reflection after the other.
-void apply_unblocked(Order order, ConstView factors, int count, const double* tau, View C, Arena& arena) {
+void apply_unblocked(Order order, const Reflections& of, View C, Arena& arena) {
+  const int count = of.count;
   const Arena::Frame frame(arena);
   const Padded V = padded(C.rows, count, arena), work = padded(C.rows, C.cols, arena);
-  kernels::loops().pad(factors.data, factors.ld, V, nullptr);
+  kernels::loops().pad(of.factors.data, of.factors.ld, V, nullptr);
   for (int q = 0; q < count; ++q) {
     std::fill_n(view(V).column(q), q, 0.0);
     view(V)(q, q) = 1.0;
   }
   kernels::loops().pad(C.data, C.ld, work, nullptr);
-  kernels::loops().apply_reflections(V, tau, order, work);
+  kernels::loops().apply_reflections(V, of.tau, order, work);
   copy(view(work), C);
 }
 
@@ -158,7 +167,7 @@ void factor_qr(View a, double* tau, Arena& arena) {
     loops.factor_columns(work, first, next, is_last ? a.cols : next);
     if (!is_last && next < a.cols) {
       const Arena::Frame inner(arena);
-      const Block of = make_block(factors, first, next - first, tau, Op::transposed, arena);
+      const Block of = make_block({factors, tau, first, next - first}, Op::transposed, arena);
       apply_block(of, factors.block(first, next, a.rows - first, a.cols - next), arena);
     }
     first = next;
@@ -208,13 +217,13 @@ void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Are
     return;
   }
   if (count <= block)
-    return apply_unblocked(op == Op::plain ? Order::last_to_first : Order::first_to_last, factors, count, tau, c,
+    return apply_unblocked(op == Op::plain ? Order::last_to_first : Order::first_to_last, {factors, tau, 0, count}, c,
                            arena);
   const int last = last_block(count);
   for (int step = 0; step <= last; step += block) {
     const int first = op == Op::transposed ? step : last - step;
     const Arena::Frame frame(arena);
-    const Block of = make_block(factors, first, std::min(block, count - first), tau, op, arena);
+    const Block of = make_block({factors, tau, first, std::min(block, count - first)}, op, arena);
     apply_block(of, c.block(first, 0, c.rows - first, c.cols), arena);
   }
 }
@@ -226,7 +235,7 @@ void form_last_q(ConstView factors, int count, const double* tau, View q, Arena&
   for (int first = last_block(count); first >= 0; first -= block) {
     const int width = std::min(block, count - first), below = q.rows - first - width;
     const Arena::Frame frame(arena);
-    const Block of = make_block(factors, first, width, tau, Op::plain, arena);
+    const Block of = make_block({factors, tau, first, width}, Op::plain, arena);
     // Rows of the block, and those above, are zero yet; below the last block the identity stands.
     const View W = arena.matrix(width, q.cols);
     const ConstView Yt = of.Yt.columns(width, below);
@@ -247,11 +256,11 @@ void form_q(ConstView factors, int count, const double* tau, View q, Arena& aren
       small::apply_reflector(&factors(p, p), tau[p], q.block(p, p, q.rows - p, q.cols - p));
     return;
   }
-  if (count <= block) return apply_unblocked(Order::to_identity, factors, count, tau, q, arena);
+  if (count <= block) return apply_unblocked(Order::to_identity, {factors, tau, 0, count}, q, arena);
   for (int first = last_block(count); first >= 0; first -= block) {
     const Arena::Frame frame(arena);
     const int width = std::min(block, count - first);
-    const Block of = make_block(factors, first, width, tau, Op::plain, arena);
+    const Block of = make_block({factors, tau, first, width}, Op::plain, arena);
     const View C = q.block(first, first, q.rows - first, q.cols - first);
     const View W = arena.matrix(width, C.cols);
     // C begins with columns of the identity, and has nothing but zeros beside them.
