@@ -84,7 +84,7 @@ std::vector<Sample> samples(Shape shape) {
   multiply_columns(huge, 0, 1e200);
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < m; ++i) tiny(i, j) *= 1e-200;
-  result.push_back({"huge", huge, -1});
+  result.push_back({"huge", huge, std::min(m, (n + 2) / 3)});
   result.push_back({"tiny", tiny, full});
   return result;
 }
@@ -177,7 +177,10 @@ TEST_P(EveryInstructionSet, RanksAreThoseOfLapack) {
       const double threshold = largest(sample.A) * rounding(shape.rows + shape.cols);
       Factors f(sample.A);
       factor_qr_pivoted(f.QR, f.pivots.data(), f.tau.data(), arena_);
-      EXPECT_EQ(rank_of(f.QR, threshold), rank_by_lapack(sample.A, threshold));
+      // Not every BLAS has norms that neither over- nor underflow.
+      if (sample.name != "huge" && sample.name != "tiny") {
+        EXPECT_EQ(rank_of(f.QR, threshold), rank_by_lapack(sample.A, threshold));
+      }
       if (sample.rank >= 0) {
         EXPECT_EQ(rank_of(f.QR, threshold), sample.rank);
       }
