@@ -16,28 +16,16 @@ namespace sfdae::core {
 namespace {
 
 // Measured crossovers (OpenBLAS, one thread): loops win below these sizes.
-constexpr int small_qr_columns = 24;
 constexpr int small_lu_order = 16;
 constexpr int small_complex_order = 12;
 constexpr int few_entries = 16;
 constexpr int few_vector_entries = 32 * 32;  // of a matrix times a vector
-constexpr double small_product_flops = 2.0 * 12 * 12 * 12;
+constexpr double small_product_flops = 2.0 * 8 * 8 * 8;
 
 const double one = 1.0;
 const int unit_stride = 1;
 
 const char* letter(Op op) { return op == Op::plain ? "N" : "T"; }
-
-// Workspace that lets the blocked LAPACK routines run at full speed: blocks of up to 64 columns, and besides, for the
-// triangular factors of dormqr, a matrix of 65 x 64.
-int work_length(int rows, int cols) {
-  constexpr int block = 64;
-  return block * std::max({rows, cols, 1}) + (block + 1) * block;
-}
-
-bool is_small_qr(ConstView a) {
-  return std::min(a.rows, a.cols) <= small_qr_columns && a.rows <= 2 * small_qr_columns;
-}
 
 void scale(View c, double beta) {
   if (beta == 1.0) return;
@@ -98,60 +86,6 @@ Matrix transpose_product(ConstView a, ConstView b) {
   Matrix c(a.cols, b.cols);
   multiply(1.0, Op::transposed, a, Op::plain, b, 0.0, c);
   return c;
-}
-
-void factor_qr(View a, double* tau, Arena& arena) {
-  if (a.rows == 0 || a.cols == 0) return;
-  if (is_small_qr(a)) return small::factor_qr(a, tau);
-  const Arena::Frame frame(arena);
-  const int length = work_length(a.rows, a.cols);
-  int info = 0;
-  dgeqrf_(&a.rows, &a.cols, a.data, &a.ld, tau, arena.take(index(length)), &length, &info);
-}
-
-void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena) {
-  if (a.cols == 0) return;
-  const Arena::Frame frame(arena);
-  if (a.rows == 0 || is_small_qr(a)) return small::factor_qr_pivoted(a, pivots, tau, arena.take(2 * index(a.cols)));
-  const int length = work_length(a.rows, a.cols);
-  int info = 0;
-  std::fill_n(pivots, a.cols, 0);
-  dgeqp3_(&a.rows, &a.cols, a.data, &a.ld, pivots, tau, arena.take(index(length)), &length, &info);
-  for (int j = 0; j < a.cols; ++j) --pivots[j];
-}
-
-void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Arena& arena) {
-  if (c.rows == 0 || c.cols == 0 || count == 0) return;
-  const bool is_small = count <= small_qr_columns && c.rows <= 2 * small_qr_columns;
-  if (is_small || c.cols == 1) {
-    for (int step = 0; step < count; ++step) {
-      const int p = op == Op::transposed ? step : count - 1 - step;
-      small::apply_reflector(&factors(p, p), tau[p], c.block(p, 0, c.rows - p, c.cols));
-    }
-    return;
-  }
-  const Arena::Frame frame(arena);
-  const int length = work_length(c.rows, c.cols);
-  int info = 0;
-  dormqr_("L", letter(op), &c.rows, &c.cols, &count, factors.data, &factors.ld, tau, c.data, &c.ld,
-          arena.take(index(length)), &length, &info);
-}
-
-void form_q(ConstView factors, int count, const double* tau, View q, Arena& arena) {
-  if (q.rows == 0 || q.cols == 0) return;
-  fill(q, 0.0);
-  if (count <= small_qr_columns && q.rows <= 2 * small_qr_columns) {
-    for (int j = 0; j < q.cols; ++j) q(j, j) = 1.0;
-    // Reflection p leaves the first p columns of the identity alone.
-    for (int p = count - 1; p >= 0; --p)
-      small::apply_reflector(&factors(p, p), tau[p], q.block(p, p, q.rows - p, q.cols - p));
-    return;
-  }
-  for (int j = 0; j < count; ++j) std::copy_n(factors.column(j), q.rows, q.column(j));
-  const Arena::Frame frame(arena);
-  const int length = work_length(q.rows, q.cols);
-  int info = 0;
-  dorgqr_(&q.rows, &q.cols, &count, q.data, &q.ld, tau, arena.take(index(length)), &length, &info);
 }
 
 void solve_upper(Op op, ConstView r, View b) {

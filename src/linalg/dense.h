@@ -1,7 +1,8 @@
 // Dense linear algebra of the core: the only place that calls BLAS and LAPACK.
 //
 // Matrices up to a few columns wide go through hand-written loops (small_kernels.h), where the overhead of
-// LAPACK dominates; larger ones through LAPACK. All inputs must be finite: LAPACK does not report NaN reliably.
+// LAPACK dominates, QR factorizations of all larger ones through vector loops (qr.cpp, kernels.h), the rest through BLAS
+// and LAPACK. All inputs must be finite: LAPACK does not report NaN reliably.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -31,6 +32,8 @@ void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena);
 void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Arena& arena);
 // q := the first q.cols columns of Q; q.rows = factors.rows, count <= q.cols.
 void form_q(ConstView factors, int count, const double* tau, View q, Arena& arena);
+// q := the last q.cols columns of Q, none of which belongs to R: q.rows = factors.rows, count <= q.rows - q.cols.
+void form_last_q(ConstView factors, int count, const double* tau, View q, Arena& arena);
 
 // R upper triangular, of order r.cols, stored in the upper triangle of r.
 void solve_upper(Op op, ConstView r, View b);  // B := op(R)^-1 B

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
+
+#include "linalg/kernels_in_use.h"
 
 namespace sfdae::core {
 
@@ -37,36 +37,20 @@ Matrix identity(int n) {
 }
 
 double max_abs(const double* values, int count) {
-  // Independent maxima: one alone would wait for itself.
-  double m0 = 0.0, m1 = 0.0, m2 = 0.0, m3 = 0.0;
-  int i = 0;
-  for (; i + 4 <= count; i += 4) {
-    m0 = std::max(m0, std::fabs(values[i]));
-    m1 = std::max(m1, std::fabs(values[i + 1]));
-    m2 = std::max(m2, std::fabs(values[i + 2]));
-    m3 = std::max(m3, std::fabs(values[i + 3]));
-  }
-  for (; i < count; ++i) m0 = std::max(m0, std::fabs(values[i]));
-  return std::max(std::max(m0, m1), std::max(m2, m3));
+  constexpr int few = 8;
+  if (count >= few) return kernels::loops().arrays.largest_size(values, count);
+  double largest = 0.0;
+  for (int i = 0; i < count; ++i) largest = std::max(largest, std::fabs(values[i]));
+  return largest;
 }
 
 double max_abs(ConstView a) {
+  if (a.ld == a.rows) return max_abs(a.data, a.rows * a.cols);
   double largest = 0.0;
   for (int j = 0; j < a.cols; ++j) largest = std::max(largest, max_abs(a.column(j), a.rows));
   return largest;
 }
 
-bool all_finite(const double* values, std::size_t count) {
-  // An exponent of all ones carries into the sign bit when one is added to it.
-  constexpr std::uint64_t exponent = 0x7ff0000000000000u;
-  constexpr std::uint64_t one = 0x0010000000000000u;
-  std::uint64_t carries = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, values + i, sizeof bits);
-    carries |= (bits & exponent) + one;
-  }
-  return (carries >> 63) == 0;
-}
+bool all_finite(const double* values, std::size_t count) { return kernels::loops().arrays.all_finite(values, count); }
 
 }  // namespace sfdae::core

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "linalg/index.h"
+#include "linalg/kernels_in_use.h"
 #include "linalg/random.h"
 #include "linalg/rank.h"
 
@@ -35,12 +36,10 @@ void multiply_entries(double* values, std::size_t count, double factor) {
 
 // Sizes of the rows of [E unit A]; one that vanishes at this point only is measured by its derivatives.
 void measure_rows(const TaylorData& data, double unit_of_A, std::vector<double>& sizes) {
+  const kernels::ArrayLoops& loops = kernels::loops().arrays;
   std::fill(sizes.begin(), sizes.end(), 0.0);
   const auto raise = [&](ConstView a, double unit = 1.0) {
-    for (int j = 0; j < data.n; ++j) {
-      const double* column = a.column(j);
-      for (int i = 0; i < data.m; ++i) sizes[index(i)] = std::max(sizes[index(i)], unit * std::fabs(column[i]));
-    }
+    for (int j = 0; j < data.n; ++j) loops.raise_sizes(a.column(j), unit, data.m, sizes.data());
   };
   raise(data.E(0));
   raise(data.A(0), unit_of_A);
@@ -103,15 +102,12 @@ void TaylorData::resize(int rows, int cols, Orders held) {
 
 // Order k times D tau^k / k!, for A and f once more times tau.
 void TaylorData::scale_rows_and_measure(double tau) {
-  const auto scale_rows = [this](double* values, int columns, double factor) {
+  const kernels::ArrayLoops& loops = kernels::loops().arrays;
+  const auto scale_rows = [&](double* values, int columns, double factor) {
     for (int i = 0; i < m; ++i) row_factor_[index(i)] = row_scale[index(i)] * factor;
     double norm = 0.0;
-    for (int j = 0; j < columns; ++j) {
-      double* __restrict column = values + static_cast<std::ptrdiff_t>(j) * m;
-      const double* __restrict factors = row_factor_.data();
-      for (int i = 0; i < m; ++i) column[i] *= factors[i];
-      norm = std::max(norm, max_abs(column, m));
-    }
+    for (int j = 0; j < columns; ++j)
+      norm = std::max(norm, loops.scale_entries(values + static_cast<std::ptrdiff_t>(j) * m, row_factor_.data(), m));
     return norm;
   };
   double factor = 1.0;

@@ -36,9 +36,7 @@ void ConstraintFactors::factor(const Carried& carried, Judge& judge, Arena& aren
 }
 
 void ConstraintFactors::write_T2(View T2, Arena& arena) const {
-  fill(T2, 0.0);
-  for (int j = 0; j < T2.cols; ++j) T2(rank_ + j, j) = 1.0;
-  apply_q(Op::plain, factors(), rank_, tau_.data(), T2, arena);
+  form_last_q(factors(), rank_, tau_.data(), T2, arena);
 }
 
 // xp = Q [y; 0] with R11^T y = -f^, and what the redundant rows say about it: R12^T y + f^ = 0.

@@ -94,11 +94,12 @@ void add_block(const Elimination& of, int p, int j, ConstView W, View result) {
   if (no_E) return multiply(-1.0 / j, Op::plain, W, Op::plain, data.A(p - 1), 1.0, result);
   const Arena::Frame frame(of.arena);
   const View F = of.arena.matrix(data.m, data.n);
+  const double part = 1.0 / j;
   for (int col = 0; col < data.n; ++col) {
     const double* e = data.E(p).column(col);
     const double* a = data.A(p - 1).column(col);
     double* to = F.column(col);
-    for (int row = 0; row < data.m; ++row) to[row] = e[row] - a[row] / j;
+    for (int row = 0; row < data.m; ++row) to[row] = e[row] - part * a[row];
   }
   multiply(1.0, Op::plain, W, Op::plain, F, 1.0, result);
 }

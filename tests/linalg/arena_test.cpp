@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace sfdae::core {
@@ -73,6 +74,12 @@ TEST(Arena, RepeatedFramesUseTheSameMemory) {
   }
   // The first run skips ends of chunks that are too small as the second does: addresses agree.
   EXPECT_EQ(first, second);
+}
+
+// Vector loops read and write whole cache lines.
+TEST(Arena, EveryPieceBeginsAtACacheLine) {
+  Arena arena;
+  for (const Piece& piece : take_marked(arena)) EXPECT_EQ(reinterpret_cast<std::uintptr_t>(piece.memory) % 64, 0u);
 }
 
 TEST(Arena, ZerosAreZeroInUsedMemory) {

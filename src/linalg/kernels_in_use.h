@@ -1,0 +1,22 @@
+// The loops that are taken: the best that the processor has.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+
+#include "linalg/kernels.h"
+
+namespace sfdae::core::kernels {
+
+// Those chosen; nullptr until they are.
+extern std::atomic<const Loops*> loops_in_use;
+
+// The best there are, or less if the environment variable SFDAE_INSTRUCTIONS says so: portable, avx2.
+const Loops& choose_loops();
+
+inline const Loops& loops() {
+  const Loops* chosen = loops_in_use.load(std::memory_order_relaxed);
+  return chosen != nullptr ? *chosen : choose_loops();
+}
+
+}  // namespace sfdae::core::kernels
