@@ -42,6 +42,7 @@ void NonlinearSystem::update_traits() {
 void NonlinearSystem::resize() {
   linearization_.resize();
   iteration_.resize();
+  index_zero_.resize();
   history_.resize(problem_.n(), problem_.jet_order());
   jet_.n = problem_.n();
   jet_.set_order(problem_.jet_order());
@@ -136,9 +137,46 @@ PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
   history_.predict(equations.guess, 0, linearization_.determined(), units(), jet_);
   const IterationTask task{
       true, equations.c, equations.w_rest, equations.x_rest, equations.guess.inverse_weights, newton_tolerance};
-  PointStatus status = iterate_from_guess(task);
-  if (status == PointStatus::ok) status = rank_check_.review(jet_, linearization_, iteration_);
+  PointStatus status;
+  if (index_zero_.is_possible() && linearization_.is_usable()) {
+    status = solve_index_zero(task);
+    if (status == PointStatus::ok) status = review_index_zero();
+  } else {
+    status = iterate_from_guess(task);
+    if (status == PointStatus::ok) status = rank_check_.review(jet_, linearization_, iteration_);
+  }
   std::copy_n(jet_.x.data(), problem_.n(), x);
+  return status;
+}
+
+// With the Jacobian that is there, that of the point accepted last, and that of the guess.
+PointStatus NonlinearSystem::solve_index_zero(const IterationTask& task) {
+  start_ = jet_;
+  const IndexZeroStep::Shared shared{linearization_.noise(), iteration_.chord(), counts_.factorizations};
+  const Jet* const places[] = {nullptr, &history_.accepted(), &start_};
+  PointStatus status = PointStatus::not_converged;
+  for (const Jet* place : places) {
+    if (place == nullptr ? !index_zero_.has_jacobian() : index_zero_.has_jacobian_of(place->t)) continue;
+    if (place != nullptr) {
+      iteration_.chord().forget_rate();
+      status = index_zero_.renew(*place, linearization_.preferred_rows());
+      if (status != PointStatus::ok) return status;
+    }
+    jet_ = start_;
+    status = index_zero_.solve(task, shared, jet_);
+    if (status == PointStatus::ok || is_hopeless(status)) return status;
+  }
+  return status;
+}
+
+PointStatus NonlinearSystem::review_index_zero() {
+  const double t_before = linearization_.origin().jet.t;
+  const bool was_slow = iteration_.chord().is_slow();
+  // A new factorization may be all that is needed.
+  if (was_slow && index_zero_.blames_matrix()) iteration_.chord().set_slow(false);
+  const PointStatus status = rank_check_.review(jet_, linearization_, iteration_);
+  if (linearization_.is_usable() && linearization_.origin().jet.t != t_before)
+    index_zero_.take(linearization_.origin().jet, linearization_.data());
   return status;
 }
 

@@ -18,6 +18,7 @@
 #include "system/analyzed_equations.h"
 #include "system/array_linearization.h"
 #include "system/dae_system.h"
+#include "system/index_zero_step.h"
 #include "system/jet.h"
 #include "system/jet_history.h"
 #include "system/next_level_jet.h"
@@ -86,6 +87,8 @@ class NonlinearSystem final : public DaeSystem {
   void restore_linearization(const RankSequence& ranks, bool has_matrix);
   void correct_by_linearization(const double* x, double* xdot);
   PointStatus iterate_from_guess(const IterationTask& task);
+  PointStatus solve_index_zero(const IterationTask& task);
+  PointStatus review_index_zero();
   template <class Iterate>
   PointStatus iterate_with_renewal(const Jet& start, Iterate iterate);
   PointStatus solve_several_stages(const StageEquations& equations);
@@ -97,6 +100,7 @@ class NonlinearSystem final : public DaeSystem {
   JetHistory history_;
   ArrayLinearization linearization_{problem_, counts_, arena_};
   NonlinearIteration iteration_{problem_, arena_};
+  IndexZeroStep index_zero_{problem_};
   RankCheck rank_check_{problem_, arena_};
   NonlinearStages stages_{problem_, arena_};
   NextLevelJet next_level_{problem_, arena_};

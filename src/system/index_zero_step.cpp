@@ -1,0 +1,165 @@
+// Steps of regular problems of strangeness index 0.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/index_zero_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// A matrix whose c deviates by more is made anew: c has changed by a factor of 3/5 or 5/3 (that of DASSL and IDA).
+constexpr double largest_deviation = 0.25;
+// What the iteration has to gain from the predictor on, and gains in one iteration with the right matrix, as a rule: of
+// the problems of benchmarks/index0_cost.cpp.
+constexpr double usual_gain = 300.0, usual_rate = 0.03;
+// Unknowns for which a factorization takes as long as one iteration: 2/3 n^3 operations at three times the speed of
+// the 2 n^2 of a solution.
+constexpr double unknowns_per_iteration = 9.0;
+// Deviations that slow iterations do not come from.
+constexpr double harmless = 0.05;
+// Steps that need more are better made smaller; as for other nonlinear systems.
+constexpr int most_iterations = 12;
+// A rate that is measured once may be small by chance. Chosen, not measured.
+constexpr double least_rate = 1e-3;
+
+// c tau E - A as the matrix of a step.
+struct FullMatrix {
+  const TaylorData& data;
+  int unknowns() const { return data.n; }
+  void step_matrix(double c_tau, View M) const {
+    const ConstView E = data.E(0), A = data.A(0);
+    const std::size_t area = index(data.n) * index(data.n);
+    for (std::size_t i = 0; i < area; ++i) M.data[i] = c_tau * E.data[i] - A.data[i];
+  }
+};
+
+// Iterations more than with the right matrix.
+double iterations_wasted(double deviation) {
+  if (deviation <= usual_rate) return 0.0;
+  return std::log(usual_gain) * (1.0 / std::log(1.0 / deviation) - 1.0 / std::log(1.0 / usual_rate));
+}
+
+}  // namespace
+
+void IndexZeroStep::resize() {
+  const CharacteristicValues& values = problem_.analysis().values;
+  const int n = problem_.n();
+  is_possible_ = values.mu == 0 && problem_.m() == n && values.d + values.a == n && problem_.analysis().v_hat == 0 &&
+                 problem_.prescribed().empty();
+  has_jacobian_ = false;
+  if (!is_possible_) return;
+  origin_.n = n;
+  origin_.set_order(problem_.jet_order());
+  rows_.assign(index(n), 0.0);
+  matrix_.resize(n);
+  change_.assign(index(n) + 1, 0.0);
+}
+
+PointStatus IndexZeroStep::renew(const Jet& jet, const std::vector<double>* rows) {
+  has_jacobian_ = false;
+  matrix_.forget();
+  const PointStatus status = problem_.linearize(jet, rows, data_);
+  if (status != PointStatus::ok) return status;
+  origin_ = jet;
+  rows_.assign(data_.row_scale.begin(), data_.row_scale.end());
+  has_jacobian_ = true;
+  return PointStatus::ok;
+}
+
+void IndexZeroStep::take(const Jet& jet, const TaylorData& data) {
+  data_ = data;
+  matrix_.forget();
+  origin_ = jet;
+  rows_.assign(data_.row_scale.begin(), data_.row_scale.end());
+  has_jacobian_ = true;
+}
+
+bool IndexZeroStep::prepare_matrix(double c, const Shared& shared) {
+  if (matrix_.is_valid()) {
+    deviation_ = matrix_.is_for(c) ? 0.0 : std::fabs(c - matrix_.c()) / std::fabs(c + matrix_.c());
+    waste_ += iterations_wasted(deviation_);
+    if (deviation_ <= largest_deviation && waste_ * unknowns_per_iteration <= data_.n) {
+      shared.chord.set_rate(std::max(shared.chord.rate(), deviation_));
+      return true;
+    }
+  }
+  deviation_ = waste_ = 0.0;
+  return matrix_.factor(FullMatrix{data_}, data_.time_scale, c, shared.factorizations);
+}
+
+bool IndexZeroStep::blames_matrix() {
+  if (deviation_ <= harmless) return false;
+  matrix_.forget();
+  return true;
+}
+
+PointStatus IndexZeroStep::evaluate(const IterationTask& task, Jet& jet) {
+  const int n = jet.n;
+  double* xdot = jet.column(1);
+  for (int i = 0; i < n; ++i) xdot[i] = task.c * jet.x[index(i)] + task.w_rest[i];
+  const PointStatus status = problem_.residuals(jet.t, jet.x.data(), 0, change_.data());
+  for (int i = 0; i < n; ++i) change_[index(i)] *= -data_.time_scale * data_.row_scale[index(i)];
+  return status;
+}
+
+// Its size in units of the tolerance, less what rounding errors contribute.
+double IndexZeroStep::apply_change(const IterationTask& task, const std::vector<double>& noise, double factor,
+                                   Jet& jet) {
+  const Units& units = problem_.units();
+  double norm = 0.0;
+  for (int i = 0; i < jet.n; ++i) {
+    const std::size_t k = index(i);
+    const double change = factor * change_[k];
+    norm = std::max(norm, (std::fabs(change) - noise[k]) * units[i] * task.inverse_weights[k]);
+    if (!std::isfinite(change)) return change;
+    jet.x[k] += change * units[i];
+  }
+  return norm;
+}
+
+PointStatus IndexZeroStep::solve(const IterationTask& task, const Shared& shared, Jet& jet) {
+  if (!prepare_matrix(task.c, shared)) return PointStatus::singular;
+  ChordIteration& chord = shared.chord;
+  const double factor = deviation_ > 0.0 ? 2.0 / (1.0 + task.c / matrix_.c()) : 1.0;
+  const ChordTarget target{task.tolerance, std::max(least_rate, deviation_)};
+  double before = 0.0;
+  chord.begin();
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    const PointStatus status = evaluate(task, jet);
+    if (status != PointStatus::ok) return status;
+    matrix_.solve(change_.data());
+    const double norm = apply_change(task, shared.noise, factor, jet);
+    if (!std::isfinite(norm)) return PointStatus::not_converged;
+    if (chord.has_converged(target, iteration, norm, before)) {
+      for (int i = 0; i < jet.n; ++i) jet.column(1)[i] = task.c * jet.x[index(i)] + task.w_rest[i];
+      return PointStatus::ok;
+    }
+    if (ChordIteration::is_too_slow(iteration, norm, before)) return PointStatus::not_converged;
+    before = norm;
+  }
+  return PointStatus::not_converged;
+}
+
+void IndexZeroStep::archive(Archive& archive, long& factorizations) {
+  if (!is_possible_) return;
+  bool has_matrix = matrix_.is_valid();
+  archive.small(has_jacobian_, has_matrix);
+  if (!has_jacobian_) return;
+  archive.real(origin_.t);
+  archive.reals(origin_.x, index(origin_.n) * index(origin_.order + 1));
+  archive.reals(rows_, index(origin_.n));
+  archive.real(waste_);
+  matrix_.archive_c(archive);
+  if (!archive.is_reading()) return;
+  const Jet origin = origin_;
+  const std::vector<double> rows = rows_;
+  if (renew(origin, &rows) != PointStatus::ok) throw DamagedArchive();
+  if (has_matrix && !matrix_.factor(FullMatrix{data_}, data_.time_scale, matrix_.c(), factorizations))
+    throw DamagedArchive();
+}
+
+}  // namespace sfdae::core
