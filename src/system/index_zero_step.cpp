@@ -26,6 +26,10 @@ constexpr int most_iterations = 12;
 // A rate that is measured once may be small by chance. Chosen, not measured.
 constexpr double least_rate = 1e-3;
 
+// Of the smallest value kept: changes of a matrix that leave its rank as it is, with room for what the smallest entry of a
+// pivoted QR factorization is above the smallest singular value.
+constexpr double negligible_change = 0.1;
+
 // c tau E - A as the matrix of a step.
 struct FullMatrix {
   const TaylorData& data;
@@ -43,6 +47,30 @@ double iterations_wasted(double deviation) {
   return std::log(usual_gain) * (1.0 / std::log(1.0 / deviation) - 1.0 / std::log(1.0 / usual_rate));
 }
 
+bool is_zero_row(ConstView E, int i) {
+  for (int j = 0; j < E.cols; ++j)
+    if (E(i, j) != 0.0) return false;
+  return true;
+}
+
+// A bound of the 2-norm of the matrix whose entries are entry(i, j): the geometric mean of its 1-norm and its
+// infinity-norm. sums: rows zeros.
+template <class Entry>
+double norm_bound(int rows, int cols, double* sums, Entry entry) {
+  double largest_column = 0.0, largest_row = 0.0;
+  for (int j = 0; j < cols; ++j) {
+    double column = 0.0;
+    for (int i = 0; i < rows; ++i) {
+      const double size = std::fabs(entry(i, j));
+      column += size;
+      sums[i] += size;
+    }
+    largest_column = std::max(largest_column, column);
+  }
+  for (int i = 0; i < rows; ++i) largest_row = std::max(largest_row, sums[i]);
+  return std::sqrt(largest_column * largest_row);
+}
+
 }  // namespace
 
 void IndexZeroStep::resize() {
@@ -57,6 +85,7 @@ void IndexZeroStep::resize() {
   rows_.assign(index(n), 0.0);
   matrix_.resize(n);
   change_.assign(index(n) + 1, 0.0);
+  is_constraint_.assign(index(n), 0);
 }
 
 PointStatus IndexZeroStep::renew(const Jet& jet, const std::vector<double>* rows) {
@@ -76,6 +105,28 @@ void IndexZeroStep::take(const Jet& jet, const TaylorData& data) {
   origin_ = jet;
   rows_.assign(data_.row_scale.begin(), data_.row_scale.end());
   has_jacobian_ = true;
+}
+
+// With d rows of E that do not vanish the others are the constraints. [Z1^T E; A2] has to stay regular: E on the kernel of
+// A2, which turns by |dA2| / |A2|.
+bool IndexZeroStep::has_ranks_of(const TaylorData& judged, const NullSpaceForm& form) {
+  const int n = data_.n;
+  if (data_.time_scale != judged.time_scale) return false;
+  const ConstView E = data_.E(0), A = data_.A(0), judged_E = judged.E(0), judged_A = judged.A(0);
+    for (int i = 0; i < n; ++i) is_constraint_[index(i)] = is_zero_row(E, i) && is_zero_row(judged_E, i) ? 1 : 0;
+  if (n - std::count(is_constraint_.begin(), is_constraint_.end(), 1) != form.d) return false;
+  const Arena::Frame frame(arena_);
+  double* factor = arena_.take(index(n));  // to the rows as they were judged
+  for (std::size_t i = 0; i < index(n); ++i) factor[i] = judged.row_scale[i] / data_.row_scale[i];
+  const auto bound = [&](auto entry) { return norm_bound(n, n, arena_.zeros(index(n)), entry); };
+  const double change_E = bound([&](int i, int j) { return factor[i] * E(i, j) - judged_E(i, j); });
+  if (form.a == 0) return change_E <= negligible_change * form.smallest_of_G();
+  const double change_A2 =
+      bound([&](int i, int j) { return is_constraint_[index(i)] != 0 ? factor[i] * A(i, j) - judged_A(i, j) : 0.0; });
+  if (change_A2 > negligible_change * form.smallest_constraint()) return false;
+  if (form.d == 0) return true;
+  const double turn = bound([&](int i, int j) { return judged_E(i, j); }) * change_A2 / form.smallest_constraint();
+  return change_E + turn <= negligible_change * form.smallest_of_G();
 }
 
 bool IndexZeroStep::prepare_matrix(double c, const Shared& shared) {

@@ -14,7 +14,9 @@
 #include <vector>
 
 #include "linalg/archive.h"
+#include "linalg/arena.h"
 #include "problem/taylor_data.h"
+#include "reduction/null_space_form.h"
 #include "system/analyzed_equations.h"
 #include "system/chord_iteration.h"
 #include "system/jet.h"
@@ -25,7 +27,7 @@ namespace sfdae::core {
 
 class IndexZeroStep {
  public:
-  explicit IndexZeroStep(AnalyzedEquations& problem) : problem_(problem) {}
+  IndexZeroStep(AnalyzedEquations& problem, Arena& arena) : problem_(problem), arena_(arena) {}
   // Memory, for the values that the analysis has found; the problem is one that such steps solve, or not.
   void resize();
   bool is_possible() const { return is_possible_; }
@@ -37,7 +39,9 @@ class IndexZeroStep {
   void forget() { has_jacobian_ = false; }
   bool has_jacobian_of(double t) const { return has_jacobian_ && origin_.t == t; }
   bool has_jacobian() const { return has_jacobian_; }
-  const TaylorData& data() const { return data_; }
+  // Whether the Jacobian is so near to the one whose ranks were judged that these hold for it, too. False where that
+  // cannot be said without an elimination.
+  bool has_ranks_of(const TaylorData& judged, const NullSpaceForm& form);
 
   // From the jet on to the x and x' of the step. noise: what rounding errors do to changes of x, scaled. count: of
   // factorizations, raised.
@@ -59,6 +63,7 @@ class IndexZeroStep {
   double apply_change(const IterationTask& task, const std::vector<double>& noise, double factor, Jet& jet);
 
   AnalyzedEquations& problem_;
+  Arena& arena_;
   bool is_possible_ = false, has_jacobian_ = false;
   Jet origin_;                // of the Jacobian
   std::vector<double> rows_;  // preferred for it
@@ -67,6 +72,7 @@ class IndexZeroStep {
   double deviation_ = 0.0;  // |c - c of the matrix| / |c + c of the matrix|: the contraction that keeping it costs
   double waste_ = 0.0;      // iterations that keeping it has cost since it was made
   std::vector<double> change_;
+  std::vector<char> is_constraint_;  // rows of E that vanish
 };
 
 }  // namespace sfdae::core

@@ -159,7 +159,7 @@ PointStatus NonlinearSystem::solve_index_zero(const IterationTask& task) {
     if (place == nullptr ? !index_zero_.has_jacobian() : index_zero_.has_jacobian_of(place->t)) continue;
     if (place != nullptr) {
       iteration_.chord().forget_rate();
-      status = index_zero_.renew(*place, linearization_.preferred_rows());
+      status = place == &start_ ? index_zero_.renew(start_, linearization_.preferred_rows()) : linearize_accepted();
       if (status != PointStatus::ok) return status;
     }
     jet_ = start_;
@@ -169,14 +169,34 @@ PointStatus NonlinearSystem::solve_index_zero(const IterationTask& task) {
   return status;
 }
 
+// Judges the ranks and measures the noise, too.
+PointStatus NonlinearSystem::linearize_accepted() {
+  const PointStatus status = rank_check_.renew(history_.accepted(), linearization_, iteration_);
+  if (status == PointStatus::ok) index_zero_.take(linearization_.origin().jet, linearization_.data());
+  return status;
+}
+
+// A Jacobian that is renewed, for a slow iteration or to look at the ranks, says as a rule that these hold. Else they are
+// judged.
 PointStatus NonlinearSystem::review_index_zero() {
-  const double t_before = linearization_.origin().jet.t;
-  const bool was_slow = iteration_.chord().is_slow();
+  ChordIteration& chord = iteration_.chord();
+  const bool is_due = rank_check_.count_point();
   // A new factorization may be all that is needed.
-  if (was_slow && index_zero_.blames_matrix()) iteration_.chord().set_slow(false);
-  const PointStatus status = rank_check_.review(jet_, linearization_, iteration_);
-  if (linearization_.is_usable() && linearization_.origin().jet.t != t_before)
-    index_zero_.take(linearization_.origin().jet, linearization_.data());
+  if (chord.is_slow() && index_zero_.blames_matrix()) chord.set_slow(false);
+  if (!chord.is_slow() && !is_due) return PointStatus::ok;
+  const PointStatus renewed = index_zero_.renew(jet_, linearization_.preferred_rows());
+  if (renewed != PointStatus::ok) return renewed;
+  if (index_zero_.has_ranks_of(linearization_.data(), linearization_.form())) {
+    rank_check_.confirm(chord);
+    return PointStatus::ok;
+  }
+  if (!is_due) {
+    rank_check_.expect_fast(chord);
+    return PointStatus::ok;
+  }
+  const PointStatus status = rank_check_.renew(jet_, linearization_, iteration_);
+  rank_check_.expect_fast(chord);
+  if (status == PointStatus::ok) index_zero_.take(linearization_.origin().jet, linearization_.data());
   return status;
 }
 

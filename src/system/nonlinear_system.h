@@ -88,6 +88,7 @@ class NonlinearSystem final : public DaeSystem {
   void correct_by_linearization(const double* x, double* xdot);
   PointStatus iterate_from_guess(const IterationTask& task);
   PointStatus solve_index_zero(const IterationTask& task);
+  PointStatus linearize_accepted();
   PointStatus review_index_zero();
   template <class Iterate>
   PointStatus iterate_with_renewal(const Jet& start, Iterate iterate);
@@ -100,7 +101,7 @@ class NonlinearSystem final : public DaeSystem {
   JetHistory history_;
   ArrayLinearization linearization_{problem_, counts_, arena_};
   NonlinearIteration iteration_{problem_, arena_};
-  IndexZeroStep index_zero_{problem_};
+  IndexZeroStep index_zero_{problem_, arena_};
   RankCheck rank_check_{problem_, arena_};
   NonlinearStages stages_{problem_, arena_};
   NextLevelJet next_level_{problem_, arena_};
