@@ -113,7 +113,7 @@ bool IndexZeroStep::has_ranks_of(const TaylorData& judged, const NullSpaceForm& 
   const int n = data_.n;
   if (data_.time_scale != judged.time_scale) return false;
   const ConstView E = data_.E(0), A = data_.A(0), judged_E = judged.E(0), judged_A = judged.A(0);
-    for (int i = 0; i < n; ++i) is_constraint_[index(i)] = is_zero_row(E, i) && is_zero_row(judged_E, i) ? 1 : 0;
+  for (int i = 0; i < n; ++i) is_constraint_[index(i)] = is_zero_row(E, i) && is_zero_row(judged_E, i) ? 1 : 0;
   if (n - std::count(is_constraint_.begin(), is_constraint_.end(), 1) != form.d) return false;
   const Arena::Frame frame(arena_);
   double* factor = arena_.take(index(n));  // to the rows as they were judged

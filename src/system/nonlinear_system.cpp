@@ -67,6 +67,7 @@ PointStatus NonlinearSystem::set_point(const Jet& jet) {
   jet_.set_order(problem_.jet_order());
   history_.restart(jet_);
   iteration_.chord().forget_rate();
+  index_zero_.forget();
   const PointStatus status = problem_.evaluate_inputs(jet_.t);
   if (status != PointStatus::ok) return status;
   return rank_check_.renew(jet_, linearization_, iteration_);
@@ -153,7 +154,10 @@ PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
 PointStatus NonlinearSystem::solve_index_zero(const IterationTask& task) {
   start_ = jet_;
   const IndexZeroStep::Shared shared{linearization_.noise(), iteration_.chord(), counts_.factorizations};
-  const Jet* const places[] = {nullptr, &history_.accepted(), &start_};
+  const Jet& accepted = history_.accepted();
+  if (!index_zero_.has_jacobian() && linearization_.origin().jet.t == accepted.t)
+    index_zero_.take(linearization_.origin().jet, linearization_.data());
+  const Jet* const places[] = {nullptr, &accepted, &start_};
   PointStatus status = PointStatus::not_converged;
   for (const Jet* place : places) {
     if (place == nullptr ? !index_zero_.has_jacobian() : index_zero_.has_jacobian_of(place->t)) continue;
@@ -188,10 +192,6 @@ PointStatus NonlinearSystem::review_index_zero() {
   if (renewed != PointStatus::ok) return renewed;
   if (index_zero_.has_ranks_of(linearization_.data(), linearization_.form())) {
     rank_check_.confirm(chord);
-    return PointStatus::ok;
-  }
-  if (!is_due) {
-    rank_check_.expect_fast(chord);
     return PointStatus::ok;
   }
   const PointStatus status = rank_check_.renew(jet_, linearization_, iteration_);
@@ -316,9 +316,11 @@ void NonlinearSystem::archive(Archive& archive) {
   RankSequence ranks = linearization_.ranks();
   archive_ranks(archive, ranks);
   archive_ranks(archive, analysis_.certified_ranks);
-  if (!archive.is_reading()) return;
-  rank_check_.set_unjudged(unjudged);
-  restore_linearization(ranks, has_matrix);
+  if (archive.is_reading()) {
+    rank_check_.set_unjudged(unjudged);
+    restore_linearization(ranks, has_matrix);
+  }
+  index_zero_.archive(archive, counts_.factorizations);
 }
 
 // The linearization as it was when it was archived.
