@@ -184,6 +184,38 @@ TEST(NonlinearSystem, GoesOnFromAnArchiveAsIfNothingHadHappened) {
   }
 }
 
+// Steps of index 0 that change by less than a factor of 5/3 keep their factorization, which belongs to the state: saved
+// after any number of steps.
+TEST(NonlinearSystem, GoesOnWithTheFactorizationThatIsKept) {
+  const auto time_of = [](int k) { return 1e-2 * k + 2e-3 * std::sin(1.3 * k); };
+  for (int saved = 1; saved <= 24; ++saved) {
+    NonlinearExample e(sfdae_test::record_of_hyperbola());
+    e.analyze(0.0, 1.0, {1.0, 1.0});
+    Vector x = values_of(*e.system);
+    for (int k = 1; k <= saved; ++k) {
+      x = step_from(*e.system, x, time_of(k));
+      e.system->accept();
+    }
+    Archive counter = Archive::counter();
+    e.system->archive(counter);
+    Vector state(counter.size());
+    Archive writer = Archive::writer(state.data(), state.size());
+    e.system->archive(writer);
+    RecordedProblem other_problem(sfdae_test::record_of_hyperbola(), {});
+    Archive reader = Archive::reader(state.data(), state.size());
+    NonlinearSystem restored(other_problem, e.settings, reader);
+    EXPECT_EQ(reader.size(), state.size());
+    Vector y = x;
+    for (int k = saved + 1; k <= saved + 30; ++k) {
+      x = step_from(*e.system, x, time_of(k));
+      y = step_from(restored, y, time_of(k));
+      ASSERT_TRUE(same_bits(x, y)) << k << ", saved after " << saved;
+      e.system->accept();
+      restored.accept();
+    }
+  }
+}
+
 TEST(NonlinearSystem, RefusesDamagedArchives) {
   NonlinearExample e(sfdae_test::record_of_hyperbola());
   e.analyze(0.0, 1.0, {1.0, 1.0});
