@@ -53,18 +53,17 @@ TEST_P(Swinging, IsSolvedWithinTheTolerance) {
 
 INSTANTIATE_TEST_SUITE_P(IndexZero, Swinging, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
 
-// Van der Pol's oscillator, eps x'' = (1 - x^2) x' - x, as eps z' = (1 - x^2) z - x, with its period: 0.6... for eps -> 0.
-// Relaxations jump within a time of eps, where no old Jacobian is of use. Compared with itself at a much smaller tolerance.
+// Van der Pol's oscillator, eps x'' = (1 - x^2) x' - x: relaxations jump within a time of eps, where no old Jacobian is of
+// use. Compared with itself at a much smaller tolerance.
 TEST(IndexZero, RelaxationsOfVanDerPolsOscillatorAreInTime) {
-  const auto oscillator = equations_of(3, 3, [](const auto&, const auto* x, const auto* xdot, auto* F) {
+  const auto oscillator = equations_of(2, 2, [](const auto&, const auto* x, const auto* xdot, auto* F) {
     F[0] = xdot[0] - x[1];
-    F[1] = 1e-3 * xdot[1] - x[2];
-    F[2] = x[2] - (1.0 - x[0] * x[0]) * x[1] + x[0];
+    F[1] = 1e-3 * xdot[1] - (1.0 - x[0] * x[0]) * x[1] + x[0];
   });
   std::vector<double> reference;
   for (const double tolerance : {1e-10, 1e-4, 1e-6}) {
     NonlinearRun run(oscillator, options_with(tolerance));
-    ASSERT_EQ(run.start(0.0, 2.5, {2.0, -2.0 / 3.0, 0.0}), SFDAE_OK) << run.message();
+    ASSERT_EQ(run.start(0.0, 2.5, {2.0, -2.0 / 3.0}), SFDAE_OK) << run.message();
     ASSERT_EQ(run.advance(2.5), SFDAE_OK) << run.message();
     if (reference.empty()) reference = run.x;
     // After three relaxations errors of a jump have become errors of time.
