@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/dense.h"
 #include "linalg/index.h"
 
 namespace sfdae::core {
@@ -30,6 +31,13 @@ constexpr double least_rate = 1e-3;
 // pivoted QR factorization is above the smallest singular value.
 constexpr double negligible_change = 0.1;
 
+// [Z1^T E; A2] with an inverse of at most this size, as it was judged and relative to that, is clearly regular. Chosen,
+// not measured.
+constexpr double largest_inverse = 1e8, usual_growth = 2.0;
+// Unknowns for each constraint from which on errors are mapped by the kernel of E: 4 n a operations instead of the
+// 2 n^2 + 4 n d + d^2 of the form.
+constexpr int few_constraints = 4;
+
 // c tau E - A as the matrix of a step.
 struct FullMatrix {
   const TaylorData& data;
@@ -45,6 +53,35 @@ struct FullMatrix {
 double iterations_wasted(double deviation) {
   if (deviation <= usual_rate) return 0.0;
   return std::log(usual_gain) * (1.0 / std::log(1.0 / deviation) - 1.0 / std::log(1.0 / usual_rate));
+}
+
+// Hager's estimate of the 1-norm of the inverse: |A^-1 x| for x that turn to the largest column.
+double inverse_norm(ConstView lu, const int* pivots, Arena& arena) {
+  constexpr int most = 4;
+  const int n = lu.cols;
+  const Arena::Frame frame(arena);
+  const View x = arena.matrix(n, 1), z = arena.matrix(n, 1);
+  fill(x, 1.0 / n);
+  double norm = 0.0;
+  for (int k = 0, last = -1; k < most; ++k) {
+    double direction = 0.0, now = 0.0;
+    solve_lu(lu, pivots, x.data);
+    for (int i = 0; i < n; ++i) now += std::fabs(x(i, 0));
+    if (now <= norm) break;
+    norm = now;
+    for (int i = 0; i < n; ++i) z(i, 0) = x(i, 0) < 0.0 ? -1.0 : 1.0;
+    solve_lu_transposed(lu, pivots, z);
+    int largest = 0;
+    for (int i = 0; i < n; ++i) {
+      direction += z(i, 0) / n;
+      if (std::fabs(z(i, 0)) > std::fabs(z(largest, 0))) largest = i;
+    }
+    if (largest == last || (last < 0 && std::fabs(z(largest, 0)) <= direction)) break;
+    last = largest;
+    fill(x, 0.0);
+    x(largest, 0) = 1.0;
+  }
+  return norm;
 }
 
 bool is_zero_row(ConstView E, int i) {
@@ -86,10 +123,12 @@ void IndexZeroStep::resize() {
   matrix_.resize(n);
   change_.assign(index(n) + 1, 0.0);
   is_constraint_.assign(index(n), 0);
+  has_kernel_ = false;
+  if (maps_by_kernel()) kernel_.assign(index(n) * index(values.a), 0.0);
 }
 
 PointStatus IndexZeroStep::renew(const Jet& jet, const std::vector<double>* rows) {
-  has_jacobian_ = false;
+  has_jacobian_ = has_kernel_ = false;
   matrix_.forget();
   const PointStatus status = problem_.linearize(jet, rows, data_);
   if (status != PointStatus::ok) return status;
@@ -101,32 +140,121 @@ PointStatus IndexZeroStep::renew(const Jet& jet, const std::vector<double>* rows
 
 void IndexZeroStep::take(const Jet& jet, const TaylorData& data) {
   data_ = data;
+  has_kernel_ = false;
   matrix_.forget();
   origin_ = jet;
   rows_.assign(data_.row_scale.begin(), data_.row_scale.end());
   has_jacobian_ = true;
 }
 
-// With d rows of E that do not vanish the others are the constraints. [Z1^T E; A2] has to stay regular: E on the kernel of
-// A2, which turns by |dA2| / |A2|.
+// The rows of E that vanish; true if they are the constraints.
+bool IndexZeroStep::find_constraints(const TaylorData& data) {
+  for (int i = 0; i < data.n; ++i) is_constraint_[index(i)] = is_zero_row(data.E(0), i) ? 1 : 0;
+  return std::count(is_constraint_.begin(), is_constraint_.end(), 1) == problem_.analysis().values.a;
+}
+
+// Few enough for errors to be mapped by them. Else errors are mapped by the form that was judged.
+bool IndexZeroStep::maps_by_kernel() const {
+  const int a = problem_.analysis().values.a;
+  return a > 0 && few_constraints * a <= problem_.n();
+}
+
 bool IndexZeroStep::has_ranks_of(const TaylorData& judged, const NullSpaceForm& form) {
-  const int n = data_.n;
-  if (data_.time_scale != judged.time_scale) return false;
-  const ConstView E = data_.E(0), A = data_.A(0), judged_E = judged.E(0), judged_A = judged.A(0);
-  for (int i = 0; i < n; ++i) is_constraint_[index(i)] = is_zero_row(E, i) && is_zero_row(judged_E, i) ? 1 : 0;
-  if (n - std::count(is_constraint_.begin(), is_constraint_.end(), 1) != form.d) return false;
+  if (data_.time_scale != judged.time_scale || !find_constraints(data_)) return false;
+  for (int i = 0; i < data_.n; ++i)
+    if ((is_constraint_[index(i)] != 0) != is_zero_row(judged.E(0), i)) return false;
   const Arena::Frame frame(arena_);
-  double* factor = arena_.take(index(n));  // to the rows as they were judged
-  for (std::size_t i = 0; i < index(n); ++i) factor[i] = judged.row_scale[i] / data_.row_scale[i];
+  double* factors = arena_.take(index(data_.n));  // to the rows as they were judged
+  for (std::size_t i = 0; i < index(data_.n); ++i) factors[i] = judged.row_scale[i] / data_.row_scale[i];
+  return is_near(judged, form, factors) || ((form.a == 0 || maps_by_kernel()) && is_as_regular_as(judged));
+}
+
+// [Z1^T E; A2] has to stay regular: E on the kernel of A2, which turns by |dA2| / |A2|.
+bool IndexZeroStep::is_near(const TaylorData& judged, const NullSpaceForm& form, const double* factors) {
+  const int n = data_.n;
+  const ConstView E = data_.E(0), A = data_.A(0), judged_E = judged.E(0), judged_A = judged.A(0);
+  const Arena::Frame frame(arena_);
   const auto bound = [&](auto entry) { return norm_bound(n, n, arena_.zeros(index(n)), entry); };
-  const double change_E = bound([&](int i, int j) { return factor[i] * E(i, j) - judged_E(i, j); });
+  const double change_E = bound([&](int i, int j) { return factors[i] * E(i, j) - judged_E(i, j); });
   if (form.a == 0) return change_E <= negligible_change * form.smallest_of_G();
-  const double change_A2 =
-      bound([&](int i, int j) { return is_constraint_[index(i)] != 0 ? factor[i] * A(i, j) - judged_A(i, j) : 0.0; });
+  const double change_A2 = bound(
+      [&](int i, int j) { return is_constraint_[index(i)] != 0 ? factors[i] * A(i, j) - judged_A(i, j) : 0.0; });
   if (change_A2 > negligible_change * form.smallest_constraint()) return false;
   if (form.d == 0) return true;
   const double turn = bound([&](int i, int j) { return judged_E(i, j); }) * change_A2 / form.smallest_constraint();
   return change_E + turn <= negligible_change * form.smallest_of_G();
+}
+
+IndexZeroStep::Regular IndexZeroStep::factor_regular(const TaylorData& data, const double* row_factors) {
+  const int n = data.n;
+  Regular regular{arena_.matrix(n, n), arena_.integers(n)};
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i)
+      regular.lu(i, j) = row_factors[i] * (is_constraint_[index(i)] != 0 ? data.A(0)(i, j) : data.E(0)(i, j));
+  if (!factor_lu(regular.lu, regular.pivots)) return regular;
+  regular.sign = 1;
+  for (int k = 0; k < n; ++k)
+    if ((regular.pivots[k] != k + 1) != (regular.lu(k, k) < 0.0)) regular.sign = -regular.sign;
+  regular.inverse_norm = inverse_norm(regular.lu, regular.pivots, arena_);
+  return regular;
+}
+
+// In the units of rows of the point judged, in which rows that vanish are seen: with the same sign, and the inverse not
+// much larger.
+bool IndexZeroStep::is_as_regular_as(const TaylorData& judged) {
+  const int n = data_.n;
+  const Arena::Frame frame(arena_);
+  double* factors = arena_.zeros(index(n));
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i)
+      factors[i] =
+          std::max(factors[i], std::fabs(is_constraint_[index(i)] != 0 ? judged.A(0)(i, j) : judged.E(0)(i, j)));
+  for (int i = 0; i < n; ++i) factors[i] = 1.0 / factors[i];
+  const Regular then = factor_regular(judged, factors);
+  if (then.sign == 0 || then.inverse_norm > largest_inverse) return false;
+  for (std::size_t i = 0; i < index(n); ++i) factors[i] *= judged.row_scale[i] / data_.row_scale[i];
+  const Regular now = factor_regular(data_, factors);
+  return now.sign == then.sign && now.inverse_norm <= usual_growth * then.inverse_norm;
+}
+
+// Of the Jacobian.
+bool IndexZeroStep::prepare_kernel() {
+  if (has_kernel_) return true;
+  if (!find_constraints(data_)) return false;
+  const int n = data_.n;
+  const Arena::Frame frame(arena_);
+  double* ones = arena_.take(index(n));
+  std::fill_n(ones, n, 1.0);
+  const Regular regular = factor_regular(data_, ones);
+  if (regular.sign == 0) return false;
+  const View K{kernel_.data(), n, problem_.analysis().values.a, n};
+  fill(K, 0.0);
+  for (int i = 0, column = 0; i < n; ++i)
+    if (is_constraint_[index(i)] != 0) K(i, column++) = 1.0;
+  solve_lu(regular.lu, regular.pivots, K);
+  has_kernel_ = true;
+  return true;
+}
+
+// dx = dw - K A2 dw: A2 dx = 0, E dx = E dw.
+bool IndexZeroStep::error_in_x(const double* dw, int count, double* dx) {
+  if (!is_possible_ || !has_jacobian_ || !maps_by_kernel() || !prepare_kernel()) return false;
+  const int n = data_.n, a = problem_.analysis().values.a;
+  const Units& units = problem_.units();
+  const Arena::Frame frame(arena_);
+  double* residual = arena_.take(index(a));
+  for (int k = 0; k < count; ++k, dw += n, dx += n) {
+    for (int i = 0; i < n; ++i) dx[i] = dw[i] / units[i];
+    for (int i = 0, row = 0; i < n; ++i) {
+      if (is_constraint_[index(i)] == 0) continue;
+      double sum = 0.0;
+      for (int j = 0; j < n; ++j) sum += data_.A(0)(i, j) * dx[j];
+      residual[row++] = sum;
+    }
+    multiply(-1.0, Op::plain, ConstView{kernel_.data(), n, a, n}, residual, 1.0, dx);
+    for (int i = 0; i < n; ++i) dx[i] *= units[i];
+  }
+  return true;
 }
 
 bool IndexZeroStep::prepare_matrix(double c, const Shared& shared) {

@@ -43,6 +43,9 @@ class IndexZeroStep {
   // cannot be said without an elimination.
   bool has_ranks_of(const TaylorData& judged, const NullSpaceForm& form);
 
+  // As StrangenessFreeSystem::error_in_x, where there are few constraints; false elsewhere.
+  bool error_in_x(const double* dw, int count, double* dx);
+
   // From the jet on to the x and x' of the step. noise: what rounding errors do to changes of x, scaled. count: of
   // factorizations, raised.
   struct Shared {
@@ -58,6 +61,19 @@ class IndexZeroStep {
   void archive(Archive& archive, long& factorizations);
 
  private:
+  // [Z1^T E; A2] by the rows of E that do not vanish, factored.
+  struct Regular {
+    View lu;
+    int* pivots;
+    int sign = 0;               // of its determinant; 0: singular
+    double inverse_norm = 0.0;  // 1-norm of its inverse, estimated
+  };
+  bool find_constraints(const TaylorData& data);
+  Regular factor_regular(const TaylorData& data, const double* row_factors);
+  bool is_as_regular_as(const TaylorData& judged);
+  bool is_near(const TaylorData& judged, const NullSpaceForm& form, const double* factors);
+  bool maps_by_kernel() const;
+  bool prepare_kernel();
   bool prepare_matrix(double c, const Shared& shared);
   PointStatus evaluate(const IterationTask& task, Jet& jet);
   double apply_change(const IterationTask& task, const std::vector<double>& noise, double factor, Jet& jet);
@@ -73,6 +89,8 @@ class IndexZeroStep {
   double waste_ = 0.0;      // iterations that keeping it has cost since it was made
   std::vector<double> change_;
   std::vector<char> is_constraint_;  // rows of E that vanish
+  bool has_kernel_ = false;          // that of the Jacobian
+  std::vector<double> kernel_;       // K, n x a: E K = 0, A2 K = I
 };
 
 }  // namespace sfdae::core

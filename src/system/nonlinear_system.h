@@ -62,7 +62,9 @@ class NonlinearSystem final : public DaeSystem {
   PointStatus solve(const StepEquations& equations, double* x) override;
   PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
   using StrangenessFreeSystem::error_in_x;
-  void error_in_x(const double* dw, int count, double* dx) override { linearization_.error_in_x(dw, count, dx); }
+  void error_in_x(const double* dw, int count, double* dx) override {
+    if (!index_zero_.error_in_x(dw, count, dx)) linearization_.error_in_x(dw, count, dx);
+  }
   // Throws Failure where no consistent x is found near x_free.
   void restore(const double* w, const double* x_free, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
