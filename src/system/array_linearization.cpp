@@ -266,12 +266,8 @@ void ArrayLinearization::change_of_x(const double* z, double* dx) const {
   multiply(1.0, Op::plain, form_.T2(), z, 1.0, dx);
 }
 
-void ArrayLinearization::recover_change(const ArrayResiduals& residuals, const double* dx, double* dy) const {
-  elimination_.recover(data_, {residuals.f, residuals.transformed}, dx, dy, arena_);
-}
-
 void ArrayLinearization::apply_change(const ArrayResiduals& residuals, const double* dx, double* dy, Jet& jet) const {
-  recover_change(residuals, dx, dy);
+  elimination_.recover(data_, {residuals.f, residuals.transformed}, dx, dy, arena_);
   jet.add_scaled(dx, dy, problem_.jet_order(), data_.time_scale, problem_.units());
 }
 

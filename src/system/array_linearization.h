@@ -87,8 +87,6 @@ class ArrayLinearization {
   void keep_differential_part(double* z) const;
   // dx := xp + T2 z.
   void change_of_x(const double* z, double* dx) const;
-  // The change dy of y that belongs to dx.
-  void recover_change(const ArrayResiduals& residuals, const double* dx, double* dy) const;
   // Changes the jet by dx and by the change dy of y that belongs to it.
   void apply_change(const ArrayResiduals& residuals, const double* dx, double* dy, Jet& jet) const;
   // factor Uz^T T2^T v: the free part of v, which is in the user's units.

@@ -104,7 +104,7 @@ double NonlinearIteration::apply_change(const IterationTask& task, const ArrayLi
                                         const ArrayResiduals& residuals, const double* dx, Jet& jet) {
   linearization.apply_change(residuals, dx, dy_.data(), jet);
   return task.inverse_weights == nullptr ? relative_norm(linearization, dx, jet)
-                                         : weighted_norm(task, linearization, dx, dy_.data());
+                                         : weighted_norm(task, linearization, dx);
 }
 
 double NonlinearIteration::relative_norm(const ArrayLinearization& linearization, const double* dx,
@@ -131,7 +131,7 @@ double NonlinearIteration::relative_norm(const ArrayLinearization& linearization
 
 // In units of the tolerance; changes of y count as far as they act over the step.
 double NonlinearIteration::weighted_norm(const IterationTask& task, const ArrayLinearization& linearization,
-                                         const double* dx, const double* dy) const {
+                                         const double* dx) const {
   const int n = problem_.n();
   const Units& units = problem_.units();
   const std::vector<double>& noise = linearization.noise();
@@ -142,7 +142,7 @@ double NonlinearIteration::weighted_norm(const IterationTask& task, const ArrayL
   double power = 1.0;
   for (int k = 1; k <= problem_.jet_order(); ++k) {
     power *= ratio;
-    const double* change = dy + static_cast<std::ptrdiff_t>(k - 1) * n;
+    const double* change = dy_.data() + static_cast<std::ptrdiff_t>(k - 1) * n;
     for (int i = 0; i < n; ++i)
       norm = std::max(
           norm, power / k * above_noise(change[i], noise[index(k * n + i)]) * units[i] * task.inverse_weights[i]);

@@ -45,9 +45,6 @@ class NonlinearIteration {
   bool has_contradiction() const;
   ChordIteration& chord() { return chord_; }
 
-  // Of a change of x and y, in units of the tolerance.
-  double weighted_norm(const IterationTask& task, const ArrayLinearization& linearization, const double* dx,
-                       const double* dy) const;
   // Of one iteration: the jet changes by dx and what belongs to it, and by how much; relative to x without weights.
   double apply_change(const IterationTask& task, const ArrayLinearization& linearization,
                       const ArrayResiduals& residuals, const double* dx, Jet& jet);
@@ -58,6 +55,7 @@ class NonlinearIteration {
   PointStatus evaluate(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
   void solve_linearized(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
   double relative_norm(const ArrayLinearization& linearization, const double* dx, const Jet& jet) const;
+  double weighted_norm(const IterationTask& task, const ArrayLinearization& linearization, const double* dx) const;
   bool derivatives_follow(const TaylorData& data, const Jet& jet, double residual, double largest) const;
   void measure_inconsistency(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
 

@@ -23,9 +23,6 @@ void NonlinearStages::resize(int s, const Jet& like) {
   for (auto* v : {&f_, &transformed_}) grow(*v, rows * stages);
   for (auto* v : {&xp_, &g0_, &r_, &z_}) grow(*v, n * stages);  // a form has n unknowns at most
   grow(xdot_, n);
-  grow(changes_, size());
-  grow(weights_, jet_size());
-  acceleration_.resize(size());
 }
 
 void NonlinearStages::predict(const StageEquations& equations, const JetHistory& history,
@@ -44,30 +41,20 @@ PointStatus NonlinearStages::solve(const StageEquations& equations, ArrayLineari
                                    NonlinearIteration& iteration) {
   // Steps that need more are better made smaller. Chosen, not measured.
   constexpr int most = 20;
-  // A rate that is measured once may be small by chance, and of accelerated iterations the last two count.
-  constexpr double least_rate = 1e-3;
   const double h = equations.t_end - equations.t;
   std::copy_n(starts_.begin(), s_, jets_.begin());
   if (!linearization.factor_stages(equations.method, h)) return PointStatus::singular;
   const int q = linearization.form().unknowns();
   const IterationTask task{true, 1.0 / h, nullptr, nullptr, equations.guess.inverse_weights, newton_tolerance};
-  const double tau = linearization.data().time_scale;
-  set_weights(task);
-  acceleration_.begin();
   double before = 0.0, earlier = 0.0;
-  ChordIteration& chord = iteration.chord();
-  chord.begin();
+  iteration.chord().begin();
   for (int k = 0; k < most; ++k) {
     const PointStatus status = evaluate(equations, linearization);
     if (status != PointStatus::ok) return status;
     linearization.matrix().solve_stages(equations.method, block(r_, q), block(z_, q), arena_);
-    const double norm = compute_changes(task, linearization, iteration);
+    const double norm = apply_changes(task, linearization, iteration);
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    accelerate();
-    apply_changes(tau);
-    if (chord.has_converged({task.tolerance, k > 1 && earlier > 0.0 ? before / earlier : least_rate}, k, norm,
-                            before))
-      return iteration.check_redundant(task, linearization, last());
+    if (iteration.has_converged(task, k, norm, before)) return iteration.check_redundant(task, linearization, last());
     // x and y correct each other in turn: every second change may be hardly smaller than the one before.
     if (ChordIteration::is_too_slow(k, norm, std::max(before, earlier))) return PointStatus::not_converged;
     earlier = before;
@@ -130,51 +117,18 @@ void NonlinearStages::set_derivative(const StageEquations& equations, int i) {
   }
 }
 
-// Of all stages; their largest norm.
-double NonlinearStages::compute_changes(const IterationTask& task, const ArrayLinearization& linearization,
-                                        const NonlinearIteration& iteration) {
+// The largest norm of the changes of all stages.
+double NonlinearStages::apply_changes(const IterationTask& task, const ArrayLinearization& linearization,
+                                      NonlinearIteration& iteration) {
   const NullSpaceForm& form = linearization.form();
-  const int n = problem_.n();
   const View z = block(z_, form.unknowns());
   double norm = 0.0;
   for (int i = 0; i < s_; ++i) {
-    double* dx = change(i);
-    double* dy = dx + n;
-    std::copy_n(block(xp_, n).column(i), n, dx);
+    double* dx = block(xp_, problem_.n()).column(i);
     multiply(1.0, Op::plain, form.T2(), z.column(i), 1.0, dx);
-    linearization.recover_change(residuals(i), dx, dy);
-    norm = std::max(norm, iteration.weighted_norm(task, linearization, dx, dy));
+    norm = std::max(norm, iteration.apply_change(task, linearization, residuals(i), dx, jets_[index(i)]));
   }
   return norm;
-}
-
-// In units of the tolerance; y counts as it does in the array, not as it acts over the step: however short that is, the
-// constraints for x depend on y.
-void NonlinearStages::set_weights(const IterationTask& task) {
-  const int n = problem_.n();
-  for (int k = 0; k <= problem_.jet_order(); ++k)
-    for (int j = 0; j < n; ++j)
-      weights_[index(k * n + j)] = problem_.units()[j] * task.inverse_weights[j] / std::max(k, 1);
-}
-
-// The changes become those of the accelerated iteration.
-void NonlinearStages::accelerate() {
-  const std::size_t length = jet_size();
-  // Beyond, products overflow.
-  constexpr double largest = 1e100;
-  double size_of_change = 0.0;
-  for (std::size_t k = 0; k < size(); ++k)
-    size_of_change = std::max(size_of_change, std::fabs(changes_[k] * weights_[k % length]));
-  if (size_of_change > largest) return acceleration_.begin();
-  for (std::size_t k = 0; k < size(); ++k) changes_[k] *= weights_[k % length];
-  acceleration_.accelerate(size(), changes_.data());
-  for (std::size_t k = 0; k < size(); ++k) changes_[k] /= weights_[k % length];
-}
-
-void NonlinearStages::apply_changes(double time_scale) {
-  const int n = problem_.n();
-  for (int i = 0; i < s_; ++i)
-    jets_[index(i)].add_scaled(change(i), change(i) + n, problem_.jet_order(), time_scale, problem_.units());
 }
 
 void NonlinearStages::copy_to(double* x) const {

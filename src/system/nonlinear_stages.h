@@ -13,7 +13,6 @@
 
 #include "linalg/arena.h"
 #include "linalg/matrix.h"
-#include "system/accelerated_iteration.h"
 #include "system/analyzed_equations.h"
 #include "system/array_linearization.h"
 #include "system/jet.h"
@@ -45,16 +44,9 @@ class NonlinearStages {
   PointStatus evaluate(const StageEquations& equations, ArrayLinearization& linearization);
   PointStatus evaluate_stage(const StageEquations& equations, int i, ArrayLinearization& linearization);
   void set_derivative(const StageEquations& equations, int i);
-  double compute_changes(const IterationTask& task, const ArrayLinearization& linearization,
-                         const NonlinearIteration& iteration);
-  void set_weights(const IterationTask& task);
-  void accelerate();
-  void apply_changes(double time_scale);
+  double apply_changes(const IterationTask& task, const ArrayLinearization& linearization,
+                       NonlinearIteration& iteration);
 
-  // Entries of a jet, and of those of all stages.
-  std::size_t jet_size() const { return starts_.front().x.size(); }
-  std::size_t size() const { return jet_size() * index(s_); }
-  double* change(int i) { return changes_.data() + jet_size() * index(i); }
   View block(std::vector<double>& entries, int rows) const { return {entries.data(), rows, s_, rows > 0 ? rows : 1}; }
   ArrayResiduals residuals(int i) {
     const std::ptrdiff_t start = static_cast<std::ptrdiff_t>(i) * problem_.array_rows();
@@ -69,10 +61,7 @@ class NonlinearStages {
   std::vector<double> f_, transformed_;  // ArrayResiduals
   std::vector<double> xp_, g0_;          // of the form
   std::vector<double> r_, z_;            // right-hand sides and solutions of the decoupled equations
-  std::vector<double> changes_;          // of x and y, scaled as unknowns of the array
-  std::vector<double> weights_;          // of the changes of one stage, for the acceleration
   std::vector<double> xdot_;             // of one stage
-  AcceleratedIteration acceleration_;    // of all changes, weighted
 };
 
 }  // namespace sfdae::core
