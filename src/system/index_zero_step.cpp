@@ -31,9 +31,6 @@ constexpr double least_rate = 1e-3;
 // pivoted QR factorization is above the smallest singular value.
 constexpr double negligible_change = 0.1;
 
-// [Z1^T E; A2] with an inverse of at most this size, as it was judged and relative to that, is clearly regular. Chosen,
-// not measured.
-constexpr double largest_inverse = 1e8, usual_growth = 2.0;
 // Unknowns for each constraint from which on errors are mapped by the kernel of E: 4 n a operations instead of the
 // 2 n^2 + 4 n d + d^2 of the form.
 constexpr int few_constraints = 4;
@@ -53,35 +50,6 @@ struct FullMatrix {
 double iterations_wasted(double deviation) {
   if (deviation <= usual_rate) return 0.0;
   return std::log(usual_gain) * (1.0 / std::log(1.0 / deviation) - 1.0 / std::log(1.0 / usual_rate));
-}
-
-// Hager's estimate of the 1-norm of the inverse: |A^-1 x| for x that turn to the largest column.
-double inverse_norm(ConstView lu, const int* pivots, Arena& arena) {
-  constexpr int most = 4;
-  const int n = lu.cols;
-  const Arena::Frame frame(arena);
-  const View x = arena.matrix(n, 1), z = arena.matrix(n, 1);
-  fill(x, 1.0 / n);
-  double norm = 0.0;
-  for (int k = 0, last = -1; k < most; ++k) {
-    double direction = 0.0, now = 0.0;
-    solve_lu(lu, pivots, x.data);
-    for (int i = 0; i < n; ++i) now += std::fabs(x(i, 0));
-    if (now <= norm) break;
-    norm = now;
-    for (int i = 0; i < n; ++i) z(i, 0) = x(i, 0) < 0.0 ? -1.0 : 1.0;
-    solve_lu_transposed(lu, pivots, z);
-    int largest = 0;
-    for (int i = 0; i < n; ++i) {
-      direction += z(i, 0) / n;
-      if (std::fabs(z(i, 0)) > std::fabs(z(largest, 0))) largest = i;
-    }
-    if (largest == last || (last < 0 && std::fabs(z(largest, 0)) <= direction)) break;
-    last = largest;
-    fill(x, 0.0);
-    x(largest, 0) = 1.0;
-  }
-  return norm;
 }
 
 bool is_zero_row(ConstView E, int i) {
@@ -166,7 +134,7 @@ bool IndexZeroStep::has_ranks_of(const TaylorData& judged, const NullSpaceForm& 
   const Arena::Frame frame(arena_);
   double* factors = arena_.take(index(data_.n));  // to the rows as they were judged
   for (std::size_t i = 0; i < index(data_.n); ++i) factors[i] = judged.row_scale[i] / data_.row_scale[i];
-  return is_near(judged, form, factors) || ((form.a == 0 || maps_by_kernel()) && is_as_regular_as(judged));
+  return is_near(judged, form, factors);
 }
 
 // [Z1^T E; A2] has to stay regular: E on the kernel of A2, which turns by |dA2| / |A2|.
@@ -185,53 +153,22 @@ bool IndexZeroStep::is_near(const TaylorData& judged, const NullSpaceForm& form,
   return change_E + turn <= negligible_change * form.smallest_of_G();
 }
 
-IndexZeroStep::Regular IndexZeroStep::factor_regular(const TaylorData& data, const double* row_factors) {
-  const int n = data.n;
-  Regular regular{arena_.matrix(n, n), arena_.integers(n)};
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i)
-      regular.lu(i, j) = row_factors[i] * (is_constraint_[index(i)] != 0 ? data.A(0)(i, j) : data.E(0)(i, j));
-  if (!factor_lu(regular.lu, regular.pivots)) return regular;
-  regular.sign = 1;
-  for (int k = 0; k < n; ++k)
-    if ((regular.pivots[k] != k + 1) != (regular.lu(k, k) < 0.0)) regular.sign = -regular.sign;
-  regular.inverse_norm = inverse_norm(regular.lu, regular.pivots, arena_);
-  return regular;
-}
-
-// In the units of rows of the point judged, in which rows that vanish are seen: with the same sign, and the inverse not
-// much larger.
-bool IndexZeroStep::is_as_regular_as(const TaylorData& judged) {
-  const int n = data_.n;
-  const Arena::Frame frame(arena_);
-  double* factors = arena_.zeros(index(n));
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i)
-      factors[i] =
-          std::max(factors[i], std::fabs(is_constraint_[index(i)] != 0 ? judged.A(0)(i, j) : judged.E(0)(i, j)));
-  for (int i = 0; i < n; ++i) factors[i] = 1.0 / factors[i];
-  const Regular then = factor_regular(judged, factors);
-  if (then.sign == 0 || then.inverse_norm > largest_inverse) return false;
-  for (std::size_t i = 0; i < index(n); ++i) factors[i] *= judged.row_scale[i] / data_.row_scale[i];
-  const Regular now = factor_regular(data_, factors);
-  return now.sign == then.sign && now.inverse_norm <= usual_growth * then.inverse_norm;
-}
-
 // Of the Jacobian.
 bool IndexZeroStep::prepare_kernel() {
   if (has_kernel_) return true;
   if (!find_constraints(data_)) return false;
   const int n = data_.n;
   const Arena::Frame frame(arena_);
-  double* ones = arena_.take(index(n));
-  std::fill_n(ones, n, 1.0);
-  const Regular regular = factor_regular(data_, ones);
-  if (regular.sign == 0) return false;
+  const View regular = arena_.matrix(n, n);  // [Z1^T E; A2]
+  int* pivots = arena_.integers(n);
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) regular(i, j) = is_constraint_[index(i)] != 0 ? data_.A(0)(i, j) : data_.E(0)(i, j);
+  if (!factor_lu(regular, pivots)) return false;
   const View K{kernel_.data(), n, problem_.analysis().values.a, n};
   fill(K, 0.0);
   for (int i = 0, column = 0; i < n; ++i)
     if (is_constraint_[index(i)] != 0) K(i, column++) = 1.0;
-  solve_lu(regular.lu, regular.pivots, K);
+  solve_lu(regular, pivots, K);
   has_kernel_ = true;
   return true;
 }

@@ -61,16 +61,7 @@ class IndexZeroStep {
   void archive(Archive& archive, long& factorizations);
 
  private:
-  // [Z1^T E; A2] by the rows of E that do not vanish, factored.
-  struct Regular {
-    View lu;
-    int* pivots;
-    int sign = 0;               // of its determinant; 0: singular
-    double inverse_norm = 0.0;  // 1-norm of its inverse, estimated
-  };
   bool find_constraints(const TaylorData& data);
-  Regular factor_regular(const TaylorData& data, const double* row_factors);
-  bool is_as_regular_as(const TaylorData& judged);
   bool is_near(const TaylorData& judged, const NullSpaceForm& form, const double* factors);
   bool maps_by_kernel() const;
   bool prepare_kernel();

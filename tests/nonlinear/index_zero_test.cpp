@@ -71,6 +71,39 @@ TEST(IndexZero, RelaxationsOfVanDerPolsOscillatorAreInTime) {
   }
 }
 
+// Ten masses that change a lot, and two constraints: with rows of its own that do not depend on x' every one of them is
+// taken by the kernel of E. x_i = cos(t + i), z_1 = x_0 x_1, z_2 = z_1 + x_9.
+TEST(IndexZero, FewConstraintsAreWithinTheTolerance) {
+  constexpr int d = 10;
+  const auto equations = equations_of(d + 2, d + 2, [](const auto& t, const auto* x, const auto* xdot, auto* F) {
+    for (int i = 0; i < d; ++i) {
+      const double number = i;
+      F[i] = (1.5 + sin(3.0 * t + number)) * (xdot[i] + sin(t + number)) + 10.0 * number * (x[i] - cos(t + number)) +
+             x[d] - cos(t) * cos(t + 1.0);
+    }
+    F[d] = x[d] - x[0] * x[1];
+    F[d + 1] = x[d + 1] - x[d] - x[d - 1];
+  });
+  for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+    std::vector<double> start;
+    for (int i = 0; i < d; ++i) start.push_back(std::cos(i));
+    start.push_back(start[0] * start[1]);
+    start.push_back(start[d] + start[d - 1]);
+    NonlinearRun run(equations, options_with(tolerance));
+    ASSERT_EQ(run.start(0.0, 10.0, start), SFDAE_OK) << run.message();
+    for (int k = 1; k <= 20; ++k) {
+      const double t = 0.5 * k;
+      ASSERT_EQ(run.advance(t), SFDAE_OK) << run.message();
+      for (std::size_t i = 0; i < d; ++i) {
+        const double exact = std::cos(t + static_cast<double>(i));
+        EXPECT_NEAR(run.x[i], exact, 10.0 * tolerance * (1.0 + std::fabs(exact))) << i << " at " << t;
+      }
+      EXPECT_NEAR(run.x[d], run.x[0] * run.x[1], 1e-14);
+      EXPECT_NEAR(run.x[d + 1], run.x[d] + run.x[d - 1], 1e-14);
+    }
+  }
+}
+
 // (1 - t) (x' + sin t) + x - cos t = 0: E vanishes at t = 1, slowly, with nothing to be seen in the solution x = cos t.
 TEST(IndexZero, MassesThatVanishAreNoticed) {
   const auto vanishing = equations_of(2, 2, [](const auto& t, const auto* x, const auto* xdot, auto* F) {
