@@ -1,4 +1,4 @@
-// Problems of strangeness index 0, n = 20 ... 400, beside IDA with dense matrices: processor time for the start (recording,
+// Problems of strangeness index 0, n = 20 ... 400, beside IDA with dense matrices: processor time for start (recording,
 // index analysis, consistent values) and for the integration, and correct digits at the end, at rtol = atol = tol. The
 // last columns are IDA's time for all at the same digits, interpolated between its tolerances, and the ratios to it.
 //
