@@ -313,8 +313,8 @@ PointStatus ArrayLinearization::correct_derivative(double t, const double* x, do
 
 void ArrayLinearization::error_in_x(const double* dw, int count, double* dx) const {
   const int m = problem_.m(), n = problem_.n();
-  if (!is_usable_) {
-    // Whatever the constraints would make of them; w = x.
+  if (!is_usable_ || form_.a + form_.u == 0) {
+    // Without constraints; or whatever these would make of them, as w = x.
     std::copy_n(dw, index(n) * index(count), dx);
     return;
   }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/linear_point.h"
 
-#include "linalg/dense.h"
+#include "system/relative_orientation.h"
 
 namespace sfdae::core {
 
@@ -16,12 +16,8 @@ double inconsistency(const LinearPoint& point, int mu) {
 }
 
 bool orientation_kept(const LinearPoint& then, const LinearPoint& now, Arena& arena) {
-  const int d = now.form.d;
-  const Arena::Frame frame(arena);
-  const View K = arena.matrix(d, d), T = arena.matrix(d, d);
-  multiply(1.0, Op::transposed, then.form.Z1(), Op::plain, now.form.Z1(), 0.0, K);
-  multiply(1.0, Op::transposed, then.form.T2(), Op::plain, now.form.T2(), 0.0, T);
-  const int aligned = determinant_sign(K, arena) * determinant_sign(T, arena) * now.form.sign_of_G();
+  const int aligned = relative_orientation(then.form.Z1(), now.form.Z1(), arena) *
+                      relative_orientation(then.form.T2(), now.form.T2(), arena) * now.form.sign_of_G();
   return aligned == then.det_sign;
 }
 

@@ -46,7 +46,7 @@ PointStatus NonlinearStages::solve(const StageEquations& equations, ArrayLineari
   if (!linearization.factor_stages(equations.method, h)) return PointStatus::singular;
   const int q = linearization.form().unknowns();
   const IterationTask task{true, 1.0 / h, nullptr, nullptr, equations.guess.inverse_weights, newton_tolerance};
-  double before = 0.0;
+  double before = 0.0, earlier = 0.0;
   iteration.chord().begin();
   for (int k = 0; k < most; ++k) {
     const PointStatus status = evaluate(equations, linearization);
@@ -55,7 +55,9 @@ PointStatus NonlinearStages::solve(const StageEquations& equations, ArrayLineari
     const double norm = apply_changes(task, linearization, iteration);
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     if (iteration.has_converged(task, k, norm, before)) return iteration.check_redundant(task, linearization, last());
-    if (ChordIteration::is_too_slow(k, norm, before)) return PointStatus::not_converged;
+    // x and y correct each other in turn: every second change may be hardly smaller than the one before.
+    if (ChordIteration::is_too_slow(k, norm, std::max(before, earlier))) return PointStatus::not_converged;
+    earlier = before;
     before = norm;
   }
   return PointStatus::not_converged;

@@ -42,6 +42,7 @@ void NonlinearSystem::update_traits() {
 void NonlinearSystem::resize() {
   linearization_.resize();
   iteration_.resize();
+  index_zero_.resize();
   history_.resize(problem_.n(), problem_.jet_order());
   jet_.n = problem_.n();
   jet_.set_order(problem_.jet_order());
@@ -66,6 +67,7 @@ PointStatus NonlinearSystem::set_point(const Jet& jet) {
   jet_.set_order(problem_.jet_order());
   history_.restart(jet_);
   iteration_.chord().forget_rate();
+  index_zero_.forget();
   const PointStatus status = problem_.evaluate_inputs(jet_.t);
   if (status != PointStatus::ok) return status;
   return rank_check_.renew(jet_, linearization_, iteration_);
@@ -143,9 +145,65 @@ PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
   history_.predict(equations.guess, 0, linearization_.determined(), units(), jet_);
   const IterationTask task{
       true, equations.c, equations.w_rest, equations.x_rest, equations.guess.inverse_weights, newton_tolerance};
-  PointStatus status = iterate_from_guess(task);
-  if (status == PointStatus::ok) status = rank_check_.review(jet_, linearization_, iteration_);
+  PointStatus status;
+  if (index_zero_.is_possible() && linearization_.is_usable()) {
+    status = solve_index_zero(task);
+    if (status == PointStatus::ok) status = review_index_zero();
+  } else {
+    status = iterate_from_guess(task);
+    if (status == PointStatus::ok) status = rank_check_.review(jet_, linearization_, iteration_);
+  }
   std::copy_n(jet_.x.data(), problem_.n(), x);
+  return status;
+}
+
+// With the Jacobian that is there, that of the point accepted last, and that of the guess.
+PointStatus NonlinearSystem::solve_index_zero(const IterationTask& task) {
+  start_ = jet_;
+  const IndexZeroStep::Shared shared{linearization_.noise(), iteration_.chord(), counts_.factorizations};
+  const Jet& accepted = history_.accepted();
+  if (!index_zero_.has_jacobian() && linearization_.origin().jet.t == accepted.t)
+    index_zero_.take(linearization_.origin().jet, linearization_.data());
+  const Jet* const places[] = {nullptr, &accepted, &start_};
+  PointStatus status = PointStatus::not_converged;
+  for (const Jet* place : places) {
+    if (place == nullptr ? !index_zero_.has_jacobian() : index_zero_.has_jacobian_of(place->t)) continue;
+    if (place != nullptr) {
+      iteration_.chord().forget_rate();
+      status = place == &start_ ? index_zero_.renew(start_, linearization_.preferred_rows()) : linearize_accepted();
+      if (status != PointStatus::ok) return status;
+    }
+    jet_ = start_;
+    status = index_zero_.solve(task, shared, jet_);
+    if (status == PointStatus::ok || is_hopeless(status)) return status;
+  }
+  return status;
+}
+
+// Judges the ranks and measures the noise, too.
+PointStatus NonlinearSystem::linearize_accepted() {
+  const PointStatus status = rank_check_.renew(history_.accepted(), linearization_, iteration_);
+  if (status == PointStatus::ok) index_zero_.take(linearization_.origin().jet, linearization_.data());
+  return status;
+}
+
+// A Jacobian that is renewed, for a slow iteration or to look at the ranks, says as a rule that these hold. Else they are
+// judged.
+PointStatus NonlinearSystem::review_index_zero() {
+  ChordIteration& chord = iteration_.chord();
+  const bool is_due = rank_check_.count_point();
+  // A new factorization may be all that is needed.
+  if (chord.is_slow() && index_zero_.blames_matrix()) chord.set_slow(false);
+  if (!chord.is_slow() && !is_due) return PointStatus::ok;
+  const PointStatus renewed = index_zero_.renew(jet_, linearization_.preferred_rows());
+  if (renewed != PointStatus::ok) return renewed;
+  if (index_zero_.has_ranks_of(linearization_.data(), linearization_.form())) {
+    rank_check_.confirm(chord);
+    return PointStatus::ok;
+  }
+  const PointStatus status = rank_check_.renew(jet_, linearization_, iteration_);
+  rank_check_.expect_fast(chord);
+  if (status == PointStatus::ok) index_zero_.take(linearization_.origin().jet, linearization_.data());
   return status;
 }
 
@@ -265,9 +323,11 @@ void NonlinearSystem::archive(Archive& archive) {
   RankSequence ranks = linearization_.ranks();
   archive_ranks(archive, ranks);
   archive_ranks(archive, analysis_.certified_ranks);
-  if (!archive.is_reading()) return;
-  rank_check_.set_unjudged(unjudged);
-  restore_linearization(ranks, has_matrix);
+  if (archive.is_reading()) {
+    rank_check_.set_unjudged(unjudged);
+    restore_linearization(ranks, has_matrix);
+  }
+  index_zero_.archive(archive, counts_.factorizations);
 }
 
 // The linearization as it was when it was archived.

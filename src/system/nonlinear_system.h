@@ -18,6 +18,7 @@
 #include "system/analyzed_equations.h"
 #include "system/array_linearization.h"
 #include "system/dae_system.h"
+#include "system/index_zero_step.h"
 #include "system/jet.h"
 #include "system/jet_history.h"
 #include "system/next_level_jet.h"
@@ -64,7 +65,9 @@ class NonlinearSystem final : public DaeSystem {
   PointStatus solve(const StepEquations& equations, double* x) override;
   PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
   using StrangenessFreeSystem::error_in_x;
-  void error_in_x(const double* dw, int count, double* dx) override { linearization_.error_in_x(dw, count, dx); }
+  void error_in_x(const double* dw, int count, double* dx) override {
+    if (!index_zero_.error_in_x(dw, count, dx)) linearization_.error_in_x(dw, count, dx);
+  }
   // Throws Failure where no consistent x is found near x_free.
   void restore(const double* w, const double* x_free, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
@@ -89,6 +92,9 @@ class NonlinearSystem final : public DaeSystem {
   void restore_linearization(const RankSequence& ranks, bool has_matrix);
   void correct_by_linearization(const double* x, double* xdot);
   PointStatus iterate_from_guess(const IterationTask& task);
+  PointStatus solve_index_zero(const IterationTask& task);
+  PointStatus linearize_accepted();
+  PointStatus review_index_zero();
   template <class Iterate>
   PointStatus iterate_with_renewal(const Jet& start, Iterate iterate);
   PointStatus solve_several_stages(const StageEquations& equations);
@@ -100,6 +106,7 @@ class NonlinearSystem final : public DaeSystem {
   JetHistory history_;
   ArrayLinearization linearization_{problem_, counts_, arena_};
   NonlinearIteration iteration_{problem_, arena_};
+  IndexZeroStep index_zero_{problem_, arena_};
   RankCheck rank_check_{problem_, arena_};
   NonlinearStages stages_{problem_, arena_};
   NextLevelJet next_level_{problem_, arena_};

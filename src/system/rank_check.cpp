@@ -85,13 +85,16 @@ PointStatus RankCheck::match_known_ranks(const Jet& jet, const ArrayLinearizatio
   return has_form_ ? PointStatus::ok : PointStatus::changed;
 }
 
+bool RankCheck::count_point() { return ++unjudged_ >= most_unjudged; }
+
+void RankCheck::expect_fast(ChordIteration& chord) { chord.set_rate(std::min(chord.rate(), rate_after_renewal)); }
+
 PointStatus RankCheck::review(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration) {
-  ++unjudged_;
-  const bool contradicts = iteration.has_contradiction();
+  const bool is_due = count_point(), contradicts = iteration.has_contradiction();
   ChordIteration& chord = iteration.chord();
-  if (!chord.is_slow() && unjudged_ < most_unjudged && !contradicts) return PointStatus::ok;
+  if (!chord.is_slow() && !is_due && !contradicts) return PointStatus::ok;
   const PointStatus status = renew(jet, linearization, iteration);
-  chord.set_rate(std::min(chord.rate(), rate_after_renewal));
+  expect_fast(chord);
   if (status != PointStatus::ok || !contradicts) return status;
   // A linearization from elsewhere may have left residuals in redundant equations.
   refined_ = jet;

@@ -32,6 +32,16 @@ class RankCheck {
   // A further point has converged: the known ranks are compared with those there, the linearization stays.
   PointStatus review_by_comparison(const Jet& jet, ArrayLinearization& linearization, NonlinearIteration& iteration);
 
+  // For linearizations that are renewed elsewhere. A further point has converged; true where ranks are to be judged.
+  bool count_point();
+  // The ranks hold at the point that has converged.
+  void confirm(ChordIteration& chord) {
+    unjudged_ = 0;
+    expect_fast(chord);
+  }
+  // A linearization has been renewed: its rate is not known, but will be small.
+  static void expect_fast(ChordIteration& chord);
+
   // Data and form of the comparison at t, or null where there was none, or none that the form is left of.
   const NullSpaceForm* compared_form(double t) const { return compared_t_ == t && has_form_ ? &form_ : nullptr; }
   const TaylorData& compared_data() const { return data_; }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "linalg/dense.h"
+#include "system/relative_orientation.h"
 
 namespace sfdae::core {
 
@@ -50,11 +50,8 @@ void SingularitySample::take(double at, const TaylorData& data, int mu, const Nu
 
 bool SingularitySample::is_turned_from(const SingularitySample& then, Arena& arena) const {
   if (sign_ == 0 || then.sign_ == 0 || d_ != then.d_) return false;
-  const Arena::Frame frame(arena);
-  const View K = arena.matrix(d_, d_), T = arena.matrix(d_, d_);
-  multiply(1.0, Op::transposed, then.Z1(), Op::plain, Z1(), 0.0, K);
-  multiply(1.0, Op::transposed, then.T2(), Op::plain, T2(), 0.0, T);
-  return determinant_sign(K, arena) * determinant_sign(T, arena) * sign_ != then.sign_;
+  return relative_orientation(then.Z1(), Z1(), arena) * relative_orientation(then.T2(), T2(), arena) * sign_ !=
+         then.sign_;
 }
 
 }  // namespace sfdae::core

@@ -184,6 +184,67 @@ TEST(NonlinearSystem, GoesOnFromAnArchiveAsIfNothingHadHappened) {
   }
 }
 
+// Steps of index 0 that change by less than a factor of 5/3 keep their factorization, which belongs to the state: saved
+// after any number of steps.
+TEST(NonlinearSystem, GoesOnWithTheFactorizationThatIsKept) {
+  const auto time_of = [](int k) { return 1e-2 * k + 2e-3 * std::sin(1.3 * k); };
+  for (int saved = 1; saved <= 24; ++saved) {
+    NonlinearExample e(sfdae_test::record_of_hyperbola());
+    e.analyze(0.0, 1.0, {1.0, 1.0});
+    Vector x = values_of(*e.system);
+    for (int k = 1; k <= saved; ++k) {
+      x = step_from(*e.system, x, time_of(k));
+      e.system->accept();
+    }
+    Archive counter = Archive::counter();
+    e.system->archive(counter);
+    Vector state(counter.size());
+    Archive writer = Archive::writer(state.data(), state.size());
+    e.system->archive(writer);
+    RecordedProblem other_problem(sfdae_test::record_of_hyperbola(), {});
+    Archive reader = Archive::reader(state.data(), state.size());
+    NonlinearSystem restored(other_problem, e.settings, reader);
+    EXPECT_EQ(reader.size(), state.size());
+    Vector y = x;
+    for (int k = saved + 1; k <= saved + 30; ++k) {
+      x = step_from(*e.system, x, time_of(k));
+      y = step_from(restored, y, time_of(k));
+      ASSERT_TRUE(same_bits(x, y)) << k << ", saved after " << saved;
+      e.system->accept();
+      restored.accept();
+    }
+  }
+}
+
+// x_i' = -x_i for four, z = x1 x2 + x3: errors of w = x keep x1, ..., x4 and become dz = x2 dx1 + x1 dx2 + dx3. So by the
+// form that was judged and, once a step has been taken, by the kernel of E, in any units.
+TEST(NonlinearSystem, MapsErrorsToTheConstraints) {
+  const auto record = [] {
+    sfdae_test::Recording r(5);
+    return r.finish({r.xdot[0] + r.x[0], r.xdot[1] + r.x[1], r.xdot[2] + r.x[2], r.xdot[3] + r.x[3],
+                     r.x[4] - r.x[0] * r.x[1] - r.x[2]});
+  };
+  for (bool scaled : {false, true}) {
+    NonlinearExample e(record());
+    e.analyze(0.0, 1.0, {1.0, 0.5, 2.0, 3.0, 2.5});
+    if (scaled)
+      e.system = std::make_unique<NonlinearSystem>(*e.problem, e.settings, e.analysis,
+                                                   Vector{4.0, 1.0, 0.25, 8.0, 0.5}, e.jet);
+    Vector at = values_of(*e.system), x = at;  // where the Jacobian is from
+    for (int k = 0; k < 3; ++k) {
+      const Vector dw{1e-3, -2e-3, 5e-4, 1e-2, 7.0, 0.0, 1.0, 0.0, -1.0, 3.0};
+      Vector dx(10, NAN);
+      e.system->error_in_x(dw.data(), 2, dx.data());
+      for (std::size_t j : {0u, 5u}) {
+        for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(dx[j + i], dw[j + i], 10.0 * rounding(5));
+        EXPECT_NEAR(dx[j + 4], at[1] * dw[j] + at[0] * dw[j + 1] + dw[j + 2], 10.0 * rounding(5)) << k;
+      }
+      x = step_from(*e.system, x, 1e-3 * (k + 1));
+      e.system->accept();
+    }
+  }
+}
+
 TEST(NonlinearSystem, RefusesDamagedArchives) {
   NonlinearExample e(sfdae_test::record_of_hyperbola());
   e.analyze(0.0, 1.0, {1.0, 1.0});

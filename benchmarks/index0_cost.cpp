@@ -1,0 +1,253 @@
+// Problems of strangeness index 0, n = 20 ... 400, beside IDA with dense matrices: processor time for start (recording,
+// index analysis, consistent values) and for the integration, and correct digits at the end, at rtol = atol = tol. The
+// last columns are IDA's time for all at the same digits, interpolated between its tolerances, and the ratios to it.
+//
+//   index0_cost [problem [n [tol [bdf|radau]]]]      one run alone, without IDA, where all four are given
+//
+//   brusselator  u' = 1 + u^2 v - 4 u + a u_xx, v' = 3 u - u^2 v + a v_xx, a = 1/50, by lines, to t = 10 [HW96, IV.10]
+//   heat         (1 + u^2) u' = (exp(u) u_x)_x + sin(pi x) cos t, u = 0 at both ends as equations, by lines, to t = 1
+//   network      x_i' = -x_i + 0.3 x_(i+1) z_i - 0.1 z_(i+3), 0 = z_i + 0.1 z_i^3 - sin x_i - 0.2 z_(i+1), to t = 5
+//
+// [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ida_solver.h"
+#include "sfdae/expression.hpp"
+#include "sfdae/sfdae.h"
+
+namespace {
+
+using sfdae_bench::PeerProblem;
+using sfdae_bench::SolverRun;
+
+constexpr double pi = 3.14159265358979323846;
+
+int current_n = 0;  // of the residuals below, as IDA's callbacks have no data of their own
+
+template <class V>
+void brusselator(const V&, const V* x, const V* xdot, V* F) {
+  using std::exp, std::sin, std::cos;
+  const int points = current_n / 2;
+  const double per_square = 0.02 * (points + 1) * (points + 1);
+  for (int i = 0; i < points; ++i) {
+    // u and v in turn, so that neighbours are close.
+    const auto at = [&](int k, int which, double border) {
+      return k < 0 || k >= points ? V(border) : V(x[2 * k + which]);
+    };
+    const V &u = x[2 * i], &v = x[2 * i + 1];
+    const V square = u * u * v;
+    F[2 * i] =
+        xdot[2 * i] - (1.0 + square - 4.0 * u + per_square * (at(i - 1, 0, 1.0) - 2.0 * u + at(i + 1, 0, 1.0)));
+    F[2 * i + 1] =
+        xdot[2 * i + 1] - (3.0 * u - square + per_square * (at(i - 1, 1, 3.0) - 2.0 * v + at(i + 1, 1, 3.0)));
+  }
+}
+
+template <class V>
+void heat(const V& t, const V* x, const V* xdot, V* F) {
+  using std::exp, std::sin, std::cos;
+  const int n = current_n;
+  const double per_square = (n - 1.0) * (n - 1.0);
+  const V c = cos(t);
+  // The inner points first.
+  const auto u = [&](int k) -> const V& { return k == 0 ? x[n - 2] : k == n - 1 ? x[n - 1] : x[k - 1]; };
+  for (int i = 1; i < n - 1; ++i) {
+    const V right = exp(0.5 * (u(i) + u(i + 1))), left = exp(0.5 * (u(i) + u(i - 1)));
+    F[i - 1] = (1.0 + u(i) * u(i)) * xdot[i - 1] -
+               per_square * (right * (u(i + 1) - u(i)) - left * (u(i) - u(i - 1))) -
+               10.0 * std::sin(pi * i / (n - 1.0)) * c;
+  }
+  F[n - 2] = x[n - 2];
+  F[n - 1] = x[n - 1];
+}
+
+template <class V>
+void network(const V&, const V* x, const V* xdot, V* F) {
+  using std::exp, std::sin, std::cos;
+  const int h = current_n / 2;
+  for (int i = 0; i < h; ++i) {
+    const V& z = x[h + i];
+    F[i] = xdot[i] + x[i] - 0.3 * x[(i + 1) % h] * z + 0.1 * x[h + (i + 3) % h];
+    F[h + i] = z + 0.1 * z * z * z - sin(x[i]) - 0.2 * x[h + (i + 1) % h];
+  }
+}
+
+struct Problem {
+  const char* name;
+  double tf;
+  void (*ida)(int, double, const double*, const double*, double*);
+  void (*record)(const sfdae::Expression&, const sfdae::Expression*, const sfdae::Expression*, sfdae::Expression*);
+  double (*start)(int, int);  // component of n
+  int (*differential)(int);
+};
+
+const Problem problems[] = {
+    {"brusselator", 10.0,
+     [](int, double t, const double* x, const double* xdot, double* F) { brusselator(t, x, xdot, F); },
+     &brusselator<sfdae::Expression>,
+     [](int i, int n) { return i % 2 == 0 ? 1.0 + std::sin(2.0 * pi * (i / 2 + 1) / (n / 2 + 1)) : 3.0; },
+     [](int n) { return n; }},
+    {"heat", 1.0, [](int, double t, const double* x, const double* xdot, double* F) { heat(t, x, xdot, F); },
+     &heat<sfdae::Expression>, [](int i, int n) { return i < n - 2 ? std::sin(pi * (i + 1) / (n - 1.0)) : 0.0; },
+     [](int n) { return n - 2; }},
+    {"network", 5.0, [](int, double t, const double* x, const double* xdot, double* F) { network(t, x, xdot, F); },
+     &network<sfdae::Expression>, [](int i, int n) { return i < n / 2 ? 0.5 + 0.01 * (i % 50) : 0.5; },
+     [](int n) { return n / 2; }}};
+
+int write(sfdae_record*, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
+          sfdae_expression* residual, void* user) {
+  const auto& problem = *static_cast<const Problem*>(user);
+  const std::vector<sfdae::Expression> unknowns(x, x + current_n), slopes(xdot, xdot + current_n);
+  std::vector<sfdae::Expression> F(static_cast<std::size_t>(current_n));
+  problem.record(sfdae::Expression(t), unknowns.data(), slopes.data(), F.data());
+  std::transform(F.begin(), F.end(), residual, [](const sfdae::Expression& e) { return e.c(); });
+  return 0;
+}
+
+double milliseconds() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+struct Run {
+  double start = 0.0, integration = 0.0;
+  std::vector<double> x;
+  sfdae_statistics counts;
+  std::string failure;
+};
+
+Run solve(const Problem& problem, double tol, int method) {
+  Run run;
+  sfdae_options options;
+  sfdae_options_init(&options, sizeof options);
+  options.rtol = options.atol = tol;
+  options.method = method;
+  options.use_stop_time = 1;
+  options.stop_time = problem.tf;
+  sfdae_nonlinear_problem equations;
+  sfdae_nonlinear_problem_init(&equations, sizeof equations);
+  equations.num_equations = equations.num_unknowns = current_n;
+  equations.equations = &write;
+  equations.user = const_cast<Problem*>(&problem);
+  for (int i = 0; i < current_n; ++i) run.x.push_back(problem.start(i, current_n));
+  std::vector<double> xdot(run.x.size());
+  sfdae_solver* solver = nullptr;
+  double t = 0.0;
+  const double begin = milliseconds();
+  int status = sfdae_create_nonlinear(&solver, &equations, &options);
+  if (status >= 0) status = sfdae_start(solver, t, problem.tf, run.x.data(), xdot.data());
+  run.start = milliseconds() - begin;
+  if (status >= 0) status = sfdae_advance(solver, problem.tf, &t, run.x.data(), xdot.data());
+  run.integration = milliseconds() - begin - run.start;
+  if (status < 0) run.failure = std::string(sfdae_status_name(status)) + ": " + sfdae_message(solver);
+  sfdae_statistics_init(&run.counts, sizeof run.counts);
+  sfdae_get_statistics(solver, &run.counts);
+  sfdae_destroy(&solver);
+  return run;
+}
+
+PeerProblem peer(const Problem& problem) {
+  PeerProblem peer;
+  peer.problem = problem.name;
+  peer.residual = problem.ida;
+  peer.tf = problem.tf;
+  for (int i = 0; i < current_n; ++i) peer.x0.push_back(problem.start(i, current_n));
+  peer.xdot0.assign(peer.x0.size(), 0.0);
+  peer.differential = problem.differential(current_n);
+  // Without algebraic unknowns x' has to be given; it occurs as it is.
+  if (peer.differential == current_n) {
+    std::vector<double> slope(peer.x0.size());
+    problem.ida(0, 0.0, peer.x0.data(), peer.xdot0.data(), slope.data());
+    for (std::size_t i = 0; i < slope.size(); ++i) peer.xdot0[i] = -slope[i];
+  }
+  return peer;
+}
+
+// Of the worst component, relative to its size or, where it is small, to 1e-2.
+double digits(const std::vector<double>& x, const std::vector<double>& reference) {
+  double worst = 1e-16;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    worst = std::max(worst, std::fabs(x[i] - reference[i]) / std::max(1e-2, std::fabs(reference[i])));
+  return -std::log10(worst);
+}
+
+struct PeerRun {
+  double digits, milliseconds;
+};
+
+// Milliseconds at so many digits; beyond the ends by the nearest two runs.
+double at_digits(const std::vector<PeerRun>& runs, double wanted) {
+  std::size_t k = 1;
+  while (k + 1 < runs.size() && runs[k].digits < wanted) ++k;
+  const PeerRun &a = runs[k - 1], &b = runs[k];
+  const double slope = (std::log(b.milliseconds) - std::log(a.milliseconds)) / (b.digits - a.digits);
+  return a.milliseconds * std::exp(slope * (wanted - a.digits));
+}
+
+void compare(const Problem& problem, int n) {
+  current_n = n;
+  if (!sfdae_bench::ida_is_available()) return;
+  const std::vector<double> reference = sfdae_bench::solve_with_ida(peer(problem), 1e-11).x;
+  std::vector<PeerRun> peers;
+  for (double tol = 1e-3; tol > 1e-10; tol *= 0.1) {
+    double best = 1e300;
+    SolverRun run;
+    for (int k = 0; k < (n > 100 ? 1 : 3); ++k) {
+      const double begin = milliseconds();
+      run = sfdae_bench::solve_with_ida(peer(problem), tol);
+      best = std::min(best, milliseconds() - begin);
+    }
+    if (!run.failure.empty()) continue;
+    std::printf("%-12s %4d %-6s %7.0e %6.2f %9s %9.2f %6ld %6ld %6ld\n", problem.name, n, "IDA", tol,
+                digits(run.x, reference), "", best, run.steps, run.evaluations, run.factorizations);
+    if (peers.empty() || digits(run.x, reference) > peers.back().digits + 0.2)
+      peers.push_back({digits(run.x, reference), best});
+  }
+  for (const double tol : {1e-4, 1e-6, 1e-8}) {
+    Run best;
+    for (int k = 0; k < (n > 100 ? 1 : 3); ++k) {
+      Run run = solve(problem, tol, SFDAE_METHOD_BDF);
+      if (k == 0 || run.start + run.integration < best.start + best.integration) best = run;
+    }
+    if (!best.failure.empty()) {
+      std::printf("%-12s %4d %-6s %7.0e %s\n", problem.name, n, "BDF", tol, best.failure.c_str());
+      continue;
+    }
+    const double found = digits(best.x, reference), ida = at_digits(peers, found);
+    std::printf(
+        "%-12s %4d %-6s %7.0e %6.2f %9.2f %9.2f %6ld %6ld %6ld %6ld | IDA %9.2f  all %6.2f  integration %6.2f\n",
+        problem.name, n, "BDF", tol, found, best.start, best.integration, best.counts.steps,
+        best.counts.evaluations_F, best.counts.linearizations, best.counts.factorizations, ida,
+        (best.start + best.integration) / ida, best.integration / ida);
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string wanted = argc > 1 ? argv[1] : "all";
+  const int only = argc > 2 ? std::atoi(argv[2]) : 0;
+  if (argc > 4) {
+    current_n = only;
+    for (const Problem& problem : problems) {
+      if (wanted != problem.name) continue;
+      const Run run =
+          solve(problem, std::atof(argv[3]), std::string(argv[4]) == "bdf" ? SFDAE_METHOD_BDF : SFDAE_METHOD_RADAU);
+      std::printf("start %.3f integration %.3f steps %ld F %ld linearizations %ld factorizations %ld x0 %.15g %s\n",
+                  run.start, run.integration, run.counts.steps, run.counts.evaluations_F, run.counts.linearizations,
+                  run.counts.factorizations, run.x[0], run.failure.c_str());
+    }
+    return 0;
+  }
+  std::printf("%-12s %4s %-6s %7s %6s %9s %9s %6s %6s %6s %6s\n", "problem", "n", "solver", "tol", "digits", "start",
+              "integr.", "steps", "F", "lin.", "LU");
+  for (const Problem& problem : problems)
+    for (const int n : {20, 50, 100, 200, 400})
+      if ((wanted == "all" || wanted == problem.name) && (only == 0 || only == n)) compare(problem, n);
+}

@@ -1,0 +1,39 @@
+// Whether a basis has kept its orientation from one point to another.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/relative_orientation.h"
+
+#include <cmath>
+
+#include "linalg/dense.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Of |now S - then|_F^2, far enough below 2 for columns that are orthonormal to rounding only.
+constexpr double near = 1.5;
+
+double inner_product(const double* a, const double* b, int count) {
+  double sum = 0.0;
+  for (int i = 0; i < count; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+}  // namespace
+
+int relative_orientation(ConstView then, ConstView now, Arena& arena) {
+  double distance = 0.0;
+  int sign = 1;
+  for (int j = 0; j < now.cols && distance < near; ++j) {
+    const double product = inner_product(then.column(j), now.column(j), now.rows);
+    distance += 2.0 - 2.0 * std::fabs(product);
+    if (product < 0.0) sign = -sign;
+  }
+  if (distance < near) return sign;
+  const Arena::Frame frame(arena);
+  const View K = arena.matrix(now.cols, now.cols);
+  multiply(1.0, Op::transposed, then, Op::plain, now, 0.0, K);
+  return determinant_sign(K, arena);
+}
+
+}  // namespace sfdae::core
