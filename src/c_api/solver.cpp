@@ -58,6 +58,7 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n) : xdot_is_guess(o.xd
   integration.stepping.max_order = o.max_order;
   integration.stepping.min_stages = o.min_stages;
   integration.stepping.max_stages = o.max_stages;
+  integration.interpolates_outputs = o.output == SFDAE_OUTPUT_INTERPOLATED;
   integration.initial_step = o.initial_step;
   integration.max_step = o.max_step;
   if (o.use_stop_time != 0) integration.stop_time = o.stop_time;
@@ -161,11 +162,6 @@ CallResult advance(sfdae_solver* solver, double tout, bool one_step, double* t, 
   if (!std::isfinite(tout)) return illegal_argument(format("tout is %g.", tout));
   if (!solver->integration) return not_started("sfdae_start");
   solver->integration->want_slopes(xdot != nullptr);
-  std::vector<double> slopes;
-  if (xdot == nullptr) {
-    slopes.resize(index(solver->model.n()));
-    xdot = slopes.data();
-  }
   return solver->integration->advance(tout, one_step, *t, x, xdot);
 }
 

@@ -35,11 +35,12 @@ class Integration {
               Archive& archive);
   void archive(Archive& archive);
 
-  // To tout, or one step toward it. t, x, xdot: the point reached, whatever the status, unless the call itself is
+  // To tout, or one step toward it. xdot may be null. t, x, xdot: the point reached, whatever the status, unless the call itself is
   // illegal (SFDAE_ILLEGAL_ARGUMENT).
   CallResult advance(double tout, bool one_step, double& t, double* x, double* xdot);
-  // The solution at any t within the last step; the point reached stays.
-  CallResult interpolate(double t, double* x, double* xdot);
+  // The solution at any t within the last step, not made consistent if it may be interpolated; the point reached
+  // stays. xdot may be null.
+  CallResult interpolate(double t, bool may_interpolate, double* x, double* xdot);
 
   // Everything is as before where memory is missing.
   void set_options(const IntegrationOptions& options);

@@ -19,6 +19,7 @@ enum class Method { bdf, radau, automatic };
 struct IntegrationOptions : Acceptance {
   Method method = Method::bdf;
   StepOptions stepping;
+  bool interpolates_outputs = false;  // by the method's polynomial alone, where that is accurate
   bool never_pass_output = false;  // steps end at tout instead of being interpolated
   bool short_checkpoints = false;  // without what only statistics need
   double initial_step = 0.0;       // 0: chosen

@@ -3,6 +3,8 @@
 #include "integrate/radau_error_estimate.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "linalg/index.h"
 
@@ -31,6 +33,9 @@ ChosenNodes nodes_with_end(const RadauStep& step, const RadauHistory& history) {
 
 void RadauErrorEstimate::resize(std::size_t n, std::size_t size_w, int most_stages) {
   error_.assign(n, 0.0);
+  interior_.correction_w.assign(size_w, 0.0);
+  interior_.correction_x.assign(n, 0.0);
+  gap_.assign(n, 0.0);
   columns_.assign(size_w * index(most_stages + 2), 0.0);
   mapped_.assign(n * index(most_stages + 2), 0.0);
 }
@@ -38,6 +43,7 @@ void RadauErrorEstimate::resize(std::size_t n, std::size_t size_w, int most_stag
 ErrorTerms RadauErrorEstimate::estimate(StrangenessFreeSystem& system, const RadauHistory& history,
                                         const RadauStep& step, const ErrorWeights& weights, HermiteTable& table) {
   ErrorTerms terms;
+  interior_.w = interior_.x = std::numeric_limits<double>::infinity();
   if (system.differential() == 0) {
     std::fill(error_.begin(), error_.end(), 0.0);
     return terms;
@@ -66,6 +72,7 @@ ErrorTerms RadauErrorEstimate::estimate(StrangenessFreeSystem& system, const Rad
     terms.exponent = 2;
     return terms;
   }
+  estimate_interior(history, step, weights);
   const double guard = weights.norm(mapped_.data(), (s + 1.0) / (2.0 * s)) / embedded_limit(s, has_difference);
   if (has_difference) terms.decay[index(2 * s)] = weights.norm(difference);
   const double by_difference = has_difference ? method.error_constant * terms.decay[index(2 * s)] : 0.0;
@@ -73,6 +80,27 @@ ErrorTerms RadauErrorEstimate::estimate(StrangenessFreeSystem& system, const Rad
   terms.exponent = guard > by_difference ? s + 1 : 2 * s;
   if (terms.exponent == 2 * s) std::copy_n(difference, n, error_.data());
   return terms;
+}
+
+// By the embedded error, in the first columns, and for components that w does not show by what x' of the polynomial
+// differs by from that of the step before: those of algebraic components are the slopes of interpolation polynomials,
+// which err by c s r^s and c, r the ratio of the steps, where x errs by c tau M / M(0) within the step.
+void RadauErrorEstimate::estimate_interior(const RadauHistory& history, const RadauStep& step,
+                                           const ErrorWeights& weights) {
+  const RadauMethod& method = *step.method;
+  const RadauNode& start = history.newest();
+  const int s = method.s();
+  const std::size_t n = start.x.size(), size_w = start.w.size();
+  const double gamma = method.stages.gamma;
+  for (std::size_t i = 0; i < size_w; ++i) interior_.correction_w[i] = gamma * columns_[i];
+  for (std::size_t i = 0; i < n; ++i) interior_.correction_x[i] = gamma * mapped_[i];
+  interior_.w = method.largest_correction * weights.norm(interior_.correction_x.data());
+  slope_of_stages({s, method.slope_at_start.data(), 1, step.h}, start.x, step.stages.x, gap_.data());
+  for (std::size_t i = 0; i < n; ++i) gap_[i] = step.h * (start.xdot[i] - gap_[i]) - interior_.correction_x[i];
+  // Only a step of the same method errs like this one.
+  const bool is_like_last = history.count() > 1 && history.last_stages() == s;
+  const double in_gap = is_like_last ? 1.0 + s * std::pow(history.last().h / step.h, s) : 1.0;
+  interior_.x = std::max(interior_.w, method.largest_remainder * weights.norm(gap_.data()) / in_gap);
 }
 
 void RadauErrorEstimate::add_decay(StrangenessFreeSystem& system, const RadauHistory& history, const RadauStep& step,

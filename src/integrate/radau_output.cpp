@@ -12,6 +12,9 @@ namespace sfdae::core {
 
 namespace {
 
+// Of the collocation polynomial, in units of the weights: for w, where constraints make up for the rest, and for x. The
+// weights of nonlinear problems are a fifth of the tolerances (docs/decisions/34-outputs.md).
+constexpr double error_in_w = 2.0, error_in_x = 5.0, nonlinear_units = 5.0;
 // Of the Hermite polynomial without its most distant node, in units of the tolerances: what is left out is larger
 // than what the polynomial errs by. What the iteration for nonlinear equations leaves of errors at the nodes is not
 // seen by differences: more is asked for. (Chosen; with them the polynomials of decision 13 were right.)
@@ -26,25 +29,63 @@ void set_polynomial(const RadauHistory& history, Interpolated which, double t, H
 }
 
 void copy_to(const RadauNode& node, const PointValues& point) {
-  std::copy(node.w.begin(), node.w.end(), point.w);
+  if (point.w != nullptr) std::copy(node.w.begin(), node.w.end(), point.w);
   std::copy(node.x.begin(), node.x.end(), point.x);
-  std::copy(node.xdot.begin(), node.xdot.end(), point.xdot);
+  if (point.xdot != nullptr) std::copy(node.xdot.begin(), node.xdot.end(), point.xdot);
 }
 
 }  // namespace
 
-void RadauOutput::resize(std::size_t n, std::size_t size_w, int most_stages) {
+void RadauOutput::resize(const StrangenessFreeSystem& system, int most_stages) {
+  const std::size_t n = index(system.unknowns()), size_w = index(system.leading_size());
+  is_linear_ = system.is_linear();
+  interpolates_well_ = false;
+  longest_ = std::numeric_limits<double>::infinity();
   within_.stages.resize(n, size_w, most_stages);
   for (RadauNode* node : {&within_.end, &from_}) node->assign_zero(n, size_w);
   contribution_.assign(size_w, 0.0);
   mapped_.assign(n, 0.0);
+  for (std::vector<double>* v : {&guess_, &guess_before_, &guess_at_start_})
+    v->assign(n * index(system.taylor_order() + 1), 0.0);
+}
+
+// Steps of one stage have no polynomial worth the name, and are short.
+void RadauOutput::note_step(const RadauHistory& history) {
+  const int s = history.polynomial().stages();
+  const double limit = (is_linear_ ? 1.0 : nonlinear_units) * error_in_w, error = history.polynomial().error_of_w();
+  interpolates_well_ = s > 1 && error <= limit;
+  // Not for less than a tenth of the last step: then the estimate is all too rough. (Chosen.)
+  longest_ = s > 1 && error > 0.0
+                 ? std::fabs(history.last().h) * std::max(0.1, std::pow(limit / error, 1.0 / (s + 1)))
+                 : std::numeric_limits<double>::infinity();
+}
+
+bool RadauOutput::interpolates_x(const RadauHistory& history) const {
+  const double limit = (is_linear_ ? 1.0 : nonlinear_units) * error_in_x;
+  return interpolates_well_ && history.polynomial().error_of_x() <= limit;
+}
+
+Guess RadauOutput::guess_within(const RadauHistory& history, double t, int order) {
+  if (!interpolates_well_) return {};
+  const RadauPolynomial& polynomial = history.polynomial();
+  polynomial.taylor(t, order, guess_.data());
+  polynomial.taylor(history.newest().t, order, guess_before_.data());
+  polynomial.taylor(history.newest().t - history.last().h, order, guess_at_start_.data());
+  return {guess_.data(), guess_before_.data(), nullptr, guess_at_start_.data()};
 }
 
 void RadauOutput::interpolate(const RadauHistory& history, HermiteTable& table, const PointValues& point) {
   const RadauNode& newest = history.newest();
-  if (point.t == newest.t || history.count() < 2) return copy_to(newest, point);
+  if (point.t == newest.t) return copy_to(newest, point);
+  if (interpolates_well_) {
+    history.polynomial().evaluate_x(point.t, point.x, point.xdot);
+    if (point.w != nullptr) history.polynomial().evaluate_w(point.t, point.w);
+    return;
+  }
+  if (history.count() < 2) return copy_to(newest, point);
   set_polynomial(history, Interpolated::x, point.t, table);
   table.evaluate(point.t, point.x, point.xdot);
+  if (point.w == nullptr) return;
   set_polynomial(history, Interpolated::w, point.t, table);
   table.evaluate(point.t, point.w, nullptr);
 }
@@ -93,7 +134,9 @@ PointStatus RadauOutput::refine(StrangenessFreeSystem& system, ErrorWeights& wei
                                 RadauHistory& history, RadauWorkspace& workspace) {
   const double t = point.t;
   const PointStatus status = system.move_to(t);
-  if (status != PointStatus::ok || system.differential() == 0 || history.count() < 2) return status;
+  if (status != PointStatus::ok || system.differential() == 0 || interpolates_well_ || history.count() < 2)
+    return status;
+  set_polynomial(history, Interpolated::w, t, workspace.table);
   // What the most distant node contributes to the polynomial is the error of the others.
   workspace.table.contribution_of_last(history.nodes_around(t).count, t, contribution_);
   system.error_in_x(contribution_.data(), mapped_.data());
@@ -102,11 +145,7 @@ PointStatus RadauOutput::refine(StrangenessFreeSystem& system, ErrorWeights& wei
   if (weights.norm(mapped_.data()) <= limit) return PointStatus::ok;
   double reached = t;
   const PointStatus stages = solve_within(system, weights, history, workspace, reached);
-  if (stages == PointStatus::callback_error && reached == t) {
-    // The guess of the stages has taken the place of the polynomial, which is looked at again if the caller tries again.
-    set_polynomial(history, Interpolated::w, t, workspace.table);
-    return stages;
-  }
+  if (stages == PointStatus::callback_error && reached == t) return stages;
   // A stage may fail where the point itself does not: then the polynomial has to do.
   if (stages != PointStatus::ok) return system.move_to(t);
   copy_to(history.insert(within_.end), point);

@@ -33,7 +33,7 @@ void find_slopes(Integrator& integrator, const PointRequest& request, double* x,
   const StepState state = integrator.stepper->state();
   // The slope of a polynomial of high degree over a long step is not as accurate as x is.
   const bool is_within_long_step = integrator.method == Method::radau && request.t != state.t && request.wants_slopes;
-  if (!request.wants_slopes && !system.is_linear()) std::fill_n(xdot, system.unknowns(), 0.0);
+  if (!request.wants_slopes) std::fill_n(xdot, system.unknowns(), 0.0);
   else if (system.differential() == 0) system.consistent_derivative(x, integrator.direction, xdot);
   else if (!(is_within_long_step && system.exact_derivative(x, xdot)))
     system.correct_derivative(state.last.leading_coefficient, x, xdot);
@@ -47,11 +47,11 @@ void find_slopes(Integrator& integrator, const PointRequest& request, double* x,
 
 void StepOutput::resize(const DaeSystem& system) {
   w_.resize(std::max(w_.size(), index(system.leading_size())));
-  x_free_.resize(index(system.unknowns()));
+  for (std::vector<double>* v : {&x_free_, &x_, &slopes_}) v->resize(index(system.unknowns()));
 }
 
 void StepOutput::interpolate(Stepper& stepper, double t, double* x, double* xdot) {
-  stepper.interpolate({t, w_.data(), x, xdot});
+  stepper.interpolate({t, nullptr, x, xdot});
 }
 
 PointStatus StepOutput::refine(Integrator& integrator, double t, double* x, double* xdot) {
@@ -62,6 +62,7 @@ PointStatus StepOutput::refine(Integrator& integrator, double t, double* x, doub
 
 void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options,
                           double* x, double* xdot) {
+  if (request.may_interpolate && has_interpolated(integrator, request, x, xdot)) return;
   DaeSystem& system = integrator.system;
   const PointValues point{request.t, w_.data(), x_free_.data(), xdot};
   integrator.stepper->interpolate(point);
@@ -72,6 +73,23 @@ void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, c
   check_ranks(integrator, request.t);
   check_differences(integrator, x);
   find_slopes(integrator, request, x, xdot);
+}
+
+void StepOutput::evaluate_aside(Integrator& integrator, const PointRequest& request,
+                                const IntegrationOptions& options, double* x, double* xdot) {
+  evaluate(integrator, request, options, x_.data(), slopes_.data());
+  std::copy(x_.begin(), x_.end(), x);
+  if (xdot != nullptr) std::copy(slopes_.begin(), slopes_.end(), xdot);
+}
+
+// The point of a step is one that its error test has seen, whatever is said about points within.
+bool StepOutput::has_interpolated(Integrator& integrator, const PointRequest& request, double* x, double* xdot) {
+  Stepper& stepper = *integrator.stepper;
+  const bool at_step = request.t == stepper.state().t;
+  if (integrator.must_restart || !(at_step || stepper.interpolates_x(integrator.weights))) return false;
+  const std::size_t n = index(integrator.system.unknowns());
+  stepper.interpolate({request.t, nullptr, x, request.wants_slopes ? xdot : nullptr});
+  return all_finite(x, n) && !(request.wants_slopes && !all_finite(xdot, n));
 }
 
 void StepOutput::move_to(Integrator& integrator, const PointRequest& request, const PointValues& point) {
@@ -104,14 +122,19 @@ void StepOutput::restore(Integrator& integrator, double t, double* x) {
     system.leading(x_free_.data(), w_.data());
   }
   // Iterations for nonlinear equations end when errors are small against the tolerances: the constraints want more.
-  if (at_step && system.is_linear()) std::copy(x_last.begin(), x_last.end(), x);
-  else system.restore(w_.data(), at_step ? x_last.data() : x_free_.data(), x);
+  if (at_step && system.is_linear()) {
+    std::copy(x_last.begin(), x_last.end(), x);
+    return;
+  }
+  Guess guess;
+  if (!at_step && system.taylor_order() > 0) guess = integrator.stepper->guess_within(t, system.taylor_order());
+  system.restore(w_.data(), at_step ? x_last.data() : x_free_.data(), guess, x);
 }
 
 void StepOutput::last_point(Stepper& stepper, double& t, double* x, double* xdot) {
   t = stepper.state().t;
   std::copy(stepper.x().begin(), stepper.x().end(), x);
-  stepper.interpolate({t, w_.data(), x_free_.data(), xdot});
+  stepper.interpolate({t, nullptr, x_free_.data(), xdot});
 }
 
 void StepOutput::make_consistent(Integrator& integrator, bool wants_slopes, double* x, double* xdot) {

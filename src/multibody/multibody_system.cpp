@@ -217,7 +217,7 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
 }
 
 // What later steps depend on stays as it is: points that are asked for must not change those that follow.
-void MultibodySystem::restore(const double*, const double* x_free, double* x) {
+void MultibodySystem::restore(const double*, const double* x_free, const Guess&, double* x) {
   if (is_at(accepted_, t_, x_free)) return copy_unknowns(accepted_, x);
   is_end_new_ = false;
   end_.set(t_, x_free, x_free + sizes_.positions);

@@ -260,7 +260,7 @@ void LinearSystem::error_in_x(const double* dw, int count, double* dx) {
   for (int k = 0; k < count; ++k) problem_.units().outward(dx + static_cast<std::ptrdiff_t>(k) * n);
 }
 
-void LinearSystem::restore(const double* w, const double* x_free, double* x) {
+void LinearSystem::restore(const double* w, const double* x_free, const Guess&, double* x) {
   const NullSpaceForm& form = point().form;
   const int size = form.unknowns();
   const Arena::Frame frame(arena_);
