@@ -91,8 +91,8 @@ void measure(const std::string& name, double tolerance, Run run) {
       }
       std::printf("%-18s %-5s %-12s %9.3f %9.3f %7.2f %6ld %6ld %7ld %7ld %9.2g\n", name.c_str(),
                   method == SFDAE_METHOD_BDF ? "BDF" : "Radau",
-                  output == SFDAE_OUTPUT_CONSISTENT ? "consistent" : "interpolated", one.milliseconds, all.milliseconds,
-                  all.milliseconds / one.milliseconds, one.statistics.steps, all.statistics.steps,
+                  output == SFDAE_OUTPUT_CONSISTENT ? "consistent" : "interpolated", one.milliseconds,
+                  all.milliseconds, all.milliseconds / one.milliseconds, one.statistics.steps, all.statistics.steps,
                   one.statistics.reductions, all.statistics.reductions, largest_error(all.x, reference.x, tolerance));
       std::fflush(stdout);
     }
@@ -156,8 +156,8 @@ void measure_multibody(double tolerance, bool with_slopes) {
 int main(int argc, char** argv) {
   const double tolerance = argc > 1 ? std::atof(argv[1]) : 1e-6;
   const bool with_slopes = argc > 2;
-  std::printf("%-18s %-5s %-12s %9s %9s %7s %6s %6s %7s %7s %9s\n", "problem", "", "outputs", "1, ms", "500, ms", "ratio",
-              "steps", "steps", "reduct.", "reduct.", "error");
+  std::printf("%-18s %-5s %-12s %9s %9s %7s %6s %6s %7s %7s %9s\n", "problem", "", "outputs", "1, ms", "500, ms",
+              "ratio", "steps", "steps", "reduct.", "reduct.", "error");
   measure_kron(tolerance, with_slopes);
   measure_raw_pendulum(tolerance, with_slopes);
   measure_multibody(tolerance, with_slopes);

@@ -61,8 +61,15 @@ void Bdf::start(const StrangenessFreeSystem& system, const StartingPoint& point,
 }
 
 StepState Bdf::state() const {
-  return {history_.time(0), tried_.t, last_, next_step_, control_.order(), control_.failures_in_a_row(),
-          std::numeric_limits<double>::infinity(), true, 0};
+  return {history_.time(0),
+          tried_.t,
+          last_,
+          next_step_,
+          control_.order(),
+          control_.failures_in_a_row(),
+          std::numeric_limits<double>::infinity(),
+          true,
+          0};
 }
 
 void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {

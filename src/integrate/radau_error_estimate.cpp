@@ -35,7 +35,7 @@ void RadauErrorEstimate::resize(std::size_t n, std::size_t size_w, int most_stag
   error_.assign(n, 0.0);
   interior_.correction_w.assign(size_w, 0.0);
   interior_.correction_x.assign(n, 0.0);
-  gap_.assign(n, 0.0);
+  difference_.assign(n, 0.0);
   columns_.assign(size_w * index(most_stages + 2), 0.0);
   mapped_.assign(n * index(most_stages + 2), 0.0);
 }
@@ -72,7 +72,7 @@ ErrorTerms RadauErrorEstimate::estimate(StrangenessFreeSystem& system, const Rad
     terms.exponent = 2;
     return terms;
   }
-  estimate_interior(history, step, weights);
+  estimate_interior(start, step, weights);
   const double guard = weights.norm(mapped_.data(), (s + 1.0) / (2.0 * s)) / embedded_limit(s, has_difference);
   if (has_difference) terms.decay[index(2 * s)] = weights.norm(difference);
   const double by_difference = has_difference ? method.error_constant * terms.decay[index(2 * s)] : 0.0;
@@ -82,25 +82,30 @@ ErrorTerms RadauErrorEstimate::estimate(StrangenessFreeSystem& system, const Rad
   return terms;
 }
 
-// By the embedded error, in the first columns, and for components that w does not show by what x' of the polynomial
-// differs by from that of the step before: those of algebraic components are the slopes of interpolation polynomials,
-// which err by c s r^s and c, r the ratio of the steps, where x errs by c tau M / M(0) within the step.
-void RadauErrorEstimate::estimate_interior(const RadauHistory& history, const RadauStep& step,
+// Of w by the embedded error, which stands in the first columns. Algebraic components are interpolated, and may vary
+// faster than w: the next divided difference over the stages is what the last ones suggest.
+void RadauErrorEstimate::estimate_interior(const RadauNode& start, const RadauStep& step,
                                            const ErrorWeights& weights) {
   const RadauMethod& method = *step.method;
-  const RadauNode& start = history.newest();
-  const int s = method.s();
   const std::size_t n = start.x.size(), size_w = start.w.size();
   const double gamma = method.stages.gamma;
   for (std::size_t i = 0; i < size_w; ++i) interior_.correction_w[i] = gamma * columns_[i];
   for (std::size_t i = 0; i < n; ++i) interior_.correction_x[i] = gamma * mapped_[i];
   interior_.w = method.largest_correction * weights.norm(interior_.correction_x.data());
-  slope_of_stages({s, method.slope_at_start.data(), 1, step.h}, start.x, step.stages.x, gap_.data());
-  for (std::size_t i = 0; i < n; ++i) gap_[i] = step.h * (start.xdot[i] - gap_[i]) - interior_.correction_x[i];
-  // Only a step of the same method errs like this one.
-  const bool is_like_last = history.count() > 1 && history.last_stages() == s;
-  const double in_gap = is_like_last ? 1.0 + s * std::pow(history.last().h / step.h, s) : 1.0;
-  interior_.x = std::max(interior_.w, method.largest_remainder * weights.norm(gap_.data()) / in_gap);
+  const auto norm_of_difference = [&](const std::array<double, max_stages + 1>& factors, int order) {
+    for (std::size_t i = 0; i < n; ++i) difference_[i] = factors[0] * start.x[i];
+    for (int j = 1; j <= order; ++j) {
+      const double factor = factors[index(j)];
+      const double* stage = step.stages.x.data() + n * index(j - 1);
+      for (std::size_t i = 0; i < n; ++i) difference_[i] += factor * stage[i];
+    }
+    return weights.norm(difference_.data());
+  };
+  const int s = method.s();
+  const double last = norm_of_difference(method.lagrange_factors, s),
+               earlier = norm_of_difference(method.lower_factors, s - 2);
+  const double decay = last < earlier ? std::sqrt(last / earlier) : 1.0;
+  interior_.x = std::max(interior_.w, method.largest_remainder * decay * last);
 }
 
 void RadauErrorEstimate::add_decay(StrangenessFreeSystem& system, const RadauHistory& history, const RadauStep& step,

@@ -34,11 +34,11 @@ class RadauErrorEstimate {
   const InteriorErrors& interior() const { return interior_; }
 
  private:
-  void estimate_interior(const RadauHistory& history, const RadauStep& step, const ErrorWeights& weights);
+  void estimate_interior(const RadauNode& start, const RadauStep& step, const ErrorWeights& weights);
 
   std::vector<double> error_;
   InteriorErrors interior_;
-  std::vector<double> gap_;
+  std::vector<double> difference_;
   std::vector<double> columns_, mapped_;  // in w and in x
 };
 

@@ -107,11 +107,14 @@ void build_transformation(StageMethod& method) {
 void describe_polynomial(RadauMethod& method) {
   const int s = method.s();
   const auto c = [&](int k) { return k == 0 ? 0.0 : method.stages.c[index(k - 1)]; };
-  for (int j = 0; j <= s; ++j) {
-    method.lagrange_factors[index(j)] = 1.0;
-    for (int k = 0; k <= s; ++k)
-      if (k != j) method.lagrange_factors[index(j)] /= c(j) - c(k);
-  }
+  const auto factor = [&](int j, int last) {
+    double product = 1.0;
+    for (int k = 0; k <= last; ++k)
+      if (k != j) product *= c(j) - c(k);
+    return 1.0 / product;
+  };
+  for (int j = 0; j <= s; ++j) method.lagrange_factors[index(j)] = factor(j, s);
+  for (int j = 0; j <= s - 2; ++j) method.lower_factors[index(j)] = factor(j, s - 2);
   std::array<double, max_stages + 2> M{1.0};
   for (int i = 1; i <= s; ++i)
     for (int k = i; k >= 0; --k) M[index(k)] = (k > 0 ? M[index(k - 1)] : 0.0) - c(i) * M[index(k)];
@@ -122,7 +125,7 @@ void describe_polynomial(RadauMethod& method) {
     const double tau = static_cast<double>(i) / points;
     double Q = 0.0, remainder = tau;
     for (int k = s + 1; k >= 0; --k) Q = Q * tau + method.correction[index(k)];
-    for (int k = 1; k <= s; ++k) remainder *= (tau - c(k)) / c(k);
+    for (int k = 1; k <= s; ++k) remainder *= tau - c(k);
     method.largest_correction = std::max(method.largest_correction, std::fabs(Q));
     method.largest_remainder = std::max(method.largest_remainder, std::fabs(remainder));
   }

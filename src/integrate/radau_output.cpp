@@ -14,7 +14,10 @@ namespace {
 
 // Of the collocation polynomial, in units of the weights: for w, where constraints make up for the rest, and for x. The
 // weights of nonlinear problems are a fifth of the tolerances (docs/decisions/34-outputs.md).
-constexpr double error_in_w = 2.0, error_in_x = 5.0, nonlinear_units = 5.0;
+constexpr double error_in_w = 2.0, error_in_x = 3.0, nonlinear_units = 5.0;
+// Of the error allowed: smaller ones say nothing about the next step, as they may be those of the slope at the start,
+// from a longer step before. And what the next step is limited to, in units of the last one, at least. (Chosen.)
+constexpr double telling_error = 0.02, least_ratio = 0.1;
 // Of the Hermite polynomial without its most distant node, in units of the tolerances: what is left out is larger
 // than what the polynomial errs by. What the iteration for nonlinear equations leaves of errors at the nodes is not
 // seen by differences: more is asked for. (Chosen; with them the polynomials of decision 13 were right.)
@@ -54,10 +57,9 @@ void RadauOutput::note_step(const RadauHistory& history) {
   const int s = history.polynomial().stages();
   const double limit = (is_linear_ ? 1.0 : nonlinear_units) * error_in_w, error = history.polynomial().error_of_w();
   interpolates_well_ = s > 1 && error <= limit;
-  // Not for less than a tenth of the last step: then the estimate is all too rough. (Chosen.)
-  longest_ = s > 1 && error > 0.0
-                 ? std::fabs(history.last().h) * std::max(0.1, std::pow(limit / error, 1.0 / (s + 1)))
-                 : std::numeric_limits<double>::infinity();
+  const bool says_much = s > 1 && error > telling_error * limit;
+  longest_ = says_much ? std::fabs(history.last().h) * std::max(least_ratio, std::pow(limit / error, 1.0 / (s + 1)))
+                       : std::numeric_limits<double>::infinity();
 }
 
 bool RadauOutput::interpolates_x(const RadauHistory& history) const {

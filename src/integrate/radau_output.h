@@ -32,10 +32,11 @@ class RadauOutput {
   // which step size the former would be.
   bool interpolates_well() const { return interpolates_well_; }
   bool interpolates_x(const RadauHistory& history) const;
-  // stages: of the next step. Hermite polynomials are trusted where there are nodes enough, until they fail.
+  // stages: of the next step, of which more make up for its length. Hermite polynomials are trusted where there are
+  // nodes enough, until they fail.
   double longest_interpolated(const RadauHistory& history, int stages) const {
     const bool has_hermite = !interpolates_well_ && history.count() > stages && history.inner_count() == 0;
-    return has_hermite ? std::numeric_limits<double>::infinity() : longest_;
+    return has_hermite || stages > history.polynomial().stages() ? std::numeric_limits<double>::infinity() : longest_;
   }
   Guess guess_within(const RadauHistory& history, double t, int order);
 

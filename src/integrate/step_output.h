@@ -10,8 +10,8 @@ namespace sfdae::core {
 
 struct PointRequest {
   double t;
-  bool may_refine;    // where the integrator's polynomial is not accurate it is made so
-  bool wants_slopes;  // somebody looks at x', else it is not computed
+  bool may_refine;               // where the integrator's polynomial is not accurate it is made so
+  bool wants_slopes;             // somebody looks at x', else it is not computed
   bool may_interpolate = false;  // the polynomial alone will do where it is accurate, without constraints
 };
 
