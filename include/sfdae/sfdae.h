@@ -168,7 +168,7 @@ SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t si
  * tolerances. */
 #define SFDAE_METHOD_BDF 0       /* orders 1 to 5 */
 #define SFDAE_METHOD_RADAU 1     /* Radau IIA with 1, 3, 5 or 7 stages, orders 1, 5, 9, 13 */
-#define SFDAE_METHOD_AUTOMATIC 2 /* Radau; BDF from where frequent output or failing steps make that better */
+#define SFDAE_METHOD_AUTOMATIC 2 /* Radau; BDF where steps fail, or are too rough for frequent output, too often */
 
 /* What x is at outputs within steps. Points of steps themselves satisfy the constraints as far as the iteration for
  * nonlinear equations went. */
@@ -438,8 +438,8 @@ SFDAE_API int sfdae_advance(sfdae_solver* solver, double tout, double* t, double
 
 /* Takes one step toward tout, which must lie in the direction of integration, at or after the last point returned
  * and not beyond stop_time. Returns SFDAE_STEP_TAKEN with the point reached in t, x (n values) and xdot (n values,
- * may be NULL), or SFDAE_OK with these at tout, interpolated if the step went past it. x satisfies all constraints
- * to rounding; xdot is as accurate as sfdae_advance returns it.
+ * may be NULL), or SFDAE_OK with these at tout, interpolated if the step went past it. x and xdot are what
+ * sfdae_advance returns.
  * Warnings: SFDAE_STEP_TAKEN, SFDAE_STOPPED, SFDAE_INCONSISTENCY_IGNORED, SFDAE_EVENT. Failures: callbacks,
  * integration, SFDAE_CHARACTERISTICS_CHANGED, SFDAE_INCONSISTENT_EQUATIONS, SFDAE_NOT_STARTED, with the last
  * accepted point in t, x and xdot. */

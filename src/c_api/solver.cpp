@@ -246,7 +246,7 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     // Nothing fails from here on.
     solver->options = std::move(fresh);
     if (!same_analysis) solver->forget_analysis();
-    if (goes_on) set_limits(*solver, solver->integration->stepper().state().t, solver->integration->direction());
+    if (goes_on) set_limits(*solver, solver->integration->start(), solver->integration->direction());
     return {};
   });
 }
@@ -382,11 +382,7 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
     solver->decisions.clear();
     solver->initial_report.reset();
     solver->direction = solver->integration->direction();
-    // Differences go on from where the integration started.
-    const double start = solver->problem().limit_before(solver->direction),
-                 t = solver->integration->stepper().state().t;
-    set_limits(*solver, solver->options.model.differences.allowed && std::isfinite(start) ? start : t,
-               solver->direction);
+    set_limits(*solver, solver->integration->start(), solver->direction);
     return {};
   });
 }

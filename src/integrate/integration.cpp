@@ -36,6 +36,7 @@ Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, 
       choice_{options.method},
       counts_(system),
       watch_(std::move(watch)),
+      start_(point.t),
       last_returned_(point.t),
       span_(std::fabs(point.toward - point.t)) {
   if (options_.events != nullptr) options_.events->search.reset();
@@ -76,6 +77,7 @@ void Integration::archive(Archive& archive) {
   choice_.archive_rates(archive);
   IntegrationCounts all = counts();
   archive_counts(archive, all, options_.short_checkpoints);
+  if (!options_.short_checkpoints) archive.real(start_);
   archive.real(integrator_.first_step);
   archive.real(last_returned_);
   integrator_.stepper->archive(archive, system);
@@ -147,7 +149,7 @@ CallResult Integration::interpolate(double t, bool may_interpolate, double* x, d
   const double start = state.t - state.last.h;
   if ((t - start) * integrator_.direction < 0.0 || (state.t - t) * integrator_.direction < 0.0)
     return result_outside_last_step(t, start, state.t);
-  const PointRequest request{t, true, wants_slopes_, may_interpolate && options_.interpolates_outputs};
+  const PointRequest request{t, true, slopes_, may_interpolate && options_.interpolates_outputs};
   output_.evaluate_aside(integrator_, request, options_, x, xdot);
   return {};
 }
@@ -393,12 +395,12 @@ void Integration::return_last_point(double& t, double* x, double* xdot) {
 void Integration::return_consistent_point(double& t, double* x, double* xdot) {
   return_last_point(t, x, xdot);
   if (integrator_.system.is_linear() || options_.interpolates_outputs || t != integrator_.stepper->state().t) return;
-  output_.make_consistent(integrator_, wants_slopes_, x, xdot);
+  output_.make_consistent(integrator_, slopes_, x, xdot);
 }
 
 CallResult Integration::output(double tout, double& t, double* x, double* xdot) {
   if (has_searched_to(options_.events, tout)) return_searched_point(*options_.events, t, x, xdot);
-  else output_.evaluate(integrator_, {tout, true, wants_slopes_, options_.interpolates_outputs}, options_, x, xdot);
+  else output_.evaluate(integrator_, {tout, true, slopes_, options_.interpolates_outputs}, options_, x, xdot);
   // Others cost the same with either method.
   if (!integrator_.stepper->state().interpolates_well) choice_.note_output();
   t = tout;

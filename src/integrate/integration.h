@@ -44,14 +44,15 @@ class Integration {
 
   // Everything is as before where memory is missing.
   void set_options(const IntegrationOptions& options);
-  // Whether anybody will look at xdot; else it need not be accurate.
-  void want_slopes(bool wanted) { wants_slopes_ = wanted || options_.events != nullptr; }
+  // Whether anybody will look at xdot; else it is zero at outputs.
+  void want_slopes(bool wanted) { slopes_ = wanted || options_.events != nullptr ? Slopes::wanted : Slopes::none; }
   // None: nullptr. They are searched from the point returned last.
   void set_events(Events* events) { options_.events = events; }
   IntegrationCounts counts() const;
   const Stepper& stepper() const { return *integrator_.stepper; }
   Method method() const { return integrator_.method; }  // at present: bdf or radau
   double direction() const { return integrator_.direction; }
+  double start() const { return start_; }  // of a checkpoint that is short: 0
   const std::optional<LocatedChange>& change() const { return change_; }
 
  private:
@@ -98,9 +99,9 @@ class Integration {
     bool is_reached;
   };
   std::optional<Approach> approach_;
-  double last_returned_ = 0.0;
+  double start_ = 0.0, last_returned_ = 0.0;
   double span_ = 0.0;  // the interval of interest
-  bool wants_slopes_ = true;
+  Slopes slopes_ = Slopes::wanted;
 };
 
 }  // namespace sfdae::core

@@ -125,8 +125,8 @@ void RadauPolynomial::taylor(double t, int order, double* coefficients) const {
 void RadauPolynomial::archive(Archive& archive, int s, bool with_w) {
   if (archive.is_reading()) s_ = s;
   for (double* value : {&t_, &h_, &error_w_, &error_x_}) archive.real(*value);
-  archive.reals(x_, size_x_ * index(s + 2));
-  if (with_w) archive.reals(w_, size_w_ * index(s + 2));
+  archive.reals(x_.data(), size_x_ * index(s + 2));
+  if (with_w) archive.reals(w_.data(), size_w_ * index(s + 2));
 }
 
 }  // namespace sfdae::core

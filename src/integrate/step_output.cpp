@@ -32,8 +32,10 @@ void find_slopes(Integrator& integrator, const PointRequest& request, double* x,
   DaeSystem& system = integrator.system;
   const StepState state = integrator.stepper->state();
   // The slope of a polynomial of high degree over a long step is not as accurate as x is.
-  const bool is_within_long_step = integrator.method == Method::radau && request.t != state.t && request.wants_slopes;
-  if (!request.wants_slopes) std::fill_n(xdot, system.unknowns(), 0.0);
+  const bool is_within_long_step =
+      integrator.method == Method::radau && request.t != state.t && request.slopes == Slopes::wanted;
+  if (request.slopes == Slopes::none || (request.slopes == Slopes::rough && !system.is_linear()))
+    std::fill_n(xdot, system.unknowns(), 0.0);
   else if (system.differential() == 0) system.consistent_derivative(x, integrator.direction, xdot);
   else if (!(is_within_long_step && system.exact_derivative(x, xdot)))
     system.correct_derivative(state.last.leading_coefficient, x, xdot);
@@ -88,8 +90,13 @@ bool StepOutput::has_interpolated(Integrator& integrator, const PointRequest& re
   const bool at_step = request.t == stepper.state().t;
   if (integrator.must_restart || !(at_step || stepper.interpolates_x(integrator.weights))) return false;
   const std::size_t n = index(integrator.system.unknowns());
-  stepper.interpolate({request.t, nullptr, x, request.wants_slopes ? xdot : nullptr});
-  return all_finite(x, n) && !(request.wants_slopes && !all_finite(xdot, n));
+  if (request.slopes == Slopes::none) {
+    stepper.interpolate({request.t, nullptr, x, nullptr});
+    std::fill_n(xdot, n, 0.0);
+  } else {
+    stepper.interpolate({request.t, nullptr, x, xdot});
+  }
+  return all_finite(x, n) && all_finite(xdot, n);
 }
 
 void StepOutput::move_to(Integrator& integrator, const PointRequest& request, const PointValues& point) {
@@ -137,14 +144,14 @@ void StepOutput::last_point(Stepper& stepper, double& t, double* x, double* xdot
   stepper.interpolate({t, nullptr, x_free_.data(), xdot});
 }
 
-void StepOutput::make_consistent(Integrator& integrator, bool wants_slopes, double* x, double* xdot) {
+void StepOutput::make_consistent(Integrator& integrator, Slopes slopes, double* x, double* xdot) {
   DaeSystem& system = integrator.system;
   const std::vector<double>& x_last = integrator.stepper->x();
   const StepState state = integrator.stepper->state();
   try {
     if (system.move_to(state.t) != PointStatus::ok) return;
     system.restore(nullptr, x_last.data(), x);
-    if (wants_slopes) system.correct_derivative(state.last.leading_coefficient, x, xdot);
+    if (slopes == Slopes::wanted) system.correct_derivative(state.last.leading_coefficient, x, xdot);
   } catch (const Failure&) {
     std::copy(x_last.begin(), x_last.end(), x);
   }

@@ -8,10 +8,13 @@
 
 namespace sfdae::core {
 
+// What x' is needed for. Rough: an estimate, for which what costs much is left out, and zero will do.
+enum class Slopes { none, rough, wanted };
+
 struct PointRequest {
   double t;
-  bool may_refine;               // where the integrator's polynomial is not accurate it is made so
-  bool wants_slopes;             // somebody looks at x', else it is not computed
+  bool may_refine;  // where the integrator's polynomial is not accurate it is made so
+  Slopes slopes;
   bool may_interpolate = false;  // the polynomial alone will do where it is accurate, without constraints
 };
 
@@ -35,7 +38,7 @@ class StepOutput {
   // The last point as the error test saw it; with its constraints fulfilled to rounding, or as it is where that
   // fails.
   void last_point(Stepper& stepper, double& t, double* x, double* xdot);
-  void make_consistent(Integrator& integrator, bool wants_slopes, double* x, double* xdot);
+  void make_consistent(Integrator& integrator, Slopes slopes, double* x, double* xdot);
 
  private:
   bool has_interpolated(Integrator& integrator, const PointRequest& request, double* x, double* xdot);
