@@ -92,6 +92,9 @@ PointStatus MultibodySystem::set_point(double t, const double* q, const double* 
   accepted_.measure_rows();
   monitor_.forget();
   longest_step_ = 0.0;
+  // Of an integration before, which must not be seen in the next one.
+  linearization_.chord() = ChordIteration();
+  linearization_.renewal() = MultibodyRenewal();
   status = linearize(t, q, v);
   if (status != PointStatus::ok) return status;
   if (!monitor_.has_known_ranks()) return PointStatus::changed;
