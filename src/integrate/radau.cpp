@@ -159,6 +159,12 @@ double Radau::step_after_acceptance(const StrangenessFreeSystem& system, const E
   return tried_.method->s() > 1 ? next : std::copysign(std::min(std::fabs(next), rough_growth * std::fabs(h)), h);
 }
 
+bool Radau::gives_up_polynomial(ErrorWeights& weights, const double* interpolated, const double* x) {
+  if (!output_.interpolates_well()) return false;
+  workspace_.scales.update(weights, history_.node(1), history_.newest());
+  return output_.gives_up_polynomial(history_, weights, interpolated, x);
+}
+
 void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
   RadauHistory::Extent extent = history_.extent(options_);
   archive.small(extent.nodes, extent.order, extent.inner, first_stages_, options_.min_stages, options_.max_stages);

@@ -37,6 +37,8 @@ class Radau final : public Stepper {
   const std::vector<double>& error() const override { return estimate_.error(); }
   void interpolate(const PointValues& point) override { output_.interpolate(history_, workspace_.table, point); }
   bool interpolates_x(ErrorWeights&) override { return output_.interpolates_x(history_); }
+  std::optional<double> point_of_test() const override { return output_.point_of_test(history_); }
+  bool gives_up_polynomial(ErrorWeights& weights, const double* interpolated, const double* x) override;
   Guess guess_within(double t, int order) override { return output_.guess_within(history_, t, order); }
   PointStatus refine(StrangenessFreeSystem& system, ErrorWeights& weights, const PointValues& point) override {
     return output_.refine(system, weights, point, history_, workspace_);

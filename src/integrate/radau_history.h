@@ -35,6 +35,7 @@ class RadauHistory {
   int last_stages() const { return (last_.order + 1) / 2; }
   // Of the last step, where there is one.
   const RadauPolynomial& polynomial() const { return polynomial_; }
+  void note_test(double error) { polynomial_.note_test(error); }
 
   // Takes over an accepted step; what is left in it does not matter.
   void append(RadauStep& step, const InteriorErrors& errors);

@@ -15,6 +15,10 @@ namespace {
 // Of the collocation polynomial, in units of the weights: for w, where constraints make up for the rest, and for x. The
 // weights of nonlinear problems are a fifth of the tolerances (docs/decisions/34-outputs.md).
 constexpr double error_in_w = 2.0, error_in_x = 3.0, nonlinear_units = 5.0;
+// The estimate is that of the end of the step. Where the matrices of a linear problem turn within a step errors are much
+// larger, as values made consistent show: they differ from those interpolated by more than this, and than so many
+// estimates (elsewhere by 1.2 of them). Polynomials with smaller estimates than the last pass without that test.
+constexpr double doubtful_difference = 5.0, doubtful_ratio = 4.0, safe_error = 0.5;
 // Of the error allowed: smaller ones say nothing about the next step, as they may be those of the slope at the start,
 // from a longer step before. And what the next step is limited to, in units of the last one, at least. (Chosen.)
 constexpr double telling_error = 0.02, least_ratio = 0.1;
@@ -64,7 +68,29 @@ void RadauOutput::note_step(const RadauHistory& history) {
 
 bool RadauOutput::interpolates_x(const RadauHistory& history) const {
   const double limit = (is_linear_ ? 1.0 : nonlinear_units) * error_in_x;
-  return interpolates_well_ && history.polynomial().error_of_x() <= limit;
+  return interpolates_well_ && history.polynomial().error_of_x() <= limit && !point_of_test(history);
+}
+
+// Between two stages in the middle, where values are interpolated.
+std::optional<double> RadauOutput::point_of_test(const RadauHistory& history) const {
+  const RadauPolynomial& polynomial = history.polynomial();
+  if (!is_linear_ || !interpolates_well_ || polynomial.is_tested() || polynomial.error_of_w() <= safe_error)
+    return std::nullopt;
+  const int s = polynomial.stages();
+  const auto& c = radau_method(s).stages.c;
+  return history.newest().t - (1.0 - 0.5 * (c[index(s / 2)] + c[index(s / 2 + 1)])) * history.last().h;
+}
+
+bool RadauOutput::gives_up_polynomial(RadauHistory& history, const ErrorWeights& weights, const double* interpolated,
+                                      const double* x) {
+  if (!is_linear_) return false;
+  for (std::size_t i = 0; i < mapped_.size(); ++i) mapped_[i] = interpolated[i] - x[i];
+  const double difference = weights.norm(mapped_.data());
+  const bool is_doubtful =
+      difference > doubtful_difference && difference > doubtful_ratio * history.polynomial().error_of_x();
+  history.note_test(is_doubtful ? difference : 0.0);
+  if (is_doubtful) note_step(history);
+  return is_doubtful;
 }
 
 Guess RadauOutput::guess_within(const RadauHistory& history, double t, int order) {

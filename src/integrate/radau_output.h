@@ -5,6 +5,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "integrate/hermite_table.h"
@@ -38,6 +39,10 @@ class RadauOutput {
     const bool has_hermite = !interpolates_well_ && history.count() > stages && history.inner_count() == 0;
     return has_hermite || stages > history.polynomial().stages() ? std::numeric_limits<double>::infinity() : longest_;
   }
+  std::optional<double> point_of_test(const RadauHistory& history) const;
+  // By the weights of the step; else the polynomial has passed a test.
+  bool gives_up_polynomial(RadauHistory& history, const ErrorWeights& weights, const double* interpolated,
+                           const double* x);
   Guess guess_within(const RadauHistory& history, double t, int order);
 
   void interpolate(const RadauHistory& history, HermiteTable& table, const PointValues& point);

@@ -95,6 +95,7 @@ void RadauPolynomial::set(const RadauNode& start, const RadauStep& step, const I
   h_ = step.h;
   error_w_ = errors.w;
   error_x_ = errors.x;
+  is_tested_ = false;
   take_columns(start.x, step.stages.x, errors.correction_x, s, x_);
   take_columns(start.w, step.stages.w, errors.correction_w, s, w_);
 }
@@ -125,6 +126,7 @@ void RadauPolynomial::taylor(double t, int order, double* coefficients) const {
 void RadauPolynomial::archive(Archive& archive, int s, bool with_w) {
   if (archive.is_reading()) s_ = s;
   for (double* value : {&t_, &h_, &error_w_, &error_x_}) archive.real(*value);
+  archive.small(is_tested_);
   archive.reals(x_.data(), size_x_ * index(s + 2));
   if (with_w) archive.reals(w_.data(), size_w_ * index(s + 2));
 }

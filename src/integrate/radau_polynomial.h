@@ -10,6 +10,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <vector>
 
@@ -39,6 +40,13 @@ class RadauPolynomial {
   const double* x_at(int i) const { return x_.data() + size_x_ * index(i); }
   double error_of_w() const { return error_w_; }
   double error_of_x() const { return error_x_; }
+  // Values have been compared with a point within the step: an error found there, or none.
+  void note_test(double error) {
+    is_tested_ = true;
+    error_w_ = std::max(error_w_, error);
+    error_x_ = std::max(error_x_, error);
+  }
+  bool is_tested() const { return is_tested_; }
 
   // xdot may be null.
   void evaluate_x(double t, double* x, double* xdot) const;
@@ -55,6 +63,7 @@ class RadauPolynomial {
   int s_ = 0;
   double t_ = 0.0, h_ = 1.0;
   double error_w_ = std::numeric_limits<double>::infinity(), error_x_ = std::numeric_limits<double>::infinity();
+  bool is_tested_ = false;
   // At the start, at the stages, and the correction: s + 2 columns.
   std::size_t size_x_ = 0, size_w_ = 0;
   std::vector<double> x_, w_;

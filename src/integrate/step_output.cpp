@@ -3,6 +3,7 @@
 #include "integrate/step_output.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -64,7 +65,20 @@ PointStatus StepOutput::refine(Integrator& integrator, double t, double* x, doub
 
 void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options,
                           double* x, double* xdot) {
-  if (request.may_interpolate && has_interpolated(integrator, request, x, xdot)) return;
+  if (request.may_interpolate && has_interpolated(integrator, request, options, x, xdot)) return;
+  find_values(integrator, request, options, x, xdot);
+  const bool is_within = request.t != integrator.stepper->state().t;
+  if (is_within && request.may_refine &&
+      integrator.stepper->gives_up_polynomial(integrator.weights, x_free_.data(), x))
+    find_values(integrator, request, options, x, xdot);
+  check_ranks(integrator, request.t);
+  check_differences(integrator, x);
+  find_slopes(integrator, request, x, xdot);
+}
+
+// Consistent x, and the slope of the polynomial.
+void StepOutput::find_values(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options,
+                             double* x, double* xdot) {
   DaeSystem& system = integrator.system;
   const PointValues point{request.t, w_.data(), x_free_.data(), xdot};
   integrator.stepper->interpolate(point);
@@ -72,9 +86,6 @@ void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, c
   if (!integrator.contradictions.tolerate(system.quality().inconsistency, options))
     throw Failure(SFDAE_INCONSISTENT_EQUATIONS, system.inconsistency_message());
   restore(integrator, request.t, x);
-  check_ranks(integrator, request.t);
-  check_differences(integrator, x);
-  find_slopes(integrator, request, x, xdot);
 }
 
 void StepOutput::evaluate_aside(Integrator& integrator, const PointRequest& request,
@@ -85,9 +96,11 @@ void StepOutput::evaluate_aside(Integrator& integrator, const PointRequest& requ
 }
 
 // The point of a step is one that its error test has seen, whatever is said about points within.
-bool StepOutput::has_interpolated(Integrator& integrator, const PointRequest& request, double* x, double* xdot) {
+bool StepOutput::has_interpolated(Integrator& integrator, const PointRequest& request,
+                                  const IntegrationOptions& options, double* x, double* xdot) {
   Stepper& stepper = *integrator.stepper;
   const bool at_step = request.t == stepper.state().t;
+  if (!at_step && !integrator.must_restart) test_polynomial(integrator, options, x, xdot);
   if (integrator.must_restart || !(at_step || stepper.interpolates_x(integrator.weights))) return false;
   const std::size_t n = index(integrator.system.unknowns());
   if (request.slopes == Slopes::none) {
@@ -97,6 +110,18 @@ bool StepOutput::has_interpolated(Integrator& integrator, const PointRequest& re
     stepper.interpolate({request.t, nullptr, x, xdot});
   }
   return all_finite(x, n) && all_finite(xdot, n);
+}
+
+// Writes what it likes to x and xdot. Where the test fails to be made the polynomial is not trusted.
+void StepOutput::test_polynomial(Integrator& integrator, const IntegrationOptions& options, double* x, double* xdot) {
+  const std::optional<double> t = integrator.stepper->point_of_test();
+  if (!t) return;
+  try {
+    find_values(integrator, {*t, true, Slopes::none}, options, x, xdot);
+    integrator.stepper->gives_up_polynomial(integrator.weights, x_free_.data(), x);
+  } catch (const Failure& failure) {
+    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+  }
 }
 
 void StepOutput::move_to(Integrator& integrator, const PointRequest& request, const PointValues& point) {

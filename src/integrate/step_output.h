@@ -41,7 +41,11 @@ class StepOutput {
   void make_consistent(Integrator& integrator, Slopes slopes, double* x, double* xdot);
 
  private:
-  bool has_interpolated(Integrator& integrator, const PointRequest& request, double* x, double* xdot);
+  void find_values(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options, double* x,
+                   double* xdot);
+  bool has_interpolated(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options,
+                        double* x, double* xdot);
+  void test_polynomial(Integrator& integrator, const IntegrationOptions& options, double* x, double* xdot);
   void move_to(Integrator& integrator, const PointRequest& request, const PointValues& point);
   void restore(Integrator& integrator, double t, double* x);
 

@@ -115,6 +115,13 @@ class Stepper {
   virtual void interpolate(const PointValues& point) = 0;
   // Whether its x is as accurate as the tolerances ask for, constraints included.
   virtual bool interpolates_x(ErrorWeights& weights) = 0;
+  // Where the next function should be called for, before the polynomial is trusted for interpolates_x().
+  virtual std::optional<double> point_of_test() const { return std::nullopt; }
+  // x is what has become of the values interpolated at a point within the last step, with all equations that hold there:
+  // whether they contradict what is known of the polynomial, which is not used any more then.
+  virtual bool gives_up_polynomial(ErrorWeights&, const double* /*interpolated*/, const double* /*x*/) {
+    return false;
+  }
   // What an iteration toward the point starts from, Taylor coefficients up to that order; empty: nothing is known.
   virtual Guess guess_within(double t, int order) = 0;
   // Moves the system to the point interpolated last, and makes up for its values where they are not accurate enough.
