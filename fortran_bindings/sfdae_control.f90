@@ -100,8 +100,8 @@ module sfdae_control
     !> xdot of start and make_consistent is a guess of x' on entry, which a nonlinear problem follows
     !> where F(t, x, x') = 0 allows several x'. Zeros: no guess.
     logical :: xdot_is_guess = .false.
-    !> What x is at outputs within steps: sfdae_output_consistent, all constraints hold to rounding, or
-    !> sfdae_output_interpolated, the method's polynomial alone, for curves.
+    !> What x is at outputs within steps: sfdae_output_consistent, all constraints hold to rounding,
+    !> or sfdae_output_interpolated, the method's polynomial alone, for curves.
     integer(c_int) :: output = sfdae_output_consistent
   end type dae_options
 

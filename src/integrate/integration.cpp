@@ -402,7 +402,7 @@ CallResult Integration::output(double tout, double& t, double* x, double* xdot) 
   if (has_searched_to(options_.events, tout)) return_searched_point(*options_.events, t, x, xdot);
   else output_.evaluate(integrator_, {tout, true, slopes_, options_.interpolates_outputs}, options_, x, xdot);
   // Others cost the same with either method.
-  if (!integrator_.stepper->state().interpolates_well) choice_.note_output();
+  if (choice_.chosen == Method::automatic && !integrator_.stepper->state().interpolates_well) choice_.note_output();
   t = tout;
   return {};
 }
