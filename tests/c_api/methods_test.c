@@ -467,6 +467,10 @@ static void automatic_is_bdf_where_output_is_too_frequent(void) {
   start(solver, 0, 10);
   for (i = 1; i <= 3000; i++) CHECK_STATUS(sfdae_advance(solver, i / 300.0, &t, x, NULL), SFDAE_OK);
   CHECK(report_contains(solver, "by BDF (chosen automatically)") && statistics(solver).last_order <= 5);
+  options.output = SFDAE_OUTPUT_INTERPOLATED;
+  CHECK_STATUS(sfdae_set_options(solver, &options), SFDAE_OK);
+  for (options.output = -1; options.output <= 2; options.output += 3)
+    CHECK_STATUS(sfdae_set_options(solver, &options), SFDAE_ILLEGAL_ARGUMENT);
   sfdae_destroy(&solver);
 }
 
