@@ -113,6 +113,8 @@ module sfdae
     sfdae_leading_identity
   !> Integration methods (dae_options%method).
   public :: sfdae_method_bdf, sfdae_method_radau, sfdae_method_automatic
+  !> Outputs within steps (dae_options%output).
+  public :: sfdae_output_consistent, sfdae_output_interpolated
   !> How positions and velocities are divided (coordinates of multibody systems).
   public :: sfdae_coordinates_orthogonal, sfdae_coordinates_permutation
   !> Which matrix a rank decision was about (sfdae_decision%what).

@@ -7,7 +7,7 @@ module sfdae_control
   use sfdae_c, only: address_of_event_function, address_of_monitor_function, c_options_init
   use sfdae_conversions, only: flag, vector_at
   use sfdae_types, only: sfdae_initial_nearest, sfdae_leading_automatic, sfdae_method_bdf, &
-    sfdae_ok, sfdae_options, sfdae_progress, sfdae_reduction_staged
+    sfdae_ok, sfdae_options, sfdae_output_consistent, sfdae_progress, sfdae_reduction_staged
   implicit none
   private
 
@@ -100,6 +100,9 @@ module sfdae_control
     !> xdot of start and make_consistent is a guess of x' on entry, which a nonlinear problem follows
     !> where F(t, x, x') = 0 allows several x'. Zeros: no guess.
     logical :: xdot_is_guess = .false.
+    !> What x is at outputs within steps: sfdae_output_consistent, all constraints hold to rounding,
+    !> or sfdae_output_interpolated, the method's polynomial alone, for curves.
+    integer(c_int) :: output = sfdae_output_consistent
   end type dae_options
 
   ! ---- Events -------------------------------------------------------------------------------
@@ -236,6 +239,7 @@ contains
     c_options%min_stages = options%min_stages
     c_options%max_stages = options%max_stages
     c_options%xdot_is_guess = flag(options%xdot_is_guess)
+    c_options%output = options%output
 
     holder%monitor => options%monitor
     if (associated(options%monitor)) c_options%monitor = address_of_monitor_function(call_monitor)

@@ -46,6 +46,8 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_ok = 0
   integer(c_int), parameter, public :: sfdae_order_missing = -13
   integer(c_int), parameter, public :: sfdae_order_not_available = 1001
+  integer(c_int), parameter, public :: sfdae_output_consistent = 0
+  integer(c_int), parameter, public :: sfdae_output_interpolated = 1
   integer(c_int), parameter, public :: sfdae_out_of_memory = -2
   integer(c_int), parameter, public :: sfdae_prescription_singular = -23
   integer(c_int), parameter, public :: sfdae_rank_unclear = -21
@@ -280,6 +282,7 @@ module sfdae_types
     integer(c_int) :: min_stages = 0
     integer(c_int) :: max_stages = 0
     integer(c_int) :: xdot_is_guess = 0
+    integer(c_int) :: output = 0
   end type sfdae_options
 
   type, bind(c), public :: sfdae_progress

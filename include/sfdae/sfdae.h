@@ -169,7 +169,12 @@ SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t si
  * tolerances. */
 #define SFDAE_METHOD_BDF 0       /* orders 1 to 5 */
 #define SFDAE_METHOD_RADAU 1     /* Radau IIA with 1, 3, 5 or 7 stages, orders 1, 5, 9, 13 */
-#define SFDAE_METHOD_AUTOMATIC 2 /* Radau; BDF from where frequent output or failing steps make that better */
+#define SFDAE_METHOD_AUTOMATIC 2 /* Radau; BDF where steps fail, or are too rough for frequent output, too often */
+
+/* What x is at outputs within steps. Points of steps themselves satisfy the constraints as far as the iteration for
+ * nonlinear equations went. */
+#define SFDAE_OUTPUT_CONSISTENT 0   /* all constraints, hidden ones included, hold to rounding */
+#define SFDAE_OUTPUT_INTERPOLATED 1 /* the method's polynomial alone, for curves: constraints hold within tolerances */
 
 /* What is reported to the monitor. */
 typedef struct sfdae_progress {
@@ -242,6 +247,12 @@ typedef struct sfdae_options {
    * F(t, x, x') = 0 allows several x' (zeros: none; linear and multibody problems determine x' and ignore it).
    * Default 0: xdot is out. */
   int xdot_is_guess;
+
+  /* SFDAE_OUTPUT_CONSISTENT (default): an output costs a reduction of a linear problem, an iteration with kept factors
+   * of others, and more if x' is asked for. _INTERPOLATED: it costs next to nothing; x' is the slope of the polynomial.
+   * Where the polynomial of x is not accurate to within the tolerances, and where there are events, outputs are
+   * consistent all the same. */
+  int output;
 } sfdae_options;
 /* Sets every member to its default. size: sizeof(sfdae_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_options_init(sfdae_options* options, size_t size);
@@ -417,8 +428,9 @@ SFDAE_API int sfdae_start(sfdae_solver* solver, double t, double toward, double*
  *
  * x satisfies all constraints, hidden ones included, to rounding. xdot is the slope of the method's polynomial,
  * corrected toward the equations: its error is about that of x over the step size. Within Radau steps xdot is exact
- * where derivatives of order mu + 1 are available, else less accurate. Steps of Radau end at tout until there are
- * enough of them to interpolate accurately; those of BDF do not depend on tout.
+ * where derivatives of order mu + 1 are available, else less accurate. NULL for xdot saves its cost. The option
+ * `output` has cheaper outputs. Steps do not depend on tout, except those of Radau within which its polynomial would
+ * not be accurate: these become shorter or end at tout.
  *
  * Warnings: SFDAE_STOPPED, SFDAE_INCONSISTENCY_IGNORED, SFDAE_EVENT. Failures: callbacks, integration,
  * SFDAE_CHARACTERISTICS_CHANGED, SFDAE_INCONSISTENT_EQUATIONS, SFDAE_NOT_STARTED. If tout is not reached, t, x and
@@ -427,16 +439,16 @@ SFDAE_API int sfdae_advance(sfdae_solver* solver, double tout, double* t, double
 
 /* Takes one step toward tout, which must lie in the direction of integration, at or after the last point returned
  * and not beyond stop_time. Returns SFDAE_STEP_TAKEN with the point reached in t, x (n values) and xdot (n values,
- * may be NULL), or SFDAE_OK with these at tout, interpolated if the step went past it. x satisfies all constraints
- * to rounding; xdot is as accurate as sfdae_advance returns it.
+ * may be NULL), or SFDAE_OK with these at tout, interpolated if the step went past it. x and xdot are what
+ * sfdae_advance returns.
  * Warnings: SFDAE_STEP_TAKEN, SFDAE_STOPPED, SFDAE_INCONSISTENCY_IGNORED, SFDAE_EVENT. Failures: callbacks,
  * integration, SFDAE_CHARACTERISTICS_CHANGED, SFDAE_INCONSISTENT_EQUATIONS, SFDAE_NOT_STARTED, with the last
  * accepted point in t, x and xdot. */
 SFDAE_API int sfdae_step(sfdae_solver* solver, double tout, double* t, double* x, double* xdot);
 
 /* The solution at any t within the last step taken (t_internal - last_step ... t_internal in sfdae_statistics),
- * before or after the point returned last, which stays. x (n values) satisfies all constraints; xdot (n values) may
- * be NULL. SFDAE_ILLEGAL_ARGUMENT for other t.
+ * before or after the point returned last, which stays. x (n values) and xdot (n values, may be NULL) are what the
+ * option `output` says. SFDAE_ILLEGAL_ARGUMENT for other t.
  * Failures: callbacks, integration, SFDAE_CHARACTERISTICS_CHANGED, SFDAE_INCONSISTENT_EQUATIONS,
  * SFDAE_NOT_STARTED. */
 SFDAE_API int sfdae_interpolate(sfdae_solver* solver, double t, double* x, double* xdot);

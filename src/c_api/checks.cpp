@@ -184,6 +184,8 @@ CallResult check_options(const sfdae_options& options, int n) {
     return illegal_argument(
         format("min_stages = %d, max_stages = %d; both must be 1, 3, 5 or 7, min_stages <= max_stages.",
                options.min_stages, options.max_stages));
+  if (options.output < SFDAE_OUTPUT_CONSISTENT || options.output > SFDAE_OUTPUT_INTERPOLATED)
+    return illegal_argument(format("output is %d; it must be one of SFDAE_OUTPUT_...", options.output));
   return {};
 }
 

@@ -62,12 +62,7 @@ int sfdae_interpolate(sfdae_solver* solver, double t, double* x, double* xdot) {
     if (!std::isfinite(t)) return illegal_argument(format("t is %g.", t));
     if (!solver->integration) return {SFDAE_NOT_STARTED, "call sfdae_start first."};
     solver->integration->want_slopes(xdot != nullptr);
-    std::vector<double> slopes;
-    if (xdot == nullptr) {
-      slopes.resize(index(solver->model.n()));
-      xdot = slopes.data();
-    }
-    return solver->integration->interpolate(t, x, xdot);
+    return solver->integration->interpolate(t, true, x, xdot);
   });
 }
 

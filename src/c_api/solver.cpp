@@ -58,6 +58,7 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n) : xdot_is_guess(o.xd
   integration.stepping.max_order = o.max_order;
   integration.stepping.min_stages = o.min_stages;
   integration.stepping.max_stages = o.max_stages;
+  integration.interpolates_outputs = o.output == SFDAE_OUTPUT_INTERPOLATED;
   integration.initial_step = o.initial_step;
   integration.max_step = o.max_step;
   if (o.use_stop_time != 0) integration.stop_time = o.stop_time;
@@ -161,11 +162,6 @@ CallResult advance(sfdae_solver* solver, double tout, bool one_step, double* t, 
   if (!std::isfinite(tout)) return illegal_argument(format("tout is %g.", tout));
   if (!solver->integration) return not_started("sfdae_start");
   solver->integration->want_slopes(xdot != nullptr);
-  std::vector<double> slopes;
-  if (xdot == nullptr) {
-    slopes.resize(index(solver->model.n()));
-    xdot = slopes.data();
-  }
   return solver->integration->advance(tout, one_step, *t, x, xdot);
 }
 
@@ -250,7 +246,7 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     // Nothing fails from here on.
     solver->options = std::move(fresh);
     if (!same_analysis) solver->forget_analysis();
-    if (goes_on) set_limits(*solver, solver->integration->stepper().state().t, solver->integration->direction());
+    if (goes_on) set_limits(*solver, solver->integration->start(), solver->integration->direction());
     return {};
   });
 }
@@ -386,11 +382,7 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
     solver->decisions.clear();
     solver->initial_report.reset();
     solver->direction = solver->integration->direction();
-    // Differences go on from where the integration started.
-    const double start = solver->problem().limit_before(solver->direction),
-                 t = solver->integration->stepper().state().t;
-    set_limits(*solver, solver->options.model.differences.allowed && std::isfinite(start) ? start : t,
-               solver->direction);
+    set_limits(*solver, solver->integration->start(), solver->direction);
     return {};
   });
 }

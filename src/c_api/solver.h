@@ -78,7 +78,8 @@ int guarded(sfdae_solver* solver, Body body) noexcept {
   const auto say = [solver](int status, const char* text) {
     if (text_kept == Text::of_call) solver->message_explains_failure = status < 0;
     else if (solver->message_explains_failure) return status;
-    std::snprintf(solver->message, sizeof solver->message, "%s", text);
+    if (*text == '\0') solver->message[0] = '\0';
+    else std::snprintf(solver->message, sizeof solver->message, "%s", text);
     return status;
   };
   int status = SFDAE_INTERNAL;

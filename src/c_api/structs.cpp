@@ -41,6 +41,7 @@ sfdae_options default_options() {
   options.method = SFDAE_METHOD_BDF;
   options.min_stages = 1;
   options.max_stages = max_stages;
+  options.output = SFDAE_OUTPUT_CONSISTENT;
   return options;
 }
 

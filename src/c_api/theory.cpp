@@ -46,9 +46,9 @@ void demand_numbers(const char* name, const double* values, std::size_t count) {
 // The solution at t: within the last step of an integration, else at the point of the analysis.
 std::vector<double> solution_at(sfdae_solver& solver, double t) {
   if (solver.integration) {
-    std::vector<double> x(index(solver.model.n())), xdot(x);
+    std::vector<double> x(index(solver.model.n()));
     solver.integration->want_slopes(false);
-    const CallResult result = solver.integration->interpolate(t, x.data(), xdot.data());
+    const CallResult result = solver.integration->interpolate(t, false, x.data(), nullptr);
     if (result.status < 0) raise(result.status, result.message);
     return x;
   }

@@ -3,6 +3,8 @@
 #include "integrate/bdf.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "linalg/index.h"
@@ -17,6 +19,9 @@ using Vector = std::vector<double>;
 // The first attempt in units of the interval, at most: no simple fraction, which might be a period of the data
 // (docs/decisions/07-first-step.md). Its digits are those of the root of cos x = x.
 constexpr double first_step_fraction = 0.7390851e-3;
+// Of the polynomial for x within a step, in units of the weights of linear and of nonlinear problems, which are
+// tolerances times a factor below one and a fifth of that (docs/decisions/34-outputs.md).
+constexpr double interpolation_error = 5.0, nonlinear_interpolation_error = 25.0;
 // Errors this large, in units of the tolerance, say nothing but that numbers overflow.
 constexpr double largest_error = 1e100;
 
@@ -39,8 +44,9 @@ void Bdf::resize(const StrangenessFreeSystem& system) {
   tried_.resize(n, size_w);
   estimate_.resize(n, size_w);
   const std::size_t columns = system.is_linear() ? 0 : index(system.taylor_order() + 1);
-  for (Vector* v : {&guess_, &guess_before_}) v->assign(n * columns, 0.0);
-  needs_x_ = system.undetermined() > 0 || !system.is_linear();
+  for (Vector* v : {&guess_, &guess_before_, &guess_at_start_}) v->assign(n * columns, 0.0);
+  is_linear_ = system.is_linear();
+  needs_x_ = system.undetermined() > 0 || !is_linear_;
 }
 
 void Bdf::start(const StrangenessFreeSystem& system, const StartingPoint& point, double h) {
@@ -50,11 +56,20 @@ void Bdf::start(const StrangenessFreeSystem& system, const StartingPoint& point,
   started.control_.start(max_order_);
   started.next_step_ = h;
   started.last_ = {};
+  started.forget_interpolation();
   *this = std::move(started);
 }
 
 StepState Bdf::state() const {
-  return {history_.time(0), tried_.t, last_, next_step_, control_.order(), control_.failures_in_a_row(), true, 0};
+  return {history_.time(0),
+          tried_.t,
+          last_,
+          next_step_,
+          control_.order(),
+          control_.failures_in_a_row(),
+          std::numeric_limits<double>::infinity(),
+          true,
+          0};
 }
 
 void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
@@ -64,6 +79,7 @@ void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
   control_.archive(archive);
   for (double* value : {&next_step_, &last_.h, &last_.leading_coefficient}) archive.real(*value);
   history_.archive_points(archive, points);
+  forget_interpolation();
 }
 
 // By the polynomial that predicts the step.
@@ -79,6 +95,7 @@ Guess Bdf::guess(const StrangenessFreeSystem& system, ErrorWeights& weights) {
 
 StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) {
   control_before_ = control_;
+  has_differences_ = false;
   tried_.t = t;
   tried_.h = t - history_.time(0);
   const PointStatus status = system.move_to(t);
@@ -110,14 +127,47 @@ StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& 
 void Bdf::commit() {
   history_.append(tried_.t, tried_.w, tried_.x);
   last_ = {tried_.h, tried_.order, tried_.c};
+  forget_interpolation();
+}
+
+void Bdf::prepare_interpolation() {
+  if (has_differences_) return;
+  if (history_.is_at_start() && last_.order == 0) history_.place_fictitious_point(next_step_);
+  history_.compute_differences(std::min(degree_within() + 2, history_.points()), true);
+  // Without a step the fictitious point moves with the next one.
+  has_differences_ = last_.order > 0;
 }
 
 void Bdf::interpolate(const PointValues& point) {
-  const int degree = std::min(std::max(last_.order, 1), history_.points() - 1);
-  if (history_.is_at_start() && last_.order == 0) history_.place_fictitious_point(next_step_);
-  history_.compute_differences(degree + 1, true);
-  history_.polynomial_w(degree).evaluate(point.t, point.w, nullptr);
+  prepare_interpolation();
+  const int degree = degree_within();
+  if (point.w != nullptr) history_.polynomial_w(degree).evaluate(point.t, point.w, nullptr);
   history_.polynomial_x(degree).evaluate(point.t, point.x, point.xdot);
+}
+
+// By what one point more would change: algebraic components may vary faster than w, which steps are chosen for.
+bool Bdf::interpolates_x(ErrorWeights& weights) {
+  const int degree = degree_within();
+  if (!interpolates_x_ && last_.order > 0 && history_.points() > degree + 1) {
+    prepare_interpolation();
+    // Of |prod (t - t_i)| within the step.
+    double largest_product = 0.25 * last_.h * last_.h;
+    for (int i = 2; i <= degree; ++i) largest_product *= std::fabs(history_.time(0) - history_.time(i));
+    weights.update(history_.x().data());
+    const double error = largest_product * weights.norm(history_.difference_x(degree + 1).data());
+    interpolates_x_ = error <= (is_linear_ ? interpolation_error : nonlinear_interpolation_error);
+  }
+  return interpolates_x_.value_or(false);
+}
+
+Guess Bdf::guess_within(double t, int order) {
+  if (last_.order == 0) return {};
+  prepare_interpolation();
+  const auto polynomial = history_.polynomial_x(degree_within());
+  polynomial.taylor(t, order, guess_.data());
+  polynomial.taylor(history_.time(0), order, guess_before_.data());
+  polynomial.taylor(history_.time(1), order, guess_at_start_.data());
+  return {guess_.data(), guess_before_.data(), nullptr, guess_at_start_.data()};
 }
 
 }  // namespace sfdae::core

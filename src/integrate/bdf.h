@@ -10,6 +10,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "integrate/bdf_error_estimate.h"
@@ -39,6 +41,8 @@ class Bdf final : public Stepper {
   const std::vector<double>& error() const override { return estimate_.error(); }
   // The polynomials of the last step.
   void interpolate(const PointValues& point) override;
+  bool interpolates_x(ErrorWeights& weights) override;
+  Guess guess_within(double t, int order) override;
   PointStatus refine(StrangenessFreeSystem& system, ErrorWeights&, const PointValues& point) override {
     return system.move_to(point.t);
   }
@@ -46,17 +50,28 @@ class Bdf final : public Stepper {
 
  private:
   void resize(const StrangenessFreeSystem& system);
+  int degree_within() const { return std::min(std::max(last_.order, 1), history_.points() - 1); }
+  void prepare_interpolation();
+  void forget_interpolation() {
+    has_differences_ = false;
+    interpolates_x_.reset();
+  }
   Guess guess(const StrangenessFreeSystem& system, ErrorWeights& weights);
 
   int max_order_;
   BdfHistory history_;
+  bool is_linear_ = true;
   bool needs_x_ = false;  // differences of x beside those of w: free part, guesses
   BdfStep tried_;
-  std::vector<double> guess_, guess_before_;  // Taylor coefficients, n x (taylor_order + 1)
+  std::vector<double> guess_, guess_before_, guess_at_start_;  // Taylor coefficients, n x (taylor_order + 1)
   BdfErrorEstimate estimate_;
   StepControl control_, control_before_;
   LastStep last_;
   double next_step_ = 0.0;
+  // Points within the last step: the differences of the history are those of its polynomials and of one point more;
+  // whether its x is accurate, once that has been asked.
+  bool has_differences_ = false;
+  std::optional<bool> interpolates_x_;
 };
 
 }  // namespace sfdae::core

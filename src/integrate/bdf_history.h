@@ -36,6 +36,7 @@ class BdfHistory {
   void compute_differences(int count, bool with_x);
   // w[t_0, ..., t_i].
   const std::vector<double>& difference(int i) const { return dw_[index(i)]; }
+  const std::vector<double>& difference_x(int i) const { return dx_[index(i)]; }
   Polynomial polynomial_w(int degree) const { return {dw_, times_, degree, size_w()}; }
   Polynomial polynomial_x(int degree) const { return {dx_, times_, degree, size_x()}; }
 

@@ -36,8 +36,7 @@ void HermiteTable::set_collocation(const RadauHistory& history) {
   unit_ = history.last().h;
   for (int i = 0; i <= degree_; ++i) {
     times_[index(i)] = i == 0 ? -1.0 : method.stages.c[index(i - 1)] - 1.0;
-    const double* from = i == 0 ? history.node(1).x.data() : history.stages().data() + size_ * index(i - 1);
-    std::copy_n(from, size_, entries_[index(i)].data());
+    std::copy_n(history.polynomial().x_at(i), size_, entries_[index(i)].data());
   }
   divided_differences(times_, degree_ + 1, size_, [this](int i) { return entries_[index(i)].data(); });
 }

@@ -36,6 +36,7 @@ Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, 
       choice_{options.method},
       counts_(system),
       watch_(std::move(watch)),
+      start_(point.t),
       last_returned_(point.t),
       span_(std::fabs(point.toward - point.t)) {
   if (options_.events != nullptr) options_.events->search.reset();
@@ -76,6 +77,7 @@ void Integration::archive(Archive& archive) {
   choice_.archive_rates(archive);
   IntegrationCounts all = counts();
   archive_counts(archive, all, options_.short_checkpoints);
+  if (!options_.short_checkpoints) archive.real(start_);
   archive.real(integrator_.first_step);
   archive.real(last_returned_);
   integrator_.stepper->archive(archive, system);
@@ -113,6 +115,7 @@ IntegrationCounts Integration::counts() const {
 CallResult Integration::advance(double tout, bool one_step, double& t, double* x, double* xdot) {
   const double direction = integrator_.direction;
   Contradictions& contradictions = integrator_.contradictions;
+  if (xdot == nullptr) xdot = output_.unused_slopes();
   if ((tout - last_returned_) * direction < 0.0) return result_of_wrong_direction(tout, last_returned_);
   if (options_.stop_time && (*options_.stop_time - tout) * direction < 0.0)
     return result_beyond_stop_time(tout, *options_.stop_time);
@@ -141,16 +144,13 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
   return result;
 }
 
-CallResult Integration::interpolate(double t, double* x, double* xdot) {
+CallResult Integration::interpolate(double t, bool may_interpolate, double* x, double* xdot) {
   const StepState state = integrator_.stepper->state();
   const double start = state.t - state.last.h;
   if ((t - start) * integrator_.direction < 0.0 || (state.t - t) * integrator_.direction < 0.0)
     return result_outside_last_step(t, start, state.t);
-  const std::size_t n = index(integrator_.system.unknowns());
-  std::vector<double> values(n), slopes(n);
-  output_.evaluate(integrator_, {t, true, wants_slopes_}, options_, values.data(), slopes.data());
-  std::copy(values.begin(), values.end(), x);
-  std::copy(slopes.begin(), slopes.end(), xdot);
+  const PointRequest request{t, true, slopes_, may_interpolate && options_.interpolates_outputs};
+  output_.evaluate_aside(integrator_, request, options_, x, xdot);
   return {};
 }
 
@@ -225,11 +225,14 @@ Integration::Target Integration::choose_target(const StepState& state, double h,
   // No tiny rest before a limit, and not a bit beyond.
   if (limit && (target.t - *limit) * direction > -rest_at_limit * std::fabs(h)) target.t = *limit;
   // Steps that end at tout: nearly there counts as there; the step cut short says nothing about the next one. Where
-  // interpolation would not be accurate this is the cheapest way, too.
-  const bool may_land =
-      (options_.never_pass_output || !state.interpolates_well) && !(limit && (tout - *limit) * direction > 0.0);
-  if (may_land && (target.t - tout) * direction > -nearly * std::fabs(h)) target = {tout, h};
-  return target;
+  // interpolation would not be accurate this is the cheapest way, too, unless it makes steps shorter than they need to
+  // be for that.
+  const bool is_at_output =
+      (target.t - tout) * direction > -nearly * std::fabs(h) && !(limit && (tout - *limit) * direction > 0.0);
+  const bool is_too_long = std::fabs(target.t - state.t) > state.longest_interpolated;
+  if (!is_at_output || !(options_.never_pass_output || is_too_long)) return target;
+  if (options_.never_pass_output || std::fabs(tout - state.t) >= state.longest_interpolated) return {tout, h};
+  return {state.t + direction * state.longest_interpolated, 0.0};
 }
 
 // wanted: the step that was to be tried, before limits made it one of size h.
@@ -391,14 +394,15 @@ void Integration::return_last_point(double& t, double* x, double* xdot) {
 
 void Integration::return_consistent_point(double& t, double* x, double* xdot) {
   return_last_point(t, x, xdot);
-  if (integrator_.system.is_linear() || t != integrator_.stepper->state().t) return;
-  output_.make_consistent(integrator_, wants_slopes_, x, xdot);
+  if (integrator_.system.is_linear() || options_.interpolates_outputs || t != integrator_.stepper->state().t) return;
+  output_.make_consistent(integrator_, slopes_, x, xdot);
 }
 
 CallResult Integration::output(double tout, double& t, double* x, double* xdot) {
   if (has_searched_to(options_.events, tout)) return_searched_point(*options_.events, t, x, xdot);
-  else output_.evaluate(integrator_, {tout, true, wants_slopes_}, options_, x, xdot);
-  choice_.note_output();
+  else output_.evaluate(integrator_, {tout, true, slopes_, options_.interpolates_outputs}, options_, x, xdot);
+  // Others cost the same with either method.
+  if (choice_.chosen == Method::automatic && !integrator_.stepper->state().interpolates_well) choice_.note_output();
   t = tout;
   return {};
 }

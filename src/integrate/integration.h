@@ -35,22 +35,24 @@ class Integration {
               Archive& archive);
   void archive(Archive& archive);
 
-  // To tout, or one step toward it. t, x, xdot: the point reached, whatever the status, unless the call itself is
+  // To tout, or one step toward it. xdot may be null. t, x, xdot: the point reached, whatever the status, unless the call itself is
   // illegal (SFDAE_ILLEGAL_ARGUMENT).
   CallResult advance(double tout, bool one_step, double& t, double* x, double* xdot);
-  // The solution at any t within the last step; the point reached stays.
-  CallResult interpolate(double t, double* x, double* xdot);
+  // The solution at any t within the last step, not made consistent if it may be interpolated; the point reached
+  // stays. xdot may be null.
+  CallResult interpolate(double t, bool may_interpolate, double* x, double* xdot);
 
   // Everything is as before where memory is missing.
   void set_options(const IntegrationOptions& options);
-  // Whether anybody will look at xdot; else it need not be accurate.
-  void want_slopes(bool wanted) { wants_slopes_ = wanted || options_.events != nullptr; }
+  // Whether anybody will look at xdot; else it is zero at outputs.
+  void want_slopes(bool wanted) { slopes_ = wanted || options_.events != nullptr ? Slopes::wanted : Slopes::none; }
   // None: nullptr. They are searched from the point returned last.
   void set_events(Events* events) { options_.events = events; }
   IntegrationCounts counts() const;
   const Stepper& stepper() const { return *integrator_.stepper; }
   Method method() const { return integrator_.method; }  // at present: bdf or radau
   double direction() const { return integrator_.direction; }
+  double start() const { return start_; }  // of a checkpoint that is short: 0
   const std::optional<LocatedChange>& change() const { return change_; }
 
  private:
@@ -97,9 +99,9 @@ class Integration {
     bool is_reached;
   };
   std::optional<Approach> approach_;
-  double last_returned_ = 0.0;
+  double start_ = 0.0, last_returned_ = 0.0;
   double span_ = 0.0;  // the interval of interest
-  bool wants_slopes_ = true;
+  Slopes slopes_ = Slopes::wanted;
 };
 
 }  // namespace sfdae::core

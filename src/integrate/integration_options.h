@@ -19,10 +19,11 @@ enum class Method { bdf, radau, automatic };
 struct IntegrationOptions : Acceptance {
   Method method = Method::bdf;
   StepOptions stepping;
-  bool never_pass_output = false;  // steps end at tout instead of being interpolated
-  bool short_checkpoints = false;  // without what only statistics need
-  double initial_step = 0.0;       // 0: chosen
-  double max_step = 0.0;           // 0: none
+  bool interpolates_outputs = false;  // by the method's polynomial alone, where that is accurate
+  bool never_pass_output = false;     // steps end at tout instead of being interpolated
+  bool short_checkpoints = false;     // without what only statistics and x' by differences need
+  double initial_step = 0.0;          // 0: chosen
+  double max_step = 0.0;              // 0: none
   std::optional<double> stop_time;
   long max_steps = 100000;
   sfdae_monitor_function monitor = nullptr;

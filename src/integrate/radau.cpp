@@ -53,19 +53,20 @@ double Radau::first_step(const ErrorWeights& weights, const double* x, const dou
   return std::min(first_step_fraction * span, weights.first_step(x, xdot, 0.5 / s));
 }
 
-void Radau::resize(std::size_t n, std::size_t size_w) {
+void Radau::resize(const StrangenessFreeSystem& system) {
+  const std::size_t n = index(system.unknowns()), size_w = index(system.leading_size());
   tried_.end.assign_zero(n, size_w);
   tried_.stages.resize(n, size_w, options_.max_stages);
   workspace_.table.resize(std::max(n, size_w), options_.max_stages + 1);
   workspace_.scales.resize(n);
   estimate_.resize(n, size_w, options_.max_stages);
-  output_.resize(n, size_w, options_.max_stages);
+  output_.resize(system, options_.max_stages);
 }
 
-void Radau::start(const StrangenessFreeSystem&, const StartingPoint& point, double h) {
+void Radau::start(const StrangenessFreeSystem& system, const StartingPoint& point, double h) {
   Radau started = *this;
   started.history_.resize(point.x.size(), point.w.size(), options_);
-  started.resize(point.x.size(), point.w.size());
+  started.resize(system);
   started.history_.start(point);
   started.control_.start(options_);
   started.control_.set_stages(std::clamp(first_stages_, options_.min_stages, options_.max_stages));
@@ -73,7 +74,6 @@ void Radau::start(const StrangenessFreeSystem&, const StartingPoint& point, doub
   *this = std::move(started);
 }
 
-// Hermite polynomials need one node more than the method has stages to be as accurate as it is.
 StepState Radau::state() const {
   return {history_.newest().t,
           tried_.end.t,
@@ -81,7 +81,8 @@ StepState Radau::state() const {
           next_step_,
           2 * control_.stages() - 1,
           control_.failures_in_a_row(),
-          history_.count() > control_.stages(),
+          output_.longest_interpolated(history_, control_.stages()),
+          output_.interpolates_well(),
           history_.inner_count()};
 }
 
@@ -158,6 +159,12 @@ double Radau::step_after_acceptance(const StrangenessFreeSystem& system, const E
   return tried_.method->s() > 1 ? next : std::copysign(std::min(std::fabs(next), rough_growth * std::fabs(h)), h);
 }
 
+bool Radau::gives_up_polynomial(ErrorWeights& weights, const double* interpolated, const double* x) {
+  if (!output_.interpolates_well()) return false;
+  workspace_.scales.update(weights, history_.node(1), history_.newest());
+  return output_.gives_up_polynomial(history_, weights, interpolated, x);
+}
+
 void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
   RadauHistory::Extent extent = history_.extent(options_);
   archive.small(extent.nodes, extent.order, extent.inner, first_stages_, options_.min_stages, options_.max_stages);
@@ -168,16 +175,16 @@ void Radau::archive(Archive& archive, const StrangenessFreeSystem& system) {
       throw DamagedArchive();
     history_.set_extent(extent, system, options_);
     control_.set_options(options_);
-    resize(index(system.unknowns()), index(system.leading_size()));
+    resize(system);
   }
   control_.archive(archive);
   archive.real(next_step_);
   const bool is_linear = system.is_linear();
   // Guesses extrapolate x.
   const bool with_x = options_.interpolates || !is_linear;
-  const bool with_stages =
-      (options_.interpolates || system.guesses_values()) && !is_linear && history_.last().order > 0;
-  history_.archive(archive, extent, with_x, with_stages);
+  const bool with_polynomial = (options_.interpolates || system.guesses_values()) && history_.last().order > 0;
+  history_.archive(archive, extent, {with_x, with_polynomial, is_linear});
+  if (archive.is_reading()) output_.note_step(history_);
 }
 
 }  // namespace sfdae::core

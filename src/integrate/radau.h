@@ -23,7 +23,10 @@ class Radau final : public Stepper {
   double first_step(const ErrorWeights& weights, const double* x, const double* xdot, double span) override;
   void start(const StrangenessFreeSystem& system, const StartingPoint& point, double h) override;
   StepOutcome attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) override;
-  void commit() override { history_.append(tried_); }
+  void commit() override {
+    history_.append(tried_, estimate_.interior());
+    output_.note_step(history_);
+  }
   void withdraw() override { control_ = control_before_; }
   void reduce_after_failure(double h) override { next_step_ = control_.failed(h); }
   void set_next_step(double h) override { next_step_ = h; }
@@ -33,13 +36,17 @@ class Radau final : public Stepper {
   const std::vector<double>& tried_x() const override { return tried_.end.x; }
   const std::vector<double>& error() const override { return estimate_.error(); }
   void interpolate(const PointValues& point) override { output_.interpolate(history_, workspace_.table, point); }
+  bool interpolates_x(ErrorWeights&) override { return output_.interpolates_x(history_); }
+  std::optional<double> point_of_test() const override { return output_.point_of_test(history_); }
+  bool gives_up_polynomial(ErrorWeights& weights, const double* interpolated, const double* x) override;
+  Guess guess_within(double t, int order) override { return output_.guess_within(history_, t, order); }
   PointStatus refine(StrangenessFreeSystem& system, ErrorWeights& weights, const PointValues& point) override {
     return output_.refine(system, weights, point, history_, workspace_);
   }
   void archive(Archive& archive, const StrangenessFreeSystem& system) override;
 
  private:
-  void resize(std::size_t n, std::size_t size_w);
+  void resize(const StrangenessFreeSystem& system);
   int wanted_stages(const StrangenessFreeSystem& system) const;
   RadauPredictor predictor(const StrangenessFreeSystem& system);
   Guess guess(const StrangenessFreeSystem& system, double t, ErrorWeights& weights);

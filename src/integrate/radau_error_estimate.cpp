@@ -3,6 +3,8 @@
 #include "integrate/radau_error_estimate.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "linalg/index.h"
 
@@ -31,6 +33,9 @@ ChosenNodes nodes_with_end(const RadauStep& step, const RadauHistory& history) {
 
 void RadauErrorEstimate::resize(std::size_t n, std::size_t size_w, int most_stages) {
   error_.assign(n, 0.0);
+  interior_.correction_w.assign(size_w, 0.0);
+  interior_.correction_x.assign(n, 0.0);
+  difference_.assign(n, 0.0);
   columns_.assign(size_w * index(most_stages + 2), 0.0);
   mapped_.assign(n * index(most_stages + 2), 0.0);
 }
@@ -38,6 +43,7 @@ void RadauErrorEstimate::resize(std::size_t n, std::size_t size_w, int most_stag
 ErrorTerms RadauErrorEstimate::estimate(StrangenessFreeSystem& system, const RadauHistory& history,
                                         const RadauStep& step, const ErrorWeights& weights, HermiteTable& table) {
   ErrorTerms terms;
+  interior_.w = interior_.x = std::numeric_limits<double>::infinity();
   if (system.differential() == 0) {
     std::fill(error_.begin(), error_.end(), 0.0);
     return terms;
@@ -66,6 +72,7 @@ ErrorTerms RadauErrorEstimate::estimate(StrangenessFreeSystem& system, const Rad
     terms.exponent = 2;
     return terms;
   }
+  estimate_interior(start, step, weights);
   const double guard = weights.norm(mapped_.data(), (s + 1.0) / (2.0 * s)) / embedded_limit(s, has_difference);
   if (has_difference) terms.decay[index(2 * s)] = weights.norm(difference);
   const double by_difference = has_difference ? method.error_constant * terms.decay[index(2 * s)] : 0.0;
@@ -73,6 +80,32 @@ ErrorTerms RadauErrorEstimate::estimate(StrangenessFreeSystem& system, const Rad
   terms.exponent = guard > by_difference ? s + 1 : 2 * s;
   if (terms.exponent == 2 * s) std::copy_n(difference, n, error_.data());
   return terms;
+}
+
+// Of w by the embedded error, which stands in the first columns. Algebraic components are interpolated, and may vary
+// faster than w: the next divided difference over the stages is what the last ones suggest.
+void RadauErrorEstimate::estimate_interior(const RadauNode& start, const RadauStep& step,
+                                           const ErrorWeights& weights) {
+  const RadauMethod& method = *step.method;
+  const std::size_t n = start.x.size(), size_w = start.w.size();
+  const double gamma = method.stages.gamma;
+  for (std::size_t i = 0; i < size_w; ++i) interior_.correction_w[i] = gamma * columns_[i];
+  for (std::size_t i = 0; i < n; ++i) interior_.correction_x[i] = gamma * mapped_[i];
+  interior_.w = method.largest_correction * weights.norm(interior_.correction_x.data());
+  const auto norm_of_difference = [&](const std::array<double, max_stages + 1>& factors, int order) {
+    for (std::size_t i = 0; i < n; ++i) difference_[i] = factors[0] * start.x[i];
+    for (int j = 1; j <= order; ++j) {
+      const double factor = factors[index(j)];
+      const double* stage = step.stages.x.data() + n * index(j - 1);
+      for (std::size_t i = 0; i < n; ++i) difference_[i] += factor * stage[i];
+    }
+    return weights.norm(difference_.data());
+  };
+  const int s = method.s();
+  const double last = norm_of_difference(method.lagrange_factors, s),
+               earlier = norm_of_difference(method.lower_factors, s - 2);
+  const double decay = last < earlier ? std::sqrt(last / earlier) : 1.0;
+  interior_.x = std::max(interior_.w, method.largest_remainder * decay * last);
 }
 
 void RadauErrorEstimate::add_decay(StrangenessFreeSystem& system, const RadauHistory& history, const RadauStep& step,

@@ -30,9 +30,15 @@ class RadauErrorEstimate {
                  const ErrorWeights& weights, ErrorTerms& terms);
   // Of the step estimated last, mapped to x.
   const std::vector<double>& error() const { return error_; }
+  // Of its polynomial.
+  const InteriorErrors& interior() const { return interior_; }
 
  private:
+  void estimate_interior(const RadauNode& start, const RadauStep& step, const ErrorWeights& weights);
+
   std::vector<double> error_;
+  InteriorErrors interior_;
+  std::vector<double> difference_;
   std::vector<double> columns_, mapped_;  // in w and in x
 };
 

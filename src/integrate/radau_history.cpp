@@ -32,7 +32,7 @@ void RadauHistory::resize(std::size_t n, std::size_t size_w, const StepOptions& 
   for (int i = 0; i < max_count_; ++i) nodes_[index(i)].assign_zero(n, size_w);
   if (options.interpolates)
     for (RadauNode& node : inner_) node.assign_zero(n, size_w);
-  stages_.assign(n * index(options.max_stages), 0.0);
+  polynomial_.resize(n, size_w, options.max_stages);
 }
 
 void RadauHistory::start(const StartingPoint& point) {
@@ -40,9 +40,11 @@ void RadauHistory::start(const StartingPoint& point) {
   count_ = 1;
   inner_count_ = 0;
   last_ = {};
+  polynomial_.forget();
 }
 
-void RadauHistory::append(RadauStep& step) {
+void RadauHistory::append(RadauStep& step, const InteriorErrors& errors) {
+  polynomial_.set(nodes_[0], step, errors);
   count_ = std::min(count_ + 1, max_count_);
   std::rotate(nodes_.begin(), nodes_.begin() + count_ - 1, nodes_.begin() + count_);
   std::swap(nodes_[0], step.end);
@@ -51,7 +53,6 @@ void RadauHistory::append(RadauStep& step) {
     --count_;
   }
   inner_count_ = 0;
-  std::swap(stages_, step.stages.x);
   last_ = {step.h, step.method->order(), step.method->stages.gamma / step.h};
 }
 
@@ -103,12 +104,12 @@ void RadauHistory::set_extent(const Extent& extent, const StrangenessFreeSystem&
   inner_count_ = extent.inner;
 }
 
-void RadauHistory::archive(Archive& archive, const Extent& extent, bool with_x, bool with_stages) {
+void RadauHistory::archive(Archive& archive, const Extent& extent, const Content& content) {
   archive.real(last_.h);
   archive.real(last_.leading_coefficient);
-  for (int i = 0; i < extent.nodes; ++i) archive_node(archive, nodes_[index(i)], i == 0 || with_x);
+  for (int i = 0; i < extent.nodes; ++i) archive_node(archive, nodes_[index(i)], i == 0 || content.with_x);
   for (int i = 0; i < extent.inner; ++i) archive_node(archive, inner_[index(i)], true);
-  if (with_stages) archive.reals(stages_.data(), nodes_[0].x.size() * index(last_stages()));
+  if (content.with_polynomial) polynomial_.archive(archive, last_stages(), content.with_w);
 }
 
 }  // namespace sfdae::core

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "integrate/radau_node.h"
+#include "integrate/radau_polynomial.h"
 #include "integrate/radau_stages.h"
 #include "integrate/stepper.h"
 #include "linalg/archive.h"
@@ -32,11 +33,12 @@ class RadauHistory {
   const RadauNode& newest() const { return nodes_[0]; }
   const LastStep& last() const { return last_; }
   int last_stages() const { return (last_.order + 1) / 2; }
-  // x at the stages of the last step, n x s.
-  const std::vector<double>& stages() const { return stages_; }
+  // Of the last step, where there is one.
+  const RadauPolynomial& polynomial() const { return polynomial_; }
+  void note_test(double error) { polynomial_.note_test(error); }
 
   // Takes over an accepted step; what is left in it does not matter.
-  void append(RadauStep& step);
+  void append(RadauStep& step, const InteriorErrors& errors);
   // The solution is not as smooth as the nodes before the newest suggest.
   void forget_past() { count_ = 1; }
   // Takes over a node within the last step, which serves polynomials of this step from then on.
@@ -55,8 +57,11 @@ class RadauHistory {
   Extent extent(const StepOptions& options) const;
   // Makes room for as much; throws DamagedArchive if that cannot be.
   void set_extent(const Extent& extent, const StrangenessFreeSystem& system, const StepOptions& options);
-  // with_x: at all nodes, not the newest one alone.
-  void archive(Archive& archive, const Extent& extent, bool with_x, bool with_stages);
+  // with_x: at all nodes, not the newest one alone; with_w: of the polynomial.
+  struct Content {
+    bool with_x, with_polynomial, with_w;
+  };
+  void archive(Archive& archive, const Extent& extent, const Content& content);
 
  private:
   // Points within one step for which outputs were asked and the polynomial was too rough: a few (chosen).
@@ -67,7 +72,7 @@ class RadauHistory {
   std::array<RadauNode, inner_capacity> inner_;
   int inner_count_ = 0;
   LastStep last_;
-  std::vector<double> stages_;
+  RadauPolynomial polynomial_;
 };
 
 }  // namespace sfdae::core

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/radau_method.h"
 
+#include <algorithm>
+#include <cmath>
 #include <complex>
 
 #include "linalg/dense.h"
@@ -101,6 +103,34 @@ void build_transformation(StageMethod& method) {
   }
 }
 
+// Lagrange's polynomials and Q, the integral of M / M(0) with M = prod (tau - c_i).
+void describe_polynomial(RadauMethod& method) {
+  const int s = method.s();
+  const auto c = [&](int k) { return k == 0 ? 0.0 : method.stages.c[index(k - 1)]; };
+  const auto factor = [&](int j, int last) {
+    double product = 1.0;
+    for (int k = 0; k <= last; ++k)
+      if (k != j) product *= c(j) - c(k);
+    return 1.0 / product;
+  };
+  for (int j = 0; j <= s; ++j) method.lagrange_factors[index(j)] = factor(j, s);
+  for (int j = 0; j <= s - 2; ++j) method.lower_factors[index(j)] = factor(j, s - 2);
+  std::array<double, max_stages + 2> M{1.0};
+  for (int i = 1; i <= s; ++i)
+    for (int k = i; k >= 0; --k) M[index(k)] = (k > 0 ? M[index(k - 1)] : 0.0) - c(i) * M[index(k)];
+  for (int k = 0; k <= s; ++k) method.correction[index(k + 1)] = M[index(k)] / (M[0] * (k + 1));
+  // Fine enough to see the largest values to within a percent.
+  constexpr int points = 500;
+  for (int i = 1; i < points; ++i) {
+    const double tau = static_cast<double>(i) / points;
+    double Q = 0.0, remainder = tau;
+    for (int k = s + 1; k >= 0; --k) Q = Q * tau + method.correction[index(k)];
+    for (int k = 1; k <= s; ++k) remainder *= tau - c(k);
+    method.largest_correction = std::max(method.largest_correction, std::fabs(Q));
+    method.largest_remainder = std::max(method.largest_remainder, std::fabs(remainder));
+  }
+}
+
 RadauMethod build(const Constants& given) {
   RadauMethod method;
   StageMethod& stages = method.stages;
@@ -115,6 +145,7 @@ RadauMethod build(const Constants& given) {
   }
   slopes_of_lagrange_polynomials(stages, 0, method.slope_at_start.data());
   build_transformation(stages);
+  describe_polynomial(method);
   // s! (s-1)! / (2s-1)!, from the error R(z) - e^z ~ s! (s-1)! / ((2s-1)! (2s)!) z^(2s) of the stability function,
   // the Pade approximation with numerator of degree s - 1 and denominator of degree s [HW96, IV.3].
   method.error_constant = 1.0;

@@ -12,6 +12,16 @@ namespace sfdae::core {
 
 namespace {
 
+// Of the collocation polynomial, in units of the weights: for w, where constraints make up for the rest, and for x. The
+// weights of nonlinear problems are a fifth of the tolerances (docs/decisions/34-outputs.md).
+constexpr double error_in_w = 2.0, error_in_x = 3.0, nonlinear_units = 5.0;
+// The estimate is that of the end of the step. Where the matrices of a linear problem turn within a step errors are much
+// larger, as values made consistent show: they differ from those interpolated by more than this, and than so many
+// estimates (elsewhere by 1.2 of them). Polynomials with smaller estimates than the last pass without that test.
+constexpr double doubtful_difference = 5.0, doubtful_ratio = 4.0, safe_error = 0.5;
+// Of the error allowed: smaller ones say nothing about the next step, as they may be those of the slope at the start,
+// from a longer step before. And what the next step is limited to, in units of the last one, at least. (Chosen.)
+constexpr double telling_error = 0.02, least_ratio = 0.1;
 // Of the Hermite polynomial without its most distant node, in units of the tolerances: what is left out is larger
 // than what the polynomial errs by. What the iteration for nonlinear equations leaves of errors at the nodes is not
 // seen by differences: more is asked for. (Chosen; with them the polynomials of decision 13 were right.)
@@ -26,25 +36,84 @@ void set_polynomial(const RadauHistory& history, Interpolated which, double t, H
 }
 
 void copy_to(const RadauNode& node, const PointValues& point) {
-  std::copy(node.w.begin(), node.w.end(), point.w);
+  if (point.w != nullptr) std::copy(node.w.begin(), node.w.end(), point.w);
   std::copy(node.x.begin(), node.x.end(), point.x);
-  std::copy(node.xdot.begin(), node.xdot.end(), point.xdot);
+  if (point.xdot != nullptr) std::copy(node.xdot.begin(), node.xdot.end(), point.xdot);
 }
 
 }  // namespace
 
-void RadauOutput::resize(std::size_t n, std::size_t size_w, int most_stages) {
+void RadauOutput::resize(const StrangenessFreeSystem& system, int most_stages) {
+  const std::size_t n = index(system.unknowns()), size_w = index(system.leading_size());
+  is_linear_ = system.is_linear();
+  interpolates_well_ = false;
+  longest_ = std::numeric_limits<double>::infinity();
   within_.stages.resize(n, size_w, most_stages);
   for (RadauNode* node : {&within_.end, &from_}) node->assign_zero(n, size_w);
   contribution_.assign(size_w, 0.0);
   mapped_.assign(n, 0.0);
+  for (std::vector<double>* v : {&guess_, &guess_before_, &guess_at_start_})
+    v->assign(n * index(system.taylor_order() + 1), 0.0);
+}
+
+// Steps of one stage have no polynomial worth the name, and are short.
+void RadauOutput::note_step(const RadauHistory& history) {
+  const int s = history.polynomial().stages();
+  const double limit = (is_linear_ ? 1.0 : nonlinear_units) * error_in_w, error = history.polynomial().error_of_w();
+  interpolates_well_ = s > 1 && error <= limit;
+  const bool says_much = s > 1 && error > telling_error * limit;
+  longest_ = says_much ? std::fabs(history.last().h) * std::max(least_ratio, std::pow(limit / error, 1.0 / (s + 1)))
+                       : std::numeric_limits<double>::infinity();
+}
+
+bool RadauOutput::interpolates_x(const RadauHistory& history) const {
+  const double limit = (is_linear_ ? 1.0 : nonlinear_units) * error_in_x;
+  return interpolates_well_ && history.polynomial().error_of_x() <= limit && !point_of_test(history);
+}
+
+// Between two stages in the middle, where values are interpolated.
+std::optional<double> RadauOutput::point_of_test(const RadauHistory& history) const {
+  const RadauPolynomial& polynomial = history.polynomial();
+  if (!is_linear_ || !interpolates_well_ || polynomial.is_tested() || polynomial.error_of_w() <= safe_error)
+    return std::nullopt;
+  const int s = polynomial.stages();
+  const auto& c = radau_method(s).stages.c;
+  return history.newest().t - (1.0 - 0.5 * (c[index(s / 2)] + c[index(s / 2 + 1)])) * history.last().h;
+}
+
+bool RadauOutput::gives_up_polynomial(RadauHistory& history, const ErrorWeights& weights, const double* interpolated,
+                                      const double* x) {
+  if (!is_linear_) return false;
+  for (std::size_t i = 0; i < mapped_.size(); ++i) mapped_[i] = interpolated[i] - x[i];
+  const double difference = weights.norm(mapped_.data());
+  const bool is_doubtful =
+      difference > doubtful_difference && difference > doubtful_ratio * history.polynomial().error_of_x();
+  history.note_test(is_doubtful ? difference : 0.0);
+  if (is_doubtful) note_step(history);
+  return is_doubtful;
+}
+
+Guess RadauOutput::guess_within(const RadauHistory& history, double t, int order) {
+  if (!interpolates_well_) return {};
+  const RadauPolynomial& polynomial = history.polynomial();
+  polynomial.taylor(t, order, guess_.data());
+  polynomial.taylor(history.newest().t, order, guess_before_.data());
+  polynomial.taylor(history.newest().t - history.last().h, order, guess_at_start_.data());
+  return {guess_.data(), guess_before_.data(), nullptr, guess_at_start_.data()};
 }
 
 void RadauOutput::interpolate(const RadauHistory& history, HermiteTable& table, const PointValues& point) {
   const RadauNode& newest = history.newest();
-  if (point.t == newest.t || history.count() < 2) return copy_to(newest, point);
+  if (point.t == newest.t) return copy_to(newest, point);
+  if (interpolates_well_) {
+    history.polynomial().evaluate_x(point.t, point.x, point.xdot);
+    if (point.w != nullptr) history.polynomial().evaluate_w(point.t, point.w);
+    return;
+  }
+  if (history.count() < 2) return copy_to(newest, point);
   set_polynomial(history, Interpolated::x, point.t, table);
   table.evaluate(point.t, point.x, point.xdot);
+  if (point.w == nullptr) return;
   set_polynomial(history, Interpolated::w, point.t, table);
   table.evaluate(point.t, point.w, nullptr);
 }
@@ -93,7 +162,9 @@ PointStatus RadauOutput::refine(StrangenessFreeSystem& system, ErrorWeights& wei
                                 RadauHistory& history, RadauWorkspace& workspace) {
   const double t = point.t;
   const PointStatus status = system.move_to(t);
-  if (status != PointStatus::ok || system.differential() == 0 || history.count() < 2) return status;
+  if (status != PointStatus::ok || system.differential() == 0 || interpolates_well_ || history.count() < 2)
+    return status;
+  set_polynomial(history, Interpolated::w, t, workspace.table);
   // What the most distant node contributes to the polynomial is the error of the others.
   workspace.table.contribution_of_last(history.nodes_around(t).count, t, contribution_);
   system.error_in_x(contribution_.data(), mapped_.data());
@@ -102,11 +173,7 @@ PointStatus RadauOutput::refine(StrangenessFreeSystem& system, ErrorWeights& wei
   if (weights.norm(mapped_.data()) <= limit) return PointStatus::ok;
   double reached = t;
   const PointStatus stages = solve_within(system, weights, history, workspace, reached);
-  if (stages == PointStatus::callback_error && reached == t) {
-    // The guess of the stages has taken the place of the polynomial, which is looked at again if the caller tries again.
-    set_polynomial(history, Interpolated::w, t, workspace.table);
-    return stages;
-  }
+  if (stages == PointStatus::callback_error && reached == t) return stages;
   // A stage may fail where the point itself does not: then the polynomial has to do.
   if (stages != PointStatus::ok) return system.move_to(t);
   copy_to(history.insert(within_.end), point);

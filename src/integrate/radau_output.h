@@ -1,8 +1,11 @@
-// Points within the last step of a Radau method: Hermite polynomials through nodes, and nodes within the step where
-// they are not accurate enough (docs/decisions/13-radau-points-within-steps.md).
+// Points within the last step of a Radau method: its collocation polynomial; where that is not accurate enough Hermite
+// polynomials through nodes, and nodes within the step where these are not
+// (docs/decisions/13-radau-points-within-steps.md, 34-outputs.md).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "integrate/hermite_table.h"
@@ -22,11 +25,29 @@ struct RadauWorkspace {
 
 class RadauOutput {
  public:
-  void resize(std::size_t n, std::size_t size_w, int most_stages);
-  // Leaves the polynomial for w in the table.
+  void resize(const StrangenessFreeSystem& system, int most_stages);
+  // The history has another last step, or none.
+  void note_step(const RadauHistory& history);
+
+  // Of the collocation polynomial: whether it is accurate enough for w, and for x without constraints to help; and up to
+  // which step size the former would be.
+  bool interpolates_well() const { return interpolates_well_; }
+  bool interpolates_x(const RadauHistory& history) const;
+  // stages: of the next step, of which more make up for its length. Hermite polynomials are trusted where there are
+  // nodes enough, until they fail.
+  double longest_interpolated(const RadauHistory& history, int stages) const {
+    const bool has_hermite = !interpolates_well_ && history.count() > stages && history.inner_count() == 0;
+    return has_hermite || stages > history.polynomial().stages() ? std::numeric_limits<double>::infinity() : longest_;
+  }
+  std::optional<double> point_of_test(const RadauHistory& history) const;
+  // By the weights of the step; else the polynomial has passed a test.
+  bool gives_up_polynomial(RadauHistory& history, const ErrorWeights& weights, const double* interpolated,
+                           const double* x);
+  Guess guess_within(const RadauHistory& history, double t, int order);
+
   void interpolate(const RadauHistory& history, HermiteTable& table, const PointValues& point);
-  // Moves the system to the point interpolated last. Where the polynomial for w, still in the table, is not accurate
-  // enough, the stages of a step to the point are solved.
+  // Moves the system to the point. Where the polynomial for w is not accurate enough the stages of a step to the point
+  // are solved.
   PointStatus refine(StrangenessFreeSystem& system, ErrorWeights& weights, const PointValues& point,
                      RadauHistory& history, RadauWorkspace& workspace);
 
@@ -35,9 +56,13 @@ class RadauOutput {
   PointStatus solve_within(StrangenessFreeSystem& system, ErrorWeights& weights, const RadauHistory& history,
                            RadauWorkspace& workspace, double& t);
 
+  bool is_linear_ = true;
+  bool interpolates_well_ = false;
+  double longest_ = std::numeric_limits<double>::infinity();
   RadauStep within_;
   RadauNode from_;  // where it starts
   std::vector<double> contribution_, mapped_;
+  std::vector<double> guess_, guess_before_, guess_at_start_;  // Taylor coefficients
 };
 
 }  // namespace sfdae::core

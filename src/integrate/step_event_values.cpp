@@ -78,7 +78,7 @@ void StepEventValues::measure_rough_error(double t) {
   std::fill(error.begin(), error.end(), 0.0);
   if (!approximate(t, error.data())) return;
   Events::Point& now = events_.now;
-  step_.output.evaluate(step_.integrator, {t, false, false}, step_.options, now.x.data(), now.xdot.data());
+  step_.output.evaluate(step_.integrator, {t, false, Slopes::rough}, step_.options, now.x.data(), now.xdot.data());
   const Vector& g = events_.g_now;
   const bool is_known = events_.evaluate(t, now, events_.g_now) == 0 && are_finite(g);
   for (std::size_t i = 0; i < error.size(); ++i) {
@@ -90,7 +90,8 @@ void StepEventValues::measure_rough_error(double t) {
 
 void StepEventValues::determine(double t, bool may_improve, double* g) {
   Events::Point& now = events_.now;
-  step_.output.evaluate(step_.integrator, {t, may_improve, true}, step_.options, now.x.data(), now.xdot.data());
+  step_.output.evaluate(step_.integrator, {t, may_improve, Slopes::wanted}, step_.options, now.x.data(),
+                        now.xdot.data());
   events_.t_now = t;
   const int status = events_.evaluate(t, now, events_.g_now);
   stop_if_asked(t);

@@ -36,10 +36,11 @@ int halvings(const Integrator& integrator, double from, double to) {
   return part < 1.0 ? std::max(1, whole + std::max(-whole, static_cast<int>(std::ceil(std::log2(part))))) : whole;
 }
 
-// Where a long step comes after short ones the polynomial may be too rough to show whether there are zeros: it costs
-// Radau one reduction a step to know, and the stages of up to three points to make up for it.
+// Where a long step comes after short ones the polynomial may be too rough to show whether there are zeros: then it
+// costs Radau one reduction to know, and the stages of up to three points to make up for it.
 void refine_polynomial(const SearchedStep& step) {
   const StepState state = step.integrator.stepper->state();
+  if (state.interpolates_well) return;
   const DaeSystem& system = step.integrator.system;
   Events::Point& rough = step.events.rough;
   int refined = state.refined_points;

@@ -3,6 +3,7 @@
 #include "integrate/step_output.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -32,8 +33,10 @@ void find_slopes(Integrator& integrator, const PointRequest& request, double* x,
   DaeSystem& system = integrator.system;
   const StepState state = integrator.stepper->state();
   // The slope of a polynomial of high degree over a long step is not as accurate as x is.
-  const bool is_within_long_step = integrator.method == Method::radau && request.t != state.t && request.wants_slopes;
-  if (!request.wants_slopes && !system.is_linear()) std::fill_n(xdot, system.unknowns(), 0.0);
+  const bool is_within_long_step =
+      integrator.method == Method::radau && request.t != state.t && request.slopes == Slopes::wanted;
+  if (request.slopes == Slopes::none || (request.slopes == Slopes::rough && !system.is_linear()))
+    std::fill_n(xdot, system.unknowns(), 0.0);
   else if (system.differential() == 0) system.consistent_derivative(x, integrator.direction, xdot);
   else if (!(is_within_long_step && system.exact_derivative(x, xdot)))
     system.correct_derivative(state.last.leading_coefficient, x, xdot);
@@ -47,11 +50,11 @@ void find_slopes(Integrator& integrator, const PointRequest& request, double* x,
 
 void StepOutput::resize(const DaeSystem& system) {
   w_.resize(std::max(w_.size(), index(system.leading_size())));
-  x_free_.resize(index(system.unknowns()));
+  for (std::vector<double>* v : {&x_free_, &x_, &slopes_}) v->resize(index(system.unknowns()));
 }
 
 void StepOutput::interpolate(Stepper& stepper, double t, double* x, double* xdot) {
-  stepper.interpolate({t, w_.data(), x, xdot});
+  stepper.interpolate({t, nullptr, x, xdot});
 }
 
 PointStatus StepOutput::refine(Integrator& integrator, double t, double* x, double* xdot) {
@@ -62,6 +65,20 @@ PointStatus StepOutput::refine(Integrator& integrator, double t, double* x, doub
 
 void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options,
                           double* x, double* xdot) {
+  if (request.may_interpolate && has_interpolated(integrator, request, options, x, xdot)) return;
+  find_values(integrator, request, options, x, xdot);
+  const bool is_within = request.t != integrator.stepper->state().t;
+  if (is_within && request.may_refine &&
+      integrator.stepper->gives_up_polynomial(integrator.weights, x_free_.data(), x))
+    find_values(integrator, request, options, x, xdot);
+  check_ranks(integrator, request.t);
+  check_differences(integrator, x);
+  find_slopes(integrator, request, x, xdot);
+}
+
+// Consistent x, and the slope of the polynomial.
+void StepOutput::find_values(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options,
+                             double* x, double* xdot) {
   DaeSystem& system = integrator.system;
   const PointValues point{request.t, w_.data(), x_free_.data(), xdot};
   integrator.stepper->interpolate(point);
@@ -69,9 +86,42 @@ void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, c
   if (!integrator.contradictions.tolerate(system.quality().inconsistency, options))
     throw Failure(SFDAE_INCONSISTENT_EQUATIONS, system.inconsistency_message());
   restore(integrator, request.t, x);
-  check_ranks(integrator, request.t);
-  check_differences(integrator, x);
-  find_slopes(integrator, request, x, xdot);
+}
+
+void StepOutput::evaluate_aside(Integrator& integrator, const PointRequest& request,
+                                const IntegrationOptions& options, double* x, double* xdot) {
+  evaluate(integrator, request, options, x_.data(), slopes_.data());
+  std::copy(x_.begin(), x_.end(), x);
+  if (xdot != nullptr) std::copy(slopes_.begin(), slopes_.end(), xdot);
+}
+
+// The point of a step is one that its error test has seen, whatever is said about points within.
+bool StepOutput::has_interpolated(Integrator& integrator, const PointRequest& request,
+                                  const IntegrationOptions& options, double* x, double* xdot) {
+  Stepper& stepper = *integrator.stepper;
+  const bool at_step = request.t == stepper.state().t;
+  if (!at_step && !integrator.must_restart) test_polynomial(integrator, options, x, xdot);
+  if (integrator.must_restart || !(at_step || stepper.interpolates_x(integrator.weights))) return false;
+  const std::size_t n = index(integrator.system.unknowns());
+  if (request.slopes == Slopes::none) {
+    stepper.interpolate({request.t, nullptr, x, nullptr});
+    std::fill_n(xdot, n, 0.0);
+  } else {
+    stepper.interpolate({request.t, nullptr, x, xdot});
+  }
+  return all_finite(x, n) && all_finite(xdot, n);
+}
+
+// Writes what it likes to x and xdot. Where the test fails to be made the polynomial is not trusted.
+void StepOutput::test_polynomial(Integrator& integrator, const IntegrationOptions& options, double* x, double* xdot) {
+  const std::optional<double> t = integrator.stepper->point_of_test();
+  if (!t) return;
+  try {
+    find_values(integrator, {*t, true, Slopes::none}, options, x, xdot);
+    integrator.stepper->gives_up_polynomial(integrator.weights, x_free_.data(), x);
+  } catch (const Failure& failure) {
+    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+  }
 }
 
 void StepOutput::move_to(Integrator& integrator, const PointRequest& request, const PointValues& point) {
@@ -104,24 +154,29 @@ void StepOutput::restore(Integrator& integrator, double t, double* x) {
     system.leading(x_free_.data(), w_.data());
   }
   // Iterations for nonlinear equations end when errors are small against the tolerances: the constraints want more.
-  if (at_step && system.is_linear()) std::copy(x_last.begin(), x_last.end(), x);
-  else system.restore(w_.data(), at_step ? x_last.data() : x_free_.data(), x);
+  if (at_step && system.is_linear()) {
+    std::copy(x_last.begin(), x_last.end(), x);
+    return;
+  }
+  Guess guess;
+  if (!at_step && system.taylor_order() > 0) guess = integrator.stepper->guess_within(t, system.taylor_order());
+  system.restore(w_.data(), at_step ? x_last.data() : x_free_.data(), guess, x);
 }
 
 void StepOutput::last_point(Stepper& stepper, double& t, double* x, double* xdot) {
   t = stepper.state().t;
   std::copy(stepper.x().begin(), stepper.x().end(), x);
-  stepper.interpolate({t, w_.data(), x_free_.data(), xdot});
+  stepper.interpolate({t, nullptr, x_free_.data(), xdot});
 }
 
-void StepOutput::make_consistent(Integrator& integrator, bool wants_slopes, double* x, double* xdot) {
+void StepOutput::make_consistent(Integrator& integrator, Slopes slopes, double* x, double* xdot) {
   DaeSystem& system = integrator.system;
   const std::vector<double>& x_last = integrator.stepper->x();
   const StepState state = integrator.stepper->state();
   try {
     if (system.move_to(state.t) != PointStatus::ok) return;
     system.restore(nullptr, x_last.data(), x);
-    if (wants_slopes) system.correct_derivative(state.last.leading_coefficient, x, xdot);
+    if (slopes == Slopes::wanted) system.correct_derivative(state.last.leading_coefficient, x, xdot);
   } catch (const Failure&) {
     std::copy(x_last.begin(), x_last.end(), x);
   }

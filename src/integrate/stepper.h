@@ -52,7 +52,7 @@ struct StartingPoint {
   const std::vector<double>& wdot;
 };
 
-// Where w, x and x' at t are written.
+// Where w, x and x' at t are written; w and xdot: null if they are not wanted.
 struct PointValues {
   double t;
   double* w;
@@ -76,8 +76,10 @@ struct StepState {
   double next_step;  // the size to try next, after a failure as well
   int next_order;
   int failures_in_a_row;
-  // Whether interpolate() will be accurate enough within the next step.
-  bool interpolates_well;
+  // The next step may be so long, in size, and interpolate() will be accurate enough within it, as far as the last
+  // step tells.
+  double longest_interpolated;
+  bool interpolates_well;  // within the last one, for w
   // Points within the last step where refine() made up for interpolate(), as far as they are kept.
   int refined_points;
 };
@@ -111,6 +113,17 @@ class Stepper {
 
   // A point within the last step; its x is inaccurate in the constraints.
   virtual void interpolate(const PointValues& point) = 0;
+  // Whether its x is as accurate as the tolerances ask for, constraints included.
+  virtual bool interpolates_x(ErrorWeights& weights) = 0;
+  // Where the next function should be called for, before the polynomial is trusted for interpolates_x().
+  virtual std::optional<double> point_of_test() const { return std::nullopt; }
+  // x is what has become of the values interpolated at a point within the last step, with all equations that hold there:
+  // whether they contradict what is known of the polynomial, which is not used any more then.
+  virtual bool gives_up_polynomial(ErrorWeights&, const double* /*interpolated*/, const double* /*x*/) {
+    return false;
+  }
+  // What an iteration toward the point starts from, Taylor coefficients up to that order; empty: nothing is known.
+  virtual Guess guess_within(double t, int order) = 0;
   // Moves the system to the point interpolated last, and makes up for its values where they are not accurate enough.
   virtual PointStatus refine(StrangenessFreeSystem& system, ErrorWeights& weights, const PointValues& point) = 0;
 

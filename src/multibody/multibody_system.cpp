@@ -92,6 +92,9 @@ PointStatus MultibodySystem::set_point(double t, const double* q, const double* 
   accepted_.measure_rows();
   monitor_.forget();
   longest_step_ = 0.0;
+  // Of an integration before, which must not be seen in the next one.
+  linearization_.chord() = ChordIteration();
+  linearization_.renewal() = MultibodyRenewal();
   status = linearize(t, q, v);
   if (status != PointStatus::ok) return status;
   if (!monitor_.has_known_ranks()) return PointStatus::changed;
@@ -217,7 +220,7 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
 }
 
 // What later steps depend on stays as it is: points that are asked for must not change those that follow.
-void MultibodySystem::restore(const double*, const double* x_free, double* x) {
+void MultibodySystem::restore(const double*, const double* x_free, const Guess&, double* x) {
   if (is_at(accepted_, t_, x_free)) return copy_unknowns(accepted_, x);
   is_end_new_ = false;
   end_.set(t_, x_free, x_free + sizes_.positions);

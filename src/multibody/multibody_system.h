@@ -56,7 +56,8 @@ class MultibodySystem final : public DaeSystem {
   using StrangenessFreeSystem::error_in_x;
   void error_in_x(const double* dw, int count, double* dx) override;
   // Throws Failure where no consistent x is found near x_free.
-  void restore(const double* w, const double* x_free, double* x) override;
+  using StrangenessFreeSystem::restore;
+  void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
 
   PointQuality quality() const override {

@@ -260,7 +260,7 @@ void LinearSystem::error_in_x(const double* dw, int count, double* dx) {
   for (int k = 0; k < count; ++k) problem_.units().outward(dx + static_cast<std::ptrdiff_t>(k) * n);
 }
 
-void LinearSystem::restore(const double* w, const double* x_free, double* x) {
+void LinearSystem::restore(const double* w, const double* x_free, const Guess&, double* x) {
   const NullSpaceForm& form = point().form;
   const int size = form.unknowns();
   const Arena::Frame frame(arena_);
@@ -317,8 +317,8 @@ void LinearSystem::correct_scaled_derivative(double c, const double* x, double* 
 }
 
 bool LinearSystem::exact_derivative(const double* x, double* xdot) {
-  std::vector<double> buffer(index(problem_.n()));
-  const double* scaled_x = problem_.units().inward(x, buffer.data());
+  const Arena::Frame frame(arena_);
+  const double* scaled_x = problem_.units().inward(x, arena_.take(index(problem_.n())));
   if (!derivative_from_array(problem_, {settings_, analysis_, point()}, scaled_x, xdot, arena_)) return false;
   problem_.units().outward(xdot);
   return true;

@@ -31,7 +31,8 @@ class LinearSystem final : public DaeSystem {
   PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
   using StrangenessFreeSystem::error_in_x;
   void error_in_x(const double* dw, int count, double* dx) override;
-  void restore(const double* w, const double* x_free, double* x) override;
+  using StrangenessFreeSystem::restore;
+  void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
 
   // W = E (or I where E' is missing) from now on, as rank E has turned out not to be constant.

@@ -242,7 +242,9 @@ PointStatus NonlinearSystem::solve_several_stages(const StageEquations& equation
 }
 
 // What later steps depend on stays as it is: points that are asked for must not change those that follow.
-void NonlinearSystem::restore(const double*, const double* x_free, double* x) {
+void NonlinearSystem::restore(const double*, const double* x_free, const Guess& guess, double* x) {
+  if (guess.taylor != nullptr && jet_.t != history_.accepted().t)
+    history_.predict(guess, 0, linearization_.determined(), units(), jet_);
   std::copy_n(x_free, problem_.n(), jet_.x.data());
   start_ = jet_;
   const PointStatus status =

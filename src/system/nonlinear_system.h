@@ -69,7 +69,8 @@ class NonlinearSystem final : public DaeSystem {
     if (!index_zero_.error_in_x(dw, count, dx)) linearization_.error_in_x(dw, count, dx);
   }
   // Throws Failure where no consistent x is found near x_free.
-  void restore(const double* w, const double* x_free, double* x) override;
+  using StrangenessFreeSystem::restore;
+  void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
 
   PointQuality quality() const override;

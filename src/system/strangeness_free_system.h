@@ -107,8 +107,10 @@ class StrangenessFreeSystem {
   // leading_size() x count in dw, n x count in dx.
   virtual void error_in_x(const double* dw, int count, double* dx) = 0;
   void error_in_x(const double* dw, double* dx) { error_in_x(dw, 1, dx); }
-  // x with F2(t, x) = 0 whose w and whose free part are those given (x_free: a good guess of x).
-  virtual void restore(const double* w, const double* x_free, double* x) = 0;
+  // x with F2(t, x) = 0 whose w and whose free part are those given (x_free: a good guess of x). guess: what an
+  // iteration may start from; may be empty.
+  virtual void restore(const double* w, const double* x_free, const Guess& guess, double* x) = 0;
+  void restore(const double* w, const double* x_free, double* x) { restore(w, x_free, {}, x); }
   // Corrects xdot within the directions that F2 leaves open toward F1(t, x, .) = 0. In components that are stiff over
   // the time 1 / |c| the residual of F1 is that of the error of x, and they stay; c = infinity: F1 = 0 exactly.
   virtual void correct_derivative(double c, const double* x, double* xdot) = 0;

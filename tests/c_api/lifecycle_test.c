@@ -212,6 +212,7 @@ static void options_have_the_documented_defaults(void) {
   CHECK(o.max_order == 5 && o.initial_step == 0 && o.max_step == 0 && o.use_stop_time == 0);
   CHECK(o.max_steps == 100000 && o.leading_term == SFDAE_LEADING_AUTOMATIC && o.monitor == NULL);
   CHECK(o.method == SFDAE_METHOD_BDF && o.min_stages == 1 && o.max_stages == 7 && o.xdot_is_guess == 0);
+  CHECK(o.output == SFDAE_OUTPUT_CONSISTENT);
 }
 
 /* An older caller knows fewer members: those that it does not know keep their defaults. A newer caller has more. */

@@ -443,10 +443,11 @@ static void there_and_back_again(void) {
   }
 }
 
-static void automatic_is_bdf_where_output_is_frequent(void) {
+/* Polynomials of several stages serve any number of outputs, steps of one stage have none. */
+static void automatic_is_bdf_where_output_is_too_frequent(void) {
   const choice automatic = {SFDAE_METHOD_AUTOMATIC, 1, 7};
   record r = everything();
-  const sfdae_options options = options_for(automatic, 1e-6);
+  sfdae_options options = options_for(automatic, 1e-6);
   sfdae_solver* solver = create(&r, &options);
   double t, x[N];
   int i;
@@ -458,7 +459,18 @@ static void automatic_is_bdf_where_output_is_frequent(void) {
     CHECK_STATUS(sfdae_advance(solver, 0.01 * i, &t, x, NULL), SFDAE_OK);
     CHECK(accurate(t, x, 1e-6) && on_constraints(t, x));
   }
+  CHECK(report_contains(solver, "by Radau IIA with") && report_contains(solver, "(chosen automatically)"));
+  sfdae_destroy(&solver);
+  options = options_for(automatic, 1e-3);
+  options.max_stages = 1;
+  solver = create(&r, &options);
+  start(solver, 0, 10);
+  for (i = 1; i <= 3000; i++) CHECK_STATUS(sfdae_advance(solver, i / 300.0, &t, x, NULL), SFDAE_OK);
   CHECK(report_contains(solver, "by BDF (chosen automatically)") && statistics(solver).last_order <= 5);
+  options.output = SFDAE_OUTPUT_INTERPOLATED;
+  CHECK_STATUS(sfdae_set_options(solver, &options), SFDAE_OK);
+  for (options.output = -1; options.output <= 2; options.output += 3)
+    CHECK_STATUS(sfdae_set_options(solver, &options), SFDAE_ILLEGAL_ARGUMENT);
   sfdae_destroy(&solver);
 }
 
@@ -606,7 +618,7 @@ int main(void) {
   frequent_output_hardly_changes_the_steps();
   single_steps_lead_to_tout();
   there_and_back_again();
-  automatic_is_bdf_where_output_is_frequent();
+  automatic_is_bdf_where_output_is_too_frequent();
   nothing_is_evaluated_beyond_the_stop_time();
   stop_time_may_be_close();
   max_steps_interrupts();

@@ -276,7 +276,7 @@ contains
       number_at(o%initial_weights), o%ignore_inconsistency, o%consistency_tol, o%max_order, &
       o%initial_step, o%max_step, o%use_stop_time, o%stop_time, o%max_steps, o%leading_term, &
       call_monitor(progress, o%monitor_user) + 19, integer_at(o%monitor_user), o%method, &
-      o%min_stages, o%max_stages, o%xdot_is_guess]), "members of sfdae_options")
+      o%min_stages, o%max_stages, o%xdot_is_guess, o%output]), "members of sfdae_options")
   end subroutine check_options
 
   !> dae_options starts with the library's defaults.
@@ -311,6 +311,7 @@ contains
     call check(f%min_stages == c%min_stages, "min_stages")
     call check(f%max_stages == c%max_stages, "max_stages")
     call check(f%xdot_is_guess .eqv. c%xdot_is_guess /= 0, "xdot_is_guess")
+    call check(f%output == c%output, "output")
   end subroutine check_defaults
 
   !> Whether the values are 1, 2, 3, ...

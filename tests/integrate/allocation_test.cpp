@@ -229,6 +229,63 @@ TEST(Allocation, MultibodyStepsAllocateNothingAfterTheFirst) {
     }
 }
 
+// After the first ones; x' is asked for at every second one, or at none.
+long allocations_of_outputs(sfdae_solver* solver, std::vector<double> x, double tf, bool with_slopes = true) {
+  std::vector<double> xdot(x.size());
+  EXPECT_GE(sfdae_start(solver, 0.0, tf, x.data(), xdot.data()), 0) << sfdae_message(solver);
+  double t = 0.0;
+  allocations = 0;
+  for (int i = 1; i <= 400; ++i) {
+    counting = i > 200;
+    const int status =
+        sfdae_advance(solver, tf * i / 400, &t, x.data(), with_slopes && i % 2 == 0 ? xdot.data() : nullptr);
+    counting = false;
+    EXPECT_EQ(status, SFDAE_OK) << sfdae_message(solver);
+  }
+  sfdae_destroy(&solver);
+  return allocations;
+}
+
+TEST(Allocation, OutputsWithinStepsAllocateNothing) {
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (int output : {SFDAE_OUTPUT_CONSISTENT, SFDAE_OUTPUT_INTERPOLATED}) {
+      sfdae_options options = options_with_tolerance(1e-6);
+      options.method = method;
+      options.output = output;
+      sfdae_solver* solver = nullptr;
+      FamilyProblem family(kron(8, 1, 2.0));
+      Paused p{family.problem};
+      sfdae_linear_problem linear = family.problem;
+      linear.E = paused_E, linear.A = paused_A, linear.f = paused_f, linear.user = &p;
+      ASSERT_EQ(sfdae_create_linear(&solver, &linear, &options), SFDAE_OK);
+      std::vector<double> x(8);
+      family.family().exact(0.0, x.data(), nullptr);
+      // x' from the array of the next level has data of its own.
+      const bool with_slopes = method == SFDAE_METHOD_BDF || output == SFDAE_OUTPUT_INTERPOLATED;
+      EXPECT_EQ(allocations_of_outputs(solver, x, 4.0, with_slopes), 0) << method << " " << output;
+
+      const TestProblem raw = pendulum();
+      const auto falling = [](int, const auto& t, const auto* values, const auto* xdot, auto* F) {
+        pendulum_residual(t, values, xdot, F);
+      };
+      RecordedEquations<decltype(falling)> recorded(raw, falling);
+      sfdae_nonlinear_problem nonlinear;
+      sfdae_nonlinear_problem_init(&nonlinear, sizeof nonlinear);
+      nonlinear.num_equations = raw.m;
+      nonlinear.num_unknowns = raw.n;
+      nonlinear.equations = &RecordedEquations<decltype(falling)>::write;
+      nonlinear.user = &recorded;
+      ASSERT_EQ(sfdae_create_nonlinear(&solver, &nonlinear, &options), SFDAE_OK);
+      EXPECT_EQ(allocations_of_outputs(solver, raw.x0, 4.0), 0) << method << " " << output;
+
+      sfdae::test::Pendulum swinging;
+      const sfdae_multibody_problem multibody = swinging.problem();
+      ASSERT_EQ(sfdae_create_multibody(&solver, &multibody, &options), SFDAE_OK);
+      EXPECT_EQ(allocations_of_outputs(solver, sfdae::test::Pendulum::state(0.3, 2.3), 10.0), 0)
+          << method << " " << output;
+    }
+}
+
 TEST(Allocation, IsCounted) {
   allocations = 0;
   counting = true;
