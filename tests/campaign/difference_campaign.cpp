@@ -13,7 +13,7 @@ namespace {
 enum Family { difference_family = 500 };
 
 // Share of problems that may be refused.
-constexpr double refused = 0.25;
+constexpr double refused = 0.13;
 
 void solve_all(Tally& tally, bool differences, int full) {
   for (int number : problem_numbers(full)) {
