@@ -23,7 +23,7 @@ void solve_all(Tally& tally, bool differences, int full) {
     const IntegrationSettings settings{drawn.tolerance, number % 2 == 0 ? SFDAE_METHOD_BDF : SFDAE_METHOD_RADAU,
                                        differences};
     const IntegrationOutcome outcome = integrate(drawn.problem, drawn.exact, settings);
-    tally.add(number, drawn.problem, outcome, error_fits(drawn.exact, drawn.tolerance, outcome.error));
+    tally.add(number, drawn.problem, outcome, error_fits(drawn.exact, drawn.tolerance, outcome));
   }
 }
 
