@@ -202,8 +202,8 @@ typedef struct sfdae_options {
 
   /* Index analysis. Derivatives that callbacks do not provide (SFDAE_ORDER_NOT_AVAILABLE) can be computed from
    * order 0 by differences, up to order 6, each entry to the accuracy that its own values allow. Where that is not
-   * enough for the tolerances (above all for mu >= 3 and tolerances below 1e-8) steps and outputs end with
-   * SFDAE_TOLERANCE_TOO_SMALL, the component and its error in the message. */
+   * enough for the tolerances (above all for mu >= 3 and tolerances below 1e-8), at the start, too, steps and outputs end
+   * with SFDAE_TOLERANCE_TOO_SMALL, the component and its error in the message. */
   int max_index;              /* highest strangeness index tried, default 5; 0 ... 12 */
   int reduction;              /* SFDAE_REDUCTION_STAGED (default) or _SVD */
   double rank_tol;            /* > 0, < 1: values below rank_tol * norm of the data, in balanced units, count as
@@ -211,7 +211,8 @@ typedef struct sfdae_options {
                                  are not clear in two systems of units, by a certificate (sfdae_certify) */
   double time_scale;          /* > 0: unit of time of derivatives, rounded to a power of two. Default 0: chosen */
   int difference_derivatives; /* 1: differences are allowed. Default 0: SFDAE_ORDER_MISSING */
-  double difference_step;     /* > 0: spacing of the points used for them; default 0: chosen */
+  double difference_step;     /* > 0: spacing of the points used for them, at most: eight of these are the whole
+                                 interval of 13 Chebyshev points; default 0: chosen */
 
   /* Initial values. Where x violates the constraints, unknowns without a derivative (multipliers, currents; the kernel
    * of E or F_x') adapt first. Only what then remains moves the others, and as little as possible:

@@ -20,6 +20,10 @@ constexpr double remembered = 0.5;
 // Components that start at zero need steps to become what they are. Chosen.
 constexpr int most_points_in_excess = 3;
 
+void take_larger(const double* x, std::vector<double>& sizes) {
+  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] = std::max(std::fabs(x[i]), sizes[i]);
+}
+
 std::optional<CallResult> find_excess(const std::vector<double>& errors, const std::vector<double>& sizes, double t,
                                       const ErrorWeights& weights) {
   double largest = 1.0, allowed_there = 0.0;
@@ -43,7 +47,8 @@ std::optional<CallResult> find_excess(const std::vector<double>& errors, const s
 }  // namespace
 
 void DifferenceCheck::accept(DaeSystem& system, const ErrorWeights& weights, const double* x, bool is_first) {
-  DifferenceCheck next = is_first ? DifferenceCheck() : *this;
+  DifferenceCheck next = *this;
+  if (is_first) next.forget_points();
   if (!system.has_difference_errors()) {
     next.errors_.clear();
   } else {
@@ -52,19 +57,45 @@ void DifferenceCheck::accept(DaeSystem& system, const ErrorWeights& weights, con
     next.errors_.resize(n);
     next.sizes_.resize(n, 0.0);
     system.difference_errors(x, next.errors_.data());
-    for (std::size_t i = 0; i < n; ++i) next.sizes_[i] = std::max(std::fabs(x[i]), remembered * next.sizes_[i]);
+    for (double& size : next.sizes_) size *= remembered;
+    take_larger(x, next.sizes_);
     next.points_in_excess_ = next.excess(weights) ? next.points_in_excess_ + 1 : 0;
+    next.note_start(weights, x, is_first);
   }
   *this = std::move(next);
+}
+
+void DifferenceCheck::forget_points() {
+  sizes_.clear();
+  points_in_excess_ = 0;
+}
+
+void DifferenceCheck::note_start(const ErrorWeights& weights, const double* x, bool is_first) {
+  if (errors_at_start_.empty()) {
+    if (!is_first) return;
+    t_start_ = t_;
+    errors_at_start_ = errors_;
+    sizes_since_.assign(errors_.size(), 0.0);
+    points_since_ = 0;
+  }
+  take_larger(x, sizes_since_);
+  if (++points_since_ < most_points_in_excess || excess_at_start(weights)) return;
+  errors_at_start_.clear();
+  sizes_since_.clear();
 }
 
 std::optional<CallResult> DifferenceCheck::excess(const ErrorWeights& weights) const {
   return find_excess(errors_, sizes_, t_, weights);
 }
 
+std::optional<CallResult> DifferenceCheck::excess_at_start(const ErrorWeights& weights) const {
+  return find_excess(errors_at_start_, sizes_since_, t_start_, weights);
+}
+
 std::optional<CallResult> DifferenceCheck::lasting_excess(const ErrorWeights& weights) const {
-  if (points_in_excess_ < most_points_in_excess) return std::nullopt;
-  return excess(weights);
+  if (points_in_excess_ >= most_points_in_excess) return excess(weights);
+  if (points_since_ >= most_points_in_excess) return excess_at_start(weights);
+  return std::nullopt;
 }
 
 std::optional<CallResult> DifferenceCheck::excess_at(DaeSystem& system, const ErrorWeights& weights,
@@ -73,8 +104,11 @@ std::optional<CallResult> DifferenceCheck::excess_at(DaeSystem& system, const Er
   std::vector<double> errors(index(system.unknowns())), sizes = sizes_;
   sizes.resize(errors.size(), 0.0);
   system.difference_errors(x, errors.data());
-  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] = std::max(std::fabs(x[i]), sizes[i]);
-  return find_excess(errors, sizes, system.t(), weights);
+  take_larger(x, sizes);
+  if (auto excess = find_excess(errors, sizes, system.t(), weights)) return excess;
+  std::vector<double> sizes_since = sizes_since_;
+  take_larger(x, sizes_since);
+  return find_excess(errors_at_start_, sizes_since, t_start_, weights);
 }
 
 void DifferenceCheck::archive(Archive& archive, std::size_t n) {
@@ -82,6 +116,12 @@ void DifferenceCheck::archive(Archive& archive, std::size_t n) {
   archive.real(t_);
   archive.reals(errors_, n);
   archive.reals(sizes_, n);
+  bool has_start = !errors_at_start_.empty();
+  archive.small(has_start, points_since_);
+  archive.real(t_start_);
+  if (!has_start) return;
+  archive.reals(errors_at_start_, n);
+  archive.reals(sizes_since_, n);
 }
 
 }  // namespace sfdae::core

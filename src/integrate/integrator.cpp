@@ -52,7 +52,7 @@ void Integrator::start(double t, const Vector& x, const Vector& xdot, const Inte
   system.leading(x.data(), w.data());
   system.leading_derivative(x.data(), xdot.data(), wdot.data());
   weights.update(x.data());
-  DifferenceCheck first;
+  DifferenceCheck first = differences;
   first.accept(system, weights, x.data(), true);
   stepper->start(system, {t, x, xdot, w, wdot}, h);
   system.accept();

@@ -3,84 +3,40 @@
 #include "problem/difference_spacings.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include "linalg/index.h"
-#include "linalg/rank.h"
-#include "problem/differences.h"
+#include "problem/chebyshev_differences.h"
 
 namespace sfdae::core {
 
 namespace {
 
-constexpr int points = DifferenceFormula::points;
-// Of a spacing beyond the point in the middle: no simple fraction, so that no period fits the points and the probe.
-constexpr double beside_middle = 0.3719;
-// A spacing whose errors are larger by less than this does for an entry. Each further spacing costs nine evaluations
-// at every point, and a digit is not worth them. Chosen.
+// A spacing whose errors are larger by less than this does for an entry. Each further spacing costs as many evaluations
+// at every point as it has points, and a digit is not worth them. Chosen.
 constexpr float nearly_best = 16.0F;
 constexpr std::size_t most_spacings = 4;
-// Values of a function that is computed to the last bit, interpolated.
-constexpr double sample_roundings = 4.0;
-
-using Coefficients = std::array<double, points + 1>;
-
-// Of prod (x - node) over the nodes -shift ... points - 1 - shift.
-Coefficients node_polynomial(int shift) {
-  Coefficients e{};
-  e[0] = 1.0;
-  for (int i = 0; i < points; ++i) {
-    const double node = i - shift;
-    for (std::size_t j = points; j > 0; --j) e[j] = e[j - 1] - node * e[j];
-    e[0] *= -node;
-  }
-  return e;
-}
-
-// What an error of 1 at the probe says of the error of the k-th derivative, spacing 1: both are those of the same
-// multiple of the node polynomial, and of terms of about its size.
-double derivative_error_per_probe(const Coefficients& e, double position, int k) {
-  double at_probe = 0.0;
-  for (std::size_t j = e.size(); j-- > 0;) at_probe = at_probe * position + e[j];
-  double largest = 0.0, factorial = 1.0;
-  for (std::size_t j = index(k); j < e.size(); ++j) largest = std::max(largest, std::fabs(e[j]));
-  for (int j = 2; j <= k; ++j) factorial *= j;
-  return factorial * largest / std::fabs(at_probe);
-}
 
 }  // namespace
 
-double SpacingSearch::probe_position(int shift) { return points / 2 - shift + beside_middle; }
-
-void SpacingSearch::add(const DifferencePoints& at) {
-  const double position = probe_position(at.shift);
-  std::vector<double> nodes;
-  for (int i = 0; i < points; ++i) nodes.push_back(i - at.shift);
-  const std::vector<double> interpolation = difference_weights(position, nodes, 0);
-  const Coefficients node_product = node_polynomial(at.shift);
-  const DifferenceFormula formula(at.shift, highest_);
+void SpacingSearch::add(double step, const DifferencePoints& at) {
+  const ChebyshevDifferences differences(at.position, highest_), interpolation(ChebyshevDifferences::probe(), 0);
   std::vector<double> missed(index(entries_)), unit(index(entries_), span_);
   // That of the widest spacing, so that errors are not measured by an entry that happens to vanish here.
   std::vector<double>& size = sizes_;
   size.resize(index(entries_), 0.0);
   for (int e = 0; e < entries_; ++e) {
-    double value = 0.0, magnitude = 0.0;
-    for (int i = 0; i < points; ++i) {
-      const double s = at.samples[static_cast<std::ptrdiff_t>(i) * entries_ + e];
-      size[index(e)] = std::max(size[index(e)], std::fabs(s));
-      value += interpolation[index(i)] * s;
-      magnitude += std::fabs(interpolation[index(i)] * s);
-    }
-    const double error = std::fabs(value - at.probe[e]) - sample_roundings * unit_roundoff * magnitude;
-    missed[index(e)] = std::max(error, 0.0);
+    for (int i = 0; i < ChebyshevDifferences::points; ++i)
+      size[index(e)] = std::max(size[index(e)], std::fabs(at.samples[static_cast<std::ptrdiff_t>(i) * entries_ + e]));
+    double rounding = 0.0;
+    const double value = interpolation.value(at.samples + e, entries_, rounding);
+    missed[index(e)] = std::max(std::fabs(value - at.probe[e]) - rounding, 0.0);
   }
   std::vector<double> derivative(index(entries_)), error(index(entries_));
   std::vector<float> worst(index(entries_), 0.0F);
   for (int k = 1; k <= highest_; ++k) {
-    formula.apply_by_entry(k, at.step, at.samples, entries_, derivative.data(), error.data());
-    const double per_probe = derivative_error_per_probe(node_product, position, k) * std::pow(at.step, -k);
+    differences.apply(k, at.half_width, at.samples, entries_, derivative.data(), error.data());
+    const double per_probe = differences.error_per_probe(k) * std::pow(at.half_width, -k);
     for (std::size_t e = 0; e < worst.size(); ++e) {
       const double all = error[e] + per_probe * missed[e], s = size[e] > 0.0 ? size[e] : 1.0;
       // Errors of different orders are compared in the time in which the entry changes by its own size.
@@ -88,7 +44,7 @@ void SpacingSearch::add(const DifferencePoints& at) {
       worst[e] = std::max(worst[e], static_cast<float>(std::min(all * std::pow(unit[e], k) / s, 1e30)));
     }
   }
-  steps_.push_back(at.step);
+  steps_.push_back(step);
   if (best_.empty()) best_ = worst;
   for (std::size_t e = 0; e < worst.size(); ++e) best_[e] = std::min(best_[e], worst[e]);
   errors_.push_back(std::move(worst));

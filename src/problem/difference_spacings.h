@@ -14,20 +14,19 @@ struct Spacings {
   int of(int entry) const { return of_entry.empty() ? 0 : of_entry[static_cast<std::size_t>(entry)]; }
 };
 
-// Where the points are, and one more between them that shows what they miss.
+// Where the points are (ChebyshevDifferences), and one more between them that shows what they miss.
 struct DifferencePoints {
-  double step;
-  int shift;  // of the points, as for DifferenceFormula
+  double half_width;  // of their interval
+  double position;    // in [-1, 1], of the point of interest
   const double* samples;
-  const double* probe;  // values at t + step * probe_position(shift)
+  const double* probe;  // values at the probe
 };
 
 class SpacingSearch {
  public:
   // Derivatives up to order `highest` of a function with so many entries are wanted; span: the interval of interest.
   SpacingSearch(int entries, int highest, double span) : entries_(entries), highest_(highest), span_(span) {}
-  static double probe_position(int shift);
-  void add(const DifferencePoints& points);
+  void add(double step, const DifferencePoints& points);
   bool is_empty() const { return steps_.empty(); }
   // The fewest spacings, four at most, that are nearly as good as the best one for every entry.
   Spacings choose() const;

@@ -15,22 +15,6 @@ namespace {
 
 constexpr int points = DifferenceFormula::points;
 
-bool are_equal(const double* samples, int stride) {
-  for (int i = 1; i < points; ++i)
-    if (samples[static_cast<std::ptrdiff_t>(i) * stride] != samples[0]) return false;
-  return true;
-}
-
-// Standard deviation of errors of the samples that are independent of each other: the eighth difference of those has
-// a variance of C(16, 8) of theirs, while that of a smooth function is small [MW11].
-double roughness(const double* samples, int stride) {
-  constexpr double binomials[points] = {1, -8, 28, -56, 70, -56, 28, -8, 1};
-  constexpr double deviation = 113.44602240713422;  // sqrt(12870)
-  double difference = 0.0;
-  for (int i = 0; i < points; ++i) difference += binomials[i] * samples[static_cast<std::ptrdiff_t>(i) * stride];
-  return std::fabs(difference) / deviation;
-}
-
 }  // namespace
 
 std::vector<double> difference_weights(double at, const std::vector<double>& nodes, int highest) {
@@ -89,20 +73,6 @@ void DifferenceFormula::apply(int k, double step, const double* samples, int len
     largest = std::max(largest, entry.error * std::fabs(scale));
   }
   *error = largest;
-}
-
-void DifferenceFormula::apply_by_entry(int k, double step, const double* samples, int length, double* derivative,
-                                       double* errors) const {
-  const double scale = std::pow(step, -k);
-  double weights = 0.0;
-  for (int i = 0; i < points; ++i) weights = std::hypot(weights, all_[index(k) * points + index(i)]);
-  for (int row = 0; row < length; ++row) {
-    derivative[row] = errors[row] = 0.0;
-    if (are_equal(samples + row, length)) continue;
-    const Entry entry = differentiate(k, samples + row, length);
-    derivative[row] = entry.value * scale;
-    errors[row] = (entry.error + roughness(samples + row, length) * weights) * std::fabs(scale);
-  }
 }
 
 int fitting_shift(double below, double above, double& step) {

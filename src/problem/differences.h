@@ -1,7 +1,6 @@
 // Derivatives by finite differences on equidistant points.
 //
 // [F88] B. Fornberg: Generation of finite difference formulas on arbitrarily spaced grids. Math. Comp. 51, 1988.
-// [MW11] J. J. More, S. M. Wild: Estimating computational noise. SIAM J. Sci. Comput. 33, 2011.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -19,11 +18,6 @@ struct DifferenceFormula {
   explicit DifferenceFormula(int shift, int highest);
   // error: largest estimated error of an entry, from the formula with two points less and from rounding.
   void apply(int k, double step, const double* samples, int length, double* derivative, double* error) const;
-  // errors: of every entry, judged by its own samples alone: samples that are all equal have derivatives that are
-  // exactly zero, those that are not smooth have the error of what makes them rough
-  // (docs/decisions/33-errors-of-differences.md).
-  void apply_by_entry(int k, double step, const double* samples, int length, double* derivative,
-                      double* errors) const;
 
  private:
   // The derivative of one entry for step 1, and its error.

@@ -7,19 +7,27 @@
 
 #include "linalg/index.h"
 #include "linalg/matrix.h"
-#include "problem/differences.h"
+#include "problem/chebyshev_differences.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
 
 namespace {
 
-// Formulas of nine points give six orders with an accuracy worth having.
+// Polynomials of degree 12 give six orders with an accuracy worth having.
 constexpr int max_difference_order = 6;
 // Steps tried, from about a sixteenth of the interval of interest, but no simple fraction of it, which may be that of
 // a period, down by halves to 1e-9 of it; by judgement.
 constexpr double widest_step = 0.93 / 16.0;
 constexpr int difference_steps = 24;
+
+// Half the interval of the points, in spacings: those in the middle, the widest ones, are 1.04 apart.
+constexpr double steps_in_half_width = 4.0;
+
+// In [-1, 1].
+double position_in(double middle, double half_width, double t) {
+  return std::clamp((t - middle) / half_width, -1.0, 1.0);
+}
 
 double* values_of(TaylorData& data, char which) {
   return which == 'E' ? data.E(0).data : which == 'A' ? data.A(0).data : data.f(0);
@@ -161,17 +169,27 @@ CallbackError LinearProblem::fill(Function& function, double t, int order, Taylo
   return {};
 }
 
-CallbackError LinearProblem::sample(Function& function, double t, double& step, std::vector<double>& samples,
-                                    int& shift) {
-  constexpr int points = DifferenceFormula::points;
-  const int count = function.rows * function.columns;
-  // Centred, or moved so that all points lie within the limits, which may be closer than the points.
+// Centred, or moved so that all points lie within the limits, which may be closer than the points.
+LinearProblem::Interval LinearProblem::interval_about(double t, double step) const {
   const double below = std::max(t - lowest_t_, 0.0), above = std::max(highest_t_ - t, 0.0);
-  shift = fitting_shift(below, above, step);
+  const double half_width = std::min(steps_in_half_width * step, (below + above) / 2.0);
+  double middle = t;
+  if (above < half_width) middle = highest_t_ - half_width;
+  if (below < half_width) middle = lowest_t_ + half_width;
+  return {middle, half_width};
+}
+
+double LinearProblem::time_in(const Interval& interval, double position) const {
+  return std::clamp(interval.middle + interval.half_width * position, lowest_t_, highest_t_);
+}
+
+CallbackError LinearProblem::sample(Function& function, const Interval& interval, std::vector<double>& samples) {
+  constexpr int points = ChebyshevDifferences::points;
+  const int count = function.rows * function.columns;
   samples.resize(index(points) * index(count));
   for (int i = 0; i < points; ++i) {
-    const CallbackError callback_error =
-        call(function.name, t + (i - shift) * step, 0, samples.data() + static_cast<std::ptrdiff_t>(i) * count);
+    const CallbackError callback_error = call(function.name, time_in(interval, ChebyshevDifferences::node(i)), 0,
+                                              samples.data() + static_cast<std::ptrdiff_t>(i) * count);
     if (callback_error.status != SFDAE_OK) return callback_error;
   }
   return {};
@@ -189,14 +207,15 @@ CallbackError LinearProblem::choose_spacings(Function& function, double t, int l
   CallbackError last_error;
   double wanted = differences_.span * widest_step;
   for (int attempt = 0; attempt < difference_steps; ++attempt, wanted /= 2.0) {
-    int shift = 0;
-    double step = wanted;
-    CallbackError callback_error = sample(function, t, step, samples, shift);
+    const Interval interval = interval_about(t, wanted);
+    CallbackError callback_error = sample(function, interval, samples);
     if (callback_error.status == SFDAE_OK)
-      callback_error = call(function.name, t + step * SpacingSearch::probe_position(shift), 0, probe.data());
+      callback_error = call(function.name, time_in(interval, ChebyshevDifferences::probe()), 0, probe.data());
     if (callback_error.status == SFDAE_CALLBACK_STOPPED || callback_error.status == SFDAE_STOPPED)
       return callback_error;
-    if (callback_error.status == SFDAE_OK) search.add({step, shift, samples.data(), probe.data()});
+    if (callback_error.status == SFDAE_OK)
+      search.add(wanted, {interval.half_width, position_in(interval.middle, interval.half_width, t), samples.data(),
+                          probe.data()});
     else last_error = callback_error;  // the points reach out of the domain of the function
   }
   if (search.is_empty()) return last_error;
@@ -214,15 +233,14 @@ CallbackError LinearProblem::differentiate(Function& function, double t, OrderRa
   const Spacings& spacings = function.spacings;
   std::vector<double> samples, derivative(index(count)), error(index(count));
   for (int number = 0; number < static_cast<int>(spacings.steps.size()); ++number) {
-    int shift = 0;
-    double step = spacings.steps[index(number)];
-    const CallbackError callback_error = sample(function, t, step, samples, shift);
+    const Interval interval = interval_about(t, spacings.steps[index(number)]);
+    const CallbackError callback_error = sample(function, interval, samples);
     if (callback_error.status != SFDAE_OK) return callback_error;
-    const DifferenceFormula formula(shift, last);
+    const ChebyshevDifferences differences(position_in(interval.middle, interval.half_width, t), last);
     for (int k = first; k <= last; ++k) {
       double* values = values_of(data, function.name) + static_cast<std::ptrdiff_t>(count) * k;
       double* errors = data.errors(function.name, k);
-      formula.apply_by_entry(k, step, samples.data(), count, derivative.data(), error.data());
+      differences.apply(k, interval.half_width, samples.data(), count, derivative.data(), error.data());
       for (int e = 0; e < count; ++e) {
         if (spacings.of(e) != number) continue;
         // What is below its own error is none: a constant keeps derivatives that are exactly zero.

@@ -108,8 +108,13 @@ class LinearProblem final : public Problem, public CoefficientSource {
   static std::size_t slot(char which) { return which == 'E' ? 0u : which == 'A' ? 1u : 2u; }
   CallbackError fill(Function& function, double t, int order, TaylorData& data);
   CallbackError differentiate(Function& function, double t, OrderRange orders, TaylorData& data);
-  // The step is made smaller where the limits are too close.
-  CallbackError sample(Function& function, double t, double& step, std::vector<double>& samples, int& shift);
+  // Where the points of differences are.
+  struct Interval {
+    double middle, half_width;
+  };
+  Interval interval_about(double t, double step) const;
+  double time_in(const Interval& interval, double position) const;
+  CallbackError sample(Function& function, const Interval& interval, std::vector<double>& samples);
   CallbackError choose_spacings(Function& function, double t, int last);
   static void archive_spacings(Archive& archive, Function& function);
 

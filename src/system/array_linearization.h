@@ -51,8 +51,10 @@ class ArrayLinearization {
   // Makes the linearization again with these ranks, which are judged if they were.
   PointStatus restore(Origin origin, const RankSequence& ranks);
   void count_point() { ++origin_.age; }
+  // Points must not be solved with it any more.
+  void forget() { is_usable_ = false; }
 
-  // The last renewal has succeeded: else nothing is left that points may be solved with.
+  // The last renewal has succeeded, and has not been forgotten: else nothing is left that points may be solved with.
   bool is_usable() const { return is_usable_; }
   Origin& origin() { return origin_; }
   const Origin& origin() const { return origin_; }

@@ -30,6 +30,9 @@ constexpr int failures_before_look = 4, most_failures = 64;
 constexpr double many_steps = 100.0;
 // Of the way there: two points extrapolated one after the other are no farther from each other.
 constexpr double steadiness = 0.1;
+// Consistent values that keep more than this have not fallen. Chosen between what is kept where there is a singular
+// point, 1e-3 and less with few exceptions up to 0.6, and 0.98 of false alarms.
+constexpr double not_fallen = 0.7;
 // Values fall to this, and by this in the last few steps, before steps fail in front of a singular point.
 constexpr double fallen = 1e-2, still_falling = 0.999;
 
@@ -123,7 +126,8 @@ std::optional<LocatedChange> NonlinearChangeWatch::find(double t_last) {
     std::optional<double> t;
     if (is_turned != was_turned) t = search_.find_turn(last->t, now->t);
     if (!t) t = search_dips(older, *last, *now);
-    if (t) return change_at(*t, t_last);
+    if (t)
+      if (auto change = change_at(*t, t_last)) return change;
     was_turned = is_turned;
     older = last;
     last = now;
@@ -172,10 +176,15 @@ bool NonlinearChangeWatch::is_short(double t_last) const {
   return suspect_ && suspect_->is_near(t) && step <= short_enough * suspect_->step;
 }
 
-// A singular point at t, found in the step from t_last: to be confirmed by a shorter step, or reported.
-LocatedChange NonlinearChangeWatch::change_at(double t, double t_last) {
+// A singular point at t, found in the step from t_last: to be confirmed by a shorter step, or reported. In a step that
+// has been accepted nothing but consistent values can confirm it; in a short one they may refute it.
+std::optional<LocatedChange> NonlinearChangeWatch::change_at(double t, double t_last) {
   const double step = std::fabs(system_.jet().t - t_last);
-  const bool is_final = is_short(t_last) || !is_after(t, t_last);
+  const bool is_late = !is_after(t, t_last), is_final = is_late || is_short(t_last);
+  if (is_final) {
+    const std::optional<double> kept = search_.kept_consistently(t);
+    if (kept ? *kept > not_fallen : is_late) return std::nullopt;
+  }
   if (!suspect_ || !suspect_->is_near(t)) suspect_ = {t, step};
   LocatedChange change;
   change.t = t;
@@ -223,7 +232,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_ahead(double h) {
   search_.set_dip(dip);
   const std::optional<double> t = search_.find_ahead(h);
   std::optional<LocatedChange> change;
-  if (t && is_confirmed_ahead(*t, h)) {
+  if (t && is_confirmed_ahead(*t, h) && search_.kept_consistently(*t).value_or(0.0) <= not_fallen) {
     change.emplace();
     change->t_before = search_.course().newest().t;
     change->t = *t;
@@ -255,10 +264,12 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_beyond() {
   }
   const Jet& earlier = search_.course().oldest();
   if (earlier.t == t) return std::nullopt;
-  const double kept = search_.kept(earlier, jet);
-  if (kept > still_falling || search_.kept(first_, jet) > fallen) return std::nullopt;
-  // As a square root, which is how determinants vanish where solutions end.
-  change.t = t + (t - earlier.t) * kept * kept / (1.0 - kept * kept);
+  const double kept = search_.kept(earlier, jet), kept_since_start = search_.kept(first_, jet);
+  const bool is_falling = kept <= still_falling;
+  if (kept_since_start > (is_falling ? fallen : dip)) return std::nullopt;
+  if (search_.kept_consistently(first_, jet).value_or(0.0) > not_fallen) return std::nullopt;
+  // As a square root, which is how determinants vanish where solutions end; or here, in steps that are tiny.
+  change.t = is_falling ? t + (t - earlier.t) * kept * kept / (1.0 - kept * kept) : t;
   return change;
 }
 

@@ -40,7 +40,7 @@ class NonlinearChangeWatch final : public ChangeWatch {
   std::optional<LocatedChange> find_passed();
   std::optional<double> search_dips(const SingularitySample* older, const SingularitySample& last,
                                     const SingularitySample& now);
-  LocatedChange change_at(double t, double t_last);
+  std::optional<LocatedChange> change_at(double t, double t_last);
   bool is_confirmed_ahead(double t, double h) const;
   void shift(SingularitySample& sample);
   void set_next_look();

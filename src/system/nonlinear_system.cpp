@@ -115,7 +115,9 @@ PointStatus NonlinearSystem::check_ranks() { return rank_check_.compare(jet_, li
 
 // Linearizes anew at the point accepted last, where ranks can be judged, and if need be at the start of the
 // iteration. What a renewal that has failed leaves behind is none: iterations may converge with it, but errors of
-// steps come out as zero.
+// steps come out as zero. A guess from which the iteration does not converge may be far from any solution: where an
+// exponential is larger there by orders of magnitude, changes with that linearization are as much too small, and in a
+// shorter step look as if they had converged at once.
 template <class Iterate>
 PointStatus NonlinearSystem::iterate_with_renewal(const Jet& start, Iterate iterate) {
   const Jet& accepted = history_.accepted();
@@ -130,7 +132,9 @@ PointStatus NonlinearSystem::iterate_with_renewal(const Jet& start, Iterate iter
   }
   iteration_.chord().forget_rate();
   status = linearization_.renew(start, false);
-  return status == PointStatus::ok ? iterate() : status;
+  if (status == PointStatus::ok) status = iterate();
+  if (status != PointStatus::ok) linearization_.forget();
+  return status;
 }
 
 PointStatus NonlinearSystem::iterate_from_guess(const IterationTask& task) {

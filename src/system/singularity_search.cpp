@@ -31,6 +31,16 @@ constexpr double largest_correction = 1e-2;
 // Of points that have converged to some tolerance: rounding is reached by two.
 constexpr int corrections = 2;
 
+// Extrapolated values of x larger than those of points by more than this say nothing. Chosen; where they are wrong it
+// is by 1e12 to 1e15, as a rule.
+constexpr double credible_growth = 1e6;
+
+double size_of(const Jet& jet, const Units& units) {
+  double size = 0.0;
+  for (int i = 0; i < jet.n; ++i) size = std::max(size, std::fabs(jet.x[index(i)]) / units[i]);
+  return size;
+}
+
 bool is_near(const std::vector<double>& x, const Jet& consistent, const Units& units) {
   double largest = 0.0, distance = 0.0;
   for (int i = 0; i < consistent.n; ++i) {
@@ -78,9 +88,7 @@ bool SingularitySearch::correct(Jet& jet) {
   const std::size_t n = index(problem_.n()), levels = index(problem_.mu() + 1);
   transformed_.resize(index(problem_.array_rows()) + 1);
   dy_.resize(n * levels);
-  double size = 0.0;
-  for (std::size_t i = 0; i < n; ++i)
-    size = std::max(size, std::fabs(jet.x[i]) / problem_.units()[static_cast<int>(i)]);
+  const double size = size_of(jet, problem_.units());
   if (!(max_abs(form_.xp(), problem_.n()) <= largest_correction * size)) return false;
   elimination_.transform(data_.f(0), transformed_.data(), arena_);
   elimination_.recover(data_, {data_.f(0), transformed_.data()}, form_.xp(), dy_.data(), arena_);
@@ -132,9 +140,14 @@ double SingularitySearch::kept_of(const Jet& jet) {
   return std::min(kept.constraints, kept.differential);
 }
 
-double SingularitySearch::kept_at(double t) {
+const Jet& SingularitySearch::interpolated(double t) {
   course_.interpolate(t, jet_);
-  return kept_of(jet_);
+  return jet_;
+}
+
+// Polynomials that go too far say nothing.
+double SingularitySearch::kept_at(double t) {
+  return size_of(interpolated(t), problem_.units()) <= credible_size_ ? kept_of(jet_) : 1.0;
 }
 
 double SingularitySearch::kept(const Jet& reference, const Jet& jet) {
@@ -148,6 +161,7 @@ bool SingularitySearch::is_resolved(double left, double right) const {
 
 std::optional<double> SingularitySearch::find_turn(double left, double right) {
   has_failed_ = false;
+  credible_size_ = std::numeric_limits<double>::infinity();
   span_ = std::fabs(right - left);
   if (!measure_at(left, left_) || !measure_at(right, right_) || !right_.is_turned_from(left_, arena_))
     return std::nullopt;
@@ -198,6 +212,7 @@ std::optional<double> SingularitySearch::find_dip(const Suspicion& suspicion) {
   constexpr double dips = 0.5, falls = 0.7;
   const double left = suspicion.left, right = suspicion.right;
   has_failed_ = false;
+  credible_size_ = std::numeric_limits<double>::infinity();
   span_ = std::fabs(right - left);
   const double crossing = left + (right - left) * suspicion.before / (suspicion.before + suspicion.after);
   // What has been measured in the same interval for another value often tells as much.
@@ -236,6 +251,7 @@ std::optional<double> SingularitySearch::find_ahead(double h) {
   has_failed_ = false;
   course_.set_landmarks();
   const double t = course_.newest().t;
+  credible_size_ = credible_growth * size_of(course_.newest(), problem_.units());
   if (!set_reference(course_.newest())) return std::nullopt;
   double last = t;
   for (int k = 0; k < most; ++k) {
@@ -263,6 +279,30 @@ std::optional<double> SingularitySearch::find_ahead_of(double t, double before, 
     if (!has_failed_ && kept <= dip_) return found;
   }
   return std::nullopt;
+}
+
+// The jet of consistent values near those of another jet; none where there are none, or where they are not found.
+std::optional<Jet> SingularitySearch::consistent_near(const Jet& jet) {
+  const std::vector<double> x(jet.x.begin(), jet.x.begin() + jet.n);
+  try {
+    ConsistentJets jets(problem_.problem(), jet.t, x.data(), {});
+    jets.set_units(problem_.units());
+    const Jet& consistent = jets.jet_at(jet.t, problem_.mu());
+    if (is_near(x, consistent, problem_.units())) return consistent;
+  } catch (const Failure& failure) {
+    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+  }
+  return std::nullopt;
+}
+
+std::optional<double> SingularitySearch::kept_near(const Jet& jet) {
+  const std::optional<Jet> consistent = consistent_near(jet);
+  if (!consistent) return std::nullopt;
+  return kept_of(*consistent);
+}
+
+std::optional<double> SingularitySearch::kept_consistently(const Jet& reference, const Jet& jet) {
+  return set_reference(reference) ? kept_near(jet) : std::nullopt;
 }
 
 CharacteristicValues SingularitySearch::values_at(double t) {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -47,6 +48,11 @@ class SingularitySearch {
   // A point after the last accepted one where something vanishes if the solution goes on as it has. h: the size of a
   // step that has failed.
   std::optional<double> find_ahead(double h);
+  // What is kept at consistent values near those interpolated, of the smallest ones at the reference of the last
+  // search: interpolated derivatives may be far from those of any solution where x is not. None where no consistent
+  // values are near.
+  std::optional<double> kept_consistently(double t) { return kept_near(interpolated(t)); }
+  std::optional<double> kept_consistently(const Jet& reference, const Jet& jet);
   // The characteristic values at a singular point of the interpolated solution; undetermined where no consistent
   // values are found near.
   CharacteristicValues values_at(double t);
@@ -62,6 +68,9 @@ class SingularitySearch {
   bool correct(Jet& jet);
   void improve_course();
   bool set_reference(const Jet& jet);
+  const Jet& interpolated(double t);
+  std::optional<double> kept_near(const Jet& jet);
+  std::optional<Jet> consistent_near(const Jet& jet);
   double kept_at(double t);
   Kept relative(const Jet& jet);
   double kept_of(const Jet& jet);
@@ -83,9 +92,10 @@ class SingularitySearch {
   Kept reference_;
   std::vector<double> transformed_, dy_;
   double dip_ = 0.0;
-  bool is_measured_ = false;  // middle_ is a sample of the last suspicion
-  bool has_failed_ = false;   // a point could not be evaluated
-  double span_ = 0.0;         // that is searched
+  bool is_measured_ = false;                                        // middle_ is a sample of the last suspicion
+  bool has_failed_ = false;                                         // a point could not be evaluated
+  double credible_size_ = std::numeric_limits<double>::infinity();  // of x at interpolated points
+  double span_ = 0.0;                                               // that is searched
 };
 
 }  // namespace sfdae::core

@@ -68,7 +68,7 @@ void integrate_circuits(int method, const std::string& name) {
     const LinearProblem problem = nodal_problem(circuit, *values_by_topology(circuit));
     const IntegrationSettings settings{1e-6, method};
     const IntegrationOutcome outcome = integrate(problem, *exact, settings);
-    const bool fits = outcome.answer.status >= 0 && error_fits(*exact, settings.tolerance, outcome.error);
+    const bool fits = outcome.answer.status >= 0 && error_fits(*exact, settings.tolerance, outcome);
     tally.add(number, problem, outcome, fits);
   }
   tally.expect_at_most(not_integrated);

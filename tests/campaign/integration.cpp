@@ -53,15 +53,24 @@ IntegrationOutcome integrate(const LinearProblem& problem, const ExactSolution& 
     outcome.answer = answer_of(solver.get(), status == SFDAE_OK ? started : status);
     if (status >= 0) outcome.error = std::max(outcome.error, largest_error(x, exact, tout));
   }
+  sfdae_statistics statistics;
+  sfdae_statistics_init(&statistics, sizeof statistics);
+  if (sfdae_get_statistics(solver.get(), &statistics) == SFDAE_OK) outcome.steps = statistics.steps;
   if (single_problem()) print(problem, solver.get());
   return outcome;
 }
 
-bool error_fits(const ExactSolution& exact, double tolerance, double error) {
-  if (error <= allowed * tolerance) return true;
+bool error_fits(const ExactSolution& exact, double tolerance, const IntegrationOutcome& outcome) {
+  if (outcome.error <= allowed * tolerance) return true;
   const double amplification = exact.amplification ? exact.amplification() : 1.0;
-  if (single_problem()) std::printf("error %.3e of the size, amplification %.1e\n", error, amplification);
-  return error <= allowed * tolerance * std::max(amplification, 1.0);
+  // Errors of steps may all have the same sign: BDF follows 0.43 periods of a sine in 296 steps, each 0.11 tolerances
+  // wrong in a potential that nothing damps (circuit 220), at all tolerances from 1e-3 to 1e-8.
+  const double persistence = exact.persistence ? std::min(exact.persistence(), 1.0) : 0.0;
+  const double added = persistence * static_cast<double>(outcome.steps);
+  if (single_problem())
+    std::printf("error %.3e of the size in %ld steps, amplification %.1e, %.2f of early errors persist\n",
+                outcome.error, outcome.steps, amplification, persistence);
+  return outcome.error <= tolerance * std::max(allowed * std::max(amplification, 1.0), added);
 }
 
 }  // namespace campaign

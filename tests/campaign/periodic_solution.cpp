@@ -138,6 +138,10 @@ std::optional<ExactSolution> periodic_solution(const Circuit& circuit, RandomNum
   solution.amplification = [equations, sizes = solution.sizes, duration = circuit.duration] {
     return amplification(equations, sizes, duration);
   };
+  // Of the slowest mode: what does not decay within the duration keeps its size under the resolvent.
+  solution.persistence = [equations, sizes = solution.sizes, duration = circuit.duration] {
+    return resolvent_norm(equations, sizes, Complex(1.0L / static_cast<long double>(duration), 0.0L));
+  };
   solution.x = [X, omega = circuit.omega](double t) {
     const Complex turned = std::polar(1.0L, static_cast<long double>(omega) * static_cast<long double>(t));
     std::vector<double> x;

@@ -75,7 +75,7 @@ TEST(SmallCampaign, SmallUnitOfOneUnknownIsIntegrated) {
     exact.sizes = {1.0, 1.0};
     const IntegrationSettings settings;
     const IntegrationOutcome outcome = integrate(problem, exact, settings);
-    tally.add(number, problem, outcome, error_fits(exact, settings.tolerance, outcome.error));
+    tally.add(number, problem, outcome, error_fits(exact, settings.tolerance, outcome));
   }
   tally.expect_at_most(0.0);
 }

@@ -267,3 +267,15 @@ TEST(StiffCircuits, KeepTheirRanksWhereOneScalingDoubtsThem) {
     expect_solved(driven(bridge(start.junction), 1e5, start.phase), 1e5,
                   "bridge, " + std::to_string(start.junction * 1e15) + " fF, phase " + std::to_string(start.phase));
 }
+
+// A step that fails leaves a linearization at a guess where a diode would conduct 1e15 times as much: with that one every
+// shorter step converged at once, to its own guess.
+TEST(StiffCircuits, AreSolvedWhereDiodesTurnOn) {
+  struct Drive {
+    double junction, frequency, phase;
+  };
+  for (const Drive& drive : {Drive{8.5901036564543783e-14, 27908.932499949959, 4.0595386166026683},
+                             Drive{2.9751507354010826e-15, 158517.92794947303, 3.7417092239734409}})
+    expect_solved(driven(rectifier(drive.junction), drive.frequency, drive.phase), drive.frequency,
+                  "rectifier, " + std::to_string(drive.junction * 1e15) + " fF");
+}

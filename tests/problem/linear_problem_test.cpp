@@ -346,7 +346,7 @@ TEST(LinearProblem, DifferencesAreAsGoodAsTheySay) {
       for (int k = 1; k <= 2; ++k)
         for (char which : {'E', 'A', 'f'}) {
           EXPECT_LE(worst_share_of_error(data, *family, which, k), 3.0) << which << k << " at " << t;
-          // Nine points: 1e-4 is far from the 1e-8 that is usual, but would let rank decisions fail.
+          // 1e-4 is far from the 1e-8 that is usual, but would let rank decisions fail.
           EXPECT_LE(largest_error(data, which, k), 1e-4);
         }
       EXPECT_EQ(data.error_of_row('E', 0, 0), 0.0);
@@ -399,7 +399,8 @@ TEST(LinearProblem, EveryRowHasErrorsOfItsOwn) {
   }
 }
 
-// All nine points, and those of half and a quarter of the spacing, see the same phase of cos(2 pi t / period).
+// Equidistant points, and those of half and a quarter of the spacing, could all see the same phase of
+// cos(2 pi t / period).
 TEST(LinearProblem, PeriodsThatFitTheIntervalAreSeen) {
   for (double period : {1.0 / 16.0, 1.0 / 32.0, 0.93 / 16.0, 0.93 / 128.0}) {
     sfdae_linear_problem user;
