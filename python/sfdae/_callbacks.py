@@ -71,10 +71,17 @@ def _callback(name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
                     state.exception = exception
                 return -1
 
-        ffi.def_extern(name=name, error=-1)(call)
+        ffi.def_extern(name=name, error=-1, onerror=_keep_interrupt)(call)
         return function
 
     return decorate
+
+
+def _keep_interrupt(kind: type[BaseException], exception: BaseException, traceback: Any) -> None:
+    """Ctrl-C at the very beginning of a callback, before it guards itself."""
+    state = ffi.from_handle(traceback.tb_frame.f_locals["arguments"][-1])
+    if state.exception is None:
+        state.exception = exception
 
 
 def _numbers(pointer: Any, shape: tuple[int, ...]) -> np.ndarray:

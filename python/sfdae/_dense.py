@@ -77,7 +77,8 @@ class DenseOutput:
     def add_step(self, start: tuple[float, np.ndarray, np.ndarray], b: float, sample: Sample) -> None:
         """Adds the step from a point (t, x, xdot) to b; sample(t) returns x and x' at any t after the point up to b."""
         a, x, xdot = start
-        self._add(a, b, {a: np.concatenate([x, xdot])}, sample, np.inf, 0)
+        known = {a: np.concatenate([x, xdot])}
+        self._add((a, b), self._fit(a, b, known, sample), known, sample, _HALVINGS)
 
     def cut(self, t: float) -> None:
         """The run ended, or was started anew, at t within the last step."""
@@ -92,9 +93,8 @@ class DenseOutput:
         self._end = b
         self._is_new_segment = False
 
-    def _add(
-        self, a: float, b: float, known: dict[float, np.ndarray], sample: Sample, parent_tail: float, depth: int
-    ) -> None:
+    def _fit(self, a: float, b: float, known: dict[float, np.ndarray], sample: Sample) -> tuple[np.ndarray, float]:
+        """Coefficients in [a, b] and what the last of them amount to, in units of the tolerances."""
         for degree in _DEGREES:
             times = [_time(a, b, s) for s in _points(degree)]
             for t in times:
@@ -106,12 +106,26 @@ class DenseOutput:
             tail = float((np.abs(coefficients[-2:, : self._n]).sum(axis=0) / weights).max())
             if tail <= _TAIL:
                 break
+        return coefficients, tail
+
+    def _add(
+        self,
+        interval: tuple[float, float],
+        fit: tuple[np.ndarray, float],
+        known: dict[float, np.ndarray],
+        sample: Sample,
+        halvings: int,
+    ) -> None:
+        """Adds an interval as it is, or in halves if that helps at least one of them, as it does with a jump."""
+        (a, b), (coefficients, tail) = interval, fit
         middle = _time(a, b, 0.0)
-        helps = tail < 0.5 * parent_tail  # else it is a jump, or noise
-        if tail > _TAIL and depth < _HALVINGS and helps and middle not in (a, b):
-            self._add(a, middle, known, sample, tail, depth + 1)
-            self._add(middle, b, known, sample, tail, depth + 1)
-            return
+        if tail > _TAIL and halvings > 0 and middle not in (a, b):
+            halves = [(a, middle), (middle, b)]
+            fits = [self._fit(*half, known, sample) for half in halves]
+            if min(part[1] for part in fits) < 0.5 * tail:
+                for half, part in zip(halves, fits):
+                    self._add(half, part, known, sample, halvings - 1)
+                return
         if tail > self.accuracy:
             self.accuracy, self.worst_t = tail, a
         self._add_panel(a, b, coefficients, -1)
@@ -132,10 +146,12 @@ class DenseOutput:
 
     @property
     def t_min(self) -> float:
+        """The earliest time."""
         return min(self._t0, self._end)
 
     @property
     def t_max(self) -> float:
+        """The latest time."""
         return max(self._t0, self._end)
 
     def __call__(self, t: Any) -> np.ndarray:

@@ -8,9 +8,9 @@ from numpy.polynomial import chebyshev
 
 DEGREE = 7  # through four ends of steps: two orders more than BDF has
 
-# Steps next to one that is so many times as long or as short do not help: rounding errors, or errors of the method,
-# would be magnified by the cube of the ratio.
-_LARGEST_RATIO = 8.0
+# A step next to one that is shorter by this factor does not help: its errors would be magnified by the cube of that.
+# One that is longer does no harm, up to where matrices become singular.
+_SHORTER, _LONGER = 8.0, 64.0
 
 
 class HermiteNodes:
@@ -71,11 +71,8 @@ class HermiteNodes:
             parts = [self._through(left, [*ends, left - 1]), self._through(left, [*ends, left + 2])]
         elif before or after:
             parts = [self._through(left, ends)]
-        else:  # a single step: the straight line through its ends, which says too much
-            line = np.zeros_like(full)
-            line[:, 0] = 0.5 * (self._arrays[1][left] + self._arrays[1][left + 1])
-            line[:, 1] = 0.5 * (self._arrays[1][left + 1] - self._arrays[1][left])
-            parts = [line]
+        else:  # 4 c3 (s - 1) (s + 1)^2: to the parabola that does without one of the derivatives
+            return full, 4.75 * np.abs(full[:, 3])
         return full, np.min([np.abs(full - part).sum(axis=1) for part in parts], axis=0)
 
     def _through(self, left: np.ndarray, nodes: list[np.ndarray]) -> np.ndarray:
@@ -107,7 +104,7 @@ class HermiteNodes:
 
 def _is_comparable(step: np.ndarray, h: np.ndarray) -> np.ndarray:
     ratio = np.abs(step / h)
-    return (ratio <= _LARGEST_RATIO) & (ratio >= 1.0 / _LARGEST_RATIO)
+    return (ratio <= _LONGER) & (ratio >= 1.0 / _SHORTER)
 
 
 def _derivative_matrix() -> np.ndarray:

@@ -113,7 +113,7 @@ class Inspection:
         self._call(lib.sfdae_report, ffi.NULL, 0, needed)
         text = ffi.new("char[]", needed[0])
         self._call(lib.sfdae_report, text, needed[0], ffi.NULL)
-        return ffi.string(text).decode(errors="replace")
+        return self.problem.with_names(ffi.string(text).decode(errors="replace"))
 
     def certify(self) -> float:
         """Certifies the ranks of the analysis.

@@ -117,6 +117,8 @@ class MultibodyProblem(Problem):
             raise TypeError(f"{superfluous[0]} is computed from recorded formulas: give it with recorded=False only")
         if not self.recorded and "constraints" in given and "constraint_jacobian" not in given:
             raise TypeError("constraint_jacobian is needed with recorded=False")
+        if not self.recorded:
+            given.setdefault("forces", np.zeros(self.num_velocities))
         self.functions: dict[str, Any] = {}
         formulas = []
         for name, value in given.items():

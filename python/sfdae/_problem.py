@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from typing import Any, Callable, Iterable, Mapping, Sequence, Union
 
 import numpy as np
@@ -38,6 +39,7 @@ class Problem:
     def _set_unknowns(
         self, count: int, names: Sequence[str] | None, units: Mapping[str, str] | Sequence[str] | None
     ) -> None:
+        self._has_names = names is not None
         if names is None:
             names = [f"x[{i}]" for i in range(count)]
         elif isinstance(names, str):
@@ -91,6 +93,17 @@ class Problem:
         if result.shape != (self.num_unknowns,):
             raise ValueError(f"{name} has shape {result.shape}, not ({self.num_unknowns},)")
         return result
+
+    def with_names(self, text: str) -> str:
+        """A message of the library with names of unknowns in place of their indices."""
+        if not self._has_names:
+            return text
+
+        def name(found: re.Match[str]) -> str:
+            i = int(found[1])
+            return self.names[i] if i < self.num_unknowns else found[0]
+
+        return re.sub(r"\b(?:x\[|component )(\d+)\b\]?", name, text)
 
     def _set_prescribed(self, prescribed: Prescribed | None) -> None:
         self.prescribed = {self.index(unknown): f for unknown, f in (prescribed or {}).items()}

@@ -86,6 +86,10 @@ class Run:
                 self._step_by_step(t_eval)
         except KeyboardInterrupt:
             self.solver._state.take_exception()
+            if t_eval is None:
+                self._add_reached(self.last)
+            if self.dense is not None:
+                self.dense.cut(self.last.t)
             self._end(Status.STOPPED, "interrupted by the user")
         except Error as error:
             self._end(error.status, error.message)
@@ -131,15 +135,11 @@ class Run:
         for i, target in enumerate([*outputs, self.t1]):
             while self.last.t != target:
                 status, point = self._call(lib.sfdae_step, target)
-                if not self._next(status, point):
-                    if self.last is point and t_eval is None:
-                        self._add(point)
-                    return
+                goes_on = self._next(status, point)
                 if t_eval is None:
-                    restarted = self.last
-                    self._add(point)
-                    if restarted is not point:  # after an action: the same time twice
-                        self._add(restarted)
+                    self._add_reached(point)
+                if not goes_on:
+                    return
             if i < len(outputs):
                 self._add(self.last)
 
@@ -150,6 +150,14 @@ class Run:
         status = function(solver._box[0], target, t, solver._pointer(x), solver._pointer(xdot))
         return status, Point(t[0], x, xdot, Status(status), "")
 
+    def _add_reached(self, point: Point) -> None:
+        """The point that a call returned if it is new, and the one after an action, which has the same time."""
+        reached = self.last
+        if not np.isnan(point.t) and point.t != self.points[-1][0]:
+            self._add(point)
+        if reached is not point and reached.x is not self.points[-1][1]:
+            self._add(reached)
+
     def _add(self, point: Point) -> None:
         self.last = point
         self.points.append((point.t, point.x, point.xdot))
@@ -157,23 +165,21 @@ class Run:
     def _next(self, status: int, point: Point) -> bool:
         """Takes what a call returned; whether the integration goes on."""
         exception = self.solver._state.take_exception()
+        is_ahead = (point.t - self.last.t) * (self.t1 - self.last.t) > 0  # False for NaN, if nothing was returned
+        if self.dense is not None and status != lib.SFDAE_ILLEGAL_ARGUMENT:
+            self._record_step(point)
+        if is_ahead or status == lib.SFDAE_EVENT:
+            self.last = point
         if exception is not None:
-            self.last = self.last if np.isnan(point.t) else point
             raise exception
         message = self.solver.message if status != lib.SFDAE_OK else ""
-        if status in _GOES_ON or status == lib.SFDAE_EVENT:
-            self.last = point
-            if self.dense is not None:
-                self._record_step(point)
-            if status == lib.SFDAE_INCONSISTENCY_IGNORED and message not in self.notes:
-                self._note(message, IntegrationWarning)
-            return status != lib.SFDAE_EVENT or self._handle_event(point)
-        if status < 0 and point.t != self.last.t and (point.t - self.last.t) * (self.t1 - self.last.t) > 0:
-            self.last = point
-        elif status == lib.SFDAE_STOPPED:
-            self.last = point
-        self._end(Status(status), message)
-        return False
+        if status == lib.SFDAE_INCONSISTENCY_IGNORED and message not in self.notes:
+            self._note(message, IntegrationWarning)
+        if status == lib.SFDAE_EVENT:
+            return self._handle_event(point)
+        if status not in _GOES_ON:
+            self._end(Status(status), message)
+        return status in _GOES_ON
 
     def _record_step(self, point: Point) -> None:
         """The step that was taken, if there is a new one, as part of the dense output."""

@@ -110,7 +110,7 @@ class Solver(Inspection):
         exception = state.take_exception()
         if exception is not None:
             raise exception
-        raise Error(status, ffi.string(text).decode(errors="replace"))
+        raise Error(status, problem.with_names(ffi.string(text).decode(errors="replace")))
 
     def __del__(self) -> None:
         box = getattr(self, "_box", None)
@@ -145,7 +145,7 @@ class Solver(Inspection):
     @property
     def message(self) -> str:
         """What the last call had to say: what, where, with which numbers, what to do next; "" after ``OK``."""
-        return ffi.string(lib.sfdae_message(self._box[0])).decode(errors="replace")
+        return self.problem.with_names(ffi.string(lib.sfdae_message(self._box[0])).decode(errors="replace"))
 
     def request_stop(self) -> None:
         """Stops the call that is running, or else the next one, with ``STOPPED``; from any thread."""
