@@ -4,9 +4,9 @@
 
     build_binding.py --compiler cc --include <dir> [--include <dir> ...] --output binding.c
 
-The headers are preprocessed by the C compiler and read by cffi: structs, functions and constants are those of
-C, nothing is repeated here. For every callback, a member of a struct or an argument of a function, a C function
-is added that calls Python: python_<struct>_<member>, python_<type>."""
+The headers are preprocessed by the C compiler and read by cffi: structs, functions and constants
+are those of C, nothing is repeated here. For every callback, a member of a struct or an argument of
+a function, a C function is added that calls Python: python_<struct>_<member>, python_<type>."""
 
 import argparse
 import pathlib
@@ -19,15 +19,15 @@ PREAMBLE = "#include <sfdae/sfdae.h>\n"
 
 # Outputs at given times in one call, which costs Python nothing for each of them.
 ADVANCE_THROUGH = """
-int python_advance_through(sfdae_solver* solver, const double* times, long count, long* done, double* t, double* x,
-                           double* xdot, size_t n);
+int python_advance_through(sfdae_solver* solver, const double* times, long count, long* done,
+                           double* t, double* x, double* xdot, size_t n);
 """
 ADVANCE_THROUGH_SOURCE = """
-/* Calls sfdae_advance for times[*done] ... times[count - 1] and writes t, x and xdot of each. *done: the number of
- * times that have been reached; if these are not all, entry *done is the point where the last call ended. Returns the
- * status of the last call, or a warning of one before. */
-static int python_advance_through(sfdae_solver* solver, const double* times, long count, long* done, double* t,
-                                  double* x, double* xdot, size_t n) {
+/* Calls sfdae_advance for times[*done] ... times[count - 1] and writes t, x and xdot of each.
+ * *done: the number of times that have been reached; if these are not all, entry *done is the point
+ * where the last call ended. Returns the status of the last call, or a warning of one before. */
+static int python_advance_through(sfdae_solver* solver, const double* times, long count, long* done,
+                                  double* t, double* x, double* xdot, size_t n) {
   int status = SFDAE_OK, warning = SFDAE_OK;
   for (; *done < count; ++*done) {
     const size_t k = (size_t)*done;
@@ -41,9 +41,21 @@ static int python_advance_through(sfdae_solver* solver, const double* times, lon
 
 
 def preprocess(compiler: list[str], includes: list[str]) -> str:
-    """The declarations of the headers of sfdae, without those of the system, and their integer constants."""
-    command = [*compiler, "-E", "-dD", "-x", "c", *(f"-I{directory}" for directory in includes), "-"]
-    text = subprocess.run(command, input=PREAMBLE, capture_output=True, text=True, check=True).stdout
+    """The declarations of the headers of sfdae, without those of the system, and their integer
+    constants.
+    """
+    command = [
+        *compiler,
+        "-E",
+        "-dD",
+        "-x",
+        "c",
+        *(f"-I{directory}" for directory in includes),
+        "-",
+    ]
+    text = subprocess.run(
+        command, input=PREAMBLE, capture_output=True, text=True, check=True
+    ).stdout
     lines = []
     is_ours = False
     for line in text.splitlines():
@@ -73,11 +85,15 @@ def callbacks(text: str) -> str:
     for struct in sorted(re.findall(r"^\} (sfdae_\w+);", text, re.MULTILINE)):
         for member, field in ffi.typeof(struct).fields or []:
             if field.type.kind == "function":  # so cffi calls pointers to functions
-                result.append(declaration(ffi, f"python_{struct.removeprefix('sfdae_')}_{member}", field.type))
+                result.append(
+                    declaration(ffi, f"python_{struct.removeprefix('sfdae_')}_{member}", field.type)
+                )
     in_structs = set(re.findall(r"^\s+(sfdae_\w+_function) \w+;", text, re.MULTILINE))
     for name in re.findall(r"\(\*(sfdae_\w+_function)\)", text):
         if name not in in_structs:
-            result.append(declaration(ffi, f"python_{name.removeprefix('sfdae_')}", ffi.typeof(name)))
+            result.append(
+                declaration(ffi, f"python_{name.removeprefix('sfdae_')}", ffi.typeof(name))
+            )
     return "\n".join(result)
 
 

@@ -2,8 +2,8 @@
 """Builds the package by CMake: the library, and the module sfdae._binding that contains it.
 
 SFDAE_PREFIX=<prefix>: an installed library is put into the package instead of one that is built.
-SFDAE_PYTHON_LINK=shared: it is not put into the package, but found where it is installed (packages of
-distributions). CMAKE_ARGS: further arguments for CMake."""
+SFDAE_PYTHON_LINK=shared: it is not put into the package, but found where it is installed (packages
+of distributions). CMAKE_ARGS: further arguments for CMake."""
 
 import os
 import pathlib
@@ -26,11 +26,17 @@ def version() -> str:
     """That of the library, from its header."""
     prefix = os.environ.get("SFDAE_PREFIX")
     places = [ROOT / "include", *([pathlib.Path(prefix) / "include"] if prefix else [])]
-    header = next((place / "sfdae/sfdae.h" for place in places if (place / "sfdae/sfdae.h").is_file()), None)
+    header = next(
+        (place / "sfdae/sfdae.h" for place in places if (place / "sfdae/sfdae.h").is_file()), None
+    )
     if header is None:
-        raise SystemExit("sfdae/sfdae.h was not found: build the package from a checkout, or set SFDAE_PREFIX")
+        raise SystemExit(
+            "sfdae/sfdae.h was not found: build the package from a checkout, or set SFDAE_PREFIX"
+        )
     text = header.read_text()
-    return ".".join(re.search(rf"SFDAE_VERSION_{part} (\d+)", text)[1] for part in ("MAJOR", "MINOR", "PATCH"))
+    return ".".join(
+        re.search(rf"SFDAE_VERSION_{part} (\d+)", text)[1] for part in ("MAJOR", "MINOR", "PATCH")
+    )
 
 
 def cmake_arguments(prefix: "str | None") -> "list[str]":
@@ -50,14 +56,20 @@ class Build(build_py):
     def run(self) -> None:
         super().run()
         if shutil.which("cmake") is None:
-            raise SystemExit("cmake is needed to build sfdae (Debian, Ubuntu: apt install cmake g++ liblapack-dev)")
+            raise SystemExit(
+                "cmake is needed to build sfdae (Debian: apt install cmake g++ liblapack-dev)"
+            )
         prefix = os.environ.get("SFDAE_PREFIX")
         source = HERE if prefix else ROOT
         build = pathlib.Path(self.build_lib).resolve().parent / "sfdae-cmake"
         more = shlex.split(os.environ.get("CMAKE_ARGS", ""))
-        subprocess.run(["cmake", "-S", source, "-B", build, *cmake_arguments(prefix), *more], check=True)
+        subprocess.run(
+            ["cmake", "-S", source, "-B", build, *cmake_arguments(prefix), *more], check=True
+        )
         jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1))
-        subprocess.run(["cmake", "--build", build, "--target", "sfdae_python", "--parallel", jobs], check=True)
+        subprocess.run(
+            ["cmake", "--build", build, "--target", "sfdae_python", "--parallel", jobs], check=True
+        )
         modules = [*build.glob(f"**/sfdae/{MODULE}")]
         if not modules:
             raise SystemExit(f"CMake did not build {MODULE}: see its messages above")
@@ -80,4 +92,8 @@ class BinaryDistribution(Distribution):
         return True
 
 
-setup(version=version(), distclass=BinaryDistribution, cmdclass={"build_py": Build, "bdist_wheel": Wheel})
+setup(
+    version=version(),
+    distclass=BinaryDistribution,
+    cmdclass={"build_py": Build, "bdist_wheel": Wheel},
+)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the library calls: the functions of the user, whose exceptions wait here until the call has returned."""
+"""What the library calls: the functions of the user, whose exceptions wait here until the call has
+returned.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,8 @@ class CountMismatch(Exception):
 
 
 class CallbackState:
-    """What the callbacks of a solver get as `user`. It does not know the solver, so that both are freed at once.
+    """What the callbacks of a solver get as `user`. It does not know the solver, so that both are
+    freed at once.
 
     Attributes
     ----------
@@ -55,7 +58,7 @@ class CallbackState:
 
 
 def _callback(name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Makes a function of (state, arguments of C without user) the one that C calls by this name."""
+    """Makes a function of (state, arguments without user) the one that C calls by this name."""
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
         from_handle = ffi.from_handle
@@ -104,7 +107,7 @@ def _write(pointer: Any, value: Any, shape: tuple[int, ...], name: str) -> None:
         np.frombuffer(ffi.buffer(pointer, 8 * array.size)).reshape(shape, order="F")[...] = array
 
 
-# ---- Linear problems --------------------------------------------------------------------------------------------
+# ---- Linear problems -----------------------------------------------------------------------------
 
 
 def _define_coefficient(name: str) -> None:
@@ -139,7 +142,7 @@ _callback("python_linear_problem_prescribed_values")(_prescribed)
 _callback("python_nonlinear_problem_prescribed_values")(_prescribed)
 
 
-# ---- Nonlinear problems -----------------------------------------------------------------------------------------
+# ---- Nonlinear problems --------------------------------------------------------------------------
 
 
 @_callback("python_nonlinear_problem_equations")
@@ -152,7 +155,9 @@ def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, res
         entries = flatten(problem.equations(*arguments, values=state.values), "equations")
         if len(entries) != problem.num_equations:
             raise CountMismatch(len(entries))
-        write_formulas(residual, np.array([*entries, None], dtype=object)[:-1], (len(entries),), "equations")
+        write_formulas(
+            residual, np.array([*entries, None], dtype=object)[:-1], (len(entries),), "equations"
+        )
     finally:
         recording.is_open = False
 
@@ -199,11 +204,13 @@ def _total_derivative(
     return 0
 
 
-# ---- Mechanical systems -----------------------------------------------------------------------------------------
+# ---- Mechanical systems --------------------------------------------------------------------------
 
 
 @_callback("python_multibody_problem_equations")
-def _multibody_equations(state: CallbackState, record: Any, t: Any, q: Any, v: Any, formulas: Any) -> None:
+def _multibody_equations(
+    state: CallbackState, record: Any, t: Any, q: Any, v: Any, formulas: Any
+) -> None:
     problem = state.problem
     recording = Recording(record)
     try:
@@ -240,7 +247,9 @@ def _define_multibody(name: str, has_velocities: bool) -> None:
     def evaluate_at_positions(state: CallbackState, t: float, q: Any, result: Any) -> None:
         evaluate(state, t, q, None, result)
 
-    _callback(f"python_multibody_problem_{name}")(evaluate if has_velocities else evaluate_at_positions)
+    _callback(f"python_multibody_problem_{name}")(
+        evaluate if has_velocities else evaluate_at_positions
+    )
 
 
 for _name, _field in ffi.typeof("sfdae_multibody_problem").fields:
@@ -248,7 +257,7 @@ for _name, _field in ffi.typeof("sfdae_multibody_problem").fields:
         _define_multibody(_name, has_velocities=len(_field.type.args) == 5)
 
 
-# ---- Monitor and events -----------------------------------------------------------------------------------------
+# ---- Monitor and events --------------------------------------------------------------------------
 
 
 @_callback("python_options_monitor")

@@ -12,10 +12,12 @@ from ._hermite import HermiteNodes, derivative_coefficients
 
 # Degrees tried one after the other: the points of one are among those of the next.
 _DEGREES = (4, 8, 16)
-# What the last two coefficients may amount to, in units of the tolerances: they bound what the polynomial errs by, as
-# coefficients of smooth functions decrease. The integrator's own interpolation errs by up to half a tolerance.
+# What the last two coefficients may amount to, in units of the tolerances: they bound what the
+# polynomial errs by, as coefficients of smooth functions decrease. The integrator's own
+# interpolation errs by up to half a tolerance.
 _TAIL = 0.3
-# Steps of problems without differential equations are as long as the interval: they are halved up to this often.
+# Steps of problems without differential equations are as long as the interval: they are halved up
+# to this often.
 _HALVINGS = 10
 _BATCH = 4096  # polynomials made at once
 
@@ -35,23 +37,26 @@ _MATRICES = {  # from values at the points to the coefficients of the polynomial
 class DenseOutput:
     """The solution at any time between the start and the last point reached.
 
-    Steps of BDF: polynomials of degree 7 through x and x' at four ends of steps around. Steps of Radau, and of problems
-    without differential equations: polynomials through values that the integrator interpolates and puts on the
-    constraints, at as many Chebyshev points as are needed until what is left out falls below 0.3 tolerances.
+    Steps of BDF: polynomials of degree 7 through x and x' at four ends of steps around. Steps of
+    Radau, and of problems without differential equations: polynomials through values that the
+    integrator interpolates and puts on the constraints, at as many Chebyshev points as are needed
+    until what is left out falls below 0.3 tolerances.
 
     Attributes
     ----------
     t_min, t_max : float
         Where it is defined.
     accuracy : float
-        The largest difference to the integrator's own values that is to be expected, in units of rtol |x| + atol: of
-        BDF what one end of a step less would change, which says too much. Large where the solution has jumps or kinks
-        within a step.
+        The largest difference to the integrator's own values that is to be expected, in units of
+        rtol |x| + atol: of BDF what one end of a step less would change, which says too much. Large
+        where the solution has jumps or kinks within a step.
     worst_t : float
         The start of the step where that is.
     """
 
-    def __init__(self, num_unknowns: int, rtol: Any, atol: Any, t0: float, direction: float) -> None:
+    def __init__(
+        self, num_unknowns: int, rtol: Any, atol: Any, t0: float, direction: float
+    ) -> None:
         self._n = num_unknowns
         self._rtol, self._atol = rtol, atol
         self._direction = direction
@@ -65,17 +70,23 @@ class DenseOutput:
         self.accuracy = 0.0
         self.worst_t = t0
 
-    # ---- Recording ------------------------------------------------------------------------------------------------
+    # ---- Recording -------------------------------------------------------------------------------
 
-    def add_ends(self, start: tuple[float, np.ndarray, np.ndarray], end: tuple[float, np.ndarray, np.ndarray]) -> None:
-        """Adds the step between two points (t, x, xdot), known by these and by the steps around it."""
+    def add_ends(
+        self, start: tuple[float, np.ndarray, np.ndarray], end: tuple[float, np.ndarray, np.ndarray]
+    ) -> None:
+        """Adds the step between two points (t, x, xdot), known by these and by steps around."""
         if self._is_new_segment or self._left[-1] < 0:
             self._nodes.add(*start, is_new_segment=True)
         left = self._nodes.add(*end, is_new_segment=False) - 1
         self._add_panel(start[0], end[0], None, left)
 
-    def add_step(self, start: tuple[float, np.ndarray, np.ndarray], b: float, sample: Sample) -> None:
-        """Adds the step from a point (t, x, xdot) to b; sample(t) returns x and x' at any t after the point up to b."""
+    def add_step(
+        self, start: tuple[float, np.ndarray, np.ndarray], b: float, sample: Sample
+    ) -> None:
+        """Adds the step from a point (t, x, xdot) to b; sample(t) returns x and x' at any t after
+        the point up to b.
+        """
         a, x, xdot = start
         known = {a: np.concatenate([x, xdot])}
         self._add((a, b), self._fit(a, b, known, sample), known, sample, _HALVINGS)
@@ -93,8 +104,10 @@ class DenseOutput:
         self._end = b
         self._is_new_segment = False
 
-    def _fit(self, a: float, b: float, known: dict[float, np.ndarray], sample: Sample) -> tuple[np.ndarray, float]:
-        """Coefficients in [a, b] and what the last of them amount to, in units of the tolerances."""
+    def _fit(
+        self, a: float, b: float, known: dict[float, np.ndarray], sample: Sample
+    ) -> tuple[np.ndarray, float]:
+        """Coefficients in [a, b] and what the last of them amount to, in tolerances."""
         for degree in _DEGREES:
             times = [_time(a, b, s) for s in _points(degree)]
             for t in times:
@@ -116,7 +129,9 @@ class DenseOutput:
         sample: Sample,
         halvings: int,
     ) -> None:
-        """Adds an interval as it is, or in halves if that helps at least one of them, as it does with a jump."""
+        """Adds an interval as it is, or in halves if that helps at least one of them, as it does
+        with a jump.
+        """
         (a, b), (coefficients, tail) = interval, fit
         middle = _time(a, b, 0.0)
         if tail > _TAIL and halvings > 0 and middle not in (a, b):
@@ -142,7 +157,7 @@ class DenseOutput:
             if errors[worst] > self.accuracy:
                 self.accuracy, self.worst_t = float(errors[worst]), float(times[first + worst])
 
-    # ---- Evaluation -----------------------------------------------------------------------------------------------
+    # ---- Evaluation ------------------------------------------------------------------------------
 
     @property
     def t_min(self) -> float:
@@ -167,7 +182,9 @@ class DenseOutput:
         return self._evaluate(t, slice(0, self._n))
 
     def derivative(self, t: Any) -> np.ndarray:
-        """x' at a time, shape (n,), or at N times, shape (n, N); its error is about that of x over the step size."""
+        """x' at a time, shape (n,), or at N times, shape (n, N); its error is about that of x over
+        the step size.
+        """
         return self._evaluate(t, slice(self._n, 2 * self._n))
 
     def _evaluate(self, t: Any, part: slice) -> np.ndarray:
@@ -180,15 +197,24 @@ class DenseOutput:
         slack = 4 * np.finfo(float).eps * max(abs(self.t_min), abs(self.t_max))
         outside = ~((flat >= self.t_min - slack) & (flat <= self.t_max + slack))  # also NaN
         if outside.any():
-            raise ValueError(f"t = {flat[outside][0]} is outside of [{self.t_min}, {self.t_max}], where it is defined")
+            raise ValueError(
+                f"t = {flat[outside][0]} is outside of [{self.t_min}, {self.t_max}], where the "
+                "solution is known"
+            )
         which = np.searchsorted(self._starts, flat * self._direction, side="right") - 1
         which = np.clip(which, 0, len(self._starts) - 1)
         result = np.empty((self._n, flat.size))
         order = np.argsort(which, kind="stable")
-        groups = [group for group in np.split(order, np.flatnonzero(np.diff(which[order])) + 1) if group.size]
+        groups = [
+            group
+            for group in np.split(order, np.flatnonzero(np.diff(which[order])) + 1)
+            if group.size
+        ]
         for first in range(0, len(groups), _BATCH):
             batch = groups[first : first + _BATCH]
-            for group, coefficients in zip(batch, self._polynomials([which[group[0]] for group in batch])):
+            for group, coefficients in zip(
+                batch, self._polynomials([which[group[0]] for group in batch])
+            ):
                 a, b = self._ends[which[group[0]]]
                 s = np.clip((2 * flat[group] - (a + b)) / (b - a), -1.0, 1.0)
                 result[:, group] = chebyshev.chebval(s, coefficients[:, part])

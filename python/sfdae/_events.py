@@ -21,14 +21,14 @@ class Event:
     terminal : bool or int
         True: the integration ends at the first event; a number: at so many of them.
     action : callable, optional
-        ``action(t, x)`` or ``action(t, x, xdot)`` is called at the event and returns the values with which the
-        integration is started anew there, which are made consistent as the options say; None: it goes on as it is.
+        ``action(t, x)`` or ``action(t, x, xdot)`` is called at the event and returns the values
+        with which the integration is started anew there, which are made consistent as the options
+        say; None: it goes on as it is.
     name : str, optional
         For messages; the name of the function if it is not given.
 
-    Notes
-    -----
-    A plain function serves as well; ``terminal``, ``direction`` and ``action`` may be attributes of it.
+    Notes ----- A plain function serves as well; ``terminal``, ``direction`` and ``action`` may be
+    attributes of it.
     """
 
     def __init__(
@@ -91,11 +91,17 @@ def as_events(events: Any) -> list[Event]:
     """None, an event or a sequence of them, each a function or an Event."""
     if events is None:
         return []
-    given: Sequence[Any] = [events] if callable(events) or isinstance(events, Event) else list(events)
+    given: Sequence[Any] = (
+        [events] if callable(events) or isinstance(events, Event) else list(events)
+    )
     result = []
     for event in given:
         if not isinstance(event, Event):
-            attributes = {name: getattr(event, name) for name in ("direction", "terminal", "action") if hasattr(event, name)}
+            attributes = {
+                name: getattr(event, name)
+                for name in ("direction", "terminal", "action")
+                if hasattr(event, name)
+            }
             event = Event(event, **attributes)
         result.append(event)
     return result

@@ -11,7 +11,7 @@ import numpy as np
 from ._binding import ffi, lib
 
 _NO_VALUE = (
-    "an expression has no value while equations are recorded, so that {}. Use sfdae.choose(c, a, b) or "
+    "an expression has no value while equations are recorded, so that {}. Use sfdae.choose or "
     "np.where(a > b, ...) for branches, np.sin, np.exp, ... (not those of math) for functions"
 )
 
@@ -28,8 +28,8 @@ class Recording:
     def require_open(self) -> None:
         if not self.is_open:
             raise RuntimeError(
-                "this expression belongs to a recording that has ended: t, x, xdot and what is made of them can "
-                "only be used within the function that writes the equations"
+                "this expression belongs to a recording that has ended: t, x, xdot and what is "
+                "made of them can only be used within the function that writes the equations"
             )
 
 
@@ -99,9 +99,9 @@ def _operator(function: Callable[[Any, Any], Any]) -> tuple[Callable, Callable]:
 class Expression:
     """A number, or a part of a formula that is being recorded.
 
-    Operators, numpy's functions (``np.sin(x[0])``, also of arrays of expressions) and the functions of this
-    package (``sfdae.sin``, ``sfdae.choose``) make larger ones. There are no values yet to branch on: ``if x > 0``
-    is an error, ``np.where(x > 0, a, b)`` is recorded.
+    Operators, numpy's functions (``np.sin(x[0])``, also of arrays of expressions) and the functions
+    of this package (``sfdae.sin``, ``sfdae.choose``) make larger ones. There are no values yet to
+    branch on: ``if x > 0`` is an error, ``np.where(x > 0, a, b)`` is recorded.
     """
 
     __slots__ = ("_c", "_recording")
@@ -178,7 +178,7 @@ class Expression:
 
 
 class Condition:
-    """A comparison of expressions, for ``np.where(a > b, x, y)`` and ``sfdae.choose(a > b, x, y)``."""
+    """A comparison of expressions, for ``np.where(a > b, x, y)`` and sfdae.choose."""
 
     __slots__ = ("difference", "strict")
 

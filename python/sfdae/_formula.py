@@ -13,7 +13,8 @@ from ._expression import Expression, Recording, as_expression, parameter
 
 
 class Formula:
-    """A function whose first arguments are given by the library and whose others are named parameters.
+    """A function whose first arguments are given by the library and whose others are named
+    parameters.
 
     Attributes
     ----------
@@ -23,7 +24,9 @@ class Formula:
 
     def __init__(self, function: Callable[..., Any], positional: Sequence[str], name: str) -> None:
         if not callable(function):
-            raise TypeError(f"{name} has to be a function of ({', '.join(positional)}), not {function!r}")
+            raise TypeError(
+                f"{name} has to be a function of ({', '.join(positional)}), not {function!r}"
+            )
         self.function = function
         self.name = name
         self.defaults: dict[str, Any] = {}
@@ -35,14 +38,18 @@ class Formula:
         kinds = [place.kind for place in places]
         count = sum(kind in (kind.POSITIONAL_ONLY, kind.POSITIONAL_OR_KEYWORD) for kind in kinds)
         if count < len(positional) and inspect.Parameter.VAR_POSITIONAL not in kinds:
-            raise TypeError(f"{name} has to accept ({', '.join(positional)}), but its arguments are {signature}")
+            raise TypeError(
+                f"{name} has to accept ({', '.join(positional)}), but its arguments are {signature}"
+            )
         for place in places[len(positional) :]:
             if place.kind in (place.POSITIONAL_OR_KEYWORD, place.KEYWORD_ONLY):
                 self.defaults[place.name] = None if place.default is place.empty else place.default
 
     def __call__(self, *arguments: Any, values: Mapping[str, Any]) -> Any:
         """The formulas; each parameter is recorded where `arguments` are recorded."""
-        named = {name: recorded_parameter(arguments[0], name, values[name]) for name in self.defaults}
+        named = {
+            name: recorded_parameter(arguments[0], name, values[name]) for name in self.defaults
+        }
         return self.function(*arguments, **named)
 
 
@@ -58,7 +65,9 @@ def recorded_parameter(inside: Any, name: str, value: Any) -> Any:
     return result
 
 
-def parameter_values(formulas: Sequence[Formula], given: Mapping[str, Any] | None) -> dict[str, Any]:
+def parameter_values(
+    formulas: Sequence[Formula], given: Mapping[str, Any] | None
+) -> dict[str, Any]:
     """Values of all named parameters: those given, else the defaults of the functions.
 
     Raises
@@ -80,7 +89,10 @@ def parameter_values(formulas: Sequence[Formula], given: Mapping[str, Any] | Non
         values[name] = value
     for name, value in values.items():
         if value is None:
-            raise TypeError(f"parameter {name!r} has no value: give it a default or parameters={{{name!r}: ...}}")
+            raise TypeError(
+                f"parameter {name!r} has no value: give it a default, or "
+                f"parameters={{{name!r}: ...}}"
+            )
         values[name] = checked_value(name, value)
     return values
 
@@ -90,7 +102,9 @@ def checked_value(name: str, value: Any) -> Any:
     try:
         array = np.array(value, dtype=float)
     except (TypeError, ValueError):
-        raise TypeError(f"parameter {name!r} has to be a number or an array of numbers, not {value!r}") from None
+        raise TypeError(
+            f"parameter {name!r} has to be a number or an array of numbers, not {value!r}"
+        ) from None
     if not np.all(np.isfinite(array)):
         raise ValueError(f"parameter {name!r} is not finite: {value!r}")
     return float(array) if array.ndim == 0 else array

@@ -20,8 +20,14 @@ def _functions_of_c() -> dict[str, Callable[..., Expression]]:
         if not name.startswith("sfdae_"):
             continue
         ctype = ffi.typeof(getattr(lib, name))
-        if ctype.kind == "function" and ctype.result is number and all(a is number for a in ctype.args):
-            result[name.removeprefix("sfdae_")] = _of_expressions(getattr(lib, name), len(ctype.args))
+        if (
+            ctype.kind == "function"
+            and ctype.result is number
+            and all(a is number for a in ctype.args)
+        ):
+            result[name.removeprefix("sfdae_")] = _of_expressions(
+                getattr(lib, name), len(ctype.args)
+            )
     return result
 
 
@@ -100,7 +106,16 @@ for _name, _function in OF_C.items():  # sin, exp, ...: the same name
         UFUNCS[_name] = _function
 
 # numpy's loops over objects call methods of these names: np.sin(np.array([x[0], x[1]])).
-_OPERATORS = {"add", "subtract", "multiply", "divide", "true_divide", "negative", "positive", "absolute"}
+_OPERATORS = {
+    "add",
+    "subtract",
+    "multiply",
+    "divide",
+    "true_divide",
+    "negative",
+    "positive",
+    "absolute",
+}
 _OPERATORS |= {"power", "greater", "greater_equal", "less", "less_equal"}
 for _name in sorted(UFUNCS.keys() - _OPERATORS):
     setattr(Expression, _name, UFUNCS[_name])
@@ -130,16 +145,27 @@ def _as_array(value: Any) -> np.ndarray:
     return np.array(value, dtype=object)
 
 
-def apply_ufunc(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
+def apply_ufunc(
+    ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], kwargs: dict[str, Any]
+) -> Any:
     """A function of numpy where one of the operands is an expression."""
     if method == "__call__" and not kwargs and ufunc.__name__ in UFUNCS:
         return _elementwise(UFUNCS[ufunc.__name__], inputs)
     if ufunc.__name__ == "matmul" and method == "__call__":
         raise TypeError("matmul: @ needs vectors or matrices, use * for a single expression")
     out = kwargs.get("out")
-    if method in ("__call__", "at") and ufunc.__name__ in UFUNCS and out is not None and len(out) == 1:
-        if not isinstance(out[0], np.ndarray) or out[0].dtype != object:  # x += expression, x an array of floats
-            raise TypeError("an expression cannot be stored in an array of numbers: use dtype=object for this array")
+    if (
+        method in ("__call__", "at")
+        and ufunc.__name__ in UFUNCS
+        and out is not None
+        and len(out) == 1
+    ):
+        if (
+            not isinstance(out[0], np.ndarray) or out[0].dtype != object
+        ):  # x += expression, x an array of floats
+            raise TypeError(
+                "an expression cannot be stored in an array of numbers: use dtype=object for it"
+            )
         out[0][...] = _elementwise(UFUNCS[ufunc.__name__], inputs)
         return out[0]
     known = ", ".join(sorted(UFUNCS))
@@ -150,8 +176,12 @@ def apply_array_function(function: Callable, args: Any, kwargs: Any) -> Any:
     """np.where with a comparison of expressions; everything else as numpy does it for objects."""
     if function is np.where and len(args) == 3 and not kwargs:
         return choose(*args)
-    wrapped = [_as_array(argument) if isinstance(argument, Expression) else argument for argument in args]
-    if any(isinstance(argument, (Expression, Condition)) for argument in [*wrapped, *kwargs.values()]):
+    wrapped = [
+        _as_array(argument) if isinstance(argument, Expression) else argument for argument in args
+    ]
+    if any(
+        isinstance(argument, (Expression, Condition)) for argument in [*wrapped, *kwargs.values()]
+    ):
         return NotImplemented
     return function(*wrapped, **kwargs)
 

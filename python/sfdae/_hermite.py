@@ -8,8 +8,8 @@ from numpy.polynomial import chebyshev
 
 DEGREE = 7  # through four ends of steps: two orders more than BDF has
 
-# A step next to one that is shorter by this factor does not help: its errors would be magnified by the cube of that.
-# One that is longer does no harm, up to where matrices become singular.
+# A step next to one that is shorter by this factor does not help: its errors would be magnified by
+# the cube of that. One that is longer does no harm, up to where matrices become singular.
 _SHORTER, _LONGER = 8.0, 64.0
 
 
@@ -64,9 +64,13 @@ class HermiteNodes:
                     coefficients[chosen], differences[chosen] = result
         return coefficients, differences
 
-    def _with_neighbours(self, left: np.ndarray, before: bool, after: bool) -> tuple[np.ndarray, np.ndarray]:
+    def _with_neighbours(
+        self, left: np.ndarray, before: bool, after: bool
+    ) -> tuple[np.ndarray, np.ndarray]:
         ends = [left, left + 1]
-        full = self._through(left, [*ends, *([left - 1] if before else []), *([left + 2] if after else [])])
+        full = self._through(
+            left, [*ends, *([left - 1] if before else []), *([left + 2] if after else [])]
+        )
         if before and after:
             parts = [self._through(left, [*ends, left - 1]), self._through(left, [*ends, left + 2])]
         elif before or after:

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a solver knows: index analysis, report, statistics, the theory's objects, checks of derivatives."""
+"""What a solver knows: index analysis, report, statistics, the theory's objects, checks of
+derivatives.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ from ._structs import Struct, filled, members, prepared
 
 
 class DerivativeArray(NamedTuple):
-    """M y = N x + g of a linear problem, M dy = N dx + g of others; see sfdae_get_derivative_array."""
+    """M y = N x + g of a linear problem, M dy = N dx + g of others: sfdae_get_derivative_array."""
 
     M: np.ndarray
     N: np.ndarray
@@ -59,7 +61,9 @@ def _address(array: np.ndarray | None) -> Any:
 
 
 class Inspection:
-    """The part of a solver that answers questions. Structs have the members that the headers explain."""
+    """The part of a solver that answers questions. Structs have the members that the headers
+    explain.
+    """
 
     problem: Any
     _call: Callable[..., int]
@@ -68,11 +72,13 @@ class Inspection:
     def _filled(self, name: str, function: Callable[..., int]) -> Struct:
         return filled(name, lambda struct: self._call(function, struct))
 
-    # ---- Results --------------------------------------------------------------------------------------------------
+    # ---- Results ---------------------------------------------------------------------------------
 
     @property
     def characteristics(self) -> Struct:
-        """The characteristic values in use: strangeness_index, differential, algebraic, undetermined, ..."""
+        """The characteristic values in use: strangeness_index, differential, algebraic,
+        undetermined, ...
+        """
         return self._filled("characteristics", lib.sfdae_get_characteristics)
 
     @property
@@ -108,7 +114,9 @@ class Inspection:
         return self._filled("multibody_report", lib.sfdae_get_multibody_report)
 
     def report(self) -> str:
-        """The diagnostics report as text: index analysis with every rank decision, initial values, integration."""
+        """The diagnostics report as text: index analysis with every rank decision, initial values,
+        integration.
+        """
         needed = ffi.new("size_t*")
         self._call(lib.sfdae_report, ffi.NULL, 0, needed)
         text = ffi.new("char[]", needed[0])
@@ -121,16 +129,18 @@ class Inspection:
         Returns
         -------
         float
-            The smallest relative change of the data that gives other characteristic values, about; at most 1.
+            The smallest relative change of the data that gives other characteristic values, about;
+            at most 1.
         """
         distance = ffi.new("double*")
         self._call(lib.sfdae_certify, distance)
         return distance[0]
 
-    # ---- The theory's objects -------------------------------------------------------------------------------------
+    # ---- The theory's objects --------------------------------------------------------------------
 
     def jet(self, t: float, level: int, x: Any = None) -> np.ndarray:
-        """x and its derivatives x', ..., x^(level+1) with F and its derivatives zero, n x (level + 2).
+        """x and its derivatives x', ..., x^(level+1) with F and its derivatives zero, n x (level +
+        2).
 
         Parameters
         ----------
@@ -146,7 +156,9 @@ class Inspection:
         return result
 
     def derivative_array(self, t: float, level: int, jet: Any = None) -> DerivativeArray:
-        """The derivative array of a level, 0 ... 12, at t, or for changes of a jet, n x (level + 2)."""
+        """The derivative array of a level, 0 ... 12, at t, or for changes of a jet, n x (level +
+        2).
+        """
         m, n = self.problem.num_equations, self.problem.num_unknowns
         rows = (level + 1) * m
         M, N, g = _matrix(rows, (level + 1) * n), _matrix(rows, n), np.zeros(rows)
@@ -168,7 +180,8 @@ class Inspection:
     def projectors(self, t: float, jet: Any = None, with_array: bool = True) -> Projectors:
         """Z1, Z2, Z3 and T2 at t, or at a jet, n x (mu + 2).
 
-        With with_array=False Z2 and Z3 are None: callbacks of mechanical systems have no derivative array.
+        With with_array=False Z2 and Z3 are None: callbacks of mechanical systems have no derivative
+        array.
         """
         c = self.characteristics
         m, n = self.problem.num_equations, self.problem.num_unknowns
@@ -188,10 +201,16 @@ class Inspection:
         return Projectors(Z1, Z2, Z3, T2)
 
     def strangeness_free_system(self, t: float, jet: Any = None) -> StrangenessFreeSystem:
-        """The strangeness-free system at t, or for changes of a jet, n x (mu + 2), of mechanical systems n x 2."""
+        """The strangeness-free system at t, or for changes of a jet, n x (mu + 2), of mechanical
+        systems n x 2.
+        """
         c = self.characteristics
         n = self.problem.num_unknowns
-        E1, A1, f1 = _matrix(c.differential, n), _matrix(c.differential, n), np.zeros(c.differential)
+        E1, A1, f1 = (
+            _matrix(c.differential, n),
+            _matrix(c.differential, n),
+            np.zeros(c.differential),
+        )
         A2, f2, residual = _matrix(c.algebraic, n), np.zeros(c.algebraic), ffi.new("double*")
         results = [_address(part) for part in (E1, A1, f1, A2, f2)]
         if jet is None:
@@ -213,10 +232,12 @@ class Inspection:
             np.zeros(size), np.zeros(dependent),
         )  # fmt: skip
         values = None if x is None else self.problem.values(x, "x")
-        self._call(lib.sfdae_get_extended_system, t, _address(values), *(_address(part) for part in result))
+        self._call(
+            lib.sfdae_get_extended_system, t, _address(values), *(_address(part) for part in result)
+        )
         return result
 
-    # ---- Checks of derivatives ------------------------------------------------------------------------------------
+    # ---- Checks of derivatives -------------------------------------------------------------------
 
     def check_derivatives(self, t: float, max_order: int, jet: Any = None) -> Struct:
         """Compares derivatives that callbacks supply with differences; the worst mismatch.
@@ -239,20 +260,35 @@ class Inspection:
         values = self._jet(default if jet is None else jet, max_order + 2)
         return filled(
             "derivative_check",
-            lambda struct: self._call(lib.sfdae_check_total_derivatives, t, _address(values), max_order, struct),
+            lambda struct: self._call(
+                lib.sfdae_check_total_derivatives, t, _address(values), max_order, struct
+            ),
         )
 
     def check_multibody_derivatives(self, t: float, q: Any, v: Any) -> Struct:
-        """Compares derivatives of constraints that callbacks supply with differences near (t, q, v)."""
+        """Compares derivatives of constraints that callbacks supply with differences near (t, q,
+        v).
+        """
         positions, velocities = np.array(q, dtype=float, ndmin=1), np.array(v, dtype=float, ndmin=1)
-        sizes = (self.problem.num_positions, self.problem.num_velocities) if self.problem.kind == "multibody" else None
+        sizes = (
+            (self.problem.num_positions, self.problem.num_velocities)
+            if self.problem.kind == "multibody"
+            else None
+        )
         if sizes is None:
             raise TypeError("check_multibody_derivatives is for mechanical systems")
         if (positions.size, velocities.size) != sizes:
-            raise ValueError(f"q and v have {positions.size} and {velocities.size} entries, not {sizes[0]} and {sizes[1]}")
+            raise ValueError(
+                f"q and v have {positions.size} and {velocities.size} entries, not {sizes[0]} and "
+                f"{sizes[1]}"
+            )
         return filled(
             "derivative_check",
             lambda struct: self._call(
-                lib.sfdae_check_multibody_derivatives, t, _address(positions), _address(velocities), struct
+                lib.sfdae_check_multibody_derivatives,
+                t,
+                _address(positions),
+                _address(velocities),
+                struct,
             ),
         )

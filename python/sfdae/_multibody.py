@@ -12,7 +12,8 @@ from ._formula import Formula, flatten, parameter_values, probe
 from ._options import constant
 from ._problem import Problem
 
-# Functions that can be recorded, and the members of sfdae_multibody_formulas that they are written to.
+# Functions that can be recorded, and the members of sfdae_multibody_formulas that they are written
+# to.
 FORMULA_PLACES = {
     "mass": "M",
     "forces": "f",
@@ -22,16 +23,22 @@ FORMULA_PLACES = {
     "nonholonomic_offset": "h",
 }
 # Functions that belong to callbacks only.
-_DERIVATIVES = ("constraint_jacobian", "constraint_rate", "constraint_curvature", "nonholonomic_curvature")
+_DERIVATIVES = (
+    "constraint_jacobian",
+    "constraint_rate",
+    "constraint_curvature",
+    "nonholonomic_curvature",
+)
 
 
 class MultibodyProblem(Problem):
-    """q' = S v,  M v' = f - G^T lambda - H^T kappa,  0 = g,  0 = H v + h; the unknowns are (q, v, lambda, kappa).
+    """q' = S v,  M v' = f - G^T lambda - H^T kappa,  0 = g,  0 = H v + h; the unknowns are (q, v,
+    lambda, kappa).
 
-    The functions are called with expressions when a solver is created, and recorded; arguments after t, q and v are
-    named parameters. With ``recorded=False`` they are called at every point with numbers, and the derivatives of
-    the constraints have to be given, too. Each of them may be an array, if it is constant; a vector in place of a
-    square matrix is its diagonal.
+    The functions are called with expressions when a solver is created, and recorded; arguments
+    after t, q and v are named parameters. With ``recorded=False`` they are called at every point
+    with numbers, and the derivatives of the constraints have to be given, too. Each of them may be
+    an array, if it is constant; a vector in place of a square matrix is its diagonal.
 
     Parameters
     ----------
@@ -54,14 +61,16 @@ class MultibodyProblem(Problem):
     recorded : bool
         False: functions of numbers, called at every point.
     constraint_jacobian, constraint_rate : array_like or callable, optional
-        With ``recorded=False``: g_q, nl x nq, and g_t, nl entries (0 if it is not given), of (t, q).
+        With ``recorded=False``: g_q, nl x nq, and g_t, nl entries (0 if it is not given), of (t,
+        q).
     constraint_curvature, nonholonomic_curvature : array_like or callable, optional
-        With ``recorded=False``: gamma, nl entries, and eta, nk entries, of (t, q, v), see sfdae_multibody_problem;
-        by differences if they are not given.
+        With ``recorded=False``: gamma, nl entries, and eta, nk entries, of (t, q, v), see
+        sfdae_multibody_problem; by differences if they are not given.
     coordinates : str
         ``"orthogonal"`` or ``"permutation"``.
     names, units : sequence of str, optional
-        Of all unknowns. By default ``q[0]``, ..., ``v[0]``, ..., ``lambda[0]``, ..., ``kappa[0]``, ...
+        Of all unknowns. By default ``q[0]``, ..., ``v[0]``, ..., ``lambda[0]``, ..., ``kappa[0]``,
+        ...
     parameters : dict, optional
         Values of named parameters that replace defaults.
     """
@@ -91,17 +100,25 @@ class MultibodyProblem(Problem):
         units: Mapping[str, str] | Sequence[str] | None = None,
         parameters: Mapping[str, Any] | None = None,
     ) -> None:
-        given = dict(
-            mass=mass, forces=forces, constraints=constraints, kinematics=kinematics,
-            nonholonomic_matrix=nonholonomic_matrix, nonholonomic_offset=nonholonomic_offset,
-            constraint_jacobian=constraint_jacobian, constraint_rate=constraint_rate,
-            constraint_curvature=constraint_curvature, nonholonomic_curvature=nonholonomic_curvature,
-        )  # fmt: skip
+        given = {
+            "mass": mass,
+            "forces": forces,
+            "constraints": constraints,
+            "kinematics": kinematics,
+            "nonholonomic_matrix": nonholonomic_matrix,
+            "nonholonomic_offset": nonholonomic_offset,
+            "constraint_jacobian": constraint_jacobian,
+            "constraint_rate": constraint_rate,
+            "constraint_curvature": constraint_curvature,
+            "nonholonomic_curvature": nonholonomic_curvature,
+        }
         self.recorded = bool(recorded)
         self.coordinates = constant("coordinates", coordinates)
         self.num_positions = int(num_positions)
         self.num_velocities = self.num_positions if num_velocities is None else int(num_velocities)
-        self._set_functions({name: value for name, value in given.items() if value is not None}, parameters)
+        self._set_functions(
+            {name: value for name, value in given.items() if value is not None}, parameters
+        )
         self.num_constraints = self._count("constraints", num_constraints)
         self.num_nonholonomic = self._count("nonholonomic_matrix", num_nonholonomic)
         sizes = {"q": self.num_positions, "v": self.num_velocities}
@@ -114,7 +131,10 @@ class MultibodyProblem(Problem):
     def _set_functions(self, given: dict[str, Any], parameters: Mapping[str, Any] | None) -> None:
         superfluous = [name for name in _DERIVATIVES if name in given and self.recorded]
         if superfluous:
-            raise TypeError(f"{superfluous[0]} is computed from recorded formulas: give it with recorded=False only")
+            raise TypeError(
+                f"{superfluous[0]} is computed from recorded formulas: give it with "
+                "recorded=False only"
+            )
         if not self.recorded and "constraints" in given and "constraint_jacobian" not in given:
             raise TypeError("constraint_jacobian is needed with recorded=False")
         if not self.recorded:
@@ -125,7 +145,9 @@ class MultibodyProblem(Problem):
             if not callable(value):
                 self.functions[name] = np.array(value, dtype=float)
                 continue
-            arguments = ("t", "q", "v") if name == "forces" or name.endswith("curvature") else ("t", "q")
+            arguments = (
+                ("t", "q", "v") if name == "forces" or name.endswith("curvature") else ("t", "q")
+            )
             self.functions[name] = Formula(value, arguments, name)
             formulas.append(self.functions[name])
         if not self.recorded and parameters:
@@ -141,13 +163,22 @@ class MultibodyProblem(Problem):
             return 0
         if isinstance(function, np.ndarray):
             return function.shape[0]
-        t, q = (probe(1)[0], probe(self.num_positions)) if self.recorded else (0.0, np.ones(self.num_positions))
+        t, q = (
+            (probe(1)[0], probe(self.num_positions))
+            if self.recorded
+            else (0.0, np.ones(self.num_positions))
+        )
         value = function(t, q, values=self.parameters)
         return len(flatten(value, name)) if name == "constraints" else len(value)
 
     def shape(self, name: str) -> tuple[int, ...]:
         """Shape of what a function returns."""
-        nq, nv, nl, nk = self.num_positions, self.num_velocities, self.num_constraints, self.num_nonholonomic
+        nq, nv, nl, nk = (
+            self.num_positions,
+            self.num_velocities,
+            self.num_constraints,
+            self.num_nonholonomic,
+        )
         return {
             "mass": (nv, nv),
             "forces": (nv,),
@@ -170,4 +201,3 @@ class MultibodyProblem(Problem):
             return
         for name in self.functions:
             setattr(c, name, getattr(lib, f"python_multibody_problem_{name}"))
-

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import difflib
+import functools
 from typing import Any, Iterable, Mapping
 
 import numpy as np
@@ -18,14 +19,22 @@ _NOT_GIVEN = {"size", "monitor", "monitor_user", "rtol_vector", "atol_vector"}
 OPTION_NAMES = tuple(name for name in _FIELDS if name not in _NOT_GIVEN)
 
 
+@functools.lru_cache(maxsize=None)
 def choices(option: str) -> dict[str, int]:
-    """The constants SFDAE_<OPTION>_<CHOICE> of the headers, in lower case, of an option that is a choice."""
+    """The constants SFDAE_<OPTION>_<CHOICE> of the headers, in lower case, of an option that is a
+    choice.
+    """
     prefix = f"SFDAE_{option.split('_')[0].upper()}_"
-    return {name.removeprefix(prefix).lower(): getattr(lib, name) for name in dir(lib) if name.startswith(prefix)}
+    return {
+        name.removeprefix(prefix).lower(): getattr(lib, name)
+        for name in dir(lib)
+        if name.startswith(prefix)
+    }
 
 
 def constant(option: str, value: Any) -> int:
-    """The number of a choice that is given by its name, such as ``"radau"`` for method, or by its number.
+    """The number of a choice that is given by its name, such as ``"radau"`` for method, or by its
+    number.
 
     Raises
     ------
@@ -45,7 +54,11 @@ def check_names(options: Iterable[str]) -> None:
     for name in options:
         if name not in OPTION_NAMES:
             nearest = difflib.get_close_matches(name, OPTION_NAMES, n=1)
-            hint = f"; did you mean {nearest[0]!r}?" if nearest else f"; there are {', '.join(OPTION_NAMES)}"
+            hint = (
+                f"; did you mean {nearest[0]!r}?"
+                if nearest
+                else f"; there are {', '.join(OPTION_NAMES)}"
+            )
             raise TypeError(f"there is no option {name!r}{hint}")
 
 
@@ -55,7 +68,8 @@ def c_options(problem: Problem, options: Mapping[str, Any], keep: list[Any]) -> 
     Raises
     ------
     TypeError, ValueError, KeyError
-        For names, choices, shapes and unknowns that there are not; ranges are checked by the library.
+        For names, choices, shapes and unknowns that there are not; ranges are checked by the
+        library.
     """
     check_names(options)
     c = ffi.new("sfdae_options*")
@@ -97,12 +111,16 @@ def _flags(problem: Problem, value: Any, keep: list[Any]) -> Any:
     """n flags from names or indices of unknowns, or from an array of n booleans."""
     flags = [0] * problem.num_unknowns
     entries = [value] if isinstance(value, str) else list(value)
-    if len(entries) == problem.num_unknowns and all(isinstance(entry, (bool, np.bool_)) for entry in entries):
+    if len(entries) == problem.num_unknowns and all(
+        isinstance(entry, (bool, np.bool_)) for entry in entries
+    ):
         flags = [int(entry) for entry in entries]
     else:
         for unknown in entries:
             if isinstance(unknown, (bool, np.bool_)):
-                raise ValueError(f"fixed has {len(entries)} flags for {problem.num_unknowns} unknowns")
+                raise ValueError(
+                    f"fixed has {len(entries)} flags for {problem.num_unknowns} unknowns"
+                )
             flags[problem.index(unknown)] = 1
     keep.append(ffi.new("int[]", flags))
     return keep[-1]

@@ -73,7 +73,9 @@ def plot_steps(solution: Any, ax: Any) -> Any:
 
 
 def plot_decisions(report: Any, ax: Any) -> Any:
-    """Rank decisions: smallest value kept, largest dropped, noise and threshold, relative to the data."""
+    """Rank decisions: smallest value kept, largest dropped, noise and threshold, relative to the
+    data.
+    """
     from matplotlib.ticker import MaxNLocator
 
     axis = _new_axes()[0] if ax is None else ax
@@ -87,7 +89,9 @@ def plot_decisions(report: Any, ax: Any) -> Any:
     ):
         values = np.array([getattr(decision, member) for decision in decisions], dtype=float)
         is_there = np.array([_is_there(decision, member) for decision in decisions], dtype=bool)
-        axis.semilogy(number[is_there], np.maximum(values[is_there], floor), marker, color=color, label=label)
+        axis.semilogy(
+            number[is_there], np.maximum(values[is_there], floor), marker, color=color, label=label
+        )
     for i, decision in zip(number, decisions):
         if decision.verdict == 2:  # SFDAE_VERDICT_UNCLEAR
             axis.axvspan(i - 0.5, i + 0.5, color="C3", alpha=0.2)
@@ -96,7 +100,9 @@ def plot_decisions(report: Any, ax: Any) -> Any:
     axis.set_ylabel("value relative to the data")
     c = report.characteristics
     if c is not None:
-        axis.set_title(f"strangeness index {c.strangeness_index}, d = {c.differential}, a = {c.algebraic}")
+        axis.set_title(
+            f"strangeness index {c.strangeness_index}, d = {c.differential}, a = {c.algebraic}"
+        )
     axis.legend(loc="best")
     axis.grid(alpha=0.3)
     return axis

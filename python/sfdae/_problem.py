@@ -37,7 +37,10 @@ class Problem:
     num_unknowns: int
 
     def _set_unknowns(
-        self, count: int, names: Sequence[str] | None, units: Mapping[str, str] | Sequence[str] | None
+        self,
+        count: int,
+        names: Sequence[str] | None,
+        units: Mapping[str, str] | Sequence[str] | None,
     ) -> None:
         self._has_names = names is not None
         if names is None:
@@ -69,7 +72,9 @@ class Problem:
         """
         if isinstance(unknown, str):
             if unknown not in self.names:
-                raise KeyError(f"there is no unknown {unknown!r}; there are {', '.join(self.names)}")
+                raise KeyError(
+                    f"there is no unknown {unknown!r}; there are {', '.join(self.names)}"
+                )
             return self.names.index(unknown)
         i = int(unknown)
         if not -self.num_unknowns <= i < self.num_unknowns:
@@ -109,7 +114,9 @@ class Problem:
         self.prescribed = {self.index(unknown): f for unknown, f in (prescribed or {}).items()}
         for unknown, function in self.prescribed.items():
             if not callable(function):
-                raise TypeError(f"{self.names[unknown]} is prescribed by {function!r}, which is no function of t")
+                raise TypeError(
+                    f"{self.names[unknown]} is prescribed by {function!r}, which is no function"
+                )
 
     def _fill_prescribed(self, c: Any, keep: list[Any]) -> None:
         indices = ffi.new("int[]", list(self.prescribed))
@@ -139,9 +146,10 @@ class NonlinearProblem(Problem):
     Parameters
     ----------
     equations : callable, optional
-        ``equations(t, x, xdot, ...)`` returns the m formulas, a list or an array, nested as you like. It is called
-        when a solver is created, with expressions: t, x (n) and xdot (n); the library records and differentiates.
-        Further arguments are named parameters: ``def F(t, x, xdot, g=9.81)``.
+        ``equations(t, x, xdot, ...)`` returns the m formulas, a list or an array, nested as you
+        like. It is called when a solver is created, with expressions: t, x (n) and xdot (n); the
+        library records and differentiates. Further arguments are named parameters: ``def F(t, x,
+        xdot, g=9.81)``.
     num_unknowns : int, optional
         n; not needed where names are given.
     names, units : sequence of str, optional
@@ -151,10 +159,11 @@ class NonlinearProblem(Problem):
     parameters : dict, optional
         Values of named parameters that replace defaults; an array makes an array of parameters.
     total_derivative : callable, optional
-        Instead of equations: ``total_derivative(t, order, derivatives, jacobians)`` returns the total derivative of
-        this order of F along a jet, or if jacobians is true ``(F, F_x, F_xdot)``, total derivatives of F (m) and of
-        its Jacobians (m x n); None if the order is not available. derivatives: n x (order + 2), column k is the
-        k-th derivative of x. num_equations is then n if it is not given.
+        Instead of equations: ``total_derivative(t, order, derivatives, jacobians)`` returns the
+        total derivative of this order of F along a jet, or if jacobians is true ``(F, F_x,
+        F_xdot)``, total derivatives of F (m) and of its Jacobians (m x n); None if the order is not
+        available. derivatives: n x (order + 2), column k is the k-th derivative of x. num_equations
+        is then n if it is not given.
     prescribed : dict, optional
         Unknowns that the equations leave free (u > 0) as functions of time: ``{"input": np.sin}``.
     differentiations : sequence of int, optional
@@ -183,11 +192,15 @@ class NonlinearProblem(Problem):
             raise TypeError("either equations or total_derivative is needed")
         self._counts = num_equations is None and equations is not None
         self.num_equations = self.num_unknowns if num_equations is None else int(num_equations)
-        self.equations = None if equations is None else Formula(equations, ("t", "x", "xdot"), "equations")
+        self.equations = (
+            None if equations is None else Formula(equations, ("t", "x", "xdot"), "equations")
+        )
         self.total_derivative = total_derivative
         self.parameters = parameter_values([self.equations] if self.equations else [], parameters)
         self._set_prescribed(prescribed)
-        self.differentiations = None if differentiations is None else [int(count) for count in differentiations]
+        self.differentiations = (
+            None if differentiations is None else [int(count) for count in differentiations]
+        )
 
     def residual(self, t: float, x: Any, xdot: Any, **parameters: Any) -> np.ndarray:
         """F(t, x, x') for numbers: the function that writes the equations, evaluated.
@@ -201,10 +214,14 @@ class NonlinearProblem(Problem):
             Values that replace those of the problem.
         """
         if self.equations is None:
-            raise TypeError("there are no equations to evaluate: the problem is given by total_derivative")
+            raise TypeError(
+                "there are no equations to evaluate: the problem is given by total_derivative"
+            )
         values = parameter_values([self.equations], {**self.parameters, **parameters})
         x, xdot = self.values(x, "x"), self.values(xdot, "xdot")
-        return np.array(flatten(self.equations(float(t), x, xdot, values=values), "equations"), dtype=float)
+        return np.array(
+            flatten(self.equations(float(t), x, xdot, values=values), "equations"), dtype=float
+        )
 
     def _fill(self, c: Any, keep: list[Any]) -> None:
         c.num_equations, c.num_unknowns = self.num_equations, self.num_unknowns
@@ -224,10 +241,11 @@ class NonlinearProblem(Problem):
 class LinearProblem(Problem):
     """E(t) x' = A(t) x + f(t), m equations for n unknowns.
 
-    Each of E, A and f is an array, or a function: of ``(t)``, which is called when a solver is created and
-    returns formulas in the expression t (further arguments are named parameters); or of ``(t, order)``, which is
-    called at every point and returns the derivative of this order as numbers, or None if it is not available. If one
-    of them is a function of ``(t, order)``, all have to be such functions or arrays.
+    Each of E, A and f is an array, or a function: of ``(t)``, which is called when a solver is
+    created and returns formulas in the expression t (further arguments are named parameters); or of
+    ``(t, order)``, which is called at every point and returns the derivative of this order as
+    numbers, or None if it is not available. If one of them is a function of ``(t, order)``, all
+    have to be such functions or arrays.
 
     Parameters
     ----------
@@ -261,12 +279,14 @@ class LinearProblem(Problem):
         self._set_unknowns(n, names, units)
         self.num_equations = m
         functions = {name: part for name, part in self.coefficients.items() if callable(part)}
-        callbacks = [name for name, function in functions.items() if not isinstance(function, Formula)]
+        callbacks = [
+            name for name, function in functions.items() if not isinstance(function, Formula)
+        ]
         formulas = [name for name in functions if name not in callbacks]
         if callbacks and formulas:
             raise TypeError(
-                f"{formulas[0]} is a function of t, which is recorded, and {callbacks[0]} one of (t, order), which is "
-                "called at every point: give functions of one kind"
+                f"{formulas[0]} is a function of t, which is recorded, and {callbacks[0]} one of "
+                "(t, order), which is called at every point: give functions of one kind"
             )
         self.kind = "linear" if callbacks or not formulas else "nonlinear"
         self.parameters = parameter_values([functions[name] for name in formulas], parameters)
@@ -307,9 +327,14 @@ def _coefficient(name: str, given: Any) -> Any:
         try:
             array = np.array(given, dtype=float)
         except (TypeError, ValueError):
-            raise TypeError(f"{name} has to be an array of numbers or a function, not {given!r}") from None
+            raise TypeError(
+                f"{name} has to be an array of numbers or a function, not {given!r}"
+            ) from None
         if array.ndim != (1 if name == "f" else 2):
-            raise ValueError(f"{name} has shape {array.shape}: it has to be a {'vector' if name == 'f' else 'matrix'}")
+            raise ValueError(
+                f"{name} has shape {array.shape}: it has to be a "
+                f"{'vector' if name == 'f' else 'matrix'}"
+            )
         return array
     try:
         has_order = "order" in inspect.signature(given).parameters

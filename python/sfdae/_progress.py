@@ -11,7 +11,7 @@ _INTERVAL = 0.1  # seconds between two updates: what a reader can follow
 
 
 class ProgressBar:
-    """Shows how far an integration from t0 to t1 has come, on standard error if no file is given."""
+    """Shows how far an integration from t0 to t1 has come, on standard error by default."""
 
     def __init__(self, t0: float, t1: float, file: TextIO | None = None) -> None:
         self._t0, self._length = t0, t1 - t0

@@ -10,18 +10,22 @@ from ._structs import Struct
 
 
 class Report:
-    """Index analysis, initial values and statistics; ``print(report)`` shows the text of the library.
+    """Index analysis, initial values and statistics; ``print(report)`` shows the text of the
+    library.
 
     Attributes
     ----------
     text : str
         The diagnostics report.
     characteristics : Struct or None
-        strangeness_index, differential, algebraic, undetermined, redundant, ...; None if the analysis failed.
+        strangeness_index, differential, algebraic, undetermined, redundant, ...; None if the
+        analysis failed.
     decisions : list of Struct
-        Every rank decision: t, level, stage, what, rows, columns, rank, kept, dropped, noise, threshold, gap, verdict.
+        Every rank decision: t, level, stage, what, rows, columns, rank, kept, dropped, noise,
+        threshold, gap, verdict.
     initial : Struct or None
-        What was done to the initial values: residual_before, residual_after, largest_change, component, ...
+        What was done to the initial values: residual_before, residual_after, largest_change,
+        component, ...
     statistics : Struct or None
         steps, reductions, factorizations, evaluations, ...
     multibody : Struct or None
@@ -48,10 +52,12 @@ class Report:
         c = self.characteristics
         if c is None:
             return "Report(no analysis)"
-        return f"Report(strangeness index {c.strangeness_index}, d = {c.differential}, a = {c.algebraic})"
+        index = c.strangeness_index
+        return f"Report(strangeness index {index}, d = {c.differential}, a = {c.algebraic})"
 
     def plot(self, ax: Any = None) -> Any:
-        """Draws the rank decisions: smallest value kept, largest dropped, noise, on a logarithmic axis.
+        """Draws the rank decisions: smallest value kept, largest dropped, noise, on a logarithmic
+        axis.
 
         Parameters
         ----------

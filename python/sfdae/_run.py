@@ -28,11 +28,15 @@ class Run:
     Whatever ends it (the end, an event, a failure, Ctrl-C) leaves the points that were reached.
     """
 
-    def __init__(self, solver: Solver, t1: float, events: Sequence[Event], dense: DenseOutput | None) -> None:
+    def __init__(
+        self, solver: Solver, t1: float, events: Sequence[Event], dense: DenseOutput | None
+    ) -> None:
         self.solver = solver
         self.t1 = t1
         self.events = events
         self.dense = dense
+        self._outputs: list[float] = []  # those that are left, where steps are taken one by one
+        self._direction = 0.0
         self.points: list[tuple[float, np.ndarray, np.ndarray]] = []
         self.happened: list[EventRecord] = []
         self.steps: list[tuple[float, float, int]] = []
@@ -47,7 +51,7 @@ class Run:
         self._statistics = ffi.new("sfdae_statistics*")
         lib.sfdae_statistics_init(self._statistics, ffi.sizeof(self._statistics[0]))
 
-    # ---- Monitor --------------------------------------------------------------------------------------------------
+    # ---- Monitor ---------------------------------------------------------------------------------
 
     def watch(self, monitor: Callable[[Any], Any] | None, bar: ProgressBar | None) -> None:
         """Records every step, draws the bar, asks the user's monitor. Ctrl-C is noticed here."""
@@ -61,14 +65,15 @@ class Run:
 
         self.solver._state.monitor = after_step
 
-    # ---- Integration ----------------------------------------------------------------------------------------------
+    # ---- Integration -----------------------------------------------------------------------------
 
     def start(self, t0: float, x0: np.ndarray, xdot0: Any) -> None:
-        """The consistent values at the start; warns where they are not what the user gave or meant."""
+        """The consistent values at the start; a warning where they are not what was meant."""
         if self.events:
             directions = [event.direction for event in self.events]
             self.solver.set_events(joined(self.events), len(self.events), directions)
         point = self.solver.start(t0, x0, self.t1, xdot0)
+        self._direction = float(np.sign(self.t1 - t0))
         self._step_start = point[:3]
         method = self.solver._options.get("method")
         is_bdf = method is None or constant("method", method) == lib.SFDAE_METHOD_BDF
@@ -110,12 +115,13 @@ class Run:
         try:
             is_on = True
             while is_on and done[0] < count:
-                status = lib.python_advance_through(self.solver._box[0], c_times, count, done, *pointers, n)
+                status = lib.python_advance_through(
+                    self.solver._box[0], c_times, count, done, *pointers, n
+                )
                 k = min(done[0], count - 1)
-                is_on = self._next(status, Point(t[k], x[k].copy(), xdot[k].copy(), Status(status), ""))
-                if done[0] < count and self.last.t == times[done[0]]:  # an event there, or the start after it
-                    t[done[0]], x[done[0]], xdot[done[0]] = self.last.t, self.last.x, self.last.xdot
-                    done[0] += 1
+                point = Point(t[k], x[k].copy(), xdot[k].copy(), Status(status), "")
+                is_on = self._next(status, point)
+                done[0] += done[0] < count and point.t == times[k]  # an event at an output
             if is_on and self.last.t != self.t1:
                 self._to_end()
         finally:
@@ -128,20 +134,25 @@ class Run:
 
     def _step_by_step(self, t_eval: np.ndarray | None) -> None:
         """Every step on its own, for dense output or where its ends are the outputs."""
-        outputs = [] if t_eval is None else t_eval.tolist()
         if t_eval is not None:
-            is_first = outputs[:1] == [self.last.t]
-            del self.points[int(is_first) :], outputs[: int(is_first)]
-        for i, target in enumerate([*outputs, self.t1]):
-            while self.last.t != target:
-                status, point = self._call(lib.sfdae_step, target)
-                goes_on = self._next(status, point)
-                if t_eval is None:
-                    self._add_reached(point)
-                if not goes_on:
-                    return
-            if i < len(outputs):
-                self._add(self.last)
+            self._outputs = t_eval.tolist()
+            self.points.clear()
+            self._record_outputs(self.last)
+        while self.last.t != self.t1:
+            status, point = self._call(lib.sfdae_step, self.t1)
+            goes_on = self._next(status, point)
+            if t_eval is None:
+                self._add_reached(point)
+            if not goes_on:
+                return
+
+    def _record_outputs(self, point: Point) -> None:
+        """Outputs up to a point that was reached, by interpolation within the last step."""
+        while self._outputs and (self._outputs[0] - point.t) * self._direction <= 0:
+            t = self._outputs[0]
+            at_output = point if t == point.t else self.solver.interpolate(t)
+            self.points.append((t, at_output.x, at_output.xdot))
+            del self._outputs[0]
 
     def _call(self, function: Callable[..., int], target: float) -> tuple[int, Point]:
         solver = self.solver
@@ -151,7 +162,9 @@ class Run:
         return status, Point(t[0], x, xdot, Status(status), "")
 
     def _add_reached(self, point: Point) -> None:
-        """The point that a call returned if it is new, and the one after an action, which has the same time."""
+        """The point that a call returned if it is new, and the one after an action, which has the
+        same time.
+        """
         reached = self.last
         if not np.isnan(point.t) and point.t != self.points[-1][0]:
             self._add(point)
@@ -165,9 +178,13 @@ class Run:
     def _next(self, status: int, point: Point) -> bool:
         """Takes what a call returned; whether the integration goes on."""
         exception = self.solver._state.take_exception()
-        is_ahead = (point.t - self.last.t) * (self.t1 - self.last.t) > 0  # False for NaN, if nothing was returned
+        is_ahead = (point.t - self.last.t) * (
+            self.t1 - self.last.t
+        ) > 0  # False for NaN, if nothing was returned
         if self.dense is not None and status != lib.SFDAE_ILLEGAL_ARGUMENT:
             self._record_step(point)
+        if self._outputs and is_ahead:
+            self._record_outputs(point)
         if is_ahead or status == lib.SFDAE_EVENT:
             self.last = point
         if exception is not None:
@@ -195,7 +212,7 @@ class Run:
             self.dense.add_ends(self._step_start, end[:3])
         self._step_start = end[:3]
 
-    # ---- Events ---------------------------------------------------------------------------------------------------
+    # ---- Events ----------------------------------------------------------------------------------
 
     def _handle_event(self, point: Point) -> bool:
         """Records the events at a point, calls their actions; whether the integration goes on."""
@@ -205,14 +222,20 @@ class Run:
         for i in np.flatnonzero(which):
             event = self.events[i]
             self._counts[i] += 1
-            self.happened.append(EventRecord(point.t, point.x, point.xdot, int(i), event.name, int(which[i])))
+            self.happened.append(
+                EventRecord(point.t, point.x, point.xdot, int(i), event.name, int(which[i]))
+            )
             if self._counts[i] >= event.limit:
-                self._end(Status.EVENT, f"event {event.name!r} ended the integration at t = {point.t:.9g}")
+                self._end(
+                    Status.EVENT, f"event {event.name!r} ended the integration at t = {point.t:.9g}"
+                )
                 ends = True
             if event.action is not None:
                 changed = event.action(point.t, x.copy(), xdot.copy())
                 if changed is not None:
-                    x = self.solver.problem.values(changed, f"x of the action of event {event.name!r}")
+                    x = self.solver.problem.values(
+                        changed, f"x of the action of event {event.name!r}"
+                    )
                     is_restarted = True
         if ends and self.dense is not None:
             self.dense.cut(point.t)
@@ -225,7 +248,7 @@ class Run:
             self.dense.cut(point.t)
         return True
 
-    # ---- Result ---------------------------------------------------------------------------------------------------
+    # ---- Result ----------------------------------------------------------------------------------
 
     def warn(self, stacklevel: int) -> None:
         """Issues the warnings that were collected."""
@@ -247,21 +270,28 @@ class Run:
             self.message = f"the integration ended at t = {self.last.t:.9g}: {text}"
             self._warnings.append((self.message, IntegrationWarning))
         elif self.status == Status.STOPPED:
-            self.message = f"stopped at t = {self.last.t:.9g}" + (f": {self.message}" if self.message else "")
+            self.message = f"stopped at t = {self.last.t:.9g}" + (
+                f": {self.message}" if self.message else ""
+            )
         elif self.status == Status.OK:
             self.message = "the end of the interval was reached"
         if self.dense is not None:
             self.dense.finish()
         if self.dense is not None and self.dense.accuracy > _ACCURACY_TO_WARN:
             self._note(
-                f"dense output differs from the solution by up to {self.dense.accuracy:.0f} tolerances near t = "
-                f"{self.dense.worst_t:.6g}, where it has a jump or a kink: sol.t and sol.x are accurate there",
+                f"dense output differs from the solution by up to {self.dense.accuracy:.0f} "
+                f"tolerances near t = {self.dense.worst_t:.6g}, where it has a jump or a kink: "
+                "sol.t and sol.x are accurate there",
                 IntegrationWarning,
             )
         times = np.array([point[0] for point in self.points])
         x = np.array([point[1] for point in self.points]).reshape(-1, problem.num_unknowns)
         xdot = np.array([point[2] for point in self.points]).reshape(-1, problem.num_unknowns)
-        steps = Steps(*(np.array(column) for column in zip(*self.steps))) if self.steps else Steps(*np.empty((3, 0)))
+        steps = (
+            Steps(*(np.array(column) for column in zip(*self.steps)))
+            if self.steps
+            else Steps(*np.empty((3, 0)))
+        )
         by_function = [[e for e in self.happened if e.index == i] for i in range(len(self.events))]
         return Solution(
             t=times,
@@ -272,11 +302,13 @@ class Run:
             last=self.last._replace(status=self.status, message=self.message),
             events=self.happened,
             t_events=[np.array([e.t for e in events]) for events in by_function],
-            x_events=[np.array([e.x for e in events]).reshape(-1, problem.num_unknowns) for events in by_function],
+            x_events=[
+                np.array([e.x for e in events]).reshape(-1, problem.num_unknowns)
+                for events in by_function
+            ],
             report=Report(solver),
             steps=steps,
             dense=self.dense,
             names=problem.names,
             units=dict(problem.units),
         )
-

@@ -30,10 +30,11 @@ class Solution:
     t : numpy.ndarray
         N times: those of t_eval, or the start, the ends of all steps and the events.
     x, xdot : numpy.ndarray
-        n x N, the unknowns at these times and their derivatives. x satisfies all constraints to rounding.
+        n x N, the unknowns at these times and their derivatives. x satisfies all constraints to
+        rounding.
     status : Status
-        ``OK``: the end was reached; ``EVENT``: a terminal event; ``STOPPED``: by the monitor or Ctrl-C; negative: a
-        failure.
+        ``OK``: the end was reached; ``EVENT``: a terminal event; ``STOPPED``: by the monitor or
+        Ctrl-C; negative: a failure.
     success : bool
         The end, or a terminal event, was reached.
     message : str
@@ -80,11 +81,12 @@ class Solution:
         return self.status >= 0 and self.status != Status.STOPPED
 
     def __call__(self, t: Any) -> np.ndarray:
-        """The solution at a time, shape (n,), or at N times, shape (n, N), within what was integrated.
+        """The solution at a time, shape (n,), or at N times, shape (n, N), within what was
+        integrated.
 
-        It agrees with the integrator's own values to 0.3 of the tolerances rtol |x| + atol where the solution is
-        smooth within steps; ``sol.dense.accuracy`` is the largest difference found. Constraints hold as well as that,
-        at sol.t to rounding.
+        It agrees with the integrator's own values to 0.3 of the tolerances rtol |x| + atol where
+        the solution is smooth within steps; ``sol.dense.accuracy`` is the largest difference found.
+        Constraints hold as well as that, at sol.t to rounding.
 
         Raises
         ------
@@ -96,13 +98,17 @@ class Solution:
         return self.dense(t)
 
     def derivative(self, t: Any) -> np.ndarray:
-        """x' at a time, shape (n,), or at N times, shape (n, N); less accurate than x by about a factor 1 / step."""
+        """x' at a time, shape (n,), or at N times, shape (n, N); less accurate than x by about a
+        factor 1 / step.
+        """
         if self.dense is None:
             raise ValueError("no dense output was recorded: call solve with dense_output=True")
         return self.dense.derivative(t)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """One unknown at the times t, N values, by its name (or the time, by ``"t"`` where no unknown has this name)."""
+        """One unknown at the times t, N values, by its name (or the time, by ``"t"`` where no
+        unknown has this name).
+        """
         if name in self.names:
             return self.x[self.names.index(name)]
         if name == "t":
@@ -119,7 +125,9 @@ class Solution:
         """
         import pandas
 
-        return pandas.DataFrame(self.x.T, columns=list(self.names), index=pandas.Index(self.t, name="t"))
+        return pandas.DataFrame(
+            self.x.T, columns=list(self.names), index=pandas.Index(self.t, name="t")
+        )
 
     def plot(self, *names: str, ax: Any = None) -> Any:
         """Draws unknowns over time, one axis for each unit.
@@ -146,12 +154,14 @@ class Solution:
         return plot_steps(self, ax)
 
     def __repr__(self) -> str:
+        known = ", ".join(self.names[:10]) + (", ..." if len(self.names) > 10 else "")
+        times = f"from {self.t[0]:g} to {self.t[-1]:g}" if self.t.size else ""
         lines = [
             f" message: {self.message}",
             f" success: {self.success}",
             f"  status: {self.status!r}",
-            f"       t: {self.t.size} times from {self.t[0]:g} to {self.t[-1]:g}" if self.t.size else "       t: none",
-            f"       x: {len(self.names)} unknowns ({', '.join(self.names[:10])}{', ...' if len(self.names) > 10 else ''})",
+            f"       t: {self.t.size} times {times}",
+            f"       x: {len(self.names)} unknowns ({known})",
             f"  events: {len(self.events)}",
             f"   steps: {self.steps.t.size}",
             f"  report: {self.report!r}",

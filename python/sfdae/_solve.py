@@ -42,30 +42,35 @@ def solve(
     monitor: Callable[[Any], Any] | None = None,
     **options: Any,
 ) -> Solution:
-    """Solves an initial value problem F(t, x, x') = 0 of arbitrary index, in the manner of scipy's solve_ivp.
+    """Solves an initial value problem F(t, x, x') = 0 of arbitrary index, in the manner of scipy's
+    solve_ivp.
 
     Parameters
     ----------
     problem : Problem or callable
-        A NonlinearProblem, LinearProblem or MultibodyProblem, or a function ``F(t, x, xdot)`` that returns the list
-        of equations; it is called once, with expressions, and recorded. Further arguments of it are named parameters.
+        A NonlinearProblem, LinearProblem or MultibodyProblem, or a function ``F(t, x, xdot)`` that
+        returns the list of equations; it is called once, with expressions, and recorded. Further
+        arguments of it are named parameters.
     t_span : (float, float)
         Start and end, not equal; the end may come first. Nothing is evaluated beyond the end.
     x0 : array_like or dict
-        n values, or values by name. What is not known at the start (forces, currents) is guessed as 0, which is what
-        unknowns not named are: the library finds consistent values and keeps what is differentiated where it can.
+        n values, or values by name. What is not known at the start (forces, currents) is guessed as
+        0, which is what unknowns not named are: the library finds consistent values and keeps what
+        is differentiated where it can.
     method : str
-        ``"bdf"``, ``"radau"`` (fewer and longer steps for smooth problems and tight tolerances) or ``"automatic"``.
+        ``"bdf"``, ``"radau"`` (fewer and longer steps for smooth problems and tight tolerances) or
+        ``"automatic"``.
     rtol, atol : float or array_like or dict, optional
         The error of unknown i is kept near rtol |x_i| + atol; default 1e-6 each.
     t_eval : array_like, optional
-        Times of the outputs, in the order of integration, within t_span. By default the ends of all steps.
+        Times of the outputs, in the order of integration, within t_span. By default the ends of all
+        steps.
     dense_output : bool, optional
-        Whether ``sol(t)`` can be evaluated at any t. By default where t_eval is not given; it costs a few
-        interpolations a step.
+        Whether ``sol(t)`` can be evaluated at any t. By default where t_eval is not given; it costs
+        a few interpolations a step.
     events : callable, Event, or sequence of these, optional
-        Functions ``g(t, x)`` or ``g(t, x, xdot)`` whose zeros are located; see Event. As in solve_ivp, attributes
-        ``terminal`` and ``direction`` of functions count.
+        Functions ``g(t, x)`` or ``g(t, x, xdot)`` whose zeros are located; see Event. As in
+        solve_ivp, attributes ``terminal`` and ``direction`` of functions count.
     fixed : sequence of str or int or bool, optional
         Unknowns whose initial values must not change.
     parameters : dict, optional
@@ -73,25 +78,28 @@ def solve(
     xdot0 : array_like or dict, optional
         A guess of x', for problems that allow several.
     names, units : sequence of str, optional
-        Of the unknowns, where the problem is a function; by default the keys of x0, if it is a dict.
+        Of the unknowns, where the problem is a function; by default the keys of x0, if it is a
+        dict.
     progress : bool
         Shows a bar with time, step size and order.
     monitor : callable, optional
         Called after every step with a Progress; a true result stops.
     **options
-        Further members of sfdae_options by name, such as max_step, max_index, initial_step: ``sfdae.OPTION_NAMES``.
+        Further members of sfdae_options by name, such as max_step, max_index, initial_step:
+        ``sfdae.OPTION_NAMES``.
 
     Returns
     -------
     Solution
-        ``sol.t, sol.x`` (n x N), ``sol.xdot, sol(t), sol["name"], sol.events, sol.report, sol.status, sol.message``.
-        If the integration fails or is stopped (Ctrl-C included), what was reached, with a warning.
+        ``sol.t, sol.x`` (n x N), ``sol.xdot, sol(t), sol["name"], sol.events, sol.report,
+        sol.status, sol.message``. If the integration fails or is stopped (Ctrl-C included), what
+        was reached, with a warning.
 
     Raises
     ------
     Error
-        If the problem cannot be started: mistakes in arguments, an index that is too high or unclear, values for
-        which there is no solution.
+        If the problem cannot be started: mistakes in arguments, an index that is too high or
+        unclear, values for which there is no solution.
     Exception
         Whatever a callback raises stops the solver and is raised with its traceback.
 
@@ -102,23 +110,19 @@ def solve(
     IntegrationWarning
         If the end was not reached.
 
-    Examples
-    --------
-    >>> import numpy as np, sfdae
-    >>> def pendulum(t, x, xdot, g=9.81):
-    ...     p, q, u, v, force = x
-    ...     return [xdot[0] - u, xdot[1] - v, xdot[2] + 2 * p * force, xdot[3] + 2 * q * force + g, p**2 + q**2 - 1]
-    >>> sol = sfdae.solve(pendulum, (0, 10), [0.6, -0.8, 0, 0, 0], rtol=1e-8)
-    >>> sol.report.characteristics.strangeness_index
-    2
-    >>> bool(abs(sol(5.0)[0] ** 2 + sol(5.0)[1] ** 2 - 1) < 1e-6)
-    True
+    Examples -------- >>> import numpy as np, sfdae >>> def pendulum(t, x, xdot, g=9.81): ...     p,
+    q, u, v, force = x ...     return [xdot[0] - u, xdot[1] - v, xdot[2] + 2 * p * force, xdot[3] +
+    2 * q * force + g, p**2 + q**2 - 1] >>> sol = sfdae.solve(pendulum, (0, 10), [0.6, -0.8, 0, 0,
+    0], rtol=1e-8) >>> sol.report.characteristics.strangeness_index 2 >>> bool(abs(sol(5.0)[0] ** 2
+    + sol(5.0)[1] ** 2 - 1) < 1e-6) True
     """
     problem = as_problem(problem, x0, names, units)
     t0, t1 = _span(t_span)
     times = None if t_eval is None else _output_times(t_eval, t0, t1)
     dense_output = times is None if dense_output is None else bool(dense_output)
-    options = _with_stop_time({**options, "method": method, "rtol": rtol, "atol": atol, "fixed": fixed}, t1)
+    options = _with_stop_time(
+        {**options, "method": method, "rtol": rtol, "atol": atol, "fixed": fixed}, t1
+    )
     solver = Solver(problem, parameters=parameters, **options)
     dense = None
     if dense_output:
@@ -154,7 +158,8 @@ def analyze(
     problem : Problem or callable
         As for solve.
     t, toward : float
-        The index is detected at t and at a nearby point in the direction of `toward`, by default t + 1.
+        The index is detected at t and at a nearby point in the direction of `toward`, by default t
+        + 1.
     x : array_like or dict, optional
         Values near the solution; linear problems need none.
     names, parameters, **options
@@ -208,7 +213,8 @@ def make_consistent(
     Returns
     -------
     Point
-        ``t, x, xdot, status, message``; status is ``VALUES_CHANGED`` if values that are differentiated changed.
+        ``t, x, xdot, status, message``; status is ``VALUES_CHANGED`` if values that are
+        differentiated changed.
 
     Raises
     ------
@@ -220,7 +226,9 @@ def make_consistent(
     return solver.make_consistent(t, x, xdot)
 
 
-def as_problem(problem: ProblemOrFunction, x0: Any, names: Sequence[str] | None, units: Any) -> Problem:
+def as_problem(
+    problem: ProblemOrFunction, x0: Any, names: Sequence[str] | None, units: Any
+) -> Problem:
     """A problem as it is; a function as a nonlinear one, with as many unknowns as x0 has."""
     if isinstance(problem, Problem):
         if names is not None or units is not None:
@@ -230,7 +238,9 @@ def as_problem(problem: ProblemOrFunction, x0: Any, names: Sequence[str] | None,
         raise TypeError(f"a problem or a function F(t, x, xdot) is needed, not {problem!r}")
     if names is None and isinstance(x0, Mapping):
         names = list(x0)
-    return NonlinearProblem(problem, len(names) if names is not None else np.size(x0), names=names, units=units)
+    return NonlinearProblem(
+        problem, len(names) if names is not None else np.size(x0), names=names, units=units
+    )
 
 
 def _span(t_span: Sequence[float]) -> tuple[float, float]:
@@ -255,7 +265,9 @@ def _output_times(t_eval: Any, t0: float, t1: float) -> np.ndarray:
 
 
 def _with_stop_time(options: dict[str, Any], t1: float) -> dict[str, Any]:
-    """The options, with the end as the time beyond which nothing is evaluated unless others are given."""
+    """The options, with the end as the time beyond which nothing is evaluated unless others are
+    given.
+    """
     check_names(options)
     if "stop_time" not in options and "use_stop_time" not in options:
         options["stop_time"] = t1
@@ -265,4 +277,8 @@ def _with_stop_time(options: dict[str, Any], t1: float) -> dict[str, Any]:
 def _tolerance(problem: Problem, value: Any) -> Any:
     if value is None:
         return _TOLERANCE
-    return float(value) if np.ndim(value) == 0 and not isinstance(value, Mapping) else problem.values(value)
+    return (
+        float(value)
+        if np.ndim(value) == 0 and not isinstance(value, Mapping)
+        else problem.values(value)
+    )

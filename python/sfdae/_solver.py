@@ -39,12 +39,14 @@ class Point(NamedTuple):
 
 
 class Solver(Inspection):
-    """Analysis and integration of a problem, step by step; ``sfdae.solve`` does all of it in one call.
+    """Analysis and integration of a problem, step by step; ``sfdae.solve`` does all of it in one
+    call.
 
-    Failures are raised as sfdae.Error; where a point was reached nevertheless it is ``error.point``. Exceptions of
-    callbacks stop the call and are raised with their traceback. A solver belongs to one thread at a time:
-    calls from a second one fail with ``Status.BUSY``. The library works without Python's lock, so that
-    different solvers run in parallel. Solvers cannot be copied or pickled; see save_checkpoint.
+    Failures are raised as sfdae.Error; where a point was reached nevertheless it is
+    ``error.point``. Exceptions of callbacks stop the call and are raised with their traceback. A
+    solver belongs to one thread at a time: calls from a second one fail with ``Status.BUSY``. The
+    library works without Python's lock, so that different solvers run in parallel. Solvers cannot
+    be copied or pickled; see save_checkpoint.
 
     Parameters
     ----------
@@ -52,10 +54,12 @@ class Solver(Inspection):
     parameters : dict, optional
         Values of named parameters that replace those of the problem.
     monitor : callable, optional
-        Called after every accepted step with a Progress (t, step, order, steps, x); a true result stops the call with ``Status.STOPPED``.
+        Called after every accepted step with a Progress (t, step, order, steps, x); a true result
+        stops the call with ``Status.STOPPED``.
     **options
-        Members of sfdae_options by name (``sfdae.OPTION_NAMES``): rtol, atol (numbers or n values), method
-        (``"bdf"``, ``"radau"``, ``"automatic"``), fixed (names, indices or n booleans), max_step, ...
+        Members of sfdae_options by name (``sfdae.OPTION_NAMES``): rtol, atol (numbers or n values),
+        method (``"bdf"``, ``"radau"``, ``"automatic"``), fixed (names, indices or n booleans),
+        max_step, ...
 
     Raises
     ------
@@ -72,7 +76,9 @@ class Solver(Inspection):
         **options: Any,
     ) -> None:
         if not isinstance(problem, Problem):
-            raise TypeError(f"a problem is needed, for example NonlinearProblem(F, n), not {problem!r}")
+            raise TypeError(
+                f"a problem is needed, for example NonlinearProblem(F, n), not {problem!r}"
+            )
         check_names(options)
         self.problem = problem
         self._options = dict(options)
@@ -118,12 +124,14 @@ class Solver(Inspection):
             lib.sfdae_destroy(box)
 
     def __reduce__(self) -> Any:
-        raise TypeError("solvers cannot be pickled or copied: create another one, and see save_checkpoint")
+        raise TypeError(
+            "solvers cannot be pickled or copied: create another one, and see save_checkpoint"
+        )
 
     def __repr__(self) -> str:
         return f"Solver({self.problem!r})"
 
-    # ---- Calls ----------------------------------------------------------------------------------------------------
+    # ---- Calls -----------------------------------------------------------------------------------
 
     def _call(self, function: Callable[..., int], *arguments: Any) -> int:
         """Calls a function of C with this solver; its status if it is not a failure."""
@@ -144,11 +152,15 @@ class Solver(Inspection):
 
     @property
     def message(self) -> str:
-        """What the last call had to say: what, where, with which numbers, what to do next; "" after ``OK``."""
-        return self.problem.with_names(ffi.string(lib.sfdae_message(self._box[0])).decode(errors="replace"))
+        """What the last call had to say: what, where, with which numbers, what to do next; "" after
+        ``OK``.
+        """
+        return self.problem.with_names(
+            ffi.string(lib.sfdae_message(self._box[0])).decode(errors="replace")
+        )
 
     def request_stop(self) -> None:
-        """Stops the call that is running, or else the next one, with ``STOPPED``; from any thread."""
+        """Stops the call that is running, or else the next one; any thread may do so."""
         lib.sfdae_request_stop(self._box[0])
 
     def _pointer(self, array: np.ndarray) -> Any:
@@ -166,10 +178,12 @@ class Solver(Inspection):
             raise
         return Point(t[0], x, xdot, Status(status), self.message)
 
-    # ---- Options and parameters -----------------------------------------------------------------------------------
+    # ---- Options and parameters ------------------------------------------------------------------
 
     def set_options(self, **options: Any) -> None:
-        """Replaces some options; others stay. See sfdae_set_options for those that make a new start necessary."""
+        """Replaces some options; others stay. See sfdae_set_options for those that make a new start
+        necessary.
+        """
         merged = {**self._options, **options}
         keep: list[Any] = []
         c = c_options(self.problem, merged, keep)
@@ -204,20 +218,26 @@ class Solver(Inspection):
         checked = {}
         for name, value in parameters.items():
             if name not in values:
-                raise TypeError(f"there is no parameter {name!r}; there are {', '.join(values) or 'none'}")
+                raise TypeError(
+                    f"there is no parameter {name!r}; there are {', '.join(values) or 'none'}"
+                )
             checked[name] = checked_value(name, value)
             if np.shape(checked[name]) != np.shape(values[name]):
-                raise TypeError(f"parameter {name!r} has shape {np.shape(values[name])}, not {np.shape(value)}")
+                raise TypeError(
+                    f"parameter {name!r} has shape {np.shape(values[name])}, not {np.shape(value)}"
+                )
         values.update(checked)
         return checked
 
     def get_parameter(self, name: str) -> float:
-        """The value that the library has of a parameter, also of ``sfdae.parameter`` and of ``"k[1]"``."""
+        """The value that the library has of a parameter, also of ``sfdae.parameter`` and of
+        ``"k[1]"``.
+        """
         value = ffi.new("double*")
         self._call(lib.sfdae_get_parameter, name.encode(), value)
         return value[0]
 
-    # ---- Integration ----------------------------------------------------------------------------------------------
+    # ---- Integration -----------------------------------------------------------------------------
 
     def analyze(self, t: float, toward: float, x: Any = None) -> Any:
         """Detects the strangeness index at t and at a nearby point in the direction of `toward`.
@@ -232,17 +252,21 @@ class Solver(Inspection):
         Returns
         -------
         Struct
-            characteristics: strangeness_index, differential, algebraic, undetermined, redundant, ...
+            characteristics: strangeness_index, differential, algebraic, undetermined, redundant,
+            ...
         """
         if x is None and self.problem.kind == "linear":
             self._call(lib.sfdae_analyze, t, toward, ffi.NULL)
         else:
-            values = self.problem.values(np.zeros(self.problem.num_unknowns) if x is None else x, "x")
+            values = self.problem.values(
+                np.zeros(self.problem.num_unknowns) if x is None else x, "x"
+            )
             self._call(lib.sfdae_analyze_at, t, toward, self._pointer(values), ffi.NULL)
         return self.characteristics
 
     def make_consistent(self, t: float, x: Any, xdot: Any = None) -> Point:
-        """Makes x consistent at t as the options say and computes the derivative of the solution through it.
+        """Makes x consistent at t as the options say and computes the derivative of the solution
+        through it.
 
         Parameters
         ----------
@@ -271,7 +295,9 @@ class Solver(Inspection):
         """
         return self._values(lib.sfdae_start, (t, toward), x, xdot)
 
-    def _values(self, function: Callable[..., int], times: tuple[float, ...], x: Any, xdot: Any) -> Point:
+    def _values(
+        self, function: Callable[..., int], times: tuple[float, ...], x: Any, xdot: Any
+    ) -> Point:
         x = self.problem.values(x, "x")
         if xdot is not None and not self._options.get("xdot_is_guess"):
             self.set_options(xdot_is_guess=1)
@@ -280,7 +306,9 @@ class Solver(Inspection):
         return Point(float(times[0]), x, derivatives, Status(status), self.message)
 
     def advance(self, tout: float) -> Point:
-        """Integrates to tout; the point there, or that of an event, or the one reached when stopped."""
+        """Integrates to tout; the point there, or that of an event, or the one reached when
+        stopped.
+        """
         return self._point(lib.sfdae_advance, tout)
 
     def step(self, tout: float) -> Point:
@@ -293,7 +321,7 @@ class Solver(Inspection):
         status = self._call(lib.sfdae_interpolate, t, self._pointer(x), self._pointer(xdot))
         return Point(float(t), x, xdot, Status(status), self.message)
 
-    # ---- Events and checkpoints -----------------------------------------------------------------------------------
+    # ---- Events and checkpoints ------------------------------------------------------------------
 
     def set_events(
         self,
@@ -317,20 +345,28 @@ class Solver(Inspection):
             return
         if directions is not None and len(directions) != num_events:
             raise ValueError(f"there are {len(directions)} directions for {num_events} events")
-        c_directions = ffi.NULL if directions is None else ffi.new("int[]", [int(d) for d in directions])
-        self._call(lib.sfdae_set_events, num_events, lib.python_event_function, c_directions, self._user)
+        c_directions = (
+            ffi.NULL if directions is None else ffi.new("int[]", [int(d) for d in directions])
+        )
+        self._call(
+            lib.sfdae_set_events, num_events, lib.python_event_function, c_directions, self._user
+        )
         self._state.num_events = num_events
         self._state.events = _single(function) if num_events == 1 else function
 
     @property
     def events(self) -> np.ndarray:
-        """Which events happened at the point that was returned with ``EVENT``: +1 rising, -1 falling, else 0."""
+        """Which events happened at the point that was returned with ``EVENT``: +1 rising, -1
+        falling, else 0.
+        """
         which = np.zeros(max(self._state.num_events, 1), dtype=np.intc)
         self._call(lib.sfdae_get_events, ffi.cast("int*", which.ctypes.data))
         return which[: self._state.num_events]
 
     def save_checkpoint(self) -> np.ndarray:
-        """Analysis and state of the integration as an array of numbers; problem and options are not in it."""
+        """Analysis and state of the integration as an array of numbers; problem and options are not
+        in it.
+        """
         length = ffi.new("size_t*")
         self._call(lib.sfdae_get_checkpoint_length, length)
         checkpoint = np.empty(length[0])
@@ -351,7 +387,9 @@ def _single(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 class Progress(NamedTuple):
-    """What a monitor gets after every accepted step: t, signed step size, order, number of steps, x (n values)."""
+    """What a monitor gets after every accepted step: t, signed step size, order, number of steps, x
+    (n values).
+    """
 
     t: float
     step: float

@@ -29,7 +29,9 @@ def _status_codes() -> dict[str, int]:
 
 
 Status = enum.IntEnum("Status", _status_codes(), module=__name__)
-Status.__doc__ = """What a call returned: ``OK`` (0), a warning (> 0) or a failure (< 0); the names are those of C."""
+Status.__doc__ = (
+    """What a call returned: ``OK`` (0), a warning (> 0) or a failure (< 0), as in C."""
+)
 
 
 class Error(RuntimeError):
@@ -61,7 +63,9 @@ class SfdaeWarning(UserWarning):
 
 
 class InitialValuesWarning(SfdaeWarning):
-    """Initial values that are differentiated were changed, or the solution through them is not unique."""
+    """Initial values that are differentiated were changed, or the solution through them is not
+    unique.
+    """
 
 
 class IntegrationWarning(SfdaeWarning):

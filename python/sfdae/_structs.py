@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import types
 from typing import Any, Callable
 
@@ -24,13 +25,20 @@ def prepared(name: str) -> Any:
     return struct
 
 
+@functools.lru_cache(maxsize=None)
+def _names(struct_type: Any) -> tuple[str, ...]:
+    """Members that are numbers or characters, but for the size."""
+    fields = struct_type.item.fields
+    return tuple(
+        name for name, field in fields if name != "size" and field.type.kind == "primitive"
+    )
+
+
 def members(struct: Any) -> Struct:
     """All members but the size; characters as strings of one letter, "" for none."""
-    values = {}
-    for name, field in ffi.typeof(struct).item.fields:
-        if name != "size" and field.type.kind == "primitive":
-            value = getattr(struct, name)
-            values[name] = value.decode("ascii").strip("\0") if isinstance(value, bytes) else value
+    values = {name: getattr(struct, name) for name in _names(ffi.typeof(struct))}
+    if isinstance(values.get("function"), bytes):
+        values["function"] = values["function"].decode("ascii").strip("\0")
     return Struct(**values)
 
 

@@ -12,7 +12,13 @@ PENDULUM_START = {"px": 0.6, "py": -0.8}
 def pendulum(t, x, xdot, g=9.81):
     """Length and mass 1; strangeness index 2, d = 2, a = 3."""
     px, py, u, v, force = x
-    return [xdot[0] - u, xdot[1] - v, xdot[2] + 2 * px * force, xdot[3] + 2 * py * force + g, px**2 + py**2 - 1]
+    return [
+        xdot[0] - u,
+        xdot[1] - v,
+        xdot[2] + 2 * px * force,
+        xdot[3] + 2 * py * force + g,
+        px**2 + py**2 - 1,
+    ]
 
 
 def pendulum_problem(**more):
@@ -25,7 +31,9 @@ def energy(x, g=9.81):
 
 
 def forced_mass(t, x, xdot):
-    """Which force moves a unit mass along sin t? mu = 2, d = 0: position sin, velocity cos, force -sin."""
+    """Which force moves a unit mass along sin t? mu = 2, d = 0: position sin, velocity cos, force
+    -sin.
+    """
     return [xdot[0] - x[1], xdot[1] - x[2], x[0] - np.sin(t)]
 
 

@@ -43,7 +43,9 @@ DOCUMENTED += ["LinearProblem", "NonlinearProblem", "MultibodyProblem"]
 def test_every_argument_is_documented(name):
     thing = getattr(sfdae, name)
     text = inspect.getdoc(thing)
-    assert [a for a in inspect.signature(thing).parameters if not re.search(rf"\b{a}\b", text)] == []
+    assert [
+        a for a in inspect.signature(thing).parameters if not re.search(rf"\b{a}\b", text)
+    ] == []
 
 
 def test_every_function_of_the_library_is_used():
@@ -53,11 +55,15 @@ def test_every_function_of_the_library_is_used():
     reached |= {f"sfdae_{verb}_{kind}" for kind in kinds for verb in ("create", "check")}
     reached |= {f"sfdae_{kind}_problem_init" for kind in kinds}
     reached |= {f"sfdae_{name}" for name in sfdae._functions.OF_C}
-    reached |= {f"sfdae_{name}_init" for name in re.findall(r'(?:_filled|filled|prepared)\(\s*"(\w+)"', text)}
+    reached |= {
+        f"sfdae_{name}_init"
+        for name in re.findall(r'(?:_filled|filled|prepared)\(\s*"(\w+)"', text)
+    }
     functions = {
         name
         for name in dir(_binding.lib)
-        if name.startswith("sfdae_") and _binding.ffi.typeof(getattr(_binding.lib, name)).kind == "function"
+        if name.startswith("sfdae_")
+        and _binding.ffi.typeof(getattr(_binding.lib, name)).kind == "function"
     }
     assert functions - reached == set()
 
@@ -76,7 +82,10 @@ def test_status_codes_are_those_of_c():
 
 def test_errors_say_what_they_are():
     error = sfdae.Error(-20, "index")
-    assert (str(error), error.status) == ("SFDAE_INDEX_TOO_HIGH: index", sfdae.Status.INDEX_TOO_HIGH)
+    assert (str(error), error.status) == (
+        "SFDAE_INDEX_TOO_HIGH: index",
+        sfdae.Status.INDEX_TOO_HIGH,
+    )
     assert str(sfdae.Error(-77)) == "unknown status"
     assert sfdae.Error(-77).status == -77
 

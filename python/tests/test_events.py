@@ -21,10 +21,14 @@ def zero_of_x(t, x):
 @pytest.mark.parametrize("direction, expected", [(0, [1, 3, 5]), (1, [3]), (-1, [1, 5])])
 def test_zeros_of_the_cosine(method, t_eval, direction, expected):
     event = sfdae.Event(zero_of_x, direction=direction)
-    sol = sfdae.solve(oscillator, (0, 9), [1, 0], events=event, method=method, t_eval=t_eval, **EXACT)
+    sol = sfdae.solve(
+        oscillator, (0, 9), [1, 0], events=event, method=method, t_eval=t_eval, **EXACT
+    )
     assert sol.success and sol.last.t == 9
     assert sol.t_events[0] == pytest.approx(HALF_PI * np.array(expected), abs=1e-6)
-    assert [record.direction for record in sol.events] == [-1 if k % 4 == 1 else 1 for k in expected]
+    assert [record.direction for record in sol.events] == [
+        -1 if k % 4 == 1 else 1 for k in expected
+    ]
     assert sol.x_events[0].shape == (len(expected), 2)
     assert np.abs(sol.x_events[0][:, 0]).max() < 1e-12
     if t_eval is not None:
@@ -58,7 +62,11 @@ def test_the_second_event_ends(t_eval):
 
 
 def test_several_events_in_their_order():
-    events = [lambda t, x: x[0], sfdae.Event(lambda t, x, xdot: xdot[0], name="turn"), lambda t, x: t - 2.5]
+    events = [
+        lambda t, x: x[0],
+        sfdae.Event(lambda t, x, xdot: xdot[0], name="turn"),
+        lambda t, x: t - 2.5,
+    ]
     sol = sfdae.solve(oscillator, (0, 4), [1, 0], events=events, **EXACT)
     assert [record.index for record in sol.events] == [0, 2, 1]
     assert [record.t for record in sol.events] == pytest.approx([HALF_PI, 2.5, np.pi], abs=1e-6)
@@ -80,10 +88,14 @@ def bead(t, x, xdot, g=9.81):
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("t_eval", [None, np.linspace(0, 3, 31)])
 def test_a_bead_bounces(method, t_eval):
-    """Falls for T = 2 / sqrt(g), then flies for 2 r T, 2 r^2 T, ...; the velocities are (-r) times those before."""
+    """Falls for T = 2 / sqrt(g), then flies for 2 r T, 2 r^2 T, ...; the velocities are (-r) times
+    those before.
+    """
     r, T = 0.8, 2 / np.sqrt(9.81)
     stop = sfdae.Event(lambda t, x: x[1], direction=-1, action=lambda t, x: x * [1, 1, -r, -r, 1])
-    sol = sfdae.solve(bead, (0, 3), [1, 1, 0, 0, 0], events=stop, method=method, t_eval=t_eval, **EXACT)
+    sol = sfdae.solve(
+        bead, (0, 3), [1, 1, 0, 0, 0], events=stop, method=method, t_eval=t_eval, **EXACT
+    )
     impacts = T + np.concatenate([[0], np.cumsum(2 * T * r ** np.arange(1, 20))])
     assert sol.success and sol.t_events[0] == pytest.approx(impacts[impacts <= 3], abs=1e-5)
     flight = np.searchsorted(impacts, sol.t - 1e-9)
@@ -138,10 +150,16 @@ def test_wrong_values_of_an_action():
 
 
 def test_an_event_at_an_output():
-    sol = sfdae.solve(oscillator, (0, 2), [1, 0], events=lambda t, x: t - 1.0, t_eval=[0.5, 1.0, 1.5], **EXACT)
-    assert sol.t_events[0] == pytest.approx([1.0]) and sol.x[0] == pytest.approx(np.cos(sol.t), abs=1e-6)
+    sol = sfdae.solve(
+        oscillator, (0, 2), [1, 0], events=lambda t, x: t - 1.0, t_eval=[0.5, 1.0, 1.5], **EXACT
+    )
+    assert sol.t_events[0] == pytest.approx([1.0]) and sol.x[0] == pytest.approx(
+        np.cos(sol.t), abs=1e-6
+    )
 
 
 def test_turning_points_of_the_pendulum():
-    sol = sfdae.solve(pendulum_problem(), (0, 5), PENDULUM_START, events=lambda t, x: x[2], rtol=1e-8, atol=1e-8)
+    sol = sfdae.solve(
+        pendulum_problem(), (0, 5), PENDULUM_START, events=lambda t, x: x[2], rtol=1e-8, atol=1e-8
+    )
     assert np.abs(sol.x_events[0][:, 0]) == pytest.approx(0.6, abs=1e-5)

@@ -34,8 +34,12 @@ def test_every_ufunc_has_the_value_of_numpy(name):
     assert close(value_of(lambda t: ufunc(t)), ufunc(T))
 
 
-@pytest.mark.parametrize("op", [operator.add, operator.sub, operator.mul, operator.truediv, operator.pow])
-@pytest.mark.parametrize("other", [2, 2.5, np.float64(1.5), np.int32(3), np.float32(0.5), np.array(1.25), True])
+@pytest.mark.parametrize(
+    "op", [operator.add, operator.sub, operator.mul, operator.truediv, operator.pow]
+)
+@pytest.mark.parametrize(
+    "other", [2, 2.5, np.float64(1.5), np.int32(3), np.float32(0.5), np.array(1.25), True]
+)
 def test_operators_with_every_kind_of_number(op, other):
     assert close(value_of(lambda t: op(t, other)), op(T, float(other)))
     assert close(value_of(lambda t: op(other, t)), op(float(other), T))
@@ -53,7 +57,13 @@ def test_vectors_and_matrices():
     def formula(t):
         v = np.array([t, t**2])
         assert (M @ v).shape == (2,)
-        return (M @ v) @ v + np.dot(v, v) + np.cross([t, 0, 0], [0, t, 0])[2] + np.sum(v * [1, 2]) + v.sum()
+        return (
+            (M @ v) @ v
+            + np.dot(v, v)
+            + np.cross([t, 0, 0], [0, t, 0])[2]
+            + np.sum(v * [1, 2])
+            + v.sum()
+        )
 
     v = np.array([T, T**2])
     assert close(value_of(formula), (M @ v) @ v + v @ v + T**2 + v @ [1, 2] + v.sum())
@@ -62,7 +72,10 @@ def test_vectors_and_matrices():
 def test_functions_of_arrays_of_expressions():
     assert close(value_of(lambda t: np.sin(np.array([t, 2 * t])).sum()), np.sin([T, 2 * T]).sum())
     assert close(value_of(lambda t: np.linalg.norm(np.array([t, 2 * t]))), math.sqrt(5) * T)
-    assert close(value_of(lambda t: np.arctan2(np.array([t, 1 + t]), np.array([1 + t, t])).sum()), math.pi / 2)
+    assert close(
+        value_of(lambda t: np.arctan2(np.array([t, 1 + t]), np.array([1 + t, t])).sum()),
+        math.pi / 2,
+    )
 
 
 def test_own_functions_serve_numbers_expressions_and_mixed_arrays():
@@ -77,11 +90,20 @@ def test_own_functions_serve_numbers_expressions_and_mixed_arrays():
 
 @pytest.mark.parametrize(
     "condition",
-    [lambda t: t > 0.2, lambda t: t >= 0.2, lambda t: t < 0.4, lambda t: 0.4 > t, lambda t: ~(t > 0.4), lambda t: t],
+    [
+        lambda t: t > 0.2,
+        lambda t: t >= 0.2,
+        lambda t: t < 0.4,
+        lambda t: 0.4 > t,
+        lambda t: ~(t > 0.4),
+        lambda t: t,
+    ],
 )
 def test_choices(condition):
     assert value_of(lambda t: sfdae.choose(condition(t), 5 * t, t)) == 5 * T
-    if not isinstance(condition(sfdae.Expression(sfdae._expression._as_c(0.0), None)), sfdae.Expression):
+    if not isinstance(
+        condition(sfdae.Expression(sfdae._expression._as_c(0.0), None)), sfdae.Expression
+    ):
         assert value_of(lambda t: np.where(condition(t), 5 * t, t)) == 5 * T
 
 
@@ -102,7 +124,16 @@ def test_choose_of_numbers_and_arrays():
 
 @pytest.mark.parametrize(
     "use",
-    [bool, float, int, math.sin, lambda t: t == 0, lambda t: t != 0, lambda t: 1 if t > 0 else 2, lambda t: max(t, 0)],
+    [
+        bool,
+        float,
+        int,
+        math.sin,
+        lambda t: t == 0,
+        lambda t: t != 0,
+        lambda t: 1 if t > 0 else 2,
+        lambda t: max(t, 0),
+    ],
 )
 def test_values_are_refused_with_an_explanation(use):
     with pytest.raises(TypeError, match="no value while equations are recorded"):
@@ -140,7 +171,13 @@ def test_numbers_that_are_not_finite_are_refused():
 def test_expressions_that_outlive_their_recording_are_refused():
     kept = []
     value_of(lambda t: kept.append(t) or t)
-    for use in (lambda t: t + 1, lambda t: 1 + t, lambda t: -t, np.sin, lambda t: sfdae.parameter(t, "k", 1.0)):
+    for use in (
+        lambda t: t + 1,
+        lambda t: 1 + t,
+        lambda t: -t,
+        np.sin,
+        lambda t: sfdae.parameter(t, "k", 1.0),
+    ):
         with pytest.raises(RuntimeError, match="recording that has ended"):
             use(kept[0])
     with pytest.raises(RuntimeError, match="recording that has ended"):

@@ -39,7 +39,9 @@ def energy(x):
 def test_the_pendulum(make, method):
     problem = make()
     assert problem.names == ("q[0]", "q[1]", "v[0]", "v[1]", "lambda[0]")
-    sol = sfdae.solve(problem, (0, 3), {"q[0]": 0.6, "q[1]": -0.8}, method=method, rtol=1e-9, atol=1e-9)
+    sol = sfdae.solve(
+        problem, (0, 3), {"q[0]": 0.6, "q[1]": -0.8}, method=method, rtol=1e-9, atol=1e-9
+    )
     assert np.abs(energy(sol.x)).max() < 1e-6
     c = sol.report.characteristics
     assert (c.strangeness_index, c.differential, c.algebraic) == (2, 2, 3)
@@ -48,9 +50,13 @@ def test_the_pendulum(make, method):
     assert 2 * sol.x[4] == pytest.approx(sol.x[2] ** 2 + sol.x[3] ** 2 - G * sol.x[1], abs=1e-9)
 
 
-@pytest.mark.parametrize("mass", [None, np.eye(2), [1, 1], lambda t, q: [[1, 0], [0, 1]], lambda t, q, m=1.0: [m, m]])
+@pytest.mark.parametrize(
+    "mass", [None, np.eye(2), [1, 1], lambda t, q: [[1, 0], [0, 1]], lambda t, q, m=1.0: [m, m]]
+)
 def test_every_form_of_a_mass(mass):
-    sol = sfdae.solve(recorded(mass=mass), (0, 1), [0.6, -0.8, 0, 0, 0], t_eval=[1.0], rtol=1e-9, atol=1e-9)
+    sol = sfdae.solve(
+        recorded(mass=mass), (0, 1), [0.6, -0.8, 0, 0, 0], t_eval=[1.0], rtol=1e-9, atol=1e-9
+    )
     assert abs(energy(sol.x[:, 0])) < 1e-6
 
 
@@ -68,7 +74,9 @@ def test_redundant_constraints_are_reported():
 
 
 def test_a_skate():
-    """Nonholonomic: a skate at angle q3 moves along its blade only; pushed and turning it runs in a circle."""
+    """Nonholonomic: a skate at angle q3 moves along its blade only; pushed and turning it runs in a
+    circle.
+    """
     problem = sfdae.MultibodyProblem(
         3,
         nonholonomic_matrix=lambda t, q: [[np.sin(q[2]), -np.cos(q[2]), 0]],
@@ -118,7 +126,10 @@ def test_mistakes_of_callbacks():
     with pytest.raises(TypeError, match="named parameters need recorded formulas"):
         sfdae.MultibodyProblem(2, forces=[0, 0], recorded=False, parameters={"g": 1})
     wrong = sfdae.MultibodyProblem(
-        2, constraints=lambda t, q: [q @ q - 1], constraint_jacobian=lambda t, q: [3 * q], recorded=False
+        2,
+        constraints=lambda t, q: [q @ q - 1],
+        constraint_jacobian=lambda t, q: [3 * q],
+        recorded=False,
     )
     check = sfdae.Solver(wrong).check_multibody_derivatives(0.0, [0.6, -0.8], [0.8, 0.6])
     assert check.suspicious and check.function == "G"
@@ -127,4 +138,6 @@ def test_mistakes_of_callbacks():
     with pytest.raises(ValueError, match="q and v have 1 and 2"):
         sfdae.Solver(callbacks()).check_multibody_derivatives(0.0, [0.6], [0.8, 0.6])
     with pytest.raises(ZeroDivisionError):
-        sfdae.solve(sfdae.MultibodyProblem(1, forces=lambda t, q, v: 1 / 0, recorded=False), (0, 1), [0, 0])
+        sfdae.solve(
+            sfdae.MultibodyProblem(1, forces=lambda t, q, v: 1 / 0, recorded=False), (0, 1), [0, 0]
+        )

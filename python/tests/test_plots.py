@@ -41,7 +41,13 @@ def test_chosen_unknowns_on_a_given_axis():
 
 def test_curves_are_smooth_and_events_are_marked():
     sol = sfdae.solve(
-        pendulum_problem(), (0, 2), PENDULUM_START, events=lambda t, x: x[0], method="radau", rtol=1e-9, atol=1e-9
+        pendulum_problem(),
+        (0, 2),
+        PENDULUM_START,
+        events=lambda t, x: x[0],
+        method="radau",
+        rtol=1e-9,
+        atol=1e-9,
     )
     ax = sol.plot("px")
     t, px = ax.lines[0].get_data()
@@ -65,9 +71,11 @@ def test_rank_decisions():
     report = solution().report
     ax = report.plot()
     assert ax.get_yscale() == "log"
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["smallest kept", "largest dropped", "noise"]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == [
+        "smallest kept",
+        "largest dropped",
+        "noise",
+    ]
     assert ax.get_title() == "strangeness index 2, d = 2, a = 3"
     kept = ax.lines[0].get_ydata()
     assert kept.tolist() == [decision.kept for decision in report.decisions if decision.rank > 0]
-
-

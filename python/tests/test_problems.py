@@ -10,12 +10,18 @@ from models import PENDULUM_NAMES, energy, forced_mass, oscillator, pendulum, pe
 EXACT = {"rtol": 1e-9, "atol": 1e-9}
 
 
-# ---- Nonlinear problems -----------------------------------------------------------------------------------------
+# ---- Nonlinear problems --------------------------------------------------------------------------
 
 
 def test_the_index_of_the_pendulum():
     c = sfdae.analyze(pendulum_problem(), 0.0, {"px": 0.6, "py": -0.8}).characteristics
-    assert (c.strangeness_index, c.differential, c.algebraic, c.undetermined, c.redundant) == (2, 2, 3, 0, 0)
+    assert (c.strangeness_index, c.differential, c.algebraic, c.undetermined, c.redundant) == (
+        2,
+        2,
+        3,
+        0,
+        0,
+    )
 
 
 def test_equations_may_be_nested_arrays():
@@ -31,14 +37,20 @@ def test_equations_are_counted():
     """More equations than unknowns: the third follows from the first two."""
 
     def equations(t, x, xdot):
-        return [xdot[0] - x[1], xdot[1] + x[0], xdot[0] * x[1] + xdot[1] * x[1] - x[1] ** 2 + x[0] * x[1]]
+        return [
+            xdot[0] - x[1],
+            xdot[1] + x[0],
+            xdot[0] * x[1] + xdot[1] * x[1] - x[1] ** 2 + x[0] * x[1],
+        ]
 
     problem = sfdae.NonlinearProblem(equations, 2)
     solver = sfdae.Solver(problem)
     assert problem.num_equations == 3
     c = solver.analyze(0.0, 1.0, [1.0, 0.5])
     assert (c.differential, c.algebraic, c.redundant) == (2, 0, 1)
-    assert sfdae.solve(problem, (0, 1), [1.0, 0.0], **EXACT).x[0, -1] == pytest.approx(np.cos(1), abs=1e-6)
+    assert sfdae.solve(problem, (0, 1), [1.0, 0.0], **EXACT).x[0, -1] == pytest.approx(
+        np.cos(1), abs=1e-6
+    )
 
 
 def test_a_wrong_count_is_refused():
@@ -81,7 +93,10 @@ def test_an_exception_in_equations_has_its_traceback():
 def test_an_unknown_that_equations_leave_free_can_be_prescribed():
     """x' = u with u = cos: x = sin."""
     problem = sfdae.NonlinearProblem(
-        lambda t, x, xdot: [xdot[0] - x[1]], names=["x", "u"], num_equations=1, prescribed={"u": np.cos}
+        lambda t, x, xdot: [xdot[0] - x[1]],
+        names=["x", "u"],
+        num_equations=1,
+        prescribed={"u": np.cos},
     )
     sol = sfdae.solve(problem, (0, 2), [0, 1], **EXACT)
     assert sol["x"] == pytest.approx(np.sin(sol.t), abs=1e-7)
@@ -112,7 +127,7 @@ def test_total_derivatives_by_hand():
     assert not sfdae.Solver(problem).check_derivatives(0.5, 2).suspicious
 
 
-# ---- Names and values -------------------------------------------------------------------------------------------
+# ---- Names and values ----------------------------------------------------------------------------
 
 
 def test_names_are_used_everywhere():
@@ -161,7 +176,7 @@ def test_values_that_are_not_finite(bad):
         sfdae.solve(oscillator, (0, 1), [bad, 0.0])
 
 
-# ---- Parameters -------------------------------------------------------------------------------------------------
+# ---- Parameters ----------------------------------------------------------------------------------
 
 
 def test_parameters_have_defaults_and_can_be_changed():
@@ -228,7 +243,7 @@ def test_wrong_parameters(parameters, error, text):
         sfdae.Solver(sfdae.NonlinearProblem(oscillator, 2)).set_parameters(**parameters)
 
 
-# ---- Linear problems --------------------------------------------------------------------------------------------
+# ---- Linear problems -----------------------------------------------------------------------------
 
 E = [[1, 0, 0], [0, 1, 0], [0, 0, 0]]
 A = [[0, 1, 0], [0, 0, 1], [1, 0, 0]]
@@ -256,7 +271,9 @@ def test_linear_problems_in_all_forms(coefficients, kind):
     problem = sfdae.LinearProblem(*coefficients)
     assert problem.kind == kind
     sol = sfdae.solve(problem, (0, 2), [0, 1, 0], t_eval=[0, 1, 2])
-    assert sol.x == pytest.approx(np.array([np.sin(sol.t), np.cos(sol.t), -np.sin(sol.t)]), abs=1e-12)
+    assert sol.x == pytest.approx(
+        np.array([np.sin(sol.t), np.cos(sol.t), -np.sin(sol.t)]), abs=1e-12
+    )
     c = sol.report.characteristics
     assert (c.strangeness_index, c.differential, c.algebraic) == (2, 0, 3)
 
@@ -274,7 +291,9 @@ def test_linear_formulas_with_parameters():
 
 def test_linear_problems_with_a_prescribed_unknown():
     problem = sfdae.LinearProblem([[1, 0]], [[0, 1]], names=["x", "u"], prescribed={"u": np.cos})
-    assert sfdae.solve(problem, (0, 1), [0, 1], **EXACT).x[0, -1] == pytest.approx(np.sin(1), abs=1e-7)
+    assert sfdae.solve(problem, (0, 1), [0, 1], **EXACT).x[0, -1] == pytest.approx(
+        np.sin(1), abs=1e-7
+    )
 
 
 @pytest.mark.parametrize(
@@ -296,7 +315,11 @@ def test_wrong_linear_problems(arguments, error, text):
 @pytest.mark.parametrize(
     "wrong, error, text",
     [
-        (lambda t, order: [0, 0], ValueError, r"f of order 0 returned an array of shape \(2,\), not \(3,\)"),
+        (
+            lambda t, order: [0, 0],
+            ValueError,
+            r"f of order 0 returned an array of shape \(2,\), not \(3,\)",
+        ),
         (lambda t, order: None, TypeError, "f returned None for order 0"),
         (lambda t, order: ["a", 0, 0], TypeError, "no array of numbers"),
         (lambda t, order: 1 / 0, ZeroDivisionError, "division"),
@@ -325,7 +348,9 @@ def test_nan_of_a_callback_is_named():
 
 def test_derivatives_by_hand_are_checked():
     right = sfdae.Solver(sfdae.LinearProblem(E, A, f_callback)).check_derivatives(0.5, 3)
-    wrong = sfdae.Solver(sfdae.LinearProblem(E, A, lambda t, order: [0, 0, -np.sin(t)])).check_derivatives(0.5, 3)
+    wrong = sfdae.Solver(
+        sfdae.LinearProblem(E, A, lambda t, order: [0, 0, -np.sin(t)])
+    ).check_derivatives(0.5, 3)
     assert not right.suspicious
     assert (wrong.suspicious, wrong.function, wrong.row) == (1, "f", 2)
 
@@ -341,7 +366,9 @@ def test_arrays_of_callbacks_can_be_kept():
         F = [jet[0, order + 1] + jet[0, order]]
         return (F, [[float(order == 0)]], [[float(order == 0)]]) if jacobians else F
 
-    sfdae.solve(sfdae.NonlinearProblem(num_unknowns=1, total_derivative=total_derivative), (0, 1), [1.0])
+    sfdae.solve(
+        sfdae.NonlinearProblem(num_unknowns=1, total_derivative=total_derivative), (0, 1), [1.0]
+    )
     assert all(np.all(np.isfinite(jet)) for jet in kept)
 
 

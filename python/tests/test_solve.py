@@ -10,7 +10,15 @@ import numpy as np
 import pytest
 
 import sfdae
-from models import PENDULUM_NAMES, PENDULUM_START, energy, forced_mass, oscillator, pendulum, pendulum_problem
+from models import (
+    PENDULUM_NAMES,
+    PENDULUM_START,
+    energy,
+    forced_mass,
+    oscillator,
+    pendulum,
+    pendulum_problem,
+)
 
 METHODS = ["bdf", "radau", "automatic"]
 Status = sfdae.Status
@@ -20,7 +28,7 @@ def oscillation(t):
     return np.array([np.cos(t), -np.sin(t)])
 
 
-# ---- Outputs ----------------------------------------------------------------------------------------------------
+# ---- Outputs -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -28,7 +36,13 @@ def oscillation(t):
 def test_outputs_at_given_times(method, t_span):
     times = np.linspace(*t_span, 9)
     sol = sfdae.solve(
-        oscillator, t_span, oscillation(t_span[0]), method=method, t_eval=times, rtol=1e-9, atol=1e-9
+        oscillator,
+        t_span,
+        oscillation(t_span[0]),
+        method=method,
+        t_eval=times,
+        rtol=1e-9,
+        atol=1e-9,
     )
     assert sol.success and sol.status == Status.OK
     assert np.array_equal(sol.t, times)
@@ -54,7 +68,9 @@ def test_outputs_at_the_ends_of_steps(method):
 @pytest.mark.parametrize("dense_output", [False, True])
 @pytest.mark.parametrize("times", [[], [0.0], [1.0], [0.0, 1.0], [0.5], [0.25, 0.5]])
 def test_few_outputs(times, dense_output):
-    sol = sfdae.solve(oscillator, (0, 1), [1, 0], t_eval=times, dense_output=dense_output, rtol=1e-8, atol=1e-8)
+    sol = sfdae.solve(
+        oscillator, (0, 1), [1, 0], t_eval=times, dense_output=dense_output, rtol=1e-8, atol=1e-8
+    )
     assert sol.t.tolist() == times and sol.x.shape == (2, len(times))
     assert sol.x == pytest.approx(oscillation(sol.t), abs=1e-5)
     assert sol.last.t == 1.0
@@ -103,7 +119,10 @@ def test_ranges_are_checked_by_the_library():
 
 
 def test_every_option_of_the_library_can_be_set():
-    defaults = {name: getattr(sfdae._options.c_options(pendulum_problem(), {}, []), name) for name in sfdae.OPTION_NAMES}
+    defaults = {
+        name: getattr(sfdae._options.c_options(pendulum_problem(), {}, []), name)
+        for name in sfdae.OPTION_NAMES
+    }
     numbers = {name: value for name, value in defaults.items() if isinstance(value, (int, float))}
     assert {"rtol", "max_index", "stop_time", "min_stages"} <= numbers.keys()
     sfdae.Solver(pendulum_problem(), **numbers)
@@ -121,7 +140,7 @@ def test_nothing_is_evaluated_beyond_the_end():
     assert max(latest) <= 1.0
 
 
-# ---- Names ------------------------------------------------------------------------------------------------------
+# ---- Names ---------------------------------------------------------------------------------------
 
 
 def test_names_of_the_solution():
@@ -134,7 +153,9 @@ def test_names_of_the_solution():
 
 
 def test_names_from_a_dictionary_of_values():
-    sol = sfdae.solve(lambda t, x, xdot: [xdot[0] - x[1], xdot[1] + x[0]], (0, 1), {"place": 1.0, "speed": 0.0})
+    sol = sfdae.solve(
+        lambda t, x, xdot: [xdot[0] - x[1], xdot[1] + x[0]], (0, 1), {"place": 1.0, "speed": 0.0}
+    )
     assert sol.names == ("place", "speed")
 
 
@@ -153,7 +174,7 @@ def test_a_solution_shows_what_it_is_and_can_be_pickled():
     assert again.report.characteristics == sol.report.characteristics
 
 
-# ---- Initial values ---------------------------------------------------------------------------------------------
+# ---- Initial values ------------------------------------------------------------------------------
 
 
 def test_wrong_initial_values_are_corrected_with_a_warning_that_names_them():
@@ -166,7 +187,9 @@ def test_wrong_initial_values_are_corrected_with_a_warning_that_names_them():
 def test_fixed_values_stay():
     sol = sfdae.solve(pendulum_problem(), (0, 1), {"px": 0.6, "py": -0.9}, fixed=["px"])
     assert sol.x[0, 0] == 0.6 and sol.x[1, 0] == pytest.approx(-0.8)
-    same = sfdae.make_consistent(pendulum_problem(), 0, {"px": 0.6, "py": -0.9}, fixed=[True] + 4 * [False])
+    same = sfdae.make_consistent(
+        pendulum_problem(), 0, {"px": 0.6, "py": -0.9}, fixed=[True] + 4 * [False]
+    )
     assert same.x[:2] == pytest.approx([0.6, -0.8])
 
 
@@ -185,7 +208,9 @@ def test_make_consistent_of_a_function():
 def test_a_guess_of_the_derivative_chooses_a_solution():
     """x'^2 = 1: two solutions."""
     for guess in (1.0, -1.0):
-        sol = sfdae.solve(lambda t, x, xdot: [xdot[0] ** 2 - 1], (0, 1), [0.0], xdot0=[guess], t_eval=[1.0])
+        sol = sfdae.solve(
+            lambda t, x, xdot: [xdot[0] ** 2 - 1], (0, 1), [0.0], xdot0=[guess], t_eval=[1.0]
+        )
         assert sol.x[0, 0] == pytest.approx(guess, abs=1e-9)
 
 
@@ -195,7 +220,7 @@ def test_solutions_that_are_not_unique_are_reported():
         sfdae.solve(problem, (0, 1), [0, 1])
 
 
-# ---- Dense output -----------------------------------------------------------------------------------------------
+# ---- Dense output --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -206,7 +231,8 @@ def test_dense_output_is_as_accurate_as_the_outputs(method, tol, t_span):
     times = np.linspace(*t_span, 1001)
     error_at_outputs = np.abs(sol.x - oscillation(sol.t)).max()
     error = np.abs(sol(times) - oscillation(times)).max()
-    # |x| <= 1: rtol |x| + atol <= 2 tol. What the integrator's own interpolation may err by comes on top.
+    # |x| <= 1: rtol |x| + atol <= 2 tol. What the integrator's own interpolation may err by comes
+    # on top.
     assert error <= error_at_outputs + (max(sol.dense.accuracy, 0.3) + 1) * 2 * tol
     assert sol.dense.accuracy < 10
 
@@ -214,7 +240,12 @@ def test_dense_output_is_as_accurate_as_the_outputs(method, tol, t_span):
 @pytest.mark.parametrize("method", METHODS)
 def test_dense_output_agrees_with_outputs_of_the_same_steps(method):
     with_outputs = sfdae.solve(
-        pendulum_problem(), (0, 3), PENDULUM_START, t_eval=np.linspace(0, 3, 50), dense_output=True, method=method
+        pendulum_problem(),
+        (0, 3),
+        PENDULUM_START,
+        t_eval=np.linspace(0, 3, 50),
+        dense_output=True,
+        method=method,
     )
     weights = 1e-6 * np.abs(with_outputs.x) + 1e-6
     differences = np.abs(with_outputs(with_outputs.t) - with_outputs.x) / weights
@@ -264,7 +295,7 @@ def test_shapes_of_dense_output():
         sol([[0.1]])
 
 
-# ---- Ends before the end ----------------------------------------------------------------------------------------
+# ---- Ends before the end -------------------------------------------------------------------------
 
 
 def explosion(t, x, xdot):
@@ -312,7 +343,9 @@ def test_a_monitor_stops(t_eval):
 @pytest.mark.parametrize("t_eval", [None, [0, 1e9]])
 @pytest.mark.parametrize("method", ["bdf", "radau"])
 def test_ctrl_c_returns_what_there_is(t_eval, method):
-    """The signal comes while the library integrates recorded equations: no Python code runs but the monitor."""
+    """The signal comes while the library integrates recorded equations: no Python code runs but the
+    monitor.
+    """
     has_started, has_ended = threading.Event(), threading.Event()
 
     def press_ctrl_c():
@@ -328,14 +361,22 @@ def test_ctrl_c_returns_what_there_is(t_eval, method):
     thread = threading.Thread(target=press_ctrl_c)
     thread.start()
     sol = sfdae.solve(
-        pendulum_problem(), (0, 1e9), PENDULUM_START, t_eval=t_eval, method=method, max_steps=10**9, monitor=monitor
+        pendulum_problem(),
+        (0, 1e9),
+        PENDULUM_START,
+        t_eval=t_eval,
+        method=method,
+        max_steps=10**9,
+        monitor=monitor,
     )
     has_ended.set()
     thread.join()
     assert sol.status == Status.STOPPED and "interrupted" in sol.message
     assert 0 < sol.last.t < 1e9
     if t_eval is None:
-        assert sol.t[-1] == sol.last.t and sol(sol.last.t) == pytest.approx(sol.last.x, rel=1e-6, abs=1e-6)
+        assert sol.t[-1] == sol.last.t and sol(sol.last.t) == pytest.approx(
+            sol.last.x, rel=1e-6, abs=1e-6
+        )
 
 
 def test_ctrl_c_in_an_event_function():
@@ -357,7 +398,7 @@ def test_other_exceptions_of_a_monitor_are_raised():
     assert any(entry.name == "monitor" for entry in caught.traceback)
 
 
-# ---- Progress ---------------------------------------------------------------------------------------------------
+# ---- Progress ------------------------------------------------------------------------------------
 
 
 def test_a_progress_bar(capsys):
@@ -381,7 +422,9 @@ def test_nothing_is_printed_otherwise(capfd):
 
 
 def test_the_energy_is_kept():
-    sol = sfdae.solve(pendulum_problem(), (0, 10), PENDULUM_START, method="radau", rtol=1e-10, atol=1e-10)
+    sol = sfdae.solve(
+        pendulum_problem(), (0, 10), PENDULUM_START, method="radau", rtol=1e-10, atol=1e-10
+    )
     assert np.abs(energy(sol.x)).max() < 1e-8
     px, py, u, v, _ = sol.x
     assert np.abs(px**2 + py**2 - 1).max() < 1e-13 and np.abs(px * u + py * v).max() < 1e-12

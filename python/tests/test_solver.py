@@ -24,7 +24,7 @@ def started(problem=None, x0=PENDULUM_START, **options):
     return solver
 
 
-# ---- Steps ------------------------------------------------------------------------------------------------------
+# ---- Steps ---------------------------------------------------------------------------------------
 
 
 def test_points_of_every_kind():
@@ -55,7 +55,11 @@ def test_a_failure_has_its_point_and_the_names_of_unknowns():
 
 def test_calls_before_a_start():
     solver = sfdae.Solver(pendulum_problem())
-    for call in (lambda: solver.advance(1.0), lambda: solver.characteristics, lambda: solver.decisions):
+    for call in (
+        lambda: solver.advance(1.0),
+        lambda: solver.characteristics,
+        lambda: solver.decisions,
+    ):
         with pytest.raises(sfdae.Error) as caught:
             call()
         assert caught.value.status == Status.NOT_STARTED
@@ -129,7 +133,7 @@ def test_a_callback_may_read_but_not_integrate():
     assert seen
 
 
-# ---- The theory's objects ---------------------------------------------------------------------------------------
+# ---- The theory's objects ------------------------------------------------------------------------
 
 
 def test_projectors_have_their_defining_properties():
@@ -171,23 +175,30 @@ def test_linear_problems_are_analyzed_without_values():
 
 
 def test_changes_of_the_characteristic_values():
-    """t x' + x = 0 from t = -1: no derivative at t = 0."""
-    solver = sfdae.Solver(sfdae.LinearProblem(lambda t: [[t]], [[-1.0]], num_unknowns=1))
-    solver.start(-1.0, [1.0], 1.0)
+    """E x' = -x with E = 1 before t = 0.5 and 0 after it."""
+    problem = sfdae.LinearProblem(
+        lambda t: [[np.where(t < 0.5, 1.0, 0.0)]], [[-1.0]], num_unknowns=1
+    )
+    solver = sfdae.Solver(problem)
+    solver.start(0.0, [1.0], 1.0)
     with pytest.raises(sfdae.Error) as caught:
         solver.advance(1.0)
     assert caught.value.status == Status.CHARACTERISTICS_CHANGED
-    assert solver.change.t == pytest.approx(0.0, abs=1e-3)
+    change = solver.change
+    assert change.t == pytest.approx(0.5, abs=1e-6)
+    assert (change.old_differential, change.new_differential) == (1, 0)
 
 
-# ---- Threads ----------------------------------------------------------------------------------------------------
+# ---- Threads -------------------------------------------------------------------------------------
 
 
 def test_solvers_run_in_threads():
     """Parameter sweep: x'' = -k x."""
 
     def final(k):
-        sol = sfdae.solve(oscillator, (0, 5), [1, 0], parameters={"k": k}, rtol=1e-8, atol=1e-8, t_eval=[5.0])
+        sol = sfdae.solve(
+            oscillator, (0, 5), [1, 0], parameters={"k": k}, rtol=1e-8, atol=1e-8, t_eval=[5.0]
+        )
         return sol.x[0, 0]
 
     values = np.linspace(0.5, 4, 16)
@@ -216,7 +227,7 @@ def test_a_second_thread_is_refused():
         assert running.result().status == Status.STOPPED
 
 
-# ---- Memory -----------------------------------------------------------------------------------------------------
+# ---- Memory --------------------------------------------------------------------------------------
 
 
 def test_solvers_cannot_be_copied():
@@ -250,7 +261,9 @@ def test_what_a_function_holds_is_freed_with_the_problem():
 
     data = Data()
     reference = weakref.ref(data)
-    problem = sfdae.NonlinearProblem((lambda held: lambda t, x, xdot: [xdot[0] + held.rate * x[0]])(data), 1)
+    problem = sfdae.NonlinearProblem(
+        (lambda held: lambda t, x, xdot: [xdot[0] + held.rate * x[0]])(data), 1
+    )
     sol = sfdae.solve(problem, (0, 1), [1.0])
     del data, problem
     gc.collect()
@@ -280,4 +293,6 @@ def test_failed_creations_leave_nothing():
         with pytest.raises(LookupError):
             sfdae.Solver(sfdae.NonlinearProblem(equations, 2))
     gc.collect()
-    assert not [thing for thing in gc.get_objects() if isinstance(thing, sfdae._callbacks.CallbackState)]
+    assert not [
+        thing for thing in gc.get_objects() if isinstance(thing, sfdae._callbacks.CallbackState)
+    ]
