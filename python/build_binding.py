@@ -17,26 +17,20 @@ import cffi
 
 PREAMBLE = "#include <sfdae/sfdae.h>\n"
 
-# Outputs at given times in one call, which costs Python nothing for each of them.
-ADVANCE_THROUGH = """
+# What is done in C because it is done at every step or output: see binding_support.c.
+SUPPORT = pathlib.Path(__file__).resolve().parent / "binding_support.c"
+SUPPORT_DECLARATIONS = """
+typedef struct python_recorder {
+  double* steps;
+  size_t count, capacity;
+  int records, calls_python;
+  double next_call;
+  void* user;
+} python_recorder;
+int python_record_step(const sfdae_progress* progress, void* recorder);
+void python_free_steps(python_recorder* recorder);
 int python_advance_through(sfdae_solver* solver, const double* times, long count, long* done,
                            double* t, double* x, double* xdot, size_t n);
-"""
-ADVANCE_THROUGH_SOURCE = """
-/* Calls sfdae_advance for times[*done] ... times[count - 1] and writes t, x and xdot of each.
- * *done: the number of times that have been reached; if these are not all, entry *done is the point
- * where the last call ended. Returns the status of the last call, or a warning of one before. */
-static int python_advance_through(sfdae_solver* solver, const double* times, long count, long* done,
-                                  double* t, double* x, double* xdot, size_t n) {
-  int status = SFDAE_OK, warning = SFDAE_OK;
-  for (; *done < count; ++*done) {
-    const size_t k = (size_t)*done;
-    status = sfdae_advance(solver, times[k], t + k, x + k * n, xdot + k * n);
-    if (status != SFDAE_OK && status != SFDAE_INCONSISTENCY_IGNORED) return status;
-    if (status != SFDAE_OK) warning = status;
-  }
-  return warning;
-}
 """
 
 
@@ -108,8 +102,8 @@ def main() -> None:
     ffi = cffi.FFI()
     ffi.cdef(text)
     ffi.cdef(callbacks(text))
-    ffi.cdef(ADVANCE_THROUGH)
-    ffi.set_source("sfdae._binding", PREAMBLE + ADVANCE_THROUGH_SOURCE)
+    ffi.cdef(SUPPORT_DECLARATIONS)
+    ffi.set_source("sfdae._binding", PREAMBLE + SUPPORT.read_text())
     ffi.emit_c_code(arguments.output)
 
 

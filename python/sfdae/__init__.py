@@ -46,7 +46,8 @@ from ._problem import LinearProblem, NonlinearProblem, Problem
 from ._report import Report
 from ._solution import Solution, Steps
 from ._solve import analyze, make_consistent, solve
-from ._solver import Point, Progress, Solver
+from ._points import Point, Progress
+from ._solver import Solver
 from ._status import (
     Error,
     InitialValuesWarning,

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import Any, TextIO
+from typing import Any, Callable, TextIO
 
 _INTERVAL = 0.1  # seconds between two updates: what a reader can follow
 
@@ -26,6 +26,15 @@ class ProgressBar:
             return
         layout = "{l_bar}{bar}| {elapsed}<{remaining}{postfix}"
         self._bar = tqdm(total=100.0, file=self._file, unit="%", bar_format=layout, leave=True)
+
+    def watch(self, monitor: Callable[[Any], Any] | None) -> Callable[[Any], Any]:
+        """A monitor that updates the bar, and then asks the user's."""
+
+        def after_step(progress: Any) -> Any:
+            self.update(progress.t, progress.step, progress.order)
+            return monitor is not None and monitor(progress)
+
+        return after_step
 
     def update(self, t: float, step: float, order: int) -> None:
         """Called after every step; draws a few times a second."""

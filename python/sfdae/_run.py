@@ -12,10 +12,10 @@ from ._binding import ffi, lib
 from ._dense import DenseOutput
 from ._events import Event, EventRecord, joined
 from ._options import constant
-from ._progress import ProgressBar
 from ._report import Report
 from ._solution import Solution, Steps
-from ._solver import Point, Solver
+from ._points import Point
+from ._solver import Solver
 from ._status import Error, InitialValuesWarning, IntegrationWarning, Status
 
 _GOES_ON = (lib.SFDAE_OK, lib.SFDAE_STEP_TAKEN, lib.SFDAE_INCONSISTENCY_IGNORED)
@@ -39,7 +39,6 @@ class Run:
         self._direction = 0.0
         self.points: list[tuple[float, np.ndarray, np.ndarray]] = []
         self.happened: list[EventRecord] = []
-        self.steps: list[tuple[float, float, int]] = []
         self.status = Status.OK
         self.message = ""
         self.notes: list[str] = []
@@ -50,20 +49,6 @@ class Run:
         self._samples = True
         self._statistics = ffi.new("sfdae_statistics*")
         lib.sfdae_statistics_init(self._statistics, ffi.sizeof(self._statistics[0]))
-
-    # ---- Monitor ---------------------------------------------------------------------------------
-
-    def watch(self, monitor: Callable[[Any], Any] | None, bar: ProgressBar | None) -> None:
-        """Records every step, draws the bar, asks the user's monitor. Ctrl-C is noticed here."""
-        steps = self.steps
-
-        def after_step(progress: Any) -> Any:
-            steps.append((progress.t, progress.step, progress.order))
-            if bar is not None:
-                bar.update(progress.t, progress.step, progress.order)
-            return monitor is not None and monitor(progress)
-
-        self.solver._state.monitor = after_step
 
     # ---- Integration -----------------------------------------------------------------------------
 
@@ -287,11 +272,7 @@ class Run:
         times = np.array([point[0] for point in self.points])
         x = np.array([point[1] for point in self.points]).reshape(-1, problem.num_unknowns)
         xdot = np.array([point[2] for point in self.points]).reshape(-1, problem.num_unknowns)
-        steps = (
-            Steps(*(np.array(column) for column in zip(*self.steps)))
-            if self.steps
-            else Steps(*np.empty((3, 0)))
-        )
+        steps = solver._steps()
         by_function = [[e for e in self.happened if e.index == i] for i in range(len(self.events))]
         return Solution(
             t=times,
@@ -307,7 +288,7 @@ class Run:
                 for events in by_function
             ],
             report=Report(solver),
-            steps=steps,
+            steps=Steps(steps[:, 0], steps[:, 1], steps[:, 2].astype(int)),
             dense=self.dense,
             names=problem.names,
             units=dict(problem.units),

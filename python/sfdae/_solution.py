@@ -10,7 +10,7 @@ import numpy as np
 from ._dense import DenseOutput
 from ._events import EventRecord
 from ._report import Report
-from ._solver import Point
+from ._points import Point
 from ._status import Status
 
 

@@ -15,7 +15,8 @@ from ._progress import ProgressBar
 from ._report import Report
 from ._run import Run
 from ._solution import Solution
-from ._solver import Point, Solver, _wrapped
+from ._points import Point
+from ._solver import Solver
 
 ProblemOrFunction = Union[Problem, Callable[..., Any]]
 
@@ -123,21 +124,23 @@ def solve(
     options = _with_stop_time(
         {**options, "method": method, "rtol": rtol, "atol": atol, "fixed": fixed}, t1
     )
-    solver = Solver(problem, parameters=parameters, **options)
+    solver = Solver(problem, parameters=parameters, monitor=monitor, **options)
     dense = None
     if dense_output:
         tolerances = [_tolerance(problem, value) for value in (rtol, atol)]
         dense = DenseOutput(problem.num_unknowns, *tolerances, t0, np.sign(t1 - t0))
-    run = Run(solver, t1, as_events(events), dense)
     bar = ProgressBar(t0, t1) if progress else None
-    run.watch(None if monitor is None else _wrapped(monitor), bar)
+    solver._recorder.records = 1
+    if bar is not None:
+        solver._set_monitor(bar.watch(monitor))
+    run = Run(solver, t1, as_events(events), dense)
     try:
         run.start(t0, problem.values(x0), None if xdot0 is None else problem.values(xdot0, "xdot0"))
         run.integrate(times)
         return run.solution()
     finally:
         if bar is not None:
-            bar.close(t0 if run.last is None else run.last.t, len(run.steps))
+            bar.close(t0 if run.last is None else run.last.t, solver._recorder.count)
         run.warn(stacklevel=2)
 
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import threading
-from typing import Any, Callable, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -13,29 +13,9 @@ from ._callbacks import CallbackState, CountMismatch
 from ._formula import checked_value
 from ._inspection import Inspection
 from ._options import c_options, check_names
+from ._points import Point, wrapped
 from ._problem import Problem
 from ._status import Error, Status
-
-
-class Point(NamedTuple):
-    """A point of the solution.
-
-    Attributes
-    ----------
-    t : float
-    x, xdot : numpy.ndarray
-        n values and their derivatives.
-    status : Status
-        ``OK``, or a warning of the call that returned the point.
-    message : str
-        What the call had to say.
-    """
-
-    t: float
-    x: np.ndarray
-    xdot: np.ndarray
-    status: Status
-    message: str
 
 
 class Solver(Inspection):
@@ -84,6 +64,7 @@ class Solver(Inspection):
         self._options = dict(options)
         self._lock = threading.RLock()
         self._box = ffi.new("sfdae_solver**")
+        self._recorder = ffi.gc(ffi.new("python_recorder*"), lib.python_free_steps)
         try:
             self._create(parameters)
         except CountMismatch as mismatch:
@@ -93,18 +74,18 @@ class Solver(Inspection):
                 ) from None
             problem.num_equations = mismatch.count
             self._create(parameters)
-        self._state.monitor = None if monitor is None else _wrapped(monitor)
+        self._set_monitor(monitor)
 
     def _create(self, parameters: Mapping[str, Any] | None) -> None:
         problem = self.problem
         state = self._state = CallbackState(problem)
         self._set_values(parameters or {})
-        self._user = ffi.new_handle(state)
+        self._user = self._recorder.user = ffi.new_handle(state)
         keep: list[Any] = []
         c_problem = problem._c_problem(keep)
         c_problem.user = self._user
         c = c_options(problem, self._options, keep)
-        c.monitor, c.monitor_user = lib.python_options_monitor, self._user
+        self._set_c_monitor(c)
         status = getattr(lib, f"sfdae_create_{problem.kind}")(self._box, c_problem, c)
         if status >= 0:
             return
@@ -117,6 +98,22 @@ class Solver(Inspection):
         if exception is not None:
             raise exception
         raise Error(status, problem.with_names(ffi.string(text).decode(errors="replace")))
+
+    def _set_c_monitor(self, options: Any) -> None:
+        options.monitor = ffi.addressof(lib, "python_record_step")
+        options.monitor_user = self._recorder
+
+    def _set_monitor(self, monitor: Callable[[Any], Any] | None) -> None:
+        """Has the monitor called after every step; without one Python only notices Ctrl-C."""
+        self._state.monitor = None if monitor is None else wrapped(monitor)
+        self._recorder.calls_python = monitor is not None
+
+    def _steps(self) -> np.ndarray:
+        """t, signed size and order of the steps that were recorded, N x 3."""
+        count = self._recorder.count
+        if count == 0:
+            return np.empty((0, 3))
+        return np.frombuffer(ffi.buffer(self._recorder.steps, 24 * count)[:]).reshape(-1, 3)
 
     def __del__(self) -> None:
         box = getattr(self, "_box", None)
@@ -187,7 +184,7 @@ class Solver(Inspection):
         merged = {**self._options, **options}
         keep: list[Any] = []
         c = c_options(self.problem, merged, keep)
-        c.monitor, c.monitor_user = lib.python_options_monitor, self._user
+        self._set_c_monitor(c)
         self._call(lib.sfdae_set_options, c)
         self._options = merged
 
@@ -384,23 +381,3 @@ def _single(function: Callable[..., Any]) -> Callable[..., Any]:
         return np.reshape(function(t, x, xdot), (1,))
 
     return events
-
-
-class Progress(NamedTuple):
-    """What a monitor gets after every accepted step: t, signed step size, order, number of steps, x
-    (n values).
-    """
-
-    t: float
-    step: float
-    order: int
-    steps: int
-    x: np.ndarray
-
-
-def _wrapped(monitor: Callable[[Progress], Any]) -> Callable[[Any], Any]:
-    def call(progress: Any) -> Any:
-        x = np.frombuffer(ffi.buffer(progress.x, 8 * progress.num_unknowns)[:])
-        return monitor(Progress(progress.t, progress.step, progress.order, progress.steps, x))
-
-    return call

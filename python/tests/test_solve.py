@@ -402,6 +402,7 @@ def test_other_exceptions_of_a_monitor_are_raised():
 
 
 def test_a_progress_bar(capsys):
+    pytest.importorskip("tqdm")
     sfdae.solve(pendulum_problem(), (0, 1), PENDULUM_START, progress=True)
     text = capsys.readouterr().err
     assert "100%" in text and "t=1," in text and "steps" in text
