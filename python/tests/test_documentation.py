@@ -98,3 +98,16 @@ def test_structs_are_complete():
 
 def test_files_are_short():
     assert max(len(source.read_text().splitlines()) for source in SOURCES) <= 400
+
+
+def test_the_program_of_the_readme(tmp_path, monkeypatch):
+    """At most 10 lines, and it draws a pendulum that swings."""
+    pytest.importorskip("matplotlib").use("Agg")
+    readme = pathlib.Path(__file__).resolve().parent.parent / "README.md"
+    program = re.search(r"```python\n(.*?)```", readme.read_text(), re.DOTALL)[1]
+    assert len([line for line in program.splitlines() if line.strip()]) <= 10
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec(program, names)
+    assert (tmp_path / "pendulum.svg").stat().st_size > 5000
+    assert names["sol"].success and names["sol"]["px"].min() < -0.59
