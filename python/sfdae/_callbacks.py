@@ -19,11 +19,11 @@ class CannotEvaluate(Exception):
     """Raised by a callback that cannot evaluate at this point: the library tries a smaller step."""
 
 
-class CountMismatch(Exception):
+class CountMismatch(ValueError):
     """The equations are `count`, not as many as were expected."""
 
-    def __init__(self, count: int) -> None:
-        super().__init__(count)
+    def __init__(self, count: int, expected: int) -> None:
+        super().__init__(f"equations returned {count} formulas, not {expected}")
         self.count = count
 
 
@@ -154,7 +154,7 @@ def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, res
         arguments = (Expression(t, recording), vector(x, n, recording), vector(xdot, n, recording))
         entries = flatten(problem.equations(*arguments, values=state.values), "equations")
         if len(entries) != problem.num_equations:
-            raise CountMismatch(len(entries))
+            raise CountMismatch(len(entries), problem.num_equations)
         write_formulas(
             residual, np.array([*entries, None], dtype=object)[:-1], (len(entries),), "equations"
         )

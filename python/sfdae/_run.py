@@ -227,6 +227,10 @@ class Run:
         if ends or not is_restarted or point.t == self.t1:
             return not ends
         restart = self.solver.start(point.t, x, self.t1)
+        if restart.status > 0:
+            self._note(
+                f"after an event at t = {point.t:.9g}: {restart.message}", InitialValuesWarning
+            )
         self.last = restart
         self._step_start = restart[:3]
         if self.dense is not None:

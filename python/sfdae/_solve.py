@@ -178,9 +178,9 @@ def analyze(
     Error
         If the index cannot be determined; ``error.report`` then has the rank decisions.
     """
-    if x is None and not isinstance(problem, Problem) and names is None:
-        raise TypeError("x or names is needed, to know how many unknowns the function has")
-    problem = as_problem(problem, x if x is not None else [0.0] * len(names or ()), names, None)
+    if x is None and not isinstance(problem, Problem):
+        raise TypeError("x is needed: the index of a nonlinear problem depends on the solution")
+    problem = as_problem(problem, x, names, None)
     solver = Solver(problem, parameters=parameters, **options)
     try:
         solver.analyze(t, t + 1.0 if toward is None else toward, x)

@@ -14,7 +14,7 @@ from ._formula import checked_value
 from ._inspection import Inspection
 from ._options import c_options, check_names
 from ._points import Point, wrapped
-from ._problem import Problem
+from ._problem import LinearProblem, Problem
 from ._status import Error, Status
 
 
@@ -69,9 +69,7 @@ class Solver(Inspection):
             self._create(parameters)
         except CountMismatch as mismatch:
             if not problem._counts:
-                raise ValueError(
-                    f"equations returned {mismatch.count} formulas, not {problem.num_equations}"
-                ) from None
+                raise
             problem.num_equations = mismatch.count
             self._create(parameters)
         self._set_monitor(monitor)
@@ -115,10 +113,10 @@ class Solver(Inspection):
             return np.empty((0, 3))
         return np.frombuffer(ffi.buffer(self._recorder.steps, 24 * count)[:]).reshape(-1, 3)
 
-    def __del__(self) -> None:
+    def __del__(self, destroy: Callable[[Any], int] = lib.sfdae_destroy) -> None:
         box = getattr(self, "_box", None)
         if box is not None:
-            lib.sfdae_destroy(box)
+            destroy(box)
 
     def __reduce__(self) -> Any:
         raise TypeError(
@@ -252,7 +250,9 @@ class Solver(Inspection):
             characteristics: strangeness_index, differential, algebraic, undetermined, redundant,
             ...
         """
-        if x is None and self.problem.kind == "linear":
+        if x is None and not isinstance(self.problem, LinearProblem):
+            raise TypeError("x is needed: the index of a nonlinear problem depends on the solution")
+        if self.problem.kind == "linear":
             self._call(lib.sfdae_analyze, t, toward, ffi.NULL)
         else:
             values = self.problem.values(

@@ -149,6 +149,14 @@ def test_wrong_values_of_an_action():
         sfdae.solve(oscillator, (0, 9), [1, 0], events=event)
 
 
+def test_values_that_an_action_leaves_inconsistent_are_reported():
+    """Only one of both velocities is reversed: the wire does not allow that."""
+    stop = sfdae.Event(lambda t, x: x[1], direction=-1, action=lambda t, x: x * [1, 1, 1, -0.8, 1])
+    with pytest.warns(sfdae.InitialValuesWarning, match="after an event at t = 0.638"):
+        sol = sfdae.solve(bead, (0, 0.7), [1, 1, 0, 0, 0], events=stop)
+    assert np.abs(sol.x[2] - sol.x[3]).max() < 1e-12
+
+
 def test_an_event_at_an_output():
     sol = sfdae.solve(
         oscillator, (0, 2), [1, 0], events=lambda t, x: t - 1.0, t_eval=[0.5, 1.0, 1.5], **EXACT

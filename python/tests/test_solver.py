@@ -174,6 +174,14 @@ def test_linear_problems_are_analyzed_without_values():
     assert sfdae.analyze(solver.problem).characteristics.algebraic == 2
 
 
+def test_values_are_needed_to_analyze_nonlinear_problems():
+    with pytest.raises(TypeError, match="x is needed"):
+        sfdae.Solver(pendulum_problem()).analyze(0.0, 1.0)
+    with pytest.raises(TypeError, match="x is needed"):
+        sfdae.analyze(forced_mass, 0.0)
+    assert sfdae.analyze(forced_mass, 0.0, [0, 1, 0]).characteristics.strangeness_index == 2
+
+
 def test_changes_of_the_characteristic_values():
     """E x' = -x with E = 1 before t = 0.5 and 0 after it."""
     problem = sfdae.LinearProblem(
