@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Start values: what is known, what is guessed, what has to fit. A four-bar linkage with a spring.
+"""Start values: what is known, what is guessed, what has to fit. A four-bar linkage.
 
     bodies at (x1, y1) and (x2, y2), three rods of given lengths:
     0 = |p1|^2 - a^2,   0 = |p2 - p1|^2 - b^2,   0 = |p2 - (d, 0)|^2 - c^2

@@ -10,8 +10,9 @@ so that all constraints, hidden ones included, hold::
     import sfdae
 
     def pendulum(t, x, xdot, g=9.81):
-        px, py, u, v, force = x return [xdot[0] - u, xdot[1] - v, xdot[2] + 2 * px * force, xdot[3]
-        + 2 * py * force + g, px**2 + py**2 - 1]
+        px, py, u, v, force = x
+        balance = [xdot[2] + 2 * px * force, xdot[3] + 2 * py * force + g]
+        return [xdot[0] - u, xdot[1] - v, *balance, px**2 + py**2 - 1]
 
     sol = sfdae.solve(pendulum, (0, 10), [0.6, -0.8, 0, 0, 0])
     sol.plot()

@@ -27,8 +27,10 @@ class Event:
     name : str, optional
         For messages; the name of the function if it is not given.
 
-    Notes ----- A plain function serves as well; ``terminal``, ``direction`` and ``action`` may be
-    attributes of it.
+    Notes
+    -----
+    A plain function serves as well; ``terminal``, ``direction`` and ``action`` may be attributes of
+    it.
     """
 
     def __init__(

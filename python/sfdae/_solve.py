@@ -111,11 +111,19 @@ def solve(
     IntegrationWarning
         If the end was not reached.
 
-    Examples -------- >>> import numpy as np, sfdae >>> def pendulum(t, x, xdot, g=9.81): ...     p,
-    q, u, v, force = x ...     return [xdot[0] - u, xdot[1] - v, xdot[2] + 2 * p * force, xdot[3] +
-    2 * q * force + g, p**2 + q**2 - 1] >>> sol = sfdae.solve(pendulum, (0, 10), [0.6, -0.8, 0, 0,
-    0], rtol=1e-8) >>> sol.report.characteristics.strangeness_index 2 >>> bool(abs(sol(5.0)[0] ** 2
-    + sol(5.0)[1] ** 2 - 1) < 1e-6) True
+    Examples
+    --------
+    >>> import numpy as np, sfdae
+    >>> def pendulum(t, x, xdot, g=9.81):
+    ...     p, q, u, v, force = x
+    ...     motion = [xdot[0] - u, xdot[1] - v]
+    ...     balance = [xdot[2] + 2 * p * force, xdot[3] + 2 * q * force + g]
+    ...     return [*motion, *balance, p**2 + q**2 - 1]
+    >>> sol = sfdae.solve(pendulum, (0, 10), [0.6, -0.8, 0, 0, 0], rtol=1e-8)
+    >>> sol.report.characteristics.strangeness_index
+    2
+    >>> bool(abs(sol(5.0)[0] ** 2 + sol(5.0)[1] ** 2 - 1) < 1e-6)
+    True
     """
     problem = as_problem(problem, x0, names, units)
     t0, t1 = _span(t_span)

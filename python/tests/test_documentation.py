@@ -68,9 +68,9 @@ def test_every_function_of_the_library_is_used():
     assert functions - reached == set()
 
 
-@pytest.mark.parametrize("module", [sfdae._solve, sfdae._expression, sfdae._problem])
-def test_examples_in_docstrings(module):
-    assert doctest.testmod(module).failed == 0
+def test_the_example_of_solve():
+    result = doctest.testmod(sfdae._solve)
+    assert result.attempted >= 4 and result.failed == 0
 
 
 def test_status_codes_are_those_of_c():
