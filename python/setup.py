@@ -58,6 +58,9 @@ class Build(build_py):
     """Adds the compiled module to the files of the package."""
 
     def run(self) -> None:
+        shutil.rmtree(
+            pathlib.Path(self.build_lib) / "sfdae", ignore_errors=True
+        )  # of earlier builds
         super().run()
         if shutil.which("cmake") is None:
             raise SystemExit(
@@ -80,6 +83,8 @@ class Build(build_py):
         target = pathlib.Path(self.build_lib) / "sfdae" / MODULE
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(modules[0], target)
+        if (ROOT / "LICENSE").is_file():
+            shutil.copy2(ROOT / "LICENSE", target.parent / "LICENSE")
 
 
 class Wheel(bdist_wheel):

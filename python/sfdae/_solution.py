@@ -84,9 +84,10 @@ class Solution:
         """The solution at a time, shape (n,), or at N times, shape (n, N), within what was
         integrated.
 
-        It agrees with the integrator's own values to 0.3 of the tolerances rtol |x| + atol where
-        the solution is smooth within steps; ``sol.dense.accuracy`` is the largest difference found.
-        Constraints hold as well as that, at sol.t to rounding.
+        It agrees with the integrator's own values to a part of the tolerances rtol |x| + atol where
+        the solution is smooth within steps; ``sol.dense.accuracy`` is the largest difference to be
+        expected, in units of the tolerances, and there is a warning if it is above 10. Constraints
+        hold as well as that, at sol.t to rounding.
 
         Raises
         ------
