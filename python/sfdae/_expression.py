@@ -130,17 +130,22 @@ class Expression:
             self._recording.require_open()
         return Expression(function(self._c), self._recording)
 
+    def _condition(self, sign: int, other: Any, strict: bool) -> Any:
+        if isinstance(other, np.ndarray) and other.ndim > 0:
+            return NotImplemented  # numpy compares the elements
+        return Condition(self - other if sign > 0 else other - self, strict)
+
     def __gt__(self, other: Any) -> Condition:
-        return Condition(self - other, strict=True)
+        return self._condition(1, other, strict=True)
 
     def __lt__(self, other: Any) -> Condition:
-        return Condition(other - self, strict=True)
+        return self._condition(-1, other, strict=True)
 
     def __ge__(self, other: Any) -> Condition:
-        return Condition(self - other, strict=False)
+        return self._condition(1, other, strict=False)
 
     def __le__(self, other: Any) -> Condition:
-        return Condition(other - self, strict=False)
+        return self._condition(-1, other, strict=False)
 
     def __eq__(self, other: object) -> bool:
         raise TypeError(_NO_VALUE.format("== cannot be decided"))

@@ -115,6 +115,12 @@ def test_equality_at_the_boundary_belongs_to_ge_and_le():
     assert value_of(lambda t: sfdae.choose(zero(t) < 0, 1, 2)) == 2
 
 
+def test_comparisons_with_arrays():
+    limits = np.array([0.2, 0.4])
+    assert value_of(lambda t: sfdae.choose(t > limits, [1, 2], [30, 40]).sum()) == 41
+    assert value_of(lambda t: sfdae.choose(limits >= t, [1, 2], [30, 40]).sum()) == 32
+
+
 def test_choose_of_numbers_and_arrays():
     assert sfdae.choose(1.0, 2.0, 3.0) == 2.0
     assert sfdae.choose(-1.0, 2.0, 3.0) == 3.0
