@@ -50,12 +50,16 @@ def plot_solution(solution: Any, names: Sequence[str], ax: Any) -> Any:
         axis.set_ylabel(f"{text} [{unit}]" if unit else text)
         axis.legend(loc="best")
         axis.grid(alpha=0.3)
-    unit = solution.units.get("t", "")
-    axes[-1].set_xlabel(f"t [{unit}]" if unit else "t")
+    axes[-1].set_xlabel(_with_unit_of_time("t", solution))
     for event in solution.events:
         for axis in axes:
             axis.axvline(event.t, color="0.6", linewidth=0.8, linestyle=":")
     return axes[0] if len(axes) == 1 or ax is not None else np.array(axes)
+
+
+def _with_unit_of_time(text: str, solution: Any) -> str:
+    unit = solution.units.get("t", "")
+    return f"{text} [{unit}]" if unit else text
 
 
 def plot_steps(solution: Any, ax: Any) -> Any:
@@ -63,8 +67,8 @@ def plot_steps(solution: Any, ax: Any) -> Any:
     axis = _new_axes()[0] if ax is None else ax
     steps = solution.steps
     axis.semilogy(steps.t, np.abs(steps.size), color="C0", label="step size")
-    axis.set_xlabel("t")
-    axis.set_ylabel("step size", color="C0")
+    axis.set_xlabel(_with_unit_of_time("t", solution))
+    axis.set_ylabel(_with_unit_of_time("step size", solution), color="C0")
     other = axis.twinx()
     other.step(steps.t, steps.order, where="pre", color="C1", label="order")
     other.set_ylabel("order", color="C1")

@@ -58,7 +58,8 @@ class Problem:
             units = dict(zip(self.names, units))
         self.units = {name: str(unit) for name, unit in (units or {}).items() if unit}
         for name in self.units:
-            self.index(name)
+            if name != "t":  # the time may have one, too
+                self.index(name)
 
     def index(self, unknown: str | int) -> int:
         """Index of an unknown that is given by its name or its index.
@@ -153,7 +154,7 @@ class NonlinearProblem(Problem):
     num_unknowns : int, optional
         n; not needed where names are given.
     names, units : sequence of str, optional
-        Of the unknowns. units may be a dictionary by name.
+        Of the unknowns. units may be a dictionary by name, with ``"t"`` for the time.
     num_equations : int, optional
         m; counted if it is not given.
     parameters : dict, optional

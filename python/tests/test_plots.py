@@ -19,14 +19,14 @@ def close_figures():
 
 
 def solution(**more):
-    units = {"px": "m", "py": "m", "u": "m/s", "v": "m/s", "lambda": "N/m"}
+    units = {"px": "m", "py": "m", "u": "m/s", "v": "m/s", "lambda": "N/m", "t": "s"}
     return sfdae.solve(pendulum_problem(units=units), (0, 1), PENDULUM_START, **more)
 
 
 def test_one_axis_for_each_unit():
     axes = solution().plot()
     assert [ax.get_ylabel() for ax in axes] == ["px, py [m]", "u, v [m/s]", "lambda [N/m]"]
-    assert axes[-1].get_xlabel() == "t"
+    assert axes[-1].get_xlabel() == "t [s]"
     assert [text.get_text() for text in axes[0].get_legend().get_texts()] == ["px", "py"]
 
 
@@ -63,8 +63,8 @@ def test_names_without_units():
 
 def test_steps():
     ax = solution().plot_steps()
-    assert ax.get_ylabel() == "step size" and ax.get_yscale() == "log"
-    assert {other.get_ylabel() for other in ax.figure.axes} == {"step size", "order"}
+    assert ax.get_ylabel() == "step size [s]" and ax.get_yscale() == "log"
+    assert {other.get_ylabel() for other in ax.figure.axes} == {"step size [s]", "order"}
 
 
 def test_rank_decisions():
