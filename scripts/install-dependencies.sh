@@ -8,7 +8,9 @@
 set -euo pipefail
 
 demo=(build-essential g++ cmake pkg-config libopenblas-dev libblas-dev liblapack-dev gnuplot-nox)
-test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev valgrind python3 ninja-build clang-format-14)
+python=(python3-dev python3-cffi python3-numpy python3-pytest python3-matplotlib python3-pip python3-setuptools
+  python3-wheel python3-tqdm python3-pandas python3-nbconvert python3-ipykernel)
+test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev valgrind python3 ninja-build clang-format-14 "${python[@]}")
 # For an example of MPI: installed with others that are missing, never alone, as nothing else needs them.
 welcome=(libopenmpi-dev openmpi-bin)
 

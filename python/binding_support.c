@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * The part of the module sfdae._binding that is written in C, because it runs at every step or output. Included by the
+ * source that build_binding.py writes, after sfdae.h. */
+#include <stdlib.h>
+#include <time.h>
+
+/* Steps of an integration. Python is called after every one, or else now and then, which is where it notices Ctrl-C. */
+typedef struct python_recorder {
+  double* steps; /* t, signed size and order of each */
+  size_t count, capacity;
+  int records;      /* 1: steps are kept */
+  int calls_python; /* 1: after every step */
+  double next_call; /* seconds */
+  void* user;       /* of Python's monitor */
+} python_recorder;
+
+/* Seconds between two looks at Ctrl-C, much less than a person notices. */
+#define PYTHON_CALL_INTERVAL 0.05
+
+static int python_options_monitor(sfdae_progress* progress, void* user); /* written by cffi, which knows no const */
+
+static double python_seconds(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* The monitor of all solvers: keeps the step, calls Python's. */
+static int python_record_step(const sfdae_progress* progress, void* user) {
+  python_recorder* recorder = (python_recorder*)user;
+  double now;
+  if (recorder->records) {
+    double* step;
+    if (recorder->count == recorder->capacity) {
+      const size_t capacity = 2 * recorder->capacity + 256;
+      double* steps = (double*)realloc(recorder->steps, 3 * capacity * sizeof(double));
+      if (steps == NULL) return 1; /* stops: better than steps that are missing */
+      recorder->steps = steps;
+      recorder->capacity = capacity;
+    }
+    step = recorder->steps + 3 * recorder->count++;
+    step[0] = progress->t;
+    step[1] = progress->step;
+    step[2] = progress->order;
+  }
+  if (recorder->calls_python) return python_options_monitor((sfdae_progress*)progress, recorder->user);
+  now = python_seconds();
+  if (now < recorder->next_call) return 0;
+  recorder->next_call = now + PYTHON_CALL_INTERVAL;
+  return python_options_monitor((sfdae_progress*)progress, recorder->user);
+}
+
+static void python_free_steps(python_recorder* recorder) {
+  free(recorder->steps);
+  recorder->steps = NULL;
+  recorder->count = recorder->capacity = 0;
+}
+
+/* Calls sfdae_advance for times[*done] ... times[count - 1] and writes t, x and xdot of each. *done: the number of
+ * times that have been reached; if these are not all, entry *done is the point where the last call ended. Returns the
+ * status of the last call, or a warning of one before. */
+static int python_advance_through(sfdae_solver* solver, const double* times, long count, long* done, double* t,
+                                  double* x, double* xdot, size_t n) {
+  int status = SFDAE_OK, warning = SFDAE_OK;
+  for (; *done < count; ++*done) {
+    const size_t k = (size_t)*done;
+    status = sfdae_advance(solver, times[k], t + k, x + k * n, xdot + k * n);
+    if (status != SFDAE_OK && status != SFDAE_INCONSISTENCY_IGNORED) return status;
+    if (status != SFDAE_OK) warning = status;
+  }
+  return warning;
+}

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Initial value problems for differential-algebraic equations of arbitrary index.
+
+    F(t, x, x') = 0   or   E(t) x' = A(t) x + f(t),   m equations, n unknowns
+
+Equations are written once, as a Python function of expressions; the library records and
+differentiates them, finds the strangeness index, makes the initial values consistent and integrates
+so that all constraints, hidden ones included, hold::
+
+    import sfdae
+
+    def pendulum(t, x, xdot, g=9.81):
+        px, py, u, v, force = x
+        balance = [xdot[2] + 2 * px * force, xdot[3] + 2 * py * force + g]
+        return [xdot[0] - u, xdot[1] - v, *balance, px**2 + py**2 - 1]
+
+    sol = sfdae.solve(pendulum, (0, 10), [0.6, -0.8, 0, 0, 0])
+    sol.plot()
+
+Functions: solve, analyze, make_consistent. Problems: NonlinearProblem, LinearProblem,
+MultibodyProblem. Step by step: Solver. Functions of expressions, beside numpy's: sfdae.sin, ...,
+sfdae.choose.
+
+Small matrices run fastest with one BLAS thread: set OPENBLAS_NUM_THREADS=1 before the first import
+of numpy.
+"""
+
+try:
+    from . import _binding as _compiled  # noqa: F401
+except ImportError as error:
+    raise ImportError(
+        f"sfdae in {__path__[0]} has no compiled module ({error}). Install the package with "
+        "pip install ./python, or put <build>/python on the path; Python must not run in the "
+        "directory of its sources"
+    ) from error
+
+from ._callbacks import CannotEvaluate
+from ._dense import DenseOutput
+from ._events import Event, EventRecord
+from ._expression import Condition, Expression, parameter
+from ._functions import PUBLIC as _PUBLIC
+from ._functions import choose
+from ._inspection import DerivativeArray, ExtendedSystem, Projectors, StrangenessFreeSystem
+from ._multibody import MultibodyProblem
+from ._options import OPTION_NAMES, choices
+from ._problem import LinearProblem, NonlinearProblem, Problem
+from ._report import Report
+from ._solution import Solution, Steps
+from ._solve import analyze, make_consistent, solve
+from ._points import Point, Progress
+from ._solver import Solver
+from ._status import (
+    Error,
+    InitialValuesWarning,
+    IntegrationWarning,
+    SfdaeWarning,
+    Status,
+    status_name,
+    version,
+)
+from ._structs import Struct
+
+globals().update(_PUBLIC)  # sin, cos, exp, ... of expressions, numbers and arrays
+
+__version__ = version()
+__all__ = [
+    "CannotEvaluate", "Condition", "DenseOutput", "DerivativeArray", "Error", "Event",
+    "EventRecord", "Expression", "ExtendedSystem", "InitialValuesWarning", "IntegrationWarning",
+    "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES", "Point", "Problem",
+    "Progress", "Projectors", "Report", "SfdaeWarning", "Solution", "Solver", "Status", "Steps",
+    "StrangenessFreeSystem", "Struct", "analyze", "choices", "choose", "make_consistent",
+    "parameter", "solve", "status_name", "version", *_PUBLIC,
+]  # fmt: skip

@@ -1,0 +1,272 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the library calls: the functions of the user, whose exceptions wait here until the call has
+returned.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Callable
+
+import numpy as np
+
+from ._binding import ffi, lib
+from ._expression import Expression, Recording, vector
+from ._formula import Formula, flatten, write_formulas
+from ._multibody import FORMULA_PLACES
+
+
+class CannotEvaluate(Exception):
+    """Raised by a callback that cannot evaluate at this point: the library tries a smaller step."""
+
+
+class CountMismatch(ValueError):
+    """The equations are `count`, not as many as were expected."""
+
+    def __init__(self, count: int, expected: int) -> None:
+        super().__init__(f"equations returned {count} formulas, not {expected}")
+        self.count = count
+
+
+class CallbackState:
+    """What the callbacks of a solver get as `user`. It does not know the solver, so that both are
+    freed at once.
+
+    Attributes
+    ----------
+    problem : Problem
+    monitor : callable or None
+        Called with sfdae_progress after every accepted step; a true value stops.
+    events : callable or None
+        Called with (t, x, xdot), returns num_events values.
+    exception : BaseException or None
+        The first one that was raised since the call began.
+    """
+
+    __slots__ = ("problem", "values", "monitor", "events", "num_events", "exception", "__weakref__")
+
+    def __init__(self, problem: Any) -> None:
+        self.problem = problem
+        self.values = dict(problem.parameters)
+        self.monitor: Callable[[Any], Any] | None = None
+        self.events: Callable[..., Any] | None = None
+        self.num_events = 0
+        self.exception: BaseException | None = None
+
+    def take_exception(self) -> BaseException | None:
+        exception, self.exception = self.exception, None
+        return exception
+
+
+def _callback(name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Makes a function of (state, arguments without user) the one that C calls by this name."""
+
+    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+        from_handle = ffi.from_handle
+
+        def call(*arguments: Any) -> int:
+            state = from_handle(arguments[-1])
+            try:
+                return function(state, *arguments[:-1]) or 0
+            except CannotEvaluate:
+                return 1
+            except BaseException as exception:  # no exception may cross the frames of the library
+                if state.exception is None:
+                    state.exception = exception
+                return -1
+
+        ffi.def_extern(name=name, error=-1, onerror=_keep_interrupt)(call)
+        return function
+
+    return decorate
+
+
+def _keep_interrupt(kind: type[BaseException], exception: BaseException, traceback: Any) -> None:
+    """Ctrl-C at the very beginning of a callback, before it guards itself."""
+    state = ffi.from_handle(traceback.tb_frame.f_locals["arguments"][-1])
+    if state.exception is None:
+        state.exception = exception
+
+
+def _numbers(pointer: Any, shape: tuple[int, ...]) -> np.ndarray:
+    """A copy of numbers of C, column-major, which the user may keep but not change."""
+    size = int(np.prod(shape))
+    return np.frombuffer(ffi.buffer(pointer, 8 * size)[:]).reshape(shape, order="F")
+
+
+def _write(pointer: Any, value: Any, shape: tuple[int, ...], name: str) -> None:
+    """Numbers that a callback returned, column-major."""
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} returned {value!r}, which is no array of numbers") from None
+    if len(shape) == 2 and array.ndim == 1 and shape[0] == shape[1] == array.size:
+        array = np.diag(array)
+    if array.shape != shape:
+        raise ValueError(f"{name} returned an array of shape {array.shape}, not {shape}")
+    if array.size:
+        np.frombuffer(ffi.buffer(pointer, 8 * array.size)).reshape(shape, order="F")[...] = array
+
+
+# ---- Linear problems -----------------------------------------------------------------------------
+
+
+def _define_coefficient(name: str) -> None:
+    @_callback(f"python_linear_problem_{name}")
+    def coefficient(state: CallbackState, t: float, order: int, result: Any) -> int | None:
+        problem = state.problem
+        shape = (problem.num_equations, problem.num_unknowns)[: 1 if name == "f" else 2]
+        part = problem.coefficients[name]
+        if isinstance(part, np.ndarray):
+            if order == 0:
+                _write(result, part, shape, name)
+            return 0
+        value = part(t, order)
+        if value is None:
+            if order == 0:
+                raise TypeError(f"{name} returned None for order 0")
+            return lib.SFDAE_ORDER_NOT_AVAILABLE
+        _write(result, value, shape, f"{name} of order {order}")
+        return 0
+
+
+for _name in ("E", "A", "f"):
+    _define_coefficient(_name)
+
+
+def _prescribed(state: CallbackState, t: float, order: int, result: Any) -> None:
+    values = [function(t) for function in state.problem.prescribed.values()]
+    _write(result, values, (len(values),), "prescribed values")
+
+
+_callback("python_linear_problem_prescribed_values")(_prescribed)
+_callback("python_nonlinear_problem_prescribed_values")(_prescribed)
+
+
+# ---- Nonlinear problems --------------------------------------------------------------------------
+
+
+@_callback("python_nonlinear_problem_equations")
+def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, residual: Any) -> None:
+    problem = state.problem
+    recording = Recording(record)
+    try:
+        n = problem.num_unknowns
+        arguments = (Expression(t, recording), vector(x, n, recording), vector(xdot, n, recording))
+        entries = flatten(problem.equations(*arguments, values=state.values), "equations")
+        if len(entries) != problem.num_equations:
+            raise CountMismatch(len(entries), problem.num_equations)
+        write_formulas(
+            residual, np.array([*entries, None], dtype=object)[:-1], (len(entries),), "equations"
+        )
+    finally:
+        recording.is_open = False
+
+
+@_callback("python_nonlinear_problem_linear_equations")
+def _linear_equations(state: CallbackState, record: Any, t: Any, E: Any, A: Any, f: Any) -> None:
+    problem = state.problem
+    recording = Recording(record)
+    try:
+        time = Expression(t, recording)
+        shape = (problem.num_equations, problem.num_unknowns)
+        for name, places in (("E", E), ("A", A), ("f", f)):
+            part = problem.coefficients.get(name)
+            if isinstance(part, Formula):
+                part = part(time, values=state.values)
+            elif part is None:
+                continue
+            write_formulas(places, part, shape[:1] if name == "f" else shape, name)
+    finally:
+        recording.is_open = False
+
+
+@_callback("python_nonlinear_problem_total_derivative")
+def _total_derivative(
+    state: CallbackState, t: float, order: int, derivatives: Any, F: Any, F_x: Any, F_xdot: Any
+) -> int | None:
+    problem = state.problem
+    m, n = problem.num_equations, problem.num_unknowns
+    asks_for_jacobians = F_x != ffi.NULL
+    jet = _numbers(derivatives, (n, order + 2))
+    result = problem.total_derivative(t, order, jet, asks_for_jacobians)
+    if result is None:
+        return lib.SFDAE_ORDER_NOT_AVAILABLE
+    if isinstance(result, tuple):
+        parts = result
+    elif asks_for_jacobians:
+        raise TypeError("total_derivative has to return (F, F_x, F_xdot) where jacobians is true")
+    else:
+        parts = (result,)
+    _write(F, parts[0], (m,), "F of total_derivative")
+    if asks_for_jacobians:
+        _write(F_x, parts[1], (m, n), "F_x of total_derivative")
+        _write(F_xdot, parts[2], (m, n), "F_xdot of total_derivative")
+    return 0
+
+
+# ---- Mechanical systems --------------------------------------------------------------------------
+
+
+@_callback("python_multibody_problem_equations")
+def _multibody_equations(
+    state: CallbackState, record: Any, t: Any, q: Any, v: Any, formulas: Any
+) -> None:
+    problem = state.problem
+    recording = Recording(record)
+    try:
+        time = Expression(t, recording)
+        positions = vector(q, problem.num_positions, recording)
+        velocities = vector(v, problem.num_velocities, recording)
+        for name, place in FORMULA_PLACES.items():
+            part = problem.functions.get(name)
+            if isinstance(part, Formula):
+                arguments = (time, positions, velocities) if name == "forces" else (time, positions)
+                part = part(*arguments, values=state.values)
+                if name != "mass" and name != "kinematics" and name != "nonholonomic_matrix":
+                    part = np.array([*flatten(part, name), None], dtype=object)[:-1]
+            elif part is None and name == "mass":
+                part = np.ones(problem.num_velocities)
+            elif part is None:
+                continue
+            write_formulas(getattr(formulas, place), part, problem.shape(name), name)
+    finally:
+        recording.is_open = False
+
+
+def _define_multibody(name: str, has_velocities: bool) -> None:
+    def evaluate(state: CallbackState, t: float, q: Any, v: Any, result: Any) -> None:
+        problem = state.problem
+        part = problem.functions[name]
+        if not isinstance(part, np.ndarray):
+            arguments = [t, _numbers(q, (problem.num_positions,))]
+            if has_velocities:
+                arguments.append(_numbers(v, (problem.num_velocities,)))
+            part = part(*arguments, values=state.values)
+        _write(result, part, problem.shape(name), name)
+
+    def evaluate_at_positions(state: CallbackState, t: float, q: Any, result: Any) -> None:
+        evaluate(state, t, q, None, result)
+
+    _callback(f"python_multibody_problem_{name}")(
+        evaluate if has_velocities else evaluate_at_positions
+    )
+
+
+for _name, _field in ffi.typeof("sfdae_multibody_problem").fields:
+    if _field.type.kind == "function" and _name != "equations":
+        _define_multibody(_name, has_velocities=len(_field.type.args) == 5)
+
+
+# ---- Monitor and events --------------------------------------------------------------------------
+
+
+@_callback("python_options_monitor")
+def _monitor(state: CallbackState, progress: Any) -> int:
+    return 1 if state.monitor is not None and state.monitor(progress) else 0
+
+
+@_callback("python_event_function")
+def _events(state: CallbackState, t: float, x: Any, xdot: Any, g: Any) -> None:
+    n = state.problem.num_unknowns
+    values = state.events(t, _numbers(x, (n,)), _numbers(xdot, (n,)))
+    _write(g, values, (state.num_events,), "event functions")

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Events: zeros of functions along the solution, and what happens there."""
+
+from __future__ import annotations
+
+import inspect
+from typing import Any, Callable, NamedTuple, Sequence
+
+import numpy as np
+
+
+class Event:
+    """A zero of a function along the solution.
+
+    Parameters
+    ----------
+    function : callable
+        ``function(t, x)`` or ``function(t, x, xdot)`` returns a number; x and xdot have n values.
+    direction : float
+        > 0: only rising zeros count, < 0: only falling ones, 0: both.
+    terminal : bool or int
+        True: the integration ends at the first event; a number: at so many of them.
+    action : callable, optional
+        ``action(t, x)`` or ``action(t, x, xdot)`` is called at the event and returns the values
+        with which the integration is started anew there, which are made consistent as the options
+        say; None: it goes on as it is.
+    name : str, optional
+        For messages; the name of the function if it is not given.
+
+    Notes
+    -----
+    A plain function serves as well; ``terminal``, ``direction`` and ``action`` may be attributes of
+    it.
+    """
+
+    def __init__(
+        self,
+        function: Callable[..., float],
+        *,
+        direction: float = 0,
+        terminal: bool | int = False,
+        action: Callable[..., Any] | None = None,
+        name: str | None = None,
+    ) -> None:
+        if not callable(function):
+            raise TypeError(f"an event has to be a function of (t, x), not {function!r}")
+        self.evaluate = _with_derivatives(function)
+        self.direction = int(np.sign(direction))
+        self.limit = float("inf") if terminal is False else int(terminal)
+        if self.limit < 0:
+            raise ValueError(f"terminal has to be a bool or a number >= 0, not {terminal!r}")
+        if self.limit == 0:
+            self.limit = float("inf")
+        self.action = None if action is None else _with_derivatives(action)
+        self.name = name or getattr(function, "__name__", "event")
+
+
+class EventRecord(NamedTuple):
+    """An event that happened.
+
+    Attributes
+    ----------
+    t : float
+    x, xdot : numpy.ndarray
+        n values, before the action.
+    index : int
+        Of the event function.
+    name : str
+    direction : int
+        +1: rising, -1: falling.
+    """
+
+    t: float
+    x: np.ndarray
+    xdot: np.ndarray
+    index: int
+    name: str
+    direction: int
+
+
+def _with_derivatives(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of (t, x) or (t, x, xdot) as one of (t, x, xdot)."""
+    try:
+        inspect.signature(function).bind(0.0, None, None)
+    except TypeError:
+        return lambda t, x, xdot: function(t, x)
+    except ValueError:  # no signature is known
+        return lambda t, x, xdot: function(t, x)
+    return function
+
+
+def as_events(events: Any) -> list[Event]:
+    """None, an event or a sequence of them, each a function or an Event."""
+    if events is None:
+        return []
+    given: Sequence[Any] = (
+        [events] if callable(events) or isinstance(events, Event) else list(events)
+    )
+    result = []
+    for event in given:
+        if not isinstance(event, Event):
+            attributes = {
+                name: getattr(event, name)
+                for name in ("direction", "terminal", "action")
+                if hasattr(event, name)
+            }
+            event = Event(event, **attributes)
+        result.append(event)
+    return result
+
+
+def joined(events: Sequence[Event]) -> Callable[..., list[float]]:
+    """One function that returns the values of all events."""
+
+    def evaluate(t: float, x: np.ndarray, xdot: np.ndarray) -> list[float]:
+        values = []
+        for event in events:
+            value = event.evaluate(t, x, xdot)
+            if np.size(value) != 1:
+                raise ValueError(f"event {event.name} returned {value!r}, not a number")
+            values.append(float(np.reshape(value, ())))
+        return values
+
+    return evaluate

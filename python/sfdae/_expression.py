@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Numbers and parts of formulas that are being recorded."""
+
+from __future__ import annotations
+
+import numbers
+from typing import Any, Callable
+
+import numpy as np
+
+from ._binding import ffi, lib
+
+_NO_VALUE = (
+    "an expression has no value while equations are recorded, so that {}. Use sfdae.choose or "
+    "np.where(a > b, ...) for branches, np.sin, np.exp, ... (not those of math) for functions"
+)
+
+
+class Recording:
+    """A recording under way; expressions of it are of no use after it has ended."""
+
+    __slots__ = ("c", "is_open")
+
+    def __init__(self, record: Any) -> None:
+        self.c = record
+        self.is_open = True
+
+    def require_open(self) -> None:
+        if not self.is_open:
+            raise RuntimeError(
+                "this expression belongs to a recording that has ended: t, x, xdot and what is "
+                "made of them can only be used within the function that writes the equations"
+            )
+
+
+def _as_c(value: Any) -> Any:
+    """A number as an expression of C, or None if it is something else."""
+    if isinstance(value, (float, int, np.floating, np.integer, np.bool_)):
+        return lib.sfdae_number(float(value))
+    if isinstance(value, numbers.Real):
+        return lib.sfdae_number(float(value))
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        return _as_c(value.item())
+    return None
+
+
+def _describe(value: Any) -> str:
+    return f"{type(value).__name__} {value!r}"[:80]
+
+
+def as_expression(value: Any) -> Expression:
+    """An expression or a real number as an expression.
+
+    Raises
+    ------
+    TypeError
+        For anything else.
+    """
+    if isinstance(value, Expression):
+        return value
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+        if isinstance(value, Expression):
+            return value
+    c = _as_c(value)
+    if c is None:
+        raise TypeError(f"an expression or a real number is needed, not {_describe(value)}")
+    return Expression(c, None)
+
+
+def _operator(function: Callable[[Any, Any], Any]) -> tuple[Callable, Callable]:
+    """The methods a (op) b and b (op) a for a function of C with two operands."""
+
+    def forward(self: Expression, other: Any) -> Expression:
+        recording = self._recording
+        if recording is not None and not recording.is_open:
+            recording.require_open()
+        if type(other) is Expression:
+            if other._recording is not recording and other._recording is not None:
+                other._recording.require_open()
+                recording = other._recording
+            return Expression(function(self._c, other._c), recording)
+        c = _as_c(other)
+        if c is None:
+            return NotImplemented
+        return Expression(function(self._c, c), recording)
+
+    def reflected(self: Expression, other: Any) -> Expression:
+        c = _as_c(other)
+        if c is None:
+            return NotImplemented
+        if self._recording is not None:
+            self._recording.require_open()
+        return Expression(function(c, self._c), self._recording)
+
+    return forward, reflected
+
+
+class Expression:
+    """A number, or a part of a formula that is being recorded.
+
+    Operators, numpy's functions (``np.sin(x[0])``, also of arrays of expressions) and the functions
+    of this package (``sfdae.sin``, ``sfdae.choose``) make larger ones. There are no values yet to
+    branch on: ``if x > 0`` is an error, ``np.where(x > 0, a, b)`` is recorded.
+    """
+
+    __slots__ = ("_c", "_recording")
+
+    def __init__(self, c: Any, recording: Recording | None) -> None:
+        self._c = c
+        self._recording = recording
+
+    __add__, __radd__ = _operator(lib.sfdae_add)
+    __sub__, __rsub__ = _operator(lib.sfdae_subtract)
+    __mul__, __rmul__ = _operator(lib.sfdae_multiply)
+    __truediv__, __rtruediv__ = _operator(lib.sfdae_divide)
+    __pow__, __rpow__ = _operator(lib.sfdae_power)
+
+    def __neg__(self) -> Expression:
+        return self._apply(lib.sfdae_negate)
+
+    def __pos__(self) -> Expression:
+        return self
+
+    def __abs__(self) -> Expression:
+        return self._apply(lib.sfdae_abs)
+
+    def _apply(self, function: Callable[[Any], Any]) -> Expression:
+        if self._recording is not None:
+            self._recording.require_open()
+        return Expression(function(self._c), self._recording)
+
+    def _condition(self, sign: int, other: Any, strict: bool) -> Any:
+        if isinstance(other, np.ndarray) and other.ndim > 0:
+            return NotImplemented  # numpy compares the elements
+        return Condition(self - other if sign > 0 else other - self, strict)
+
+    def __gt__(self, other: Any) -> Condition:
+        return self._condition(1, other, strict=True)
+
+    def __lt__(self, other: Any) -> Condition:
+        return self._condition(-1, other, strict=True)
+
+    def __ge__(self, other: Any) -> Condition:
+        return self._condition(1, other, strict=False)
+
+    def __le__(self, other: Any) -> Condition:
+        return self._condition(-1, other, strict=False)
+
+    def __eq__(self, other: object) -> bool:
+        raise TypeError(_NO_VALUE.format("== cannot be decided"))
+
+    def __ne__(self, other: object) -> bool:
+        raise TypeError(_NO_VALUE.format("!= cannot be decided"))
+
+    __hash__ = object.__hash__
+
+    def __bool__(self) -> bool:
+        raise TypeError(_NO_VALUE.format("it is neither true nor false"))
+
+    def __float__(self) -> float:
+        raise TypeError(_NO_VALUE.format("it is no float"))
+
+    __int__ = __index__ = __complex__ = __float__
+
+    def __reduce__(self) -> Any:
+        raise TypeError("expressions cannot be pickled or copied: they belong to a recording")
+
+    def __repr__(self) -> str:
+        if self._c.record == ffi.NULL:
+            return f"Expression({self._c.value!r})"
+        return "Expression(recorded)"
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
+        from ._functions import apply_ufunc
+
+        return apply_ufunc(ufunc, method, inputs, kwargs)
+
+    def __array_function__(self, function: Callable, types: Any, args: Any, kwargs: Any) -> Any:
+        from ._functions import apply_array_function
+
+        return apply_array_function(function, args, kwargs)
+
+
+class Condition:
+    """A comparison of expressions, for ``np.where(a > b, x, y)`` and sfdae.choose."""
+
+    __slots__ = ("difference", "strict")
+
+    def __init__(self, difference: Any, strict: bool) -> None:
+        self.difference = difference  # true where it is > 0, or >= 0 if not strict
+        self.strict = strict
+
+    def __bool__(self) -> bool:
+        raise TypeError(_NO_VALUE.format("a comparison is neither true nor false"))
+
+    def __invert__(self) -> Condition:
+        return Condition(-self.difference, not self.strict)
+
+    def __array_function__(self, function: Callable, types: Any, args: Any, kwargs: Any) -> Any:
+        from ._functions import apply_array_function
+
+        return apply_array_function(function, args, kwargs)
+
+
+def parameter(inside: Any, name: str, value: float) -> Expression:
+    """A constant with a name, whose value can be changed later without recording anew.
+
+    Parameters
+    ----------
+    inside : Expression
+        Any expression of the recording, for example ``t``.
+    name : str
+        Not empty. Asked for again by its name it is the same parameter, and the first value counts.
+    value : float
+        Finite.
+    """
+    expression = as_expression(inside)
+    if expression._recording is None:  # plain numbers: the formula is evaluated, not recorded
+        return as_expression(value)
+    expression._recording.require_open()
+    c = lib.sfdae_parameter(expression._recording.c, name.encode(), float(value))
+    return Expression(c, expression._recording)
+
+
+def vector(c_array: Any, count: int, recording: Recording | None) -> np.ndarray:
+    """The expressions of a C array as an array of objects."""
+    result = np.empty(count, dtype=object)
+    for i in range(count):
+        result[i] = Expression(c_array[i], recording)
+    return result

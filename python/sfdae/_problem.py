@@ -1,0 +1,344 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Linear and nonlinear problems."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from typing import Any, Callable, Iterable, Mapping, Sequence, Union
+
+import numpy as np
+
+from ._binding import ffi, lib
+from ._formula import Formula, flatten, parameter_values
+
+Prescribed = Mapping[Union[str, int], Callable[[float], float]]
+
+
+class Problem:
+    """What all problems have: sizes, names and units of the unknowns, parameters.
+
+    Attributes
+    ----------
+    kind : str
+        ``"linear"``, ``"nonlinear"`` or ``"multibody"``: the interface of C that it is solved with.
+    num_equations, num_unknowns : int
+        m and n. num_equations may be None until a solver has been created: it is then counted.
+    names : tuple of str
+        Of the unknowns, by default ``x[0]``, ``x[1]``, ...
+    units : dict
+        Units by name, for plots.
+    parameters : dict
+        Named parameters of recorded equations and their values.
+    """
+
+    kind = ""
+    num_equations: int | None
+    num_unknowns: int
+
+    def _set_unknowns(
+        self,
+        count: int,
+        names: Sequence[str] | None,
+        units: Mapping[str, str] | Sequence[str] | None,
+    ) -> None:
+        self._has_names = names is not None
+        if names is None:
+            names = [f"x[{i}]" for i in range(count)]
+        elif isinstance(names, str):
+            raise TypeError(f"names has to be a sequence of names, not the string {names!r}")
+        self.names = tuple(str(name) for name in names)
+        if len(self.names) != count:
+            raise ValueError(f"there are {len(self.names)} names for {count} unknowns")
+        if len(set(self.names)) != count:
+            twice = next(name for name in self.names if self.names.count(name) > 1)
+            raise ValueError(f"the name {twice!r} is given twice")
+        self.num_unknowns = count
+        if units is not None and not isinstance(units, Mapping):
+            units = dict(zip(self.names, units))
+        self.units = {name: str(unit) for name, unit in (units or {}).items() if unit}
+        for name in self.units:
+            if name != "t":  # the time may have one, too
+                self.index(name)
+
+    def index(self, unknown: str | int) -> int:
+        """Index of an unknown that is given by its name or its index.
+
+        Raises
+        ------
+        KeyError
+            For a name that there is not.
+        IndexError
+            For an index out of range.
+        """
+        if isinstance(unknown, str):
+            if unknown not in self.names:
+                raise KeyError(
+                    f"there is no unknown {unknown!r}; there are {', '.join(self.names)}"
+                )
+            return self.names.index(unknown)
+        i = int(unknown)
+        if not -self.num_unknowns <= i < self.num_unknowns:
+            raise IndexError(f"there is no unknown {i}: the problem has {self.num_unknowns}")
+        return i % self.num_unknowns
+
+    def values(self, given: Any, name: str = "x0") -> np.ndarray:
+        """Values of all unknowns as a new array.
+
+        Parameters
+        ----------
+        given : array_like or mapping
+            n numbers, or values by name or index; unknowns that are not named are 0.
+        """
+        if isinstance(given, Mapping):
+            result = np.zeros(self.num_unknowns)
+            for unknown, value in given.items():
+                result[self.index(unknown)] = value
+            return result
+        result = np.array(given, dtype=float, ndmin=1)
+        if result.shape != (self.num_unknowns,):
+            raise ValueError(f"{name} has shape {result.shape}, not ({self.num_unknowns},)")
+        return result
+
+    def with_names(self, text: str) -> str:
+        """A message of the library with names of unknowns in place of their indices."""
+        if not self._has_names:
+            return text
+
+        def name(found: re.Match[str]) -> str:
+            i = int(found[1])
+            return self.names[i] if i < self.num_unknowns else found[0]
+
+        return re.sub(r"\b(?:x\[|component )(\d+)\b\]?", name, text)
+
+    def _set_prescribed(self, prescribed: Prescribed | None) -> None:
+        self.prescribed = {self.index(unknown): f for unknown, f in (prescribed or {}).items()}
+        for unknown, function in self.prescribed.items():
+            if not callable(function):
+                raise TypeError(
+                    f"{self.names[unknown]} is prescribed by {function!r}, which is no function"
+                )
+
+    def _fill_prescribed(self, c: Any, keep: list[Any]) -> None:
+        indices = ffi.new("int[]", list(self.prescribed))
+        keep.append(indices)
+        c.num_prescribed = len(self.prescribed)
+        if self.prescribed:
+            c.prescribed = indices
+            c.prescribed_values = getattr(lib, f"python_{self.kind}_problem_prescribed_values")
+
+    def _c_problem(self, keep: list[Any]) -> Any:
+        """The struct of C without `user`; what it points to is added to `keep`."""
+        c = ffi.new(f"sfdae_{self.kind}_problem*")
+        getattr(lib, f"sfdae_{self.kind}_problem_init")(c, ffi.sizeof(c[0]))
+        self._fill(c, keep)
+        return c
+
+    def _fill(self, c: Any, keep: list[Any]) -> None:
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.num_unknowns} unknowns: {', '.join(self.names[:8])})"
+
+
+class NonlinearProblem(Problem):
+    """F(t, x, x') = 0, m equations for n unknowns.
+
+    Parameters
+    ----------
+    equations : callable, optional
+        ``equations(t, x, xdot, ...)`` returns the m formulas, a list or an array, nested as you
+        like. It is called when a solver is created, with expressions: t, x (n) and xdot (n); the
+        library records and differentiates. Further arguments are named parameters: ``def F(t, x,
+        xdot, g=9.81)``.
+    num_unknowns : int, optional
+        n; not needed where names are given.
+    names, units : sequence of str, optional
+        Of the unknowns. units may be a dictionary by name, with ``"t"`` for the time.
+    num_equations : int, optional
+        m; counted if it is not given.
+    parameters : dict, optional
+        Values of named parameters that replace defaults; an array makes an array of parameters.
+    total_derivative : callable, optional
+        Instead of equations: ``total_derivative(t, order, derivatives, jacobians)`` returns the
+        total derivative of this order of F along a jet, or if jacobians is true ``(F, F_x,
+        F_xdot)``, total derivatives of F (m) and of its Jacobians (m x n); None if the order is not
+        available. derivatives: n x (order + 2), column k is the k-th derivative of x. num_equations
+        is then n if it is not given.
+    prescribed : dict, optional
+        Unknowns that the equations leave free (u > 0) as functions of time: ``{"input": np.sin}``.
+    differentiations : sequence of int, optional
+        How often each equation is differentiated at most; see sfdae_nonlinear_problem.
+    """
+
+    kind = "nonlinear"
+
+    def __init__(
+        self,
+        equations: Callable[..., Any] | None = None,
+        num_unknowns: int | None = None,
+        *,
+        names: Sequence[str] | None = None,
+        units: Mapping[str, str] | Sequence[str] | None = None,
+        num_equations: int | None = None,
+        parameters: Mapping[str, Any] | None = None,
+        total_derivative: Callable[..., Any] | None = None,
+        prescribed: Prescribed | None = None,
+        differentiations: Iterable[int] | None = None,
+    ) -> None:
+        if num_unknowns is None and names is None:
+            raise TypeError("the number of unknowns is needed: num_unknowns or names")
+        self._set_unknowns(len(names) if num_unknowns is None else int(num_unknowns), names, units)
+        if (equations is None) == (total_derivative is None):
+            raise TypeError("either equations or total_derivative is needed")
+        self._counts = num_equations is None and equations is not None
+        self.num_equations = self.num_unknowns if num_equations is None else int(num_equations)
+        self.equations = (
+            None if equations is None else Formula(equations, ("t", "x", "xdot"), "equations")
+        )
+        self.total_derivative = total_derivative
+        self.parameters = parameter_values([self.equations] if self.equations else [], parameters)
+        self._set_prescribed(prescribed)
+        self.differentiations = (
+            None if differentiations is None else [int(count) for count in differentiations]
+        )
+
+    def residual(self, t: float, x: Any, xdot: Any, **parameters: Any) -> np.ndarray:
+        """F(t, x, x') for numbers: the function that writes the equations, evaluated.
+
+        Parameters
+        ----------
+        t : float
+        x, xdot : array_like
+            n values.
+        **parameters
+            Values that replace those of the problem.
+        """
+        if self.equations is None:
+            raise TypeError(
+                "there are no equations to evaluate: the problem is given by total_derivative"
+            )
+        values = parameter_values([self.equations], {**self.parameters, **parameters})
+        x, xdot = self.values(x, "x"), self.values(xdot, "xdot")
+        return np.array(
+            flatten(self.equations(float(t), x, xdot, values=values), "equations"), dtype=float
+        )
+
+    def _fill(self, c: Any, keep: list[Any]) -> None:
+        c.num_equations, c.num_unknowns = self.num_equations, self.num_unknowns
+        if self.equations is not None:
+            c.equations = lib.python_nonlinear_problem_equations
+        else:
+            c.total_derivative = lib.python_nonlinear_problem_total_derivative
+        self._fill_prescribed(c, keep)
+        if self.differentiations is not None:
+            if len(self.differentiations) != self.num_equations:
+                given, m = len(self.differentiations), self.num_equations
+                raise ValueError(f"differentiations has {given} entries for {m} equations")
+            keep.append(ffi.new("int[]", self.differentiations))
+            c.differentiations = keep[-1]
+
+
+class LinearProblem(Problem):
+    """E(t) x' = A(t) x + f(t), m equations for n unknowns.
+
+    Each of E, A and f is an array, or a function: of ``(t)``, which is called when a solver is
+    created and returns formulas in the expression t (further arguments are named parameters); or of
+    ``(t, order)``, which is called at every point and returns the derivative of this order as
+    numbers, or None if it is not available. If one of them is a function of ``(t, order)``, all
+    have to be such functions or arrays.
+
+    Parameters
+    ----------
+    E, A : array_like or callable
+        m x n.
+    f : array_like or callable, optional
+        m entries, 0 if it is not given.
+    num_equations, num_unknowns : int, optional
+        Needed where neither E nor A is an array; m is n if it is not given.
+    names, units, parameters, prescribed
+        As for NonlinearProblem.
+    """
+
+    def __init__(
+        self,
+        E: Any,
+        A: Any,
+        f: Any = None,
+        *,
+        num_equations: int | None = None,
+        num_unknowns: int | None = None,
+        names: Sequence[str] | None = None,
+        units: Mapping[str, str] | Sequence[str] | None = None,
+        parameters: Mapping[str, Any] | None = None,
+        prescribed: Prescribed | None = None,
+    ) -> None:
+        self.coefficients = {"E": _coefficient("E", E), "A": _coefficient("A", A)}
+        if f is not None:
+            self.coefficients["f"] = _coefficient("f", f)
+        m, n = self._shape(num_equations, num_unknowns, names)
+        self._set_unknowns(n, names, units)
+        self.num_equations = m
+        functions = {name: part for name, part in self.coefficients.items() if callable(part)}
+        callbacks = [
+            name for name, function in functions.items() if not isinstance(function, Formula)
+        ]
+        formulas = [name for name in functions if name not in callbacks]
+        if callbacks and formulas:
+            raise TypeError(
+                f"{formulas[0]} is a function of t, which is recorded, and {callbacks[0]} one of "
+                "(t, order), which is called at every point: give functions of one kind"
+            )
+        self.kind = "linear" if callbacks or not formulas else "nonlinear"
+        self.parameters = parameter_values([functions[name] for name in formulas], parameters)
+        self._set_prescribed(prescribed)
+
+    def _shape(self, m: int | None, n: int | None, names: Sequence[str] | None) -> tuple[int, int]:
+        if n is None and names is not None:
+            n = len(names)
+        for part in ("E", "A"):
+            matrix = self.coefficients[part]
+            if isinstance(matrix, np.ndarray):
+                m = matrix.shape[0] if m is None else m
+                n = matrix.shape[1] if n is None else n
+        if n is None:
+            raise TypeError("num_unknowns or names is needed where neither E nor A is an array")
+        m = n if m is None else m
+        for part, expected in (("E", (m, n)), ("A", (m, n)), ("f", (m,))):
+            array = self.coefficients.get(part)
+            if isinstance(array, np.ndarray) and array.shape != expected:
+                raise ValueError(f"{part} has shape {array.shape}, not {expected}")
+        return int(m), int(n)
+
+    def _fill(self, c: Any, keep: list[Any]) -> None:
+        c.num_equations, c.num_unknowns = self.num_equations, self.num_unknowns
+        self._fill_prescribed(c, keep)
+        if self.kind == "nonlinear":
+            c.linear_equations = lib.python_nonlinear_problem_linear_equations
+            return
+        for part in self.coefficients:
+            setattr(c, part, getattr(lib, f"python_linear_problem_{part}"))
+        c.constant_E = isinstance(self.coefficients["E"], np.ndarray)
+        c.constant_A = isinstance(self.coefficients["A"], np.ndarray)
+
+
+def _coefficient(name: str, given: Any) -> Any:
+    """An array of numbers, a function of (t, order), or a Formula in t."""
+    if not callable(given):
+        try:
+            array = np.array(given, dtype=float)
+        except (TypeError, ValueError):
+            raise TypeError(
+                f"{name} has to be an array of numbers or a function, not {given!r}"
+            ) from None
+        if array.ndim != (1 if name == "f" else 2):
+            raise ValueError(
+                f"{name} has shape {array.shape}: it has to be a "
+                f"{'vector' if name == 'f' else 'matrix'}"
+            )
+        return array
+    try:
+        has_order = "order" in inspect.signature(given).parameters
+    except (TypeError, ValueError):
+        has_order = False
+    return given if has_order else Formula(given, ("t",), name)

@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One integration from start to end, with what is collected along the way."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any, Callable, Sequence
+
+import numpy as np
+
+from ._binding import ffi, lib
+from ._dense import DenseOutput
+from ._events import Event, EventRecord, joined
+from ._options import constant
+from ._report import Report
+from ._solution import Solution, Steps
+from ._points import Point
+from ._solver import Solver
+from ._status import Error, InitialValuesWarning, IntegrationWarning, Status
+
+_GOES_ON = (lib.SFDAE_OK, lib.SFDAE_STEP_TAKEN, lib.SFDAE_INCONSISTENCY_IGNORED)
+_ACCURACY_TO_WARN = 10.0  # tolerances that dense output may err by without a warning
+
+
+class Run:
+    """An integration under way: calls the solver, records points, events and steps.
+
+    Whatever ends it (the end, an event, a failure, Ctrl-C) leaves the points that were reached.
+    """
+
+    def __init__(
+        self, solver: Solver, t1: float, events: Sequence[Event], dense: DenseOutput | None
+    ) -> None:
+        self.solver = solver
+        self.t1 = t1
+        self.events = events
+        self.dense = dense
+        self._outputs: list[float] = []  # those that are left, where steps are taken one by one
+        self._direction = 0.0
+        self.points: list[tuple[float, np.ndarray, np.ndarray]] = []
+        self.happened: list[EventRecord] = []
+        self.status = Status.OK
+        self.message = ""
+        self.notes: list[str] = []
+        self._warnings: list[tuple[str, type[Warning]]] = []
+        self.last: Point | None = None
+        self._counts = [0] * len(events)
+        self._step_start = (np.nan, np.empty(0), np.empty(0))
+        self._samples = True
+        self._statistics = ffi.new("sfdae_statistics*")
+        lib.sfdae_statistics_init(self._statistics, ffi.sizeof(self._statistics[0]))
+
+    # ---- Integration -----------------------------------------------------------------------------
+
+    def start(self, t0: float, x0: np.ndarray, xdot0: Any) -> None:
+        """The consistent values at the start; a warning where they are not what was meant."""
+        if self.events:
+            directions = [event.direction for event in self.events]
+            self.solver.set_events(joined(self.events), len(self.events), directions)
+        point = self.solver.start(t0, x0, self.t1, xdot0)
+        self._direction = float(np.sign(self.t1 - t0))
+        self._step_start = point[:3]
+        method = self.solver._options.get("method")
+        is_bdf = method is None or constant("method", method) == lib.SFDAE_METHOD_BDF
+        self._samples = not is_bdf or self.solver.characteristics.differential == 0
+        if point.status > 0:
+            self._note(point.message, InitialValuesWarning)
+        self._add(point)
+
+    def integrate(self, t_eval: np.ndarray | None) -> None:
+        """To the end, or as far as it goes."""
+        try:
+            if t_eval is not None and self.dense is None:
+                self._through(t_eval)
+            else:
+                self._step_by_step(t_eval)
+        except KeyboardInterrupt:
+            self.solver._state.take_exception()
+            if t_eval is None:
+                self._add_reached(self.last)
+            if self.dense is not None:
+                self.dense.cut(self.last.t)
+            self._end(Status.STOPPED, "interrupted by the user")
+        except Error as error:
+            self._end(error.status, error.message)
+
+    def _through(self, t_eval: np.ndarray) -> None:
+        """Outputs at given times, as many as possible in one call."""
+        n = self.solver.problem.num_unknowns
+        count = t_eval.size
+        t = np.full(count + 1, np.nan)
+        x, xdot = np.empty((count + 1, n)), np.empty((count + 1, n))
+        times = np.ascontiguousarray(t_eval)
+        done = ffi.new("long*", 0)
+        if count and times[0] == self.last.t:
+            t[0], x[0], xdot[0] = self.last.t, self.last.x, self.last.xdot
+            done[0] = 1
+        pointers = [self.solver._pointer(array) for array in (t, x, xdot)]
+        c_times = self.solver._pointer(times)
+        try:
+            is_on = True
+            while is_on and done[0] < count:
+                status = lib.python_advance_through(
+                    self.solver._box[0], c_times, count, done, *pointers, n
+                )
+                k = min(done[0], count - 1)
+                point = Point(t[k], x[k].copy(), xdot[k].copy(), Status(status), "")
+                is_on = self._next(status, point)
+                done[0] += done[0] < count and point.t == times[k]  # an event at an output
+            if is_on and self.last.t != self.t1:
+                self._to_end()
+        finally:
+            self.points = [(t[i], x[i], xdot[i]) for i in range(done[0])]
+
+    def _to_end(self) -> None:
+        """From the last output to the end of the interval, which may hold events or failures."""
+        while self._next(*self._call(lib.sfdae_advance, self.t1)) and self.last.t != self.t1:
+            pass
+
+    def _step_by_step(self, t_eval: np.ndarray | None) -> None:
+        """Every step on its own, for dense output or where its ends are the outputs."""
+        if t_eval is not None:
+            self._outputs = t_eval.tolist()
+            self.points.clear()
+            self._record_outputs(self.last)
+        while self.last.t != self.t1:
+            status, point = self._call(lib.sfdae_step, self.t1)
+            goes_on = self._next(status, point)
+            if t_eval is None:
+                self._add_reached(point)
+            if not goes_on:
+                return
+
+    def _record_outputs(self, point: Point) -> None:
+        """Outputs up to a point that was reached, by interpolation within the last step."""
+        while self._outputs and (self._outputs[0] - point.t) * self._direction <= 0:
+            t = self._outputs[0]
+            at_output = point if t == point.t else self.solver.interpolate(t)
+            self.points.append((t, at_output.x, at_output.xdot))
+            del self._outputs[0]
+
+    def _call(self, function: Callable[..., int], target: float) -> tuple[int, Point]:
+        solver = self.solver
+        t = ffi.new("double*", np.nan)
+        x, xdot = np.empty((2, solver.problem.num_unknowns))
+        status = function(solver._box[0], target, t, solver._pointer(x), solver._pointer(xdot))
+        return status, Point(t[0], x, xdot, Status(status), "")
+
+    def _add_reached(self, point: Point) -> None:
+        """The point that a call returned if it is new, and the one after an action, which has the
+        same time.
+        """
+        reached = self.last
+        if not np.isnan(point.t) and point.t != self.points[-1][0]:
+            self._add(point)
+        if reached is not point and reached.x is not self.points[-1][1]:
+            self._add(reached)
+
+    def _add(self, point: Point) -> None:
+        self.last = point
+        self.points.append((point.t, point.x, point.xdot))
+
+    def _next(self, status: int, point: Point) -> bool:
+        """Takes what a call returned; whether the integration goes on."""
+        exception = self.solver._state.take_exception()
+        is_ahead = (point.t - self.last.t) * (
+            self.t1 - self.last.t
+        ) > 0  # False for NaN, if nothing was returned
+        if self.dense is not None and status != lib.SFDAE_ILLEGAL_ARGUMENT:
+            self._record_step(point)
+        if self._outputs and is_ahead:
+            self._record_outputs(point)
+        if is_ahead or status == lib.SFDAE_EVENT:
+            self.last = point
+        if exception is not None:
+            raise exception
+        message = self.solver.message if status != lib.SFDAE_OK else ""
+        if status == lib.SFDAE_INCONSISTENCY_IGNORED and message not in self.notes:
+            self._note(message, IntegrationWarning)
+        if status == lib.SFDAE_EVENT:
+            return self._handle_event(point)
+        if status not in _GOES_ON:
+            self._end(Status(status), message)
+        return status in _GOES_ON
+
+    def _record_step(self, point: Point) -> None:
+        """The step that was taken, if there is a new one, as part of the dense output."""
+        statistics = self._statistics
+        lib.sfdae_get_statistics(self.solver._box[0], statistics)
+        b = statistics.t_internal
+        if b == self._step_start[0] or statistics.last_step == 0.0:
+            return
+        if self._samples:
+            self.dense.add_step(self._step_start, b, lambda t: self.solver.interpolate(t)[1:3])
+        end = point if point.t == b else self.solver.interpolate(b)
+        if not self._samples:
+            self.dense.add_ends(self._step_start, end[:3])
+        self._step_start = end[:3]
+
+    # ---- Events ----------------------------------------------------------------------------------
+
+    def _handle_event(self, point: Point) -> bool:
+        """Records the events at a point, calls their actions; whether the integration goes on."""
+        which = self.solver.events
+        x, xdot = point.x, point.xdot
+        is_restarted = ends = False
+        for i in np.flatnonzero(which):
+            event = self.events[i]
+            self._counts[i] += 1
+            self.happened.append(
+                EventRecord(point.t, point.x, point.xdot, int(i), event.name, int(which[i]))
+            )
+            if self._counts[i] >= event.limit:
+                self._end(
+                    Status.EVENT, f"event {event.name!r} ended the integration at t = {point.t:.9g}"
+                )
+                ends = True
+            if event.action is not None:
+                changed = event.action(point.t, x.copy(), xdot.copy())
+                if changed is not None:
+                    x = self.solver.problem.values(
+                        changed, f"x of the action of event {event.name!r}"
+                    )
+                    is_restarted = True
+        if ends and self.dense is not None:
+            self.dense.cut(point.t)
+        if ends or not is_restarted or point.t == self.t1:
+            return not ends
+        restart = self.solver.start(point.t, x, self.t1)
+        if restart.status > 0:
+            self._note(
+                f"after an event at t = {point.t:.9g}: {restart.message}", InitialValuesWarning
+            )
+        self.last = restart
+        self._step_start = restart[:3]
+        if self.dense is not None:
+            self.dense.cut(point.t)
+        return True
+
+    # ---- Result ----------------------------------------------------------------------------------
+
+    def warn(self, stacklevel: int) -> None:
+        """Issues the warnings that were collected."""
+        for message, category in self._warnings:
+            warnings.warn(message, category, stacklevel=stacklevel + 1)
+
+    def _note(self, message: str, category: type[Warning]) -> None:
+        self.notes.append(message)
+        self._warnings.append((message, category))
+
+    def _end(self, status: Status, message: str) -> None:
+        self.status, self.message = status, message
+
+    def solution(self) -> Solution:
+        """Everything that was collected; warns where the run ended early."""
+        solver, problem = self.solver, self.solver.problem
+        if self.status < 0:
+            text = self.message or self.status.name
+            self.message = f"the integration ended at t = {self.last.t:.9g}: {text}"
+            self._warnings.append((self.message, IntegrationWarning))
+        elif self.status == Status.STOPPED:
+            self.message = f"stopped at t = {self.last.t:.9g}" + (
+                f": {self.message}" if self.message else ""
+            )
+        elif self.status == Status.OK:
+            self.message = "the end of the interval was reached"
+        if self.dense is not None:
+            self.dense.finish()
+        if self.dense is not None and self.dense.accuracy > _ACCURACY_TO_WARN:
+            self._note(
+                f"dense output differs from the solution by up to {self.dense.accuracy:.0f} "
+                f"tolerances near t = {self.dense.worst_t:.6g}, where it has a jump or a kink: "
+                "sol.t and sol.x are accurate there",
+                IntegrationWarning,
+            )
+        times = np.array([point[0] for point in self.points])
+        x = np.array([point[1] for point in self.points]).reshape(-1, problem.num_unknowns)
+        xdot = np.array([point[2] for point in self.points]).reshape(-1, problem.num_unknowns)
+        steps = solver._steps()
+        by_function = [[e for e in self.happened if e.index == i] for i in range(len(self.events))]
+        return Solution(
+            t=times,
+            x=x.T,
+            xdot=xdot.T,
+            status=self.status,
+            message="; ".join([self.message, *self.notes]),
+            last=self.last._replace(status=self.status, message=self.message),
+            events=self.happened,
+            t_events=[np.array([e.t for e in events]) for events in by_function],
+            x_events=[
+                np.array([e.x for e in events]).reshape(-1, problem.num_unknowns)
+                for events in by_function
+            ],
+            report=Report(solver),
+            steps=Steps(steps[:, 0], steps[:, 1], steps[:, 2].astype(int)),
+            dense=self.dense,
+            names=problem.names,
+            units=dict(problem.units),
+        )

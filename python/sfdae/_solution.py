@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The result of sfdae.solve."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ._dense import DenseOutput
+from ._events import EventRecord
+from ._report import Report
+from ._points import Point
+from ._status import Status
+
+
+class Steps(NamedTuple):
+    """All accepted steps: ends, signed sizes, orders."""
+
+    t: np.ndarray
+    size: np.ndarray
+    order: np.ndarray
+
+
+class Solution:
+    """What an integration returned.
+
+    Attributes
+    ----------
+    t : numpy.ndarray
+        N times: those of t_eval, or the start, the ends of all steps and the events.
+    x, xdot : numpy.ndarray
+        n x N, the unknowns at these times and their derivatives. x satisfies all constraints to
+        rounding.
+    status : Status
+        ``OK``: the end was reached; ``EVENT``: a terminal event; ``STOPPED``: by the monitor or
+        Ctrl-C; negative: a failure.
+    success : bool
+        The end, or a terminal event, was reached.
+    message : str
+        Why the integration ended, and what the library had to say.
+    last : Point
+        The last point reached, whether or not it is among the outputs.
+    events : list of EventRecord
+        All events in their order: t, x, xdot, index, name, direction.
+    t_events, x_events : list of numpy.ndarray
+        Times of the events of each function, and values there, (number of events) x n.
+    report : Report
+        Index analysis, initial values, statistics.
+    steps : Steps
+        Ends, sizes and orders of all accepted steps.
+    dense : DenseOutput or None
+        What ``sol(t)`` evaluates; ``dense.accuracy`` is its error in units of the tolerances.
+    names : tuple of str
+        Of the unknowns.
+    units : dict
+        By name.
+    """
+
+    t: np.ndarray
+    x: np.ndarray
+    xdot: np.ndarray
+    status: Status
+    message: str
+    last: Point
+    events: list[EventRecord]
+    t_events: list[np.ndarray]
+    x_events: list[np.ndarray]
+    report: Report
+    steps: Steps
+    dense: DenseOutput | None
+    names: tuple[str, ...]
+    units: dict[str, str]
+
+    def __init__(self, **members: Any) -> None:
+        vars(self).update(members)
+
+    @property
+    def success(self) -> bool:
+        """Whether the end, or a terminal event, was reached."""
+        return self.status >= 0 and self.status != Status.STOPPED
+
+    def __call__(self, t: Any) -> np.ndarray:
+        """The solution at a time, shape (n,), or at N times, shape (n, N), within what was
+        integrated.
+
+        It agrees with the integrator's own values to a part of the tolerances rtol |x| + atol where
+        the solution is smooth within steps; ``sol.dense.accuracy`` is the largest difference to be
+        expected, in units of the tolerances, and there is a warning if it is above 10. Constraints
+        hold as well as that, at sol.t to rounding.
+
+        Raises
+        ------
+        ValueError
+            For times that were not reached, and if there is no dense output.
+        """
+        if self.dense is None:
+            raise ValueError("no dense output was recorded: call solve with dense_output=True")
+        return self.dense(t)
+
+    def derivative(self, t: Any) -> np.ndarray:
+        """x' at a time, shape (n,), or at N times, shape (n, N); less accurate than x by about a
+        factor 1 / step.
+        """
+        if self.dense is None:
+            raise ValueError("no dense output was recorded: call solve with dense_output=True")
+        return self.dense.derivative(t)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """One unknown at the times t, N values, by its name (or the time, by ``"t"`` where no
+        unknown has this name).
+        """
+        if name in self.names:
+            return self.x[self.names.index(name)]
+        if name == "t":
+            return self.t
+        raise KeyError(f"there is no unknown {name!r}; there are {', '.join(self.names)}")
+
+    def to_frame(self) -> Any:
+        """The outputs as a pandas frame: one column for each unknown, times as index.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not there.
+        """
+        import pandas
+
+        return pandas.DataFrame(
+            self.x.T, columns=list(self.names), index=pandas.Index(self.t, name="t")
+        )
+
+    def plot(self, *names: str, ax: Any = None) -> Any:
+        """Draws unknowns over time, one axis for each unit.
+
+        Parameters
+        ----------
+        *names : str
+            Unknowns; all if none is given.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure if it is not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes or array of them
+        """
+        from ._plots import plot_solution
+
+        return plot_solution(self, names, ax)
+
+    def plot_steps(self, ax: Any = None) -> Any:
+        """Draws step size and order over time; matplotlib's axes of the step size."""
+        from ._plots import plot_steps
+
+        return plot_steps(self, ax)
+
+    def __repr__(self) -> str:
+        known = ", ".join(self.names[:10]) + (", ..." if len(self.names) > 10 else "")
+        times = f"from {self.t[0]:g} to {self.t[-1]:g}" if self.t.size else ""
+        lines = [
+            f" message: {self.message}",
+            f" success: {self.success}",
+            f"  status: {self.status!r}",
+            f"       t: {self.t.size} times {times}",
+            f"       x: {len(self.names)} unknowns ({known})",
+            f"  events: {len(self.events)}",
+            f"   steps: {self.steps.t.size}",
+            f"  report: {self.report!r}",
+        ]
+        return "\n".join(lines)

@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""sfdae.solve, sfdae.analyze and sfdae.make_consistent: everything in one call."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Mapping, Sequence, Union
+
+import numpy as np
+
+from ._dense import DenseOutput
+from ._events import as_events
+from ._options import check_names
+from ._problem import NonlinearProblem, Problem
+from ._progress import ProgressBar
+from ._report import Report
+from ._run import Run
+from ._solution import Solution
+from ._points import Point
+from ._solver import Solver
+
+ProblemOrFunction = Union[Problem, Callable[..., Any]]
+
+_TOLERANCE = 1e-6  # default of rtol and atol, that of the library
+
+
+def solve(
+    problem: ProblemOrFunction,
+    t_span: Sequence[float],
+    x0: Any,
+    *,
+    method: str = "bdf",
+    rtol: Any = None,
+    atol: Any = None,
+    t_eval: Any = None,
+    dense_output: bool | None = None,
+    events: Any = None,
+    fixed: Any = None,
+    parameters: Mapping[str, Any] | None = None,
+    xdot0: Any = None,
+    names: Sequence[str] | None = None,
+    units: Any = None,
+    progress: bool = False,
+    monitor: Callable[[Any], Any] | None = None,
+    **options: Any,
+) -> Solution:
+    """Solves an initial value problem F(t, x, x') = 0 of arbitrary index, in the manner of scipy's
+    solve_ivp.
+
+    Parameters
+    ----------
+    problem : Problem or callable
+        A NonlinearProblem, LinearProblem or MultibodyProblem, or a function ``F(t, x, xdot)`` that
+        returns the list of equations; it is called once, with expressions, and recorded. Further
+        arguments of it are named parameters.
+    t_span : (float, float)
+        Start and end, not equal; the end may come first. Nothing is evaluated beyond the end.
+    x0 : array_like or dict
+        n values, or values by name. What is not known at the start (forces, currents) is guessed as
+        0, which is what unknowns not named are: the library finds consistent values and keeps what
+        is differentiated where it can.
+    method : str
+        ``"bdf"``, ``"radau"`` (fewer and longer steps for smooth problems and tight tolerances) or
+        ``"automatic"``.
+    rtol, atol : float or array_like or dict, optional
+        The error of unknown i is kept near rtol |x_i| + atol; default 1e-6 each.
+    t_eval : array_like, optional
+        Times of the outputs, in the order of integration, within t_span. By default the ends of all
+        steps.
+    dense_output : bool, optional
+        Whether ``sol(t)`` can be evaluated at any t. By default where t_eval is not given; it costs
+        a few interpolations a step.
+    events : callable, Event, or sequence of these, optional
+        Functions ``g(t, x)`` or ``g(t, x, xdot)`` whose zeros are located; see Event. As in
+        solve_ivp, attributes ``terminal`` and ``direction`` of functions count.
+    fixed : sequence of str or int or bool, optional
+        Unknowns whose initial values must not change.
+    parameters : dict, optional
+        Values of named parameters.
+    xdot0 : array_like or dict, optional
+        A guess of x', for problems that allow several.
+    names, units : sequence of str, optional
+        Of the unknowns, where the problem is a function; by default the keys of x0, if it is a
+        dict.
+    progress : bool
+        Shows a bar with time, step size and order.
+    monitor : callable, optional
+        Called after every step with a Progress; a true result stops.
+    **options
+        Further members of sfdae_options by name, such as max_step, max_index, initial_step:
+        ``sfdae.OPTION_NAMES``.
+
+    Returns
+    -------
+    Solution
+        ``sol.t, sol.x`` (n x N), ``sol.xdot, sol(t), sol["name"], sol.events, sol.report,
+        sol.status, sol.message``. If the integration fails or is stopped (Ctrl-C included), what
+        was reached, with a warning.
+
+    Raises
+    ------
+    Error
+        If the problem cannot be started: mistakes in arguments, an index that is too high or
+        unclear, values for which there is no solution.
+    Exception
+        Whatever a callback raises stops the solver and is raised with its traceback.
+
+    Warns
+    -----
+    InitialValuesWarning
+        If initial values that are differentiated had to change, or the solution is not unique.
+    IntegrationWarning
+        If the end was not reached.
+
+    Examples
+    --------
+    >>> import numpy as np, sfdae
+    >>> def pendulum(t, x, xdot, g=9.81):
+    ...     p, q, u, v, force = x
+    ...     motion = [xdot[0] - u, xdot[1] - v]
+    ...     balance = [xdot[2] + 2 * p * force, xdot[3] + 2 * q * force + g]
+    ...     return [*motion, *balance, p**2 + q**2 - 1]
+    >>> sol = sfdae.solve(pendulum, (0, 10), [0.6, -0.8, 0, 0, 0], rtol=1e-8)
+    >>> sol.report.characteristics.strangeness_index
+    2
+    >>> bool(abs(sol(5.0)[0] ** 2 + sol(5.0)[1] ** 2 - 1) < 1e-6)
+    True
+    """
+    problem = as_problem(problem, x0, names, units)
+    t0, t1 = _span(t_span)
+    times = None if t_eval is None else _output_times(t_eval, t0, t1)
+    dense_output = times is None if dense_output is None else bool(dense_output)
+    options = _with_stop_time(
+        {**options, "method": method, "rtol": rtol, "atol": atol, "fixed": fixed}, t1
+    )
+    solver = Solver(problem, parameters=parameters, monitor=monitor, **options)
+    dense = None
+    if dense_output:
+        tolerances = [_tolerance(problem, value) for value in (rtol, atol)]
+        dense = DenseOutput(problem.num_unknowns, *tolerances, t0, np.sign(t1 - t0))
+    bar = ProgressBar(t0, t1) if progress else None
+    solver._recorder.records = 1
+    if bar is not None:
+        solver._set_monitor(bar.watch(monitor))
+    run = Run(solver, t1, as_events(events), dense)
+    try:
+        run.start(t0, problem.values(x0), None if xdot0 is None else problem.values(xdot0, "xdot0"))
+        run.integrate(times)
+        return run.solution()
+    finally:
+        if bar is not None:
+            bar.close(t0 if run.last is None else run.last.t, solver._recorder.count)
+        run.warn(stacklevel=2)
+
+
+def analyze(
+    problem: ProblemOrFunction,
+    t: float = 0.0,
+    x: Any = None,
+    *,
+    toward: float | None = None,
+    names: Sequence[str] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    **options: Any,
+) -> Report:
+    """Detects the strangeness index and the characteristic values, with every rank decision.
+
+    Parameters
+    ----------
+    problem : Problem or callable
+        As for solve.
+    t, toward : float
+        The index is detected at t and at a nearby point in the direction of `toward`, by default t
+        + 1.
+    x : array_like or dict, optional
+        Values near the solution; linear problems need none.
+    names, parameters, **options
+        As for solve.
+
+    Returns
+    -------
+    Report
+        ``report.characteristics, report.decisions``, ``print(report)``, ``report.plot()``.
+
+    Raises
+    ------
+    Error
+        If the index cannot be determined; ``error.report`` then has the rank decisions.
+    """
+    if x is None and not isinstance(problem, Problem):
+        raise TypeError("x is needed: the index of a nonlinear problem depends on the solution")
+    problem = as_problem(problem, x, names, None)
+    solver = Solver(problem, parameters=parameters, **options)
+    try:
+        solver.analyze(t, t + 1.0 if toward is None else toward, x)
+    except Exception as error:
+        error.report = Report(solver)
+        raise
+    return Report(solver)
+
+
+def make_consistent(
+    problem: ProblemOrFunction,
+    t: float,
+    x: Any,
+    *,
+    xdot: Any = None,
+    fixed: Any = None,
+    names: Sequence[str] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    **options: Any,
+) -> Point:
+    """Consistent values near x, and the derivative of the solution through them.
+
+    Parameters
+    ----------
+    problem, fixed, names, parameters, **options
+        As for solve; initial_values is ``"nearest"``, ``"fixed"`` or ``"accept"``.
+    t : float
+    x : array_like or dict
+        n values, or values by name; others are guessed as 0.
+    xdot : array_like or dict, optional
+        A guess of x', for problems that allow several.
+
+    Returns
+    -------
+    Point
+        ``t, x, xdot, status, message``; status is ``VALUES_CHANGED`` if values that are
+        differentiated changed.
+
+    Raises
+    ------
+    Error
+        If there are no such values.
+    """
+    problem = as_problem(problem, x, names, None)
+    solver = Solver(problem, parameters=parameters, fixed=fixed, **options)
+    return solver.make_consistent(t, x, xdot)
+
+
+def as_problem(
+    problem: ProblemOrFunction, x0: Any, names: Sequence[str] | None, units: Any
+) -> Problem:
+    """A problem as it is; a function as a nonlinear one, with as many unknowns as x0 has."""
+    if isinstance(problem, Problem):
+        if names is not None or units is not None:
+            raise TypeError("names and units belong to the problem: give them there")
+        return problem
+    if not callable(problem):
+        raise TypeError(f"a problem or a function F(t, x, xdot) is needed, not {problem!r}")
+    if names is None and isinstance(x0, Mapping):
+        names = list(x0)
+    return NonlinearProblem(
+        problem, len(names) if names is not None else np.size(x0), names=names, units=units
+    )
+
+
+def _span(t_span: Sequence[float]) -> tuple[float, float]:
+    try:
+        t0, t1 = (float(t) for t in t_span)
+    except (TypeError, ValueError):
+        raise ValueError(f"t_span has to be (start, end), not {t_span!r}") from None
+    if not (np.isfinite(t0) and np.isfinite(t1)) or t0 == t1:
+        raise ValueError(f"t_span has to be two different finite times, not ({t0}, {t1})")
+    return t0, t1
+
+
+def _output_times(t_eval: Any, t0: float, t1: float) -> np.ndarray:
+    times = np.array(t_eval, dtype=float)
+    if times.ndim != 1:
+        raise ValueError(f"t_eval has shape {times.shape}: it has to be a vector of times")
+    if not np.all((times >= min(t0, t1)) & (times <= max(t0, t1))):  # also NaN
+        raise ValueError(f"t_eval has times outside of t_span = ({t0}, {t1})")
+    if np.any(np.diff(times) * (t1 - t0) <= 0):
+        raise ValueError("t_eval has to be in the order of integration, without repetitions")
+    return times
+
+
+def _with_stop_time(options: dict[str, Any], t1: float) -> dict[str, Any]:
+    """The options, with the end as the time beyond which nothing is evaluated unless others are
+    given.
+    """
+    check_names(options)
+    if "stop_time" not in options and "use_stop_time" not in options:
+        options["stop_time"] = t1
+    return options
+
+
+def _tolerance(problem: Problem, value: Any) -> Any:
+    if value is None:
+        return _TOLERANCE
+    return (
+        float(value)
+        if np.ndim(value) == 0 and not isinstance(value, Mapping)
+        else problem.values(value)
+    )

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Status codes, errors and warnings."""
+
+from __future__ import annotations
+
+import enum
+
+from ._binding import ffi, lib
+
+
+def status_name(status: int) -> str:
+    """Name of a status, for example ``"SFDAE_STEP_TOO_SMALL"``."""
+    return ffi.string(lib.sfdae_status_name(status)).decode()
+
+
+def version() -> str:
+    """Version of the library that is running, for example ``"0.1.0"``."""
+    return ffi.string(lib.sfdae_version()).decode()
+
+
+def _status_codes() -> dict[str, int]:
+    """All constants SFDAE_<NAME> of the headers that are the status of that name."""
+    codes = {}
+    for name in dir(lib):
+        value = getattr(lib, name) if name.startswith("SFDAE_") else None
+        if isinstance(value, int) and status_name(value) == name:
+            codes[name.removeprefix("SFDAE_")] = value
+    return codes
+
+
+Status = enum.IntEnum("Status", _status_codes(), module=__name__)
+Status.__doc__ = (
+    """What a call returned: ``OK`` (0), a warning (> 0) or a failure (< 0), as in C."""
+)
+
+
+class Error(RuntimeError):
+    """A failure of the library.
+
+    Attributes
+    ----------
+    status : Status
+        What failed, for example ``Status.INDEX_TOO_HIGH``.
+    message : str
+        What, where, with which numbers, and what to do next.
+    """
+
+    def __init__(self, status: int, message: str = "") -> None:
+        try:
+            self.status = Status(status)
+        except ValueError:
+            self.status = status
+        self.message = message or status_name(status)
+        super().__init__(status, message)
+
+    def __str__(self) -> str:
+        name = status_name(self.status)
+        return name if self.message == name else f"{name}: {self.message}"
+
+
+class SfdaeWarning(UserWarning):
+    """The solver did what it could, but the answer needs attention."""
+
+
+class InitialValuesWarning(SfdaeWarning):
+    """Initial values that are differentiated were changed, or the solution through them is not
+    unique.
+    """
+
+
+class IntegrationWarning(SfdaeWarning):
+    """The integration ended early, or equations that contradict each other were ignored."""
