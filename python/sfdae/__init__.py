@@ -17,9 +17,9 @@ so that all constraints, hidden ones included, hold::
     sol = sfdae.solve(pendulum, (0, 10), [0.6, -0.8, 0, 0, 0])
     sol.plot()
 
-Functions: solve, analyze, make_consistent. Problems: NonlinearProblem, LinearProblem,
-MultibodyProblem. Step by step: Solver. Functions of expressions, beside numpy's: sfdae.sin, ...,
-sfdae.choose.
+Functions: solve, solve_ensemble, analyze, make_consistent. Problems: NonlinearProblem,
+LinearProblem, MultibodyProblem. Step by step: Solver. Functions of expressions, beside numpy's:
+sfdae.sin, ..., sfdae.choose.
 
 Small matrices run fastest with one BLAS thread: set OPENBLAS_NUM_THREADS=1 before the first import
 of numpy.
@@ -36,6 +36,7 @@ except ImportError as error:
 
 from ._callbacks import CannotEvaluate
 from ._dense import DenseOutput
+from ._ensemble import EnsembleSolution, solve_ensemble
 from ._events import Event, EventRecord
 from ._expression import Condition, Expression, parameter
 from ._functions import PUBLIC as _PUBLIC
@@ -64,10 +65,10 @@ globals().update(_PUBLIC)  # sin, cos, exp, ... of expressions, numbers and arra
 
 __version__ = version()
 __all__ = [
-    "CannotEvaluate", "Condition", "DenseOutput", "DerivativeArray", "Error", "Event",
-    "EventRecord", "Expression", "ExtendedSystem", "InitialValuesWarning", "IntegrationWarning",
-    "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES", "Point", "Problem",
-    "Progress", "Projectors", "Report", "SfdaeWarning", "Solution", "Solver", "Status", "Steps",
-    "StrangenessFreeSystem", "Struct", "analyze", "choices", "choose", "make_consistent",
-    "parameter", "solve", "status_name", "version", *_PUBLIC,
+    "CannotEvaluate", "Condition", "DenseOutput", "DerivativeArray", "EnsembleSolution", "Error",
+    "Event", "EventRecord", "Expression", "ExtendedSystem", "InitialValuesWarning",
+    "IntegrationWarning", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
+    "Point", "Problem", "Progress", "Projectors", "Report", "SfdaeWarning", "Solution", "Solver",
+    "Status", "Steps", "StrangenessFreeSystem", "Struct", "analyze", "choices", "choose",
+    "make_consistent", "parameter", "solve", "solve_ensemble", "status_name", "version", *_PUBLIC,
 ]  # fmt: skip

@@ -57,7 +57,7 @@ class CallbackState:
         return exception
 
 
-def _callback(name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def callback(name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Makes a function of (state, arguments without user) the one that C calls by this name."""
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -111,7 +111,7 @@ def _write(pointer: Any, value: Any, shape: tuple[int, ...], name: str) -> None:
 
 
 def _define_coefficient(name: str) -> None:
-    @_callback(f"python_linear_problem_{name}")
+    @callback(f"python_linear_problem_{name}")
     def coefficient(state: CallbackState, t: float, order: int, result: Any) -> int | None:
         problem = state.problem
         shape = (problem.num_equations, problem.num_unknowns)[: 1 if name == "f" else 2]
@@ -138,14 +138,14 @@ def _prescribed(state: CallbackState, t: float, order: int, result: Any) -> None
     _write(result, values, (len(values),), "prescribed values")
 
 
-_callback("python_linear_problem_prescribed_values")(_prescribed)
-_callback("python_nonlinear_problem_prescribed_values")(_prescribed)
+callback("python_linear_problem_prescribed_values")(_prescribed)
+callback("python_nonlinear_problem_prescribed_values")(_prescribed)
 
 
 # ---- Nonlinear problems --------------------------------------------------------------------------
 
 
-@_callback("python_nonlinear_problem_equations")
+@callback("python_nonlinear_problem_equations")
 def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, residual: Any) -> None:
     problem = state.problem
     recording = Recording(record)
@@ -162,7 +162,7 @@ def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, res
         recording.is_open = False
 
 
-@_callback("python_nonlinear_problem_linear_equations")
+@callback("python_nonlinear_problem_linear_equations")
 def _linear_equations(state: CallbackState, record: Any, t: Any, E: Any, A: Any, f: Any) -> None:
     problem = state.problem
     recording = Recording(record)
@@ -180,7 +180,7 @@ def _linear_equations(state: CallbackState, record: Any, t: Any, E: Any, A: Any,
         recording.is_open = False
 
 
-@_callback("python_nonlinear_problem_total_derivative")
+@callback("python_nonlinear_problem_total_derivative")
 def _total_derivative(
     state: CallbackState, t: float, order: int, derivatives: Any, F: Any, F_x: Any, F_xdot: Any
 ) -> int | None:
@@ -207,7 +207,7 @@ def _total_derivative(
 # ---- Mechanical systems --------------------------------------------------------------------------
 
 
-@_callback("python_multibody_problem_equations")
+@callback("python_multibody_problem_equations")
 def _multibody_equations(
     state: CallbackState, record: Any, t: Any, q: Any, v: Any, formulas: Any
 ) -> None:
@@ -247,7 +247,7 @@ def _define_multibody(name: str, has_velocities: bool) -> None:
     def evaluate_at_positions(state: CallbackState, t: float, q: Any, result: Any) -> None:
         evaluate(state, t, q, None, result)
 
-    _callback(f"python_multibody_problem_{name}")(
+    callback(f"python_multibody_problem_{name}")(
         evaluate if has_velocities else evaluate_at_positions
     )
 
@@ -260,12 +260,12 @@ for _name, _field in ffi.typeof("sfdae_multibody_problem").fields:
 # ---- Monitor and events --------------------------------------------------------------------------
 
 
-@_callback("python_options_monitor")
+@callback("python_options_monitor")
 def _monitor(state: CallbackState, progress: Any) -> int:
     return 1 if state.monitor is not None and state.monitor(progress) else 0
 
 
-@_callback("python_event_function")
+@callback("python_event_function")
 def _events(state: CallbackState, t: float, x: Any, xdot: Any, g: Any) -> None:
     n = state.problem.num_unknowns
     values = state.events(t, _numbers(x, (n,)), _numbers(xdot, (n,)))

@@ -61,3 +61,30 @@ class ProgressBar:
         self._is_open = True
         self._file.write(f"\r{percent:5.1f} %  {text:<48}")
         self._file.flush()
+
+
+class InstancesBar:
+    """Shows how many instances of an ensemble have ended."""
+
+    def __init__(self, count: int, file: TextIO | None = None) -> None:
+        self._count = count
+        self._file = sys.stderr if file is None else file
+        self._next = 0.0
+        self._ended = 0
+
+    def update(self, ended: int) -> None:
+        """Called whenever an instance has ended; draws a few times a second."""
+        self._ended = max(self._ended, ended)
+        now = time.monotonic()
+        if now >= self._next:
+            self._next = now + _INTERVAL
+            self._draw()
+
+    def close(self) -> None:
+        """Shows how many have ended."""
+        self._draw()
+        self._file.write("\n")
+
+    def _draw(self) -> None:
+        self._file.write(f"\r{self._ended} of {self._count} instances")
+        self._file.flush()

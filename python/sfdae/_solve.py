@@ -126,10 +126,10 @@ def solve(
     True
     """
     problem = as_problem(problem, x0, names, units)
-    t0, t1 = _span(t_span)
-    times = None if t_eval is None else _output_times(t_eval, t0, t1)
+    t0, t1 = span(t_span)
+    times = None if t_eval is None else output_times(t_eval, t0, t1)
     dense_output = times is None if dense_output is None else bool(dense_output)
-    options = _with_stop_time(
+    options = with_stop_time(
         {**options, "method": method, "rtol": rtol, "atol": atol, "fixed": fixed}, t1
     )
     solver = Solver(problem, parameters=parameters, monitor=monitor, **options)
@@ -254,7 +254,7 @@ def as_problem(
     )
 
 
-def _span(t_span: Sequence[float]) -> tuple[float, float]:
+def span(t_span: Sequence[float]) -> tuple[float, float]:
     try:
         t0, t1 = (float(t) for t in t_span)
     except (TypeError, ValueError):
@@ -264,7 +264,7 @@ def _span(t_span: Sequence[float]) -> tuple[float, float]:
     return t0, t1
 
 
-def _output_times(t_eval: Any, t0: float, t1: float) -> np.ndarray:
+def output_times(t_eval: Any, t0: float, t1: float) -> np.ndarray:
     times = np.array(t_eval, dtype=float)
     if times.ndim != 1:
         raise ValueError(f"t_eval has shape {times.shape}: it has to be a vector of times")
@@ -275,7 +275,7 @@ def _output_times(t_eval: Any, t0: float, t1: float) -> np.ndarray:
     return times
 
 
-def _with_stop_time(options: dict[str, Any], t1: float) -> dict[str, Any]:
+def with_stop_time(options: dict[str, Any], t1: float) -> dict[str, Any]:
     """The options, with the end as the time beyond which nothing is evaluated unless others are
     given.
     """

@@ -35,7 +35,16 @@ def test_every_public_object_has_a_docstring():
     assert not missing
 
 
-DOCUMENTED = ["solve", "analyze", "make_consistent", "parameter", "choose", "Event", "Solver"]
+DOCUMENTED = [
+    "solve",
+    "solve_ensemble",
+    "analyze",
+    "make_consistent",
+    "parameter",
+    "choose",
+    "Event",
+    "Solver",
+]
 DOCUMENTED += ["LinearProblem", "NonlinearProblem", "MultibodyProblem"]
 
 

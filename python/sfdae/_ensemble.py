@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Ensembles: many instances of one problem, which differ in parameters and start values."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any, Mapping, Sequence
+
+import numpy as np
+
+from ._binding import ffi, lib
+from ._callbacks import callback
+from ._formula import checked_value
+from ._problem import Problem
+from ._progress import InstancesBar
+from ._solve import ProblemOrFunction, as_problem, output_times, span, with_stop_time
+from ._solver import Solver
+from ._status import IntegrationWarning, Status
+from ._structs import prepared
+
+_MESSAGE_LENGTH = 1536  # always enough, says ensemble.h
+
+
+class EnsembleSolution:
+    """What an ensemble of N instances returned.
+
+    Attributes
+    ----------
+    t : numpy.ndarray
+        K times.
+    x : numpy.ndarray
+        N x n x K; NaN where an instance has not come so far.
+    xdot : numpy.ndarray or None
+        N x n x K, if it was asked for.
+    parameters : dict
+        Values of the parameters that differ, N each.
+    status : list of Status
+        N, as for solve; ``STOPPED`` for instances that were not begun or finished.
+    messages : list of str
+        N; "" for ``OK``.
+    num_analyses : int
+        Index analyses that were made from the beginning: the others followed a precedent.
+    names : tuple of str
+        Of the unknowns.
+    """
+
+    def __init__(self, **members: Any) -> None:
+        vars(self).update(members)
+
+    @property
+    def success(self) -> bool:
+        """Whether all instances reached the end."""
+        return all(status >= 0 and status != Status.STOPPED for status in self.status)
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """One unknown of all instances by its name, N x K."""
+        if name not in self.names:
+            raise KeyError(f"there is no unknown {name!r}; there are {', '.join(self.names)}")
+        return self.x[:, self.names.index(name)]
+
+    def __repr__(self) -> str:
+        failed = sum(status < 0 for status in self.status)
+        return f"EnsembleSolution({len(self)} instances, {failed} failed, {self.t.size} times)"
+
+
+class _EnsembleState:
+    """What the monitor of an ensemble gets as `user`."""
+
+    def __init__(self, bar: InstancesBar | None) -> None:
+        self.bar = bar
+        self.exception: BaseException | None = None
+
+
+@callback("python_ensemble_monitor")
+def _instance_ended(state: _EnsembleState, progress: Any) -> None:
+    if state.bar is not None:
+        state.bar.update(progress.num_ended)
+
+
+def solve_ensemble(
+    problem: ProblemOrFunction,
+    t_span: Sequence[float],
+    x0: Any,
+    *,
+    parameters: Mapping[str, Any] | None = None,
+    t_eval: Any = None,
+    threads: int = 0,
+    xdot: bool = False,
+    names: Sequence[str] | None = None,
+    progress: bool = False,
+    **options: Any,
+) -> EnsembleSolution:
+    """Solves many instances of a recorded problem in threads, without Python's lock.
+
+    Each gives the same result, to the last bit, as alone; the recording is shared, and index
+    analyses where ranks are the same.
+
+    Parameters
+    ----------
+    problem : Problem or callable
+        As for solve, recorded: no callbacks.
+    t_span : (float, float)
+        Start and end, not equal.
+    x0 : array_like or dict
+        Start values of all instances, n, or of each, N x n.
+    parameters : dict, optional
+        Values of named parameters: a number for all instances, or N for each; of arrays of
+        parameters, N x their shape.
+    t_eval : array_like, optional
+        Times of the outputs; by default the end alone.
+    threads : int
+        0: as many as there are processors.
+    xdot : bool
+        Whether derivatives are returned, too.
+    names : sequence of str, optional
+        Of the unknowns, where the problem is a function.
+    progress : bool
+        Shows a bar.
+    **options
+        As for solve: method, rtol, atol, fixed, max_step, ...
+
+    Returns
+    -------
+    EnsembleSolution
+        ``t, x`` (N x n x K), ``status, messages``; what was reached, with a warning, if instances
+        fail or Ctrl-C stops all.
+
+    Raises
+    ------
+    Error
+        For mistakes in arguments, and problems that are not recorded.
+    """
+    first = x0 if isinstance(x0, Mapping) else np.atleast_2d(np.array(x0, dtype=float))[0]
+    problem = as_problem(problem, first, names, None)
+    t0, t1 = span(t_span)
+    times = np.array([t1]) if t_eval is None else output_times(t_eval, t0, t1)
+    common, different, count = _parameters(problem, parameters or {}, x0)
+    solver = Solver(problem, parameters=common, **with_stop_time(options, t1))
+    start = _start_values(problem, x0, count)
+    labels, columns = _columns(different)
+
+    n, K = problem.num_unknowns, times.size
+    x = np.full((count, K, n), np.nan)
+    derivatives = np.full((count, K, n), np.nan) if xdot else None
+    statuses = np.zeros(count, dtype=np.intc)
+    texts = ffi.new("char[]", max(count, 1) * _MESSAGE_LENGTH)
+    state = _EnsembleState(InstancesBar(count) if progress else None)
+    keep: list[Any] = [
+        ffi.new_handle(state),
+        [ffi.new("char[]", label.encode()) for label in labels],
+    ]
+    c, results = prepared("ensemble"), prepared("ensemble_results")
+    c.num_instances, c.num_times, c.num_threads, c.t0 = count, K, threads, t0
+    c.x0, c.times = solver._pointer(start), solver._pointer(times)
+    c.monitor, c.monitor_user = lib.python_ensemble_monitor, keep[0]
+    if labels:
+        keep.append(ffi.new("char*[]", keep[1]))
+        c.num_parameters, c.parameter_names = len(labels), keep[-1]
+        c.parameters = solver._pointer(columns)
+    results.x, results.statuses = solver._pointer(x), ffi.cast("int*", statuses.ctypes.data)
+    results.messages, results.message_length = texts, _MESSAGE_LENGTH
+    if derivatives is not None:
+        results.xdot = solver._pointer(derivatives)
+    status = solver._call(lib.sfdae_solve_ensemble, c, results)
+    if state.bar is not None:
+        state.bar.close()
+    if state.exception is not None and not isinstance(state.exception, KeyboardInterrupt):
+        raise state.exception
+    if status != Status.OK:
+        message = solver.message or "the ensemble was stopped"
+        warnings.warn(message, IntegrationWarning, stacklevel=2)
+    messages = [
+        ffi.string(texts + i * _MESSAGE_LENGTH).decode(errors="replace") for i in range(count)
+    ]
+    return EnsembleSolution(
+        t=times,
+        x=x.transpose(0, 2, 1),
+        xdot=None if derivatives is None else derivatives.transpose(0, 2, 1),
+        parameters=different,
+        status=[Status(code) for code in statuses],
+        messages=[problem.with_names(message) for message in messages],
+        num_analyses=results.num_analyses,
+        names=problem.names,
+    )
+
+
+def _parameters(
+    problem: Problem, given: Mapping[str, Any], x0: Any
+) -> tuple[dict[str, Any], dict[str, np.ndarray], int]:
+    """Parameters that all instances share, those that differ, and the number of instances."""
+    common, different = {}, {}
+    count = None if isinstance(x0, Mapping) or np.ndim(x0) < 2 else np.shape(x0)[0]
+    for name, value in given.items():
+        if name not in problem.parameters:
+            known = ", ".join(problem.parameters) or "none"
+            raise TypeError(f"there is no parameter {name!r}; there are {known}")
+        value = checked_value(name, value)
+        shape = np.shape(problem.parameters[name])
+        if np.shape(value) == shape:
+            common[name] = value
+            continue
+        if np.shape(value)[1:] != shape:
+            raise ValueError(f"parameter {name!r} has shape {np.shape(value)}, not (N, *{shape})")
+        if count is not None and np.shape(value)[0] != count:
+            raise ValueError(f"parameter {name!r} has {np.shape(value)[0]} values, not {count}")
+        count = np.shape(value)[0]
+        different[name] = value
+    return common, different, 1 if count is None else count
+
+
+def _start_values(problem: Problem, x0: Any, count: int) -> np.ndarray:
+    """N x n."""
+    if isinstance(x0, Mapping) or np.ndim(x0) < 2:
+        return np.tile(problem.values(x0), (count, 1))
+    values = np.array(x0, dtype=float)
+    if values.shape != (count, problem.num_unknowns):
+        raise ValueError(f"x0 has shape {values.shape}, not ({count}, {problem.num_unknowns})")
+    return values
+
+
+def _columns(different: Mapping[str, np.ndarray]) -> tuple[list[str], np.ndarray]:
+    """Names of single parameters and their values, N x P."""
+    labels, columns = [], []
+    for name, values in different.items():
+        flat = values.reshape(values.shape[0], -1)
+        labels += [name] if values.ndim == 1 else [f"{name}[{i}]" for i in range(flat.shape[1])]
+        columns.append(flat)
+    return labels, np.concatenate(columns, axis=1) if columns else np.empty((0, 0))
