@@ -486,7 +486,7 @@ SFDAE_API int sfdae_get_statistics(const sfdae_solver* solver, sfdae_statistics*
 
 /* A checkpoint is the analysis and the state of an integration as an array of doubles, to be kept, written to a
  * file, or handed to another process. Restored, the integration goes on as if nothing had happened, in every bit if
- * binary and BLAS are the same. The numbers are plain doubles (infinity may be among them): copy or print them with
+ * binary, BLAS and processor are the same. The numbers are plain doubles (infinity may be among them): copy or print them with
  * 17 digits as you like. Problem and options are not in it. */
 
 /* Number of doubles that sfdae_save_checkpoint writes now; it changes from step to step. SFDAE_NOT_STARTED if there

@@ -7,6 +7,8 @@
 
 #include <stddef.h>
 
+#include "linalg/instruction_set.h"
+
 namespace sfdae::core::kernels {
 
 // What rows are rounded up to: the longest vector, and a cache line.
@@ -72,8 +74,6 @@ struct Loops {
   // T of Q = I - V T V^T from S = V^T V, upper triangular; zeros below.
   void (*triangular_factor)(Padded S, const double* tau, Padded T);
 };
-
-enum class InstructionSet { portable, avx2, avx512 };
 
 // nullptr where the processor, or this build, does not have it.
 const Loops* loops_for(InstructionSet set);

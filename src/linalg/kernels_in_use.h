@@ -11,7 +11,7 @@ namespace sfdae::core::kernels {
 // Those chosen; nullptr until they are.
 extern std::atomic<const Loops*> loops_in_use;
 
-// The best there are, or less if the environment variable SFDAE_INSTRUCTIONS says so: portable, avx2.
+// Those of the best instruction set, best_instruction_set(), that this build has loops for.
 const Loops& choose_loops();
 
 inline const Loops& loops() {

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "linalg/instruction_set.h"
+
 namespace sfdae::core {
 
 inline constexpr int lane_count = 8;
@@ -60,26 +62,20 @@ inline void lanes_to_columns(const LaneBlock* blocks, int rows, int count, doubl
     for (int k = 0; k < rows; ++k) columns[static_cast<std::ptrdiff_t>(l) * rows + k] = blocks[k].lane[l];
 }
 
-// The instruction sets that there is code for.
-enum class InstructionSet { portable, avx2, avx512 };
-// That in use: the fastest one of the machine, unless a test has chosen another one that it has.
-InstructionSet instruction_set();
-bool has_instruction_set(InstructionSet set);
-void use_instruction_set(InstructionSet set);
+// What lanes are computed with: AVX-512 where best_instruction_set() says so, else what the compiler aims at. A test may
+// choose otherwise.
+InstructionSet instruction_set_of_lanes();
+void use_for_lanes(InstructionSet set);
 
 // SFDAE_LANE_KERNEL(name, Work) defines run_name(Work&), which calls name(Work&) compiled for the instruction set in
 // use, everything that it calls included.
 #if defined(__x86_64__) && defined(__GNUC__)
 #define SFDAE_LANE_KERNEL(name, Work)                                                                        \
   __attribute__((target("avx512f,avx512dq"), flatten)) static void name##_avx512(Work& work) { name(work); } \
-  __attribute__((target("avx2"), flatten)) static void name##_avx2(Work& work) { name(work); }               \
   __attribute__((flatten)) static void name##_portable(Work& work) { name(work); }                           \
   static void run_##name(Work& work) {                                                                       \
-    switch (instruction_set()) {                                                                             \
-      case InstructionSet::avx512: return name##_avx512(work);                                               \
-      case InstructionSet::avx2: return name##_avx2(work);                                                   \
-      default: return name##_portable(work);                                                                 \
-    }                                                                                                        \
+    if (instruction_set_of_lanes() == InstructionSet::avx512) return name##_avx512(work);                    \
+    name##_portable(work);                                                                                   \
   }
 #else
 #define SFDAE_LANE_KERNEL(name, Work) \

@@ -22,7 +22,6 @@ namespace sfdae::core {
 
 namespace {
 
-using kernels::InstructionSet;
 using sfdae_test::distance;
 using sfdae_test::largest;
 using sfdae_test::orthonormality_defect;

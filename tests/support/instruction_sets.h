@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs the same with every instruction set that the machine has.
+// Runs the same with every instruction set of lanes that the machine has.
 #ifndef SFDAE_TESTS_INSTRUCTION_SETS_H
 #define SFDAE_TESTS_INSTRUCTION_SETS_H
 
@@ -11,13 +11,13 @@ namespace sfdae_test {
 template <class Action>
 void for_each_instruction_set(Action action) {
   using sfdae::core::InstructionSet;
-  const InstructionSet before = sfdae::core::instruction_set();
-  for (const InstructionSet set : {InstructionSet::portable, InstructionSet::avx2, InstructionSet::avx512}) {
+  const InstructionSet before = sfdae::core::instruction_set_of_lanes();
+  for (const InstructionSet set : {InstructionSet::portable, InstructionSet::avx512}) {
     if (!sfdae::core::has_instruction_set(set)) continue;
-    sfdae::core::use_instruction_set(set);
+    sfdae::core::use_for_lanes(set);
     action(set);
   }
-  sfdae::core::use_instruction_set(before);
+  sfdae::core::use_for_lanes(before);
 }
 
 }  // namespace sfdae_test
