@@ -174,7 +174,7 @@ SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t si
 /* What x is at outputs within steps. Points of steps themselves satisfy the constraints as far as the iteration for
  * nonlinear equations went. */
 #define SFDAE_OUTPUT_CONSISTENT 0   /* all constraints, hidden ones included, hold to rounding */
-#define SFDAE_OUTPUT_INTERPOLATED 1 /* the method's polynomial alone, for curves: constraints hold within tolerances */
+#define SFDAE_OUTPUT_INTERPOLATED 1 /* the method's polynomial alone, for curves; constraints within tolerances */
 
 /* What is reported to the monitor. */
 typedef struct sfdae_progress {
