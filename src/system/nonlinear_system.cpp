@@ -179,7 +179,10 @@ PointStatus NonlinearSystem::solve_index_zero(const IterationTask& task) {
     }
     jet_ = start_;
     status = index_zero_.solve(task, shared, jet_);
-    if (status == PointStatus::ok || is_hopeless(status)) return status;
+    if (status == PointStatus::ok) return status;
+    // As in iterate_with_renewal: no shorter step may converge with the Jacobian of such a guess.
+    if (place == &start_) index_zero_.forget();
+    if (is_hopeless(status)) return status;
   }
   return status;
 }
