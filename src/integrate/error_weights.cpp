@@ -18,6 +18,8 @@ namespace {
 constexpr double rounding_safety = 100.0;
 // Stands for 1 / 0, so that any error is too large but nothing overflows.
 constexpr double no_tolerance = 1e200;
+// Relative speeds that are none: times to change would overflow.
+constexpr double standstill = 1e-300;
 
 }  // namespace
 
@@ -88,7 +90,7 @@ double ErrorWeights::first_step(const double* x, const double* xdot, double expo
     const double allowed = tolerance(i, x), speed = std::fabs(xdot[i]);
     const double size = rtol_[index(i)] > 0.0 ? allowed / rtol_[index(i)] : std::max(std::fabs(x[i]), allowed);
     // The half is a margin (docs/decisions/07-first-step.md).
-    if (speed > 0.0 && allowed > 0.0) h = std::min(h, 0.5 * std::pow(allowed / size, exponent) * size / speed);
+    if (speed > standstill * size && allowed > 0.0) h = std::min(h, 0.5 * std::pow(allowed / size, exponent) * size / speed);
   }
   return h;
 }

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cfenv>
 #include <cmath>
+#include <limits>
 
 namespace {
 
@@ -41,6 +43,16 @@ TEST(ErrorWeights, AZeroToleranceAllowsNoErrorButDoesNotOverflow) {
   EXPECT_EQ(weights.norm(none), 0.0);
   EXPECT_GT(weights.norm(some), 1e100);
   EXPECT_TRUE(std::isfinite(weights.norm(some)));
+}
+
+TEST(ErrorWeights, SpeedsThatAreNoneDoNotLimitTheFirstStep) {
+  ErrorWeights weights;
+  weights.set({{1e-6, 1e-6}, {1e-6, 1e-6}}, Tightening::none);
+  const double x[] = {1.0, 1.0}, none[] = {0.0, 1e-310}, some[] = {1.0, 1e-310};
+  std::feclearexcept(FE_ALL_EXCEPT);
+  EXPECT_EQ(weights.first_step(x, none, 0.5), std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isfinite(weights.first_step(x, some, 0.5)));
+  EXPECT_FALSE(std::fetestexcept(FE_OVERFLOW | FE_DIVBYZERO | FE_INVALID));
 }
 
 TEST(ErrorWeights, TolerancesBelowRoundingAreNoticed) {
