@@ -263,7 +263,7 @@ bool LaneEvaluator::evaluate(const TaylorEvaluator& source, const Points& points
   return pass.is_finite;
 }
 
-// Room for series of this order in every slot. The first slot is none: it takes what is not used.
+// Room for series of this order in every slot.
 void LaneEvaluator::reserve(const TaylorEvaluator& source, int order) {
   const Tape& tape = source.tape();
   const int stride = order + 1;

@@ -106,7 +106,6 @@ void MultibodyLanes::begin(const MultibodyDiscretization& discretization, const 
   const StageMethod& method = *discretization.method;
   columns_to_lanes(stages.times.data(), 1, s, t_.data());
   columns_to_lanes(stages.qv.column(0), 2 * n, s, qv_.data());
-  columns_to_lanes(method.D.data(), s, 1, D_.data());
   for (int j = 0; j < s; ++j)
     for (int l = 0; l < lane_count; ++l) D_[index(j)].lane[l] = method.D_at(std::min(l, s - 1), j);
   std::fill(position_of_row_.begin(), position_of_row_.end(), -1);

@@ -43,7 +43,8 @@ void MultibodyStepMatrix::resize(int unknowns) {
 }
 
 void MultibodyStepMatrix::forget() {
-  is_valid_ = has_lane_inverses_ = false;
+  is_valid_ = false;
+  stages_of_inverses_ = 0;
   for (auto& matrix : pairs_) matrix.clear();
 }
 
@@ -59,7 +60,7 @@ bool MultibodyStepMatrix::factor(const MultibodyForm& form, double c, long& coun
   }
   is_valid_ = factor_lu(M, pivots_.data());
   c_ = c;
-  has_lane_inverses_ = false;
+  stages_of_inverses_ = 0;
   if (q > 0) ++count;
   return is_valid_;
 }
@@ -70,7 +71,7 @@ bool MultibodyStepMatrix::factor_stages(const MultibodyForm& form, const StageMe
     const std::complex<double> c = method.lambda[k] * (c_ / method.gamma);
     std::vector<std::complex<double>>& matrix = pairs_[k];
     if (!matrix.empty() && values_[k] == c) continue;
-    has_lane_inverses_ = false;
+    stages_of_inverses_ = 0;
     pivots_of_pairs_[k].resize(index(q) + 1);
     matrix.resize(index(q) * index(q) + 1);  // last: a matrix that is not empty counts as factored for values_[k]
     const ComplexView M{matrix.data(), q, q, std::max(q, 1)};
@@ -82,7 +83,7 @@ bool MultibodyStepMatrix::factor_stages(const MultibodyForm& form, const StageMe
     matrix.clear();
     return false;
   }
-  if (!has_lane_inverses_ && eliminated_ > 0 && q <= largest_inverse) invert(method);
+  if (stages_of_inverses_ != method.s && eliminated_ > 0 && q <= largest_inverse) invert(method);
   return true;
 }
 
@@ -113,7 +114,7 @@ void MultibodyStepMatrix::invert(const StageMethod& method) {
       T_[index(j)].lane[l] = method.T[index(std::min(l, s - 1) + j * s)];
       T_inverse_[index(j)].lane[l] = l < s ? method.T_inverse[index(l + j * s)] : 0.0;
     }
-  has_lane_inverses_ = true;
+  stages_of_inverses_ = s;
 }
 
 MultibodyStepMatrix::LaneInverses MultibodyStepMatrix::lane_inverses() const {

@@ -55,7 +55,7 @@ class MultibodyStepMatrix {
     const LaneBlock *c_A, *c_B;      // 1 / c
     const LaneBlock *T, *T_inverse;  // of the method, a block for each column
   };
-  bool has_lane_inverses() const { return has_lane_inverses_; }
+  bool has_lane_inverses() const { return stages_of_inverses_ > 0; }
   LaneInverses lane_inverses() const;
 
   void solve(View yz) const;
@@ -82,7 +82,7 @@ class MultibodyStepMatrix {
   std::array<std::vector<int>, max_pairs> pivots_of_pairs_;
   std::array<std::complex<double>, max_pairs> values_{};
   std::vector<std::complex<double>> omega_;
-  bool has_lane_inverses_ = false;
+  int stages_of_inverses_ = 0;  // that the inverses in lanes were made for; 0: none
   LaneArray inverse_A_, inverse_B_, T_, T_inverse_;
   LaneBlock c_A_, c_B_;
 };
