@@ -72,7 +72,7 @@ typedef struct sfdae_ensemble_results {
   /* Written by the library. */
   int num_failed;   /* instances with status < 0 */
   int num_analyses; /* index analyses that were made from the beginning */
-  int num_threads;  /* that took part */
+  int num_threads;  /* that were there to take part */
 } sfdae_ensemble_results;
 /* Sets every member to its default. size: sizeof(sfdae_ensemble_results). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_ensemble_results_init(sfdae_ensemble_results* results, size_t size);

@@ -20,7 +20,7 @@ namespace {
 // Instances that are asked for a precedent in turn, if the first ones have none. (Chosen.)
 constexpr int most_asked_for_precedent = 10;
 
-constexpr InstanceOutcome not_begun{SFDAE_STOPPED, 0, false, "stopped on request before this instance was begun."};
+constexpr InstanceOutcome not_begun{SFDAE_STOPPED, 0, 0, "stopped on request before this instance was begun."};
 
 class EnsembleRun {
  public:
@@ -41,7 +41,8 @@ class EnsembleRun {
     work(worker);
     for (std::thread& other : others) other.join();
     for (int i = next_.load(); i < task_.ensemble.num_instances; ++i) write(i, not_begun);
-    if (summary_.monitor_threw) prototype_.problem().take_stop_request();
+    // The last instance may have ended before: then nothing has taken it.
+    if (monitor_has_stopped_) prototype_.problem().take_stop_request();
     return summary_;
   }
 
@@ -102,7 +103,7 @@ class EnsembleRun {
     if (results.messages != nullptr)
       std::snprintf(results.messages + index(i) * results.message_length, results.message_length, "%s",
                     outcome.message);
-    if (outcome.analyzed_anew) ++summary_.analyses;
+    summary_.analyses += outcome.analyses;
     if (outcome.status == SFDAE_STOPPED) ++summary_.stopped;
     if (outcome.status >= 0) return;
     ++summary_.failed;
@@ -114,13 +115,16 @@ class EnsembleRun {
   void call_monitor(int i, int status) {
     const sfdae_ensemble& ensemble = task_.ensemble;
     if (ensemble.monitor == nullptr || summary_.monitor_threw) return;
+    bool stops = true;
     const sfdae_ensemble_progress progress{sizeof progress, i, status, ended_, ensemble.num_instances};
     try {
-      if (ensemble.monitor(&progress, ensemble.monitor_user) != 0) prototype_.problem().request_stop();
+      stops = ensemble.monitor(&progress, ensemble.monitor_user) != 0;
     } catch (...) {
       summary_.monitor_threw = true;
-      prototype_.problem().request_stop();
     }
+    if (!stops) return;
+    monitor_has_stopped_ = true;
+    prototype_.problem().request_stop();
   }
 
   sfdae_solver& prototype_;
@@ -129,6 +133,7 @@ class EnsembleRun {
   std::atomic<int> next_{0};
   std::mutex mutex_;  // of what follows, results and the monitor
   int ended_ = 0;
+  bool monitor_has_stopped_ = false;
   EnsembleSummary summary_;
 };
 

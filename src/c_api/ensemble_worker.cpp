@@ -21,8 +21,8 @@ SolverOptions options_of_instances(const sfdae_solver& prototype) {
   return options;
 }
 
-// What more than the ranks at the start might have to do with.
-bool is_about_structure(int status) { return status <= SFDAE_INDEX_TOO_HIGH && status > SFDAE_INCONSISTENT_VALUES; }
+// What more than the ranks at the start might have to do with: structure, values, steps.
+bool may_be_about_ranks(int status) { return status <= SFDAE_INDEX_TOO_HIGH && status != SFDAE_MAX_STEPS; }
 
 void say(InstanceOutcome& outcome, int status, const char* message) {
   outcome.status = status;
@@ -35,13 +35,16 @@ EnsembleWorker::EnsembleWorker(sfdae_solver& prototype, const EnsembleTask& task
     : task_(task),
       solver_(clone_of(prototype.kind), options_of_instances(prototype)),
       x_(index(solver_.model.n())),
-      xdot_(index(solver_.model.n())) {
+      xdot_(index(solver_.model.n())),
+      outputs_(x_.size() * index(task.ensemble.num_times)),
+      slopes_(task.results.xdot != nullptr ? outputs_.size() : 0) {
   solver_.problem().stop_with(prototype.problem());
 }
 
 bool EnsembleWorker::set_parameters(int instance, InstanceOutcome& outcome) {
   const sfdae_ensemble& ensemble = task_.ensemble;
   const double* const values = ensemble.parameters + index(instance) * index(ensemble.num_parameters);
+  solver_.forget_analysis();
   for (int k = 0; k < ensemble.num_parameters; ++k) {
     if (!std::isfinite(values[k])) {
       say(outcome, SFDAE_ILLEGAL_ARGUMENT,
@@ -51,7 +54,6 @@ bool EnsembleWorker::set_parameters(int instance, InstanceOutcome& outcome) {
     solver_.model.evaluator()->set_parameter(task_.parameters[index(k)], values[k]);
   }
   solver_.model.parameters_changed();
-  solver_.forget_analysis();
   return true;
 }
 
@@ -63,7 +65,6 @@ bool EnsembleWorker::note(int status, InstanceOutcome& outcome) const {
 
 void EnsembleWorker::solve_once(int instance, InstanceOutcome& outcome) {
   const sfdae_ensemble& ensemble = task_.ensemble;
-  const sfdae_ensemble_results& results = task_.results;
   const std::size_t n = x_.size(), first = index(instance) * n;
   if (!set_parameters(instance, outcome)) return;
   std::copy_n(ensemble.x0 + first, n, x_.data());
@@ -71,15 +72,22 @@ void EnsembleWorker::solve_once(int instance, InstanceOutcome& outcome) {
   double t = ensemble.t0;
   const int started = sfdae_start(&solver_, t, ensemble.times[ensemble.num_times - 1], x_.data(),
                                   ensemble.xdot0 != nullptr ? xdot_.data() : nullptr);
+  const bool is_analyzed = solver_.system() != nullptr || may_be_about_ranks(started);
+  if (is_analyzed && !is_precedented()) ++outcome.analyses;
   if (!note(started, outcome)) return;
   for (int k = 0; k < ensemble.num_times; ++k) {
-    double* const xdot = results.xdot != nullptr ? xdot_.data() : nullptr;
+    double* const xdot = slopes_.empty() ? nullptr : xdot_.data();
     if (!note(sfdae_advance(&solver_, ensemble.times[k], &t, x_.data(), xdot), outcome)) return;
-    const std::size_t place = (index(instance) * index(ensemble.num_times) + index(k)) * n;
-    std::copy_n(x_.data(), n, results.x + place);
-    if (xdot != nullptr) std::copy_n(xdot, n, results.xdot + place);
+    std::copy_n(x_.data(), n, outputs_.data() + index(k) * n);
+    if (xdot != nullptr) std::copy_n(xdot, n, slopes_.data() + index(k) * n);
     outcome.outputs = k + 1;
   }
+}
+
+void EnsembleWorker::write_outputs(int instance, int count) const {
+  const std::size_t first = index(instance) * outputs_.size(), size = index(count) * x_.size();
+  std::copy_n(outputs_.data(), size, task_.results.x + first);
+  if (!slopes_.empty()) std::copy_n(slopes_.data(), size, task_.results.xdot + first);
 }
 
 InstanceOutcome EnsembleWorker::solve(int instance, const Precedent& precedent) noexcept {
@@ -87,15 +95,18 @@ InstanceOutcome EnsembleWorker::solve(int instance, const Precedent& precedent) 
   try {
     solver_.options.model.precedent = precedent;
     solve_once(instance, outcome);
-    const bool is_precedented = solver_.system() != nullptr && solver_.system()->analysis().by_precedent;
-    outcome.analyzed_anew = !is_precedented;
-    if (!is_about_structure(outcome.status) || precedent.values.mu < 0) return outcome;
-    // Ranks at one point may not be all that there is.
-    solver_.options.model.precedent = {};
-    outcome = {};
-    outcome.analyzed_anew = true;
-    solve_once(instance, outcome);
+    // Ranks at one point may not be all that there is. Without a system, the analysis has failed.
+    const bool may_be_precedented = is_precedented() || (solver_.system() == nullptr && precedent.values.mu >= 0);
+    if (may_be_about_ranks(outcome.status) && may_be_precedented) {
+      const int analyses = outcome.analyses;
+      outcome = {};
+      outcome.analyses = analyses;
+      solver_.options.model.precedent = {};
+      solve_once(instance, outcome);
+    }
+    write_outputs(instance, outcome.outputs);
   } catch (...) {
+    outcome.outputs = 0;
     say(outcome, SFDAE_OUT_OF_MEMORY, out_of_memory);
   }
   return outcome;

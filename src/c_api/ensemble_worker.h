@@ -1,5 +1,6 @@
 // One of those who solve the instances of an ensemble, one after the other: a solver of its own on the shared
-// recording. SPDX-License-Identifier: BSD-3-Clause
+// recording.
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <vector>
@@ -18,7 +19,7 @@ struct EnsembleTask {
 struct InstanceOutcome {
   int status = SFDAE_OK;
   int outputs = 0;
-  bool analyzed_anew = false;
+  int analyses = 0;  // made from the beginning
   char message[sizeof(sfdae_solver::message)] = "";
 };
 
@@ -36,12 +37,16 @@ class EnsembleWorker {
   // False, with an outcome, if values are not finite.
   bool set_parameters(int instance, InstanceOutcome& outcome);
   void solve_once(int instance, InstanceOutcome& outcome);
+  // Whether the analysis in use is one by precedent.
+  bool is_precedented() const { return solver_.system() != nullptr && solver_.system()->analysis().by_precedent; }
+  void write_outputs(int instance, int count) const;
   // Goes into the outcome; true if the instance goes on.
   bool note(int status, InstanceOutcome& outcome) const;
 
   const EnsembleTask& task_;
   sfdae_solver solver_;
   std::vector<double> x_, xdot_;
+  std::vector<double> outputs_, slopes_;  // n x K: of an instance, until it is known that they stay
 };
 
 }  // namespace sfdae::core

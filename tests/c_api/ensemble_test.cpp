@@ -449,6 +449,23 @@ TEST(Ensemble, StopsWhenTheMonitorSaysSo) {
   }
 }
 
+// When all have ended nothing is left to be stopped, later calls least of all.
+TEST(Ensemble, ForgetsThatTheMonitorStoppedTheLastInstance) {
+  Solver solver(multibody_pendulum());
+  Ensemble ensemble = pendula(3);
+  ensemble.threads = 1;
+  for (const bool throws : {false, true}) {
+    ensemble.monitor = [throws](const EnsembleProgress& progress) {
+      if (throws && progress.num_ended == 3) throw std::runtime_error("enough");
+      return progress.num_ended == 3;
+    };
+    if (throws) EXPECT_THROW(solver.solve_ensemble(ensemble), std::runtime_error);
+    else EXPECT_EQ(solver.solve_ensemble(ensemble).status, SFDAE_OK);
+    ensemble.monitor = nullptr;
+    EXPECT_EQ(solver.solve_ensemble(ensemble).status, SFDAE_OK);
+  }
+}
+
 TEST(Ensemble, StopsOnRequestBeforeAndMeanwhile) {
   Solver solver(multibody_pendulum());
   Ensemble ensemble = pendula(3);
