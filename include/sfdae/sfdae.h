@@ -202,8 +202,8 @@ typedef struct sfdae_options {
 
   /* Index analysis. Derivatives that callbacks do not provide (SFDAE_ORDER_NOT_AVAILABLE) can be computed from
    * order 0 by differences, up to order 6, each entry to the accuracy that its own values allow. Where that is not
-   * enough for the tolerances (above all for mu >= 3 and tolerances below 1e-8), at the start, too, steps and outputs end
-   * with SFDAE_TOLERANCE_TOO_SMALL, the component and its error in the message. */
+   * enough for the tolerances (above all for mu >= 3 and tolerances below 1e-8), at the start, too, steps and outputs
+   * end with SFDAE_TOLERANCE_TOO_SMALL, the component and its error in the message. */
   int max_index;              /* highest strangeness index tried, default 5; 0 ... 12 */
   int reduction;              /* SFDAE_REDUCTION_STAGED (default) or _SVD */
   double rank_tol;            /* > 0, < 1: values below rank_tol * norm of the data, in balanced units, count as
@@ -414,9 +414,9 @@ SFDAE_API int sfdae_get_initial_report(const sfdae_solver* solver, sfdae_initial
 /* ---- Integration ----------------------------------------------------------------------------- */
 
 /* Starts or restarts the integration at (t, x): makes x (n values, in: guess, out: consistent) consistent as the
- * options say and computes x' (xdot: n values, may be NULL; a guess before with xdot_is_guess). `toward`, not equal to t, sets the direction; its
- * distance sets the scale of the first step. Analyzes if that has not happened or was made for the other direction;
- * a restart on an analyzed solver needs no new analysis.
+ * options say and computes x' (xdot: n values, may be NULL; a guess before with xdot_is_guess). `toward`, not equal to
+ * t, sets the direction; its distance sets the scale of the first step. Analyzes if that has not happened or was made
+ * for the other direction; a restart on an analyzed solver needs no new analysis.
  * Warnings: SFDAE_INCONSISTENCY_IGNORED, SFDAE_VALUES_CHANGED, SFDAE_NOT_UNIQUE, the first that applies;
  * sfdae_message names all. Failures: callbacks, structure, values;
  * SFDAE_CHARACTERISTICS_CHANGED if the values known do not hold at t: call sfdae_analyze. After these nothing is
@@ -486,8 +486,9 @@ SFDAE_API int sfdae_get_statistics(const sfdae_solver* solver, sfdae_statistics*
 
 /* A checkpoint is the analysis and the state of an integration as an array of doubles, to be kept, written to a
  * file, or handed to another process. Restored, the integration goes on as if nothing had happened, in every bit if
- * binary, BLAS and processor are the same. The numbers are plain doubles (infinity may be among them): copy or print them with
- * 17 digits as you like. Problem and options are not in it. */
+ * binary, BLAS, processor and the environment variable SFDAE_INSTRUCTIONS (portable or avx2: no faster instructions of
+ * the processor are used) are the same. The numbers are plain doubles (infinity may be among them): copy or print them
+ * with 17 digits as you like. Problem and options are not in it. */
 
 /* Number of doubles that sfdae_save_checkpoint writes now; it changes from step to step. SFDAE_NOT_STARTED if there
  * is no integration. */

@@ -114,10 +114,12 @@ std::optional<CallResult> DifferenceCheck::excess_at(DaeSystem& system, const Er
 void DifferenceCheck::archive(Archive& archive, std::size_t n) {
   archive.small(points_in_excess_);
   archive.real(t_);
-  archive.reals(errors_, n);
-  archive.reals(sizes_, n);
-  bool has_start = !errors_at_start_.empty();
-  archive.small(has_start, points_since_);
+  bool has_last = !errors_.empty(), has_start = !errors_at_start_.empty();
+  archive.small(has_last, has_start, points_since_);
+  if (has_last) {
+    archive.reals(errors_, n);
+    archive.reals(sizes_, n);
+  }
   archive.real(t_start_);
   if (!has_start) return;
   archive.reals(errors_at_start_, n);

@@ -24,10 +24,12 @@ class DifferenceCheck {
   // The point accepted last has errors beyond the tolerances; or so have several points in a row, or the start.
   std::optional<CallResult> excess(const ErrorWeights& weights) const;
   std::optional<CallResult> lasting_excess(const ErrorWeights& weights) const;
+  // Errors of the point accepted last or of the start are beyond the tolerances, for now.
+  bool is_in_doubt(const ErrorWeights& weights) const { return excess(weights) || excess_at_start(weights); }
   // At another current point, which is returned to the user, or at the start.
   std::optional<CallResult> excess_at(DaeSystem& system, const ErrorWeights& weights, const double* x) const;
 
-  bool has_errors() const { return !errors_.empty(); }
+  bool has_errors() const { return !errors_.empty() || !errors_at_start_.empty(); }
   void archive(Archive& archive, std::size_t n);
 
  private:

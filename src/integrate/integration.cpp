@@ -149,7 +149,9 @@ CallResult Integration::interpolate(double t, bool may_interpolate, double* x, d
   const double start = state.t - state.last.h;
   if ((t - start) * integrator_.direction < 0.0 || (state.t - t) * integrator_.direction < 0.0)
     return result_outside_last_step(t, start, state.t);
-  const PointRequest request{t, true, slopes_, may_interpolate && options_.interpolates_outputs};
+  // Searches for events are made with consistent points.
+  const bool may = may_interpolate && options_.interpolates_outputs && options_.events == nullptr;
+  const PointRequest request{t, true, slopes_, may};
   output_.evaluate_aside(integrator_, request, options_, x, xdot);
   return {};
 }

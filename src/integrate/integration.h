@@ -35,8 +35,8 @@ class Integration {
               Archive& archive);
   void archive(Archive& archive);
 
-  // To tout, or one step toward it. xdot may be null. t, x, xdot: the point reached, whatever the status, unless the call itself is
-  // illegal (SFDAE_ILLEGAL_ARGUMENT).
+  // To tout, or one step toward it. xdot may be null. t, x, xdot: the point reached, whatever the status, unless the
+  // call itself is illegal (SFDAE_ILLEGAL_ARGUMENT).
   CallResult advance(double tout, bool one_step, double& t, double* x, double* xdot);
   // The solution at any t within the last step, not made consistent if it may be interpolated; the point reached
   // stays. xdot may be null.

@@ -99,6 +99,8 @@ void StepOutput::evaluate_aside(Integrator& integrator, const PointRequest& requ
 bool StepOutput::has_interpolated(Integrator& integrator, const PointRequest& request,
                                   const IntegrationOptions& options, double* x, double* xdot) {
   Stepper& stepper = *integrator.stepper;
+  // A consistent point says how large errors of differences are there, and ends the call if they are too large.
+  if (integrator.differences.is_in_doubt(integrator.weights)) return false;
   const bool at_step = request.t == stepper.state().t;
   if (!at_step && !integrator.must_restart) test_polynomial(integrator, options, x, xdot);
   if (integrator.must_restart || !(at_step || stepper.interpolates_x(integrator.weights))) return false;
