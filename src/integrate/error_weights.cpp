@@ -90,7 +90,8 @@ double ErrorWeights::first_step(const double* x, const double* xdot, double expo
     const double allowed = tolerance(i, x), speed = std::fabs(xdot[i]);
     const double size = rtol_[index(i)] > 0.0 ? allowed / rtol_[index(i)] : std::max(std::fabs(x[i]), allowed);
     // The half is a margin (docs/decisions/07-first-step.md).
-    if (speed > standstill * size && allowed > 0.0) h = std::min(h, 0.5 * std::pow(allowed / size, exponent) * size / speed);
+    if (speed > standstill * size && allowed > 0.0)
+      h = std::min(h, 0.5 * std::pow(allowed / size, exponent) * size / speed);
   }
   return h;
 }

@@ -94,8 +94,13 @@ std::vector<Subject> subjects(int instances) {
           {"constant linear, ranks change", linear_capacity(), capacities(instances)}};
 }
 
+// As many as a has.
+bool begins_with(const std::vector<double>& b, const std::vector<double>& a) {
+  return a.empty() || (a.size() <= b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
+}
+
 bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+  return a.size() == b.size() && begins_with(b, a);
 }
 
 void expect_same(const Outcome& is, const Outcome& should_be, int instance) {
@@ -438,8 +443,7 @@ TEST(Ensemble, StopsWhenTheMonitorSaysSo) {
       const Outcome alone = solved_alone(multibody_pendulum(), {}, ensemble, i), is = outcome_of(stopped, i);
       if (!is_stopped) expect_same(is, alone, i);
       // What was reached is right.
-      ASSERT_LE(is.x.size(), alone.x.size());
-      EXPECT_EQ(std::memcmp(is.x.data(), alone.x.data(), is.x.size() * sizeof(double)), 0);
+      EXPECT_TRUE(begins_with(alone.x, is.x));
     }
     EXPECT_GE(ended, 3);
     EXPECT_LE(ended, 3 + threads);
