@@ -26,9 +26,10 @@ void multiply(const Lanes* a, const Lanes* b, Lanes* v, Order K) {
   }
 }
 
-// Point by point, as TaylorEvaluator does it. Slot 0 is a leaf: a result there is none.
+// Point by point, as TaylorEvaluator does it. Slot 0 is a leaf: a result there is none. Not inlined into each of the
+// passes: that took the compiler a minute.
 template <bool with_slopes, class Order>
-void execute_singly(const Instruction& given, Lanes* slots, Order K) {
+[[gnu::noinline]] void execute_singly(const Instruction& given, Lanes* slots, Order K) {
   constexpr int size = LaneEvaluator::highest_order + 1;
   const Instruction own{given.code, 0, size, 2 * size, 3 * size, 4 * size, 5 * size};
   const int from[] = {given.v, given.a, given.b, given.c, given.p, given.q};
