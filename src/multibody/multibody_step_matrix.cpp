@@ -28,14 +28,25 @@ void complete(int count, Scalar c, const Scalar* z, Scalar* y) {
   for (int i = 0; i < count; ++i) y[i] = (z[i] + y[i]) * inverse;
 }
 
+// As a form of fewer unknowns.
+struct ReducedForm {
+  const MultibodyForm& form;
+  int order;
+  int unknowns() const { return order; }
+  template <class Scalar>
+  void step_matrix(Scalar c, BasicView<Scalar> M) const {
+    if (form.has_velocities_as_rates()) form.reduced_step_matrix(c, M);
+    else form.step_matrix(c, M);
+  }
+};
+
 }  // namespace
 
 void MultibodyStepMatrix::resize(int unknowns) {
   const std::size_t area = index(unknowns) * index(unknowns) + 1;
   unknowns_ = unknowns;
-  entries_.assign(area, 0.0);
+  reduced_.resize(unknowns);
   K_.assign(area, 0.0);
-  pivots_.assign(index(unknowns) + 1, 0);
   omega_.assign(index(unknowns) + 1, 0.0);
   const std::size_t entries = index(largest_inverse) * index(largest_inverse);
   for (auto* blocks : {&inverse_A_, &inverse_B_}) blocks->assign(entries, {});
@@ -43,48 +54,25 @@ void MultibodyStepMatrix::resize(int unknowns) {
 }
 
 void MultibodyStepMatrix::forget() {
-  is_valid_ = false;
+  reduced_.forget();
   stages_of_inverses_ = 0;
-  for (auto& matrix : pairs_) matrix.clear();
 }
 
 bool MultibodyStepMatrix::factor(const MultibodyForm& form, double c, long& count) {
   eliminated_ = form.has_velocities_as_rates() ? unknowns_ / 2 : 0;
   const int q = order();
-  const View M{entries_.data(), q, q, std::max(q, 1)};
-  if (eliminated_ > 0) {
-    copy(form.stiffness(), View{K_.data(), q, q, std::max(q, 1)});
-    form.reduced_step_matrix(c, M);
-  } else {
-    form.step_matrix(c, M);
-  }
-  is_valid_ = factor_lu(M, pivots_.data());
-  c_ = c;
+  if (eliminated_ > 0) copy(form.stiffness(), View{K_.data(), q, q, std::max(q, 1)});
   stages_of_inverses_ = 0;
-  if (q > 0) ++count;
-  return is_valid_;
+  return reduced_.factor(ReducedForm{form, q}, 1.0, c, count);
 }
 
 bool MultibodyStepMatrix::factor_stages(const MultibodyForm& form, const StageMethod& method, long& count) {
   const int q = order();
-  for (std::size_t k = 0; 2 * static_cast<int>(k) + 2 < method.s; ++k) {
-    const std::complex<double> c = method.lambda[k] * (c_ / method.gamma);
-    std::vector<std::complex<double>>& matrix = pairs_[k];
-    if (!matrix.empty() && values_[k] == c) continue;
-    stages_of_inverses_ = 0;
-    pivots_of_pairs_[k].resize(index(q) + 1);
-    matrix.resize(index(q) * index(q) + 1);  // last: a matrix that is not empty counts as factored for values_[k]
-    const ComplexView M{matrix.data(), q, q, std::max(q, 1)};
-    if (eliminated_ > 0) form.reduced_step_matrix(c, M);
-    else form.step_matrix(c, M);
-    if (q > 0) ++count;
-    values_[k] = c;
-    if (factor_lu(M, pivots_of_pairs_[k].data())) continue;
-    matrix.clear();
-    return false;
-  }
-  if (stages_of_inverses_ != method.s && eliminated_ > 0 && q <= largest_inverse) invert(method);
-  return true;
+  const long before = count;
+  const bool is_regular = reduced_.factor_stages(ReducedForm{form, q}, 1.0, method, count);
+  if (count != before) stages_of_inverses_ = 0;
+  if (is_regular && stages_of_inverses_ != method.s && eliminated_ > 0 && q <= largest_inverse) invert(method);
+  return is_regular;
 }
 
 void MultibodyStepMatrix::invert(const StageMethod& method) {
@@ -92,19 +80,19 @@ void MultibodyStepMatrix::invert(const StageMethod& method) {
   std::fill(inverse_A_.begin(), inverse_A_.end(), LaneBlock());
   std::fill(inverse_B_.begin(), inverse_B_.end(), LaneBlock());
   c_A_ = c_B_ = LaneBlock();
-  c_A_.lane[0] = 1.0 / c_;
+  c_A_.lane[0] = 1.0 / c();
   for (int j = 0; j < q; ++j) {
     double column[largest_inverse] = {};
     column[j] = 1.0;
-    solve_lu(ConstView{entries_.data(), q, q, q}, pivots_.data(), column);
+    reduced_.solve(column);
     for (int i = 0; i < q; ++i) inverse_A_[index(i * q + j)].lane[0] = column[i];
   }
   for (std::size_t k = 0; 2 * static_cast<int>(k) + 2 < s; ++k) {
-    set_pair(k, 1.0 / values_[k], c_A_, c_B_);
+    set_pair(k, 1.0 / reduced_.pairs().c_of_pair(k), c_A_, c_B_);
     for (int j = 0; j < q; ++j) {
       std::complex<double> column[largest_inverse] = {};
       column[j] = 1.0;
-      solve_lu(ComplexView{pairs_[k].data(), q, q, q}, pivots_of_pairs_[k].data(), column);
+      reduced_.pairs().solve_pair(k, column);
       for (int i = 0; i < q; ++i) set_pair(k, column[i], inverse_A_[index(i * q + j)], inverse_B_[index(i * q + j)]);
     }
   }
@@ -126,30 +114,30 @@ void MultibodyStepMatrix::solve_real(double* yz, const double* Ky) const {
   const int q = order();
   double* const z = yz + eliminated_;
   if (eliminated_ > 0)
-    for (int i = 0; i < q; ++i) z[i] += Ky[i] / c_;
-  solve_lu(ConstView{entries_.data(), q, q, std::max(q, 1)}, pivots_.data(), z);
-  complete(eliminated_, c_, z, yz);
+    for (int i = 0; i < q; ++i) z[i] += Ky[i] / c();
+  reduced_.solve(z);
+  complete(eliminated_, c(), z, yz);
 }
 
 void MultibodyStepMatrix::solve(View yz) const {
   const int q = order(), count = yz.cols;
   if (q == 0) return;
   const View z = yz.block(eliminated_, 0, q, count);
-  if (eliminated_ > 0) multiply(1.0 / c_, Op::plain, K(), Op::plain, yz.top(eliminated_), 1.0, z);
-  solve_lu(ConstView{entries_.data(), q, q, q}, pivots_.data(), z);
-  for (int j = 0; j < count; ++j) complete(eliminated_, c_, z.column(j), yz.column(j));
+  if (eliminated_ > 0) multiply(1.0 / c(), Op::plain, K(), Op::plain, yz.top(eliminated_), 1.0, z);
+  reduced_.solve(z);
+  for (int j = 0; j < count; ++j) complete(eliminated_, c(), z.column(j), yz.column(j));
 }
 
 // The complex system for omega = first - i second; Ky: two columns, K r_y of both.
 void MultibodyStepMatrix::solve_pair(std::size_t k, double* first, double* second, ConstView Ky) {
   const int q = order();
-  const std::complex<double> inverse = 1.0 / values_[k];
+  const std::complex<double> c = reduced_.pairs().c_of_pair(k), inverse = 1.0 / c;
   std::complex<double>* const z = omega_.data() + eliminated_;
   for (int i = 0; i < unknowns_; ++i) omega_[index(i)] = {first[i], -second[i]};
   if (eliminated_ > 0)
     for (int i = 0; i < q; ++i) z[i] += inverse * std::complex<double>(Ky(i, 0), -Ky(i, 1));
-  solve_lu(ComplexView{pairs_[k].data(), q, q, std::max(q, 1)}, pivots_of_pairs_[k].data(), z);
-  complete(eliminated_, values_[k], z, omega_.data());
+  reduced_.pairs().solve_pair(k, z);
+  complete(eliminated_, c, z, omega_.data());
   for (int i = 0; i < unknowns_; ++i) {
     first[i] = omega_[index(i)].real();
     second[i] = -omega_[index(i)].imag();

@@ -10,8 +10,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-#include <cmath>
 #include <complex>
 #include <vector>
 
@@ -22,6 +20,7 @@
 #include "linalg/matrix.h"
 #include "multibody/multibody_form.h"
 #include "system/stage_method.h"
+#include "system/step_matrix.h"
 
 namespace sfdae::core {
 
@@ -32,17 +31,11 @@ class MultibodyStepMatrix {
   // Another linearization holds from now on.
   void forget();
 
-  // Steps of one size differ in their last bits, as times are rounded: c of the matrix kept serves those, too.
-  bool is_for(double c) const {
-    constexpr double rounding_of_steps = 1e-13;
-    return std::fabs(c - c_) <= rounding_of_steps * std::fabs(c);
-  }
-  bool is_valid() const { return is_valid_; }
-  double c() const { return c_; }
-
-  // Factors the matrix for c. False if it is singular. count: of factorizations, raised.
+  // As those of a StepMatrix.
+  bool is_for(double c) const { return reduced_.is_for(c); }
+  bool is_valid() const { return reduced_.is_valid(); }
+  double c() const { return reduced_.c(); }
   bool factor(const MultibodyForm& form, double c, long& count);
-  // The further ones of the stages, for the c of the last factor(), gamma / h. Those that are known are kept.
   bool factor_stages(const MultibodyForm& form, const StageMethod& method, long& count);
 
   // Inverses for all stages at once, there for few unknowns once they are factored: stages transformed by T are in
@@ -62,10 +55,9 @@ class MultibodyStepMatrix {
   // A column for each stage.
   void solve_stages(const StageMethod& method, ConstView r, View yz, Arena& arena);
 
-  void archive_c(Archive& archive) { archive.real(c_); }
+  void archive_c(Archive& archive) { reduced_.archive_c(archive); }
 
  private:
-  static constexpr std::size_t max_pairs = (max_stages - 1) / 2;
   int order() const { return unknowns_ - eliminated_; }
   ConstView K() const { return {K_.data(), order(), eliminated_, order() > 0 ? order() : 1}; }
   void invert(const StageMethod& method);
@@ -73,14 +65,8 @@ class MultibodyStepMatrix {
   void solve_pair(std::size_t k, double* first, double* second, ConstView Ky);
 
   int unknowns_ = 0, eliminated_ = 0;
-  std::vector<double> entries_, K_;
-  std::vector<int> pivots_;
-  double c_ = 0.0;
-  bool is_valid_ = false;
-  // Of pairs of stages: factors, empty: none, for these values of c.
-  std::array<std::vector<std::complex<double>>, max_pairs> pairs_;
-  std::array<std::vector<int>, max_pairs> pivots_of_pairs_;
-  std::array<std::complex<double>, max_pairs> values_{};
+  StepMatrix reduced_;  // of z where y is eliminated
+  std::vector<double> K_;
   std::vector<std::complex<double>> omega_;
   int stages_of_inverses_ = 0;  // that the inverses in lanes were made for; 0: none
   LaneArray inverse_A_, inverse_B_, T_, T_inverse_;

@@ -48,6 +48,9 @@ class StepMatrix {
     stages_.solve(method, lu(), pivots_.data(), r, z, arena);
   }
 
+  // Pairs of stages one by one, for right-hand sides that are transformed elsewhere.
+  TransformedStages& pairs() { return stages_; }
+
   void archive_c(Archive& archive) { archive.real(c_); }
 
  private:

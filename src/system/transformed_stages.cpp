@@ -13,10 +13,14 @@ void TransformedStages::forget() {
   for (auto& matrix : matrices_) matrix.clear();
 }
 
+void TransformedStages::solve_pair(std::size_t k, std::complex<double>* omega) {
+  solve_lu(ComplexView{matrices_[k].data(), order_, order_, std::max(order_, 1)}, pivots_[k].data(), omega);
+}
+
 // rho = T^-1 r; one real and (s-1)/2 complex systems for zeta; z = T zeta.
 void TransformedStages::solve(const StageMethod& method, ConstView lu, const int* pivots, ConstView r, View z,
                               Arena& arena) {
-  const int s = method.s, q = lu.rows, ld = std::max(q, 1);
+  const int s = method.s, q = lu.rows;
   if (q == 0) return;
   const Arena::Frame frame(arena);
   const View rho = arena.matrix(q, s);
@@ -26,7 +30,7 @@ void TransformedStages::solve(const StageMethod& method, ConstView lu, const int
     double* first = rho.column(2 * k + 1);
     double* second = rho.column(2 * k + 2);
     for (int i = 0; i < q; ++i) omega_[index(i)] = {first[i], -second[i]};
-    solve_lu(ComplexView{matrices_[index(k)].data(), q, q, ld}, pivots_[index(k)].data(), omega_.data());
+    solve_pair(index(k), omega_.data());
     for (int i = 0; i < q; ++i) {
       first[i] = omega_[index(i)].real();
       second[i] = -omega_[index(i)].imag();

@@ -32,12 +32,16 @@ class TransformedStages {
   void forget();
   // lu, pivots: the factored matrix for c_real. r, z: a column for each stage.
   void solve(const StageMethod& method, ConstView lu, const int* pivots, ConstView r, View z, Arena& arena);
+  // The complex system of pair k alone, and its c.
+  void solve_pair(std::size_t k, std::complex<double>* omega);
+  std::complex<double> c_of_pair(std::size_t k) const { return values_[k]; }
 
  private:
   static constexpr std::size_t max_pairs = (max_stages - 1) / 2;
   std::array<std::vector<std::complex<double>>, max_pairs> matrices_;
   std::array<std::vector<int>, max_pairs> pivots_;
   std::array<std::complex<double>, max_pairs> values_{};
+  int order_ = 0;  // of the factored matrices
   std::vector<std::complex<double>> omega_;
 };
 
@@ -46,6 +50,7 @@ bool TransformedStages::factor(const Form& form, double tau, const StageMethod& 
   const int q = form.unknowns();
   const std::size_t order = index(q);
   omega_.resize(order + 1);
+  order_ = q;
   for (std::size_t k = 0; 2 * static_cast<int>(k) + 2 < method.s; ++k) {
     const std::complex<double> c = method.lambda[k] * (c_real / method.gamma);
     std::vector<std::complex<double>>& matrix = matrices_[k];
