@@ -27,7 +27,7 @@ def joined(lines):
 
 
 class Entity:
-    """A type or a procedure: its comment and its declaration, with the comments within."""
+    """A type, a procedure or a generic name: its comment and its declaration, with the comments within."""
 
     def __init__(self, name, kind, comment, body):
         self.name, self.kind, self.comment, self.body = name, kind, comment, body
@@ -42,7 +42,7 @@ def comment_above(lines, position):
 
 
 def entities(text):
-    """Types and procedures of a module, by lower-case name."""
+    """Types, procedures and generic names of a module, by lower-case name."""
     lines = joined(text.split("\n"))
     found = {}
     for position, line in enumerate(lines):
@@ -50,6 +50,8 @@ def entities(text):
             kind, stop = "type", r"\s*end type\b"
         elif match := re.match(r"\s*(?:pure |elemental |recursive |impure )*(?:function|subroutine) (\w+)\(", line):
             kind, stop = "procedure", r"\s*end (?:function|subroutine)\b"
+        elif match := re.match(r"\s*interface (\w+)\s*$", line):
+            kind, stop = "interface", r"\s*end interface\b"
         else:
             continue
         end = next(i for i in range(position, len(lines)) if re.match(stop, lines[i]))
@@ -63,18 +65,7 @@ def public_names(text):
     for line in joined(text.split("\n")):
         if match := re.match(r"\s*public :: (.*)", line):
             names += [name.strip() for name in match[1].split(",")]
-        elif match := re.match(r"\s*(?:abstract )?interface (\w+)\s*$", line):
-            pass
     return [name for name in names if re.fullmatch(r"\w+", name)]
-
-
-def generic_interfaces(text):
-    """Generic names and the procedures behind them."""
-    result = {}
-    for match in re.finditer(r"^  interface (\w+)\n(.*?)^  end interface", text, re.DOTALL | re.MULTILINE):
-        procedures = re.findall(r"module procedure (?::: )?([^\n]*)", match[2])
-        result[match[1].lower()] = [name.strip().lower() for line in procedures for name in line.split(",")]
-    return result
 
 
 def arguments(entity):
@@ -146,17 +137,18 @@ def introduction(text):
 
 
 def module_page(text, name, heading):
-    found, generic = entities(text), generic_interfaces(text)
+    found = entities(text)
     lines = [*title(f"{heading}: module {name}"), *introduction(text)]
     for public in dict.fromkeys(public_names(text)):
-        if public.lower() in found:
-            entity = found[public.lower()]
-            show = type_lines if entity.kind == "type" else None
-            lines += type_lines(entity, found, "-") if show else procedure_lines(public, entity, "-")
-        elif public.lower() in generic:
-            for procedure in generic[public.lower()][:1]:
-                if procedure in found:
-                    lines += procedure_lines(public, found[procedure], "-")
+        entity = found.get(public.lower())
+        if not entity:
+            continue
+        if entity.kind == "type":
+            lines += type_lines(entity, found, "-")
+        elif entity.kind == "procedure":
+            lines += procedure_lines(public, entity, "-")
+        else:
+            lines += [*title(public, "-"), *as_rst(entity.comment)]
     return "\n".join(lines) + "\n"
 
 

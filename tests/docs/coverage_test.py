@@ -90,12 +90,10 @@ def check_fortran(root):
         if not path.exists():
             continue
         text = path.read_text()
-        found, generic = fortran_reference.entities(text), fortran_reference.generic_interfaces(text)
+        found = fortran_reference.entities(text)
         for name in fortran_reference.public_names(text):
-            targets = generic.get(name.lower(), [name.lower()])
-            documented = [target for target in targets if target in found and found[target].comment]
-            if any(target in found for target in targets) and not name.endswith(("_holder", "_callback", "_in_c")):
-                count.add(name, documented)
+            if name.lower() in found and not name.endswith(("_holder", "_callback", "_in_c")):
+                count.add(name, found[name.lower()].comment)
         if module == "sfdae_solver":
             for binding, target in re.findall(r"procedure :: (\w+) => (solver_\w+)", text):
                 bindings.add(binding, target in found and found[target].comment)

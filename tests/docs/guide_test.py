@@ -9,8 +9,9 @@ A program is a block of code below a line <!-- program: name.ext -->, ext being 
 block below <!-- output: name.ext -->. A line ... there stands for any number of lines. <!-- fails: name.ext --> says
 that the program ends with a status other than 0. A file that programs read is below <!-- file: name.ext -->.
 
-Words have to agree exactly, numbers with a point or an exponent to two units of the last digit shown, whole numbers
-above 30 (counts of steps and such) to 10 %. Numbers below 1e-9 are rounding errors as long as they stay below it."""
+Words have to agree exactly, numbers with a point or an exponent to two units of the last digit shown, but not closer than
+1e-4 of themselves, whole numbers above 30 (counts of steps and such) to 10 %. Numbers below 1e-9 are rounding errors as
+long as they stay below it, numbers above 1e9 the inverse of rounding errors."""
 
 import argparse
 import json
@@ -39,9 +40,9 @@ def numbers_agree(shown, printed):
         return True
     if re.fullmatch(r"[-+]?\d+", shown) and re.fullmatch(r"[-+]?\d+", printed):
         return abs(a) > 30 and abs(a - b) <= 0.1 * abs(a)
-    if abs(a) < ROUNDING and abs(b) < ROUNDING:
+    if max(abs(a), abs(b)) < ROUNDING or min(abs(a), abs(b)) > 1 / ROUNDING:
         return True
-    return abs(a - b) <= 2.001 * max(unit_of_last_digit(shown), unit_of_last_digit(printed))
+    return abs(a - b) <= max(2.001 * min(unit_of_last_digit(shown), unit_of_last_digit(printed)), 1e-4 * abs(a))
 
 
 def lines_agree(shown, printed):
@@ -144,6 +145,7 @@ def test_comparisons():
     """The rules of comparison are what the text above says."""
     assert numbers_agree("1.234", "1.236") and not numbers_agree("1.234", "1.237")
     assert numbers_agree("1.2e-16", "3.3e-14") and not numbers_agree("1.2e-16", "1e-8")
+    assert numbers_agree("0.999997180948", "0.999997181") and numbers_agree("7e+13", "3.1e12")
     assert numbers_agree("137", "141") and not numbers_agree("2", "3") and not numbers_agree("137", "160")
     assert lines_agree("t = 1.0  x", "t =  1.0 x") and not lines_agree("level 1 clear", "level 1 unclear")
     assert first_difference(["a", "...", "b"], ["a", "x", "y", "b"]) is None
@@ -163,7 +165,8 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             runner = Runner(json.loads(options.settings.read_text()), pathlib.Path(folder))
             complaints += check_page(page, runner, options.update)
-    sys.exit("\n".join(complaints) or None)
+    if complaints:
+        sys.exit("\n".join(complaints) + "\n\nIf what is printed is right, --update writes it into the pages.")
 
 
 if __name__ == "__main__":
