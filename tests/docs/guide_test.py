@@ -10,7 +10,7 @@ block below <!-- output: name.ext -->. A line ... there stands for any number of
 that the program ends with a status other than 0. A file that programs read is below <!-- file: name.ext -->.
 
 Words have to agree exactly, numbers with a point or an exponent to two units of the last digit shown, but not closer than
-1e-4 of themselves, whole numbers above 30 (counts of steps and such) to 10 %. Numbers below 1e-9 are rounding errors as
+1e-4 of themselves, whole numbers above 30 to 10 %. Lines about the course of an integration have to agree to 30 % or to 3. Numbers below 1e-9 are rounding errors as
 long as they stay below it, numbers above 1e9 the inverse of rounding errors."""
 
 import argparse
@@ -24,6 +24,7 @@ import tempfile
 
 MARK = re.compile(r"^<!-- (program|output|fails|file): (\S+) -->\n(?:```(\w*)\n(.*?)^```\n)?", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"[-+]?\d+\.\d*(?:[eE][-+]?\d+)?|[-+]?\d+[eE][-+]?\d+|[-+]?\d+")
+COURSE = re.compile(r"\bsteps\b|factorizations|last step|partition number|steps attempted")
 ROUNDING = 1e-9
 
 
@@ -45,11 +46,17 @@ def numbers_agree(shown, printed):
     return abs(a - b) <= max(2.001 * min(unit_of_last_digit(shown), unit_of_last_digit(printed)), 1e-4 * abs(a))
 
 
+def counts_agree(shown, printed):
+    """Numbers of steps and the like, which rounding errors may change."""
+    return numbers_agree(shown, printed) or abs(float(shown) - float(printed)) <= max(3, 0.3 * abs(float(shown)))
+
+
 def lines_agree(shown, printed):
     """Whether two lines agree in their words and in their numbers."""
     if " ".join(NUMBER.sub("0", shown).split()) != " ".join(NUMBER.sub("0", printed).split()):
         return False
-    return all(map(numbers_agree, NUMBER.findall(shown), NUMBER.findall(printed)))
+    agree = counts_agree if COURSE.search(shown) else numbers_agree
+    return all(map(agree, NUMBER.findall(shown), NUMBER.findall(printed)))
 
 
 def first_difference(shown, printed):
@@ -147,6 +154,7 @@ def test_comparisons():
     assert numbers_agree("1.2e-16", "3.3e-14") and not numbers_agree("1.2e-16", "1e-8")
     assert numbers_agree("0.999997180948", "0.999997181") and numbers_agree("7e+13", "3.1e12")
     assert numbers_agree("137", "141") and not numbers_agree("2", "3") and not numbers_agree("137", "160")
+    assert lines_agree("714 steps, 1 failed", "690 steps, 3 failed") and not lines_agree("index 1", "index 3")
     assert lines_agree("t = 1.0  x", "t =  1.0 x") and not lines_agree("level 1 clear", "level 1 unclear")
     assert first_difference(["a", "...", "b"], ["a", "x", "y", "b"]) is None
     assert first_difference(["a", "...", "b"], ["a", "x", "y"]) is not None
