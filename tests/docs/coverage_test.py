@@ -70,6 +70,19 @@ def check_c(root):
     return [*functions.complaints(), *types.complaints(), *fortran_77.complaints()]
 
 
+def check_helpers(root):
+    """The argument lists of DGELDA's helpers in its manual are those of the entries."""
+    manual = (root / "docs" / "moving_from_gelda.md").read_text()
+    shown = {match[1]: re.findall(r"\w+", match[2]) for match in
+             re.finditer(r"^      (?:SUBROUTINE|DOUBLE PRECISION FUNCTION) (\w+) \((.*?)\)", manual, re.DOTALL | re.MULTILINE)}
+    entries = (root / "tests" / "f77" / "entries.h").read_text()
+    count = Count("argument lists of Fortran 77", 10)
+    for name, arguments in re.findall(r"using (\w+) = (?:void|double)\((.*?)\) noexcept;", entries, re.DOTALL):
+        names = [argument.split()[-1].lstrip("*").upper() for argument in arguments.split(",")]
+        count.add(name.upper(), shown.get(name.upper()) == names)
+    return list(count.complaints())
+
+
 def check_cpp(root):
     """Public functions of classes and of the namespace: those with a name that are not `detail`."""
     count = Count("public functions of the class Solver of C++", 30)
@@ -155,7 +168,7 @@ def main():
     if options.site:
         complaints = list(check_site(options.root, options.site))
     else:
-        complaints = [complaint for check in (check_c, check_cpp, check_fortran, check_python, check_statuses)
+        complaints = [complaint for check in (check_c, check_helpers, check_cpp, check_fortran, check_python, check_statuses)
                       for complaint in check(options.root)]
     sys.exit("\n".join(complaints) or None)
 
