@@ -42,6 +42,7 @@ docs/guide/performance
 docs/guide/python
 docs/guide/program
 docs/guide/coverage
+examples/README
 ```
 
 ```{toctree}

@@ -6,7 +6,7 @@
     guide_test.py --settings settings.json --update page.md ...   writes what they print into the pages
 
 A program is a block of code below a line <!-- program: name.ext -->, ext being py, c, cpp or f90; what it prints is a
-block below <!-- output: name.ext -->. A line ... there stands for any number of lines. <!-- fails: name.ext --> says
+block below <!-- output: name.ext ... -->, one for all programs that are named. A line ... there stands for any number of lines. <!-- fails: name.ext --> says
 that the program ends with a status other than 0. A file that programs read is below <!-- file: name.ext -->.
 
 Words have to agree exactly, numbers with a point or an exponent to two units of the last digit shown, but not closer than
@@ -22,7 +22,7 @@ import subprocess
 import sys
 import tempfile
 
-MARK = re.compile(r"^<!-- (program|output|fails|file): (\S+) -->\n(?:```(\w*)\n(.*?)^```\n)?", re.DOTALL | re.MULTILINE)
+MARK = re.compile(r"^<!-- (program|output|fails|file): (\S+(?: \S+)*) -->\n(?:```(\w*)\n(.*?)^```\n)?", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"[-+]?\d+\.\d*(?:[eE][-+]?\d+)?|[-+]?\d+[eE][-+]?\d+|[-+]?\d+")
 COURSE = re.compile(r"\bsteps\b|factorizations|last step|partition number|steps attempted")
 ROUNDING = 1e-9
@@ -126,22 +126,23 @@ def check_page(page, runner, update):
             complaints.append(f"{page.name}: {match[2]} ended with status {status}:\n{outputs[match[2]]}")
 
     def compare(match):
-        if match[1] != "output" or match[2] not in outputs:
+        if match[1] != "output":
             return match[0]
-        printed = printed_lines(outputs[match[2]])
         shown = printed_lines(match[4])
-        difference = first_difference(shown, printed)
-        if difference is None:
-            return match[0]
-        if update and "..." not in (line.strip() for line in shown):
-            return f"<!-- output: {match[2]} -->\n```{match[3]}\n" + "\n".join(printed) + "\n```\n"
-        complaints.append(f"{page.name}: {match[2]}: {difference}\nIt printed:\n" + "\n".join(printed))
+        for name in match[2].split():
+            printed = printed_lines(outputs[name]) if name in outputs else shown
+            difference = first_difference(shown, printed)
+            if difference is None:
+                continue
+            if update and "..." not in (line.strip() for line in shown):
+                return f"<!-- output: {match[2]} -->\n```{match[3]}\n" + "\n".join(printed) + "\n```\n"
+            complaints.append(f"{page.name}: {name}: {difference}\nIt printed:\n" + "\n".join(printed))
         return match[0]
 
     changed = MARK.sub(compare, text)
     if update and changed != text:
         page.write_text(changed)
-    shown = {match[2] for match in MARK.finditer(text) if match[1] == "output"}
+    shown = {name for match in MARK.finditer(text) if match[1] == "output" for name in match[2].split()}
     complaints += [f"{page.name}: {name} is shown, but there is no such program"
                    for name in sorted(shown - outputs.keys() - set(skipped))]
     print(f"{page.name}: {len(outputs)} programs ran" + (f", not built: {', '.join(skipped)}" if skipped else ""))
