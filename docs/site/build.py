@@ -31,14 +31,14 @@ CONTENTS = """
 
 docs/guide/index
 docs/guide/quick_start
-docs/guide/formulations
 docs/guide/initial_values
 docs/guide/status
 docs/guide/report
+docs/guide/formulations
 docs/guide/mistakes
 docs/guide/tolerances
-docs/guide/events_and_ensembles
 docs/guide/performance
+docs/guide/events_and_ensembles
 docs/guide/python
 docs/guide/program
 docs/guide/coverage

@@ -15,7 +15,9 @@ root_doc = "index"
 html_theme = "furo"
 html_copy_source = False
 html_show_sourcelink = False
-html_last_updated_fmt = None
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+smartquotes = False  # x' is a derivative
 # Nothing is loaded from elsewhere: the site is read from the disk, without a network.
 html_theme_options = {"sidebar_hide_name": False}
 

@@ -26,8 +26,9 @@ def results(browser, site, word):
     field = browser.find_element(By.NAME, "q")
     field.send_keys(word)
     field.submit()
-    wait = WebDriverWait(browser, 60)
-    wait.until(lambda page: "finished" in page.find_element(By.ID, "search-results").text)
+    wait = WebDriverWait(browser, 120)
+    ended = ("finished", "did not match")
+    wait.until(lambda page: any(words in page.find_element(By.ID, "search-results").text for words in ended))
     links = browser.find_elements(By.CSS_SELECTOR, "#search-results li a")
     return [link.get_attribute("href").split("?")[0].split("#")[0] for link in links]
 
