@@ -28,6 +28,7 @@ breathe_projects = {"sfdae": os.environ["SFDAE_DOCS_XML"]}
 breathe_default_project = "sfdae"
 breathe_domain_by_extension = {"h": "c", "hpp": "cpp"}
 breathe_show_include = False
+breathe_show_define_initializer = True
 primary_domain = None
 highlight_language = "none"
 c_extra_keywords = []

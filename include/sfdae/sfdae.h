@@ -207,12 +207,12 @@ typedef struct sfdae_options {
    * end with SFDAE_TOLERANCE_TOO_SMALL, the component and its error in the message. */
   int max_index;              /**< highest strangeness index tried, default 5; 0 ... 12 */
   int reduction;              /**< SFDAE_REDUCTION_STAGED (default) or _SVD */
-  double rank_tol;            /**< > 0, < 1: values below rank_tol * norm of the data, in balanced units, count as
+  double rank_tol;            /**< in (0, 1): values below rank_tol * norm of the data, in balanced units, count as
                                  zero. Default 0: the library judges by propagated rounding errors and, where norms
                                  are not clear in two systems of units, by a certificate (sfdae_certify) */
-  double time_scale;          /**< > 0: unit of time of derivatives, rounded to a power of two. Default 0: chosen */
+  double time_scale;          /**< unit of time of derivatives (> 0), rounded to a power of two. Default 0: chosen */
   int difference_derivatives; /**< 1: differences are allowed. Default 0: SFDAE_ORDER_MISSING */
-  double difference_step;     /**< > 0: spacing of the points used for them, at most: eight of these are the whole
+  double difference_step;     /**< spacing of the points used for them, at most (> 0): eight of these are the whole
                                  interval of 13 Chebyshev points; default 0: chosen */
 
   /** Initial values. Where x violates the constraints, unknowns without a derivative (multipliers, currents; the kernel

@@ -113,6 +113,36 @@ def check_fortran(root):
     return [*count.complaints(), *bindings.complaints()]
 
 
+# Functions of C that are something else in Fortran: operators and assignments, or part of another procedure.
+IN_FORTRAN = {
+    "number": "assignment(=)", "parameter": "named_parameter", "add": "operator(+)", "subtract": "operator(-)",
+    "negate": "operator(-)", "multiply": "operator(*)", "divide": "operator(/)", "power": "operator(**)",
+    "create_linear": "create", "create_nonlinear": "create", "create_multibody": "create",
+    "get_derivative_array_at": "get_derivative_array", "get_projectors_at": "get_projectors",
+    "get_strangeness_free_at": "get_strangeness_free", "get_checkpoint_length": "save_checkpoint",
+}
+
+
+def check_functions_in_fortran(root):
+    """Every function of C has its counterpart in the modules, with a comment. Structs need no init there."""
+    documented = set()
+    for module in fortran_reference.MODULES:
+        path = root / "fortran_bindings" / f"{module}.f90"
+        text = path.read_text() if path.exists() else ""
+        documented |= set(re.findall(r"!>[^\n]*\n  interface ((?:operator|assignment)\([^)]*\))", text))
+        found = fortran_reference.entities(text)
+        documented |= {name for name, entity in found.items() if entity.comment}
+        for binding, target in re.findall(r"procedure :: (\w+) => (\w+)", text):
+            if target in found and found[target].comment:
+                documented.add(binding)
+    count = Count("functions of C in Fortran", 60)
+    for function, _ in c_functions(headers(root)):
+        name = function.removeprefix("sfdae_")
+        if not name.endswith("_init"):
+            count.add(function, {name, function, IN_FORTRAN.get(name)} & documented)
+    return list(count.complaints())
+
+
 def check_python(root):
     """Classes and functions that __init__ takes from the modules, and their public members."""
     package = root / "python" / "sfdae"
@@ -168,7 +198,7 @@ def main():
     if options.site:
         complaints = list(check_site(options.root, options.site))
     else:
-        complaints = [complaint for check in (check_c, check_helpers, check_cpp, check_fortran, check_python, check_statuses)
+        complaints = [complaint for check in (check_c, check_helpers, check_cpp, check_fortran, check_functions_in_fortran, check_python, check_statuses)
                       for complaint in check(options.root)]
     sys.exit("\n".join(complaints) or None)
 
