@@ -106,8 +106,9 @@ WARN_AS_ERROR = FAIL_ON_WARNINGS
 
 
 def version():
-    """That of the project."""
-    return re.search(r"\bVERSION (\d+\.\d+\.\d+)", (ROOT / "CMakeLists.txt").read_text())[1]
+    """That of the library, from its header."""
+    header = (ROOT / "include" / "sfdae" / "sfdae.h").read_text()
+    return ".".join(re.findall(r"#define SFDAE_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", header))
 
 
 def lay_out(source):
