@@ -254,20 +254,38 @@ void NonlinearSystem::restore(const double*, const double* x_free, const Guess& 
     history_.predict(guess, 0, linearization_.determined(), units(), jet_);
   std::copy_n(x_free, problem_.n(), jet_.x.data());
   start_ = jet_;
-  const PointStatus status =
+  PointStatus status =
       linearization_.is_usable() ? iteration_.solve_to_rounding(linearization_, jet_) : PointStatus::not_converged;
   if (status == PointStatus::callback_error) callback_error_.raise();
+  // Between the ends of a long step the linearization may be too far off.
+  if (status != PointStatus::ok) status = restore_with_linearization_at(start_);
   if (status != PointStatus::ok && problem_.prescribed().empty()) {
-    // Between the ends of a long step the linearization, or derivatives, may be too far off.
+    // Or derivatives are. The jet found is consistent, but x has moved in directions where nothing asks for it.
     jet_ = start_;
     JetSolver(problem_.problem(), units()).solve(jet_, problem_.mu());
+    const Jet found = jet_;
+    std::copy_n(x_free, problem_.n(), jet_.x.data());
+    start_ = jet_;
+    if (restore_with_linearization_at(found) != PointStatus::ok) jet_ = found;
   } else if (status != PointStatus::ok) {
-    jet_ = start_;
-    if (iterate_from_guess(IterationTask{}) != PointStatus::ok)
-      throw Failure(SFDAE_NO_CONSISTENT_VALUES,
-                    format("no values consistent with the constraints were found at t = %.15g.", jet_.t));
+    throw Failure(SFDAE_NO_CONSISTENT_VALUES,
+                  format("no values consistent with the constraints were found at t = %.15g.", jet_.t));
   }
   std::copy_n(jet_.x.data(), problem_.n(), x);
+}
+
+// From start_, with a linearization that is used once.
+PointStatus NonlinearSystem::restore_with_linearization_at(const Jet& place) {
+  if (linearization_.ranks().count == 0) return PointStatus::not_converged;
+  ArrayLinearization linearization(problem_, counts_, arena_);
+  linearization.resize();
+  PointStatus status = linearization.restore({place, linearization_.origin().rows, false, 0}, linearization_.ranks());
+  if (status == PointStatus::ok) {
+    jet_ = start_;
+    status = iteration_.solve_to_rounding(linearization, jet_);
+  }
+  if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
+  return status;
 }
 
 // ---- x' --------------------------------------------------------------------------------------------------------
