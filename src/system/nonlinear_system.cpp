@@ -139,10 +139,22 @@ PointStatus NonlinearSystem::iterate_with_renewal(const Jet& start, Iterate iter
 
 PointStatus NonlinearSystem::iterate_from_guess(const IterationTask& task) {
   start_ = jet_;
-  return iterate_with_renewal(start_, [&] {
-    jet_ = start_;
-    return iteration_.solve(task, linearization_, jet_);
-  });
+  const auto iterate = [&] {
+    return iterate_with_renewal(start_, [&] {
+      jet_ = start_;
+      return iteration_.solve(task, linearization_, jet_);
+    });
+  };
+  const PointStatus status = iterate();
+  if (!may_hold_derivatives(status)) return status;
+  history_.hold_derivatives(start_);
+  return iterate();
+}
+
+// Derivatives of a polynomial have its errors divided by powers of the step, and the shorter steps become the less an
+// iteration may converge from there: from those of the last point it does if the step is short enough.
+bool NonlinearSystem::may_hold_derivatives(PointStatus status) const {
+  return status != PointStatus::ok && !is_hopeless(status) && problem_.mu() > 0;
 }
 
 PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
@@ -219,10 +231,16 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
   if (const PointStatus completed = complete_linearization(); completed != PointStatus::ok) return completed;
   stages_.predict(equations, history_, linearization_.determined());
   const bool has_one = equations.method.s == 1;
-  const PointStatus status =
-      has_one ? iterate_with_renewal(stages_.middle(),
-                                     [&] { return stages_.solve(equations, linearization_, iteration_); })
-              : solve_several_stages(equations);
+  const auto iterate = [&] {
+    return has_one ? iterate_with_renewal(stages_.middle(),
+                                          [&] { return stages_.solve(equations, linearization_, iteration_); })
+                   : solve_several_stages(equations);
+  };
+  PointStatus status = iterate();
+  if (may_hold_derivatives(status)) {
+    stages_.hold_derivatives(history_);
+    status = iterate();
+  }
   if (status != PointStatus::ok) return status;
   jet_ = stages_.last();
   stages_.copy_to(x);

@@ -134,4 +134,20 @@ TEST(RandomSystemsInTime, OutputsStayOnTheSolution) {
   EXPECT_EQ(counts.named_errors, 0);
 }
 
+// Iterations that started with derivatives of a polynomial failed, the more the shorter steps became.
+TEST(RandomSystemsInTime, ShortStepsConverge) {
+  struct Run {
+    unsigned seed;
+    int method;
+    double tolerance;
+  };
+  Counts counts;
+  for (const Run& run :
+       {Run{366, SFDAE_METHOD_BDF, 1e-4}, Run{366, SFDAE_METHOD_BDF, 1e-7}, Run{658, SFDAE_METHOD_BDF, 1e-4},
+        Run{3569, SFDAE_METHOD_BDF, 1e-7}, Run{4351, SFDAE_METHOD_BDF, 1e-7}, Run{4796, SFDAE_METHOD_RADAU, 1e-4}})
+    integrate(run.seed, run.method, run.tolerance, counts);
+  EXPECT_EQ(counts.all, 6);
+  EXPECT_EQ(counts.named_errors, 0);
+}
+
 }  // namespace
