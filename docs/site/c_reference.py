@@ -8,20 +8,12 @@ import xml.etree.ElementTree
 
 from headers import as_rst, title
 
-C_HEADERS = {
-    "sfdae": "Life cycle, options, linear problems",
-    "expression": "Expressions, nonlinear problems",
-    "multibody": "Mechanical systems",
-    "events": "Events",
-    "ensemble": "Ensembles",
-}
-CPP_HEADERS = {
-    "sfdae": "The solver",
-    "problem": "Problems",
-    "expression": "Expressions",
-    "results": "Options, points, results, errors",
-    "ensemble": "Ensembles",
-}
+# Headings where the name of a header is not enough, in the order of the pages. Others follow.
+C_HEADINGS = {"sfdae": "Life cycle, options, linear problems", "expression": "Expressions, nonlinear problems",
+              "multibody": "Mechanical systems", "ensemble": "Ensembles"}
+CPP_HEADINGS = {"sfdae": "The solver", "problem": "Problems", "expression": "Expressions",
+                "results": "Options, points, results, errors", "ensemble": "Ensembles"}
+NOT_FOR_USERS = {"callbacks.hpp"}
 NOT_SHOWN = r"SFDAE_API|SFDAE_\w+_H|SFDAE_VERSION_\w+"
 
 
@@ -87,6 +79,14 @@ def cpp_page(root, xml_folder, name, heading):
     return [*title(f"{heading}: sfdae/{header}"), *introduction, *(line for _, lines in sorted(parts) for line in lines)]
 
 
+def headers(root, suffix, headings):
+    """Names and headings of the headers of a language."""
+    found = [path.stem for path in sorted((root / "include" / "sfdae").glob("*" + suffix))
+             if path.name not in NOT_FOR_USERS]
+    order = [name for name in headings if name in found] + [name for name in found if name not in headings]
+    return {name: headings.get(name, name.replace("_", " ").capitalize()) for name in order}
+
+
 def contents(heading, text, names):
     return [*title(heading), text, "", ".. toctree::", "", *(f"   {name}" for name in names)]
 
@@ -94,12 +94,13 @@ def contents(heading, text, names):
 def pages(root, xml_folder):
     """Names and texts of the pages."""
     result = {}
-    for name, heading in C_HEADERS.items():
+    c_headers, cpp_headers = headers(root, ".h", C_HEADINGS), headers(root, ".hpp", CPP_HEADINGS)
+    for name, heading in c_headers.items():
         result[f"c_{name}.rst"] = c_page(root, xml_folder, name, heading)
-    for name, heading in CPP_HEADERS.items():
+    for name, heading in cpp_headers.items():
         result[f"cpp_{name}.rst"] = cpp_page(root, xml_folder, name, heading)
     result["c.rst"] = contents("C", "Programs include ``sfdae/sfdae.h``, which includes the others.",
-                               [f"c_{name}" for name in C_HEADERS])
+                               [f"c_{name}" for name in c_headers])
     result["cpp.rst"] = contents("C++", "Programs include ``sfdae/sfdae.hpp``, which includes the others.",
-                                 [f"cpp_{name}" for name in CPP_HEADERS])
+                                 [f"cpp_{name}" for name in cpp_headers])
     return {name: "\n".join(lines) + "\n" for name, lines in result.items()}

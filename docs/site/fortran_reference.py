@@ -5,14 +5,18 @@ import re
 
 from headers import as_rst, escaped, title
 
-MODULES = {
-    "sfdae_solver": "The solver",
-    "sfdae_problems": "Problems",
-    "sfdae_multibody": "Mechanical systems",
-    "sfdae_control": "Options, monitor, events",
-    "sfdae_ensembles": "Ensembles",
-    "sfdae_expressions": "Expressions",
-}
+# Headings where the name of a module is not enough, in the order of the pages. Others follow.
+HEADINGS = {"sfdae_solver": "The solver", "sfdae_problems": "Problems", "sfdae_multibody": "Mechanical systems",
+            "sfdae_control": "Options, monitor, events"}
+NOT_FOR_USERS = {"sfdae", "sfdae_types", "sfdae_c", "sfdae_conversions"}
+
+
+def modules(root):
+    """Names and headings of the modules that programs use by way of the module sfdae."""
+    listed = (root / "fortran_bindings" / "sources.txt").read_text().split()
+    found = [name.removesuffix(".f90") for name in listed if name.removesuffix(".f90") not in NOT_FOR_USERS]
+    order = [name for name in HEADINGS if name in found] + [name for name in found if name not in HEADINGS]
+    return {name: HEADINGS.get(name, name.removeprefix("sfdae_").capitalize()) for name in order}
 
 
 def joined(lines):
@@ -156,7 +160,7 @@ def pages(root):
     """Names and texts of the pages."""
     folder = root / "fortran_bindings"
     result = {f"fortran_{name}.rst": module_page((folder / f"{name}.f90").read_text(), name, heading)
-              for name, heading in MODULES.items() if (folder / f"{name}.f90").exists()}
+              for name, heading in modules(root).items()}
     lines = [*title("Fortran"), *introduction((folder / "sfdae.f90").read_text()), ".. toctree::", "",
              *(f"   {name.removesuffix('.rst')}" for name in result)]
     result["fortran.rst"] = "\n".join(lines) + "\n"

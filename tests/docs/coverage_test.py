@@ -98,11 +98,8 @@ def check_cpp(root):
 def check_fortran(root):
     count = Count("public names of Fortran", 40)
     bindings = Count("procedures of the solver in Fortran", 35)
-    for module in fortran_reference.MODULES:
-        path = root / "fortran_bindings" / f"{module}.f90"
-        if not path.exists():
-            continue
-        text = path.read_text()
+    for module in fortran_reference.modules(root):
+        text = (root / "fortran_bindings" / f"{module}.f90").read_text()
         found = fortran_reference.entities(text)
         for name in fortran_reference.public_names(text):
             if name.lower() in found and not name.endswith(("_holder", "_callback", "_in_c")):
@@ -126,9 +123,8 @@ IN_FORTRAN = {
 def check_functions_in_fortran(root):
     """Every function of C has its counterpart in the modules, with a comment. Structs need no init there."""
     documented = set()
-    for module in fortran_reference.MODULES:
-        path = root / "fortran_bindings" / f"{module}.f90"
-        text = path.read_text() if path.exists() else ""
+    for module in fortran_reference.modules(root):
+        text = (root / "fortran_bindings" / f"{module}.f90").read_text()
         documented |= set(re.findall(r"!>[^\n]*\n  interface ((?:operator|assignment)\([^)]*\))", text))
         found = fortran_reference.entities(text)
         documented |= {name for name, entity in found.items() if entity.comment}
