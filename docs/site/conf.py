@@ -31,6 +31,7 @@ breathe_show_include = False
 breathe_show_define_initializer = True
 primary_domain = None
 highlight_language = "none"
+suppress_warnings = ["misc.highlighting_failure"]  # Fortran in fixed form, programs with ... in them
 c_extra_keywords = []
 cpp_index_common_prefix = ["sfdae::"]
 

@@ -59,7 +59,10 @@ def check_c(root):
     functions, types = Count("functions of C", 80), Count("types of C", 25)
     for name, is_documented in c_functions(text):
         functions.add(name, is_documented)
+    documented = {}  # a type may be declared again where a header needs it
     for name, is_documented in c_types(text):
+        documented[name] = documented.get(name) or is_documented
+    for name, is_documented in documented.items():
         types.add(name, is_documented)
     exported = re.findall(r"(\w+\*?)[_;]*;", (root / "cmake" / "sfdae.map").read_text())
     fortran_77 = Count("routines of Fortran 77", 10)
@@ -117,6 +120,11 @@ IN_FORTRAN = {
     "create_linear": "create", "create_nonlinear": "create", "create_multibody": "create",
     "get_derivative_array_at": "get_derivative_array", "get_projectors_at": "get_projectors",
     "get_strangeness_free_at": "get_strangeness_free", "get_checkpoint_length": "save_checkpoint",
+    "less": "operator(<)", "less_equal": "operator(<=)", "greater": "operator(>)", "greater_equal": "operator(>=)",
+    "and": "operator(.and.)", "or": "operator(.or.)", "not": "operator(.not.)", "external": "external_value",
+    "create_solution": "create", "destroy_solution": "destroy", "record_solution": "record",
+    "evaluate_solution": "evaluate", "get_solution_range": "get_range", "get_solution_length": "save",
+    "save_solution": "save", "load_solution": "load",
 }
 
 
