@@ -251,8 +251,8 @@ typedef struct sfdae_options {
 
   /* SFDAE_OUTPUT_CONSISTENT (default): an output costs a reduction of a linear problem, an iteration with kept factors
    * of others, and more if x' is asked for. _INTERPOLATED: it costs next to nothing; x' is the slope of the polynomial.
-   * Where the polynomial of x is not accurate to within the tolerances, and where there are events, outputs are
-   * consistent all the same. */
+   * Where the polynomial of x is not accurate to within the tolerances, where there are no differential equations
+   * and where there are events, outputs are consistent all the same. */
   int output;
 } sfdae_options;
 /* Sets every member to its default. size: sizeof(sfdae_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */
