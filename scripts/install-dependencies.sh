@@ -13,8 +13,8 @@ python=(python3-dev python3-cffi python3-numpy python3-pytest python3-matplotlib
   python3-wheel python3-tqdm python3-pandas python3-nbconvert python3-ipykernel)
 site=(doxygen python3-sphinx python3-myst-parser python3-breathe furo)
 docs=("${demo[@]}" python3-dev python3-cffi python3-numpy "${site[@]}")
-test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev valgrind python3 ninja-build clang-format-14 "${python[@]}"
-  "${site[@]}" chromium chromium-driver python3-selenium)
+test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev libcli11-dev nlohmann-json3-dev valgrind python3 ninja-build
+  clang clang-format-14 "${python[@]}" "${site[@]}" chromium chromium-driver python3-selenium)
 # For an example of MPI: installed with others that are missing, never alone, as nothing else needs them.
 welcome=(libopenmpi-dev openmpi-bin)
 
@@ -31,7 +31,7 @@ esac
 # A program counts as present wherever it comes from; a library if its package is installed.
 is_present() {
   case "$1" in
-    g++ | cmake | pkg-config | gfortran | valgrind | python3) command -v "$1" > /dev/null ;;
+    g++ | cmake | pkg-config | gfortran | valgrind | python3 | clang) command -v "$1" > /dev/null ;;
     ninja-build) command -v ninja > /dev/null ;;
     clang-format-14) command -v clang-format-14 > /dev/null || command -v clang-format > /dev/null ;;
     gnuplot-nox) command -v gnuplot > /dev/null ;;

@@ -43,7 +43,7 @@
 #include <stddef.h>
 
 #define SFDAE_VERSION_MAJOR 0
-#define SFDAE_VERSION_MINOR 1
+#define SFDAE_VERSION_MINOR 2
 #define SFDAE_VERSION_PATCH 0
 
 #if defined(_WIN32) || !defined(__GNUC__)
@@ -105,7 +105,7 @@ extern "C" {
 /** Name of a status, for example "SFDAE_STEP_TOO_SMALL"; "unknown status" for any other number. */
 SFDAE_API const char* sfdae_status_name(int status);
 
-/** Version of the library that is running, for example "0.1.0". */
+/** Version of the library that is running, for example "0.2.0". */
 SFDAE_API const char* sfdae_version(void);
 
 /* ---- Linear problems ------------------------------------------------------------------------- */
@@ -252,8 +252,8 @@ typedef struct sfdae_options {
 
   /** SFDAE_OUTPUT_CONSISTENT (default): an output costs a reduction of a linear problem, an iteration with kept factors
    * of others, and more if x' is asked for. _INTERPOLATED: it costs next to nothing; x' is the slope of the polynomial.
-   * Where the polynomial of x is not accurate to within the tolerances, and where there are events, outputs are
-   * consistent all the same. */
+   * Where the polynomial of x is not accurate to within the tolerances, where there are no differential equations
+   * and where there are events, outputs are consistent all the same. */
   int output;
 } sfdae_options;
 /** Sets every member to its default. size: sizeof(sfdae_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */
