@@ -6,21 +6,50 @@
 
 #include <sfdae/sfdae.h>
 #include <sfdae/expression.hpp>
+#include <sfdae/results.hpp>
 
 #include <cstddef>
 #include <functional>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace sfdae {
 
-/// Matrix that lives elsewhere; copies of the view show its entries, too.
+namespace detail {
+
+/// Whether 0 <= i < size.
+constexpr bool is_index(int i, int size) noexcept { return static_cast<unsigned>(i) < static_cast<unsigned>(size); }
+
+[[noreturn]] inline void refuse_index(const char* name, int i, int size) {
+  const std::string what(name);
+  throw Error(SFDAE_ILLEGAL_ARGUMENT, what + "[" + std::to_string(i) + "] does not exist: " + what + " has " +
+                                          std::to_string(size) + " entries, counted from 0");
+}
+
+[[noreturn]] inline void refuse_index(const char* name, std::pair<int, int> place, std::pair<int, int> shape) {
+  const std::string what(name);
+  throw Error(SFDAE_ILLEGAL_ARGUMENT, what + "(" + std::to_string(place.first) + ", " + std::to_string(place.second) +
+                                          ") does not exist: " + what + " is " + std::to_string(shape.first) + " x " +
+                                          std::to_string(shape.second) + ", counted from 0");
+}
+
+}  // namespace detail
+
+/// Matrix that lives elsewhere; copies of the view show its entries, too. Entries that it does not have are refused
+/// with an Error that names them, which ends the call that the view was used in.
 template <class T>
 class BasicMatrixRef {
  public:
-  BasicMatrixRef(T* values, int rows, int columns) noexcept : values_(values), rows_(rows), columns_(columns) {}
-  T& operator()(int i, int j) const noexcept { return values_[i + std::ptrdiff_t{j} * rows_]; }
+  /// name: as the Error calls it, a string that outlives the view.
+  BasicMatrixRef(T* values, int rows, int columns, const char* name = "matrix") noexcept
+      : values_(values), rows_(rows), columns_(columns), name_(name) {}
+  T& operator()(int i, int j) const {
+    if (!detail::is_index(i, rows_) || !detail::is_index(j, columns_))
+      detail::refuse_index(name_, {i, j}, {rows_, columns_});
+    return values_[i + std::ptrdiff_t{j} * rows_];
+  }
   int rows() const noexcept { return rows_; }
   int columns() const noexcept { return columns_; }
   T* data() const noexcept { return values_; }
@@ -30,17 +59,23 @@ class BasicMatrixRef {
  private:
   T* values_;
   int rows_, columns_;
+  const char* name_;
 };
 using MatrixRef = BasicMatrixRef<double>;
 using ConstMatrixRef = BasicMatrixRef<const double>;
 using ExpressionMatrix = BasicMatrixRef<Expression>;
 
-/// Vector that lives elsewhere.
+/// Vector that lives elsewhere; entries that it does not have are refused as those of matrices are.
 template <class T>
 class BasicVectorRef {
  public:
-  BasicVectorRef(T* values, int size) noexcept : values_(values), size_(size) {}
-  T& operator[](int i) const noexcept { return values_[i]; }
+  /// name: as the Error calls it, a string that outlives the view.
+  BasicVectorRef(T* values, int size, const char* name = "vector") noexcept
+      : values_(values), size_(size), name_(name) {}
+  T& operator[](int i) const {
+    if (!detail::is_index(i, size_)) detail::refuse_index(name_, i, size_);
+    return values_[i];
+  }
   int size() const noexcept { return size_; }
   T* data() const noexcept { return values_; }
   T* begin() const noexcept { return values_; }
@@ -49,6 +84,7 @@ class BasicVectorRef {
  private:
   T* values_;
   int size_;
+  const char* name_;
 };
 using VectorRef = BasicVectorRef<double>;
 using ConstVectorRef = BasicVectorRef<const double>;

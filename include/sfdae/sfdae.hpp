@@ -497,7 +497,11 @@ class Solver {
                                State& state) {
     char text[1024] = "";
     const int status = check_in_c(&problem, &options, text, sizeof text);
-    state.rethrow();
+    try {
+      state.rethrow();
+    } catch (const Error& error) {  // of views: an entry that does not exist
+      return error.what();
+    }
     return status < 0 && text[0] == '\0' ? sfdae_status_name(status) : text;
   }
 

@@ -73,6 +73,7 @@ class Search {
     const char* const name = name_of(node.operation);
     switch (node.operation) {
       case Operation::divide: return format("division of %.6g by %.6g", value(node.a), value(node.b));
+      case Operation::modulo: return format("modulo of %.6g by %.6g", value(node.a), value(node.b));
       case Operation::power: return format("%s %.6g^%.6g", name, value(node.a), value(node.b));
       case Operation::log_of_base: return format("%s of %.6g with a variable exponent", name, value(node.a));
       case Operation::parameter: return "parameter " + record_.parameters()[index(node.a)].name;
@@ -84,9 +85,11 @@ class Search {
 
   bool is_undefined(const Node& node) const {
     switch (node.operation) {
-      case Operation::divide: return value(node.b) == 0.0;
+      case Operation::divide:
+      case Operation::modulo: return value(node.b) == 0.0;
       case Operation::sqrt:
       case Operation::log:
+      case Operation::log10:
       case Operation::log_of_base:
       case Operation::power: return !series::is_positive(value(node.a));
       case Operation::asin:

@@ -7,10 +7,10 @@
 namespace sfdae::core {
 
 const char* name_of(Operation operation) {
-  constexpr const char* names[] = {"constant", "parameter", "t",        "x",     "x'",    "negate", "add",
-                                   "subtract", "multiply",  "division", "power", "power", "sqrt",   "exp",
-                                   "log",      "sin",       "cos",      "tan",   "asin",  "acos",   "atan",
-                                   "atan2",    "sinh",      "cosh",     "tanh",  "choose"};
+  constexpr const char* names[] = {"constant", "parameter", "t",     "x",      "x'",    "negate", "add",   "subtract",
+                                   "multiply", "division",  "power", "power",  "sqrt",  "exp",    "log",   "log10",
+                                   "sin",      "cos",       "tan",   "asin",   "acos",  "atan",   "atan2", "sinh",
+                                   "cosh",     "tanh",      "floor", "modulo", "choose"};
   static_assert(sizeof names / sizeof *names == static_cast<std::size_t>(Operation::choose) + 1);
   return names[static_cast<std::size_t>(operation)];
 }

@@ -78,10 +78,7 @@ int Recorder::apply(Operation operation, int a, int b, int c) {
     case Operation::multiply: return multiply(a, b);
     case Operation::divide: return divide(a, b);
     case Operation::power: return power(a, b);
-    case Operation::choose:
-      if (b == c) return b;
-      if (const auto condition = number(a)) return *condition > 0.0 ? b : c;
-      return intern({operation, a, b, c});
+    case Operation::choose: return choose(a, b, c);
     default: return intern({operation, a, b, c});
   }
 }
@@ -160,6 +157,17 @@ int Recorder::integer_power(int a, int exponent) {
   const int half = integer_power(a, exponent / 2);
   const int square = apply(Operation::multiply, half, half);
   return exponent % 2 == 0 ? square : apply(Operation::multiply, square, a);
+}
+
+int Recorder::choose(int c, int a, int b) {
+  if (a == b) return a;
+  if (const auto condition = number(c)) return *condition > 0.0 ? a : b;
+  if (is(c, Operation::choose)) {  // between true and false, as comparisons are
+    const auto first = number(node(c).b), second = number(node(c).c);
+    if (first && second && (*first > 0.0) != (*second > 0.0))
+      return *first > 0.0 ? choose(node(c).a, a, b) : choose(node(c).a, b, a);
+  }
+  return intern({Operation::choose, c, a, b});
 }
 
 std::shared_ptr<const Record> Recorder::finish(std::vector<int> residuals) {

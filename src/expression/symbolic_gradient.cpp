@@ -3,6 +3,7 @@
 #include "expression/symbolic_gradient.h"
 
 #include <array>
+#include <cmath>
 
 #include "linalg/index.h"
 
@@ -39,6 +40,7 @@ Adjoints adjoints_of_operands(Recorder& recorder, const Node& f, int v_node, int
     case Operation::power: return {(y * b * a.with(Operation::power, (b - one).node)).node, -1, -1};
     case Operation::log_of_base:
     case Operation::log: return {(y / a).node, -1, -1};
+    case Operation::log10: return {(y / (v.number(std::log(10.0)) * a)).node, -1, -1};
     case Operation::sqrt: return {(y / (v.number(2.0) * v)).node, -1, -1};
     case Operation::exp: return {(y * v).node, -1, -1};
     case Operation::sin: return {(y * a.with(Operation::cos)).node, -1, -1};
@@ -54,6 +56,11 @@ Adjoints adjoints_of_operands(Recorder& recorder, const Node& f, int v_node, int
     case Operation::sinh: return {(y * a.with(Operation::cosh)).node, -1, -1};
     case Operation::cosh: return {(y * a.with(Operation::sinh)).node, -1, -1};
     case Operation::tanh: return {(y * (one - v * v)).node, -1, -1};
+    case Operation::floor: return {-1, -1, -1};
+    case Operation::modulo: {  // v = a - q b with an integer q
+      const Term q = ((a - v) / b + v.number(0.5)).with(Operation::floor);
+      return {y.node, (-(y * q)).node, -1};
+    }
     case Operation::choose: {
       const int zero = v.number(0.0).node;
       return {-1, recorder.apply(Operation::choose, f.a, y.node, zero),

@@ -21,6 +21,7 @@ Code code_of(Operation operation) {
     case Operation::exp: return Code::exp;
     case Operation::log_of_base:
     case Operation::log: return Code::log;
+    case Operation::log10: return Code::log10;
     case Operation::sin:
     case Operation::cos: return Code::sin_cos;
     case Operation::sinh:
@@ -31,6 +32,8 @@ Code code_of(Operation operation) {
     case Operation::acos: return Code::acos;
     case Operation::atan: return Code::atan;
     case Operation::atan2: return Code::atan2;
+    case Operation::floor: return Code::floor;
+    case Operation::modulo: return Code::modulo;
     default: return Code::choose;
   }
 }
@@ -46,10 +49,15 @@ bool has_slope(Code code) {
     case Code::multiply:
     case Code::scale:
     case Code::exp:
+    case Code::floor:
+    case Code::modulo:
     case Code::choose: return false;
     default: return true;
   }
 }
+
+// There are two operands with derivatives that have to be kept, or the second one has.
+bool has_second_slope(Code code) { return code == Code::divide || code == Code::atan2 || code == Code::modulo; }
 
 // Nodes that equations depend on.
 std::vector<bool> live_nodes(const Record& record) {
@@ -113,7 +121,7 @@ class Builder {
     choose_variant(node, instruction);
     instruction.v = tape_.num_slots++;
     if (has_slope(instruction.code)) instruction.p = tape_.num_slots++;
-    if (instruction.code == Code::divide || instruction.code == Code::atan2) instruction.q = tape_.num_slots++;
+    if (has_second_slope(instruction.code)) instruction.q = tape_.num_slots++;
     if (instruction.code == Code::choose && record_.is_active(i)) tape_.has_choices = true;
     tape_.slot_of[index(i)] = instruction.v;
     tape_.p_of[index(i)] = instruction.p;
@@ -186,6 +194,10 @@ class Builder {
       case Operation::atan2:
         add_edge(EdgeCode::multiply, i, node.a, p);
         return add_edge(EdgeCode::multiply, i, node.b, q);
+      case Operation::floor: return;
+      case Operation::modulo:
+        add_edge(EdgeCode::pass, i, node.a, -1);
+        return add_edge(EdgeCode::multiply_negated, i, node.b, q);
       case Operation::choose:
         add_edge(EdgeCode::pass_if_positive, i, node.b, slot(node.a));
         return add_edge(EdgeCode::pass_otherwise, i, node.c, slot(node.a));

@@ -23,6 +23,7 @@ enum class Code : std::uint8_t {
   sqrt,              // p = 1 / (2 v)
   exp,
   log,        // p = 1 / a
+  log10,      // p = 1 / (a log 10)
   sin_cos,    // v = sin a, p = cos a
   sinh_cosh,  // v = sinh a, p = cosh a
   tan,
@@ -31,7 +32,9 @@ enum class Code : std::uint8_t {
   acos,
   atan,   // p: derivative by a
   atan2,  // p, q: derivatives by a, b
-  choose  // v = b if a > 0, else c
+  floor,
+  modulo,  // q = floor(a / b): minus the derivative by b
+  choose   // v = b if a > 0, else c
 };
 
 // Slots of the result, the operands and the derivatives that are needed; -1: none.
