@@ -119,6 +119,48 @@ class Callback {
   std::function<int(Arguments...)> function_;
 };
 
+/// A function of the user's in recorded equations, which writes all partial derivatives of an order, see
+/// sfdae_external_function. It has to stay where it is, and to live as long as the solver:
+///     [](int order, sfdae::ConstVectorRef arguments, sfdae::VectorRef derivatives) { ... }
+/// An exception counts as "stop at once". Called by the expressions of its arguments it is an expression.
+class ExternalFunction {
+ public:
+  using Derivatives = Callback<int, ConstVectorRef, VectorRef>;
+
+  ExternalFunction(std::string name, int num_arguments, Derivatives derivatives)
+      : name_(std::move(name)), num_arguments_(num_arguments), derivatives_(std::move(derivatives)) {}
+  ExternalFunction(const ExternalFunction&) = delete;
+  ExternalFunction& operator=(const ExternalFunction&) = delete;
+
+  /// Throws Error for another number of arguments than it has.
+  template <class... Arguments>
+  Expression operator()(const Arguments&... arguments) const {
+    const sfdae_expression list[] = {Expression(arguments).c()...};
+    if (static_cast<int>(sizeof...(arguments)) != num_arguments_)
+      throw Error(SFDAE_ILLEGAL_ARGUMENT, name_ + " has " + std::to_string(num_arguments_) + " arguments, not " +
+                                              std::to_string(sizeof...(arguments)));
+    void* const self = const_cast<ExternalFunction*>(this);
+    return sfdae_external(name_.c_str(), derivatives_ ? call : nullptr, num_arguments_, list, self);
+  }
+
+ private:
+  static int call(int order, const double* arguments, double* derivatives, void* user) noexcept {
+    const ExternalFunction& self = *static_cast<const ExternalFunction*>(user);
+    int count = 1;
+    for (int i = 0; i < order; ++i) count *= self.num_arguments_;
+    try {
+      return self.derivatives_.call(order, {arguments, self.num_arguments_, "arguments"},
+                                    {derivatives, count, "derivatives"});
+    } catch (...) {
+      return -1;
+    }
+  }
+
+  std::string name_;
+  int num_arguments_;
+  Derivatives derivatives_;
+};
+
 /// Functions of time that write their derivative of the given order into a view filled with zeros, or return
 /// SFDAE_ORDER_NOT_AVAILABLE:
 ///     [](double t, int order, sfdae::MatrixRef E) { ... }

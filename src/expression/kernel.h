@@ -57,6 +57,8 @@ inline void execute(const Instruction& instruction, double* slots, Order K) {
     case Code::atan2: return series::atan2(a, b, v, p, q, K);
     case Code::floor: return series::floor(a, v, K);
     case Code::modulo: return series::modulo(a, b, v, q, K);
+    case Code::copy: return series::copy(a, v, K);
+    case Code::function: return evaluate(*instruction.call, {a, b - a, v, with_slopes ? p : nullptr}, K);
     case Code::choose:
       if (std::isnan(a[0])) return series::poison(v, 0, K);
       return series::copy(series::is_positive(a[0]) ? b : slots + instruction.c, v, K);

@@ -37,7 +37,9 @@ enum class Operation : std::uint8_t {
   tanh,
   floor,
   modulo,  // a - b floor(a / b)
-  choose   // b if a > 0, else c
+  choose,  // b if a > 0, else c
+  // As many operands as its call says; a is the index of the call.
+  function
 };
 
 // As it is called in messages.
@@ -50,6 +52,7 @@ constexpr bool is_differentiated(Operation operation, int k) {
   return operation != Operation::floor && (operation != Operation::choose || k > 0);
 }
 
+// Of functions: 1, see operands_of.
 constexpr int num_operands(Operation operation) {
   switch (operation) {
     case Operation::add:

@@ -9,7 +9,7 @@
 
 namespace sfdae::core {
 
-Dependence dependence_of(const Node& node, const Dependence* operands) {
+Dependence dependence_of(const Node& node, const Operands& operands, const Dependence* dependence) {
   switch (node.operation) {
     case Operation::constant: return 0;
     case Operation::parameter: return on_parameters;
@@ -19,7 +19,7 @@ Dependence dependence_of(const Node& node, const Dependence* operands) {
     default: break;
   }
   Dependence result = 0;
-  for (int k = 0; k < num_operands(node.operation); ++k) result |= operands[node.operand(k)];
+  for (int k = 0; k < operands.size(); ++k) result |= dependence[operands[k]];
   return result;
 }
 
@@ -53,7 +53,8 @@ bool jumps_with_state(const Record& record, const Node& node) {
 
 Record::Record(Parts parts) : parts_(std::move(parts)) {
   dependence_.reserve(parts_.nodes.size());
-  for (const Node& node : parts_.nodes) dependence_.push_back(dependence_of(node, dependence_.data()));
+  for (const Node& node : parts_.nodes)
+    dependence_.push_back(dependence_of(node, {node, parts_.calls}, dependence_.data()));
   entries_.resize(parts_.residuals.size());
   BackwardWalk backward(*this);
   for (int i = 0; i < m(); ++i)
@@ -100,19 +101,20 @@ const std::vector<Adjoint>& BackwardWalk::walk(int equation) {
   };
   visit(record_.residual(equation));
   while (!stack_.empty()) {
-    const Node& node = record_.node(stack_.back());
+    const int node = stack_.back();
     stack_.pop_back();
-    for (int k = 0; k < num_operands(node.operation); ++k)
-      if (is_differentiated(node.operation, k)) visit(node.operand(k));
+    const Operands operands = record_.operands(node);
+    for (int k = 0; k < operands.size(); ++k)
+      if (is_differentiated(record_.node(node).operation, k)) visit(operands[k]);
   }
   // Operands come before the node, so this order is one in which every adjoint is complete when it is reached.
   std::sort(adjoints_.begin(), adjoints_.end(), [](const Adjoint& v, const Adjoint& w) { return v.node > w.node; });
   for (Adjoint& adjoint : adjoints_) {
     adjoint.dependence = dependence_[index(adjoint.node)];
-    const Node& node = record_.node(adjoint.node);
-    for (int k = 0; k < num_operands(node.operation); ++k)
-      if (is_differentiated(node.operation, k))
-        dependence_[index(node.operand(k))] |= adjoint.dependence | dependence_of_partial(record_, adjoint.node, k);
+    const Operands operands = record_.operands(adjoint.node);
+    for (int k = 0; k < operands.size(); ++k)
+      if (is_differentiated(record_.node(adjoint.node).operation, k))
+        dependence_[index(operands[k])] |= adjoint.dependence | dependence_of_partial(record_, adjoint.node, k);
   }
   return adjoints_;
 }

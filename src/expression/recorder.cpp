@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/recorder.h"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -38,7 +39,7 @@ int Recorder::intern(const Node& node) {
   const auto [place, is_new] =
       known_.try_emplace({static_cast<int>(node.operation), node.a, node.b, node.c}, num_nodes());
   if (is_new) {
-    dependence_.push_back(dependence_of(node, dependence_.data()));
+    dependence_.push_back(dependence_of(node, {node, parts_.calls}, dependence_.data()));
     parts_.nodes.push_back(node);
   }
   return place->second;
@@ -157,6 +158,13 @@ int Recorder::integer_power(int a, int exponent) {
   const int half = integer_power(a, exponent / 2);
   const int square = apply(Operation::multiply, half, half);
   return exponent % 2 == 0 ? square : apply(Operation::multiply, square, a);
+}
+
+int Recorder::call(const Call& call) {
+  const auto known = std::find(parts_.calls.begin(), parts_.calls.end(), call);
+  const auto place = known - parts_.calls.begin();
+  if (known == parts_.calls.end()) parts_.calls.push_back(call);
+  return intern({Operation::function, static_cast<int>(place)});
 }
 
 int Recorder::choose(int c, int a, int b) {

@@ -34,6 +34,7 @@ Code code_of(Operation operation) {
     case Operation::atan2: return Code::atan2;
     case Operation::floor: return Code::floor;
     case Operation::modulo: return Code::modulo;
+    case Operation::function: return Code::function;
     default: return Code::choose;
   }
 }
@@ -51,6 +52,7 @@ bool has_slope(Code code) {
     case Code::exp:
     case Code::floor:
     case Code::modulo:
+    case Code::copy:
     case Code::choose: return false;
     default: return true;
   }
@@ -65,8 +67,8 @@ std::vector<bool> live_nodes(const Record& record) {
   for (int i = 0; i < record.m(); ++i) live[index(record.residual(i))] = true;
   for (int i = record.num_nodes() - 1; i >= 0; --i) {
     if (!live[index(i)]) continue;
-    const Node& node = record.node(i);
-    for (int k = 0; k < num_operands(node.operation); ++k) live[index(node.operand(k))] = true;
+    const Operands operands = record.operands(i);
+    for (int k = 0; k < operands.size(); ++k) live[index(operands[k])] = true;
   }
   return live;
 }
@@ -82,6 +84,7 @@ class Builder {
     for (int i = 0; i < record_.num_nodes(); ++i) {
       if (!live[index(i)]) continue;
       if (is_leaf(record_.node(i).operation)) add_leaf(i);
+      else if (record_.node(i).operation == Operation::function) add_function(i);
       else add_instruction(i);
     }
     for (int i = 0; i < record_.m(); ++i) tape_.residuals.push_back(slot(record_.residual(i)));
@@ -130,6 +133,22 @@ class Builder {
       tape_.slot_of[index(i)] = instruction.p;
       tape_.p_of[index(i)] = instruction.v;
     }
+    section(i).push_back(instruction);
+  }
+
+  // Arguments follow each other, and so do the derivatives by them.
+  void add_function(int i) {
+    const Call& call = record_.call(i);
+    const int k = call.function->num_arguments();
+    Instruction instruction{Code::function};
+    instruction.call = &call;
+    instruction.a = k == 1 ? slot(call.arguments[0]) : tape_.num_slots;
+    instruction.b = instruction.a + 1;
+    if (k > 1)
+      for (int argument : call.arguments) section(i).push_back({Code::copy, tape_.num_slots++, slot(argument)});
+    instruction.v = tape_.slot_of[index(i)] = tape_.num_slots++;
+    instruction.p = tape_.p_of[index(i)] = tape_.num_slots;
+    tape_.num_slots += k;
     section(i).push_back(instruction);
   }
 
@@ -195,6 +214,11 @@ class Builder {
         add_edge(EdgeCode::multiply, i, node.a, p);
         return add_edge(EdgeCode::multiply, i, node.b, q);
       case Operation::floor: return;
+      case Operation::function: {
+        const Operands operands = record_.operands(i);
+        for (int k = 0; k < operands.size(); ++k) add_edge(EdgeCode::multiply, i, operands[k], p + k);
+        return;
+      }
       case Operation::modulo:
         add_edge(EdgeCode::pass, i, node.a, -1);
         return add_edge(EdgeCode::multiply_negated, i, node.b, q);

@@ -34,7 +34,9 @@ enum class Code : std::uint8_t {
   atan2,  // p, q: derivatives by a, b
   floor,
   modulo,  // q = floor(a / b): minus the derivative by b
-  choose   // v = b if a > 0, else c
+  copy,
+  function,  // of a, a + 1, ...; p, p + 1, ...: derivatives by these
+  choose     // v = b if a > 0, else c
 };
 
 // Slots of the result, the operands and the derivatives that are needed; -1: none.
@@ -42,6 +44,7 @@ struct Instruction {
   Code code;
   int v = -1, a = -1, b = -1, c = -1;
   int p = -1, q = -1;
+  const Call* call = nullptr;  // of a function; b is then the slot after a
 };
 
 enum class EdgeCode : std::uint8_t {

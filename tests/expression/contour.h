@@ -44,7 +44,8 @@ class ComplexEvaluation {
     std::vector<Complex> values;
     for (int i = 0; i < record_.num_nodes(); ++i) {
       const sfdae::core::Node& node = record_.node(i);
-      const auto operand = [&](int k) { return values[index(node.operand(k))]; };
+      const sfdae::core::Operands operands = record_.operands(i);
+      const auto operand = [&](int k) { return values[index(operands[k])]; };
       values.push_back(value(node, operand, s));
     }
     return values;
@@ -85,7 +86,8 @@ class ComplexEvaluation {
         const double a = center(node.a, operand(0)).real(), b = center(node.b, operand(1)).real();
         return operand(0) - std::floor(a / b) * operand(1);
       }
-      case Operation::choose: break;
+      case Operation::choose:
+      case Operation::function: break;
     }
     return center(node.a, operand(0)).real() > 0.0 ? operand(1) : operand(2);
   }
