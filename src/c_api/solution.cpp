@@ -51,8 +51,9 @@ int quietly(Body body) noexcept {
 
 // The doubles after the header. Throws DamagedArchive.
 Archive checked_content(const double* values, std::size_t length) {
-  if (length < header_size || values[0] != mark || values[1] != layout || !(values[2] >= header_size) ||
-      !(values[2] <= static_cast<double>(length)) || values[2] != std::floor(values[2]))
+  if (length < header_size || values[0] != mark || values[1] != layout || !std::isfinite(values[2]) ||
+      !(values[2] >= header_size) || !(values[2] <= static_cast<double>(length)) ||
+      values[2] != std::floor(values[2]))
     throw DamagedArchive();
   const std::size_t size = static_cast<std::size_t>(values[2]) - header_size;
   if (values[3] != checksum(values + header_size, size)) throw DamagedArchive();

@@ -14,16 +14,31 @@ namespace sfdae::core {
 // Where a table's argument has to be, and the time of that which is the next one so far.
 struct TimeBreakpoints::Search {
   double t, direction;
-  const std::vector<double>* targets = nullptr;
+  const PointFunction* table = nullptr;
   std::optional<double> found;
+  bool is_kink = false;  // t itself is one
 
   bool is_after(double time) const {
     const double slack = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::fabs(t), std::fabs(time));
     return (time - t) * direction > slack;
   }
-  void note(double time) {
-    if (!std::isfinite(time) || !is_after(time)) return;
+  // targets[k] is reached at that time; -1: something else happens.
+  void note(double time, std::ptrdiff_t k = -1) {
+    if (!std::isfinite(time)) return;
+    if (time == t && !is_kink) is_kink = k < 0 || has_kink(static_cast<std::size_t>(k));
+    if (!is_after(time)) return;
     if (!found || (*found - time) * direction > 0.0) found = time;
+  }
+  // The first derivative on both sides differs.
+  bool has_kink(std::size_t k) const {
+    constexpr double few = 1e-9;  // far beyond rounding errors
+    const std::vector<double>& targets = table->breakpoints();
+    if (k == 0 || k + 1 == targets.size()) return true;
+    const double x = targets[k], before = x - 1e-12 * (x - targets[k - 1]);
+    double slopes[2] = {};
+    table->derivatives(1, &before, &slopes[0]);
+    table->derivatives(1, &x, &slopes[1]);
+    return std::fabs(slopes[1] - slopes[0]) > few * (std::fabs(slopes[0]) + std::fabs(slopes[1]));
   }
 };
 
@@ -38,12 +53,21 @@ TimeBreakpoints::TimeBreakpoints(const TaylorEvaluator& evaluator)
 }
 
 std::optional<double> TimeBreakpoints::next(double t, double direction) const {
-  Search found{t, direction, nullptr, std::nullopt};
+  Search found{t, direction, nullptr, std::nullopt, false};
   for (int table : tables_) {
-    found.targets = &record_.call(table).function->breakpoints();
+    found.table = record_.call(table).function.get();
     search(record_.call(table).arguments.front(), {0.0, 1.0}, found);
   }
   return found.found;
+}
+
+bool TimeBreakpoints::is_kink(double t) const {
+  Search found{t, 1.0, nullptr, std::nullopt, false};
+  for (int table : tables_) {
+    found.table = record_.call(table).function.get();
+    search(record_.call(table).arguments.front(), {0.0, 1.0}, found);
+  }
+  return found.is_kink;
 }
 
 // The value of a node that depends on parameters alone.
@@ -100,7 +124,7 @@ void TimeBreakpoints::search(int i, const Line& outer, Search& search_for) const
   if (const auto line = line_of(i)) {
     const double slope = outer.slope * line->slope, offset = outer.offset + outer.slope * line->offset;
     if (slope == 0.0) return;
-    const std::vector<double>& targets = *search_for.targets;
+    const std::vector<double>& targets = search_for.table->breakpoints();
     const bool rises = slope * search_for.direction > 0.0;
     const double now = offset + slope * search_for.t;
     // One of the two beside the argument may be at t but for rounding errors.
@@ -108,7 +132,7 @@ void TimeBreakpoints::search(int i, const Line& outer, Search& search_for) const
     const auto last = static_cast<std::ptrdiff_t>(targets.size()) - 1;
     const auto first = std::clamp<std::ptrdiff_t>(place - (rises ? 1 : 3), 0, last);
     for (auto k = first; k <= std::min(last, first + 3); ++k)
-      search_for.note((targets[static_cast<std::size_t>(k)] - offset) / slope);
+      search_for.note((targets[static_cast<std::size_t>(k)] - offset) / slope, k);
     return;
   }
   switch (node.operation) {
@@ -146,13 +170,15 @@ void TimeBreakpoints::search_period(const Node& node, const Line& outer, Search&
   const auto period = number_of(node.b);
   if (!line || !period || *period == 0.0 || line->slope == 0.0 || outer.slope == 0.0) return;
   const double b = *period, k = std::floor(line->at(search_for.t) / b);
-  const auto note = [&](double remainder) {
-    for (int turn = -1; turn <= 2; ++turn) search_for.note(((k + turn) * b + remainder - line->offset) / line->slope);
+  const auto note = [&](double remainder, std::ptrdiff_t place) {
+    for (int turn = -1; turn <= 2; ++turn)
+      search_for.note(((k + turn) * b + remainder - line->offset) / line->slope, place);
   };
-  note(0.0);
-  for (double target : *search_for.targets) {
-    const double remainder = (target - outer.offset) / outer.slope;
-    if (remainder / b >= 0.0 && remainder / b < 1.0) note(remainder);
+  note(0.0, -1);
+  const std::vector<double>& targets = search_for.table->breakpoints();
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const double remainder = (targets[i] - outer.offset) / outer.slope;
+    if (remainder / b >= 0.0 && remainder / b < 1.0) note(remainder, static_cast<std::ptrdiff_t>(i));
   }
 }
 

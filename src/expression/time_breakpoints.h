@@ -18,6 +18,9 @@ class TimeBreakpoints {
 
   // The next one after t in a direction, +1 or -1, farther away than rounding errors of t.
   std::optional<double> next(double t, double direction) const;
+  // Whether t is one of those, to the last bit, and first derivatives may jump there: of tables of degree 1, where a
+  // condition changes, and where a period ends.
+  bool is_kink(double t) const;
 
  private:
   // Of t.

@@ -167,6 +167,7 @@ CallResult Integration::run(double tout, bool one_step) {
     if (auto stopped = obstacle(attempts, tout)) return std::move(*stopped);
     if (integrator_.method == Method::radau && integrator_.system.differential() > 0 && choice_.prefers_bdf())
       restart(Method::bdf);
+    else if (is_at_kink()) restart(integrator_.method);
     const long steps = counts_.own.steps;
     const auto result = attempt_step(tout);
     const bool is_step_taken = counts_.own.steps > steps;
@@ -176,6 +177,13 @@ CallResult Integration::run(double tout, bool one_step) {
     if (one_step && is_step_taken && !integrator_.has_passed(tout)) return {SFDAE_STEP_TAKEN, ""};
   }
   return {};
+}
+
+// The polynomials of the steps before say nothing about those after, and the error test may not notice that
+// (docs/decisions/41-tables-and-solutions.md).
+bool Integration::is_at_kink() const {
+  const StepState state = integrator_.stepper->state();
+  return options_.breakpoints != nullptr && state.last.h != 0.0 && options_.breakpoints->is_kink(state.t);
 }
 
 std::optional<CallResult> Integration::obstacle(long attempts, double tout) const {

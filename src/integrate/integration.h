@@ -70,6 +70,8 @@ class Integration {
   };
 
   CallResult run(double tout, bool one_step);
+  // An input has a kink at the last point, up to which there are steps.
+  bool is_at_kink() const;
   // What keeps the next step from being tried.
   std::optional<CallResult> obstacle(long attempts, double tout) const;
   std::optional<CallResult> attempt_step(double tout);
