@@ -15,7 +15,7 @@
 !    components.
 !  - These are the functions on expressions of the C API; the module `sfdae` passes all of them on.
 module sfdae_expressions
-  use, intrinsic :: iso_c_binding, only: c_double, c_funptr, c_int, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_double, c_funloc, c_int, c_ptr
   use sfdae_c, only: c_abs, c_acos, c_add, c_and, c_asin, c_atan, c_atan2, c_choose, c_cos, c_cosh, &
     c_derivative, c_divide, c_exp, c_external, c_floor, c_greater, c_greater_equal, c_less, &
     c_less_equal, c_log, c_log10, c_max, c_min, c_modulo, c_multiply, c_negate, c_not, c_number, &
@@ -919,11 +919,20 @@ contains
 
   !> The value of a function of the program's, which writes its partial derivatives, at expressions;
   !> sfdae_external in C explains it.
-  function external_value(name, function, arguments, user) result(v)
+  function external_value(name, f, arguments, user) result(v)
     !> For messages.
     character(len=*), intent(in) :: name
-    !> c_funloc of a procedure with the interface of sfdae_external_function in C, and bind(c).
-    type(c_funptr), intent(in) :: function
+    interface
+      !> Writes all partial derivatives of an order: addresses of k and of k**order numbers.
+      function f(order, arguments, derivatives, user) bind(c) result(status)
+        import :: c_int, c_ptr
+        integer(c_int), value :: order
+        type(c_ptr), value :: arguments
+        type(c_ptr), value :: derivatives
+        type(c_ptr), value :: user
+        integer(c_int) :: status
+      end function f
+    end interface
     type(expression), intent(in) :: arguments(:)
     !> Handed to the function.
     type(c_ptr), intent(in) :: user
@@ -932,7 +941,7 @@ contains
 
     allocate (list(max(1, size(arguments))))
     list(1:size(arguments)) = arguments
-    v = c_external(text_in_c(name), function, int(size(arguments), c_int), list, user)
+    v = c_external(text_in_c(name), c_funloc(f), int(size(arguments), c_int), list, user)
   end function external_value
 
 end module sfdae_expressions

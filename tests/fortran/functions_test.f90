@@ -3,7 +3,7 @@
 ! Comparisons, jumps, derivatives, tables and functions of the program's in recorded equations; the
 ! solution over a whole run.
 module functions_problem
-  use, intrinsic :: iso_c_binding, only: c_f_pointer, c_funloc, c_int, c_null_ptr, c_ptr, dp => c_double
+  use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_null_ptr, c_ptr, dp => c_double
   use sfdae
   implicit none
 
@@ -30,7 +30,7 @@ contains
     residual(4) = residual(4) + 1
     residual(5) = g
     residual(6) = x(6) - table(t, 3, [0.0_dp, 1.0_dp, 2.0_dp, 3.0_dp], [0.0_dp, 1.0_dp, 8.0_dp, 27.0_dp])
-    residual(7) = x(7) - external_value("square", c_funloc(square), [t], c_null_ptr) &
+    residual(7) = x(7) - external_value("square", square, [t], c_null_ptr) &
       - time_derivative(t * t) + choose(t < 9.0_dp .and. .not. (t > 8), sign(t + 1), 0.0_dp)
   end subroutine write_equations
 
