@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "expression/kernel.h"
 #include "linalg/index.h"
@@ -14,10 +15,14 @@ namespace sfdae::core {
 // Where a table's argument has to be, and the time of that which is the next one so far.
 struct TimeBreakpoints::Search {
   double t, direction;
-  const PointFunction* table = nullptr;
+  const PointFunction* table = nullptr;  // null: the zero of a condition
   std::optional<double> found;
   bool is_kink = false;  // t itself is one
 
+  const std::vector<double>& targets() const {
+    static const std::vector<double> zero = {0.0};
+    return table != nullptr ? table->breakpoints() : zero;
+  }
   bool is_after(double time) const {
     const double slack = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::fabs(t), std::fabs(time));
     return (time - t) * direction > slack;
@@ -32,9 +37,9 @@ struct TimeBreakpoints::Search {
   // The first derivative on both sides differs.
   bool has_kink(std::size_t k) const {
     constexpr double few = 1e-9;  // far beyond rounding errors
-    const std::vector<double>& targets = table->breakpoints();
-    if (k == 0 || k + 1 == targets.size()) return true;
-    const double x = targets[k], before = x - 1e-12 * (x - targets[k - 1]);
+    const std::vector<double>& all = targets();
+    if (table == nullptr || k == 0 || k + 1 == all.size()) return true;
+    const double x = all[k], before = x - 1e-12 * (x - all[k - 1]);
     double slopes[2] = {};
     table->derivatives(1, &before, &slopes[0]);
     table->derivatives(1, &x, &slopes[1]);
@@ -124,7 +129,7 @@ void TimeBreakpoints::search(int i, const Line& outer, Search& search_for) const
   if (const auto line = line_of(i)) {
     const double slope = outer.slope * line->slope, offset = outer.offset + outer.slope * line->offset;
     if (slope == 0.0) return;
-    const std::vector<double>& targets = search_for.table->breakpoints();
+    const std::vector<double>& targets = search_for.targets();
     const bool rises = slope * search_for.direction > 0.0;
     const double now = offset + slope * search_for.t;
     // One of the two beside the argument may be at t but for rounding errors.
@@ -155,11 +160,14 @@ void TimeBreakpoints::search(int i, const Line& outer, Search& search_for) const
         search(node.a, {outer.offset, outer.slope / *b}, search_for);
       return;
     case Operation::modulo: return search_period(node, outer, search_for);
-    case Operation::choose:
-      if (const auto condition = line_of(node.a); condition && condition->slope != 0.0)
-        search_for.note(-condition->offset / condition->slope);
+    case Operation::choose: {
       search(node.b, outer, search_for);
-      return search(node.c, outer, search_for);
+      search(node.c, outer, search_for);
+      const PointFunction* const table = std::exchange(search_for.table, nullptr);
+      search(node.a, {0.0, 1.0}, search_for);
+      search_for.table = table;
+      return;
+    }
     default: return;
   }
 }
@@ -175,7 +183,7 @@ void TimeBreakpoints::search_period(const Node& node, const Line& outer, Search&
       search_for.note(((k + turn) * b + remainder - line->offset) / line->slope, place);
   };
   note(0.0, -1);
-  const std::vector<double>& targets = search_for.table->breakpoints();
+  const std::vector<double>& targets = search_for.targets();
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const double remainder = (targets[i] - outer.offset) / outer.slope;
     if (remainder / b >= 0.0 && remainder / b < 1.0) note(remainder, static_cast<std::ptrdiff_t>(i));
