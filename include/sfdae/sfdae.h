@@ -44,7 +44,7 @@
 #include <stddef.h>
 
 #define SFDAE_VERSION_MAJOR 0
-#define SFDAE_VERSION_MINOR 1
+#define SFDAE_VERSION_MINOR 2
 #define SFDAE_VERSION_PATCH 0
 
 #if defined(_WIN32) || !defined(__GNUC__)
@@ -106,7 +106,7 @@ extern "C" {
 /** Name of a status, for example "SFDAE_STEP_TOO_SMALL"; "unknown status" for any other number. */
 SFDAE_API const char* sfdae_status_name(int status);
 
-/** Version of the library that is running, for example "0.1.0". */
+/** Version of the library that is running, for example "0.2.0". */
 SFDAE_API const char* sfdae_version(void);
 
 /* ---- Linear problems ------------------------------------------------------------------------- */
