@@ -15,7 +15,8 @@
  *
  * Here are the life cycle, options, linear problems, integration and inspection. This header includes all others:
  * sfdae/events.h, sfdae/expression.h for equations written as formulas and nonlinear problems, sfdae/multibody.h
- * for mechanical systems, sfdae/ensemble.h for many instances of a problem.
+ * for mechanical systems, sfdae/ensemble.h for many instances of a problem, sfdae/solution.h for the solution over a whole
+ * run.
  *
  * Conventions
  *  - Matrices are column-major without padding: entry (i, j) of an m x n matrix is a[i + j * m]. Indices count from
@@ -633,5 +634,6 @@ SFDAE_API int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_or
 #include <sfdae/events.h>
 #include <sfdae/expression.h>
 #include <sfdae/multibody.h>
+#include <sfdae/solution.h>
 
 #endif
