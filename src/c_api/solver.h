@@ -27,6 +27,7 @@ struct SolverOptions {
   ModelOptions model;
   IntegrationOptions integration;
   bool xdot_is_guess;
+  bool checks_derivatives;
 };
 
 }  // namespace sfdae::core

@@ -1,0 +1,217 @@
+// A function and what is supplied as its derivative, compared along a line through a point.
+//
+// The numbers here: docs/decisions/42-wrong-derivatives.md.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/supplied_line.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "linalg/index.h"
+#include "linalg/matrix.h"
+#include "linalg/rank.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Rounding errors of values, and of arguments such as omega t, in units of the last place.
+constexpr double roundings = 16.0;
+// Larger values are left out: their differences may overflow. So are lines that are too short for the smallest scale.
+constexpr double largest_value = 1e150, shortest_reach = 1e-100;
+
+// Parts of the reach, no simple fractions of it, which may be that of a period.
+constexpr std::array<double, 3> quick_scales{1.1e-3, 3.7e-6, 1.3e-8};
+// A derivative is seen where it changes by less than this between the points, relative to its size.
+constexpr double visible = 0.02;
+
+// Offsets are wider than so many roundings of the origin.
+constexpr double least_ulps = 1e4;
+
+constexpr double widest_scale = 0.053, scale_ratio = 7.3;
+constexpr int scales = 15;  // down to 4e-14 of the reach
+constexpr std::array<double, 6> positions{0.0, 0.11, 0.29, 0.53, 0.78, 1.0};
+// A contradiction exceeds its uncertainty by this factor; what acquits is more certain than the contradiction by these.
+constexpr double beyond_doubt = 10.0, acquitting_gap = 0.5, acquitting_bound = 0.25;
+// Contradictions on different scales are the same one within this part of it.
+constexpr double same = 0.2;
+// Of the largest derivative nearby: errors of a derivative that passes through zero.
+constexpr double negligible = 1e-4;
+
+bool usable(const std::vector<double>& values) {
+  return all_finite(values.data(), values.size()) &&
+         max_abs(values.data(), static_cast<int>(values.size())) < largest_value;
+}
+
+// The offset that the function sees, 0 if it is lost in rounding.
+double seen_offset(const SuppliedLine& line, double offset) { return (line.origin + offset) - line.origin; }
+
+bool evaluate(const SuppliedLine& line, double offset, std::vector<double>& values) {
+  const CallbackError error = line.evaluate(offset, values.data());
+  if (error.status == SFDAE_CALLBACK_STOPPED || error.status == SFDAE_STOPPED) error.raise();
+  return error.status == SFDAE_OK && usable(values);
+}
+
+enum class Evidence { confirms, unseen, against };
+
+// Of one entry, from the ends of an interval h: function and derivative there.
+struct Ends {
+  double F0, Fh, S0, Sh;
+};
+
+Evidence judge(const Ends& at, double h, const SuppliedLine& line) {
+  const double change = at.Fh - at.F0, first = at.S0 * h, last = at.Sh * h;
+  if (change == 0.0 && first == 0.0 && last == 0.0) return Evidence::confirms;
+  const double low = std::min(first, last), high = std::max(first, last), spread = high - low;
+  const double value = std::max(std::fabs(at.F0), std::fabs(at.Fh));
+  const double slope = std::max(std::fabs(at.S0), std::fabs(at.Sh));
+  const double noise = roundings * unit_roundoff * (value + std::fabs(line.origin) * slope);
+  if (std::max(low - change, change - high) > spread + noise) return Evidence::against;
+  const double size = std::max({std::fabs(change), slope * std::fabs(h), value * std::fabs(h / line.reach)});
+  return spread <= visible * size || spread <= noise ? Evidence::confirms : Evidence::unseen;
+}
+
+// What the points of one scale say about one entry; slopes, and their uncertainty.
+struct Finding {
+  double h, quotient, supplied, bound;
+  double gap() const { return std::fabs(quotient - supplied); }
+};
+
+// The line of least squares through the points, relative to the first one.
+Finding fit(const std::array<double, positions.size()>& F, const std::array<double, positions.size()>& S, double h,
+            const SuppliedLine& line) {
+  constexpr double count = static_cast<double>(positions.size());
+  double mean_p = 0.0, mean_F = 0.0, mean_S = 0.0, size_F = 0.0, size_S = 0.0;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    mean_p += positions[i] / count;
+    mean_F += (F[i] - F[0]) / count;
+    mean_S += S[i] / count;
+    size_F = std::max(size_F, std::fabs(F[i]));
+    size_S = std::max(size_S, std::fabs(S[i]));
+  }
+  double product = 0.0, square = 0.0;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    product += (positions[i] - mean_p) * (F[i] - F[0]);
+    square += (positions[i] - mean_p) * (positions[i] - mean_p);
+  }
+  const double change = product / square;
+  double residual = 0.0, spread = 0.0;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    residual = std::max(residual, std::fabs(F[i] - F[0] - mean_F - change * (positions[i] - mean_p)));
+    spread = std::max(spread, std::fabs(S[i] - mean_S));
+  }
+  const double noise = roundings * unit_roundoff * (size_F + std::fabs(line.origin) * size_S);
+  return {h, change / h, mean_S, 2.0 * spread + (2.0 * residual + noise) / std::fabs(h)};
+}
+
+// What all scales say about one entry.
+struct Record {
+  std::vector<Finding> findings;
+  double largest_slope = 0.0;
+};
+
+bool contradicts(const Finding& f, const Record& record, double least_gap) {
+  return f.gap() > beyond_doubt * f.bound && f.gap() > negligible * record.largest_slope &&
+         f.gap() > least_gap * std::max(std::fabs(f.quotient), std::fabs(f.supplied));
+}
+
+bool is_the_same(const Finding& a, const Finding& b) {
+  const double gap = std::min(a.gap(), b.gap());
+  return std::fabs(a.quotient - b.quotient) <= same * gap && std::fabs(a.supplied - b.supplied) <= same * gap;
+}
+
+// The contradiction on the smallest scale that a much larger one repeats; null if there is none, or doubt.
+const Finding* verdict(const Record& record, double least_gap) {
+  constexpr double apart = 0.9 * scale_ratio * scale_ratio;
+  const Finding* found = nullptr;
+  double gap = 0.0;
+  for (const Finding& small : record.findings) {
+    if (!contradicts(small, record, least_gap)) continue;
+    if (gap == 0.0 || small.gap() < gap) gap = small.gap();
+    for (const Finding& large : record.findings)
+      if (contradicts(large, record, least_gap) && std::fabs(large.h) >= apart * std::fabs(small.h) &&
+          is_the_same(small, large))
+        found = &small;
+  }
+  for (const Finding& f : record.findings)
+    if (f.gap() <= acquitting_gap * gap && f.bound <= acquitting_bound * gap) return nullptr;
+  return found;
+}
+
+// The samples of one scale, added to the records of the entries; nothing where a point cannot be evaluated.
+void add_scale(const SuppliedLine& line, double offset, const std::vector<int>& entries,
+               std::vector<Record>& records) {
+  constexpr std::size_t points = positions.size();
+  std::vector<double> values(line.base);
+  std::vector<std::array<double, points>> F(entries.size()), S(entries.size());
+  for (std::size_t i = 0; i < points; ++i) {
+    if (i > 0 && !evaluate(line, seen_offset(line, positions[i] * offset), values)) return;
+    for (std::size_t e = 0; e < entries.size(); ++e) {
+      F[e][i] = values[index(entries[e])];
+      S[e][i] = values[index(entries[e] + line.shift)];
+    }
+  }
+  for (std::size_t e = 0; e < entries.size(); ++e) {
+    records[e].findings.push_back(fit(F[e], S[e], offset, line));
+    for (const double slope : S[e]) records[e].largest_slope = std::max(records[e].largest_slope, std::fabs(slope));
+  }
+}
+
+bool is_usable(const SuppliedLine& line) {
+  return std::fabs(line.reach) > shortest_reach && std::fabs(line.reach) < largest_value && usable(line.base);
+}
+
+}  // namespace
+
+std::vector<int> unconfirmed_entries(const SuppliedLine& line) {
+  std::vector<int> pending, suspects;
+  if (!is_usable(line)) return suspects;
+  std::vector<char> is_suspect(index(line.count), 0);
+  for (int e = 0; e < line.count; ++e) pending.push_back(e);
+  std::vector<double> values(line.base.size());
+  for (const double scale : quick_scales) {
+    const double h = seen_offset(line, scale * line.reach);
+    if (pending.empty() || h == 0.0) break;
+    if (!evaluate(line, h, values)) continue;
+    std::vector<int> left;
+    for (const int e : pending) {
+      const std::size_t F = index(e), S = index(e + line.shift);
+      const Evidence evidence = judge({line.base[F], values[F], line.base[S], values[S]}, h, line);
+      if (evidence == Evidence::confirms) continue;
+      left.push_back(e);
+      if (evidence == Evidence::against) is_suspect[F] = 1;
+    }
+    pending = std::move(left);
+  }
+  for (const int e : pending)
+    if (is_suspect[index(e)] != 0) suspects.push_back(e);
+  return suspects;
+}
+
+std::vector<LineContradiction> contradictions(const SuppliedLine& line, const std::vector<int>& entries,
+                                              double least_gap) {
+  std::vector<LineContradiction> result;
+  if (entries.empty() || !is_usable(line)) return result;
+  std::vector<Record> records(entries.size());
+  double offset = widest_scale * line.reach;
+  for (int attempt = 0; attempt < scales; ++attempt, offset /= scale_ratio)
+    if (std::fabs(offset) > least_ulps * unit_roundoff * std::fabs(line.origin))
+      add_scale(line, offset, entries, records);
+  for (std::size_t e = 0; e < entries.size(); ++e)
+    if (const Finding* found = verdict(records[e], least_gap))
+      result.push_back({entries[e], line.base[index(entries[e] + line.shift)], found->quotient,
+                        found->gap() / std::max(found->bound, 1e-300), found->bound});
+  return result;
+}
+
+void raise_wrong_derivative(const DerivativeMismatch& wrong, double t) {
+  throw Failure(SFDAE_WRONG_DERIVATIVES,
+                format("%s contradicts differences in row %d, column %d at t = %.15g: %.10g supplied, %.10g by "
+                       "differences. Is it the derivative of the order asked for? The functions sfdae_check_..."
+                       "derivatives look closer; the option check_derivatives = 0 goes on as it is.",
+                       name_of(wrong).c_str(), wrong.row, wrong.column, t, wrong.supplied, wrong.difference));
+}
+
+}  // namespace sfdae::core
