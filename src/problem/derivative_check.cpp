@@ -69,7 +69,7 @@ class OrdersOfFunction {
   CallbackError evaluate(double t, double* values) {
     for (int k = 0; k <= highest_; ++k) {
       const CallbackError error = problem_.call(which_, t, k, values + index(count_) * index(k));
-      if (error.status != SFDAE_OK) return error;
+      if (error.status != SFDAE_OK && error.status != SFDAE_NOT_FINITE) return error;
     }
     return {};
   }

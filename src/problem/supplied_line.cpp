@@ -28,11 +28,12 @@ constexpr std::array<double, 3> quick_scales{1.1e-3, 3.7e-6, 1.3e-8};
 constexpr double visible = 0.02;
 
 // Offsets are wider than so many roundings of the origin.
-constexpr double least_ulps = 1e4;
+constexpr double least_ulps = 100.0;
 
 constexpr double widest_scale = 0.053, scale_ratio = 7.3;
 constexpr int scales = 15;  // down to 4e-14 of the reach
-constexpr std::array<double, 6> positions{0.0, 0.11, 0.29, 0.53, 0.78, 1.0};
+// Without the point itself, where functions may jump.
+constexpr std::array<double, 6> positions{0.08, 0.21, 0.39, 0.62, 0.81, 1.0};
 // A contradiction exceeds its uncertainty by this factor; what acquits is more certain than the contradiction by these.
 constexpr double beyond_doubt = 10.0, acquitting_gap = 0.5, acquitting_bound = 0.25;
 // Contradictions on different scales are the same one within this part of it.
@@ -40,9 +41,10 @@ constexpr double same = 0.2;
 // Of the largest derivative nearby: errors of a derivative that passes through zero.
 constexpr double negligible = 1e-4;
 
-bool usable(const std::vector<double>& values) {
-  return all_finite(values.data(), values.size()) &&
-         max_abs(values.data(), static_cast<int>(values.size())) < largest_value;
+bool usable(double value) { return all_finite(&value, 1) && std::fabs(value) < largest_value; }
+
+bool usable(const SuppliedLine& line, const std::vector<double>& values, int entry) {
+  return usable(values[index(entry)]) && usable(values[index(entry + line.shift)]);
 }
 
 // The offset that the function sees, 0 if it is lost in rounding.
@@ -51,7 +53,7 @@ double seen_offset(const SuppliedLine& line, double offset) { return (line.origi
 bool evaluate(const SuppliedLine& line, double offset, std::vector<double>& values) {
   const CallbackError error = line.evaluate(offset, values.data());
   if (error.status == SFDAE_CALLBACK_STOPPED || error.status == SFDAE_STOPPED) error.raise();
-  return error.status == SFDAE_OK && usable(values);
+  return error.status == SFDAE_OK;
 }
 
 enum class Evidence { confirms, unseen, against };
@@ -75,13 +77,18 @@ Evidence judge(const Ends& at, double h, const SuppliedLine& line) {
 
 // What the points of one scale say about one entry; slopes, and their uncertainty.
 struct Finding {
-  double h, quotient, supplied, bound;
+  double h, quotient, supplied;
+  double own_bound, bound;  // from this scale alone, and with what larger ones have shown
+  double residual;          // of the function, absolute
   double gap() const { return std::fabs(quotient - supplied); }
 };
 
 // The line of least squares through the points, relative to the first one.
-Finding fit(const std::array<double, positions.size()>& F, const std::array<double, positions.size()>& S, double h,
-            const SuppliedLine& line) {
+using Samples = std::array<double, positions.size()>;
+
+// coarse: the residual on larger scales. What is rounded coarsely, to single precision for example, is constant on small
+// scales, and shows its steps on larger ones only.
+Finding fit(const Samples& F, const Samples& S, double h, double coarse, const SuppliedLine& line) {
   constexpr double count = static_cast<double>(positions.size());
   double mean_p = 0.0, mean_F = 0.0, mean_S = 0.0, size_F = 0.0, size_S = 0.0;
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -103,13 +110,15 @@ Finding fit(const std::array<double, positions.size()>& F, const std::array<doub
     spread = std::max(spread, std::fabs(S[i] - mean_S));
   }
   const double noise = roundings * unit_roundoff * (size_F + std::fabs(line.origin) * size_S);
-  return {h, change / h, mean_S, 2.0 * spread + (2.0 * residual + noise) / std::fabs(h)};
+  const double own = 2.0 * spread + (2.0 * residual + noise) / std::fabs(h);
+  return {h, change / h, mean_S, own, own + 2.0 * std::max(coarse - residual, 0.0) / std::fabs(h), residual};
 }
 
 // What all scales say about one entry.
 struct Record {
   std::vector<Finding> findings;
   double largest_slope = 0.0;
+  double residual = 0.0;  // of the last scale that had one
 };
 
 bool contradicts(const Finding& f, const Record& record, double least_gap) {
@@ -120,6 +129,14 @@ bool contradicts(const Finding& f, const Record& record, double least_gap) {
 bool is_the_same(const Finding& a, const Finding& b) {
   const double gap = std::min(a.gap(), b.gap());
   return std::fabs(a.quotient - b.quotient) <= same * gap && std::fabs(a.supplied - b.supplied) <= same * gap;
+}
+
+// Function and derivative agree, to much less than a gap. On larger scales than those of the gap both may have vanished:
+// only what is of its size counts there.
+bool agrees(const Finding& f, double gap, double scale_of_gap) {
+  if (f.gap() > acquitting_gap * gap || f.own_bound > acquitting_bound * gap) return false;
+  const double size = std::max(std::fabs(f.quotient), std::fabs(f.supplied));
+  return std::fabs(f.h) < scale_of_gap || size >= acquitting_gap * gap;
 }
 
 // The contradiction on the smallest scale that a much larger one repeats; null if there is none, or doubt.
@@ -135,32 +152,37 @@ const Finding* verdict(const Record& record, double least_gap) {
           is_the_same(small, large))
         found = &small;
   }
+  if (found == nullptr) return nullptr;
   for (const Finding& f : record.findings)
-    if (f.gap() <= acquitting_gap * gap && f.bound <= acquitting_bound * gap) return nullptr;
+    if (agrees(f, gap, std::fabs(found->h))) return nullptr;
   return found;
 }
 
 // The samples of one scale, added to the records of the entries; nothing where a point cannot be evaluated.
 void add_scale(const SuppliedLine& line, double offset, const std::vector<int>& entries,
                std::vector<Record>& records) {
-  constexpr std::size_t points = positions.size();
-  std::vector<double> values(line.base);
-  std::vector<std::array<double, points>> F(entries.size()), S(entries.size());
-  for (std::size_t i = 0; i < points; ++i) {
-    if (i > 0 && !evaluate(line, seen_offset(line, positions[i] * offset), values)) return;
+  std::vector<double> values(line.base.size());
+  std::vector<Samples> F(entries.size()), S(entries.size());
+  std::vector<char> is_usable(entries.size(), 1);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (!evaluate(line, seen_offset(line, positions[i] * offset), values)) return;
     for (std::size_t e = 0; e < entries.size(); ++e) {
+      if (!usable(line, values, entries[e])) is_usable[e] = 0;
       F[e][i] = values[index(entries[e])];
       S[e][i] = values[index(entries[e] + line.shift)];
     }
   }
   for (std::size_t e = 0; e < entries.size(); ++e) {
-    records[e].findings.push_back(fit(F[e], S[e], offset, line));
-    for (const double slope : S[e]) records[e].largest_slope = std::max(records[e].largest_slope, std::fabs(slope));
+    if (is_usable[e] == 0) continue;
+    Record& record = records[e];
+    record.findings.push_back(fit(F[e], S[e], offset, record.residual, line));
+    if (record.findings.back().residual > 0.0) record.residual = record.findings.back().residual;
+    for (const double slope : S[e]) record.largest_slope = std::max(record.largest_slope, std::fabs(slope));
   }
 }
 
 bool is_usable(const SuppliedLine& line) {
-  return std::fabs(line.reach) > shortest_reach && std::fabs(line.reach) < largest_value && usable(line.base);
+  return std::fabs(line.reach) > shortest_reach && std::fabs(line.reach) < largest_value;
 }
 
 }  // namespace
@@ -169,7 +191,8 @@ std::vector<int> unconfirmed_entries(const SuppliedLine& line) {
   std::vector<int> pending, suspects;
   if (!is_usable(line)) return suspects;
   std::vector<char> is_suspect(index(line.count), 0);
-  for (int e = 0; e < line.count; ++e) pending.push_back(e);
+  for (int e = 0; e < line.count; ++e)
+    if (usable(line, line.base, e)) pending.push_back(e);
   std::vector<double> values(line.base.size());
   for (const double scale : quick_scales) {
     const double h = seen_offset(line, scale * line.reach);
@@ -177,10 +200,11 @@ std::vector<int> unconfirmed_entries(const SuppliedLine& line) {
     if (!evaluate(line, h, values)) continue;
     std::vector<int> left;
     for (const int e : pending) {
+      left.push_back(e);
+      if (!usable(line, values, e)) continue;
       const std::size_t F = index(e), S = index(e + line.shift);
       const Evidence evidence = judge({line.base[F], values[F], line.base[S], values[S]}, h, line);
-      if (evidence == Evidence::confirms) continue;
-      left.push_back(e);
+      if (evidence == Evidence::confirms) left.pop_back();
       if (evidence == Evidence::against) is_suspect[F] = 1;
     }
     pending = std::move(left);
@@ -201,8 +225,8 @@ std::vector<LineContradiction> contradictions(const SuppliedLine& line, const st
       add_scale(line, offset, entries, records);
   for (std::size_t e = 0; e < entries.size(); ++e)
     if (const Finding* found = verdict(records[e], least_gap))
-      result.push_back({entries[e], line.base[index(entries[e] + line.shift)], found->quotient,
-                        found->gap() / std::max(found->bound, 1e-300), found->bound});
+      result.push_back({entries[e], found->supplied, found->quotient, found->gap() / std::max(found->bound, 1e-300),
+                        found->bound});
   return result;
 }
 

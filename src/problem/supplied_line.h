@@ -19,7 +19,7 @@ struct SuppliedLine {
   int shift;      // values[e + shift] is supplied as the derivative of values[e]
   double origin;  // of the parameter, t for example: its rounding counts
   double reach;   // offset of the farthest point of interest, negative: backward
-  // Writes all values at an offset from the origin.
+  // Writes all values at an offset from the origin. Those that are not finite count for no entry.
   std::function<CallbackError(double offset, double* values)> evaluate;
   std::vector<double> base;  // at offset 0
 };
