@@ -25,7 +25,7 @@ constexpr int called_after_failure = -998, called_after_illegal_input = -999;
 
 }  // namespace
 
-IntegrationCall::IntegrationCall(const Arguments& arguments, const UserProblem& user)
+IntegrationCall::IntegrationCall(const Arguments& arguments, UserProblem& user)
     : arguments_(arguments), state_(arguments), t_(*arguments.t), user_(user) {}
 
 int IntegrationCall::run() noexcept {
@@ -73,6 +73,7 @@ int IntegrationCall::dispatch() {
 
 int IntegrationCall::first_call() {
   if (!std::isfinite(t_) || !std::isfinite(arguments_.tout)) return code::tout_too_close;
+  if (arguments_.may_be_wide && user_.has_other_width(t_, arguments_.x)) return code::wrong_width;
   state_.invalidate();
   store_options(arguments_, options_);
   clear_outputs(arguments_, options_, t_);

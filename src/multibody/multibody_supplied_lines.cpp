@@ -189,7 +189,7 @@ class Lines {
 
 void demand_derivatives(CallbackMultibody& problem, const MultibodyCheckPoint& point) {
   const DerivativeChecking checking(problem);
-  if (const auto wrong = Lines(problem, point).mismatch()) raise_wrong_derivative(*wrong, point.t);
+  if (const auto wrong = Lines(problem, point).mismatch()) throw WrongDerivative(*wrong, point.t);
 }
 
 }  // namespace sfdae::core

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "problem/difference_comparison.h"
+#include "problem/failure.h"
 #include "problem/problem.h"
 
 namespace sfdae::core {
@@ -44,7 +45,14 @@ std::vector<LineContradiction> contradictions(const SuppliedLine& line, const st
 // slopes of another interpolation, are not.
 inline constexpr double least_wrong_part = 1e-2;
 
-// Throws SFDAE_WRONG_DERIVATIVES, in words.
-[[noreturn]] void raise_wrong_derivative(const DerivativeMismatch& mismatch, double t);
+// SFDAE_WRONG_DERIVATIVES, in words.
+class WrongDerivative : public Failure {
+ public:
+  WrongDerivative(const DerivativeMismatch& mismatch, double t);
+  const DerivativeMismatch& mismatch() const { return mismatch_; }
+
+ private:
+  DerivativeMismatch mismatch_;
+};
 
 }  // namespace sfdae::core
