@@ -60,6 +60,7 @@ class IntegrationCall {
  private:
   int run_to_code() noexcept;
   int dispatch();
+  bool has_other_width();
   int first_call();
   int start_later();
   int go_on();

@@ -120,7 +120,12 @@ ConsistentPoint LinearModel::make_consistent(LinearSystem& system, const PointOf
   ValueChange change;
   const auto choose = [&](const ConsistencyRequest& way) {
     result.x = given;
-    result.change = core::make_consistent(system, way, result.x);
+    try {
+      result.change = core::make_consistent(system, way, result.x);
+    } catch (const Failure& failure) {
+      if (failure.status() != SFDAE_FIXED_VALUES) throw;
+      throw Failure(SFDAE_FIXED_VALUES, failure.what() + system.named_contradiction(way.fixed, given.data()));
+    }
     change = change_of_differentiated(constraints_of(system), way, given, result.x);
   };
   const bool may_trust = request.differentiated_stay();
