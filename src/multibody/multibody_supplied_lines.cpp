@@ -74,6 +74,10 @@ class Lines {
     };
     SuppliedLine line{nl, nl, 0.0, 1.0, {}, std::vector<double>(index(2 * nl))};
     write(here_, line.base.data());
+    // What is near zero on the constraints is the difference of terms of this size.
+    line.terms.resize(index(nl), 0.0);
+    for (int j = 0; j < sizes().positions; ++j)
+      for (int i = 0; i < nl; ++i) line.terms[index(i)] += std::fabs(here_.g_q(i, j) * q_[index(j)]);
     line.evaluate = [this, &along, write](double s, double* values) {
       for (std::size_t j = 0; j < q_.size(); ++j) moved_q_[j] = q_[j] + s * along.d[j];
       const double t = along.time_passes ? t_ + s * reach_ : t_;
@@ -84,10 +88,12 @@ class Lines {
     return line;
   }
 
-  // Positions are lengths and angles of sizes unknown: each moves by what it is, or by the largest one.
+  // Positions are lengths and angles of sizes unknown: each moves by what it is, and those near zero by a part of the
+  // largest one (by judgement).
   double unit_of(std::size_t j) const {
+    constexpr double part = 1e-3;
     const double largest = max_abs(q_.data(), sizes().positions);
-    return q_[j] != 0.0 ? std::fabs(q_[j]) : largest > 0.0 ? largest : 1.0;
+    return largest > 0.0 ? std::max(std::fabs(q_[j]), part * largest) : 1.0;
   }
 
   bool has_rate() const { return problem_.functions().constraint_rate != nullptr; }
@@ -177,6 +183,9 @@ class Lines {
     };
     SuppliedLine line{count, count, t_, reach_, {}, std::vector<double>(index(2 * count))};
     write(here_, line.base.data());
+    for (int i = 0; i < count; ++i) line.terms.push_back(std::fabs(here_.velocity_rest[index(i)]));
+    for (int j = 0; j < sizes().velocities; ++j)
+      for (int i = 0; i < count; ++i) line.terms[index(i)] += std::fabs(here_.C(i, j) * v_[index(j)]);
     line.evaluate = [&](double s, double* values) {
       for (std::size_t j = 0; j < q_.size(); ++j) moved_q_[j] = q_[j] + s * rates[j];
       const CallbackError error = problem_.constraint_terms(t_ + s, moved_q_.data(), v_.data(), there_);

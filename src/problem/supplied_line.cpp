@@ -36,6 +36,8 @@ constexpr int scales = 15;  // down to 4e-14 of the reach
 constexpr std::array<double, 6> positions{0.08, 0.21, 0.39, 0.62, 0.81, 1.0};
 // A contradiction exceeds its uncertainty by this factor; what acquits is more certain than the contradiction by these.
 constexpr double beyond_doubt = 10.0, acquitting_gap = 0.5, acquitting_bound = 0.25;
+// Smaller scales on which a contradiction may go unseen.
+constexpr int unexplained_scales = 2;
 // Contradictions on different scales are the same one within this part of it.
 constexpr double same = 0.2;
 // Of the largest derivative nearby: errors of a derivative that passes through zero.
@@ -56,28 +58,38 @@ bool evaluate(const SuppliedLine& line, double offset, std::vector<double>& valu
   return error.status == SFDAE_OK;
 }
 
-enum class Evidence { confirms, unseen, against };
+// unseen: it changes too much between the points; little: it fits, but so would many others, of rounding errors, or of a size
+// that does not matter within the reach.
+enum class Evidence { confirms, unseen, little, against };
 
-// Of one entry, from the ends of an interval h: function and derivative there.
-struct Ends {
-  double F0, Fh, S0, Sh;
-};
+// Rounding errors of values of an entry, its values and derivatives being so large.
+double rounding_of(const SuppliedLine& line, int entry, double value, double slope) {
+  const double size = line.terms.empty() ? value : std::max(value, line.terms[index(entry)]);
+  return roundings * unit_roundoff * (size + std::fabs(line.origin) * slope);
+}
 
-Evidence judge(const Ends& at, double h, const SuppliedLine& line) {
+// values: at the end of an interval h from the base.
+Evidence judge(const SuppliedLine& line, int entry, double h, const std::vector<double>& values) {
+  struct {
+    double F0, Fh, S0, Sh;
+  } const at{line.base[index(entry)], values[index(entry)], line.base[index(entry + line.shift)],
+             values[index(entry + line.shift)]};
   const double change = at.Fh - at.F0, first = at.S0 * h, last = at.Sh * h;
   if (change == 0.0 && first == 0.0 && last == 0.0) return Evidence::confirms;
   const double low = std::min(first, last), high = std::max(first, last), spread = high - low;
   const double value = std::max(std::fabs(at.F0), std::fabs(at.Fh));
   const double slope = std::max(std::fabs(at.S0), std::fabs(at.Sh));
-  const double noise = roundings * unit_roundoff * (value + std::fabs(line.origin) * slope);
+  const double noise = rounding_of(line, entry, value, slope);
   if (std::max(low - change, change - high) > spread + noise) return Evidence::against;
-  const double size = std::max({std::fabs(change), slope * std::fabs(h), value * std::fabs(h / line.reach)});
-  return spread <= visible * size || spread <= noise ? Evidence::confirms : Evidence::unseen;
+  const double own_size = std::max(std::fabs(change), slope * std::fabs(h));
+  const double size = std::max(own_size, value * std::fabs(h / line.reach));
+  if (spread > std::max(visible * size, noise)) return Evidence::unseen;
+  return spread + noise > visible * own_size ? Evidence::little : Evidence::confirms;
 }
 
 // What the points of one scale say about one entry; slopes, and their uncertainty.
 struct Finding {
-  double h, quotient, supplied;
+  double h, quotient, supplied, rounding;
   double own_bound, bound;  // from this scale alone, and with what larger ones have shown
   double residual;          // of the function, absolute
   double gap() const { return std::fabs(quotient - supplied); }
@@ -88,7 +100,13 @@ using Samples = std::array<double, positions.size()>;
 
 // coarse: the residual on larger scales. What is rounded coarsely, to single precision for example, is constant on small
 // scales, and shows its steps on larger ones only.
-Finding fit(const Samples& F, const Samples& S, double h, double coarse, const SuppliedLine& line) {
+struct Noise {
+  const SuppliedLine& line;
+  int entry;
+  double coarse;
+};
+
+Finding fit(const Samples& F, const Samples& S, double h, const Noise& given) {
   constexpr double count = static_cast<double>(positions.size());
   double mean_p = 0.0, mean_F = 0.0, mean_S = 0.0, size_F = 0.0, size_S = 0.0;
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -109,9 +127,12 @@ Finding fit(const Samples& F, const Samples& S, double h, double coarse, const S
     residual = std::max(residual, std::fabs(F[i] - F[0] - mean_F - change * (positions[i] - mean_p)));
     spread = std::max(spread, std::fabs(S[i] - mean_S));
   }
-  const double noise = roundings * unit_roundoff * (size_F + std::fabs(line.origin) * size_S);
+  const double noise = rounding_of(given.line, given.entry, size_F, size_S);
   const double own = 2.0 * spread + (2.0 * residual + noise) / std::fabs(h);
-  return {h, change / h, mean_S, own, own + 2.0 * std::max(coarse - residual, 0.0) / std::fabs(h), residual};
+  return {h,       change / h,
+          mean_S,  noise / std::fabs(h),
+          own,     own + 2.0 * std::max(given.coarse - residual, 0.0) / std::fabs(h),
+          residual};
 }
 
 // What all scales say about one entry.
@@ -153,6 +174,11 @@ const Finding* verdict(const Record& record, double least_gap) {
         found = &small;
   }
   if (found == nullptr) return nullptr;
+  // From the largest scale down: on the last ones where rounding allows it, else something else is going on there.
+  int smaller = 0;
+  for (const Finding& f : record.findings)
+    if (std::fabs(f.h) < std::fabs(found->h) && beyond_doubt * f.rounding < acquitting_gap * gap) ++smaller;
+  if (smaller > unexplained_scales) return nullptr;
   for (const Finding& f : record.findings)
     if (agrees(f, gap, std::fabs(found->h))) return nullptr;
   return found;
@@ -175,7 +201,7 @@ void add_scale(const SuppliedLine& line, double offset, const std::vector<int>& 
   for (std::size_t e = 0; e < entries.size(); ++e) {
     if (is_usable[e] == 0) continue;
     Record& record = records[e];
-    record.findings.push_back(fit(F[e], S[e], offset, record.residual, line));
+    record.findings.push_back(fit(F[e], S[e], offset, {line, entries[e], record.residual}));
     if (record.findings.back().residual > 0.0) record.residual = record.findings.back().residual;
     for (const double slope : S[e]) record.largest_slope = std::max(record.largest_slope, std::fabs(slope));
   }
@@ -202,10 +228,10 @@ std::vector<int> unconfirmed_entries(const SuppliedLine& line) {
     for (const int e : pending) {
       left.push_back(e);
       if (!usable(line, values, e)) continue;
-      const std::size_t F = index(e), S = index(e + line.shift);
-      const Evidence evidence = judge({line.base[F], values[F], line.base[S], values[S]}, h, line);
-      if (evidence == Evidence::confirms) left.pop_back();
-      if (evidence == Evidence::against) is_suspect[F] = 1;
+      const Evidence evidence = judge(line, e, h, values);
+      const bool is_open = evidence == Evidence::unseen || evidence == Evidence::against;
+      if (!is_open && (evidence == Evidence::confirms || is_suspect[index(e)] == 0)) left.pop_back();
+      if (evidence == Evidence::against) is_suspect[index(e)] = 1;
     }
     pending = std::move(left);
   }

@@ -23,6 +23,8 @@ struct SuppliedLine {
   // Writes all values at an offset from the origin. Those that are not finite count for no entry.
   std::function<CallbackError(double offset, double* values)> evaluate;
   std::vector<double> base;  // at offset 0
+  // Empty, or for each entry the size of what its value is the sum of, where that may be more than the value: of residuals.
+  std::vector<double> terms = {};
 };
 
 // A derivative supplied, and the difference quotient that it is not.

@@ -117,6 +117,7 @@ class TotalLines {
     };
     SuppliedLine line{count, count, 0.0, 1.0, {}, std::vector<double>(2 * index(count))};
     write(here_, line.base.data());
+    line.terms = sizes_of_terms();
     line.evaluate = [this, &d, write](double s, double* to) {
       std::vector<double> jet(jet_);
       for (std::size_t i = 0; i < jet.size(); ++i) jet[i] += s * d[i];
@@ -125,6 +126,19 @@ class TotalLines {
       return error;
     };
     return line;
+  }
+
+  // Residuals are near zero, the differences of terms of this size.
+  std::vector<double> sizes_of_terms() const {
+    const auto absolute = [](std::vector<double> values) {
+      for (double& value : values) value = std::fabs(value);
+      return values;
+    };
+    const Orders0ToHighest sizes{{}, absolute(here_.F_x), absolute(here_.F_xdot)};
+    const std::vector<double> jet = absolute(jet_);
+    std::vector<double> terms(m_ * index(highest_ + 1), 0.0);
+    for (int k = 0; k <= highest_; ++k) add_directional(sizes, k, jet, terms.data() + m_ * index(k));
+    return terms;
   }
 
   // sum_j (C(k, j) F_x^(k-j) + C(k, j-1) F_x'^(k-j+1)) d_j
