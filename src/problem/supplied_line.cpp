@@ -43,7 +43,8 @@ constexpr double same = 0.2;
 // Of the largest derivative nearby: errors of a derivative that passes through zero.
 constexpr double negligible = 1e-4;
 
-bool usable(double value) { return all_finite(&value, 1) && std::fabs(value) < largest_value; }
+// Comparisons that are quiet for NaN.
+bool usable(double value) { return std::isless(std::fabs(value), largest_value); }
 
 bool usable(const SuppliedLine& line, const std::vector<double>& values, int entry) {
   return usable(values[index(entry)]) && usable(values[index(entry + line.shift)]);
@@ -81,6 +82,10 @@ Evidence judge(const SuppliedLine& line, int entry, double h, const std::vector<
   const double slope = std::max(std::fabs(at.S0), std::fabs(at.Sh));
   const double noise = rounding_of(line, entry, value, slope);
   if (std::max(low - change, change - high) > spread + noise) return Evidence::against;
+  // The trapezoidal rule says more than the mean value theorem where the derivative passes through zero.
+  const double missed = std::fabs(change - 0.5 * (first + last)),
+               largest = std::max(std::fabs(first), std::fabs(last));
+  if (missed + noise <= visible * largest) return Evidence::confirms;
   const double own_size = std::max(std::fabs(change), slope * std::fabs(h));
   const double size = std::max(own_size, value * std::fabs(h / line.reach));
   if (spread > std::max(visible * size, noise)) return Evidence::unseen;
@@ -214,28 +219,35 @@ bool is_usable(const SuppliedLine& line) {
 }  // namespace
 
 std::vector<int> unconfirmed_entries(const SuppliedLine& line) {
-  std::vector<int> pending, suspects;
+  // Entries are open until they are confirmed; suspects once something was against them.
+  std::vector<int> open, suspects;
   if (!is_usable(line)) return suspects;
   std::vector<char> is_suspect(index(line.count), 0);
-  for (int e = 0; e < line.count; ++e)
-    if (usable(line, line.base, e)) pending.push_back(e);
+  bool is_first = true;
   std::vector<double> values(line.base.size());
   for (const double scale : quick_scales) {
     const double h = seen_offset(line, scale * line.reach);
-    if (pending.empty() || h == 0.0) break;
+    if (h == 0.0 || (!is_first && open.empty())) break;
     if (!evaluate(line, h, values)) continue;
     std::vector<int> left;
-    for (const int e : pending) {
-      left.push_back(e);
-      if (!usable(line, values, e)) continue;
+    const int count = is_first ? line.count : static_cast<int>(open.size());
+    for (int i = 0; i < count; ++i) {
+      const int e = is_first ? i : open[index(i)];
+      if (!usable(line, line.base, e)) continue;
+      if (!usable(line, values, e)) {
+        left.push_back(e);
+        continue;
+      }
       const Evidence evidence = judge(line, e, h, values);
-      const bool is_open = evidence == Evidence::unseen || evidence == Evidence::against;
-      if (!is_open && (evidence == Evidence::confirms || is_suspect[index(e)] == 0)) left.pop_back();
       if (evidence == Evidence::against) is_suspect[index(e)] = 1;
+      const bool is_done =
+          evidence == Evidence::confirms || (evidence == Evidence::little && is_suspect[index(e)] == 0);
+      if (!is_done) left.push_back(e);
     }
-    pending = std::move(left);
+    open = std::move(left);
+    is_first = false;
   }
-  for (const int e : pending)
+  for (const int e : open)
     if (is_suspect[index(e)] != 0) suspects.push_back(e);
   return suspects;
 }
