@@ -477,7 +477,7 @@ typedef struct sfdae_statistics {
   long other_failures;                              /* attempts rejected otherwise: callbacks, singular matrices */
   long reductions;                                  /* strangeness-free systems computed */
   long factorizations;                              /* LU factorizations of the step's matrix */
-  long evaluations_E, evaluations_A, evaluations_f; /* callback calls, since creation */
+  long evaluations_E, evaluations_A, evaluations_f; /* callback calls but for check_calls, since creation */
   int last_order;                                   /* order of the last step, 0 before the first */
   int next_order;
   double last_step; /* signed size of the last step */
