@@ -120,4 +120,34 @@ TEST(RandomSystemsInTime, AreSolvedAsAccuratelyAsAskedFor) {
   EXPECT_LE(counts.named_errors, 0.005 * counts.all + 1.0);
 }
 
+// Outputs within long steps, where the linearization of the step does not serve: values were consistent, but up to 700
+// tolerances away from the solution.
+TEST(RandomSystemsInTime, OutputsStayOnTheSolution) {
+  struct Run {
+    unsigned seed;
+    double tolerance;
+  };
+  Counts counts;
+  for (const Run& run : {Run{561, 1e-7}, Run{4173, 1e-7}, Run{4298, 1e-4}, Run{4570, 1e-7}})
+    integrate(run.seed, SFDAE_METHOD_RADAU, run.tolerance, counts);
+  EXPECT_EQ(counts.all, 4);
+  EXPECT_EQ(counts.named_errors, 0);
+}
+
+// Iterations that started with derivatives of a polynomial failed, the more the shorter steps became.
+TEST(RandomSystemsInTime, ShortStepsConverge) {
+  struct Run {
+    unsigned seed;
+    int method;
+    double tolerance;
+  };
+  Counts counts;
+  for (const Run& run :
+       {Run{366, SFDAE_METHOD_BDF, 1e-4}, Run{366, SFDAE_METHOD_BDF, 1e-7}, Run{658, SFDAE_METHOD_BDF, 1e-4},
+        Run{3569, SFDAE_METHOD_BDF, 1e-7}, Run{4351, SFDAE_METHOD_BDF, 1e-7}, Run{4796, SFDAE_METHOD_RADAU, 1e-4}})
+    integrate(run.seed, run.method, run.tolerance, counts);
+  EXPECT_EQ(counts.all, 6);
+  EXPECT_EQ(counts.named_errors, 0);
+}
+
 }  // namespace
