@@ -210,6 +210,35 @@ TEST(Messages, NameDifferentAlternativesOfUnclearRanks) {
   RecordProperty("unclear", unclear);
 }
 
+// x' = 1, x^2 = (t + max(t - 1, 0)^3)^2: they contradict each other from t = 1 on; y = x x does not matter.
+int later_contradiction(sfdae_record*, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
+                        sfdae_expression* F, void*) {
+  const sfdae_expression late = sfdae_max(sfdae_subtract(t, sfdae_number(1)), sfdae_number(0));
+  const sfdae_expression law = sfdae_add(t, sfdae_multiply(late, sfdae_multiply(late, late)));
+  F[0] = sfdae_subtract(xdot[0], sfdae_number(1));
+  F[1] = sfdae_subtract(x[1], sfdae_multiply(x[0], x[0]));
+  F[2] = sfdae_subtract(sfdae_multiply(x[0], x[0]), sfdae_multiply(law, law));
+  return 0;
+}
+
+TEST(Messages, NameContradictingNonlinearEquations) {
+  sfdae_nonlinear_problem problem;
+  sfdae_nonlinear_problem_init(&problem, sizeof problem);
+  problem.num_equations = 3;
+  problem.num_unknowns = 2;
+  problem.equations = later_contradiction;
+  sfdae_solver* solver = nullptr;
+  ASSERT_EQ(sfdae_create_nonlinear(&solver, &problem, nullptr), SFDAE_OK);
+  double x[2] = {0.5, 0.25}, t = 0.0;
+  ASSERT_GE(sfdae_start(solver, 0.5, 3.0, x, nullptr), 0) << sfdae_message(solver);
+  EXPECT_EQ(sfdae_advance(solver, 3.0, &t, x, nullptr), SFDAE_INCONSISTENT_EQUATIONS) << sfdae_message(solver);
+  const std::string message = sfdae_message(solver);
+  EXPECT_NE(message.find("It is equations 0 and 2 (differentiated once) that cannot hold together."),
+            std::string::npos)
+      << message;
+  sfdae_destroy(&solver);
+}
+
 // ---- Multibody systems ---------------------------------------------------------------------------------------
 
 struct Lines {

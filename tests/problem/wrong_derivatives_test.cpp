@@ -48,7 +48,9 @@ struct Entry {
     switch (kind) {
       case Kind::constant: return order == 0 ? size : 0.0;
       case Kind::sine: return size * std::pow(rate, order) * std::sin(rate * s + order * pi / 2.0);
-      case Kind::exponential: return size * std::pow(-rate, order) * std::exp(-rate * s);
+      case Kind::exponential:
+        // Without overflow on the way.
+        return -rate * s > 300.0 ? HUGE_VAL : size * std::pow(-rate, order) * std::exp(-rate * s);
       case Kind::cubic: {
         const double r = rate * s,
                      all[] = {1.0 + r + r * r - r * r * r, 1.0 + 2.0 * r - 3.0 * r * r, 2.0 - 6.0 * r, -6.0};
