@@ -179,7 +179,7 @@ function saveCsv() {
 // What was kept, dropped, and rounding, of every rank decision, relative to the data on a logarithmic axis.
 function drawDecisions(all) {
   const rows = [...all].sort((a, b) => a.gap - b.gap).slice(0, 40);
-  const lowest = -18, left = 246, right = 96, line = 22, width = 900, height = rows.length * line + 34;
+  const lowest = -18, left = 310, right = 96, line = 22, width = 960, height = rows.length * line + 34;
   const x = v => left + (width - left - right) * (Math.min(2, Math.max(lowest, v > 0 ? Math.log10(v) : lowest)) - lowest) / (2 - lowest);
   const svg = element('svg:svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', style: 'max-width: 1000px', id: 'picture'});
   for (let p = lowest; p <= 2; p += 4)
@@ -189,7 +189,7 @@ function drawDecisions(all) {
     const y = i * line + 12, unclear = d.verdict === 'unclear' ? ' unclear' : '';
     const text = `level ${d.level}: ${d.subject}, ${d.rows}×${d.columns}, rank ${d.rank}`;
     const group = element('svg:g', {}, element('svg:title', {}, `${text}: kept ${number(d.kept, 3)}, dropped ${number(d.dropped, 3)}, rounding ${number(d.noise, 3)}`));
-    group.append(element('svg:text', {x: 0, y: y + 4}, text.length > 40 ? text.slice(0, 39) + '…' : text));
+    group.append(element('svg:text', {x: 0, y: y + 4}, text.length > 52 ? text.slice(0, 51) + '…' : text));
     if (d.kept > 0) group.append(element('svg:line', {class: 'between' + unclear, x1: x(Math.max(d.dropped, d.noise)), x2: x(d.kept), y1: y, y2: y}));
     group.append(element('svg:line', {class: 'noise', x1: x(d.noise), x2: x(d.noise), y1: y - 6, y2: y + 6}),
                  element('svg:line', {class: 'threshold', x1: x(d.threshold), x2: x(d.threshold), y1: y - 8, y2: y + 8}),
@@ -220,7 +220,7 @@ function fillReports() {
   byId('outcome').textContent = data.outcome;
   for (const id of ['outcome', 'message']) byId(id).classList.toggle('solved', data.outcome === 'solved');
   byId('description').textContent = data.description;
-  byId('headline').textContent = data.headline;
+  byId('headline').textContent = data.headline.slice(data.model.length + 2);
   byId('message').textContent = data.message;
   byId('message').hidden = !data.message;
   const s = data.statistics, index = data.index;

@@ -42,6 +42,13 @@ std::vector<Panel> panels_of(const Trajectory& trajectory) {
   return panels;
 }
 
+// As long as fits beside others.
+std::string shortened(const std::string& name) {
+  constexpr std::size_t max_length = 48;
+  if (name.size() <= max_length) return name;
+  return name.substr(0, max_length / 2) + "..." + name.substr(name.size() - max_length / 2);
+}
+
 // A string of gnuplot: within single quotes only they mean something.
 std::string quoted(const std::string& text) {
   std::string result = "'";
@@ -80,7 +87,8 @@ std::string definitions(const Trajectory& trajectory, const std::vector<Panel>& 
   for (const Panel& panel : panels) {
     units += (units.empty() ? "" : ",") + quoted(panel.unit.empty() ? "1" : panel.unit);
     firsts += (firsts.empty() ? "" : ",") + std::to_string(column);
-    for (const std::size_t j : panel.columns) titles += (titles.empty() ? "" : ",") + quoted(trajectory.names[j]);
+    for (const std::size_t j : panel.columns)
+      titles += (titles.empty() ? "" : ",") + quoted(shortened(trajectory.names[j]));
     column += panel.columns.size();
     lasts += (lasts.empty() ? "" : ",") + std::to_string(column - 1);
   }

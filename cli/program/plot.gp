@@ -13,12 +13,12 @@ set linetype 6 linecolor rgb "#d64a86" linewidth 1.5
 set linetype 7 linecolor rgb "#0c7f8f" linewidth 1.5
 set linetype 8 linecolor rgb "#8a5a2b" linewidth 1.5
 set linetype cycle 8
-set grid linecolor rgb "#dddddd"
+set grid linetype -1 linecolor rgb "#cccccc" linewidth 0.5
 set border linecolor rgb "#888888"
 set tics textcolor rgb "#333333"
-set key outside right top reverse Left noenhanced
+set key outside top right horizontal reverse Left noenhanced
 set lmargin 12
-set rmargin 30
+set rmargin 4
 stats $data using 1 nooutput
 set xrange [STATS_min : STATS_max == STATS_min ? STATS_min + 1 : STATS_max]
 set multiplot layout |unit|, 1 title model noenhanced
