@@ -30,7 +30,7 @@ Exit codes:
   130  interrupted by Ctrl-C; what there is has been written
 
 Examples:
-  sfdae solve pendulum.mo --to 10 --html pendulum.html
+  sfdae solve pendulum.mo --to 10 --html pendulum.html --show
   sfdae solve pendulum.mo --set g=1.62 --variables x,y --csv moon.csv
   sfdae sweep pendulum.mo --set L=0.5:0.1:2 --jobs 2 > lengths.csv
   sfdae analyze pendulum.mo
@@ -120,6 +120,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_selection(analyze, arguments);
   add_file(analyze, "--json", arguments.json, "index, rank decisions, initial values");
   add_file(analyze, "--html", arguments.html, "the same as a page");
+  analyze.add_flag("--show", arguments.shows_page, "opens the page of --html in the browser");
 
   add_values(solve, arguments, value);
   add_integration(solve, arguments);
@@ -129,6 +130,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   add_file(solve, "--csv", arguments.csv, "values over time");
   add_file(solve, "--json", arguments.json, "everything: values, index, rank decisions, statistics, events");
   add_file(solve, "--html", arguments.html, "a page for the browser with curves and reports");
+  solve.add_flag("--show", arguments.shows_page, "opens the page of --html in the browser");
   add_file(solve, "--plot", arguments.plot, "curves by gnuplot; .svg, .png or .pdf");
 
   add_values(sweep, arguments,

@@ -22,6 +22,7 @@ struct Arguments {
   int jobs = 0;                          // threads of a sweep; 0: as many as there are processors
   bool is_quiet = false;
   bool lists_names = false;  // of check
+  bool shows_page = false;   // in the browser
 };
 
 // The command line, or the exit code where it is not one; then what there was to say has been printed.

@@ -156,7 +156,9 @@ std::map<std::string, bool> wanted_variables(const std::vector<std::string>& nam
   for (const Variable& variable : model.variables)
     wanted[variable.name] = names.empty() && variable.variability >= Variability::discrete;
   for (const std::string& list : names) {
-    for (const std::string& text : split(list, ',')) {
+    // A name may have commas itself.
+    const bool is_name = wanted.contains(without_quotes(list));
+    for (const std::string& text : is_name ? std::vector<std::string>{list} : split(list, ',')) {
       const auto named = wanted.find(without_quotes(text));
       if (named != wanted.end()) {
         named->second = true;

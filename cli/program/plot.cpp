@@ -2,21 +2,17 @@
 #include "program/plot.h"
 
 #include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 
+#include "program/child_process.h"
 #include "program/exit_codes.h"
 #include "program/numbers.h"
 #include "program/page.h"
-
-extern char** environ;
 
 namespace sfdae::cli {
 
@@ -97,18 +93,6 @@ std::string definitions(const Trajectory& trajectory, const std::vector<Panel>& 
          "]\narray first" + count + firsts + "]\narray last" + count + lasts + "]\n";
 }
 
-std::string search_path_for(const std::string& program) {
-  const char* const path = std::getenv("PATH");
-  std::string rest = path != nullptr ? path : "/usr/local/bin:/usr/bin:/bin";
-  while (!rest.empty()) {
-    const std::size_t colon = rest.find(':');
-    const std::string candidate = rest.substr(0, colon) + "/" + program;
-    if (::access(candidate.c_str(), X_OK) == 0) return candidate;
-    rest = colon == std::string::npos ? "" : rest.substr(colon + 1);
-  }
-  return "";
-}
-
 // Closed and removed at the end.
 class TemporaryFile {
  public:
@@ -136,32 +120,13 @@ class TemporaryFile {
   int descriptor_;
 };
 
-// Runs gnuplot; its exit code, -1 if it cannot be started or was ended by a signal.
-int run_gnuplot(const std::string& script, const std::string& errors) {
-  const std::string program = search_path_for("gnuplot");
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors.c_str(), O_WRONLY | O_TRUNC, 0);
-  std::string name = "gnuplot", path = script;
-  char* arguments[] = {name.data(), path.data(), nullptr};
-  pid_t child = 0;
-  const int failed = ::posix_spawn(&child, program.c_str(), &actions, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) return -1;
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return -1;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
 }  // namespace
 
 void require_plotter(const std::string& path) {
   const std::string ending = std::filesystem::path(path).extension().string();
   if (ending != ".svg" && ending != ".png" && ending != ".pdf")
     throw ProgramError(wrong_use, "--plot " + path + ": the file has to end in .svg, .png or .pdf");
-  if (search_path_for("gnuplot").empty())
+  if (find_program("gnuplot").empty())
     throw ProgramError(
         not_written,
         "--plot needs gnuplot, which is not installed (Debian, Ubuntu: apt install gnuplot-nox); --html "
@@ -185,7 +150,7 @@ std::string draw_plot(const Trajectory& trajectory, const std::string& title, Ou
                            "\nset output " + quoted(output) + "\n" + plot_script;
   if (!script.is_open() || !errors.is_open() || !script.write(text))
     throw ProgramError(not_written, std::string("--plot: cannot write temporary files: ") + std::strerror(errno));
-  if (run_gnuplot(script.path(), errors.path()) != 0)
+  if (run_program(find_program("gnuplot"), {script.path()}, errors.path()) != 0)
     throw ProgramError(not_written, "--plot " + file.path() + ": gnuplot failed: " + errors.first_lines());
   file.commit();
   return warning;

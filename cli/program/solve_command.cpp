@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
 
+#include "program/child_process.h"
 #include "program/commands.h"
 #include "program/interruption.h"
 #include "program/names.h"
@@ -49,6 +50,13 @@ void write_files(const Arguments& arguments, Outputs& outputs, const Presentatio
   if (!warning.empty()) print_warnings(arguments, {warning});
 }
 
+// Where there is no browser, the user can still open the file elsewhere.
+void show_page(const Arguments& arguments) {
+  const std::string opener = find_program("xdg-open");
+  if (!opener.empty() && run_program(opener, {arguments.html}, "/dev/null") == 0) return;
+  print_warnings(arguments, {"--show: no browser could be started by xdg-open; open " + arguments.html});
+}
+
 void write_standard_output(const Arguments& arguments, const Presentation& presentation) {
   if (is_to_standard_output(arguments)) return;
   if (arguments.command == Command::analyze) {
@@ -75,6 +83,8 @@ Result run(const Arguments& arguments, const FlatModel& model, Settings settings
 }  // namespace
 
 int solve_command(const Arguments& arguments) {
+  if (arguments.shows_page && (arguments.html.empty() || arguments.html == "-"))
+    throw ProgramError(wrong_use, "--show needs a file: --html FILE");
   const FlatModel model = read_model_of(arguments);
   print_warnings(arguments, model.warnings);
   const std::map<std::string, bool> wanted = wanted_variables(arguments.variables, model);
@@ -87,6 +97,7 @@ int solve_command(const Arguments& arguments) {
   const Trajectory trajectory = selected(result.trajectory, wanted);
   const Presentation presentation{model, result, trajectory, settings.values};
   write_files(arguments, outputs, presentation);
+  if (arguments.shows_page) show_page(arguments);
   print_reason(model, result);
   write_standard_output(arguments, presentation);
   return exit_code_of(result.outcome);
