@@ -62,6 +62,7 @@ struct Result {
   std::string report;       // the library's own, names for numbers where it names unknowns and equations
   Statistics statistics{};  // sums over all pieces between events
   Trajectory trajectory;
+  std::map<std::string, double> parameters;  // values of constants and parameters; those computed are in trajectory
   std::vector<HappenedEvent> events;
 };
 
