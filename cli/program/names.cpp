@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <regex>
 #include <set>
@@ -176,23 +177,32 @@ std::map<std::string, bool> wanted_variables(const std::vector<std::string>& nam
   return wanted;
 }
 
-Trajectory selected(const Trajectory& trajectory, const std::map<std::string, bool>& wanted) {
-  Trajectory result;
-  std::vector<std::size_t> columns;
-  for (std::size_t j = 0; j < trajectory.names.size(); ++j) {
-    const auto found = wanted.find(trajectory.names[j]);
-    if (found == wanted.end() || !found->second) continue;
-    columns.push_back(j);
-    result.names.push_back(trajectory.names[j]);
-    result.units.push_back(trajectory.units[j]);
-    result.descriptions.push_back(trajectory.descriptions[j]);
-    result.is_discrete.push_back(trajectory.is_discrete[j]);
+Trajectory selected(const FlatModel& model, const Result& result, const std::map<std::string, bool>& wanted) {
+  const Trajectory& all = result.trajectory;
+  std::map<std::string, std::size_t> column_of;
+  for (std::size_t j = 0; j < all.names.size(); ++j) column_of[all.names[j]] = j;
+  Trajectory chosen;
+  chosen.t = all.t;
+  std::vector<std::size_t> columns;  // of `all`; else as many as there are
+  std::vector<double> constants;     // instead of a column
+  for (const Variable& variable : model.variables) {
+    if (!wanted.at(variable.name)) continue;
+    const auto column = column_of.find(variable.name);
+    const auto constant = result.parameters.find(variable.name);
+    columns.push_back(column != column_of.end() ? column->second : all.names.size());
+    constants.push_back(constant != result.parameters.end() ? constant->second
+                                                            : std::numeric_limits<double>::quiet_NaN());
+    chosen.names.push_back(variable.name);
+    chosen.units.push_back(variable.unit);
+    chosen.descriptions.push_back(variable.description);
+    chosen.is_discrete.push_back(variable.variability != Variability::continuous);
   }
-  result.t = trajectory.t;
-  result.values.reserve(trajectory.t.size() * columns.size());
-  for (std::size_t k = 0; k < trajectory.t.size(); ++k)
-    for (const std::size_t j : columns) result.values.push_back(trajectory.values[k * trajectory.names.size() + j]);
-  return result;
+  chosen.values.reserve(all.t.size() * columns.size());
+  for (std::size_t k = 0; k < all.t.size(); ++k)
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      chosen.values.push_back(columns[j] < all.names.size() ? all.values[k * all.names.size() + columns[j]]
+                                                            : constants[j]);
+  return chosen;
 }
 
 }  // namespace sfdae::cli

@@ -28,7 +28,7 @@ std::map<std::string, double> single_values(const std::vector<Assignment>& assig
 // outside brackets. No names: all but constants and parameters. Throws ProgramError if a name fits nothing.
 std::map<std::string, bool> wanted_variables(const std::vector<std::string>& names, const FlatModel& model);
 
-// The columns that are wanted.
-Trajectory selected(const Trajectory& trajectory, const std::map<std::string, bool>& wanted);
+// A column for every variable that is wanted, in order of the model; NaN where nothing is known.
+Trajectory selected(const FlatModel& model, const Result& result, const std::map<std::string, bool>& wanted);
 
 }  // namespace sfdae::cli

@@ -49,19 +49,17 @@ std::string name_of(Outcome outcome) {
 }
 
 std::vector<ParameterValue> parameter_values(const Presentation& presentation) {
-  std::map<std::string, double> values;
+  std::map<std::string, double> values = presentation.result.parameters;
+  // Those computed from initial equations are constant columns.
   const Trajectory& trajectory = presentation.result.trajectory;
   if (!trajectory.t.empty())
-    for (std::size_t j = 0; j < trajectory.names.size(); ++j) values[trajectory.names[j]] = trajectory.values[j];
-  values.insert(presentation.given.begin(), presentation.given.end());
+    for (std::size_t j = 0; j < trajectory.names.size(); ++j)
+      values.emplace(trajectory.names[j], trajectory.values[j]);
   std::vector<ParameterValue> result;
   for (const Variable& variable : presentation.model.variables) {
     if (variable.variability != Variability::parameter) continue;
     ParameterValue parameter{&variable, std::numeric_limits<double>::quiet_NaN()};
-    const auto known = values.find(variable.name);
-    if (known != values.end()) parameter.value = known->second;
-    else if (variable.binding && variable.binding->operation == Operation::number)
-      parameter.value = variable.binding->value;
+    if (const auto known = values.find(variable.name); known != values.end()) parameter.value = known->second;
     result.push_back(parameter);
   }
   return result;

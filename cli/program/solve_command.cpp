@@ -94,7 +94,7 @@ int solve_command(const Arguments& arguments) {
   note_interruptions();
   const Result result = run(arguments, model, settings);
   print_warnings(arguments, result.warnings);
-  const Trajectory trajectory = selected(result.trajectory, wanted);
+  const Trajectory trajectory = selected(model, result, wanted);
   const Presentation presentation{model, result, trajectory, settings.values};
   write_files(arguments, outputs, presentation);
   if (arguments.shows_page) show_page(arguments);

@@ -43,7 +43,7 @@ Instance solved_instance(std::size_t number, const FlatModel& model, Settings se
   instance.status = result.status;
   instance.message = result.message;
   instance.steps = result.statistics.steps;
-  instance.trajectory = selected(result.trajectory, wanted);
+  instance.trajectory = selected(model, result, wanted);
   Trajectory& trajectory = instance.trajectory;
   if (keeps_end_only && trajectory.t.size() > 1) {
     const auto columns = static_cast<std::ptrdiff_t>(trajectory.names.size());
@@ -58,7 +58,7 @@ std::string table_head(const Grid& grid, const std::map<std::string, bool>& want
   for (const Assignment& assignment : grid.assignments()) text += "," + csv_field(assignment.name);
   text += ",outcome,time";
   for (const Variable& variable : model.variables)
-    if (variable.variability != Variability::constant && wanted.at(variable.name))
+    if (wanted.at(variable.name))
       text += "," + csv_field(variable.name);
   return text + "\n";
 }
@@ -125,7 +125,7 @@ int report(const std::vector<Instance>& instances, std::size_t expected, bool is
 std::size_t count_wanted(const std::map<std::string, bool>& wanted, const FlatModel& model) {
   std::size_t count = 0;
   for (const Variable& variable : model.variables)
-    if (variable.variability != Variability::constant && wanted.at(variable.name)) ++count;
+    if (wanted.at(variable.name)) ++count;
   return count;
 }
 
