@@ -9,6 +9,7 @@
 #include "program/output_file.h"
 #include "program/presentation.h"
 #include "program/run.h"
+#include "program/structure.h"
 
 namespace sfdae::cli {
 
@@ -57,6 +58,17 @@ std::string names_text(const FlatModel& model) {
   return text;
 }
 
+// Where numbers cancel, tools that go by the pattern of the equations reduce the index wrongly.
+std::string structure_text(const FlatModel& model, const Result& result) {
+  const Characteristics& values = result.characteristics;
+  const std::optional<int> structural = structural_index(model);
+  if (!structural || result.outcome != Outcome::solved || values.undetermined > 0 || values.redundant > 0) return "";
+  const int index = values.algebraic > 0 ? values.strangeness_index + 1 : 0;
+  if (*structural >= index) return "";
+  return "  The pattern of the equations alone says index " + std::to_string(*structural) +
+         ", which is too low: here numbers cancel, and tools that go by the pattern go wrong.\n";
+}
+
 std::string verdict_text(const Result& result) {
   std::string text;
   for (const std::string& sentence : index_in_words(result)) text += "  " + sentence + "\n";
@@ -82,7 +94,7 @@ int check_command(const Arguments& arguments) {
   print_reason(model, result);
   if (!arguments.is_quiet && arguments.json != "-")
     write_to_standard_output(counts_text(model) + (arguments.lists_names ? names_text(model) : std::string()) +
-                             verdict_text(result));
+                             verdict_text(result) + structure_text(model, result));
   return exit_code_of(result.outcome);
 }
 

@@ -1,4 +1,4 @@
-// A page with everything in it. page.html and page.js are part of the program.
+// A page with everything in it. page.html, curves.js and reports.js are part of the program.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "program/page.h"
 

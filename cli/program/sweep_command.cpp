@@ -58,8 +58,7 @@ std::string table_head(const Grid& grid, const std::map<std::string, bool>& want
   for (const Assignment& assignment : grid.assignments()) text += "," + csv_field(assignment.name);
   text += ",outcome,time";
   for (const Variable& variable : model.variables)
-    if (wanted.at(variable.name))
-      text += "," + csv_field(variable.name);
+    if (wanted.at(variable.name)) text += "," + csv_field(variable.name);
   return text + "\n";
 }
 
