@@ -25,8 +25,7 @@ class Search {
       LinearForm form = linear_form(system.formulas, residual.formula);
       if (!form.is_whole || !form.others.empty()) form.coefficients.clear(), form.is_whole = false;
       const int equation = static_cast<int>(forms_.size());
-      for (const auto& [variable, coefficient] : form.coefficients)
-        equations_of_[at(variable)].push_back(equation);
+      for (const auto& [variable, coefficient] : form.coefficients) equations_of_[at(variable)].push_back(equation);
       forms_.push_back(std::move(form));
       open_.push_back(equation);
     }

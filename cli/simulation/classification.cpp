@@ -65,9 +65,9 @@ class Classification {
     const Formula residual = formulas.subtract(equation.left, equation.right);
     if (!formulas.depends(residual, on_continuous | on_free) && !formulas.is_number(residual, 0.0)) {
       if (formulas.is_number(residual))
-        throw ModelError(system_.model.file, equation.at,
-                         "this equation contains no unknown and does not hold: it says 0 = " +
-                             to_text(formulas[residual].value));
+        throw ModelError(
+            system_.model.file, equation.at,
+            "this equation contains no unknown and does not hold: it says 0 = " + to_text(formulas[residual].value));
       throw ModelError(system_.model.file, equation.at,
                        "this equation of discrete quantities determines none: all are determined elsewhere");
     }

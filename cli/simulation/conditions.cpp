@@ -27,8 +27,8 @@ std::vector<int> numbers_of(const System& system, const std::vector<int>& unknow
 
 // unknown = number, also as alias: sign unknown + offset = number.
 void simplify(const Formulas& formulas, const std::vector<int>& number_of, Condition& condition) {
-  for (const auto& [side, other] : {std::make_pair(condition.left, condition.right),
-                                    std::make_pair(condition.right, condition.left)}) {
+  for (const auto& [side, other] :
+       {std::make_pair(condition.left, condition.right), std::make_pair(condition.right, condition.left)}) {
     if (!formulas.is_number(other)) continue;
     const FormulaNode& node = formulas[side];
     const bool is_negative = node.operation == Operation::negate;
@@ -47,8 +47,10 @@ std::vector<Condition> given_conditions(const System& system, const std::vector<
   std::vector<Condition> result;
   for (int v = 0; v < static_cast<int>(system.model.variables.size()); ++v) {
     const Variable& variable = system.model.variables[at(v)];
-    if (!variable.is_fixed || variable.variability != Variability::continuous || variable.type != Type::real) continue;
-    if (!system.formulas.depends(system.values[at(v)], on_continuous) && !system.formulas.is_number(system.values[at(v)]))
+    if (!variable.is_fixed || variable.variability != Variability::continuous || variable.type != Type::real)
+      continue;
+    if (!system.formulas.depends(system.values[at(v)], on_continuous) &&
+        !system.formulas.is_number(system.values[at(v)]))
       continue;
     if (variable.is_input) continue;
     Condition condition;

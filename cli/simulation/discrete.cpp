@@ -19,7 +19,8 @@ Discrete::Discrete(const System& system)
       initial_(system.formulas),
       reactions_(system.formulas),
       others_(system.formulas) {
-  for (const Assignment& assignment : system.discrete) assignments_.add_assignment(assignment.variable, assignment.value);
+  for (const Assignment& assignment : system.discrete)
+    assignments_.add_assignment(assignment.variable, assignment.value);
   for (const Assignment& assignment : system.initial_discrete) initial_.add(assignment.value);
   for (const Reaction& reaction : system.reactions) {
     reactions_.add(reaction.active);
@@ -46,8 +47,9 @@ bool Discrete::update(Values& values) {
     if (at(assignment.variable) < system_.model.variables.size() &&
         before_[at(assignment.variable)] != values.variable[at(assignment.variable)])
       names += (names.empty() ? "" : ", ") + system_.model.variables[at(assignment.variable)].name;
-  throw Failure(Outcome::not_finished, SFDAE_OK,
-                "discrete variables depend on each other and do not settle at t = " + to_text(values.t) + ": " + names);
+  throw Failure(
+      Outcome::not_finished, SFDAE_OK,
+      "discrete variables depend on each other and do not settle at t = " + to_text(values.t) + ": " + names);
 }
 
 bool Discrete::set_initial(Values& values) {

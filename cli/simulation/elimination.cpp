@@ -47,10 +47,8 @@ class Sorting {
       if (candidate.solvable.empty()) continue;
       if (candidate.open.size() != static_cast<std::size_t>(count))
         queue_.emplace(static_cast<int>(candidate.open.size()), equation);
-      else if (count == 1)
-        define(equation, candidate.open.front());
-      else
-        tear(equation);
+      else if (count == 1) define(equation, candidate.open.front());
+      else tear(equation);
     }
     return std::move(definitions_);
   }

@@ -35,8 +35,8 @@ void EventIteration::solve(Values& values, sfdae::Point& point, const std::vecto
   modes_.to_values(point, values);
   if (status != SFDAE_VALUES_CHANGED || has_warned_of_jump_) return;
   has_warned_of_jump_ = true;
-  warnings_.push_back("event at t = " + to_text(values.t) + ": values of states had to change, since new constraints hold: " +
-                      calls_.message());
+  warnings_.push_back("event at t = " + to_text(values.t) +
+                      ": values of states had to change, since new constraints hold: " + calls_.message());
 }
 
 std::string EventIteration::changing(const Values& before, const Values& values) const {
@@ -63,11 +63,13 @@ void EventIteration::settle(Values& values, sfdae::Point& point) {
     if (!switches_.update(values, round >= max_at_once)) return;
   }
   throw Failure(Outcome::not_finished, SFDAE_OK,
-                "no values agree with all relations at t = " + to_text(values.t) + "; these keep changing: " + changing(before, values));
+                "no values agree with all relations at t = " + to_text(values.t) +
+                    "; these keep changing: " + changing(before, values));
 }
 
 void EventIteration::assertion_failed(const Reaction& reaction, double t) {
-  const std::string text = place(system_.model, reaction.at) + ": assertion failed at t = " + to_text(t) + ": " + reaction.message;
+  const std::string text =
+      place(system_.model, reaction.at) + ": assertion failed at t = " + to_text(t) + ": " + reaction.message;
   if (reaction.is_error) throw Failure(Outcome::not_finished, SFDAE_OK, text);
   const std::size_t number = static_cast<std::size_t>(&reaction - system_.reactions.data());
   if (is_reported_[number] == 0) warnings_.push_back(text);
@@ -101,7 +103,8 @@ bool EventIteration::react(Values& values, sfdae::Point& point, EventResult& res
       const Alias& alias = system_.aliases[at(reaction.variable)];
       const auto unknown = std::find(modes_.unknowns().begin(), modes_.unknowns().end(), alias.root);
       if (alias.root < 0 || unknown == modes_.unknowns().end())
-        throw ModelError(system_.model.file, reaction.at, "reinit of " + system_.model.variables[at(reaction.variable)].name + ", which is no state");
+        throw ModelError(system_.model.file, reaction.at,
+                         "reinit of " + system_.model.variables[at(reaction.variable)].name + ", which is no state");
       const std::size_t j = static_cast<std::size_t>(unknown - modes_.unknowns().begin());
       point.x[j] = alias.sign * (discrete_.value(i) - alias.offset);
       fixed[j] = 1;
@@ -133,7 +136,8 @@ EventResult EventIteration::run(Values& values, sfdae::Point& point, const std::
     result.needs_start = result.needs_start || modes_.equations_key(values) != key;
     return result;
   }
-  throw Failure(Outcome::not_finished, SFDAE_OK, "the event at t = " + to_text(values.t) + " does not end: discrete variables keep changing");
+  throw Failure(Outcome::not_finished, SFDAE_OK,
+                "the event at t = " + to_text(values.t) + " does not end: discrete variables keep changing");
 }
 
 }  // namespace sfdae::cli

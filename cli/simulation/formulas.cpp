@@ -121,9 +121,7 @@ Formula Formulas::number(double value) {
 
 Formula Formulas::time() { return leaf(Operation::time, -1, on_continuous); }
 
-Formula Formulas::derivative(int index) {
-  return leaf(Operation::derivative, index, on_continuous | on_derivative);
-}
+Formula Formulas::derivative(int index) { return leaf(Operation::derivative, index, on_continuous | on_derivative); }
 
 int Formulas::add_variable(unsigned dependence) {
   of_variable_.push_back(dependence);
@@ -153,8 +151,7 @@ Formula Formulas::apply(Operation operation, Formula a, Formula b, Formula c) {
 
 Formula Formulas::simplified(Operation operation, Formula a, Formula b, Formula c) {
   switch (operation) {
-    case Operation::negate:
-      return nodes_[at(a)].operation == Operation::negate ? nodes_[at(a)].operands[0] : -1;
+    case Operation::negate: return nodes_[at(a)].operation == Operation::negate ? nodes_[at(a)].operands[0] : -1;
     case Operation::add:
     case Operation::subtract: return simplified_sum(operation, a, b);
     case Operation::multiply:

@@ -68,7 +68,9 @@ class Formulas {
   const FormulaNode& operator[](Formula formula) const { return nodes_[at(formula)]; }
   int size() const { return static_cast<int>(nodes_.size()); }
   bool is_number(Formula formula) const { return nodes_[at(formula)].operation == Operation::number; }
-  bool is_number(Formula formula, double value) const { return is_number(formula) && nodes_[at(formula)].value == value; }
+  bool is_number(Formula formula, double value) const {
+    return is_number(formula) && nodes_[at(formula)].value == value;
+  }
   bool depends(Formula formula, unsigned on) const { return (nodes_[at(formula)].dependence & on) != 0; }
 
   // All formulas that these consist of, in ascending order.

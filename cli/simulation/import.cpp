@@ -125,8 +125,7 @@ Formula Import::integer_operation(const Node& node, Formula a, Formula b, Contex
     return formulas.apply(node.operation, a, b);
   switch (node.operation) {
     case Operation::ceil: return formulas.negate(jump(node, Switch::Kind::floor, formulas.negate(a), context));
-    case Operation::div:
-      return jump(node, Switch::Kind::truncate, formulas.apply(Operation::divide, a, b), context);
+    case Operation::div: return jump(node, Switch::Kind::truncate, formulas.apply(Operation::divide, a, b), context);
     case Operation::mod:
     case Operation::rem: {
       const Switch::Kind kind = node.operation == Operation::mod ? Switch::Kind::floor : Switch::Kind::truncate;

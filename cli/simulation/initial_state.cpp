@@ -58,7 +58,8 @@ void InitialState::find(double t, Values& values, std::vector<std::string>& warn
     is_settled = !discrete_.update(values) && !assigned && !switched && modes_.equations_key(values) == key;
   }
   if (!is_settled)
-    throw Failure(Outcome::not_started, SFDAE_OK, "no initial values agree with all relations and discrete equations");
+    throw Failure(Outcome::not_started, SFDAE_OK,
+                  "no initial values agree with all relations and discrete equations");
   warnings.insert(warnings.end(), initialization.warnings().begin(), initialization.warnings().end());
   values.is_initial = false;
   discrete_.complete(values);

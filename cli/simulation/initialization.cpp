@@ -127,7 +127,8 @@ std::vector<double> Initialization::residuals(Values values, const sfdae::Point&
   return result;
 }
 
-Initialization::Linearization Initialization::linearized(Mode& mode, const Values& values, const sfdae::Point& point) {
+Initialization::Linearization Initialization::linearized(Mode& mode, const Values& values,
+                                                         const sfdae::Point& point) {
   Linearization result;
   result.B = basis(mode, point);
   result.residuals = residuals(values, point, &result.sizes);
@@ -195,8 +196,8 @@ bool Initialization::improve(Mode& mode, const Values& values, sfdae::Point& poi
         trial.x[at(conditions_[at(i)].unknown)] = conditions_[at(i)].value;
         fixed[at(conditions_[at(i)].unknown)] = 1;
       }
-    const bool is_consistent = make_consistent(mode, trial, fixed) ||
-                               make_consistent(mode, trial, std::vector<int>(trial.x.size(), 0));
+    const bool is_consistent =
+        make_consistent(mode, trial, fixed) || make_consistent(mode, trial, std::vector<int>(trial.x.size(), 0));
     if (!is_consistent) continue;
     const double after = merit(residuals(values, trial));
     if (after < before || after <= converged * converged) {
@@ -269,9 +270,11 @@ void Initialization::report(const Linearization& linearization, const Selection&
     const std::string where = place(system_.model, condition.at) + ": ";
     if (std::fabs(residual) > contradiction * linearization.sizes[at(i)])
       throw Failure(Outcome::not_started, SFDAE_FIXED_VALUES,
-                    where + "the initial condition " + condition.text + " contradicts the equations and the other initial conditions: it is violated by " +
+                    where + "the initial condition " + condition.text +
+                        " contradicts the equations and the other initial conditions: it is violated by " +
                         to_text(residual));
-    warnings_.push_back(where + "the initial condition " + condition.text + " follows from the others and is not needed");
+    warnings_.push_back(where + "the initial condition " + condition.text +
+                        " follows from the others and is not needed");
   }
 }
 

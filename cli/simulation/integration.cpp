@@ -23,9 +23,11 @@ bool is_same_time(double a, double b) { return std::fabs(a - b) <= same_time * s
 
 bool uses_derivatives(const System& system) {
   const auto depends = [&](Formula f) { return f >= 0 && system.formulas.depends(f, on_derivative); };
-  return std::any_of(system.discrete.begin(), system.discrete.end(), [&](const auto& it) { return depends(it.value); }) ||
+  return std::any_of(system.discrete.begin(), system.discrete.end(),
+                     [&](const auto& it) { return depends(it.value); }) ||
          std::any_of(system.switches.begin(), system.switches.end(), [&](const auto& it) { return depends(it.g); }) ||
-         std::any_of(system.reactions.begin(), system.reactions.end(), [&](const auto& it) { return depends(it.value); });
+         std::any_of(system.reactions.begin(), system.reactions.end(),
+                     [&](const auto& it) { return depends(it.value); });
 }
 
 }  // namespace
@@ -41,7 +43,8 @@ Integration::Integration(const Parts& parts)
 
 double Integration::output_time(long number) const {
   const Settings& s = parts_.settings;
-  return number >= s.num_outputs ? s.stop : s.start + (s.stop - s.start) * static_cast<double>(number) / s.num_outputs;
+  return number >= s.num_outputs ? s.stop
+                                 : s.start + (s.stop - s.start) * static_cast<double>(number) / s.num_outputs;
 }
 
 void Integration::run(Values& values, sfdae::Point& point) {
@@ -71,7 +74,10 @@ void Integration::run(Values& values, sfdae::Point& point) {
       parts_.events.check_assertions(values);
       parts_.output.add(values);
     }
-    for (; next_output_ <= parts_.settings.num_outputs && (output_time(next_output_) <= values.t || is_same_time(output_time(next_output_), values.t)); ++next_output_) num_steps_ = 0;
+    for (; next_output_ <= parts_.settings.num_outputs &&
+           (output_time(next_output_) <= values.t || is_same_time(output_time(next_output_), values.t));
+         ++next_output_)
+      num_steps_ = 0;
   }
   finish(at);
 }
@@ -87,7 +93,8 @@ void Integration::start(Reached& at) {
     mode_->options.initial_values = SFDAE_INITIAL_NEAREST;
     mode_->options.fixed.clear();
     mode_->solver.set_options(mode_->options);
-    mode_->solver.set_events(parts_.switches.num_roots(), [this](double t, sfdae::ConstVectorRef x, sfdae::ConstVectorRef xdot, sfdae::VectorRef g) {
+    mode_->solver.set_events(parts_.switches.num_roots(), [this](double t, sfdae::ConstVectorRef x,
+                                                                 sfdae::ConstVectorRef xdot, sfdae::VectorRef g) {
       const std::vector<int>& unknowns = parts_.modes.unknowns();
       root_values_.t = t;
       for (std::size_t j = 0; j < unknowns.size(); ++j) {
@@ -105,7 +112,10 @@ void Integration::start(Reached& at) {
       mode_->solver.analyze_at(at.point, parts_.settings.stop);
       return begin();
     });
-  if (status < 0) throw Failure(outcome_of(status, is_started_ || at.values.t > parts_.settings.start ? Phase::integration : Phase::initialization), status, where + ": " + parts_.calls.message());
+  if (status < 0)
+    throw Failure(outcome_of(status, is_started_ || at.values.t > parts_.settings.start ? Phase::integration
+                                                                                        : Phase::initialization),
+                  status, where + ": " + parts_.calls.message());
   parts_.modes.to_values(at.point, at.values);
   is_started_ = is_first_step_ = true;
   start_ = at.values.t;
@@ -115,7 +125,9 @@ int Integration::step(Reached& at, double target) {
   if (!is_started_) start(at);
   const long max_steps = parts_.settings.max_steps > 0 ? parts_.settings.max_steps : default_max_steps;
   if (++num_steps_ > max_steps)
-    throw Failure(Outcome::not_finished, SFDAE_MAX_STEPS, "more than " + std::to_string(max_steps) + " steps between two outputs, at t = " + to_text(at.values.t));
+    throw Failure(
+        Outcome::not_finished, SFDAE_MAX_STEPS,
+        "more than " + std::to_string(max_steps) + " steps between two outputs, at t = " + to_text(at.values.t));
   const int status = parts_.calls.run(*mode_, Phase::integration, "t = " + to_text(at.values.t), [&] {
     if (needs_derivatives_) return mode_->solver.step(target, at.point);
     const int result = sfdae_step(mode_->solver.get(), target, &at.point.t, at.point.x.data(), nullptr);
@@ -172,7 +184,8 @@ bool Integration::set_due_samples(Values& values) {
     const Sample& sample = parts_.system.samples[i];
     const auto time_of = [&](long number) { return sample.start + static_cast<double>(number) * sample.interval; };
     values.samples[i] = 0.0;
-    while (time_of(next_sample_[i]) < values.t && !is_same_time(time_of(next_sample_[i]), values.t)) ++next_sample_[i];
+    while (time_of(next_sample_[i]) < values.t && !is_same_time(time_of(next_sample_[i]), values.t))
+      ++next_sample_[i];
     if (!is_same_time(time_of(next_sample_[i]), values.t)) continue;
     values.samples[i] = 1.0;
     ++next_sample_[i];
@@ -196,7 +209,8 @@ bool Integration::settle_at_start(Reached& at) {
   const double t0 = at.values.t;
   for (std::size_t i = 0; i < next_sample_.size(); ++i) {
     const Sample& sample = parts_.system.samples[i];
-    next_sample_[i] = std::max(0L, static_cast<long>(std::ceil((t0 - sample.start) / sample.interval - same_time * std::fabs(t0 / sample.interval))));
+    next_sample_[i] = std::max(0L, static_cast<long>(std::ceil((t0 - sample.start) / sample.interval -
+                                                               same_time * std::fabs(t0 / sample.interval))));
   }
   key_ = parts_.modes.equations_key(at.values);
   Values probe = at.values;
@@ -228,12 +242,14 @@ bool Integration::happens(Reached& at, const std::vector<int>& roots, const std:
 }
 
 void Integration::count_event(const std::string& text, double t) {
-  num_close_events_ = t - last_event_ <= close_events * (parts_.settings.stop - parts_.settings.start) ? num_close_events_ + 1 : 0;
+  num_close_events_ =
+      t - last_event_ <= close_events * (parts_.settings.stop - parts_.settings.start) ? num_close_events_ + 1 : 0;
   last_event_ = t;
   if (num_close_events_ > max_close_events)
     throw Failure(Outcome::not_finished, SFDAE_OK,
                   "events accumulate at t = " + to_text(t) + ", the last one: " + text +
-                      ". A relation changes again and again (chattering, or an impact that never ends); give it a hysteresis, or a state of rest.");
+                      ". A relation changes again and again (chattering, or an impact that never ends); give it a "
+                      "hysteresis, or a state of rest.");
 }
 
 std::string Integration::describe(const std::vector<int>& roots, const Values& before, const Values& after) const {
@@ -248,7 +264,8 @@ std::string Integration::describe(const std::vector<int>& roots, const Values& b
     if (is_named[s] == 0 && before.switches[s] == after.switches[s]) continue;
     const Switch& it = parts_.system.switches[s];
     const bool is_relation_switch = it.kind == Switch::Kind::relation;
-    add(it.text + (is_relation_switch ? (after.switches[s] != 0.0 ? " becomes true" : " becomes false") : " jumps"), it.at);
+    add(it.text + (is_relation_switch ? (after.switches[s] != 0.0 ? " becomes true" : " becomes false") : " jumps"),
+        it.at);
   }
   for (std::size_t i = 0; i < after.samples.size(); ++i)
     if (after.samples[i] != 0.0) add(parts_.system.samples[i].text, parts_.system.samples[i].at);

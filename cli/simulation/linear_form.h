@@ -12,7 +12,7 @@ namespace sfdae::cli {
 
 struct LinearForm {
   double constant = 0.0;
-  std::map<int, double> coefficients;             // of variables of type Real; numbers
+  std::map<int, double> coefficients;              // of variables of type Real; numbers
   std::vector<std::pair<double, Formula>> others;  // anything else
   bool is_whole = true;                            // false: too long, and cut off
 };

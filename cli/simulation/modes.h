@@ -20,7 +20,7 @@ struct Mode : std::enable_shared_from_this<Mode> {
       : solver(std::move(problem), options_given), options(options_given) {}
 
   sfdae::Solver solver;
-  sfdae::Options options;         // in use
+  sfdae::Options options;          // in use
   std::vector<double> parameters;  // values in use
 
   // Makes the point consistent, components with a flag stay. What LibraryCalls::attempt expects.

@@ -38,7 +38,8 @@ void Parameters::classify(const std::map<std::string, double>& given) {
   }
   for (const auto& [name, value] : given) {
     const auto place = places.find(name);
-    if (place == places.end()) throw ModelError(model_.file, {}, "there is no parameter or variable " + name + " to set");
+    if (place == places.end())
+      throw ModelError(model_.file, {}, "there is no parameter or variable " + name + " to set");
     set_given(name, place->second, value);
   }
 }
@@ -47,8 +48,7 @@ void Parameters::set_given(const std::string& name, int variable, double value) 
   const Variable& it = model_.variables[index(variable)];
   if (!std::isfinite(value)) throw ModelError(model_.file, it.at, "the value given for " + name + " is not finite");
   if (it.variability == Variability::constant) fail(it, "is a constant and cannot be set");
-  if (it.is_structural)
-    fail(it, "cannot be set: the equations were chosen by its value; change it in the file");
+  if (it.is_structural) fail(it, "cannot be set: the equations were chosen by its value; change it in the file");
   if (it.type != Type::real && value != std::floor(value)) fail(it, "needs a whole number");
   if (it.type == Type::boolean && value != 0.0 && value != 1.0) fail(it, "is a Boolean: it needs 0 or 1");
   if (it.variability == Variability::parameter || it.is_input) {
@@ -63,7 +63,10 @@ void Parameters::fail(const Variable& variable, const std::string& text) const {
   const bool is_constant = variable.variability == Variability::constant;
   const bool is_parameter = variable.variability == Variability::parameter;
   throw ModelError(model_.file, variable.at,
-                   (is_constant ? "constant " : is_parameter ? "parameter " : "variable ") + variable.name + " " + text);
+                   (is_constant    ? "constant "
+                    : is_parameter ? "parameter "
+                                   : "variable ") +
+                       variable.name + " " + text);
 }
 
 void Parameters::find(int variable) {
@@ -74,7 +77,8 @@ void Parameters::find(int variable) {
   const Expression& formula = it.binding ? it.binding : it.start;
   if (!formula) fail(it, "has no value; set it, or give it one in the file");
   if (!it.binding && it.variability == Variability::parameter)
-    warnings_.push_back(ModelError(model_.file, it.at, "parameter " + it.name + " has no value, its start value is used").what());
+    warnings_.push_back(
+        ModelError(model_.file, it.at, "parameter " + it.name + " has no value, its start value is used").what());
   state = State::visiting;
   const bool outer = depends_on_free_;
   const Location outer_at = at_;
@@ -110,12 +114,14 @@ double Parameters::evaluate(const Node& node) {
   if (node.operation == Operation::number) return node.value;
   if (node.operation == Operation::variable) {
     if (states_[index(node.index)] == State::other)
-      throw ModelError(model_.file, at_, "depends on " + model_.variables[index(node.index)].name +
-                                             ", which is neither a constant nor a parameter");
+      throw ModelError(
+          model_.file, at_,
+          "depends on " + model_.variables[index(node.index)].name + ", which is neither a constant nor a parameter");
     find(node.index);
     const State state = states_[index(node.index)];
     if (state == State::free || state == State::derived) depends_on_free_ = true;
-    return state == State::derived ? evaluate(*model_.variables[index(node.index)].binding) : values_[index(node.index)];
+    return state == State::derived ? evaluate(*model_.variables[index(node.index)].binding)
+                                   : values_[index(node.index)];
   }
   const auto place = evaluated_.find(&node);
   if (place != evaluated_.end()) return place->second;
@@ -142,7 +148,8 @@ double Parameters::evaluate_operation(const Node& node) {
     case Operation::sample:
     case Operation::initial:
     case Operation::terminal:
-      throw ModelError(model_.file, node.at.line > 0 ? node.at : at_, "a constant or parameter cannot depend on time");
+      throw ModelError(model_.file, node.at.line > 0 ? node.at : at_,
+                       "a constant or parameter cannot depend on time");
     default: break;
   }
   const double a = operand(0);

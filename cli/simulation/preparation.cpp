@@ -26,10 +26,10 @@ std::vector<unsigned> dependences(const FlatModel& model, const Parameters& para
   std::vector<unsigned> result;
   for (int v = 0; v < static_cast<int>(model.variables.size()); ++v) {
     const Variable& variable = model.variables[at(v)];
-    result.push_back(parameters.is_known(v)                                     ? on_numbers
-                     : is_discrete(variable)                                    ? on_discrete
+    result.push_back(parameters.is_known(v)                              ? on_numbers
+                     : is_discrete(variable)                             ? on_discrete
                      : parameters.is_free(v) || parameters.is_derived(v) ? on_free
-                                                                                : on_continuous);
+                                                                         : on_continuous);
   }
   return result;
 }
@@ -86,7 +86,8 @@ class Preparation {
   }
 
   void add_bounds(int v, const Variable& variable) {
-    if (variable.type == Type::boolean || variable.type == Type::enumeration || (!variable.min && !variable.max)) return;
+    if (variable.type == Type::boolean || variable.type == Type::enumeration || (!variable.min && !variable.max))
+      return;
     const double inf = std::numeric_limits<double>::infinity();
     system_.checked.push_back({v, variable.min ? parameters_.value(variable.min) : -inf,
                                variable.max ? parameters_.value(variable.max) : inf});
@@ -112,7 +113,8 @@ class Preparation {
       return is_discrete(model().variables[at(node.index)]) ? node.index : -1;
     };
     for (const Equation& equation : model().initial_equations) {
-      const Formula left = import_(equation.left, Context::instant), right = import_(equation.right, Context::instant);
+      const Formula left = import_(equation.left, Context::instant),
+                    right = import_(equation.right, Context::instant);
       const int of_left = target(left), of_right = target(right);
       const std::string text = to_text(equation.left, model()) + " = " + to_text(equation.right, model());
       if (of_left >= 0) system_.initial_discrete.push_back({of_left, right});
@@ -145,7 +147,8 @@ class Preparation {
       all.push_back(condition.right);
     }
     for (Formula part : system_.formulas.parts(all))
-      if (system_.formulas[part].operation == Operation::derivative) system_.is_state[at(system_.formulas[part].index)] = 1;
+      if (system_.formulas[part].operation == Operation::derivative)
+        system_.is_state[at(system_.formulas[part].index)] = 1;
   }
 
   std::vector<int> ranks_of_roots() const {
@@ -190,7 +193,8 @@ class Preparation {
         has_nominal[root] = 1;
       }
       const int own = (model().variables[at(v)].is_fixed ? 2 : 0) + (system_.has_start[at(v)] != 0 ? 1 : 0);
-      const int present = std::max(quality[root], (model().variables[root].is_fixed ? 2 : 0) + (system_.has_start[root] != 0 ? 1 : 0));
+      const int present = std::max(
+          quality[root], (model().variables[root].is_fixed ? 2 : 0) + (system_.has_start[root] != 0 ? 1 : 0));
       if (own <= present) continue;
       quality[root] = own;
       system_.start[root] = alias.sign * (system_.start[at(v)] - alias.offset);
@@ -214,7 +218,7 @@ class Preparation {
     const auto replace = [&](int v, Formula root) {
       const Alias alias = aliases.find(v);
       system_.values[at(v)] = alias_of(alias, root);
-      const Formula slope = alias.root < 0                  ? formulas.number(0.0)
+      const Formula slope = alias.root < 0                    ? formulas.number(0.0)
                             : is_defined[at(alias.root)] != 0 ? -1
                             : alias.sign > 0.0                ? formulas.derivative(alias.root)
                                                               : formulas.negate(formulas.derivative(alias.root));
@@ -249,7 +253,8 @@ class Preparation {
     if (system_.formulas.is_number(formula)) {
       const double value = system_.formulas[formula].value;
       if (value != 0.0)
-        throw ModelError(model().file, residual.at, "this equation contradicts others: it says 0 = " + to_text(value));
+        throw ModelError(model().file, residual.at,
+                         "this equation contradicts others: it says 0 = " + to_text(value));
       warnings_.push_back(place(model(), residual.at) + ": this equation follows from others and determines nothing");
       return;
     }

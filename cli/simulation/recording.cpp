@@ -61,8 +61,7 @@ std::vector<Formula> Recording::needed() const {
     result.push_back(formula);
     if (numbers_.count(formula) != 0) continue;
     const FormulaNode& node = system_.formulas[formula];
-    const auto condition =
-        node.operation == Operation::choose ? numbers_.find(node.operands[0]) : numbers_.end();
+    const auto condition = node.operation == Operation::choose ? numbers_.find(node.operands[0]) : numbers_.end();
     if (condition != numbers_.end()) visit(node.operands[condition->second != 0.0 ? 1 : 2]);
     else
       for (Formula operand : node.operands) visit(operand);

@@ -30,7 +30,9 @@ class Recording {
   double known_leaf(const FormulaNode& node) const;
   sfdae::Expression operation(const FormulaNode& node) const;
   sfdae::Expression relation(Operation operation, const sfdae::Expression& a, const sfdae::Expression& b) const;
-  const sfdae::Expression& operand(const FormulaNode& node, std::size_t k) const { return recorded_.at(node.operands[k]); }
+  const sfdae::Expression& operand(const FormulaNode& node, std::size_t k) const {
+    return recorded_.at(node.operands[k]);
+  }
 
   const System& system_;
   const Values& values_;

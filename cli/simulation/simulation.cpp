@@ -26,14 +26,17 @@ Settings resolved(Settings settings, const Experiment& experiment, const FlatMod
   set(settings.stop, experiment.stop, settings.start + 1.0);
   set(settings.tolerance, experiment.tolerance, 1e-6);
   if (!std::isfinite(settings.start) || !std::isfinite(settings.stop) || settings.stop <= settings.start)
-    throw ModelError(model.file, {}, "the stop time " + to_text(settings.stop) + " is not after the start time " + to_text(settings.start));
+    throw ModelError(
+        model.file, {},
+        "the stop time " + to_text(settings.stop) + " is not after the start time " + to_text(settings.start));
   if (!(settings.tolerance > 0.0 && settings.tolerance < 1.0))
     throw ModelError(model.file, {}, "the tolerance " + to_text(settings.tolerance) + " is not between 0 and 1");
   const double interval = experiment.interval.value_or(0.0);
   if (settings.num_outputs <= 0)
-    settings.num_outputs = interval > 0.0 && interval <= settings.stop - settings.start
-                               ? static_cast<int>(std::min(std::lround((settings.stop - settings.start) / interval), 10000000L))
-                               : default_outputs;
+    settings.num_outputs =
+        interval > 0.0 && interval <= settings.stop - settings.start
+            ? static_cast<int>(std::min(std::lround((settings.stop - settings.start) / interval), 10000000L))
+            : default_outputs;
   return settings;
 }
 
@@ -79,7 +82,9 @@ void run(const FlatModel& model, const Settings& settings, bool only_analysis, R
   result.num_unknowns = static_cast<int>(system->unknowns.size());
   result.num_eliminated = system->num_eliminated;
   const std::vector<int> all_unknowns = with_free(*system);
-  Modes modes(*system, options_of(*system, settings, system->unknowns.empty() ? std::vector<int>{-1} : system->unknowns), false);
+  Modes modes(*system,
+              options_of(*system, settings, system->unknowns.empty() ? std::vector<int>{-1} : system->unknowns),
+              false);
   Modes initial_modes(*system, options_of(*system, settings, all_unknowns), true);
   LibraryCalls calls(*system, settings);
   calls.set_unknowns(all_unknowns);

@@ -29,7 +29,8 @@ std::optional<LinearInTime> linear_in_time(Formulas& formulas, Formula formula) 
       const auto of_a = linear_in_time(formulas, a), of_b = linear_in_time(formulas, b);
       if (!of_a || !of_b) return std::nullopt;
       const double sign = node.operation == Operation::add ? 1.0 : -1.0;
-      return LinearInTime{of_a->slope + sign * of_b->slope, formulas.apply(node.operation, of_a->offset, of_b->offset)};
+      return LinearInTime{of_a->slope + sign * of_b->slope,
+                          formulas.apply(node.operation, of_a->offset, of_b->offset)};
     }
     case Operation::multiply:
     case Operation::divide: {

@@ -74,7 +74,8 @@ struct CheckedVariable {
 };
 
 struct System {
-  explicit System(const FlatModel& it, std::vector<unsigned> dependence) : model(it), formulas(std::move(dependence)) {}
+  explicit System(const FlatModel& it, std::vector<unsigned> dependence)
+      : model(it), formulas(std::move(dependence)) {}
 
   const FlatModel& model;
   Formulas formulas;
@@ -86,19 +87,19 @@ struct System {
 
   std::vector<Switch> switches;
   std::vector<Sample> samples;
-  std::vector<Assignment> discrete;       // in the order of their evaluation
-  bool has_discrete_loop = false;         // they have to be evaluated repeatedly
+  std::vector<Assignment> discrete;          // in the order of their evaluation
+  bool has_discrete_loop = false;            // they have to be evaluated repeatedly
   std::vector<Assignment> initial_discrete;  // values of pre(variable) initially
   std::vector<Reaction> reactions;
   std::vector<InitialCondition> initial_conditions;
   std::vector<Formula> when_conditions;  // one for each virtual variable after those of the model
   int num_eliminated = 0;
-  std::vector<double> nominal;       // of every variable
-  std::vector<char> has_start;       // of every variable: the model gives a start value
-  std::vector<double> start;         // of every variable, 0 if it has none; roots know those of their aliases
-  std::vector<double> own_start;     // of every variable, its own
+  std::vector<double> nominal;    // of every variable
+  std::vector<char> has_start;    // of every variable: the model gives a start value
+  std::vector<double> start;      // of every variable, 0 if it has none; roots know those of their aliases
+  std::vector<double> own_start;  // of every variable, its own
   std::vector<Formula> own_start_formulas;
-  std::vector<char> is_state;        // of every variable: its derivative occurs
+  std::vector<char> is_state;  // of every variable: its derivative occurs
   std::vector<CheckedVariable> checked;
 
   bool is_unknown(int variable) const {

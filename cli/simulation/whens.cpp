@@ -24,8 +24,7 @@ class WhenImport {
       for (const Action& action : branch.actions) {
         if (action.kind == Action::Kind::assign)
           values[action.variable].emplace_back(active, import_(action.value, Context::instant));
-        else
-          add_reaction(action, active);
+        else add_reaction(action, active);
       }
       add_text(branch, active, when.at);
     }
@@ -75,7 +74,8 @@ class WhenImport {
     Reaction reaction;
     reaction.kind = Action::Kind::assign;
     reaction.active = active;
-    reaction.at = !branch.conditions.empty() && branch.conditions.front()->at.line > 0 ? branch.conditions.front()->at : at;
+    reaction.at =
+        !branch.conditions.empty() && branch.conditions.front()->at.line > 0 ? branch.conditions.front()->at : at;
     for (const Expression& condition : branch.conditions)
       reaction.message += (reaction.message.empty() ? "when " : ", ") + to_text(condition, system_.model);
     system_.reactions.push_back(reaction);
