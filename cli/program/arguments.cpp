@@ -3,6 +3,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <iostream>
+
 #include "program/exit_codes.h"
 #include "program/numbers.h"
 
@@ -63,6 +66,10 @@ void add_values(CLI::App& app, Arguments& arguments, const std::string& what) {
 
 void add_start(CLI::App& app, Arguments& arguments) {
   add_number(app, "--from", arguments.settings.start, "time to start at; else of the model, else 0", false);
+  app.add_option("--max-index", arguments.settings.max_index,
+                 "strangeness index up to which is searched; else 8, of more than 50 unknowns 5")
+      ->check(CLI::Range(1, 30).description(""))
+      ->type_name("N");
   add_number(app, "--tol", arguments.settings.tolerance, "relative tolerance; else of the model, else 1e-6", true);
 }
 
@@ -146,6 +153,12 @@ void add_commands(CLI::App& app, Arguments& arguments) {
       ->type_name("N");
 }
 
+bool has_command(const CLI::App& app, const std::string& name) {
+  const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+  return std::any_of(commands.begin(), commands.end(),
+                     [&name](const CLI::App* command) { return command->get_name() == name; });
+}
+
 }  // namespace
 
 std::variant<Arguments, int> parse_arguments(int count, char** arguments) {
@@ -156,6 +169,10 @@ std::variant<Arguments, int> parse_arguments(int count, char** arguments) {
   app.footer(footer);
   app.get_formatter()->column_width(24);
   add_commands(app, result);
+  if (count > 1 && arguments[1][0] != '-' && !has_command(app, arguments[1])) {
+    std::cerr << "sfdae: there is no command '" << arguments[1] << "', only check, analyze, solve and sweep\n";
+    return static_cast<int>(wrong_use);
+  }
   try {
     app.parse(count, arguments);
   } catch (const CLI::ParseError& error) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <iterator>
 
@@ -13,6 +14,9 @@
 namespace sfdae::cli {
 
 FlatModel read_model_of(const Arguments& arguments) {
+  std::error_code error;
+  if (std::filesystem::is_directory(arguments.model, error))
+    throw ProgramError(wrong_use, arguments.model + " is a directory, not a model");
   if (arguments.model != "-") return read_model_file(arguments.model);
   const std::string text{std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
   return read_model(text, "standard input");

@@ -17,6 +17,9 @@ constexpr int default_outputs = 500;
 // So many steps at least, where event functions depend on time and unknowns: they are looked at at a few points of
 // each step.
 constexpr double steps_with_events = 100.0;
+// A search in vain up to this index takes less than a second for as many unknowns.
+constexpr std::size_t small_system = 50;
+constexpr int max_index_of_small_systems = 8;
 
 Settings resolved(Settings settings, const Experiment& experiment, const FlatModel& model) {
   const auto set = [](double& value, const std::optional<double>& annotated, double otherwise) {
@@ -44,6 +47,10 @@ sfdae::Options options_of(const System& system, const Settings& settings, const 
   sfdae::Options options;
   options.rtol = settings.tolerance;
   options.method = settings.method;
+  if (settings.max_index > 0)
+    options.max_index = settings.max_index;
+  else if (unknowns.size() <= small_system)
+    options.max_index = max_index_of_small_systems;
   for (int v : unknowns) options.atol_vector.push_back(settings.tolerance * (v >= 0 ? system.nominal[at(v)] : 1.0));
   if (settings.progress)
     options.monitor = [progress = settings.progress](const sfdae::Progress& reached) {

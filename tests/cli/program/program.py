@@ -33,7 +33,7 @@ def columns(text):
 
 def model(path, declarations, equations, name="M"):
     """Writes a model file and returns its path."""
-    path = path / f"{name}.mo"
+    path = path / "model.mo"
     path.write_text(f"//! base 0.1.0\npackage '{name}'\n  model '{name}'\n{declarations}\n  equation\n{equations}\n"
                     f"  end '{name}';\nend '{name}';\n")
     return path

