@@ -2,6 +2,7 @@
 #include "simulation/event_iteration.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "simulation/text.h"
 
@@ -14,6 +15,9 @@ constexpr int max_iterations = 500;
 // Switches and equations that depend on each other: first all switches follow at once; then one by one, which finds
 // the mode of complementarity problems with P-matrices (Murty's method of least index).
 constexpr int max_at_once = 20, max_settling = 400;
+// Of the search for states that can stay, in units of nominal values.
+constexpr int reweightings = 15;
+constexpr double free_weight = 1e6, smallest_weight = 1e-12, unchanged = 1e-5;
 
 }  // namespace
 
@@ -27,16 +31,71 @@ EventIteration::EventIteration(const System& system, Modes& modes, LibraryCalls&
       warnings_(warnings),
       is_reported_(system.reactions.size(), 0) {}
 
-void EventIteration::solve(Values& values, sfdae::Point& point, const std::vector<int>& fixed) {
+void EventIteration::solve(Values& values, sfdae::Point& point) {
   const std::shared_ptr<Mode> mode = modes_.at_values(values);
   const int status = calls_.run(*mode, Phase::integration, "event at t = " + to_text(values.t),
-                                [&] { return mode->make_consistent(point, fixed); });
+                                [&] { return mode->make_consistent(point, {}); });
   solved_key_ = modes_.equations_key(values);
   modes_.to_values(point, values);
   if (status != SFDAE_VALUES_CHANGED || has_warned_of_jump_) return;
   has_warned_of_jump_ = true;
   warnings_.push_back("event at t = " + to_text(values.t) +
                       ": values of states had to change, since new constraints hold: " + calls_.message());
+}
+
+// After reinit: the other states stay where the constraints allow it.
+void EventIteration::solve_keeping_states(Values& values, sfdae::Point& point, std::vector<int> fixed) {
+  const std::shared_ptr<Mode> mode = modes_.at_values(values);
+  std::vector<int> all = fixed;
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    const int v = modes_.unknowns()[j];
+    if (v < 0 || system_.is_state[at(v)] != 0) all[j] = 1;
+  }
+  sfdae::Point kept = point;
+  int status = calls_.attempt(*mode, [&] { return mode->make_consistent(kept, all); });
+  if (status < 0) {
+    kept = point;
+    const std::vector<int> some = states_to_keep(*mode, point, fixed);
+    status = calls_.attempt(*mode, [&] { return mode->make_consistent(kept, some); });
+  }
+  if (status < 0) {
+    kept = point;
+    calls_.run(*mode, Phase::integration, "reinit at t = " + to_text(values.t),
+               [&] { return mode->make_consistent(kept, fixed); });
+  }
+  point = kept;
+  solved_key_ = modes_.equations_key(values);
+  modes_.to_values(point, values);
+}
+
+// As few states as possible change where those that reinit sets have changed: weights that follow the changes made
+// (iteratively reweighted least squares) drive most changes to zero.
+std::vector<int> EventIteration::states_to_keep(Mode& mode, const sfdae::Point& point,
+                                                const std::vector<int>& fixed) {
+  const std::size_t n = point.x.size();
+  const auto nominal = [&](std::size_t j) {
+    const int v = modes_.unknowns()[j];
+    return v >= 0 ? system_.nominal[at(v)] : 1.0;
+  };
+  std::vector<double> weights(n);
+  std::vector<int> result = fixed;
+  const auto is_state = [&](std::size_t j) {
+    return modes_.unknowns()[j] >= 0 && system_.is_state[at(modes_.unknowns()[j])] != 0;
+  };
+  for (std::size_t j = 0; j < n; ++j) weights[j] = nominal(j) * (is_state(j) ? 1.0 : free_weight);
+  for (int k = 0; k < reweightings; ++k) {
+    sfdae::Point moved = point;
+    mode.options.initial_weights = weights;
+    const int status = calls_.attempt(mode, [&] { return mode.make_consistent(moved, fixed); });
+    mode.options.initial_weights.clear();
+    if (status < 0) return fixed;
+    for (std::size_t j = 0; j < n; ++j) {
+      const double change = std::fabs(moved.x[j] - point.x[j]) / nominal(j);
+      if (is_state(j)) weights[j] = nominal(j) * std::sqrt(change + smallest_weight);
+      if (is_state(j) && k + 1 == reweightings && change < unchanged) result[j] = 1;
+    }
+  }
+  return result;
 }
 
 std::string EventIteration::changing(const Values& before, const Values& values) const {
@@ -53,13 +112,12 @@ std::string EventIteration::changing(const Values& before, const Values& values)
 
 // With pre() as it is: discrete variables, equations and switches that agree with each other.
 void EventIteration::settle(Values& values, sfdae::Point& point) {
-  const std::vector<int> none(point.x.size(), 0);
   Values before = values;
   for (int round = 0; round < max_settling; ++round) {
     before.variable = values.variable;
     before.switches = values.switches;
     discrete_.update(values);
-    if (modes_.equations_key(values) != solved_key_) solve(values, point, none);
+    if (modes_.equations_key(values) != solved_key_) solve(values, point);
     if (!switches_.update(values, round >= max_at_once)) return;
   }
   throw Failure(Outcome::not_finished, SFDAE_OK,
@@ -113,7 +171,7 @@ bool EventIteration::react(Values& values, sfdae::Point& point, EventResult& res
   }
   if (is_reinitialized) {
     modes_.to_values(point, values);
-    solve(values, point, fixed);
+    solve_keeping_states(values, point, fixed);
   }
   return is_reinitialized;
 }

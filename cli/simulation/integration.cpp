@@ -174,7 +174,11 @@ bool Integration::repair(Reached& at, const Values& before, bool is_first) {
   at.values.switches[cli::at(number)] = wanted;
   is_started_ = false;
   const Switch& it = parts_.system.switches[cli::at(number)];
-  if (!happens(at, {}, it.text + " (" + place(parts_.system.model, it.at) + ")")) num_close_events_ = -1;
+  const bool is_relation_switch = it.kind == Switch::Kind::relation;
+  const std::string text = it.text + (!is_relation_switch ? " jumps"
+                                      : wanted != 0.0     ? " becomes true"
+                                                          : " becomes false");
+  if (!happens(at, {}, text + " (" + place(parts_.system.model, it.at) + ")")) num_close_events_ = -1;
   return true;
 }
 
@@ -221,9 +225,30 @@ bool Integration::settle_at_start(Reached& at) {
   return happens(at, {}, "");
 }
 
+// A relation that passes zero to where it is already was elsewhere in between, too little to be noticed: that is an
+// event of its own, without which what waits for the relation to become true would be lost.
+void Integration::recover_lost_changes(Reached& at, const std::vector<int>& roots) {
+  bool has_lost = false;
+  Values lost = at.values;
+  for (int i = 0; i < static_cast<int>(roots.size()); ++i) {
+    const int number = parts_.switches.switch_of(i);
+    const bool is_relation = parts_.system.switches[cli::at(number)].kind == Switch::Kind::relation;
+    if (!is_relation || roots[cli::at(i)] == 0) continue;
+    Values passed = at.values;
+    parts_.switches.pass(i, roots[cli::at(i)], passed);
+    if (passed.switches[cli::at(number)] != at.values.switches[cli::at(number)]) continue;
+    parts_.switches.pass(i, -roots[cli::at(i)], lost);
+    has_lost = true;
+  }
+  if (!has_lost) return;
+  at.values = lost;
+  if (parts_.events.run(at.values, at.point, key_).needs_start) is_started_ = false;
+}
+
 bool Integration::happens(Reached& at, const std::vector<int>& roots, const std::string& contradiction) {
-  const Values before = at.values;
   if (parts_.result.trajectory.t.back() != at.values.t) parts_.output.add(at.values);
+  recover_lost_changes(at, roots);
+  const Values before = at.values;
   for (int i = 0; i < static_cast<int>(roots.size()); ++i)
     if (roots[cli::at(i)] != 0) parts_.switches.pass(i, roots[cli::at(i)], at.values);
   set_due_samples(at.values);
@@ -236,8 +261,10 @@ bool Integration::happens(Reached& at, const std::vector<int>& roots, const std:
   parts_.output.add(at.values);
   if (result.needs_start) is_started_ = false;
   root_values_ = at.values;
-  if (result.is_terminated) parts_.result.message = result.message;
-  if (result.is_terminated) add_statistics();
+  if (result.is_terminated) {
+    parts_.result.message = result.message;
+    add_statistics();
+  }
   return !result.is_terminated;
 }
 

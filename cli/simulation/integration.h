@@ -41,6 +41,7 @@ class Integration {
   void start(Reached& at);
   int step(Reached& at, double target);
   bool happens(Reached& at, const std::vector<int>& roots, const std::string& contradiction);
+  void recover_lost_changes(Reached& at, const std::vector<int>& roots);
   bool settle_at_start(Reached& at);
   void finish(Reached& at);
   bool repair(Reached& at, const Values& before, bool is_first);
