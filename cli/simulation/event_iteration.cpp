@@ -31,39 +31,50 @@ EventIteration::EventIteration(const System& system, Modes& modes, LibraryCalls&
       warnings_(warnings),
       is_reported_(system.reactions.size(), 0) {}
 
+std::vector<int> EventIteration::with_states(std::vector<int> fixed, const std::vector<char>& of_variable) const {
+  fixed.resize(modes_.unknowns().size(), 0);
+  for (std::size_t j = 0; j < fixed.size(); ++j) {
+    const int v = modes_.unknowns()[j];
+    if (v < 0 || of_variable[at(v)] != 0) fixed[j] = 1;
+  }
+  return fixed;
+}
+
+bool EventIteration::attempt(Mode& mode, sfdae::Point& point, const std::vector<int>& fixed) {
+  sfdae::Point trial = point;
+  if (calls_.attempt(mode, [&] { return mode.make_consistent(trial, fixed); }) < 0) return false;
+  point = std::move(trial);
+  return true;
+}
+
+// Where new constraints make states jump, those stay that are continuous even then.
 void EventIteration::solve(Values& values, sfdae::Point& point) {
   const std::shared_ptr<Mode> mode = modes_.at_values(values);
+  const sfdae::Point before = point;
   const int status = calls_.run(*mode, Phase::integration, "event at t = " + to_text(values.t),
                                 [&] { return mode->make_consistent(point, {}); });
+  if (status == SFDAE_VALUES_CHANGED) {
+    const std::string message = calls_.message();
+    sfdae::Point kept = before;
+    if (attempt(*mode, kept, with_states({}, system_.is_continuous_at_impulses))) point = kept;
+    if (!has_warned_of_jump_)
+      warnings_.push_back("event at t = " + to_text(values.t) +
+                          ": values of states had to change, since new constraints hold: " + message);
+    has_warned_of_jump_ = true;
+  }
   solved_key_ = modes_.equations_key(values);
   modes_.to_values(point, values);
-  if (status != SFDAE_VALUES_CHANGED || has_warned_of_jump_) return;
-  has_warned_of_jump_ = true;
-  warnings_.push_back("event at t = " + to_text(values.t) +
-                      ": values of states had to change, since new constraints hold: " + calls_.message());
 }
 
 // After reinit: the other states stay where the constraints allow it.
-void EventIteration::solve_keeping_states(Values& values, sfdae::Point& point, std::vector<int> fixed) {
+void EventIteration::solve_keeping_states(Values& values, sfdae::Point& point, const std::vector<int>& fixed) {
   const std::shared_ptr<Mode> mode = modes_.at_values(values);
-  std::vector<int> all = fixed;
-  for (std::size_t j = 0; j < all.size(); ++j) {
-    const int v = modes_.unknowns()[j];
-    if (v < 0 || system_.is_state[at(v)] != 0) all[j] = 1;
-  }
-  sfdae::Point kept = point;
-  int status = calls_.attempt(*mode, [&] { return mode->make_consistent(kept, all); });
-  if (status < 0) {
-    kept = point;
-    const std::vector<int> some = states_to_keep(*mode, point, fixed);
-    status = calls_.attempt(*mode, [&] { return mode->make_consistent(kept, some); });
-  }
-  if (status < 0) {
-    kept = point;
+  const bool is_solved = attempt(*mode, point, with_states(fixed, system_.is_state)) ||
+                         attempt(*mode, point, with_states(fixed, system_.is_continuous_at_impulses)) ||
+                         attempt(*mode, point, states_to_keep(*mode, point, fixed));
+  if (!is_solved)
     calls_.run(*mode, Phase::integration, "reinit at t = " + to_text(values.t),
-               [&] { return mode->make_consistent(kept, fixed); });
-  }
-  point = kept;
+               [&] { return mode->make_consistent(point, fixed); });
   solved_key_ = modes_.equations_key(values);
   modes_.to_values(point, values);
 }
@@ -191,6 +202,7 @@ EventResult EventIteration::run(Values& values, sfdae::Point& point, const std::
     discrete_.complete(values);
     discrete_.set_previous(values);
     if (!is_stable) continue;
+    switches_.forget_passed();
     result.needs_start = result.needs_start || modes_.equations_key(values) != key;
     return result;
   }

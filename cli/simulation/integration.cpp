@@ -171,7 +171,7 @@ bool Integration::repair(Reached& at, const Values& before, bool is_first) {
   }
   at.values = high;
   at.point = high_point;
-  at.values.switches[cli::at(number)] = wanted;
+  parts_.switches.set(number, wanted, at.values);
   is_started_ = false;
   const Switch& it = parts_.system.switches[cli::at(number)];
   const bool is_relation_switch = it.kind == Switch::Kind::relation;
