@@ -14,7 +14,7 @@ namespace {
 constexpr double same_time = 1e-14;
 // Events that follow each other within this part of the interval, so many of them, accumulate.
 constexpr double close_events = 1e-9;
-constexpr int max_close_events = 200;
+constexpr int max_close_events = 1000, max_close_changes = 20;  // in all, and of one relation
 constexpr long default_max_steps = 100000;
 // A contradiction so soon after the start of a piece, relative to its first step, was there at the start.
 constexpr double at_start = 1e-4;
@@ -37,7 +37,8 @@ Integration::Integration(const Parts& parts)
       root_values_(parts.system),
       next_sample_(parts.system.samples.size(), 0),
       needs_derivatives_(uses_derivatives(parts.system)),
-      last_event_(parts.settings.start) {
+      last_event_(parts.settings.start),
+      close_changes_(parts.system.switches.size(), 0) {
   sfdae_statistics_init(&parts_.result.statistics, sizeof parts_.result.statistics);
 }
 
@@ -61,7 +62,7 @@ void Integration::run(Values& values, sfdae::Point& point) {
     if (is_same_time(target, values.t)) values.t = point.t = target;
     else status = step(at, target);
     if (repair(at, before, is_first_step_)) {
-      if (num_close_events_ < 0) return;
+      if (is_over_) return;
       continue;
     }
     is_first_step_ = false;
@@ -178,7 +179,7 @@ bool Integration::repair(Reached& at, const Values& before, bool is_first) {
   const std::string text = it.text + (!is_relation_switch ? " jumps"
                                       : wanted != 0.0     ? " becomes true"
                                                           : " becomes false");
-  if (!happens(at, {}, text + " (" + place(parts_.system.model, it.at) + ")")) num_close_events_ = -1;
+  if (!happens(at, {}, text + " (" + place(parts_.system.model, it.at) + ")")) is_over_ = true;
   return true;
 }
 
@@ -257,7 +258,7 @@ bool Integration::happens(Reached& at, const std::vector<int>& roots, const std:
   const EventResult result = parts_.events.run(at.values, at.point, key_);
   for (const std::string& acted : result.acted) text += (text.empty() ? "" : "; ") + acted;
   parts_.result.events.push_back({at.values.t, text});
-  count_event(text, at.values.t);
+  count_event(text, before, at.values);
   parts_.output.add(at.values);
   if (result.needs_start) is_started_ = false;
   root_values_ = at.values;
@@ -268,11 +269,16 @@ bool Integration::happens(Reached& at, const std::vector<int>& roots, const std:
   return !result.is_terminated;
 }
 
-void Integration::count_event(const std::string& text, double t) {
-  num_close_events_ =
-      t - last_event_ <= close_events * (parts_.settings.stop - parts_.settings.start) ? num_close_events_ + 1 : 0;
+void Integration::count_event(const std::string& text, const Values& before, const Values& after) {
+  const double t = after.t;
+  const bool is_close = t - last_event_ <= close_events * (parts_.settings.stop - parts_.settings.start);
+  if (!is_close) close_changes_.assign(after.switches.size(), 0);
+  num_close_events_ = is_close ? num_close_events_ + 1 : 0;
   last_event_ = t;
-  if (num_close_events_ > max_close_events)
+  int most_changes = 0;
+  for (std::size_t s = 0; s < after.switches.size(); ++s)
+    if (before.switches[s] != after.switches[s]) most_changes = std::max(most_changes, ++close_changes_[s]);
+  if (num_close_events_ > max_close_events || most_changes > max_close_changes)
     throw Failure(Outcome::not_finished, SFDAE_OK,
                   "events accumulate at t = " + to_text(t) + ", the last one: " + text +
                       ". A relation changes again and again (chattering, or an impact that never ends); give it a "
