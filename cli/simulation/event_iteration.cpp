@@ -2,6 +2,7 @@
 #include "simulation/event_iteration.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "simulation/text.h"
 
@@ -14,6 +15,9 @@ constexpr int max_iterations = 500;
 // Switches and equations that depend on each other: first all switches follow at once; then one by one, which finds
 // the mode of complementarity problems with P-matrices (Murty's method of least index).
 constexpr int max_at_once = 20, max_settling = 400;
+// Of the search for states that can stay, in units of nominal values.
+constexpr int reweightings = 15;
+constexpr double free_weight = 1e6, smallest_weight = 1e-12, unchanged = 1e-5;
 
 }  // namespace
 
@@ -27,16 +31,82 @@ EventIteration::EventIteration(const System& system, Modes& modes, LibraryCalls&
       warnings_(warnings),
       is_reported_(system.reactions.size(), 0) {}
 
-void EventIteration::solve(Values& values, sfdae::Point& point, const std::vector<int>& fixed) {
+std::vector<int> EventIteration::with_states(std::vector<int> fixed, const std::vector<char>& of_variable) const {
+  fixed.resize(modes_.unknowns().size(), 0);
+  for (std::size_t j = 0; j < fixed.size(); ++j) {
+    const int v = modes_.unknowns()[j];
+    if (v < 0 || of_variable[at(v)] != 0) fixed[j] = 1;
+  }
+  return fixed;
+}
+
+bool EventIteration::attempt(Mode& mode, sfdae::Point& point, const std::vector<int>& fixed) {
+  sfdae::Point trial = point;
+  if (calls_.attempt(mode, [&] { return mode.make_consistent(trial, fixed); }) < 0) return false;
+  point = std::move(trial);
+  return true;
+}
+
+// Where new constraints make states jump, those stay that are continuous even then.
+void EventIteration::solve(Values& values, sfdae::Point& point) {
   const std::shared_ptr<Mode> mode = modes_.at_values(values);
+  const sfdae::Point before = point;
   const int status = calls_.run(*mode, Phase::integration, "event at t = " + to_text(values.t),
-                                [&] { return mode->make_consistent(point, fixed); });
+                                [&] { return mode->make_consistent(point, {}); });
+  if (status == SFDAE_VALUES_CHANGED) {
+    const std::string message = calls_.message();
+    sfdae::Point kept = before;
+    if (attempt(*mode, kept, with_states({}, system_.is_continuous_at_impulses))) point = kept;
+    if (!has_warned_of_jump_)
+      warnings_.push_back("event at t = " + to_text(values.t) +
+                          ": values of states had to change, since new constraints hold: " + message);
+    has_warned_of_jump_ = true;
+  }
   solved_key_ = modes_.equations_key(values);
   modes_.to_values(point, values);
-  if (status != SFDAE_VALUES_CHANGED || has_warned_of_jump_) return;
-  has_warned_of_jump_ = true;
-  warnings_.push_back("event at t = " + to_text(values.t) +
-                      ": values of states had to change, since new constraints hold: " + calls_.message());
+}
+
+// After reinit: the other states stay where the constraints allow it.
+void EventIteration::solve_keeping_states(Values& values, sfdae::Point& point, const std::vector<int>& fixed) {
+  const std::shared_ptr<Mode> mode = modes_.at_values(values);
+  const bool is_solved = attempt(*mode, point, with_states(fixed, system_.is_state)) ||
+                         attempt(*mode, point, with_states(fixed, system_.is_continuous_at_impulses)) ||
+                         attempt(*mode, point, states_to_keep(*mode, point, fixed));
+  if (!is_solved)
+    calls_.run(*mode, Phase::integration, "reinit at t = " + to_text(values.t),
+               [&] { return mode->make_consistent(point, fixed); });
+  solved_key_ = modes_.equations_key(values);
+  modes_.to_values(point, values);
+}
+
+// As few states as possible change where those that reinit sets have changed: weights that follow the changes made
+// (iteratively reweighted least squares) drive most changes to zero.
+std::vector<int> EventIteration::states_to_keep(Mode& mode, const sfdae::Point& point,
+                                                const std::vector<int>& fixed) {
+  const std::size_t n = point.x.size();
+  const auto nominal = [&](std::size_t j) {
+    const int v = modes_.unknowns()[j];
+    return v >= 0 ? system_.nominal[at(v)] : 1.0;
+  };
+  std::vector<double> weights(n);
+  std::vector<int> result = fixed;
+  const auto is_state = [&](std::size_t j) {
+    return modes_.unknowns()[j] >= 0 && system_.is_state[at(modes_.unknowns()[j])] != 0;
+  };
+  for (std::size_t j = 0; j < n; ++j) weights[j] = nominal(j) * (is_state(j) ? 1.0 : free_weight);
+  for (int k = 0; k < reweightings; ++k) {
+    sfdae::Point moved = point;
+    mode.options.initial_weights = weights;
+    const int status = calls_.attempt(mode, [&] { return mode.make_consistent(moved, fixed); });
+    mode.options.initial_weights.clear();
+    if (status < 0) return fixed;
+    for (std::size_t j = 0; j < n; ++j) {
+      const double change = std::fabs(moved.x[j] - point.x[j]) / nominal(j);
+      if (is_state(j)) weights[j] = nominal(j) * std::sqrt(change + smallest_weight);
+      if (is_state(j) && k + 1 == reweightings && change < unchanged) result[j] = 1;
+    }
+  }
+  return result;
 }
 
 std::string EventIteration::changing(const Values& before, const Values& values) const {
@@ -53,13 +123,12 @@ std::string EventIteration::changing(const Values& before, const Values& values)
 
 // With pre() as it is: discrete variables, equations and switches that agree with each other.
 void EventIteration::settle(Values& values, sfdae::Point& point) {
-  const std::vector<int> none(point.x.size(), 0);
   Values before = values;
   for (int round = 0; round < max_settling; ++round) {
     before.variable = values.variable;
     before.switches = values.switches;
     discrete_.update(values);
-    if (modes_.equations_key(values) != solved_key_) solve(values, point, none);
+    if (modes_.equations_key(values) != solved_key_) solve(values, point);
     if (!switches_.update(values, round >= max_at_once)) return;
   }
   throw Failure(Outcome::not_finished, SFDAE_OK,
@@ -113,7 +182,7 @@ bool EventIteration::react(Values& values, sfdae::Point& point, EventResult& res
   }
   if (is_reinitialized) {
     modes_.to_values(point, values);
-    solve(values, point, fixed);
+    solve_keeping_states(values, point, fixed);
   }
   return is_reinitialized;
 }
@@ -133,6 +202,7 @@ EventResult EventIteration::run(Values& values, sfdae::Point& point, const std::
     discrete_.complete(values);
     discrete_.set_previous(values);
     if (!is_stable) continue;
+    switches_.forget_passed();
     result.needs_start = result.needs_start || modes_.equations_key(values) != key;
     return result;
   }

@@ -34,7 +34,11 @@ class EventIteration {
 
  private:
   void settle(Values& values, sfdae::Point& point);
-  void solve(Values& values, sfdae::Point& point, const std::vector<int>& fixed);
+  void solve(Values& values, sfdae::Point& point);
+  void solve_keeping_states(Values& values, sfdae::Point& point, const std::vector<int>& fixed);
+  std::vector<int> with_states(std::vector<int> fixed, const std::vector<char>& of_variable) const;
+  bool attempt(Mode& mode, sfdae::Point& point, const std::vector<int>& fixed);
+  std::vector<int> states_to_keep(Mode& mode, const sfdae::Point& point, const std::vector<int>& fixed);
   bool react(Values& values, sfdae::Point& point, EventResult& result);
   void assertion_failed(const Reaction& reaction, double t);
   std::string changing(const Values& before, const Values& values) const;

@@ -14,7 +14,7 @@ namespace {
 constexpr double same_time = 1e-14;
 // Events that follow each other within this part of the interval, so many of them, accumulate.
 constexpr double close_events = 1e-9;
-constexpr int max_close_events = 200;
+constexpr int max_close_events = 1000, max_close_changes = 20;  // in all, and of one relation
 constexpr long default_max_steps = 100000;
 // A contradiction so soon after the start of a piece, relative to its first step, was there at the start.
 constexpr double at_start = 1e-4;
@@ -37,7 +37,8 @@ Integration::Integration(const Parts& parts)
       root_values_(parts.system),
       next_sample_(parts.system.samples.size(), 0),
       needs_derivatives_(uses_derivatives(parts.system)),
-      last_event_(parts.settings.start) {
+      last_event_(parts.settings.start),
+      close_changes_(parts.system.switches.size(), 0) {
   sfdae_statistics_init(&parts_.result.statistics, sizeof parts_.result.statistics);
 }
 
@@ -61,7 +62,7 @@ void Integration::run(Values& values, sfdae::Point& point) {
     if (is_same_time(target, values.t)) values.t = point.t = target;
     else status = step(at, target);
     if (repair(at, before, is_first_step_)) {
-      if (num_close_events_ < 0) return;
+      if (is_over_) return;
       continue;
     }
     is_first_step_ = false;
@@ -171,10 +172,14 @@ bool Integration::repair(Reached& at, const Values& before, bool is_first) {
   }
   at.values = high;
   at.point = high_point;
-  at.values.switches[cli::at(number)] = wanted;
+  parts_.switches.set(number, wanted, at.values);
   is_started_ = false;
   const Switch& it = parts_.system.switches[cli::at(number)];
-  if (!happens(at, {}, it.text + " (" + place(parts_.system.model, it.at) + ")")) num_close_events_ = -1;
+  const bool is_relation_switch = it.kind == Switch::Kind::relation;
+  const std::string text = it.text + (!is_relation_switch ? " jumps"
+                                      : wanted != 0.0     ? " becomes true"
+                                                          : " becomes false");
+  if (!happens(at, {}, text + " (" + place(parts_.system.model, it.at) + ")")) is_over_ = true;
   return true;
 }
 
@@ -221,9 +226,30 @@ bool Integration::settle_at_start(Reached& at) {
   return happens(at, {}, "");
 }
 
+// A relation that passes zero to where it is already was elsewhere in between, too little to be noticed: that is an
+// event of its own, without which what waits for the relation to become true would be lost.
+void Integration::recover_lost_changes(Reached& at, const std::vector<int>& roots) {
+  bool has_lost = false;
+  Values lost = at.values;
+  for (int i = 0; i < static_cast<int>(roots.size()); ++i) {
+    const int number = parts_.switches.switch_of(i);
+    const bool is_relation = parts_.system.switches[cli::at(number)].kind == Switch::Kind::relation;
+    if (!is_relation || roots[cli::at(i)] == 0) continue;
+    Values passed = at.values;
+    parts_.switches.pass(i, roots[cli::at(i)], passed);
+    if (passed.switches[cli::at(number)] != at.values.switches[cli::at(number)]) continue;
+    parts_.switches.pass(i, -roots[cli::at(i)], lost);
+    has_lost = true;
+  }
+  if (!has_lost) return;
+  at.values = lost;
+  if (parts_.events.run(at.values, at.point, key_).needs_start) is_started_ = false;
+}
+
 bool Integration::happens(Reached& at, const std::vector<int>& roots, const std::string& contradiction) {
-  const Values before = at.values;
   if (parts_.result.trajectory.t.back() != at.values.t) parts_.output.add(at.values);
+  recover_lost_changes(at, roots);
+  const Values before = at.values;
   for (int i = 0; i < static_cast<int>(roots.size()); ++i)
     if (roots[cli::at(i)] != 0) parts_.switches.pass(i, roots[cli::at(i)], at.values);
   set_due_samples(at.values);
@@ -232,20 +258,27 @@ bool Integration::happens(Reached& at, const std::vector<int>& roots, const std:
   const EventResult result = parts_.events.run(at.values, at.point, key_);
   for (const std::string& acted : result.acted) text += (text.empty() ? "" : "; ") + acted;
   parts_.result.events.push_back({at.values.t, text});
-  count_event(text, at.values.t);
+  count_event(text, before, at.values);
   parts_.output.add(at.values);
   if (result.needs_start) is_started_ = false;
   root_values_ = at.values;
-  if (result.is_terminated) parts_.result.message = result.message;
-  if (result.is_terminated) add_statistics();
+  if (result.is_terminated) {
+    parts_.result.message = result.message;
+    add_statistics();
+  }
   return !result.is_terminated;
 }
 
-void Integration::count_event(const std::string& text, double t) {
-  num_close_events_ =
-      t - last_event_ <= close_events * (parts_.settings.stop - parts_.settings.start) ? num_close_events_ + 1 : 0;
+void Integration::count_event(const std::string& text, const Values& before, const Values& after) {
+  const double t = after.t;
+  const bool is_close = t - last_event_ <= close_events * (parts_.settings.stop - parts_.settings.start);
+  if (!is_close) close_changes_.assign(after.switches.size(), 0);
+  num_close_events_ = is_close ? num_close_events_ + 1 : 0;
   last_event_ = t;
-  if (num_close_events_ > max_close_events)
+  int most_changes = 0;
+  for (std::size_t s = 0; s < after.switches.size(); ++s)
+    if (before.switches[s] != after.switches[s]) most_changes = std::max(most_changes, ++close_changes_[s]);
+  if (num_close_events_ > max_close_events || most_changes > max_close_changes)
     throw Failure(Outcome::not_finished, SFDAE_OK,
                   "events accumulate at t = " + to_text(t) + ", the last one: " + text +
                       ". A relation changes again and again (chattering, or an impact that never ends); give it a "

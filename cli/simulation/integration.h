@@ -41,6 +41,7 @@ class Integration {
   void start(Reached& at);
   int step(Reached& at, double target);
   bool happens(Reached& at, const std::vector<int>& roots, const std::string& contradiction);
+  void recover_lost_changes(Reached& at, const std::vector<int>& roots);
   bool settle_at_start(Reached& at);
   void finish(Reached& at);
   bool repair(Reached& at, const Values& before, bool is_first);
@@ -48,7 +49,7 @@ class Integration {
   bool set_due_samples(Values& values);
   std::optional<double> next_time_event(Values& values);
   double output_time(long number) const;
-  void count_event(const std::string& text, double t);
+  void count_event(const std::string& text, const Values& before, const Values& after);
   void add_statistics();
   std::string describe(const std::vector<int>& roots, const Values& before, const Values& after) const;
 
@@ -63,6 +64,8 @@ class Integration {
   long next_output_ = 1, num_steps_ = 0;
   double last_event_;
   int num_close_events_ = 0;
+  std::vector<int> close_changes_;  // of each switch, in these events
+  bool is_over_ = false;             // terminate() acted
 };
 
 }  // namespace sfdae::cli

@@ -2,6 +2,7 @@
 #include "simulation/modes.h"
 
 #include <algorithm>
+#include <unordered_set>
 
 #include "simulation/recording.h"
 
@@ -28,15 +29,22 @@ Modes::Modes(const System& system, const sfdae::Options& options, bool has_free)
   if (unknowns_.empty()) unknowns_.push_back(-1);
   std::vector<Formula> all;
   for (const Residual& residual : system.residuals) all.push_back(residual.formula);
-  for (Formula part : system.formulas.parts(all)) {
+  const std::vector<Formula> parts = system.formulas.parts(all);
+  std::unordered_set<Formula> calculated;  // operands of what is not a relation
+  for (Formula part : parts) {
+    const Operation operation = system.formulas[part].operation;
+    if (is_relation(operation) || operation == Operation::equal || operation == Operation::not_equal) continue;
+    calculated.insert(system.formulas[part].operands.begin(), system.formulas[part].operands.end());
+  }
+  for (Formula part : parts) {
     const FormulaNode& node = system.formulas[part];
     if (node.operands[0] >= 0 || (node.dependence & on_discrete) == 0) continue;
-    (is_parameter(part) ? parameters_ : key_).push_back(part);
+    (is_parameter(part, calculated.count(part) != 0) ? parameters_ : key_).push_back(part);
   }
 }
 
-// What has many values is a parameter, what chooses branches makes a mode.
-bool Modes::is_parameter(Formula formula) const {
+// What has many values is a parameter, what chooses branches makes a mode. Integers that are only compared do that.
+bool Modes::is_parameter(Formula formula, bool is_calculated_with) const {
   const FormulaNode& node = system_.formulas[formula];
   switch (node.operation) {
     case Operation::floor:
@@ -45,7 +53,7 @@ bool Modes::is_parameter(Formula formula) const {
     case Operation::previous: {
       if (at(node.index) >= system_.model.variables.size()) return false;
       const Type type = system_.model.variables[at(node.index)].type;
-      return type == Type::real || type == Type::integer;
+      return type == Type::real || (type == Type::integer && is_calculated_with);
     }
     default: return false;
   }

@@ -48,7 +48,7 @@ class Modes {
  private:
   std::vector<double> read(const std::vector<Formula>& leaves, const Values& values) const;
   std::shared_ptr<Mode> recorded(const Values& values) const;
-  bool is_parameter(Formula formula) const;
+  bool is_parameter(Formula formula, bool is_calculated_with) const;
   std::string parameter_name(Formula formula) const;
 
   const System& system_;

@@ -276,6 +276,23 @@ class Preparation {
     for (Switch& it : system_.switches) it.g = substitution_(it.g);
     find_switch_times(system_);
     sort_discrete(system_);
+    find_integrals();
+  }
+
+  // Equations with one derivative and nothing algebraic.
+  void find_integrals() {
+    system_.is_continuous_at_impulses.assign(model().variables.size(), 0);
+    for (const Residual& residual : system_.residuals) {
+      int differentiated = -1, num_others = 0;
+      for (Formula part : system_.formulas.parts({residual.formula})) {
+        const FormulaNode& node = system_.formulas[part];
+        if (node.operation == Operation::derivative && differentiated < 0) differentiated = node.index;
+        else if (node.operation == Operation::derivative) ++num_others;
+        else if (node.operation == Operation::variable && system_.formulas.depends(part, on_continuous))
+          num_others += system_.is_state[at(node.index)] != 0 ? 0 : 1;
+      }
+      if (differentiated >= 0 && num_others == 0) system_.is_continuous_at_impulses[at(differentiated)] = 1;
+    }
   }
 
   System& system_;

@@ -22,6 +22,7 @@ double upper_bound(const Switch& it, double k) { return it.kind == Switch::Kind:
 }  // namespace
 
 Switches::Switches(const System& system) : system_(system), arguments_(system.formulas) {
+  has_passed_.assign(system.switches.size(), 0);
   for (const Switch& it : system.switches) arguments_.add(it.g);
   for (const Switch& it : system.switches) arguments_.add(it.is_by_time ? it.offset : it.g);
   for (int s = 0; s < static_cast<int>(system.switches.size()); ++s) {
@@ -70,7 +71,8 @@ bool Switches::update(Values& values, bool only_first) {
   bool has_changed = false;
   for (int s = 0; s < count; ++s) {
     const Switch& it = system_.switches[at(s)];
-    double g = arguments_[s], tolerance = held * sizes_[at(s)];
+    double g = arguments_[s];
+    double tolerance = has_passed_[at(s)] != 0 ? held * sizes_[at(s)] : clear_of_nominal * it.nominal;
     if (std::isnan(g)) continue;
     if (it.is_by_time) {
       g += std::copysign(same_time * (std::fabs(it.slope * values.t) + std::fabs(arguments_[count + s])), it.slope);
@@ -96,12 +98,19 @@ void Switches::evaluate_roots(Values& values, double* g) {
   }
 }
 
-void Switches::pass(int root, int direction, Values& values) const {
-  const Switch& it = system_.switches[at(roots_[at(root)].number)];
-  double& value = values.switches[at(roots_[at(root)].number)];
+void Switches::set(int number, double value, Values& values) {
+  values.switches[at(number)] = value;
+  has_passed_[at(number)] = 1;
+}
+
+void Switches::pass(int root, int direction, Values& values) {
+  const int number = roots_[at(root)].number;
+  const Switch& it = system_.switches[at(number)];
+  double value = values.switches[at(number)];
   if (it.kind == Switch::Kind::relation) value = applied(it.operation, direction, 0.0, 0.0);
   else if (roots_[at(root)].bound == 0 && direction < 0) value -= 1.0;
   else if (roots_[at(root)].bound == 1 && direction > 0) value += 1.0;
+  set(number, value, values);
 }
 
 int Switches::contradiction(Values& values, bool is_solution) {

@@ -17,7 +17,7 @@ class Switches {
   bool set_literally(Values& values);
 
   // At events. Switches by time have the value that holds after t. Others whose argument is where they change, but for
-  // rounding, keep their value. Returns whether one changed. only_first: at most one changes, the first.
+  // rounding, keep their value; those that have passed it here are given more room. Returns whether one changed. only_first: at most one changes, the first.
   bool update(Values& values, bool only_first = false);
 
   // Functions whose zeros are events.
@@ -26,7 +26,9 @@ class Switches {
   bool roots_need_derivatives() const { return needs_derivatives_; }
 
   // The switch of a root has the value that holds after its function has risen (+1) or fallen (-1).
-  void pass(int root, int direction, Values& values) const;
+  void pass(int root, int direction, Values& values);
+  void set(int number, double value, Values& values);
+  void forget_passed() { has_passed_.assign(has_passed_.size(), 0); }
   int switch_of(int root) const { return roots_[at(root)].number; }
 
   // A switch that contradicts its argument clearly, which is an event that its root function did not show: -1 for
@@ -52,6 +54,7 @@ class Switches {
   Tape arguments_;  // g of every switch, then offsets of those by time
   std::vector<Root> roots_;
   std::vector<double> sizes_;
+  std::vector<char> has_passed_;  // switches that change at the event under way
   bool needs_derivatives_ = false;
 };
 

@@ -100,6 +100,8 @@ struct System {
   std::vector<double> own_start;  // of every variable, its own
   std::vector<Formula> own_start_formulas;
   std::vector<char> is_state;  // of every variable: its derivative occurs
+  // Of every variable: x' = f(states, t), so that x is continuous while forces and velocities jump.
+  std::vector<char> is_continuous_at_impulses;
   std::vector<CheckedVariable> checked;
 
   bool is_unknown(int variable) const {
