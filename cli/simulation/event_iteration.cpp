@@ -183,6 +183,7 @@ bool EventIteration::react(Values& values, sfdae::Point& point, EventResult& res
   if (is_reinitialized) {
     modes_.to_values(point, values);
     solve_keeping_states(values, point, fixed);
+    switches_.forget_passed();  // arguments are elsewhere now
   }
   return is_reinitialized;
 }

@@ -65,7 +65,7 @@ class Integration {
   double last_event_;
   int num_close_events_ = 0;
   std::vector<int> close_changes_;  // of each switch, in these events
-  bool is_over_ = false;             // terminate() acted
+  bool is_over_ = false;            // terminate() acted
 };
 
 }  // namespace sfdae::cli

@@ -79,7 +79,8 @@ bool Switches::update(Values& values, bool only_first) {
       tolerance = 0.0;
     }
     double& value = values.switches[at(s)];
-    if (literal(it, g) == value || outside(it, g, value) < tolerance) continue;
+    const bool is_zero = has_passed_[at(s)] == 0 && g == 0.0;  // not by chance
+    if (literal(it, g) == value || (!is_zero && outside(it, g, value) < tolerance)) continue;
     value = literal(it, g);
     has_changed = true;
     if (only_first) return true;
