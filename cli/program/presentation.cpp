@@ -30,7 +30,9 @@ std::string counts_in_words(const Result& result) {
   std::string text = "Of " + counted(result.num_unknowns, "unknown", "unknowns");
   if (result.num_eliminated > 0)
     text += " (" + std::to_string(result.num_eliminated) + " more are found by substitution)";
-  return text + ", " + std::to_string(values.differential) + " can have any initial value; " +
+  const std::string free = values.differential == 0 ? "none" : std::to_string(values.differential);
+  if (values.algebraic == 0) return text + ", " + free + " can have any initial value.";
+  return text + ", " + free + " can have any initial value; " +
          (values.algebraic == 1 ? "1 follows" : std::to_string(values.algebraic) + " follow") + " from constraints.";
 }
 

@@ -2,10 +2,10 @@
 
 // What was kept, dropped, and rounding, of every rank decision, relative to the data on a logarithmic axis.
 function drawDecisions(all) {
-  const rows = [...all].sort((a, b) => a.gap - b.gap).slice(0, 40);
+  const rows = [...all].sort((a, b) => a.gap - b.gap).slice(0, 16);
   const lowest = -18, left = 310, right = 96, line = 22, width = 960, height = rows.length * line + 34;
   const x = v => left + (width - left - right) * (Math.min(2, Math.max(lowest, v > 0 ? Math.log10(v) : lowest)) - lowest) / (2 - lowest);
-  const svg = element('svg:svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', style: 'max-width: 1000px', id: 'picture'});
+  const svg = element('svg:svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', id: 'picture'});
   for (let p = lowest; p <= 2; p += 4)
     svg.append(element('svg:line', {class: 'gridline', x1: x(10 ** p), x2: x(10 ** p), y1: 0, y2: height - 26}),
                element('svg:text', {x: x(10 ** p), y: height - 8, 'text-anchor': 'middle'}, p === lowest ? '0' : p === 0 ? '1' : `1e${p}`));
@@ -28,7 +28,7 @@ function drawDecisions(all) {
             sign(element('svg:circle', {class: 'dropped', cx: 8, cy: 7, r: 4}), 'largest value dropped'),
             sign(element('svg:line', {class: 'noise', x1: 8, x2: 8, y1: 1, y2: 13}), 'rounding errors'),
             sign(element('svg:line', {class: 'threshold', x1: 8, x2: 8, y1: 0, y2: 14}), 'below this line: zero')), svg);
-  if (all.length > rows.length) byId('decisions').append(element('p', {class: 'soft'}, `The ${rows.length} closest of ${all.length} decisions.`));
+  if (all.length > rows.length) byId('decisions').append(element('p', {class: 'soft'}, `The ${rows.length} closest of ${all.length} decisions; all are in the report.`));
 }
 
 // head: names of columns, numbers right-aligned where a name starts with '#'.
@@ -49,10 +49,10 @@ function fillReports() {
   byId('message').hidden = !data.message;
   const s = data.statistics, index = data.index;
   const tiles = index ? [[index.differentiation_index ?? '–', 'index'], [index.differential, 'free initial values'], [index.algebraic, 'constraints']] : [];
-  tiles.push([s.unknowns, 'unknowns'], [s.eliminated, 'found by substitution']);
-  if (s.steps) tiles.push([s.steps, 'steps'], [s.error_failures + s.other_failures, 'rejected steps'], [s.evaluations, 'evaluations'], [s.factorizations, 'factorizations']);
-  if (data.events.length) tiles.push([data.events.length, 'events']);
-  byId('tiles').append(...tiles.map(([value, name]) => element('div', {class: 'tile', 'data-name': name}, element('b', {}, String(value)), element('span', {}, name))));
+  tiles.push([s.unknowns, 'unknowns'], [s.eliminated || null, 'found by substitution'], [data.events.length || null, 'events']);
+  if (s.steps) tiles.push([s.steps, 'steps'], [s.error_failures + s.other_failures, 'rejected steps']);
+  tiles.push([s.evaluations || null, 'evaluations'], [s.factorizations || null, 'factorizations']);
+  byId('tiles').append(...tiles.filter(tile => tile[0] !== null).map(([value, name]) => element('div', {class: 'tile', 'data-name': name}, element('b', {}, String(value)), element('span', {}, name))));
   byId('index').hidden = !index && !data.decisions.length;
   if (index) byId('words').append(...index.words.concat(index.safety).map(text => element('p', {}, text)));
   if (data.decisions.length) drawDecisions(data.decisions);
