@@ -50,7 +50,7 @@ def test_interruption_writes_what_there_is(number, tmp_path):
 
 
 def test_sweep_is_interrupted(tmp_path):
-    process, errors = started("sweep", PENDULUM, "--set", "L=0.5:0.1:2", "--to", "1000", "--jobs", "2", "--csv",
+    process, errors = started("sweep", PENDULUM, "--set", "L=0.5:0.1:2", "--to", "200", "--jobs", "2", "--csv",
                               tmp_path / "s.csv", stdout=subprocess.DEVNULL)
     read_until(errors, b" of 16 instances")
     process.send_signal(signal.SIGINT)
