@@ -8,10 +8,38 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <optional>
 
 extern char** environ;
 
 namespace sfdae::cli {
+
+namespace {
+
+// Its process, if it could be started; no input, no output but errors.
+std::optional<pid_t> spawned(const std::string& path, std::vector<std::string>& arguments, const std::string& errors,
+                             short flags) {
+  std::string name = path;
+  std::vector<char*> pointers{name.data()};
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors.c_str(), O_WRONLY | O_TRUNC, 0);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, flags);
+  pid_t child = 0;
+  const int failed = ::posix_spawn(&child, path.c_str(), &actions, &attributes, pointers.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0) return std::nullopt;
+  return child;
+}
+
+}  // namespace
 
 std::string find_program(const std::string& name) {
   const char* const path = std::getenv("PATH");
@@ -26,22 +54,16 @@ std::string find_program(const std::string& name) {
 }
 
 int run_program(const std::string& path, std::vector<std::string> arguments, const std::string& errors) {
-  std::string name = path;
-  std::vector<char*> pointers{name.data()};
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors.c_str(), O_WRONLY | O_TRUNC, 0);
-  pid_t child = 0;
-  const int failed = ::posix_spawn(&child, path.c_str(), &actions, nullptr, pointers.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) return -1;
+  const std::optional<pid_t> child = spawned(path, arguments, errors, 0);
+  if (!child) return -1;
   int status = 0;
-  while (::waitpid(child, &status, 0) < 0)
+  while (::waitpid(*child, &status, 0) < 0)
     if (errno != EINTR) return -1;
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+bool start_program(const std::string& path, std::vector<std::string> arguments) {
+  return spawned(path, arguments, "/dev/null", POSIX_SPAWN_SETSID).has_value();
 }
 
 }  // namespace sfdae::cli

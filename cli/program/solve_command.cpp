@@ -1,5 +1,6 @@
 // sfdae solve and sfdae analyze: one run, and where its results go.
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cstdlib>
 #include <memory>
 
 #include "program/child_process.h"
@@ -50,11 +51,12 @@ void write_files(const Arguments& arguments, Outputs& outputs, const Presentatio
   if (!warning.empty()) print_warnings(arguments, {warning});
 }
 
-// Where there is no browser, the user can still open the file elsewhere.
+// Without a screen, a browser for terminals would wait for what nobody can type.
 void show_page(const Arguments& arguments) {
   const std::string opener = find_program("xdg-open");
-  if (!opener.empty() && run_program(opener, {arguments.html}, "/dev/null") == 0) return;
-  print_warnings(arguments, {"--show: no browser could be started by xdg-open; open " + arguments.html});
+  const bool has_screen = std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
+  if (has_screen && !opener.empty() && start_program(opener, {arguments.html})) return;
+  print_warnings(arguments, {"--show: there is no xdg-open or no screen to start a browser; open " + arguments.html});
 }
 
 void write_standard_output(const Arguments& arguments, const Presentation& presentation) {

@@ -1,9 +1,11 @@
 """Wrong use and how it is answered: exit code 2, and a message that names what is wrong."""
 
+import pathlib
+import re
 import subprocess
 
 import pytest
-from program import PENDULUM, PROGRAM, model, run
+from program import MODELS, PENDULUM, PROGRAM, model, run
 
 
 def test_version_is_that_of_the_library():
@@ -16,6 +18,15 @@ def test_help_documents_every_exit_code_and_command():
         assert word in text
     for command in ("check", "analyze", "solve", "sweep"):
         assert "MODEL" in run(command, "--help").stdout
+
+
+def test_every_option_is_in_manual_and_guide():
+    root = pathlib.Path(MODELS).parent.parent
+    manual = (root / "cli" / "program" / "sfdae.1").read_text().replace("\\-", "-")
+    guide = (root / "docs" / "guide" / "program.md").read_text()
+    for command in ("check", "analyze", "solve", "sweep"):
+        for option in re.findall(r"--[a-z-]+", run(command, "--help").stdout):
+            assert option in manual and (option in guide or option == "--help"), (command, option)
 
 
 @pytest.mark.parametrize("arguments, message", [

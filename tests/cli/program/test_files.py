@@ -70,3 +70,21 @@ def test_minus_is_standard_output():
     assert run("solve", PENDULUM, "--json", "-").stdout.startswith("{")
     assert run("solve", PENDULUM, "--html", "-").stdout.startswith("<!DOCTYPE html>")
     assert run("check", PENDULUM, "--json", "-").stdout.startswith("{")
+
+
+def test_page_is_opened_in_the_browser(tmp_path):
+    opener, seen = tmp_path / "xdg-open", tmp_path / "seen"
+    os.mkfifo(seen)
+    opener.write_text(f'#!/bin/sh\necho "$1" > {seen}\n')
+    opener.chmod(0o755)
+    environment = {"PATH": f"{tmp_path}:{os.environ['PATH']}", "DISPLAY": ":0"}
+    page = tmp_path / "p.html"
+    assert run("solve", PENDULUM, "--html", page, "--show", environment=environment).stderr == ""
+    assert seen.read_text() == f"{page}\n"
+
+
+def test_page_without_a_screen(tmp_path):
+    environment = {"DISPLAY": "", "PATH": str(tmp_path)}
+    result = run("solve", PENDULUM, "--html", tmp_path / "p.html", "--show", environment=environment)
+    assert "open " + str(tmp_path / "p.html") in result.stderr
+    assert "--show needs a file" in run("solve", PENDULUM, "--show", code=2).stderr
