@@ -78,7 +78,7 @@ struct Environment {
 
 // Limits keep files, also hostile ones, from taking all time or memory.
 struct Limits {
-  static constexpr long kMaxSteps = 20'000'000;    // expressions expanded: some ten seconds
+  static constexpr long kMaxSteps = 5'000'000;  // expressions expanded: a few seconds
   static constexpr long kMaxElements = 1'000'000;  // of an array
   static constexpr int kMaxDepth = 400;            // expressions within expressions, those of functions included
   static constexpr int kMaxRecursion = 50;         // calls of a function within itself

@@ -17,6 +17,7 @@ struct Subscript {
   std::vector<size_t> positions;
   bool is_scalar = false;
   Expression varying;
+  bool is_safe = false;  // an enumeration with as many literals as the array has elements
 };
 
 size_t position_of(Elaboration& e, const Expression& index, int n, Location at) {
@@ -45,6 +46,7 @@ Subscript evaluate_subscript(Elaboration& e, const Environment& in, const syntax
         value.kind == Kind::boolean ? e.pool.make(Operation::add, {scalar, e.pool.number(1.0)}, x.at) : scalar;
     if (value.is_scalar() && !constant_value(e, index)) {
       result.varying = index;
+      result.is_safe = value.definition != nullptr && value.definition->literals.size() == static_cast<size_t>(n);
     } else {
       result.positions.push_back(position_of(e, index, n, x.at));
     }
@@ -75,7 +77,7 @@ Value select_positions(const Value& array, const std::vector<Subscript>& subscri
 
 void assert_range(Elaboration& e, const Environment& in, const Expression& index, int n, Location at) {
   const auto make = [&](Operation operation, double limit) {
-    return operate(e, operation, {index, e.pool.number(limit, at)}, {at, true});
+    return operate(e, operation, {index, e.pool.number(limit, at)}, {at, in.in_function});
   };
   Assertion assertion;
   assertion.condition =
@@ -92,7 +94,7 @@ Value select_varying(Elaboration& e, const Environment& in, const Value& array, 
     const Expression index = std::exchange(subscripts[d].varying, nullptr);
     const int n = array.dims[d];
     if (n == 0) e.fail(at, "an element of an array without elements");
-    assert_range(e, in, index, n, at);
+    if (!subscripts[d].is_safe) assert_range(e, in, index, n, at);
     Value result;
     for (int k = n; k-- > 0;) {
       subscripts[d].positions = {static_cast<size_t>(k)};
@@ -101,7 +103,7 @@ Value select_varying(Elaboration& e, const Environment& in, const Value& array, 
         result = std::move(one);
         continue;
       }
-      const Expression is_k = operate(e, Operation::equal, {index, e.pool.number(k + 1, at)}, {at, true});
+      const Expression is_k = operate(e, Operation::equal, {index, e.pool.number(k + 1, at)}, {at, in.in_function});
       result = choose(e, is_k, one, result, at);
     }
     return result;

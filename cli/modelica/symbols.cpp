@@ -99,6 +99,11 @@ int Symbols::add_variable(Variable variable) {
   return index;
 }
 
+Expression Symbols::variable_node(int index, Location at) {
+  const bool varies = e_.model.variables[static_cast<size_t>(index)].variability >= Variability::discrete;
+  return e_.pool.variable(Operation::variable, index, varies, at);
+}
+
 Expression Symbols::derivative_of_variable(int index, Location at) {
   const Variable& variable = e_.model.variables[static_cast<size_t>(index)];
   if (variable.variability != Variability::continuous) return e_.pool.number(0.0, at);
