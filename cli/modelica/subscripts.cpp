@@ -87,6 +87,30 @@ void assert_range(Elaboration& e, const Environment& in, const Expression& index
   add_assertion(e, in, std::move(assertion));
 }
 
+// values[index - 1], by halving.
+Value choose_by_index(Elaboration& e, const Environment& in, const Expression& index, std::vector<Value>& values,
+                      Location at) {
+  std::vector<size_t> ends;  // of the values so far: the index of the last one that each stands for
+  for (size_t k = 1; k <= values.size(); ++k) ends.push_back(k);
+  while (values.size() > 1) {
+    size_t count = 0;
+    for (size_t k = 0; k < values.size(); k += 2) {
+      if (k + 1 < values.size()) {
+        const Expression limit = e.pool.number(static_cast<double>(ends[k]), at);
+        const Expression is_first = operate(e, Operation::less_equal, {index, limit}, {at, in.in_function});
+        values[count] = choose(e, is_first, values[k], values[k + 1], at);
+        ends[count++] = ends[k + 1];
+      } else {
+        ends[count] = ends[k];
+        values[count++] = std::move(values[k]);
+      }
+    }
+    values.resize(count);
+    ends.resize(count);
+  }
+  return std::move(values[0]);
+}
+
 Value select_varying(Elaboration& e, const Environment& in, const Value& array, std::vector<Subscript> subscripts,
                      Location at) {
   for (size_t d = 0; d < subscripts.size(); ++d) {
@@ -95,18 +119,12 @@ Value select_varying(Elaboration& e, const Environment& in, const Value& array, 
     const int n = array.dims[d];
     if (n == 0) e.fail(at, "an element of an array without elements");
     if (!subscripts[d].is_safe) assert_range(e, in, index, n, at);
-    Value result;
-    for (int k = n; k-- > 0;) {
-      subscripts[d].positions = {static_cast<size_t>(k)};
-      Value one = select_varying(e, in, array, subscripts, at);
-      if (k == n - 1) {
-        result = std::move(one);
-        continue;
-      }
-      const Expression is_k = operate(e, Operation::equal, {index, e.pool.number(k + 1, at)}, {at, in.in_function});
-      result = choose(e, is_k, one, result, at);
+    std::vector<Value> values;
+    for (size_t k = 0; k < static_cast<size_t>(n); ++k) {
+      subscripts[d].positions = {k};
+      values.push_back(select_varying(e, in, array, subscripts, at));
     }
-    return result;
+    return choose_by_index(e, in, index, values, at);
   }
   e.charge(1, at);
   return select_positions(array, subscripts);

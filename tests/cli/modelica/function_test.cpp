@@ -60,6 +60,36 @@ TEST(Functions, WhileLoopsWithKnownRounds) {
       [](double x) { return x * x * x; });
 }
 
+TEST(Functions, WhileLoopsThatVariablesEnd) {
+  const FlatModel model = read(R"(function 'f' input Real 'x'; output Real 'y'; output Integer 'n'; algorithm
+    'y' := 1; 'n' := 0;
+    while abs('y' * 'y' - 'x') > 1e-3 loop 'y' := 0.5 * ('y' + 'x' / 'y'); 'n' := 'n' + 1; end while; end 'f';)",
+                               "Real 'u', 'y'; Integer 'n'; equation 'u' = time; ('y', 'n') = 'f'('u');");
+  for (const double x : {0.01, 1.0, 2.0, 50.0, 1e4}) {
+    double y = 1;
+    int n = 0;
+    for (; std::fabs(y * y - x) > 1e-3; ++n) y = 0.5 * (y + x / y);
+    EXPECT_DOUBLE_EQ(solved(model, "y", {{"u", x}}), y);
+    EXPECT_EQ(solved(model, "n", {{"u", x}}), n);
+    ASSERT_EQ(model.assertions.size(), 1U);
+    EXPECT_EQ(value(model, model.assertions[0].condition, {{"u", x}}), 1);
+  }
+  EXPECT_EQ(value(model, model.assertions[0].condition, {{"u", -1}}), 0);  // it does not end within 50 rounds
+}
+
+TEST(Functions, InterpolateInTablesBySearching) {
+  compare(
+      "protected Real 't'[5] = {-2, -1, 0, 2, 4}, 'v'[5] = {4, 1, 0, 4, 16}; Integer 'i' = 1; algorithm "
+      "while 'i' < 4 and 'x' >= 't'['i' + 1] loop 'i' := 'i' + 1; end while; "
+      "'y' := 'v'['i'] + ('v'['i' + 1] - 'v'['i']) * ('x' - 't'['i']) / ('t'['i' + 1] - 't'['i']);",
+      [](double x) {
+        const double t[] = {-2, -1, 0, 2, 4}, v[] = {4, 1, 0, 4, 16};
+        int i = 0;
+        while (i < 3 && x >= t[i + 1]) ++i;
+        return v[i] + (v[i + 1] - v[i]) * (x - t[i]) / (t[i + 1] - t[i]);
+      });
+}
+
 TEST(Functions, AssignElementsWithVaryingSubscripts) {
   compare(
       "protected Real 'a'[4] = {1, 2, 3, 4}; Integer 'i'; algorithm 'i' := if 'x' < 0 then 1 elseif 'x' < 1 then 2 "

@@ -31,12 +31,12 @@ void expect_limit(const std::string& text, const std::string& words) {
 TEST(Limits, OfNesting) {
   EXPECT_EQ(error_of(package("", "Real 'x' = " + repeated(150, "(") + "1" + repeated(150, ")") + ";")), "");
   for (const char* open : {"(", "{", "[", "sin(", "-(", "not (", "if true then 1 else (", "'a'[", "1 ^ ("})
-    expect_limit(package("", "Real 'x' = " + repeated(100000, open)), "nested deeper than 200 levels");
-  expect_limit(package("", "equation " + repeated(100000, "if true then ")), "nested deeper than 200 levels");
-  expect_limit(package("", "algorithm " + repeated(100000, "for 'i' in 1:2 loop ")), "nested deeper than 200 levels");
-  expect_limit(package("", "Real 'x'" + repeated(100000, "(a")), "nested deeper than 200 levels");
-  expect_limit(package("", "Real 'x' = 'a'" + repeated(100000, ".'b'") + ";"), "more than 200 members");
-  expect_limit(package(repeated(100000, "class 'A' extends ExternalObject; "), ""), "nested deeper than 200 levels");
+    expect_limit(package("", "Real 'x' = " + repeated(20000, open)), "nested deeper than 200 levels");
+  expect_limit(package("", "equation " + repeated(20000, "if true then ")), "nested deeper than 200 levels");
+  expect_limit(package("", "algorithm " + repeated(20000, "for 'i' in 1:2 loop ")), "nested deeper than 200 levels");
+  expect_limit(package("", "Real 'x'" + repeated(20000, "(a")), "nested deeper than 200 levels");
+  expect_limit(package("", "Real 'x' = 'a'" + repeated(20000, ".'b'") + ";"), "more than 200 members");
+  expect_limit(package(repeated(20000, "class 'A' extends ExternalObject; "), ""), "nested deeper than 200 levels");
 }
 
 TEST(Limits, LongSumsAndChainsAreNoNesting) {
