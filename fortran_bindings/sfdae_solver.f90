@@ -88,7 +88,7 @@ contains
 
   ! ---- Without a solver ---------------------------------------------------------------------
 
-  !> Version of the library that is running, for example "0.1.0".
+  !> Version of the library that is running, for example "0.2.0".
   function sfdae_version() result(version)
     character(len=:), allocatable :: version
 

@@ -10,7 +10,8 @@ set -euo pipefail
 demo=(build-essential g++ cmake pkg-config libopenblas-dev libblas-dev liblapack-dev gnuplot-nox)
 python=(python3-dev python3-cffi python3-numpy python3-pytest python3-matplotlib python3-pip python3-setuptools
   python3-wheel python3-tqdm python3-pandas python3-nbconvert python3-ipykernel)
-test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev valgrind python3 ninja-build clang-format-14 "${python[@]}")
+test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev libcli11-dev nlohmann-json3-dev valgrind python3 ninja-build
+  clang clang-format-14 "${python[@]}")
 # For an example of MPI: installed with others that are missing, never alone, as nothing else needs them.
 welcome=(libopenmpi-dev openmpi-bin)
 
@@ -26,7 +27,7 @@ esac
 # A program counts as present wherever it comes from; a library if its package is installed.
 is_present() {
   case "$1" in
-    g++ | cmake | pkg-config | gfortran | valgrind | python3) command -v "$1" > /dev/null ;;
+    g++ | cmake | pkg-config | gfortran | valgrind | python3 | clang) command -v "$1" > /dev/null ;;
     ninja-build) command -v ninja > /dev/null ;;
     clang-format-14) command -v clang-format-14 > /dev/null || command -v clang-format > /dev/null ;;
     gnuplot-nox) command -v gnuplot > /dev/null ;;

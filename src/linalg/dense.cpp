@@ -183,9 +183,9 @@ bool factor_lu(ComplexView a, int* pivots) {
 void solve_lu(ComplexView lu, const int* pivots, std::complex<double>* x) {
   if (lu.cols == 0) return;
   if (lu.cols <= small_complex_order) return small::solve_lu(lu, pivots, x);
-  const int one = 1;
+  const int columns = 1;
   int info = 0;
-  zgetrs_("N", &lu.cols, &one, lu.data, &lu.ld, pivots, x, &lu.cols, &info);
+  zgetrs_("N", &lu.cols, &columns, lu.data, &lu.ld, pivots, x, &lu.cols, &info);
 }
 
 Svd svd(ConstView a) {
