@@ -203,7 +203,6 @@ EventResult EventIteration::run(Values& values, sfdae::Point& point, const std::
     discrete_.complete(values);
     discrete_.set_previous(values);
     if (!is_stable) continue;
-    switches_.forget_passed();
     result.needs_start = result.needs_start || modes_.equations_key(values) != key;
     return result;
   }

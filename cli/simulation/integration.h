@@ -41,6 +41,7 @@ class Integration {
   void start(Reached& at);
   int step(Reached& at, double target);
   bool happens(Reached& at, const std::vector<int>& roots, const std::string& contradiction);
+  bool was_elsewhere(const Reached& at, int root);
   void recover_lost_changes(Reached& at, const std::vector<int>& roots);
   bool settle_at_start(Reached& at);
   void finish(Reached& at);
@@ -57,6 +58,7 @@ class Integration {
   std::shared_ptr<Mode> mode_;
   std::vector<double> key_;  // of its equations
   Values root_values_;       // with what event functions are evaluated
+  std::vector<double> roots_at_start_;
   std::vector<long> next_sample_;
   sfdae::Statistics baseline_{};  // of the mode before the piece under way
   bool is_started_ = false, is_first_step_ = true, needs_derivatives_ = false;

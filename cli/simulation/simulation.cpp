@@ -44,6 +44,7 @@ sfdae::Options options_of(const System& system, const Settings& settings, const 
   sfdae::Options options;
   options.rtol = settings.tolerance;
   options.method = settings.method;
+  options.max_index = 12;  // the highest: formulas have all derivatives
   for (int v : unknowns) options.atol_vector.push_back(settings.tolerance * (v >= 0 ? system.nominal[at(v)] : 1.0));
   if (settings.progress)
     options.monitor = [progress = settings.progress](const sfdae::Progress& reached) {
