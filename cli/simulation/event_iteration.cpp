@@ -171,9 +171,6 @@ bool EventIteration::react(Values& values, sfdae::Point& point, EventResult& res
     } else if (reaction.kind == Action::Kind::reinit) {
       const Alias& alias = system_.aliases[at(reaction.variable)];
       const auto unknown = std::find(modes_.unknowns().begin(), modes_.unknowns().end(), alias.root);
-      if (alias.root < 0 || unknown == modes_.unknowns().end())
-        throw ModelError(system_.model.file, reaction.at,
-                         "reinit of " + system_.model.variables[at(reaction.variable)].name + ", which is no state");
       const std::size_t j = static_cast<std::size_t>(unknown - modes_.unknowns().begin());
       point.x[j] = alias.sign * (discrete_.value(i) - alias.offset);
       fixed[j] = 1;

@@ -19,8 +19,6 @@ constexpr long default_max_steps = 100000;
 // A contradiction so soon after the start of a piece, relative to its first step, was there at the start.
 constexpr double at_start = 1e-4;
 
-bool is_same_time(double a, double b) { return std::fabs(a - b) <= same_time * std::max(std::fabs(a), std::fabs(b)); }
-
 bool uses_derivatives(const System& system) {
   const auto depends = [&](Formula f) { return f >= 0 && system.formulas.depends(f, on_derivative); };
   return std::any_of(system.discrete.begin(), system.discrete.end(),
@@ -40,6 +38,11 @@ Integration::Integration(const Parts& parts)
       last_event_(parts.settings.start),
       close_changes_(parts.system.switches.size(), 0) {
   sfdae_statistics_init(&parts_.result.statistics, sizeof parts_.result.statistics);
+}
+
+bool Integration::is_same_time(double a, double b) const {
+  const double interval = parts_.settings.stop - parts_.settings.start;
+  return std::fabs(a - b) <= same_time * std::max({std::fabs(a), std::fabs(b), 0.01 * interval});
 }
 
 double Integration::output_time(long number) const {
@@ -117,6 +120,10 @@ void Integration::start(Reached& at) {
     throw Failure(outcome_of(status, is_started_ || at.values.t > parts_.settings.start ? Phase::integration
                                                                                         : Phase::initialization),
                   status, where + ": " + parts_.calls.message());
+  if (status == SFDAE_NOT_UNIQUE && !has_warned_) {
+    has_warned_ = true;
+    parts_.result.warnings.push_back(where + ": " + parts_.calls.message());
+  }
   parts_.modes.to_values(at.point, at.values);
   is_started_ = is_first_step_ = true;
   start_ = at.values.t;
@@ -145,7 +152,8 @@ int Integration::step(Reached& at, double target) {
 void Integration::interpolate(const Reached& at, double t, Values& values, sfdae::Point& point) {
   values = at.values;
   point.x.resize(at.point.x.size());
-  point.t = t;
+  const sfdae::Statistics steps = mode_->solver.statistics();  // nothing is known before the last step
+  point.t = std::clamp(t, std::min(steps.t_internal - steps.last_step, at.values.t), at.values.t);
   parts_.calls.run(*mode_, Phase::integration, "t = " + to_text(t), [&] { return mode_->solver.interpolate(point); });
   parts_.modes.to_values(point, values);
 }
@@ -282,13 +290,22 @@ bool Integration::happens(Reached& at, const std::vector<int>& roots, const std:
   parts_.result.events.push_back({at.values.t, text});
   parts_.output.add(at.values);
   count_event(text, before, at.values);
-  if (result.needs_start) is_started_ = false;
+  if (result.needs_start || roots_jump(untouched, at.values)) is_started_ = false;
   root_values_ = at.values;
   if (result.is_terminated) {
     parts_.result.message = result.message;
     add_statistics();
   }
   return !result.is_terminated;
+}
+
+// Whether event functions changed by the event: what was found out about their signs is void.
+bool Integration::roots_jump(Values before, Values after) {
+  const std::size_t count = cli::at(parts_.switches.num_roots());
+  std::vector<double> g_before(count), g_after(count);
+  parts_.switches.evaluate_roots(before, g_before.data());
+  parts_.switches.evaluate_roots(after, g_after.data());
+  return g_before != g_after;
 }
 
 void Integration::count_event(const std::string& text, const Values& before, const Values& after) {

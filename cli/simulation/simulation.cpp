@@ -102,7 +102,9 @@ void run(const FlatModel& model, const Settings& settings, bool only_analysis, R
     events.check_assertions(values);
     if (only_analysis) {
       const std::shared_ptr<Mode> mode = modes.at_values(values);
-      calls.run(*mode, Phase::analysis, "index analysis", [&] { return mode->solver.start(point, settings.stop); });
+      const int status = calls.run(*mode, Phase::analysis, "index analysis",
+                                   [&] { return mode->solver.start(point, settings.stop); });
+      if (status == SFDAE_NOT_UNIQUE) result.warnings.push_back(calls.message());
       output.add(values);
     } else {
       Integration({*system, settings, modes, calls, switches, discrete, events, output, result}).run(values, point);
@@ -110,6 +112,10 @@ void run(const FlatModel& model, const Settings& settings, bool only_analysis, R
   } catch (const Failure&) {
     describe(calls, result);
     throw;
+  } catch (const sfdae::Error& error) {  // formulas that cannot be recorded in a mode
+    describe(calls, result);
+    throw Failure(result.trajectory.t.empty() ? Outcome::not_analyzed : Outcome::not_finished, error.status(),
+                  "t = " + to_text(values.t) + ": " + calls.translated(error.what()));
   }
   describe(calls, result);
 }
