@@ -66,10 +66,6 @@ void add_values(CLI::App& app, Arguments& arguments, const std::string& what) {
 
 void add_start(CLI::App& app, Arguments& arguments) {
   add_number(app, "--from", arguments.settings.start, "time to start at; else of the model, else 0", false);
-  app.add_option("--max-index", arguments.settings.max_index,
-                 "strangeness index up to which is searched; else 8, of more than 50 unknowns 5")
-      ->check(CLI::Range(1, 30).description(""))
-      ->type_name("N");
   add_number(app, "--tol", arguments.settings.tolerance, "relative tolerance; else of the model, else 1e-6", true);
 }
 

@@ -171,9 +171,6 @@ bool EventIteration::react(Values& values, sfdae::Point& point, EventResult& res
     } else if (reaction.kind == Action::Kind::reinit) {
       const Alias& alias = system_.aliases[at(reaction.variable)];
       const auto unknown = std::find(modes_.unknowns().begin(), modes_.unknowns().end(), alias.root);
-      if (alias.root < 0 || unknown == modes_.unknowns().end())
-        throw ModelError(system_.model.file, reaction.at,
-                         "reinit of " + system_.model.variables[at(reaction.variable)].name + ", which is no state");
       const std::size_t j = static_cast<std::size_t>(unknown - modes_.unknowns().begin());
       point.x[j] = alias.sign * (discrete_.value(i) - alias.offset);
       fixed[j] = 1;
@@ -203,7 +200,6 @@ EventResult EventIteration::run(Values& values, sfdae::Point& point, const std::
     discrete_.complete(values);
     discrete_.set_previous(values);
     if (!is_stable) continue;
-    switches_.forget_passed();
     result.needs_start = result.needs_start || modes_.equations_key(values) != key;
     return result;
   }

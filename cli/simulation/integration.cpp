@@ -19,8 +19,6 @@ constexpr long default_max_steps = 100000;
 // A contradiction so soon after the start of a piece, relative to its first step, was there at the start.
 constexpr double at_start = 1e-4;
 
-bool is_same_time(double a, double b) { return std::fabs(a - b) <= same_time * std::max(std::fabs(a), std::fabs(b)); }
-
 bool uses_derivatives(const System& system) {
   const auto depends = [&](Formula f) { return f >= 0 && system.formulas.depends(f, on_derivative); };
   return std::any_of(system.discrete.begin(), system.discrete.end(),
@@ -40,6 +38,11 @@ Integration::Integration(const Parts& parts)
       last_event_(parts.settings.start),
       close_changes_(parts.system.switches.size(), 0) {
   sfdae_statistics_init(&parts_.result.statistics, sizeof parts_.result.statistics);
+}
+
+bool Integration::is_same_time(double a, double b) const {
+  const double interval = parts_.settings.stop - parts_.settings.start;
+  return std::fabs(a - b) <= same_time * std::max({std::fabs(a), std::fabs(b), 0.01 * interval});
 }
 
 double Integration::output_time(long number) const {
@@ -65,9 +68,8 @@ void Integration::run(Values& values, sfdae::Point& point) {
       if (is_over_) return;
       continue;
     }
-    is_first_step_ = false;
     if (status == SFDAE_EVENT) {
-      std::vector<int> roots = mode_->solver.events();
+      const std::vector<int> roots = mode_->solver.events();
       if (!happens(at, roots, "")) return;
     } else if (status == SFDAE_OK && is_time_event) {
       if (!happens(at, {}, "")) return;
@@ -75,6 +77,7 @@ void Integration::run(Values& values, sfdae::Point& point) {
       parts_.events.check_assertions(values);
       parts_.output.add(values);
     }
+    if (is_started_) is_first_step_ = false;
     for (; next_output_ <= parts_.settings.num_outputs &&
            (output_time(next_output_) <= values.t || is_same_time(output_time(next_output_), values.t));
          ++next_output_)
@@ -117,9 +120,16 @@ void Integration::start(Reached& at) {
     throw Failure(outcome_of(status, is_started_ || at.values.t > parts_.settings.start ? Phase::integration
                                                                                         : Phase::initialization),
                   status, where + ": " + parts_.calls.message());
+  if (status == SFDAE_NOT_UNIQUE && !has_warned_) {
+    has_warned_ = true;
+    parts_.result.warnings.push_back(where + ": " + parts_.calls.message());
+  }
   parts_.modes.to_values(at.point, at.values);
   is_started_ = is_first_step_ = true;
   start_ = at.values.t;
+  roots_at_start_.resize(cli::at(parts_.switches.num_roots()));
+  root_values_ = at.values;
+  parts_.switches.evaluate_roots(root_values_, roots_at_start_.data());
 }
 
 int Integration::step(Reached& at, double target) {
@@ -142,7 +152,8 @@ int Integration::step(Reached& at, double target) {
 void Integration::interpolate(const Reached& at, double t, Values& values, sfdae::Point& point) {
   values = at.values;
   point.x.resize(at.point.x.size());
-  point.t = t;
+  const sfdae::Statistics steps = mode_->solver.statistics();  // nothing is known before the last step
+  point.t = std::clamp(t, std::min(steps.t_internal - steps.last_step, at.values.t), at.values.t);
   parts_.calls.run(*mode_, Phase::integration, "t = " + to_text(t), [&] { return mode_->solver.interpolate(point); });
   parts_.modes.to_values(point, values);
 }
@@ -154,7 +165,7 @@ bool Integration::repair(Reached& at, const Values& before, bool is_first) {
   Values high = at.values;
   sfdae::Point high_point = at.point;
   if (is_first) interpolate(at, 0.5 * (start_ + at.values.t), high, high_point);
-  const int number = parts_.switches.contradiction(high, !is_first);
+  const int number = parts_.switches.contradiction(high, !is_first, roots_at_start_);
   if (number < 0) return false;
   double low = is_first ? start_ : before.t;
   const double first_step = high.t - low;
@@ -162,7 +173,7 @@ bool Integration::repair(Reached& at, const Values& before, bool is_first) {
     Values middle = at.values;
     sfdae::Point middle_point;
     interpolate(at, 0.5 * (low + high.t), middle, middle_point);
-    if (parts_.switches.contradiction(middle, false) >= 0) high = middle, high_point = middle_point;
+    if (parts_.switches.contradiction(middle, false, roots_at_start_) >= 0) high = middle, high_point = middle_point;
     else low = middle.t;
   }
   const double wanted = parts_.switches.wanted(high, number);
@@ -226,6 +237,18 @@ bool Integration::settle_at_start(Reached& at) {
   return happens(at, {}, "");
 }
 
+// Whether the function of a root moved away from zero since the start of the piece, and came back; else it was on the
+// wrong side at the start already, by rounding.
+bool Integration::was_elsewhere(const Reached& at, int root) {
+  if (!is_first_step_ || at.values.t == start_) return true;
+  Values middle = at.values;
+  sfdae::Point point;
+  interpolate(at, 0.5 * (start_ + at.values.t), middle, point);
+  std::vector<double> g(cli::at(parts_.switches.num_roots()));
+  parts_.switches.evaluate_roots(middle, g.data());
+  return std::fabs(g[cli::at(root)]) > 2.0 * std::fabs(roots_at_start_[cli::at(root)]);
+}
+
 // A relation that passes zero to where it is already was elsewhere in between, too little to be noticed: that is an
 // event of its own, without which what waits for the relation to become true would be lost.
 void Integration::recover_lost_changes(Reached& at, const std::vector<int>& roots) {
@@ -237,7 +260,7 @@ void Integration::recover_lost_changes(Reached& at, const std::vector<int>& root
     if (!is_relation || roots[cli::at(i)] == 0) continue;
     Values passed = at.values;
     parts_.switches.pass(i, roots[cli::at(i)], passed);
-    if (passed.switches[cli::at(number)] != at.values.switches[cli::at(number)]) continue;
+    if (passed.switches[cli::at(number)] != at.values.switches[cli::at(number)] || !was_elsewhere(at, i)) continue;
     parts_.switches.pass(i, -roots[cli::at(i)], lost);
     has_lost = true;
   }
@@ -247,26 +270,42 @@ void Integration::recover_lost_changes(Reached& at, const std::vector<int>& root
 }
 
 bool Integration::happens(Reached& at, const std::vector<int>& roots, const std::string& contradiction) {
-  if (parts_.result.trajectory.t.back() != at.values.t) parts_.output.add(at.values);
+  const Values untouched = at.values;
   recover_lost_changes(at, roots);
   const Values before = at.values;
   for (int i = 0; i < static_cast<int>(roots.size()); ++i)
     if (roots[cli::at(i)] != 0) parts_.switches.pass(i, roots[cli::at(i)], at.values);
-  set_due_samples(at.values);
+  const bool has_sample = set_due_samples(at.values);
   parts_.switches.update(at.values);
+  const bool is_event = has_sample || !contradiction.empty() || untouched.switches != at.values.switches ||
+                        untouched.switches != before.switches || untouched.variable != before.variable;
+  if (!is_event) return true;
+  if (parts_.result.trajectory.t.back() != at.values.t) {
+    Values row = untouched;
+    parts_.output.add(row);
+  }
   std::string text = contradiction.empty() ? describe(roots, before, at.values) : contradiction;
   const EventResult result = parts_.events.run(at.values, at.point, key_);
   for (const std::string& acted : result.acted) text += (text.empty() ? "" : "; ") + acted;
   parts_.result.events.push_back({at.values.t, text});
-  count_event(text, before, at.values);
   parts_.output.add(at.values);
-  if (result.needs_start) is_started_ = false;
+  count_event(text, before, at.values);
+  if (result.needs_start || roots_jump(untouched, at.values)) is_started_ = false;
   root_values_ = at.values;
   if (result.is_terminated) {
     parts_.result.message = result.message;
     add_statistics();
   }
   return !result.is_terminated;
+}
+
+// Whether event functions changed by the event: what was found out about their signs is void.
+bool Integration::roots_jump(Values before, Values after) {
+  const std::size_t count = cli::at(parts_.switches.num_roots());
+  std::vector<double> g_before(count), g_after(count);
+  parts_.switches.evaluate_roots(before, g_before.data());
+  parts_.switches.evaluate_roots(after, g_after.data());
+  return g_before != g_after;
 }
 
 void Integration::count_event(const std::string& text, const Values& before, const Values& after) {

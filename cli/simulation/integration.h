@@ -41,6 +41,7 @@ class Integration {
   void start(Reached& at);
   int step(Reached& at, double target);
   bool happens(Reached& at, const std::vector<int>& roots, const std::string& contradiction);
+  bool was_elsewhere(const Reached& at, int root);
   void recover_lost_changes(Reached& at, const std::vector<int>& roots);
   bool settle_at_start(Reached& at);
   void finish(Reached& at);
@@ -49,6 +50,8 @@ class Integration {
   bool set_due_samples(Values& values);
   std::optional<double> next_time_event(Values& values);
   double output_time(long number) const;
+  bool is_same_time(double a, double b) const;
+  bool roots_jump(Values before, Values after);
   void count_event(const std::string& text, const Values& before, const Values& after);
   void add_statistics();
   std::string describe(const std::vector<int>& roots, const Values& before, const Values& after) const;
@@ -57,9 +60,10 @@ class Integration {
   std::shared_ptr<Mode> mode_;
   std::vector<double> key_;  // of its equations
   Values root_values_;       // with what event functions are evaluated
+  std::vector<double> roots_at_start_;
   std::vector<long> next_sample_;
   sfdae::Statistics baseline_{};  // of the mode before the piece under way
-  bool is_started_ = false, is_first_step_ = true, needs_derivatives_ = false;
+  bool is_started_ = false, is_first_step_ = true, needs_derivatives_ = false, has_warned_ = false;
   double start_ = 0.0;  // of the piece under way
   long next_output_ = 1, num_steps_ = 0;
   double last_event_;

@@ -23,7 +23,7 @@ Output::Output(const System& system, bool keeps_aliases, Discrete& discrete, Res
         variable.variability == Variability::constant || variable.variability == Variability::parameter;
     const bool is_discrete = variable.type != Type::real || variable.variability == Variability::discrete;
     const bool is_value = system.formulas.is_number(system.values[at(v)]);
-    if (is_parameter && is_value) continue;
+    if ((is_parameter && is_value) || (variable.is_input && !is_value)) continue;
     if (!keeps_aliases && !is_parameter && !is_discrete && !system.is_unknown(v)) continue;
     columns_.push_back(v);
     Trajectory& trajectory = result.trajectory;

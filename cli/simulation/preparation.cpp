@@ -277,6 +277,16 @@ class Preparation {
     find_switch_times(system_);
     sort_discrete(system_);
     find_integrals();
+    for (const Reaction& reaction : system_.reactions)
+      if (reaction.kind == Action::Kind::reinit) check_reinit(reaction);
+  }
+
+  void check_reinit(const Reaction& reaction) const {
+    const int root = system_.aliases[at(reaction.variable)].root;
+    if (root >= 0 && system_.is_state[at(root)] != 0 && system_.is_unknown(root)) return;
+    throw ModelError(
+        model().file, reaction.at,
+        "reinit of " + model().variables[at(reaction.variable)].name + ", whose derivative occurs nowhere");
   }
 
   // Equations with one derivative and nothing algebraic.

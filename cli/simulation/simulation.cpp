@@ -17,9 +17,6 @@ constexpr int default_outputs = 500;
 // So many steps at least, where event functions depend on time and unknowns: they are looked at at a few points of
 // each step.
 constexpr double steps_with_events = 100.0;
-// A search in vain up to this index takes less than a second for as many unknowns.
-constexpr std::size_t small_system = 50;
-constexpr int max_index_of_small_systems = 8;
 
 Settings resolved(Settings settings, const Experiment& experiment, const FlatModel& model) {
   const auto set = [](double& value, const std::optional<double>& annotated, double otherwise) {
@@ -47,10 +44,7 @@ sfdae::Options options_of(const System& system, const Settings& settings, const 
   sfdae::Options options;
   options.rtol = settings.tolerance;
   options.method = settings.method;
-  if (settings.max_index > 0)
-    options.max_index = settings.max_index;
-  else if (unknowns.size() <= small_system)
-    options.max_index = max_index_of_small_systems;
+  options.max_index = 12;  // the highest: formulas have all derivatives
   for (int v : unknowns) options.atol_vector.push_back(settings.tolerance * (v >= 0 ? system.nominal[at(v)] : 1.0));
   if (settings.progress)
     options.monitor = [progress = settings.progress](const sfdae::Progress& reached) {
@@ -108,7 +102,9 @@ void run(const FlatModel& model, const Settings& settings, bool only_analysis, R
     events.check_assertions(values);
     if (only_analysis) {
       const std::shared_ptr<Mode> mode = modes.at_values(values);
-      calls.run(*mode, Phase::analysis, "index analysis", [&] { return mode->solver.start(point, settings.stop); });
+      const int status = calls.run(*mode, Phase::analysis, "index analysis",
+                                   [&] { return mode->solver.start(point, settings.stop); });
+      if (status == SFDAE_NOT_UNIQUE) result.warnings.push_back(calls.message());
       output.add(values);
     } else {
       Integration({*system, settings, modes, calls, switches, discrete, events, output, result}).run(values, point);
@@ -116,6 +112,10 @@ void run(const FlatModel& model, const Settings& settings, bool only_analysis, R
   } catch (const Failure&) {
     describe(calls, result);
     throw;
+  } catch (const sfdae::Error& error) {  // formulas that cannot be recorded in a mode
+    describe(calls, result);
+    throw Failure(result.trajectory.t.empty() ? Outcome::not_analyzed : Outcome::not_finished, error.status(),
+                  "t = " + to_text(values.t) + ": " + calls.translated(error.what()));
   }
   describe(calls, result);
 }

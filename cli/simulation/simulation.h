@@ -23,7 +23,6 @@ struct Settings {
   int num_outputs = 0;                   // equidistant ones after the start; 0: the experiment's interval, else 500
   bool keeps_steps = false;              // every step is an output, too
   bool keeps_aliases = true;             // values of eliminated unknowns are in the results
-  int max_index = 0;                     // strangeness index up to which is searched; 0: 8 for small systems, else 5
   long max_steps = 0;                    // between two outputs; 0: the library's default
   std::map<std::string, double> values;  // of parameters and start values, by name, instead of those of the model
   // Called now and then with the time, step size and order reached; false stops.

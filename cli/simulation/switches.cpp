@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sfdae::cli {
 
@@ -22,7 +23,7 @@ double upper_bound(const Switch& it, double k) { return it.kind == Switch::Kind:
 }  // namespace
 
 Switches::Switches(const System& system) : system_(system), arguments_(system.formulas) {
-  has_passed_.assign(system.switches.size(), 0);
+  forget_passed();
   for (const Switch& it : system.switches) arguments_.add(it.g);
   for (const Switch& it : system.switches) arguments_.add(it.is_by_time ? it.offset : it.g);
   for (int s = 0; s < static_cast<int>(system.switches.size()); ++s) {
@@ -33,6 +34,10 @@ Switches::Switches(const System& system) : system_(system), arguments_(system.fo
     roots_.push_back({s, 0});
     if (it.kind != Switch::Kind::relation) roots_.push_back({s, 1});
   }
+}
+
+void Switches::forget_passed() {
+  passed_at_.assign(system_.switches.size(), std::numeric_limits<double>::quiet_NaN());
 }
 
 double Switches::literal(const Switch& it, double g) const {
@@ -72,16 +77,16 @@ bool Switches::update(Values& values, bool only_first) {
   for (int s = 0; s < count; ++s) {
     const Switch& it = system_.switches[at(s)];
     double g = arguments_[s];
-    double tolerance = has_passed_[at(s)] != 0 ? held * sizes_[at(s)] : clear_of_nominal * it.nominal;
+    const bool has_passed = passed_at_[at(s)] == values.t;
+    double tolerance = has_passed ? held * sizes_[at(s)] : 0.0;
     if (std::isnan(g)) continue;
     if (it.is_by_time) {
       g += std::copysign(same_time * (std::fabs(it.slope * values.t) + std::fabs(arguments_[count + s])), it.slope);
       tolerance = 0.0;
     }
-    double& value = values.switches[at(s)];
-    const bool is_zero = has_passed_[at(s)] == 0 && g == 0.0;  // not by chance
-    if (literal(it, g) == value || (!is_zero && outside(it, g, value) < tolerance)) continue;
-    value = literal(it, g);
+    const double value = values.switches[at(s)];
+    if (literal(it, g) == value || outside(it, g, value) < tolerance) continue;
+    set(s, literal(it, g), values);
     has_changed = true;
     if (only_first) return true;
   }
@@ -101,7 +106,7 @@ void Switches::evaluate_roots(Values& values, double* g) {
 
 void Switches::set(int number, double value, Values& values) {
   values.switches[at(number)] = value;
-  has_passed_[at(number)] = 1;
+  passed_at_[at(number)] = values.t;
 }
 
 void Switches::pass(int root, int direction, Values& values) {
@@ -114,17 +119,20 @@ void Switches::pass(int root, int direction, Values& values) {
   set(number, value, values);
 }
 
-int Switches::contradiction(Values& values, bool is_solution) {
+int Switches::contradiction(Values& values, bool is_solution, const std::vector<double>& roots_at_start) {
   if (roots_.empty()) return -1;
   arguments_.run(values);
-  for (const Root& root : roots_) {
-    const Switch& it = system_.switches[at(root.number)];
-    const double g = arguments_[root.number];
+  for (std::size_t i = 0; i < roots_.size(); ++i) {
+    const int number = roots_[i].number;
+    const Switch& it = system_.switches[at(number)];
+    const double g = arguments_[number];
     if (std::isnan(g)) continue;
-    double& size = sizes_[at(root.number)];
+    double& size = sizes_[at(number)];
     if (is_solution && std::isfinite(g)) size = std::max(size, std::fabs(g));
-    const double tolerance = clear_of_largest * size + clear_of_nominal * it.nominal;
-    if (outside(it, g, values.switches[at(root.number)]) > tolerance) return root.number;
+    const double distance = outside(it, g, values.switches[at(number)]);
+    const bool was_there = it.kind == Switch::Kind::relation && g * roots_at_start[i] > 0.0 &&
+                           distance <= 2.0 * std::fabs(roots_at_start[i]);
+    if (!was_there && distance > clear_of_largest * size + clear_of_nominal * it.nominal) return number;
   }
   return -1;
 }

@@ -28,12 +28,13 @@ class Switches {
   // The switch of a root has the value that holds after its function has risen (+1) or fallen (-1).
   void pass(int root, int direction, Values& values);
   void set(int number, double value, Values& values);
-  void forget_passed() { has_passed_.assign(has_passed_.size(), 0); }
+  void forget_passed();
   int switch_of(int root) const { return roots_[at(root)].number; }
 
   // A switch that contradicts its argument clearly, which is an event that its root function did not show: -1 for
-  // none. Learns the sizes of arguments where is_solution.
-  int contradiction(Values& values, bool is_solution);
+  // none. Learns the sizes of arguments where is_solution. roots_at_start: of the piece; what was as far on the wrong
+  // side there was rounding.
+  int contradiction(Values& values, bool is_solution, const std::vector<double>& roots_at_start);
 
   // The value that a switch should have.
   double wanted(Values& values, int number);
@@ -54,7 +55,7 @@ class Switches {
   Tape arguments_;  // g of every switch, then offsets of those by time
   std::vector<Root> roots_;
   std::vector<double> sizes_;
-  std::vector<char> has_passed_;  // switches that change at the event under way
+  std::vector<double> passed_at_;  // when each switch changed last; NaN: not yet
   bool needs_derivatives_ = false;
 };
 
