@@ -74,10 +74,6 @@ double make_reflection(const QrWork& work, int p) {
 
 // ---- Pivoting ---------------------------------------------------------------------------------------------------
 
-// Columns that are done, and spare ones, are never chosen, and their updates never look as if they had lost digits.
-constexpr double done_norm = -1.0;
-constexpr double done_reference = -1e300;
-
 void mark_done(const QrWork& work, int j) {
   work.norms[j] = done_norm;
   work.reference[j] = done_reference;

@@ -16,6 +16,15 @@ inline constexpr int lanes = 8;
 // Columns behind the last one that loops over groups of columns may read and write; zeros.
 inline constexpr int spare_columns = 8;
 
+// i rounded to a multiple of `lanes`. Static: each file has its own, compiled for its processors.
+static constexpr int round_down(int i) { return i & ~(lanes - 1); }
+static constexpr int round_up(int i) { return round_down(i + lanes - 1); }
+
+// Squared norms, and references, of columns that a pivoted factorization is done with, and of spare ones: they are never
+// chosen, and their updates never look as if they had lost digits.
+inline constexpr double done_norm = -1.0;
+inline constexpr double done_reference = -1e300;
+
 // An array with the properties above.
 struct Padded {
   double* data;

@@ -22,6 +22,7 @@ namespace {
 using kernels::lanes;
 using kernels::Order;
 using kernels::Padded;
+using kernels::round_up;
 
 // Measured crossovers, docs/decisions/37-dense-kernels.md.
 // Up to so many rows plain loops win.
@@ -32,8 +33,6 @@ constexpr int block = 16;
 constexpr int panel = 8;
 // What is left of a pivoted factorization is not worth a panel.
 constexpr int unblocked = 40;
-
-int round_up(int i) { return (i + lanes - 1) & ~(lanes - 1); }
 
 int leading_dimension(int rows) {
   const int rounded = std::max(round_up(rows), lanes);
@@ -63,8 +62,8 @@ void add_pivoting(kernels::QrWork& work, int* pivots, Arena& arena) {
   for (int j = 0; j < cols; ++j) pivots[j] = j;
   work.norms = arena.take(index(length));
   work.reference = arena.take(index(length));
-  std::fill(work.norms + cols, work.norms + length, -1.0);
-  std::fill(work.reference + cols, work.reference + length, -1e300);
+  std::fill(work.norms + cols, work.norms + length, kernels::done_norm);
+  std::fill(work.reference + cols, work.reference + length, kernels::done_reference);
   work.F = {arena.take(index(length) * index(panel)), length, cols, panel};
   work.coefficients = arena.take(index(panel + kernels::spare_columns));
 }

@@ -91,7 +91,9 @@ class NonlinearSystem final : public DaeSystem {
   void update_traits();
   void resize();
   void restore_linearization(const RankSequence& ranks, bool has_matrix);
+  PointStatus restore_with_linearization_at(const Jet& place);
   void correct_by_linearization(const double* x, double* xdot);
+  bool may_hold_derivatives(PointStatus status) const;
   PointStatus iterate_from_guess(const IterationTask& task);
   PointStatus solve_index_zero(const IterationTask& task);
   PointStatus linearize_accepted();
