@@ -64,7 +64,7 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_verdict_unclear = 2
   integer(c_int), parameter, public :: sfdae_verdict_user = 3
   integer(c_int), parameter, public :: sfdae_version_major = 0
-  integer(c_int), parameter, public :: sfdae_version_minor = 1
+  integer(c_int), parameter, public :: sfdae_version_minor = 2
   integer(c_int), parameter, public :: sfdae_version_patch = 0
   integer(c_int), parameter, public :: sfdae_wrong_derivatives = -14
 

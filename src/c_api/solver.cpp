@@ -257,6 +257,7 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     if (checked.status != SFDAE_OK) return checked;
     SolverOptions fresh(copy, solver->model.n());
     fresh.integration.events = solver->events.get();
+    fresh.integration.breakpoints = solver->options.integration.breakpoints;
     const ModelOptions &old = solver->options.model, &now = fresh.model;
     const bool same_analysis =
         now.analysis.max_index == old.analysis.max_index && now.analysis.by_svd == old.analysis.by_svd &&
@@ -360,6 +361,7 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
     solver->integration =
         std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
                                       solver->options.integration, InitialPoint{t, toward, found.x, found.xdot});
+    solver->integration->record(solver->solution);
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = report_of(found);
@@ -401,6 +403,7 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
     solver->integration =
         restore_checkpoint(solver->model, solver->options.model, solver->options.integration, checkpoint, length);
+    solver->integration->record(solver->solution);
     solver->decisions.clear();
     solver->initial_report.reset();
     solver->direction = solver->integration->direction();

@@ -14,6 +14,7 @@
 
 #include "c_api/checks.h"
 #include "c_api/problems.h"
+#include "expression/time_breakpoints.h"
 #include "integrate/checkpoint.h"
 #include "integrate/events.h"
 #include "problem/failure.h"
@@ -34,10 +35,13 @@ struct SolverOptions {
 
 struct sfdae_solver {
   sfdae_solver(sfdae::core::AnyModel its_kind, const sfdae_options& user_options)
-      : kind(std::move(its_kind)), model(*kind.model), options(user_options, model.n()) {}
+      : sfdae_solver(std::move(its_kind), sfdae::core::SolverOptions(user_options, its_kind.model->n())) {}
 
-  sfdae_solver(sfdae::core::AnyModel its_kind, sfdae::core::SolverOptions its_options)
-      : kind(std::move(its_kind)), model(*kind.model), options(std::move(its_options)) {}
+  sfdae_solver(sfdae::core::AnyModel&& its_kind, sfdae::core::SolverOptions its_options)
+      : kind(std::move(its_kind)), model(*kind.model), options(std::move(its_options)) {
+    if (const sfdae::core::TaylorEvaluator* evaluator = model.evaluator()) breakpoints.emplace(*evaluator);
+    options.integration.breakpoints = breakpoints ? &*breakpoints : nullptr;
+  }
 
   sfdae::core::Problem& problem() { return model.problem(); }
   // Null before an analysis.
@@ -55,6 +59,8 @@ struct sfdae_solver {
   // After an analysis:
   double direction = 1.0;                       // of the nearby point of the analysis
   std::unique_ptr<sfdae::core::Events> events;  // options.integration points to them
+  std::optional<sfdae::core::TimeBreakpoints> breakpoints;
+  std::weak_ptr<sfdae::core::SolutionPieces> solution;  // where steps are recorded
   // After a start:
   std::unique_ptr<sfdae::core::Integration> integration;
   std::optional<sfdae_initial_report> initial_report;

@@ -121,7 +121,7 @@ CallbackError NonlinearProblem::drop_rounding_errors(double t, const double* jet
 
 CallbackError RecordedProblem::failure(double t) const {
   CallbackError error;
-  error.status = SFDAE_NOT_FINITE;
+  error.status = status_of(evaluator_.failure());
   error.t = t;
   error.user_t = user_t();
   error.row = evaluator_.failure().equation;

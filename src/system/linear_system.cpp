@@ -184,7 +184,7 @@ CharacteristicValues LinearSystem::values_at(double t) { return find_local_value
 void LinearSystem::accept() {
   if (reduction_.has_constant_form()) return;
   LinearPoint& point = points_.current();
-  point.det_sign = undetermined() == 0 ? point.form.sign_of_G() : 1;
+  point.det_sign = undetermined() == 0 ? point.sign() : 1;
   reduction_.prefer_rows_of(point);
   points_.accept();
 }

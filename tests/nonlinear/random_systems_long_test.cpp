@@ -42,6 +42,7 @@ void start_from_guess(unsigned seed, double distance_of_guess, Counts& counts) {
   system.residual(start_time, x.data(), xdot.data(), F.data());
   ASSERT_LE(largest(F), 1e-12) << "the exact solution is none";
   std::vector<double> guess = x;
+  const std::vector<double> exact_slope = xdot;
   RandomNumbers numbers(31 * seed + 1);
   for (double& g : guess) g += distance_of_guess * (std::abs(g) + 0.3) * numbers.uniform(-1.0, 1.0);
 
@@ -61,6 +62,10 @@ void start_from_guess(unsigned seed, double distance_of_guess, Counts& counts) {
   if (violation <= 1e-12) ++counts.accurate;
   system.residual(start_time, run.x.data(), run.xdot.data(), F.data());
   EXPECT_LE(largest(F), 1e-9 * (1.0 + largest(run.xdot)));
+  if (distance_of_guess > 0.0 || system.values().u > 0) return;
+  // F(t, x, x') = 0 alone does not determine x'.
+  for (std::size_t i = 0; i < x.size(); ++i)
+    EXPECT_NEAR(run.xdot[i], exact_slope[i], 1e-8 * (1.0 + largest(exact_slope)));
 }
 
 class RandomSystems : public testing::TestWithParam<double> {};
@@ -106,6 +111,9 @@ void integrate(unsigned seed, int method, double tolerance, Counts& counts) {
   }
   system.exact(run.t, x, xdot);
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(run.x[i], x[i], 100.0 * tolerance * (1.0 + std::abs(x[i])));
+  if (system.values().d == 0) {
+    for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(run.xdot[i], xdot[i], 1e-8 * (1.0 + largest(xdot)));
+  }
   EXPECT_LE(system.constraint_violation(run.t, run.x), 1e-8);
 }
 
