@@ -494,7 +494,7 @@ typedef struct sfdae_statistics {
   double rounding;  /**< nonlinear: largest rounding error of a component along the way, as the equations cause it,
                            over the tolerance used for it; above 1 it was tested against that error instead */
   long check_calls; /**< by the option check_derivatives, in no other count, since creation: callback calls of linear
-                           and nonlinear problems, points of multibody systems */
+                         and nonlinear problems, points of multibody systems */
 } sfdae_statistics;
 /** Prepares a result of sfdae_get_statistics. size: sizeof(sfdae_statistics). */
 SFDAE_API int sfdae_statistics_init(sfdae_statistics* statistics, size_t size);
