@@ -48,6 +48,9 @@ std::string summary_text(const Presentation& presentation);
 // For people: the index, the library's report with its rank decisions, initial values.
 std::string analysis_text(const Presentation& presentation);
 
+// Rows of cells, as many in each, as lines with columns one below the other.
+std::string aligned(const std::vector<std::vector<std::string>>& rows);
+
 // A row of names, then a row for each output.
 std::string csv_text(const Trajectory& trajectory);
 

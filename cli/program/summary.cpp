@@ -17,7 +17,9 @@ std::string padded(const std::string& text, std::size_t width) {
 
 using Row = std::vector<std::string>;
 
-std::string table(const std::vector<Row>& rows) {
+}  // namespace
+
+std::string aligned(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths(rows.front().size());
   for (const Row& row : rows)
     for (std::size_t j = 0; j < row.size(); ++j) widths[j] = std::max(widths[j], row[j].size());
@@ -30,6 +32,8 @@ std::string table(const std::vector<Row>& rows) {
   }
   return text;
 }
+
+namespace {
 
 std::string values_text(const Trajectory& trajectory) {
   if (trajectory.t.empty() || trajectory.names.empty()) return "";
@@ -47,7 +51,7 @@ std::string values_text(const Trajectory& trajectory) {
   for (std::size_t j = 0; j < std::min(columns, max_rows); ++j)
     rows.push_back(
         row(trajectory.names[j], trajectory.units[j], trajectory.values[j], trajectory.values[last * columns + j]));
-  std::string text = "\n" + table(rows);
+  std::string text = "\n" + aligned(rows);
   if (columns > max_rows) text += "  ... and " + std::to_string(columns - max_rows) + " more; --variables chooses\n";
   return text;
 }

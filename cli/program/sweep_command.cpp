@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -53,12 +54,18 @@ Instance solved_instance(std::size_t number, const FlatModel& model, Settings se
   return instance;
 }
 
-std::string table_head(const Grid& grid, const std::map<std::string, bool>& wanted, const FlatModel& model) {
+std::vector<std::string> wanted_names(const std::map<std::string, bool>& wanted, const FlatModel& model) {
+  std::vector<std::string> names;
+  for (const Variable& variable : model.variables)
+    if (wanted.at(variable.name)) names.push_back(variable.name);
+  return names;
+}
+
+std::string table_head(const Grid& grid, const std::vector<std::string>& names) {
   std::string text = "instance";
   for (const Assignment& assignment : grid.assignments()) text += "," + csv_field(assignment.name);
   text += ",outcome,time";
-  for (const Variable& variable : model.variables)
-    if (wanted.at(variable.name)) text += "," + csv_field(variable.name);
+  for (const std::string& name : names) text += "," + csv_field(name);
   return text + "\n";
 }
 
@@ -74,6 +81,35 @@ std::string table_rows(const Instance& instance, std::size_t columns) {
     for (std::size_t j = 0; j < columns; ++j) text += "," + full_text(trajectory.values[k * columns + j]);
     text += "\n";
   }
+  return text;
+}
+
+// For people: the first variables only, and the first instances.
+std::string table_text(const std::vector<Instance>& instances, const Grid& grid,
+                       const std::vector<std::string>& names) {
+  constexpr std::size_t max_columns = 6, max_rows = 200;
+  const std::size_t columns = std::min(names.size(), max_columns);
+  std::vector<std::vector<std::string>> rows(1, {"instance"});
+  for (const Assignment& assignment : grid.assignments()) rows[0].push_back(assignment.name);
+  rows[0].insert(rows[0].end(), {"outcome", "time"});
+  rows[0].insert(rows[0].end(), names.begin(), names.begin() + static_cast<std::ptrdiff_t>(columns));
+  for (const Instance& instance : instances) {
+    const Trajectory& trajectory = instance.trajectory;
+    for (std::size_t k = 0; k < std::max<std::size_t>(trajectory.t.size(), 1) && rows.size() <= max_rows; ++k) {
+      std::vector<std::string> row{std::to_string(instance.number + 1)};
+      for (const double value : instance.given) row.push_back(short_text(value, 9));
+      row.push_back(name_of(instance.outcome));
+      const bool has_values = k < trajectory.t.size();
+      row.push_back(has_values ? short_text(trajectory.t[k], 9) : "");
+      for (std::size_t j = 0; j < columns; ++j)
+        row.push_back(has_values ? short_text(trajectory.values[k * names.size() + j], 9) : "");
+      rows.push_back(std::move(row));
+    }
+  }
+  std::string text = aligned(rows);
+  if (columns < names.size())
+    text += "  " + std::to_string(names.size() - columns) + " more variables are left out; --variables chooses\n";
+  if (rows.size() > max_rows) text += "  only the first rows; --csv FILE writes all\n";
   return text;
 }
 
@@ -121,13 +157,6 @@ int report(const std::vector<Instance>& instances, std::size_t expected, bool is
   return num_failed == 0 ? solved : not_solved;
 }
 
-std::size_t count_wanted(const std::map<std::string, bool>& wanted, const FlatModel& model) {
-  std::size_t count = 0;
-  for (const Variable& variable : model.variables)
-    if (wanted.at(variable.name)) ++count;
-  return count;
-}
-
 }  // namespace
 
 int sweep_command(const Arguments& arguments) {
@@ -142,8 +171,10 @@ int sweep_command(const Arguments& arguments) {
   if (!csv_path.empty()) csv = std::make_unique<OutputFile>(csv_path);
   if (!json_path.empty()) json = std::make_unique<OutputFile>(json_path);
   const bool is_table_shown = csv_path.empty() && json_path.empty();
-  const std::string head = table_head(grid, wanted, model);
-  if (is_table_shown && share.rank == 0) write_to_standard_output(head);
+  const bool is_for_people = is_table_shown && is_standard_output_terminal();
+  const std::vector<std::string> names = wanted_names(wanted, model);
+  const std::string head = table_head(grid, names);
+  if (is_table_shown && !is_for_people && share.rank == 0) write_to_standard_output(head);
 
   note_interruptions();
   const std::size_t expected = (grid.count() + share.size - 1 - share.rank) / share.size;
@@ -160,10 +191,10 @@ int sweep_command(const Arguments& arguments) {
         });
   }
   std::string rows;
-  for (const Instance& instance : instances) rows += table_rows(instance, count_wanted(wanted, model));
+  for (const Instance& instance : instances) rows += table_rows(instance, names.size());
   if (csv) csv->commit(head + rows);
   if (json) json->commit(sweep_json(model, grid, instances));
-  if (is_table_shown) write_to_standard_output(rows);
+  if (is_table_shown) write_to_standard_output(is_for_people ? table_text(instances, grid, names) : rows);
   return report(instances, expected, arguments.is_quiet);
 }
 

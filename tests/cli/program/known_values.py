@@ -37,6 +37,8 @@ KNOWN = {
     "rectifier": (0, 2, 0.1, {
         "C[1].v": (-16.573834906845744, 1), "C[2].v": (29.79763797032568, 1), "source.i": (1.1295675507617402e-4, 0.1),
         "node.v": (20.546656738971541, 1)}, 1e-6),
+    # Exponentials between the 20 instants at which two diodes each switch at the same time.
+    "bridge": (0, 1, 0.1, {"C.v": (17.28545122228083, 1), "source.i": (3.9733468824323532e-5, 1)}, 1e-6),
     # IVP test set, confirmed in quadruple precision.
     "transistor_amplifier": (0, 5, 0.2, {
         "U[1]": (-0.5562145012262709e-2, 0.1), "U[2]": (0.3006522471903042e1, 1), "U[3]": (0.2849958788608128e1, 1),

@@ -2,9 +2,10 @@
 
 import json
 import math
+import os
 
 import pytest
-from program import PENDULUM, columns, model, run, table
+from program import MODELS, PENDULUM, columns, model, run, table
 
 
 def test_csv_to_a_pipe_has_all_variables_over_time():
@@ -106,3 +107,11 @@ def test_check_finds_what_is_wrong(tmp_path):
     path = model(tmp_path, "    Real 'x'(start = 1.0, fixed = true);", "    der('x') = -'x';\n    'x' = 1.0;")
     result = run("check", path, code=2)
     assert "no valid model" in result.stderr and "2 equations" in result.stdout
+
+
+def test_check_compares_with_the_pattern_of_equations():
+    # The line currents of the delta add up to zero whatever the numbers are, which no pattern shows.
+    text = run("check", os.path.join(MODELS, "delta_load.mo")).stdout
+    assert "Index 2 (strangeness index 1)." in text and "The pattern of the equations alone says index 1" in text
+    for name in ("pendulum", "crane", "servo_chain", "squeezer", "rlc_ladder", "two_capacitors", "transistor_amplifier"):
+        assert "The pattern" not in run("check", os.path.join(MODELS, name + ".mo")).stdout

@@ -46,4 +46,5 @@ def test_no_progress_bar_in_a_pipe():
 
 def test_sweep_shows_its_table():
     code, text = on_terminal("sweep", PENDULUM, "--set", "L=1,2", "--to", "1", "--variables", "x")
-    assert code == 0 and "instance" in text and "2 of 2 instances solved" in text
+    assert code == 0 and "  instance  L  outcome  time  x\r\n" in text and "2 of 2 instances solved" in text
+    assert "  2         2  solved   1     " in text

@@ -1,0 +1,56 @@
+//! base 0.1.0
+package 'Bridge'
+  model 'Bridge' "A bridge of four ideal diodes charges a capacitor"
+    parameter Real 'source.V'(unit = "V") = 20.0 "amplitude";
+    parameter Real 'source.w'(unit = "rad/s") = 314.1592653589793 "50 Hz";
+    parameter Real 'source.R'(unit = "Ohm") = 1.0;
+    parameter Real 'C.C'(unit = "F") = 0.001;
+    parameter Real 'load.R'(unit = "Ohm") = 50.0;
+    parameter Real 'Ron'(unit = "Ohm") = 0.01 "of a diode that conducts";
+    parameter Real 'Goff'(unit = "S") = 1e-05 "of a diode that blocks";
+    Real 'source.v'(unit = "V");
+    Real 'source.i'(unit = "A");
+    Real 'a.v'(unit = "V") "potentials of the nodes; the negative side of the load is ground";
+    Real 'b.v'(unit = "V");
+    Real 'C.v'(fixed = true, start = 5.0, unit = "V");
+    Real 'D[1].v'(unit = "V");
+    Real 'D[1].i'(unit = "A");
+    Real 'D[1].s' "along the characteristic: current if it conducts, voltage if it blocks";
+    Boolean 'D[1].off'(start = true);
+    Real 'D[2].v'(unit = "V");
+    Real 'D[2].i'(unit = "A");
+    Real 'D[2].s' "along the characteristic: current if it conducts, voltage if it blocks";
+    Boolean 'D[2].off'(start = true);
+    Real 'D[3].v'(unit = "V");
+    Real 'D[3].i'(unit = "A");
+    Real 'D[3].s' "along the characteristic: current if it conducts, voltage if it blocks";
+    Boolean 'D[3].off'(start = true);
+    Real 'D[4].v'(unit = "V");
+    Real 'D[4].i'(unit = "A");
+    Real 'D[4].s' "along the characteristic: current if it conducts, voltage if it blocks";
+    Boolean 'D[4].off'(start = true);
+  equation
+    'source.v' = 'source.V' * sin('source.w' * time + 0.2);
+    'a.v' - 'b.v' = 'source.v' - 'source.R' * 'source.i';
+    'D[1].off' = 'D[1].s' < 0.0;
+    'D[1].v' = 'D[1].s' * (if 'D[1].off' then 1.0 else 'Ron');
+    'D[1].i' = 'D[1].s' * (if 'D[1].off' then 'Goff' else 1.0);
+    'D[2].off' = 'D[2].s' < 0.0;
+    'D[2].v' = 'D[2].s' * (if 'D[2].off' then 1.0 else 'Ron');
+    'D[2].i' = 'D[2].s' * (if 'D[2].off' then 'Goff' else 1.0);
+    'D[3].off' = 'D[3].s' < 0.0;
+    'D[3].v' = 'D[3].s' * (if 'D[3].off' then 1.0 else 'Ron');
+    'D[3].i' = 'D[3].s' * (if 'D[3].off' then 'Goff' else 1.0);
+    'D[4].off' = 'D[4].s' < 0.0;
+    'D[4].v' = 'D[4].s' * (if 'D[4].off' then 1.0 else 'Ron');
+    'D[4].i' = 'D[4].s' * (if 'D[4].off' then 'Goff' else 1.0);
+    'D[1].v' = 'a.v' - 'C.v';
+    'D[2].v' = 'b.v' - 'C.v';
+    'D[3].v' = -'a.v';
+    'D[4].v' = -'b.v';
+    'source.i' + 'D[3].i' = 'D[1].i';
+    'D[4].i' = 'source.i' + 'D[2].i';
+    'C.C' * der('C.v') = 'D[1].i' + 'D[2].i' - 'C.v' / 'load.R';
+    annotation(experiment(StartTime = 0.0, StopTime = 0.1, Tolerance = 1e-08, Interval = 0.0002));
+  end 'Bridge';
+end 'Bridge';
