@@ -64,18 +64,9 @@ class WhenImport {
     reaction.variable = action.variable;
     reaction.message = action.message;
     reaction.is_error = action.is_error;
-    reaction.at = action.at;
-    if (action.value) reaction.value = import_(action.value, Context::instant);
-    system_.reactions.push_back(reaction);
-  }
-
-  // So that what acted can be reported: an assignment to nothing.
-  void add_text(const WhenBranch& branch, Formula active, Location at) {
-    Reaction reaction;
-    reaction.kind = Action::Kind::assign;
-    reaction.active = active;
-    reaction.at =
-        !branch.conditions.empty() && branch.conditions.front()->at.line > 0 ? branch.conditions.front()->at : at;
+    reaction.at = at;  // a condition may stand elsewhere: a variable is where it was named first
+    const Location of_condition = branch.conditions.empty() ? at : branch.conditions.front()->at;
+    if (of_condition.line > at.line) reaction.at = of_condition;
     for (const Expression& condition : branch.conditions)
       reaction.message += (reaction.message.empty() ? "when " : ", ") + to_text(condition, system_.model);
     system_.reactions.push_back(reaction);
