@@ -1,15 +1,23 @@
-# Install rules: headers, libraries, CMake package, pkg-config file, sources of the Fortran modules.
+# Install rules: headers, libraries, CMake package, pkg-config file, sources of the Fortran modules, documents, examples.
 
 include(CMakePackageConfigHelpers)
+# Components: runtime, development (whatever names no other), program, python, docs.
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/sfdae")
 set(fortran_dir "${CMAKE_INSTALL_DATADIR}/sfdae/fortran")
 
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/sfdae" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
   FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/CHANGELOG.md"
+  DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DOCDIR}"
+  FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/examples" DESTINATION "${CMAKE_INSTALL_DOCDIR}"
+  FILES_MATCHING REGEX "\\.(c|cpp|h|f|f90|gp)$")
 
 # Two export sets, because only the static library needs LAPACK where it is used.
-install(TARGETS sfdae EXPORT sfdae_shared)
+install(TARGETS sfdae EXPORT sfdae_shared
+  LIBRARY COMPONENT runtime NAMELINK_COMPONENT development)
 install(TARGETS sfdae_static EXPORT sfdae_static)
 install(EXPORT sfdae_shared NAMESPACE sfdae:: FILE sfdaeSharedTargets.cmake DESTINATION "${package_dir}")
 install(EXPORT sfdae_static NAMESPACE sfdae:: FILE sfdaeStaticTargets.cmake DESTINATION "${package_dir}")

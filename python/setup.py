@@ -15,6 +15,7 @@ import sys
 
 from setuptools import Distribution, setup
 from setuptools.command.build_py import build_py
+from setuptools.command.sdist import sdist
 
 try:
     from setuptools.command.bdist_wheel import bdist_wheel
@@ -22,7 +23,8 @@ except ImportError:  # setuptools before 70.1
     from wheel.bdist_wheel import bdist_wheel
 
 HERE = pathlib.Path(__file__).resolve().parent
-ROOT = HERE.parent
+# Of the library: beside this package in a checkout, below it in a source distribution.
+ROOT = HERE / "library" if (HERE / "library").is_dir() else HERE.parent
 MODULE = "_binding.abi3.so"
 
 
@@ -49,8 +51,8 @@ def cmake_arguments(prefix: "str | None") -> "list[str]":
     arguments += ["-DCMAKE_BUILD_TYPE=Release"]
     if prefix:
         return [*arguments, f"-DCMAKE_PREFIX_PATH={prefix}"]
-    for part in ("TESTS", "EXAMPLES", "FORTRAN"):
-        arguments.append(f"-DSFDAE_BUILD_{part}=OFF")
+    for part in ("BUILD_TESTS", "BUILD_EXAMPLES", "BUILD_FORTRAN", "BUILD_PROGRAM", "INSTALL"):
+        arguments.append(f"-DSFDAE_{part}=OFF")
     return [*arguments, "-DSFDAE_BUILD_PYTHON=ON"]
 
 
@@ -87,6 +89,23 @@ class Build(build_py):
             shutil.copy2(ROOT / "LICENSE", target.parent / "LICENSE")
 
 
+class SourceDistribution(sdist):
+    """Adds what CMake needs to build the library."""
+
+    def make_release_tree(self, base_dir: str, files: "list[str]") -> None:
+        super().make_release_tree(base_dir, files)
+        package, library = pathlib.Path(base_dir), pathlib.Path(base_dir) / "library"
+        shutil.rmtree(library, ignore_errors=True)
+        for folder in ("cmake", "include", "src", "fortran_bindings/f77"):
+            shutil.copytree(ROOT / folder, library / folder)
+        (library / "python").mkdir()
+        for name in ("CMakeLists.txt", "build_binding.py", "binding_support.c"):
+            shutil.copy2(HERE / name, package / name)
+            shutil.copy2(HERE / name, library / "python" / name)
+        for name in ("CMakeLists.txt", "LICENSE"):
+            shutil.copy2(ROOT / name, library / name)
+
+
 class Wheel(bdist_wheel):
     """The module keeps to Python's stable interface: one wheel for all versions from 3.9 on."""
 
@@ -104,5 +123,5 @@ class BinaryDistribution(Distribution):
 setup(
     version=version(),
     distclass=BinaryDistribution,
-    cmdclass={"build_py": Build, "bdist_wheel": Wheel},
+    cmdclass={"build_py": Build, "bdist_wheel": Wheel, "sdist": SourceDistribution},
 )

@@ -2,14 +2,16 @@
 # Builds and tests everything:
 #
 #   format       all C and C++ sources are as clang-format 14 writes them
-#   release      OpenBLAS, all tests, packaging included
+#   release      OpenBLAS, all tests, installation included
 #   traps        the C++ and Fortran 77 tests of the same build, small, floating-point exceptions end the program
 #   reference    the C++ and Fortran 77 tests of the same build, small, with the reference BLAS and LAPACK
 #   valgrind     some examples in C and Fortran 77
-#   asan         address and undefined behaviour sanitizers, small
+#   asan         address and undefined behaviour sanitizers, by Clang if it is there, very small
 #
-# "Small": SFDAE_TEST_SCALE=0.05 reduces the number of random problems and of similar cases. SFDAE_WERROR=ON makes
-# warnings errors.
+# The number of random problems and of similar cases is reduced, to 0.4 of all in the phase release; SFDAE_TEST_SCALE
+# chooses another part, 1 is all. "Small" is an eighth of that, "very small" a twentieth. SFDAE_WERROR=ON makes warnings
+# errors.
+# A test that takes longer than four times the build is ended, but none before a quarter of an hour.
 # At the end stands how long each phase took; the last line is "N passed, M failed".
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -27,6 +29,8 @@ finish() {
   exit $((failed > 0))
 }
 trap finish EXIT
+# A signal is a failure, too; what runs at the time is waited for.
+for signal in HUP INT TERM; do trap "exit 1" "$signal"; done
 
 phase='' phase_start=0 phase_processor=0
 phase_times=() # lines "<wall> <processor> <phase>", in seconds
@@ -65,7 +69,7 @@ run_tests() {
   shift 2
   local report="$root/build/reports/$name.xml" status=0 header total lost
   rm -f "$report"
-  ctest --preset "$preset" --output-junit "$report" "$@" || status=$?
+  ctest --preset "$preset" --timeout "$timeout" --output-junit "$report" "$@" || status=$?
   if [[ ! -s "$report" ]]; then
     complain "$name: ctest wrote no report"
     return
@@ -77,6 +81,14 @@ run_tests() {
   passed=$((passed + total - lost))
   failed=$((failed + lost))
   if [[ $status -ne 0 && $lost -eq 0 ]]; then complain "$name: ctest returned $status"; fi
+}
+# build <preset>: builds, and derives the time limit of tests from how long that took.
+timeout=900
+build() {
+  local start=$SECONDS
+  cmake --build --preset "$1" || return
+  timeout=$((4 * (SECONDS - start)))
+  if [[ $timeout -lt 900 ]]; then timeout=900; fi
 }
 attribute() { sed -E "s/.* $1=\"([0-9]+)\".*/\1/" <<< "$2"; }
 
@@ -113,7 +125,11 @@ heading "dependencies"
 scripts/install-dependencies.sh test
 if command -v ninja > /dev/null; then export CMAKE_GENERATOR="${CMAKE_GENERATOR:-Ninja}"; fi
 export OPENBLAS_NUM_THREADS=1
-unset SFDAE_TEST_SCALE SFDAE_TEST_FPE_TRAPS
+unset SFDAE_TEST_FPE_TRAPS
+scale="${SFDAE_TEST_SCALE:-0.4}"
+part_of_scale() { awk -v scale="$scale" -v part="$1" 'BEGIN { print scale / part }'; }
+small="$(part_of_scale 8)"
+very_small="$(part_of_scale 20)"
 mkdir -p build/reports
 
 mapfile -t openblas_names < <(openblas_packages)
@@ -137,19 +153,21 @@ else
 fi
 
 heading "release: build"
-cmake --preset release -DSFDAE_WERROR="${SFDAE_WERROR:-OFF}" -DSFDAE_BUILD_BENCHMARKS=ON
-cmake --build --preset release
+# Benchmarks are compiled, not run.
+cmake --preset release -DSFDAE_WERROR="${SFDAE_WERROR:-OFF}" -DSFDAE_BUILD_BENCHMARKS=ON \
+  -DSFDAE_BENCHMARK_OPTIONS=-O0
+build release
 
-heading "release: all tests, OpenBLAS"
+heading "release: all tests, OpenBLAS, $scale of random problems"
 check_loaded release "$openblas"
-LD_LIBRARY_PATH="$openblas" run_tests release release
+LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE="$scale" run_tests release release
 
 heading "traps: C++ and Fortran 77 tests, floating-point exceptions"
-LD_LIBRARY_PATH="$openblas" SFDAE_TEST_FPE_TRAPS=1 SFDAE_TEST_SCALE=0.05 run_tests traps release -L '^(unit|f77)$'
+LD_LIBRARY_PATH="$openblas" SFDAE_TEST_FPE_TRAPS=1 SFDAE_TEST_SCALE="$small" run_tests traps release -L '^(unit|f77)$'
 
 heading "reference: C++ and Fortran 77 tests, reference BLAS"
 check_loaded reference "$reference"
-LD_LIBRARY_PATH="$reference" SFDAE_TEST_SCALE=0.05 run_tests reference release -L '^(unit|f77)$'
+LD_LIBRARY_PATH="$reference" SFDAE_TEST_SCALE="$small" run_tests reference release -L '^(unit|f77)$'
 
 # The kernels of OpenBLAS read past the ends of arrays, harmlessly; the reference BLAS does not.
 heading "valgrind: examples"
@@ -171,8 +189,17 @@ else
 fi
 
 heading "asan: build"
-cmake --preset asan
-cmake --build --preset asan
+# Clang needs half the time for that, and has warnings of its own.
+clang=()
+if command -v clang > /dev/null && command -v clang++ > /dev/null; then
+  clang=(-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++)
+fi
+cmake --preset asan "${clang[@]}" -DSFDAE_UNITY_BUILD=ON
+if ! build asan; then
+  echo "Perhaps local names clash (src/CMakeLists.txt, SFDAE_UNITY_BUILD): sources are compiled one by one"
+  cmake --preset asan "${clang[@]}" -DSFDAE_UNITY_BUILD=OFF
+  build asan
+fi
 
 heading "asan: tests"
-LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE=0.05 run_tests asan asan
+LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE="$very_small" run_tests asan asan

@@ -1,6 +1,8 @@
 // Algorithm sections of models.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -22,20 +24,26 @@ namespace {
 // The scalar variables that an algorithm assigns; keys are their numbers in the model.
 class ModelStore : public Store {
  public:
-  ModelStore(Elaboration& e, Scope& declared) : e_(e), declared_(declared) {}
+  ModelStore(Elaboration& e, Scope& declared, bool is_initial)
+      : e_(e), declared_(declared), is_initial_(is_initial) {}
 
   // Before anything is executed: these are start values or left limits until they are assigned.
-  void announce(const syntax::Expression& left, bool in_when) {
+  // in_when: number of the when statement around it, from 1; 0: none.
+  void announce(const syntax::Expression& left, int in_when) {
     const syntax::Expression& name = name_of(e_, left);
     const ValuePointer value = declared_.find(name.text, name.at);
     if (value == nullptr) e_.fail(name.at, "unknown name '" + plain(name.text) + "'; declare it");
     std::vector<Expression> scalars;
     append_scalars(*value, scalars);
     for (const Expression& scalar : scalars) {
-      const int key = assigned_variable(e_, scalar, left.at);
+      const int key = is_free_parameter(scalar) ? scalar->index : assigned_variable(e_, scalar, left.at);
       own_.insert(key);
-      if (in_when) in_whens_.insert(key);
-      else if (&name == &left) whole_.insert(key);
+      if (in_when > 0) {
+        const int first = in_whens_.emplace(key, in_when).first->second;
+        if (first != in_when) in_several_.insert(key);
+      } else if (&name == &left) {
+        whole_.insert(key);
+      }
     }
   }
 
@@ -119,6 +127,7 @@ class ModelStore : public Store {
       result.branches.push_back(std::move(one));
       state_ = before;
     }
+    for (const auto& [key, clause] : clauses_) assigned.erase(key);
     for (const int key : assigned) {
       if (before.count(key) > 0)
         e_.fail(statement.at,
@@ -128,14 +137,26 @@ class ModelStore : public Store {
       state_[key] = std::make_shared<Value>(
           scalar_value(Kind::real, e_.pool.variable(Operation::variable, key, true, statement.at)));
     }
-    e_.model.whens.push_back(std::move(result));
+    const bool acts = std::any_of(result.branches.begin(), result.branches.end(),
+                                  [](const WhenBranch& one) { return !one.actions.empty(); });
+    if (acts) e_.model.whens.push_back(std::move(result));
+    for (auto& [key, clause] : clauses_) {
+      clause.branches.insert(clause.branches.begin(), std::make_move_iterator(clause.fresh.begin()),
+                             std::make_move_iterator(clause.fresh.end()));
+      clause.fresh.clear();
+      clause.at = statement.at;
+    }
   }
 
   void finish(Location at, std::vector<Equation>& equations) {
+    for (auto& [key, clause] : clauses_) {
+      by_when_.insert(key);
+      e_.model.whens.push_back({std::move(clause.branches), clause.at});
+    }
     for (const int key : whole_)
       if (by_when_.count(key) == 0) state_.emplace(key, nullptr);
     for (const auto& [key, value] : state_) {
-      const Expression variable = e_.pool.variable(Operation::variable, key, true, at);
+      const Expression variable = e_.symbols->variable_node(key, at);
       const Expression result = value != nullptr ? value->scalars[0] : initial_value(key)->scalars[0];
       if (by_when_.count(key) > 0) {
         if (result != variable)
@@ -149,12 +170,57 @@ class ModelStore : public Store {
   }
 
  private:
+  bool is_free_parameter(const Expression& x) const {
+    if (!is_initial_ || x->operation != Operation::variable) return false;
+    const Variable& variable = e_.model.variables[static_cast<size_t>(x->index)];
+    return variable.variability == Variability::parameter && !variable.is_fixed;
+  }
+
   bool is_own_variable(const Expression& x) const {
     return x != nullptr && x->operation == Operation::variable && own_.count(x->index) > 0;
   }
 
+  // Of a variable that several when statements of the algorithm assign. The last one overrides the others.
+  struct Clause {
+    std::vector<WhenBranch> branches;  // the last statement's first
+    std::vector<WhenBranch> fresh;     // of the statement that is being expanded
+    Location at;
+  };
+
+  // True at the event at which a condition becomes true.
+  Expression rising(const Expression& condition) {
+    if (condition->operation == Operation::sample || condition->operation == Operation::initial) return condition;
+    int index = condition->operation == Operation::variable ? condition->index : -1;
+    if (index < 0) {
+      Variable variable;
+      variable.name = "when condition " + std::to_string(e_.model.variables.size());
+      variable.type = Type::boolean;
+      variable.variability = Variability::discrete;
+      variable.at = condition->at;
+      index = e_.symbols->add_variable(std::move(variable));
+      e_.model.equations.push_back({e_.symbols->variable_node(index, condition->at), condition, condition->at});
+    }
+    const Expression was = e_.pool.variable(Operation::previous, index, true, condition->at);
+    return e_.pool.make(
+        Operation::and_,
+        {e_.symbols->variable_node(index, condition->at), e_.pool.make(Operation::not_, {was}, condition->at)},
+        condition->at);
+  }
+
+  // What the when statements so far make of such a variable.
+  Expression between(int key, const Clause& clause) {
+    Expression result = initial_value(key)->scalars[0];
+    for (size_t k = clause.branches.size(); k-- > 0;)
+      for (const Expression& condition : clause.branches[k].conditions)
+        result = e_.pool.make(Operation::choose, {rising(condition), clause.branches[k].actions[0].value, result},
+                              clause.at);
+    return result;
+  }
+
   Expression current(int key) {
     const auto found = state_.find(key);
+    if (found == state_.end())
+      if (const auto clause = clauses_.find(key); clause != clauses_.end()) return between(key, clause->second);
     return (found != state_.end() ? found->second : initial_value(key))->scalars[0];
   }
 
@@ -179,8 +245,9 @@ class ModelStore : public Store {
       action.variable = key;
       action.value = value->scalars[0];
       action.at = branch.condition->at;
-      one.actions.push_back(std::move(action));
       assigned.insert(key);
+      if (in_several_.count(key) > 0) clauses_[key].fresh.push_back({one.conditions, {std::move(action)}});
+      else one.actions.push_back(std::move(action));
     }
     for (Action& action : actions_) one.actions.push_back(std::move(action));
     actions_.clear();
@@ -189,14 +256,17 @@ class ModelStore : public Store {
 
   Elaboration& e_;
   Scope& declared_;
-  std::set<int> own_, whole_, in_whens_, by_when_;
+  std::set<int> own_, whole_, by_when_, in_several_;
+  std::unordered_map<int, int> in_whens_;  // of a variable: the first when statement that assigns it
+  std::map<int, Clause> clauses_;
   std::unordered_map<int, std::shared_ptr<Value>> initial_;
   std::vector<Action> actions_;
-  bool in_when_ = false;
+  bool in_when_ = false, is_initial_;
 };
 
-void announce_all(ModelStore& store, const std::vector<Statement>& body, bool in_when) {
+void announce_all(ModelStore& store, const std::vector<Statement>& body, int in_when, int& num_whens) {
   for (const Statement& one : body) {
+    const int inside = one.action == syntax::StatementForm::when && in_when == 0 ? ++num_whens : in_when;
     if (one.action == syntax::StatementForm::assignment) {
       if (one.left->form != Form::tuple) {
         store.announce(*one.left, in_when);
@@ -205,8 +275,7 @@ void announce_all(ModelStore& store, const std::vector<Statement>& body, bool in
           if (part != nullptr) store.announce(*part, in_when);
       }
     }
-    for (const syntax::Branch& branch : one.branches)
-      announce_all(store, branch.body, in_when || one.action == syntax::StatementForm::when);
+    for (const syntax::Branch& branch : one.branches) announce_all(store, branch.body, inside, num_whens);
   }
 }
 
@@ -215,8 +284,9 @@ void announce_all(ModelStore& store, const std::vector<Statement>& body, bool in
 void expand_algorithm(Elaboration& e, const Environment& in, const std::vector<Statement>& body,
                       std::vector<Equation>& equations) {
   if (body.empty()) return;
-  ModelStore store(e, *in.scope);
-  announce_all(store, body, false);
+  ModelStore store(e, *in.scope, &equations == &e.model.initial_equations);
+  int num_whens = 0;
+  announce_all(store, body, 0, num_whens);
   Environment inside = in;
   inside.scope = &store;
   Executor(e, store, inside).run(body);

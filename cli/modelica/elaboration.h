@@ -78,9 +78,11 @@ struct Environment {
 
 // Limits keep files, also hostile ones, from taking all time or memory.
 struct Limits {
-  static constexpr long kMaxSteps = 20'000'000;    // expressions expanded: some ten seconds
+  static constexpr long kMaxSteps = 3'000'000;     // expressions expanded: a few seconds
   static constexpr long kMaxElements = 1'000'000;  // of an array
+  static constexpr int kMaxVariables = 300'000;    // scalar ones
   static constexpr int kMaxDepth = 400;            // expressions within expressions, those of functions included
+  static constexpr int kMaxRounds = 50;            // of a while loop whose end depends on variables
   static constexpr int kMaxRecursion = 50;         // calls of a function within itself
   long steps = 0;
   int depth = 0;

@@ -145,7 +145,18 @@ void Executor::for_loop(const Environment& in, const Statement& one) {
   flow_.broken = outside;
 }
 
+// After the last round that is expanded the loop must have ended.
+void Executor::assert_ended(const Environment& in, Location at) {
+  Assertion assertion;
+  assertion.condition = e_.pool.make(Operation::or_, {flow_.returned, flow_.broken}, at);
+  assertion.message = "a while loop takes more than " + std::to_string(Limits::kMaxRounds) +
+                      " rounds, to which it has been expanded; replace it by a formula";
+  assertion.at = at;
+  add_assertion(e_, in, std::move(assertion));
+}
+
 void Executor::while_loop(const Environment& in, const Statement& one) {
+  int num_open_rounds = 0;
   const Branch& body = one.branches[0];
   const Expression outside = flow_.broken;
   for (;;) {
@@ -154,10 +165,17 @@ void Executor::while_loop(const Environment& in, const Statement& one) {
     if (is_number(running, 0.0)) break;
     const Expression condition = evaluate_condition(e_, in, *body.condition, "the condition of a while loop");
     const std::optional<double> known = constant_value(e_, condition);
-    if (!known)
-      e_.fail(one.at,
-              "a while loop whose number of rounds depends on variables; such functions cannot be expanded: "
-              "replace it by a formula or a loop of a fixed number of rounds");
+    if (!known) {
+      // As if it began with: if not condition then break.
+      if (++num_open_rounds > Limits::kMaxRounds) {
+        assert_ended(in, one.at);
+        break;
+      }
+      const Expression ended = e_.pool.make(Operation::not_, {condition}, one.at);
+      flow_.broken = e_.pool.make(Operation::or_, {flow_.broken, ended}, one.at);
+      block(in, body.body);
+      continue;
+    }
     if (*known == 0.0) break;
     block(in, body.body);
   }

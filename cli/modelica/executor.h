@@ -52,6 +52,7 @@ class Executor {
   void both(const Environment& in, const Expression& condition, const syntax::Statement& one, size_t k);
   void for_loop(const Environment& in, const syntax::Statement& one);
   void while_loop(const Environment& in, const syntax::Statement& one);
+  void assert_ended(const Environment& in, Location at);
   void call(const Environment& in, const syntax::Statement& one);
   Store::State merged(const Expression& condition, const Store::State& first, const Store::State& second,
                       Location at);

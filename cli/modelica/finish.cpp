@@ -36,6 +36,7 @@ class Finish {
 
   void run() {
     mark_discrete();
+    drop_repeated_assertions();
     for (const Variable& one : model_.variables)
       for (const Expression& formula : {one.binding, one.start, one.nominal, one.min, one.max})
         if (formula != nullptr) walk(formula, one.at);
@@ -49,6 +50,14 @@ class Finish {
 
  private:
   Variable& variable(int k) { return model_.variables[static_cast<size_t>(k)]; }
+
+  // Functions and subscripts give the same one wherever they stand.
+  void drop_repeated_assertions() {
+    std::unordered_set<const Node*> conditions;
+    std::erase_if(model_.assertions, [&](const Assertion& one) {
+      return !conditions.insert(one.condition.get()).second && one.is_error;
+    });
+  }
 
   // What when clauses assign is discrete, and assigned in one clause.
   void mark_discrete() {

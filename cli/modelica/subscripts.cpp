@@ -17,6 +17,7 @@ struct Subscript {
   std::vector<size_t> positions;
   bool is_scalar = false;
   Expression varying;
+  bool is_safe = false;  // an enumeration with as many literals as the array has elements
 };
 
 size_t position_of(Elaboration& e, const Expression& index, int n, Location at) {
@@ -45,6 +46,7 @@ Subscript evaluate_subscript(Elaboration& e, const Environment& in, const syntax
         value.kind == Kind::boolean ? e.pool.make(Operation::add, {scalar, e.pool.number(1.0)}, x.at) : scalar;
     if (value.is_scalar() && !constant_value(e, index)) {
       result.varying = index;
+      result.is_safe = value.definition != nullptr && value.definition->literals.size() == static_cast<size_t>(n);
     } else {
       result.positions.push_back(position_of(e, index, n, x.at));
     }
@@ -75,7 +77,7 @@ Value select_positions(const Value& array, const std::vector<Subscript>& subscri
 
 void assert_range(Elaboration& e, const Environment& in, const Expression& index, int n, Location at) {
   const auto make = [&](Operation operation, double limit) {
-    return operate(e, operation, {index, e.pool.number(limit, at)}, {at, true});
+    return operate(e, operation, {index, e.pool.number(limit, at)}, {at, in.in_function});
   };
   Assertion assertion;
   assertion.condition =
@@ -85,6 +87,30 @@ void assert_range(Elaboration& e, const Environment& in, const Expression& index
   add_assertion(e, in, std::move(assertion));
 }
 
+// values[index - 1], by halving.
+Value choose_by_index(Elaboration& e, const Environment& in, const Expression& index, std::vector<Value>& values,
+                      Location at) {
+  std::vector<size_t> ends;  // of the values so far: the index of the last one that each stands for
+  for (size_t k = 1; k <= values.size(); ++k) ends.push_back(k);
+  while (values.size() > 1) {
+    size_t count = 0;
+    for (size_t k = 0; k < values.size(); k += 2) {
+      if (k + 1 < values.size()) {
+        const Expression limit = e.pool.number(static_cast<double>(ends[k]), at);
+        const Expression is_first = operate(e, Operation::less_equal, {index, limit}, {at, in.in_function});
+        values[count] = choose(e, is_first, values[k], values[k + 1], at);
+        ends[count++] = ends[k + 1];
+      } else {
+        ends[count] = ends[k];
+        values[count++] = std::move(values[k]);
+      }
+    }
+    values.resize(count);
+    ends.resize(count);
+  }
+  return std::move(values[0]);
+}
+
 Value select_varying(Elaboration& e, const Environment& in, const Value& array, std::vector<Subscript> subscripts,
                      Location at) {
   for (size_t d = 0; d < subscripts.size(); ++d) {
@@ -92,19 +118,13 @@ Value select_varying(Elaboration& e, const Environment& in, const Value& array, 
     const Expression index = std::exchange(subscripts[d].varying, nullptr);
     const int n = array.dims[d];
     if (n == 0) e.fail(at, "an element of an array without elements");
-    assert_range(e, in, index, n, at);
-    Value result;
-    for (int k = n; k-- > 0;) {
-      subscripts[d].positions = {static_cast<size_t>(k)};
-      Value one = select_varying(e, in, array, subscripts, at);
-      if (k == n - 1) {
-        result = std::move(one);
-        continue;
-      }
-      const Expression is_k = operate(e, Operation::equal, {index, e.pool.number(k + 1, at)}, {at, true});
-      result = choose(e, is_k, one, result, at);
+    if (!subscripts[d].is_safe) assert_range(e, in, index, n, at);
+    std::vector<Value> values;
+    for (size_t k = 0; k < static_cast<size_t>(n); ++k) {
+      subscripts[d].positions = {k};
+      values.push_back(select_varying(e, in, array, subscripts, at));
     }
-    return result;
+    return choose_by_index(e, in, index, values, at);
   }
   e.charge(1, at);
   return select_positions(array, subscripts);

@@ -90,13 +90,18 @@ int Symbols::add_variable(Variable variable) {
   const int index = static_cast<int>(e_.model.variables.size());
   if (!variable_names_.emplace(variable.name, index).second)
     e_.fail(variable.at, "'" + variable.name + "' is declared twice; remove or rename one");
-  if (index >= Limits::kMaxElements)
+  if (index >= Limits::kMaxVariables)
     e_.fail(variable.at,
-            "more than " + std::to_string(Limits::kMaxElements) + " scalar variables; make arrays smaller");
+            "more than " + std::to_string(Limits::kMaxVariables) + " scalar variables; make arrays smaller");
   e_.model.variables.push_back(std::move(variable));
   symbol_of_variable_.push_back(nullptr);
   parameter_stages_.push_back(Stage::none);
   return index;
+}
+
+Expression Symbols::variable_node(int index, Location at) {
+  const bool varies = e_.model.variables[static_cast<size_t>(index)].variability >= Variability::discrete;
+  return e_.pool.variable(Operation::variable, index, varies, at);
 }
 
 Expression Symbols::derivative_of_variable(int index, Location at) {

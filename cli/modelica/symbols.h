@@ -37,6 +37,7 @@ class Symbols : public Scope {
   void check_parameters();
 
   int add_variable(Variable variable);
+  Expression variable_node(int index, Location at);
   const syntax::Declaration* declaration(const std::string& name) const;
 
  private:

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 
-/* sfdae - ensembles: many instances of one recorded problem, which differ in parameters and start values.
+/** @file
+ * sfdae - ensembles: many instances of one recorded problem, which differ in parameters and start values.
  *
  *     one solver -> sfdae_solve_ensemble: N instances on k threads, outputs of all at the same times
  *
@@ -15,69 +16,69 @@
 extern "C" {
 #endif
 
-/* What is reported to the monitor of an ensemble. */
+/** What is reported to the monitor of an ensemble. */
 typedef struct sfdae_ensemble_progress {
-  size_t size;       /* of this struct in the library that calls */
-  int instance;      /* the one that has ended, 0 <= instance < num_instances; its results are written */
-  int status;        /* its status */
-  int num_ended;     /* instances that have ended, this one included */
-  int num_instances; /* N */
+  size_t size;       /**< of this struct in the library that calls */
+  int instance;      /**< the one that has ended, 0 <= instance < num_instances; its results are written */
+  int status;        /**< its status */
+  int num_ended;     /**< instances that have ended, this one included */
+  int num_instances; /**< N */
 } sfdae_ensemble_progress;
 
-/* Called whenever an instance has ended, with success or without, in the order in which they end, which depends on
+/** Called whenever an instance has ended, with success or without, in the order in which they end, which depends on
  * the threads. Calls come from the threads that solve, but never two at a time. Any value but 0 stops all. */
 typedef int (*sfdae_ensemble_monitor_function)(const sfdae_ensemble_progress* progress, void* user);
 
-/* What is to be solved: N instances. Call sfdae_ensemble_init first, then set members. Nothing is copied: arrays must
+/** What is to be solved: N instances. Call sfdae_ensemble_init first, then set members. Nothing is copied: arrays must
  * live until sfdae_solve_ensemble returns. n: number of unknowns. */
 typedef struct sfdae_ensemble {
-  size_t size;       /* set by sfdae_ensemble_init */
-  int num_instances; /* N >= 0 */
+  size_t size;       /**< set by sfdae_ensemble_init */
+  int num_instances; /**< N >= 0 */
 
-  /* Parameters of the recorded equations (sfdae_parameter) that differ between instances. All others have the values
+  /** Parameters of the recorded equations (sfdae_parameter) that differ between instances. All others have the values
    * that they have in the solver. */
-  int num_parameters;                 /* P >= 0, default 0 */
-  const char* const* parameter_names; /* P names, no two equal */
-  const double* parameters;           /* P x N: column i is for instance i */
+  int num_parameters;                 /**< P >= 0, default 0 */
+  const char* const* parameter_names; /**< P names, no two equal */
+  const double* parameters;           /**< P x N: column i is for instance i */
 
-  /* Start values: guesses, made consistent as the options of the solver say. */
+  /** Start values: guesses, made consistent as the options of the solver say. */
   double t0;
-  const double* x0;    /* n x N */
-  const double* xdot0; /* NULL (default) or n x N guesses of x', for the option xdot_is_guess */
+  const double* x0;    /**< n x N */
+  const double* xdot0; /**< NULL (default) or n x N guesses of x', for the option xdot_is_guess */
 
-  /* Outputs, in the direction of integration: either increasing or decreasing, each beyond the one before. The first
+  /** Outputs, in the direction of integration: either increasing or decreasing, each beyond the one before. The first
    * one may be t0, where x is the consistent start value; the last one must not. */
-  int num_times; /* K >= 1 */
+  int num_times; /**< K >= 1 */
   const double* times;
 
-  int num_threads; /* 1 ... 1024, never more than N are used; default 0: as many as there are processors */
+  int num_threads; /**< 1 ... 1024, never more than N are used; default 0: as many as there are processors */
 
-  sfdae_ensemble_monitor_function monitor; /* NULL: none */
-  void* monitor_user;                      /* handed to the monitor */
+  sfdae_ensemble_monitor_function monitor; /**< NULL: none */
+  void* monitor_user;                      /**< handed to the monitor */
 } sfdae_ensemble;
-/* Sets every member to its default. size: sizeof(sfdae_ensemble). SFDAE_ILLEGAL_ARGUMENT for NULL. */
+/** Sets every member to its default. size: sizeof(sfdae_ensemble). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_ensemble_init(sfdae_ensemble* ensemble, size_t size);
 
-/* Where results go, arrays of the user's, and a summary. Call sfdae_ensemble_results_init first, then set arrays. */
+/** Where results go, arrays of the user's, and a summary. Call sfdae_ensemble_results_init first, then set arrays. */
 typedef struct sfdae_ensemble_results {
-  size_t size;      /* set by sfdae_ensemble_results_init */
-  double* x;        /* n x K x N: x at times[k] of instance i begins at x[(k + i * K) * n] */
-  double* xdot;     /* NULL (default: x' is not computed), or n x K x N like x */
-  int* statuses;    /* N */
-  int* num_outputs; /* NULL, or N: how many of the K outputs were reached; the others are not written */
-  char* messages;   /* NULL, or N texts, each in message_length characters with its final zero: what sfdae_message
+  size_t size;      /**< set by sfdae_ensemble_results_init */
+  double* x;        /**< n x K x N: x at times[k] of instance i begins at x[(k + i * K) * n] */
+  double* xdot;     /**< NULL (default: x' is not computed), or n x K x N like x */
+  int* statuses;    /**< N */
+  int* num_outputs; /**< NULL, or N: how many of the K outputs were reached; the others are not written */
+  char* messages;   /**< NULL, or N texts, each in message_length characters with its final zero: what sfdae_message
                              would say about the status, "" for SFDAE_OK */
-  size_t message_length; /* >= 1 with messages; 1536 are always enough */
+  size_t message_length; /**< at least 1 with messages; 1536 are always enough */
 
-  /* Written by the library. */
-  int num_failed;   /* instances with status < 0 */
-  int num_analyses; /* index analyses that were made from the beginning */
-  int num_threads;  /* that were there to take part */
+  /** Written by the library. */
+  int num_failed;   /**< instances with status < 0 */
+  int num_analyses; /**< index analyses that were made from the beginning */
+  int num_threads;  /**< that were there to take part */
 } sfdae_ensemble_results;
-/* Sets every member to its default. size: sizeof(sfdae_ensemble_results). SFDAE_ILLEGAL_ARGUMENT for NULL. */
+/** Sets every member to its default. size: sizeof(sfdae_ensemble_results). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_ensemble_results_init(sfdae_ensemble_results* results, size_t size);
 
-/* Solves N instances of the problem of a solver, which must have been recorded (not callbacks for E, A, f, total
+/** Solves N instances of the problem of a solver, which must have been recorded (not callbacks for E, A, f, total
  * derivatives or mechanical systems). Each is started at t0 toward the last time and advanced to all times. The
  * results of an instance are to the last bit those of a solver of its own with the same options and parameters,
  * whatever the number of threads and whatever the others do. The solver itself stays as it is: its parameters, its

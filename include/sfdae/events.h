@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 
-/* sfdae - events: zeros of functions of t, x and x' along the solution.
+/** @file
+ * sfdae - events: zeros of functions of t, x and x' along the solution.
  *
  * sfdae.h has the conventions, and includes this header.
  */
@@ -13,11 +14,11 @@
 extern "C" {
 #endif
 
-/* Writes the event functions g_i(t, x, x') to g (num_events entries, zero before). Returns 0 (ok), a positive value
+/** Writes the event functions g_i(t, x, x') to g (num_events entries, zero before). Returns 0 (ok), a positive value
  * (cannot evaluate here: SFDAE_CALLBACK_FAILED) or a negative value (stop at once: SFDAE_CALLBACK_STOPPED). */
 typedef int (*sfdae_event_function)(double t, const double* x, const double* xdot, double* g, void* user);
 
-/* Sets the event functions. An event happens where a g_i becomes zero or changes its sign. sfdae_advance and
+/** Sets the event functions. An event happens where a g_i becomes zero or changes its sign. sfdae_advance and
  * sfdae_step then return SFDAE_EVENT with t, x, xdot there: the zero itself or, within rounding errors of t, the
  * first point after it; x satisfies all constraints, and g_i is as small as rounding allows. Called again they go
  * on; to change x, call sfdae_start at t.
@@ -47,7 +48,7 @@ typedef int (*sfdae_event_function)(double t, const double* x, const double* xdo
 SFDAE_API int sfdae_set_events(sfdae_solver* solver, int num_events, sfdae_event_function function,
                                const int* directions, void* user);
 
-/* Which events happened at the point that was returned with SFDAE_EVENT: num_events entries, +1 where g_i was
+/** Which events happened at the point that was returned with SFDAE_EVENT: num_events entries, +1 where g_i was
  * rising, -1 where it was falling, else 0. All 0 before the first event and when the integration has gone on. */
 SFDAE_API int sfdae_get_events(const sfdae_solver* solver, int* which);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 
-/* sfdae - equations written as formulas, and nonlinear problems.
+/** @file
+ * sfdae - equations written as formulas, and nonlinear problems.
  *
  * Equations can be written once: a function of the user applies the operations below to t, x and x', the library
  * records what it does, and computes values, Taylor coefficients and Jacobians from the record. That function is
@@ -22,12 +23,12 @@ extern "C" {
 
 /* ---- Expressions ----------------------------------------------------------------------------- */
 
-/* A recording under way. It ends when the user's function returns. */
+/** A recording under way. It ends when the user's function returns. */
 typedef struct sfdae_record sfdae_record;
 
-/* A number, or a part of a formula that is being recorded. Passed by value; only the library writes the members. */
+/** A number, or a part of a formula that is being recorded. Passed by value; only the library writes the members. */
 typedef struct sfdae_expression {
-  sfdae_record* record; /* NULL: the plain number `value` */
+  sfdae_record* record; /**< NULL: the plain number `value` */
   double value;
   int node;
 } sfdae_expression;
@@ -36,60 +37,114 @@ typedef struct sfdae_expression {
  * of different recordings mixed, an entry that was not written, a number that is not finite, as log(-1)) makes the
  * call that records fail with SFDAE_ILLEGAL_ARGUMENT and a message that names the first one. */
 
-/* The plain number `value`, finite. */
+/** The plain number `value`, finite. */
 SFDAE_API sfdae_expression sfdae_number(double value);
 
-/* A parameter: a constant with a name, not empty, whose finite value can be changed later by sfdae_set_parameter
+/** A parameter: a constant with a name, not empty, whose finite value can be changed later by sfdae_set_parameter
  * without recording anew. Asked for again by its name it is the same parameter, and the first value counts. */
 SFDAE_API sfdae_expression sfdae_parameter(sfdae_record* record, const char* name, double value);
 
-SFDAE_API sfdae_expression sfdae_add(sfdae_expression a, sfdae_expression b);      /* a + b */
-SFDAE_API sfdae_expression sfdae_subtract(sfdae_expression a, sfdae_expression b); /* a - b */
-SFDAE_API sfdae_expression sfdae_multiply(sfdae_expression a, sfdae_expression b); /* a b */
-SFDAE_API sfdae_expression sfdae_divide(sfdae_expression a, sfdae_expression b);   /* a / b, b not 0 */
-SFDAE_API sfdae_expression sfdae_negate(sfdae_expression a);                       /* -a */
+SFDAE_API sfdae_expression sfdae_add(sfdae_expression a, sfdae_expression b);      /**< a + b */
+SFDAE_API sfdae_expression sfdae_subtract(sfdae_expression a, sfdae_expression b); /**< a - b */
+SFDAE_API sfdae_expression sfdae_multiply(sfdae_expression a, sfdae_expression b); /**< a b */
+SFDAE_API sfdae_expression sfdae_divide(sfdae_expression a, sfdae_expression b);   /**< a / b, b not 0 */
+SFDAE_API sfdae_expression sfdae_negate(sfdae_expression a);                       /**< -a */
 
-/* a^b. For an integer number b up to 64 in size these are products, for every a. Else a > 0; a = 0 is allowed as
+/** a^b. For an integer number b up to 64 in size these are products, for every a. Else a > 0; a = 0 is allowed as
  * far as derivatives exist. */
 SFDAE_API sfdae_expression sfdae_power(sfdae_expression a, sfdae_expression b);
 
 /* Angles are in radians. */
-SFDAE_API sfdae_expression sfdae_sqrt(sfdae_expression a);                      /* a >= 0, no derivative at 0 */
-SFDAE_API sfdae_expression sfdae_exp(sfdae_expression a);                       /* e^a */
-SFDAE_API sfdae_expression sfdae_log(sfdae_expression a);                       /* natural logarithm, a > 0 */
-SFDAE_API sfdae_expression sfdae_sin(sfdae_expression a);                       /* sine */
-SFDAE_API sfdae_expression sfdae_cos(sfdae_expression a);                       /* cosine */
-SFDAE_API sfdae_expression sfdae_tan(sfdae_expression a);                       /* tangent */
-SFDAE_API sfdae_expression sfdae_asin(sfdae_expression a);                      /* no derivative at -1 and 1 */
-SFDAE_API sfdae_expression sfdae_acos(sfdae_expression a);                      /* no derivative at -1 and 1 */
-SFDAE_API sfdae_expression sfdae_atan(sfdae_expression a);                      /* between -pi/2 and pi/2 */
-SFDAE_API sfdae_expression sfdae_atan2(sfdae_expression y, sfdae_expression x); /* angle of the point (x, y) */
-SFDAE_API sfdae_expression sfdae_sinh(sfdae_expression a);                      /* hyperbolic sine */
-SFDAE_API sfdae_expression sfdae_cosh(sfdae_expression a);                      /* hyperbolic cosine */
-SFDAE_API sfdae_expression sfdae_tanh(sfdae_expression a);                      /* hyperbolic tangent */
+SFDAE_API sfdae_expression sfdae_sqrt(sfdae_expression a);                      /**< a >= 0, no derivative at 0 */
+SFDAE_API sfdae_expression sfdae_exp(sfdae_expression a);                       /**< e^a */
+SFDAE_API sfdae_expression sfdae_log(sfdae_expression a);                       /**< natural logarithm, a > 0 */
+SFDAE_API sfdae_expression sfdae_log10(sfdae_expression a);                     /**< decimal logarithm, a > 0 */
+SFDAE_API sfdae_expression sfdae_sin(sfdae_expression a);                       /**< sine */
+SFDAE_API sfdae_expression sfdae_cos(sfdae_expression a);                       /**< cosine */
+SFDAE_API sfdae_expression sfdae_tan(sfdae_expression a);                       /**< tangent */
+SFDAE_API sfdae_expression sfdae_asin(sfdae_expression a);                      /**< no derivative at -1 and 1 */
+SFDAE_API sfdae_expression sfdae_acos(sfdae_expression a);                      /**< no derivative at -1 and 1 */
+SFDAE_API sfdae_expression sfdae_atan(sfdae_expression a);                      /**< between -pi/2 and pi/2 */
+SFDAE_API sfdae_expression sfdae_atan2(sfdae_expression y, sfdae_expression x); /**< angle of the point (x, y) */
+SFDAE_API sfdae_expression sfdae_sinh(sfdae_expression a);                      /**< hyperbolic sine */
+SFDAE_API sfdae_expression sfdae_cosh(sfdae_expression a);                      /**< hyperbolic cosine */
+SFDAE_API sfdae_expression sfdae_tanh(sfdae_expression a);                      /**< hyperbolic tangent */
 
 /* Functions with kinks, or jumps: their derivatives are those of the branch that holds at the point. Integrations
- * are efficient where no kink is crossed. */
-SFDAE_API sfdae_expression sfdae_abs(sfdae_expression a);                     /* |a| */
-SFDAE_API sfdae_expression sfdae_min(sfdae_expression a, sfdae_expression b); /* the smaller one */
-SFDAE_API sfdae_expression sfdae_max(sfdae_expression a, sfdae_expression b); /* the larger one */
+ * are efficient where no kink is crossed. Steps that meet a jump fail until they are short enough for the error test,
+ * and what is shorter than a step, as a pulse, may be missed altogether: where jumps matter integrate to their time, or
+ * to an event that finds it (sfdae_set_events), and start there anew. Functions of x that jump in equations which have
+ * to hold exactly, constraints, leave no solution to go on with. */
+SFDAE_API sfdae_expression sfdae_abs(sfdae_expression a);                     /**< |a| */
+SFDAE_API sfdae_expression sfdae_min(sfdae_expression a, sfdae_expression b); /**< the smaller one */
+SFDAE_API sfdae_expression sfdae_max(sfdae_expression a, sfdae_expression b); /**< the larger one */
 
-/* a if c > 0, else b; the other one need not be defined. */
+SFDAE_API sfdae_expression sfdae_sign(sfdae_expression a);  /**< 1 if a > 0, 0 if a = 0, -1 if a < 0 */
+SFDAE_API sfdae_expression sfdae_floor(sfdae_expression a); /**< the largest integer up to a */
+/** a - b floor(a / b), b not 0: between 0 and b, for inputs of period b */
+SFDAE_API sfdae_expression sfdae_modulo(sfdae_expression a, sfdae_expression b);
+
+/* Comparisons are 1 if they hold, else 0. Of truth values any number > 0 is true, as it is for sfdae_choose. */
+SFDAE_API sfdae_expression sfdae_less(sfdae_expression a, sfdae_expression b);          /**< a < b */
+SFDAE_API sfdae_expression sfdae_less_equal(sfdae_expression a, sfdae_expression b);    /**< a <= b */
+SFDAE_API sfdae_expression sfdae_greater(sfdae_expression a, sfdae_expression b);       /**< a > b */
+SFDAE_API sfdae_expression sfdae_greater_equal(sfdae_expression a, sfdae_expression b); /**< a >= b */
+SFDAE_API sfdae_expression sfdae_and(sfdae_expression a, sfdae_expression b); /**< 1 if both are true, else 0 */
+SFDAE_API sfdae_expression sfdae_or(sfdae_expression a, sfdae_expression b);  /**< 1 if one is true, else 0 */
+SFDAE_API sfdae_expression sfdae_not(sfdae_expression a);                     /**< 1 if a is not true, else 0 */
+
+/** a if c > 0, else b; the other one need not be defined. */
 SFDAE_API sfdae_expression sfdae_choose(sfdae_expression c, sfdae_expression a, sfdae_expression b);
+
+/** The derivative of the formula a by a variable: t, an unknown, the derivative of an unknown (all as they were handed to
+ * the function that writes equations) or a parameter; all others are held. G^T lambda, say, entry j, of constraints g
+ * without writing G = g_q: the derivative of lambda_1 g_1 + ... by q[j]. Of one formula a the derivatives by all
+ * variables cost little more than that by one, if they are asked for one after the other. */
+SFDAE_API sfdae_expression sfdae_derivative(sfdae_expression a, sfdae_expression variable);
+
+/** The total derivative along time of a formula in t and x, in which x' appears: a_t + a_x x'. A mistake where a depends
+ * on x' itself, whose derivative x'' is no variable, and in equations of mechanical systems, whose formulas do not know
+ * q' and v'. */
+SFDAE_API sfdae_expression sfdae_time_derivative(sfdae_expression a);
+
+/** A table: the value at a of the spline of degree 1, 3, 5 or 7 through `count` points (x[i], y[i]), which are copied; x
+ * increasing, at least degree + 1 points. The spline has degree - 1 continuous derivatives, and passes through the
+ * points; its knots are the x[i], for degrees above 1 without the first and last (degree - 1) / 2 inside ("not a knot"):
+ * polynomials of that degree are reproduced. At a knot the derivative of order `degree` is that after it. Outside of the
+ * data there is no value: evaluations fail, as log(-1) does. To hold the values at the ends write the table of
+ * min(max(a, x[0]), x[count - 1]), for periodic data that of modulo(a - x[0], period) + x[0].
+ * Steps of an integration end where t, or a linear function of it (modulo a period, too), reaches a knot, so that no
+ * kink of an input is stepped over. */
+SFDAE_API sfdae_expression sfdae_table(sfdae_expression a, int degree, int count, const double* x, const double* y);
+
+/** Writes all partial derivatives of one order of a function of k arguments: order 0 the value; order 1 the gradient, k
+ * entries; order 2 the k x k matrix of second derivatives; in general k^order entries, where that by the arguments i, j,
+ * ... stands at i + j k + ... The array is filled with zeros before the call. Called with finite arguments, from several
+ * threads at a time in ensembles; equal arguments have to give equal results. Orders asked for: those of the equations
+ * that contain it and one more, for Jacobians. Returns 0 (ok), SFDAE_ORDER_NOT_AVAILABLE (the solver fails with
+ * SFDAE_ORDER_MISSING where it needs that order), another positive value (cannot evaluate here: a smaller step is tried)
+ * or a negative value (stop at once). */
+typedef int (*sfdae_external_function)(int order, const double* arguments, double* derivatives, void* user);
+
+/** The value of a function of the user's at `count` arguments, 1 ... 16, at least one of them recorded. Orders
+ * with more than 4096 entries count as not available. name: for messages, not empty. function and user have to live as
+ * long as the solver. */
+SFDAE_API sfdae_expression sfdae_external(const char* name, sfdae_external_function function, int count,
+                                          const sfdae_expression* arguments, void* user);
 
 /* ---- Nonlinear problems ---------------------------------------------------------------------- */
 
-/* Writes F(t, x, x') as formulas: all m entries of `residual`, for n unknowns x and their derivatives xdot. Returns
+/** Writes F(t, x, x') as formulas: all m entries of `residual`, for n unknowns x and their derivatives xdot. Returns
  * 0, or another value to give up. */
 typedef int (*sfdae_equations_function)(sfdae_record* record, sfdae_expression t, const sfdae_expression* x,
                                         const sfdae_expression* xdot, sfdae_expression* residual, void* user);
 
-/* Writes the linear equations E(t) x' = A(t) x + f(t) as formulas in t: the entries of E and A (m x n,
+/** Writes the linear equations E(t) x' = A(t) x + f(t) as formulas in t: the entries of E and A (m x n,
  * column-major) and of f (m entries) that are not zero. Returns 0, or another value to give up. */
 typedef int (*sfdae_linear_equations_function)(sfdae_record* record, sfdae_expression t, sfdae_expression* E,
                                                sfdae_expression* A, sfdae_expression* f, void* user);
 
-/* Writes the total derivative of the given order of F, F_x and F_x' along a jet at t. derivatives: n x (order + 2),
+/** Writes the total derivative of the given order of F, F_x and F_x' along a jet at t. derivatives: n x (order + 2),
  * column k is the k-th derivative of x. F: m entries, d^order/dt^order of F(t, x, x'). F_x, F_xdot: m x n entries,
  * the total derivatives of the Jacobians of F with respect to x and x', or NULL if they are not asked for. Plain
  * derivatives, without factorials. All arrays are filled with zeros before the call. Orders asked for: 0 ... mu + 1
@@ -99,35 +154,35 @@ typedef int (*sfdae_linear_equations_function)(sfdae_record* record, sfdae_expre
 typedef int (*sfdae_total_derivative_function)(double t, int order, const double* derivatives, double* F, double* F_x,
                                                double* F_xdot, void* user);
 
-/* Nonlinear problem F(t, x, x') = 0. Call sfdae_nonlinear_problem_init first, then set members: exactly one of the
+/** Nonlinear problem F(t, x, x') = 0. Call sfdae_nonlinear_problem_init first, then set members: exactly one of the
  * three functions. Formulas are differentiated by the library; those that are linear in x and x' are solved as
  * linear problems. */
 typedef struct sfdae_nonlinear_problem {
-  size_t size;                                      /* set by sfdae_nonlinear_problem_init */
-  int num_equations;                                /* m, 1 ... 5000 */
-  int num_unknowns;                                 /* n, 1 ... 5000; m and n may differ */
-  sfdae_equations_function equations;               /* called once, to record F */
-  sfdae_linear_equations_function linear_equations; /* called once, to record E, A and f */
-  sfdae_total_derivative_function total_derivative; /* called at every point */
+  size_t size;                                      /**< set by sfdae_nonlinear_problem_init */
+  int num_equations;                                /**< m, 1 ... 5000 */
+  int num_unknowns;                                 /**< n, 1 ... 5000; m and n may differ */
+  sfdae_equations_function equations;               /**< called once, to record F */
+  sfdae_linear_equations_function linear_equations; /**< called once, to record E, A and f */
+  sfdae_total_derivative_function total_derivative; /**< called at every point */
 
-  /* u > 0 only: components x_j that are prescribed as functions of time, for example inputs of a controlled system.
+  /** u > 0 only: components x_j that are prescribed as functions of time, for example inputs of a controlled system.
    * At most u of them, and they must determine the part of the solution that is free. */
-  int num_prescribed;                      /* default 0 */
-  const int* prescribed;                   /* their indices j, 0 <= j < n, no two equal */
-  sfdae_vector_function prescribed_values; /* writes their values at t, num_prescribed entries; order is 0 */
+  int num_prescribed;                      /**< default 0 */
+  const int* prescribed;                   /**< their indices j, 0 <= j < n, no two equal */
+  sfdae_vector_function prescribed_values; /**< writes their values at t, num_prescribed entries; order is 0 */
 
-  void* user; /* handed to every callback */
+  void* user; /**< handed to every callback */
 
-  /* NULL (default): every equation is differentiated as often as the index asks for. Else m counts, 0 ... 12:
+  /** NULL (default): every equation is differentiated as often as the index asks for. Else m counts, 0 ... 12:
    * equation i is differentiated that often at most, which makes the derivative array smaller (minimal extension).
    * Counts that are too small are reported (SFDAE_INDEX_TOO_HIGH). For x' one more derivative is used. Linear
    * equations are then treated as nonlinear ones. */
   const int* differentiations;
 } sfdae_nonlinear_problem;
-/* Sets every member to its default. size: sizeof(sfdae_nonlinear_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
+/** Sets every member to its default. size: sizeof(sfdae_nonlinear_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_nonlinear_problem_init(sfdae_nonlinear_problem* problem, size_t size);
 
-/* Creates a solver of a nonlinear problem and records its formulas, if it has some. problem and options (NULL:
+/** Creates a solver of a nonlinear problem and records its formulas, if it has some. problem and options (NULL:
  * defaults) are copied. On failure *solver is NULL.
  * Failures: SFDAE_ILLEGAL_ARGUMENT, also for mistakes in formulas; SFDAE_EMPTY_PROBLEM; SFDAE_CALLBACK_STOPPED or
  * SFDAE_CALLBACK_FAILED if the function that writes formulas returns a negative or a positive value.
@@ -135,21 +190,21 @@ SFDAE_API int sfdae_nonlinear_problem_init(sfdae_nonlinear_problem* problem, siz
 SFDAE_API int sfdae_create_nonlinear(sfdae_solver** solver, const sfdae_nonlinear_problem* problem,
                                      const sfdae_options* options);
 
-/* Checks a nonlinear problem and its options (NULL: defaults) without creating a solver; formulas are recorded to
+/** Checks a nonlinear problem and its options (NULL: defaults) without creating a solver; formulas are recorded to
  * check them. Returns what sfdae_create_nonlinear would and writes in words what is wrong, "" if nothing is, to
  * `text`, at most `length` characters with the final zero (text NULL with length 0 is allowed). */
 SFDAE_API int sfdae_check_nonlinear(const sfdae_nonlinear_problem* problem, const sfdae_options* options, char* text,
                                     size_t length);
 
-/* Changes the value of a parameter of recorded equations without recording anew. The analysis and an integration
+/** Changes the value of a parameter of recorded equations without recording anew. The analysis and an integration
  * under way are lost: sfdae_start has to follow. SFDAE_ILLEGAL_ARGUMENT, which changes nothing: no parameter of
  * that name, or a value that is not finite. */
 SFDAE_API int sfdae_set_parameter(sfdae_solver* solver, const char* name, double value);
 
-/* Reads the value of a parameter of recorded equations. SFDAE_ILLEGAL_ARGUMENT: no parameter of that name. */
+/** Reads the value of a parameter of recorded equations. SFDAE_ILLEGAL_ARGUMENT: no parameter of that name. */
 SFDAE_API int sfdae_get_parameter(const sfdae_solver* solver, const char* name, double* value);
 
-/* Compares the total derivatives that sfdae_nonlinear_problem.total_derivative supplies at t along a jet with
+/** Compares the total derivatives that sfdae_nonlinear_problem.total_derivative supplies at t along a jet with
  * differences, and reports the worst mismatch; sfdae_message says it in words if it is suspicious. derivatives: n x
  * (max_order + 2), the jet as that function gets it, which need not be consistent; best without zeros. F of the
  * orders 1 ... max_order (0 ... 13) is compared with differences in t of the order below, F_x and F_x' of the

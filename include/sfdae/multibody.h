@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 
-/* sfdae - mechanical systems with constraints, whatever their number and whether or not they are independent.
+/** @file
+ * sfdae - mechanical systems with constraints, whatever their number and whether or not they are independent.
  *
  *     q' = S(t,q) v                                             (default: q' = v)
  *     M(t,q) v' = f(t,q,v) - G(t,q)^T lambda - H(t,q)^T kappa,  G = g_q S
@@ -41,72 +42,72 @@ extern "C" {
 
 /* ---- Problem --------------------------------------------------------------------------------- */
 
-/* Writes a quantity that depends on positions, for example M, to `result`, whose shape stands at the member of
+/** Writes a quantity that depends on positions, for example M, to `result`, whose shape stands at the member of
  * sfdae_multibody_problem: column-major, filled with zeros before the call. q: nq values. Returns 0 (ok), a
  * positive value (cannot evaluate here: a smaller step is tried) or a negative value (stop at once). */
 typedef int (*sfdae_position_function)(double t, const double* q, double* result, void* user);
 
-/* Writes a quantity that depends on positions and velocities, for example f, to `result`, whose shape stands at the
+/** Writes a quantity that depends on positions and velocities, for example f, to `result`, whose shape stands at the
  * member of sfdae_multibody_problem, filled with zeros before the call. q: nq values, v: nv values. Returns 0 (ok),
  * a positive value (cannot evaluate here: a smaller step is tried) or a negative value (stop at once). */
 typedef int (*sfdae_velocity_function)(double t, const double* q, const double* v, double* result, void* user);
 
-/* Places for the formulas of a recorded system, all zero at first but S, which is the identity if nq = nv. */
+/** Places for the formulas of a recorded system, all zero at first but S, which is the identity if nq = nv. */
 typedef struct sfdae_multibody_formulas {
-  sfdae_expression* M; /* nv x nv, column-major as all matrices */
-  sfdae_expression* f; /* nv */
-  sfdae_expression* g; /* nl */
-  sfdae_expression* S; /* nq x nv */
-  sfdae_expression* H; /* nk x nv */
-  sfdae_expression* h; /* nk */
+  sfdae_expression* M; /**< nv x nv, column-major as all matrices */
+  sfdae_expression* f; /**< nv */
+  sfdae_expression* g; /**< nl */
+  sfdae_expression* S; /**< nq x nv */
+  sfdae_expression* H; /**< nk x nv */
+  sfdae_expression* h; /**< nk */
 } sfdae_multibody_formulas;
 
-/* Writes a system as formulas in t, q (nq entries) and v (nv entries), those that are not zero: only f may depend
+/** Writes a system as formulas in t, q (nq entries) and v (nv entries), those that are not zero: only f may depend
  * on v. Returns 0, or another value to give up. */
 typedef int (*sfdae_multibody_equations_function)(sfdae_record* record, sfdae_expression t, const sfdae_expression* q,
                                                   const sfdae_expression* v, const sfdae_multibody_formulas* formulas,
                                                   void* user);
 
 /* How positions and velocities are divided into independent and dependent ones. */
-#define SFDAE_COORDINATES_ORTHOGONAL 0  /* directions tangential and normal to the constraints: best conditioned */
-#define SFDAE_COORDINATES_PERMUTATION 1 /* components of q and v as they are */
+#define SFDAE_COORDINATES_ORTHOGONAL 0  /**< directions tangential and normal to the constraints: best conditioned */
+#define SFDAE_COORDINATES_PERMUTATION 1 /**< components of q and v as they are */
 
-/* Call sfdae_multibody_problem_init first, then set members: either `equations` or callbacks. At most 5000
+/** Call sfdae_multibody_problem_init first, then set members: either `equations` or callbacks. At most 5000
  * unknowns. */
 typedef struct sfdae_multibody_problem {
-  size_t size;          /* set by sfdae_multibody_problem_init */
-  int num_positions;    /* nq >= 1 */
-  int num_velocities;   /* nv; default 0: nq */
-  int num_constraints;  /* nl, holonomic; default 0 */
-  int num_nonholonomic; /* nk; default 0 */
+  size_t size;          /**< set by sfdae_multibody_problem_init */
+  int num_positions;    /**< nq >= 1 */
+  int num_velocities;   /**< nv; default 0: nq */
+  int num_constraints;  /**< nl, holonomic; default 0 */
+  int num_nonholonomic; /**< nk; default 0 */
 
-  sfdae_multibody_equations_function equations; /* called once, to record the formulas, instead of all below */
+  sfdae_multibody_equations_function equations; /**< called once, to record the formulas, instead of all below */
 
-  sfdae_position_function mass;                /* M, nv x nv; NULL: the identity */
-  sfdae_velocity_function forces;              /* f, nv entries */
-  sfdae_position_function constraints;         /* g, nl entries */
-  sfdae_position_function constraint_jacobian; /* g_q, nl x nq: G itself where q' = v */
-  sfdae_position_function constraint_rate;     /* g_t, nl entries; NULL: g does not depend on t */
-  sfdae_position_function kinematics;          /* S, nq x nv; NULL: the identity, nq = nv */
-  sfdae_position_function nonholonomic_matrix; /* H, nk x nv */
-  sfdae_position_function nonholonomic_offset; /* h, nk entries; NULL: h = 0 */
+  sfdae_position_function mass;                /**< M, nv x nv; NULL: the identity */
+  sfdae_velocity_function forces;              /**< f, nv entries */
+  sfdae_position_function constraints;         /**< g, nl entries */
+  sfdae_position_function constraint_jacobian; /**< g_q, nl x nq: G itself where q' = v */
+  sfdae_position_function constraint_rate;     /**< g_t, nl entries; NULL: g does not depend on t */
+  sfdae_position_function kinematics;          /**< S, nq x nv; NULL: the identity, nq = nv */
+  sfdae_position_function nonholonomic_matrix; /**< H, nk x nv */
+  sfdae_position_function nonholonomic_offset; /**< h, nk entries; NULL: h = 0 */
 
-  /* What is left of differentiated constraints without v': of holonomic ones, differentiated twice, G v' + gamma =
+  /** What is left of differentiated constraints without v': of holonomic ones, differentiated twice, G v' + gamma =
    * 0, nl entries; of nonholonomic ones, differentiated once, H v' + eta = 0, nk entries. NULL: computed by
    * differences of G, of H and h, along v. */
-  sfdae_velocity_function constraint_curvature;   /* gamma = (dG/dt) v + d(g_t)/dt */
-  sfdae_velocity_function nonholonomic_curvature; /* eta = (dH/dt) v + dh/dt */
+  sfdae_velocity_function constraint_curvature;   /**< gamma = (dG/dt) v + d(g_t)/dt */
+  sfdae_velocity_function nonholonomic_curvature; /**< eta = (dH/dt) v + dh/dt */
 
-  int coordinates; /* SFDAE_COORDINATES_ORTHOGONAL (default) or _PERMUTATION */
+  int coordinates; /**< SFDAE_COORDINATES_ORTHOGONAL (default) or _PERMUTATION */
 
-  void* user; /* handed to every callback */
+  void* user; /**< handed to every callback */
 } sfdae_multibody_problem;
-/* Sets every member to its default. size: sizeof(sfdae_multibody_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
+/** Sets every member to its default. size: sizeof(sfdae_multibody_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_multibody_problem_init(sfdae_multibody_problem* problem, size_t size);
 
 /* ---- Solver ---------------------------------------------------------------------------------- */
 
-/* Creates a solver of a multibody system and records its formulas, if it has some. problem and options (NULL:
+/** Creates a solver of a multibody system and records its formulas, if it has some. problem and options (NULL:
  * defaults) are copied. On failure *solver is NULL.
  * Failures: SFDAE_ILLEGAL_ARGUMENT, also for mistakes in formulas; SFDAE_EMPTY_PROBLEM; SFDAE_CALLBACK_STOPPED or
  * SFDAE_CALLBACK_FAILED if the function that writes formulas returns a negative or a positive value.
@@ -114,7 +115,7 @@ SFDAE_API int sfdae_multibody_problem_init(sfdae_multibody_problem* problem, siz
 SFDAE_API int sfdae_create_multibody(sfdae_solver** solver, const sfdae_multibody_problem* problem,
                                      const sfdae_options* options);
 
-/* Checks a multibody system and its options (NULL: defaults) without creating a solver; formulas are recorded to
+/** Checks a multibody system and its options (NULL: defaults) without creating a solver; formulas are recorded to
  * check them. Returns what sfdae_create_multibody would and writes in words what is wrong, "" if nothing is, to
  * `text`, at most `length` characters with the final zero (text NULL with length 0 is allowed). */
 SFDAE_API int sfdae_check_multibody(const sfdae_multibody_problem* problem, const sfdae_options* options, char* text,
@@ -122,27 +123,27 @@ SFDAE_API int sfdae_check_multibody(const sfdae_multibody_problem* problem, cons
 
 /* ---- Inspection ------------------------------------------------------------------------------ */
 
-/* What is known of a multibody system at the point reached. */
+/** What is known of a multibody system at the point reached. */
 typedef struct sfdae_multibody_report {
   size_t size;
   double t;
-  int holonomic, nonholonomic; /* constraints given, nl and nk */
-  int redundant;               /* of these, those that follow from the others */
-  int degrees_of_freedom;      /* nv - rank [G; H]: independent velocities */
-  int position_freedom;        /* nq - rank g_q: independent positions */
-  double condition;            /* of the partition in use: |(C Q2)^-1| |C|, rows in their units; 1 is perfect */
-  long partitions;             /* chosen since sfdae_start, 1 at first */
-  double position_residual;    /* max |g|, each row in units of its gradient */
-  double velocity_residual;    /* max of |G v + g_t| and |H v + h|, each row in units of its gradient */
+  int holonomic, nonholonomic; /**< constraints given, nl and nk */
+  int redundant;               /**< of these, those that follow from the others */
+  int degrees_of_freedom;      /**< nv - rank [G; H]: independent velocities */
+  int position_freedom;        /**< nq - rank g_q: independent positions */
+  double condition;            /**< of the partition in use: |(C Q2)^-1| |C|, rows in their units; 1 is perfect */
+  long partitions;             /**< chosen since sfdae_start, 1 at first */
+  double position_residual;    /**< max |g|, each row in units of its gradient */
+  double velocity_residual;    /**< max of |G v + g_t| and |H v + h|, each row in units of its gradient */
 } sfdae_multibody_report;
-/* Prepares a result of sfdae_get_multibody_report. size: sizeof(sfdae_multibody_report). */
+/** Prepares a result of sfdae_get_multibody_report. size: sizeof(sfdae_multibody_report). */
 SFDAE_API int sfdae_multibody_report_init(sfdae_multibody_report* report, size_t size);
 
-/* Constraints, freedom and partition of a multibody system at the point reached. SFDAE_NOT_STARTED before an
+/** Constraints, freedom and partition of a multibody system at the point reached. SFDAE_NOT_STARTED before an
  * analysis, SFDAE_ILLEGAL_ARGUMENT for other problems. */
 SFDAE_API int sfdae_get_multibody_report(const sfdae_solver* solver, sfdae_multibody_report* report);
 
-/* The extended system of a multibody system at (t, x), x: n values, or NULL for the solution at t, which has to lie
+/** The extended system of a multibody system at (t, x), x: n values, or NULL for the solution at t, which has to lie
  * within the last step taken as for sfdae_interpolate:
  *
  *     Q1 Q1^T q' + Q2 wq = S v,   M (Q1 Q1^T v' + Q2 wv) = f - G^T lambda - H^T kappa,
@@ -163,7 +164,7 @@ SFDAE_API int sfdae_get_multibody_report(const sfdae_solver* solver, sfdae_multi
 SFDAE_API int sfdae_get_extended_system(sfdae_solver* solver, double t, const double* x, double* Qq, double* Qv,
                                         double* E, double* A, double* f, double* w);
 
-/* Compares g_q, g_t, gamma and eta as callbacks supply them with differences near (t, q, v), q: nq values, v: nv
+/** Compares g_q, g_t, gamma and eta as callbacks supply them with differences near (t, q, v), q: nq values, v: nv
  * values, where derivatives of g_q, of S and of H are those along (1, S v), and reports the worst mismatch;
  * sfdae_message says it in words if it is suspicious. A constraint_rate that is missing counts as zero; gamma and
  * eta are compared if they are supplied, and g_q and g_t are right.

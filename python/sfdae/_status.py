@@ -14,7 +14,7 @@ def status_name(status: int) -> str:
 
 
 def version() -> str:
-    """Version of the library that is running, for example ``"0.1.0"``."""
+    """Version of the library that is running, for example ``"0.2.0"``."""
     return ffi.string(lib.sfdae_version()).decode()
 
 

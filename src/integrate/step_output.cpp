@@ -101,6 +101,8 @@ bool StepOutput::has_interpolated(Integrator& integrator, const PointRequest& re
   Stepper& stepper = *integrator.stepper;
   // A consistent point says how large errors of differences are there, and ends the call if they are too large.
   if (integrator.differences.is_in_doubt(integrator.weights)) return false;
+  // Without differential equations no error test has seen a slope.
+  if (integrator.system.differential() == 0 && request.slopes != Slopes::none) return false;
   const bool at_step = request.t == stepper.state().t;
   if (!at_step && !integrator.must_restart) test_polynomial(integrator, options, x, xdot);
   if (integrator.must_restart || !(at_step || stepper.interpolates_x(integrator.weights))) return false;

@@ -16,9 +16,6 @@ namespace {
 using V = Lanes::V;
 constexpr int width = Lanes::width;
 
-int round_down(int i) { return i & ~(lanes - 1); }
-int round_up(int i) { return round_down(i + lanes - 1); }
-
 double* column(const Padded& a, int j) { return a.data + static_cast<ptrdiff_t>(j) * a.ld; }
 
 // Rows of a group of columns, one behind the other.

@@ -16,6 +16,15 @@ inline constexpr int lanes = 8;
 // Columns behind the last one that loops over groups of columns may read and write; zeros.
 inline constexpr int spare_columns = 8;
 
+// i rounded to a multiple of `lanes`. Static: each file has its own, compiled for its processors.
+static constexpr int round_down(int i) { return i & ~(lanes - 1); }
+static constexpr int round_up(int i) { return round_down(i + lanes - 1); }
+
+// Squared norms, and references, of columns that a pivoted factorization is done with, and of spare ones: they are never
+// chosen, and their updates never look as if they had lost digits.
+inline constexpr double done_norm = -1.0;
+inline constexpr double done_reference = -1e300;
+
 // An array with the properties above.
 struct Padded {
   double* data;
@@ -34,6 +43,8 @@ struct QrWork {
   int* pivots;
   double* norms;
   double* reference;
+  // Once no square is larger, nothing is left that counts; < 0: go on to the end.
+  double negligible;
   // Of a panel: A = A - V F^T is what its reflections do to the columns behind it. Of the length of `row` times the
   // width of a panel, and as many coefficients as that is wide, and spare ones.
   Padded F;
@@ -61,11 +72,12 @@ struct Loops {
   ArrayLoops arrays;
   // Copies a into `to` and pads it; squares, if not nullptr: the squared norms of the columns.
   void (*pad)(const double* a, int lda, Padded to, double* squares);
-  // Reflections first, ..., last - 1, each applied to all columns up to end at once.
-  void (*factor_columns)(const QrWork& work, int first, int last, int end);
+  // Reflections first, ..., last - 1, each applied to all columns up to end at once. Returns last, or the first one that
+  // was not made because nothing is left that counts.
+  int (*factor_columns)(const QrWork& work, int first, int last, int end);
   // Reflections first, ..., first + count - 1 at most, pivoted: the columns behind the panel get their pivot rows, the
   // rest of them is left as it was, for one product with F. Returns how many were made: fewer where norms have to be
-  // computed anew before the next pivot can be chosen.
+  // computed anew before the next pivot can be chosen, or nothing is left.
   int (*factor_panel)(const QrWork& work, int first, int count);
   // Norms of the columns from `first` on, in the rows from there on, computed anew where updates have lost them.
   void (*renew_norms)(const QrWork& work, int first);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "linalg/kernels_in_use.h"
 
@@ -45,7 +46,8 @@ double max_abs(const double* values, int count) {
 }
 
 double max_abs(ConstView a) {
-  if (a.ld == a.rows) return max_abs(a.data, a.rows * a.cols);
+  if (a.ld == a.rows && a.cols <= std::numeric_limits<int>::max() / std::max(a.rows, 1))
+    return max_abs(a.data, a.rows * a.cols);
   double largest = 0.0;
   for (int j = 0; j < a.cols; ++j) largest = std::max(largest, max_abs(a.column(j), a.rows));
   return largest;

@@ -47,11 +47,8 @@ PointStatus MultibodyEquations::evaluate(MultibodyPoint& point, const Partition&
 
 PointStatus MultibodyEquations::accelerations(MultibodyPoint& point, const Partition& partition, Tangent& tangent,
                                               Arena& arena) {
-  // Below, C M^-1 C^T is too badly conditioned, as its condition is the square of that of C: the square of this loses
-  // four of sixteen digits.
-  constexpr double well_posed = 1e-2;
   ++counts_.factorizations;
-  if (tangent.smallest_pivot() > well_posed && point.solve_by_masses(partition, tangent, arena))
+  if (tangent.smallest_pivot() > smallest_pivot_with_masses && point.solve_by_masses(partition, tangent, arena))
     return PointStatus::ok;
   if (along_tangents_) {
     if (!tangent.is_complete()) tangent.complete(partition, arena);

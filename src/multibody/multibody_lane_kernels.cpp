@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "linalg/index.h"
+#include "multibody/multibody_point.h"
 
 namespace sfdae::core {
 
@@ -67,8 +68,6 @@ bool fit(Work& work, Lanes& smallest_pivot) {
 
 // a and mu where masses are diagonal, as MultibodyPoint::solve_by_masses. Not the way: is_good stays, false is returned.
 bool solve_by_masses(Work& work, const Lanes& smallest_pivot) {
-  // As there, and in MultibodyEquations::accelerations.
-  constexpr double smallest_ratio = 1e-4, well_posed = 1e-2;
   if (!work.terms.has_diagonal_mass || work.terms.M.places.size() < index(work.n)) return false;
   const Lanes* const M = entries(work.terms.M);
   Lanes least = M[0], greatest = M[0];
@@ -76,7 +75,7 @@ bool solve_by_masses(Work& work, const Lanes& smallest_pivot) {
     least = M[j] < least ? M[j] : least;
     greatest = M[j] > greatest ? M[j] : greatest;
   }
-  const LaneMask fits = (least > smallest_ratio * greatest) & (smallest_pivot > well_posed);
+  const LaneMask fits = (least > smallest_mass_ratio * greatest) & (smallest_pivot > smallest_pivot_with_masses);
   if (!all(fits)) {
     work.is_good = !any(fits);
     return false;

@@ -121,8 +121,6 @@ void MultibodyPoint::solve_accelerations(const std::vector<int>& rows, int rank)
 }
 
 bool MultibodyPoint::solve_by_masses(const Partition& partition, const Tangent& tangent, Arena& arena) {
-  // Beyond that C M^-1 C^T would be worse conditioned than K by too much.
-  constexpr double smallest_ratio = 1e-4;
   const int nv = terms.M.rows(), r = partition.rank;
   const ConstView M = terms.M, C = tangent.rows();
   double least = M(0, 0), greatest = least;
@@ -130,7 +128,7 @@ bool MultibodyPoint::solve_by_masses(const Partition& partition, const Tangent& 
     least = std::min(least, M(j, j));
     greatest = std::max(greatest, M(j, j));
   }
-  if (!(least > smallest_ratio * greatest) || !is_diagonal(M)) return false;
+  if (!(least > smallest_mass_ratio * greatest) || !is_diagonal(M)) return false;
   const Arena::Frame frame(arena);
   double* inverse = arena.take(index(nv));
   double* b = arena.take(index(r) + 1);

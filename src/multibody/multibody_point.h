@@ -22,6 +22,12 @@ struct MultibodyPhasePoint {
   std::vector<double> q, v;
 };
 
+// Where accelerations are solved for by C M^-1 C^T: elsewhere that would be conditioned worse than K by too much. Its
+// condition contains the ratio of the masses, and the square of that of C: the square of this loses four of sixteen
+// digits.
+inline constexpr double smallest_mass_ratio = 1e-4;
+inline constexpr double smallest_pivot_with_masses = 1e-2;
+
 class MultibodyPoint {
  public:
   void resize(const MultibodySizes& sizes);

@@ -101,7 +101,8 @@ bool matching_form(const TaylorData& data, int level, const IndexAnalysis& known
 
 bool reduce_with_known_values(const TaylorData& data, int level, const IndexAnalysis& known, double rank_tol,
                               RankWorkspace workspace, StoredReduction& reduction) {
-  auto& [arena, form] = workspace;
+  Arena& arena = workspace.arena;
+  NullSpaceForm& form = workspace.form;
   const auto reduce = [&](const RankSequence* ranks) {
     const Judge::Settings settings{rank_tol, false, NoiseModel::pivots, ranks};
     Judge judge(data, level, settings, nullptr);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "linalg/archive.h"
@@ -29,6 +30,10 @@ class JetHistory {
   // The jet at its t := what a block of the guess says; determined: flags of the components of y.
   void predict(const Guess& guess, int block, const std::vector<char>& determined, const Units& units,
                Jet& jet) const;
+  // The derivatives of the jet := those of the point accepted last.
+  void hold_derivatives(Jet& jet) const {
+    std::copy(accepted_.x.begin() + jet.n, accepted_.x.end(), jet.x.begin() + jet.n);
+  }
 
   void archive(Archive& archive);
 

@@ -9,34 +9,64 @@
 #include "linalg/index.h"
 #include "problem/failure.h"
 #include "reduction/rank_sequence.h"
+#include "system/jet_solver.h"
 
 namespace sfdae::core {
 
 bool NextLevelJet::solve(const Jet& start, const double* x) {
-  // Newton's method is quadratic: it ends long before, or never. Changes of x' end at some ten roundings, or where
-  // they no longer become smaller. Chosen, not measured.
-  constexpr int most = 6;
-  constexpr double negligible = 1e-14, still_gaining = 0.1;
-  const int n = problem_.n();
   if (availability_ == Availability::no) return false;
   const bool is_solved = is_solved_for(start, x);
   is_new_ = false;
   if (is_solved) return true;
+  begin(start, x);
+  if (!iterate()) {
+    if (availability_ == Availability::no) return false;
+    begin(start, x);
+    if (!search()) return false;
+  }
+  jet_ = trial_;
+  is_new_ = true;
+  return true;
+}
+
+// trial_ := x with the derivatives that are known.
+void NextLevelJet::begin(const Jet& start, const double* x) {
+  const int n = problem_.n();
   const bool continues = jet_.order == level() + 1 && jet_.n == n;
   trial_ = start;
   trial_.set_order(level() + 1);
   if (continues) std::copy_n(jet_.column(level() + 1), n, trial_.column(level() + 1));
   std::copy_n(x, n, trial_.column(0));
+}
+
+// Newton's method, which needs that the known ranks show along the way: from derivatives far off they need not.
+bool NextLevelJet::iterate() {
+  // Newton's method is quadratic: it ends long before, or never. Changes of x' end at some ten roundings, or where
+  // they no longer become smaller, at what rounding leaves of them. Chosen, not measured.
+  constexpr int most = 6;
+  constexpr double negligible = 1e-14, still_gaining = 0.1, small = 1e-6;
   double before = 0.0;
   for (int iteration = 0; iteration < most; ++iteration) {
     if (!eliminate_at(trial_)) return false;
     const std::optional<Change> change = change_derivatives(trial_);
     if (!change) return false;
-    if (change->norm <= negligible * change->size || (iteration > 0 && change->norm >= still_gaining * before)) break;
+    if (change->norm <= negligible * change->size) return true;
+    if (iteration > 0 && change->norm >= still_gaining * before) return change->norm <= small * change->size;
     before = change->norm;
   }
-  jet_ = trial_;
-  is_new_ = true;
+  return false;
+}
+
+// As start values are found, x being fixed.
+bool NextLevelJet::search() {
+  JetSolver solver(problem_.problem(), problem_.units());
+  solver.set_fixed(std::vector<char>(index(problem_.n()), 1));
+  try {
+    solver.solve(trial_, level());
+  } catch (const Failure& failure) {
+    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    return false;
+  }
   return true;
 }
 

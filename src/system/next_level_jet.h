@@ -37,6 +37,9 @@ class NextLevelJet {
 
  private:
   int level() const { return problem_.mu() + 1; }
+  void begin(const Jet& start, const double* x);
+  bool iterate();
+  bool search();
   bool is_solved_for(const Jet& start, const double* x) const;
   bool eliminate_at(const Jet& jet);
   // Of x', scaled: the largest change, and the largest entry.

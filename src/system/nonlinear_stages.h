@@ -27,6 +27,10 @@ class NonlinearStages {
 
   // The jets to start from. determined: flags of the components of y.
   void predict(const StageEquations& equations, const JetHistory& history, const std::vector<char>& determined);
+  // With the derivatives of the point accepted last.
+  void hold_derivatives(const JetHistory& history) {
+    for (int i = 0; i < s_; ++i) history.hold_derivatives(starts_[index(i)]);
+  }
   // From these jets on.
   PointStatus solve(const StageEquations& equations, ArrayLinearization& linearization,
                     NonlinearIteration& iteration);

@@ -8,10 +8,12 @@
 
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "reduction/contradiction.h"
 #include "reduction/index_analysis.h"
 #include "reduction/rank_sequence.h"
 #include "system/consistent_jets.h"
 #include "system/jet_solver.h"
+#include "system/jet_theory.h"
 
 namespace sfdae::core {
 
@@ -52,6 +54,17 @@ PointQuality NonlinearSystem::quality() const {
   PointQuality quality = linearization_.quality();
   quality.inconsistency = iteration_.inconsistency();
   return quality;
+}
+
+std::string NonlinearSystem::inconsistency_message() const {
+  const std::string text = DaeSystem::inconsistency_message();
+  try {
+    const DerivativeArray array = derivative_array(problem_.problem(), jet_, analysis_.values.mu);
+    const std::string names = in_words(contradicting_equations(array, equations(), {}, nullptr));
+    return names.empty() ? text : text + " It is " + names + " that cannot hold together.";
+  } catch (const Failure&) {
+    return text;
+  }
 }
 
 CharacteristicValues NonlinearSystem::values_at(double) {
@@ -139,10 +152,22 @@ PointStatus NonlinearSystem::iterate_with_renewal(const Jet& start, Iterate iter
 
 PointStatus NonlinearSystem::iterate_from_guess(const IterationTask& task) {
   start_ = jet_;
-  return iterate_with_renewal(start_, [&] {
-    jet_ = start_;
-    return iteration_.solve(task, linearization_, jet_);
-  });
+  const auto iterate = [&] {
+    return iterate_with_renewal(start_, [&] {
+      jet_ = start_;
+      return iteration_.solve(task, linearization_, jet_);
+    });
+  };
+  const PointStatus status = iterate();
+  if (!may_hold_derivatives(status)) return status;
+  history_.hold_derivatives(start_);
+  return iterate();
+}
+
+// Derivatives of a polynomial have its errors divided by powers of the step, and the shorter steps become the less an
+// iteration may converge from there: from those of the last point it does if the step is short enough.
+bool NonlinearSystem::may_hold_derivatives(PointStatus status) const {
+  return status != PointStatus::ok && !is_hopeless(status) && problem_.mu() > 0;
 }
 
 PointStatus NonlinearSystem::solve(const StepEquations& equations, double* x) {
@@ -219,10 +244,16 @@ PointStatus NonlinearSystem::solve_stages(const StageEquations& equations, doubl
   if (const PointStatus completed = complete_linearization(); completed != PointStatus::ok) return completed;
   stages_.predict(equations, history_, linearization_.determined());
   const bool has_one = equations.method.s == 1;
-  const PointStatus status =
-      has_one ? iterate_with_renewal(stages_.middle(),
-                                     [&] { return stages_.solve(equations, linearization_, iteration_); })
-              : solve_several_stages(equations);
+  const auto iterate = [&] {
+    return has_one ? iterate_with_renewal(stages_.middle(),
+                                          [&] { return stages_.solve(equations, linearization_, iteration_); })
+                   : solve_several_stages(equations);
+  };
+  PointStatus status = iterate();
+  if (may_hold_derivatives(status)) {
+    stages_.hold_derivatives(history_);
+    status = iterate();
+  }
   if (status != PointStatus::ok) return status;
   jet_ = stages_.last();
   stages_.copy_to(x);
@@ -254,20 +285,38 @@ void NonlinearSystem::restore(const double*, const double* x_free, const Guess& 
     history_.predict(guess, 0, linearization_.determined(), units(), jet_);
   std::copy_n(x_free, problem_.n(), jet_.x.data());
   start_ = jet_;
-  const PointStatus status =
+  PointStatus status =
       linearization_.is_usable() ? iteration_.solve_to_rounding(linearization_, jet_) : PointStatus::not_converged;
   if (status == PointStatus::callback_error) callback_error_.raise();
+  // Between the ends of a long step the linearization may be too far off.
+  if (status != PointStatus::ok) status = restore_with_linearization_at(start_);
   if (status != PointStatus::ok && problem_.prescribed().empty()) {
-    // Between the ends of a long step the linearization, or derivatives, may be too far off.
+    // Or derivatives are. The jet found is consistent, but x has moved in directions where nothing asks for it.
     jet_ = start_;
     JetSolver(problem_.problem(), units()).solve(jet_, problem_.mu());
+    const Jet found = jet_;
+    std::copy_n(x_free, problem_.n(), jet_.x.data());
+    start_ = jet_;
+    if (restore_with_linearization_at(found) != PointStatus::ok) jet_ = found;
   } else if (status != PointStatus::ok) {
-    jet_ = start_;
-    if (iterate_from_guess(IterationTask{}) != PointStatus::ok)
-      throw Failure(SFDAE_NO_CONSISTENT_VALUES,
-                    format("no values consistent with the constraints were found at t = %.15g.", jet_.t));
+    throw Failure(SFDAE_NO_CONSISTENT_VALUES,
+                  format("no values consistent with the constraints were found at t = %.15g.", jet_.t));
   }
   std::copy_n(jet_.x.data(), problem_.n(), x);
+}
+
+// From start_, with a linearization that is used once.
+PointStatus NonlinearSystem::restore_with_linearization_at(const Jet& place) {
+  if (linearization_.ranks().count == 0) return PointStatus::not_converged;
+  ArrayLinearization linearization(problem_, counts_, arena_);
+  linearization.resize();
+  PointStatus status = linearization.restore({place, linearization_.origin().rows, false, 0}, linearization_.ranks());
+  if (status == PointStatus::ok) {
+    jet_ = start_;
+    status = iteration_.solve_to_rounding(linearization, jet_);
+  }
+  if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
+  return status;
 }
 
 // ---- x' --------------------------------------------------------------------------------------------------------

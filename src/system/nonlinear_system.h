@@ -73,6 +73,7 @@ class NonlinearSystem final : public DaeSystem {
   void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
 
+  std::string inconsistency_message() const override;
   PointQuality quality() const override;
   // At the current jet, whatever t is: x is known at points of the integration only, so that a change is located by
   // its steps becoming short.
@@ -91,7 +92,9 @@ class NonlinearSystem final : public DaeSystem {
   void update_traits();
   void resize();
   void restore_linearization(const RankSequence& ranks, bool has_matrix);
+  PointStatus restore_with_linearization_at(const Jet& place);
   void correct_by_linearization(const double* x, double* xdot);
+  bool may_hold_derivatives(PointStatus status) const;
   PointStatus iterate_from_guess(const IterationTask& task);
   PointStatus solve_index_zero(const IterationTask& task);
   PointStatus linearize_accepted();

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "linalg/dense.h"
+#include "linalg/small_kernels.h"
 
 namespace sfdae::core {
 
@@ -13,19 +14,13 @@ namespace {
 // Of |now S - then|_F^2, far enough below 2 for columns that are orthonormal to rounding only.
 constexpr double near = 1.5;
 
-double inner_product(const double* a, const double* b, int count) {
-  double sum = 0.0;
-  for (int i = 0; i < count; ++i) sum += a[i] * b[i];
-  return sum;
-}
-
 }  // namespace
 
 int relative_orientation(ConstView then, ConstView now, Arena& arena) {
   double distance = 0.0;
   int sign = 1;
   for (int j = 0; j < now.cols && distance < near; ++j) {
-    const double product = inner_product(then.column(j), now.column(j), now.rows);
+    const double product = small::dot(now.rows, then.column(j), now.column(j));
     distance += 2.0 - 2.0 * std::fabs(product);
     if (product < 0.0) sign = -sign;
   }

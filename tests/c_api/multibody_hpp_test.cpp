@@ -153,13 +153,14 @@ TEST(MultibodyProblem, FindsMistakesInDerivatives) {
       sfdae::Solver(problem).check_multibody_derivatives(0.0, {0.6, 0.7}, {1.0, 2.0});
   EXPECT_EQ(gradient.function, 'G');
   EXPECT_EQ(gradient.column, 1);
-  EXPECT_EQ(status_of([&] {
-              return sfdae::Solver(problem).check_multibody_derivatives(0.0, {0.6}, {1.0, 2.0}).size, 0;
-            }),
-            SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(
+      status_of([&] {
+        return static_cast<int>(sfdae::Solver(problem).check_multibody_derivatives(0.0, {0.6}, {1.0, 2.0}).size);
+      }),
+      SFDAE_ILLEGAL_ARGUMENT);
   sfdae::Solver recorded(recorded_pendulum());
   EXPECT_EQ(status_of([&] {
-              return recorded.check_multibody_derivatives(0.0, {0.6, 0.7}, {1.0, 2.0}).size, 0;
+              return static_cast<int>(recorded.check_multibody_derivatives(0.0, {0.6, 0.7}, {1.0, 2.0}).size);
             }),
             SFDAE_ILLEGAL_ARGUMENT);
 }

@@ -1,5 +1,5 @@
 # The shared library exports the functions that the headers in HEADER_DIR declare and the routines of the Fortran 77
-# layer, all of them and nothing else.
+# layer, all of them and nothing else, each with the version NODE (empty where the linker knows none).
 
 file(GLOB headers "${HEADER_DIR}/*.h")
 set(text "")
@@ -18,6 +18,10 @@ list(SORT declared)
 
 execute_process(COMMAND "${NM}" -D --defined-only "${LIBRARY}" OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "[^\n]+" lines "${text}")
+if(NODE)
+  list(REMOVE_ITEM lines "0000000000000000 A ${NODE}")
+  list(TRANSFORM lines REPLACE "@@${NODE}$" "" REGEX ".*@@${NODE}$")
+endif()
 list(TRANSFORM lines REPLACE "^.* " "" OUTPUT_VARIABLE exported)
 list(SORT exported)
 

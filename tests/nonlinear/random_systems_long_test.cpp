@@ -42,6 +42,7 @@ void start_from_guess(unsigned seed, double distance_of_guess, Counts& counts) {
   system.residual(start_time, x.data(), xdot.data(), F.data());
   ASSERT_LE(largest(F), 1e-12) << "the exact solution is none";
   std::vector<double> guess = x;
+  const std::vector<double> exact_slope = xdot;
   RandomNumbers numbers(31 * seed + 1);
   for (double& g : guess) g += distance_of_guess * (std::abs(g) + 0.3) * numbers.uniform(-1.0, 1.0);
 
@@ -61,6 +62,10 @@ void start_from_guess(unsigned seed, double distance_of_guess, Counts& counts) {
   if (violation <= 1e-12) ++counts.accurate;
   system.residual(start_time, run.x.data(), run.xdot.data(), F.data());
   EXPECT_LE(largest(F), 1e-9 * (1.0 + largest(run.xdot)));
+  if (distance_of_guess > 0.0 || system.values().u > 0) return;
+  // F(t, x, x') = 0 alone does not determine x'.
+  for (std::size_t i = 0; i < x.size(); ++i)
+    EXPECT_NEAR(run.xdot[i], exact_slope[i], 1e-8 * (1.0 + largest(exact_slope)));
 }
 
 class RandomSystems : public testing::TestWithParam<double> {};
@@ -106,6 +111,9 @@ void integrate(unsigned seed, int method, double tolerance, Counts& counts) {
   }
   system.exact(run.t, x, xdot);
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(run.x[i], x[i], 100.0 * tolerance * (1.0 + std::abs(x[i])));
+  if (system.values().d == 0) {
+    for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(run.xdot[i], xdot[i], 1e-8 * (1.0 + largest(xdot)));
+  }
   EXPECT_LE(system.constraint_violation(run.t, run.x), 1e-8);
 }
 
@@ -118,6 +126,36 @@ TEST(RandomSystemsInTime, AreSolvedAsAccuratelyAsAskedFor) {
       for (const double tolerance : {1e-4, 1e-7}) integrate(seed, method, tolerance, counts);
   EXPECT_GE(counts.all, static_cast<int>(end) / 2);
   EXPECT_LE(counts.named_errors, 0.005 * counts.all + 1.0);
+}
+
+// Outputs within long steps, where the linearization of the step does not serve: values were consistent, but up to 700
+// tolerances away from the solution.
+TEST(RandomSystemsInTime, OutputsStayOnTheSolution) {
+  struct Run {
+    unsigned seed;
+    double tolerance;
+  };
+  Counts counts;
+  for (const Run& run : {Run{561, 1e-7}, Run{4173, 1e-7}, Run{4298, 1e-4}, Run{4570, 1e-7}})
+    integrate(run.seed, SFDAE_METHOD_RADAU, run.tolerance, counts);
+  EXPECT_EQ(counts.all, 4);
+  EXPECT_EQ(counts.named_errors, 0);
+}
+
+// Iterations that started with derivatives of a polynomial failed, the more the shorter steps became.
+TEST(RandomSystemsInTime, ShortStepsConverge) {
+  struct Run {
+    unsigned seed;
+    int method;
+    double tolerance;
+  };
+  Counts counts;
+  for (const Run& run :
+       {Run{366, SFDAE_METHOD_BDF, 1e-4}, Run{366, SFDAE_METHOD_BDF, 1e-7}, Run{658, SFDAE_METHOD_BDF, 1e-4},
+        Run{3569, SFDAE_METHOD_BDF, 1e-7}, Run{4351, SFDAE_METHOD_BDF, 1e-7}, Run{4796, SFDAE_METHOD_RADAU, 1e-4}})
+    integrate(run.seed, run.method, run.tolerance, counts);
+  EXPECT_EQ(counts.all, 6);
+  EXPECT_EQ(counts.named_errors, 0);
 }
 
 }  // namespace

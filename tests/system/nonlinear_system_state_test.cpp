@@ -126,7 +126,6 @@ TEST(PrescribedComponents, TroubleAtAnyStageIsTroubleOfTheStep) {
 
 TEST(PrescribedComponents, AreRefusedWhereTheyDoNotDetermineTheRest) {
   for (const std::vector<int>& components : {std::vector<int>{0}, std::vector<int>{2, 0}}) {
-    Input input;
     const auto values = [](double, int, double* to, void* user) {
       to[0] = to[static_cast<PrescribedInputs*>(user)->components.size() - 1] = 1.0;
       return 0;

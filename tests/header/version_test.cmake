@@ -1,0 +1,40 @@
+# The version in the header is that of the library's name, of the Fortran module, of the newest entry with a date in the
+# changelog, and of the requests that documents show.
+
+file(STRINGS "${SOURCE_DIR}/include/sfdae/sfdae.h" lines REGEX "^#define SFDAE_VERSION_(MAJOR|MINOR|PATCH) [0-9]+$")
+list(TRANSFORM lines REPLACE ".* " "" OUTPUT_VARIABLE numbers)
+list(JOIN numbers "." version)
+string(REGEX REPLACE "\\.[0-9]+$" "" minor_version "${version}")
+
+file(STRINGS "${SOURCE_DIR}/fortran_bindings/sfdae_types.f90" lines REGEX "public :: sfdae_version_(major|minor|patch) =")
+list(TRANSFORM lines REPLACE ".* " "" OUTPUT_VARIABLE numbers)
+list(JOIN numbers "." fortran_version)
+if(NOT fortran_version STREQUAL version)
+  message(SEND_ERROR "header: ${version}, Fortran: ${fortran_version}")
+endif()
+
+if(version MATCHES "^0\\.")
+  set(expected "${minor_version}")
+else()
+  string(REGEX REPLACE "\\..*" "" expected "${version}")
+endif()
+if(NOT SOVERSION STREQUAL expected OR NOT LIBRARY STREQUAL "libsfdae.so.${expected}")
+  message(SEND_ERROR "version ${version}, but SOVERSION ${SOVERSION} and SONAME ${LIBRARY}")
+endif()
+
+file(STRINGS "${SOURCE_DIR}/CHANGELOG.md" entries REGEX "^## ")
+list(GET entries 0 first)
+list(GET entries 1 newest)
+if(NOT first STREQUAL "## [Unreleased]" OR NOT newest MATCHES "^## \\[${version}\\] - [0-9]+-[0-9]+-[0-9]+$")
+  message(SEND_ERROR "CHANGELOG.md begins with '${first}', '${newest}', not with [Unreleased] and [${version}]")
+endif()
+
+file(GLOB documents "${SOURCE_DIR}/*.md" "${SOURCE_DIR}/docs/*.md" "${SOURCE_DIR}/cmake/sfdaeConfig.cmake.in")
+foreach(document IN LISTS documents)
+  file(STRINGS "${document}" requests REGEX "find_package\\(sfdae [0-9]")
+  foreach(request IN LISTS requests)
+    if(NOT request MATCHES "find_package\\(sfdae ${minor_version} ")
+      message(SEND_ERROR "${document} does not ask for version ${minor_version}: ${request}")
+    endif()
+  endforeach()
+endforeach()
