@@ -64,6 +64,16 @@ class WhenImport {
     reaction.variable = action.variable;
     reaction.message = action.message;
     reaction.is_error = action.is_error;
+    reaction.at = action.at;
+    if (action.value) reaction.value = import_(action.value, Context::instant);
+    system_.reactions.push_back(reaction);
+  }
+
+  // So that what acted can be reported: an assignment to nothing.
+  void add_text(const WhenBranch& branch, Formula active, Location at) {
+    Reaction reaction;
+    reaction.kind = Action::Kind::assign;
+    reaction.active = active;
     reaction.at = at;  // a condition may stand elsewhere: a variable is where it was named first
     const Location of_condition = branch.conditions.empty() ? at : branch.conditions.front()->at;
     if (of_condition.line > at.line) reaction.at = of_condition;
