@@ -105,7 +105,7 @@ Value Symbols::instantiate(Symbol& one, const Instance& instance) {
       e_.fail(declaration.type_at, "a variable whose type is the function '" + plain(type.definition->name) + "'");
     result.kind = Kind::function;
     result.definition = type.definition;
-    return result;
+    one.has_texts = true;  // known once it is bound
   } else {
     result = instantiate_scalars(one, inner, type, dims);
   }
@@ -256,6 +256,10 @@ void Symbols::bind(Symbol& one, const Binding& binding) {
     e_.fail(binding.expression->at,
             what + " has the size " + shown_type(target) + " but its binding " + shown_type(value));
   value = convert(e_, value, target.kind, target.definition, what, binding.expression->at);
+  if (target.kind == Kind::function) {
+    if (one.value->kind == Kind::function) *one.value = std::move(value);
+    return;
+  }
   assign(one, target, value, binding.at);
   if (target.kind == Kind::string && one.value->kind == Kind::string) *one.value = target;
 }

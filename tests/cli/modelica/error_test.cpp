@@ -119,7 +119,7 @@ TEST(Rejections, OfFunctions) {
   expect_error(
       "class 'T' extends ExternalObject; end 'T'; function 'g' input 'T' 't'; output Real 'y'; external \"C\" 'y' = "
       "get('t'); end 'g';",
-      "parameter 'T' 't' = 'T'(1); Real 'x' = 'g'('t');", "external \"C\"",
+      "parameter 'T' 't' = 'T'(); Real 'x' = 'g'('t');", "external \"C\"",
       "external function 'get' is not supported");
 }
 
