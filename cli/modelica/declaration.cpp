@@ -281,6 +281,7 @@ void Symbols::assign_scalar(Symbol& one, Expression& target, const Expression& v
   if (value == nullptr) e_.fail(at, "the binding of '" + plain(one.declaration->name) + "' has not been assigned");
   Variable& variable = e_.model.variables[static_cast<size_t>(target->index)];
   if (variable.variability >= Variability::discrete) {
+    variable.is_input = false;  // the binding supplies it
     e_.model.equations.push_back({target, value, at});
   } else if (e_.pool.varies(value)) {
     e_.fail(at,
