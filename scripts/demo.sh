@@ -20,15 +20,16 @@ rm -f {constrained_chain,squeezer}.{csv,svg}
 cmake/examples/constrained_chain
 echo
 cmake/examples/squeezer
-if command -v gnuplot > /dev/null; then gnuplot ../../examples/squeezer.gp; fi
+if command -v gnuplot > /dev/null; then
+  for plot in constrained_chain squeezer; do gnuplot "../../examples/$plot.gp"; done
+fi
 
 echo
 for file in {constrained_chain,squeezer}.{csv,svg}; do
   if [[ -s "$file" ]]; then
     echo "build/demo/$file"
   else
-    # The plots need gnuplot; the first program has said so.
-    echo "build/demo/$file was not written" >&2
+    echo "build/demo/$file was not written (plots need gnuplot)" >&2
     if [[ "$file" == *.csv ]]; then exit 1; fi
   fi
 done
