@@ -265,10 +265,10 @@ void Symbols::assign(Symbol& one, Value& target, const Value& value, Location at
   target.texts = value.texts;
   for (size_t k = 0; k < target.records.size(); ++k)
     for (size_t i = 0; i < target.records[k].fields.size(); ++i) {
-      const Value* field = value.records[k].find(target.records[k].fields[i].first);
-      Value& to = target.records[k].fields[i].second;
+      const Value* field = value.records[k].find(target.records[k].fields[i].name);
+      Value& to = target.records[k].fields[i].value;
       if (field == nullptr || field->dims != to.dims)
-        e_.fail(at, "the field '" + plain(target.records[k].fields[i].first) + "' of the binding has another size");
+        e_.fail(at, "the field '" + plain(target.records[k].fields[i].name) + "' of the binding has another size");
       assign(one, to, *field, at);
     }
 }

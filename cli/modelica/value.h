@@ -37,9 +37,18 @@ struct Value {
   size_t size() const;
 };
 
+struct Field;
+
 struct RecordValue {
-  std::vector<std::pair<std::string, Value>> fields;
+  std::vector<Field> fields;
   const Value* find(const std::string& name) const;
+};
+
+// Not a pair: one is asked for what Value can do before it knows that itself.
+struct Field {
+  Field(std::string n, Value v) : name(std::move(n)), value(std::move(v)) {}
+  std::string name;
+  Value value;
 };
 
 using ValuePointer = std::shared_ptr<const Value>;
