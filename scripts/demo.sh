@@ -43,5 +43,6 @@ Three things to try:
                              -Wl,-rpath,$PWD/build/demo/cmake/src -o my_problem && ./my_problem
   in Python                python3 -m venv --system-site-packages build/venv && build/venv/bin/pip install ./python
                            build/venv/bin/python python/examples/pendulum_chain.py
-  all tests                scripts/test.sh
+  a model in a file        scripts/install-program.sh
+                           ~/.local/bin/sfdae solve examples/models/pendulum.mo --html pendulum.html
 END
