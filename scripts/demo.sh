@@ -20,15 +20,16 @@ rm -f {constrained_chain,squeezer}.{csv,svg}
 cmake/examples/constrained_chain
 echo
 cmake/examples/squeezer
-if command -v gnuplot > /dev/null; then gnuplot ../../examples/squeezer.gp; fi
+if command -v gnuplot > /dev/null; then
+  for plot in constrained_chain squeezer; do gnuplot "../../examples/$plot.gp"; done
+fi
 
 echo
 for file in {constrained_chain,squeezer}.{csv,svg}; do
   if [[ -s "$file" ]]; then
     echo "build/demo/$file"
   else
-    # The plots need gnuplot; the first program has said so.
-    echo "build/demo/$file was not written" >&2
+    echo "build/demo/$file was not written (plots need gnuplot)" >&2
     if [[ "$file" == *.csv ]]; then exit 1; fi
   fi
 done
@@ -42,5 +43,6 @@ Three things to try:
                              -Wl,-rpath,$PWD/build/demo/cmake/src -o my_problem && ./my_problem
   in Python                python3 -m venv --system-site-packages build/venv && build/venv/bin/pip install ./python
                            build/venv/bin/python python/examples/pendulum_chain.py
-  all tests                scripts/test.sh
+  a model in a file        scripts/install-program.sh
+                           ~/.local/bin/sfdae solve examples/models/pendulum.mo --html pendulum.html
 END

@@ -44,6 +44,7 @@ struct RecordValue {
   const Value* find(const std::string& name) const;
 };
 
+// Not a pair: one is asked for what Value can do before it knows that itself.
 struct Field {
   Field(std::string n, Value v) : name(std::move(n)), value(std::move(v)) {}
   std::string name;

@@ -173,7 +173,7 @@ CallResult Integration::run(double tout, bool one_step) {
     const bool is_step_taken = counts_.own.steps > steps;
     if (is_step_taken)
       if (auto event = search_events(tout)) return std::move(*event);
-    if (result) return std::move(*result);
+    if (result) return *result;
     if (one_step && is_step_taken && !integrator_.has_passed(tout)) return {SFDAE_STEP_TAKEN, ""};
   }
   return {};

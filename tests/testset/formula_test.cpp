@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The readers of formulas and of data files.
+// The reader of formulas.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
 #include "test_set/formula.h"
-#include "test_set/json.h"
 
 namespace {
 
 using sfdae_test::Formula;
 using sfdae_test::FormulaScope;
 using sfdae_test::Jet;
-using sfdae_test::Json;
 
 double value(const char* source) { return Formula(source).evaluate(FormulaScope<double>{.t = 3.0}); }
 
@@ -47,25 +45,6 @@ TEST(Formula, EvaluatesSeries) {
 TEST(Formula, RefusesWhatItDoesNotUnderstand) {
   for (const char* source : {"", "1+", "(1", "1)", "tan(t)", "y[0]", "t**0.5", "t**x[0]", "2 3", "x[0", "a+*b"})
     EXPECT_THROW(Formula{source}, std::runtime_error) << source;
-}
-
-TEST(Json, ReadsListsObjectsNumbersAndNull) {
-  const Json data = sfdae_test::read_json(R"( {"a": [1, -2.5e1, "b c", null], "empty": {}, "none": []} )");
-  const Json& a = data.at("a");
-  ASSERT_EQ(a.items.size(), 4u);
-  EXPECT_EQ(a.items[0].number, 1.0);
-  EXPECT_EQ(a.items[1].number, -25.0);
-  EXPECT_EQ(a.items[2].text, "b c");
-  EXPECT_EQ(a.items[3].kind, Json::Kind::null);
-  EXPECT_TRUE(data.at("empty").members.empty());
-  EXPECT_EQ(data.at("none").kind, Json::Kind::list);
-  EXPECT_EQ(data.find("b"), nullptr);
-  EXPECT_THROW(data.at("b"), std::runtime_error);
-}
-
-TEST(Json, RefusesWhatItDoesNotUnderstand) {
-  for (const char* source : {"", "[1,]", "[1 2]", "{1:2}", "{\"a\" 1}", "\"open", "\"\\n\"", "1.2.3", "nul", "[] []"})
-    EXPECT_THROW(sfdae_test::read_json(source), std::runtime_error) << source;
 }
 
 }  // namespace

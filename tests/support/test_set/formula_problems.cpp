@@ -2,27 +2,33 @@
 #include "formula_problems.h"
 
 #include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
-
-#include "json.h"
 
 namespace sfdae_test {
 
 namespace {
 
-int integer(const Json& value) { return static_cast<int>(value.number); }
+using Json = nlohmann::ordered_json;
+
+// Null if there is none.
+const Json* find(const Json& object, const char* key) {
+  const auto member = object.find(key);
+  return member == object.end() ? nullptr : &*member;
+}
 
 // Numbers, or numbers as text with more digits than a double has.
 std::vector<double> numbers(const Json& list) {
   std::vector<double> values;
-  for (const Json& item : list.items)
-    values.push_back(item.kind == Json::Kind::text ? std::stod(item.text) : item.number);
+  for (const Json& item : list)
+    values.push_back(item.is_string() ? std::stod(item.get<std::string>()) : item.get<double>());
   return values;
 }
 
 std::vector<Formula> formulas(const Json& list) {
   std::vector<Formula> read;
-  for (const Json& item : list.items) read.emplace_back(item.text);
+  for (const Json& item : list) read.emplace_back(item.get<std::string>());
   return read;
 }
 
@@ -40,26 +46,26 @@ std::vector<std::pair<std::string, Formula>> assignments(std::string_view source
 }
 
 void read_solution(const Json& source, FormulaProblem& p) {
-  const Json* exact = source.find("exact");
-  if (exact == nullptr || exact->kind == Json::Kind::null) return;
-  if (exact->kind == Json::Kind::list) {
+  const Json* exact = find(source, "exact");
+  if (exact == nullptr || exact->is_null()) return;
+  if (exact->is_array()) {
     p.solution = ExactSolution::formulas;
     p.exact_formulas = formulas(*exact);
-  } else if (exact->text == "recursive") {
+  } else if (*exact == "recursive") {
     p.solution = ExactSolution::recursion;
-  } else if (exact->text == "crane") {
+  } else if (*exact == "crane") {
     p.solution = ExactSolution::crane;
-  } else if (exact->text == "robot") {
+  } else if (*exact == "robot") {
     p.solution = ExactSolution::robot_arm;
   } else {
-    throw std::runtime_error("unknown kind of solution " + exact->text);
+    throw std::runtime_error("unknown kind of solution " + exact->get<std::string>());
   }
 }
 
 void read_references(const Json& source, TestProblem& p) {
-  const Json* reference = source.find("reference");
+  const Json* reference = find(source, "reference");
   if (reference == nullptr) return;
-  for (const auto& [key, value] : reference->members)
+  for (const auto& [key, value] : reference->items())
     if (key != "source") p.references.push_back({std::stod(key), numbers(value)});
   const auto earlier = [](const ReferencePoint& a, const ReferencePoint& b) { return a.t < b.t; };
   std::sort(p.references.begin(), p.references.end(), earlier);
@@ -68,21 +74,21 @@ void read_references(const Json& source, TestProblem& p) {
 FormulaProblem read_problem(const Json& source) {
   FormulaProblem p;
   const Json& values = source.at("charvals");
-  p.data.name = source.at("name").text;
-  p.data.m = integer(source.at("m"));
-  p.data.n = integer(source.at("n"));
-  p.data.values = {integer(values.at("mu")), integer(values.at("d")), integer(values.at("a")),
-                   integer(values.at("u")), integer(values.at("v"))};
-  p.data.t0 = source.at("t0").number;
-  p.data.tf = source.at("tf").number;
+  p.data.name = source.at("name").get<std::string>();
+  p.data.m = source.at("m").get<int>();
+  p.data.n = source.at("n").get<int>();
+  p.data.values = {values.at("mu").get<int>(), values.at("d").get<int>(), values.at("a").get<int>(),
+                   values.at("u").get<int>(), values.at("v").get<int>()};
+  p.data.t0 = source.at("t0").get<double>();
+  p.data.tf = source.at("tf").get<double>();
   p.data.counted = first_components(p.data.n);
-  if (const Json* parameters = source.find("p"))
-    for (const auto& [name, value] : parameters->members) p.parameters.emplace_back(name, value.number);
-  if (const Json* pre = source.find("pre")) p.abbreviations = assignments(pre->text);
+  if (const Json* parameters = find(source, "p"))
+    for (const auto& [name, value] : parameters->items()) p.parameters.emplace_back(name, value.get<double>());
+  if (const Json* pre = find(source, "pre")) p.abbreviations = assignments(pre->get<std::string>());
   p.F = formulas(source.at("F"));
   read_solution(source, p);
   read_references(source, p.data);
-  if (const Json* x0 = source.find("x0")) {
+  if (const Json* x0 = find(source, "x0")) {
     p.data.x0 = numbers(*x0);
   } else {
     for (const Jet& x : p.exact(p.data.t0, 0)) p.data.x0.push_back(x[0]);
@@ -163,7 +169,9 @@ std::vector<Jet> FormulaProblem::exact_robot_arm(const Jet& t) const {
 
 std::vector<FormulaProblem> read_formula_problems(const std::string& path) {
   std::vector<FormulaProblem> problems;
-  for (const Json& source : read_json_file(path).items) problems.push_back(read_problem(source));
+  std::ifstream file(path);
+  if (!file) throw std::runtime_error("cannot read " + path);
+  for (const Json& source : Json::parse(file)) problems.push_back(read_problem(source));
   return problems;
 }
 
