@@ -92,7 +92,8 @@ module sfdae
   public :: sfdae_illegal_argument, sfdae_out_of_memory, sfdae_busy, sfdae_empty_problem, &
     sfdae_not_started
   !> Failures: the user's procedures.
-  public :: sfdae_callback_stopped, sfdae_callback_failed, sfdae_not_finite, sfdae_order_missing
+  public :: sfdae_callback_stopped, sfdae_callback_failed, sfdae_not_finite, sfdae_order_missing, &
+    sfdae_wrong_derivatives
   !> Failures: the structure of the problem.
   public :: sfdae_index_too_high, sfdae_rank_unclear, sfdae_characteristics_changed, &
     sfdae_prescription_singular

@@ -35,9 +35,23 @@ sfdae_initial_report report_of(const ConsistentPoint& point) {
           point.derivative_exact ? 1 : 0};
 }
 
+// Failures of an analysis that wrong derivatives may cause.
+bool may_be_of_derivatives(int status) { return status <= SFDAE_INDEX_TOO_HIGH && status > SFDAE_MAX_STEPS; }
+
+// An analysis that is not to be trusted is forgotten.
+void demand_derivatives(sfdae_solver& solver, const PointOfInterest& point) {
+  try {
+    solver.model.demand_derivatives(point, solver.options.model);
+  } catch (...) {
+    solver.forget_analysis();
+    throw;
+  }
+}
+
 }  // namespace
 
-SolverOptions::SolverOptions(const sfdae_options& o, int n) : xdot_is_guess(o.xdot_is_guess != 0) {
+SolverOptions::SolverOptions(const sfdae_options& o, int n)
+    : xdot_is_guess(o.xdot_is_guess != 0), checks_derivatives(o.check_derivatives != 0) {
   model.analysis = {o.max_index, o.reduction == SFDAE_REDUCTION_SVD, o.rank_tol, o.time_scale};
   model.differences = {o.difference_derivatives != 0, o.difference_step, 1.0};
   model.leading = leading_term_of(o.leading_term);
@@ -75,7 +89,15 @@ void analyze(sfdae_solver& solver, PointOfInterest point) {
   set_limits(solver, t, direction);
   const UserTime user_time(solver.problem(), t);
   solver.forget_analysis();
-  solver.model.analyze(point, solver.options.model, solver.decisions);
+  const bool checks = solver.options.checks_derivatives;
+  try {
+    solver.model.analyze(point, solver.options.model, solver.decisions);
+  } catch (const Failure& failure) {
+    if (checks && may_be_of_derivatives(failure.status()))
+      solver.model.demand_derivatives(point, solver.options.model);
+    throw;
+  }
+  if (checks) demand_derivatives(solver, point);
   solver.direction = direction;
 }
 

@@ -161,6 +161,27 @@ void solve_lu_transposed(ConstView lu, const int* pivots, View b) {
   }
 }
 
+int permutation_sign(const int* pivots, int count) {
+  // Every cycle of even length changes it; each is counted at its smallest number.
+  int sign = 1;
+  for (int i = 0; i < count; ++i) {
+    int next = i, length = 0;
+    do {
+      next = pivots[next];
+      ++length;
+    } while (next > i);
+    if (next == i && length % 2 == 0) sign = -sign;
+  }
+  return sign;
+}
+
+int reflections_sign(const double* tau, int count) {
+  int sign = 1;
+  for (int k = 0; k < count; ++k)
+    if (tau[k] != 0.0) sign = -sign;
+  return sign;
+}
+
 bool invert_small(View a, double* pivots, int& sign) {
   constexpr int most = 64;  // columns, asserted: for blocks of multibody systems
   int exchanges[most];

@@ -92,9 +92,10 @@ int largest_norm(const QrWork& work, int p) {
   return p;
 }
 
-// Brings the column of largest norm to place p.
-void choose_pivot(const QrWork& work, int p, int F_columns) {
+// Brings the column of largest norm to place p. False if that is negligible: everything stays then.
+bool choose_pivot(const QrWork& work, int p, int F_columns) {
   const int best = largest_norm(work, p);
+  if (work.norms[best] <= work.negligible) return false;
   if (best != p) {
     double *x = column(work.a, p), *y = column(work.a, best);
     for (int i = 0; i < round_up(work.a.rows); i += width) {
@@ -115,6 +116,7 @@ void choose_pivot(const QrWork& work, int p, int F_columns) {
     }
   }
   mark_done(work, p);
+  return true;
 }
 
 // Squares without row p, which is in work.row; false if one of them has lost too many digits.
@@ -136,9 +138,9 @@ void renew_norms(const QrWork& work, int first) {
       work.norms[j] = work.reference[j] = square(column(work.a, j), first, work.a.rows);
 }
 
-void factor_columns(const QrWork& work, int first, int last, int end) {
+int factor_columns(const QrWork& work, int first, int last, int end) {
   for (int p = first; p < last; ++p) {
-    if (work.pivots != nullptr) choose_pivot(work, p, 0);
+    if (work.pivots != nullptr && !choose_pivot(work, p, 0)) return p;
     const double tau = make_reflection(work, p);
     const Reflection h{work.v, tau, round_down(p), round_up(work.a.rows)};
     if (tau != 0.0) reflect(h, work.a, p + 1, end, end == work.a.cols);
@@ -146,6 +148,7 @@ void factor_columns(const QrWork& work, int first, int last, int end) {
     for (int j = p + 1; j < end; ++j) work.row[j] = column(work.a, j)[p];
     if (!update_norms(work, p)) renew_norms(work, p + 1);
   }
+  return last;
 }
 
 // ---- Panels [QSB98] ---------------------------------------------------------------------------------------------
@@ -192,7 +195,7 @@ void finish_row(const QrWork& work, int first, int p) {
 int factor_panel(const QrWork& work, int first, int count) {
   for (int k = 0; k < count; ++k) {
     const int p = first + k;
-    choose_pivot(work, p, k);
+    if (!choose_pivot(work, p, k)) return k;
     if (k > 0) catch_up(work, first, p);
     const double tau = make_reflection(work, p);
     extend_F(work, first, p, tau);

@@ -43,6 +43,8 @@ struct QrWork {
   int* pivots;
   double* norms;
   double* reference;
+  // Once no square is larger, nothing is left that counts; < 0: go on to the end.
+  double negligible;
   // Of a panel: A = A - V F^T is what its reflections do to the columns behind it. Of the length of `row` times the
   // width of a panel, and as many coefficients as that is wide, and spare ones.
   Padded F;
@@ -70,11 +72,12 @@ struct Loops {
   ArrayLoops arrays;
   // Copies a into `to` and pads it; squares, if not nullptr: the squared norms of the columns.
   void (*pad)(const double* a, int lda, Padded to, double* squares);
-  // Reflections first, ..., last - 1, each applied to all columns up to end at once.
-  void (*factor_columns)(const QrWork& work, int first, int last, int end);
+  // Reflections first, ..., last - 1, each applied to all columns up to end at once. Returns last, or the first one that
+  // was not made because nothing is left that counts.
+  int (*factor_columns)(const QrWork& work, int first, int last, int end);
   // Reflections first, ..., first + count - 1 at most, pivoted: the columns behind the panel get their pivot rows, the
   // rest of them is left as it was, for one product with F. Returns how many were made: fewer where norms have to be
-  // computed anew before the next pivot can be chosen.
+  // computed anew before the next pivot can be chosen, or nothing is left.
   int (*factor_panel)(const QrWork& work, int first, int count);
   // Norms of the columns from `first` on, in the rows from there on, computed anew where updates have lost them.
   void (*renew_norms)(const QrWork& work, int first);

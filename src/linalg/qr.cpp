@@ -68,6 +68,11 @@ void add_pivoting(kernels::QrWork& work, int* pivots, Arena& arena) {
   work.coefficients = arena.take(index(panel + kernels::spare_columns));
 }
 
+// By their squares.
+double largest_length(const double* squares, int count) {
+  return count > 0 ? std::sqrt(std::max(*std::max_element(squares, squares + count), 0.0)) : 0.0;
+}
+
 // C -= V F^T
 void subtract_product(ConstView V, ConstView F, View C) { multiply(-1.0, Op::plain, V, Op::transposed, F, 1.0, C); }
 
@@ -174,36 +179,62 @@ void factor_qr(View a, double* tau, Arena& arena) {
   copy(factors, a);
 }
 
-void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena) {
+namespace {
+
+// All reflections that count; returns how many.
+int factor_pivoted(const kernels::QrWork& work) {
+  const kernels::Loops& loops = kernels::loops();
+  const View factors = view(work.a);
+  const int steps = std::min(factors.rows, factors.cols);
+  for (int first = 0; first < steps;) {
+    const int columns = factors.cols - first;
+    if (columns <= unblocked || steps - first <= panel) return loops.factor_columns(work, first, steps, factors.cols);
+    const int done = loops.factor_panel(work, first, panel), next = first + done;
+    if (done == 0) return first;
+    subtract_product(factors.block(next, first, factors.rows - next, done),
+                     view(work.F).block(next, 0, factors.cols - next, done),
+                     factors.block(next, next, factors.rows - next, factors.cols - next));
+    loops.renew_norms(work, next);
+    first = next;
+  }
+  return steps;
+}
+
+// Nothing is below a negative length.
+double square_of(double length) { return length < 0.0 ? -1.0 : length * length; }
+
+// What was not factored counts as zero, but for its size.
+void leave_out_rest(View factors, int done, double size, double* tau) {
+  const int steps = std::min(factors.rows, factors.cols);
+  if (done == steps) return;
+  fill(factors.block(done, done, factors.rows - done, factors.cols - done), 0.0);
+  std::fill(tau + done, tau + steps, 0.0);
+  factors(done, done) = size;
+}
+
+}  // namespace
+
+void factor_qr_pivoted(View a, int* pivots, double* tau, Arena& arena, double negligible) {
   if (a.cols == 0) return;
   const Arena::Frame frame(arena);
-  if (a.rows <= tiny_rows) return small::factor_qr_pivoted(a, pivots, tau, arena.take(2 * index(a.cols)));
+  if (a.rows <= tiny_rows) {
+    double* norms = arena.take(2 * index(a.cols));
+    const int done = small::factor_qr_pivoted(a, {pivots, tau, norms, square_of(negligible)});
+    return leave_out_rest(a, done, largest_length(norms + done, a.cols - done), tau);
+  }
   if (const double scale = scale_for_squares(a); scale != 1.0) {
     multiply_entries(a, scale);
-    factor_qr_pivoted(a, pivots, tau, arena);
+    factor_qr_pivoted(a, pivots, tau, arena, negligible * scale);
     return multiply_upper_triangle(a, 1.0 / scale);
   }
   kernels::QrWork work = work_for(a, tau, arena);
   add_pivoting(work, pivots, arena);
-  const kernels::Loops& loops = kernels::loops();
-  loops.pad(a.data, a.ld, work.a, work.norms);
+  work.negligible = square_of(negligible);
+  kernels::loops().pad(a.data, a.ld, work.a, work.norms);
   std::copy_n(work.norms, a.cols, work.reference);
-  const int steps = std::min(a.rows, a.cols);
-  const View factors = view(work.a);
-  for (int first = 0; first < steps;) {
-    const int columns = a.cols - first;
-    if (columns <= unblocked || steps - first <= panel) {
-      loops.factor_columns(work, first, steps, a.cols);
-      break;
-    }
-    const int done = loops.factor_panel(work, first, panel), next = first + done;
-    subtract_product(factors.block(next, first, a.rows - next, done),
-                     view(work.F).block(next, 0, a.cols - next, done),
-                     factors.block(next, next, a.rows - next, a.cols - next));
-    loops.renew_norms(work, next);
-    first = next;
-  }
-  copy(factors, a);
+  const int done = factor_pivoted(work);
+  copy(view(work.a), a);
+  leave_out_rest(a, done, largest_length(work.norms + done, a.cols - done), tau);
 }
 
 void apply_q(Op op, ConstView factors, int count, const double* tau, View c, Arena& arena) {

@@ -109,8 +109,16 @@ inline void factor_qr(View a, double* tau) {
   }
 }
 
-// norms: workspace of 2 a.cols.
-inline void factor_qr_pivoted(View a, int* pivots, double* tau, double* norms) {
+// norms: workspace of 2 a.cols, squares of what is left of the columns at the end. Ends where none of them is above
+// `negligible`; returns the number of reflections.
+struct Pivoting {
+  int* pivots;
+  double* tau;
+  double* norms;
+  double negligible;
+};
+inline int factor_qr_pivoted(View a, const Pivoting& to) {
+  const auto& [pivots, tau, norms, negligible] = to;
   double* reference = norms + a.cols;
   for (int j = 0; j < a.cols; ++j) {
     pivots[j] = j;
@@ -119,6 +127,7 @@ inline void factor_qr_pivoted(View a, int* pivots, double* tau, double* norms) {
   const int steps = std::min(a.rows, a.cols);
   for (int p = 0; p < steps; ++p) {
     const int best = static_cast<int>(std::max_element(norms + p, norms + a.cols) - norms);
+    if (norms[best] <= negligible) return p;
     if (best != p) {
       std::swap(pivots[best], pivots[p]);
       std::swap_ranges(a.column(best), a.column(best) + a.rows, a.column(p));
@@ -135,6 +144,7 @@ inline void factor_qr_pivoted(View a, int* pivots, double* tau, double* norms) {
         norms[j] = reference[j] = p + 1 < a.rows ? dot(a.rows - p - 1, &a(p + 1, j), &a(p + 1, j)) : 0.0;
     }
   }
+  return steps;
 }
 
 inline bool factor_lu(View a, int* pivots) {

@@ -106,7 +106,7 @@ CallbackError LinearProblem::call(char which, double t, int order, double* value
     return callback_error;
   }
   if (which == 'f' && user_.f == nullptr) return callback_error;
-  ++function.calls;
+  ++(is_checking_ ? check_evaluations_ : function.calls);
   callback_error.code = which == 'E'   ? user_.E(t, order, values, user_.user)
                         : which == 'A' ? user_.A(t, order, values, user_.user)
                                        : user_.f(t, order, values, user_.user);

@@ -162,6 +162,7 @@ CallbackError CallbackProblem::call(double t, int order, const double* derivativ
   error.order = order;
   error.t = t;
   error.user_t = user_t();
+  if (is_checking_) ++check_evaluations_;
   error.code = function_(t, order, derivatives, F, F_x, F_xdot, user_);
   if (error.code != 0) {
     error.status = error.code < 0                            ? SFDAE_CALLBACK_STOPPED

@@ -3,15 +3,16 @@
 #include "reduction/balanced_units.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
 
 #include "linalg/index.h"
+#include "reduction/unit_fit.h"
 
 namespace sfdae::core {
 
@@ -19,32 +20,10 @@ namespace {
 
 using Suspicion = BalancedUnits::Suspicion;
 
-// One nonzero entry: what is to be made zero is size + r_row + c_column - time s.
-struct LogEntry {
-  std::size_t row, column;
-  double time;  // 1 for E, 0 for A
-  double size;  // log2
-  double weight;
-  Suspicion suspicion;  // by the usual units
-};
-
 using Vector = std::vector<double>;
-
-// Exponents of all units: r, c and, last, s.
-struct Exponents {
-  std::size_t m, n;
-  Vector values;
-  Exponents(std::size_t rows, std::size_t columns) : m(rows), n(columns), values(rows + columns + 1, 0.0) {}
-  double& of_row(const LogEntry& e) { return values[e.row]; }
-  double& of_column(const LogEntry& e) { return values[m + e.column]; }
-  double& of_time() { return values.back(); }
-  double sum_at(const LogEntry& e) const { return values[e.row] + values[m + e.column] - e.time * values.back(); }
-};
 
 // Units from 2^-300 to 2^300: products of three of them are finite.
 constexpr double largest_exponent = 300.0;
-// Squares of gradients below this are those of exponents that are right to a fraction of a bit.
-constexpr double converged = 1e-3;
 // Entries that lie this many bits below the others may be rounding errors: a thousand of them at most, so that values
 // down to 1e-12 are left alone (docs/decisions/32-certificates.md).
 constexpr double suspicious_bits = 41.0;
@@ -60,79 +39,81 @@ double inconspicuous_bits(std::size_t units, std::size_t entries) {
 }
 // Well above what accidents make of entries of one size, well below what hides values: by judgement.
 constexpr double even_ratio = 0x1p16;
-// Reweighted mean squares approach least absolute values; by judgement.
-constexpr int reweightings = 25;
 
-// Gradient of half the sum of weighted squares, downward.
-void descend(const std::vector<LogEntry>& entries, const Vector& residuals, Exponents& to) {
-  std::fill(to.values.begin(), to.values.end(), 0.0);
-  for (std::size_t k = 0; k < entries.size(); ++k) {
-    const LogEntry& e = entries[k];
-    const double part = e.weight * residuals[k];
-    to.of_row(e) += part;
-    to.of_column(e) += part;
-    to.of_time() -= e.time * part;
+// The entries of E and A, and what the usual units say of each.
+struct Entries {
+  EntrySizes sizes;
+  std::array<std::vector<Suspicion>, 2> suspicions;  // of E, A
+  Suspicion& suspicion(std::size_t b, int i, int j) { return suspicions[b][index(i) + index(j) * index(sizes.m)]; }
+  Suspicion suspicion(std::size_t b, int i, int j) const {
+    return suspicions[b][index(i) + index(j) * index(sizes.m)];
   }
+};
+
+// Of E (0) or A (1).
+struct Place {
+  std::size_t block;
+  int row, column;
+};
+using Suspects = std::vector<Place>;
+
+template <class Of>
+bool any_entry(const EntrySizes& sizes, Of of) {
+  for (std::size_t b = 0; b < 2; ++b)
+    for (int j = 0; j < sizes.n; ++j)
+      for (int i = 0; i < sizes.m; ++i)
+        if (sizes.blocks[b].counts(i, j) > 0.0 && of(b, i, j)) return true;
+  return false;
 }
 
-double square(const Vector& v) { return std::inner_product(v.begin(), v.end(), v.begin(), 0.0); }
-
-// Conjugate gradients on the normal equations, from x on: directions that change nothing stay as they are. False if x
-// was right.
-bool fit(const std::vector<LogEntry>& entries, Exponents& x) {
-  Vector residuals(entries.size()), change(entries.size());
-  for (std::size_t k = 0; k < entries.size(); ++k) residuals[k] = -(entries[k].size + x.sum_at(entries[k]));
-  Exponents gradient(x.m, x.n), direction(x.m, x.n);
-  descend(entries, residuals, gradient);
-  direction = gradient;
-  double size = square(gradient.values);
-  if (!(size > converged)) return false;
-  const std::size_t most_steps = 4 * x.values.size();
-  for (std::size_t step = 0; step < most_steps && size > converged; ++step) {
-    double curvature = 0.0;
-    for (std::size_t k = 0; k < entries.size(); ++k) {
-      change[k] = direction.sum_at(entries[k]);
-      curvature += entries[k].weight * change[k] * change[k];
-    }
-    if (!(curvature > 0.0)) return step > 0;
-    const double length = size / curvature;
-    for (std::size_t i = 0; i < x.values.size(); ++i) x.values[i] += length * direction.values[i];
-    for (std::size_t k = 0; k < entries.size(); ++k) residuals[k] -= length * change[k];
-    descend(entries, residuals, gradient);
-    const double next = square(gradient.values);
-    for (std::size_t i = 0; i < x.values.size(); ++i)
-      direction.values[i] = gradient.values[i] + next / size * direction.values[i];
-    size = next;
-  }
-  return true;
+template <class Do>
+void for_entries(const EntrySizes& sizes, Do action) {
+  any_entry(sizes, [&](std::size_t b, int i, int j) {
+    action(b, i, j);
+    return false;
+  });
 }
 
-bool lies_below(const LogEntry& e, const Exponents& x, double bits) { return e.size + x.sum_at(e) < -bits; }
-
-// Takes the suspects out of the entries. Least absolute values pass by outliers.
-std::vector<LogEntry> take_suspects(std::vector<LogEntry>& entries, Exponents x) {
-  for (int pass = 0; pass < reweightings; ++pass) {
-    for (LogEntry& e : entries) e.weight = 1.0 / std::max(1.0, std::fabs(e.size + x.sum_at(e)));
-    if (!fit(entries, x)) break;  // all that follows would be the same
+// Whether entries lie so many bits below what the exponents suggest.
+class Deviations {
+ public:
+  Deviations(const EntrySizes& sizes, const UnitExponents& x) : sizes_(sizes), x_(x) {}
+  bool lies_below(std::size_t b, int i, int j, double bits) const {
+    const EntrySizes::Block& block = sizes_.blocks[b];
+    return block.bits(i, j) + x_.sum_at(block, i, j) < -bits;
   }
-  for (LogEntry& e : entries) e.weight = 1.0;
-  const auto is_suspect = [&](const LogEntry& e) {
-    return e.suspicion != Suspicion::none || lies_below(e, x, suspicious_bits);
-  };
-  const auto first = std::stable_partition(entries.begin(), entries.end(), std::not_fn(is_suspect));
-  std::vector<LogEntry> suspects(first, entries.end());
-  entries.erase(first, entries.end());
+
+ private:
+  const EntrySizes& sizes_;
+  const UnitExponents& x_;
+};
+
+// Leaves those out of the entries.
+Suspects take_suspects(Entries& entries) {
+  EntrySizes& sizes = entries.sizes;
+  UnitExponents x(sizes.m, sizes.n);
+  fit_absolute_values(sizes, x);
+  const Deviations deviations(sizes, x);
+  Suspects suspects;
+  for_entries(sizes, [&](std::size_t b, int i, int j) {
+    if (entries.suspicion(b, i, j) == Suspicion::none && !deviations.lies_below(b, i, j, suspicious_bits)) return;
+    suspects.push_back({b, i, j});
+  });
+  for (const auto& [b, i, j] : suspects) sizes.blocks[b].counts(i, j) = 0.0;
   return suspects;
 }
 
 // x: fits all the others.
-void mark(const std::vector<LogEntry>& suspects, const Exponents& x, BalancedUnits& units) {
-  units.suspects_E.assign(x.m * x.n, Suspicion::none);
+void mark(const Entries& entries, const Suspects& suspects, const UnitExponents& x, BalancedUnits& units) {
+  const EntrySizes& sizes = entries.sizes;
+  units.suspects_E.assign(index(sizes.m) * index(sizes.n), Suspicion::none);
   units.suspects_A = units.suspects_E;
-  for (const LogEntry& e : suspects) {
-    const bool is_rounding = e.suspicion == Suspicion::certain || lies_below(e, x, rounding_bits);
+  const Deviations deviations(sizes, x);
+  for (const auto& [b, i, j] : suspects) {
+    const bool is_rounding =
+        entries.suspicion(b, i, j) == Suspicion::certain || deviations.lies_below(b, i, j, rounding_bits);
     units.has_suspects = units.has_suspects || !is_rounding;
-    (e.time > 0.0 ? units.suspects_E : units.suspects_A)[e.row + e.column * x.m] =
+    (b == 0 ? units.suspects_E : units.suspects_A)[index(i) + index(j) * index(sizes.m)] =
         is_rounding ? Suspicion::certain : Suspicion::maybe;
   }
 }
@@ -159,20 +140,24 @@ struct Largest {
 };
 
 // data: in the usual units; the entries are those in units of one.
-std::vector<LogEntry> entries_of(const TaylorData& data, const Units& usual) {
+Entries entries_of(const TaylorData& data, const Units& usual) {
   const Largest largest(data);
-  std::vector<LogEntry> entries;
-  entries.reserve(2 * index(data.m) * index(data.n));
-  for (bool is_E : {true, false}) {
-    const ConstView matrix = is_E ? data.E(0) : data.A(0);
+  Entries entries{EntrySizes(data.m, data.n), {}};
+  for (std::size_t b = 0; b < 2; ++b) {
+    EntrySizes::Block& block = entries.sizes.blocks[b];
+    const ConstView matrix = b == 0 ? data.E(0) : data.A(0);
+    entries.suspicions[b].assign(index(data.m) * index(data.n), Suspicion::none);
     // A holds tau times A.
-    const double unit_of_time = is_E ? 0.0 : std::log2(data.time_scale);
+    const double unit_of_time = b == 0 ? 0.0 : std::log2(data.time_scale);
     for (int j = 0; j < data.n; ++j) {
       const double unit = unit_of_time + std::log2(usual[j]);
-      for (int i = 0; i < data.m; ++i)
-        if (const double a = std::fabs(matrix(i, j)); a > 0.0)
-          entries.push_back(
-              {index(i), index(j), is_E ? 1.0 : 0.0, std::log2(a) - unit, 1.0, largest.suspicion_of(a, i, j)});
+      for (int i = 0; i < data.m; ++i) {
+        const double a = std::fabs(matrix(i, j));
+        if (!(a > 0.0)) continue;
+        block.bits(i, j) = std::log2(a) - unit;
+        block.counts(i, j) = 1.0;
+        entries.suspicion(b, i, j) = largest.suspicion_of(a, i, j);
+      }
     }
   }
   return entries;
@@ -182,22 +167,22 @@ double unit_of(double exponent) {
   return std::ldexp(1.0, static_cast<int>(std::lround(std::clamp(exponent, -largest_exponent, largest_exponent))));
 }
 
-Units units_of(const Exponents& x) {
+Units units_of(const UnitExponents& x) {
   std::vector<double> unknowns;
-  for (std::size_t j = 0; j < x.n; ++j) unknowns.push_back(unit_of(x.values[x.m + j]));
+  for (double exponent : x.unknowns) unknowns.push_back(unit_of(exponent));
   return unknowns;
 }
 
 // Which units the entries tie together: r_i + c_j = time s for each, that is differences of r_i and -c_j in trees.
 class Ties {
  public:
-  Ties(std::size_t m, std::size_t n) : m_(m), parent_(m + n), offset_(m + n, 0.0) {
+  Ties(int m, int n) : m_(index(m)), parent_(index(m + n)), offset_(index(m + n), 0.0) {
     std::iota(parent_.begin(), parent_.end(), std::size_t{0});
   }
-  void add(const LogEntry& e) {
-    const auto [row, of_row] = root(e.row);
-    const auto [column, of_column] = root(m_ + e.column);
-    const double difference = e.time - of_row + of_column;
+  void add(double time, int i, int j) {
+    const auto [row, of_row] = root(index(i));
+    const auto [column, of_column] = root(m_ + index(j));
+    const double difference = time - of_row + of_column;
     if (row != column) {
       parent_[row] = column;
       offset_[row] = difference;
@@ -206,18 +191,28 @@ class Ties {
     }
   }
   // Whether the size of an entry follows from those that were added.
-  bool determine(const LogEntry& e) const {
-    const auto [row, of_row] = root(e.row);
-    const auto [column, of_column] = root(m_ + e.column);
-    return row == column && (fixes_time_ || of_row - of_column == e.time);
+  bool determine(double time, int i, int j) {
+    const auto [row, of_row] = root(index(i));
+    const auto [column, of_column] = root(m_ + index(j));
+    return row == column && (fixes_time_ || of_row - of_column == time);
   }
 
  private:
-  // With the multiple of s that lies between.
-  std::pair<std::size_t, double> root(std::size_t node) const {
+  // With the multiple of s that lies between. All on the way hang on the root from then on: it would grow with every
+  // column else.
+  std::pair<std::size_t, double> root(std::size_t node) {
     double offset = 0.0;
-    for (; parent_[node] != node; node = parent_[node]) offset += offset_[node];
-    return {node, offset};
+    std::size_t top = node;
+    for (; parent_[top] != top; top = parent_[top]) offset += offset_[top];
+    for (double left = offset; node != top;) {
+      const std::size_t next = parent_[node];
+      const double part = offset_[node];
+      parent_[node] = top;
+      offset_[node] = left;
+      left -= part;
+      node = next;
+    }
+    return {top, offset};
   }
 
   std::size_t m_;
@@ -228,20 +223,24 @@ class Ties {
 
 // Whether the usual units say something about small entries: they are as good as balanced ones for all others, which
 // determine what size these ought to have.
-bool are_balanced_without_suspects(const std::vector<LogEntry>& all, const Units& usual, const TaylorData& data) {
-  const auto is_usual = [](const LogEntry& e) { return e.suspicion == Suspicion::none; };
-  if (std::all_of(all.begin(), all.end(), is_usual)) return true;
-  std::vector<LogEntry> entries = all;
-  const auto first = std::stable_partition(entries.begin(), entries.end(), is_usual);
-  Ties ties(index(data.m), index(data.n));
-  std::for_each(entries.begin(), first, [&](const LogEntry& e) { ties.add(e); });
-  if (!std::all_of(first, entries.end(), [&](const LogEntry& e) { return ties.determine(e); })) return false;
-  entries.erase(first, entries.end());
-  Exponents x(index(data.m), index(data.n));
-  fit(entries, x);
+bool are_balanced_without_suspects(const Entries& all, const Units& usual, const TaylorData& data) {
+  const auto is_suspect = [&](std::size_t b, int i, int j) { return all.suspicion(b, i, j) != Suspicion::none; };
+  if (!any_entry(all.sizes, is_suspect)) return true;
+  EntrySizes others = all.sizes;
+  Ties ties(data.m, data.n);
+  for_entries(all.sizes, [&](std::size_t b, int i, int j) {
+    if (is_suspect(b, i, j)) others.blocks[b].counts(i, j) = 0.0;
+    else ties.add(others.blocks[b].time, i, j);
+  });
+  if (any_entry(all.sizes, [&](std::size_t b, int i, int j) {
+        return is_suspect(b, i, j) && !ties.determine(others.blocks[b].time, i, j);
+      }))
+    return false;
+  UnitExponents x(data.m, data.n);
+  fit_squares(others, x);
   BalancedUnits units;
   units.unknowns = units_of(x);
-  units.time = unit_of(x.of_time());
+  units.time = unit_of(x.time);
   return are_balanced(usual, data.time_scale, units);
 }
 
@@ -271,26 +270,27 @@ bool are_balanced(const Units& used, double time, const BalancedUnits& balanced)
 }
 
 BalancedUnits balanced_units(const TaylorData& data, const Units& usual) {
-  std::vector<LogEntry> entries = entries_of(data, usual);
+  Entries entries = entries_of(data, usual);
+  const EntrySizes& sizes = entries.sizes;
   if (!are_balanced_without_suspects(entries, usual, data))
-    for (LogEntry& e : entries) e.suspicion = Suspicion::none;
-  Exponents x(index(data.m), index(data.n));
-  fit(entries, x);
+    for (std::vector<Suspicion>& all : entries.suspicions) std::fill(all.begin(), all.end(), Suspicion::none);
+  UnitExponents x(sizes.m, sizes.n);
+  fit_squares(sizes, x);
   BalancedUnits units;
-  const double inconspicuous = inconspicuous_bits(x.m + x.n, entries.size());
-  const auto is_conspicuous = [&](const LogEntry& e) {
-    return e.suspicion != Suspicion::none || lies_below(e, x, inconspicuous);
-  };
-  if (std::any_of(entries.begin(), entries.end(), is_conspicuous)) {
-    const std::vector<LogEntry> suspects = take_suspects(entries, Exponents(x.m, x.n));
+  const double inconspicuous = inconspicuous_bits(index(sizes.m) + index(sizes.n), sizes.count());
+  const Deviations deviations(sizes, x);
+  if (any_entry(sizes, [&](std::size_t b, int i, int j) {
+        return entries.suspicion(b, i, j) != Suspicion::none || deviations.lies_below(b, i, j, inconspicuous);
+      })) {
+    const Suspects suspects = take_suspects(entries);
     if (!suspects.empty()) {
-      x = Exponents(x.m, x.n);
-      fit(entries, x);
-      mark(suspects, x, units);
+      x = UnitExponents(sizes.m, sizes.n);
+      fit_squares(sizes, x);
+      mark(entries, suspects, x, units);
     }
   }
   units.unknowns = units_of(x);
-  units.time = unit_of(x.of_time());
+  units.time = unit_of(x.time);
   return units;
 }
 

@@ -39,6 +39,14 @@ void ConstraintFactors::write_T2(View T2, Arena& arena) const {
   form_last_q(factors(), rank_, tau_.data(), T2, arena);
 }
 
+// A2 V = P R11^T.
+int ConstraintFactors::orientation() const {
+  int sign = permutation_sign(pivots_.data(), rank_) * reflections_sign(tau_.data(), rank_);
+  for (int i = 0; i < rank_; ++i)
+    if (factors()(i, i) < 0.0) sign = -sign;
+  return sign;
+}
+
 // xp = Q [y; 0] with R11^T y = -f^, and what the redundant rows say about it: R12^T y + f^ = 0.
 double ConstraintFactors::solve(const double* f_hat, double norm_f, double* xp, Arena& arena) const {
   const ConstView R = factors();

@@ -25,6 +25,8 @@ class ConstraintFactors {
   // |r_aa| of R11, the smallest value kept; a > 0.
   double smallest_kept() const { return std::fabs(factors()(rank_ - 1, rank_ - 1)); }
   int rows() const { return rows_; }
+  // Sign of det [V T2] det(A2 V), V the basis of the row space of A2 = A^: no row is redundant.
+  int orientation() const;
   // T2: n x (n - rank).
   void write_T2(View T2, Arena& arena) const;
   // xp = -A2^+ f2 of smallest norm. norm_f: of the data that f^ comes from. Returns the contradiction of redundant

@@ -12,15 +12,25 @@ namespace sfdae::core {
 
 void DifferentialFactors::resize(int n) {
   const std::size_t square = index(n) * index(n) + 1;
-  R_.resize(square);
+  R_.resize(square + index(n));
   row_space_.resize(square);
   kernel_.resize(square);
   pivots_.resize(index(n) + 1);
 }
 
+void DifferentialFactors::keep(ConstView factors, const int* pivots, const double* tau) {
+  d_ = factors.cols;
+  u_ = 0;
+  has_reflections_ = true;
+  std::copy_n(pivots, d_, pivots_.data());
+  std::copy_n(tau, d_, this->tau());
+  copy(factors, {R_.data(), d_, d_, std::max(d_, 1)});
+}
+
 void DifferentialFactors::factor(ConstView R3, const int* pivots, Arena& arena) {
   d_ = R3.rows;
   u_ = R3.cols - R3.rows;
+  has_reflections_ = false;
   const int columns = R3.cols;
   std::copy_n(pivots, columns, pivots_.data());
   const View R{R_.data(), d_, d_, std::max(d_, 1)};
@@ -50,6 +60,7 @@ void DifferentialFactors::solve(const double* q, double* z, Arena& arena) const 
   std::copy_n(q, d_, y);
   const ConstView R{R_.data(), d_, d_, std::max(d_, 1)};
   if (u_ == 0) {
+    if (has_reflections_) apply_q(Op::transposed, R, d_, tau(), {y, d_, 1, std::max(d_, 1)}, arena);
     solve_upper(Op::plain, R, {y, d_, 1, std::max(d_, 1)});
     for (int i = 0; i < d_; ++i) z[pivots_[index(i)]] = y[i];
     return;
@@ -65,18 +76,12 @@ double DifferentialFactors::smallest_kept() const {
 }
 
 int DifferentialFactors::determinant_sign() const {
-  // G is R3 with permuted columns: signs of the diagonal, and one for every cycle of even length.
-  int sign = 1;
+  int sign = permutation_sign(pivots_.data(), d_);
+  if (has_reflections_) sign *= reflections_sign(tau(), d_);
   for (int i = 0; i < d_; ++i) {
     const double r = R_[index(i) * index(d_ + 1)];
     if (r == 0.0) return 0;
     if (r < 0.0) sign = -sign;
-    int next = i, length = 0;
-    do {
-      next = pivots_[index(next)];
-      ++length;
-    } while (next > i);
-    if (next == i && length % 2 == 0) sign = -sign;
   }
   return sign;
 }

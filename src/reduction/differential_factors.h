@@ -16,6 +16,8 @@ class DifferentialFactors {
   void resize(int n);
   // R3: d x (d + u), upper triangular in its first d columns; column j of it is column pivots[j] of G.
   void factor(ConstView R3, const int* pivots, Arena& arena);
+  // A factorization G P = Q3 R3 itself, d x d, u = 0.
+  void keep(ConstView factors, const int* pivots, const double* tau);
 
   // Orthonormal basis of ker G, (d + u) x u.
   ConstView kernel() const { return {kernel_.data(), unknowns(), u_, std::max(unknowns(), 1)}; }
@@ -28,8 +30,12 @@ class DifferentialFactors {
 
  private:
   int unknowns() const { return d_ + u_; }
+  // Of Q3, behind R.
+  const double* tau() const { return R_.data() + index(d_) * index(d_); }
+  double* tau() { return R_.data() + index(d_) * index(d_); }
 
   int d_ = 0, u_ = 0;
+  bool has_reflections_ = false;   // of Q3, below the diagonal of R
   std::vector<double> R_;          // u = 0: R3; u > 0: R of R3^T = Q R
   std::vector<double> row_space_;  // u > 0: orthonormal basis of that of G
   std::vector<double> kernel_;

@@ -34,6 +34,7 @@ struct DiagonalBlock {
   int* pivots = nullptr;
   int rank = 0;
   View Q;  // m x number of rows
+  int sign_of_Q = 1;
   int null_columns() const { return factors.cols - rank; }
   int null_rows() const { return factors.rows - rank; }
 };
@@ -59,7 +60,7 @@ DiagonalBlock factor_rows_of_level(const TaylorData& data, int i, Judge& judge, 
   if (rows == 0) return block;
   copy(all.top(rows), block.factors);
   double* tau = arena.take(index(std::min(rows, data.n)) + 1);
-  factor_qr_pivoted(block.factors, block.pivots, tau, arena);
+  factor_qr_pivoted(block.factors, block.pivots, tau, arena, judge.negligible(judge.norm_E0()));
   block.rank = judge.decide_diagonal_block(block.factors, all.top(rows));
   const View Q = arena.matrix(rows, rows);
   form_q(block.factors, block.rank, tau, Q, arena);
@@ -78,9 +79,10 @@ DiagonalBlock factor_diagonal_block(const TaylorData& data, int i, Judge& judge,
   DiagonalBlock block{arena.matrix(data.m, data.n), arena.integers(data.n), 0, arena.matrix(data.m, data.m)};
   copy(E0, block.factors);
   double* tau = arena.take(index(std::min(data.m, data.n)) + 1);
-  factor_qr_pivoted(block.factors, block.pivots, tau, arena);
+  factor_qr_pivoted(block.factors, block.pivots, tau, arena, judge.negligible(judge.norm_E0()));
   block.rank = judge.decide_diagonal_block(block.factors, E0);
   form_q(block.factors, block.rank, tau, block.Q, arena);
+  block.sign_of_Q = reflections_sign(tau, block.rank);
   return block;
 }
 
@@ -208,7 +210,7 @@ int release_rows(const Elimination& of, View T, double norm, int j, View rows) {
   }
   int* pivots = arena.integers(T.cols);
   double* tau = arena.take(index(std::min(c, T.cols)) + 1);
-  factor_qr_pivoted(factors, pivots, tau, arena);
+  factor_qr_pivoted(factors, pivots, tau, arena, judge.negligible(std::max(norm, judge.norm_E0())));
   judge.set_errors(max_abs(errors));
   const int leaving = judge.decide_stage(j, factors, original, norm);
   apply_q(Op::transposed, factors, leaving, tau, others, arena);
@@ -310,6 +312,10 @@ Carried eliminate(const TaylorData& data, int level, ConstView rhs, int last_sta
   result.rank_E = block.rank;
   result.R = block.factors;
   result.pivots = block.pivots;
+  if (level == 0) {
+    result.Q1 = block.Q.columns(0, block.rank);
+    result.sign_of_Q = block.sign_of_Q;
+  }
   return result;
 }
 

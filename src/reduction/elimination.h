@@ -30,6 +30,9 @@ struct Carried {
   // Orthogonal factorization of E_0: E_0 P = Q [R11 R12; 0 0].
   View R;  // m x n, R11 and R12 in the first rank_E rows
   const int* pivots = nullptr;
+  // Of level 0 alone: the columns of Q that span range E_0, and the sign of det Q.
+  ConstView Q1;
+  int sign_of_Q = 0;
 };
 
 // What later right-hand sides need of an elimination: see stored_elimination.h.

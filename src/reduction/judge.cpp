@@ -91,6 +91,12 @@ int Judge::decide(Question question, ConstView r, ConstView original) {
   return record(decision, question);
 }
 
+// Thresholds are 10 dimension unit_roundoff norm at least; a block of such columns has sqrt(dimension) times their length.
+double Judge::negligible(double norm) const {
+  if (settings_.known_ranks != nullptr || settings_.rank_tol > 0.0) return -1.0;
+  return std::sqrt(static_cast<double>(sizes_.dimension)) * unit_roundoff * norm;
+}
+
 int Judge::decide_diagonal_block(ConstView r, ConstView original) {
   // E_0 carries no derivatives: its noise is that of rounding alone, and of residuals.
   const double noise = std::max(unit_roundoff * sizes_.norm_E0, sizes_.residual_errors);

@@ -12,24 +12,18 @@ void LeadingProjector::resize(int n) {
   n_ = n;
 }
 
-// ker E = range of P [-R11^-1 R12; I], orthonormalized.
+// The rows of E span those of [R11 R12] P^T; ker E is what is orthogonal to them.
 void LeadingProjector::build(const Carried& carried, Arena& arena) {
   const int r = carried.rank_E;
   count_ = n_ - r;
   if (count_ == 0) return;
   const Arena::Frame frame(arena);
-  const View top = arena.matrix(r, count_);
-  copy(carried.R.block(0, r, r, count_), top);
-  solve_upper(Op::plain, carried.R.block(0, 0, r, r), top);
-  const View basis = arena.matrix(n_, count_);
-  fill(basis, 0.0);
-  for (int j = 0; j < count_; ++j) {
-    for (int i = 0; i < r; ++i) basis(carried.pivots[i], j) = -top(i, j);
-    basis(carried.pivots[r + j], j) = 1.0;
-  }
-  double* tau = arena.take(index(count_));
-  factor_qr(basis, tau, arena);
-  form_q(basis, count_, tau, {K_.data(), n_, count_, n_}, arena);
+  const View rows = arena.matrix(n_, r);
+  for (int j = 0; j < n_; ++j)
+    for (int i = 0; i < r; ++i) rows(carried.pivots[j], i) = i <= j ? carried.R(i, j) : 0.0;
+  double* tau = arena.take(index(r) + 1);
+  factor_qr(rows, tau, arena);
+  form_last_q(rows, r, tau, {K_.data(), n_, count_, n_}, arena);
 }
 
 void LeadingProjector::apply(double* y, Arena& arena) const {

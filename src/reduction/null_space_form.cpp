@@ -11,6 +11,16 @@ namespace {
 
 std::size_t area(int rows, int cols) { return index(rows) * index(cols) + 1; }
 
+// G from G P = R3, d x (d + u).
+void write_G(ConstView R3, const int* pivots, View G) {
+  for (int j = 0; j < G.cols; ++j) {
+    double* to = G.column(pivots[j]);
+    const int length = std::min(j + 1, G.rows);
+    std::copy_n(R3.column(j), length, to);
+    std::fill_n(to + length, G.rows - length, 0.0);
+  }
+}
+
 }  // namespace
 
 void NullSpaceForm::resize(int rows, int cols, int num_prescribed, int carried) {
@@ -71,8 +81,15 @@ PointRanks NullSpaceForm::build(const TaylorData& data, const Carried& carried, 
   PointRanks ranks = build_constraints(data, carried, prescription, judge, arena);
   if (leading == LeadingTerm::projector) projector_.build(carried, arena);
   else projector_.set_identity();
-  build_differential_equations(data, leading, judge, arena);
+  if (carried.Q1.data != nullptr) factor_within_range(carried, judge, arena);
+  else factor_E_T2(data, judge, arena);
   ranks.d = d;
+  const bool is_regular = m == n && d + ranks.a == n && ranks.v_hat == 0 && d == carried.rank_E;
+  const int exchanges = d % 2 * (ranks.a % 2) == 0 ? 1 : -1;  // of [*, G; A2 V, 0]
+  orientation_ = is_regular && carried.Q1.data != nullptr
+                     ? carried.sign_of_Q * exchanges * sign_of_G() * constraints_.orientation()
+                     : 0;
+  build_differential_equations(data, leading, arena);
   return ranks;
 }
 
@@ -89,33 +106,62 @@ int NullSpaceForm::factor_differential(const PivotedFactors& ET, Judge& judge, A
   return ET.factors.cols > 0 && m > 0 ? judge.decide_differential(ET.factors, original) : 0;
 }
 
-// E T2 P = Z1 R3, then G, B, b, g0.
-void NullSpaceForm::build_differential_equations(const TaylorData& data, LeadingTerm leading, Judge& judge,
-                                                 Arena& arena) {
+// E T2 P = Z1 R3 gives Z1, G and g0.
+void NullSpaceForm::factor_E_T2(const TaylorData& data, Judge& judge, Arena& arena) {
   const Arena::Frame frame(arena);
   const int columns = n - a;
-  const ConstView T2_xp{T2_.data(), n, columns + 1, n};
   const View ET = arena.matrix(m, columns + 1);
-  multiply(1.0, Op::plain, data.E(0), Op::plain, T2_xp, 0.0, ET);
+  multiply(1.0, Op::plain, data.E(0), Op::plain, T2_xp_of(columns), 0.0, ET);
   const View factors = ET.columns(0, columns);
   double* tau = arena.take(index(std::min(m, columns)) + 1);
   int* pivots = arena.integers(columns);
   d = factor_differential({factors, pivots, tau}, judge, arena);
   u = columns - d;
   form_q(factors, d, tau, {Z1_.data(), m, d, m}, arena);
-
   const View G{G_.data(), d, columns, std::max(d, 1)};
-  for (int j = 0; j < columns; ++j) {
-    double* to = G.column(pivots[j]);
-    const int length = std::min(j + 1, d);
-    std::copy_n(factors.column(j), length, to);
-    std::fill_n(to + length, d - length, 0.0);
-  }
+  write_G(factors.top(d), pivots, G);
   differential_.factor(factors.top(d), pivots, arena);
   multiply(1.0, Op::transposed, Z1(), ET.column(columns), 0.0, g0_.data());
+}
 
+// With E P = Q1 [R11 R12] at hand, which rank(E T2) = rank E leaves as it is: Z1 = Q1, and G has only as many rows. Where
+// the rank is smaller, Z1 = Q1 Q3 of the factorization of Q1^T E T2.
+void NullSpaceForm::factor_within_range(const Carried& carried, Judge& judge, Arena& arena) {
+  const Arena::Frame frame(arena);
+  const int columns = n - a, r = carried.rank_E;
+  const View R = arena.matrix(r, n), GT = arena.matrix(r, columns + 1);
+  for (int j = 0; j < n; ++j) {
+    double* to = R.column(carried.pivots[j]);
+    const int length = std::min(j + 1, r);
+    std::copy_n(carried.R.column(j), length, to);
+    std::fill_n(to + length, r - length, 0.0);
+  }
+  multiply(1.0, Op::plain, R, Op::plain, T2_xp_of(columns), 0.0, GT);
+  const View factors = GT.columns(0, columns);
+  std::copy_n(GT.column(columns), r, g0_.data());
+  copy(factors, {G_.data(), r, columns, std::max(r, 1)});
+  double* tau = arena.take(index(std::min(r, columns)) + 1);
+  int* pivots = arena.integers(columns);
+  d = factor_differential({factors, pivots, tau}, judge, arena);
+  u = columns - d;
+  if (d == r && u == 0) {
+    copy(carried.Q1, {Z1_.data(), m, d, m});
+    return differential_.keep(factors, pivots, tau);
+  }
+  const View Q3 = arena.matrix(r, d);
+  form_q(factors, d, tau, Q3, arena);
+  multiply(1.0, Op::plain, carried.Q1, Op::plain, Q3, 0.0, {Z1_.data(), m, d, m});
+  multiply(1.0, Op::transposed, Q3, GT.column(columns), 0.0, g0_.data());
+  write_G(factors.top(d), pivots, {G_.data(), d, columns, std::max(d, 1)});
+  differential_.factor(factors.top(d), pivots, arena);
+}
+
+// B and b, for the Z1 and T2 that are known.
+void NullSpaceForm::build_differential_equations(const TaylorData& data, LeadingTerm leading, Arena& arena) {
+  const Arena::Frame frame(arena);
+  const int columns = unknowns();
   const View CT = arena.matrix(m, columns + 1);
-  apply_C(data, leading, T2_xp, CT, arena);
+  apply_C(data, leading, T2_xp_of(columns), CT, arena);
   const double* f = data.f(0);
   for (int i = 0; i < m; ++i) CT(i, columns) += f[i];
   multiply(1.0, Op::transposed, Z1(), Op::plain, CT, 0.0, {B_.data(), d, columns + 1, std::max(d, 1)});

@@ -64,7 +64,7 @@ class NullSpaceForm {
   ConstView G() const { return {G_.data(), d, unknowns(), std::max(d, 1)}; }                   // Z1^T E T2
   ConstView B() const { return {B_.data(), d, unknowns(), std::max(d, 1)}; }                   // Z1^T C T2
   const double* b() const { return B_.data() + static_cast<std::ptrdiff_t>(unknowns()) * d; }  // Z1^T (C xp + f)
-  ConstView T2_xp() const { return {T2_.data(), n, unknowns() + 1, std::max(n, 1)}; }          // [T2 xp]
+  ConstView T2_xp() const { return T2_xp_of(unknowns()); }                                     // [T2 xp]
   ConstView B_b() const { return {B_.data(), d, unknowns() + 1, std::max(d, 1)}; }             // [B b]
   const double* g0() const { return g0_.data(); }                                              // Z1^T E xp
   ConstView Uz() const { return differential_.kernel(); }   // orthonormal, G Uz = 0
@@ -87,6 +87,9 @@ class NullSpaceForm {
   void solve_G(const double* q, double* z, Arena& arena) const { differential_.solve(q, z, arena); }
   // Sign of det G, 0 if it vanishes; u = 0 only.
   int sign_of_G() const { return differential_.determinant_sign(); }
+  // Of regular problems with mu = 0: the sign of det(Q1 Q1^T E + (I - Q1 Q1^T) A), Q1 a basis of range E, which depends
+  // on no choice of bases; else, or where it vanishes, 0.
+  int orientation() const { return orientation_; }
   // Smallest values kept in the decisions on A^ and on E T2 (a > 0, d > 0), or of about their size.
   double smallest_constraint() const { return constraints_.smallest_kept(); }
   double smallest_of_G() const { return differential_.smallest_kept(); }
@@ -106,10 +109,13 @@ class NullSpaceForm {
     double* tau;
   };
   int factor_differential(const PivotedFactors& ET, Judge& judge, Arena& arena);
-  void build_differential_equations(const TaylorData& data, LeadingTerm leading, Judge& judge, Arena& arena);
+  void factor_E_T2(const TaylorData& data, Judge& judge, Arena& arena);
+  void factor_within_range(const Carried& carried, Judge& judge, Arena& arena);
+  void build_differential_equations(const TaylorData& data, LeadingTerm leading, Arena& arena);
   void apply_C(const TaylorData& data, LeadingTerm leading, ConstView X, View CX, Arena& arena) const;
 
   View columns_T2(int count) { return {T2_.data(), n, count, n}; }
+  ConstView T2_xp_of(int columns) const { return {T2_.data(), n, columns + 1, std::max(n, 1)}; }
   double* particular() { return T2_.data() + static_cast<std::ptrdiff_t>(unknowns()) * n; }
 
   ConstraintFactors constraints_;
@@ -119,6 +125,7 @@ class NullSpaceForm {
   std::vector<double> T2_;  // [T2 | xp]
   std::vector<double> Z1_, G_, B_, g0_;
   double inconsistency_ = 0.0;
+  int orientation_ = 0;
 };
 
 }  // namespace sfdae::core

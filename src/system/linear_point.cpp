@@ -16,6 +16,7 @@ double inconsistency(const LinearPoint& point, int mu) {
 }
 
 bool orientation_kept(const LinearPoint& then, const LinearPoint& now, Arena& arena) {
+  if (now.form.orientation() != 0) return now.form.orientation() == then.det_sign;
   const int aligned = relative_orientation(then.form.Z1(), now.form.Z1(), arena) *
                       relative_orientation(then.form.T2(), now.form.T2(), arena) * now.form.sign_of_G();
   return aligned == then.det_sign;

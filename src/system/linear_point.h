@@ -30,7 +30,9 @@ struct LinearPoint {
   int rank_E = 0;
   // Smallest values kept in the decisions on A^ and E T2, and smallest pivot of the elimination; relative.
   double kept_constraints = 1.0, kept_differential = 1.0, pivot = 1.0;
-  int det_sign = 1;  // of det G once the point is accepted, for u = 0
+  int det_sign = 1;  // once the point is accepted, for u = 0: its sign()
+  // That of NullSpaceForm::orientation(), or of det G in the bases of the point.
+  int sign() const { return form.orientation() != 0 ? form.orientation() : form.sign_of_G(); }
 
   void forget() { t = std::numeric_limits<double>::quiet_NaN(); }
 };

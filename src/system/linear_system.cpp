@@ -10,6 +10,7 @@
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "reduction/contradiction.h"
 #include "reduction/rank_sequence.h"
 #include "system/linear_derivatives.h"
 #include "system/linear_leading_term.h"
@@ -160,12 +161,30 @@ PointQuality LinearSystem::quality() const {
           point().pivot};
 }
 
+std::string LinearSystem::inconsistency_message() const {
+  return DaeSystem::inconsistency_message() + named_contradiction({}, nullptr);
+}
+
+std::string LinearSystem::named_contradiction(const std::vector<char>& fixed, const double* x) const {
+  const LinearProblem::Settings settings = problem_.settings();
+  std::string text;
+  try {
+    const DerivativeArray array = derivative_array(problem_, point().t, analysis_.values.mu);
+    const std::string names = in_words(contradicting_equations(array, equations(), fixed, x));
+    if (!names.empty()) text = " It is " + names + " that cannot hold" + (fixed.empty() ? " together." : " then.");
+  } catch (const Failure&) {
+    // There is nothing to add.
+  }
+  problem_.set_settings(settings);
+  return text;
+}
+
 CharacteristicValues LinearSystem::values_at(double t) { return find_local_values(problem_, t, settings_, arena_); }
 
 void LinearSystem::accept() {
   if (reduction_.has_constant_form()) return;
   LinearPoint& point = points_.current();
-  point.det_sign = undetermined() == 0 ? point.form.sign_of_G() : 1;
+  point.det_sign = undetermined() == 0 ? point.sign() : 1;
   reduction_.prefer_rows_of(point);
   points_.accept();
 }

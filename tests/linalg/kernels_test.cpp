@@ -169,6 +169,35 @@ TEST_P(EveryInstructionSet, PivotedFactorsAreThoseOfTheMatrix) {
     }
 }
 
+// What is left below the bound is taken for zero: the factors are those of a matrix that differs by no more than that.
+TEST_P(EveryInstructionSet, PivotedFactorsEndWhereNothingIsLeftThatCounts) {
+  for (const Shape shape : shapes)
+    for (const Sample& sample : samples(shape)) {
+      SCOPED_TRACE(sample.name + " " + std::to_string(shape.rows) + " x " + std::to_string(shape.cols));
+      const int m = shape.rows, n = shape.cols;
+      const double norm = largest(sample.A), unit = norm > 0.0 ? norm : 1.0;
+      const double negligible = unit * rounding(m);
+      Factors whole(sample.A), f(sample.A);
+      factor_qr_pivoted(whole.QR, whole.pivots.data(), whole.tau.data(), arena_);
+      factor_qr_pivoted(f.QR, f.pivots.data(), f.tau.data(), arena_, negligible);
+      const int rank = rank_of(f.QR, negligible);
+      EXPECT_EQ(rank, rank_of(whole.QR, negligible));
+      if (rank < f.steps()) {
+        EXPECT_NEAR(std::fabs(f.QR(rank, rank)) / unit, std::fabs(whole.QR(rank, rank)) / unit, rounding(m));
+      }
+      for (int k = rank + 1; k < f.steps(); ++k) EXPECT_EQ(f.QR(k, k), 0.0);
+      Matrix Q(m, m), AP(m, n);
+      form_q(f.QR, rank, f.tau.data(), Q, arena_);
+      Matrix R = f.R();
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < m; ++i) {
+          AP(i, j) = sample.A(i, f.pivots[size(j)]) / unit;
+          R(i, j) = i < rank ? R(i, j) / unit : 0.0;
+        }
+      EXPECT_LE(distance(times(Q, R), AP), 2.0 * rounding(m));
+    }
+}
+
 TEST_P(EveryInstructionSet, RanksAreThoseOfLapack) {
   for (const Shape shape : shapes)
     for (const Sample& sample : samples(shape)) {

@@ -46,6 +46,8 @@ std::vector<Case> cases() {
   for (int mu = 0; mu <= 3; ++mu) all.push_back({Family(sfdae_test::kron(8, mu)), 0.4});
   all.push_back({Family(sfdae_test::kron(9, 2, 1.0, 2)), 0.4});
   all.push_back({Family(sfdae_test::kron(30, 1, 1.0, 2)), 0.4});
+  all.push_back({Family(sfdae_test::kron(20, 0)), 0.4});
+  all.push_back({Family(sfdae_test::kron(40, 0, 1.0, 2)), 0.4});
   all.push_back({Family(sfdae_test::spin(-5.0, 1.0)), 0.4});
   for (std::uint64_t seed = 1; seed <= 15; ++seed) all.push_back({Family(sfdae_test::random_family(seed)), 0.2});
   return all;
@@ -186,6 +188,45 @@ TEST(NullSpaceForm, UzSpansTheKernelOfGAndSolveGGivesTheSmallestSolution) {
     EXPECT_LE(distance(times(G, z.data()), q), rounding(r.form.n) * std::max(1.0, largest(z)));
     EXPECT_LE(largest(times(transposed(Uz), column(z))), rounding(r.form.n) * std::max(1.0, largest(z)));
   }
+}
+
+TEST(NullSpaceForm, SignOfGIsThatOfItsDeterminant) {
+  int compared = 0;
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.family->name());
+    const Reduction r(c.family, c.t, LeadingTerm::projector);
+    if (r.form.u > 0 || r.form.d == 0) continue;
+    ++compared;
+    Arena arena;
+    Matrix G = to_matrix(r.form.G());
+    EXPECT_EQ(r.form.sign_of_G(), determinant_sign(G, arena));
+  }
+  EXPECT_GE(compared, 10);
+}
+
+// det(Q1 Q1^T E + (I - Q1 Q1^T) A), Q1 a basis of range E: from an SVD of E, for regular problems of mu = 0.
+TEST(NullSpaceForm, OrientationIsThatOfTheDifferentialAndTheAlgebraicRows) {
+  int compared = 0, negative = 0;
+  for (int n : {2, 3, 5, 8, 13, 20, 33})
+    for (double t : {-0.9, 0.4, 1.3})
+      for (double scale : {1.0, -1.0}) {
+        const Family family(sfdae_test::kron(n, 0, 1.0, 0, 0, 1.0, scale));
+        SCOPED_TRACE(family->name());
+        const Reduction r(family, t, LeadingTerm::projector);
+        const Matrix Q1 = range_basis(r.data.E(0), r.ranks.rank_E);
+        const Matrix onto = times(Q1, transposed(Q1));
+        Matrix joined =
+            sum(1.0, times(onto, r.data.E(0)), 1.0, times(sum(1.0, identity(n), -1.0, onto), r.data.A(0)));
+        Arena arena;
+        const int sign = determinant_sign(joined, arena);
+        EXPECT_EQ(r.form.orientation(), sign);
+        ++compared;
+        if (sign < 0) ++negative;
+      }
+  EXPECT_GT(negative, 0);
+  EXPECT_LT(negative, compared);
+  EXPECT_EQ(Reduction(Family(sfdae_test::kron(8, 1)), 0.4, LeadingTerm::projector).form.orientation(), 0);
+  EXPECT_EQ(Reduction(Family(sfdae_test::kron(9, 0, 1.0, 2)), 0.4, LeadingTerm::projector).form.orientation(), 0);
 }
 
 // Every solution satisfies 0 = A2 x + f2 and Z1^T (tau E x' - A x - f) = 0.
