@@ -125,6 +125,9 @@ std::shared_ptr<const PointFunction> function_of(sfdae_record& record, const Ext
 sfdae_expression external(sfdae_record* record, const External& e) {
   if (e.name == nullptr || *e.name == '\0') return refuse(record, "external: a function needs a name.");
   if (e.function == nullptr) return refuse(record, format("external: the function %.60s is NULL.", e.name));
+  if (e.count > PointFunction::max_arguments)
+    return refuse(record, format("external: %.60s has %d arguments, more than %d.", e.name, e.count,
+                                 PointFunction::max_arguments));
   Call call;
   for (int k = 0; k < e.count; ++k) {
     call.arguments.push_back(node_of(*record, e.arguments[k], format("argument %d of %.60s", k, e.name)));
@@ -169,10 +172,11 @@ sfdae_expression sfdae_table(sfdae_expression a, int degree, int count, const do
 
 sfdae_expression sfdae_external(const char* name, sfdae_external_function function, int count,
                                 const sfdae_expression* arguments, void* user) {
-  if (arguments == nullptr || count < 1 || count > PointFunction::max_arguments) return no_number();
+  if (arguments == nullptr || count < 1) return no_number();
   for (int k = 0; k < count; ++k)
     if (sfdae_record* const record = arguments[k].record)
       return recorded(record, [&] { return external(record, {name, function, count, arguments, user}); });
+  if (count > PointFunction::max_arguments) return no_number();
   double numbers[PointFunction::max_arguments], value = 0.0;
   for (int k = 0; k < count; ++k) {
     numbers[k] = arguments[k].value;

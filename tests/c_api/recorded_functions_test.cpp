@@ -482,6 +482,12 @@ TEST(ExternalFunctions, RefuseMistakes) {
   refuses([&](const auto& x) { return sfdae_external("f", nullptr, 1, &x, nullptr); }, "f is NULL");
   refuses([&](const auto& x) { return sfdae_external("f", one, 0, &x, nullptr); }, "not finite");
   refuses([&](const auto&) { return sfdae_external("f", one, 1, nullptr, nullptr); }, "not finite");
+  refuses(
+      [&](const auto& x) {
+        const std::vector<sfdae_expression> many(17, x);
+        return sfdae_external("f", one, 17, many.data(), nullptr);
+      },
+      "f has 17 arguments, more than 16");
   const sfdae_expression two = sfdae_number(2.0);
   EXPECT_EQ(number(sfdae_external("f", one, 1, &two, nullptr)), 1.0);
   const sfdae::ExternalFunction f("exp_sin", 2, exp_sin);
