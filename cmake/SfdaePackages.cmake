@@ -51,7 +51,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "cmake, g++, gfortran")
 if(TARGET sfdae_program)
   list(APPEND CPACK_COMPONENTS_ALL program)
   sfdae_package(program sfdae math "This package contains the program sfdae, which solves model files." "${same_library}"
-    "")
+    "gnuplot-nox, xdg-utils")
 endif()
 
 if(SFDAE_PYTHON_INSTALL_DIR AND TARGET sfdae_python)

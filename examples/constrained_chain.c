@@ -155,9 +155,10 @@ static void plot(void) {
       "set rmargin 18\nset grid lc rgb '#dddddd'\nset key outside right top\nset border 3\nset tics nomirror\n"
       "data = 'constrained_chain.csv'\ncolors = '#1b6ca8 #57a0d3 #2e8b57 #8fbc5a #d95f02 #b03060'\n"
       "set title 'Ten masses, two turning constraints'\n"
-      "set origin 0,0.35\nset size 1,0.65\nset yrange [-1.1:1.1]\nset format x ''\n"
+      "set origin 0,0.35\nset size 1,0.65\nset yrange [-1.1:1.1]\nset format x ''\nset ylabel 'position, force'\n"
       "plot for [i=2:7] data using 1:i with lines lw 2 lc rgb word(colors, i-1) title columnheader(i)\n"
-      "unset title\nset xlabel 't'\nset logscale y\n"
+      "unset title\nset xlabel 'time (no units: masses and springs of size 1)'\nset ylabel 'error / tolerance'\nset "
+      "logscale y\n"
       "set origin 0,0\nset size 1,0.38\nset yrange [0.01:20]\nset format x '%g'\n"
       "plot data using 1:8 with lines lw 2 lc rgb '#444444' title columnheader(8)\n",
       script);

@@ -16,10 +16,11 @@ set title "Angles of Andrews' squeezing mechanism"
 set origin 0,0.5
 set size 1,0.5
 set format x ''
+set ylabel 'angle (rad)'
 plot for [i=2:3] data using 1:i with lines lw 2 lc rgb word(colors, i-1) title columnheader(i)
 unset title
 set origin 0,0
 set size 1,0.53
-set xlabel 't'
+set xlabel 'time (s)'
 set format x '%g'
 plot for [i=4:8] data using 1:i with lines lw 2 lc rgb word(colors, i-1) title columnheader(i)

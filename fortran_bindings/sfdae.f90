@@ -46,6 +46,7 @@ module sfdae
   use sfdae_problems, only: derivative_dae, linear_dae, nonlinear_dae, recorded_linear_dae
   use sfdae_solver, only: dae_solver, sfdae_check_linear, sfdae_check_multibody, &
     sfdae_check_nonlinear, sfdae_status_name, sfdae_version
+  use sfdae_solutions, only: dae_solution
   use sfdae_types
   implicit none
   private
@@ -55,7 +56,7 @@ module sfdae
   public :: linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae
   public :: recorded_multibody_dae, multibody_dae, kinematic_multibody_dae, multibody_formulas
   public :: dae_events, dae_monitor, dae_options, dae_solver
-  public :: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results
+  public :: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results, dae_solution
   public :: sfdae_check_linear, sfdae_check_nonlinear, sfdae_check_multibody
   public :: sfdae_status_name, sfdae_version
 
@@ -64,7 +65,10 @@ module sfdae
   public :: expression, named_parameter, choose
   public :: assignment(=), operator(+), operator(-), operator(*), operator(/), operator(**)
   public :: sqrt, exp, log, sin, cos, tan, asin, acos, atan, atan2, sinh, cosh, tanh
-  public :: abs, min, max
+  public :: abs, min, max, log10, floor, sign, modulo
+  public :: operator(<), operator(<=), operator(>), operator(>=)
+  public :: operator(.and.), operator(.or.), operator(.not.)
+  public :: derivative, time_derivative, table, external_value
 
   ! ---- Structs of C: results, and what a program does not need ------------------------------
 
@@ -88,7 +92,8 @@ module sfdae
   public :: sfdae_illegal_argument, sfdae_out_of_memory, sfdae_busy, sfdae_empty_problem, &
     sfdae_not_started
   !> Failures: the user's procedures.
-  public :: sfdae_callback_stopped, sfdae_callback_failed, sfdae_not_finite, sfdae_order_missing
+  public :: sfdae_callback_stopped, sfdae_callback_failed, sfdae_not_finite, sfdae_order_missing, &
+    sfdae_wrong_derivatives
   !> Failures: the structure of the problem.
   public :: sfdae_index_too_high, sfdae_rank_unclear, sfdae_characteristics_changed, &
     sfdae_prescription_singular

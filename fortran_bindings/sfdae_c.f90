@@ -13,27 +13,30 @@ module sfdae_c
   implicit none
   private
 
-  public :: c_abs, c_acos, c_add, c_advance, c_analyze, c_analyze_at, c_asin, c_atan, c_atan2, &
-    c_certify, c_change_init, c_characteristics_init, c_check_derivatives, c_check_linear, &
-    c_check_multibody, c_check_multibody_derivatives, c_check_nonlinear, &
+  public :: c_abs, c_acos, c_add, c_advance, c_analyze, c_analyze_at, c_and, c_asin, c_atan, &
+    c_atan2, c_certify, c_change_init, c_characteristics_init, c_check_derivatives, &
+    c_check_linear, c_check_multibody, c_check_multibody_derivatives, c_check_nonlinear, &
     c_check_total_derivatives, c_choose, c_cos, c_cosh, c_create_linear, c_create_multibody, &
-    c_create_nonlinear, c_decision_init, c_derivative_check_init, c_destroy, c_divide, &
-    c_ensemble_init, c_ensemble_results_init, c_exp, c_get_change, c_get_characteristics, &
+    c_create_nonlinear, c_create_solution, c_decision_init, c_derivative, c_derivative_check_init, &
+    c_destroy, c_destroy_solution, c_divide, c_ensemble_init, c_ensemble_results_init, &
+    c_evaluate_solution, c_exp, c_external, c_floor, c_get_change, c_get_characteristics, &
     c_get_checkpoint_length, c_get_decision, c_get_derivative_array, c_get_derivative_array_at, &
     c_get_events, c_get_extended_system, c_get_initial_report, c_get_jet, c_get_multibody_report, &
-    c_get_num_decisions, c_get_parameter, c_get_projectors, c_get_projectors_at, c_get_statistics, &
-    c_get_strangeness_free, c_get_strangeness_free_at, c_initial_report_init, c_interpolate, &
-    c_linear_problem_init, c_log, c_make_consistent, c_max, c_message, c_min, &
-    c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
-    c_nonlinear_problem_init, c_number, c_options_init, c_parameter, c_power, c_report, &
-    c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_set_events, c_set_options, &
-    c_set_parameter, c_sin, c_sinh, c_solve_ensemble, c_sqrt, c_start, c_statistics_init, &
-    c_status_name, c_step, c_subtract, c_tan, c_tanh, c_version, &
+    c_get_num_decisions, c_get_parameter, c_get_projectors, c_get_projectors_at, &
+    c_get_solution_length, c_get_solution_range, c_get_statistics, c_get_strangeness_free, &
+    c_get_strangeness_free_at, c_greater, c_greater_equal, c_initial_report_init, c_interpolate, &
+    c_less, c_less_equal, c_linear_problem_init, c_load_solution, c_log, c_log10, &
+    c_make_consistent, c_max, c_message, c_min, c_modulo, c_multibody_problem_init, &
+    c_multibody_report_init, c_multiply, c_negate, c_nonlinear_problem_init, c_not, c_number, &
+    c_options_init, c_or, c_parameter, c_power, c_record_solution, c_report, c_request_stop, &
+    c_restore_checkpoint, c_save_checkpoint, c_save_solution, c_set_events, c_set_options, &
+    c_set_parameter, c_sign, c_sin, c_sinh, c_solve_ensemble, c_sqrt, c_start, c_statistics_init, &
+    c_status_name, c_step, c_subtract, c_table, c_tan, c_tanh, c_time_derivative, c_version, &
     address_of_ensemble_monitor_function, address_of_equations_function, &
-    address_of_event_function, address_of_linear_equations_function, address_of_matrix_function, &
-    address_of_monitor_function, address_of_multibody_equations_function, &
-    address_of_position_function, address_of_total_derivative_function, &
-    address_of_vector_function, address_of_velocity_function
+    address_of_event_function, address_of_external_function, address_of_linear_equations_function, &
+    address_of_matrix_function, address_of_monitor_function, &
+    address_of_multibody_equations_function, address_of_position_function, &
+    address_of_total_derivative_function, address_of_vector_function, address_of_velocity_function
 
   abstract interface
 
@@ -64,6 +67,15 @@ module sfdae_c
       type(c_ptr), value :: user
       integer(c_int) :: sfdae_event_function
     end function sfdae_event_function
+
+    function sfdae_external_function(order, arguments, derivatives, user) bind(c)
+      import :: c_int, c_ptr
+      integer(c_int), value :: order
+      type(c_ptr), value :: arguments
+      type(c_ptr), value :: derivatives
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_external_function
+    end function sfdae_external_function
 
     function sfdae_linear_equations_function(record, t, e, a, f, user) bind(c)
       import :: c_int, c_ptr, expression
@@ -194,6 +206,13 @@ module sfdae_c
       type(sfdae_characteristics), intent(inout) :: result
       integer(c_int) :: c_analyze_at
     end function c_analyze_at
+
+    function c_and(a, b) bind(c, name="sfdae_and")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_and
+    end function c_and
 
     function c_asin(a) bind(c, name="sfdae_asin")
       import :: expression
@@ -339,12 +358,25 @@ module sfdae_c
       integer(c_int) :: c_create_nonlinear
     end function c_create_nonlinear
 
+    function c_create_solution(solution) bind(c, name="sfdae_create_solution")
+      import :: c_int, c_ptr
+      type(c_ptr), intent(inout) :: solution
+      integer(c_int) :: c_create_solution
+    end function c_create_solution
+
     function c_decision_init(decision, size) bind(c, name="sfdae_decision_init")
       import :: c_int, c_size_t, sfdae_decision
       type(sfdae_decision), intent(inout) :: decision
       integer(c_size_t), value :: size
       integer(c_int) :: c_decision_init
     end function c_decision_init
+
+    function c_derivative(a, variable) bind(c, name="sfdae_derivative")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: variable
+      type(expression) :: c_derivative
+    end function c_derivative
 
     function c_derivative_check_init(check, size) bind(c, name="sfdae_derivative_check_init")
       import :: c_int, c_size_t, sfdae_derivative_check
@@ -358,6 +390,12 @@ module sfdae_c
       type(c_ptr), intent(inout) :: solver
       integer(c_int) :: c_destroy
     end function c_destroy
+
+    function c_destroy_solution(solution) bind(c, name="sfdae_destroy_solution")
+      import :: c_int, c_ptr
+      type(c_ptr), intent(inout) :: solution
+      integer(c_int) :: c_destroy_solution
+    end function c_destroy_solution
 
     function c_divide(a, b) bind(c, name="sfdae_divide")
       import :: expression
@@ -380,11 +418,36 @@ module sfdae_c
       integer(c_int) :: c_ensemble_results_init
     end function c_ensemble_results_init
 
+    function c_evaluate_solution(solution, t, x, xdot) bind(c, name="sfdae_evaluate_solution")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solution
+      real(c_double), value :: t
+      real(c_double), intent(inout) :: x(*)
+      type(c_ptr), value :: xdot
+      integer(c_int) :: c_evaluate_solution
+    end function c_evaluate_solution
+
     function c_exp(a) bind(c, name="sfdae_exp")
       import :: expression
       type(expression), value :: a
       type(expression) :: c_exp
     end function c_exp
+
+    function c_external(name, function, count, arguments, user) bind(c, name="sfdae_external")
+      import :: c_char, c_funptr, c_int, c_ptr, expression
+      character(kind=c_char), intent(in) :: name(*)
+      type(c_funptr), value :: function
+      integer(c_int), value :: count
+      type(expression), intent(in) :: arguments(*)
+      type(c_ptr), value :: user
+      type(expression) :: c_external
+    end function c_external
+
+    function c_floor(a) bind(c, name="sfdae_floor")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_floor
+    end function c_floor
 
     function c_get_change(solver, result) bind(c, name="sfdae_get_change")
       import :: c_int, c_ptr, sfdae_change
@@ -527,6 +590,23 @@ module sfdae_c
       integer(c_int) :: c_get_projectors_at
     end function c_get_projectors_at
 
+    function c_get_solution_length(solution, length) bind(c, name="sfdae_get_solution_length")
+      import :: c_int, c_ptr, c_size_t
+      type(c_ptr), value :: solution
+      integer(c_size_t), intent(inout) :: length
+      integer(c_int) :: c_get_solution_length
+    end function c_get_solution_length
+
+    function c_get_solution_range(solution, num_unknowns, start, end) &
+      bind(c, name="sfdae_get_solution_range")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solution
+      integer(c_int), intent(inout) :: num_unknowns
+      real(c_double), intent(inout) :: start
+      real(c_double), intent(inout) :: end
+      integer(c_int) :: c_get_solution_range
+    end function c_get_solution_range
+
     function c_get_statistics(solver, result) bind(c, name="sfdae_get_statistics")
       import :: c_int, c_ptr, sfdae_statistics
       type(c_ptr), value :: solver
@@ -563,6 +643,20 @@ module sfdae_c
       integer(c_int) :: c_get_strangeness_free_at
     end function c_get_strangeness_free_at
 
+    function c_greater(a, b) bind(c, name="sfdae_greater")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_greater
+    end function c_greater
+
+    function c_greater_equal(a, b) bind(c, name="sfdae_greater_equal")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_greater_equal
+    end function c_greater_equal
+
     function c_initial_report_init(report, size) bind(c, name="sfdae_initial_report_init")
       import :: c_int, c_size_t, sfdae_initial_report
       type(sfdae_initial_report), intent(inout) :: report
@@ -579,6 +673,20 @@ module sfdae_c
       integer(c_int) :: c_interpolate
     end function c_interpolate
 
+    function c_less(a, b) bind(c, name="sfdae_less")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_less
+    end function c_less
+
+    function c_less_equal(a, b) bind(c, name="sfdae_less_equal")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_less_equal
+    end function c_less_equal
+
     function c_linear_problem_init(problem, size) bind(c, name="sfdae_linear_problem_init")
       import :: c_int, c_size_t, sfdae_linear_problem
       type(sfdae_linear_problem), intent(inout) :: problem
@@ -586,11 +694,25 @@ module sfdae_c
       integer(c_int) :: c_linear_problem_init
     end function c_linear_problem_init
 
+    function c_load_solution(solution, values, length) bind(c, name="sfdae_load_solution")
+      import :: c_double, c_int, c_ptr, c_size_t
+      type(c_ptr), value :: solution
+      real(c_double), intent(in) :: values(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: c_load_solution
+    end function c_load_solution
+
     function c_log(a) bind(c, name="sfdae_log")
       import :: expression
       type(expression), value :: a
       type(expression) :: c_log
     end function c_log
+
+    function c_log10(a) bind(c, name="sfdae_log10")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_log10
+    end function c_log10
 
     function c_make_consistent(solver, t, x, xdot) bind(c, name="sfdae_make_consistent")
       import :: c_double, c_int, c_ptr
@@ -620,6 +742,13 @@ module sfdae_c
       type(expression), value :: b
       type(expression) :: c_min
     end function c_min
+
+    function c_modulo(a, b) bind(c, name="sfdae_modulo")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_modulo
+    end function c_modulo
 
     function c_multibody_problem_init(problem, size) bind(c, name="sfdae_multibody_problem_init")
       import :: c_int, c_size_t, sfdae_multibody_problem
@@ -655,6 +784,12 @@ module sfdae_c
       integer(c_int) :: c_nonlinear_problem_init
     end function c_nonlinear_problem_init
 
+    function c_not(a) bind(c, name="sfdae_not")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_not
+    end function c_not
+
     function c_number(value) bind(c, name="sfdae_number")
       import :: c_double, expression
       real(c_double), value :: value
@@ -667,6 +802,13 @@ module sfdae_c
       integer(c_size_t), value :: size
       integer(c_int) :: c_options_init
     end function c_options_init
+
+    function c_or(a, b) bind(c, name="sfdae_or")
+      import :: expression
+      type(expression), value :: a
+      type(expression), value :: b
+      type(expression) :: c_or
+    end function c_or
 
     function c_parameter(record, name, value) bind(c, name="sfdae_parameter")
       import :: c_char, c_double, c_ptr, expression
@@ -682,6 +824,13 @@ module sfdae_c
       type(expression), value :: b
       type(expression) :: c_power
     end function c_power
+
+    function c_record_solution(solver, solution) bind(c, name="sfdae_record_solution")
+      import :: c_int, c_ptr
+      type(c_ptr), value :: solver
+      type(c_ptr), value :: solution
+      integer(c_int) :: c_record_solution
+    end function c_record_solution
 
     function c_report(solver, text, length, needed) bind(c, name="sfdae_report")
       import :: c_char, c_int, c_ptr, c_size_t
@@ -715,6 +864,14 @@ module sfdae_c
       integer(c_int) :: c_save_checkpoint
     end function c_save_checkpoint
 
+    function c_save_solution(solution, values, length) bind(c, name="sfdae_save_solution")
+      import :: c_double, c_int, c_ptr, c_size_t
+      type(c_ptr), value :: solution
+      real(c_double), intent(inout) :: values(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: c_save_solution
+    end function c_save_solution
+
     function c_set_events(solver, num_events, function, directions, user) &
       bind(c, name="sfdae_set_events")
       import :: c_funptr, c_int, c_ptr
@@ -740,6 +897,12 @@ module sfdae_c
       real(c_double), value :: value
       integer(c_int) :: c_set_parameter
     end function c_set_parameter
+
+    function c_sign(a) bind(c, name="sfdae_sign")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_sign
+    end function c_sign
 
     function c_sin(a) bind(c, name="sfdae_sin")
       import :: expression
@@ -807,6 +970,16 @@ module sfdae_c
       type(expression) :: c_subtract
     end function c_subtract
 
+    function c_table(a, degree, count, x, y) bind(c, name="sfdae_table")
+      import :: c_double, c_int, expression
+      type(expression), value :: a
+      integer(c_int), value :: degree
+      integer(c_int), value :: count
+      real(c_double), intent(in) :: x(*)
+      real(c_double), intent(in) :: y(*)
+      type(expression) :: c_table
+    end function c_table
+
     function c_tan(a) bind(c, name="sfdae_tan")
       import :: expression
       type(expression), value :: a
@@ -818,6 +991,12 @@ module sfdae_c
       type(expression), value :: a
       type(expression) :: c_tanh
     end function c_tanh
+
+    function c_time_derivative(a) bind(c, name="sfdae_time_derivative")
+      import :: expression
+      type(expression), value :: a
+      type(expression) :: c_time_derivative
+    end function c_time_derivative
 
     function c_version() bind(c, name="sfdae_version")
       import :: c_ptr
@@ -851,6 +1030,14 @@ contains
 
     address = c_funloc(callback)
   end function address_of_event_function
+
+  !> Of a sfdae_external_function; the compiler compares its arguments.
+  function address_of_external_function(callback) result(address)
+    procedure(sfdae_external_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_external_function
 
   !> Of a sfdae_linear_equations_function; the compiler compares its arguments.
   function address_of_linear_equations_function(callback) result(address)

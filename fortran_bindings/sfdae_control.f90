@@ -103,6 +103,9 @@ module sfdae_control
     !> What x is at outputs within steps: sfdae_output_consistent, all constraints hold to rounding,
     !> or sfdae_output_interpolated, the method's polynomial alone, for curves.
     integer(c_int) :: output = sfdae_output_consistent
+    !> Derivatives that procedures supply are compared with the functions once with every analysis;
+    !> sfdae_wrong_derivatives where one contradicts its function beyond doubt.
+    logical :: check_derivatives = .true.
   end type dae_options
 
   ! ---- Events -------------------------------------------------------------------------------
@@ -240,6 +243,7 @@ contains
     c_options%max_stages = options%max_stages
     c_options%xdot_is_guess = flag(options%xdot_is_guess)
     c_options%output = options%output
+    c_options%check_derivatives = flag(options%check_derivatives)
 
     holder%monitor => options%monitor
     if (associated(options%monitor)) c_options%monitor = address_of_monitor_function(call_monitor)

@@ -15,10 +15,12 @@
 !    components.
 !  - These are the functions on expressions of the C API; the module `sfdae` passes all of them on.
 module sfdae_expressions
-  use, intrinsic :: iso_c_binding, only: c_double
-  use sfdae_c, only: c_abs, c_acos, c_add, c_asin, c_atan, c_atan2, c_choose, c_cos, c_cosh, &
-    c_divide, c_exp, c_log, c_max, c_min, c_multiply, c_negate, c_number, c_parameter, c_power, &
-    c_sin, c_sinh, c_sqrt, c_subtract, c_tan, c_tanh
+  use, intrinsic :: iso_c_binding, only: c_double, c_funloc, c_int, c_ptr
+  use sfdae_c, only: c_abs, c_acos, c_add, c_and, c_asin, c_atan, c_atan2, c_choose, c_cos, c_cosh, &
+    c_derivative, c_divide, c_exp, c_external, c_floor, c_greater, c_greater_equal, c_less, &
+    c_less_equal, c_log, c_log10, c_max, c_min, c_modulo, c_multiply, c_negate, c_not, c_number, &
+    c_or, c_parameter, c_power, c_sign, c_sin, c_sinh, c_sqrt, c_subtract, c_table, c_tan, c_tanh, &
+    c_time_derivative
   use sfdae_conversions, only: text_in_c
   use sfdae_types, only: expression
   implicit none
@@ -27,7 +29,10 @@ module sfdae_expressions
   public :: expression, named_parameter, choose
   public :: assignment(=), operator(+), operator(-), operator(*), operator(/), operator(**)
   public :: sqrt, exp, log, sin, cos, tan, asin, acos, atan, atan2, sinh, cosh, tanh
-  public :: abs, min, max
+  public :: abs, min, max, log10, floor, sign, modulo
+  public :: operator(<), operator(<=), operator(>), operator(>=)
+  public :: operator(.and.), operator(.or.), operator(.not.)
+  public :: derivative, time_derivative, table, external_value
 
   !> Numbers become expressions.
   interface assignment(=)
@@ -143,6 +148,65 @@ module sfdae_expressions
   interface choose
     module procedure choose_ee, choose_er, choose_re, choose_rr
   end interface choose
+
+  !> 1 if it holds, else 0; for choose.
+  interface operator(<)
+    module procedure less_ee, less_er, less_re, &
+      less_ei, less_ie
+  end interface operator(<)
+
+  !> 1 if it holds, else 0.
+  interface operator(<=)
+    module procedure less_equal_ee, less_equal_er, less_equal_re, &
+      less_equal_ei, less_equal_ie
+  end interface operator(<=)
+
+  !> 1 if it holds, else 0.
+  interface operator(>)
+    module procedure greater_ee, greater_er, greater_re, &
+      greater_ei, greater_ie
+  end interface operator(>)
+
+  !> 1 if it holds, else 0.
+  interface operator(>=)
+    module procedure greater_equal_ee, greater_equal_er, greater_equal_re, &
+      greater_equal_ei, greater_equal_ie
+  end interface operator(>=)
+
+  !> 1 if both are true, which is > 0, else 0.
+  interface operator(.and.)
+    module procedure and_ee
+  end interface operator(.and.)
+
+  !> 1 if one is true, else 0.
+  interface operator(.or.)
+    module procedure or_ee
+  end interface operator(.or.)
+
+  !> 1 if it is not true, else 0.
+  interface operator(.not.)
+    module procedure not_e
+  end interface operator(.not.)
+
+  !> Decimal logarithm.
+  interface log10
+    module procedure log10_e
+  end interface log10
+
+  !> The largest integer up to it; it jumps.
+  interface floor
+    module procedure floor_e
+  end interface floor
+
+  !> 1 if it is > 0, 0 if it is 0, else -1.
+  interface sign
+    module procedure sign_e
+  end interface sign
+
+  !> a - b floor(a / b): for inputs of period b.
+  interface modulo
+    module procedure modulo_ee, modulo_er, modulo_re
+  end interface modulo
 
 contains
 
@@ -590,5 +654,294 @@ contains
 
     v = c_choose(c, c_number(a), c_number(b))
   end function choose_rr
+
+  impure elemental function less_ee(a, b) result(v)
+    type(expression), intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_less(a, b)
+  end function less_ee
+
+  impure elemental function less_er(a, b) result(v)
+    type(expression), intent(in) :: a
+    real(c_double), intent(in) :: b
+    type(expression) :: v
+
+    v = c_less(a, c_number(b))
+  end function less_er
+
+  impure elemental function less_re(a, b) result(v)
+    real(c_double), intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_less(c_number(a), b)
+  end function less_re
+
+  impure elemental function less_ei(a, b) result(v)
+    type(expression), intent(in) :: a
+    integer, intent(in) :: b
+    type(expression) :: v
+
+    v = c_less(a, c_number(real(b, c_double)))
+  end function less_ei
+
+  impure elemental function less_ie(a, b) result(v)
+    integer, intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_less(c_number(real(a, c_double)), b)
+  end function less_ie
+
+  impure elemental function less_equal_ee(a, b) result(v)
+    type(expression), intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_less_equal(a, b)
+  end function less_equal_ee
+
+  impure elemental function less_equal_er(a, b) result(v)
+    type(expression), intent(in) :: a
+    real(c_double), intent(in) :: b
+    type(expression) :: v
+
+    v = c_less_equal(a, c_number(b))
+  end function less_equal_er
+
+  impure elemental function less_equal_re(a, b) result(v)
+    real(c_double), intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_less_equal(c_number(a), b)
+  end function less_equal_re
+
+  impure elemental function less_equal_ei(a, b) result(v)
+    type(expression), intent(in) :: a
+    integer, intent(in) :: b
+    type(expression) :: v
+
+    v = c_less_equal(a, c_number(real(b, c_double)))
+  end function less_equal_ei
+
+  impure elemental function less_equal_ie(a, b) result(v)
+    integer, intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_less_equal(c_number(real(a, c_double)), b)
+  end function less_equal_ie
+
+  impure elemental function greater_ee(a, b) result(v)
+    type(expression), intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_greater(a, b)
+  end function greater_ee
+
+  impure elemental function greater_er(a, b) result(v)
+    type(expression), intent(in) :: a
+    real(c_double), intent(in) :: b
+    type(expression) :: v
+
+    v = c_greater(a, c_number(b))
+  end function greater_er
+
+  impure elemental function greater_re(a, b) result(v)
+    real(c_double), intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_greater(c_number(a), b)
+  end function greater_re
+
+  impure elemental function greater_ei(a, b) result(v)
+    type(expression), intent(in) :: a
+    integer, intent(in) :: b
+    type(expression) :: v
+
+    v = c_greater(a, c_number(real(b, c_double)))
+  end function greater_ei
+
+  impure elemental function greater_ie(a, b) result(v)
+    integer, intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_greater(c_number(real(a, c_double)), b)
+  end function greater_ie
+
+  impure elemental function greater_equal_ee(a, b) result(v)
+    type(expression), intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_greater_equal(a, b)
+  end function greater_equal_ee
+
+  impure elemental function greater_equal_er(a, b) result(v)
+    type(expression), intent(in) :: a
+    real(c_double), intent(in) :: b
+    type(expression) :: v
+
+    v = c_greater_equal(a, c_number(b))
+  end function greater_equal_er
+
+  impure elemental function greater_equal_re(a, b) result(v)
+    real(c_double), intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_greater_equal(c_number(a), b)
+  end function greater_equal_re
+
+  impure elemental function greater_equal_ei(a, b) result(v)
+    type(expression), intent(in) :: a
+    integer, intent(in) :: b
+    type(expression) :: v
+
+    v = c_greater_equal(a, c_number(real(b, c_double)))
+  end function greater_equal_ei
+
+  impure elemental function greater_equal_ie(a, b) result(v)
+    integer, intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_greater_equal(c_number(real(a, c_double)), b)
+  end function greater_equal_ie
+
+  impure elemental function and_ee(a, b) result(v)
+    type(expression), intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_and(a, b)
+  end function and_ee
+
+  impure elemental function or_ee(a, b) result(v)
+    type(expression), intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_or(a, b)
+  end function or_ee
+
+  impure elemental function not_e(a) result(v)
+    type(expression), intent(in) :: a
+    type(expression) :: v
+
+    v = c_not(a)
+  end function not_e
+
+  impure elemental function log10_e(a) result(v)
+    type(expression), intent(in) :: a
+    type(expression) :: v
+
+    v = c_log10(a)
+  end function log10_e
+
+  impure elemental function floor_e(a) result(v)
+    type(expression), intent(in) :: a
+    type(expression) :: v
+
+    v = c_floor(a)
+  end function floor_e
+
+  impure elemental function sign_e(a) result(v)
+    type(expression), intent(in) :: a
+    type(expression) :: v
+
+    v = c_sign(a)
+  end function sign_e
+
+  impure elemental function modulo_ee(a, b) result(v)
+    type(expression), intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_modulo(a, b)
+  end function modulo_ee
+
+  impure elemental function modulo_er(a, b) result(v)
+    type(expression), intent(in) :: a
+    real(c_double), intent(in) :: b
+    type(expression) :: v
+
+    v = c_modulo(a, c_number(b))
+  end function modulo_er
+
+  impure elemental function modulo_re(a, b) result(v)
+    real(c_double), intent(in) :: a
+    type(expression), intent(in) :: b
+    type(expression) :: v
+
+    v = c_modulo(c_number(a), b)
+  end function modulo_re
+
+  ! ---- Derivatives, tables, functions of the program's --------------------------------------
+
+  !> The derivative of a formula by t, an unknown, the derivative of an unknown or a parameter.
+  impure elemental function derivative(a, variable) result(v)
+    type(expression), intent(in) :: a
+    type(expression), intent(in) :: variable
+    type(expression) :: v
+
+    v = c_derivative(a, variable)
+  end function derivative
+
+  !> The total derivative along time of a formula in t and x, in which x' appears.
+  impure elemental function time_derivative(a) result(v)
+    type(expression), intent(in) :: a
+    type(expression) :: v
+
+    v = c_time_derivative(a)
+  end function time_derivative
+
+  !> The value at a of the spline of degree 1, 3, 5 or 7 through the points (x(i), y(i)), at least
+  !> degree + 1 of them, x increasing; sfdae_table in C explains it.
+  function table(a, degree, x, y) result(v)
+    type(expression), intent(in) :: a
+    integer, intent(in) :: degree
+    real(c_double), intent(in) :: x(:)
+    !> As many as x.
+    real(c_double), intent(in) :: y(:)
+    type(expression) :: v
+    integer(c_int) :: count
+
+    count = merge(int(size(x), c_int), 0_c_int, size(x) == size(y))
+    v = c_table(a, int(degree, c_int), count, x, y)
+  end function table
+
+  !> The value of a function of the program's, which writes its partial derivatives, at expressions;
+  !> sfdae_external in C explains it.
+  function external_value(name, f, arguments, user) result(v)
+    !> For messages.
+    character(len=*), intent(in) :: name
+    interface
+      !> Writes all partial derivatives of an order: addresses of k and of k**order numbers.
+      function f(order, arguments, derivatives, user) bind(c) result(status)
+        import :: c_int, c_ptr
+        integer(c_int), value :: order
+        type(c_ptr), value :: arguments
+        type(c_ptr), value :: derivatives
+        type(c_ptr), value :: user
+        integer(c_int) :: status
+      end function f
+    end interface
+    type(expression), intent(in) :: arguments(:)
+    !> Handed to the function.
+    type(c_ptr), intent(in) :: user
+    type(expression) :: v
+    type(expression), allocatable :: list(:)
+
+    allocate (list(max(1, size(arguments))))
+    list(1:size(arguments)) = arguments
+    v = c_external(text_in_c(name), c_funloc(f), int(size(arguments), c_int), list, user)
+  end function external_value
 
 end module sfdae_expressions

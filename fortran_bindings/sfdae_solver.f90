@@ -12,7 +12,8 @@ module sfdae_solver
     c_get_jet, c_get_multibody_report, c_get_num_decisions, c_get_parameter, c_get_projectors, &
     c_get_projectors_at, c_get_statistics, c_get_strangeness_free, c_get_strangeness_free_at, &
     c_initial_report_init, &
-    c_interpolate, c_make_consistent, c_message, c_multibody_report_init, c_report, &
+    c_interpolate, c_make_consistent, c_message, c_multibody_report_init, &
+    c_record_solution, c_report, &
     c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_set_events, c_set_options, &
     c_set_parameter, c_start, c_statistics_init, c_status_name, c_step, c_version
   use sfdae_control, only: compare_size, control_holder, dae_events, dae_monitor, dae_options, &
@@ -21,6 +22,7 @@ module sfdae_solver
   use sfdae_ensembles, only: dae_ensemble, dae_ensemble_results, solve_ensemble_in_c
   use sfdae_multibody, only: any_multibody_dae, multibody_holder
   use sfdae_problems, only: any_dae, linear_dae, linear_holder, nonlinear_holder, problem_holder
+  use sfdae_solutions, only: dae_solution
   use sfdae_types, only: sfdae_change, sfdae_characteristics, sfdae_decision, &
     sfdae_derivative_check, sfdae_illegal_argument, sfdae_initial_report, &
     sfdae_multibody_report, sfdae_ok, sfdae_options, sfdae_out_of_memory, sfdae_statistics
@@ -65,6 +67,8 @@ module sfdae_solver
     procedure :: advance => solver_advance
     procedure :: step => solver_step
     procedure :: solve_ensemble => solver_solve_ensemble
+    procedure :: record => solver_record
+    procedure :: stop_recording => solver_stop_recording
     procedure :: save_checkpoint => solver_save_checkpoint
     procedure :: restore_checkpoint => solver_restore_checkpoint
     procedure :: set_events => solver_set_events
@@ -516,6 +520,32 @@ contains
     if (status == sfdae_ok) call solve_ensemble_in_c(self%handle, &
       self%holder%problem%num_unknowns, ensemble, results, status, self%complaint)
   end subroutine solver_solve_ensemble
+
+  !> From now on all accepted steps go to the solution.
+  subroutine solver_record(self, solution, status)
+    class(dae_solver), intent(inout) :: self
+    !> Created before.
+    type(dae_solution), intent(in) :: solution
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status /= sfdae_ok) return
+    if (.not. c_associated(solution%address())) then
+      status = sfdae_illegal_argument
+      self%complaint = "the solution does not exist: create it first"
+      return
+    end if
+    status = c_record_solution(self%handle, solution%address())
+  end subroutine solver_record
+
+  !> No steps are recorded any more.
+  subroutine solver_stop_recording(self, status)
+    class(dae_solver), intent(inout) :: self
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_record_solution(self%handle, c_null_ptr)
+  end subroutine solver_stop_recording
 
   !> The analysis and the state of the integration as an array of plain numbers, to be kept,
   !> written to a file (17 digits) or handed to another process. Problem and options are not in it.

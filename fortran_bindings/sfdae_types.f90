@@ -66,6 +66,7 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_version_major = 0
   integer(c_int), parameter, public :: sfdae_version_minor = 2
   integer(c_int), parameter, public :: sfdae_version_patch = 0
+  integer(c_int), parameter, public :: sfdae_wrong_derivatives = -14
 
   type, bind(c), public :: sfdae_change
     integer(c_size_t) :: size = 0
@@ -283,6 +284,7 @@ module sfdae_types
     integer(c_int) :: max_stages = 0
     integer(c_int) :: xdot_is_guess = 0
     integer(c_int) :: output = 0
+    integer(c_int) :: check_derivatives = 0
   end type sfdae_options
 
   type, bind(c), public :: sfdae_progress
@@ -316,6 +318,7 @@ module sfdae_types
     integer(c_long) :: evaluations_residual = 0
     integer(c_long) :: linearizations = 0
     real(c_double) :: rounding = 0
+    integer(c_long) :: check_calls = 0
   end type sfdae_statistics
 
 end module sfdae_types

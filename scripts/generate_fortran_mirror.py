@@ -41,6 +41,10 @@ SINGLE = {
     ("sfdae_step", "t"),
     ("sfdae_get_checkpoint_length", "length"),
     ("sfdae_get_num_decisions", "count"),
+    ("sfdae_get_solution_length", "length"),
+    ("sfdae_get_solution_range", "num_unknowns"),
+    ("sfdae_get_solution_range", "start"),
+    ("sfdae_get_solution_range", "end"),
     ("sfdae_get_parameter", "value"),
     ("sfdae_certify", "distance"),
     ("sfdae_get_strangeness_free", "residual"),
@@ -50,6 +54,7 @@ SINGLE = {
 # or an array for which the modules may pass NULL.
 ADDRESSES = {
     ("sfdae_advance", "xdot"),
+    ("sfdae_evaluate_solution", "xdot"),
     ("sfdae_get_extended_system", "x"),
     ("sfdae_get_jet", "x"),
     ("sfdae_get_projectors", "Z2"),
@@ -278,7 +283,8 @@ def argument_line(owner, variable, api, is_callback):
     intent = "in" if variable.const else "inout"
     pointee = mirror(variable._replace(pointers=0), api)[0] if pointee_is_known(variable, api) else None
     if variable.pointers == 1 and variable.base in api.structs and not (is_callback and variable.base in TYPE_NAMES):
-        return f"{pointee}, intent({intent}) :: {name}"
+        shape = "(*)" if variable.base in TYPE_NAMES else ""
+        return f"{pointee}, intent({intent}) :: {name}{shape}"
     if variable.pointers == 1 and variable.base in NUMBERS and not is_callback:
         if (owner, variable.name) in SINGLE:
             return f"{pointee}, intent({intent}) :: {name}"

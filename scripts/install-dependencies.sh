@@ -2,6 +2,8 @@
 # Installs what is missing on Debian or Ubuntu:
 #
 #   scripts/install-dependencies.sh demo    to build the library and run the demonstration
+#   scripts/install-dependencies.sh docs    to build the documentation
+#   scripts/install-dependencies.sh program to build the program sfdae
 #   scripts/install-dependencies.sh test    to build and test everything (default)
 #
 # Where nothing is missing it says nothing and needs neither network nor root.
@@ -10,16 +12,21 @@ set -euo pipefail
 demo=(build-essential g++ cmake pkg-config libopenblas-dev libblas-dev liblapack-dev gnuplot-nox)
 python=(python3-dev python3-cffi python3-numpy python3-pytest python3-matplotlib python3-pip python3-setuptools
   python3-wheel python3-tqdm python3-pandas python3-nbconvert python3-ipykernel)
+site=(doxygen python3-sphinx python3-myst-parser python3-breathe furo)
+docs=("${demo[@]}" python3-dev python3-cffi python3-numpy "${site[@]}")
+program=("${demo[@]}" libcli11-dev nlohmann-json3-dev)
 test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev libcli11-dev nlohmann-json3-dev valgrind python3 ninja-build
-  clang clang-format-14 "${python[@]}")
+  clang clang-format-14 "${python[@]}" "${site[@]}" chromium chromium-driver python3-selenium)
 # For an example of MPI: installed with others that are missing, never alone, as nothing else needs them.
 welcome=(libopenmpi-dev openmpi-bin)
 
 case "${1:-test}" in
   demo) wanted=("${demo[@]}") ;;
+  docs) wanted=("${docs[@]}") ;;
+  program) wanted=("${program[@]}") ;;
   test) wanted=("${test[@]}") ;;
   *)
-    echo "usage: $0 [demo|test]" >&2
+    echo "usage: $0 [demo|program|docs|test]" >&2
     exit 2
     ;;
 esac

@@ -86,7 +86,7 @@ run_tests() {
 timeout=900
 build() {
   local start=$SECONDS
-  cmake --build --preset "$1"
+  cmake --build --preset "$1" || return
   timeout=$((4 * (SECONDS - start)))
   if [[ $timeout -lt 900 ]]; then timeout=900; fi
 }
@@ -194,8 +194,12 @@ clang=()
 if command -v clang > /dev/null && command -v clang++ > /dev/null; then
   clang=(-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++)
 fi
-cmake --preset asan "${clang[@]}"
-build asan
+cmake --preset asan "${clang[@]}" -DSFDAE_UNITY_BUILD=ON
+if ! build asan; then
+  echo "Perhaps local names clash (src/CMakeLists.txt, SFDAE_UNITY_BUILD): sources are compiled one by one"
+  cmake --preset asan "${clang[@]}" -DSFDAE_UNITY_BUILD=OFF
+  build asan
+fi
 
 heading "asan: tests"
 LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE="$very_small" run_tests asan asan

@@ -121,11 +121,16 @@ Lengths sfndae_lengths(const Arguments& arguments, const Options& options) {
           shortest_iwork};
 }
 
+Lengths sfmdae_lengths(const Arguments& arguments, const Options& options) {
+  return {100.0 + (24.0 + 2.0 * options.max_order) * arguments.n, shortest_iwork};
+}
+
 }  // namespace
 
 // The last digit of a state word is the version of the layout.
 const Routine dgelda_routine{5'304'461, 4, true, false, dgelda_lengths};
 const Routine sfndae_routine{5'304'471, max_cval, false, true, sfndae_lengths};
+const Routine sfmdae_routine{5'304'481, max_cval, false, false, sfmdae_lengths};
 
 int read_options(const Arguments& arguments, bool is_first_call, Options& options) {
   for (int k = 2; k <= num_info && is_first_call; ++k)

@@ -42,7 +42,7 @@ struct Lengths {
   std::int64_t iwork;
 };
 
-// What is different for the two routines.
+// What is different for the routines.
 struct Routine {
   std::int64_t state_word;  // that their states begin with
   int num_cval;             // mu, d, a, u, and perhaps v
@@ -50,13 +50,14 @@ struct Routine {
   bool warns;               // IWARN = 1 where the solution is not unique
   Lengths (*lengths)(const Arguments& arguments, const Options& options);
 };
-extern const Routine dgelda_routine, sfndae_routine;
+extern const Routine dgelda_routine, sfndae_routine, sfmdae_routine;
 
 // The arguments of a call but for the user's functions; pointers are the caller's.
 struct Arguments {
   const Routine* routine;
   int m = 0, n = 0;
   int method = 0;
+  bool may_be_wide = false;     // INTEGERs of the caller look as if they could have 64 bits, not 32
   int info[num_info + 1] = {};  // info[k] = INFO(k)
   std::int64_t liw = 0, lrw = 0;
   double tout = 0.0;

@@ -24,8 +24,8 @@ SFDAE_F77_ROUTINE(void, dgelda,
                    double* rtol, double* atol, const Integer* method, Integer* info, Integer* iwarn, Integer* ierr),
                   (edif, adif, fdif, neq, t, tout, x, xprime, cval, ipar, rpar, iwork, liw, rwork, lrw, rtol, atol,
                    method, info, iwarn, ierr)) {
-  const Parameters<Integer> parameters{neq,   nullptr, t,    tout, x,      xprime, cval,  iwork, liw,
-                                       rwork, lrw,     rtol, atol, method, info,   iwarn, ierr};
+  const Parameters<Integer> parameters{neq, nullptr, nullptr, t,    tout, x,      xprime, cval,  iwork,
+                                       liw, rwork,   lrw,     rtol, atol, method, info,   iwarn, ierr};
   solve_and_report(parameters, dgelda_routine, [&](const Arguments& arguments) {
     DgeldaProblemOf<Integer> problem(arguments.n, {edif, adif, fdif, ipar, rpar});
     return DgeldaCall(arguments, problem).run();

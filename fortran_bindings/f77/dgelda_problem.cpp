@@ -31,6 +31,16 @@ core::LinearFunctions DgeldaProblem::functions() {
   return functions;
 }
 
+// The order last: a function that reads it from a table may not survive a negative one.
+bool DgeldaProblem::has_other_width(double t, const double*) {
+  for (const HighWord high_word : {HighWord::ones_in_dimension, HighWord::ones_in_leading, HighWord::ones_in_order})
+    for (const char which : {'E', 'A', 'f'}) {
+      const auto call = [&](HighWord given, double* values) { return call_user(which, t, 0, values, given); };
+      if (sees(high_word, which == 'f' ? core::index(n_) : square(n_), call)) return true;
+    }
+  return false;
+}
+
 int DgeldaProblem::evaluate(char which, double t, int order, double* values) {
   const bool is_kept = is_constant_ && which != 'f';
   bool& is_known = which == 'E' ? has_E_ : has_A_;

@@ -22,8 +22,10 @@ class DgeldaProblem : public UserProblem {
   // For core::LinearModel; this object must outlive it.
   core::LinearFunctions functions();
 
+  bool has_other_width(double t, const double* x) override;
+
  protected:
-  virtual int call_user(char which, double t, int order, double* values) = 0;
+  virtual int call_user(char which, double t, int order, double* values, HighWord high_word = HighWord::zero) = 0;
 
  private:
   int evaluate(char which, double t, int order, double* values);
@@ -44,8 +46,8 @@ class DgeldaProblemOf final : public DgeldaProblem {
   DgeldaProblemOf(int n, const UserFunctions<Integer>& functions) : DgeldaProblem(n), n_(n), functions_(functions) {}
 
  protected:
-  int call_user(char which, double t, int order, double* values) override {
-    return functions_.call(which, n_, t, order, values, n_);
+  int call_user(char which, double t, int order, double* values, HighWord high_word) override {
+    return functions_.call(which, n_, t, order, values, n_, high_word);
   }
 
  private:

@@ -25,7 +25,7 @@ constexpr int called_after_failure = -998, called_after_illegal_input = -999;
 
 }  // namespace
 
-IntegrationCall::IntegrationCall(const Arguments& arguments, const UserProblem& user)
+IntegrationCall::IntegrationCall(const Arguments& arguments, UserProblem& user)
     : arguments_(arguments), state_(arguments), t_(*arguments.t), user_(user) {}
 
 int IntegrationCall::run() noexcept {
@@ -60,6 +60,8 @@ int IntegrationCall::dispatch() {
   const bool is_first_call = phase == 0;
   int result = is_first_call ? code::ok : state_.load(progress_);
   if (result == code::ok) result = read_options(arguments_, is_first_call, options_);
+  // First of all: options of INTEGERs of another width are garbage.
+  if (is_first_call && has_other_width()) return code::wrong_width;
   if (result != code::ok) return result;
   x_.resize(core::index(arguments_.n));
   xdot_.resize(x_.size());
@@ -67,6 +69,12 @@ int IntegrationCall::dispatch() {
   t_ = progress_.t_returned;
   create_model();
   return progress_.is_running ? go_on() : start_later();
+}
+
+bool IntegrationCall::has_other_width() {
+  const auto is_legal = [](int size) { return size >= 1 && size <= largest_order; };
+  return arguments_.may_be_wide && is_legal(arguments_.m) && is_legal(arguments_.n) && std::isfinite(t_) &&
+         user_.has_other_width(t_, arguments_.x);
 }
 
 // ---- Initial values ------------------------------------------------------------------------------------------

@@ -28,7 +28,7 @@ class IntegrationCall {
   // Decides which code a failure has.
   enum class Stage { structure, values, slopes, integration };
 
-  IntegrationCall(const Arguments& arguments, const UserProblem& user);
+  IntegrationCall(const Arguments& arguments, UserProblem& user);
 
   // Once the options and what is known from earlier calls have been read.
   virtual void create_model() = 0;
@@ -60,6 +60,7 @@ class IntegrationCall {
  private:
   int run_to_code() noexcept;
   int dispatch();
+  bool has_other_width();
   int first_call();
   int start_later();
   int go_on();
@@ -78,7 +79,7 @@ class IntegrationCall {
   bool is_failure_taken_for_change(int status);
   static int watch_weights(const sfdae_progress* progress, void* user);
 
-  const UserProblem& user_;
+  UserProblem& user_;
   std::unique_ptr<core::Integration> integration_;
 };
 

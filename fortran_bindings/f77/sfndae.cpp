@@ -23,8 +23,8 @@ SFDAE_F77_ROUTINE(void, sfndae,
                    const Integer* method, Integer* info, Integer* iwarn, Integer* ierr),
                   (ndif, n, m, t, tout, x, xprime, cval, ipar, rpar, iwork, liw, rwork, lrw, rtol, atol, method, info,
                    iwarn, ierr)) {
-  const Parameters<Integer> parameters{n,     m,   t,    tout, x,      xprime, cval,  iwork, liw,
-                                       rwork, lrw, rtol, atol, method, info,   iwarn, ierr};
+  const Parameters<Integer> parameters{n,   m,     nullptr, t,    tout, x,      xprime, cval,  iwork,
+                                       liw, rwork, lrw,     rtol, atol, method, info,   iwarn, ierr};
   solve_and_report(parameters, sfndae_routine, [&](const Arguments& arguments) {
     SfndaeProblemOf<Integer> problem(arguments.m, arguments.n, {ndif, ipar, rpar});
     return SfndaeCall(arguments, problem).run();

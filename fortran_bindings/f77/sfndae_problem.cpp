@@ -13,6 +13,18 @@ std::unique_ptr<core::CallbackProblem> SfndaeProblem::problem() {
   return std::make_unique<core::CallbackProblem>(m_, n_, callback, this, core::PrescribedInputs());
 }
 
+// Along x with derivatives of zero. The order stays as it is: columns of XJET are numbered by it.
+bool SfndaeProblem::has_other_width(double t, const double* x) {
+  const std::size_t n = core::index(n_), m = core::index(m_), area = m * n;
+  if (!core::all_finite(x, n)) return false;
+  const auto call = [&](HighWord given, double* values) {
+    jet_.assign(x, x + n);
+    jet_.resize(2 * n, 0.0);
+    return call_user(t, 0, {jet_.data(), values, values + m, values + m + area}, given);
+  };
+  return sees(HighWord::ones_in_dimension, m + 2 * area, call) || sees(HighWord::ones_in_leading, m + 2 * area, call);
+}
+
 int SfndaeProblem::evaluate(double t, int order, const double* derivatives, Arrays arrays) {
   const std::size_t n = core::index(n_), area = core::index(m_) * n;
   count_point(t, order == 0);

@@ -27,11 +27,13 @@ class SfndaeProblem : public UserProblem {
   // For core::NonlinearModel; this object must outlive it.
   std::unique_ptr<core::CallbackProblem> problem();
 
+  bool has_other_width(double t, const double* x) override;
+
  protected:
   struct Arrays {
     double *jet, *F, *F_x, *F_xdot;
   };
-  virtual int call_user(double t, int order, const Arrays& arrays) = 0;
+  virtual int call_user(double t, int order, const Arrays& arrays, HighWord high_word = HighWord::zero) = 0;
 
  private:
   int evaluate(double t, int order, const double* derivatives, Arrays arrays);
@@ -56,9 +58,11 @@ class SfndaeProblemOf final : public SfndaeProblem {
   SfndaeProblemOf(int m, int n, const Function& function) : SfndaeProblem(m, n), m_(m), n_(n), function_(function) {}
 
  protected:
-  int call_user(double t, int order, const Arrays& arrays) override {
+  int call_user(double t, int order, const Arrays& arrays, HighWord high_word) override {
     using Argument = IntegerArgument<Integer>;
     Argument order_argument(order), n(n_), m(m_), ld_jet(n_), ld_F_x(m_), ld_F_xdot(m_), ierr(0);
+    if (high_word == HighWord::ones_in_dimension) n.spoil(), m.spoil();
+    if (high_word == HighWord::ones_in_leading) ld_F_x.spoil(), ld_F_xdot.spoil();
     ierr.watch();
     function_.ndif(&t, order_argument.address(), n.address(), m.address(), arrays.jet, ld_jet.address(), arrays.F,
                    arrays.F_x, ld_F_x.address(), arrays.F_xdot, ld_F_xdot.address(), function_.ipar, function_.rpar,

@@ -26,6 +26,10 @@ inline constexpr int function_failed = -1;  // at this T
 inline constexpr int order_not_available = -2;
 inline constexpr int wrong_integer_width = -140;  // the function was compiled with another width of INTEGER
 
+// What is in the upper half of INTEGERs of 32 bits, where a user's function compiled for 64 bits looks: zero, so that it
+// reads the right value; or all ones, so that it reads a negative number, as a test.
+enum class HighWord { zero, ones_in_dimension, ones_in_leading, ones_in_order };
+
 // An INTEGER handed to a user's function. With 32 bits, the word behind it makes a function compiled for 64 bits read
 // the right value, and reports afterwards whether one wrote to it.
 template <class Integer>
@@ -38,6 +42,7 @@ class IntegerArgument<std::int32_t> {
   std::int32_t* address() { return &value_; }
   int value() const { return value_; }
   void watch() { behind_ = watched; }
+  void spoil() { behind_ = -1; }
   bool is_overrun() const { return behind_ != watched; }
 
  private:
@@ -55,6 +60,7 @@ class IntegerArgument<std::int64_t> {
     return value_ == 0 ? 0 : value_ == order_not_available ? order_not_available : function_failed;
   }
   void watch() {}
+  void spoil() {}
   // A negative number of 32 bits above zeros.
   bool is_overrun() const { return value_ > INT32_MAX && value_ <= UINT32_MAX; }
 
@@ -79,8 +85,12 @@ struct UserFunctions {
   double* rpar;
 
   // which: 'E', 'A' or 'f'; values: leading_dimension x n, or n.
-  int call(char which, int n, double t, int order, double* values, int leading_dimension) const {
+  int call(char which, int n, double t, int order, double* values, int leading_dimension,
+           HighWord high_word = HighWord::zero) const {
     IntegerArgument<Integer> n_argument(n), order_argument(order), leading(leading_dimension), ierr(0);
+    if (high_word == HighWord::ones_in_dimension) n_argument.spoil();
+    if (high_word == HighWord::ones_in_leading) leading.spoil();
+    if (high_word == HighWord::ones_in_order) order_argument.spoil();
     ierr.watch();
     if (which == 'f') fdif(n_argument.address(), &t, order_argument.address(), values, ipar, rpar, ierr.address());
     else

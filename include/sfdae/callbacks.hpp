@@ -79,19 +79,39 @@ struct CallbackState {
   sfdae_solver* solver = nullptr;
 };
 
+/// What views are called where they are refused.
+constexpr const char* name_of(MatrixFunction LinearProblem::*function) {
+  return function == &LinearProblem::E ? "E" : "A";
+}
+constexpr const char* name_of(PositionMatrixFunction MultibodyProblem::*function) {
+  using P = MultibodyProblem;
+  return function == &P::mass                  ? "M"
+         : function == &P::constraint_jacobian ? "G"
+         : function == &P::kinematics          ? "S"
+                                               : "H";
+}
+constexpr const char* name_of(PositionVectorFunction MultibodyProblem::*function) {
+  using P = MultibodyProblem;
+  return function == &P::constraints ? "g" : function == &P::constraint_rate ? "g_t" : "h";
+}
+constexpr const char* name_of(VelocityVectorFunction MultibodyProblem::*function) {
+  using P = MultibodyProblem;
+  return function == &P::forces ? "f" : function == &P::constraint_curvature ? "gamma" : "eta";
+}
+
 template <MatrixFunction LinearProblem::*function>
 int call_matrix(double t, int order, double* values, void* user) noexcept {
   CallbackState& state = *static_cast<CallbackState*>(user);
   return state.guarded([&] {
     const LinearProblem& problem = std::get<LinearProblem>(state.problem);
-    return (problem.*function).call(t, order, {values, state.num_equations, state.num_unknowns});
+    return (problem.*function).call(t, order, {values, state.num_equations, state.num_unknowns, name_of(function)});
   });
 }
 
 inline int call_f(double t, int order, double* values, void* user) noexcept {
   CallbackState& state = *static_cast<CallbackState*>(user);
   return state.guarded([&] {
-    return std::get<LinearProblem>(state.problem).f.call(t, order, {values, state.num_equations});
+    return std::get<LinearProblem>(state.problem).f.call(t, order, {values, state.num_equations, "f"});
   });
 }
 
@@ -100,7 +120,8 @@ int call_prescribed(double t, int order, double* values, void* user) noexcept {
   CallbackState& state = *static_cast<CallbackState*>(user);
   return state.guarded([&] {
     const AnyProblem& problem = std::get<AnyProblem>(state.problem);
-    return problem.prescribed_values.call(t, order, {values, static_cast<int>(problem.prescribed.size())});
+    return problem.prescribed_values.call(t, order,
+                                          {values, static_cast<int>(problem.prescribed.size()), "prescribed"});
   });
 }
 
@@ -115,8 +136,9 @@ inline int call_equations(sfdae_record*, sfdae_expression t, const sfdae_express
     const int m = state.num_equations, n = state.num_unknowns;
     const std::vector<Expression> unknowns(x, x + n), derivatives(xdot, xdot + n);
     std::vector<Expression> F(residual, residual + m);
-    const int outcome = std::get<NonlinearProblem>(state.problem)
-                            .equations.call(t, {unknowns.data(), n}, {derivatives.data(), n}, {F.data(), m});
+    const int outcome =
+        std::get<NonlinearProblem>(state.problem)
+            .equations.call(t, {unknowns.data(), n, "x"}, {derivatives.data(), n, "xdot"}, {F.data(), m, "F"});
     copy_back(F, residual);
     return outcome;
   });
@@ -128,9 +150,9 @@ inline int call_linear_equations(sfdae_record*, sfdae_expression t, sfdae_expres
   return state.guarded([&] {
     const int m = state.num_equations, n = state.num_unknowns;
     std::vector<Expression> matrix_E(size(m) * size(n)), matrix_A(matrix_E), vector_f(size(m));
-    const int outcome =
-        std::get<NonlinearProblem>(state.problem)
-            .linear_equations.call(t, {matrix_E.data(), m, n}, {matrix_A.data(), m, n}, {vector_f.data(), m});
+    const int outcome = std::get<NonlinearProblem>(state.problem)
+                            .linear_equations.call(t, {matrix_E.data(), m, n, "E"}, {matrix_A.data(), m, n, "A"},
+                                                   {vector_f.data(), m, "f"});
     copy_back(matrix_E, E);
     copy_back(matrix_A, A);
     copy_back(vector_f, f);
@@ -144,7 +166,9 @@ inline int call_total_derivative(double t, int order, const double* derivatives,
   return state.guarded([&] {
     const int m = state.num_equations, n = state.num_unknowns;
     return std::get<NonlinearProblem>(state.problem)
-        .total_derivative.call(t, order, {derivatives, n, order + 2}, {{F, m}, {F_x, m, n}, {F_xdot, m, n}});
+        .total_derivative.call(
+            t, order, {derivatives, n, order + 2, "derivatives"},
+            {{F, m, "F"}, {F_x, F_x != nullptr ? m : 0, n, "F_x"}, {F_xdot, F_xdot != nullptr ? m : 0, n, "F_xdot"}});
   });
 }
 
@@ -154,7 +178,8 @@ int call_position_matrix(double t, const double* q, double* values, void* user) 
   CallbackState& state = *static_cast<CallbackState*>(user);
   return state.guarded([&] {
     const MultibodyProblem& problem = std::get<MultibodyProblem>(state.problem);
-    return (problem.*function).call(t, {q, problem.num_positions}, {values, problem.*rows, problem.*columns});
+    return (problem.*function)
+        .call(t, {q, problem.num_positions, "q"}, {values, problem.*rows, problem.*columns, name_of(function)});
   });
 }
 
@@ -163,7 +188,7 @@ int call_position_vector(double t, const double* q, double* values, void* user) 
   CallbackState& state = *static_cast<CallbackState*>(user);
   return state.guarded([&] {
     const MultibodyProblem& problem = std::get<MultibodyProblem>(state.problem);
-    return (problem.*function).call(t, {q, problem.num_positions}, {values, problem.*rows});
+    return (problem.*function).call(t, {q, problem.num_positions, "q"}, {values, problem.*rows, name_of(function)});
   });
 }
 
@@ -173,7 +198,8 @@ int call_velocity_vector(double t, const double* q, const double* v, double* val
   return state.guarded([&] {
     const MultibodyProblem& problem = std::get<MultibodyProblem>(state.problem);
     return (problem.*function)
-        .call(t, {q, problem.num_positions}, {v, problem.num_velocities}, {values, problem.*rows});
+        .call(t, {q, problem.num_positions, "q"}, {v, problem.num_velocities, "v"},
+              {values, problem.*rows, name_of(function)});
   });
 }
 
@@ -187,9 +213,9 @@ inline int call_multibody_equations(sfdae_record*, sfdae_expression t, const sfd
     const std::vector<Expression> positions(q, q + nq), velocities(v, v + nv);
     std::vector<Expression> M(to->M, to->M + nv * nv), f(to->f, to->f + nv), g(to->g, to->g + nl),
         S(to->S, to->S + nq * nv), H(to->H, to->H + nk * nv), h(to->h, to->h + nk);
-    const MultibodyFormulas formulas{{M.data(), nv, nv}, {f.data(), nv},     {g.data(), nl},
-                                     {S.data(), nq, nv}, {H.data(), nk, nv}, {h.data(), nk}};
-    const int outcome = p.equations.call(t, {positions.data(), nq}, {velocities.data(), nv}, formulas);
+    const MultibodyFormulas formulas{{M.data(), nv, nv, "M"}, {f.data(), nv, "f"},     {g.data(), nl, "g"},
+                                     {S.data(), nq, nv, "S"}, {H.data(), nk, nv, "H"}, {h.data(), nk, "h"}};
+    const int outcome = p.equations.call(t, {positions.data(), nq, "q"}, {velocities.data(), nv, "v"}, formulas);
     copy_back(M, to->M), copy_back(f, to->f), copy_back(g, to->g);
     copy_back(S, to->S), copy_back(H, to->H), copy_back(h, to->h);
     return outcome;
@@ -204,7 +230,9 @@ inline int call_monitor(const sfdae_progress* progress, void* user) noexcept {
 inline int call_events(double t, const double* x, const double* xdot, double* g, void* user) noexcept {
   CallbackState& state = *static_cast<CallbackState*>(user);
   const int n = state.num_unknowns;
-  return state.guarded([&] { return state.event_function.call(t, {x, n}, {xdot, n}, {g, state.num_events}); });
+  return state.guarded([&] {
+    return state.event_function.call(t, {x, n, "x"}, {xdot, n, "xdot"}, {g, state.num_events, "g"});
+  });
 }
 
 template <class AnyProblem, class AnyCProblem>

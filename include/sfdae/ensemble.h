@@ -68,7 +68,7 @@ typedef struct sfdae_ensemble_results {
   int* num_outputs; /**< NULL, or N: how many of the K outputs were reached; the others are not written */
   char* messages;   /**< NULL, or N texts, each in message_length characters with its final zero: what sfdae_message
                              would say about the status, "" for SFDAE_OK */
-  size_t message_length; /**< >= 1 with messages; 1536 are always enough */
+  size_t message_length; /**< at least 1 with messages; 1536 are always enough */
 
   /** Written by the library. */
   int num_failed;   /**< instances with status < 0 */

@@ -58,6 +58,7 @@ SFDAE_API sfdae_expression sfdae_power(sfdae_expression a, sfdae_expression b);
 SFDAE_API sfdae_expression sfdae_sqrt(sfdae_expression a);                      /**< a >= 0, no derivative at 0 */
 SFDAE_API sfdae_expression sfdae_exp(sfdae_expression a);                       /**< e^a */
 SFDAE_API sfdae_expression sfdae_log(sfdae_expression a);                       /**< natural logarithm, a > 0 */
+SFDAE_API sfdae_expression sfdae_log10(sfdae_expression a);                     /**< decimal logarithm, a > 0 */
 SFDAE_API sfdae_expression sfdae_sin(sfdae_expression a);                       /**< sine */
 SFDAE_API sfdae_expression sfdae_cos(sfdae_expression a);                       /**< cosine */
 SFDAE_API sfdae_expression sfdae_tan(sfdae_expression a);                       /**< tangent */
@@ -70,13 +71,66 @@ SFDAE_API sfdae_expression sfdae_cosh(sfdae_expression a);                      
 SFDAE_API sfdae_expression sfdae_tanh(sfdae_expression a);                      /**< hyperbolic tangent */
 
 /* Functions with kinks, or jumps: their derivatives are those of the branch that holds at the point. Integrations
- * are efficient where no kink is crossed. */
+ * are efficient where no kink is crossed. Steps that meet a jump fail until they are short enough for the error test,
+ * and what is shorter than a step, as a pulse, may be missed altogether: where jumps matter integrate to their time, or
+ * to an event that finds it (sfdae_set_events), and start there anew. Functions of x that jump in equations which have
+ * to hold exactly, constraints, leave no solution to go on with. */
 SFDAE_API sfdae_expression sfdae_abs(sfdae_expression a);                     /**< |a| */
 SFDAE_API sfdae_expression sfdae_min(sfdae_expression a, sfdae_expression b); /**< the smaller one */
 SFDAE_API sfdae_expression sfdae_max(sfdae_expression a, sfdae_expression b); /**< the larger one */
 
+SFDAE_API sfdae_expression sfdae_sign(sfdae_expression a);  /**< 1 if a > 0, 0 if a = 0, -1 if a < 0 */
+SFDAE_API sfdae_expression sfdae_floor(sfdae_expression a); /**< the largest integer up to a */
+/** a - b floor(a / b), b not 0: between 0 and b, for inputs of period b */
+SFDAE_API sfdae_expression sfdae_modulo(sfdae_expression a, sfdae_expression b);
+
+/* Comparisons are 1 if they hold, else 0. Of truth values any number > 0 is true, as it is for sfdae_choose. */
+SFDAE_API sfdae_expression sfdae_less(sfdae_expression a, sfdae_expression b);          /**< a < b */
+SFDAE_API sfdae_expression sfdae_less_equal(sfdae_expression a, sfdae_expression b);    /**< a <= b */
+SFDAE_API sfdae_expression sfdae_greater(sfdae_expression a, sfdae_expression b);       /**< a > b */
+SFDAE_API sfdae_expression sfdae_greater_equal(sfdae_expression a, sfdae_expression b); /**< a >= b */
+SFDAE_API sfdae_expression sfdae_and(sfdae_expression a, sfdae_expression b); /**< 1 if both are true, else 0 */
+SFDAE_API sfdae_expression sfdae_or(sfdae_expression a, sfdae_expression b);  /**< 1 if one is true, else 0 */
+SFDAE_API sfdae_expression sfdae_not(sfdae_expression a);                     /**< 1 if a is not true, else 0 */
+
 /** a if c > 0, else b; the other one need not be defined. */
 SFDAE_API sfdae_expression sfdae_choose(sfdae_expression c, sfdae_expression a, sfdae_expression b);
+
+/** The derivative of the formula a by a variable: t, an unknown, the derivative of an unknown (all as they were handed to
+ * the function that writes equations) or a parameter; all others are held. G^T lambda, say, entry j, of constraints g
+ * without writing G = g_q: the derivative of lambda_1 g_1 + ... by q[j]. Of one formula a the derivatives by all
+ * variables cost little more than that by one, if they are asked for one after the other. */
+SFDAE_API sfdae_expression sfdae_derivative(sfdae_expression a, sfdae_expression variable);
+
+/** The total derivative along time of a formula in t and x, in which x' appears: a_t + a_x x'. A mistake where a depends
+ * on x' itself, whose derivative x'' is no variable, and in equations of mechanical systems, whose formulas do not know
+ * q' and v'. */
+SFDAE_API sfdae_expression sfdae_time_derivative(sfdae_expression a);
+
+/** A table: the value at a of the spline of degree 1, 3, 5 or 7 through `count` points (x[i], y[i]), which are copied; x
+ * increasing, at least degree + 1 points. The spline has degree - 1 continuous derivatives, and passes through the
+ * points; its knots are the x[i], for degrees above 1 without the first and last (degree - 1) / 2 inside ("not a knot"):
+ * polynomials of that degree are reproduced. At a knot the derivative of order `degree` is that after it. Outside of the
+ * data there is no value: evaluations fail, as log(-1) does. To hold the values at the ends write the table of
+ * min(max(a, x[0]), x[count - 1]), for periodic data that of modulo(a - x[0], period) + x[0].
+ * Steps of an integration end where t, or a linear function of it (modulo a period, too), reaches a knot, so that no
+ * kink of an input is stepped over. */
+SFDAE_API sfdae_expression sfdae_table(sfdae_expression a, int degree, int count, const double* x, const double* y);
+
+/** Writes all partial derivatives of one order of a function of k arguments: order 0 the value; order 1 the gradient, k
+ * entries; order 2 the k x k matrix of second derivatives; in general k^order entries, where that by the arguments i, j,
+ * ... stands at i + j k + ... The array is filled with zeros before the call. Called with finite arguments, from several
+ * threads at a time in ensembles; equal arguments have to give equal results. Orders asked for: those of the equations
+ * that contain it and one more, for Jacobians. Returns 0 (ok), SFDAE_ORDER_NOT_AVAILABLE (the solver fails with
+ * SFDAE_ORDER_MISSING where it needs that order), another positive value (cannot evaluate here: a smaller step is tried)
+ * or a negative value (stop at once). */
+typedef int (*sfdae_external_function)(int order, const double* arguments, double* derivatives, void* user);
+
+/** The value of a function of the user's at `count` arguments, 1 ... 16, at least one of them recorded. Orders
+ * with more than 4096 entries count as not available. name: for messages, not empty. function and user have to live as
+ * long as the solver. */
+SFDAE_API sfdae_expression sfdae_external(const char* name, sfdae_external_function function, int count,
+                                          const sfdae_expression* arguments, void* user);
 
 /* ---- Nonlinear problems ---------------------------------------------------------------------- */
 

@@ -6,21 +6,50 @@
 
 #include <sfdae/sfdae.h>
 #include <sfdae/expression.hpp>
+#include <sfdae/results.hpp>
 
 #include <cstddef>
 #include <functional>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace sfdae {
 
-/// Matrix that lives elsewhere; copies of the view show its entries, too.
+namespace detail {
+
+/// Whether 0 <= i < size.
+constexpr bool is_index(int i, int size) noexcept { return static_cast<unsigned>(i) < static_cast<unsigned>(size); }
+
+[[noreturn]] inline void refuse_index(const char* name, int i, int size) {
+  const std::string what(name);
+  throw Error(SFDAE_ILLEGAL_ARGUMENT, what + "[" + std::to_string(i) + "] does not exist: " + what + " has " +
+                                          std::to_string(size) + " entries, counted from 0");
+}
+
+[[noreturn]] inline void refuse_index(const char* name, std::pair<int, int> place, std::pair<int, int> shape) {
+  const std::string what(name);
+  throw Error(SFDAE_ILLEGAL_ARGUMENT, what + "(" + std::to_string(place.first) + ", " + std::to_string(place.second) +
+                                          ") does not exist: " + what + " is " + std::to_string(shape.first) + " x " +
+                                          std::to_string(shape.second) + ", counted from 0");
+}
+
+}  // namespace detail
+
+/// Matrix that lives elsewhere; copies of the view show its entries, too. Entries that it does not have are refused
+/// with an Error that names them, which ends the call that the view was used in.
 template <class T>
 class BasicMatrixRef {
  public:
-  BasicMatrixRef(T* values, int rows, int columns) noexcept : values_(values), rows_(rows), columns_(columns) {}
-  T& operator()(int i, int j) const noexcept { return values_[i + std::ptrdiff_t{j} * rows_]; }
+  /// name: as the Error calls it, a string that outlives the view.
+  BasicMatrixRef(T* values, int rows, int columns, const char* name = "matrix") noexcept
+      : values_(values), rows_(rows), columns_(columns), name_(name) {}
+  T& operator()(int i, int j) const {
+    if (!detail::is_index(i, rows_) || !detail::is_index(j, columns_))
+      detail::refuse_index(name_, {i, j}, {rows_, columns_});
+    return values_[i + std::ptrdiff_t{j} * rows_];
+  }
   int rows() const noexcept { return rows_; }
   int columns() const noexcept { return columns_; }
   T* data() const noexcept { return values_; }
@@ -30,17 +59,23 @@ class BasicMatrixRef {
  private:
   T* values_;
   int rows_, columns_;
+  const char* name_;
 };
 using MatrixRef = BasicMatrixRef<double>;
 using ConstMatrixRef = BasicMatrixRef<const double>;
 using ExpressionMatrix = BasicMatrixRef<Expression>;
 
-/// Vector that lives elsewhere.
+/// Vector that lives elsewhere; entries that it does not have are refused as those of matrices are.
 template <class T>
 class BasicVectorRef {
  public:
-  BasicVectorRef(T* values, int size) noexcept : values_(values), size_(size) {}
-  T& operator[](int i) const noexcept { return values_[i]; }
+  /// name: as the Error calls it, a string that outlives the view.
+  BasicVectorRef(T* values, int size, const char* name = "vector") noexcept
+      : values_(values), size_(size), name_(name) {}
+  T& operator[](int i) const {
+    if (!detail::is_index(i, size_)) detail::refuse_index(name_, i, size_);
+    return values_[i];
+  }
   int size() const noexcept { return size_; }
   T* data() const noexcept { return values_; }
   T* begin() const noexcept { return values_; }
@@ -49,6 +84,7 @@ class BasicVectorRef {
  private:
   T* values_;
   int size_;
+  const char* name_;
 };
 using VectorRef = BasicVectorRef<double>;
 using ConstVectorRef = BasicVectorRef<const double>;
@@ -81,6 +117,48 @@ class Callback {
 
  private:
   std::function<int(Arguments...)> function_;
+};
+
+/// A function of the user's in recorded equations, which writes all partial derivatives of an order, see
+/// sfdae_external_function. It has to stay where it is, and to live as long as the solver:
+///     [](int order, sfdae::ConstVectorRef arguments, sfdae::VectorRef derivatives) { ... }
+/// An exception counts as "stop at once". Called by the expressions of its arguments it is an expression.
+class ExternalFunction {
+ public:
+  using Derivatives = Callback<int, ConstVectorRef, VectorRef>;
+
+  ExternalFunction(std::string name, int num_arguments, Derivatives derivatives)
+      : name_(std::move(name)), num_arguments_(num_arguments), derivatives_(std::move(derivatives)) {}
+  ExternalFunction(const ExternalFunction&) = delete;
+  ExternalFunction& operator=(const ExternalFunction&) = delete;
+
+  /// Throws Error for another number of arguments than it has.
+  template <class... Arguments>
+  Expression operator()(const Arguments&... arguments) const {
+    const sfdae_expression list[] = {Expression(arguments).c()...};
+    if (static_cast<int>(sizeof...(arguments)) != num_arguments_)
+      throw Error(SFDAE_ILLEGAL_ARGUMENT, name_ + " has " + std::to_string(num_arguments_) + " arguments, not " +
+                                              std::to_string(sizeof...(arguments)));
+    void* const self = const_cast<ExternalFunction*>(this);
+    return sfdae_external(name_.c_str(), derivatives_ ? call : nullptr, num_arguments_, list, self);
+  }
+
+ private:
+  static int call(int order, const double* arguments, double* derivatives, void* user) noexcept {
+    const ExternalFunction& self = *static_cast<const ExternalFunction*>(user);
+    int count = 1;
+    for (int i = 0; i < order; ++i) count *= self.num_arguments_;
+    try {
+      return self.derivatives_.call(order, {arguments, self.num_arguments_, "arguments"},
+                                    {derivatives, count, "derivatives"});
+    } catch (...) {
+      return -1;
+    }
+  }
+
+  std::string name_;
+  int num_arguments_;
+  Derivatives derivatives_;
 };
 
 /// Functions of time that write their derivative of the given order into a view filled with zeros, or return

@@ -15,7 +15,8 @@
  *
  * Here are the life cycle, options, linear problems, integration and inspection. This header includes all others:
  * sfdae/events.h, sfdae/expression.h for equations written as formulas and nonlinear problems, sfdae/multibody.h
- * for mechanical systems, sfdae/ensemble.h for many instances of a problem.
+ * for mechanical systems, sfdae/ensemble.h for many instances of a problem, sfdae/solution.h for the solution over a whole
+ * run.
  *
  * Conventions
  *  - Matrices are column-major without padding: entry (i, j) of an m x n matrix is a[i + j * m]. Indices count from
@@ -77,10 +78,11 @@ extern "C" {
 #define SFDAE_NOT_STARTED (-5)   /**< sfdae_start (or sfdae_analyze) has to come first */
 
 /* Failures: callbacks. */
-#define SFDAE_CALLBACK_STOPPED (-10) /**< a callback returned a negative value */
-#define SFDAE_CALLBACK_FAILED (-11)  /**< a callback returned a positive value and a smaller step did not help */
-#define SFDAE_NOT_FINITE (-12)       /**< a callback returned NaN or Inf and a smaller step did not help */
-#define SFDAE_ORDER_MISSING (-13)    /**< a derivative that is needed is not available */
+#define SFDAE_CALLBACK_STOPPED (-10)  /**< a callback returned a negative value */
+#define SFDAE_CALLBACK_FAILED (-11)   /**< a callback returned a positive value and a smaller step did not help */
+#define SFDAE_NOT_FINITE (-12)        /**< a callback returned NaN or Inf and a smaller step did not help */
+#define SFDAE_ORDER_MISSING (-13)     /**< a derivative that is needed is not available */
+#define SFDAE_WRONG_DERIVATIVES (-14) /**< a derivative contradicts its function: option check_derivatives */
 
 /* Failures: structure of the problem. */
 #define SFDAE_INDEX_TOO_HIGH (-20)          /**< the hypothesis holds at no level up to max_index */
@@ -207,12 +209,12 @@ typedef struct sfdae_options {
    * end with SFDAE_TOLERANCE_TOO_SMALL, the component and its error in the message. */
   int max_index;              /**< highest strangeness index tried, default 5; 0 ... 12 */
   int reduction;              /**< SFDAE_REDUCTION_STAGED (default) or _SVD */
-  double rank_tol;            /**< > 0, < 1: values below rank_tol * norm of the data, in balanced units, count as
+  double rank_tol;            /**< in (0, 1): values below rank_tol * norm of the data, in balanced units, count as
                                  zero. Default 0: the library judges by propagated rounding errors and, where norms
                                  are not clear in two systems of units, by a certificate (sfdae_certify) */
-  double time_scale;          /**< > 0: unit of time of derivatives, rounded to a power of two. Default 0: chosen */
+  double time_scale;          /**< unit of time of derivatives (> 0), rounded to a power of two. Default 0: chosen */
   int difference_derivatives; /**< 1: differences are allowed. Default 0: SFDAE_ORDER_MISSING */
-  double difference_step;     /**< > 0: spacing of the points used for them, at most: eight of these are the whole
+  double difference_step;     /**< spacing of the points used for them, at most (> 0): eight of these are the whole
                                  interval of 13 Chebyshev points; default 0: chosen */
 
   /** Initial values. Where x violates the constraints, unknowns without a derivative (multipliers, currents; the kernel
@@ -255,6 +257,20 @@ typedef struct sfdae_options {
    * Where the polynomial of x is not accurate to within the tolerances, where there are no differential equations
    * and where there are events, outputs are consistent all the same. */
   int output;
+
+  /** 1 (default): derivatives that callbacks supply are compared with the functions once with every analysis, by few
+   * evaluations on the side of t that the integration goes to. Where one contradicts its function beyond doubt, on two
+   * scales of time or space and by a hundredth at least, SFDAE_WRONG_DERIVATIVES names function, order, row, column and
+   * both values. 0: they are not.
+   *  - Linear problems: E, A, f, orders 1 ... mu + 1, as far as available. Total derivatives of nonlinear problems:
+   *    F along the solution and F_x, F_x' in one direction at random. Multibody systems: g_q and g_t in one direction at
+   *    random, gamma and eta along consistent velocities, at the consistent start values.
+   *  - Not seen: mistakes of less than a hundredth or in noise (of single precision, of tables), in entries that vary
+   *    faster than a 1e-8th of the interval to `toward`, that are right near t, or of values that are themselves
+   *    wrong; E and A that are wrongly called constant; M, f, H, S of multibody systems, which are not differentiated by
+   *    callbacks. sfdae_check_derivatives and its kind look at both sides, at any point, more closely.
+   *  - Failures of evaluations that only this needs are ignored, but for negative return values. */
+  int check_derivatives;
 } sfdae_options;
 /** Sets every member to its default. size: sizeof(sfdae_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_options_init(sfdae_options* options, size_t size);
@@ -464,7 +480,7 @@ typedef struct sfdae_statistics {
   long other_failures;                              /**< attempts rejected otherwise: callbacks, singular matrices */
   long reductions;                                  /**< strangeness-free systems computed */
   long factorizations;                              /**< LU factorizations of the step's matrix */
-  long evaluations_E, evaluations_A, evaluations_f; /**< callback calls, since creation */
+  long evaluations_E, evaluations_A, evaluations_f; /**< callback calls but for check_calls, since creation */
   int last_order;                                   /**< order of the last step, 0 before the first */
   int next_order;
   double last_step; /**< signed size of the last step */
@@ -475,8 +491,10 @@ typedef struct sfdae_statistics {
   double first_step;    /**< signed size of the first accepted step */
   long evaluations_F;   /**< nonlinear: of F and its total derivatives along a jet, since creation */
   long linearizations;  /**< nonlinear: of F, its Jacobians and their total derivatives, since creation */
-  double rounding; /**< nonlinear: largest rounding error of a component along the way, as the equations cause it,
+  double rounding;  /**< nonlinear: largest rounding error of a component along the way, as the equations cause it,
                            over the tolerance used for it; above 1 it was tested against that error instead */
+  long check_calls; /**< by the option check_derivatives, in no other count, since creation: callback calls of linear
+                         and nonlinear problems, points of multibody systems */
 } sfdae_statistics;
 /** Prepares a result of sfdae_get_statistics. size: sizeof(sfdae_statistics). */
 SFDAE_API int sfdae_statistics_init(sfdae_statistics* statistics, size_t size);
@@ -633,5 +651,6 @@ SFDAE_API int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_or
 #include <sfdae/events.h>
 #include <sfdae/expression.h>
 #include <sfdae/multibody.h>
+#include <sfdae/solution.h>
 
 #endif

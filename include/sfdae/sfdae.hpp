@@ -32,6 +32,7 @@
 #include <sfdae/expression.hpp>
 #include <sfdae/problem.hpp>
 #include <sfdae/results.hpp>
+#include <sfdae/solution.hpp>
 
 #include <cstddef>
 #include <memory>
@@ -253,6 +254,12 @@ class Solver {
     solution.num_threads = results.num_threads;
     return solution;
   }
+
+  /// From now on all accepted steps go to the solution, see sfdae_record_solution.
+  int record(Solution& solution) { return checked(sfdae_record_solution(get(), solution.get())); }
+
+  /// No steps are recorded any more.
+  int stop_recording() { return checked(sfdae_record_solution(get(), nullptr)); }
 
   /// Counts and step sizes of the integration.
   Statistics statistics() const { return filled(sfdae_statistics_init, sfdae_get_statistics); }
@@ -497,7 +504,11 @@ class Solver {
                                State& state) {
     char text[1024] = "";
     const int status = check_in_c(&problem, &options, text, sizeof text);
-    state.rethrow();
+    try {
+      state.rethrow();
+    } catch (const Error& error) {  // of views: an entry that does not exist
+      return error.what();
+    }
     return status < 0 && text[0] == '\0' ? sfdae_status_name(status) : text;
   }
 

@@ -40,11 +40,12 @@ from ._ensemble import EnsembleSolution, solve_ensemble
 from ._events import Event, EventRecord
 from ._expression import Condition, Expression, parameter
 from ._functions import PUBLIC as _PUBLIC
-from ._functions import choose
+from ._functions import choose, derivative, external, table, time_derivative
 from ._inspection import DerivativeArray, ExtendedSystem, Projectors, StrangenessFreeSystem
 from ._multibody import MultibodyProblem
 from ._options import OPTION_NAMES, choices
 from ._problem import LinearProblem, NonlinearProblem, Problem
+from ._recorded_solution import RecordedSolution
 from ._report import Report
 from ._solution import Solution, Steps
 from ._solve import analyze, make_consistent, solve
@@ -68,7 +69,8 @@ __all__ = [
     "CannotEvaluate", "Condition", "DenseOutput", "DerivativeArray", "EnsembleSolution", "Error",
     "Event", "EventRecord", "Expression", "ExtendedSystem", "InitialValuesWarning",
     "IntegrationWarning", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
-    "Point", "Problem", "Progress", "Projectors", "Report", "SfdaeWarning", "Solution", "Solver",
+    "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning", "Solution", "Solver",
     "Status", "Steps", "StrangenessFreeSystem", "Struct", "analyze", "choices", "choose",
+    "derivative", "external", "table", "time_derivative",
     "make_consistent", "parameter", "solve", "solve_ensemble", "status_name", "version", *_PUBLIC,
 ]  # fmt: skip

@@ -5,6 +5,7 @@ returned.
 
 from __future__ import annotations
 
+import weakref
 from typing import Any, Callable
 
 import numpy as np
@@ -42,7 +43,8 @@ class CallbackState:
         The first one that was raised since the call began.
     """
 
-    __slots__ = ("problem", "values", "monitor", "events", "num_events", "exception", "__weakref__")
+    __slots__ = ("problem", "values", "monitor", "events", "num_events", "exception", "functions")
+    __slots__ += ("__weakref__",)
 
     def __init__(self, problem: Any) -> None:
         self.problem = problem
@@ -51,6 +53,7 @@ class CallbackState:
         self.events: Callable[..., Any] | None = None
         self.num_events = 0
         self.exception: BaseException | None = None
+        self.functions: dict[Any, Any] = {}  # handles of functions that formulas call
 
     def take_exception(self) -> BaseException | None:
         exception, self.exception = self.exception, None
@@ -107,6 +110,63 @@ def _write(pointer: Any, value: Any, shape: tuple[int, ...], name: str) -> None:
         np.frombuffer(ffi.buffer(pointer, 8 * array.size)).reshape(shape, order="F")[...] = array
 
 
+# ---- Functions in formulas -----------------------------------------------------------------------
+
+
+class _ExternalFunction:
+    """A function of k numbers that a recorded formula calls. Its exceptions wait with those of the
+    solver.
+    """
+
+    def __init__(self, state: CallbackState, name: str, function: Any, count: int) -> None:
+        self.state = weakref.proxy(state)
+        self.name, self.function, self.count = name, function, count
+
+    @property
+    def exception(self) -> BaseException | None:
+        return self.state.exception
+
+    @exception.setter
+    def exception(self, exception: BaseException) -> None:
+        self.state.exception = exception
+
+
+@callback("python_external_function")
+def _external(external: _ExternalFunction, order: int, arguments: Any, result: Any) -> int | None:
+    value = external.function(order, _numbers(arguments, (external.count,)))
+    if value is None:
+        return lib.SFDAE_ORDER_NOT_AVAILABLE
+    shape = (external.count,) * order
+    values = np.reshape(value, ()) if order == 0 else value
+    if external.count == 1 and np.ndim(values) == 0:
+        values = np.reshape(values, shape)
+    _write(result, values, shape, f"{external.name} of order {order}")
+    return None
+
+
+def external_value(name: str, function: Any, arguments: list[Expression]) -> Expression:
+    """What sfdae.external returns."""
+    recordings = [a._recording for a in arguments if a._recording is not None]
+    if not recordings:  # plain numbers
+        value = function(0, np.array([a._c.value for a in arguments]))
+        return Expression(lib.sfdae_number(float(value)), None)
+    for recording in recordings:
+        recording.require_open()
+    state = recordings[0].state
+    key = (name, function, len(arguments))
+    if key not in state.functions:
+        state.functions[key] = ffi.new_handle(_ExternalFunction(state, *key))
+    c_arguments = ffi.new("sfdae_expression[]", [a._c for a in arguments])
+    c = lib.sfdae_external(
+        name.encode(),
+        lib.python_external_function,
+        len(arguments),
+        c_arguments,
+        state.functions[key],
+    )
+    return Expression(c, recordings[0])
+
+
 # ---- Linear problems -----------------------------------------------------------------------------
 
 
@@ -148,7 +208,7 @@ callback("python_nonlinear_problem_prescribed_values")(_prescribed)
 @callback("python_nonlinear_problem_equations")
 def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, residual: Any) -> None:
     problem = state.problem
-    recording = Recording(record)
+    recording = Recording(record, state)
     try:
         n = problem.num_unknowns
         arguments = (Expression(t, recording), vector(x, n, recording), vector(xdot, n, recording))
@@ -165,7 +225,7 @@ def _equations(state: CallbackState, record: Any, t: Any, x: Any, xdot: Any, res
 @callback("python_nonlinear_problem_linear_equations")
 def _linear_equations(state: CallbackState, record: Any, t: Any, E: Any, A: Any, f: Any) -> None:
     problem = state.problem
-    recording = Recording(record)
+    recording = Recording(record, state)
     try:
         time = Expression(t, recording)
         shape = (problem.num_equations, problem.num_unknowns)
@@ -212,7 +272,7 @@ def _multibody_equations(
     state: CallbackState, record: Any, t: Any, q: Any, v: Any, formulas: Any
 ) -> None:
     problem = state.problem
-    recording = Recording(record)
+    recording = Recording(record, state)
     try:
         time = Expression(t, recording)
         positions = vector(q, problem.num_positions, recording)

@@ -19,11 +19,12 @@ _NO_VALUE = (
 class Recording:
     """A recording under way; expressions of it are of no use after it has ended."""
 
-    __slots__ = ("c", "is_open")
+    __slots__ = ("c", "is_open", "state")
 
-    def __init__(self, record: Any) -> None:
+    def __init__(self, record: Any, state: Any = None) -> None:
         self.c = record
         self.is_open = True
+        self.state = state  # of the callbacks of the solver, which keeps what is needed later
 
     def require_open(self) -> None:
         if not self.is_open:
@@ -75,7 +76,7 @@ def _operator(function: Callable[[Any, Any], Any]) -> tuple[Callable, Callable]:
         recording = self._recording
         if recording is not None and not recording.is_open:
             recording.require_open()
-        if type(other) is Expression:
+        if isinstance(other, Expression):
             if other._recording is not recording and other._recording is not None:
                 other._recording.require_open()
                 recording = other._recording
@@ -115,6 +116,15 @@ class Expression:
     __mul__, __rmul__ = _operator(lib.sfdae_multiply)
     __truediv__, __rtruediv__ = _operator(lib.sfdae_divide)
     __pow__, __rpow__ = _operator(lib.sfdae_power)
+    __mod__, __rmod__ = _operator(lib.sfdae_modulo)
+
+    def __floordiv__(self, other: Any) -> Any:
+        quotient = self.__truediv__(other)
+        return quotient if quotient is NotImplemented else quotient._apply(lib.sfdae_floor)
+
+    def __rfloordiv__(self, other: Any) -> Any:
+        quotient = self.__rtruediv__(other)
+        return quotient if quotient is NotImplemented else quotient._apply(lib.sfdae_floor)
 
     def __neg__(self) -> Expression:
         return self._apply(lib.sfdae_negate)
@@ -130,22 +140,22 @@ class Expression:
             self._recording.require_open()
         return Expression(function(self._c), self._recording)
 
-    def _condition(self, sign: int, other: Any, strict: bool) -> Any:
+    def _compare(self, function: Callable[[Any, Any], Any], other: Any) -> Any:
         if isinstance(other, np.ndarray) and other.ndim > 0:
             return NotImplemented  # numpy compares the elements
-        return Condition(self - other if sign > 0 else other - self, strict)
+        return _condition(function, self, other)
 
     def __gt__(self, other: Any) -> Condition:
-        return self._condition(1, other, strict=True)
+        return self._compare(lib.sfdae_greater, other)
 
     def __lt__(self, other: Any) -> Condition:
-        return self._condition(-1, other, strict=True)
+        return self._compare(lib.sfdae_less, other)
 
     def __ge__(self, other: Any) -> Condition:
-        return self._condition(1, other, strict=False)
+        return self._compare(lib.sfdae_greater_equal, other)
 
     def __le__(self, other: Any) -> Condition:
-        return self._condition(-1, other, strict=False)
+        return self._compare(lib.sfdae_less_equal, other)
 
     def __eq__(self, other: object) -> bool:
         raise TypeError(_NO_VALUE.format("== cannot be decided"))
@@ -182,25 +192,36 @@ class Expression:
         return apply_array_function(function, args, kwargs)
 
 
-class Condition:
-    """A comparison of expressions, for ``np.where(a > b, x, y)`` and sfdae.choose."""
+class Condition(Expression):
+    """A comparison of expressions, for ``np.where(a > b, x, y)`` and sfdae.choose: the expression 1
+    where it holds, else 0. Conditions are combined by ``&``, ``|`` and ``~``.
+    """
 
-    __slots__ = ("difference", "strict")
-
-    def __init__(self, difference: Any, strict: bool) -> None:
-        self.difference = difference  # true where it is > 0, or >= 0 if not strict
-        self.strict = strict
+    __slots__ = ()
 
     def __bool__(self) -> bool:
         raise TypeError(_NO_VALUE.format("a comparison is neither true nor false"))
 
+    def __and__(self, other: Any) -> Condition:
+        return _condition(lib.sfdae_and, self, other)
+
+    def __or__(self, other: Any) -> Condition:
+        return _condition(lib.sfdae_or, self, other)
+
     def __invert__(self) -> Condition:
-        return Condition(-self.difference, not self.strict)
+        return Condition(self._apply(lib.sfdae_not)._c, self._recording)
 
-    def __array_function__(self, function: Callable, types: Any, args: Any, kwargs: Any) -> Any:
-        from ._functions import apply_array_function
+    __rand__, __ror__ = __and__, __or__
 
-        return apply_array_function(function, args, kwargs)
+
+def _condition(function: Callable[[Any, Any], Any], a: Any, b: Any) -> Any:
+    """A function of C with two operands whose result is 1 or 0."""
+    left, right = as_expression(a), as_expression(b)
+    recording = left._recording or right._recording
+    for operand in (left, right):
+        if operand._recording is not None:
+            operand._recording.require_open()
+    return Condition(function(left._c, right._c), recording)
 
 
 def parameter(inside: Any, name: str, value: float) -> Expression:

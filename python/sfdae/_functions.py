@@ -9,7 +9,7 @@ from typing import Any, Callable
 import numpy as np
 
 from ._binding import ffi, lib
-from ._expression import Condition, Expression, as_expression
+from ._expression import Condition, Expression, _condition, as_expression
 
 
 def _functions_of_c() -> dict[str, Callable[..., Expression]]:
@@ -52,10 +52,6 @@ OF_C = _functions_of_c()
 def _scalar_choose(condition: Any, a: Any, b: Any) -> Any:
     if isinstance(condition, (bool, np.bool_)):
         return a if condition else b
-    if isinstance(condition, Condition):
-        if not condition.strict:
-            return _scalar_choose(~condition, b, a)
-        condition = condition.difference
     if not isinstance(condition, Expression):
         return a if condition > 0 else b
     return OF_C["choose"](condition, a, b)
@@ -92,7 +88,11 @@ UFUNCS: dict[str, Callable[..., Any]] = {
     "exp2": lambda a: OF_C["exp"](as_expression(a) * math.log(2.0)),
     "expm1": lambda a: 2 * OF_C["exp"](as_expression(a) / 2) * OF_C["sinh"](as_expression(a) / 2),
     "log2": _log_of_base(2.0),
-    "log10": _log_of_base(10.0),
+    "remainder": OF_C["modulo"],
+    "floor_divide": lambda a, b: as_expression(a) // b,
+    "logical_and": lambda a, b: _condition(lib.sfdae_and, a, b),
+    "logical_or": lambda a, b: _condition(lib.sfdae_or, a, b),
+    "logical_not": lambda a: ~_condition(lib.sfdae_greater, a, 0.0),
     "degrees": lambda a: as_expression(a) * (180.0 / math.pi),
     "radians": lambda a: as_expression(a) * (math.pi / 180.0),
     "greater": lambda a, b: as_expression(a) > b,
@@ -116,6 +116,7 @@ _OPERATORS = {
     "positive",
     "absolute",
 }
+_OPERATORS |= {"remainder", "floor_divide"}
 _OPERATORS |= {"power", "greater", "greater_equal", "less", "less_equal"}
 for _name in sorted(UFUNCS.keys() - _OPERATORS):
     setattr(Expression, _name, UFUNCS[_name])
@@ -219,12 +220,86 @@ def choose(condition: Any, a: Any, b: Any) -> Any:
     return _elementwise(_scalar_choose, (condition, a, b))
 
 
+def derivative(a: Any, variable: Any) -> Any:
+    """The derivative of a formula by a variable, all others held; arrays are broadcast.
+
+    ``derivative(lam * g, q)`` is the force of a constraint g(q) = 0 on the positions q.
+
+    Parameters
+    ----------
+    a : Expression, float or array of these
+    variable : Expression or array of these
+        t, unknowns or their derivatives as they were handed to the function that writes the
+        equations, or parameters.
+    """
+    return _elementwise(OF_C["derivative"], (a, variable))
+
+
+def time_derivative(a: Any) -> Any:
+    """The total derivative along time of formulas in t and x, in which x' appears.
+
+    Parameters
+    ----------
+    a : Expression, float or array of these
+        Without x' in it, whose derivative is no variable, and not of a MultibodyProblem.
+    """
+    return _elementwise(OF_C["time_derivative"], (a,))
+
+
+def table(a: Any, x: Any, y: Any, degree: int = 3) -> Any:
+    """The value at a of the spline through points (x, y); see sfdae_table of the C library.
+
+    Outside of the data there is no value: hold the ends with ``np.clip``, or rather
+    ``np.minimum`` and ``np.maximum``, or use ``a % period``.
+
+    Parameters
+    ----------
+    a : Expression, float or array of these
+    x, y : array_like
+        At least degree + 1 points, x increasing.
+    degree : int
+        1, 3, 5 or 7.
+    """
+    points, values = (np.ascontiguousarray(data, dtype=float) for data in (x, y))
+    if points.ndim != 1 or points.shape != values.shape:
+        raise ValueError(f"x and y have the shapes {points.shape} and {values.shape}")
+    c_points, c_values = (ffi.cast("double*", data.ctypes.data) for data in (points, values))
+
+    def at(argument: Any) -> Expression:
+        expression = as_expression(argument)
+        if expression._recording is not None:
+            expression._recording.require_open()
+        c = lib.sfdae_table(expression._c, int(degree), points.size, c_points, c_values)
+        return Expression(c, expression._recording)
+
+    return _elementwise(at, (a,))
+
+
+def external(name: str, function: Callable[..., Any], *arguments: Any) -> Any:
+    """The value of a function that formulas cannot express; see sfdae_external of the C library.
+
+    Parameters
+    ----------
+    name : str
+        For messages.
+    function : callable
+        ``function(order, arguments)`` returns all partial derivatives of an order at k numbers, an
+        array of shape (k,) * order, a number for order 0; None if they are not available.
+    *arguments : Expression or float
+        k of them, at least one of them an expression.
+    """
+    from ._callbacks import external_value
+
+    return external_value(name, function, [as_expression(argument) for argument in arguments])
+
+
 PUBLIC = {
     name: _public(name, ufunc)
     for name, ufunc in {
         "sqrt": np.sqrt, "exp": np.exp, "log": np.log, "sin": np.sin, "cos": np.cos, "tan": np.tan,
         "arcsin": np.arcsin, "arccos": np.arccos, "arctan": np.arctan, "arctan2": np.arctan2,
         "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh, "absolute": np.absolute,
-        "minimum": np.minimum, "maximum": np.maximum,
+        "minimum": np.minimum, "maximum": np.maximum, "log10": np.log10, "sign": np.sign,
+        "floor": np.floor, "mod": np.mod,
     }.items()
 }  # fmt: skip

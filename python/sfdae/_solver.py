@@ -15,6 +15,7 @@ from ._inspection import Inspection
 from ._options import c_options, check_names
 from ._points import Point, wrapped
 from ._problem import LinearProblem, Problem
+from ._recorded_solution import RecordedSolution
 from ._status import Error, Status
 
 
@@ -317,6 +318,10 @@ class Solver(Inspection):
         x, xdot = np.empty((2, self.problem.num_unknowns))
         status = self._call(lib.sfdae_interpolate, t, self._pointer(x), self._pointer(xdot))
         return Point(float(t), x, xdot, Status(status), self.message)
+
+    def record(self, solution: RecordedSolution | None) -> None:
+        """From now on all accepted steps go to the solution; None: no more."""
+        self._call(lib.sfdae_record_solution, ffi.NULL if solution is None else solution._box[0])
 
     # ---- Events and checkpoints ------------------------------------------------------------------
 

@@ -159,9 +159,10 @@ CallResult check_options(const sfdae_options& options, int n) {
   if (!is_size(options.time_scale))
     return illegal_argument(format("time_scale is %g; it must be finite, >= 0.", options.time_scale));
   if (!is_flag(options.difference_derivatives) || !is_flag(options.ignore_inconsistency) ||
-      !is_flag(options.use_stop_time) || !is_flag(options.xdot_is_guess))
+      !is_flag(options.use_stop_time) || !is_flag(options.xdot_is_guess) || !is_flag(options.check_derivatives))
     return illegal_argument(
-        "difference_derivatives, ignore_inconsistency, use_stop_time and xdot_is_guess are flags: 0 or 1.");
+        "difference_derivatives, ignore_inconsistency, use_stop_time, xdot_is_guess and check_derivatives are flags: "
+        "0 or 1.");
   if (!is_size(options.difference_step))
     return illegal_argument(format("difference_step is %g; it must be finite, >= 0.", options.difference_step));
   if (!std::isfinite(options.consistency_tol) || options.consistency_tol <= 0.0 || options.consistency_tol >= 1.0)

@@ -73,6 +73,20 @@ sfdae_expression unary(Operation operation, const sfdae_expression& a) {
       [&] { return evaluate(operation, a.value); });
 }
 
+// What a recorder makes of operations; plain numbers go through one of their own.
+template <class Action>
+sfdae_expression composed(const char* name, std::initializer_list<sfdae_expression> operands, Action action) {
+  return combine({name, operands}, action, [&]() -> std::optional<double> {
+    Recorder recorder(0);
+    int nodes[3] = {}, count = 0;
+    for (const sfdae_expression& operand : operands) {
+      if (!std::isfinite(operand.value)) return std::nullopt;
+      nodes[count++] = recorder.constant(operand.value);
+    }
+    return recorder.number(action(recorder, nodes));
+  });
+}
+
 sfdae_expression binary(Operation operation, const sfdae_expression& a, const sfdae_expression& b) {
   return combine(
       {name_of(operation), {a, b}},
@@ -196,6 +210,7 @@ sfdae_expression sfdae_power(sfdae_expression a, sfdae_expression b) { return bi
 sfdae_expression sfdae_sqrt(sfdae_expression a) { return unary(Operation::sqrt, a); }
 sfdae_expression sfdae_exp(sfdae_expression a) { return unary(Operation::exp, a); }
 sfdae_expression sfdae_log(sfdae_expression a) { return unary(Operation::log, a); }
+sfdae_expression sfdae_log10(sfdae_expression a) { return unary(Operation::log10, a); }
 sfdae_expression sfdae_sin(sfdae_expression a) { return unary(Operation::sin, a); }
 sfdae_expression sfdae_cos(sfdae_expression a) { return unary(Operation::cos, a); }
 sfdae_expression sfdae_tan(sfdae_expression a) { return unary(Operation::tan, a); }
@@ -207,22 +222,43 @@ sfdae_expression sfdae_sinh(sfdae_expression a) { return unary(Operation::sinh, 
 sfdae_expression sfdae_cosh(sfdae_expression a) { return unary(Operation::cosh, a); }
 sfdae_expression sfdae_tanh(sfdae_expression a) { return unary(Operation::tanh, a); }
 
+sfdae_expression sfdae_floor(sfdae_expression a) { return unary(Operation::floor, a); }
+sfdae_expression sfdae_modulo(sfdae_expression a, sfdae_expression b) { return binary(Operation::modulo, a, b); }
+
 sfdae_expression sfdae_abs(sfdae_expression a) {
-  return combine(
-      {"abs", {a}}, [](Recorder& recorder, const int* nodes) { return recorder.abs(nodes[0]); },
-      [&] { return evaluate(Operation::choose, -a.value, -a.value, a.value); });
+  return composed("abs", {a}, [](Recorder& r, const int* nodes) { return r.abs(nodes[0]); });
 }
-
 sfdae_expression sfdae_min(sfdae_expression a, sfdae_expression b) {
-  return combine(
-      {"min", {a, b}}, [](Recorder& recorder, const int* nodes) { return recorder.min(nodes[0], nodes[1]); },
-      [&] { return evaluate(Operation::choose, b.value - a.value, a.value, b.value); });
+  return composed("min", {a, b}, [](Recorder& r, const int* nodes) { return r.min(nodes[0], nodes[1]); });
 }
-
 sfdae_expression sfdae_max(sfdae_expression a, sfdae_expression b) {
-  return combine(
-      {"max", {a, b}}, [](Recorder& recorder, const int* nodes) { return recorder.max(nodes[0], nodes[1]); },
-      [&] { return evaluate(Operation::choose, a.value - b.value, a.value, b.value); });
+  return composed("max", {a, b}, [](Recorder& r, const int* nodes) { return r.max(nodes[0], nodes[1]); });
+}
+sfdae_expression sfdae_sign(sfdae_expression a) {
+  return composed("sign", {a}, [](Recorder& r, const int* nodes) { return r.sign(nodes[0]); });
+}
+sfdae_expression sfdae_less(sfdae_expression a, sfdae_expression b) {
+  return composed("less", {a, b}, [](Recorder& r, const int* nodes) { return r.greater(nodes[1], nodes[0]); });
+}
+sfdae_expression sfdae_less_equal(sfdae_expression a, sfdae_expression b) {
+  return composed("less_equal", {a, b},
+                  [](Recorder& r, const int* nodes) { return r.greater_equal(nodes[1], nodes[0]); });
+}
+sfdae_expression sfdae_greater(sfdae_expression a, sfdae_expression b) {
+  return composed("greater", {a, b}, [](Recorder& r, const int* nodes) { return r.greater(nodes[0], nodes[1]); });
+}
+sfdae_expression sfdae_greater_equal(sfdae_expression a, sfdae_expression b) {
+  return composed("greater_equal", {a, b},
+                  [](Recorder& r, const int* nodes) { return r.greater_equal(nodes[0], nodes[1]); });
+}
+sfdae_expression sfdae_and(sfdae_expression a, sfdae_expression b) {
+  return composed("and", {a, b}, [](Recorder& r, const int* nodes) { return r.conjunction(nodes[0], nodes[1]); });
+}
+sfdae_expression sfdae_or(sfdae_expression a, sfdae_expression b) {
+  return composed("or", {a, b}, [](Recorder& r, const int* nodes) { return r.disjunction(nodes[0], nodes[1]); });
+}
+sfdae_expression sfdae_not(sfdae_expression a) {
+  return composed("not", {a}, [](Recorder& r, const int* nodes) { return r.negation(nodes[0]); });
 }
 
 sfdae_expression sfdae_choose(sfdae_expression c, sfdae_expression a, sfdae_expression b) {

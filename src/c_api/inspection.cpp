@@ -39,6 +39,7 @@ sfdae_statistics statistics_of(const sfdae_solver& solver) {
   s.evaluations_f = evaluations.f;
   s.evaluations_F = evaluations.F;
   s.linearizations = evaluations.linearizations;
+  s.check_calls = solver.model.problem().check_evaluations();
   if (!solver.integration) return s;
   const IntegrationCounts& counts = solver.integration->counts();
   const StepState state = solver.integration->stepper().state();
@@ -96,18 +97,6 @@ CallResult linear_only() { return illegal_argument("the problem is not linear.")
 
 CallResult no_struct() {
   return illegal_argument("the result is NULL or its size is not set: call its init function.");
-}
-
-std::string name_of(const DerivativeMismatch& mismatch) {
-  switch (mismatch.function) {
-    case 'G': return "constraint_jacobian (g_q)";
-    case 'T': return "constraint_rate (g_t)";
-    case 'C': return "constraint_curvature (gamma)";
-    case 'H': return "nonholonomic_curvature (eta)";
-    case 'x': return format("derivative %d of F_x", mismatch.order);
-    case 'd': return format("derivative %d of F_xdot", mismatch.order);
-    default: return format("derivative %d of %c", mismatch.order, mismatch.function);
-  }
 }
 
 // Passes a mismatch on, with words if it is suspicious.

@@ -50,8 +50,9 @@ std::vector<char> depends_on_velocities(const Recorder& recorder, int first_velo
   for (int i = 0; i < recorder.num_nodes(); ++i) {
     const Node& node = recorder.node(i);
     if (node.operation == Operation::unknown && node.a >= first_velocity) depends[index(i)] = 1;
-    for (int k = 0; k < num_operands(node.operation); ++k)
-      if (depends[index(node.operand(k))] != 0) depends[index(i)] = 1;
+    const Operands operands = recorder.operands(i);
+    for (int k = 0; k < operands.size(); ++k)
+      if (depends[index(operands[k])] != 0) depends[index(i)] = 1;
   }
   return depends;
 }
@@ -61,7 +62,7 @@ std::vector<char> depends_on_velocities(const Recorder& recorder, int first_velo
 std::unique_ptr<RecordedMultibody> record_multibody(const sfdae_multibody_problem& problem) {
   const MultibodySizes sizes = sizes_of(problem);
   const int nq = sizes.positions, nv = sizes.velocities, nl = sizes.holonomic, nk = sizes.nonholonomic;
-  sfdae_record record(nq + nv);
+  sfdae_record record(nq + nv, false);
   const std::vector<sfdae_expression> q = unknowns(record, 0, nq), v = unknowns(record, nq, nv);
   const sfdae_expression t = in(&record, record.recorder.time());
   std::vector<sfdae_expression> M = zeros(nv, nv), f = zeros(nv), g = zeros(nl), S = zeros(nq, nv), H = zeros(nk, nv),

@@ -2,15 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
+#include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "expression/external_function.h"
 #include "expression/recorder.h"
+#include "expression/spline.h"
 #include "sfdae/sfdae.h"
 
 // Mistakes are remembered, the first one counts, and recording goes on.
 struct sfdae_record {
-  explicit sfdae_record(int num_unknowns) : recorder(num_unknowns) {}
+  // has_derivatives: x' is a variable of the formulas.
+  explicit sfdae_record(int num_unknowns, bool with_derivatives = true)
+      : recorder(num_unknowns), has_derivatives(with_derivatives) {}
 
   void remember(int mistake_status, std::string mistake) {
     if (status != SFDAE_OK) return;
@@ -19,6 +26,13 @@ struct sfdae_record {
   }
 
   sfdae::core::Recorder recorder;
+  bool has_derivatives;
+  // Functions that were used, to know them again.
+  std::vector<std::shared_ptr<const sfdae::core::Spline>> splines;
+  std::vector<std::shared_ptr<const sfdae::core::ExternalFunction>> functions;
+  // The derivatives of the node that was differentiated last, by leaves that were there.
+  int differentiated = -1;
+  std::map<int, int> derivatives;
   int status = SFDAE_OK;
   std::string message;
 };

@@ -35,9 +35,23 @@ sfdae_initial_report report_of(const ConsistentPoint& point) {
           point.derivative_exact ? 1 : 0};
 }
 
+// Failures of an analysis that wrong derivatives may cause.
+bool may_be_of_derivatives(int status) { return status <= SFDAE_INDEX_TOO_HIGH && status > SFDAE_MAX_STEPS; }
+
+// An analysis that is not to be trusted is forgotten.
+void demand_derivatives(sfdae_solver& solver, const PointOfInterest& point) {
+  try {
+    solver.model.demand_derivatives(point, solver.options.model);
+  } catch (...) {
+    solver.forget_analysis();
+    throw;
+  }
+}
+
 }  // namespace
 
-SolverOptions::SolverOptions(const sfdae_options& o, int n) : xdot_is_guess(o.xdot_is_guess != 0) {
+SolverOptions::SolverOptions(const sfdae_options& o, int n)
+    : xdot_is_guess(o.xdot_is_guess != 0), checks_derivatives(o.check_derivatives != 0) {
   model.analysis = {o.max_index, o.reduction == SFDAE_REDUCTION_SVD, o.rank_tol, o.time_scale};
   model.differences = {o.difference_derivatives != 0, o.difference_step, 1.0};
   model.leading = leading_term_of(o.leading_term);
@@ -75,7 +89,15 @@ void analyze(sfdae_solver& solver, PointOfInterest point) {
   set_limits(solver, t, direction);
   const UserTime user_time(solver.problem(), t);
   solver.forget_analysis();
-  solver.model.analyze(point, solver.options.model, solver.decisions);
+  const bool checks = solver.options.checks_derivatives;
+  try {
+    solver.model.analyze(point, solver.options.model, solver.decisions);
+  } catch (const Failure& failure) {
+    if (checks && may_be_of_derivatives(failure.status()))
+      solver.model.demand_derivatives(point, solver.options.model);
+    throw;
+  }
+  if (checks) demand_derivatives(solver, point);
   solver.direction = direction;
 }
 
@@ -235,6 +257,7 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     if (checked.status != SFDAE_OK) return checked;
     SolverOptions fresh(copy, solver->model.n());
     fresh.integration.events = solver->events.get();
+    fresh.integration.breakpoints = solver->options.integration.breakpoints;
     const ModelOptions &old = solver->options.model, &now = fresh.model;
     const bool same_analysis =
         now.analysis.max_index == old.analysis.max_index && now.analysis.by_svd == old.analysis.by_svd &&
@@ -338,6 +361,7 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
     solver->integration =
         std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
                                       solver->options.integration, InitialPoint{t, toward, found.x, found.xdot});
+    solver->integration->record(solver->solution);
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = report_of(found);
@@ -379,6 +403,7 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
     solver->integration =
         restore_checkpoint(solver->model, solver->options.model, solver->options.integration, checkpoint, length);
+    solver->integration->record(solver->solution);
     solver->decisions.clear();
     solver->initial_report.reset();
     solver->direction = solver->integration->direction();

@@ -14,6 +14,7 @@
 
 #include "c_api/checks.h"
 #include "c_api/problems.h"
+#include "expression/time_breakpoints.h"
 #include "integrate/checkpoint.h"
 #include "integrate/events.h"
 #include "problem/failure.h"
@@ -27,16 +28,20 @@ struct SolverOptions {
   ModelOptions model;
   IntegrationOptions integration;
   bool xdot_is_guess;
+  bool checks_derivatives;
 };
 
 }  // namespace sfdae::core
 
 struct sfdae_solver {
   sfdae_solver(sfdae::core::AnyModel its_kind, const sfdae_options& user_options)
-      : kind(std::move(its_kind)), model(*kind.model), options(user_options, model.n()) {}
+      : sfdae_solver(std::move(its_kind), sfdae::core::SolverOptions(user_options, its_kind.model->n())) {}
 
-  sfdae_solver(sfdae::core::AnyModel its_kind, sfdae::core::SolverOptions its_options)
-      : kind(std::move(its_kind)), model(*kind.model), options(std::move(its_options)) {}
+  sfdae_solver(sfdae::core::AnyModel&& its_kind, sfdae::core::SolverOptions its_options)
+      : kind(std::move(its_kind)), model(*kind.model), options(std::move(its_options)) {
+    if (const sfdae::core::TaylorEvaluator* evaluator = model.evaluator()) breakpoints.emplace(*evaluator);
+    options.integration.breakpoints = breakpoints ? &*breakpoints : nullptr;
+  }
 
   sfdae::core::Problem& problem() { return model.problem(); }
   // Null before an analysis.
@@ -54,6 +59,8 @@ struct sfdae_solver {
   // After an analysis:
   double direction = 1.0;                       // of the nearby point of the analysis
   std::unique_ptr<sfdae::core::Events> events;  // options.integration points to them
+  std::optional<sfdae::core::TimeBreakpoints> breakpoints;
+  std::weak_ptr<sfdae::core::SolutionPieces> solution;  // where steps are recorded
   // After a start:
   std::unique_ptr<sfdae::core::Integration> integration;
   std::optional<sfdae_initial_report> initial_report;
@@ -70,6 +77,23 @@ inline constexpr const char* out_of_memory = "out of memory.";
 // Whose words stay: those of the call always, or those that explain an earlier failure.
 enum class Text { of_call, of_failure };
 
+// What helps where a multibody system with callbacks fails: a look at its derivatives.
+inline const char* hint_of(const sfdae_solver& solver, int status) {
+  const bool has_callbacks = solver.kind.multibody != nullptr && solver.kind.multibody->callbacks() != nullptr;
+  switch (status) {
+    case SFDAE_CHARACTERISTICS_CHANGED:
+    case SFDAE_RANK_UNCLEAR:
+    case SFDAE_NO_CONSISTENT_VALUES:
+    case SFDAE_STEP_TOO_SMALL:
+    case SFDAE_SINGULAR:
+      return has_callbacks
+                 ? " If that is a surprise: sfdae_check_multibody_derivatives compares the derivatives that "
+                   "the callbacks supply with differences."
+                 : "";
+    default: return "";
+  }
+}
+
 // Runs the body of an API call: one at a time, exceptions to status and message.
 template <Text text_kept = Text::of_call, class Body>
 int guarded(sfdae_solver* solver, Body body) noexcept {
@@ -79,7 +103,7 @@ int guarded(sfdae_solver* solver, Body body) noexcept {
     if (text_kept == Text::of_call) solver->message_explains_failure = status < 0;
     else if (solver->message_explains_failure) return status;
     if (*text == '\0') solver->message[0] = '\0';
-    else std::snprintf(solver->message, sizeof solver->message, "%s", text);
+    else std::snprintf(solver->message, sizeof solver->message, "%s%s", text, hint_of(*solver, status));
     return status;
   };
   int status = SFDAE_INTERNAL;

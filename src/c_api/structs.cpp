@@ -42,6 +42,7 @@ sfdae_options default_options() {
   options.min_stages = 1;
   options.max_stages = max_stages;
   options.output = SFDAE_OUTPUT_CONSISTENT;
+  options.check_derivatives = 1;
   return options;
 }
 

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <set>
 #include <vector>
 
 #include "expression/series.h"
 #include "linalg/format.h"
 #include "linalg/index.h"
+#include "sfdae/sfdae.h"
 
 namespace sfdae::core {
 
@@ -39,13 +41,22 @@ class Search {
       if (k >= 0) return k == 0 ? undefined(i) : not_smooth(i, k);
     }
     for (int i : nodes)
-      for (int slot : {tape_.p_of[index(i)], tape_.q_of[index(i)]})
-        if (slot >= 0 && record_.is_active(i) && first_bad_order(slots_[slot], failed_.order_of_gradients) >= 0)
-          return not_smooth(i, 1);
+      if (record_.is_active(i) && !has_slopes(i)) return not_smooth(i, 1);
     return {Kind::not_finite, failed_.equation, "", "overflow" + in_equation()};
   }
 
  private:
+  bool has_slopes(int i) const {
+    const auto is_good = [&](int slot) {
+      return slot < 0 || first_bad_order(slots_[slot], failed_.order_of_gradients) < 0;
+    };
+    const int p = tape_.p_of[index(i)];
+    if (record_.node(i).operation != Operation::function) return is_good(p) && is_good(tape_.q_of[index(i)]);
+    for (int k = 0; k < record_.operands(i).size(); ++k)
+      if (!is_good(p + k)) return false;
+    return true;
+  }
+
   // Nodes that the equation depends on, branches that were not chosen left out; operands first.
   std::vector<int> chosen_nodes() const {
     std::set<int> found;
@@ -59,7 +70,8 @@ class Search {
         stack.push_back(node.a);
         stack.push_back(series::is_positive(value(node.a)) ? node.b : node.c);
       } else {
-        for (int k = 0; k < num_operands(node.operation); ++k) stack.push_back(node.operand(k));
+        const Operands operands = record_.operands(i);
+        for (int k = 0; k < operands.size(); ++k) stack.push_back(operands[k]);
       }
     }
     return {found.begin(), found.end()};
@@ -73,9 +85,11 @@ class Search {
     const char* const name = name_of(node.operation);
     switch (node.operation) {
       case Operation::divide: return format("division of %.6g by %.6g", value(node.a), value(node.b));
+      case Operation::modulo: return format("modulo of %.6g by %.6g", value(node.a), value(node.b));
       case Operation::power: return format("%s %.6g^%.6g", name, value(node.a), value(node.b));
       case Operation::log_of_base: return format("%s of %.6g with a variable exponent", name, value(node.a));
       case Operation::parameter: return "parameter " + record_.parameters()[index(node.a)].name;
+      case Operation::function: return record_.function(node).name();
       default: break;
     }
     if (num_operands(node.operation) == 2) return format("%s of %.6g and %.6g", name, value(node.a), value(node.b));
@@ -84,9 +98,11 @@ class Search {
 
   bool is_undefined(const Node& node) const {
     switch (node.operation) {
-      case Operation::divide: return value(node.b) == 0.0;
+      case Operation::divide:
+      case Operation::modulo: return value(node.b) == 0.0;
       case Operation::sqrt:
       case Operation::log:
+      case Operation::log10:
       case Operation::log_of_base:
       case Operation::power: return !series::is_positive(value(node.a));
       case Operation::asin:
@@ -95,7 +111,32 @@ class Search {
     }
   }
 
+  // What a function says of its arguments, or returns for a derivative that is needed; else none.
+  std::optional<EvaluationFailure> refusal(int i) const {
+    if (record_.node(i).operation != Operation::function) return std::nullopt;
+    const Call& call = record_.call(i);
+    const char* const name = call.function->name().c_str();
+    double arguments[PointFunction::max_arguments] = {};
+    std::string list;
+    for (std::size_t k = 0; k < call.arguments.size(); ++k) {
+      arguments[k] = value(call.arguments[k]);
+      list += format(k == 0 ? "%.6g" : ", %.6g", arguments[k]);
+    }
+    const std::string objection = call.function->objection(arguments);
+    if (!objection.empty())
+      return EvaluationFailure{Kind::undefined, failed_.equation, name, objection + in_equation()};
+    const int highest = std::max(failed_.order, failed_.order_of_gradients + 1);
+    const MissingOrder missing = missing_order(call, arguments, highest);
+    if (missing.code == 0) return std::nullopt;
+    const std::string which = missing.order == 0 ? "" : format(" for its derivatives of order %d", missing.order);
+    const std::string what = missing.code == SFDAE_ORDER_NOT_AVAILABLE
+                                 ? format("%s has no derivatives of order %d", name, missing.order)
+                                 : format("%s(%s) returned %d%s", name, list.c_str(), missing.code, which.c_str());
+    return EvaluationFailure{Kind::refused, failed_.equation, name, what + in_equation(), missing.code};
+  }
+
   EvaluationFailure undefined(int i) const {
+    if (auto refused = refusal(i)) return std::move(*refused);
     const Node& node = record_.node(i);
     const bool defined = !is_undefined(node);
     const char* const what = defined ? " is not finite" : "";
@@ -104,6 +145,7 @@ class Search {
   }
 
   EvaluationFailure not_smooth(int i, int order) const {
+    if (auto refused = refusal(i)) return std::move(*refused);
     const Node& node = record_.node(i);
     return {Kind::not_smooth, failed_.equation, name_of(node.operation),
             application(node) + format(" has no finite derivative of order %d", order) + in_equation()};
@@ -117,6 +159,12 @@ class Search {
 };
 
 }  // namespace
+
+int status_of(const EvaluationFailure& failure) {
+  if (failure.code == 0) return SFDAE_NOT_FINITE;
+  if (failure.code == SFDAE_ORDER_NOT_AVAILABLE) return SFDAE_ORDER_MISSING;
+  return failure.code < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED;
+}
 
 EvaluationFailure diagnose(const Record& record, const Tape& tape, Slots slots, FailedEquation failed) {
   return Search(record, tape, slots, failed).result();

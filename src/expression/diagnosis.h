@@ -14,12 +14,14 @@ struct EvaluationFailure {
     none,
     undefined,   // log of -1, division by 0
     not_smooth,  // derivative of sqrt at 0
-    not_finite   // overflow, or an argument that is not finite
+    not_finite,  // overflow, or an argument that is not finite
+    refused      // by a function of the user's, which returned `code`
   };
   Kind kind = Kind::none;
   int equation = -1;           // -1: none in particular
   const char* operation = "";  // as in name_of
   std::string message;         // such as "log of -1 in equation 3"
+  int code = 0;
 };
 
 // Values of all slots, of an evaluation that failed.
@@ -34,6 +36,9 @@ struct FailedEquation {
   int equation;
   int order, order_of_gradients;
 };
+
+// The status of a call that ends so: SFDAE_NOT_FINITE, or what the code of a function asks for.
+int status_of(const EvaluationFailure& failure);
 
 EvaluationFailure diagnose(const Record& record, const Tape& tape, Slots slots, FailedEquation failed);
 

@@ -46,6 +46,7 @@ inline void execute(const Instruction& instruction, double* slots, Order K) {
       return;
     case Code::exp: return series::exp(a, v, K);
     case Code::log: return series::log(a, v, p, K);
+    case Code::log10: return series::log10(a, v, p, K);
     case Code::sin_cos: return series::sin_cos(a, v, p, K);
     case Code::sinh_cosh: return series::sinh_cosh(a, v, p, K);
     case Code::tan: return series::tangent(a, 1.0, v, p, K);
@@ -54,6 +55,10 @@ inline void execute(const Instruction& instruction, double* slots, Order K) {
     case Code::acos: return series::arc(a, -1.0, v, p, K);
     case Code::atan: return series::atan(a, v, p, K);
     case Code::atan2: return series::atan2(a, b, v, p, q, K);
+    case Code::floor: return series::floor(a, v, K);
+    case Code::modulo: return series::modulo(a, b, v, q, K);
+    case Code::copy: return series::copy(a, v, K);
+    case Code::function: return evaluate(*instruction.call, {a, b - a, v, with_slopes ? p : nullptr}, K);
     case Code::choose:
       if (std::isnan(a[0])) return series::poison(v, 0, K);
       return series::copy(series::is_positive(a[0]) ? b : slots + instruction.c, v, K);

@@ -26,10 +26,30 @@ void multiply(const Lanes* a, const Lanes* b, Lanes* v, Order K) {
   }
 }
 
+// The arguments of a function and the derivatives by them lie side by side.
+template <bool with_slopes, class Order>
+[[gnu::noinline]] void execute_function_singly(const Instruction& given, Lanes* slots, Order K) {
+  constexpr int size = LaneEvaluator::highest_order + 1;
+  const Call& call = *given.call;
+  const int k = call.function->num_arguments();
+  const std::ptrdiff_t stride = given.b - given.a;
+  double arguments[PointFunction::max_arguments * size], slopes[PointFunction::max_arguments * size], value[size];
+  for (int l = 0; l < lane_count; ++l) {
+    for (int i = 0; i < k; ++i)
+      for (int j = 0; j <= K; ++j) arguments[i * size + j] = slots[given.a + i * stride + j][l];
+    evaluate(call, {arguments, size, value, with_slopes ? slopes : nullptr}, K);
+    for (int j = 0; j <= K; ++j) slots[given.v + j][l] = value[j];
+    if constexpr (with_slopes)
+      for (int i = 0; i < k; ++i)
+        for (int j = 0; j <= K; ++j) slots[given.p + i * stride + j][l] = slopes[i * size + j];
+  }
+}
+
 // Point by point, as TaylorEvaluator does it. Slot 0 is a leaf: a result there is none. Not inlined into each of the
 // passes: that took the compiler a minute.
 template <bool with_slopes, class Order>
 [[gnu::noinline]] void execute_singly(const Instruction& given, Lanes* slots, Order K) {
+  if (given.code == Code::function) return execute_function_singly<with_slopes>(given, slots, K);
   constexpr int size = LaneEvaluator::highest_order + 1;
   const Instruction own{given.code, 0, size, 2 * size, 3 * size, 4 * size, 5 * size};
   const int from[] = {given.v, given.a, given.b, given.c, given.p, given.q};
@@ -106,6 +126,9 @@ bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
       return true;
     case Code::subtract:
       for (int k = 0; k <= K; ++k) v[k] = a[k] - b[k];
+      return true;
+    case Code::copy:
+      for (int k = 0; k <= K; ++k) v[k] = a[k];
       return true;
     case Code::multiply: multiply(a, b, v, K); return true;
     case Code::scale:

@@ -24,6 +24,7 @@ enum class Operation : std::uint8_t {
   sqrt,
   exp,
   log,
+  log10,
   sin,
   cos,
   tan,
@@ -34,7 +35,11 @@ enum class Operation : std::uint8_t {
   sinh,
   cosh,
   tanh,
-  choose  // b if a > 0, else c
+  floor,
+  modulo,  // a - b floor(a / b)
+  choose,  // b if a > 0, else c
+  // As many operands as its call says; a is the index of the call.
+  function
 };
 
 // As it is called in messages.
@@ -42,6 +47,12 @@ const char* name_of(Operation operation);
 
 constexpr bool is_leaf(Operation operation) { return operation <= Operation::derivative; }
 
+// Whether there is a derivative by operand number k: none by the condition of a choice, and none by what is rounded.
+constexpr bool is_differentiated(Operation operation, int k) {
+  return operation != Operation::floor && (operation != Operation::choose || k > 0);
+}
+
+// Of functions: 1, see operands_of.
 constexpr int num_operands(Operation operation) {
   switch (operation) {
     case Operation::add:
@@ -49,7 +60,8 @@ constexpr int num_operands(Operation operation) {
     case Operation::multiply:
     case Operation::divide:
     case Operation::power:
-    case Operation::atan2: return 2;
+    case Operation::atan2:
+    case Operation::modulo: return 2;
     case Operation::choose: return 3;
     default: return is_leaf(operation) ? 0 : 1;
   }

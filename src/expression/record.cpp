@@ -9,7 +9,7 @@
 
 namespace sfdae::core {
 
-Dependence dependence_of(const Node& node, const Dependence* operands) {
+Dependence dependence_of(const Node& node, const Operands& operands, const Dependence* dependence) {
   switch (node.operation) {
     case Operation::constant: return 0;
     case Operation::parameter: return on_parameters;
@@ -19,7 +19,7 @@ Dependence dependence_of(const Node& node, const Dependence* operands) {
     default: break;
   }
   Dependence result = 0;
-  for (int k = 0; k < num_operands(node.operation); ++k) result |= operands[node.operand(k)];
+  for (int k = 0; k < operands.size(); ++k) result |= dependence[operands[k]];
   return result;
 }
 
@@ -30,6 +30,7 @@ Dependence dependence_of_partial(const Record& record, int node, int k) {
     case Operation::add:
     case Operation::subtract: return 0;
     case Operation::multiply: return record.dependence(k == 0 ? v.b : v.a);
+    case Operation::modulo: return k == 0 ? 0 : record.dependence(node);
     case Operation::divide: return k == 0 ? record.dependence(v.b) : record.dependence(node);
     case Operation::choose: return record.dependence(v.a);
     default: return record.dependence(node);
@@ -38,21 +39,29 @@ Dependence dependence_of_partial(const Record& record, int node, int k) {
 
 namespace {
 
-// The condition of a choice has no derivative.
-int first_differentiated(Operation operation) { return operation == Operation::choose ? 1 : 0; }
+// A value jumps, or has a kink, where x or x' pass certain values.
+bool jumps_with_state(const Record& record, const Node& node) {
+  switch (node.operation) {
+    case Operation::choose:
+    case Operation::floor: return record.is_active(node.a);
+    case Operation::modulo: return record.is_active(node.a) || record.is_active(node.b);
+    default: return false;
+  }
+}
 
 }  // namespace
 
 Record::Record(Parts parts) : parts_(std::move(parts)) {
   dependence_.reserve(parts_.nodes.size());
-  for (const Node& node : parts_.nodes) dependence_.push_back(dependence_of(node, dependence_.data()));
+  for (const Node& node : parts_.nodes)
+    dependence_.push_back(dependence_of(node, {node, parts_.calls}, dependence_.data()));
   entries_.resize(parts_.residuals.size());
   BackwardWalk backward(*this);
   for (int i = 0; i < m(); ++i)
     for (const Adjoint& adjoint : backward.walk(i)) {
       const Node& carrier = node(adjoint.node);
       // A choice between numbers has no derivative, and jumps.
-      if (carrier.operation == Operation::choose && is_active(carrier.a)) jumps_ = true;
+      jumps_ = jumps_ || jumps_with_state(*this, carrier);
       if (!is_leaf(carrier.operation)) continue;
       entries_[index(i)].push_back({carrier.a, carrier.operation == Operation::derivative, adjoint.dependence});
     }
@@ -92,17 +101,20 @@ const std::vector<Adjoint>& BackwardWalk::walk(int equation) {
   };
   visit(record_.residual(equation));
   while (!stack_.empty()) {
-    const Node& node = record_.node(stack_.back());
+    const int node = stack_.back();
     stack_.pop_back();
-    for (int k = first_differentiated(node.operation); k < num_operands(node.operation); ++k) visit(node.operand(k));
+    const Operands operands = record_.operands(node);
+    for (int k = 0; k < operands.size(); ++k)
+      if (is_differentiated(record_.node(node).operation, k)) visit(operands[k]);
   }
   // Operands come before the node, so this order is one in which every adjoint is complete when it is reached.
   std::sort(adjoints_.begin(), adjoints_.end(), [](const Adjoint& v, const Adjoint& w) { return v.node > w.node; });
   for (Adjoint& adjoint : adjoints_) {
     adjoint.dependence = dependence_[index(adjoint.node)];
-    const Node& node = record_.node(adjoint.node);
-    for (int k = first_differentiated(node.operation); k < num_operands(node.operation); ++k)
-      dependence_[index(node.operand(k))] |= adjoint.dependence | dependence_of_partial(record_, adjoint.node, k);
+    const Operands operands = record_.operands(adjoint.node);
+    for (int k = 0; k < operands.size(); ++k)
+      if (is_differentiated(record_.node(adjoint.node).operation, k))
+        dependence_[index(operands[k])] |= adjoint.dependence | dependence_of_partial(record_, adjoint.node, k);
   }
   return adjoints_;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "expression/operation.h"
+#include "expression/point_function.h"
 #include "linalg/index.h"
 
 namespace sfdae::core {
@@ -23,7 +24,24 @@ constexpr bool varies_in_time(Dependence dependence) { return (dependence & (on_
 struct Node {
   Operation operation;
   int a = -1, b = -1, c = -1;
-  int operand(int k) const { return k == 0 ? a : k == 1 ? b : c; }
+};
+
+// Of a node of a graph with these calls.
+class Operands {
+ public:
+  Operands(const Node& node, const std::vector<Call>& calls)
+      : node_(node), call_(node.operation == Operation::function ? &calls[index(node.a)] : nullptr) {}
+  int size() const {
+    return call_ != nullptr ? static_cast<int>(call_->arguments.size()) : num_operands(node_.operation);
+  }
+  int operator[](int k) const {
+    if (call_ != nullptr) return call_->arguments[index(k)];
+    return k == 0 ? node_.a : k == 1 ? node_.b : node_.c;
+  }
+
+ private:
+  const Node& node_;
+  const Call* call_;
 };
 
 struct Parameter {
@@ -45,6 +63,7 @@ class Record {
     int num_unknowns = 0;
     std::vector<Node> nodes;
     std::vector<double> constants;
+    std::vector<Call> calls;
     std::vector<Parameter> parameters;
     std::vector<int> residuals;      // nodes, one for each equation
     std::vector<std::string> names;  // of equations; empty: numbers are names enough
@@ -56,6 +75,10 @@ class Record {
   int n() const { return parts_.num_unknowns; }
   int num_nodes() const { return static_cast<int>(parts_.nodes.size()); }
   const Node& node(int i) const { return parts_.nodes[index(i)]; }
+  Operands operands(int i) const { return {node(i), parts_.calls}; }
+  // Of a node that is a function.
+  const PointFunction& function(const Node& node) const { return *parts_.calls[index(node.a)].function; }
+  const Call& call(int i) const { return parts_.calls[index(node(i).a)]; }
   Dependence dependence(int i) const { return dependence_[index(i)]; }
   bool is_active(int i) const { return (dependence(i) & on_state) != 0; }
   double constant(int i) const { return parts_.constants[index(i)]; }
@@ -83,7 +106,7 @@ class Record {
   bool jumps_ = false;  // a choice depends on x or x'
 };
 
-Dependence dependence_of(const Node& node, const Dependence* operands);
+Dependence dependence_of(const Node& node, const Operands& operands, const Dependence* dependence);
 
 // What the derivative of a node by its operand number k depends on.
 Dependence dependence_of_partial(const Record& record, int node, int k);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/recorder.h"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -38,7 +39,7 @@ int Recorder::intern(const Node& node) {
   const auto [place, is_new] =
       known_.try_emplace({static_cast<int>(node.operation), node.a, node.b, node.c}, num_nodes());
   if (is_new) {
-    dependence_.push_back(dependence_of(node, dependence_.data()));
+    dependence_.push_back(dependence_of(node, {node, parts_.calls}, dependence_.data()));
     parts_.nodes.push_back(node);
   }
   return place->second;
@@ -78,10 +79,7 @@ int Recorder::apply(Operation operation, int a, int b, int c) {
     case Operation::multiply: return multiply(a, b);
     case Operation::divide: return divide(a, b);
     case Operation::power: return power(a, b);
-    case Operation::choose:
-      if (b == c) return b;
-      if (const auto condition = number(a)) return *condition > 0.0 ? b : c;
-      return intern({operation, a, b, c});
+    case Operation::choose: return choose(a, b, c);
     default: return intern({operation, a, b, c});
   }
 }
@@ -160,6 +158,24 @@ int Recorder::integer_power(int a, int exponent) {
   const int half = integer_power(a, exponent / 2);
   const int square = apply(Operation::multiply, half, half);
   return exponent % 2 == 0 ? square : apply(Operation::multiply, square, a);
+}
+
+int Recorder::call(const Call& call) {
+  const auto known = std::find(parts_.calls.begin(), parts_.calls.end(), call);
+  const auto place = known - parts_.calls.begin();
+  if (known == parts_.calls.end()) parts_.calls.push_back(call);
+  return intern({Operation::function, static_cast<int>(place)});
+}
+
+int Recorder::choose(int c, int a, int b) {
+  if (a == b) return a;
+  if (const auto condition = number(c)) return *condition > 0.0 ? a : b;
+  if (is(c, Operation::choose)) {  // between true and false, as comparisons are
+    const auto first = number(node(c).b), second = number(node(c).c);
+    if (first && second && (*first > 0.0) != (*second > 0.0))
+      return *first > 0.0 ? choose(node(c).a, a, b) : choose(node(c).a, b, a);
+  }
+  return intern({Operation::choose, c, a, b});
 }
 
 std::shared_ptr<const Record> Recorder::finish(std::vector<int> residuals) {

@@ -36,8 +36,25 @@ class Recorder {
   // The derivative at 0 is 1.
   int abs(int a) { return apply(Operation::choose, apply(Operation::negate, a), apply(Operation::negate, a), a); }
 
+  // 1 if it holds, else 0.
+  int greater(int a, int b) { return when(apply(Operation::subtract, a, b), 1.0, 0.0); }
+  int greater_equal(int a, int b) { return when(apply(Operation::subtract, b, a), 0.0, 1.0); }
+  // Of truth values: > 0 is true.
+  int conjunction(int a, int b) { return apply(Operation::choose, a, when(b, 1.0, 0.0), constant(0.0)); }
+  int disjunction(int a, int b) { return apply(Operation::choose, a, constant(1.0), when(b, 1.0, 0.0)); }
+  int negation(int a) { return when(a, 0.0, 1.0); }
+  int sign(int a) {
+    const int otherwise = when(apply(Operation::negate, a), -1.0, 0.0);
+    return apply(Operation::choose, a, constant(1.0), otherwise);
+  }
+
+  // A partial derivative of a function, or its value; arguments are nodes.
+  int call(const Call& call);
+
   int num_parameters() const { return static_cast<int>(parts_.parameters.size()); }
   const Node& node(int i) const { return parts_.nodes[index(i)]; }
+  Operands operands(int i) const { return {node(i), parts_.calls}; }
+  const Call& called(int i) const { return parts_.calls[index(node(i).a)]; }
   // The value of a constant.
   std::optional<double> number(int i) const;
 
@@ -63,6 +80,9 @@ class Recorder {
   int divide(int a, int b);
   int power(int a, int b);
   int integer_power(int a, int exponent);
+  int choose(int c, int a, int b);
+  // One of two numbers.
+  int when(int c, double a, double b) { return apply(Operation::choose, c, constant(a), constant(b)); }
 
   Record::Parts parts_;
   std::vector<Dependence> dependence_;

@@ -152,6 +152,44 @@ inline void log(Numbers a, Result v, Result p, Order K) {
   integrate(a, p, v, K);
 }
 
+// p = 1 / (a log 10)
+template <class Order>
+inline void log10(Numbers a, Result v, Result p, Order K) {
+  constexpr double log_10 = 2.302585092994045684018;
+  log(a, v, p, K);
+  if (is_positive(a[0])) v[0] = std::log10(a[0]);
+  for (int k = 0; k <= K; ++k) p[k] /= log_10;
+  for (int k = 1; k <= K; ++k) v[k] /= log_10;
+}
+
+// The largest integer up to a: constant between its jumps.
+template <class Order>
+inline void floor(Numbers a, Result v, Order K) {
+  v[0] = std::floor(a[0]);
+  for (int k = 1; k <= K; ++k) v[k] = 0.0;
+}
+
+// v = a - q b, q = floor(a / b): in [0, b) for b > 0, in (b, 0] for b < 0. fmod is exact, a - b floor(a / b) is not.
+template <class Order>
+inline void modulo(Numbers a, Numbers b, Result v, Result q, Order K) {
+  if (!std::isfinite(a[0]) || !std::isfinite(b[0]) || b[0] == 0.0) {
+    poison(q, 0, K);
+    return poison(v, 0, K);
+  }
+  double remainder = std::fmod(a[0], b[0]);
+  if (remainder != 0.0 && std::signbit(remainder) != std::signbit(b[0])) {
+    remainder += b[0];
+    // The sum is rounded to b where b is much larger.
+    if (remainder == b[0]) remainder = std::nextafter(b[0], 0.0);
+  }
+  v[0] = remainder == 0.0 ? 0.0 : remainder;
+  q[0] = std::nearbyint((a[0] - remainder) / b[0]);
+  for (int k = 1; k <= K; ++k) {
+    q[k] = 0.0;
+    v[k] = a[k] - q[0] * b[k];
+  }
+}
+
 // s' = c a', c' = -s a'
 template <class Order>
 inline void sin_cos(Numbers a, Result s, Result c, Order K) {

@@ -3,6 +3,7 @@
 #include "expression/symbolic_gradient.h"
 
 #include <array>
+#include <cmath>
 
 #include "linalg/index.h"
 
@@ -39,6 +40,7 @@ Adjoints adjoints_of_operands(Recorder& recorder, const Node& f, int v_node, int
     case Operation::power: return {(y * b * a.with(Operation::power, (b - one).node)).node, -1, -1};
     case Operation::log_of_base:
     case Operation::log: return {(y / a).node, -1, -1};
+    case Operation::log10: return {(y / (v.number(std::log(10.0)) * a)).node, -1, -1};
     case Operation::sqrt: return {(y / (v.number(2.0) * v)).node, -1, -1};
     case Operation::exp: return {(y * v).node, -1, -1};
     case Operation::sin: return {(y * a.with(Operation::cos)).node, -1, -1};
@@ -54,6 +56,11 @@ Adjoints adjoints_of_operands(Recorder& recorder, const Node& f, int v_node, int
     case Operation::sinh: return {(y * a.with(Operation::cosh)).node, -1, -1};
     case Operation::cosh: return {(y * a.with(Operation::sinh)).node, -1, -1};
     case Operation::tanh: return {(y * (one - v * v)).node, -1, -1};
+    case Operation::floor: return {-1, -1, -1};
+    case Operation::modulo: {  // v = a - q b with an integer q
+      const Term q = ((a - v) / b + v.number(0.5)).with(Operation::floor);
+      return {y.node, (-(y * q)).node, -1};
+    }
     case Operation::choose: {
       const int zero = v.number(0.0).node;
       return {-1, recorder.apply(Operation::choose, f.a, y.node, zero),
@@ -64,35 +71,92 @@ Adjoints adjoints_of_operands(Recorder& recorder, const Node& f, int v_node, int
     case Operation::time:
     case Operation::unknown:
     case Operation::derivative: break;  // no operands
+    case Operation::function: break;    // see symbolic_gradient
   }
   return {-1, -1, -1};
 }
 
+// What the adjoint y of v = a^b adds to that of b, which may be a parameter.
+int adjoint_of_exponent(Recorder& recorder, const Node& f, int v, int y) {
+  const int logarithm = recorder.apply(Operation::log_of_base, f.a);
+  return recorder.apply(Operation::multiply, recorder.apply(Operation::multiply, y, v), logarithm);
+}
+
+// Whether nodes up to the last one depend on the leaves.
+std::vector<char> dependents(const Recorder& recorder, int last, const std::vector<int>& leaves) {
+  std::vector<char> depends(index(last + 1), 0);
+  for (int leaf : leaves)
+    if (leaf <= last) depends[index(leaf)] = 1;
+  for (int i = 0; i <= last; ++i) {
+    const Operands operands = recorder.operands(i);
+    for (int k = 0; k < operands.size(); ++k)
+      if (depends[index(operands[k])] != 0) depends[index(i)] = 1;
+  }
+  return depends;
+}
+
+// Adds change to the sum of a node.
+void add(Recorder& recorder, int& sum, int change) { sum = recorder.apply(Operation::add, sum, change); }
+
 }  // namespace
 
-std::vector<int> symbolic_gradient(Recorder& recorder, int node, int count) {
-  const int size = node + 1, zero = recorder.constant(0.0);
-  std::vector<char> depends(index(size), 0);
-  for (int i = 0; i < size; ++i) {
-    const Node& f = recorder.node(i);
-    if (f.operation == Operation::unknown && f.a < count) depends[index(i)] = 1;
-    for (int k = 0; k < num_operands(f.operation); ++k)
-      if (depends[index(f.operand(k))] != 0) depends[index(i)] = 1;
-  }
-  std::vector<int> adjoint(index(size), zero), gradient(index(count), zero);
+std::vector<int> symbolic_gradient(Recorder& recorder, int node, const std::vector<int>& leaves) {
+  const int zero = recorder.constant(0.0);
+  const std::vector<char> depends = dependents(recorder, node, leaves);
+  std::vector<int> adjoint(index(node + 1), zero), gradient;
   adjoint[index(node)] = recorder.constant(1.0);
   for (int i = node; i >= 0; --i) {
-    if (depends[index(i)] == 0 || adjoint[index(i)] == zero) continue;
+    const int y = adjoint[index(i)];
+    if (depends[index(i)] == 0 || y == zero) continue;
     const Node f = recorder.node(i);  // recording moves nodes
-    if (f.operation == Operation::unknown) gradient[index(f.a)] = adjoint[index(i)];
-    const Adjoints change = adjoints_of_operands(recorder, f, i, adjoint[index(i)]);
-    for (int k = 0; k < num_operands(f.operation); ++k) {
-      if (change[index(k)] < 0 || depends[index(f.operand(k))] == 0) continue;
-      int& sum = adjoint[index(f.operand(k))];
-      sum = recorder.apply(Operation::add, sum, change[index(k)]);
+    if (f.operation == Operation::function) {
+      Call call = recorder.called(i);
+      call.by.push_back(0);
+      for (std::size_t k = 0; k < call.arguments.size(); ++k) {
+        if (depends[index(call.arguments[k])] == 0) continue;
+        call.by.back() = static_cast<int>(k);
+        const int partial = recorder.call(call);
+        add(recorder, adjoint[index(call.arguments[k])], recorder.apply(Operation::multiply, y, partial));
+      }
+      continue;
     }
+    const bool by_exponent = f.operation == Operation::power && depends[index(f.b)] != 0;
+    const Adjoints change = adjoints_of_operands(recorder, f, i, y);
+    const Operands operands(f, {});
+    for (int k = 0; k < operands.size(); ++k)
+      if (change[index(k)] >= 0 && depends[index(operands[k])] != 0)
+        add(recorder, adjoint[index(operands[k])], change[index(k)]);
+    if (by_exponent) add(recorder, adjoint[index(f.b)], adjoint_of_exponent(recorder, f, i, y));
   }
+  for (int leaf : leaves) gradient.push_back(leaf <= node ? adjoint[index(leaf)] : zero);
   return gradient;
+}
+
+std::vector<int> symbolic_gradient(Recorder& recorder, int node, int count) {
+  std::vector<int> unknowns;
+  for (int j = 0; j < count; ++j) unknowns.push_back(recorder.unknown(j));
+  return symbolic_gradient(recorder, node, unknowns);
+}
+
+std::optional<int> symbolic_time_derivative(Recorder& recorder, int node) {
+  std::vector<int> leaves, rates;
+  for (int i = 0; i <= node; ++i) {
+    const Node leaf = recorder.node(i);
+    if (leaf.operation == Operation::time) rates.push_back(recorder.constant(1.0));
+    else if (leaf.operation == Operation::unknown) rates.push_back(recorder.derivative(leaf.a));
+    else if (leaf.operation == Operation::derivative) rates.push_back(-1);
+    else continue;
+    leaves.push_back(i);
+  }
+  const std::vector<int> gradient = symbolic_gradient(recorder, node, leaves);
+  const int zero = recorder.constant(0.0);
+  int sum = zero;
+  for (std::size_t k = 0; k < leaves.size(); ++k) {
+    if (gradient[k] == zero) continue;
+    if (rates[k] < 0) return std::nullopt;
+    add(recorder, sum, recorder.apply(Operation::multiply, gradient[k], rates[k]));
+  }
+  return sum;
 }
 
 }  // namespace sfdae::core

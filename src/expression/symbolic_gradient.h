@@ -4,6 +4,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "expression/recorder.h"
@@ -13,5 +14,10 @@ namespace sfdae::core {
 // Nodes of the derivatives of `node` by the first `count` unknowns; where there are kinks, those of the branch that
 // holds.
 std::vector<int> symbolic_gradient(Recorder& recorder, int node, int count);
+// By nodes of leaves.
+std::vector<int> symbolic_gradient(Recorder& recorder, int node, const std::vector<int>& leaves);
+
+// The derivative along time, x' being that of x; none if that needs x'', as the node depends on x'.
+std::optional<int> symbolic_time_derivative(Recorder& recorder, int node);
 
 }  // namespace sfdae::core

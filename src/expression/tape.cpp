@@ -21,6 +21,7 @@ Code code_of(Operation operation) {
     case Operation::exp: return Code::exp;
     case Operation::log_of_base:
     case Operation::log: return Code::log;
+    case Operation::log10: return Code::log10;
     case Operation::sin:
     case Operation::cos: return Code::sin_cos;
     case Operation::sinh:
@@ -31,6 +32,9 @@ Code code_of(Operation operation) {
     case Operation::acos: return Code::acos;
     case Operation::atan: return Code::atan;
     case Operation::atan2: return Code::atan2;
+    case Operation::floor: return Code::floor;
+    case Operation::modulo: return Code::modulo;
+    case Operation::function: return Code::function;
     default: return Code::choose;
   }
 }
@@ -46,10 +50,16 @@ bool has_slope(Code code) {
     case Code::multiply:
     case Code::scale:
     case Code::exp:
+    case Code::floor:
+    case Code::modulo:
+    case Code::copy:
     case Code::choose: return false;
     default: return true;
   }
 }
+
+// There are two operands with derivatives that have to be kept, or the second one has.
+bool has_second_slope(Code code) { return code == Code::divide || code == Code::atan2 || code == Code::modulo; }
 
 // Nodes that equations depend on.
 std::vector<bool> live_nodes(const Record& record) {
@@ -57,8 +67,8 @@ std::vector<bool> live_nodes(const Record& record) {
   for (int i = 0; i < record.m(); ++i) live[index(record.residual(i))] = true;
   for (int i = record.num_nodes() - 1; i >= 0; --i) {
     if (!live[index(i)]) continue;
-    const Node& node = record.node(i);
-    for (int k = 0; k < num_operands(node.operation); ++k) live[index(node.operand(k))] = true;
+    const Operands operands = record.operands(i);
+    for (int k = 0; k < operands.size(); ++k) live[index(operands[k])] = true;
   }
   return live;
 }
@@ -74,6 +84,7 @@ class Builder {
     for (int i = 0; i < record_.num_nodes(); ++i) {
       if (!live[index(i)]) continue;
       if (is_leaf(record_.node(i).operation)) add_leaf(i);
+      else if (record_.node(i).operation == Operation::function) add_function(i);
       else add_instruction(i);
     }
     for (int i = 0; i < record_.m(); ++i) tape_.residuals.push_back(slot(record_.residual(i)));
@@ -113,7 +124,7 @@ class Builder {
     choose_variant(node, instruction);
     instruction.v = tape_.num_slots++;
     if (has_slope(instruction.code)) instruction.p = tape_.num_slots++;
-    if (instruction.code == Code::divide || instruction.code == Code::atan2) instruction.q = tape_.num_slots++;
+    if (has_second_slope(instruction.code)) instruction.q = tape_.num_slots++;
     if (instruction.code == Code::choose && record_.is_active(i)) tape_.has_choices = true;
     tape_.slot_of[index(i)] = instruction.v;
     tape_.p_of[index(i)] = instruction.p;
@@ -122,6 +133,22 @@ class Builder {
       tape_.slot_of[index(i)] = instruction.p;
       tape_.p_of[index(i)] = instruction.v;
     }
+    section(i).push_back(instruction);
+  }
+
+  // Arguments follow each other, and so do the derivatives by them.
+  void add_function(int i) {
+    const Call& call = record_.call(i);
+    const int k = call.function->num_arguments();
+    Instruction instruction{Code::function};
+    instruction.call = &call;
+    instruction.a = k == 1 ? slot(call.arguments[0]) : tape_.num_slots;
+    instruction.b = instruction.a + 1;
+    if (k > 1)
+      for (int argument : call.arguments) section(i).push_back({Code::copy, tape_.num_slots++, slot(argument)});
+    instruction.v = tape_.slot_of[index(i)] = tape_.num_slots++;
+    instruction.p = tape_.p_of[index(i)] = tape_.num_slots;
+    tape_.num_slots += k;
     section(i).push_back(instruction);
   }
 
@@ -186,6 +213,15 @@ class Builder {
       case Operation::atan2:
         add_edge(EdgeCode::multiply, i, node.a, p);
         return add_edge(EdgeCode::multiply, i, node.b, q);
+      case Operation::floor: return;
+      case Operation::function: {
+        const Operands operands = record_.operands(i);
+        for (int k = 0; k < operands.size(); ++k) add_edge(EdgeCode::multiply, i, operands[k], p + k);
+        return;
+      }
+      case Operation::modulo:
+        add_edge(EdgeCode::pass, i, node.a, -1);
+        return add_edge(EdgeCode::multiply_negated, i, node.b, q);
       case Operation::choose:
         add_edge(EdgeCode::pass_if_positive, i, node.b, slot(node.a));
         return add_edge(EdgeCode::pass_otherwise, i, node.c, slot(node.a));

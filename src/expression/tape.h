@@ -23,6 +23,7 @@ enum class Code : std::uint8_t {
   sqrt,              // p = 1 / (2 v)
   exp,
   log,        // p = 1 / a
+  log10,      // p = 1 / (a log 10)
   sin_cos,    // v = sin a, p = cos a
   sinh_cosh,  // v = sinh a, p = cosh a
   tan,
@@ -31,7 +32,11 @@ enum class Code : std::uint8_t {
   acos,
   atan,   // p: derivative by a
   atan2,  // p, q: derivatives by a, b
-  choose  // v = b if a > 0, else c
+  floor,
+  modulo,  // q = floor(a / b): minus the derivative by b
+  copy,
+  function,  // of a, a + 1, ...; p, p + 1, ...: derivatives by these
+  choose     // v = b if a > 0, else c
 };
 
 // Slots of the result, the operands and the derivatives that are needed; -1: none.
@@ -39,6 +44,7 @@ struct Instruction {
   Code code;
   int v = -1, a = -1, b = -1, c = -1;
   int p = -1, q = -1;
+  const Call* call = nullptr;  // of a function; b is then the slot after a
 };
 
 enum class EdgeCode : std::uint8_t {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "expression/time_breakpoints.h"
 #include "integrate/integration_results.h"
 #include "integrate/step_events.h"
 #include "linalg/index.h"
@@ -166,6 +167,7 @@ CallResult Integration::run(double tout, bool one_step) {
     if (auto stopped = obstacle(attempts, tout)) return std::move(*stopped);
     if (integrator_.method == Method::radau && integrator_.system.differential() > 0 && choice_.prefers_bdf())
       restart(Method::bdf);
+    else if (is_at_kink()) restart(integrator_.method);
     const long steps = counts_.own.steps;
     const auto result = attempt_step(tout);
     const bool is_step_taken = counts_.own.steps > steps;
@@ -175,6 +177,13 @@ CallResult Integration::run(double tout, bool one_step) {
     if (one_step && is_step_taken && !integrator_.has_passed(tout)) return {SFDAE_STEP_TAKEN, ""};
   }
   return {};
+}
+
+// The polynomials of the steps before say nothing about those after, and the error test may not notice that
+// (docs/decisions/41-tables-and-solutions.md).
+bool Integration::is_at_kink() const {
+  const StepState state = integrator_.stepper->state();
+  return options_.breakpoints != nullptr && state.last.h != 0.0 && options_.breakpoints->is_kink(state.t);
 }
 
 std::optional<CallResult> Integration::obstacle(long attempts, double tout) const {
@@ -224,6 +233,10 @@ Integration::Target Integration::choose_target(const StepState& state, double h,
   std::optional<double> limit = options_.stop_time;
   if (approach_ && !approach_->is_reached) limit = approach_->t;
   if (change_) limit = change_->t_before;
+  if (options_.breakpoints != nullptr) {
+    const std::optional<double> kink = options_.breakpoints->next(state.t, direction);
+    if (kink && (!limit || (*limit - *kink) * direction > 0.0)) limit = kink;
+  }
   // No tiny rest before a limit, and not a bit beyond.
   if (limit && (target.t - *limit) * direction > -rest_at_limit * std::fabs(h)) target.t = *limit;
   // Steps that end at tout: nearly there counts as there; the step cut short says nothing about the next one. Where
@@ -264,6 +277,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
   counts.rounding = std::max(counts.rounding, integrator_.weights.floor_ratio());
   counts.smallest_kept =
       std::min({counts.smallest_kept, quality.smallest_pivot, quality.kept_constraints, quality.kept_differential});
+  const double from = integrator_.stepper->state().t;
   integrator_.stepper->commit();
   system.accept();
   if (counts.steps++ == 0) counts.first_step = h;
@@ -271,7 +285,28 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
   if (approach_ && approach_->is_reached) approach_.reset();
   else if (approach_ && integrator_.has_passed(approach_->t)) approach_->is_reached = true;
   if (auto excess = integrator_.differences.lasting_excess(integrator_.weights)) return excess;
+  record_step(from);
   return call_monitor(h);
+}
+
+// What interpolate() would return with outputs that may be interpolated; the polynomial as it is where that fails.
+void Integration::record_step(double from) {
+  const std::shared_ptr<SolutionPieces> solution = solution_.lock();
+  if (!solution) return;
+  Stepper& stepper = *integrator_.stepper;
+  const double t = stepper.state().t;
+  const auto sample = [&](double at, double* x) {
+    try {
+      output_.evaluate_aside(integrator_, {at, true, Slopes::none, true}, options_, x, nullptr);
+    } catch (const Failure& failure) {
+      if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+      output_.interpolate(stepper, at, x, nullptr);
+    }
+  };
+  const auto tolerance = [&](int i, const double* x) { return integrator_.weights.tolerance(i, x); };
+  const bool continues = std::exchange(is_recorded_, false);
+  solution->add(integrator_.system.unknowns(), {from, t, continues, sample, tolerance});
+  is_recorded_ = true;
 }
 
 // Then the step, of size h, is tried again up to the change.

@@ -6,11 +6,13 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "integrate/integration_options.h"
 #include "integrate/integrator.h"
 #include "integrate/method_choice.h"
+#include "integrate/solution_pieces.h"
 #include "integrate/step_output.h"
 #include "integrate/work_counts.h"
 #include "system/change_watch.h"
@@ -48,6 +50,11 @@ class Integration {
   void want_slopes(bool wanted) { slopes_ = wanted || options_.events != nullptr ? Slopes::wanted : Slopes::none; }
   // None: nullptr. They are searched from the point returned last.
   void set_events(Events* events) { options_.events = events; }
+  // Where steps go from now on; none: nullptr.
+  void record(std::weak_ptr<SolutionPieces> solution) {
+    solution_ = std::move(solution);
+    is_recorded_ = false;
+  }
   IntegrationCounts counts() const;
   const Stepper& stepper() const { return *integrator_.stepper; }
   Method method() const { return integrator_.method; }  // at present: bdf or radau
@@ -63,6 +70,8 @@ class Integration {
   };
 
   CallResult run(double tout, bool one_step);
+  // An input has a kink at the last point, up to which there are steps.
+  bool is_at_kink() const;
   // What keeps the next step from being tried.
   std::optional<CallResult> obstacle(long attempts, double tout) const;
   std::optional<CallResult> attempt_step(double tout);
@@ -70,6 +79,7 @@ class Integration {
   std::optional<CallResult> accept_step(double h, double wanted);
   bool has_found_change(double h);
   void look_closer(const LocatedChange& suspect, double h);
+  void record_step(double from);
   std::optional<CallResult> call_monitor(double h) const;
   std::optional<CallResult> handle_failure(StepOutcome outcome, double h, double tout);
   bool has_located_change(double h, double tout);
@@ -102,6 +112,8 @@ class Integration {
   double start_ = 0.0, last_returned_ = 0.0;
   double span_ = 0.0;  // the interval of interest
   Slopes slopes_ = Slopes::wanted;
+  std::weak_ptr<SolutionPieces> solution_;
+  bool is_recorded_ = false;  // the last step is
 };
 
 }  // namespace sfdae::core

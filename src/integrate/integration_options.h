@@ -12,6 +12,7 @@
 namespace sfdae::core {
 
 struct Events;
+class TimeBreakpoints;
 
 // automatic: Radau, until frequent output or failing steps show that BDF is better off.
 enum class Method { bdf, radau, automatic };
@@ -28,7 +29,8 @@ struct IntegrationOptions : Acceptance {
   long max_steps = 100000;
   sfdae_monitor_function monitor = nullptr;
   void* monitor_user = nullptr;
-  Events* events = nullptr;  // not owned; none
+  Events* events = nullptr;                      // not owned; none
+  const TimeBreakpoints* breakpoints = nullptr;  // not owned; none: where steps end
 };
 
 struct IntegrationCounts {

@@ -40,6 +40,7 @@ class Archive {
   bool is_reading() const { return from_ != nullptr; }
   std::size_t size() const { return size_; }  // doubles counted, written or read so far
   bool has_ended() const { return size_ == length_; }
+  std::size_t rest() const { return length_ - size_; }  // that can still be read
 
   // Reading beyond the end, or NaN, throws DamagedArchive.
   void real(double& value) { reals(&value, 1); }

@@ -42,6 +42,15 @@ CallbackError CallbackMultibody::at_velocity(double t, const double* q, const do
   return error;
 }
 
+CallbackError CallbackMultibody::constraint_terms(double t, const double* q, const double* v, MultibodyTerms& terms) {
+  CallbackError error;
+  ++(is_checking_ ? check_evaluations_ : evaluations_);
+  const MultibodyArguments at{t, q, v};
+  (void)(functions_.constraints(at, terms.g.data(), error) && functions_.velocity_constraints(at, terms, error) &&
+         functions_.curvatures(at, terms.acceleration_rest.data(), error));
+  return error;
+}
+
 CallbackError CallbackMultibody::linearize(const MultibodyState& state, const MultibodyTerms& terms,
                                            MultibodyJacobian& jacobian) {
   CallbackError error;

@@ -75,7 +75,7 @@ std::shared_ptr<const Record> first_order_equations(Recorder& recorder, const Mu
 }
 
 bool report_failure(const TaylorEvaluator& evaluator, CallbackError& error) {
-  error.status = SFDAE_NOT_FINITE;
+  error.status = status_of(evaluator.failure());
   error.row = evaluator.failure().equation;
   error.detail = "the formulas cannot be evaluated at " + error.where() + ": " + evaluator.failure().message + ".";
   return false;

@@ -7,7 +7,9 @@
 
 #include "linalg/index.h"
 #include "multibody/multibody_consistency.h"
+#include "multibody/multibody_supplied_lines.h"
 #include "problem/failure.h"
+#include "problem/supplied_line.h"
 
 namespace sfdae::core {
 
@@ -52,6 +54,20 @@ void MultibodyModel::analyze(const PointOfInterest& point, const ModelOptions& o
   analysis.by_precedent = analysis.values == options.precedent.values && analysis.rank_E == options.precedent.rank_E;
   system_ = std::make_unique<MultibodySystem>(*problem_, settings(ranks, options.analysis), std::move(analysis),
                                               q.data(), v.data());
+}
+
+void MultibodyModel::demand_derivatives(const PointOfInterest& point, const ModelOptions&) {
+  // Where no consistent values were found, g_q may be that of a formula that holds on the constraints only: it counts
+  // if it is wrong by more than that. By judgement.
+  constexpr double off_constraints = 0.3;
+  if (callbacks_ == nullptr) return;
+  const double* q = point.x;
+  const double* v = point.x + problem_->sizes().positions;
+  if (system_) {
+    q = system_->accepted_point().q.data();
+    v = system_->accepted_point().v.data();
+  }
+  core::demand_derivatives(*callbacks_, {point.t, point.toward, q, v, system_ ? least_wrong_part : off_constraints});
 }
 
 std::unique_ptr<MultibodySystem> MultibodyModel::archived_system(const ModelOptions& options, Archive& archive) {

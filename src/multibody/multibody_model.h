@@ -50,6 +50,7 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
   }
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
+  void demand_derivatives(const PointOfInterest& point, const ModelOptions& options) override;
   // The user's functions; null for recorded formulas.
   CallbackMultibody* callbacks() { return callbacks_; }
   // Of the point accepted last, after an analysis.

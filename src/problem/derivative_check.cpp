@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "problem/supplied_line.h"
 
 namespace sfdae::core {
 
@@ -24,7 +27,70 @@ void compare(LinearProblem& problem, char which, double t, int order, Derivative
       [&](double offset, double* values) { return problem.call(which, t + offset, order - 1, values); }, worst);
 }
 
+// Derivatives of orders 0 ... max_order of one function, one after the other, as far as they are available.
+class OrdersOfFunction {
+ public:
+  OrdersOfFunction(LinearProblem& problem, char which, int max_order)
+      : problem_(problem),
+        which_(which),
+        highest_(max_order),
+        rows_(problem.m()),
+        count_(which == 'f' ? rows_ : rows_ * problem.n()) {}
+
+  std::optional<DerivativeMismatch> mismatch(double t, double reach) {
+    SuppliedLine line{0, count_, t, reach, {}, std::vector<double>(index(count_) * index(highest_ + 1))};
+    CallbackError error = evaluate(t, line.base.data());
+    if (error.status == SFDAE_ORDER_MISSING) {
+      highest_ = error.order - 1;
+      if (highest_ < 1) return {};
+      line.base.resize(index(count_) * index(highest_ + 1));
+      error = {};
+    }
+    if (error.status == SFDAE_CALLBACK_STOPPED || error.status == SFDAE_STOPPED) error.raise();
+    if (error.status != SFDAE_OK) return {};
+    line.count = count_ * highest_;
+    line.evaluate = [&](double offset, double* values) { return evaluate(t + offset, values); };
+    const auto found = contradictions(line, unconfirmed_entries(line), least_wrong_part);
+    const LineContradiction* worst = nullptr;
+    // An order is judged by the one below: the lowest one that is wrong.
+    for (const LineContradiction& c : found)
+      if (worst == nullptr || order_of(c) < order_of(*worst) ||
+          (order_of(c) == order_of(*worst) && c.strength > worst->strength))
+        worst = &c;
+    if (worst == nullptr) return {};
+    const int entry = worst->entry % count_;
+    return DerivativeMismatch{which_,          order_of(*worst),  entry % rows_, entry / rows_,
+                              worst->supplied, worst->difference, 1.0,           1.0 / worst->strength};
+  }
+
+ private:
+  int order_of(const LineContradiction& c) const { return c.entry / count_ + 1; }
+
+  CallbackError evaluate(double t, double* values) {
+    for (int k = 0; k <= highest_; ++k) {
+      const CallbackError error = problem_.call(which_, t, k, values + index(count_) * index(k));
+      if (error.status != SFDAE_OK && error.status != SFDAE_NOT_FINITE) return error;
+    }
+    return {};
+  }
+
+  LinearProblem& problem_;
+  char which_;
+  int highest_, rows_, count_;
+};
+
 }  // namespace
+
+void demand_derivatives(LinearProblem& problem, double t, double toward, int max_order) {
+  const DerivativeChecking checking(problem);
+  const double direction = toward < t ? -1.0 : 1.0;
+  const double reach = std::min(std::fabs(toward - t), problem.room(t, direction));
+  for (char which : {'E', 'A', 'f'}) {
+    if (problem.is_constant(which)) continue;
+    if (const auto wrong = OrdersOfFunction(problem, which, max_order).mismatch(t, direction * reach))
+      throw WrongDerivative(*wrong, t);
+  }
+}
 
 DerivativeMismatch check_derivatives(LinearProblem& problem, double t, int max_order) {
   DerivativeMismatch worst;

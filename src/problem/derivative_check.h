@@ -11,4 +11,8 @@ namespace sfdae::core {
 // fails otherwise than for want of an order.
 DerivativeMismatch check_derivatives(LinearProblem& problem, double t, int max_order);
 
+// The same from one side of t, up to the times given, with a few evaluations, as long as all is right. Throws
+// SFDAE_WRONG_DERIVATIVES where a derivative contradicts the function beyond doubt.
+void demand_derivatives(LinearProblem& problem, double t, double toward, int max_order);
+
 }  // namespace sfdae::core

@@ -56,6 +56,18 @@ Differences best_differences(int count, double unit, const OffsetFunction& funct
 
 }  // namespace
 
+std::string name_of(const DerivativeMismatch& mismatch) {
+  switch (mismatch.function) {
+    case 'G': return "constraint_jacobian (g_q)";
+    case 'T': return "constraint_rate (g_t)";
+    case 'C': return "constraint_curvature (gamma)";
+    case 'H': return "nonholonomic_curvature (eta)";
+    case 'x': return format("derivative %d of F_x", mismatch.order);
+    case 'd': return format("derivative %d of F_xdot", mismatch.order);
+    default: return format("derivative %d of %c", mismatch.order, mismatch.function);
+  }
+}
+
 void compare_with_differences(const SuppliedDerivative& supplied, double unit, const OffsetFunction& function,
                               DerivativeMismatch& worst) {
   const int count = static_cast<int>(supplied.values.size());

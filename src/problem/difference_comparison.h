@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "problem/problem.h"
@@ -20,6 +21,9 @@ struct DerivativeMismatch {
   // An estimate of the uncertainty is right to two digits at most; wrong derivatives are off by far more.
   bool suspicious() const { return error > 100.0 * uncertainty; }
 };
+
+// "derivative 1 of E", "constraint_jacobian (g_q)"
+std::string name_of(const DerivativeMismatch& mismatch);
 
 // Entries of a derivative: `rows` to a column, the first one being `first_column` of the function's matrix.
 struct SuppliedDerivative {

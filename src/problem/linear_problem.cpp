@@ -106,7 +106,7 @@ CallbackError LinearProblem::call(char which, double t, int order, double* value
     return callback_error;
   }
   if (which == 'f' && user_.f == nullptr) return callback_error;
-  ++function.calls;
+  ++(is_checking_ ? check_evaluations_ : function.calls);
   callback_error.code = which == 'E'   ? user_.E(t, order, values, user_.user)
                         : which == 'A' ? user_.A(t, order, values, user_.user)
                                        : user_.f(t, order, values, user_.user);
@@ -114,8 +114,8 @@ CallbackError LinearProblem::call(char which, double t, int order, double* value
     callback_error.status = callback_error.code < 0                            ? SFDAE_CALLBACK_STOPPED
                             : callback_error.code == SFDAE_ORDER_NOT_AVAILABLE ? SFDAE_ORDER_MISSING
                                                                                : SFDAE_CALLBACK_FAILED;
-    if (explanation_ && callback_error.status == SFDAE_CALLBACK_FAILED) {
-      callback_error.status = SFDAE_NOT_FINITE;
+    if (explanation_ && callback_error.status != SFDAE_ORDER_MISSING) {
+      if (callback_error.status == SFDAE_CALLBACK_FAILED) callback_error.status = SFDAE_NOT_FINITE;
       callback_error.detail =
           "the equations cannot be evaluated at " + callback_error.where() + ": " + explanation_() + ".";
     }

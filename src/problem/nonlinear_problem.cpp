@@ -121,7 +121,7 @@ CallbackError NonlinearProblem::drop_rounding_errors(double t, const double* jet
 
 CallbackError RecordedProblem::failure(double t) const {
   CallbackError error;
-  error.status = SFDAE_NOT_FINITE;
+  error.status = status_of(evaluator_.failure());
   error.t = t;
   error.user_t = user_t();
   error.row = evaluator_.failure().equation;
@@ -162,6 +162,7 @@ CallbackError CallbackProblem::call(double t, int order, const double* derivativ
   error.order = order;
   error.t = t;
   error.user_t = user_t();
+  if (is_checking_) ++check_evaluations_;
   error.code = function_(t, order, derivatives, F, F_x, F_xdot, user_);
   if (error.code != 0) {
     error.status = error.code < 0                            ? SFDAE_CALLBACK_STOPPED

@@ -64,6 +64,8 @@ class Problem {
   bool stop_is_requested() const {
     return stop_requested_.load(std::memory_order_relaxed) || (leader_ != nullptr && leader_->stop_is_requested());
   }
+  // Calls of the user's functions that only check derivatives, and are counted nowhere else.
+  long check_evaluations() const { return check_evaluations_; }
   // Stops where the leader is asked to, and leaves its request pending.
   void stop_with(const Problem& leader) { leader_ = &leader; }
 
@@ -73,11 +75,15 @@ class Problem {
   Problem(const Problem&) {}
   ~Problem() = default;
 
+  bool is_checking_ = false;
+  long check_evaluations_ = 0;
+
   double lowest_t_ = -std::numeric_limits<double>::infinity();
   double highest_t_ = std::numeric_limits<double>::infinity();
 
  private:
   friend class UserTime;
+  friend class DerivativeChecking;
 
   std::atomic<bool> stop_requested_{false};
   const Problem* leader_ = nullptr;
@@ -91,6 +97,18 @@ class UserTime {
   UserTime(const UserTime&) = delete;
   UserTime& operator=(const UserTime&) = delete;
   ~UserTime() { problem_.user_t_ = std::numeric_limits<double>::quiet_NaN(); }
+
+ private:
+  Problem& problem_;
+};
+
+// While it lives calls are counted as those of a check of derivatives.
+class DerivativeChecking {
+ public:
+  explicit DerivativeChecking(Problem& problem) : problem_(problem) { problem_.is_checking_ = true; }
+  DerivativeChecking(const DerivativeChecking&) = delete;
+  DerivativeChecking& operator=(const DerivativeChecking&) = delete;
+  ~DerivativeChecking() { problem_.is_checking_ = false; }
 
  private:
   Problem& problem_;

@@ -61,7 +61,10 @@ int RecordedLinearCoefficients::derivative(char which, double t, int order, doub
   if (order > max_derivative_order) return SFDAE_ORDER_NOT_AVAILABLE;
   // All orders at once; the highest may fail where this one does not.
   usual_order_ = std::max(usual_order_, order);
-  if (!evaluate(t, usual_order_) && !evaluate(t, order)) return cannot_evaluate;
+  if (!evaluate(t, usual_order_) && !evaluate(t, order)) {
+    const int code = evaluator_.failure().code;
+    return code != 0 ? code : cannot_evaluate;
+  }
   const std::size_t m = index(evaluator_.record().m()), n = index(evaluator_.record().n());
   const std::size_t size = which == 'f' ? m : m * n;
   const std::vector<double>& from = which == 'E' ? F_xdot_ : which == 'A' ? F_x_ : F_;

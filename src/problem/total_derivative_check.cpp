@@ -14,6 +14,7 @@
 
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "problem/shifted_jet.h"
 
 namespace sfdae::core {
 
@@ -24,8 +25,7 @@ class Checker {
   Checker(CallbackProblem& problem, double t, const double* derivatives, int max_order)
       : problem_(problem),
         t_(t),
-        columns_(max_order + 2),
-        jet_(derivatives, derivatives + index(problem.n()) * index(columns_)),
+        jet_(derivatives, derivatives + index(problem.n()) * index(max_order + 2)),
         F_(index(problem.m())),
         F_x_(F_.size() * index(problem.n())),
         F_xdot_(F_x_.size()),
@@ -55,23 +55,11 @@ class Checker {
     return stopped;
   }
 
-  // The derivatives of the same polynomial at t + s.
-  std::vector<double> shifted_jet(double s) const {
-    const std::size_t n = index(problem_.n());
-    std::vector<double> shifted(jet_);
-    for (int k = 0; k < columns_; ++k) {
-      double factor = 1.0;  // s^i / i!
-      for (int i = 1; k + i < columns_; ++i) {
-        factor *= s / i;
-        for (std::size_t j = 0; j < n; ++j) shifted[n * index(k) + j] += factor * jet_[n * index(k + i) + j];
-      }
-    }
-    return shifted;
-  }
-
   void compare_F(int order) {
     const double unit = unit_of_time(t_);
-    const auto below = [&](double s, double* values) { return call(t_ + s, order - 1, shifted_jet(s), {values}); };
+    const auto below = [&](double s, double* values) {
+      return call(t_ + s, order - 1, shifted_jet(jet_, index(problem_.n()), s), {values});
+    };
     compare_with_differences({'F', order, problem_.m(), 0, F_}, unit, below, worst_);
   }
 
@@ -95,7 +83,6 @@ class Checker {
 
   CallbackProblem& problem_;
   double t_;
-  int columns_;
   std::vector<double> jet_, F_, F_x_, F_xdot_, F_x_below_;
   DerivativeMismatch worst_;
 };

@@ -41,16 +41,36 @@ std::vector<Range> ranges_of(const SearchTask& task, double t) {
   return ranges;
 }
 
-// What the analysis would say at the point of the decision if rank_tol made it: " With rank 3 (rank_tol = 1.0e-09) ...".
-std::string result_with(const SearchTask& task, const RankDecision& decision, int rank, double rank_tol) {
+// What the analysis would say at the point of the decision if rank_tol made it.
+CharacteristicValues values_with(const SearchTask& task, const RankDecision& decision, double rank_tol) {
   AnalysisSettings settings = task.settings;
   settings.rank_tol = rank_tol;
   settings.max_index = std::min(settings.max_index, decision.level + 1);
-  const CharacteristicValues values = local_values({task.problem, settings, task.arena}, decision.t);
-  if (values.mu < 0)
-    return format(" With rank %d no level up to %d fulfils the hypothesis.", rank, settings.max_index);
+  return local_values({task.problem, settings, task.arena}, decision.t);
+}
+
+// " With rank 3 (rank_tol = 1.0e-09) ...".
+std::string result_with(int rank, double rank_tol, const CharacteristicValues& values, int max_index) {
+  if (values.mu < 0) return format(" With rank %d no level up to %d fulfils the hypothesis.", rank, max_index);
   return format(" With rank %d (rank_tol = %.1e) the characteristic values are ", rank, rank_tol) + describe(values) +
          ".";
+}
+
+// Where a rank makes no difference: the values that other tolerances give, the two of them that hold for most.
+std::string other_results(const SearchTask& task, const RankDecision& decision) {
+  const std::vector<Range> ranges = ranges_of(task, decision.t);
+  const auto longer = [](const Range* a, const Range* b) { return b == nullptr || a->length() > b->length(); };
+  const Range *first = nullptr, *second = nullptr;
+  for (const Range& range : ranges)
+    if (longer(&range, first)) first = &range;
+  for (const Range& range : ranges)
+    if (first != nullptr && !(range.values == first->values) && longer(&range, second)) second = &range;
+  if (second == nullptr) return {};
+  const auto tell = [](const Range& range) {
+    return format(" With rank_tol = %.1e the characteristic values are ", range.tolerance()) +
+           describe(range.values) + ".";
+  };
+  return first->tolerance() < second->tolerance() ? tell(*first) + tell(*second) : tell(*second) + tell(*first);
 }
 
 // Of the level judged last: the first that is unclear, or the one with the smallest gap.
@@ -105,8 +125,17 @@ std::string neighbouring_ranks(const SearchTask& task) {
   const double keep_tol = std::min(std::sqrt(value * below), 0.5);
   const double drop_tol = std::min(3.0 * value, 0.5);
   const int rank = doubts_kept ? decision.rank : decision.rank + 1;
-  return result_with(task, decision, rank, keep_tol) + result_with(task, decision, rank - 1, drop_tol) +
-         " Set rank_tol, or scale the equations.";
+  const int max_index = std::min(task.settings.max_index, decision.level + 1);
+  const CharacteristicValues keeping = values_with(task, decision, keep_tol);
+  const CharacteristicValues dropping = values_with(task, decision, drop_tol);
+  constexpr const char* advice = " Set rank_tol, or scale the equations.";
+  if (!(keeping == dropping))
+    return result_with(rank, keep_tol, keeping, max_index) + result_with(rank - 1, drop_tol, dropping, max_index) +
+           advice;
+  std::string same = keeping.mu < 0 ? format(" No level up to %d fulfils the hypothesis", max_index)
+                                    : " The characteristic values are " + describe(keeping);
+  same += format(" with rank %d (rank_tol = %.1e) and with rank %d (%.1e).", rank, keep_tol, rank - 1, drop_tol);
+  return same + other_results(task, decision) + advice;
 }
 
 }  // namespace sfdae::core

@@ -8,6 +8,7 @@
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
+#include "problem/derivative_check.h"
 #include "problem/failure.h"
 #include "system/jet_theory.h"
 
@@ -56,6 +57,15 @@ void LinearModel::analyze(const PointOfInterest& point, const ModelOptions& opti
   IndexAnalysis analysis =
       analyze_index(problem_, point.t, point.toward, options.analysis_by_precedent(), arena, decisions);
   system_ = std::make_unique<LinearSystem>(problem_, options.analysis, std::move(analysis), options.leading);
+}
+
+void LinearModel::demand_derivatives(const PointOfInterest& point, const ModelOptions& options) {
+  // Of an analysis that failed: those of low orders are wrong first, and most often.
+  constexpr int orders_of_failure = 3;
+  if (recorded_) return;
+  const int wanted = system_ ? system_->analysis().values.mu + 1 : orders_of_failure;
+  core::demand_derivatives(problem_, point.t, point.toward,
+                           std::clamp(wanted, 1, std::max(options.analysis.max_index, 1)));
 }
 
 std::unique_ptr<LinearSystem> LinearModel::archived_system(const ModelOptions& options, Archive& archive) {
@@ -110,7 +120,12 @@ ConsistentPoint LinearModel::make_consistent(LinearSystem& system, const PointOf
   ValueChange change;
   const auto choose = [&](const ConsistencyRequest& way) {
     result.x = given;
-    result.change = core::make_consistent(system, way, result.x);
+    try {
+      result.change = core::make_consistent(system, way, result.x);
+    } catch (const Failure& failure) {
+      if (failure.status() != SFDAE_FIXED_VALUES) throw;
+      throw Failure(SFDAE_FIXED_VALUES, failure.what() + system.named_contradiction(way.fixed, given.data()));
+    }
     change = change_of_differentiated(constraints_of(system), way, given, result.x);
   };
   const bool may_trust = request.differentiated_stay();

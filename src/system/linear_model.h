@@ -34,6 +34,7 @@ class LinearModel final : public ModelOf<LinearSystem> {
   void parameters_changed() override;
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
+  void demand_derivatives(const PointOfInterest& point, const ModelOptions& options) override;
   void undo_restore() override;
   double certify() override;
   std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<LinearChangeWatch>(*system_); }

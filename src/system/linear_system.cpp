@@ -10,6 +10,7 @@
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "reduction/contradiction.h"
 #include "reduction/rank_sequence.h"
 #include "system/linear_derivatives.h"
 #include "system/linear_leading_term.h"
@@ -158,6 +159,24 @@ PointStatus LinearSystem::move_to(double t) {
 PointQuality LinearSystem::quality() const {
   return {inconsistency(point(), analysis_.values.mu), point().kept_constraints, point().kept_differential,
           point().pivot};
+}
+
+std::string LinearSystem::inconsistency_message() const {
+  return DaeSystem::inconsistency_message() + named_contradiction({}, nullptr);
+}
+
+std::string LinearSystem::named_contradiction(const std::vector<char>& fixed, const double* x) const {
+  const LinearProblem::Settings settings = problem_.settings();
+  std::string text;
+  try {
+    const DerivativeArray array = derivative_array(problem_, point().t, analysis_.values.mu);
+    const std::string names = in_words(contradicting_equations(array, equations(), fixed, x));
+    if (!names.empty()) text = " It is " + names + " that cannot hold" + (fixed.empty() ? " together." : " then.");
+  } catch (const Failure&) {
+    // There is nothing to add.
+  }
+  problem_.set_settings(settings);
+  return text;
 }
 
 CharacteristicValues LinearSystem::values_at(double t) { return find_local_values(problem_, t, settings_, arena_); }

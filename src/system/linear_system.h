@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "linalg/archive.h"
@@ -38,6 +39,10 @@ class LinearSystem final : public DaeSystem {
   // W = E (or I where E' is missing) from now on, as rank E has turned out not to be constant.
   void give_up_projector() override;
   LinearProblem& problem() { return problem_; }
+  std::string inconsistency_message() const override;
+  // " It is equations 0 and 2 that cannot hold together.", at the current point; with components of x fixed (n flags, or
+  // none), as they are. Empty if that is not so, or not known.
+  std::string named_contradiction(const std::vector<char>& fixed, const double* x) const;
   const AnalysisSettings& settings() const { return settings_; }
   Arena& arena() { return arena_; }
   LinearReduction& reduction() { return reduction_; }

@@ -88,6 +88,9 @@ class Model {
   // Index analysis: makes the system. decisions: all that were made, also when it throws Failure; then there is none.
   virtual void analyze(const PointOfInterest& point, const ModelOptions& options,
                        std::vector<RankDecision>& decisions) = 0;
+  // Compares derivatives that callbacks supply with their functions, after an analysis or after one that failed. Throws
+  // SFDAE_WRONG_DERIVATIVES.
+  virtual void demand_derivatives(const PointOfInterest&, const ModelOptions&) {}
   // The system as it was when it was archived; the one that it replaces is kept until one of the other two is called.
   // Throws DamagedArchive or Failure, and nothing has changed then.
   virtual void restore(const ModelOptions& options, Archive& archive) = 0;

@@ -8,7 +8,9 @@
 #include <string>
 #include <utility>
 
+#include "linalg/index.h"
 #include "problem/failure.h"
+#include "problem/total_derivative_lines.h"
 #include "system/consistent_jets.h"
 #include "system/jet_coefficients.h"
 #include "system/jet_solver.h"
@@ -111,6 +113,19 @@ std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed_against_whole_array(co
                                             describe(settings.expected) + format(" at t = %.15g, but ", point.t) +
                                             failure.what());
   }
+}
+
+// At the jet of the analysis; without one there is no point to look at.
+void NonlinearModel::demand_derivatives(const PointOfInterest& point, const ModelOptions&) {
+  if (callback_ == nullptr || !system_) return;
+  const Jet& jet = system_->accepted_jet();
+  std::vector<double> derivatives(jet.x);
+  double factorial = 1.0;
+  for (int k = 1; k <= jet.order; ++k) {
+    factorial *= k;
+    for (int i = 0; i < jet.n; ++i) derivatives[index(k * jet.n + i)] *= factorial;
+  }
+  demand_total_derivatives(*callback_, jet.t, point.toward, derivatives.data(), jet.order - 1);
 }
 
 std::unique_ptr<NonlinearSystem> NonlinearModel::archived_system(const ModelOptions& options, Archive& archive) {

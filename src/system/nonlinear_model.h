@@ -35,6 +35,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   TaylorEvaluator* evaluator() override { return recorded_ != nullptr ? &recorded_->evaluator() : nullptr; }
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
+  void demand_derivatives(const PointOfInterest& point, const ModelOptions& options) override;
   double certify() override;
   std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<NonlinearChangeWatch>(*system_); }
   // The user's function for total derivatives; null for recorded equations.

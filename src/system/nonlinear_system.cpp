@@ -8,10 +8,12 @@
 
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "reduction/contradiction.h"
 #include "reduction/index_analysis.h"
 #include "reduction/rank_sequence.h"
 #include "system/consistent_jets.h"
 #include "system/jet_solver.h"
+#include "system/jet_theory.h"
 
 namespace sfdae::core {
 
@@ -52,6 +54,17 @@ PointQuality NonlinearSystem::quality() const {
   PointQuality quality = linearization_.quality();
   quality.inconsistency = iteration_.inconsistency();
   return quality;
+}
+
+std::string NonlinearSystem::inconsistency_message() const {
+  const std::string text = DaeSystem::inconsistency_message();
+  try {
+    const DerivativeArray array = derivative_array(problem_.problem(), jet_, analysis_.values.mu);
+    const std::string names = in_words(contradicting_equations(array, equations(), {}, nullptr));
+    return names.empty() ? text : text + " It is " + names + " that cannot hold together.";
+  } catch (const Failure&) {
+    return text;
+  }
 }
 
 CharacteristicValues NonlinearSystem::values_at(double) {

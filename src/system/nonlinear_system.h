@@ -73,6 +73,7 @@ class NonlinearSystem final : public DaeSystem {
   void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
   void correct_derivative(double c, const double* x, double* xdot) override;
 
+  std::string inconsistency_message() const override;
   PointQuality quality() const override;
   // At the current jet, whatever t is: x is known at points of the integration only, so that a change is located by
   // its steps becoming short.

@@ -107,6 +107,7 @@ static void every_status_has_its_name(void) {
       NAMED(SFDAE_CALLBACK_FAILED),
       NAMED(SFDAE_NOT_FINITE),
       NAMED(SFDAE_ORDER_MISSING),
+      NAMED(SFDAE_WRONG_DERIVATIVES),
       NAMED(SFDAE_INDEX_TOO_HIGH),
       NAMED(SFDAE_RANK_UNCLEAR),
       NAMED(SFDAE_CHARACTERISTICS_CHANGED),
@@ -212,7 +213,7 @@ static void options_have_the_documented_defaults(void) {
   CHECK(o.max_order == 5 && o.initial_step == 0 && o.max_step == 0 && o.use_stop_time == 0);
   CHECK(o.max_steps == 100000 && o.leading_term == SFDAE_LEADING_AUTOMATIC && o.monitor == NULL);
   CHECK(o.method == SFDAE_METHOD_BDF && o.min_stages == 1 && o.max_stages == 7 && o.xdot_is_guess == 0);
-  CHECK(o.output == SFDAE_OUTPUT_CONSISTENT);
+  CHECK(o.output == SFDAE_OUTPUT_CONSISTENT && o.check_derivatives == 1);
 }
 
 /* An older caller knows fewer members: those that it does not know keep their defaults. A newer caller has more. */

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "expression/lane_evaluator.h"
+#include "expression/spline.h"
 #include "expression/taylor_evaluator.h"
 #include "recorded.h"
 #include "replaced_new.h"
@@ -27,8 +28,10 @@ TEST(Allocation, HappensInTheFirstEvaluationOnly) {
   Recording recording(2);
   const auto& x = recording.x;
   const Term p = recording.parameter("p", 2.0);
+  const Call table{Spline::through({3, {0.0, 1.0, 2.0, 3.0}, {0.0, 1.0, 0.0, 1.0}}), {x[1].node}, {}};
+  const Term spline(&recording.recorder, recording.recorder.call(table));
   TaylorEvaluator evaluator(
-      recording.finish({recording.xdot[0] - atan(x[1]) * sin(recording.t), pow(x[0], p) * x[1]}));
+      recording.finish({recording.xdot[0] - atan(x[1]) * sin(recording.t), pow(x[0], p) * x[1] + modulo(spline, p)}));
   std::vector<double> jet(2 * 8, 0.5), F(2 * 7), F_xdot(4 * 7), F_x(4 * 7);
   const auto evaluate_all = [&](int highest) {
     bool fine = true;

@@ -44,7 +44,8 @@ class ComplexEvaluation {
     std::vector<Complex> values;
     for (int i = 0; i < record_.num_nodes(); ++i) {
       const sfdae::core::Node& node = record_.node(i);
-      const auto operand = [&](int k) { return values[index(node.operand(k))]; };
+      const sfdae::core::Operands operands = record_.operands(i);
+      const auto operand = [&](int k) { return values[index(operands[k])]; };
       values.push_back(value(node, operand, s));
     }
     return values;
@@ -67,6 +68,7 @@ class ComplexEvaluation {
       case Operation::power: return std::pow(operand(0), operand(1).real());
       case Operation::log_of_base:
       case Operation::log: return std::log(operand(0));
+      case Operation::log10: return std::log10(operand(0));
       case Operation::sqrt: return std::sqrt(operand(0));
       case Operation::exp: return std::exp(operand(0));
       case Operation::sin: return std::sin(operand(0));
@@ -79,11 +81,19 @@ class ComplexEvaluation {
       case Operation::sinh: return std::sinh(operand(0));
       case Operation::cosh: return std::cosh(operand(0));
       case Operation::tanh: return std::tanh(operand(0));
-      case Operation::choose: break;
+      case Operation::floor: return std::floor(center(node.a, operand(0)).real());
+      case Operation::modulo: {
+        const double a = center(node.a, operand(0)).real(), b = center(node.b, operand(1)).real();
+        return operand(0) - std::floor(a / b) * operand(1);
+      }
+      case Operation::choose:
+      case Operation::function: break;
     }
-    const Complex condition = center_.empty() ? operand(0) : center_[index(node.a)];
-    return condition.real() > 0.0 ? operand(1) : operand(2);
+    return center(node.a, operand(0)).real() > 0.0 ? operand(1) : operand(2);
   }
+
+  // The value of a node at s = 0.
+  Complex center(int node, Complex value) const { return center_.empty() ? value : center_[index(node)]; }
 
   const sfdae::core::Record& record_;
   double t0_;

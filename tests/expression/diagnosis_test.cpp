@@ -50,6 +50,8 @@ TEST(Undefined, IsNamedWithTheEquation) {
   const std::vector<Case> cases = {
       {[](const Term& x) { return log(x); }, -1.0, "log", "log of -1 in equation 1"},
       {[](const Term& x) { return log(x); }, 0.0, "log", "log of 0 in equation 1"},
+      {[](const Term& x) { return log10(x); }, -1.0, "log10", "log10 of -1 in equation 1"},
+      {[](const Term& x) { return modulo(Term(2.0), x - 1.0); }, 1.0, "modulo", "modulo of 2 by 0 in equation 1"},
       {[](const Term& x) { return 2.0 + sqrt(x - 3.0); }, 1.0, "sqrt", "sqrt of -2 in equation 1"},
       {[](const Term& x) { return 1.0 / (x - 1.0); }, 1.0, "division", "division of 1 by 0 in equation 1"},
       {[](const Term& x) { return (x - 1.0) / (x - 1.0); }, 1.0, "division", "division of 0 by 0 in equation 1"},

@@ -30,6 +30,8 @@ std::vector<Term> expressions(Recording& r) {
           sinh(x) + cosh(y) * tanh(z),
           abs(z - y) + min(x, y) * max(x * y, z),
           choose(x - y, x * x, z * y) + choose(y - x, x * y, z),
+          log10(y) * x + floor(y * Term(3.0)) * z,
+          modulo(y, x) + modulo(-z, x * y),
           r.t * x + Term(3.0),
           r.xdot[0] * x + r.xdot[1]};
 }

@@ -56,9 +56,12 @@ contains
     call solver%get_statistics(statistics, status)
     call check_status(status, sfdae_ok, "get_statistics")
     call check(statistics%steps > 5 .and. statistics%last_order >= 1, "statistics")
-    call check(statistics%evaluations_e == problem%calls_e, "calls of eval_e")
-    call check(statistics%evaluations_a == problem%calls_a, "calls of eval_a")
-    call check(statistics%evaluations_f == problem%calls_f, "calls of eval_f")
+    call check(statistics%evaluations_e <= problem%calls_e, "calls of eval_e")
+    call check(statistics%evaluations_a <= problem%calls_a, "calls of eval_a")
+    call check(statistics%evaluations_f <= problem%calls_f, "calls of eval_f")
+    ! Calls that check derivatives are counted apart.
+    call check(statistics%evaluations_e + statistics%evaluations_a + statistics%evaluations_f + &
+      statistics%check_calls == problem%calls_e + problem%calls_a + problem%calls_f, "all calls")
     call solver%destroy()
   end subroutine advances_with_derivatives
 

@@ -71,8 +71,8 @@ size_t fill_initial_report(sfdae_initial_report* s) {
 }
 
 size_t fill_statistics(sfdae_statistics* s) {
-  const sfdae_statistics value = {1,  2,    3,    4,    5,    6,    7,    8,  9,  10,
-                                  11, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18, 19, 20.0};
+  const sfdae_statistics value = {1,    2,    3,    4,    5,    6,    7,  8,  9,    10, 11,
+                                  12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18, 19, 20.0, 21};
   *s = value;
   return sizeof value;
 }
@@ -159,7 +159,7 @@ size_t fill_options(sfdae_options* s) {
   const sfdae_options value = {
       1,  2.0,           3.0,           &numbers[4], &numbers[5], 6,  7,    8.0,  9.0, 10,   11.0,
       12, &integers[13], &numbers[14],  15,          16.0,        17, 18.0, 19.0, 20,  21.0, 22,
-      23, monitor_5,     &integers[25], 26,          27,          28, 29,   30};
+      23, monitor_5,     &integers[25], 26,          27,          28, 29,   30,   31};
   *s = value;
   numbers[4] = 4.0, numbers[5] = 5.0, integers[13] = 13, numbers[14] = 14.0, integers[25] = 25;
   return sizeof value;

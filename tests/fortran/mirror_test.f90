@@ -172,7 +172,8 @@ contains
     call check(counts([real(c_double) :: s%size, s%steps, s%error_failures, s%other_failures, &
       s%reductions, s%factorizations, s%evaluations_e, s%evaluations_a, s%evaluations_f, &
       s%last_order, s%next_order, s%last_step, s%next_step, s%t_internal, s%smallest_kept, &
-      s%consistency, s%first_step, s%evaluations_residual, s%linearizations, s%rounding]), &
+      s%consistency, s%first_step, s%evaluations_residual, s%linearizations, s%rounding, &
+      s%check_calls]), &
       "members of sfdae_statistics")
 
     call check(fill_derivative_check(v) == c_sizeof(v), "size of sfdae_derivative_check")
@@ -276,7 +277,8 @@ contains
       number_at(o%initial_weights), o%ignore_inconsistency, o%consistency_tol, o%max_order, &
       o%initial_step, o%max_step, o%use_stop_time, o%stop_time, o%max_steps, o%leading_term, &
       call_monitor(progress, o%monitor_user) + 19, integer_at(o%monitor_user), o%method, &
-      o%min_stages, o%max_stages, o%xdot_is_guess, o%output]), "members of sfdae_options")
+      o%min_stages, o%max_stages, o%xdot_is_guess, o%output, o%check_derivatives]), &
+      "members of sfdae_options")
   end subroutine check_options
 
   !> dae_options starts with the library's defaults.
@@ -312,6 +314,7 @@ contains
     call check(f%max_stages == c%max_stages, "max_stages")
     call check(f%xdot_is_guess .eqv. c%xdot_is_guess /= 0, "xdot_is_guess")
     call check(f%output == c%output, "output")
+    call check(f%check_derivatives .eqv. c%check_derivatives /= 0, "check_derivatives")
   end subroutine check_defaults
 
   !> Whether the values are 1, 2, 3, ...

@@ -42,6 +42,7 @@ inline Term atan2(const Term& a, const Term& b) { return apply(Operation::atan2,
 inline Term sqrt(const Term& a) { return apply(Operation::sqrt, a); }
 inline Term exp(const Term& a) { return apply(Operation::exp, a); }
 inline Term log(const Term& a) { return apply(Operation::log, a); }
+inline Term log10(const Term& a) { return apply(Operation::log10, a); }
 inline Term sin(const Term& a) { return apply(Operation::sin, a); }
 inline Term cos(const Term& a) { return apply(Operation::cos, a); }
 inline Term tan(const Term& a) { return apply(Operation::tan, a); }
@@ -51,6 +52,8 @@ inline Term atan(const Term& a) { return apply(Operation::atan, a); }
 inline Term sinh(const Term& a) { return apply(Operation::sinh, a); }
 inline Term cosh(const Term& a) { return apply(Operation::cosh, a); }
 inline Term tanh(const Term& a) { return apply(Operation::tanh, a); }
+inline Term floor(const Term& a) { return apply(Operation::floor, a); }
+inline Term modulo(const Term& a, const Term& b) { return apply(Operation::modulo, a, b); }
 inline Term abs(const Term& a) { return {a.recorder, a.recorder->abs(a.node)}; }
 inline Term min(const Term& a, const Term& b) { return {a.recorder, a.recorder->min(a.node, b.in(*a.recorder))}; }
 inline Term max(const Term& a, const Term& b) { return {a.recorder, a.recorder->max(a.node, b.in(*a.recorder))}; }

@@ -1,0 +1,34 @@
+// Names of a model's variables on the command line.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "model/flat_model.h"
+#include "simulation/simulation.h"
+
+namespace sfdae::cli {
+
+// A --set and its values, at least one.
+struct Assignment {
+  std::string name;
+  std::vector<double> values;
+};
+
+// Throws ProgramError unless every text is NAME=VALUE, NAME=START:STEP:STOP or NAME=VALUE,VALUE,... with the name of a
+// variable that can be set, each once.
+std::vector<Assignment> parse_assignments(const std::vector<std::string>& texts, const FlatModel& model);
+
+// Those that have exactly one value each; throws ProgramError.
+std::map<std::string, double> single_values(const std::vector<Assignment>& assignments);
+
+// Whether each variable of the model is wanted: one of the names, or matching one of the patterns, separated by commas
+// outside brackets. No names: all but constants and parameters. Throws ProgramError if a name fits nothing.
+std::map<std::string, bool> wanted_variables(const std::vector<std::string>& names, const FlatModel& model);
+
+// A column for every variable that is wanted, in order of the model; NaN where nothing is known.
+Trajectory selected(const FlatModel& model, const Result& result, const std::map<std::string, bool>& wanted);
+
+}  // namespace sfdae::cli

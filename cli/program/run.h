@@ -1,0 +1,28 @@
+// What commands have in common: reading the model, messages, exit codes.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "program/arguments.h"
+#include "program/exit_codes.h"
+
+namespace sfdae::cli {
+
+// Throws ModelError.
+FlatModel read_model_of(const Arguments& arguments);
+
+// To standard error, unless the program is to be quiet.
+void print_warnings(const Arguments& arguments, const std::vector<std::string>& warnings);
+
+ExitCode exit_code_of(Outcome outcome);
+
+// Why a model is not solved, to standard error; nothing if it is.
+void print_reason(const FlatModel& model, const Result& result);
+
+// The time that a run starts or ends at.
+double start_of(const Settings& settings, const FlatModel& model);
+double stop_of(const Settings& settings, const FlatModel& model);
+
+}  // namespace sfdae::cli

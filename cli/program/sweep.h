@@ -1,0 +1,54 @@
+// Many runs of a model with different values.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "program/names.h"
+
+namespace sfdae::cli {
+
+// All combinations of values; the last assignment varies fastest.
+class Grid {
+ public:
+  // Throws ProgramError if there are too many combinations.
+  explicit Grid(std::vector<Assignment> assignments);
+  std::size_t count() const { return count_; }
+  const std::vector<Assignment>& assignments() const { return assignments_; }
+  // Values of one combination, as the assignments.
+  std::vector<double> values(std::size_t instance) const;
+
+ private:
+  std::vector<Assignment> assignments_;
+  std::size_t count_ = 1;
+};
+
+// Which instances a process of several computes: every size-th, from rank on.
+struct Share {
+  std::size_t rank = 0, size = 1;
+};
+
+// As mpirun (Open MPI, MPICH) or srun says in the environment; else all.
+Share share_of_process();
+
+struct Instance {
+  std::size_t number = 0;  // counts from 0
+  std::vector<double> given;
+  Outcome outcome = Outcome::stopped;
+  int status = 0;
+  std::string message;
+  long steps = 0;
+  Trajectory trajectory;  // of the variables that are wanted
+};
+
+using SolveInstance = std::function<Instance(std::size_t number)>;
+
+// Those of the share, in order of their numbers. Threads take them one by one; each result depends on its number only.
+// `finished` is called now and then with how many are done, from one thread at a time. After an interruption those not
+// begun are left out.
+std::vector<Instance> run_sweep(std::size_t count, Share share, int jobs, const SolveInstance& solve_instance,
+                                const std::function<void(std::size_t)>& finished);
+
+}  // namespace sfdae::cli

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/conditions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "simulation/text.h"
+
+namespace sfdae::cli {
+
+namespace {
+
+// Rows by differences are accurate to about 1e-6 of themselves.
+constexpr double dependent = 1e-5, zero_row = 1e-10;
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
+
+std::vector<int> numbers_of(const System& system, const std::vector<int>& unknowns) {
+  std::vector<int> result(system.model.variables.size(), -1);
+  for (int j = 0; j < static_cast<int>(unknowns.size()); ++j)
+    if (unknowns[at(j)] >= 0) result[at(unknowns[at(j)])] = j;
+  return result;
+}
+
+// unknown = number, also as alias: sign unknown + offset = number.
+void simplify(const Formulas& formulas, const std::vector<int>& number_of, Condition& condition) {
+  for (const auto& [side, other] :
+       {std::make_pair(condition.left, condition.right), std::make_pair(condition.right, condition.left)}) {
+    if (!formulas.is_number(other)) continue;
+    const FormulaNode& node = formulas[side];
+    const bool is_negative = node.operation == Operation::negate;
+    const FormulaNode& leaf = is_negative ? formulas[node.operands[0]] : node;
+    if (leaf.operation != Operation::variable || number_of[at(leaf.index)] < 0) continue;
+    condition.unknown = number_of[at(leaf.index)];
+    condition.value = is_negative ? -formulas[other].value : formulas[other].value;
+    return;
+  }
+}
+
+}  // namespace
+
+std::vector<Condition> given_conditions(const System& system, const std::vector<int>& unknowns) {
+  const std::vector<int> number_of = numbers_of(system, unknowns);
+  std::vector<Condition> result;
+  for (int v = 0; v < static_cast<int>(system.model.variables.size()); ++v) {
+    const Variable& variable = system.model.variables[at(v)];
+    if (!variable.is_fixed || variable.variability != Variability::continuous || variable.type != Type::real)
+      continue;
+    if (!system.formulas.depends(system.values[at(v)], on_continuous) &&
+        !system.formulas.is_number(system.values[at(v)]))
+      continue;
+    if (variable.is_input) continue;
+    Condition condition;
+    condition.text = variable.name + " = " + to_text(system.own_start[at(v)]) + " (start value)";
+    condition.at = variable.at;
+    condition.left = system.values[at(v)];
+    condition.right = system.own_start_formulas[at(v)];
+    simplify(system.formulas, number_of, condition);
+    result.push_back(condition);
+  }
+  for (const InitialCondition& initial : system.initial_conditions) {
+    Condition condition{-1, 0.0, initial.left, initial.right, initial.text, initial.at};
+    simplify(system.formulas, number_of, condition);
+    result.push_back(condition);
+  }
+  return result;
+}
+
+std::vector<Condition> possible_conditions(const System& system, const std::vector<int>& unknowns) {
+  std::vector<int> order;
+  for (int j = 0; j < static_cast<int>(unknowns.size()); ++j)
+    if (unknowns[at(j)] >= 0) order.push_back(j);
+  const auto wish = [&](int j) {
+    const int v = unknowns[at(j)];
+    const bool is_parameter = system.model.variables[at(v)].variability == Variability::parameter;
+    return std::make_tuple(is_parameter || system.is_state[at(v)] != 0 ? 1 : 0,
+                           static_cast<int>(system.model.variables[at(v)].state_select), system.has_start[at(v)],
+                           is_parameter ? 0 : 1);
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return wish(a) > wish(b); });
+  std::vector<Condition> result;
+  for (int j : order) {
+    const int v = unknowns[at(j)];
+    const std::string& name = system.model.variables[at(v)].name;
+    result.push_back({j, system.start[at(v)], -1, -1, name + " = " + to_text(system.start[at(v)]),
+                      system.model.variables[at(v)].at});
+  }
+  return result;
+}
+
+bool IndependentRows::add(const std::vector<double>& row, double scale) {
+  const double size = std::sqrt(dot(row, row));
+  if (!(size > zero_row * scale) || Q_.size() == row.size()) return false;
+  std::vector<double> rest = row, l(Q_.size() + 1, 0.0);
+  for (int pass = 0; pass < 2; ++pass)  // twice is enough for orthogonality to rounding
+    for (std::size_t i = 0; i < Q_.size(); ++i) {
+      const double factor = dot(rest, Q_[i]);
+      l[i] += factor;
+      for (std::size_t k = 0; k < rest.size(); ++k) rest[k] -= factor * Q_[i][k];
+    }
+  const double remaining = std::sqrt(dot(rest, rest));
+  if (remaining <= dependent * size) return false;
+  for (double& value : rest) value /= remaining;
+  l.back() = remaining;
+  Q_.push_back(std::move(rest));
+  L_.push_back(std::move(l));
+  return true;
+}
+
+std::vector<double> IndependentRows::solve(const std::vector<double>& b) const {
+  std::vector<double> y, z(Q_.empty() ? 0 : Q_.front().size(), 0.0);
+  for (std::size_t i = 0; i < Q_.size(); ++i) {
+    double value = b[i];
+    for (std::size_t k = 0; k < i; ++k) value -= L_[i][k] * y[k];
+    y.push_back(value / L_[i][i]);
+    for (std::size_t k = 0; k < z.size(); ++k) z[k] += y[i] * Q_[i][k];
+  }
+  return z;
+}
+
+}  // namespace sfdae::cli

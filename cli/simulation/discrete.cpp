@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/discrete.h"
+
+#include "simulation/failure.h"
+#include "simulation/text.h"
+
+namespace sfdae::cli {
+
+namespace {
+
+// Discrete variables that depend on each other take few values.
+constexpr int max_sweeps = 100;
+
+}  // namespace
+
+Discrete::Discrete(const System& system)
+    : system_(system),
+      assignments_(system.formulas),
+      initial_(system.formulas),
+      reactions_(system.formulas),
+      others_(system.formulas) {
+  for (const Assignment& assignment : system.discrete)
+    assignments_.add_assignment(assignment.variable, assignment.value);
+  for (const Assignment& assignment : system.initial_discrete) initial_.add(assignment.value);
+  for (const Reaction& reaction : system.reactions) {
+    reactions_.add(reaction.active);
+    reactions_.add(reaction.value >= 0 ? reaction.value : reaction.active);
+  }
+  for (int v = 0; v < static_cast<int>(system.values.size()); ++v) {
+    const FormulaNode& node = system.formulas[system.values[at(v)]];
+    if (node.operation != Operation::variable || node.index != v) others_.add_assignment(v, system.values[at(v)]);
+  }
+}
+
+bool Discrete::update(Values& values) {
+  if (system_.discrete.empty()) return false;
+  bool has_changed = false;
+  for (int sweep = 0; sweep < max_sweeps; ++sweep) {
+    before_ = values.variable;
+    assignments_.run(values);
+    const bool changes = before_ != values.variable;
+    has_changed = has_changed || changes;
+    if (!changes || !system_.has_discrete_loop) return has_changed;
+  }
+  std::string names;
+  for (const Assignment& assignment : system_.discrete)
+    if (at(assignment.variable) < system_.model.variables.size() &&
+        before_[at(assignment.variable)] != values.variable[at(assignment.variable)])
+      names += (names.empty() ? "" : ", ") + system_.model.variables[at(assignment.variable)].name;
+  throw Failure(
+      Outcome::not_finished, SFDAE_OK,
+      "discrete variables depend on each other and do not settle at t = " + to_text(values.t) + ": " + names);
+}
+
+bool Discrete::set_initial(Values& values) {
+  if (system_.initial_discrete.empty()) return false;
+  initial_.run(values);
+  bool has_changed = false;
+  for (int i = 0; i < initial_.size(); ++i) {
+    const int v = system_.initial_discrete[at(i)].variable;
+    if (values.previous[at(v)] == initial_[i]) continue;
+    values.previous[at(v)] = initial_[i];
+    values.variable[at(v)] = initial_[i];
+    has_changed = true;
+  }
+  return has_changed;
+}
+
+bool Discrete::differs_from_previous(const Values& values) const {
+  for (const Assignment& assignment : system_.discrete)
+    if (values.variable[at(assignment.variable)] != values.previous[at(assignment.variable)]) return true;
+  return false;
+}
+
+}  // namespace sfdae::cli

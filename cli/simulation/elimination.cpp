@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/elimination.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <queue>
+#include <set>
+#include <utility>
+
+#include "simulation/linear_form.h"
+
+namespace sfdae::cli {
+
+namespace {
+
+// Coefficients that are as small or large as these are no safe divisors.
+constexpr double smallest_divisor = 1e-100, largest_divisor = 1e100;
+
+struct Candidate {
+  std::vector<int> open;      // variables in it that are neither known nor defined
+  std::vector<int> solvable;  // variables that it can define
+};
+
+// Sorting with tearing [CK06]: an equation with one open variable defines it; where there is none, a variable of an
+// equation with few of them is kept as an unknown.
+class Sorting {
+ public:
+  Sorting(System& system, const std::vector<Residual>& residuals, const Aliases& aliases,
+          const std::vector<char>& used)
+      : system_(system), residuals_(residuals), aliases_(aliases) {
+    candidates_.resize(residuals.size());
+    equations_of_.resize(system.values.size());
+    is_closed_.assign(system.values.size(), 0);
+    for (std::size_t v = 0; v < system.values.size(); ++v) is_closed_[v] = system.is_state[v];
+    for (int i = 0; i < static_cast<int>(residuals.size()); ++i)
+      if (used[at(i)] == 0) add(i);
+  }
+
+  std::vector<Definition> run() {
+    while (!queue_.empty()) {
+      const auto [count, equation] = queue_.top();
+      queue_.pop();
+      Candidate& candidate = candidates_[at(equation)];
+      forget_closed(candidate.open);
+      forget_closed(candidate.solvable);
+      if (candidate.solvable.empty()) continue;
+      if (candidate.open.size() != static_cast<std::size_t>(count))
+        queue_.emplace(static_cast<int>(candidate.open.size()), equation);
+      else if (count == 1) define(equation, candidate.open.front());
+      else tear(equation);
+    }
+    return std::move(definitions_);
+  }
+
+ private:
+  void add(int equation) {
+    const Formula formula = residuals_[at(equation)].formula;
+    const Formulas& formulas = system_.formulas;
+    if (formulas.depends(formula, on_derivative)) return;
+    std::set<int> nonlinear, all;
+    const LinearForm form = linear_form(formulas, formula);
+    if (!form.is_whole) return;
+    std::vector<Formula> others;
+    for (const auto& [factor, other] : form.others) others.push_back(other);
+    for (Formula part : formulas.parts(others))
+      if (formulas[part].operation == Operation::variable && formulas.depends(part, on_continuous))
+        insert_root(nonlinear, formulas[part].index);
+    std::map<int, double> coefficients;
+    for (const auto& [variable, coefficient] : form.coefficients) {
+      const Alias alias = aliases_.find(variable);
+      if (alias.root >= 0) coefficients[alias.root] += coefficient * alias.sign;
+    }
+    Candidate candidate;
+    all = nonlinear;
+    for (const auto& [variable, coefficient] : coefficients) {
+      const double size = std::fabs(coefficient);
+      all.insert(variable);
+      if (nonlinear.count(variable) == 0 && size > smallest_divisor && size < largest_divisor)
+        candidate.solvable.push_back(variable);
+    }
+    candidate.open.assign(all.begin(), all.end());
+    forget_closed(candidate.open);
+    forget_closed(candidate.solvable);
+    if (candidate.solvable.empty()) return;
+    for (int variable : candidate.open) equations_of_[at(variable)].push_back(equation);
+    queue_.emplace(static_cast<int>(candidate.open.size()), equation);
+    candidates_[at(equation)] = std::move(candidate);
+  }
+
+  void insert_root(std::set<int>& variables, int variable) const {
+    const Alias alias = aliases_.find(variable);
+    if (alias.root >= 0) variables.insert(alias.root);
+  }
+
+  void forget_closed(std::vector<int>& variables) const {
+    std::erase_if(variables, [&](int v) { return is_closed_[at(v)] != 0; });
+  }
+
+  void define(int equation, int variable) {
+    definitions_.push_back({variable, -1, equation});
+    candidates_[at(equation)].solvable.clear();
+    close(variable);
+  }
+
+  // Keeps the variable that most other equations wait for.
+  void tear(int equation) {
+    const Candidate& candidate = candidates_[at(equation)];
+    const auto weight = [&](int v) {
+      const bool is_solvable =
+          std::find(candidate.solvable.begin(), candidate.solvable.end(), v) != candidate.solvable.end();
+      return std::make_pair(is_solvable ? 0 : 1, equations_of_[at(v)].size());
+    };
+    int best = candidate.open.front();
+    for (int v : candidate.open)
+      if (weight(v) > weight(best)) best = v;
+    close(best);
+    queue_.emplace(static_cast<int>(candidate.open.size()), equation);
+  }
+
+  void close(int variable) {
+    is_closed_[at(variable)] = 1;
+    for (int equation : equations_of_[at(variable)]) {
+      Candidate& candidate = candidates_[at(equation)];
+      if (candidate.solvable.empty()) continue;
+      forget_closed(candidate.open);
+      queue_.emplace(static_cast<int>(candidate.open.size()), equation);
+    }
+  }
+
+  using Entry = std::pair<int, int>;  // open variables, equation
+
+  System& system_;
+  const std::vector<Residual>& residuals_;
+  const Aliases& aliases_;
+  std::vector<Candidate> candidates_;
+  std::vector<std::vector<int>> equations_of_;
+  std::vector<char> is_closed_;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+  std::vector<Definition> definitions_;
+};
+
+// The value of a variable from a residual: -(all other terms) / coefficient.
+Formula solved(System& system, Formula residual, const Aliases& aliases, int root) {
+  Formulas& formulas = system.formulas;
+  const LinearForm form = linear_form(formulas, residual);
+  double coefficient = 0.0, constant = form.constant;
+  Formula rest = formulas.number(0.0);
+  const auto add = [&](double factor, Formula term) {
+    if (factor == 1.0) rest = formulas.add(rest, term);
+    else if (factor == -1.0) rest = formulas.subtract(rest, term);
+    else rest = formulas.add(rest, formulas.multiply(formulas.number(factor), term));
+  };
+  for (const auto& [variable, factor] : form.coefficients) {
+    const Alias alias = aliases.find(variable);
+    if (alias.root != root) continue;
+    coefficient += factor * alias.sign;
+    constant += factor * alias.offset;
+  }
+  const double scale = -1.0 / coefficient;
+  const bool is_unit = std::fabs(coefficient) == 1.0;
+  for (const auto& [variable, factor] : form.coefficients)
+    if (factor != 0.0 && aliases.find(variable).root != root)
+      add(is_unit ? factor * scale : factor, formulas.variable(variable));
+  for (const auto& [factor, term] : form.others) add(is_unit ? factor * scale : factor, term);
+  rest = formulas.add(rest, formulas.number(is_unit ? constant * scale : constant));
+  return is_unit ? rest : formulas.apply(Operation::divide, rest, formulas.number(-coefficient));
+}
+
+}  // namespace
+
+std::vector<Definition> find_definitions(System& system, const std::vector<Residual>& residuals,
+                                         const Aliases& aliases, const std::vector<char>& used) {
+  std::vector<Definition> definitions = Sorting(system, residuals, aliases, used).run();
+  for (Definition& definition : definitions)
+    definition.value = solved(system, residuals[at(definition.residual)].formula, aliases, definition.variable);
+  return definitions;
+}
+
+}  // namespace sfdae::cli

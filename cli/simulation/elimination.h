@@ -1,0 +1,27 @@
+// Unknowns that equations give explicitly in others, so that the system that has to be solved is small.
+//
+// [CK06] F. E. Cellier, E. Kofman: Continuous System Simulation. Springer, 2006, chapter 7 (sorting and tearing).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "simulation/aliases.h"
+#include "simulation/system.h"
+
+namespace sfdae::cli {
+
+// variable := value, from a residual that then holds.
+struct Definition {
+  int variable = -1;
+  Formula value = -1;
+  int residual = -1;
+};
+
+// Definitions in an order in which each needs only what remains and those before it. An equation defines a variable if
+// it contains it linearly with a coefficient that is a number, and contains no derivative; states are never defined.
+// used: residuals that are no longer there.
+std::vector<Definition> find_definitions(System& system, const std::vector<Residual>& residuals,
+                                         const Aliases& aliases, const std::vector<char>& used);
+
+}  // namespace sfdae::cli

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/event_iteration.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/text.h"
+
+namespace sfdae::cli {
+
+namespace {
+
+// Discrete variables may count a little at an event, but not for ever.
+constexpr int max_iterations = 500;
+// Switches and equations that depend on each other: first all switches follow at once; then one by one, which finds
+// the mode of complementarity problems with P-matrices (Murty's method of least index).
+constexpr int max_at_once = 20, max_settling = 400;
+// Of the search for states that can stay, in units of nominal values.
+constexpr int reweightings = 15;
+constexpr double free_weight = 1e6, smallest_weight = 1e-12, unchanged = 1e-5;
+
+}  // namespace
+
+EventIteration::EventIteration(const System& system, Modes& modes, LibraryCalls& calls, Switches& switches,
+                               Discrete& discrete, std::vector<std::string>& warnings)
+    : system_(system),
+      modes_(modes),
+      calls_(calls),
+      switches_(switches),
+      discrete_(discrete),
+      warnings_(warnings),
+      is_reported_(system.reactions.size(), 0) {}
+
+std::vector<int> EventIteration::with_states(std::vector<int> fixed, const std::vector<char>& of_variable) const {
+  fixed.resize(modes_.unknowns().size(), 0);
+  for (std::size_t j = 0; j < fixed.size(); ++j) {
+    const int v = modes_.unknowns()[j];
+    if (v < 0 || of_variable[at(v)] != 0) fixed[j] = 1;
+  }
+  return fixed;
+}
+
+bool EventIteration::attempt(Mode& mode, sfdae::Point& point, const std::vector<int>& fixed) {
+  sfdae::Point trial = point;
+  if (calls_.attempt(mode, [&] { return mode.make_consistent(trial, fixed); }) < 0) return false;
+  point = std::move(trial);
+  return true;
+}
+
+// Where new constraints make states jump, those stay that are continuous even then.
+void EventIteration::solve(Values& values, sfdae::Point& point) {
+  const std::shared_ptr<Mode> mode = modes_.at_values(values);
+  const sfdae::Point before = point;
+  const int status = calls_.run(*mode, Phase::integration, "event at t = " + to_text(values.t),
+                                [&] { return mode->make_consistent(point, {}); });
+  if (status == SFDAE_VALUES_CHANGED) {
+    const std::string message = calls_.message();
+    sfdae::Point kept = before;
+    if (attempt(*mode, kept, with_states({}, system_.is_continuous_at_impulses))) point = kept;
+    if (!has_warned_of_jump_)
+      warnings_.push_back("event at t = " + to_text(values.t) +
+                          ": values of states had to change, since new constraints hold: " + message);
+    has_warned_of_jump_ = true;
+  }
+  solved_key_ = modes_.equations_key(values);
+  modes_.to_values(point, values);
+}
+
+// After reinit: the other states stay where the constraints allow it.
+void EventIteration::solve_keeping_states(Values& values, sfdae::Point& point, const std::vector<int>& fixed) {
+  const std::shared_ptr<Mode> mode = modes_.at_values(values);
+  const bool is_solved = attempt(*mode, point, with_states(fixed, system_.is_state)) ||
+                         attempt(*mode, point, with_states(fixed, system_.is_continuous_at_impulses)) ||
+                         attempt(*mode, point, states_to_keep(*mode, point, fixed));
+  if (!is_solved)
+    calls_.run(*mode, Phase::integration, "reinit at t = " + to_text(values.t),
+               [&] { return mode->make_consistent(point, fixed); });
+  solved_key_ = modes_.equations_key(values);
+  modes_.to_values(point, values);
+}
+
+// As few states as possible change where those that reinit sets have changed: weights that follow the changes made
+// (iteratively reweighted least squares) drive most changes to zero.
+std::vector<int> EventIteration::states_to_keep(Mode& mode, const sfdae::Point& point,
+                                                const std::vector<int>& fixed) {
+  const std::size_t n = point.x.size();
+  const auto nominal = [&](std::size_t j) {
+    const int v = modes_.unknowns()[j];
+    return v >= 0 ? system_.nominal[at(v)] : 1.0;
+  };
+  std::vector<double> weights(n);
+  std::vector<int> result = fixed;
+  const auto is_state = [&](std::size_t j) {
+    return modes_.unknowns()[j] >= 0 && system_.is_state[at(modes_.unknowns()[j])] != 0;
+  };
+  for (std::size_t j = 0; j < n; ++j) weights[j] = nominal(j) * (is_state(j) ? 1.0 : free_weight);
+  for (int k = 0; k < reweightings; ++k) {
+    sfdae::Point moved = point;
+    mode.options.initial_weights = weights;
+    const int status = calls_.attempt(mode, [&] { return mode.make_consistent(moved, fixed); });
+    mode.options.initial_weights.clear();
+    if (status < 0) return fixed;
+    for (std::size_t j = 0; j < n; ++j) {
+      const double change = std::fabs(moved.x[j] - point.x[j]) / nominal(j);
+      if (is_state(j)) weights[j] = nominal(j) * std::sqrt(change + smallest_weight);
+      if (is_state(j) && k + 1 == reweightings && change < unchanged) result[j] = 1;
+    }
+  }
+  return result;
+}
+
+std::string EventIteration::changing(const Values& before, const Values& values) const {
+  std::string text;
+  for (std::size_t s = 0; s < values.switches.size(); ++s)
+    if (before.switches[s] != values.switches[s])
+      text += (text.empty() ? "" : ", ") + system_.switches[s].text + " (" +
+              place(system_.model, system_.switches[s].at) + ")";
+  for (std::size_t v = 0; v < system_.model.variables.size(); ++v)
+    if (before.variable[v] != values.variable[v] && !system_.formulas.depends(system_.values[v], on_continuous))
+      text += (text.empty() ? "" : ", ") + system_.model.variables[v].name;
+  return text;
+}
+
+// With pre() as it is: discrete variables, equations and switches that agree with each other.
+void EventIteration::settle(Values& values, sfdae::Point& point) {
+  Values before = values;
+  for (int round = 0; round < max_settling; ++round) {
+    before.variable = values.variable;
+    before.switches = values.switches;
+    discrete_.update(values);
+    if (modes_.equations_key(values) != solved_key_) solve(values, point);
+    if (!switches_.update(values, round >= max_at_once)) return;
+  }
+  throw Failure(Outcome::not_finished, SFDAE_OK,
+                "no values agree with all relations at t = " + to_text(values.t) +
+                    "; these keep changing: " + changing(before, values));
+}
+
+void EventIteration::assertion_failed(const Reaction& reaction, double t) {
+  const std::string text =
+      place(system_.model, reaction.at) + ": assertion failed at t = " + to_text(t) + ": " + reaction.message;
+  if (reaction.is_error) throw Failure(Outcome::not_finished, SFDAE_OK, text);
+  const std::size_t number = static_cast<std::size_t>(&reaction - system_.reactions.data());
+  if (is_reported_[number] == 0) warnings_.push_back(text);
+  is_reported_[number] = 1;
+}
+
+void EventIteration::check_assertions(Values& values) {
+  if (system_.reactions.empty()) return;
+  discrete_.evaluate_reactions(values);
+  for (int i = 0; i < static_cast<int>(system_.reactions.size()); ++i) {
+    const Reaction& reaction = system_.reactions[at(i)];
+    if (reaction.kind == Action::Kind::assertion && discrete_.is_active(i) && discrete_.value(i) == 0.0)
+      assertion_failed(reaction, values.t);
+  }
+}
+
+// Returns whether values of the integration were set anew.
+bool EventIteration::react(Values& values, sfdae::Point& point, EventResult& result) {
+  std::vector<int> fixed(point.x.size(), 0);
+  bool is_reinitialized = false;
+  check_assertions(values);
+  for (int i = 0; i < static_cast<int>(system_.reactions.size()); ++i) {
+    const Reaction& reaction = system_.reactions[at(i)];
+    if (!discrete_.is_active(i)) continue;
+    if (reaction.kind == Action::Kind::terminate) {
+      result.is_terminated = true;
+      result.message = reaction.message;
+    } else if (reaction.kind == Action::Kind::assign) {
+      result.acted.push_back(reaction.message + " (" + place(system_.model, reaction.at) + ")");
+    } else if (reaction.kind == Action::Kind::reinit) {
+      const Alias& alias = system_.aliases[at(reaction.variable)];
+      const auto unknown = std::find(modes_.unknowns().begin(), modes_.unknowns().end(), alias.root);
+      const std::size_t j = static_cast<std::size_t>(unknown - modes_.unknowns().begin());
+      point.x[j] = alias.sign * (discrete_.value(i) - alias.offset);
+      fixed[j] = 1;
+      is_reinitialized = true;
+    }
+  }
+  if (is_reinitialized) {
+    modes_.to_values(point, values);
+    solve_keeping_states(values, point, fixed);
+    switches_.forget_passed();  // arguments are elsewhere now
+  }
+  return is_reinitialized;
+}
+
+EventResult EventIteration::run(Values& values, sfdae::Point& point, const std::vector<double>& key) {
+  EventResult result;
+  solved_key_ = key;
+  discrete_.complete(values);
+  discrete_.set_previous(values);
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    settle(values, point);
+    const bool is_reinitialized = react(values, point, result);
+    result.needs_start = result.needs_start || is_reinitialized;
+    const bool had_sample = std::find(values.samples.begin(), values.samples.end(), 1.0) != values.samples.end();
+    const bool is_stable = !is_reinitialized && !had_sample && !discrete_.differs_from_previous(values);
+    std::fill(values.samples.begin(), values.samples.end(), 0.0);
+    discrete_.complete(values);
+    discrete_.set_previous(values);
+    if (!is_stable) continue;
+    result.needs_start = result.needs_start || modes_.equations_key(values) != key;
+    return result;
+  }
+  throw Failure(Outcome::not_finished, SFDAE_OK,
+                "the event at t = " + to_text(values.t) + " does not end: discrete variables keep changing");
+}
+
+}  // namespace sfdae::cli

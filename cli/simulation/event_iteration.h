@@ -1,0 +1,57 @@
+// What happens at an event: all equations are solved with pre() as it is, then pre() becomes what was found, until
+// nothing changes (Modelica Language Specification 3.6, section 8.6 and appendix B).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "simulation/discrete.h"
+#include "simulation/library_calls.h"
+#include "simulation/modes.h"
+#include "simulation/switches.h"
+
+namespace sfdae::cli {
+
+struct EventResult {
+  bool needs_start = false;  // equations or values of the integration have changed
+  bool is_terminated = false;
+  std::string message;             // of terminate
+  std::vector<std::string> acted;  // when clauses
+};
+
+class EventIteration {
+ public:
+  EventIteration(const System& system, Modes& modes, LibraryCalls& calls, Switches& switches, Discrete& discrete,
+                 std::vector<std::string>& warnings);
+
+  // In: values and point before the event, switches that change there changed already, samples that are due set.
+  // key: of the equations that have been integrated. Throws Failure.
+  EventResult run(Values& values, sfdae::Point& point, const std::vector<double>& key);
+
+  // Checks assertions; those that are warnings are reported once. Throws Failure.
+  void check_assertions(Values& values);
+
+ private:
+  void settle(Values& values, sfdae::Point& point);
+  void solve(Values& values, sfdae::Point& point);
+  void solve_keeping_states(Values& values, sfdae::Point& point, const std::vector<int>& fixed);
+  std::vector<int> with_states(std::vector<int> fixed, const std::vector<char>& of_variable) const;
+  bool attempt(Mode& mode, sfdae::Point& point, const std::vector<int>& fixed);
+  std::vector<int> states_to_keep(Mode& mode, const sfdae::Point& point, const std::vector<int>& fixed);
+  bool react(Values& values, sfdae::Point& point, EventResult& result);
+  void assertion_failed(const Reaction& reaction, double t);
+  std::string changing(const Values& before, const Values& values) const;
+
+  const System& system_;
+  Modes& modes_;
+  LibraryCalls& calls_;
+  Switches& switches_;
+  Discrete& discrete_;
+  std::vector<std::string>& warnings_;
+  std::vector<double> solved_key_;
+  std::vector<char> is_reported_;  // of reactions: assertions that are warnings
+  bool has_warned_of_jump_ = false;
+};
+
+}  // namespace sfdae::cli

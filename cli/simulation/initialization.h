@@ -1,0 +1,59 @@
+// Continuous initial values: equations, initial equations, fixed start values and free parameters together.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "simulation/conditions.h"
+#include "simulation/library_calls.h"
+#include "simulation/modes.h"
+
+namespace sfdae::cli {
+
+// In one mode: damped Newton iterations on the manifold of consistent values. Its tangent space has an orthonormal
+// basis B in units of the nominal values, x = consistent(x + D B z); conditions that are independent there determine z.
+class Initialization {
+ public:
+  // modes: with free parameters as unknowns.
+  Initialization(const System& system, Modes& modes, LibraryCalls& calls);
+
+  // In: guess; discrete values as they are. Out: consistent values that fulfil the conditions. more: conditions of
+  // when clauses that act initially. Throws Failure.
+  void solve(Values& values, sfdae::Point& point, const std::vector<Condition>& more);
+
+  // What the last solve() had to decide.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  struct Linearization {
+    sfdae::Matrix B;                        // n x (d + u)
+    std::vector<std::vector<double>> rows;  // of each condition
+    std::vector<double> residuals, sizes;   // sizes: of the quantities compared
+  };
+  struct Selection {
+    IndependentRows rows;
+    std::vector<int> chosen, dropped;  // conditions; those after the given ones are start values that complete them
+    std::vector<double> residuals;     // of the chosen ones
+  };
+
+  void find_start(Mode& mode, Values& values, sfdae::Point& point);
+  bool make_consistent(Mode& mode, sfdae::Point& point, const std::vector<int>& fixed);
+  sfdae::Matrix basis(Mode& mode, const sfdae::Point& point);
+  std::vector<double> residuals(Values values, const sfdae::Point& point, std::vector<double>* sizes = nullptr);
+  Linearization linearized(Mode& mode, const Values& values, const sfdae::Point& point);
+  Selection selected(const Linearization& linearization) const;
+  bool improve(Mode& mode, const Values& values, sfdae::Point& point, const Linearization& linearization,
+               const Selection& selection, const std::vector<double>& z);
+  void report(const Linearization& linearization, const Selection& selection);
+  double nominal(int unknown) const;
+
+  const System& system_;
+  Modes& modes_;
+  LibraryCalls& calls_;
+  std::vector<Condition> conditions_, wishes_;
+  std::size_t num_given_ = 0;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace sfdae::cli

@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/integration.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/text.h"
+
+namespace sfdae::cli {
+
+namespace {
+
+// Times that are one but for rounding, relative.
+constexpr double same_time = 1e-14;
+// Events that follow each other within this part of the interval, so many of them, accumulate.
+constexpr double close_events = 1e-9;
+constexpr int max_close_events = 1000, max_close_changes = 20;  // in all, and of one relation
+constexpr long default_max_steps = 100000;
+// A contradiction so soon after the start of a piece, relative to its first step, was there at the start.
+constexpr double at_start = 1e-4;
+
+bool uses_derivatives(const System& system) {
+  const auto depends = [&](Formula f) { return f >= 0 && system.formulas.depends(f, on_derivative); };
+  return std::any_of(system.discrete.begin(), system.discrete.end(),
+                     [&](const auto& it) { return depends(it.value); }) ||
+         std::any_of(system.switches.begin(), system.switches.end(), [&](const auto& it) { return depends(it.g); }) ||
+         std::any_of(system.reactions.begin(), system.reactions.end(),
+                     [&](const auto& it) { return depends(it.value); });
+}
+
+}  // namespace
+
+Integration::Integration(const Parts& parts)
+    : parts_(parts),
+      root_values_(parts.system),
+      next_sample_(parts.system.samples.size(), 0),
+      needs_derivatives_(uses_derivatives(parts.system)),
+      last_event_(parts.settings.start),
+      close_changes_(parts.system.switches.size(), 0) {
+  sfdae_statistics_init(&parts_.result.statistics, sizeof parts_.result.statistics);
+}
+
+bool Integration::is_same_time(double a, double b) const {
+  const double interval = parts_.settings.stop - parts_.settings.start;
+  return std::fabs(a - b) <= same_time * std::max({std::fabs(a), std::fabs(b), 0.01 * interval});
+}
+
+double Integration::output_time(long number) const {
+  const Settings& s = parts_.settings;
+  return number >= s.num_outputs ? s.stop
+                                 : s.start + (s.stop - s.start) * static_cast<double>(number) / s.num_outputs;
+}
+
+void Integration::run(Values& values, sfdae::Point& point) {
+  Reached at{values, point};
+  parts_.output.add(values);
+  if (!settle_at_start(at)) return;
+  while (values.t < parts_.settings.stop) {
+    const double output = output_time(next_output_);
+    const std::optional<double> time_event = next_time_event(values);
+    const double target = time_event ? std::min(*time_event, output) : output;
+    const bool is_time_event = time_event && (*time_event <= target || is_same_time(*time_event, target));
+    const Values before = values;
+    int status = SFDAE_OK;
+    if (is_same_time(target, values.t)) values.t = point.t = target;
+    else status = step(at, target);
+    if (repair(at, before, is_first_step_)) {
+      if (is_over_) return;
+      continue;
+    }
+    if (status == SFDAE_EVENT) {
+      const std::vector<int> roots = mode_->solver.events();
+      if (!happens(at, roots, "")) return;
+    } else if (status == SFDAE_OK && is_time_event) {
+      if (!happens(at, {}, "")) return;
+    } else if (status == SFDAE_OK || parts_.settings.keeps_steps) {
+      parts_.events.check_assertions(values);
+      parts_.output.add(values);
+    }
+    if (is_started_) is_first_step_ = false;
+    for (; next_output_ <= parts_.settings.num_outputs &&
+           (output_time(next_output_) <= values.t || is_same_time(output_time(next_output_), values.t));
+         ++next_output_)
+      num_steps_ = 0;
+  }
+  finish(at);
+}
+
+void Integration::start(Reached& at) {
+  add_statistics();
+  mode_ = parts_.modes.at_values(at.values);
+  key_ = parts_.modes.equations_key(at.values);
+  root_values_ = at.values;
+  baseline_ = mode_->solver.statistics();
+  const std::string where = "t = " + to_text(at.values.t);
+  const auto begin = [&] {
+    mode_->options.initial_values = SFDAE_INITIAL_NEAREST;
+    mode_->options.fixed.clear();
+    mode_->solver.set_options(mode_->options);
+    mode_->solver.set_events(parts_.switches.num_roots(), [this](double t, sfdae::ConstVectorRef x,
+                                                                 sfdae::ConstVectorRef xdot, sfdae::VectorRef g) {
+      const std::vector<int>& unknowns = parts_.modes.unknowns();
+      root_values_.t = t;
+      for (std::size_t j = 0; j < unknowns.size(); ++j) {
+        if (unknowns[j] < 0) continue;
+        root_values_.variable[cli::at(unknowns[j])] = x[static_cast<int>(j)];
+        root_values_.derivative[cli::at(unknowns[j])] = xdot[static_cast<int>(j)];
+      }
+      parts_.switches.evaluate_roots(root_values_, g.data());
+    });
+    return mode_->solver.start(at.point, parts_.settings.stop);
+  };
+  int status = parts_.calls.attempt(*mode_, begin);
+  if (status == SFDAE_CHARACTERISTICS_CHANGED)  // known from another time: analyzed anew
+    status = parts_.calls.attempt(*mode_, [&] {
+      mode_->solver.analyze_at(at.point, parts_.settings.stop);
+      return begin();
+    });
+  if (status < 0)
+    throw Failure(outcome_of(status, is_started_ || at.values.t > parts_.settings.start ? Phase::integration
+                                                                                        : Phase::initialization),
+                  status, where + ": " + parts_.calls.message());
+  if (status == SFDAE_NOT_UNIQUE && !has_warned_) {
+    has_warned_ = true;
+    parts_.result.warnings.push_back(where + ": " + parts_.calls.message());
+  }
+  parts_.modes.to_values(at.point, at.values);
+  is_started_ = is_first_step_ = true;
+  start_ = at.values.t;
+  roots_at_start_.resize(cli::at(parts_.switches.num_roots()));
+  root_values_ = at.values;
+  parts_.switches.evaluate_roots(root_values_, roots_at_start_.data());
+}
+
+int Integration::step(Reached& at, double target) {
+  if (!is_started_) start(at);
+  const long max_steps = parts_.settings.max_steps > 0 ? parts_.settings.max_steps : default_max_steps;
+  if (++num_steps_ > max_steps)
+    throw Failure(
+        Outcome::not_finished, SFDAE_MAX_STEPS,
+        "more than " + std::to_string(max_steps) + " steps between two outputs, at t = " + to_text(at.values.t));
+  const int status = parts_.calls.run(*mode_, Phase::integration, "t = " + to_text(at.values.t), [&] {
+    if (needs_derivatives_) return mode_->solver.step(target, at.point);
+    const int result = sfdae_step(mode_->solver.get(), target, &at.point.t, at.point.x.data(), nullptr);
+    if (result < 0) throw sfdae::Error(result, mode_->solver.message());
+    return result;
+  });
+  parts_.modes.to_values(at.point, at.values);
+  return status;
+}
+
+void Integration::interpolate(const Reached& at, double t, Values& values, sfdae::Point& point) {
+  values = at.values;
+  point.x.resize(at.point.x.size());
+  const sfdae::Statistics steps = mode_->solver.statistics();  // nothing is known before the last step
+  point.t = std::clamp(t, std::min(steps.t_internal - steps.last_step, at.values.t), at.values.t);
+  parts_.calls.run(*mode_, Phase::integration, "t = " + to_text(t), [&] { return mode_->solver.interpolate(point); });
+  parts_.modes.to_values(point, values);
+}
+
+// Where a switch contradicts its argument although no event was found: the argument was zero at the start of the
+// piece, or stayed zero for some time. Goes back to where that begins, which is an event.
+bool Integration::repair(Reached& at, const Values& before, bool is_first) {
+  if (parts_.switches.num_roots() == 0 || at.values.t == before.t) return false;
+  Values high = at.values;
+  sfdae::Point high_point = at.point;
+  if (is_first) interpolate(at, 0.5 * (start_ + at.values.t), high, high_point);
+  const int number = parts_.switches.contradiction(high, !is_first, roots_at_start_);
+  if (number < 0) return false;
+  double low = is_first ? start_ : before.t;
+  const double first_step = high.t - low;
+  for (int k = 0; k < 60 && !is_same_time(low, high.t); ++k) {
+    Values middle = at.values;
+    sfdae::Point middle_point;
+    interpolate(at, 0.5 * (low + high.t), middle, middle_point);
+    if (parts_.switches.contradiction(middle, false, roots_at_start_) >= 0) high = middle, high_point = middle_point;
+    else low = middle.t;
+  }
+  const double wanted = parts_.switches.wanted(high, number);
+  if (is_first && high.t - start_ <= at_start * first_step) {
+    high = before;
+    parts_.modes.to_point(high, high_point);
+  }
+  at.values = high;
+  at.point = high_point;
+  parts_.switches.set(number, wanted, at.values);
+  is_started_ = false;
+  const Switch& it = parts_.system.switches[cli::at(number)];
+  const bool is_relation_switch = it.kind == Switch::Kind::relation;
+  const std::string text = it.text + (!is_relation_switch ? " jumps"
+                                      : wanted != 0.0     ? " becomes true"
+                                                          : " becomes false");
+  if (!happens(at, {}, text + " (" + place(parts_.system.model, it.at) + ")")) is_over_ = true;
+  return true;
+}
+
+bool Integration::set_due_samples(Values& values) {
+  bool has_due = false;
+  for (std::size_t i = 0; i < next_sample_.size(); ++i) {
+    const Sample& sample = parts_.system.samples[i];
+    const auto time_of = [&](long number) { return sample.start + static_cast<double>(number) * sample.interval; };
+    values.samples[i] = 0.0;
+    while (time_of(next_sample_[i]) < values.t && !is_same_time(time_of(next_sample_[i]), values.t))
+      ++next_sample_[i];
+    if (!is_same_time(time_of(next_sample_[i]), values.t)) continue;
+    values.samples[i] = 1.0;
+    ++next_sample_[i];
+    has_due = true;
+  }
+  return has_due;
+}
+
+std::optional<double> Integration::next_time_event(Values& values) {
+  std::optional<double> next = parts_.switches.next_time(values);
+  for (std::size_t i = 0; i < next_sample_.size(); ++i) {
+    const Sample& sample = parts_.system.samples[i];
+    const double t = sample.start + static_cast<double>(next_sample_[i]) * sample.interval;
+    if (!next || t < *next) next = t;
+  }
+  return next;
+}
+
+// Right after the start: samples that begin there, and relations of time that hold from there on.
+bool Integration::settle_at_start(Reached& at) {
+  const double t0 = at.values.t;
+  for (std::size_t i = 0; i < next_sample_.size(); ++i) {
+    const Sample& sample = parts_.system.samples[i];
+    next_sample_[i] = std::max(0L, static_cast<long>(std::ceil((t0 - sample.start) / sample.interval -
+                                                               same_time * std::fabs(t0 / sample.interval))));
+  }
+  key_ = parts_.modes.equations_key(at.values);
+  Values probe = at.values;
+  const bool has_due = set_due_samples(probe);
+  if (has_due)  // happens() sets them again
+    for (std::size_t i = 0; i < next_sample_.size(); ++i) next_sample_[i] -= probe.samples[i] != 0.0 ? 1 : 0;
+  if (!has_due && !parts_.switches.update(probe)) return true;
+  return happens(at, {}, "");
+}
+
+// Whether the function of a root moved away from zero since the start of the piece, and came back; else it was on the
+// wrong side at the start already, by rounding.
+bool Integration::was_elsewhere(const Reached& at, int root) {
+  if (!is_first_step_ || at.values.t == start_) return true;
+  Values middle = at.values;
+  sfdae::Point point;
+  interpolate(at, 0.5 * (start_ + at.values.t), middle, point);
+  std::vector<double> g(cli::at(parts_.switches.num_roots()));
+  parts_.switches.evaluate_roots(middle, g.data());
+  return std::fabs(g[cli::at(root)]) > 2.0 * std::fabs(roots_at_start_[cli::at(root)]);
+}
+
+// A relation that passes zero to where it is already was elsewhere in between, too little to be noticed: that is an
+// event of its own, without which what waits for the relation to become true would be lost.
+void Integration::recover_lost_changes(Reached& at, const std::vector<int>& roots) {
+  bool has_lost = false;
+  Values lost = at.values;
+  for (int i = 0; i < static_cast<int>(roots.size()); ++i) {
+    const int number = parts_.switches.switch_of(i);
+    const bool is_relation = parts_.system.switches[cli::at(number)].kind == Switch::Kind::relation;
+    if (!is_relation || roots[cli::at(i)] == 0) continue;
+    Values passed = at.values;
+    parts_.switches.pass(i, roots[cli::at(i)], passed);
+    if (passed.switches[cli::at(number)] != at.values.switches[cli::at(number)] || !was_elsewhere(at, i)) continue;
+    parts_.switches.pass(i, -roots[cli::at(i)], lost);
+    has_lost = true;
+  }
+  if (!has_lost) return;
+  at.values = lost;
+  if (parts_.events.run(at.values, at.point, key_).needs_start) is_started_ = false;
+}
+
+bool Integration::happens(Reached& at, const std::vector<int>& roots, const std::string& contradiction) {
+  const Values untouched = at.values;
+  recover_lost_changes(at, roots);
+  const Values before = at.values;
+  for (int i = 0; i < static_cast<int>(roots.size()); ++i)
+    if (roots[cli::at(i)] != 0) parts_.switches.pass(i, roots[cli::at(i)], at.values);
+  const bool has_sample = set_due_samples(at.values);
+  parts_.switches.update(at.values);
+  const bool is_event = has_sample || !contradiction.empty() || untouched.switches != at.values.switches ||
+                        untouched.switches != before.switches || untouched.variable != before.variable;
+  if (!is_event) return true;
+  if (parts_.result.trajectory.t.back() != at.values.t) {
+    Values row = untouched;
+    parts_.output.add(row);
+  }
+  std::string text = contradiction.empty() ? describe(roots, before, at.values) : contradiction;
+  const EventResult result = parts_.events.run(at.values, at.point, key_);
+  for (const std::string& acted : result.acted) text += (text.empty() ? "" : "; ") + acted;
+  parts_.result.events.push_back({at.values.t, text});
+  parts_.output.add(at.values);
+  count_event(text, before, at.values);
+  if (result.needs_start || roots_jump(untouched, at.values)) is_started_ = false;
+  root_values_ = at.values;
+  if (result.is_terminated) {
+    parts_.result.message = result.message;
+    add_statistics();
+  }
+  return !result.is_terminated;
+}
+
+// Whether event functions changed by the event: what was found out about their signs is void.
+bool Integration::roots_jump(Values before, Values after) {
+  const std::size_t count = cli::at(parts_.switches.num_roots());
+  std::vector<double> g_before(count), g_after(count);
+  parts_.switches.evaluate_roots(before, g_before.data());
+  parts_.switches.evaluate_roots(after, g_after.data());
+  return g_before != g_after;
+}
+
+void Integration::count_event(const std::string& text, const Values& before, const Values& after) {
+  const double t = after.t;
+  const bool is_close = t - last_event_ <= close_events * (parts_.settings.stop - parts_.settings.start);
+  if (!is_close) close_changes_.assign(after.switches.size(), 0);
+  num_close_events_ = is_close ? num_close_events_ + 1 : 0;
+  last_event_ = t;
+  int most_changes = 0;
+  for (std::size_t s = 0; s < after.switches.size(); ++s)
+    if (before.switches[s] != after.switches[s]) most_changes = std::max(most_changes, ++close_changes_[s]);
+  if (num_close_events_ > max_close_events || most_changes > max_close_changes)
+    throw Failure(Outcome::not_finished, SFDAE_OK,
+                  "events accumulate at t = " + to_text(t) + ", the last one: " + text +
+                      ". A relation changes again and again (chattering, or an impact that never ends); give it a "
+                      "hysteresis, or a state of rest.");
+}
+
+std::string Integration::describe(const std::vector<int>& roots, const Values& before, const Values& after) const {
+  std::string text;
+  const auto add = [&](const std::string& what, Location where) {
+    text += (text.empty() ? "" : "; ") + what + " (" + place(parts_.system.model, where) + ")";
+  };
+  std::vector<char> is_named(after.switches.size(), 0);
+  for (int i = 0; i < static_cast<int>(roots.size()); ++i)
+    if (roots[cli::at(i)] != 0) is_named[cli::at(parts_.switches.switch_of(i))] = 1;
+  for (std::size_t s = 0; s < after.switches.size(); ++s) {
+    if (is_named[s] == 0 && before.switches[s] == after.switches[s]) continue;
+    const Switch& it = parts_.system.switches[s];
+    const bool is_relation_switch = it.kind == Switch::Kind::relation;
+    add(it.text + (is_relation_switch ? (after.switches[s] != 0.0 ? " becomes true" : " becomes false") : " jumps"),
+        it.at);
+  }
+  for (std::size_t i = 0; i < after.samples.size(); ++i)
+    if (after.samples[i] != 0.0) add(parts_.system.samples[i].text, parts_.system.samples[i].at);
+  return text;
+}
+
+void Integration::finish(Reached& at) {
+  add_statistics();
+  bool has_terminal = false;
+  for (Formula f = 0; f < parts_.system.formulas.size(); ++f)
+    has_terminal = has_terminal || parts_.system.formulas[f].operation == Operation::terminal;
+  if (!has_terminal) return;
+  at.values.is_terminal = true;
+  happens(at, {}, "terminal()");
+}
+
+void Integration::add_statistics() {
+  if (!is_started_ && !mode_) return;
+  if (!mode_) return;
+  sfdae::Statistics now = mode_->solver.statistics();
+  sfdae::Statistics& sum = parts_.result.statistics;
+  sum.steps += now.steps;
+  sum.error_failures += now.error_failures;
+  sum.other_failures += now.other_failures;
+  sum.reductions += now.reductions;
+  sum.factorizations += now.factorizations;
+  sum.evaluations_E += now.evaluations_E - baseline_.evaluations_E;
+  sum.evaluations_A += now.evaluations_A - baseline_.evaluations_A;
+  sum.evaluations_f += now.evaluations_f - baseline_.evaluations_f;
+  sum.evaluations_F += now.evaluations_F - baseline_.evaluations_F;
+  sum.linearizations += now.linearizations - baseline_.linearizations;
+  if (sum.first_step == 0.0) sum.first_step = now.first_step;
+  sum.last_order = now.last_order;
+  sum.next_order = now.next_order;
+  sum.last_step = now.last_step;
+  sum.next_step = now.next_step;
+  sum.t_internal = now.t_internal;
+  sum.smallest_kept = sum.smallest_kept > 0.0 ? std::min(sum.smallest_kept, now.smallest_kept) : now.smallest_kept;
+  sum.consistency = std::max(sum.consistency, now.consistency);
+  sum.rounding = std::max(sum.rounding, now.rounding);
+}
+
+}  // namespace sfdae::cli

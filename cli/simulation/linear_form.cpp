@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/linear_form.h"
+
+namespace sfdae::cli {
+
+namespace {
+
+// Sums of shared sums have more terms than formulas; beyond this nobody is helped by knowing them.
+constexpr std::size_t max_terms = 2000;
+
+}  // namespace
+
+LinearForm linear_form(const Formulas& formulas, Formula formula) {
+  LinearForm result;
+  std::vector<std::pair<double, Formula>> stack{{1.0, formula}};
+  for (std::size_t count = 0; !stack.empty(); ++count) {
+    if (count > max_terms) {
+      result.is_whole = false;
+      return result;
+    }
+    const auto [factor, f] = stack.back();
+    stack.pop_back();
+    const FormulaNode& node = formulas[f];
+    const auto [a, b, c] = node.operands;
+    switch (node.operation) {
+      case Operation::number: result.constant += factor * node.value; break;
+      case Operation::variable:
+        if ((node.dependence & on_continuous) != 0) result.coefficients[node.index] += factor;
+        else result.others.emplace_back(factor, f);
+        break;
+      case Operation::negate: stack.emplace_back(-factor, a); break;
+      case Operation::add:
+      case Operation::subtract:
+        stack.emplace_back(node.operation == Operation::add ? factor : -factor, b);
+        stack.emplace_back(factor, a);
+        break;
+      case Operation::multiply:
+        if (formulas.is_number(a)) stack.emplace_back(factor * formulas[a].value, b);
+        else if (formulas.is_number(b)) stack.emplace_back(factor * formulas[b].value, a);
+        else result.others.emplace_back(factor, f);
+        break;
+      case Operation::divide:
+        if (formulas.is_number(b) && formulas[b].value != 0.0) stack.emplace_back(factor / formulas[b].value, a);
+        else result.others.emplace_back(factor, f);
+        break;
+      default: result.others.emplace_back(factor, f);
+    }
+  }
+  return result;
+}
+
+}  // namespace sfdae::cli

@@ -1,0 +1,57 @@
+// Values of constants and parameters, and of expressions of them.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "model/flat_model.h"
+
+namespace sfdae::cli {
+
+// Bindings are evaluated in the order in which they depend on each other. Throws ModelError for cyclic, missing or
+// undefined values and for values that cannot be set.
+class Parameters {
+ public:
+  // given: values instead of those of the model, by name; of parameters, of inputs, of start values.
+  Parameters(const FlatModel& model, const std::map<std::string, double>& given, std::vector<std::string>& warnings);
+
+  bool is_known(int variable) const { return states_[index(variable)] == State::known; }
+  // The initial equations determine it, or it follows from such parameters by its binding.
+  bool is_free(int variable) const { return states_[index(variable)] == State::free; }
+  bool is_derived(int variable) const { return states_[index(variable)] == State::derived; }
+
+  // Of what is known; the guess of what is free or derived.
+  double value(int variable) const { return values_[index(variable)]; }
+
+  // Of an expression of constants and parameters; free ones have their guess.
+  double value(const Expression& expression);
+
+  // The start value of any variable, if it has one.
+  std::optional<double> start(int variable);
+
+ private:
+  enum class State { other, unvisited, visiting, known, free, derived };
+
+  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+  void classify(const std::map<std::string, double>& given);
+  void set_given(const std::string& name, int variable, double value);
+  void find(int variable);
+  double evaluate(const Node& node);
+  double evaluate_operation(const Node& node);
+  [[noreturn]] void fail(const Variable& variable, const std::string& text) const;
+
+  const FlatModel& model_;
+  std::vector<std::string>& warnings_;
+  std::vector<State> states_;
+  std::vector<double> values_;
+  std::map<int, double> given_starts_;
+  std::unordered_map<const Node*, double> evaluated_;
+  bool depends_on_free_ = false;  // what is being evaluated
+  Location at_;                   // of what is being evaluated
+};
+
+}  // namespace sfdae::cli

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/preparation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "simulation/aliases.h"
+#include "simulation/classification.h"
+#include "simulation/discrete_order.h"
+#include "simulation/elimination.h"
+#include "simulation/import.h"
+#include "simulation/switch_times.h"
+#include "simulation/text.h"
+#include "simulation/whens.h"
+
+namespace sfdae::cli {
+
+namespace {
+
+bool is_discrete(const Variable& variable) {
+  return variable.type != Type::real || variable.variability == Variability::discrete;
+}
+
+std::vector<unsigned> dependences(const FlatModel& model, const Parameters& parameters) {
+  std::vector<unsigned> result;
+  for (int v = 0; v < static_cast<int>(model.variables.size()); ++v) {
+    const Variable& variable = model.variables[at(v)];
+    result.push_back(parameters.is_known(v)                              ? on_numbers
+                     : is_discrete(variable)                             ? on_discrete
+                     : parameters.is_free(v) || parameters.is_derived(v) ? on_free
+                                                                         : on_continuous);
+  }
+  return result;
+}
+
+class Preparation {
+ public:
+  Preparation(System& system, Parameters& parameters, std::vector<std::string>& warnings)
+      : system_(system), parameters_(parameters), warnings_(warnings), import_(system, parameters) {}
+
+  void run() {
+    describe_variables();
+    import_equations();
+    import_whens(system_, import_);
+    import_conditions();
+    import_assertions();
+    reduce();
+    finish();
+  }
+
+ private:
+  const FlatModel& model() const { return system_.model; }
+  int num_variables() const { return static_cast<int>(model().variables.size()); }
+
+  void describe_variables() {
+    const std::size_t count = model().variables.size();
+    system_.nominal.assign(count, 1.0);
+    system_.start.assign(count, 0.0);
+    system_.has_start.assign(count, 0);
+    system_.is_state.assign(count, 0);
+    determined_.assign(count, Determined::elsewhere);
+    for (int v = 0; v < num_variables(); ++v) {
+      const Variable& variable = model().variables[at(v)];
+      if (const auto start = parameters_.start(v)) {
+        system_.start[at(v)] = *start;
+        system_.has_start[at(v)] = 1;
+      } else if (variable.type == Type::enumeration) {
+        system_.start[at(v)] = 1.0;
+      }
+      const double nominal = variable.nominal ? std::fabs(parameters_.value(variable.nominal)) : 0.0;
+      system_.nominal[at(v)] =
+          std::isfinite(nominal) && nominal > 0.0 ? nominal : std::max(1.0, std::fabs(system_.start[at(v)]));
+      if (parameters_.is_free(v) && !is_discrete(variable)) system_.free_parameters.push_back(v);
+      if (parameters_.is_known(v) || parameters_.is_free(v) || parameters_.is_derived(v)) continue;
+      add_bounds(v, variable);
+      if (variable.is_input) continue;
+      determined_[at(v)] = is_discrete(variable) ? Determined::discretely : Determined::continuously;
+    }
+    system_.own_start = system_.start;
+    for (double start : system_.own_start) system_.own_start_formulas.push_back(system_.formulas.number(start));
+    for (const When& when : model().whens)
+      for (const WhenBranch& branch : when.branches)
+        for (const Action& action : branch.actions)
+          if (action.kind == Action::Kind::assign) determined_[at(action.variable)] = Determined::elsewhere;
+  }
+
+  void add_bounds(int v, const Variable& variable) {
+    if (variable.type == Type::boolean || variable.type == Type::enumeration || (!variable.min && !variable.max))
+      return;
+    const double inf = std::numeric_limits<double>::infinity();
+    system_.checked.push_back({v, variable.min ? parameters_.value(variable.min) : -inf,
+                               variable.max ? parameters_.value(variable.max) : inf});
+  }
+
+  void import_equations() {
+    std::vector<ImportedEquation> equations;
+    for (const Equation& equation : model().equations) {
+      const Formula left = import_(equation.left), right = import_(equation.right);
+      equations.push_back({left, right, equation.at});
+    }
+    ClassifiedEquations classified = classify(system_, equations, determined_);
+    residuals_ = std::move(classified.continuous);
+    system_.discrete = std::move(classified.discrete);
+  }
+
+  // Initial equations of discrete variables say what pre() of them is.
+  void import_conditions() {
+    const Formulas& formulas = system_.formulas;
+    const auto target = [&](Formula side) {
+      const FormulaNode& node = formulas[side];
+      if (node.operation != Operation::previous && node.operation != Operation::variable) return -1;
+      return is_discrete(model().variables[at(node.index)]) ? node.index : -1;
+    };
+    for (const Equation& equation : model().initial_equations) {
+      const Formula left = import_(equation.left, Context::instant),
+                    right = import_(equation.right, Context::instant);
+      const int of_left = target(left), of_right = target(right);
+      const std::string text = to_text(equation.left, model()) + " = " + to_text(equation.right, model());
+      if (of_left >= 0) system_.initial_discrete.push_back({of_left, right});
+      else if (of_right >= 0) system_.initial_discrete.push_back({of_right, left});
+      else system_.initial_conditions.push_back({left, right, equation.at, text});
+    }
+  }
+
+  void import_assertions() {
+    for (const Assertion& assertion : model().assertions) {
+      Reaction reaction;
+      reaction.kind = Action::Kind::assertion;
+      reaction.active = system_.formulas.number(1.0);
+      reaction.value = import_(assertion.condition, Context::events);
+      reaction.message = assertion.message;
+      reaction.is_error = assertion.is_error;
+      reaction.at = assertion.at;
+      system_.reactions.push_back(reaction);
+    }
+  }
+
+  void find_states() {
+    std::vector<Formula> all;
+    for (const Residual& residual : residuals_) all.push_back(residual.formula);
+    for (const Assignment& assignment : system_.discrete) all.push_back(assignment.value);
+    for (const Switch& it : system_.switches) all.push_back(it.g);
+    for (const Reaction& reaction : system_.reactions) all.push_back(reaction.value);
+    for (const InitialCondition& condition : system_.initial_conditions) {
+      all.push_back(condition.left);
+      all.push_back(condition.right);
+    }
+    for (Formula part : system_.formulas.parts(all))
+      if (system_.formulas[part].operation == Operation::derivative)
+        system_.is_state[at(system_.formulas[part].index)] = 1;
+  }
+
+  std::vector<int> ranks_of_roots() const {
+    std::vector<int> ranks;
+    for (int v = 0; v < num_variables(); ++v) {
+      const Variable& variable = model().variables[at(v)];
+      ranks.push_back((system_.is_state[at(v)] != 0 ? 100 : 0) + 10 * static_cast<int>(variable.state_select) +
+                      (variable.is_fixed ? 4 : 0) + (system_.has_start[at(v)] != 0 ? 2 : 0));
+    }
+    return ranks;
+  }
+
+  void reduce() {
+    find_states();
+    system_.values.assign(model().variables.size(), -1);
+    std::vector<char> used(residuals_.size(), 0);
+    const std::vector<int> ranks = ranks_of_roots();
+    const Aliases aliases = find_aliases(system_, residuals_, ranks, used, warnings_);
+    share_attributes(aliases);
+    const std::vector<Definition> definitions = find_definitions(system_, residuals_, aliases, used);
+    substitute(aliases, definitions);
+    for (const Definition& definition : definitions) used[at(definition.residual)] = 1;
+    for (std::size_t i = 0; i < residuals_.size(); ++i)
+      if (used[i] == 0) add_residual(residuals_[i]);
+  }
+
+  // What is said of an alias holds for its root, as far as that says nothing itself.
+  void share_attributes(const Aliases& aliases) {
+    system_.aliases.assign(model().variables.size(), {});
+    std::vector<int> quality(model().variables.size(), -1);
+    std::vector<char> has_nominal(model().variables.size(), 0);
+    for (int v = 0; v < num_variables(); ++v)
+      if (model().variables[at(v)].nominal) has_nominal[at(v)] = 1;
+    for (int v = 0; v < num_variables(); ++v) {
+      const Alias alias = determined_[at(v)] == Determined::continuously ? aliases.find(v) : Alias{v, 1.0, 0.0};
+      system_.aliases[at(v)] = alias;
+      if (alias.root < 0 || alias.root == v) continue;
+      const std::size_t root = at(alias.root);
+      if (system_.is_state[at(v)] != 0) system_.is_state[root] = 1;
+      if (has_nominal[at(v)] != 0 && has_nominal[root] == 0) {
+        system_.nominal[root] = system_.nominal[at(v)];
+        has_nominal[root] = 1;
+      }
+      const int own = (model().variables[at(v)].is_fixed ? 2 : 0) + (system_.has_start[at(v)] != 0 ? 1 : 0);
+      const int present = std::max(
+          quality[root], (model().variables[root].is_fixed ? 2 : 0) + (system_.has_start[root] != 0 ? 1 : 0));
+      if (own <= present) continue;
+      quality[root] = own;
+      system_.start[root] = alias.sign * (system_.start[at(v)] - alias.offset);
+      system_.has_start[root] = system_.has_start[at(v)];
+      if (has_nominal[root] == 0) system_.nominal[root] = std::max(1.0, std::fabs(system_.start[root]));
+    }
+  }
+
+  Formula alias_of(const Alias& alias, Formula root) {
+    Formulas& formulas = system_.formulas;
+    if (alias.root < 0) return formulas.number(alias.offset);
+    const Formula value = alias.sign > 0.0 ? root : formulas.negate(root);
+    return formulas.add(value, formulas.number(alias.offset));
+  }
+
+  void substitute(const Aliases& aliases, const std::vector<Definition>& definitions) {
+    Formulas& formulas = system_.formulas;
+    std::vector<std::vector<int>> members(model().variables.size());
+    std::vector<char> is_defined(model().variables.size(), 0);
+    for (const Definition& definition : definitions) is_defined[at(definition.variable)] = 1;
+    const auto replace = [&](int v, Formula root) {
+      const Alias alias = aliases.find(v);
+      system_.values[at(v)] = alias_of(alias, root);
+      const Formula slope = alias.root < 0                    ? formulas.number(0.0)
+                            : is_defined[at(alias.root)] != 0 ? -1
+                            : alias.sign > 0.0                ? formulas.derivative(alias.root)
+                                                              : formulas.negate(formulas.derivative(alias.root));
+      substitution_.replace(v, system_.values[at(v)], slope);
+    };
+    for (int v = 0; v < num_variables(); ++v) {
+      if (determined_[at(v)] != Determined::continuously) {
+        system_.values[at(v)] = other_value(v);
+        continue;
+      }
+      const int root = aliases.find(v).root;
+      if (root >= 0 && is_defined[at(root)] != 0) members[at(root)].push_back(v);
+      else replace(v, root < 0 ? -1 : formulas.variable(root));
+      if (root == v && is_defined[at(v)] == 0) system_.unknowns.push_back(v);
+      else ++system_.num_eliminated;
+    }
+    for (const Definition& definition : definitions) {
+      const Formula value = substitution_(definition.value);
+      for (int v : members[at(definition.variable)]) replace(v, value);
+    }
+    for (int v = 0; v < num_variables(); ++v)
+      if (parameters_.is_derived(v)) system_.values[at(v)] = substitution_(import_(model().variables[at(v)].binding));
+  }
+
+  Formula other_value(int v) {
+    if (parameters_.is_known(v)) return system_.formulas.number(parameters_.value(v));
+    return parameters_.is_derived(v) ? -1 : system_.formulas.variable(v);
+  }
+
+  void add_residual(const Residual& residual) {
+    const Formula formula = substitution_(residual.formula);
+    if (system_.formulas.is_number(formula)) {
+      const double value = system_.formulas[formula].value;
+      if (value != 0.0)
+        throw ModelError(model().file, residual.at,
+                         "this equation contradicts others: it says 0 = " + to_text(value));
+      warnings_.push_back(place(model(), residual.at) + ": this equation follows from others and determines nothing");
+      return;
+    }
+    system_.residuals.push_back({formula, residual.at});
+  }
+
+  void finish() {
+    for (Assignment& assignment : system_.discrete) assignment.value = substitution_(assignment.value);
+    for (Assignment& assignment : system_.initial_discrete) assignment.value = substitution_(assignment.value);
+    for (Formula& condition : system_.when_conditions) condition = substitution_(condition);
+    for (InitialCondition& condition : system_.initial_conditions) {
+      condition.left = substitution_(condition.left);
+      condition.right = substitution_(condition.right);
+    }
+    for (Reaction& reaction : system_.reactions) {
+      reaction.active = substitution_(reaction.active);
+      reaction.value = substitution_(reaction.value);
+    }
+    for (Switch& it : system_.switches) it.g = substitution_(it.g);
+    find_switch_times(system_);
+    sort_discrete(system_);
+    find_integrals();
+    for (const Reaction& reaction : system_.reactions)
+      if (reaction.kind == Action::Kind::reinit) check_reinit(reaction);
+  }
+
+  void check_reinit(const Reaction& reaction) const {
+    const int root = system_.aliases[at(reaction.variable)].root;
+    if (root >= 0 && system_.is_state[at(root)] != 0 && system_.is_unknown(root)) return;
+    throw ModelError(
+        model().file, reaction.at,
+        "reinit of " + model().variables[at(reaction.variable)].name + ", whose derivative occurs nowhere");
+  }
+
+  // Equations with one derivative and nothing algebraic.
+  void find_integrals() {
+    system_.is_continuous_at_impulses.assign(model().variables.size(), 0);
+    for (const Residual& residual : system_.residuals) {
+      int differentiated = -1, num_others = 0;
+      for (Formula part : system_.formulas.parts({residual.formula})) {
+        const FormulaNode& node = system_.formulas[part];
+        if (node.operation == Operation::derivative && differentiated < 0) differentiated = node.index;
+        else if (node.operation == Operation::derivative) ++num_others;
+        else if (node.operation == Operation::variable && system_.formulas.depends(part, on_continuous))
+          num_others += system_.is_state[at(node.index)] != 0 ? 0 : 1;
+      }
+      if (differentiated >= 0 && num_others == 0) system_.is_continuous_at_impulses[at(differentiated)] = 1;
+    }
+  }
+
+  System& system_;
+  Parameters& parameters_;
+  std::vector<std::string>& warnings_;
+  Import import_;
+  Substitution substitution_{system_.formulas};
+  std::vector<Determined> determined_;
+  std::vector<Residual> residuals_;
+};
+
+}  // namespace
+
+std::unique_ptr<System> prepared(const FlatModel& model, Parameters& parameters, std::vector<std::string>& warnings) {
+  auto system = std::make_unique<System>(model, dependences(model, parameters));
+  Preparation(*system, parameters, warnings).run();
+  return system;
+}
+
+}  // namespace sfdae::cli

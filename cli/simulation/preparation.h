@@ -1,0 +1,17 @@
+// From a flat model to the system that is solved: imported, classified, reduced.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "simulation/parameters.h"
+#include "simulation/system.h"
+
+namespace sfdae::cli {
+
+// Throws ModelError. The model has to live as long as the system.
+std::unique_ptr<System> prepared(const FlatModel& model, Parameters& parameters, std::vector<std::string>& warnings);
+
+}  // namespace sfdae::cli

@@ -1,0 +1,44 @@
+// Residuals of a system as expressions of the library.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "simulation/tape.h"
+
+#include <sfdae/sfdae.hpp>
+
+namespace sfdae::cli {
+
+// Records residuals for fixed values of all that is discrete, unless it is a parameter. Branches that are not taken
+// leave no trace.
+class Recording {
+ public:
+  // names: of the formulas that become parameters.
+  Recording(const System& system, const Values& values, const std::unordered_map<Formula, std::string>& names);
+
+  // unknown_of: the number of each variable of the model among x, -1 for none.
+  void record(const std::vector<int>& unknown_of, const sfdae::Expression& t, sfdae::ConstExpressions x,
+              sfdae::ConstExpressions xdot, sfdae::Expressions residuals);
+
+ private:
+  void find_numbers(const std::vector<Formula>& parts);
+  std::vector<Formula> needed() const;
+  double known_leaf(const FormulaNode& node) const;
+  sfdae::Expression operation(const FormulaNode& node) const;
+  sfdae::Expression relation(Operation operation, const sfdae::Expression& a, const sfdae::Expression& b) const;
+  const sfdae::Expression& operand(const FormulaNode& node, std::size_t k) const {
+    return recorded_.at(node.operands[k]);
+  }
+
+  const System& system_;
+  const Values& values_;
+  const std::unordered_map<Formula, std::string>& names_;
+  std::unordered_map<Formula, double> numbers_;  // formulas that are numbers in this mode
+  std::unordered_map<Formula, sfdae::Expression> recorded_;
+};
+
+}  // namespace sfdae::cli

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/switches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sfdae::cli {
+
+namespace {
+
+// Relative to the size of an argument: what an event that was located to rounding, and the solution of equations
+// there, leave of zero. What is held wrongly for that is found after the next step.
+constexpr double held = 1e-10;
+// What is clearly not zero on the solution, relative to the largest value met and to the nominal size.
+constexpr double clear_of_largest = 1e-13, clear_of_nominal = 1e-14;
+// Times that are one but for rounding.
+constexpr double same_time = 4e-15;
+
+double lower_bound(const Switch& it, double k) { return it.kind == Switch::Kind::floor || k > 0.0 ? k : k - 1.0; }
+double upper_bound(const Switch& it, double k) { return it.kind == Switch::Kind::floor || k >= 0.0 ? k + 1.0 : k; }
+
+}  // namespace
+
+Switches::Switches(const System& system) : system_(system), arguments_(system.formulas) {
+  forget_passed();
+  for (const Switch& it : system.switches) arguments_.add(it.g);
+  for (const Switch& it : system.switches) arguments_.add(it.is_by_time ? it.offset : it.g);
+  for (int s = 0; s < static_cast<int>(system.switches.size()); ++s) {
+    const Switch& it = system.switches[at(s)];
+    sizes_.push_back(it.nominal);
+    if (!it.has_root) continue;
+    needs_derivatives_ = needs_derivatives_ || system.formulas.depends(it.g, on_derivative);
+    roots_.push_back({s, 0});
+    if (it.kind != Switch::Kind::relation) roots_.push_back({s, 1});
+  }
+}
+
+void Switches::forget_passed() {
+  passed_at_.assign(system_.switches.size(), std::numeric_limits<double>::quiet_NaN());
+}
+
+double Switches::literal(const Switch& it, double g) const {
+  switch (it.kind) {
+    case Switch::Kind::floor: return std::floor(g);
+    case Switch::Kind::truncate: return std::trunc(g);
+    default: return applied(it.operation, g, 0.0, 0.0);
+  }
+}
+
+// How far the argument is from where the value holds; 0: it holds.
+double Switches::outside(const Switch& it, double g, double value) const {
+  if (literal(it, g) == value) return 0.0;
+  if (it.kind == Switch::Kind::relation) return std::fabs(g);
+  return std::max({lower_bound(it, value) - g, g - upper_bound(it, value), 0.0});
+}
+
+bool Switches::set_literally(Values& values) {
+  if (system_.switches.empty()) return false;
+  arguments_.run(values);
+  bool has_changed = false;
+  for (int s = 0; s < static_cast<int>(system_.switches.size()); ++s) {
+    const double g = arguments_[s];
+    const double value = literal(system_.switches[at(s)], g);
+    if (std::isnan(g) || values.switches[at(s)] == value) continue;
+    values.switches[at(s)] = value;
+    has_changed = true;
+  }
+  return has_changed;
+}
+
+bool Switches::update(Values& values, bool only_first) {
+  if (system_.switches.empty()) return false;
+  arguments_.run(values);
+  const int count = static_cast<int>(system_.switches.size());
+  bool has_changed = false;
+  for (int s = 0; s < count; ++s) {
+    const Switch& it = system_.switches[at(s)];
+    double g = arguments_[s];
+    const bool has_passed = passed_at_[at(s)] == values.t;
+    double tolerance = has_passed ? held * sizes_[at(s)] : 0.0;
+    if (std::isnan(g)) continue;
+    if (it.is_by_time) {
+      g += std::copysign(same_time * (std::fabs(it.slope * values.t) + std::fabs(arguments_[count + s])), it.slope);
+      tolerance = 0.0;
+    }
+    const double value = values.switches[at(s)];
+    if (literal(it, g) == value || outside(it, g, value) < tolerance) continue;
+    set(s, literal(it, g), values);
+    has_changed = true;
+    if (only_first) return true;
+  }
+  return has_changed;
+}
+
+void Switches::evaluate_roots(Values& values, double* g) {
+  arguments_.run(values);
+  for (std::size_t i = 0; i < roots_.size(); ++i) {
+    const Switch& it = system_.switches[at(roots_[i].number)];
+    g[i] = arguments_[roots_[i].number];
+    if (it.kind == Switch::Kind::relation) continue;
+    const double value = values.switches[at(roots_[i].number)];
+    g[i] -= roots_[i].bound == 0 ? lower_bound(it, value) : upper_bound(it, value);
+  }
+}
+
+void Switches::set(int number, double value, Values& values) {
+  values.switches[at(number)] = value;
+  passed_at_[at(number)] = values.t;
+}
+
+void Switches::pass(int root, int direction, Values& values) {
+  const int number = roots_[at(root)].number;
+  const Switch& it = system_.switches[at(number)];
+  double value = values.switches[at(number)];
+  if (it.kind == Switch::Kind::relation) value = applied(it.operation, direction, 0.0, 0.0);
+  else if (roots_[at(root)].bound == 0 && direction < 0) value -= 1.0;
+  else if (roots_[at(root)].bound == 1 && direction > 0) value += 1.0;
+  set(number, value, values);
+}
+
+int Switches::contradiction(Values& values, bool is_solution, const std::vector<double>& roots_at_start) {
+  if (roots_.empty()) return -1;
+  arguments_.run(values);
+  for (std::size_t i = 0; i < roots_.size(); ++i) {
+    const int number = roots_[i].number;
+    const Switch& it = system_.switches[at(number)];
+    const double g = arguments_[number];
+    if (std::isnan(g)) continue;
+    double& size = sizes_[at(number)];
+    if (is_solution && std::isfinite(g)) size = std::max(size, std::fabs(g));
+    const double distance = outside(it, g, values.switches[at(number)]);
+    const bool was_there = it.kind == Switch::Kind::relation && g * roots_at_start[i] > 0.0 &&
+                           distance <= 2.0 * std::fabs(roots_at_start[i]);
+    if (!was_there && distance > clear_of_largest * size + clear_of_nominal * it.nominal) return number;
+  }
+  return -1;
+}
+
+double Switches::wanted(Values& values, int number) {
+  arguments_.run(values);
+  return literal(system_.switches[at(number)], arguments_[number]);
+}
+
+std::optional<double> Switches::next_time(Values& values) {
+  std::optional<double> next;
+  if (system_.switches.empty()) return next;
+  arguments_.run(values);
+  const int count = static_cast<int>(system_.switches.size());
+  for (int s = 0; s < count; ++s) {
+    const Switch& it = system_.switches[at(s)];
+    if (!it.is_by_time) continue;
+    const double value = values.switches[at(s)], offset = arguments_[count + s];
+    const double target = it.kind == Switch::Kind::relation ? 0.0
+                          : it.slope > 0.0                  ? upper_bound(it, value)
+                                                            : lower_bound(it, value);
+    const double t = (target - offset) / it.slope;
+    const double tolerance = same_time * (std::fabs(values.t) + std::fabs(offset / it.slope));
+    if (t > values.t + tolerance && (!next || t < *next)) next = t;
+  }
+  return next;
+}
+
+}  // namespace sfdae::cli

@@ -1,0 +1,113 @@
+// A flat model, prepared for the solution: numbers in place of parameters, few unknowns, everything as formulas.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/flat_model.h"
+#include "simulation/formulas.h"
+
+namespace sfdae::cli {
+
+// A value that stays between events: that of a relation g op 0, or of floor(g) or trunc(g).
+struct Switch {
+  enum class Kind { relation, floor, truncate };
+  Kind kind = Kind::relation;
+  Operation operation = Operation::less;  // of a relation
+  Formula g = -1;
+  // g = slope t + offset with an offset that is known between events: the time of the next event is known.
+  bool is_by_time = false;
+  double slope = 0.0;
+  Formula offset = -1;
+  bool has_root = false;  // else, and unless by time, g is constant between events
+  double nominal = 1.0;   // size of what is compared
+  std::string text;
+  Location at;
+};
+
+// 1 at the times start + i interval, i >= 0.
+struct Sample {
+  double start = 0.0, interval = 1.0;
+  std::string text;
+  Location at;
+};
+
+// variable := value at events.
+struct Assignment {
+  int variable = -1;
+  Formula value = -1;
+};
+
+// What happens at an event while `active` is 1; reinit: variable := value.
+struct Reaction {
+  Action::Kind kind = Action::Kind::reinit;
+  Formula active = -1, value = -1;
+  int variable = -1;
+  std::string message;
+  bool is_error = true;
+  Location at;
+};
+
+// 0 = residual.
+struct Residual {
+  Formula formula = -1;
+  Location at;
+};
+
+// An initial condition left = right; of an unknown alone if variable >= 0.
+struct InitialCondition {
+  Formula left = -1, right = -1;
+  Location at;
+  std::string text;
+};
+
+// v = sign root + offset, a root is itself. Constants have the root -1.
+struct Alias {
+  int root = -1;
+  double sign = 1.0, offset = 0.0;
+};
+
+struct CheckedVariable {
+  int variable = -1;
+  double min, max;
+};
+
+struct System {
+  explicit System(const FlatModel& it, std::vector<unsigned> dependence)
+      : model(it), formulas(std::move(dependence)) {}
+
+  const FlatModel& model;
+  Formulas formulas;
+  std::vector<int> unknowns;        // variables of the model that the library solves for
+  std::vector<Residual> residuals;  // in unknowns, what is discrete, and free parameters
+  std::vector<Formula> values;      // of every variable, in the same; -1: an unused free parameter of another type
+  std::vector<Alias> aliases;       // of every variable of type Real
+  std::vector<int> free_parameters;
+
+  std::vector<Switch> switches;
+  std::vector<Sample> samples;
+  std::vector<Assignment> discrete;          // in the order of their evaluation
+  bool has_discrete_loop = false;            // they have to be evaluated repeatedly
+  std::vector<Assignment> initial_discrete;  // values of pre(variable) initially
+  std::vector<Reaction> reactions;
+  std::vector<InitialCondition> initial_conditions;
+  std::vector<Formula> when_conditions;  // one for each virtual variable after those of the model
+  int num_eliminated = 0;
+  std::vector<double> nominal;    // of every variable
+  std::vector<char> has_start;    // of every variable: the model gives a start value
+  std::vector<double> start;      // of every variable, 0 if it has none; roots know those of their aliases
+  std::vector<double> own_start;  // of every variable, its own
+  std::vector<Formula> own_start_formulas;
+  std::vector<char> is_state;  // of every variable: its derivative occurs
+  // Of every variable: x' = f(states, t), so that x is continuous while forces and velocities jump.
+  std::vector<char> is_continuous_at_impulses;
+  std::vector<CheckedVariable> checked;
+
+  bool is_unknown(int variable) const {
+    const FormulaNode& node = formulas[values[at(variable)]];
+    return node.operation == Operation::variable && node.index == variable;
+  }
+};
+
+}  // namespace sfdae::cli

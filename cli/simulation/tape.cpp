@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/tape.h"
+
+namespace sfdae::cli {
+
+Values::Values(const System& system)
+    : variable(system.model.variables.size() + system.when_conditions.size(), 0.0),
+      previous(variable.size(), 0.0),
+      derivative(system.model.variables.size(), 0.0),
+      switches(system.switches.size(), 0.0),
+      samples(system.samples.size(), 0.0) {}
+
+int Tape::compiled(Formula formula) {
+  register_of_.resize(at(formulas_.size()), -1);
+  std::vector<Formula> stack{formula};
+  while (!stack.empty()) {
+    const Formula f = stack.back();
+    bool is_ready = true;
+    if (register_of_[at(f)] < 0)
+      for (Formula operand : formulas_[f].operands)
+        if (operand >= 0 && register_of_[at(operand)] < 0) {
+          stack.push_back(operand);
+          is_ready = false;
+        }
+    if (!is_ready) continue;
+    stack.pop_back();
+    if (register_of_[at(f)] < 0) compile(f);
+  }
+  return register_of_[at(formula)];
+}
+
+void Tape::compile(Formula formula) {
+  const FormulaNode& node = formulas_[formula];
+  const auto place = [&](std::size_t k) { return node.operands[k] < 0 ? -1 : register_of_[at(node.operands[k])]; };
+  const bool is_frozen = node.index >= 0 && (is_relation(node.operation) || node.operation == Operation::floor ||
+                                             node.operation == Operation::div);
+  instructions_.push_back({node.operation, node.index, place(0), place(1), place(2), node.value, is_frozen, false});
+  register_of_[at(formula)] = static_cast<int>(instructions_.size()) - 1;
+  registers_.push_back(0.0);
+}
+
+int Tape::add(Formula formula) {
+  outputs_.push_back(compiled(formula));
+  return size() - 1;
+}
+
+void Tape::add_assignment(int variable, Formula value) {
+  const int place = compiled(value);
+  instructions_.push_back({Operation::variable, variable, place, -1, -1, 0.0, false, true});
+  registers_.push_back(0.0);
+}
+
+double Tape::read(const Instruction& instruction, const Values& values) {
+  if (instruction.is_frozen) return values.switches[at(instruction.index)];
+  switch (instruction.operation) {
+    case Operation::number: return instruction.value;
+    case Operation::time: return values.t;
+    case Operation::variable: return values.variable[at(instruction.index)];
+    case Operation::derivative: return values.derivative[at(instruction.index)];
+    case Operation::previous: return values.previous[at(instruction.index)];
+    case Operation::sample: return values.samples[at(instruction.index)];
+    case Operation::initial: return values.is_initial ? 1.0 : 0.0;
+    default: return values.is_terminal ? 1.0 : 0.0;
+  }
+}
+
+void Tape::run(Values& values) {
+  for (std::size_t k = 0; k < instructions_.size(); ++k) {
+    const Instruction& instruction = instructions_[k];
+    if (instruction.is_assignment) {
+      values.variable[at(instruction.index)] = registers_[at(instruction.a)];
+      continue;
+    }
+    if (instruction.a < 0) {
+      registers_[k] = read(instruction, values);
+      continue;
+    }
+    const auto operand = [&](int place) { return place < 0 ? 0.0 : registers_[at(place)]; };
+    registers_[k] =
+        applied(instruction.operation, registers_[at(instruction.a)], operand(instruction.b), operand(instruction.c));
+  }
+}
+
+}  // namespace sfdae::cli

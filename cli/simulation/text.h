@@ -1,0 +1,19 @@
+// Expressions and places of a model in messages.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "model/flat_model.h"
+
+namespace sfdae::cli {
+
+// As a user would write it; what is long is cut off.
+std::string to_text(const Expression& expression, const FlatModel& model);
+
+// "file:line", or "file" where the line is unknown.
+std::string place(const FlatModel& model, Location at);
+
+std::string to_text(double number);  // 6 digits
+
+}  // namespace sfdae::cli

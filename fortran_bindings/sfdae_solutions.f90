@@ -1,0 +1,125 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!
+! The solution over a whole run, to be evaluated anywhere, kept and loaded.
+module sfdae_solutions
+  use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_loc, c_null_ptr, c_ptr, &
+    c_size_t
+  use sfdae_c, only: c_create_solution, c_destroy_solution, c_evaluate_solution, &
+    c_get_solution_length, c_get_solution_range, c_load_solution, c_save_solution
+  use sfdae_types, only: sfdae_illegal_argument, sfdae_ok, sfdae_out_of_memory
+  implicit none
+  private
+
+  public :: dae_solution
+
+  !> A solution, recorded by the `record` of a dae_solver or loaded. Never copy one, and destroy it
+  !> before it goes out of scope.
+  type :: dae_solution
+    private
+    type(c_ptr) :: handle = c_null_ptr
+  contains
+    procedure :: create => solution_create
+    procedure :: destroy => solution_destroy
+    procedure :: get_range => solution_get_range
+    procedure :: evaluate => solution_evaluate
+    procedure :: save => solution_save
+    procedure :: load => solution_load
+    !> For the modules of sfdae alone: the address of the C solution.
+    procedure :: address => solution_address
+  end type dae_solution
+
+contains
+
+  !> A solution that knows nothing; what there was is destroyed.
+  subroutine solution_create(self, status)
+    class(dae_solution), intent(inout) :: self
+    integer(c_int), intent(out) :: status
+    integer(c_int) :: ignored
+
+    call self%destroy(ignored)
+    status = c_create_solution(self%handle)
+  end subroutine solution_create
+
+  !> A solver that records it stops doing so.
+  subroutine solution_destroy(self, status)
+    class(dae_solution), intent(inout) :: self
+    integer(c_int), intent(out) :: status
+
+    status = c_destroy_solution(self%handle)
+  end subroutine solution_destroy
+
+  !> What was recorded; sfdae_not_started if nothing was.
+  subroutine solution_get_range(self, num_unknowns, start, end, status)
+    class(dae_solution), intent(in) :: self
+    integer(c_int), intent(inout) :: num_unknowns
+    real(c_double), intent(inout) :: start
+    !> The end of the last step.
+    real(c_double), intent(inout) :: end
+    integer(c_int), intent(out) :: status
+
+    status = c_get_solution_range(self%handle, num_unknowns, start, end)
+  end subroutine solution_get_range
+
+  !> x and x' at any t of the range; sfdae_illegal_argument for other t.
+  subroutine solution_evaluate(self, t, x, status, xdot)
+    class(dae_solution), intent(in) :: self
+    real(c_double), intent(in) :: t
+    !> n values.
+    real(c_double), intent(inout), contiguous :: x(:)
+    integer(c_int), intent(out) :: status
+    !> n values.
+    real(c_double), intent(inout), contiguous, target, optional :: xdot(:)
+    integer(c_int) :: n
+    real(c_double) :: start, end
+    type(c_ptr) :: slopes
+
+    status = c_get_solution_range(self%handle, n, start, end)
+    if (status < 0) return
+    status = sfdae_illegal_argument
+    slopes = c_null_ptr
+    if (size(x) /= n) return
+    if (present(xdot)) then
+      if (size(xdot) /= n) return
+      slopes = c_loc(xdot)
+    end if
+    status = c_evaluate_solution(self%handle, t, x, slopes)
+  end subroutine solution_evaluate
+
+  !> All of it as numbers, to be kept or written to a file.
+  subroutine solution_save(self, values, status)
+    class(dae_solution), intent(in) :: self
+    real(c_double), allocatable, intent(out) :: values(:)
+    integer(c_int), intent(out) :: status
+    integer(c_size_t) :: length
+    integer :: outcome
+
+    status = c_get_solution_length(self%handle, length)
+    if (status < 0) return
+    allocate (values(length), stat=outcome)
+    if (outcome /= 0) then
+      status = sfdae_out_of_memory
+      return
+    end if
+    status = c_save_solution(self%handle, values, length)
+  end subroutine solution_save
+
+  !> What was saved; sfdae_illegal_argument if it is damaged or something else.
+  subroutine solution_load(self, values, status)
+    class(dae_solution), intent(inout) :: self
+    real(c_double), intent(in), contiguous :: values(:)
+    integer(c_int), intent(out) :: status
+
+    status = sfdae_ok
+    if (.not. c_associated(self%handle)) status = c_create_solution(self%handle)
+    if (status < 0) return
+    status = c_load_solution(self%handle, values, int(size(values), c_size_t))
+  end subroutine solution_load
+
+  function solution_address(self) result(address)
+    class(dae_solution), intent(in) :: self
+    type(c_ptr) :: address
+
+    address = self%handle
+  end function solution_address
+
+end module sfdae_solutions

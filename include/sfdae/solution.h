@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+
+/** @file
+ * sfdae - the solution over a whole run, to be evaluated anywhere, kept and loaded.
+ *
+ *     sfdae_create_solution(&solution);
+ *     sfdae_record_solution(solver, solution);        before or after sfdae_start
+ *     sfdae_advance(solver, 10.0, &t, x, NULL);
+ *     sfdae_evaluate_solution(solution, 3.5, x, xdot);
+ *
+ * sfdae.h has the conventions, and includes this header.
+ */
+#include <sfdae/sfdae.h> /* before the guard: whichever of the headers is included first, sfdae.h is read first */
+
+#ifndef SFDAE_SOLUTION_H
+#define SFDAE_SOLUTION_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Polynomials of x, one or more for every step. They agree with what sfdae_interpolate returns for the option output =
+ * SFDAE_OUTPUT_INTERPOLATED to a third of the tolerances, about, where the solution is smooth within steps. About 5 n
+ * doubles are kept for a step, 9 n or 17 n for long ones; memory is allocated as it grows. */
+typedef struct sfdae_solution sfdae_solution;
+
+/** Creates a solution that knows nothing yet. On failure *solution is NULL. */
+SFDAE_API int sfdae_create_solution(sfdae_solution** solution);
+
+/** Destroys it and sets *solution to NULL; a solver that records it stops doing so. NULL is fine. */
+SFDAE_API int sfdae_destroy_solution(sfdae_solution** solution);
+
+/** From now on all accepted steps of the solver go to the solution; NULL: no more. The integration itself does not change.
+ * Steps that follow those recorded are added. A start within what was recorded, as after an event, replaces what was
+ * recorded after it: there the solution may jump, and has the value after the jump. Any other start, one backward after
+ * forward, say, makes the solution begin anew. A solution is recorded by one solver at a time, and is not to be used
+ * while that solver is within a call. */
+SFDAE_API int sfdae_record_solution(sfdae_solver* solver, sfdae_solution* solution);
+
+/** What was recorded: n, and the times of start and end, the end of the last step, which may lie after the last output.
+ * Any pointer may be NULL. SFDAE_NOT_STARTED if nothing was recorded. */
+SFDAE_API int sfdae_get_solution_range(const sfdae_solution* solution, int* num_unknowns, double* start, double* end);
+
+/** x and x' (NULL: not wanted) at any t between start and end: n values each. Constraints hold within the tolerances. x' is
+ * the derivative of the polynomial, its error about that of x over the step size. From any number of threads.
+ * SFDAE_ILLEGAL_ARGUMENT for other t; SFDAE_NOT_STARTED if nothing was recorded. */
+SFDAE_API int sfdae_evaluate_solution(const sfdae_solution* solution, double t, double* x, double* xdot);
+
+/** Number of doubles that sfdae_save_solution writes. */
+SFDAE_API int sfdae_get_solution_length(const sfdae_solution* solution, size_t* length);
+
+/** Writes all of the solution to an array of `length` doubles, at least as many as are needed: plain numbers, to be
+ * written to a file as they are, or printed with 17 digits. */
+SFDAE_API int sfdae_save_solution(const sfdae_solution* solution, double* values, size_t length);
+
+/** Reads what sfdae_save_solution wrote, in place of what the solution is. The numbers are checked, by a checksum as well:
+ * SFDAE_ILLEGAL_ARGUMENT if they are damaged, cut short or something else; the solution is then as before. */
+SFDAE_API int sfdae_load_solution(sfdae_solution* solution, const double* values, size_t length);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

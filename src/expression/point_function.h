@@ -1,0 +1,67 @@
+// Functions of several arguments in recorded equations that are known by their values and partial derivatives.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace sfdae::core {
+
+class PointFunction {
+ public:
+  static constexpr int max_arguments = 16;
+  // Partial derivatives of an order are k^order numbers; orders that have more count as not available.
+  static constexpr std::size_t max_derivatives = 4096;
+
+  PointFunction(std::string name, int num_arguments) : name_(std::move(name)), num_arguments_(num_arguments) {}
+  virtual ~PointFunction() = default;
+  PointFunction(const PointFunction&) = delete;
+  PointFunction& operator=(const PointFunction&) = delete;
+
+  // As messages call it.
+  const std::string& name() const { return name_; }
+  int num_arguments() const { return num_arguments_; }
+
+  // All partial derivatives of the order at finite arguments, to an array of k^order zeros. Returns 0, or what a callback
+  // may return. From several threads at a time.
+  virtual int derivatives(int order, const double* arguments, double* values) const = 0;
+  // Whether it has a value there; else, in words, why not.
+  virtual std::string objection(const double* /*arguments*/) const { return {}; }
+  // Of functions of one argument: where their derivatives jump, increasing.
+  virtual const std::vector<double>& breakpoints() const {
+    static const std::vector<double> none;
+    return none;
+  }
+
+ private:
+  std::string name_;
+  int num_arguments_;
+};
+
+// One of its partial derivatives, by the arguments `by`, at nodes of a graph; none: the value.
+struct Call {
+  std::shared_ptr<const PointFunction> function;
+  std::vector<int> arguments;
+  std::vector<int> by;
+  bool operator==(const Call&) const = default;
+};
+
+// Series of a call and of its derivatives by the arguments, which follow each other in steps of `stride`, like the
+// arguments. slopes: null, or where the derivatives go. Coefficients that do not exist become NaN.
+struct CallSeries {
+  const double* arguments;
+  std::ptrdiff_t stride;
+  double* value;
+  double* slopes;
+};
+void evaluate(const Call& call, const CallSeries& series, int order);
+
+// What the function returned for the first order up to this one that it does not supply, 0 if it supplies all, and which.
+struct MissingOrder {
+  int code = 0, order = 0;
+};
+MissingOrder missing_order(const Call& call, const double* arguments, int order);
+
+}  // namespace sfdae::core

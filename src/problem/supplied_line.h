@@ -1,0 +1,60 @@
+// A function and what is supplied as its derivative, compared along a line through a point, from one side.
+//
+// By the mean value theorem a difference quotient is the derivative somewhere between its points: where a derivative
+// hardly changes between them, and functions are smooth and free of noise as far as their values show, it has to be the
+// difference quotient, too.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "problem/difference_comparison.h"
+#include "problem/failure.h"
+#include "problem/problem.h"
+
+namespace sfdae::core {
+
+struct SuppliedLine {
+  int count;      // of the entries compared
+  int shift;      // values[e + shift] is supplied as the derivative of values[e]
+  double origin;  // of the parameter, t for example: its rounding counts
+  double reach;   // offset of the farthest point of interest, negative: backward
+  // Writes all values at an offset from the origin. Those that are not finite count for no entry.
+  std::function<CallbackError(double offset, double* values)> evaluate;
+  std::vector<double> base;  // at offset 0
+  // Empty, or for each entry the size of what its value is the sum of, where that may be more than the value: of residuals.
+  std::vector<double> terms = {};
+};
+
+// A derivative supplied, and the difference quotient that it is not.
+struct LineContradiction {
+  int entry;
+  double supplied, difference;
+  double strength;     // their difference over its uncertainty
+  double uncertainty;  // of both
+};
+
+// The entries that neither one point nor two more confirm: few evaluations where all is right. Both throw Failure if
+// the function is stopped; other failures leave out the point.
+std::vector<int> unconfirmed_entries(const SuppliedLine& line);
+// Those of the entries whose derivative contradicts the function beyond doubt: on two scales at least, the same way, and
+// on no scale from the whole reach down to rounding it does not. least_gap: relative difference that counts.
+std::vector<LineContradiction> contradictions(const SuppliedLine& line, const std::vector<int>& entries,
+                                              double least_gap);
+
+// Smallest relative difference of a derivative that counts as wrong: differences that a user supplies as derivatives, or
+// slopes of another interpolation, are not.
+inline constexpr double least_wrong_part = 1e-2;
+
+// SFDAE_WRONG_DERIVATIVES, in words.
+class WrongDerivative : public Failure {
+ public:
+  WrongDerivative(const DerivativeMismatch& mismatch, double t);
+  const DerivativeMismatch& mismatch() const { return mismatch_; }
+
+ private:
+  DerivativeMismatch mismatch_;
+};
+
+}  // namespace sfdae::core

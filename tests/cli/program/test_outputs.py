@@ -1,0 +1,108 @@
+"""What solve, analyze and check write."""
+
+import json
+import math
+
+import pytest
+from program import PENDULUM, columns, model, run, table
+
+
+def test_csv_to_a_pipe_has_all_variables_over_time():
+    names, rows = table(run("solve", PENDULUM).stdout)
+    assert names == ["time", "x", "y", "vx", "vy", "F", "energy"]
+    assert len(rows) == 501 and float(rows[-1][0]) == 10.0
+
+
+def test_numbers_read_back_exactly(tmp_path):
+    report = tmp_path / "r.json"
+    solution = columns(run("solve", PENDULUM, "--to", "1", "--csv", "-", "--json", report).stdout)
+    data = json.loads(report.read_text())
+    assert data["time"] == solution["time"]
+    for variable in data["variables"]:
+        assert variable["values"] == solution[variable["name"]]
+
+
+def test_outputs_are_equidistant():
+    time = columns(run("solve", PENDULUM, "--from", "1", "--to", "3", "--outputs", "8").stdout)["time"]
+    assert time == pytest.approx([1 + k / 4 for k in range(9)], abs=1e-12)
+
+
+def test_every_step_is_an_output():
+    few = columns(run("solve", PENDULUM, "--to", "1", "--outputs", "1").stdout)["time"]
+    all_steps = columns(run("solve", PENDULUM, "--to", "1", "--outputs", "1", "--every-step").stdout)["time"]
+    assert len(few) == 2 and len(all_steps) > 5 and sorted(all_steps) == all_steps
+
+
+def test_end_comes_after_the_start():
+    assert "is not after the start time" in run("solve", PENDULUM, "--from", "2", "--to", "1", code=2).stderr
+
+
+def test_tolerance_is_used(tmp_path):
+    path = model(tmp_path, "    Real 'x'(start = 1.0, fixed = true);\n    Real 'y'(start = 0.0, fixed = true);",
+                 "    der('x') = 'y';\n    der('y') = -'x';")
+    errors = []
+    for tolerance in ("1e-3", "1e-6", "1e-9"):
+        solution = columns(run("solve", path, "--to", "20", "--tol", tolerance).stdout)
+        errors.append(abs(solution["x"][-1] - math.cos(20)))
+    assert errors[2] < 1e-6 and errors[2] < errors[1] < errors[0]
+
+
+def test_start_values_and_parameters_are_set():
+    solution = columns(run("solve", PENDULUM, "--to", "0.1", "--set", "L=2", "--set", "x=2", "--set", "'y'=-1").stdout)
+    assert solution["y"][0] == -1.0 and solution["x"][0] == pytest.approx(math.sqrt(3), rel=1e-9)
+
+
+def test_variables_by_name_and_pattern():
+    assert table(run("solve", PENDULUM, "--variables", "y,v.").stdout)[0] == ["time", "y", "vx", "vy"]
+    assert table(run("solve", PENDULUM, "--variables", "'F'", "--variables", ".*y").stdout)[0] == \
+        ["time", "y", "vy", "F", "energy"]
+    assert set(columns(run("solve", PENDULUM, "--variables", "g", "--set", "g=1.62").stdout)["g"]) == {1.62}
+
+
+def test_limit_of_steps():
+    result = run("solve", PENDULUM, "--outputs", "1", "--max-steps", "3", code=1)
+    assert "not finished" in result.stderr
+
+
+def test_json_has_everything(tmp_path):
+    report = tmp_path / "r.json"
+    result = run("solve", PENDULUM, "--json", report, "--set", "g=1.62")
+    assert result.stdout.startswith("Pendulum: solved from 0 to 10 s")
+    data = json.loads(report.read_text())
+    assert data["model"] == "Pendulum" and data["outcome"] == "solved" and data["file"] == PENDULUM
+    assert data["index"]["differentiation_index"] == 3 and data["index"]["differential"] == 2
+    assert "Index 3 (strangeness index 2)." in data["index"]["words"]
+    assert data["statistics"]["steps"] > 10
+    assert data["decisions"] and all(d["verdict"] in ("clear", "confirmed") for d in data["decisions"])
+    assert {"name": "g", "value": 1.62, "unit": "m/s2", "description": "gravity", "given": True} in data["parameters"]
+    assert [v["unit"] for v in data["variables"]] == ["m", "m", "m/s", "m/s", "N/m", "J"]
+
+
+def test_quiet_says_nothing(tmp_path):
+    result = run("solve", PENDULUM, "--quiet", "--csv", tmp_path / "o.csv")
+    assert result.stdout == "" and result.stderr == ""
+    assert run("solve", PENDULUM, "--quiet").stdout.startswith("time,")
+
+
+def test_analyze_reports_the_index_in_words(tmp_path):
+    text = run("analyze", PENDULUM, "--json", tmp_path / "a.json").stdout
+    assert "Index 3 (strangeness index 2)." in text and "strangeness index 2 (differentiation index 3)" in text
+    data = json.loads((tmp_path / "a.json").read_text())
+    values = {v["name"]: v["values"] for v in data["variables"]}
+    # m vx' = -F x, m vy' = -F y - m g, at rest in (1, 0): F = 0.
+    assert values["x"] == pytest.approx([1.0]) and values["F"] == pytest.approx([0.0], abs=1e-9)
+    assert data["time"] == [0.0]
+
+
+def test_check_counts(tmp_path):
+    text = run("check", PENDULUM, "--names").stdout
+    assert "6 continuous variables, 0 discrete, 3 parameters" in text and "6 equations" in text
+    assert "  parameter\tg\tm/s2\tgravity\n" in text and "Index 3" in text
+    run("check", PENDULUM, "--json", tmp_path / "c.json")
+    assert json.loads((tmp_path / "c.json").read_text())["index"]["strangeness_index"] == 2
+
+
+def test_check_finds_what_is_wrong(tmp_path):
+    path = model(tmp_path, "    Real 'x'(start = 1.0, fixed = true);", "    der('x') = -'x';\n    'x' = 1.0;")
+    result = run("check", path, code=2)
+    assert "no valid model" in result.stderr and "2 equations" in result.stdout

@@ -1,0 +1,334 @@
+// Models with events, against exact solutions.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model_builder.h"
+
+namespace sfdae::cli::test {
+namespace {
+
+constexpr double g = 9.81;
+
+// Falls from h = 1; each impact takes the part 1 - e of the velocity. The first impact is at sqrt(2/g), the k-th one 2
+// e^k sqrt(2/g) after the one before.
+Builder bouncing_ball(double vmin) {
+  Builder b;
+  const Term h = b.real("h", {.start = 1.0, .fixed = true}), v = b.real("v", {.start = 0.0, .fixed = true});
+  const Term vnew = b.discrete("vnew", {.start = 0.0, .fixed = true}),
+             n = b.integer("n", {.start = 0.0, .fixed = true});
+  const Term flying = b.boolean("flying", {.start = 1.0, .fixed = true}), impact = b.boolean("impact");
+  b.equation(der(h), v);
+  b.equation(der(v), choose(flying, -g, 0.0));
+  b.equation(impact, both(h <= 0.0, v < 0.0));
+  const Term speed = 0.7 * function(Operation::abs, pre(v));
+  b.when({{{impact},
+           {assign(vnew, choose(speed > vmin, -0.7 * pre(v), 0.0)), assign(flying, vnew > 0.0),
+            assign(n, pre(n) + 1.0), reinit(v, vnew)}}});
+  return b;
+}
+
+TEST(Events, BouncingBallHitsAtExactTimes) {
+  const Result result = solve(bouncing_ball(1e-3).model, until(3.0, 1e-10));
+  EXPECT_SOLVED(result);
+  std::vector<double> impacts;
+  for (std::size_t k = 1; k < result.trajectory.t.size(); ++k)
+    if (value(result, "n", k) != value(result, "n", k - 1)) {
+      EXPECT_EQ(result.trajectory.t[k], result.trajectory.t[k - 1]) << "two rows at an event";
+      impacts.push_back(result.trajectory.t[k]);
+    }
+  // v after impact k is 0.7^k sqrt(2 g): the first one not above 1e-3 is that of k = 24.
+  ASSERT_EQ(impacts.size(), 24u);
+  double t = std::sqrt(2.0 / g);
+  for (std::size_t k = 0; k < impacts.size(); ++k) {
+    EXPECT_NEAR(impacts[k], t, 1e-8);
+    t += 2.0 * std::pow(0.7, static_cast<double>(k) + 1.0) * std::sqrt(2.0 / g);
+  }
+  EXPECT_NEAR(impacts[0], std::sqrt(2.0 / g), 1e-12);
+  EXPECT_EQ(last(result, "flying"), 0.0);
+  EXPECT_NEAR(last(result, "h"), 0.0, 1e-8);
+  EXPECT_EQ(last(result, "v"), 0.0);
+}
+
+TEST(Events, ImpactsThatNeverEndAreNamed) {
+  const Result result = solve(bouncing_ball(0.0).model, until(3.0));
+  EXPECT_OUTCOME(result, Outcome::not_finished);
+  EXPECT_CONTAINS(result.message, "events accumulate at t = 2.5586");  // sqrt(2/g) (1 + 2 * 0.7 / 0.3)
+  EXPECT_CONTAINS(result.message, "when impact");
+}
+
+// Series RLC, voltage step at t0 = 1e-4: underdamped, vC = V (1 - e^(-a s) (cos w s + a/w sin w s)), s = t - t0.
+TEST(Events, RlcCircuitSwitchesAtAKnownTime) {
+  Builder b;
+  const double R = 10.0, L = 1e-3, C = 1e-6, V = 24.0, t0 = 1e-4;
+  const Term i = b.real("i", {.start = 0.0, .fixed = true, .nominal = 0.1}),
+             vC = b.real("vC", {.start = 0.0, .fixed = true, .nominal = 10.0}), vR = b.real("vR"), vL = b.real("vL"),
+             vs = b.real("vs");
+  b.equation(vs, choose(time_now() < t0, 0.0, V));
+  b.equation(vs, vR + vL + vC);
+  b.equation(vR, R * i);
+  b.equation(L * der(i), vL);
+  b.equation(i, C * der(vC));
+  const Result result = solve(b.model, until(2e-3, 1e-9));
+  EXPECT_SOLVED(result);
+  const double a = R / (2.0 * L), w = std::sqrt(1.0 / (L * C) - a * a);
+  const auto exact = [&](double t) {
+    const double s = std::max(0.0, t - t0);
+    return V * (1.0 - std::exp(-a * s) * (std::cos(w * s) + a / w * std::sin(w * s)));
+  };
+  EXPECT_LE(largest_error(result, "vC", exact), 1e-6);
+  ASSERT_EQ(result.events.size(), 1u);
+  EXPECT_EQ(result.events[0].t, t0);
+  EXPECT_EQ(result.characteristics.differential, 2);
+}
+
+// A two-point controller: x' = -1 while off, +1 while on, on at 0, off at 1: a triangle of period 2.
+TEST(Events, HysteresisUsesPreviousValues) {
+  Builder b;
+  const Term x = b.real("x", {.start = 0.5, .fixed = true}), on = b.boolean("on", {.start = 0.0, .fixed = true});
+  b.equation(der(x), choose(on, 1.0, -1.0));
+  b.equation(on, either(x < 0.0, both(pre(on), x < 1.0)));
+  const Result result = solve(b.model, until(5.0));
+  EXPECT_SOLVED(result);
+  const auto triangle = [](double t) {
+    const double s = std::fmod(t + 0.5, 2.0);  // 1 at s = 0, 0 at s = 1
+    return std::fabs(1.0 - s);
+  };
+  EXPECT_LE(largest_error(result, "x", triangle), 1e-7);
+  int num_changes = 0;
+  for (std::size_t k = 1; k < result.trajectory.t.size(); ++k)
+    if (value(result, "on", k) != value(result, "on", k - 1)) ++num_changes;
+  EXPECT_EQ(num_changes, 5);
+}
+
+TEST(Events, SamplesCountFromTheirStart) {
+  Builder b;
+  const Term n = b.integer("n", {.start = 0.0, .fixed = true}), x = b.real("x", {.start = 0.0, .fixed = true}),
+             held = b.discrete("held", {.start = 0.0, .fixed = true});
+  b.equation(der(x), 1.0);
+  b.when({{{sample(0.0, 0.25)}, {assign(n, pre(n) + 1.0), assign(held, x)}}});
+  const Result result = solve(b.model, until(1.1));
+  EXPECT_SOLVED(result);
+  EXPECT_EQ(last(result, "n"), 5.0);  // 0, 0.25, 0.5, 0.75, 1
+  EXPECT_NEAR(last(result, "held"), 1.0, 1e-12);
+  EXPECT_EQ(result.events.size(), 5u);
+}
+
+// Sampled control: x' = u, u = -x at the sample instants: x is multiplied by 1 - h in each interval.
+TEST(Events, SampledRealsEnterEquations) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0, .fixed = true}), u = b.discrete("u", {.start = 0.0, .fixed = true});
+  b.equation(der(x), u);
+  b.when({{{sample(0.0, 0.5)}, {assign(u, -x)}}});
+  const Result result = solve(b.model, until(2.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(last(result, "x"), std::pow(0.5, 4), 1e-9);
+}
+
+// At t = 1 both conditions become true: the first branch acts alone.
+TEST(Events, ElsewhenActsOnlyIfTheOthersDoNot) {
+  Builder b;
+  const Term a = b.integer("a", {.start = 0.0, .fixed = true});
+  const Term t = time_now();
+  b.when({{{t >= 1.0}, {assign(a, pre(a) + 1.0)}}, {{t >= 1.0, t >= 2.0}, {assign(a, pre(a) + 10.0)}}});
+  const Result result = solve(b.model, until(3.0));
+  EXPECT_SOLVED(result);
+  EXPECT_EQ(last(result, "a"), 11.0);
+}
+
+// Two balls that hit at the same time, one event; a chain of whens at one instant, in one event iteration.
+TEST(Events, SimultaneousEventsAreOne) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0, .fixed = true}), y = b.real("y", {.start = 2.0, .fixed = true}),
+             n = b.integer("n", {.start = 0.0, .fixed = true}), m = b.integer("m", {.start = 0.0, .fixed = true}),
+             k = b.integer("k", {.start = 0.0, .fixed = true});
+  b.equation(der(x), -1.0);
+  b.equation(der(y), -2.0);
+  b.when({{{x < 0.0}, {assign(n, pre(n) + 1.0), reinit(x, 1.0)}}});
+  b.when({{{y < 0.0}, {assign(m, pre(m) + 1.0), reinit(y, 2.0)}}});
+  b.when({{{pre(n) > 1.5}, {assign(k, n + m)}}});
+  const Result result = solve(b.model, until(3.5));
+  EXPECT_SOLVED(result);
+  EXPECT_EQ(result.events.size(), 3u);
+  EXPECT_EQ(last(result, "n"), 3.0);
+  EXPECT_EQ(last(result, "m"), 3.0);
+  EXPECT_EQ(last(result, "k"), 4.0);
+  EXPECT_NEAR(last(result, "x"), 0.5, 1e-9);
+}
+
+// floor(t^2) jumps at sqrt(k): x = sum of (t - sqrt k).
+TEST(Events, FloorJumpsAtIntegers) {
+  Builder b;
+  const Term x = b.real("x", {.start = 0.0, .fixed = true});
+  b.equation(der(x), function(Operation::floor, square(time_now())));
+  const Result result = solve(b.model, until(2.5));
+  EXPECT_SOLVED(result);
+  double exact = 0.0;
+  for (int k = 1; k <= 6; ++k) exact += 2.5 - std::sqrt(static_cast<double>(k));
+  EXPECT_NEAR(last(result, "x"), exact, 1e-9);
+  EXPECT_EQ(result.events.size(), 6u);
+}
+
+// mod(x, 1) of x = t: a saw tooth, and rem of a falling argument.
+TEST(Events, ModAndRemJump) {
+  Builder b;
+  const Term x = b.real("x", {.start = 0.5, .fixed = true}), saw = b.real("saw"), rest = b.real("rest");
+  b.equation(der(x), -1.0);
+  b.equation(saw, Term::of(Operation::mod, x, 1.0));
+  b.equation(rest, Term::of(Operation::rem, x, 1.0));
+  const Result result = solve(b.model, until(2.4));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(last(result, "saw"), 0.1, 1e-9);    // mod(-1.9, 1)
+  EXPECT_NEAR(last(result, "rest"), -0.9, 1e-9);  // rem(-1.9, 1)
+  EXPECT_EQ(result.events.size(), 2u);            // floor at x = 0, floor and trunc at x = -1
+}
+
+TEST(Events, TerminateEndsWithItsMessage) {
+  Builder b;
+  const Term x = b.real("x", {.start = 0.0, .fixed = true});
+  b.equation(der(x), 2.0);
+  b.when({{{x > 1.0}, {terminate("far enough")}}});
+  const Result result = solve(b.model, until(3.0));
+  EXPECT_SOLVED(result);
+  EXPECT_EQ(result.message, "far enough");
+  EXPECT_NEAR(result.trajectory.t.back(), 0.5, 1e-12);
+}
+
+TEST(Events, AssertionsEndOrWarnAtTheirTime) {
+  Builder b;
+  const Term x = b.real("x", {.start = 0.0, .fixed = true});
+  b.equation(der(x), 2.0);
+  b.assertion(x < 1.0, "is large", false);
+  b.assertion(x < 2.0, "too large");
+  const Result result = solve(b.model, until(3.0));
+  EXPECT_OUTCOME(result, Outcome::not_finished);
+  EXPECT_CONTAINS(result.message, "model.mo:4: assertion failed at t = 1: too large");
+  EXPECT_CONTAINS(joined(result.warnings), "model.mo:3: assertion failed at t = 0.5: is large");
+}
+
+TEST(Events, BoundsAreWatched) {
+  Builder b;
+  const Term x = b.real("x", {.start = 0.0, .fixed = true, .max = 1.0});
+  b.equation(der(x), 2.0);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_EQ(result.warnings.size(), 1u);
+  EXPECT_CONTAINS(joined(result.warnings), "x is 1.04 at t = 0.52, above max = 1");
+}
+
+// x' = -1 above zero, +1 below: the solution slides along x = 0, which these equations cannot say.
+TEST(Events, ChatteringIsNamed) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0, .fixed = true});
+  b.equation(der(x), choose(x > 0.0, -1.0, 1.0));
+  const Result result = solve(b.model, until(3.0));
+  EXPECT_OUTCOME(result, Outcome::not_finished);
+  EXPECT_CONTAINS(result.message, "events accumulate at t = 1,");
+  EXPECT_CONTAINS(result.message, "x > 0 becomes");
+}
+
+// A relation that touches zero does not change: x = (t - 1)^2 > 0 but for one point.
+TEST(Events, TouchingZeroChangesNothingForLong) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0, .fixed = true}), y = b.real("y", {.start = 0.0, .fixed = true});
+  b.equation(der(x), 2.0 * (time_now() - 1.0));
+  b.equation(der(y), choose(x >= 0.0, 1.0, 100.0));
+  const Result result = solve(b.model, until(2.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(last(result, "y"), 2.0, 1e-3);
+}
+
+// What stays zero and then leaves it: x = max(0, t - 1), y' = 1 from there on.
+TEST(Events, LeavingZeroIsAnEvent) {
+  Builder b;
+  const Term x = b.real("x"), y = b.real("y", {.start = 0.0, .fixed = true});
+  b.equation(x, Term::of(Operation::max, 0.0, time_now() - 1.0));
+  b.equation(der(y), choose(x > 0.0, 1.0, 0.0));
+  const Result result = solve(b.model, until(3.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(last(result, "y"), 2.0, 1e-7);
+}
+
+// A threshold that is moved by the event that it makes: x = t passes 1, 2, 3 ...; a second relation changes its sign
+// with the threshold, without passing zero.
+TEST(Events, ThresholdsMayBeDiscrete) {
+  Builder b;
+  const Term x = b.real("x", {.start = 0.5, .fixed = true}), next = b.discrete("next", {.start = 1.0, .fixed = true}),
+             n = b.integer("n", {.start = 0.0, .fixed = true}), m = b.integer("m", {.start = 0.0, .fixed = true});
+  b.equation(der(x), 1.0);
+  b.when({{{x >= pre(next)}, {assign(next, pre(next) + 1.0)}}});
+  b.when({{{x > next - 0.5}, {assign(n, pre(n) + 1.0)}}});
+  b.when({{{x < next - 0.5}, {assign(m, pre(m) + 1.0)}}});
+  const Result result = solve(b.model, until(4.25));  // x = 4.75
+  EXPECT_SOLVED(result);
+  EXPECT_EQ(last(result, "next"), 5.0);
+  EXPECT_EQ(last(result, "n"), 5.0);  // right after the start, where 0.5 > 0.5 begins to hold, at 1.5, 2.5, 3.5, 4.5
+  EXPECT_EQ(last(result, "m"), 4.0);  // at 1, 2, 3, 4
+}
+
+// floor only counts, in a discrete equation: nothing of the integration changes.
+TEST(Events, FloorInDiscreteEquations) {
+  Builder b;
+  const Term x = b.real("x", {.start = 0.0, .fixed = true}), n = b.integer("n", {.start = 0.0, .fixed = true});
+  b.equation(der(x), 1.0);
+  b.equation(n, function(Operation::integer, 3.0 * function(Operation::sin, x)));
+  const Result result = solve(b.model, until(2.0 * std::acos(-1.0)));
+  EXPECT_SOLVED(result);
+  for (std::size_t k = 1; k < result.trajectory.t.size(); ++k) {
+    if (result.trajectory.t[k] == result.trajectory.t[k - 1]) continue;
+    const double argument = 3.0 * std::sin(result.trajectory.t[k]);
+    const bool is_clear = std::fabs(argument - std::round(argument)) > 1e-6;
+    EXPECT_TRUE(!is_clear || value(result, "n", k) == std::floor(argument)) << result.trajectory.t[k];
+  }
+}
+
+TEST(Events, ReinitOfWhatIsNoStateIsNamed) {
+  Builder b;
+  const Term x = b.real("x", {.start = 0.0, .fixed = true}), y = b.real("y");
+  b.equation(der(x), 1.0);
+  b.equation(y, 2.0 * x);
+  b.when({{{x > 1.0}, {reinit(y, 0.0)}}});
+  const Result result = solve(b.model, until(2.0));
+  EXPECT_OUTCOME(result, Outcome::invalid_model);
+  EXPECT_CONTAINS(result.message, "reinit of y, whose derivative occurs nowhere");
+}
+
+// The source of a bridge of diodes with leakage: two of them switch at one instant, and their voltages there are rounding
+// errors of currents over a small conductance. The capacitor of 1 mF is charged to nearly the amplitude.
+TEST(Events, DiodesThatSwitchTogetherDoNotChatter) {
+  Builder b;
+  const double Goff = 1e-5, Ron = 0.01;
+  std::vector<Term> u, i;
+  for (int k = 0; k < 4; ++k) {
+    const std::string n = std::to_string(k);
+    const Term s = b.real("s" + n), uk = b.real("u" + n), ik = b.real("i" + n), off = b.boolean("off" + n);
+    b.equation(off, s < 0.0);
+    b.equation(uk, s * choose(off, 1.0, Ron));
+    b.equation(ik, s * choose(off, Goff, 1.0));
+    u.push_back(uk);
+    i.push_back(ik);
+  }
+  const Term v = b.real("v"), is = b.real("is"), a = b.real("a"), c = b.real("c"),
+             vC = b.real("vC", {.start = 5.0, .fixed = true});
+  b.equation(v, 20.0 * function(Operation::sin, 314.1592653589793 * time_now() + 0.2));
+  b.equation(a - c, v - is);
+  b.equation(u[0], a - vC);
+  b.equation(u[1], c - vC);
+  b.equation(u[2], -a);
+  b.equation(u[3], -c);
+  b.equation(is + i[2], i[0]);
+  b.equation(i[3], is + i[1]);
+  b.equation(1e-3 * der(vC), i[0] + i[1] - vC / 50.0);
+  const Result result = solve(b.model, until(0.1));
+  EXPECT_SOLVED(result);
+  // In every row each diode blocks or conducts, and Kirchhoff's law holds; twice a period the capacitor is charged.
+  for (std::size_t k = 0; k < result.trajectory.t.size(); ++k)
+    for (int d = 0; d < 4; ++d) {
+      const std::string n = std::to_string(d);
+      EXPECT_LE(value(result, "u" + n, k), Ron * value(result, "i" + n, k) + 1e-7);
+      EXPECT_GE(value(result, "i" + n, k), Goff * value(result, "u" + n, k) - 1e-7);
+    }
+  EXPECT_GT(last(result, "vC"), 14.0);
+  EXPECT_LT(last(result, "vC"), 20.0);
+  EXPECT_LT(result.events.size(), 100u);
+}
+
+}  // namespace
+}  // namespace sfdae::cli::test

@@ -1,0 +1,178 @@
+// Initial values: fixed starts, initial equations, free parameters, too few and too many conditions.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model_builder.h"
+
+namespace sfdae::cli::test {
+namespace {
+
+// h' = 1 - k sqrt(h): h(0) = 0.5 and h'(0) = 0 determine k = sqrt 2.
+TEST(Initialization, FreeParametersFollowFromTheSteadyState) {
+  Builder b;
+  const Term k = b.free_parameter("k", 1.0), h0 = b.parameter("h0", 0.5), h = b.real("h", {.start = 0.4}),
+             qout = b.real("qout");
+  b.equation(qout, k * function(Operation::sqrt, h));
+  b.equation(der(h), 1.0 - qout);
+  b.initial(h, h0);
+  b.initial(der(h), 0.0);
+  const Result result = solve(b.model, until(5.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(first(result, "k"), std::sqrt(2.0), 1e-9);
+  EXPECT_LE(largest_error(result, "h", [](double) { return 0.5; }), 1e-8);
+  EXPECT_TRUE(result.warnings.empty()) << joined(result.warnings);
+}
+
+// A parameter whose binding contains a free one follows it.
+TEST(Initialization, ParametersThatDependOnFreeOnesFollow) {
+  Builder b;
+  const Term k = b.free_parameter("k", 1.0), twice = b.parameter("twice", 2.0 * k),
+             x = b.real("x", {.start = 3.0, .fixed = true});
+  b.equation(der(x), 6.0 - twice * x);
+  b.initial(der(x), 0.0);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(first(result, "k"), 1.0, 1e-10);
+  EXPECT_NEAR(last(result, "x"), 3.0, 1e-9);
+}
+
+// All derivatives zero: x = 2, y = 4.
+TEST(Initialization, SteadyStateOfSeveralStates) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0}), y = b.real("y", {.start = 1.0});
+  b.equation(der(x), 8.0 - x * y);
+  b.equation(der(y), square(x) - y);
+  b.initial(der(x), 0.0);
+  b.initial(der(y), 0.0);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(first(result, "x"), 2.0, 1e-9);
+  EXPECT_NEAR(first(result, "y"), 4.0, 1e-9);
+  EXPECT_NEAR(last(result, "x"), 2.0, 1e-7);
+}
+
+// x + y = 3 and x y = 2 initially, near (2.2, 1.2): x = 2, y = 1.
+TEST(Initialization, NonlinearInitialEquations) {
+  Builder b;
+  const Term x = b.real("x", {.start = 2.2}), y = b.real("y", {.start = 1.2});
+  b.equation(der(x), -x);
+  b.equation(der(y), -y);
+  b.initial(x + y, 3.0);
+  b.initial(x * y, 2.0);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(first(result, "x"), 2.0, 1e-9);
+  EXPECT_NEAR(first(result, "y"), 1.0, 1e-9);
+}
+
+// Two states, one condition: the start value of the one that is preferred is used, too.
+TEST(Initialization, MissingConditionsAreCompletedByStartValues) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0, .state_select = StateSelect::avoid}), y = b.real("y", {.start = 2.0}),
+             z = b.real("z", {.start = 7.0});
+  b.equation(der(x), -x);
+  b.equation(der(y), -y);
+  b.equation(z, x + y);
+  b.initial(z, 5.0);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(first(result, "y"), 2.0, 1e-12);
+  EXPECT_NEAR(first(result, "x"), 3.0, 1e-9);
+  EXPECT_CONTAINS(joined(result.warnings), "1 initial condition is missing; start values are used: y = 2");
+}
+
+TEST(Initialization, RedundantConditionsAreDropped) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0, .fixed = true}), y = b.real("y", {.start = 2.0, .fixed = true}),
+             z = b.real("z");
+  b.equation(der(x), -x);
+  b.equation(y, 2.0 * x);
+  b.equation(z, x + y);
+  b.initial(z, 3.0);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(last(result, "y"), 2.0 * std::exp(-1.0), 1e-7);
+  EXPECT_CONTAINS(joined(result.warnings), "model.mo:7: the initial condition z = 3 follows from the others");
+}
+
+TEST(Initialization, ContradictionsAreNamed) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0, .fixed = true}), z = b.real("z");
+  b.equation(der(x), -x);
+  b.equation(z, 2.0 * x);
+  b.initial(z, 3.0);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_OUTCOME(result, Outcome::not_started);
+  EXPECT_CONTAINS(result.message, "model.mo:5: the initial condition z = 3 contradicts");
+  EXPECT_CONTAINS(result.message, "violated by -1");
+}
+
+// Both ends of a rigid connection are fixed to different values.
+TEST(Initialization, FixedValuesThatContradictConstraintsAreNamed) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0, .fixed = true}), y = b.real("y", {.start = 0.5, .fixed = true}),
+             vx = b.real("vx", {.start = 0.0, .fixed = true}), vy = b.real("vy"), F = b.real("F");
+  b.equation(der(x), vx);
+  b.equation(der(y), vy);
+  b.equation(der(vx), -(F * x));
+  b.equation(der(vy), -(F * y) - 9.81);
+  b.equation(square(x) + square(y), 1.0);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_OUTCOME(result, Outcome::not_started);
+  EXPECT_CONTAINS(result.message, "contradicts");
+}
+
+// pre() of what a when clause assigns comes from the initial equation; initial() makes a clause act.
+TEST(Initialization, DiscreteVariablesHaveInitialEquationsAndInitialClauses) {
+  Builder b;
+  const Term d = b.discrete("d"), n = b.integer("n", {.start = 3.0}), x = b.real("x", {.start = 0.0, .fixed = true});
+  b.equation(der(x), d);
+  b.when({{{time_now() >= 1.0}, {assign(d, pre(d) + 1.0)}}});
+  b.when({{{initially(), time_now() >= 1.0}, {assign(n, pre(n) + 1.0)}}});
+  b.initial(d, 5.0);
+  const Result result = solve(b.model, until(2.0));
+  EXPECT_SOLVED(result);
+  EXPECT_EQ(first(result, "d"), 5.0);
+  EXPECT_EQ(first(result, "n"), 4.0);
+  EXPECT_EQ(last(result, "n"), 5.0);
+  EXPECT_NEAR(last(result, "x"), 11.0, 1e-9);
+}
+
+// The branch that holds at the start depends on values that are found there: x = 3, not the guess 0.
+TEST(Initialization, RelationsAgreeWithTheValuesFound) {
+  Builder b;
+  const Term x = b.real("x"), y = b.real("y"), big = b.boolean("big");
+  b.equation(der(x), choose(x > 2.0, 1.0, -1.0));
+  b.equation(y, choose(big, 10.0, 9.0));
+  b.equation(big, x > 2.0);
+  b.initial(x + y, 13.0);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(first(result, "x"), 3.0, 1e-9);
+  EXPECT_NEAR(last(result, "x"), 4.0, 1e-9);
+}
+
+// Start values can be given from outside, those of fixed states and of guesses.
+TEST(Initialization, StartValuesCanBeGiven) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0, .fixed = true});
+  b.equation(der(x), -x);
+  Settings settings = until(1.0);
+  settings.values["x"] = 3.0;
+  EXPECT_NEAR(last(solve(b.model, settings), "x"), 3.0 * std::exp(-1.0), 1e-7);
+}
+
+// All start values zero, where the constraint of a pendulum is singular.
+TEST(Initialization, SingularGuessesAreLeft) {
+  Builder b;
+  const Term x = b.real("x"), y = b.real("y"), vx = b.real("vx"), vy = b.real("vy"), F = b.real("F");
+  b.equation(der(x), vx);
+  b.equation(der(y), vy);
+  b.equation(der(vx), -(F * x));
+  b.equation(der(vy), -(F * y) - 9.81);
+  b.equation(square(x) + square(y), 1.0);
+  const Result result = analyze(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_NEAR(std::hypot(first(result, "x"), first(result, "y")), 1.0, 1e-10);
+}
+
+}  // namespace
+}  // namespace sfdae::cli::test

@@ -1,0 +1,114 @@
+// Models with mistakes: each is named.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model_builder.h"
+
+namespace sfdae::cli::test {
+namespace {
+
+std::string complaint(const FlatModel& model, const Settings& settings = until(1.0)) {
+  const Result result = solve(model, settings);
+  EXPECT_OUTCOME(result, Outcome::invalid_model);
+  return result.message;
+}
+
+TEST(WrongModels, TooFewEquations) {
+  Builder b;
+  const Term x = b.real("x"), y = b.real("y"), z = b.real("z");
+  b.equation(der(x), y);
+  b.equation(x, function(Operation::sin, time_now()));
+  EXPECT_CONTAINS(complaint(b.model), "2 equations for 3 continuous unknowns; no equation contains z");
+  b.model.equations.pop_back();
+  b.equation(z + y, 1.0);
+  b.equation(z - y, 1.0);
+  b.equation(z + 2.0 * y, 1.0);
+  EXPECT_CONTAINS(complaint(b.model), "4 equations for 3 continuous unknowns");
+}
+
+TEST(WrongModels, NothingIsLeftForAnUnknown) {
+  Builder b;
+  const Term x = b.real("x"), y = b.real("y"), z = b.real("z");
+  b.equation(x, 1.0);
+  b.equation(y + z, x);
+  const std::string text = complaint(b.model);
+  EXPECT_CONTAINS(text, "2 equations for 3 continuous unknowns; nothing is left to determine");
+}
+
+TEST(WrongModels, EquationsThatContradict) {
+  Builder b;
+  const Term x = b.real("x"), y = b.real("y");
+  b.equation(x, y);
+  b.equation(x - y, 1.0);
+  EXPECT_CONTAINS(complaint(b.model), "model.mo:4:1: this equation contradicts others: it says 0 = -1");
+}
+
+TEST(WrongModels, ParametersWithoutValueOrWithCycles) {
+  Builder b;
+  const Term p = b.parameter("p", 1.0), q = b.parameter("q", p), x = b.real("x");
+  b.equation(x, q);
+  b.model.variables[0].binding = nullptr;
+  EXPECT_CONTAINS(complaint(b.model), "model.mo:1:1: parameter p has no value");
+  b.model.variables[0].binding = q.e;
+  EXPECT_CONTAINS(complaint(b.model), "depends on itself");
+}
+
+TEST(WrongModels, ValuesThatCannotBeSet) {
+  Builder b;
+  const Term p = b.parameter("p", 1.0), x = b.real("x");
+  b.equation(x, p);
+  Settings settings = until(1.0);
+  settings.values["unknown"] = 1.0;
+  EXPECT_CONTAINS(complaint(b.model, settings), "there is no parameter or variable unknown to set");
+  settings.values = {{"p", 2.0}};
+  b.model.variables[0].is_structural = true;
+  EXPECT_CONTAINS(complaint(b.model, settings), "parameter p cannot be set");
+}
+
+TEST(WrongModels, InputsWithoutSignal) {
+  Builder b;
+  const Term u = b.real("u"), x = b.real("x", {.start = 0.0, .fixed = true});
+  b.model.variables[0].is_input = true;
+  b.equation(der(x), u);
+  EXPECT_CONTAINS(complaint(b.model), "model.mo:1:1: input u has no signal");
+  Settings settings = until(1.0);
+  settings.values["u"] = 2.0;
+  EXPECT_NEAR(last(solve(b.model, settings), "x"), 2.0, 1e-9);
+}
+
+TEST(WrongModels, DiscreteVariablesThatNothingDetermines) {
+  Builder b;
+  const Term x = b.real("x"), n = b.integer("n");
+  b.equation(x, n + 1.0);
+  EXPECT_CONTAINS(complaint(b.model), "no equation determines the discrete variable n");
+}
+
+TEST(WrongModels, BooleansThatSwitchEachOther) {
+  Builder b;
+  const Term p = b.boolean("p"), q = b.boolean("q"), x = b.real("x");
+  b.equation(p, inverse(q));
+  b.equation(q, p);
+  b.equation(x, 1.0);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_NE(static_cast<int>(result.outcome), static_cast<int>(Outcome::solved));
+  EXPECT_CONTAINS(result.message, "do not settle");
+}
+
+// x = y, y = x, z = 1: nothing determines x, which is constant, and that is said.
+TEST(WrongModels, EquationsThatSayNothingAreNamed) {
+  Builder b;
+  const Term x = b.real("x"), y = b.real("y"), z = b.real("z", {.start = 1.0, .fixed = true});
+  b.equation(x, y);
+  b.equation(y, x);
+  b.equation(der(z), x - x * z);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_CONTAINS(joined(result.warnings), "model.mo:5: this equation follows from others and determines nothing");
+}
+
+TEST(WrongModels, StopBeforeStart) {
+  Builder b;
+  const Term x = b.real("x");
+  b.equation(x, 1.0);
+  EXPECT_CONTAINS(complaint(b.model, until(-1.0)), "the stop time -1 is not after the start time 0");
+}
+
+}  // namespace
+}  // namespace sfdae::cli::test
