@@ -128,7 +128,7 @@ sfdae_expression external(sfdae_record* record, const External& e) {
   if (e.count > PointFunction::max_arguments)
     return refuse(record, format("external: %.60s has %d arguments, more than %d.", e.name, e.count,
                                  PointFunction::max_arguments));
-  Call call;
+  FunctionCall call;
   for (int k = 0; k < e.count; ++k) {
     call.arguments.push_back(node_of(*record, e.arguments[k], format("argument %d of %.60s", k, e.name)));
     if (call.arguments.back() == mistaken) return in(record, mistaken);

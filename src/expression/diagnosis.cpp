@@ -114,7 +114,7 @@ class Search {
   // What a function says of its arguments, or returns for a derivative that is needed; else none.
   std::optional<EvaluationFailure> refusal(int i) const {
     if (record_.node(i).operation != Operation::function) return std::nullopt;
-    const Call& call = record_.call(i);
+    const FunctionCall& call = record_.call(i);
     const char* const name = call.function->name().c_str();
     double arguments[PointFunction::max_arguments] = {};
     std::string list;

@@ -30,7 +30,7 @@ void multiply(const Lanes* a, const Lanes* b, Lanes* v, Order K) {
 template <bool with_slopes, class Order>
 [[gnu::noinline]] void execute_function_singly(const Instruction& given, Lanes* slots, Order K) {
   constexpr int size = LaneEvaluator::highest_order + 1;
-  const Call& call = *given.call;
+  const FunctionCall& call = *given.call;
   const int k = call.function->num_arguments();
   const std::ptrdiff_t stride = given.b - given.a;
   double arguments[PointFunction::max_arguments * size], slopes[PointFunction::max_arguments * size], value[size];

@@ -137,7 +137,7 @@ bool is_constant(const CallSeries& series, int num_arguments, int order) {
 
 }  // namespace
 
-void evaluate(const Call& call, const CallSeries& series, int order) {
+void evaluate(const FunctionCall& call, const CallSeries& series, int order) {
   const int k = call.function->num_arguments(), given = static_cast<int>(call.by.size());
   const auto slope = [&](int i) { return series.slopes + i * series.stride; };
   // Terms of order m in d contribute to coefficients from m on, and to those of slopes from m - 1 on.
@@ -163,7 +163,7 @@ void evaluate(const Call& call, const CallSeries& series, int order) {
   }
 }
 
-MissingOrder missing_order(const Call& call, const double* arguments, int order) {
+MissingOrder missing_order(const FunctionCall& call, const double* arguments, int order) {
   Tensor tensor(*call.function);
   const int given = static_cast<int>(call.by.size());
   for (int m = given; m <= given + order; ++m)

@@ -41,11 +41,11 @@ class PointFunction {
 };
 
 // One of its partial derivatives, by the arguments `by`, at nodes of a graph; none: the value.
-struct Call {
+struct FunctionCall {
   std::shared_ptr<const PointFunction> function;
   std::vector<int> arguments;
   std::vector<int> by;
-  bool operator==(const Call&) const = default;
+  bool operator==(const FunctionCall&) const = default;
 };
 
 // Series of a call and of its derivatives by the arguments, which follow each other in steps of `stride`, like the
@@ -56,12 +56,12 @@ struct CallSeries {
   double* value;
   double* slopes;
 };
-void evaluate(const Call& call, const CallSeries& series, int order);
+void evaluate(const FunctionCall& call, const CallSeries& series, int order);
 
 // What the function returned for the first order up to this one that it does not supply, 0 if it supplies all, and which.
 struct MissingOrder {
   int code = 0, order = 0;
 };
-MissingOrder missing_order(const Call& call, const double* arguments, int order);
+MissingOrder missing_order(const FunctionCall& call, const double* arguments, int order);
 
 }  // namespace sfdae::core

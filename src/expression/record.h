@@ -29,7 +29,7 @@ struct Node {
 // Of a node of a graph with these calls.
 class Operands {
  public:
-  Operands(const Node& node, const std::vector<Call>& calls)
+  Operands(const Node& node, const std::vector<FunctionCall>& calls)
       : node_(node), call_(node.operation == Operation::function ? &calls[index(node.a)] : nullptr) {}
   int size() const {
     return call_ != nullptr ? static_cast<int>(call_->arguments.size()) : num_operands(node_.operation);
@@ -41,7 +41,7 @@ class Operands {
 
  private:
   const Node& node_;
-  const Call* call_;
+  const FunctionCall* call_;
 };
 
 struct Parameter {
@@ -63,7 +63,7 @@ class Record {
     int num_unknowns = 0;
     std::vector<Node> nodes;
     std::vector<double> constants;
-    std::vector<Call> calls;
+    std::vector<FunctionCall> calls;
     std::vector<Parameter> parameters;
     std::vector<int> residuals;      // nodes, one for each equation
     std::vector<std::string> names;  // of equations; empty: numbers are names enough
@@ -78,7 +78,7 @@ class Record {
   Operands operands(int i) const { return {node(i), parts_.calls}; }
   // Of a node that is a function.
   const PointFunction& function(const Node& node) const { return *parts_.calls[index(node.a)].function; }
-  const Call& call(int i) const { return parts_.calls[index(node(i).a)]; }
+  const FunctionCall& call(int i) const { return parts_.calls[index(node(i).a)]; }
   Dependence dependence(int i) const { return dependence_[index(i)]; }
   bool is_active(int i) const { return (dependence(i) & on_state) != 0; }
   double constant(int i) const { return parts_.constants[index(i)]; }

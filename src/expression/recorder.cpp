@@ -160,7 +160,7 @@ int Recorder::integer_power(int a, int exponent) {
   return exponent % 2 == 0 ? square : apply(Operation::multiply, square, a);
 }
 
-int Recorder::call(const Call& call) {
+int Recorder::call(const FunctionCall& call) {
   const auto known = std::find(parts_.calls.begin(), parts_.calls.end(), call);
   const auto place = known - parts_.calls.begin();
   if (known == parts_.calls.end()) parts_.calls.push_back(call);

@@ -49,12 +49,12 @@ class Recorder {
   }
 
   // A partial derivative of a function, or its value; arguments are nodes.
-  int call(const Call& call);
+  int call(const FunctionCall& call);
 
   int num_parameters() const { return static_cast<int>(parts_.parameters.size()); }
   const Node& node(int i) const { return parts_.nodes[index(i)]; }
   Operands operands(int i) const { return {node(i), parts_.calls}; }
-  const Call& called(int i) const { return parts_.calls[index(node(i).a)]; }
+  const FunctionCall& called(int i) const { return parts_.calls[index(node(i).a)]; }
   // The value of a constant.
   std::optional<double> number(int i) const;
 

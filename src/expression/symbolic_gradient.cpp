@@ -110,7 +110,7 @@ std::vector<int> symbolic_gradient(Recorder& recorder, int node, const std::vect
     if (depends[index(i)] == 0 || y == zero) continue;
     const Node f = recorder.node(i);  // recording moves nodes
     if (f.operation == Operation::function) {
-      Call call = recorder.called(i);
+      FunctionCall call = recorder.called(i);
       call.by.push_back(0);
       for (std::size_t k = 0; k < call.arguments.size(); ++k) {
         if (depends[index(call.arguments[k])] == 0) continue;

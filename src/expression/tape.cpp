@@ -138,7 +138,7 @@ class Builder {
 
   // Arguments follow each other, and so do the derivatives by them.
   void add_function(int i) {
-    const Call& call = record_.call(i);
+    const FunctionCall& call = record_.call(i);
     const int k = call.function->num_arguments();
     Instruction instruction{Code::function};
     instruction.call = &call;

@@ -44,7 +44,7 @@ struct Instruction {
   Code code;
   int v = -1, a = -1, b = -1, c = -1;
   int p = -1, q = -1;
-  const Call* call = nullptr;  // of a function; b is then the slot after a
+  const FunctionCall* call = nullptr;  // of a function; b is then the slot after a
 };
 
 enum class EdgeCode : std::uint8_t {

@@ -28,7 +28,7 @@ TEST(Allocation, HappensInTheFirstEvaluationOnly) {
   Recording recording(2);
   const auto& x = recording.x;
   const Term p = recording.parameter("p", 2.0);
-  const Call table{Spline::through({3, {0.0, 1.0, 2.0, 3.0}, {0.0, 1.0, 0.0, 1.0}}), {x[1].node}, {}};
+  const FunctionCall table{Spline::through({3, {0.0, 1.0, 2.0, 3.0}, {0.0, 1.0, 0.0, 1.0}}), {x[1].node}, {}};
   const Term spline(&recording.recorder, recording.recorder.call(table));
   TaylorEvaluator evaluator(
       recording.finish({recording.xdot[0] - atan(x[1]) * sin(recording.t), pow(x[0], p) * x[1] + modulo(spline, p)}));

@@ -55,7 +55,7 @@ class ExpSin : public PointFunction {
 
 Term call(const std::shared_ptr<const PointFunction>& function, const std::vector<Term>& arguments) {
   Recorder& recorder = *arguments.front().recorder;
-  Call call{function, {}, {}};
+  FunctionCall call{function, {}, {}};
   for (const Term& argument : arguments) call.arguments.push_back(argument.in(recorder));
   return {&recorder, recorder.call(call)};
 }
