@@ -7,6 +7,7 @@
 #include "modelica/built_in.h"
 #include "modelica/function.h"
 #include "modelica/lexer.h"
+#include "modelica/tables.h"
 
 namespace sfdae::cli {
 
@@ -73,9 +74,7 @@ std::vector<Value> call_definition(Elaboration& e, const Environment& in, const 
     case DefinitionKind::function: return call_function(e, in, definition, call.arguments, x.at);
     case DefinitionKind::record: return {construct_record(e, definition, call.arguments, x.at)};
     case DefinitionKind::enumeration: return {to_enumeration(e, definition, call)};
-    case DefinitionKind::external_object:
-      e.fail(x.at, "the external object '" + plain(definition.name) +
-                       "' is not supported; replace it, a table by formulas");
+    case DefinitionKind::external_object: return {construct_external_object(e, definition, call.arguments, x.at)};
     case DefinitionKind::alias: break;
   }
   e.fail(x.at, "'" + plain(definition.name) + "' is a type, not a function");

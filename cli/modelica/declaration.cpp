@@ -105,7 +105,7 @@ Value Symbols::instantiate(Symbol& one, const Instance& instance) {
       e_.fail(declaration.type_at, "a variable whose type is the function '" + plain(type.definition->name) + "'");
     result.kind = Kind::function;
     result.definition = type.definition;
-    return result;
+    one.has_texts = true;  // known once it is bound
   } else {
     result = instantiate_scalars(one, inner, type, dims);
   }
@@ -256,6 +256,10 @@ void Symbols::bind(Symbol& one, const Binding& binding) {
     e_.fail(binding.expression->at,
             what + " has the size " + shown_type(target) + " but its binding " + shown_type(value));
   value = convert(e_, value, target.kind, target.definition, what, binding.expression->at);
+  if (target.kind == Kind::function) {
+    if (one.value->kind == Kind::function) *one.value = std::move(value);
+    return;
+  }
   assign(one, target, value, binding.at);
   if (target.kind == Kind::string && one.value->kind == Kind::string) *one.value = target;
 }
@@ -265,10 +269,10 @@ void Symbols::assign(Symbol& one, Value& target, const Value& value, Location at
   target.texts = value.texts;
   for (size_t k = 0; k < target.records.size(); ++k)
     for (size_t i = 0; i < target.records[k].fields.size(); ++i) {
-      const Value* field = value.records[k].find(target.records[k].fields[i].first);
-      Value& to = target.records[k].fields[i].second;
+      const Value* field = value.records[k].find(target.records[k].fields[i].name);
+      Value& to = target.records[k].fields[i].value;
       if (field == nullptr || field->dims != to.dims)
-        e_.fail(at, "the field '" + plain(target.records[k].fields[i].first) + "' of the binding has another size");
+        e_.fail(at, "the field '" + plain(target.records[k].fields[i].name) + "' of the binding has another size");
       assign(one, to, *field, at);
     }
 }
@@ -277,6 +281,7 @@ void Symbols::assign_scalar(Symbol& one, Expression& target, const Expression& v
   if (value == nullptr) e_.fail(at, "the binding of '" + plain(one.declaration->name) + "' has not been assigned");
   Variable& variable = e_.model.variables[static_cast<size_t>(target->index)];
   if (variable.variability >= Variability::discrete) {
+    variable.is_input = false;  // the binding supplies it
     e_.model.equations.push_back({target, value, at});
   } else if (e_.pool.varies(value)) {
     e_.fail(at,

@@ -46,6 +46,7 @@ class Finish {
     check_parameters();
     check_real_equalities();
     direct_discrete_equations();
+    check_discrete_variables();
   }
 
  private:
@@ -270,6 +271,7 @@ class Finish {
       equation.right = e_.pool.make(equation.left->operation, {equation.right}, equation.at);
       equation.left = equation.left->operands[0];
     }
+    determined_.insert(chosen);
     for (const size_t other : of_variable.at(chosen)) {
       if (equations[other].is_directed) continue;
       for (int& candidate : equations[other].candidates)
@@ -278,11 +280,32 @@ class Finish {
     }
   }
 
+  // With as many equations as unknowns, one too few for discrete variables is one too many for the others: a Real
+  // formula that stands for an Integer. Other numbers are reported when the model is solved.
+  void check_discrete_variables() {
+    size_t num_unknowns = 0, num_by_when = 0;
+    int missing = -1;
+    for (size_t k = 0; k < model_.variables.size(); ++k) {
+      const Variable& one = model_.variables[k];
+      if (one.variability < Variability::discrete || one.is_input) continue;
+      ++num_unknowns;
+      if (by_when_[k] != 0) ++num_by_when;
+      else if (one.variability == Variability::discrete && determined_.count(static_cast<int>(k)) == 0)
+        missing = static_cast<int>(k);
+    }
+    if (missing < 0 || model_.equations.size() + num_by_when != num_unknowns) return;
+    e_.fail(variable(missing).at,
+            "'" + variable(missing).name +
+                "' is discrete, but no discrete equation or when clause determines it; "
+                "a formula that varies continuously does not (use integer(...) or a when clause)");
+  }
+
   Elaboration& e_;
   FlatModel& model_;
   std::vector<int> by_when_;  // of a variable: the when clause that assigns it, from 1; 0: none
   std::unordered_set<const Node*> seen_;
   std::unordered_map<int, Location> derivatives_, parameters_;
+  std::unordered_set<int> determined_;  // discrete variables that have an equation
   std::unordered_map<const Node*, bool> continuous_, real_;
 };
 

@@ -12,6 +12,7 @@
 #include "modelica/executor.h"
 #include "modelica/lexer.h"
 #include "modelica/symbols.h"
+#include "modelica/tables.h"
 
 namespace sfdae::cli {
 
@@ -228,11 +229,6 @@ void run_external(Elaboration& e, const Environment& in, const Definition& funct
     assertion.at = external.at;
     return add_assertion(e, inside, std::move(assertion));
   }
-  const std::optional<std::string> known = built_in_of_external(name);
-  if (!known || output < 0)
-    e.fail(external.at, "the external function '" + name + "' is not supported; replace '" + plain(function.name) +
-                            "' by a formula");
-  call.name = *known;
   if (external.name.empty()) {
     for (size_t k = 0; k < function.elements.size(); ++k)
       if (function.elements[k].direction == Direction::input)
@@ -241,12 +237,19 @@ void run_external(Elaboration& e, const Environment& in, const Definition& funct
     for (const syntax::ExpressionPointer& argument : external.arguments)
       call.arguments.push_back({"", evaluate(e, inside, *argument), argument->at});
   }
-  const Value result = *call_mathematics(e, inside, call);
+  std::optional<Value> result = call_table_function(e, inside, call);
+  if (const std::optional<std::string> known = built_in_of_external(name); known && !result) {
+    call.name = *known;
+    result = call_mathematics(e, inside, call);
+  }
+  if (!result || output < 0)
+    e.fail(external.at, "the external function '" + name + "' is not supported; replace '" + plain(function.name) +
+                            "' by a formula");
   syntax::Expression left;
   left.form = syntax::Form::name;
   left.text = function.elements[static_cast<size_t>(output)].name;
   left.at = external.at;
-  store.assign(inside, left, result, e.pool.truth(true));
+  store.assign(inside, left, *result, e.pool.truth(true));
 }
 
 // Identifies a call: the function and its arguments. Empty: strings or functions are among them.

@@ -310,12 +310,17 @@ void parse_model(TokenStream& tokens, Model& model) {
   parse_end(tokens, model.name);
 }
 
+// class 'X' "comment" extends ExternalObject
+bool at_external_object(const TokenStream& tokens) {
+  return tokens.at("extends", tokens.peek(2).kind == TokenKind::text ? 3 : 2);
+}
+
 void parse_package(TokenStream& tokens, File& result) {
   bool has_model = false;
   while (!tokens.at("end")) {
     if (tokens.accept(";")) continue;
     const Location at = tokens.location();
-    if (tokens.at("model") || (tokens.at("class") && !tokens.at("extends", 2))) {
+    if (tokens.at("model") || (tokens.at("class") && !at_external_object(tokens))) {
       if (has_model) tokens.fail(at, "a second model in the package; keep one");
       has_model = true;
       parse_model(tokens, result.model);

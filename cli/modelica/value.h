@@ -37,9 +37,17 @@ struct Value {
   size_t size() const;
 };
 
+struct Field;
+
 struct RecordValue {
-  std::vector<std::pair<std::string, Value>> fields;
+  std::vector<Field> fields;
   const Value* find(const std::string& name) const;
+};
+
+struct Field {
+  Field(std::string n, Value v) : name(std::move(n)), value(std::move(v)) {}
+  std::string name;
+  Value value;
 };
 
 using ValuePointer = std::shared_ptr<const Value>;

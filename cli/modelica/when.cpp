@@ -47,19 +47,23 @@ class WhenBody {
     }
   }
 
+  void append_assignment(const Value& left, const Value& right, Location at, std::vector<Equation>& equations) {
+    if (left.kind == Kind::integer && right.kind == Kind::real)
+      e_.fail(at, "an Integer gets a Real in a when clause; use integer(...)");
+    append_equalities(e_, left, right, at, equations);
+  }
+
   void equation(const Environment& in, const Statement& one, Actions& actions) {
     std::vector<Equation> equations;
-    Statement copy;
     if (one.left->form != Form::tuple) {
-      const Value left = evaluate(e_, in, *one.left);
-      append_equalities(e_, left, evaluate(e_, in, *one.right), one.at, equations);
+      append_assignment(evaluate(e_, in, *one.left), evaluate(e_, in, *one.right), one.at, equations);
     } else {
       const std::vector<Value> results = evaluate_outputs(e_, in, *one.right);
       if (one.left->operands.size() > results.size())
         e_.fail(one.at, "more variables in parentheses than the function has outputs");
       for (size_t k = 0; k < one.left->operands.size(); ++k)
         if (one.left->operands[k])
-          append_equalities(e_, evaluate(e_, in, *one.left->operands[k]), results[k], one.at, equations);
+          append_assignment(evaluate(e_, in, *one.left->operands[k]), results[k], one.at, equations);
     }
     for (Equation& each : equations) {
       if (each.left->operation != Operation::variable && each.right->operation == Operation::variable)

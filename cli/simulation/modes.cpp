@@ -120,7 +120,10 @@ std::shared_ptr<Mode> Modes::at_values(const Values& values) {
   }
   for (std::size_t i = 0; i < wanted.size(); ++i)
     if (mode->parameters[i] != wanted[i]) {
-      mode->solver.set_parameter(parameter_name(parameters_[i]), wanted[i]);
+      const std::string name = parameter_name(parameters_[i]);
+      double known = 0.0;  // not there: it occurs in branches alone that are not taken in this mode
+      const bool occurs = sfdae_get_parameter(mode->solver.get(), name.c_str(), &known) == SFDAE_OK;
+      if (occurs) mode->solver.set_parameter(name, wanted[i]);
       mode->parameters[i] = wanted[i];
     }
   return mode;

@@ -74,8 +74,9 @@ class WhenImport {
     Reaction reaction;
     reaction.kind = Action::Kind::assign;
     reaction.active = active;
-    reaction.at =
-        !branch.conditions.empty() && branch.conditions.front()->at.line > 0 ? branch.conditions.front()->at : at;
+    reaction.at = at;  // a condition may stand elsewhere: a variable is where it was named first
+    const Location of_condition = branch.conditions.empty() ? at : branch.conditions.front()->at;
+    if (of_condition.line > at.line) reaction.at = of_condition;
     for (const Expression& condition : branch.conditions)
       reaction.message += (reaction.message.empty() ? "when " : ", ") + to_text(condition, system_.model);
     system_.reactions.push_back(reaction);

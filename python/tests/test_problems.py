@@ -339,6 +339,15 @@ def test_missing_orders_are_an_error_or_computed_by_differences():
     assert sol.x[:, 0] == pytest.approx([np.sin(1), np.cos(1), -np.sin(1)], abs=1e-5)
 
 
+def test_derivatives_that_contradict_their_functions_are_refused():
+    problem = sfdae.LinearProblem(lambda t, order: E, A, f_callback)
+    with pytest.raises(sfdae.Error, match="derivative 1 of E contradicts differences") as caught:
+        sfdae.solve(problem, (0, 1), [0, 1, 0])
+    assert caught.value.status == sfdae.Status.WRONG_DERIVATIVES
+    # Without the check there is a solution, to other equations.
+    assert sfdae.solve(problem, (0, 1), [0, 1, 0], check_derivatives=0).status == sfdae.Status.OK
+
+
 def test_nan_of_a_callback_is_named():
     problem = sfdae.LinearProblem(E, A, lambda t, order: [0, 0, np.nan])
     with pytest.raises(sfdae.Error) as caught:

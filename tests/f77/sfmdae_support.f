@@ -1,8 +1,8 @@
 c SPDX-License-Identifier: BSD-3-Clause
 c
 c What the Fortran tests of SFMDAE share: two masses of 1 kg and 2 kg on
-c rods of 1 m and 0.8 m, hanging from a point that moves by RPAR(2) sin t
-c along the first axis.
+c rods of 1 m and 0.8 m, hanging from a point that moves by
+c RPAR(2) sin t along the first axis.
 c
 c IPAR: 1 calls, 2 IERR to return for T > RPAR(1), 3 a mistake in CJAC:
 c 1 the sign of GQ(2,3), 2 GT forgotten.

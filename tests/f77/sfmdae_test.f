@@ -79,8 +79,7 @@ c Their values at t = 1, in steps of order 4 that are small enough.
       length = max(abs(g(1)), abs(g(2)))
       end
 
-c The force in the second rod: lambda2 = 2 (b phi2'^2 + a cos(phi1 - phi2)
-c phi1'^2 ...) is left to the equations: M v' = f - gq' lambda.
+c What is left of M v' = f - GQ**T lambda.
       double precision function balance()
       implicit none
       double precision m(4), r

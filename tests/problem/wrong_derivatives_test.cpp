@@ -301,4 +301,29 @@ TEST(WrongDerivatives, AreFoundWhereTheOrderIsIgnored) {
     }
 }
 
+// What only the check evaluates may fail, but a callback that wants to stop is obeyed.
+TEST(WrongDerivatives, LeaveFailuresOfCallbacksAlone) {
+  struct Failing {
+    int code;
+    static int E(double t, int, double* values, void* user) {
+      values[0] = 1.0;  // wrong for order 1
+      return t > 0.5 ? static_cast<Failing*>(user)->code : 0;
+    }
+    static int A(double, int, double*, void*) { return 0; }
+  };
+  for (const int code : {1, -1}) {
+    Failing user{code};
+    LinearProblem problem({.m = 1, .n = 1, .E = Failing::E, .A = Failing::A, .user = &user, .inputs = {}});
+    int status = SFDAE_OK;
+    try {
+      demand_derivatives(problem, 0.5, 1.0, 1);
+    } catch (const Failure& failure) {
+      status = failure.status();
+    }
+    EXPECT_EQ(status, code > 0 ? SFDAE_OK : SFDAE_CALLBACK_STOPPED);
+    EXPECT_EQ(problem.evaluations('E'), 0);
+    EXPECT_GT(problem.check_evaluations(), 0);
+  }
+}
+
 }  // namespace sfdae::core

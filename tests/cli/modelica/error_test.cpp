@@ -119,7 +119,7 @@ TEST(Rejections, OfFunctions) {
   expect_error(
       "class 'T' extends ExternalObject; end 'T'; function 'g' input 'T' 't'; output Real 'y'; external \"C\" 'y' = "
       "get('t'); end 'g';",
-      "parameter 'T' 't' = 'T'(1); Real 'x' = 'g'('t');", "external \"C\"",
+      "parameter 'T' 't' = 'T'(); Real 'x' = 'g'('t');", "external \"C\"",
       "external function 'get' is not supported");
 }
 
@@ -152,6 +152,10 @@ TEST(Rejections, OfEquations) {
   EXPECT_EQ(error_of(package("", "parameter Real 'x' = 1; Boolean 'b' = 'x' == 1.0;")), "");
   expect_error("", "Boolean 'b', 'c'; equation 'b' = true; 'c' and 'b' = time > 1;", "'c' and",
                "determines no variable");
+  expect_error("", "Integer 'n'; equation 'n' = 1.5 * time;", "'n'; equation", "no discrete equation");
+  expect_error("", "discrete Real 'd' = time;", "'d' = time", "no discrete equation");
+  expect_error("", "Integer 'n'; Real 'x'; equation 2 * 'n' = 'x'; 'x' = time;", "'n'; Real", "no discrete equation");
+  expect_error("", "Integer 'n'; equation when time > 1 then 'n' = 1.5; end when;", "'n' = 1.5", "use integer(...)");
   expect_error("", "equation 1 = 2;", "1 = 2", "not true");
   expect_error("", "Real 'x' = pre(sin(time));", "pre(", "of a formula");
   expect_error("", "equation assert(1, \"a\");", "1, ", "expected a Boolean");

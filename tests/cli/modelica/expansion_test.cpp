@@ -115,6 +115,14 @@ TEST(Parameters, ThatDecideStructureAreStructural) {
   EXPECT_FALSE(variable(model, "p").is_structural);
 }
 
+TEST(Inputs, AreSuppliedByBindings) {
+  const FlatModel model = read("", "input Real 'u'; input Integer 'k' = 3; input Real 'v' = 'k' * time;");
+  EXPECT_TRUE(variable(model, "u").is_input);
+  EXPECT_FALSE(variable(model, "k").is_input);
+  EXPECT_EQ(solved(model, "k"), 3);
+  EXPECT_EQ(solved(model, "v", {{"k", 3}, {"time", 2}}), 6);
+}
+
 TEST(Equations, OfIfBranchesAreJoinedByTheirLeftSides) {
   const FlatModel model = read("", R"(Real 'x', 'y', 'z'; equation
     if time < 1 then 'x' = 1; 'y' = 2; 'z' + 'x' = 3; elseif time < 2 then 5 = 'y'; 'x' = 4; 'z' - 'x' = 6; else 'x' = 7; 'z' = 9; 'y' = 8; end if;)");

@@ -93,4 +93,27 @@ TEST(Models, StateGraphsUseTablesOfEnumerations) {
             1);
 }
 
+TEST(Models, TablesAreInterpolated) {
+  const FlatModel model = read_file("tables.bmo");
+  for (const auto& [u, y1, y2] : {std::tuple{-5.0, 1.0, 0.0},
+                                  {-1.0, 1.0, 0.0},
+                                  {-0.5, 0.5, 0.5},
+                                  {0.25, 0.25, 1.5},
+                                  {1.0, 1.0, 3.0},
+                                  {2.0, 5.0, 3.5},
+                                  {7.0, 9.0, 4.0}}) {
+    EXPECT_EQ(solved(model, "y[1]", {{"u", u}}), y1) << u;
+    EXPECT_EQ(solved(model, "y[2]", {{"u", u}}), y2) << u;
+  }
+  EXPECT_EQ(solved(model, "u_max"), 3);
+  // 0 before its start, a jump at 1, continued after 2.
+  for (const auto& [t, y] : {std::pair{0.25, 0.0}, {0.75, 0.0}, {1.0, 2.0}, {1.5, 3.0}, {2.0, 4.0}, {3.0, 6.0}})
+    EXPECT_EQ(solved(model, "source.y", {{"time", t}}), y) << t;
+  for (const auto& [t, y] : {std::pair{0.5, 5.0}, {1.0, 6.0}, {2.5, 6.0}, {3.25, 5.0}, {4.5, 6.0}})
+    EXPECT_EQ(solved(model, "steps.y", {{"time", t}}), y) << t;
+  const Expression& next = model.whens.at(0).branches[0].actions[0].value;
+  EXPECT_EQ(value(model, next, {{"time", 0.5}}), 1);
+  EXPECT_EQ(value(model, next, {{"time", 1}}), 2);
+}
+
 }  // namespace sfdae::cli::testing

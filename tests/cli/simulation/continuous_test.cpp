@@ -130,6 +130,38 @@ TEST(Continuous, ProgressStops) {
   EXPECT_LT(result.trajectory.t.back(), 1.5);
 }
 
+TEST(Continuous, ProgressStopsBeforeAnythingIsDone) {
+  Settings settings = until(2.0);
+  settings.progress = [](double, double, int) { return false; };
+  const Result result = solve(pendulum().model, settings);
+  EXPECT_OUTCOME(result, Outcome::stopped);
+  EXPECT_TRUE(result.trajectory.t.empty());
+}
+
+// x' = -x, 3000 aliases with changing signs and 3000 explicit unknowns: one unknown is left.
+TEST(Continuous, LongChainsLeaveTheUnknownsThatMatter) {
+  Builder b;
+  const int count = 3000;
+  const Term x = b.real("x", {.start = 1.0, .fixed = true});
+  Term alias = x, sum = Term(0.0);
+  for (int k = 1; k <= count; ++k) {
+    const std::string number = std::to_string(k);
+    const Term next = b.real(std::string("a").append(number)), part = b.real(std::string("b").append(number));
+    b.equation(next + alias, 0.0);
+    b.equation(part, 0.5 * sum + next);
+    alias = next;
+    sum = part;
+  }
+  b.equation(der(x), -alias);
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_SOLVED(result);
+  EXPECT_EQ(result.num_unknowns, 1);
+  EXPECT_EQ(result.num_eliminated, 2 * count);
+  EXPECT_NEAR(last(result, "a2999"), -std::exp(-1.0), 1e-7);
+  // b_k = b_(k-1) / 2 + (-1)^k x tends to (2/3) (-1)^k x.
+  EXPECT_NEAR(last(result, "b3000"), 2.0 / 3.0 * std::exp(-1.0), 1e-7);
+}
+
 TEST(Continuous, ExperimentSettingsAreDefaults) {
   Builder b = pendulum();
   b.model.experiment = {0.5, 1.5, 1e-6, 0.1};

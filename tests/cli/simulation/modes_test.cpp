@@ -134,6 +134,51 @@ TEST(Modes, ReinitOfAConstrainedStateKeepsTheConstraints) {
   }
 }
 
+// A position of a pendulum is set: the other one has to follow, on the circle, and the velocity stays tangential.
+TEST(Modes, ReinitOfAPositionMovesTheOtherOne) {
+  Builder b;
+  const Term x = b.real("x", {.start = 1.0}), y = b.real("y", {.start = 0.0, .fixed = true}), vx = b.real("vx"),
+             vy = b.real("vy", {.start = 0.0, .fixed = true}), F = b.real("F");
+  b.equation(der(x), vx);
+  b.equation(der(y), vy);
+  b.equation(der(vx), -(F * x));
+  b.equation(der(vy), -(F * y) - 9.81);
+  b.equation(square(x) + square(y), 1.0);
+  b.when({{{time_now() >= 0.3}, {reinit(x, 0.8)}}});
+  const Result result = solve(b.model, until(0.5));
+  EXPECT_SOLVED(result);
+  for (std::size_t k = 1; k < result.trajectory.t.size(); ++k) {
+    const double xk = value(result, "x", k), yk = value(result, "y", k);
+    EXPECT_NEAR(xk * xk + yk * yk, 1.0, 1e-10);
+    EXPECT_NEAR(xk * value(result, "vx", k) + yk * value(result, "vy", k), 0.0, 1e-10);
+    if (result.trajectory.t[k] != 0.3 || result.trajectory.t[k - 1] != 0.3) continue;
+    EXPECT_EQ(xk, 0.8);
+    EXPECT_NEAR(yk, -0.6, 1e-10);
+  }
+}
+
+// The pulse of the Modelica Standard Library, its counter and its width by time events that events move: 0.2 on, 0.3 off
+// from 0.25 on. A timer counts from each rise.
+TEST(Modes, PulsesAndTimersFollowTheirOwnEvents) {
+  Builder b;
+  const Term count = b.integer("count"), rise = b.discrete("rise"), entry = b.discrete("entry", {.start = 0.0}),
+             y = b.real("y"), timer = b.real("timer"), x = b.real("x", {.start = 0.0, .fixed = true}),
+             on = b.boolean("on");
+  const Term t = time_now(), periods = function(Operation::integer, (t - 0.25) / 0.5);
+  b.initial(count, periods);
+  b.initial(rise, 0.25 + count * 0.5);
+  b.when({{{periods > pre(count)}, {assign(count, pre(count) + 1.0), assign(rise, t)}}});
+  b.equation(y, choose(t < 0.25, 0.0, choose(t < rise + 0.2, 1.0, 0.0)));
+  b.equation(on, y > 0.5);
+  b.when({{{on}, {assign(entry, t)}}});
+  b.equation(timer, choose(on, t - entry, 0.0));
+  b.equation(der(x), timer);
+  const Result result = solve(b.model, until(2.2));
+  EXPECT_SOLVED(result);
+  EXPECT_EQ(last(result, "count"), 3.0);
+  EXPECT_NEAR(last(result, "x"), 4.0 * 0.5 * 0.2 * 0.2, 1e-9);
+}
+
 TEST(Modes, TerminalConditionsActAtTheEnd) {
   Builder b;
   const Term x = b.real("x", {.start = 0.0, .fixed = true}),
