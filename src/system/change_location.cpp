@@ -49,7 +49,12 @@ class Probe {
     if (status == PointStatus::callback_error) has_failed_ = true;
     return status != PointStatus::changed;
   }
-  double kept() const { return std::min(system_.point().kept_constraints, system_.point().kept_differential); }
+  // Values kept in E T2 are relative to E: where all of E vanishes, its size tells.
+  double kept() const {
+    const LinearPoint& point = system_.point();
+    if (system_.differential() == 0) return point.kept_constraints;
+    return std::min(point.kept_constraints, point.kept_differential * max_abs(point.data.E(0)));
+  }
   double kept_at(double t) { return holds_at(t) ? kept() : 0.0; }
   bool has_failed() const { return has_failed_; }
   bool is_resolved(double left, double right) const { return std::fabs(right - left) <= resolution_; }
@@ -98,7 +103,10 @@ std::optional<LocatedChange> follow_orientation(Probe& probe, double left, doubl
     if (probe.system().orientation_kept()) return std::nullopt;
   }
   if (probe.kept_at(left) > dip * kept_left) return std::nullopt;
-  return probe.isolated(left, 0.5 * (left + right));
+  LocatedChange change = probe.isolated(left, 0.5 * (left + right));
+  // What has changed its sign has vanished, whatever other units of time make of what is left of it.
+  if (change.new_values == probe.system().analysis().values) change.new_values = {};
+  return change;
 }
 
 // Minimum of the smallest kept value by golden section.

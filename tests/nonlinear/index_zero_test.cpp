@@ -107,11 +107,13 @@ TEST(IndexZero, FewConstraintsAreWithinTheTolerance) {
 template <class Problem>
 void expect_stop_at_1(const Problem& problem, const std::vector<double>& x0) {
   for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
-    NonlinearRun run(problem, options_with(tolerance));
-    ASSERT_EQ(run.start(0.0, 2.0, x0), SFDAE_OK) << run.message();
-    EXPECT_EQ(run.advance(2.0), SFDAE_CHARACTERISTICS_CHANGED) << run.message();
-    EXPECT_NEAR(run.t, 1.0, 1e-2);
-    EXPECT_LE(run.t, 1.0);
+    for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+      NonlinearRun run(problem, options_with(tolerance, method));
+      ASSERT_EQ(run.start(0.0, 2.0, x0), SFDAE_OK) << run.message();
+      EXPECT_EQ(run.advance(2.0), SFDAE_CHARACTERISTICS_CHANGED) << run.message();
+      EXPECT_NEAR(run.t, 1.0, 1e-2);
+      EXPECT_LE(run.t, 1.0 + 1e-12);
+    }
   }
 }
 
@@ -131,6 +133,30 @@ TEST(IndexZero, ConstraintsThatVanishAreNoticed) {
     F[1] = (1.0 - t) * (x[1] - x[0]);
   });
   expect_stop_at_1(vanishing, {1.0, 1.0});
+}
+
+// (1 - t) x' + a x = f(t), linear: all of E vanishes at t = 1, where bounded solutions are a x = f, and none of them goes
+// on in one way only.
+TEST(IndexZero, LeadingCoefficientsThatVanishAreNoticed) {
+  for (const double a : {0.5, 1.0, 2.0}) {
+    const auto vanishing = equations_of(1, 1, [a](const auto& t, const auto* x, const auto* xdot, auto* F) {
+      F[0] = (1.0 - t) * xdot[0] + a * x[0] - sin(t);
+    });
+    expect_stop_at_1(vanishing, {0.0});
+  }
+}
+
+// E that jumps from 1 to -1 does not vanish: x = exp(-|t - 1|).
+TEST(IndexZero, LeadingCoefficientsThatJumpAreNoChange) {
+  const auto jumping = equations_of(1, 1, [](const auto& t, const auto* x, const auto* xdot, auto* F) {
+    F[0] = choose(t - 1.0, sfdae::Expression(-1.0), sfdae::Expression(1.0)) * xdot[0] - x[0];
+  });
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    NonlinearRun run(jumping, options_with(1e-6, method));
+    ASSERT_EQ(run.start(0.0, 2.0, {std::exp(-1.0)}), SFDAE_OK) << run.message();
+    ASSERT_EQ(run.advance(2.0), SFDAE_OK) << run.message();
+    EXPECT_NEAR(run.x[0], std::exp(-1.0), 1e-4);
+  }
 }
 
 // u_i' = diffusion + reaction with 60 unknowns: far fewer factorizations than steps.
