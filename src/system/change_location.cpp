@@ -13,6 +13,8 @@ namespace {
 
 // A kept value that falls by this factor at a point inside a step has vanished there.
 constexpr double dip = 1e-3;
+// By this factor nothing is left of it, whatever other units of time make of what is.
+constexpr double vanished = 1e-6;
 
 // Values up to so many times the smallest one kept at the point located count as zero there: it is not hit exactly.
 // Ranks by a tolerance above a tenth would mean nothing.
@@ -128,8 +130,11 @@ std::optional<LocatedChange> follow_dip(Probe& probe, double left, double right)
       k2 = probe.kept_at(t2 = a + golden * (b - a));
     }
   }
-  if (std::min(k1, k2) > dip * level) return std::nullopt;
-  return probe.isolated(a, k1 < k2 ? t1 : t2);
+  const double kept = std::min(k1, k2);
+  if (kept > dip * level) return std::nullopt;
+  LocatedChange change = probe.isolated(a, k1 < k2 ? t1 : t2);
+  if (kept <= vanished * level && change.new_values == probe.system().analysis().values) change.new_values = {};
+  return change;
 }
 
 // Nothing where a point in between could not be evaluated, or the values are the same on closer inspection.

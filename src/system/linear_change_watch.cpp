@@ -24,6 +24,9 @@ bool runs_through_zero(Value older, Value last, Value next) {
   return std::fabs(flipped - slope) < std::fabs(kept - slope);
 }
 
+// Where the norms of rows begin in the values of a sample.
+constexpr int first_row = 3;
+
 // Of the time scale (or of 1): near enough to be on the same smooth piece, and no simple fraction of a period.
 constexpr double distance_beside_start = 0.7e-3;
 
@@ -32,7 +35,7 @@ constexpr double distance_beside_start = 0.7e-3;
 // All memory at once: samples that count must not be without values.
 LinearChangeWatch::LinearChangeWatch(LinearSystem& system) : system_(system) {
   const std::size_t rows = index(system.equations());
-  for (Sample* sample : {&older_, &last_, &trend_[0], &trend_[1]}) sample->values.resize(rows + 2);
+  for (Sample* sample : {&older_, &last_, &trend_[0], &trend_[1]}) sample->values.resize(first_row + rows);
   now_.row_norms.resize(rows);
 }
 
@@ -57,8 +60,9 @@ bool LinearChangeWatch::breaks_trend(const Sample& older, const Sample& last, co
     return runs_through_zero({older.t, older.values[i]}, {last.t, last.values[i]}, {now.t, value});
   };
   if (breaks(0, now.kept_constraints) || breaks(1, now.kept_differential)) return true;
+  if (breaks(2, now.size_of_E)) return true;
   for (std::size_t i = 0; i < now.row_norms.size(); ++i)
-    if (breaks(i + 2, now.row_norms[i])) return true;
+    if (breaks(first_row + i, now.row_norms[i])) return true;
   return false;
 }
 
@@ -99,26 +103,28 @@ void LinearChangeWatch::accept() {
   const LinearPoint& point = system_.point();
   const std::vector<double>& row_norms = point.data.row_norm;
   last_.t = point.t;
-  last_.values.resize(row_norms.size() + 2);
+  last_.values.resize(first_row + row_norms.size());
   last_.values[0] = point.kept_constraints;
   last_.values[1] = point.kept_differential;
-  std::copy(row_norms.begin(), row_norms.end(), last_.values.begin() + 2);
+  last_.values[2] = point.size_of_E();
+  std::copy(row_norms.begin(), row_norms.end(), last_.values.begin() + first_row);
   samples_ = std::min(samples_ + 1, 2);
 }
 
 void LinearChangeWatch::keep(const ChangeTrace& trace, Sample& sample) {
   sample.t = trace.t;
-  sample.values.resize(trace.row_norms.size() + 2);
+  sample.values.resize(first_row + trace.row_norms.size());
   sample.values[0] = trace.kept_constraints;
   sample.values[1] = trace.kept_differential;
-  std::copy(trace.row_norms.begin(), trace.row_norms.end(), sample.values.begin() + 2);
+  sample.values[2] = trace.size_of_E;
+  std::copy(trace.row_norms.begin(), trace.row_norms.end(), sample.values.begin() + first_row);
 }
 
 void LinearChangeWatch::archive(Archive& archive, double) {
   if (system_.is_constant()) return;
   archive.small(samples_);
   if (archive.is_reading() && (samples_ < 0 || samples_ > 2)) throw DamagedArchive();
-  const std::size_t count = index(system_.equations()) + 2;
+  const std::size_t count = index(system_.equations()) + first_row;
   Sample* const newest_first[] = {&last_, &older_};
   for (int i = 0; i < samples_; ++i) {
     archive.real(newest_first[i]->t);

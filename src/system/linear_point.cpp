@@ -2,9 +2,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/linear_point.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "system/relative_orientation.h"
 
 namespace sfdae::core {
+
+double LinearPoint::size_of_E() const {
+  const ConstView E = data.E(0), A = data.A(0);
+  double largest = 0.0;
+  for (int i = 0; i < E.rows; ++i) {
+    double in_E = 0.0, in_A = 0.0;
+    for (int j = 0; j < E.cols; ++j) {
+      in_E = std::max(in_E, std::fabs(E(i, j)));
+      in_A = std::max(in_A, std::fabs(A(i, j)));
+    }
+    if (in_E > 0.0) largest = std::max(largest, in_E / std::max(in_E, in_A));
+  }
+  return largest;
+}
 
 double inconsistency(const LinearPoint& point, int mu) {
   // Rounding errors and errors of derivatives, carried on by the elimination. Three digits of safety, not measured:

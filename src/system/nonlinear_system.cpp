@@ -289,20 +289,44 @@ void NonlinearSystem::restore(const double*, const double* x_free, const Guess& 
       linearization_.is_usable() ? iteration_.solve_to_rounding(linearization_, jet_) : PointStatus::not_converged;
   if (status == PointStatus::callback_error) callback_error_.raise();
   // Between the ends of a long step the linearization may be too far off.
-  if (status != PointStatus::ok) status = restore_with_linearization_at(start_);
-  if (status != PointStatus::ok && problem_.prescribed().empty()) {
-    // Or derivatives are. The jet found is consistent, but x has moved in directions where nothing asks for it.
+  if (status != PointStatus::ok) restore_anew();
+  std::copy_n(jet_.x.data(), problem_.n(), x);
+}
+
+// From start_. With a linearization there, whose derivatives may be those of another solution; and with one at the jet
+// that a search finds, which is consistent, but has moved x where nothing asks for it, too. What polynomials say of x is
+// accurate: the result nearer to it is taken.
+void NonlinearSystem::restore_anew() {
+  Jet first = start_;
+  const bool has_first = restore_with_linearization_at(start_) == PointStatus::ok;
+  if (has_first) std::swap(first, jet_);
+  if (problem_.prescribed().empty()) {
     jet_ = start_;
-    JetSolver(problem_.problem(), units()).solve(jet_, problem_.mu());
-    const Jet found = jet_;
-    std::copy_n(x_free, problem_.n(), jet_.x.data());
-    start_ = jet_;
+    try {
+      JetSolver(problem_.problem(), units()).solve(jet_, problem_.mu());
+    } catch (const Failure& failure) {
+      if (!has_first || failure.status() != SFDAE_NO_CONSISTENT_VALUES) throw;
+      jet_ = first;
+      return;
+    }
+    const Jet found = jet_, start = start_;
+    start_ = found;
+    std::copy_n(start.x.data(), problem_.n(), start_.x.data());
     if (restore_with_linearization_at(found) != PointStatus::ok) jet_ = found;
-  } else if (status != PointStatus::ok) {
+    start_ = start;
+  } else if (!has_first) {
     throw Failure(SFDAE_NO_CONSISTENT_VALUES,
                   format("no values consistent with the constraints were found at t = %.15g.", jet_.t));
   }
-  std::copy_n(jet_.x.data(), problem_.n(), x);
+  if (has_first && (!problem_.prescribed().empty() || distance_from_start(first) < distance_from_start(jet_)))
+    std::swap(first, jet_);
+}
+
+double NonlinearSystem::distance_from_start(const Jet& jet) const {
+  double distance = 0.0;
+  for (int i = 0; i < problem_.n(); ++i)
+    distance = std::max(distance, std::fabs(jet.x[index(i)] - start_.x[index(i)]) / units()[i]);
+  return distance;
 }
 
 // From start_, with a linearization that is used once.

@@ -92,6 +92,8 @@ class NonlinearSystem final : public DaeSystem {
   void update_traits();
   void resize();
   void restore_linearization(const RankSequence& ranks, bool has_matrix);
+  void restore_anew();
+  double distance_from_start(const Jet& jet) const;
   PointStatus restore_with_linearization_at(const Jet& place);
   void correct_by_linearization(const double* x, double* xdot);
   bool may_hold_derivatives(PointStatus status) const;

@@ -146,6 +146,15 @@ TEST(IndexZero, LeadingCoefficientsThatVanishAreNoticed) {
   }
 }
 
+// The same twice: no sign changes.
+TEST(IndexZero, LeadingCoefficientsThatVanishTwiceAreNoticed) {
+  const auto pair = equations_of(2, 2, [](const auto& t, const auto* x, const auto* xdot, auto* F) {
+    F[0] = (1.0 - t) * xdot[0] + x[0] - sin(t);
+    F[1] = (1.0 - t) * xdot[1] + 2.0 * x[1] - x[0];
+  });
+  expect_stop_at_1(pair, {0.0, 0.5});
+}
+
 // E that jumps from 1 to -1 does not vanish: x = exp(-|t - 1|).
 TEST(IndexZero, LeadingCoefficientsThatJumpAreNoChange) {
   const auto jumping = equations_of(1, 1, [](const auto& t, const auto* x, const auto* xdot, auto* F) {

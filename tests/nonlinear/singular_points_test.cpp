@@ -223,9 +223,19 @@ TEST(RandomSingularPoints, AreNotSeenInInterpolatedDerivatives) {
   }
 }
 
+// At its output within a long step an iteration from the linearization there leads to derivatives of another solution.
+TEST(RandomSingularPoints, OutputsKeepToTheirSolution) {
+  const SingularSystem system(787, false);
+  const Outcome o = run_equations(recorded(system), SFDAE_METHOD_RADAU, 1e-8, system.start(), system.end(),
+                                  system.exact(system.start()));
+  ASSERT_EQ(o.status, SFDAE_OK) << o.text;
+  EXPECT_LE(largest_error(o.x, system.exact(system.end())), 1e-7);
+}
+
 TEST(RandomSingularPoints, AreNotSeenWhereThereAreNone) {
   const Counts counts = integrate_all(count_of_systems(40), false);
-  EXPECT_LE(counts.named, 0.002 * counts.all);
+  // 2 of 3820 runs: systems whose integrations end with an error anyway. One of 160 may be.
+  EXPECT_LE(counts.named, 0.002 * counts.all + 1.0);
   EXPECT_LE(counts.stopped, 0.02 * counts.all + 1.0);
   EXPECT_EQ(counts.wrong, 0);
 }
