@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/nonlinear_system.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
