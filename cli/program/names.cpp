@@ -125,15 +125,15 @@ std::optional<std::regex> pattern(const std::string& text) {
 
 }  // namespace
 
-std::vector<Assignment> parse_assignments(const std::vector<std::string>& texts, const FlatModel& model) {
-  std::vector<Assignment> assignments;
+std::vector<ParameterChoice> parse_assignments(const std::vector<std::string>& texts, const FlatModel& model) {
+  std::vector<ParameterChoice> assignments;
   std::set<std::string> names;
   for (const std::string& text : texts) {
     // Names may contain '=', values do not.
     const std::size_t equals = text.rfind('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
       throw ProgramError(wrong_use, "--set " + text + ": has to be NAME=VALUE");
-    Assignment assignment{without_quotes(text.substr(0, equals)), parse_values(text.substr(equals + 1), text)};
+    ParameterChoice assignment{without_quotes(text.substr(0, equals)), parse_values(text.substr(equals + 1), text)};
     require_changeable(assignment.name, model);
     if (!names.insert(assignment.name).second)
       throw ProgramError(wrong_use, "--set: '" + assignment.name + "' is set twice");
@@ -142,9 +142,9 @@ std::vector<Assignment> parse_assignments(const std::vector<std::string>& texts,
   return assignments;
 }
 
-std::map<std::string, double> single_values(const std::vector<Assignment>& assignments) {
+std::map<std::string, double> single_values(const std::vector<ParameterChoice>& assignments) {
   std::map<std::string, double> values;
-  for (const Assignment& assignment : assignments) {
+  for (const ParameterChoice& assignment : assignments) {
     if (assignment.values.size() != 1)
       throw ProgramError(wrong_use, "--set: '" + assignment.name + "' has several values; that is for sfdae sweep");
     values[assignment.name] = assignment.values.front();

@@ -12,17 +12,17 @@
 namespace sfdae::cli {
 
 // A --set and its values, at least one.
-struct Assignment {
+struct ParameterChoice {
   std::string name;
   std::vector<double> values;
 };
 
 // Throws ProgramError unless every text is NAME=VALUE, NAME=START:STEP:STOP or NAME=VALUE,VALUE,... with the name of a
 // variable that can be set, each once.
-std::vector<Assignment> parse_assignments(const std::vector<std::string>& texts, const FlatModel& model);
+std::vector<ParameterChoice> parse_assignments(const std::vector<std::string>& texts, const FlatModel& model);
 
 // Those that have exactly one value each; throws ProgramError.
-std::map<std::string, double> single_values(const std::vector<Assignment>& assignments);
+std::map<std::string, double> single_values(const std::vector<ParameterChoice>& assignments);
 
 // Whether each variable of the model is wanted: one of the names, or matching one of the patterns, separated by commas
 // outside brackets. No names: all but constants and parameters. Throws ProgramError if a name fits nothing.

@@ -26,9 +26,9 @@ std::optional<std::size_t> number_from_environment(const char* name) {
 
 }  // namespace
 
-Grid::Grid(std::vector<Assignment> assignments) : assignments_(std::move(assignments)) {
+Grid::Grid(std::vector<ParameterChoice> assignments) : assignments_(std::move(assignments)) {
   constexpr std::size_t max_count = 10'000'000;  // more than memory and patience hold
-  for (const Assignment& assignment : assignments_) {
+  for (const ParameterChoice& assignment : assignments_) {
     if (assignment.values.size() > max_count / count_)
       throw ProgramError(wrong_use, "--set: more than 1e7 combinations of values");
     count_ *= assignment.values.size();

@@ -14,14 +14,14 @@ namespace sfdae::cli {
 class Grid {
  public:
   // Throws ProgramError if there are too many combinations.
-  explicit Grid(std::vector<Assignment> assignments);
+  explicit Grid(std::vector<ParameterChoice> assignments);
   std::size_t count() const { return count_; }
-  const std::vector<Assignment>& assignments() const { return assignments_; }
+  const std::vector<ParameterChoice>& assignments() const { return assignments_; }
   // Values of one combination, as the assignments.
   std::vector<double> values(std::size_t instance) const;
 
  private:
-  std::vector<Assignment> assignments_;
+  std::vector<ParameterChoice> assignments_;
   std::size_t count_ = 1;
 };
 

@@ -63,7 +63,7 @@ std::vector<std::string> wanted_names(const std::map<std::string, bool>& wanted,
 
 std::string table_head(const Grid& grid, const std::vector<std::string>& names) {
   std::string text = "instance";
-  for (const Assignment& assignment : grid.assignments()) text += "," + csv_field(assignment.name);
+  for (const ParameterChoice& assignment : grid.assignments()) text += "," + csv_field(assignment.name);
   text += ",outcome,time";
   for (const std::string& name : names) text += "," + csv_field(name);
   return text + "\n";
@@ -90,7 +90,7 @@ std::string table_text(const std::vector<Instance>& instances, const Grid& grid,
   constexpr std::size_t max_columns = 6, max_rows = 200;
   const std::size_t columns = std::min(names.size(), max_columns);
   std::vector<std::vector<std::string>> rows(1, {"instance"});
-  for (const Assignment& assignment : grid.assignments()) rows[0].push_back(assignment.name);
+  for (const ParameterChoice& assignment : grid.assignments()) rows[0].push_back(assignment.name);
   rows[0].insert(rows[0].end(), {"outcome", "time"});
   rows[0].insert(rows[0].end(), names.begin(), names.begin() + static_cast<std::ptrdiff_t>(columns));
   for (const Instance& instance : instances) {

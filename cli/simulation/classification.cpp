@@ -52,7 +52,7 @@ class Classification {
     return result;
   }
 
-  Assignment assignment(const ImportedEquation& equation, int variable) {
+  DiscreteAssignment assignment(const ImportedEquation& equation, int variable) {
     Formulas& formulas = system_.formulas;
     const bool is_left = target(equation.left) == variable;
     const Formula side = is_left ? equation.left : equation.right, other = is_left ? equation.right : equation.left;

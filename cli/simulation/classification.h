@@ -15,7 +15,7 @@ struct ImportedEquation {
 
 struct ClassifiedEquations {
   std::vector<Residual> continuous;
-  std::vector<Assignment> discrete;  // in no particular order
+  std::vector<DiscreteAssignment> discrete;  // in no particular order
 };
 
 // What determines a variable.

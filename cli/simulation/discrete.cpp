@@ -19,9 +19,9 @@ Discrete::Discrete(const System& system)
       initial_(system.formulas),
       reactions_(system.formulas),
       others_(system.formulas) {
-  for (const Assignment& assignment : system.discrete)
+  for (const DiscreteAssignment& assignment : system.discrete)
     assignments_.add_assignment(assignment.variable, assignment.value);
-  for (const Assignment& assignment : system.initial_discrete) initial_.add(assignment.value);
+  for (const DiscreteAssignment& assignment : system.initial_discrete) initial_.add(assignment.value);
   for (const Reaction& reaction : system.reactions) {
     reactions_.add(reaction.active);
     reactions_.add(reaction.value >= 0 ? reaction.value : reaction.active);
@@ -43,7 +43,7 @@ bool Discrete::update(Values& values) {
     if (!changes || !system_.has_discrete_loop) return has_changed;
   }
   std::string names;
-  for (const Assignment& assignment : system_.discrete)
+  for (const DiscreteAssignment& assignment : system_.discrete)
     if (at(assignment.variable) < system_.model.variables.size() &&
         before_[at(assignment.variable)] != values.variable[at(assignment.variable)])
       names += (names.empty() ? "" : ", ") + system_.model.variables[at(assignment.variable)].name;
@@ -67,7 +67,7 @@ bool Discrete::set_initial(Values& values) {
 }
 
 bool Discrete::differs_from_previous(const Values& values) const {
-  for (const Assignment& assignment : system_.discrete)
+  for (const DiscreteAssignment& assignment : system_.discrete)
     if (values.variable[at(assignment.variable)] != values.previous[at(assignment.variable)]) return true;
   return false;
 }

@@ -8,7 +8,7 @@
 namespace sfdae::cli {
 
 void sort_discrete(System& system) {
-  const std::vector<Assignment> given = std::move(system.discrete);
+  const std::vector<DiscreteAssignment> given = std::move(system.discrete);
   std::unordered_map<int, std::size_t> assignment_of;
   for (std::size_t i = 0; i < given.size(); ++i) assignment_of[given[i].variable] = i;
   std::vector<std::vector<std::size_t>> needed(given.size());

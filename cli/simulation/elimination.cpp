@@ -37,7 +37,7 @@ class Sorting {
       if (used[at(i)] == 0) add(i);
   }
 
-  std::vector<Definition> run() {
+  std::vector<SolvedUnknown> run() {
     while (!queue_.empty()) {
       const auto [count, equation] = queue_.top();
       queue_.pop();
@@ -137,7 +137,7 @@ class Sorting {
   std::vector<std::vector<int>> equations_of_;
   std::vector<char> is_closed_;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
-  std::vector<Definition> definitions_;
+  std::vector<SolvedUnknown> definitions_;
 };
 
 // The value of a variable from a residual: -(all other terms) / coefficient.
@@ -169,10 +169,10 @@ Formula solved(System& system, Formula residual, const Aliases& aliases, int roo
 
 }  // namespace
 
-std::vector<Definition> find_definitions(System& system, const std::vector<Residual>& residuals,
-                                         const Aliases& aliases, const std::vector<char>& used) {
-  std::vector<Definition> definitions = Sorting(system, residuals, aliases, used).run();
-  for (Definition& definition : definitions)
+std::vector<SolvedUnknown> find_definitions(System& system, const std::vector<Residual>& residuals,
+                                            const Aliases& aliases, const std::vector<char>& used) {
+  std::vector<SolvedUnknown> definitions = Sorting(system, residuals, aliases, used).run();
+  for (SolvedUnknown& definition : definitions)
     definition.value = solved(system, residuals[at(definition.residual)].formula, aliases, definition.variable);
   return definitions;
 }

@@ -12,7 +12,7 @@
 namespace sfdae::cli {
 
 // variable := value, from a residual that then holds.
-struct Definition {
+struct SolvedUnknown {
   int variable = -1;
   Formula value = -1;
   int residual = -1;
@@ -21,7 +21,7 @@ struct Definition {
 // Definitions in an order in which each needs only what remains and those before it. An equation defines a variable if
 // it contains it linearly with a coefficient that is a number, and contains no derivative; states are never defined.
 // used: residuals that are no longer there.
-std::vector<Definition> find_definitions(System& system, const std::vector<Residual>& residuals,
-                                         const Aliases& aliases, const std::vector<char>& used);
+std::vector<SolvedUnknown> find_definitions(System& system, const std::vector<Residual>& residuals,
+                                            const Aliases& aliases, const std::vector<char>& used);
 
 }  // namespace sfdae::cli

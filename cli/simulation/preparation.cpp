@@ -139,7 +139,7 @@ class Preparation {
   void find_states() {
     std::vector<Formula> all;
     for (const Residual& residual : residuals_) all.push_back(residual.formula);
-    for (const Assignment& assignment : system_.discrete) all.push_back(assignment.value);
+    for (const DiscreteAssignment& assignment : system_.discrete) all.push_back(assignment.value);
     for (const Switch& it : system_.switches) all.push_back(it.g);
     for (const Reaction& reaction : system_.reactions) all.push_back(reaction.value);
     for (const InitialCondition& condition : system_.initial_conditions) {
@@ -168,9 +168,9 @@ class Preparation {
     const std::vector<int> ranks = ranks_of_roots();
     const Aliases aliases = find_aliases(system_, residuals_, ranks, used, warnings_);
     share_attributes(aliases);
-    const std::vector<Definition> definitions = find_definitions(system_, residuals_, aliases, used);
+    const std::vector<SolvedUnknown> definitions = find_definitions(system_, residuals_, aliases, used);
     substitute(aliases, definitions);
-    for (const Definition& definition : definitions) used[at(definition.residual)] = 1;
+    for (const SolvedUnknown& definition : definitions) used[at(definition.residual)] = 1;
     for (std::size_t i = 0; i < residuals_.size(); ++i)
       if (used[i] == 0) add_residual(residuals_[i]);
   }
@@ -210,11 +210,11 @@ class Preparation {
     return formulas.add(value, formulas.number(alias.offset));
   }
 
-  void substitute(const Aliases& aliases, const std::vector<Definition>& definitions) {
+  void substitute(const Aliases& aliases, const std::vector<SolvedUnknown>& definitions) {
     Formulas& formulas = system_.formulas;
     std::vector<std::vector<int>> members(model().variables.size());
     std::vector<char> is_defined(model().variables.size(), 0);
-    for (const Definition& definition : definitions) is_defined[at(definition.variable)] = 1;
+    for (const SolvedUnknown& definition : definitions) is_defined[at(definition.variable)] = 1;
     const auto replace = [&](int v, Formula root) {
       const Alias alias = aliases.find(v);
       system_.values[at(v)] = alias_of(alias, root);
@@ -235,7 +235,7 @@ class Preparation {
       if (root == v && is_defined[at(v)] == 0) system_.unknowns.push_back(v);
       else ++system_.num_eliminated;
     }
-    for (const Definition& definition : definitions) {
+    for (const SolvedUnknown& definition : definitions) {
       const Formula value = substitution_(definition.value);
       for (int v : members[at(definition.variable)]) replace(v, value);
     }
@@ -262,8 +262,9 @@ class Preparation {
   }
 
   void finish() {
-    for (Assignment& assignment : system_.discrete) assignment.value = substitution_(assignment.value);
-    for (Assignment& assignment : system_.initial_discrete) assignment.value = substitution_(assignment.value);
+    for (DiscreteAssignment& assignment : system_.discrete) assignment.value = substitution_(assignment.value);
+    for (DiscreteAssignment& assignment : system_.initial_discrete)
+      assignment.value = substitution_(assignment.value);
     for (Formula& condition : system_.when_conditions) condition = substitution_(condition);
     for (InitialCondition& condition : system_.initial_conditions) {
       condition.left = substitution_(condition.left);

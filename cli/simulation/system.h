@@ -34,7 +34,7 @@ struct Sample {
 };
 
 // variable := value at events.
-struct Assignment {
+struct DiscreteAssignment {
   int variable = -1;
   Formula value = -1;
 };
@@ -87,9 +87,9 @@ struct System {
 
   std::vector<Switch> switches;
   std::vector<Sample> samples;
-  std::vector<Assignment> discrete;          // in the order of their evaluation
-  bool has_discrete_loop = false;            // they have to be evaluated repeatedly
-  std::vector<Assignment> initial_discrete;  // values of pre(variable) initially
+  std::vector<DiscreteAssignment> discrete;          // in the order of their evaluation
+  bool has_discrete_loop = false;                    // they have to be evaluated repeatedly
+  std::vector<DiscreteAssignment> initial_discrete;  // values of pre(variable) initially
   std::vector<Reaction> reactions;
   std::vector<InitialCondition> initial_conditions;
   std::vector<Formula> when_conditions;  // one for each virtual variable after those of the model

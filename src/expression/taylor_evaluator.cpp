@@ -197,8 +197,9 @@ bool TaylorEvaluator::write_targets(int equation, SeriesOrders orders, double* F
   for (std::size_t e = tape_.first_target[index(equation)]; e < tape_.first_target[index(equation + 1)]; ++e) {
     const Tape::Leaf& leaf = tape_.targets[e];
     const double* const from = adjoints_.data() + index(leaf.slot) * index(stride_);
-    double* const to = (leaf.derivative ? F_xdot : F_x) + index(equation) + index(leaf.unknown) * m;
     const int order = leaf.derivative ? orders.F_xdot : orders.F_x;
+    if (order < 0) continue;  // there is no array either
+    double* const to = (leaf.derivative ? F_xdot : F_x) + index(equation) + index(leaf.unknown) * m;
     for (int k = 0; k <= order; ++k) {
       to[index(k) * area] = from[k];
       finite = finite && std::isfinite(from[k]);

@@ -113,9 +113,10 @@ double SolutionPieces::fit(const Step& step, Samples& samples) const {
         for (std::size_t i = 0; i < n; ++i) c[i] += factor * x[i];
       }
     const double* const last = samples.coefficients.data() + index(degree) * n;
+    const double* const last_but_one = samples.coefficients.data() + index(degree - 1) * n;
     excess = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
-      const double left_out = std::fabs(last[i]) + std::fabs(last[i - n]);
+      const double left_out = std::fabs(last[i]) + std::fabs(last_but_one[i]);
       if (left_out == 0.0) continue;
       const double allowed = std::max(step.tolerance(static_cast<int>(i), samples.x.data()),
                                       step.tolerance(static_cast<int>(i), samples.x.data() + max_degree * n));

@@ -455,6 +455,11 @@ TEST(Dgelda, FindsInitialValuesAtEitherEndOfTheInterval) {
 }
 
 TEST(Dgelda, TellsIntegersOfAnotherWidth) {
+#if defined(__clang__)
+#if __has_feature(undefined_behavior_sanitizer)
+  GTEST_SKIP() << "functions are called with other INTEGERs than they have, on purpose";
+#endif
+#endif
   const auto code_of = [](const std::function<void(DgeldaRun<std::int64_t>&)>& change) {
     DgeldaRun<std::int64_t> run(decay(), 1);
     change(run);
