@@ -15,15 +15,13 @@ struct ChangeTrace {
   double t = 0.0;
   bool orientation_kept = true;
   double kept_constraints = 1.0, kept_differential = 1.0;
-  double size_of_E = 1.0;         // of the largest row, relative to the same row of [E A]
   std::vector<double> row_norms;  // largest entries of the rows of [E A], unscaled
 
   void take(const LinearPoint& point, bool is_orientation_kept) {
     t = point.t;
     orientation_kept = is_orientation_kept;
     kept_constraints = point.kept_constraints;
-    kept_differential = point.kept_differential;
-    size_of_E = point.size_of_E();
+    kept_differential = point.kept_of_rows();
     row_norms.assign(point.data.row_norm.begin(), point.data.row_norm.end());
   }
 };

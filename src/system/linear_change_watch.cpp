@@ -25,7 +25,7 @@ bool runs_through_zero(Value older, Value last, Value next) {
 }
 
 // Where the norms of rows begin in the values of a sample.
-constexpr int first_row = 3;
+constexpr int first_row = 2;
 
 // Of the time scale (or of 1): near enough to be on the same smooth piece, and no simple fraction of a period.
 constexpr double distance_beside_start = 0.7e-3;
@@ -60,7 +60,6 @@ bool LinearChangeWatch::breaks_trend(const Sample& older, const Sample& last, co
     return runs_through_zero({older.t, older.values[i]}, {last.t, last.values[i]}, {now.t, value});
   };
   if (breaks(0, now.kept_constraints) || breaks(1, now.kept_differential)) return true;
-  if (breaks(2, now.size_of_E)) return true;
   for (std::size_t i = 0; i < now.row_norms.size(); ++i)
     if (breaks(first_row + i, now.row_norms[i])) return true;
   return false;
@@ -105,8 +104,7 @@ void LinearChangeWatch::accept() {
   last_.t = point.t;
   last_.values.resize(first_row + row_norms.size());
   last_.values[0] = point.kept_constraints;
-  last_.values[1] = point.kept_differential;
-  last_.values[2] = point.size_of_E();
+  last_.values[1] = point.kept_of_rows();
   std::copy(row_norms.begin(), row_norms.end(), last_.values.begin() + first_row);
   samples_ = std::min(samples_ + 1, 2);
 }
@@ -116,7 +114,6 @@ void LinearChangeWatch::keep(const ChangeTrace& trace, Sample& sample) {
   sample.values.resize(first_row + trace.row_norms.size());
   sample.values[0] = trace.kept_constraints;
   sample.values[1] = trace.kept_differential;
-  sample.values[2] = trace.size_of_E;
   std::copy(trace.row_norms.begin(), trace.row_norms.end(), sample.values.begin() + first_row);
 }
 

@@ -31,7 +31,7 @@ class LinearChangeWatch final : public ChangeWatch {
  private:
   struct Sample {
     double t = 0.0;
-    std::vector<double> values;  // kept values of A^ and E T2, size of E, then row norms
+    std::vector<double> values;  // kept values of A^ and E T2, then row norms
   };
   static void keep(const ChangeTrace& trace, Sample& sample);
   static bool breaks_trend(const Sample& older, const Sample& last, const ChangeTrace& now);

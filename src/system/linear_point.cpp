@@ -9,7 +9,8 @@
 
 namespace sfdae::core {
 
-double LinearPoint::size_of_E() const {
+double LinearPoint::kept_of_rows() const {
+  if (form.d == 0) return kept_differential;
   const ConstView E = data.E(0), A = data.A(0);
   double largest = 0.0;
   for (int i = 0; i < E.rows; ++i) {
@@ -20,7 +21,7 @@ double LinearPoint::size_of_E() const {
     }
     if (in_E > 0.0) largest = std::max(largest, in_E / std::max(in_E, in_A));
   }
-  return largest;
+  return kept_differential * largest;
 }
 
 double inconsistency(const LinearPoint& point, int mu) {

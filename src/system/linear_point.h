@@ -34,8 +34,8 @@ struct LinearPoint {
   // That of NullSpaceForm::orientation(), or of det G in the bases of the point.
   int sign() const { return form.orientation() != 0 ? form.orientation() : form.sign_of_G(); }
 
-  // Of the largest row, relative to the same row of [E A].
-  double size_of_E() const;
+  // kept_differential, which is relative to E, times the size of E: of its largest row, relative to that of [E A].
+  double kept_of_rows() const;
 
   void forget() { t = std::numeric_limits<double>::quiet_NaN(); }
 };
