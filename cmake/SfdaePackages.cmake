@@ -11,6 +11,7 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_PACKAGING_INSTALL_PREFIX "${CMAKE_INSTALL_PREFIX}")
 set(CPACK_DEBIAN_PACKAGE_MAINTAINER "sfdae developers <sfdae@localhost>" CACHE STRING "Maintainer of Debian packages")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
@@ -28,7 +29,7 @@ macro(sfdae_package component package section description depends recommends)
   install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "share/doc/${package}" RENAME copyright
     COMPONENT ${component})
 endmacro()
-set(same_library "${library_package} (= ${PROJECT_VERSION})")
+set(same_library "${library_package} (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 
 # Libraries that are linked become dependencies by themselves.
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)

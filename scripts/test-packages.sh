@@ -63,13 +63,14 @@ for root in "$builder" "$clean"; do
 done
 
 heading "build"
-install_in "$builder" g++ cmake ninja-build dpkg-dev file liblapack-dev libblas-dev libcli11-dev nlohmann-json3-dev \
-  python3-dev python3-cffi python3-numpy python3-setuptools python3-wheel
-rm -rf "$builder/sfdae"
-mkdir "$builder/sfdae"
+# What was built the last time is kept, if the system was.
+mkdir -p "$builder/sfdae"
+find "$builder/sfdae" -mindepth 1 -maxdepth 1 ! -name build -exec rm -rf {} +
+rm -f "$builder"/sfdae/build/package/*.{deb,tar.gz}
 git ls-files -z | tar --null -T - -cf - | tar -C "$builder/sfdae" -xf -
 inside "$builder" sh -ec "
   cd /sfdae
+  scripts/install-dependencies.sh package
   cmake --preset package -G Ninja -DSFDAE_WERROR=ON
   cmake --build build/package --parallel $jobs
   (cd build/package && cpack)
@@ -79,6 +80,10 @@ rm -rf "$packages"
 mkdir -p "$packages"
 cp "$builder"/sfdae/build/package/*.{deb,tar.gz} "$packages"
 ls -l "$packages"
+
+heading "rules of Debian"
+install_in "$builder" lintian
+inside "$builder" sh -c "lintian --allow-root --fail-on error --tag-display-limit 0 /sfdae/build/package/*.deb"
 
 heading "program and Python, with nothing but what they depend on"
 mkdir -p "$clean/packages"
