@@ -2,7 +2,8 @@
 # Builds the Debian packages and the source distribution for Python in a Debian of its own, installs them in another one
 # that is clean, and uses them there:
 #
-#   scripts/test-packages.sh [SUITE]     bookworm, trixie, ...; default: that of this machine
+#   scripts/test-packages.sh [SUITE]         bookworm, trixie, ...; default: that of this machine
+#   scripts/test-packages.sh SUITE tests     and builds all tests there, and runs those that are not long
 #
 # Warnings are errors, so that this also tests the compiler of that Debian. It needs root, debootstrap and a mirror of
 # Debian, and some 3 GB. SFDAE_ROOTS=<folder> keeps both systems there for the next time. Packages are left in
@@ -85,6 +86,16 @@ heading "rules of Debian"
 install_in "$builder" lintian
 inside "$builder" sh -c "lintian --allow-root --fail-on error --tag-display-limit 0 /sfdae/build/package/*.deb"
 
+if [[ "${2:-}" == tests ]]; then
+  heading "tests"
+  inside "$builder" sh -ec "
+    cd /sfdae
+    scripts/install-dependencies.sh test
+    cmake --preset release -G Ninja -DSFDAE_WERROR=ON
+    cmake --build build/release --parallel $jobs
+    ctest --preset release -LE '^(long|install)$'"
+fi
+
 heading "program and Python, with nothing but what they depend on"
 mkdir -p "$clean/packages"
 cp "$packages"/* "$clean/packages"
@@ -131,13 +142,20 @@ inside "$clean" sh -ec '
     done
   done'
 
-heading "pip install of the source distribution"
-install_in "$clean" python3-pip python3-setuptools python3-wheel python3-cffi python3-dev
-inside "$clean" sh -ec "
-  CMAKE_BUILD_PARALLEL_LEVEL=$jobs pip install --quiet --root-user-action=ignore --no-index --no-deps \
-    --no-build-isolation --target /pip /packages/sfdae-*.tar.gz
-  PYTHONPATH=/pip python3 -c 'import sfdae; assert sfdae.__file__.startswith(\"/pip\"); print(sfdae.__version__)'"
-
 heading "removal"
 inside "$clean" apt-get purge -q -y libsfdae0* > "$roots/purge.txt" || { cat "$roots/purge.txt"; exit 1; }
 [[ ! -e "$clean/usr/include/sfdae" && ! -e "$clean/usr/lib/python3/dist-packages/sfdae/_solve.py" ]]
+
+# As python/README.md says, with the source distribution in place of the checkout, and the program that stands there.
+heading "pip install of the source distribution, without a package index"
+cp scripts/install-dependencies.sh "$clean"
+sed -n '/^```python$/,/^```$/{/^```/d;p}' python/README.md > "$clean/pendulum.py"
+[[ "$(wc -l < "$clean/pendulum.py")" -le 10 ]]
+inside "$clean" sh -ec "
+  /install-dependencies.sh python
+  python3 -m venv --system-site-packages /venv
+  CMAKE_BUILD_PARALLEL_LEVEL=$jobs /venv/bin/pip install --quiet --no-index --no-build-isolation /packages/sfdae-*.tar.gz
+  cd /tmp
+  MPLBACKEND=Agg /venv/bin/python /pendulum.py
+  grep -q '<path ' pendulum.svg
+  /venv/bin/python -c 'import sfdae; assert sfdae.__file__.startswith(\"/venv/\"); print(\"sfdae\", sfdae.__version__)'"
