@@ -18,6 +18,14 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
 set(CPACK_COMPONENTS_ALL runtime development docs)
 
+# What Debian expects of documents: a changelog in its own format, compressed as manual pages are.
+set(CPACK_PRE_BUILD_SCRIPTS "${PROJECT_SOURCE_DIR}/cmake/compress_documents.cmake")
+string(TIMESTAMP built "%a, %d %b %Y %H:%M:%S +0000" UTC)
+file(WRITE "${PROJECT_BINARY_DIR}/changelog.Debian"
+  "sfdae (${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) unstable; urgency=medium\n\n"
+  "  * Version ${PROJECT_VERSION}: see CHANGELOG.md in libsfdae-dev.\n\n"
+  " -- ${CPACK_DEBIAN_PACKAGE_MAINTAINER}  ${built}\n")
+
 # sfdae_package(<component> <package> <section> <description> <dependencies> <recommended packages>)
 macro(sfdae_package component package section description depends recommends)
   string(TOUPPER "${component}" upper)
@@ -28,6 +36,7 @@ macro(sfdae_package component package section description depends recommends)
   set(CPACK_DEBIAN_${upper}_PACKAGE_RECOMMENDS "${recommends}")
   install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "share/doc/${package}" RENAME copyright
     COMPONENT ${component})
+  install(FILES "${PROJECT_BINARY_DIR}/changelog.Debian" DESTINATION "share/doc/${package}" COMPONENT ${component})
 endmacro()
 set(same_library "${library_package} (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 
