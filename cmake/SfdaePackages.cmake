@@ -31,7 +31,7 @@ macro(sfdae_package component package section description depends recommends)
   string(TOUPPER "${component}" upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME "${package}")
   set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION "${section}")
-  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${PROJECT_DESCRIPTION}\n${description}")
+  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${description}")
   set(CPACK_DEBIAN_${upper}_PACKAGE_DEPENDS "${depends}")
   set(CPACK_DEBIAN_${upper}_PACKAGE_RECOMMENDS "${recommends}")
   install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "share/doc/${package}" RENAME copyright
@@ -45,8 +45,8 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${PROJECT_BINARY_DIR}/src")
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_GENERATE_SHLIBS ON)
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_GENERATE_SHLIBS_POLICY "=")
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY "=")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_PROVIDES libsfdae)
 
 sfdae_package(runtime "${library_package}" libs "This package contains the shared library." "" "")
@@ -54,7 +54,7 @@ set(CPACK_COMPONENT_DEVELOPMENT_GROUP development)
 set(CPACK_COMPONENT_DOCS_GROUP development)
 # The group is called as its first component, so that settings of both agree.
 sfdae_package(development libsfdae-dev libdevel
-  "Headers for C and C++, modules for Fortran, the static library, documents and examples." "${same_library}"
+  "Headers for C and C++, modules for Fortran, the static library,\ndocuments and examples." "${same_library}"
   "liblapack-dev, pkg-config")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "cmake, g++, gfortran")
 
