@@ -21,7 +21,7 @@ set(CPACK_COMPONENTS_ALL runtime development docs)
 # What Debian expects of documents: a changelog in its own format, compressed as manual pages are.
 set(CPACK_PRE_BUILD_SCRIPTS "${PROJECT_SOURCE_DIR}/cmake/compress_documents.cmake")
 string(TIMESTAMP built "%a, %d %b %Y %H:%M:%S +0000" UTC)
-file(WRITE "${PROJECT_BINARY_DIR}/changelog.Debian"
+file(WRITE "${PROJECT_BINARY_DIR}/packages/changelog.Debian"
   "sfdae (${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) unstable; urgency=medium\n\n"
   "  * Version ${PROJECT_VERSION}: see CHANGELOG.md in libsfdae-dev.\n\n"
   " -- ${CPACK_DEBIAN_PACKAGE_MAINTAINER}  ${built}\n")
@@ -36,7 +36,7 @@ macro(sfdae_package component package section description depends recommends)
   set(CPACK_DEBIAN_${upper}_PACKAGE_RECOMMENDS "${recommends}")
   install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "share/doc/${package}" RENAME copyright
     COMPONENT ${component})
-  install(FILES "${PROJECT_BINARY_DIR}/changelog.Debian" DESTINATION "share/doc/${package}" COMPONENT ${component})
+  install(FILES "${PROJECT_BINARY_DIR}/packages/changelog.Debian" DESTINATION "share/doc/${package}" COMPONENT ${component})
 endmacro()
 set(same_library "${library_package} (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 
@@ -48,6 +48,8 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${PROJECT_BINARY_DIR}/src")
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY "=")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_PROVIDES libsfdae)
+file(WRITE "${PROJECT_BINARY_DIR}/packages/triggers" "activate-noawait ldconfig\n")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${PROJECT_BINARY_DIR}/packages/triggers")
 
 sfdae_package(runtime "${library_package}" libs "This package contains the shared library." "" "")
 set(CPACK_COMPONENT_DEVELOPMENT_GROUP development)
