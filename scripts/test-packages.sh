@@ -119,7 +119,7 @@ if [[ -e "$clean/usr/bin/sfdae" ]]; then
 fi
 
 heading "C, C++, Fortran"
-install_in "$clean" /packages/libsfdae-dev*.deb gcc g++ gfortran cmake make pkg-config liblapack-dev
+install_in "$clean" "/packages/$(basename "$packages"/libsfdae-dev*.deb)" gcc g++ gfortran cmake make pkg-config liblapack-dev
 cp -r tests/install/consumer "$clean/consumer"
 inside "$clean" sh -ec '
   mkdir -p /work && cd /work
