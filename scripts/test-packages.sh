@@ -24,7 +24,9 @@ builder="$roots/$suite-build" clean="$roots/$suite-clean"
 finish() {
   local status=$?
   for root in "$builder" "$clean"; do
-    if mountpoint -q "$root/proc"; then umount "$root/proc"; fi
+    for folder in dev/pts proc; do
+      if mountpoint -q "$root/$folder"; then umount "$root/$folder"; fi
+    done
   done
   if [[ -z "${SFDAE_ROOTS:-}" ]]; then rm -rf --one-file-system "$roots"; fi
   if [[ $status -eq 0 ]]; then echo "PASSED"; else echo "FAILED"; fi
@@ -38,6 +40,8 @@ inside() {
   local root="$1"
   shift
   mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
+  # Terminals of its own, for tests of progress bars.
+  mountpoint -q "$root/dev/pts" || mount -t devpts -o newinstance,ptmxmode=0666 devpts "$root/dev/pts"
   env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
     OPENBLAS_NUM_THREADS=1 http_proxy="${http_proxy:-}" https_proxy="${https_proxy:-}" chroot "$root" "$@"
 }

@@ -57,7 +57,8 @@ static void values_that_are_consistent_stay(void) {
   }
 }
 
-/* Position x1 and velocity x3 fix the rest: x2 = -sqrt(1 - x1^2), x4 = -x1 x3 / x2. They stay in every bit, whatever the rounding errors of the search are. */
+/* Position x1 and velocity x3 fix the rest: x2 = -sqrt(1 - x1^2), x4 = -x1 x3 / x2. They stay in every bit, whatever
+ * the rounding errors of the search are. */
 static void many_fixed_components_stay(void) {
   static const int fixed[N] = {1, 0, 1, 0, 0, 0};
   int k, j;
