@@ -76,6 +76,14 @@ static void many_fixed_components_stay(void) {
       CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
       CHECK(x[0] == x1 && x[2] == x3 && fabs(x[1] - x2) <= 1e-13 && fabs(x[3] + x1 * x3 / x2) <= 1e-13);
     }
+    /* There is no such point, though consistent ones are known from before. */
+    for (j = 0; j < 4; j++) {
+      double x[N] = {0}, before[N];
+      x[0] = 1.001 + 0.5 * j, x[1] = -0.5, x[2] = 0.2;
+      memcpy(before, x, sizeof x);
+      CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_NO_CONSISTENT_VALUES);
+      CHECK(memcmp(x, before, sizeof x) == 0 && strstr(sfdae_message(solver), "fix fewer components") != NULL);
+    }
     sfdae_destroy(&solver);
   }
 }
