@@ -19,6 +19,11 @@ int Offsets::index_bound() const {
   return *std::min_element(d.begin(), d.end()) == 0 ? highest : std::max(0, highest - 1);
 }
 
+bool Offsets::leaves_out_rows() const {
+  const int bound = index_bound();
+  return std::any_of(c.begin(), c.end(), [bound](int count) { return count < bound; });
+}
+
 // d_j raised raises c of the equation it is assigned to, that raises d of the unknowns of this equation, and so on. As no
 // transversal has a larger value, this ends.
 Offsets canonical_offsets(const Signature& signature, const Transversal& transversal) {

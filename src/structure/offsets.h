@@ -19,6 +19,8 @@ struct Offsets {
   }
   // Free initial values, if the system Jacobian is regular: sum d - sum c.
   int freedom() const;
+  // The derivative array up to that index has rows that are not needed.
+  bool leaves_out_rows() const;
   // Not below the strangeness index, if the system Jacobian is regular.
   int index_bound() const;
 };
