@@ -58,7 +58,7 @@ set(CPACK_COMPONENT_DOCS_GROUP development)
 # The group is called as its first component, so that settings of both agree.
 sfdae_package(development libsfdae-dev libdevel
   "Headers for C and C++, modules for Fortran, the static library,\ndocuments and examples." "${same_library}"
-  "liblapack-dev, pkg-config")
+  "liblapack-dev, pkgconf | pkg-config")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS "cmake, g++, gfortran")
 
 if(TARGET sfdae_program)
