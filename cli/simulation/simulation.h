@@ -26,7 +26,7 @@ struct Settings {
   long max_steps = 0;         // between two outputs; 0: the library's default
   // Models with more unknowns, after substitution, also lose states that others give explicitly; smaller ones keep all
   // their constraints, so that the index analysis speaks of the equations as they stand.
-  int reduce_above = 30;
+  int reduce_above = 12;
   std::map<std::string, double> values;  // of parameters and start values, by name, instead of those of the model
   // Called now and then with the time, step size and order reached; false stops.
   std::function<bool(double t, double h, int order)> progress;
