@@ -211,7 +211,8 @@ void run(Pass& pass, Order K) {
   }
   for (const Tape::Leaf& leaf : tape.leaves)
     for (int k = 0; k <= K; ++k) {
-      const Lanes x = lanes(pass.points.x[index(k)][leaf.unknown]);
+      const Lanes x = leaf.derivative ? (k + 1) * lanes(pass.points.x[index(k + 1)][leaf.unknown])
+                                      : lanes(pass.points.x[index(k)][leaf.unknown]);
       note_not_finite(x, bad);
       slots[leaf.slot * pass.stride + k] = x;
     }

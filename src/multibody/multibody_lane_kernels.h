@@ -4,7 +4,7 @@
 
 #include "linalg/lanes.h"
 #include "multibody/multibody_form.h"
-#include "multibody/multibody_lane_algebra.h"
+#include "linalg/lane_algebra.h"
 #include "multibody/multibody_lane_terms.h"
 #include "multibody/multibody_step_matrix.h"
 
