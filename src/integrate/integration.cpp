@@ -8,6 +8,7 @@
 
 #include "expression/time_breakpoints.h"
 #include "integrate/integration_results.h"
+#include "integrate/kinks.h"
 #include "integrate/step_events.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
@@ -117,6 +118,7 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
   const double direction = integrator_.direction;
   Contradictions& contradictions = integrator_.contradictions;
   if (xdot == nullptr) xdot = output_.unused_slopes();
+  const double goal = beside_kink(options_, integrator_, tout);
   if ((tout - last_returned_) * direction < 0.0) return result_of_wrong_direction(tout, last_returned_);
   if (options_.stop_time && (*options_.stop_time - tout) * direction < 0.0)
     return result_beyond_stop_time(tout, *options_.stop_time);
@@ -125,10 +127,15 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
   const auto note_returned = [&] { last_returned_ = (t - tout) * direction > 0.0 ? tout : t; };
   CallResult result;
   try {
-    result = run(tout, one_step);
-    if (result.status == SFDAE_OK) result = output(tout, t, x, xdot);
-    else if (result.status > 0 || result.status == SFDAE_MAX_STEPS) return_consistent_point(t, x, xdot);
-    else return_last_point(t, x, xdot);
+    result = run(goal, one_step);
+    if (result.status == SFDAE_OK) {
+      output(goal, x, xdot);
+      t = tout;
+    } else if (result.status > 0 || result.status == SFDAE_MAX_STEPS) {
+      return_consistent_point(t, x, xdot);
+    } else {
+      return_last_point(t, x, xdot);
+    }
   } catch (const Failure& failure) {
     return_last_point(t, x, xdot);
     note_returned();
@@ -148,6 +155,7 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
 CallResult Integration::interpolate(double t, bool may_interpolate, double* x, double* xdot) {
   const StepState state = integrator_.stepper->state();
   const double start = state.t - state.last.h;
+  t = beside_kink(options_, integrator_, t);
   if ((t - start) * integrator_.direction < 0.0 || (state.t - t) * integrator_.direction < 0.0)
     return result_outside_last_step(t, start, state.t);
   // Searches for events are made with consistent points.
@@ -167,7 +175,7 @@ CallResult Integration::run(double tout, bool one_step) {
     if (auto stopped = obstacle(attempts, tout)) return std::move(*stopped);
     if (integrator_.method == Method::radau && integrator_.system.differential() > 0 && choice_.prefers_bdf())
       restart(Method::bdf);
-    else if (is_at_kink()) restart(integrator_.method);
+    else if (is_at_kink(options_, integrator_.stepper->state())) restart_at_kink();
     const long steps = counts_.own.steps;
     const auto result = attempt_step(tout);
     const bool is_step_taken = counts_.own.steps > steps;
@@ -179,11 +187,11 @@ CallResult Integration::run(double tout, bool one_step) {
   return {};
 }
 
-// The polynomials of the steps before say nothing about those after, and the error test may not notice that
-// (docs/decisions/41-tables-and-solutions.md).
-bool Integration::is_at_kink() const {
-  const StepState state = integrator_.stepper->state();
-  return options_.breakpoints != nullptr && state.last.h != 0.0 && options_.breakpoints->is_kink(state.t);
+// What is known of the points before says nothing about those after: polynomials, which the error test may not notice
+// (docs/decisions/41-tables-and-solutions.md), and what changes of the characteristic values would show in.
+void Integration::restart_at_kink() {
+  restart(integrator_.method);
+  if (watch_) watch_->start(integrator_.direction);
 }
 
 std::optional<CallResult> Integration::obstacle(long attempts, double tout) const {
@@ -234,7 +242,9 @@ Integration::Target Integration::choose_target(const StepState& state, double h,
   if (approach_ && !approach_->is_reached) limit = approach_->t;
   if (change_) limit = change_->t_before;
   if (options_.breakpoints != nullptr) {
-    const std::optional<double> kink = options_.breakpoints->next(state.t, direction);
+    std::optional<double> kink = options_.breakpoints->next(state.t, direction);
+    // The end of the data, as the user's arithmetic has it.
+    if (kink && std::fabs(tout - *kink) <= Integrator::smallest_step(state.t, tout)) kink = tout;
     if (kink && (!limit || (*limit - *kink) * direction > 0.0)) limit = kink;
   }
   // No tiny rest before a limit, and not a bit beyond.
@@ -262,8 +272,15 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
     return CallResult{SFDAE_INCONSISTENT_EQUATIONS, system.inconsistency_message()};
   }
   contradictions.largest = std::max(contradictions.largest, quality.inconsistency);
+  const bool is_across_kink = crosses_kink(options_, integrator_.stepper->state().t, h);
+  if (is_across_kink) {
+    if (auto obstacle = obstacle_at_kink(integrator_)) {
+      integrator_.stepper->withdraw();
+      return obstacle;
+    }
+  }
   try {
-    if (has_found_change(h)) return std::nullopt;
+    if (!is_across_kink && has_found_change(h)) return std::nullopt;
     integrator_.differences.accept(system, integrator_.weights, integrator_.stepper->tried_x().data(), false);
   } catch (...) {
     // The next call tries this step again.
@@ -435,13 +452,12 @@ void Integration::return_consistent_point(double& t, double* x, double* xdot) {
   output_.make_consistent(integrator_, slopes_, x, xdot);
 }
 
-CallResult Integration::output(double tout, double& t, double* x, double* xdot) {
-  if (has_searched_to(options_.events, tout)) return_searched_point(*options_.events, t, x, xdot);
-  else output_.evaluate(integrator_, {tout, true, slopes_, options_.interpolates_outputs}, options_, x, xdot);
+void Integration::output(double t, double* x, double* xdot) {
+  double searched;
+  if (has_searched_to(options_.events, t)) return_searched_point(*options_.events, searched, x, xdot);
+  else output_.evaluate(integrator_, {t, true, slopes_, options_.interpolates_outputs}, options_, x, xdot);
   // Others cost the same with either method.
   if (choice_.chosen == Method::automatic && !integrator_.stepper->state().interpolates_well) choice_.note_output();
-  t = tout;
-  return {};
 }
 
 }  // namespace sfdae::core

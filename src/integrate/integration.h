@@ -70,8 +70,7 @@ class Integration {
   };
 
   CallResult run(double tout, bool one_step);
-  // An input has a kink at the last point, up to which there are steps.
-  bool is_at_kink() const;
+  void restart_at_kink();
   // What keeps the next step from being tried.
   std::optional<CallResult> obstacle(long attempts, double tout) const;
   std::optional<CallResult> attempt_step(double tout);
@@ -90,7 +89,7 @@ class Integration {
 
   // Up to tout or the last point: the event found, if any.
   std::optional<CallResult> search_events(double tout);
-  CallResult output(double tout, double& t, double* x, double* xdot);
+  void output(double t, double* x, double* xdot);
   void return_last_point(double& t, double* x, double* xdot);
   void return_consistent_point(double& t, double* x, double* xdot);
   void archive_change(Archive& archive);

@@ -84,6 +84,11 @@ class Model {
   // Of recorded equations, else null; parameters_changed() is due after a change there.
   virtual TaylorEvaluator* evaluator() = 0;
   virtual void parameters_changed() {}
+  // Of recorded equations: all that their inputs are in.
+  virtual std::vector<const TaylorEvaluator*> evaluators_of_inputs() {
+    const TaylorEvaluator* const only = evaluator();
+    return only != nullptr ? std::vector<const TaylorEvaluator*>{only} : std::vector<const TaylorEvaluator*>{};
+  }
 
   // Index analysis: makes the system. decisions: all that were made, also when it throws Failure; then there is none.
   virtual void analyze(const PointOfInterest& point, const ModelOptions& options,
