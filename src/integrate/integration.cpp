@@ -6,10 +6,10 @@
 #include <cmath>
 #include <utility>
 
-#include "expression/time_breakpoints.h"
 #include "integrate/integration_results.h"
 #include "integrate/kinks.h"
 #include "integrate/step_events.h"
+#include "integrate/step_target.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
 
@@ -20,11 +20,6 @@ namespace {
 // Attempts in a row that fail for want of a valid point before the call gives up: steps are shorter by 4^12, some
 // 1e7, then. (Chosen.)
 constexpr int max_point_failures = 12;
-// Of a step: a rest before a limit that is a rounding error of the limit.
-constexpr double rest_at_limit = 1e-10;
-// Of a step: nearly at tout counts as there, as steps may be that much longer than what the error test allows.
-// (Chosen.)
-constexpr double nearly = 1e-4;
 // Of the smallest step: a change of the characteristic values is located within a step longer than this; else it is
 // there. (Chosen, so that the bisection has six steps to go.)
 constexpr double room_to_locate = 64.0;
@@ -48,58 +43,6 @@ Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, 
   integrator_.start(point.t, point.x, point.xdot, options_);
   output_.resize(system);
   if (watch_) watch_->start(integrator_.direction);
-}
-
-Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, const IntegrationOptions& options,
-                         Archive& saved)
-    : options_(options),
-      integrator_(system, 1.0),
-      choice_{options.method},
-      counts_(system),
-      watch_(std::move(watch)) {
-  archive(saved);
-}
-
-void Integration::archive(Archive& archive) {
-  DaeSystem& system = integrator_.system;
-  // Bit 0: backward; bit 1: with events; bit 2: with derivatives by differences.
-  const bool has_events = options_.events != nullptr, is_reading = archive.is_reading();
-  int kind =
-      (integrator_.direction < 0.0 ? 1 : 0) + (has_events ? 2 : 0) + (integrator_.differences.has_errors() ? 4 : 0);
-  bool has_change = change_.has_value();
-  archive.small(kind, integrator_.must_restart, has_change, choice_.chosen, integrator_.method, choice_.outputs);
-  if (is_reading) {
-    integrator_.direction = (kind & 1) != 0 ? -1.0 : 1.0;
-    if (((kind & 2) != 0) != has_events) throw_events_differ(has_events);
-    if (integrator_.method < Method::bdf || integrator_.method > Method::radau || choice_.chosen < Method::bdf ||
-        choice_.chosen > Method::automatic)
-      throw DamagedArchive();
-    integrator_.create(integrator_.method, options_);
-  }
-  choice_.archive_rates(archive);
-  IntegrationCounts all = counts();
-  archive_counts(archive, all, options_.short_checkpoints);
-  if (!options_.short_checkpoints) archive.real(start_);
-  archive.real(integrator_.first_step);
-  archive.real(last_returned_);
-  integrator_.stepper->archive(archive, system);
-  if (!has_change && watch_) watch_->archive(archive, integrator_.direction);
-  if ((kind & 4) != 0) integrator_.differences.archive(archive, index(system.unknowns()));
-  if (has_events) archive_events(archive, *options_.events, index(system.unknowns()), span_);
-  if (is_reading) {
-    counts_.restore(all, system);
-    integrator_.contradictions.largest = all.inconsistency;
-    output_.resize(system);
-    if (has_change) change_.emplace();
-  }
-  if (has_change) archive_change(archive);
-}
-
-void Integration::archive_change(Archive& archive) {
-  CharacteristicValues& values = change_->new_values;
-  archive.real(change_->t_before);
-  archive.real(change_->t);
-  archive.small(values.mu, values.d, values.a, values.u, values.v);
 }
 
 void Integration::set_options(const IntegrationOptions& options) {
@@ -222,7 +165,8 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
     if (state.failures_in_a_row > 0) return give_up(StepOutcome::error_too_large);
     size = smallest;
   }
-  const Target target = choose_target(state, integrator_.direction * size, tout);
+  const StepBounds bounds{integrator_.direction, tout, limit_of_step(state.t, tout), options_.never_pass_output};
+  const StepTarget target = choose_target(state, size, bounds);
   const double h = target.t - state.t;
   const StepOutcome outcome = stepper.attempt(integrator_.system, target.t, integrator_.weights);
   if (outcome != StepOutcome::accepted) {
@@ -230,34 +174,17 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
     choice_.note_attempt(false);
     return result;
   }
-  if (std::fabs(target.uncut) > (1.0 + nearly) * std::fabs(h)) stepper.set_next_step(target.uncut);
+  if (target.is_cut_short(h)) stepper.set_next_step(target.uncut);
   return accept_step(h, state.next_step);
 }
 
-// The end of a step of size h, or what limits it.
-Integration::Target Integration::choose_target(const StepState& state, double h, double tout) const {
-  const double direction = integrator_.direction;
-  Target target{state.t + h, 0.0};
+// What the next step from t must not go beyond.
+std::optional<double> Integration::limit_of_step(double t, double tout) const {
   std::optional<double> limit = options_.stop_time;
   if (approach_ && !approach_->is_reached) limit = approach_->t;
   if (change_) limit = change_->t_before;
-  if (options_.breakpoints != nullptr) {
-    std::optional<double> kink = options_.breakpoints->next(state.t, direction);
-    // The end of the data, as the user's arithmetic has it.
-    if (kink && std::fabs(tout - *kink) <= Integrator::smallest_step(state.t, tout)) kink = tout;
-    if (kink && (!limit || (*limit - *kink) * direction > 0.0)) limit = kink;
-  }
-  // No tiny rest before a limit, and not a bit beyond.
-  if (limit && (target.t - *limit) * direction > -rest_at_limit * std::fabs(h)) target.t = *limit;
-  // Steps that end at tout: nearly there counts as there; the step cut short says nothing about the next one. Where
-  // interpolation would not be accurate this is the cheapest way, too, unless it makes steps shorter than they need to
-  // be for that.
-  const bool is_at_output =
-      (target.t - tout) * direction > -nearly * std::fabs(h) && !(limit && (tout - *limit) * direction > 0.0);
-  const bool is_too_long = std::fabs(target.t - state.t) > state.longest_interpolated;
-  if (!is_at_output || !(options_.never_pass_output || is_too_long)) return target;
-  if (options_.never_pass_output || std::fabs(tout - state.t) >= state.longest_interpolated) return {tout, h};
-  return {state.t + direction * state.longest_interpolated, 0.0};
+  const std::optional<double> kink = next_kink(options_, {t, tout, integrator_.direction});
+  return kink && (!limit || (*limit - *kink) * integrator_.direction > 0.0) ? kink : limit;
 }
 
 // wanted: the step that was to be tried, before limits made it one of size h.

@@ -20,6 +20,14 @@ constexpr double clear_jump = 10.0;
 
 }  // namespace
 
+std::optional<double> next_kink(const IntegrationOptions& options, const StepFrom& step) {
+  if (options.breakpoints == nullptr) return std::nullopt;
+  const std::optional<double> kink = options.breakpoints->next(step.t, step.direction);
+  // The end of the data, as the user's arithmetic has it.
+  if (kink && std::fabs(step.tout - *kink) <= Integrator::smallest_step(step.t, step.tout)) return step.tout;
+  return kink;
+}
+
 bool is_at_kink(const IntegrationOptions& options, const StepState& state) {
   if (options.breakpoints == nullptr || state.last.h == 0.0) return false;
   const auto gap = options.breakpoints->gap_at(state.t);

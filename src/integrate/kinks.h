@@ -12,6 +12,12 @@
 
 namespace sfdae::core {
 
+// Where the next step from t toward tout has to end; none: anywhere.
+struct StepFrom {
+  double t, tout, direction;
+};
+std::optional<double> next_kink(const IntegrationOptions& options, const StepFrom& step);
+
 // The last point, up to which there are steps, is an end of the gap of a kink.
 bool is_at_kink(const IntegrationOptions& options, const StepState& state);
 
