@@ -70,8 +70,8 @@ AnyModel make_model(const sfdae_linear_problem& problem) {
 AnyModel make_model(const sfdae_nonlinear_problem& problem) {
   const int m = problem.num_equations, n = problem.num_unknowns;
   const std::vector<int> counts = differentiations_of(problem);
-  const auto model_of = [&counts](auto nonlinear) {
-    nonlinear->set_differentiations(counts);
+  const auto model_of = [&](auto nonlinear) {
+    if (problem.differentiations != nullptr) nonlinear->set_differentiations(counts);
     return any(std::make_unique<NonlinearModel>(std::move(nonlinear)));
   };
   if (problem.total_derivative != nullptr)
