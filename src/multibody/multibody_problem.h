@@ -84,6 +84,7 @@ class MultibodyProblem : public Problem {
 
   // Of recorded formulas: where their parameters are; parameters_changed() is due after a change there.
   virtual TaylorEvaluator* evaluator() { return nullptr; }
+  virtual std::vector<const TaylorEvaluator*> evaluators_of_inputs() const { return {}; }
   virtual void parameters_changed() {}
 
   long evaluations() const { return evaluations_; }

@@ -219,6 +219,14 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
   return PointStatus::ok;
 }
 
+DifferentiatedChange MultibodySystem::change_of_differentiated(const double* dx, const double* tolerances) const {
+  DifferentiatedChange largest;
+  for (int i = 0; i < leading_size(); ++i)
+    if (tolerances[i] > 0.0 && std::fabs(dx[i]) > largest.size * tolerances[i])
+      largest = {std::fabs(dx[i]) / tolerances[i], i};
+  return largest;
+}
+
 // What later steps depend on stays as it is: points that are asked for must not change those that follow.
 void MultibodySystem::restore(const double*, const double* x_free, const Guess&, double* x) {
   if (is_at(accepted_, t_, x_free)) return copy_unknowns(accepted_, x);

@@ -78,6 +78,8 @@ class MultibodySystem final : public DaeSystem {
   void leading_derivative(const double*, const double* xdot, double* wdot) override {
     std::copy_n(xdot, leading_size(), wdot);
   }
+  // Of positions and velocities.
+  DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override;
   void archive(Archive& archive) override;
 
  private:

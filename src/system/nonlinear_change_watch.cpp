@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "linalg/index.h"
+#include "system/relative_orientation.h"
 
 namespace sfdae::core {
 
@@ -72,6 +73,7 @@ void NonlinearChangeWatch::start(double direction) {
   samples_ = 1;
   // Sizes are known from here on: steps allocate nothing.
   older_ = within_ = end_ = last_;
+  reserve_orientation(system_.differential() + system_.undetermined(), arena_);
   set_next_look();
 }
 
