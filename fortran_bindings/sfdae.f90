@@ -73,7 +73,8 @@ module sfdae
   ! ---- Structs of C: results, and what a program does not need ------------------------------
 
   public :: sfdae_characteristics, sfdae_decision, sfdae_change, sfdae_initial_report, &
-    sfdae_statistics, sfdae_derivative_check, sfdae_progress, sfdae_multibody_report
+    sfdae_statistics, sfdae_derivative_check, sfdae_progress, sfdae_multibody_report, &
+    sfdae_structure
   public :: sfdae_linear_problem, sfdae_nonlinear_problem, sfdae_multibody_problem, &
     sfdae_multibody_formulas, sfdae_options
   public :: sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results
@@ -120,6 +121,11 @@ module sfdae
   public :: sfdae_method_bdf, sfdae_method_radau, sfdae_method_automatic
   !> Outputs within steps (dae_options%output).
   public :: sfdae_output_consistent, sfdae_output_interpolated
+  !> Whether the derivative array follows the structure (dae_options%structure).
+  public :: sfdae_structure_off, sfdae_structure_automatic
+  !> What numbers say of the structure (sfdae_structure%verdict).
+  public :: sfdae_structure_unchecked, sfdae_structure_certified, sfdae_structure_misleads, &
+    sfdae_structure_unclear
   !> How positions and velocities are divided (coordinates of multibody systems).
   public :: sfdae_coordinates_orthogonal, sfdae_coordinates_permutation
   !> Which matrix a rank decision was about (sfdae_decision%what).

@@ -9,7 +9,7 @@ module sfdae_c
     sfdae_derivative_check, sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results, &
     sfdae_initial_report, sfdae_linear_problem, sfdae_multibody_formulas, sfdae_multibody_problem, &
     sfdae_multibody_report, sfdae_nonlinear_problem, sfdae_options, sfdae_progress, &
-    sfdae_statistics
+    sfdae_statistics, sfdae_structure
   implicit none
   private
 
@@ -24,17 +24,18 @@ module sfdae_c
     c_get_derivative_array_at, c_get_events, c_get_extended_system, c_get_initial_report, &
     c_get_jet, c_get_multibody_report, c_get_num_decisions, c_get_parameter, c_get_projectors, &
     c_get_projectors_at, c_get_solution_accuracy, c_get_solution_length, c_get_solution_range, &
-    c_get_statistics, c_get_strangeness_free, c_get_strangeness_free_at, c_greater, &
-    c_greater_equal, c_initial_report_init, c_interpolate, c_less, c_less_equal, &
+    c_get_statistics, c_get_strangeness_free, c_get_strangeness_free_at, c_get_structure, &
+    c_greater, c_greater_equal, c_initial_report_init, c_interpolate, c_less, c_less_equal, &
     c_linear_problem_init, c_load_solution, c_log, c_log10, c_make_consistent, c_max, c_message, &
     c_min, c_modulo, c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
     c_nonlinear_problem_init, c_not, c_number, c_options_init, c_or, c_parameter, c_power, &
     c_record_solution, c_report, c_request_stop, c_restore_checkpoint, c_save_checkpoint, &
     c_save_solution, c_set_events, c_set_options, c_set_parameter, c_sign, c_sin, c_sinh, &
-    c_solve_ensemble, c_sqrt, c_start, c_statistics_init, c_status_name, c_step, c_subtract, &
-    c_table, c_tan, c_tanh, c_time_derivative, c_version, address_of_ensemble_monitor_function, &
-    address_of_equations_function, address_of_event_function, address_of_external_function, &
-    address_of_linear_equations_function, address_of_matrix_function, address_of_monitor_function, &
+    c_solve_ensemble, c_sqrt, c_start, c_statistics_init, c_status_name, c_step, c_structure_init, &
+    c_subtract, c_table, c_tan, c_tanh, c_time_derivative, c_version, &
+    address_of_ensemble_monitor_function, address_of_equations_function, &
+    address_of_event_function, address_of_external_function, address_of_linear_equations_function, &
+    address_of_matrix_function, address_of_monitor_function, &
     address_of_multibody_equations_function, address_of_position_function, &
     address_of_total_derivative_function, address_of_vector_function, address_of_velocity_function
 
@@ -659,6 +660,18 @@ module sfdae_c
       integer(c_int) :: c_get_strangeness_free_at
     end function c_get_strangeness_free_at
 
+    function c_get_structure(solver, result, differentiations, orders, assigned, block) &
+      bind(c, name="sfdae_get_structure")
+      import :: c_int, c_ptr, sfdae_structure
+      type(c_ptr), value :: solver
+      type(sfdae_structure), intent(inout) :: result
+      integer(c_int), intent(inout) :: differentiations(*)
+      integer(c_int), intent(inout) :: orders(*)
+      integer(c_int), intent(inout) :: assigned(*)
+      integer(c_int), intent(inout) :: block(*)
+      integer(c_int) :: c_get_structure
+    end function c_get_structure
+
     function c_greater(a, b) bind(c, name="sfdae_greater")
       import :: expression
       type(expression), value :: a
@@ -978,6 +991,13 @@ module sfdae_c
       type(c_ptr), value :: xdot
       integer(c_int) :: c_step
     end function c_step
+
+    function c_structure_init(structure, size) bind(c, name="sfdae_structure_init")
+      import :: c_int, c_size_t, sfdae_structure
+      type(sfdae_structure), intent(inout) :: structure
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_structure_init
+    end function c_structure_init
 
     function c_subtract(a, b) bind(c, name="sfdae_subtract")
       import :: expression

@@ -7,7 +7,8 @@ module sfdae_control
   use sfdae_c, only: address_of_event_function, address_of_monitor_function, c_options_init
   use sfdae_conversions, only: flag, vector_at
   use sfdae_types, only: sfdae_initial_nearest, sfdae_leading_automatic, sfdae_method_bdf, &
-    sfdae_ok, sfdae_options, sfdae_output_consistent, sfdae_progress, sfdae_reduction_staged
+    sfdae_ok, sfdae_options, sfdae_output_consistent, sfdae_progress, sfdae_reduction_staged, &
+    sfdae_structure_automatic
   implicit none
   private
 
@@ -106,6 +107,9 @@ module sfdae_control
     !> Derivatives that procedures supply are compared with the functions once with every analysis;
     !> sfdae_wrong_derivatives where one contradicts its function beyond doubt.
     logical :: check_derivatives = .true.
+    !> Recorded nonlinear equations: sfdae_structure_automatic, rows of the derivative array that are not
+    !> needed are left out, or sfdae_structure_off.
+    integer(c_int) :: structure = sfdae_structure_automatic
   end type dae_options
 
   ! ---- Events -------------------------------------------------------------------------------
@@ -244,6 +248,7 @@ contains
     c_options%xdot_is_guess = flag(options%xdot_is_guess)
     c_options%output = options%output
     c_options%check_derivatives = flag(options%check_derivatives)
+    c_options%structure = options%structure
 
     holder%monitor => options%monitor
     if (associated(options%monitor)) c_options%monitor = address_of_monitor_function(call_monitor)

@@ -11,6 +11,7 @@ module sfdae_solver
     c_get_derivative_array_at, c_get_events, c_get_extended_system, c_get_initial_report, &
     c_get_jet, c_get_multibody_report, c_get_num_decisions, c_get_parameter, c_get_projectors, &
     c_get_projectors_at, c_get_statistics, c_get_strangeness_free, c_get_strangeness_free_at, &
+    c_get_structure, c_structure_init, &
     c_initial_report_init, &
     c_interpolate, c_make_consistent, c_message, c_multibody_report_init, &
     c_record_solution, c_report, &
@@ -25,7 +26,8 @@ module sfdae_solver
   use sfdae_solutions, only: dae_solution
   use sfdae_types, only: sfdae_change, sfdae_characteristics, sfdae_decision, &
     sfdae_derivative_check, sfdae_illegal_argument, sfdae_initial_report, &
-    sfdae_multibody_report, sfdae_ok, sfdae_options, sfdae_out_of_memory, sfdae_statistics
+    sfdae_multibody_report, sfdae_ok, sfdae_options, sfdae_out_of_memory, sfdae_statistics, &
+    sfdae_structure
   implicit none
   private
 
@@ -86,6 +88,7 @@ module sfdae_solver
     procedure :: check_total_derivatives => solver_check_total_derivatives
     procedure :: check_multibody_derivatives => solver_check_multibody_derivatives
     procedure :: get_multibody_report => solver_get_multibody_report
+    procedure :: get_structure => solver_get_structure
   end type dae_solver
 
 contains
@@ -276,7 +279,7 @@ contains
   end subroutine solver_destroy
 
   !> Replaces the options; the point reached stays. A change of max_index, reduction, rank_tol,
-  !> time_scale, difference_derivatives, difference_step or leading_term needs a new start.
+  !> time_scale, difference_derivatives, difference_step, leading_term or structure needs a new start.
   subroutine solver_set_options(self, options, status)
     class(dae_solver), intent(inout) :: self
     !> Copied.
@@ -1009,6 +1012,43 @@ contains
     if (status == sfdae_ok) status = c_get_multibody_report(self%handle, found)
     if (status >= 0) report = found
   end subroutine solver_get_multibody_report
+
+  !> What follows from which unknowns recorded equations contain, and whether numbers agree: message
+  !> says it in words if they do not. n entries in every array.
+  recursive subroutine solver_get_structure(self, structure, status, differentiations, orders, &
+    assigned, block)
+    class(dae_solver), intent(inout) :: self
+    !> doubtful_block: 0 if there is none.
+    type(sfdae_structure), intent(inout) :: structure
+    !> sfdae_illegal_argument for other problems.
+    integer(c_int), intent(out) :: status
+    !> How often each equation is to be differentiated.
+    integer(c_int), allocatable, intent(inout), optional :: differentiations(:)
+    !> Up to which derivative each unknown occurs then; -1: not in the equations that are too many.
+    integer(c_int), allocatable, intent(inout), optional :: orders(:)
+    !> The unknown of each equation; 0: none.
+    integer(c_int), allocatable, intent(inout), optional :: assigned(:)
+    !> The block of each equation; 0: not one of the equations that are too many.
+    integer(c_int), allocatable, intent(inout), optional :: block(:)
+    type(sfdae_structure) :: found
+    integer(c_int), allocatable :: found_in(:, :)
+    integer :: allocation
+
+    call check_call(self, status)
+    if (status /= sfdae_ok) return
+    allocate (found_in(self%holder%problem%num_unknowns, 4), stat=allocation)
+    status = sfdae_out_of_memory
+    if (allocation == 0) status = c_structure_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_structure(self%handle, found, found_in(:, 1), &
+      found_in(:, 2), found_in(:, 3), found_in(:, 4))
+    if (status < 0) return
+    found%doubtful_block = found%doubtful_block + 1_c_int
+    structure = found
+    if (present(differentiations)) differentiations = found_in(:, 1)
+    if (present(orders)) orders = found_in(:, 2)
+    if (present(assigned)) assigned = found_in(:, 3) + 1_c_int
+    if (present(block)) block = found_in(:, 4) + 1_c_int
+  end subroutine solver_get_structure
 
   ! ---- Checks before a call -----------------------------------------------------------------
 

@@ -57,6 +57,12 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_step_taken = 1
   integer(c_int), parameter, public :: sfdae_step_too_small = -41
   integer(c_int), parameter, public :: sfdae_stopped = 2
+  integer(c_int), parameter, public :: sfdae_structure_automatic = 1
+  integer(c_int), parameter, public :: sfdae_structure_certified = 1
+  integer(c_int), parameter, public :: sfdae_structure_misleads = 2
+  integer(c_int), parameter, public :: sfdae_structure_off = 0
+  integer(c_int), parameter, public :: sfdae_structure_unchecked = 0
+  integer(c_int), parameter, public :: sfdae_structure_unclear = 3
   integer(c_int), parameter, public :: sfdae_tolerance_too_small = -43
   integer(c_int), parameter, public :: sfdae_values_changed = 6
   integer(c_int), parameter, public :: sfdae_verdict_clear = 0
@@ -288,6 +294,7 @@ module sfdae_types
     integer(c_int) :: xdot_is_guess = 0
     integer(c_int) :: output = 0
     integer(c_int) :: check_derivatives = 0
+    integer(c_int) :: structure = 0
   end type sfdae_options
 
   type, bind(c), public :: sfdae_progress
@@ -323,5 +330,18 @@ module sfdae_types
     real(c_double) :: rounding = 0
     integer(c_long) :: check_calls = 0
   end type sfdae_statistics
+
+  type, bind(c), public :: sfdae_structure
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: has_assignment = 0
+    integer(c_int) :: freedom = 0
+    integer(c_int) :: index_bound = 0
+    integer(c_int) :: num_blocks = 0
+    integer(c_int) :: largest_block = 0
+    integer(c_int) :: is_followed = 0
+    integer(c_int) :: verdict = 0
+    integer(c_int) :: doubtful_block = 0
+    real(c_double) :: smallest_pivot = 0
+  end type sfdae_structure
 
 end module sfdae_types

@@ -208,6 +208,45 @@ SFDAE_API int sfdae_set_parameter(sfdae_solver* solver, const char* name, double
 /** Reads the value of a parameter of recorded equations. SFDAE_ILLEGAL_ARGUMENT: no parameter of that name. */
 SFDAE_API int sfdae_get_parameter(const sfdae_solver* solver, const char* name, double* value);
 
+/* What the numbers at a point say of the structure of recorded equations. */
+#define SFDAE_STRUCTURE_UNCHECKED 0 /**< no point is known: neither an analysis nor a step has been made */
+#define SFDAE_STRUCTURE_CERTIFIED 1 /**< the system Jacobian is regular: counts and freedom are right */
+#define SFDAE_STRUCTURE_MISLEADS 2  /**< it is singular: numbers cancel, counts and freedom mean nothing */
+#define SFDAE_STRUCTURE_UNCLEAR 3   /**< it is near a singular one */
+
+/** The structure of recorded equations: what follows from which unknowns and derivatives each of them contains. Each is
+ * assigned an unknown of its own, so that the sum of the orders of the derivatives is largest. From that follow the
+ * smallest counts c_i >= 0 and orders d_j such that, with equation i differentiated c_i times, x_j occurs up to its
+ * derivative d_j. The system Jacobian has the entries dF_i / dx_j^(d_j - c_i). J. D. Pryce, BIT 41, 2001. */
+typedef struct sfdae_structure {
+  size_t size;
+  int has_assignment; /**< 0: some equations contain fewer unknowns than they are; what follows is zero then */
+  int freedom;        /**< sum d - sum c: free initial values, if certified */
+  int index_bound;    /**< the strangeness index is not above it, if certified */
+  int num_blocks;     /**< of the block triangular form of the system Jacobian */
+  int largest_block;
+  int is_followed;    /**< 1: the analysis has left rows of the derivative array out (sfdae_options.structure) */
+  int verdict;        /**< SFDAE_STRUCTURE_UNCHECKED, ... */
+  int doubtful_block; /**< the first one that is singular or nearly so, -1: none */
+  double
+      smallest_pivot; /**< of all blocks, rows and columns scaled to 1; 0 if one is singular or none was looked at */
+} sfdae_structure;
+/** Prepares a result of sfdae_get_structure. size: sizeof(sfdae_structure). */
+SFDAE_API int sfdae_structure_init(sfdae_structure* structure, size_t size);
+
+/** The structure of recorded equations F(t, x, x') = 0 or E x' = A x + f, as many as unknowns, at any time; the numbers
+ * are those of the point accepted last, or of the analysis. Arrays may be NULL; n entries each:
+ *  - differentiations: c_i;
+ *  - orders: d_j;
+ *  - assigned: the unknown of equation i;
+ *  - block: the one that equation i belongs to; a block needs those with smaller numbers only.
+ * Where there is no assignment, block is 0 for equations that contain fewer unknowns than they are, and -1 for others;
+ * orders is 0 for these unknowns, and -1 for others; assigned is -1, differentiations 0. sfdae_message says in words
+ * which equations these are, or where numbers do not agree.
+ * Failures: SFDAE_ILLEGAL_ARGUMENT for problems of other kinds; SFDAE_NOT_FINITE if F cannot be evaluated there. */
+SFDAE_API int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result, int* differentiations, int* orders,
+                                  int* assigned, int* block);
+
 /** Compares the total derivatives that sfdae_nonlinear_problem.total_derivative supplies at t along a jet with
  * differences, and reports the worst mismatch; sfdae_message says it in words if it is suspicious. derivatives: n x
  * (max_order + 2), the jet as that function gets it, which need not be consistent; best without zeros. F of the

@@ -24,6 +24,13 @@ using DerivativeCheck = sfdae_derivative_check;
 using MultibodyReport = sfdae_multibody_report;
 using Progress = sfdae_progress;
 
+/// The structure of recorded equations (sfdae_get_structure): n entries in each vector.
+struct Structure {
+  sfdae_structure summary;
+  std::vector<int> differentiations, orders, assigned, block;
+  std::string words;  ///< what does not agree, "" if all does
+};
+
 /// Version of the library that is running.
 inline const char* version() noexcept { return sfdae_version(); }
 

@@ -183,6 +183,10 @@ SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t si
 #define SFDAE_OUTPUT_CONSISTENT 0   /**< all constraints, hidden ones included, hold to rounding */
 #define SFDAE_OUTPUT_INTERPOLATED 1 /**< the method's polynomial alone, for curves; constraints within tolerances */
 
+/* Whether the derivative array follows what recorded equations contain. */
+#define SFDAE_STRUCTURE_OFF 0       /**< it has all its rows */
+#define SFDAE_STRUCTURE_AUTOMATIC 1 /**< rows that are not needed are left out */
+
 /** What is reported to the monitor. */
 typedef struct sfdae_progress {
   size_t size;      /**< of this struct in the library that calls */
@@ -275,6 +279,13 @@ typedef struct sfdae_options {
    *    callbacks. sfdae_check_derivatives and its kind look at both sides, at any point, more closely.
    *  - Failures of evaluations that only this needs are ignored, but for negative return values. */
   int check_derivatives;
+
+  /** Recorded nonlinear equations, as many as unknowns: which unknowns and derivatives they contain tells how often each of
+   * them has to be differentiated (J. D. Pryce, BIT 41, 2001), if nothing cancels; sfdae_get_structure has the details.
+   * SFDAE_STRUCTURE_AUTOMATIC (default): rows of the derivative array that are not needed are left out where the numbers
+   * at the start agree, and else the whole array is taken; results are the same. SFDAE_STRUCTURE_OFF: always the whole
+   * array, as where sfdae_nonlinear_problem.differentiations are given. */
+  int structure;
 } sfdae_options;
 /** Sets every member to its default. size: sizeof(sfdae_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_options_init(sfdae_options* options, size_t size);
@@ -301,8 +312,8 @@ SFDAE_API int sfdae_check_linear(const sfdae_linear_problem* problem, const sfda
 SFDAE_API int sfdae_destroy(sfdae_solver** solver);
 
 /** Replaces the options; the point reached stays. A change of max_index, reduction, rank_tol, time_scale,
- * difference_derivatives, difference_step or leading_term ends the integration and makes a new analysis necessary:
- * sfdae_start has to follow. SFDAE_ILLEGAL_ARGUMENT for options out of range; the old ones then stay. */
+ * difference_derivatives, difference_step, leading_term or structure ends the integration and makes a new analysis
+ * necessary: sfdae_start has to follow. SFDAE_ILLEGAL_ARGUMENT for options out of range; the old ones then stay. */
 SFDAE_API int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options);
 
 /** What the last call on this solver had to say: what, where, with which numbers, what to do next. "" after

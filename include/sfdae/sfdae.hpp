@@ -360,6 +360,18 @@ class Solver {
     return distance;
   }
 
+  /// What follows from which unknowns recorded equations contain, and whether numbers agree (sfdae_get_structure).
+  Structure structure() {
+    const std::size_t n = detail::size(num_equations());
+    Structure result{{}, std::vector<int>(n), std::vector<int>(n), std::vector<int>(n), std::vector<int>(n), ""};
+    sfdae_structure_init(&result.summary, sizeof result.summary);
+    checked(sfdae_get_structure(get(), &result.summary, result.differentiations.data(), result.orders.data(),
+                                result.assigned.data(), result.block.data()));
+    const bool agrees = result.summary.has_assignment == 1 && result.summary.verdict <= SFDAE_STRUCTURE_CERTIFIED;
+    if (!agrees) result.words = message();
+    return result;
+  }
+
   /// Compares the derivatives of order 1 ... max_order that the callbacks of a linear problem supply near t with
   /// differences; returns the worst mismatch.
   DerivativeCheck check_derivatives(double t, int max_order) {

@@ -40,7 +40,13 @@ from ._events import Event, EventRecord
 from ._expression import Condition, Expression, parameter
 from ._functions import PUBLIC as _PUBLIC
 from ._functions import choose, derivative, external, table, time_derivative
-from ._inspection import DerivativeArray, ExtendedSystem, Projectors, StrangenessFreeSystem
+from ._inspection import (
+    DerivativeArray,
+    ExtendedSystem,
+    Projectors,
+    StrangenessFreeSystem,
+    Structure,
+)
 from ._multibody import MultibodyProblem
 from ._options import OPTION_NAMES, choices
 from ._problem import LinearProblem, NonlinearProblem, Problem
@@ -69,7 +75,7 @@ __all__ = [
     "Event", "EventRecord", "Expression", "ExtendedSystem", "InitialValuesWarning",
     "IntegrationWarning", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
     "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning", "Solution", "Solver",
-    "Status", "Steps", "StrangenessFreeSystem", "Struct", "analyze", "choices", "choose",
+    "Status", "Steps", "StrangenessFreeSystem", "Struct", "Structure", "analyze", "choices", "choose",
     "derivative", "external", "table", "time_derivative",
     "make_consistent", "parameter", "solve", "solve_ensemble", "status_name", "version", *_PUBLIC,
 ]  # fmt: skip

@@ -52,6 +52,17 @@ class ExtendedSystem(NamedTuple):
     w: np.ndarray
 
 
+class Structure(NamedTuple):
+    """The structure of recorded equations; see sfdae_get_structure."""
+
+    summary: Struct
+    differentiations: np.ndarray
+    orders: np.ndarray
+    assigned: np.ndarray
+    block: np.ndarray
+    words: str
+
+
 def _matrix(rows: int, columns: int) -> np.ndarray:
     return np.zeros((rows, columns), order="F")
 
@@ -135,6 +146,25 @@ class Inspection:
         distance = ffi.new("double*")
         self._call(lib.sfdae_certify, distance)
         return distance[0]
+
+    def structure(self) -> Structure:
+        """What follows from which unknowns recorded equations contain, and whether numbers agree.
+
+        Returns
+        -------
+        Structure
+            Of as many equations as unknowns.
+        """
+        n = self.problem.num_unknowns
+        arrays = [np.zeros(n, dtype=np.intc) for _ in range(4)]
+        summary = self._filled(
+            "structure",
+            lambda solver, struct: lib.sfdae_get_structure(
+                solver, struct, *(ffi.cast("int*", array.ctypes.data) for array in arrays)
+            ),
+        )
+        agrees = summary.has_assignment and summary.verdict <= lib.SFDAE_STRUCTURE_CERTIFIED
+        return Structure(summary, *arrays, words="" if agrees else self.message)
 
     # ---- The theory's objects --------------------------------------------------------------------
 

@@ -304,3 +304,27 @@ def test_failed_creations_leave_nothing():
     assert not [
         thing for thing in gc.get_objects() if isinstance(thing, sfdae._callbacks.CallbackState)
     ]
+
+
+def test_the_structure_is_certified_at_the_start():
+    solver = sfdae.Solver(pendulum_problem())
+    assert solver.structure().summary.verdict == 0  # no point is known
+    solver.start(0.0, PENDULUM_START, 10.0)
+    structure = solver.structure()
+    assert list(structure.differentiations) == [1, 1, 0, 0, 2]
+    assert list(structure.orders) == [2, 2, 1, 1, 0]
+    assert sorted(structure.assigned) == [0, 1, 2, 3, 4] and set(structure.block) == {0}
+    assert structure.summary.verdict == 1 and structure.summary.freedom == 2
+    assert structure.words == ""
+    with pytest.raises(sfdae.Error):
+        started(structure=7)
+
+
+def test_the_structure_names_equations_that_are_too_many():
+    problem = sfdae.NonlinearProblem(
+        lambda t, x, xdot: [xdot[0] ** 2 - t, x[0] ** 2 - 1, xdot[1] - x[0]],
+        names=["left", "right", "none"],
+    )
+    structure = sfdae.Solver(problem).structure()
+    assert structure.summary.has_assignment == 0 and list(structure.block) == [0, 0, -1]
+    assert "equation 0" in structure.words and "left only" in structure.words

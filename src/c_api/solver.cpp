@@ -55,6 +55,7 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n)
   model.analysis = {o.max_index, o.reduction == SFDAE_REDUCTION_SVD, o.rank_tol, o.time_scale};
   model.differences = {o.difference_derivatives != 0, o.difference_step, 1.0};
   model.leading = leading_term_of(o.leading_term);
+  model.uses_structure = o.structure == SFDAE_STRUCTURE_AUTOMATIC;
   model.consistency.kind = initial_values_of(o.initial_values);
   model.consistency.keeps_differentiated = true;
   if (o.initial_values == SFDAE_INITIAL_FIXED)
@@ -263,7 +264,7 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
         now.analysis.max_index == old.analysis.max_index && now.analysis.by_svd == old.analysis.by_svd &&
         now.analysis.rank_tol == old.analysis.rank_tol && now.analysis.time_scale == old.analysis.time_scale &&
         now.differences.allowed == old.differences.allowed && now.differences.step == old.differences.step &&
-        now.leading == old.leading;
+        now.leading == old.leading && now.uses_structure == old.uses_structure;
     const bool goes_on = solver->integration && same_analysis;
     if (goes_on) solver->integration->set_options(fresh.integration);
     // Nothing fails from here on.

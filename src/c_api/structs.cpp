@@ -43,6 +43,7 @@ sfdae_options default_options() {
   options.max_stages = max_stages;
   options.output = SFDAE_OUTPUT_CONSISTENT;
   options.check_derivatives = 1;
+  options.structure = SFDAE_STRUCTURE_AUTOMATIC;
   return options;
 }
 
@@ -61,6 +62,12 @@ int sfdae_nonlinear_problem_init(sfdae_nonlinear_problem* problem, size_t size) 
 int sfdae_multibody_problem_init(sfdae_multibody_problem* problem, size_t size) {
   return initialize(problem, size, default_multibody_problem());
 }
+int sfdae_structure_init(sfdae_structure* structure, size_t size) {
+  sfdae_structure empty{};
+  empty.doubtful_block = -1;
+  return initialize(structure, size, empty);
+}
+
 int sfdae_multibody_report_init(sfdae_multibody_report* report, size_t size) {
   return initialize(report, size, sfdae_multibody_report{});
 }

@@ -85,6 +85,21 @@ bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders
   return write_values(orders.F, F) && write_gradients(orders, F_xdot, F_x, limits);
 }
 
+bool TaylorEvaluator::entries(double t, const double* jet, double* values) {
+  const QuietArithmetic quiet;
+  reserve(0);
+  if (!load(t, jet, 0)) return false;
+  run(t, 0, true);
+  for (int i = 0; i < record_->m(); ++i) {
+    sweep_back(i, Fixed<0>());
+    for (std::size_t e = tape_.first_target[index(i)]; e < tape_.first_target[index(i + 1)]; ++e) {
+      values[e] = adjoints_[index(tape_.targets[e].slot) * index(stride_)];
+      if (!std::isfinite(values[e])) return fail(i, 0, 0);
+    }
+  }
+  return true;
+}
+
 // Room for series of this order in every slot. Never shrinks.
 void TaylorEvaluator::reserve(int order) {
   if (order < stride_) return;
@@ -162,20 +177,10 @@ bool TaylorEvaluator::write_gradients(SeriesOrders orders, double* F_xdot, doubl
   const std::size_t area = index(record_->m()) * index(record_->n());
   std::fill_n(F_xdot, area * index(orders.F_xdot + 1), 0.0);
   std::fill_n(F_x, area * index(orders.F_x + 1), 0.0);
-  double* const adjoints = adjoints_.data();
-  const auto sweep = [&](int i, auto G) {
-    double* const seed = adjoints + index(tape_.residuals[index(i)]) * index(stride_);
-    for (int k = 0; k <= G; ++k) seed[k] = 0.0;
-    seed[0] = 1.0;
-    const Edge* const first = program_.edges.data() + tape_.first_edge[index(i)];
-    const Edge* const last = program_.edges.data() + tape_.first_edge[index(i + 1)];
-    if (tape_.has_choices) follow<true>(first, last, slots_.data(), adjoints, G);
-    else follow<false>(first, last, slots_.data(), adjoints, G);
-  };
   if (limits != nullptr && !limits->empty()) {
     for (int i = 0; i < record_->m(); ++i) {
       const int limit = (*limits)[index(i)], own = std::min(order, limit);
-      with_order(own, [&](auto G) { sweep(i, G); });
+      with_order(own, [&](auto G) { sweep_back(i, G); });
       const SeriesOrders wanted{orders.F, std::min(orders.F_xdot, limit), std::min(orders.F_x, limit)};
       if (!write_targets(i, wanted, F_xdot, F_x)) return fail(i, orders.F, own);
     }
@@ -183,11 +188,24 @@ bool TaylorEvaluator::write_gradients(SeriesOrders orders, double* F_xdot, doubl
   }
   return with_order(order, [&](auto G) {
     for (int i = 0; i < record_->m(); ++i) {
-      sweep(i, G);
+      sweep_back(i, G);
       if (!write_targets(i, orders, F_xdot, F_x)) return fail(i, orders.F, order);
     }
     return true;
   });
+}
+
+// From the residual, the derivative of which by itself is 1, to the leaves.
+template <class Order>
+void TaylorEvaluator::sweep_back(int equation, Order order) {
+  double* const adjoints = adjoints_.data();
+  double* const seed = adjoints + index(tape_.residuals[index(equation)]) * index(stride_);
+  for (int k = 0; k <= order; ++k) seed[k] = 0.0;
+  seed[0] = 1.0;
+  const Edge* const first = program_.edges.data() + tape_.first_edge[index(equation)];
+  const Edge* const last = program_.edges.data() + tape_.first_edge[index(equation + 1)];
+  if (tape_.has_choices) follow<true>(first, last, slots_.data(), adjoints, order);
+  else follow<false>(first, last, slots_.data(), adjoints, order);
 }
 
 // Entries of one row; false if one is not finite.

@@ -50,6 +50,10 @@ class TaylorEvaluator {
   bool gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot, double* F_x,
                  const std::vector<int>* limits = nullptr);
 
+  // The derivatives of the equations by what they contain, without Taylor coefficients: one for each of tape().targets.
+  // jet: x and x', n x 2.
+  bool entries(double t, const double* jet, double* values);
+
   // After false.
   const EvaluationFailure& failure() const { return failure_; }
 
@@ -70,6 +74,8 @@ class TaylorEvaluator {
   void run(double t, int order, bool with_slopes);
   bool write_values(int order, double* F);
   bool write_gradients(SeriesOrders orders, double* F_xdot, double* F_x, const std::vector<int>* limits);
+  template <class Order>
+  void sweep_back(int equation, Order order);
   bool write_targets(int equation, SeriesOrders orders, double* F_xdot, double* F_x) const;
   bool fail(int equation, int order, int order_of_gradients);
 

@@ -44,14 +44,21 @@ CallbackError NonlinearProblem::evaluate_prescribed(double t, double* values) {
   return error;
 }
 
+void NonlinearProblem::follow_structure(bool follows) {
+  const Structure* const known = follows ? structure() : nullptr;
+  if (known != nullptr) proposed_ = known->offsets.c;
+  follows_structure_ = known != nullptr;
+}
+
 CallbackError NonlinearProblem::residuals(double t, const double* jet, int order, double* F) {
   CallbackError error = stopped(t);
   if (error.status != SFDAE_OK) return error;
   ++evaluations_;
   error = evaluate_values(t, jet, order, F);
-  if (differentiations_.empty()) return error;
+  const std::vector<int>& counts = differentiations();
+  if (counts.empty()) return error;
   for (int i = 0; i < m_; ++i)
-    for (int k = differentiations_[index(i)] + 1; k <= order; ++k) F[i + k * m_] = 0.0;
+    for (int k = counts[index(i)] + 1; k <= order; ++k) F[i + k * m_] = 0.0;
   return error;
 }
 
@@ -61,7 +68,7 @@ CallbackError NonlinearProblem::linearize(double t, const double* jet, Orders or
   if (error.status != SFDAE_OK) return error;
   ++linearizations_;
   data.resize(m_, n_, orders);
-  data.differentiations = differentiations_;
+  data.differentiations = differentiations();
   if (scaling.once_more)
     for (int& count : data.differentiations) ++count;
   data.t = t;
@@ -127,6 +134,17 @@ CallbackError RecordedProblem::failure(double t) const {
   error.row = evaluator_.failure().equation;
   error.detail = "the equations cannot be evaluated at " + error.where() + ": " + evaluator_.failure().message + ".";
   return error;
+}
+
+const Structure* RecordedProblem::structure() {
+  const Record& record = evaluator_.record();
+  if (!structure_is_known_ && record.m() == record.n()) {
+    const Signature signature(record);
+    const Transversal transversal = highest_transversal(signature);
+    if (transversal.exists()) structure_ = std::make_shared<const Structure>(signature, transversal);
+  }
+  structure_is_known_ = true;
+  return structure_.get();
 }
 
 CallbackError RecordedProblem::evaluate_values(double t, const double* jet, int order, double* F) {

@@ -9,6 +9,7 @@
 #include "problem/problem.h"
 #include "problem/taylor_data.h"
 #include "sfdae/sfdae.h"
+#include "structure/structure.h"
 
 namespace sfdae::core {
 
@@ -23,7 +24,12 @@ class NonlinearProblem : public Problem {
   // How often each equation is differentiated at most (m counts, or none): rows of the derivative array above that
   // are left out, their residuals are zero.
   void set_differentiations(std::vector<int> counts) { differentiations_ = std::move(counts); }
-  const std::vector<int>& differentiations() const { return differentiations_; }
+  const std::vector<int>& differentiations() const { return follows_structure_ ? proposed_ : differentiations_; }
+  // Null where there is none, or nothing is known of it.
+  virtual const Structure* structure() { return nullptr; }
+  // The offsets are these counts, in place of those set. Nothing changes where there is no structure.
+  void follow_structure(bool follows);
+  bool follows_structure() const { return follows_structure_; }
   // Values of the prescribed components.
   CallbackError evaluate_prescribed(double t, double* values);
 
@@ -57,7 +63,8 @@ class NonlinearProblem : public Problem {
 
   int m_, n_;
   PrescribedInputs inputs_;
-  std::vector<int> differentiations_;
+  std::vector<int> differentiations_, proposed_;
+  bool follows_structure_ = false;
   long evaluations_ = 0, linearizations_ = 0;
 };
 
@@ -69,6 +76,7 @@ class RecordedProblem final : public NonlinearProblem {
   // A copy shares the recording.
   RecordedProblem(const RecordedProblem&) = default;
   TaylorEvaluator& evaluator() { return evaluator_; }
+  const Structure* structure() override;
 
  protected:
   CallbackError evaluate_values(double t, const double* jet, int order, double* F) override;
@@ -77,6 +85,8 @@ class RecordedProblem final : public NonlinearProblem {
  private:
   CallbackError failure(double t) const;
   TaylorEvaluator evaluator_;
+  bool structure_is_known_ = false;
+  std::shared_ptr<const Structure> structure_;
 };
 
 // The user's functions for total derivatives.

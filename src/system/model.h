@@ -28,6 +28,7 @@ struct ModelOptions : Acceptance {
   LeadingTerm leading = LeadingTerm::automatic;
   ConsistencyRequest consistency;
   Precedent precedent;  // of analyses to come
+  bool uses_structure = false;
 
   // What is asked of values near x.
   ConsistencyRequest request_at(const double* x) const {

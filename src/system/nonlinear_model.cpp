@@ -61,6 +61,8 @@ class WholeArray {
 void NonlinearModel::analyze(const PointOfInterest& point, const ModelOptions& options,
                              std::vector<RankDecision>& decisions) {
   forget_system();
+  problem_->follow_structure(false);
+  if (options.uses_structure && !options.analysis.by_svd && analyzed_by_structure(point, options, decisions)) return;
   try {
     system_ = analyzed(options.analysis_by_precedent(), point, options, decisions);
     return;
@@ -68,6 +70,33 @@ void NonlinearModel::analyze(const PointOfInterest& point, const ModelOptions& o
     if (problem_->differentiations().empty() || failure.status() != SFDAE_INDEX_TOO_HIGH) throw;
   }
   system_ = analyzed_against_whole_array(point, options, decisions);
+}
+
+// Rows that the structure does not ask for are left out, if the system Jacobian is regular at the point found. Whatever
+// goes wrong, the whole array has the last word.
+bool NonlinearModel::analyzed_by_structure(const PointOfInterest& point, const ModelOptions& options,
+                                           std::vector<RankDecision>& decisions) {
+  const Structure* const structure = problem_->differentiations().empty() ? problem_->structure() : nullptr;
+  if (structure == nullptr || !structure->offsets.leaves_out_rows()) return false;
+  problem_->follow_structure(true);
+  try {
+    system_ = analyzed(options.analysis_by_precedent(), point, options, decisions);
+    if (certifies_structure()) return true;
+  } catch (const Failure& failure) {
+    if (is_final(failure)) throw;
+  }
+  forget_system();
+  problem_->follow_structure(false);
+  decisions.clear();
+  return false;
+}
+
+bool NonlinearModel::certifies_structure() {
+  const Jet& jet = system_->accepted_jet();
+  Certificate certificate;
+  return certify_structure(*problem_->structure(), recorded_->evaluator(), jet.t, jet.x.data(),
+                           system_->settings().rank_tol, certificate) &&
+         certificate.is_given();
 }
 
 std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed(const AnalysisSettings& settings,
@@ -129,7 +158,18 @@ void NonlinearModel::demand_derivatives(const PointOfInterest& point, const Mode
 }
 
 std::unique_ptr<NonlinearSystem> NonlinearModel::archived_system(const ModelOptions& options, Archive& archive) {
-  return std::make_unique<NonlinearSystem>(*problem_, options.analysis, archive);
+  replaced_follows_structure_ = problem_->follows_structure();
+  try {
+    return std::make_unique<NonlinearSystem>(*problem_, options.analysis, archive);
+  } catch (...) {
+    problem_->follow_structure(replaced_follows_structure_);
+    throw;
+  }
+}
+
+void NonlinearModel::undo_restore() {
+  ModelOf<NonlinearSystem>::undo_restore();
+  problem_->follow_structure(replaced_follows_structure_);
 }
 
 double NonlinearModel::certify() {

@@ -36,8 +36,12 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   void demand_derivatives(const PointOfInterest& point, const ModelOptions& options) override;
+  void undo_restore() override;
   double certify() override;
   std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<NonlinearChangeWatch>(*system_); }
+  bool follows_structure() const { return problem_->follows_structure(); }
+  // x and x' of the point accepted last, or of the analysis, which has been made.
+  const Jet& point_of_equations() const { return system_->accepted_jet(); }
   // The user's function for total derivatives; null for recorded equations.
   CallbackProblem* callback() { return callback_; }
 
@@ -56,6 +60,9 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
  private:
   std::unique_ptr<NonlinearSystem> analyzed(const AnalysisSettings& settings, const PointOfInterest& point,
                                             const ModelOptions& options, std::vector<RankDecision>& decisions);
+  bool analyzed_by_structure(const PointOfInterest& point, const ModelOptions& options,
+                             std::vector<RankDecision>& decisions);
+  bool certifies_structure();
   std::unique_ptr<NonlinearSystem> analyzed_against_whole_array(const PointOfInterest& point,
                                                                 const ModelOptions& options,
                                                                 std::vector<RankDecision>& decisions);
@@ -63,6 +70,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   RecordedProblem* recorded_ = nullptr;
   CallbackProblem* callback_ = nullptr;
   std::unique_ptr<NonlinearProblem> problem_;
+  bool replaced_follows_structure_ = false;  // the problem did, with the system that was replaced
   // Of x, near which the analysis has found its jet without moving what is differentiated if it could; empty: other.
   std::vector<double> guess_;
 };

@@ -7,9 +7,30 @@
 
 namespace sfdae::core {
 
+namespace {
+
+// Arrays have all their rows while this lives, whatever the structure proposes to leave out.
+class WithoutStructure {
+ public:
+  explicit WithoutStructure(NonlinearProblem& problem) : problem_(problem), followed_(problem.follows_structure()) {
+    problem_.follow_structure(false);
+  }
+  WithoutStructure(const WithoutStructure&) = delete;
+  WithoutStructure& operator=(const WithoutStructure&) = delete;
+  ~WithoutStructure() { problem_.follow_structure(followed_); }
+  bool changes_rows() const { return followed_; }
+
+ private:
+  NonlinearProblem& problem_;
+  bool followed_;
+};
+
+}  // namespace
+
 // Derivatives that F_level = 0 leaves open are those of the point accepted last, whatever other points have been asked
 // for, so that objects of the same jet fit each other.
 Jet NonlinearModel::jet_through(double t, const double* x, int level) {
+  const WithoutStructure whole(*problem_);
   const int mu = system_->analysis().values.mu;
   Jet jet = system_->accepted_jet();
   jet.t = t;
@@ -20,11 +41,16 @@ Jet NonlinearModel::jet_through(double t, const double* x, int level) {
 }
 
 DerivativeArray NonlinearModel::derivative_array(const Jet& jet, int level) {
+  const WithoutStructure whole(*problem_);
   return core::derivative_array(*problem_, jet, level);
 }
 
 Projectors NonlinearModel::projectors(const Jet& jet, bool) {
-  return core::projectors(*problem_, system_->units(), system_->analysis(), system_->settings(), jet);
+  const WithoutStructure whole(*problem_);
+  IndexAnalysis known = system_->analysis();
+  // Those of an array with fewer rows say nothing here.
+  if (whole.changes_rows()) known.certified_ranks = {};
+  return core::projectors(*problem_, system_->units(), known, system_->settings(), jet);
 }
 
 StrangenessFreeEquations NonlinearModel::strangeness_free(const Jet& jet) {

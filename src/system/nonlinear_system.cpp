@@ -382,8 +382,14 @@ void NonlinearSystem::archive(Archive& archive) {
   bool has_units = !units().are_one(), has_matrix = linearization_.matrix().is_valid(),
        has_next = next_level_.has_jet();
   int unjudged = rank_check_.unjudged();
+  bool follows_structure = problem_.problem().follows_structure();
   archive.small(values.mu, values.d, values.a, values.u, values.v, analysis_.v_hat, analysis_.rank_E, analysis_.noise,
-                analysis_.rank_E_constant, analysis_.rows, has_units, origin.is_judged, origin.age, unjudged);
+                analysis_.rank_E_constant, analysis_.rows, has_units, origin.is_judged, origin.age, unjudged,
+                follows_structure);
+  if (archive.is_reading()) {
+    problem_.problem().follow_structure(follows_structure);
+    if (problem_.problem().follows_structure() != follows_structure) throw DamagedArchive();
+  }
   archive.small(has_matrix, has_next, next_level_.availability());
   // Where there is none, that of the last point will do.
   if (!archive.is_reading() && !linearization_.is_usable()) origin.jet = history_.accepted();

@@ -16,6 +16,7 @@ size_t fill_nonlinear_problem(sfdae_nonlinear_problem* s);
 size_t fill_multibody_problem(sfdae_multibody_problem* s);
 size_t fill_multibody_formulas(sfdae_multibody_formulas* s);
 size_t fill_multibody_report(sfdae_multibody_report* s);
+size_t fill_structure(sfdae_structure* s);
 size_t fill_options(sfdae_options* s);
 size_t fill_ensemble(sfdae_ensemble* s);
 size_t fill_ensemble_progress(sfdae_ensemble_progress* s);
@@ -168,11 +169,17 @@ size_t fill_multibody_report(sfdae_multibody_report* s) {
   return sizeof value;
 }
 
+size_t fill_structure(sfdae_structure* s) {
+  const sfdae_structure value = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10.0};
+  *s = value;
+  return sizeof value;
+}
+
 size_t fill_options(sfdae_options* s) {
   const sfdae_options value = {
       1,  2.0,           3.0,           &numbers[4], &numbers[5], 6,  7,    8.0,  9.0, 10,   11.0,
       12, &integers[13], &numbers[14],  15,          16.0,        17, 18.0, 19.0, 20,  21.0, 22,
-      23, monitor_5,     &integers[25], 26,          27,          28, 29,   30,   31};
+      23, monitor_5,     &integers[25], 26,          27,          28, 29,   30,   31,  32};
   *s = value;
   numbers[4] = 4.0, numbers[5] = 5.0, integers[13] = 13, numbers[14] = 14.0, integers[25] = 25;
   return sizeof value;

@@ -8,7 +8,7 @@ program mirror_test
     sfdae_derivative_check, sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results, &
     sfdae_initial_report, sfdae_linear_problem, &
     sfdae_multibody_formulas, sfdae_multibody_problem, sfdae_multibody_report, &
-    sfdae_nonlinear_problem, sfdae_options, sfdae_progress, sfdae_statistics
+    sfdae_nonlinear_problem, sfdae_options, sfdae_progress, sfdae_statistics, sfdae_structure
   use test_support, only: check, finish
   implicit none
 
@@ -85,6 +85,11 @@ program mirror_test
       type(sfdae_multibody_report), intent(inout) :: s
       integer(c_size_t) :: bytes
     end function fill_multibody_report
+    function fill_structure(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_structure
+      type(sfdae_structure), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_structure
     function fill_options(s) bind(c) result(bytes)
       import :: c_size_t, sfdae_options
       type(sfdae_options), intent(inout) :: s
@@ -242,6 +247,7 @@ contains
     type(sfdae_multibody_problem) :: p
     type(sfdae_multibody_formulas) :: f
     type(sfdae_multibody_report) :: r
+    type(sfdae_structure) :: s
 
     call check(fill_multibody_problem(p) == c_sizeof(p), "size of sfdae_multibody_problem")
     call check(counts([real(c_double) :: p%size, p%num_positions, p%num_velocities, &
@@ -262,6 +268,11 @@ contains
     call check(counts([real(c_double) :: r%size, r%t, r%holonomic, r%nonholonomic, r%redundant, &
       r%degrees_of_freedom, r%position_freedom, r%condition, r%partitions, r%position_residual, &
       r%velocity_residual]), "members of sfdae_multibody_report")
+
+    call check(fill_structure(s) == c_sizeof(s), "size of sfdae_structure")
+    call check(counts([real(c_double) :: s%size, s%has_assignment, s%freedom, s%index_bound, &
+      s%num_blocks, s%largest_block, s%is_followed, s%verdict, s%doubtful_block, &
+      s%smallest_pivot]), "members of sfdae_structure")
   end subroutine check_multibody
 
   !> Struct of the options.
@@ -278,7 +289,7 @@ contains
       number_at(o%initial_weights), o%ignore_inconsistency, o%consistency_tol, o%max_order, &
       o%initial_step, o%max_step, o%use_stop_time, o%stop_time, o%max_steps, o%leading_term, &
       call_monitor(progress, o%monitor_user) + 19, integer_at(o%monitor_user), o%method, &
-      o%min_stages, o%max_stages, o%xdot_is_guess, o%output, o%check_derivatives]), &
+      o%min_stages, o%max_stages, o%xdot_is_guess, o%output, o%check_derivatives, o%structure]), &
       "members of sfdae_options")
   end subroutine check_options
 
@@ -316,6 +327,7 @@ contains
     call check(f%xdot_is_guess .eqv. c%xdot_is_guess /= 0, "xdot_is_guess")
     call check(f%output == c%output, "output")
     call check(f%check_derivatives .eqv. c%check_derivatives /= 0, "check_derivatives")
+    call check(f%structure == c%structure, "structure")
   end subroutine check_defaults
 
   !> Whether the values are 1, 2, 3, ...

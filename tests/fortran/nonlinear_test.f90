@@ -175,6 +175,7 @@ program nonlinear_test
   call mistakes_in_derivatives_are_found()
   call failures_of_derivatives_are_passed_on()
   call linear_equations_are_solved_as_such()
+  call structure_is_certified()
   call components_are_prescribed()
   call only_constraints_are_differentiated()
   call slopes_are_guessed()
@@ -395,6 +396,36 @@ contains
     call check(size(t2, 1) == 3 .and. size(t2, 2) == 0, "T2")
     call solver%destroy()
   end subroutine linear_equations_are_solved_as_such
+
+  !> What follows from the unknowns that the equations of the pendulum contain.
+  subroutine structure_is_certified()
+    type(pendulum_dae) :: problem
+    type(dae_solver) :: solver
+    type(sfdae_structure) :: structure
+    integer(c_int), allocatable :: counts(:), orders(:), assigned(:), block(:)
+    real(dp) :: x(5)
+    integer(c_int) :: status
+    integer :: i
+
+    problem%num_equations = 5
+    problem%num_unknowns = 5
+    call solver%create(problem, status)
+    call check_status(status, sfdae_ok, "create")
+    call solver%get_structure(structure, status)
+    call check_status(status, sfdae_ok, "get_structure")
+    call check(structure%verdict == sfdae_structure_unchecked, "not checked yet")
+    x = [0.6_dp, -0.8_dp, 0.0_dp, 0.0_dp, 0.0_dp]
+    call solver%start(0.0_dp, 1.0_dp, x, status)
+    call solver%get_structure(structure, status, counts, orders, assigned, block)
+    call check_status(status, sfdae_ok, "get_structure")
+    call check(structure%verdict == sfdae_structure_certified .and. structure%is_followed == 1 &
+      .and. structure%freedom == 2 .and. structure%doubtful_block == 0, "certified")
+    call check(all(counts == [1, 1, 0, 0, 2]), "differentiations")
+    call check(all(orders == [2, 2, 1, 1, 0]), "orders")
+    call check(all(block == 1), "one block")
+    call check(all([(count(assigned == i) == 1, i=1, 5)]), "every unknown is assigned once")
+    call solver%destroy()
+  end subroutine structure_is_certified
 
   !> One of two unknowns is free.
   subroutine components_are_prescribed()

@@ -1,0 +1,174 @@
+// The structure of recorded equations: C API.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "structure/structure.h"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "c_api/checks.h"
+#include "c_api/solver.h"
+#include "c_api/structs.h"
+#include "linalg/format.h"
+
+namespace sfdae::core {
+
+namespace {
+
+struct PublicArrays {
+  int *differentiations, *orders, *assigned, *block;
+};
+
+void fill(int* to, int n, int value) {
+  if (to != nullptr) std::fill_n(to, n, value);
+}
+
+void write(const std::vector<int>& values, int* to) {
+  if (to != nullptr) std::copy(values.begin(), values.end(), to);
+}
+
+// As many names as a message has room for.
+std::string names_of(const Record& record, std::span<const int> equations) {
+  constexpr std::size_t most = 8;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(most, equations.size()); ++k)
+    text += (k > 0 ? ", " : "") + record.name(equations[k]);
+  return equations.size() > most ? text + format(" and %zu more", equations.size() - most) : text;
+}
+
+std::string unknowns_in_words(const std::vector<int>& unknowns) {
+  if (unknowns.empty()) return "no unknown";
+  constexpr std::size_t most = 8;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(most, unknowns.size()); ++k)
+    text += (k > 0 ? ", " : "") + format("x[%d]", unknowns[k]);
+  return (unknowns.size() > most ? text + format(" and %zu more", unknowns.size() - most) : text) + " only";
+}
+
+CallResult describe_overdetermined(const Record& record, const Overdetermined& part, const PublicArrays& arrays) {
+  const int n = record.n();
+  fill(arrays.differentiations, n, 0);
+  fill(arrays.assigned, n, -1);
+  fill(arrays.block, n, -1);
+  fill(arrays.orders, n, -1);
+  for (int i : part.equations)
+    if (arrays.block != nullptr) arrays.block[i] = 0;
+  for (int j : part.unknowns)
+    if (arrays.orders != nullptr) arrays.orders[j] = 0;
+  CallResult words;
+  words.message = format(
+      "%zu equations contain %s: %s. They contradict each other or are redundant, and other unknowns are not "
+      "determined.",
+      part.equations.size(), unknowns_in_words(part.unknowns).c_str(), names_of(record, part.equations).c_str());
+  return words;
+}
+
+void write_arrays(const Structure& structure, const PublicArrays& arrays) {
+  write(structure.offsets.c, arrays.differentiations);
+  write(structure.offsets.d, arrays.orders);
+  write(structure.transversal.unknown_of, arrays.assigned);
+  if (arrays.block == nullptr) return;
+  for (int block = 0; block < structure.blocks.count(); ++block)
+    for (int i : structure.blocks.equations(block)) arrays.block[i] = block;
+}
+
+// x and x' where equations are looked at, and t. Linear equations have the same derivatives everywhere.
+struct Point {
+  double t;
+  std::vector<double> jet;
+};
+
+std::optional<Point> known_point(const sfdae_solver& solver) {
+  if (solver.system() == nullptr) return std::nullopt;
+  Point point{solver.system()->t(), std::vector<double>(2 * index(solver.model.n()))};
+  if (solver.kind.nonlinear != nullptr) {
+    const Jet& jet = solver.kind.nonlinear->point_of_equations();
+    point.t = jet.t;
+    std::copy_n(jet.x.begin(), point.jet.size(), point.jet.begin());
+  }
+  return point;
+}
+
+int verdict_of(const RankDecision& block) {
+  return block.verdict == Verdict::unclear ? SFDAE_STRUCTURE_UNCLEAR
+         : block.rank < block.cols         ? SFDAE_STRUCTURE_MISLEADS
+                                           : SFDAE_STRUCTURE_CERTIFIED;
+}
+
+int first_block(const Certificate& certificate, int verdict) {
+  const auto found = std::find_if(certificate.blocks.begin(), certificate.blocks.end(),
+                                  [verdict](const RankDecision& block) { return verdict_of(block) == verdict; });
+  return found == certificate.blocks.end() ? -1 : static_cast<int>(found - certificate.blocks.begin());
+}
+
+// What the blocks say; returns it in words if they do not agree with the structure.
+std::string judge_blocks(const Structure& structure, const Record& record, const Certificate& certificate,
+                         sfdae_structure& result) {
+  const int singular = first_block(certificate, SFDAE_STRUCTURE_MISLEADS);
+  result.doubtful_block = singular >= 0 ? singular : first_block(certificate, SFDAE_STRUCTURE_UNCLEAR);
+  result.smallest_pivot = singular >= 0 ? 0.0 : certificate.smallest_kept();
+  result.verdict = SFDAE_STRUCTURE_CERTIFIED;
+  if (result.doubtful_block < 0) return "";
+  const RankDecision& block = certificate.blocks[index(result.doubtful_block)];
+  result.verdict = verdict_of(block);
+  return format(
+      "block %d of the system Jacobian, of %s, is %s at t = %.15g: rank %d of %d. Numbers cancel that the "
+      "structure cannot see; the derivative array decides.",
+      result.doubtful_block, names_of(record, structure.blocks.equations(result.doubtful_block)).c_str(),
+      singular >= 0 ? "singular" : "nearly singular", block.t, block.rank, block.cols);
+}
+
+CallResult not_recorded() {
+  return illegal_argument("structure is that of recorded equations, as many as unknowns, linear or nonlinear.");
+}
+
+}  // namespace
+
+}  // namespace sfdae::core
+
+using namespace sfdae::core;
+
+extern "C" {
+
+int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result, int* differentiations, int* orders,
+                        int* assigned, int* block) {
+  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
+    if (result == nullptr || !is_plausible_size(result->size))
+      return illegal_argument("the result is NULL or its size is not set: call its init function.");
+    TaylorEvaluator* const evaluator = solver->kind.multibody != nullptr ? nullptr : solver->model.evaluator();
+    if (evaluator == nullptr || evaluator->record().m() != evaluator->record().n()) return not_recorded();
+    const Record& record = evaluator->record();
+    const PublicArrays arrays{differentiations, orders, assigned, block};
+    const Signature signature(record);
+    const Transversal transversal = highest_transversal(signature);
+    sfdae_structure found{};
+    found.size = sizeof found;
+    found.doubtful_block = -1;
+    if (!transversal.exists()) {
+      fill_struct(result, found);
+      return describe_overdetermined(record, transversal.overdetermined, arrays);
+    }
+    const Structure structure(signature, transversal);
+    found.has_assignment = 1;
+    found.freedom = structure.offsets.freedom();
+    found.index_bound = structure.offsets.index_bound();
+    found.num_blocks = structure.blocks.count();
+    found.largest_block = structure.blocks.largest();
+    found.is_followed = solver->kind.nonlinear != nullptr && solver->kind.nonlinear->follows_structure() ? 1 : 0;
+    CallResult words;
+    if (const std::optional<Point> point = known_point(*solver)) {
+      Certificate certificate;
+      if (!certify_structure(structure, *evaluator, point->t, point->jet.data(),
+                             solver->options.model.analysis.rank_tol, certificate))
+        return {SFDAE_NOT_FINITE, evaluator->failure().message};
+      words.message = judge_blocks(structure, record, certificate, found);
+    }
+    fill_struct(result, found);
+    write_arrays(structure, arrays);
+    return words;
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,45 @@
+// The structural analysis of a DAE [P01], and what numbers say of it.
+//
+// Where the system Jacobian is regular at a consistent point, the offsets tell what is to be differentiated, and how many
+// initial values are free. Where it is singular, numbers cancel that structure cannot see, and offsets mean nothing.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "expression/taylor_evaluator.h"
+#include "linalg/rank.h"
+#include "structure/blocks.h"
+#include "structure/offsets.h"
+#include "structure/signature.h"
+#include "structure/transversal.h"
+
+namespace sfdae::core {
+
+// Of equations as many as unknowns that have a transversal.
+struct Structure {
+  Structure(const Signature& rows, const Transversal& assignment)
+      : signature(rows),
+        transversal(assignment),
+        offsets(canonical_offsets(rows, assignment)),
+        blocks(rows, assignment, offsets) {}
+
+  Signature signature;
+  Transversal transversal;
+  Offsets offsets;
+  Blocks blocks;
+};
+
+// The diagonal blocks of the system Jacobian at a point, each judged by itself, rows and columns scaled by powers of two.
+struct Certificate {
+  std::vector<RankDecision> blocks;
+  // All are regular, and clearly so.
+  bool is_given() const;
+  double smallest_kept() const { return core::smallest_kept(blocks); }
+};
+
+// jet: x and x' of a consistent point, n x 2. rank_tol: as in RankScale. False: the equations cannot be evaluated there.
+bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, double t, const double* jet,
+                       double rank_tol, Certificate& certificate);
+
+}  // namespace sfdae::core
