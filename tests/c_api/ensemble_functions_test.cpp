@@ -141,7 +141,7 @@ TEST(EnsembleOfFunctions, FailsWhereTheFunctionDoesAndNowhereElse) {
     });
     const NonlinearProblem problem = fenced(f);
     Ensemble ensemble = of_c(1);
-      for (int i = 0; i < instances; ++i) ensemble.parameters(0, i) = i % 2 == 0 ? 0.4 : 0.9 + 0.1 * i;
+    for (int i = 0; i < instances; ++i) ensemble.parameters(0, i) = i % 2 == 0 ? 0.4 : 0.9 + 0.1 * i;
     std::vector<Outcome> alone;
     for (int i = 0; i < instances; ++i) {
       alone.push_back(solved_alone(problem, up_to_the_end(ensemble), ensemble, i));
