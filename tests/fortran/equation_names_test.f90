@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 !
-! Names of equations and constraints in messages. x' = -x, y = log(x - 1/2) has no value for x = 1/4;
-! two rods of different lengths from one point to another contradict each other.
+! Names of equations and constraints in messages. x' = -x, y = log(x - 1/2) has no value for
+! x = 1/4; two rods of different lengths from one point to another contradict each other.
 module named_problems
   use, intrinsic :: iso_c_binding, only: c_int, dp => c_double
   use sfdae
