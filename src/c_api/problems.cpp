@@ -82,7 +82,7 @@ AnyModel make_model(const sfdae_nonlinear_problem& problem) {
   const std::vector<int> counts = differentiations_of(problem);
   const EquationNames names = names_of(problem.equation_names, m);
   const auto model_of = [&](auto nonlinear) {
-    nonlinear->set_differentiations(counts);
+    if (problem.differentiations != nullptr) nonlinear->set_differentiations(counts);
     nonlinear->set_equation_names(names);
     return any(std::make_unique<NonlinearModel>(std::move(nonlinear)));
   };

@@ -23,7 +23,12 @@ class NonlinearProblem : public Problem {
   const std::vector<int>& prescribed() const { return inputs_.components; }
   // How often each equation is differentiated at most (m counts, or none): rows of the derivative array above that
   // are left out, their residuals are zero.
-  void set_differentiations(std::vector<int> counts) { differentiations_ = std::move(counts); }
+  void set_differentiations(std::vector<int> counts) {
+    differentiations_ = std::move(counts);
+    counts_are_given_ = true;
+  }
+  // By the user, even if they leave out nothing.
+  bool counts_are_given() const { return counts_are_given_; }
   const std::vector<int>& differentiations() const { return follows_structure_ ? proposed_ : differentiations_; }
   // Null where there is none, or nothing is known of it.
   virtual const Structure* structure() { return nullptr; }
@@ -64,7 +69,7 @@ class NonlinearProblem : public Problem {
   int m_, n_;
   PrescribedInputs inputs_;
   std::vector<int> differentiations_, proposed_;
-  bool follows_structure_ = false;
+  bool counts_are_given_ = false, follows_structure_ = false;
   long evaluations_ = 0, linearizations_ = 0;
 };
 

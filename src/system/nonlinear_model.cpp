@@ -3,6 +3,7 @@
 #include "system/nonlinear_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <string>
@@ -61,6 +62,7 @@ class WholeArray {
 void NonlinearModel::analyze(const PointOfInterest& point, const ModelOptions& options,
                              std::vector<RankDecision>& decisions) {
   forget_system();
+  guess_.clear();
   problem_->follow_structure(false);
   if (options.uses_structure && !options.analysis.by_svd && analyzed_by_structure(point, options, decisions)) return;
   try {
@@ -76,19 +78,57 @@ void NonlinearModel::analyze(const PointOfInterest& point, const ModelOptions& o
 // goes wrong, the whole array has the last word.
 bool NonlinearModel::analyzed_by_structure(const PointOfInterest& point, const ModelOptions& options,
                                            std::vector<RankDecision>& decisions) {
-  const Structure* const structure = problem_->differentiations().empty() ? problem_->structure() : nullptr;
+  const Structure* const structure = problem_->counts_are_given() ? nullptr : problem_->structure();
   if (structure == nullptr || !structure->offsets.leaves_out_rows()) return false;
   problem_->follow_structure(true);
   try {
-    system_ = analyzed(options.analysis_by_precedent(), point, options, decisions);
-    if (certifies_structure()) return true;
+    const bool keeps = options.request_at(point.x).differentiated_stay();
+    system_ = analyzed_near(options.analysis_by_precedent(), point, options, keeps, decisions);
+    if (certifies_structure() && moves_least(point, options)) return true;
   } catch (const Failure& failure) {
     if (is_final(failure)) throw;
   }
   forget_system();
+  guess_.clear();
   problem_->follow_structure(false);
   decisions.clear();
   return false;
+}
+
+// Which of the jets that fulfil the equations is found depends on the rows. Where what is differentiated does not stay, the
+// whole array is asked whether it has to move that far.
+double NonlinearModel::largest_move(const PointOfInterest& point, const ModelOptions& options) const {
+  const std::vector<double> sizes = options.request_at(point.x).sizes();
+  const Signature& signature = problem_->structure()->signature;
+  const Jet& jet = system_->accepted_jet();
+  double largest = 0.0;
+  for (int i = 0; i < signature.size(); ++i)
+    for (const Signature::Entry& entry : signature.row(i)) {
+      const std::size_t j = index(entry.unknown);
+      if (entry.order > 0) largest = std::max(largest, std::fabs(jet.x[j] - point.x[j]) / sizes[j]);
+    }
+  return largest;
+}
+
+bool NonlinearModel::moves_least(const PointOfInterest& point, const ModelOptions& options) {
+  // Of a tolerance, and relative; by judgement.
+  constexpr double negligible = 1e-6, margin = 1.01;
+  const double move = largest_move(point, options);
+  if (move <= negligible) return true;
+  std::unique_ptr<NonlinearSystem> followed = std::move(system_);
+  const std::vector<double> guess = guess_;
+  problem_->follow_structure(false);
+  std::vector<RankDecision> ignored;
+  try {
+    system_ = analyzed(options.analysis_by_precedent(), point, options, ignored);
+  } catch (const Failure& failure) {
+    if (is_final(failure)) throw;
+  }
+  const bool is_least = !system_ || move <= margin * largest_move(point, options);
+  system_ = std::move(followed);
+  guess_ = guess;
+  problem_->follow_structure(true);
+  return is_least;
 }
 
 bool NonlinearModel::certifies_structure() {
@@ -99,30 +139,32 @@ bool NonlinearModel::certifies_structure() {
          certificate.is_given();
 }
 
+std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed_near(const AnalysisSettings& settings,
+                                                               const PointOfInterest& point,
+                                                               const ModelOptions& options, bool keeps,
+                                                               std::vector<RankDecision>& decisions) {
+  ConsistentJets jets(*problem_, point.t, point.x, fixed_components(options));
+  if (keeps) jets.keep_differentiated(options.request_at(point.x).sizes());
+  if (point.xdot != nullptr) jets.guess_derivative(point.xdot);
+  Arena arena;
+  IndexAnalysis analysis = analyze_index(jets, point.t, point.toward, settings, arena, decisions);
+  if (keeps && point.xdot == nullptr) guess_.assign(point.x, point.x + n());
+  return std::make_unique<NonlinearSystem>(*problem_, options.analysis, std::move(analysis), jets.units(),
+                                           jets.jet_at(point.t, analysis.values.mu));
+}
+
 std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed(const AnalysisSettings& settings,
                                                           const PointOfInterest& point, const ModelOptions& options,
                                                           std::vector<RankDecision>& decisions) {
-  const ConsistencyRequest request = options.request_at(point.x);
-  const auto analyzed_near = [&](bool keeps) {
-    ConsistentJets jets(*problem_, point.t, point.x, fixed_components(options));
-    if (keeps) jets.keep_differentiated(request.sizes());
-    if (point.xdot != nullptr) jets.guess_derivative(point.xdot);
-    Arena arena;
-    IndexAnalysis analysis = analyze_index(jets, point.t, point.toward, settings, arena, decisions);
-    return std::make_unique<NonlinearSystem>(*problem_, options.analysis, std::move(analysis), jets.units(),
-                                             jets.jet_at(point.t, analysis.values.mu));
-  };
-  guess_.clear();
-  if (!request.differentiated_stay()) return analyzed_near(false);
-  try {
-    std::unique_ptr<NonlinearSystem> system = analyzed_near(true);
-    if (point.xdot == nullptr) guess_.assign(point.x, point.x + n());
-    return system;
-  } catch (const Failure& failure) {
-    if (is_final(failure)) throw;
+  if (options.request_at(point.x).differentiated_stay()) {
+    try {
+      return analyzed_near(settings, point, options, true, decisions);
+    } catch (const Failure& failure) {
+      if (is_final(failure)) throw;
+    }
   }
   // Where what is differentiated is far off, too, the smallest changes lead more safely to the constraints.
-  return analyzed_near(false);
+  return analyzed_near(settings, point, options, false, decisions);
 }
 
 // How many equations are redundant only the array with all its rows shows.

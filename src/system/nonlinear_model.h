@@ -58,11 +58,18 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
                                   const ModelOptions& options) override;
 
  private:
+  // keeps: what is differentiated stays if it can.
+  std::unique_ptr<NonlinearSystem> analyzed_near(const AnalysisSettings& settings, const PointOfInterest& point,
+                                                 const ModelOptions& options, bool keeps,
+                                                 std::vector<RankDecision>& decisions);
   std::unique_ptr<NonlinearSystem> analyzed(const AnalysisSettings& settings, const PointOfInterest& point,
                                             const ModelOptions& options, std::vector<RankDecision>& decisions);
   bool analyzed_by_structure(const PointOfInterest& point, const ModelOptions& options,
                              std::vector<RankDecision>& decisions);
   bool certifies_structure();
+  // Of what is differentiated, from the guess to the point of the analysis, in tolerances.
+  double largest_move(const PointOfInterest& point, const ModelOptions& options) const;
+  bool moves_least(const PointOfInterest& point, const ModelOptions& options);
   std::unique_ptr<NonlinearSystem> analyzed_against_whole_array(const PointOfInterest& point,
                                                                 const ModelOptions& options,
                                                                 std::vector<RankDecision>& decisions);

@@ -99,7 +99,7 @@ TEST(Structure, ItsIntegrationsAreAsAccurate) {
     for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
       NonlinearRun run(equations_of(system), options_of(SFDAE_STRUCTURE_AUTOMATIC, method));
       ASSERT_EQ(run.integrate(0.2, 1.5, system.exact(0.2)), SFDAE_OK) << run.message();
-      EXPECT_LT(error_in_tolerances(run.x, system.exact(1.5)), 30.0);
+      EXPECT_LT(error_in_tolerances(run.x, system.exact(1.5)), 10.0);
     }
   }
 }

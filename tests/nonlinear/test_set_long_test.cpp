@@ -161,7 +161,8 @@ TEST(DigitsOfTheTestSet, AreThoseOfOtherSolvers) {
         const double scatter = p.name == "andrews" && method == SFDAE_METHOD_BDF && i == 0 ? 1.0
                                : p.name == "slider_crank"                                  ? 0.3
                                                                                            : 0.0;
-        EXPECT_GE(ours, theirs - scatter);
+        // Theirs have one decimal.
+        EXPECT_GE(ours, theirs - 0.05 - scatter);
         RecordProperty(p.name + "_" + std::to_string(method) + "_" + std::to_string(i), std::to_string(ours));
       }
   });
