@@ -119,7 +119,7 @@ int sfdae_cut_solution(sfdae_solution* solution, double t) {
   SolutionPieces& pieces = *solution->pieces;
   if (pieces.count() == 0) return SFDAE_NOT_STARTED;
   const double direction = pieces.end() < pieces.start() ? -1.0 : 1.0;
-  if (!((t - pieces.start()) * direction >= 0.0) || !((pieces.end() - t) * direction >= 0.0))
+  if (!std::isfinite(t) || (t - pieces.start()) * direction < 0.0 || (pieces.end() - t) * direction < 0.0)
     return SFDAE_ILLEGAL_ARGUMENT;
   pieces.cut(t);
   return SFDAE_OK;
