@@ -181,6 +181,10 @@ typedef struct sfdae_nonlinear_problem {
    * Counts that are too small are reported (SFDAE_INDEX_TOO_HIGH). For x' one more derivative is used. Linear
    * equations are then treated as nonlinear ones. */
   const int* differentiations;
+
+  /** Names of the equations for messages, copied: NULL (default), or m names, NULL or "" for those without one. What a
+   * message says of an equation then includes its name, as in "equation 7 (balance of mass)". */
+  const char* const* equation_names;
 } sfdae_nonlinear_problem;
 /** Sets every member to its default. size: sizeof(sfdae_nonlinear_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_nonlinear_problem_init(sfdae_nonlinear_problem* problem, size_t size);

@@ -147,6 +147,10 @@ typedef struct sfdae_linear_problem {
   sfdae_vector_function prescribed_values; /**< writes their values at t, num_prescribed entries; order is 0 */
 
   void* user; /**< handed to every callback */
+
+  /** Names of the equations for messages, copied: NULL (default), or m names, NULL or "" for those without one. What a
+   * message says of an equation then includes its name, as in "equation 7 (balance of mass)". */
+  const char* const* equation_names;
 } sfdae_linear_problem;
 /** Sets every member to its default. size: sizeof(sfdae_linear_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t size);

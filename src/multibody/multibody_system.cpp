@@ -80,8 +80,9 @@ std::optional<double> MultibodySystem::change_nearby() {
 
 std::string MultibodySystem::about_change() const {
   if (!monitor_.has_changed()) return {};
-  return monitor_.message() + format(" At t = %.12g the condition of the constraints is %.2g.", accepted_.t,
-                                     condition_of_constraints(accepted_, partition()));
+  return monitor_.message(equations_.problem()) + format(" At t = %.12g the condition of the constraints is %.2g.",
+                                                         accepted_.t,
+                                                         condition_of_constraints(accepted_, partition()));
 }
 
 PointStatus MultibodySystem::set_point(double t, const double* q, const double* v) {

@@ -213,6 +213,7 @@ CallbackError CallbackProblem::call(double t, int order, const double* derivativ
     error.function = name;
     int first = 0;
     while (all_finite(values + first, 1)) ++first;
+    error.names = &equation_names();
     error.row = first % m();
     error.column = first / m();
   };

@@ -255,8 +255,8 @@ void JetEquations::give_up(const Jet& jet) const {
     if (value == 0.0) break;
     const std::string amount =
         std::fabs(value) <= largest_named ? format("%.3g", value) : format("more than %.0e", largest_named);
-    text += k == 0 ? format(" equation %d by %s,", i, amount.c_str())
-                   : format(" derivative %d of equation %d by %s,", k, i, amount.c_str());
+    text += (k == 0 ? " " : format(" derivative %d of ", k)) + problem_.equation_names().in_words(i) + " by " +
+            amount + ",";
   }
   text.back() = '.';
   throw Failure(SFDAE_NO_CONSISTENT_VALUES,
