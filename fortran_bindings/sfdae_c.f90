@@ -17,24 +17,25 @@ module sfdae_c
     c_atan2, c_certify, c_change_init, c_characteristics_init, c_check_derivatives, &
     c_check_linear, c_check_multibody, c_check_multibody_derivatives, c_check_nonlinear, &
     c_check_total_derivatives, c_choose, c_cos, c_cosh, c_create_linear, c_create_multibody, &
-    c_create_nonlinear, c_create_solution, c_decision_init, c_derivative, c_derivative_check_init, &
-    c_destroy, c_destroy_solution, c_divide, c_ensemble_init, c_ensemble_results_init, &
-    c_evaluate_solution, c_exp, c_external, c_floor, c_get_change, c_get_characteristics, &
-    c_get_checkpoint_length, c_get_decision, c_get_derivative_array, c_get_derivative_array_at, &
-    c_get_events, c_get_extended_system, c_get_initial_report, c_get_jet, c_get_multibody_report, &
-    c_get_num_decisions, c_get_parameter, c_get_projectors, c_get_projectors_at, &
-    c_get_solution_length, c_get_solution_range, c_get_statistics, c_get_strangeness_free, &
-    c_get_strangeness_free_at, c_get_structure, c_greater, c_greater_equal, c_initial_report_init, &
-    c_interpolate, c_less, c_less_equal, c_linear_problem_init, c_load_solution, c_log, c_log10, &
-    c_make_consistent, c_max, c_message, c_min, c_modulo, c_multibody_problem_init, &
-    c_multibody_report_init, c_multiply, c_negate, c_nonlinear_problem_init, c_not, c_number, &
-    c_options_init, c_or, c_parameter, c_power, c_record_solution, c_report, c_request_stop, &
-    c_restore_checkpoint, c_save_checkpoint, c_save_solution, c_set_events, c_set_options, &
-    c_set_parameter, c_sign, c_sin, c_sinh, c_solve_ensemble, c_sqrt, c_start, c_statistics_init, &
-    c_status_name, c_step, c_structure_init, c_subtract, c_table, c_tan, c_tanh, &
-    c_time_derivative, c_version, address_of_ensemble_monitor_function, &
-    address_of_equations_function, address_of_event_function, address_of_external_function, &
-    address_of_linear_equations_function, address_of_matrix_function, address_of_monitor_function, &
+    c_create_nonlinear, c_create_solution, c_cut_solution, c_decision_init, c_derivative, &
+    c_derivative_check_init, c_destroy, c_destroy_solution, c_divide, c_ensemble_init, &
+    c_ensemble_results_init, c_evaluate_solution, c_exp, c_external, c_floor, c_get_change, &
+    c_get_characteristics, c_get_checkpoint_length, c_get_decision, c_get_derivative_array, &
+    c_get_derivative_array_at, c_get_events, c_get_extended_system, c_get_initial_report, &
+    c_get_jet, c_get_multibody_report, c_get_num_decisions, c_get_parameter, c_get_projectors, &
+    c_get_projectors_at, c_get_solution_accuracy, c_get_solution_length, c_get_solution_range, &
+    c_get_statistics, c_get_strangeness_free, c_get_strangeness_free_at, c_get_structure, &
+    c_greater, c_greater_equal, c_initial_report_init, c_interpolate, c_less, c_less_equal, &
+    c_linear_problem_init, c_load_solution, c_log, c_log10, c_make_consistent, c_max, c_message, &
+    c_min, c_modulo, c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
+    c_nonlinear_problem_init, c_not, c_number, c_options_init, c_or, c_parameter, c_power, &
+    c_record_solution, c_report, c_request_stop, c_restore_checkpoint, c_save_checkpoint, &
+    c_save_solution, c_set_events, c_set_options, c_set_parameter, c_sign, c_sin, c_sinh, &
+    c_solve_ensemble, c_sqrt, c_start, c_statistics_init, c_status_name, c_step, c_structure_init, &
+    c_subtract, c_table, c_tan, c_tanh, c_time_derivative, c_version, &
+    address_of_ensemble_monitor_function, address_of_equations_function, &
+    address_of_event_function, address_of_external_function, address_of_linear_equations_function, &
+    address_of_matrix_function, address_of_monitor_function, &
     address_of_multibody_equations_function, address_of_position_function, &
     address_of_total_derivative_function, address_of_vector_function, address_of_velocity_function
 
@@ -364,6 +365,13 @@ module sfdae_c
       integer(c_int) :: c_create_solution
     end function c_create_solution
 
+    function c_cut_solution(solution, t) bind(c, name="sfdae_cut_solution")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solution
+      real(c_double), value :: t
+      integer(c_int) :: c_cut_solution
+    end function c_cut_solution
+
     function c_decision_init(decision, size) bind(c, name="sfdae_decision_init")
       import :: c_int, c_size_t, sfdae_decision
       type(sfdae_decision), intent(inout) :: decision
@@ -589,6 +597,15 @@ module sfdae_c
       type(c_ptr), value :: vhat
       integer(c_int) :: c_get_projectors_at
     end function c_get_projectors_at
+
+    function c_get_solution_accuracy(solution, accuracy, t) &
+      bind(c, name="sfdae_get_solution_accuracy")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solution
+      real(c_double), intent(inout) :: accuracy
+      real(c_double), intent(inout) :: t
+      integer(c_int) :: c_get_solution_accuracy
+    end function c_get_solution_accuracy
 
     function c_get_solution_length(solution, length) bind(c, name="sfdae_get_solution_length")
       import :: c_int, c_ptr, c_size_t

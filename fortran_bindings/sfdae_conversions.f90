@@ -3,11 +3,11 @@
 ! What C hands over as an address, as arrays and strings of Fortran, and the other way round.
 module sfdae_conversions
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
-    c_null_char, c_ptr, c_size_t
+    c_loc, c_null_char, c_null_ptr, c_ptr, c_size_t
   implicit none
   private
 
-  public :: flag, text_at, text_in, text_in_c, vector_at, matrix_at
+  public :: flag, text_at, text_in, text_in_c, names_in_c, vector_at, matrix_at
 
   interface
     !> Of the C library: characters before the final zero.
@@ -72,6 +72,26 @@ contains
     end do
     c_text(len_trim(text) + 1) = c_null_char
   end function text_in_c
+
+  !> Names as C wants them: addresses of texts as of text_in_c.
+  subroutine names_in_c(names, texts, addresses)
+    character(len=*), intent(in) :: names(:)
+    !> What the addresses point to: with the target attribute wherever it is.
+    character(kind=c_char), allocatable, target, intent(inout) :: texts(:, :)
+    !> One at least, null if there are no names.
+    type(c_ptr), allocatable, intent(inout) :: addresses(:)
+    integer :: k
+
+    if (allocated(texts)) deallocate (texts)
+    if (allocated(addresses)) deallocate (addresses)
+    allocate (texts(len(names) + 1, max(size(names), 1)), addresses(max(size(names), 1)))
+    texts = c_null_char
+    addresses = c_null_ptr
+    do k = 1, size(names)
+      texts(:len_trim(names(k)) + 1, k) = text_in_c(names(k))
+      addresses(k) = c_loc(texts(1, k))
+    end do
+  end subroutine names_in_c
 
   !> The numbers at an address.
   function vector_at(address, length) result(vector)

@@ -7,7 +7,7 @@ module sfdae_ensembles
   use sfdae_c, only: address_of_ensemble_monitor_function, c_ensemble_init, &
     c_ensemble_results_init, c_solve_ensemble
   use sfdae_control, only: compare_size
-  use sfdae_conversions, only: flag, text_in, text_in_c
+  use sfdae_conversions, only: flag, names_in_c, text_in
   use sfdae_types, only: sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results, &
     sfdae_illegal_argument, sfdae_out_of_memory
   implicit none
@@ -125,7 +125,12 @@ contains
     status = sfdae_illegal_argument
     call check_arrays(ensemble, n, complaint)
     if (len(complaint) > 0) return
-    call convert_names(ensemble, names, addresses)
+    if (allocated(ensemble%parameter_names)) then
+      call names_in_c(ensemble%parameter_names, names, addresses)
+    else
+      allocate (addresses(1))
+      addresses = c_null_ptr
+    end if
     holder%monitor => ensemble%monitor
     call fill_ensemble(ensemble, addresses, holder, c_ensemble)
     call allocate_results(ensemble, n, found, texts, allocation)
@@ -172,30 +177,6 @@ contains
     end if
     call compare_size("a column of x0", size(ensemble%x0, 1, c_int), n, complaint)
   end subroutine check_arrays
-
-  !> Names in C's terms, and their addresses.
-  subroutine convert_names(ensemble, names, addresses)
-    type(dae_ensemble), intent(in) :: ensemble
-    character(kind=c_char), allocatable, target, intent(out) :: names(:, :)
-    type(c_ptr), allocatable, intent(out) :: addresses(:)
-    character(kind=c_char), allocatable :: c_name(:)
-    integer :: k, count
-
-    count = 0
-    if (allocated(ensemble%parameter_names)) count = size(ensemble%parameter_names)
-    if (count == 0) then
-      allocate (names(1, 1), addresses(1))
-      addresses = c_null_ptr
-      return
-    end if
-    allocate (names(name_length + 1, count), addresses(count))
-    names = c_null_char
-    do k = 1, count
-      c_name = text_in_c(ensemble%parameter_names(k))
-      names(:size(c_name), k) = c_name
-      addresses(k) = c_loc(names(1, k))
-    end do
-  end subroutine convert_names
 
   !> Describes an ensemble to C; it points into what is given.
   subroutine fill_ensemble(ensemble, addresses, holder, c)

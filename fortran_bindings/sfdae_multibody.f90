@@ -7,8 +7,8 @@ module sfdae_multibody
     c_loc, c_ptr, c_size_t, c_sizeof
   use sfdae_c, only: address_of_multibody_equations_function, address_of_position_function, &
     address_of_velocity_function, c_check_multibody, c_create_multibody, c_multibody_problem_init
-  use sfdae_conversions, only: matrix_at, vector_at
-  use sfdae_problems, only: any_dae, problem_holder
+  use sfdae_conversions, only: matrix_at, names_in_c, vector_at
+  use sfdae_problems, only: any_dae, equation_name_length, problem_holder
   use sfdae_types, only: expression, sfdae_coordinates_orthogonal, sfdae_internal, &
     sfdae_multibody_formulas, sfdae_multibody_problem, sfdae_ok, sfdae_options
   implicit none
@@ -37,6 +37,9 @@ module sfdae_multibody
     integer(c_int) :: num_nonholonomic = 0
     !> sfdae_coordinates_orthogonal or sfdae_coordinates_permutation.
     integer(c_int) :: coordinates = sfdae_coordinates_orthogonal
+    !> Names of the nl + nk constraints for messages, holonomic ones first, blank for those without
+    !> one.
+    character(len=equation_name_length), allocatable :: constraint_names(:)
   end type any_multibody_dae
 
   !> One written once as formulas. Extend it: components are your data.
@@ -150,6 +153,10 @@ module sfdae_multibody
     class(kinematic_multibody_dae), pointer :: kinematic => null()
     !> Positions, velocities, holonomic and nonholonomic constraints.
     integer(c_int) :: nq = 0, nv = 0, nl = 0, nk = 0
+    !> Names of the constraints in C.
+    character(kind=c_char), allocatable :: names(:, :)
+    !> Of these.
+    type(c_ptr), allocatable :: name_addresses(:)
   end type multibody_callbacks
 
   !> For an any_multibody_dae.
@@ -466,6 +473,11 @@ contains
       c%num_nonholonomic = problem%num_nonholonomic
       c%coordinates = problem%coordinates
       c%user = c_loc(self%callbacks)
+      ! Where their number is wrong, create and check refuse.
+      if (.not. allocated(problem%constraint_names)) return
+      if (size(problem%constraint_names) /= to%nl + to%nk) return
+      call names_in_c(problem%constraint_names, to%names, to%name_addresses)
+      c%constraint_names = c_loc(to%name_addresses)
     end associate
   end subroutine fill_sizes
 

@@ -9,14 +9,17 @@ module sfdae_problems
     address_of_matrix_function, address_of_total_derivative_function, &
     address_of_vector_function, c_check_linear, c_check_nonlinear, c_create_linear, &
     c_create_nonlinear, c_linear_problem_init, c_nonlinear_problem_init
-  use sfdae_conversions, only: flag, matrix_at, vector_at
+  use sfdae_conversions, only: flag, matrix_at, names_in_c, vector_at
   use sfdae_types, only: expression, sfdae_internal, sfdae_linear_problem, &
     sfdae_nonlinear_problem, sfdae_ok, sfdae_options, sfdae_order_not_available
   implicit none
   private
 
   public :: any_dae, linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae
-  public :: problem_holder, linear_holder, nonlinear_holder
+  public :: problem_holder, linear_holder, nonlinear_holder, equation_name_length
+
+  !> What is longer is cut off.
+  integer, parameter :: equation_name_length = 128
 
   ! ---- Types to extend ----------------------------------------------------------------------
 
@@ -31,6 +34,9 @@ module sfdae_problems
     !> Not for linear_dae: how often each equation is differentiated at most. Not allocated: no
     !> limit.
     integer(c_int), allocatable :: differentiations(:)
+    !> Not for mechanical systems: names of the equations for messages, m of them, blank for those
+    !> without one.
+    character(len=equation_name_length), allocatable :: equation_names(:)
   contains
     !> Writes the values of the prescribed components.
     procedure :: eval_prescribed => missing_prescribed
@@ -215,6 +221,10 @@ module sfdae_problems
     integer(c_int), allocatable :: prescribed(:)
     !> As in the problem; where their number is wrong, -1, which create and check refuse.
     integer(c_int), allocatable :: differentiations(:)
+    !> Names of the equations in C.
+    character(kind=c_char), allocatable :: names(:, :)
+    !> Of these.
+    type(c_ptr), allocatable :: name_addresses(:)
   end type problem_callbacks
 
   !> For a linear_dae.
@@ -394,6 +404,8 @@ contains
     call prepare_callbacks(self%callbacks, problem)
     associate (c => self%c_problem)
       if (c_linear_problem_init(c, c_sizeof(c)) < 0) return ! c%size stays 0: is refused
+      if (allocated(self%callbacks%name_addresses)) &
+        c%equation_names = c_loc(self%callbacks%name_addresses)
       c%num_equations = problem%num_equations
       c%num_unknowns = problem%num_unknowns
       c%user = c_loc(self%callbacks)
@@ -424,6 +436,8 @@ contains
     call prepare_callbacks(self%callbacks, problem)
     associate (c => self%c_problem)
       if (c_nonlinear_problem_init(c, c_sizeof(c)) < 0) return ! c%size stays 0: is refused
+      if (allocated(self%callbacks%name_addresses)) &
+        c%equation_names = c_loc(self%callbacks%name_addresses)
       c%num_equations = problem%num_equations
       c%num_unknowns = problem%num_unknowns
       c%user = c_loc(self%callbacks)
@@ -449,7 +463,7 @@ contains
 
   !> What callbacks and C need of any problem.
   subroutine prepare_callbacks(callbacks, problem)
-    type(problem_callbacks), intent(inout) :: callbacks
+    type(problem_callbacks), target, intent(inout) :: callbacks
     class(any_dae), target, intent(inout) :: problem
 
     callbacks%problem => problem
@@ -459,6 +473,11 @@ contains
       allocate (callbacks%differentiations(max(problem%num_equations, 1)), source=-1_c_int)
       if (size(problem%differentiations) == problem%num_equations) &
         callbacks%differentiations(:) = problem%differentiations
+    end if
+    ! Where their number is wrong, create and check refuse.
+    if (allocated(problem%equation_names)) then
+      if (size(problem%equation_names) == problem%num_equations) &
+        call names_in_c(problem%equation_names, callbacks%names, callbacks%name_addresses)
     end if
     if (.not. allocated(problem%prescribed)) return
     if (size(problem%prescribed) > 0) callbacks%prescribed = problem%prescribed - 1_c_int

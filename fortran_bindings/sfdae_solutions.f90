@@ -4,8 +4,9 @@
 module sfdae_solutions
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_loc, c_null_ptr, c_ptr, &
     c_size_t
-  use sfdae_c, only: c_create_solution, c_destroy_solution, c_evaluate_solution, &
-    c_get_solution_length, c_get_solution_range, c_load_solution, c_save_solution
+  use sfdae_c, only: c_create_solution, c_cut_solution, c_destroy_solution, c_evaluate_solution, &
+    c_get_solution_accuracy, c_get_solution_length, c_get_solution_range, c_load_solution, &
+    c_save_solution
   use sfdae_types, only: sfdae_illegal_argument, sfdae_ok, sfdae_out_of_memory
   implicit none
   private
@@ -22,6 +23,8 @@ module sfdae_solutions
     procedure :: destroy => solution_destroy
     procedure :: get_range => solution_get_range
     procedure :: evaluate => solution_evaluate
+    procedure :: get_accuracy => solution_get_accuracy
+    procedure :: cut => solution_cut
     procedure :: save => solution_save
     procedure :: load => solution_load
     !> For the modules of sfdae alone: the address of the C solution.
@@ -84,6 +87,27 @@ contains
     end if
     status = c_evaluate_solution(self%handle, t, x, slopes)
   end subroutine solution_evaluate
+
+  !> How well it agrees with the integrator's own values; sfdae_not_started if nothing was recorded.
+  subroutine solution_get_accuracy(self, accuracy, t, status)
+    class(dae_solution), intent(in) :: self
+    !> The largest difference that is to be expected, in tolerances.
+    real(c_double), intent(inout) :: accuracy
+    !> Where that is.
+    real(c_double), intent(inout) :: t
+    integer(c_int), intent(out) :: status
+
+    status = c_get_solution_accuracy(self%handle, accuracy, t)
+  end subroutine solution_get_accuracy
+
+  !> Forgets what was recorded after t; sfdae_illegal_argument for t outside of the range.
+  subroutine solution_cut(self, t, status)
+    class(dae_solution), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    integer(c_int), intent(out) :: status
+
+    status = c_cut_solution(self%handle, t)
+  end subroutine solution_cut
 
   !> All of it as numbers, to be kept or written to a file.
   subroutine solution_save(self, values, status)

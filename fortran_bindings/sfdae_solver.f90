@@ -169,9 +169,27 @@ contains
     call holder%fill(problem)
     control%num_unknowns = holder%num_unknowns
     call fill_options(options, control, c_options, text)
+    call check_names(problem, text)
     status = sfdae_illegal_argument
     if (len(text) == 0) call say_what_is_wrong(holder, c_options, text, status)
   end subroutine check_problem
+
+  !> Complains of a wrong number of names, which C cannot see.
+  subroutine check_names(problem, complaint)
+    class(any_dae), intent(in) :: problem
+    !> Replaced if it is wrong.
+    character(len=:), allocatable, intent(inout) :: complaint
+
+    if (allocated(problem%equation_names)) &
+      call compare_size("equation_names", size(problem%equation_names, kind=c_int), &
+        problem%num_equations, complaint, "m")
+    select type (problem)
+    class is (any_multibody_dae)
+      if (allocated(problem%constraint_names)) &
+        call compare_size("constraint_names", size(problem%constraint_names, kind=c_int), &
+          problem%num_constraints + problem%num_nonholonomic, complaint, "nl + nk")
+    end select
+  end subroutine check_names
 
   !> What is wrong with a problem and its options, in words, and the status that create returns.
   recursive subroutine say_what_is_wrong(holder, c_options, text, status)
@@ -209,6 +227,7 @@ contains
     call self%holder%problem%fill(problem)
     self%holder%control%num_unknowns = self%holder%problem%num_unknowns
     call fill_options(options, self%holder%control, c_options, self%complaint)
+    call check_names(problem, self%complaint)
     status = sfdae_illegal_argument
     if (len(self%complaint) == 0) then
       status = self%holder%problem%create(self%handle, c_options)

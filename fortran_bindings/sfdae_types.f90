@@ -199,6 +199,7 @@ module sfdae_types
     type(c_ptr) :: prescribed = c_null_ptr
     type(c_funptr) :: prescribed_values = c_null_funptr
     type(c_ptr) :: user = c_null_ptr
+    type(c_ptr) :: equation_names = c_null_ptr
   end type sfdae_linear_problem
 
   type, bind(c), public :: sfdae_multibody_formulas
@@ -229,6 +230,7 @@ module sfdae_types
     type(c_funptr) :: nonholonomic_curvature = c_null_funptr
     integer(c_int) :: coordinates = 0
     type(c_ptr) :: user = c_null_ptr
+    type(c_ptr) :: constraint_names = c_null_ptr
   end type sfdae_multibody_problem
 
   type, bind(c), public :: sfdae_multibody_report
@@ -257,6 +259,7 @@ module sfdae_types
     type(c_funptr) :: prescribed_values = c_null_funptr
     type(c_ptr) :: user = c_null_ptr
     type(c_ptr) :: differentiations = c_null_ptr
+    type(c_ptr) :: equation_names = c_null_ptr
   end type sfdae_nonlinear_problem
 
   type, bind(c), public :: sfdae_options

@@ -57,6 +57,18 @@ static void python_free_steps(python_recorder* recorder) {
   recorder->count = recorder->capacity = 0;
 }
 
+/* x at `count` times, n values each, and x' (NULL: not wanted). Returns the status of the first call that fails. */
+static int python_evaluate_solution(const sfdae_solution* solution, const double* times, long count, double* x,
+                                    double* xdot, size_t n) {
+  long k;
+  for (k = 0; k < count; ++k) {
+    const size_t place = (size_t)k * n;
+    const int status = sfdae_evaluate_solution(solution, times[k], x + place, xdot == NULL ? NULL : xdot + place);
+    if (status < 0) return status;
+  }
+  return SFDAE_OK;
+}
+
 /* Calls sfdae_advance for times[*done] ... times[count - 1] and writes t, x and xdot of each. *done: the number of
  * times that have been reached; if these are not all, entry *done is the point where the last call ended. Returns the
  * status of the last call, or a warning of one before. */

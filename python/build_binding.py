@@ -31,6 +31,8 @@ int python_record_step(const sfdae_progress* progress, void* recorder);
 void python_free_steps(python_recorder* recorder);
 int python_advance_through(sfdae_solver* solver, const double* times, long count, long* done,
                            double* t, double* x, double* xdot, size_t n);
+int python_evaluate_solution(const sfdae_solution* solution, const double* times, long count,
+                             double* x, double* xdot, size_t n);
 """
 
 

@@ -42,6 +42,8 @@ SINGLE = {
     ("sfdae_get_checkpoint_length", "length"),
     ("sfdae_get_num_decisions", "count"),
     ("sfdae_get_solution_length", "length"),
+    ("sfdae_get_solution_accuracy", "accuracy"),
+    ("sfdae_get_solution_accuracy", "t"),
     ("sfdae_get_solution_range", "num_unknowns"),
     ("sfdae_get_solution_range", "start"),
     ("sfdae_get_solution_range", "end"),

@@ -6,8 +6,8 @@
 #   traps        the C++ and Fortran 77 tests of the same build, small, floating-point exceptions end the program
 #   reference    the C++ and Fortran 77 tests of the same build, small, with the reference BLAS and LAPACK
 #   valgrind     some examples in C and Fortran 77
-#   asan         address and undefined behaviour sanitizers, by Clang if it is there, very small, without what links
-#                programs of other compilers to this build: the guide, the symbols, the installation
+#   asan         address and undefined behaviour sanitizers, by Clang if it is there, very small, without long tests and
+#                without what links programs of other compilers to this build: the guide, symbols, installation
 #
 # The number of random problems and of similar cases is reduced, to 0.4 of all in the phase release; SFDAE_TEST_SCALE
 # chooses another part, 1 is all. "Small" is an eighth of that, "very small" a twentieth. SFDAE_WERROR=ON makes warnings
@@ -205,4 +205,4 @@ else
 fi
 
 heading "asan: tests"
-LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE="$very_small" run_tests asan asan -LE "^(docs|symbols|install)$"
+LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE="$very_small" run_tests asan asan -LE "^(docs|symbols|install|long)$"

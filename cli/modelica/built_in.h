@@ -22,6 +22,11 @@ std::optional<Value> call_mathematics(Elaboration& e, const Environment& in, con
 std::optional<Value> call_array_function(Elaboration& e, const Environment& in, const Call& call);
 std::optional<Value> call_event_operator(Elaboration& e, const Environment& in, const Call& call);
 
+// External functions on strings that are known; none: it is no such function.
+std::optional<Value> call_string_function(Elaboration& e, const Call& call);
+// External functions without results that matter for the solution: messages.
+bool only_shows_text(const std::string& external);
+
 // Fails unless the number of arguments lies in these bounds.
 void check_count(const Elaboration& e, const Call& call, size_t min, size_t max);
 // Of a condition or another scalar argument.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -52,11 +53,18 @@ class IteratorScope : public Scope {
   ValuePointer find(const std::string& name, Location at) override {
     return name == name_ ? value_ : outer_.find(name, at);
   }
+  Scope& declared() override {
+    Scope& outer = outer_.declared();
+    if (&outer == &outer_) return *this;
+    if (declared_ == nullptr) declared_ = std::make_unique<IteratorScope>(outer, name_, *value_);
+    return *declared_;
+  }
 
  private:
   Scope& outer_;
   std::string name_;
   ValuePointer value_;
+  std::unique_ptr<IteratorScope> declared_;
 };
 
 // What is expanded counts only while the condition holds, and the outer ones.

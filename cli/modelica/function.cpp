@@ -229,6 +229,7 @@ void run_external(Elaboration& e, const Environment& in, const Definition& funct
     assertion.at = external.at;
     return add_assertion(e, inside, std::move(assertion));
   }
+  if (output < 0 && only_shows_text(name)) return e.warn(external.at, "'" + name + "' is ignored");
   if (external.name.empty()) {
     for (size_t k = 0; k < function.elements.size(); ++k)
       if (function.elements[k].direction == Direction::input)
@@ -238,6 +239,7 @@ void run_external(Elaboration& e, const Environment& in, const Definition& funct
       call.arguments.push_back({"", evaluate(e, inside, *argument), argument->at});
   }
   std::optional<Value> result = call_table_function(e, inside, call);
+  if (!result) result = call_string_function(e, call);
   if (const std::optional<std::string> known = built_in_of_external(name); known && !result) {
     call.name = *known;
     result = call_mathematics(e, inside, call);

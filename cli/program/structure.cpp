@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <unordered_set>
 #include <vector>
 
 namespace sfdae::cli {
@@ -15,15 +16,23 @@ struct Pattern {
   std::size_t num_unknowns = 0;
 };
 
-void collect(const Node& node, const std::vector<std::size_t>& unknown_of, std::map<std::size_t, int>& orders) {
-  const bool is_derivative = node.operation == Operation::derivative;
-  if (is_derivative || node.operation == Operation::variable) {
+// Formulas share parts: each is visited once.
+void collect(const Equation& equation, const std::vector<std::size_t>& unknown_of,
+             std::map<std::size_t, int>& orders) {
+  std::unordered_set<const Node*> seen;
+  std::vector<const Node*> open{equation.left.get(), equation.right.get()};
+  while (!open.empty()) {
+    const Node& node = *open.back();
+    open.pop_back();
+    if (!seen.insert(&node).second) continue;
+    for (const Expression& operand : node.operands) open.push_back(operand.get());
+    const bool is_derivative = node.operation == Operation::derivative;
+    if (!is_derivative && node.operation != Operation::variable) continue;
     const std::size_t unknown = unknown_of[static_cast<std::size_t>(node.index)];
-    if (unknown == unknown_of.size()) return;
+    if (unknown == unknown_of.size()) continue;
     const auto [place, is_new] = orders.emplace(unknown, is_derivative ? 1 : 0);
     if (!is_new && is_derivative) place->second = 1;
   }
-  for (const Expression& operand : node.operands) collect(*operand, unknown_of, orders);
 }
 
 bool is_unknown(const Variable& variable) {
@@ -42,8 +51,7 @@ Pattern pattern_of(const FlatModel& model) {
         model.variables[static_cast<std::size_t>(left.index)].variability == Variability::discrete)
       continue;
     pattern.orders.emplace_back();
-    collect(left, unknown_of, pattern.orders.back());
-    collect(*equation.right, unknown_of, pattern.orders.back());
+    collect(equation, unknown_of, pattern.orders.back());
   }
   return pattern;
 }

@@ -16,11 +16,11 @@ constexpr double rounding = 1e-14;
 
 class Search {
  public:
-  Search(const System& system, const std::vector<Residual>& residuals, const std::vector<int>& rank,
-         std::vector<char>& used, std::vector<std::string>& warnings)
-      : aliases(rank), system_(system), residuals_(residuals), used_(used), warnings_(warnings) {
+  Search(const System& system, const std::vector<Residual>& residuals, Aliases& aliases, std::vector<char>& used,
+         std::vector<std::string>& warnings)
+      : aliases_(aliases), system_(system), residuals_(residuals), used_(used), warnings_(warnings) {
     forms_.reserve(residuals.size());
-    equations_of_.resize(rank.size());
+    equations_of_.resize(system.model.variables.size());
     for (const Residual& residual : residuals) {
       LinearForm form = linear_form(system.formulas, residual.formula);
       if (!form.is_whole || !form.others.empty()) form.coefficients.clear(), form.is_whole = false;
@@ -39,14 +39,14 @@ class Search {
     }
   }
 
-  Aliases aliases;
+  bool has_found() const { return has_found_; }
 
  private:
   void examine(int equation) {
     std::map<int, double> coefficients;
     double constant = forms_[at(equation)].constant, size = std::fabs(constant);
     for (const auto& [variable, coefficient] : forms_[at(equation)].coefficients) {
-      const Alias alias = aliases.find(variable);
+      const Alias alias = aliases_.find(variable);
       constant += coefficient * alias.offset;
       size += std::fabs(coefficient * alias.offset);
       if (alias.root >= 0) coefficients[alias.root] += coefficient * alias.sign;
@@ -57,23 +57,24 @@ class Search {
     const auto [a, ka] = *coefficients.begin();
     if (coefficients.size() == 1) {
       if (!std::isfinite(constant / ka)) return;
-      aliases.set_constant(a, std::fabs(constant) <= rounding * size ? 0.0 : -constant / ka);
+      aliases_.set_constant(a, std::fabs(constant) <= rounding * size ? 0.0 : -constant / ka);
       return use(equation, {a});
     }
     const auto [b, kb] = *coefficients.rbegin();
     if (std::fabs(ka) != std::fabs(kb)) return;
     const double offset = std::fabs(constant) <= rounding * size ? 0.0 : constant / std::fabs(ka);
-    aliases.unite(a, ka > 0.0 ? 1.0 : -1.0, b, kb > 0.0 ? 1.0 : -1.0, offset);
+    aliases_.unite(a, ka > 0.0 ? 1.0 : -1.0, b, kb > 0.0 ? 1.0 : -1.0, offset);
     use(equation, {a, b});
   }
 
   // What contains a changed root may have become simple, too.
   void use(int equation, const std::vector<int>& changed) {
     used_[at(equation)] = 1;
+    has_found_ = true;
     for (int root : changed) {
-      if (aliases.find(root).root == root) continue;
+      if (aliases_.find(root).root == root) continue;
       std::vector<int> affected = std::move(equations_of_[at(root)]);
-      const int new_root = aliases.find(root).root;
+      const int new_root = aliases_.find(root).root;
       for (int other : affected) {
         open_.push_back(other);
         if (new_root >= 0) equations_of_[at(new_root)].push_back(other);
@@ -90,6 +91,8 @@ class Search {
     warnings_.push_back(where + ": this equation follows from others and determines nothing");
   }
 
+  Aliases& aliases_;
+  bool has_found_ = false;
   const System& system_;
   const std::vector<Residual>& residuals_;
   std::vector<char>& used_;
@@ -130,11 +133,11 @@ void Aliases::unite(int a, double sign_a, int b, double sign_b, double constant)
   parents_[at(b)] = {a, -sign_a * sign_b, -sign_b * constant};
 }
 
-Aliases find_aliases(const System& system, const std::vector<Residual>& residuals, const std::vector<int>& rank,
-                     std::vector<char>& used, std::vector<std::string>& warnings) {
-  Search search(system, residuals, rank, used, warnings);
+bool find_aliases(const System& system, const std::vector<Residual>& residuals, Aliases& aliases,
+                  std::vector<char>& used, std::vector<std::string>& warnings) {
+  Search search(system, residuals, aliases, used, warnings);
   search.run();
-  return search.aliases;
+  return search.has_found();
 }
 
 }  // namespace sfdae::cli

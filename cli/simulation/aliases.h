@@ -26,8 +26,9 @@ class Aliases {
 };
 
 // Finds all aliases that follow from residuals with at most two variables, which may have been more before others
-// were found. used[i]: residual i has been used, or follows from the others. Throws ModelError where they contradict.
-Aliases find_aliases(const System& system, const std::vector<Residual>& residuals, const std::vector<int>& rank,
-                     std::vector<char>& used, std::vector<std::string>& warnings);
+// were found, and adds them to those known. used[i]: residual i has been used, or follows from the others. Returns
+// whether there were any. Throws ModelError where they contradict.
+bool find_aliases(const System& system, const std::vector<Residual>& residuals, Aliases& aliases,
+                  std::vector<char>& used, std::vector<std::string>& warnings);
 
 }  // namespace sfdae::cli

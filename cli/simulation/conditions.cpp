@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <utility>
 
+#include "simulation/linear_form.h"
 #include "simulation/text.h"
 
 namespace sfdae::cli {
@@ -25,19 +28,28 @@ std::vector<int> numbers_of(const System& system, const std::vector<int>& unknow
   return result;
 }
 
-// unknown = number, also as alias: sign unknown + offset = number.
+// unknown = number, where left = right is linear in one unknown alone: the guess is right then, and can be kept.
 void simplify(const Formulas& formulas, const std::vector<int>& number_of, Condition& condition) {
-  for (const auto& [side, other] :
-       {std::make_pair(condition.left, condition.right), std::make_pair(condition.right, condition.left)}) {
-    if (!formulas.is_number(other)) continue;
-    const FormulaNode& node = formulas[side];
-    const bool is_negative = node.operation == Operation::negate;
-    const FormulaNode& leaf = is_negative ? formulas[node.operands[0]] : node;
-    if (leaf.operation != Operation::variable || number_of[at(leaf.index)] < 0) continue;
-    condition.unknown = number_of[at(leaf.index)];
-    condition.value = is_negative ? -formulas[other].value : formulas[other].value;
-    return;
+  std::map<int, double> coefficients;
+  double constant = 0.0;
+  for (const auto& [side, sign] : {std::make_pair(condition.left, 1.0), std::make_pair(condition.right, -1.0)}) {
+    const LinearForm form = linear_form(formulas, side);
+    if (!form.is_whole) return;
+    constant += sign * form.constant;
+    for (const auto& [variable, coefficient] : form.coefficients) coefficients[variable] += sign * coefficient;
+    for (const auto& [factor, other] : form.others) {
+      if (formulas[other].operation != Operation::variable) return;  // else a free parameter
+      coefficients[formulas[other].index] += sign * factor;
+    }
   }
+  std::erase_if(coefficients, [](const auto& entry) { return entry.second == 0.0; });
+  if (coefficients.size() != 1) return;
+  const auto [variable, coefficient] = *coefficients.begin();
+  const double value = -constant / coefficient;
+  if (at(variable) >= number_of.size() || number_of[at(variable)] < 0 || !std::isfinite(value)) return;
+  condition.unknown = number_of[at(variable)];
+  condition.value = value;
+  condition.factor = coefficient;
 }
 
 }  // namespace
@@ -62,7 +74,7 @@ std::vector<Condition> given_conditions(const System& system, const std::vector<
     result.push_back(condition);
   }
   for (const InitialCondition& initial : system.initial_conditions) {
-    Condition condition{-1, 0.0, initial.left, initial.right, initial.text, initial.at};
+    Condition condition{-1, 0.0, 1.0, initial.left, initial.right, initial.text, initial.at};
     simplify(system.formulas, number_of, condition);
     result.push_back(condition);
   }
@@ -85,7 +97,7 @@ std::vector<Condition> possible_conditions(const System& system, const std::vect
   for (int j : order) {
     const int v = unknowns[at(j)];
     const std::string& name = system.model.variables[at(v)].name;
-    result.push_back({j, system.start[at(v)], -1, -1, name + " = " + to_text(system.start[at(v)]),
+    result.push_back({j, system.start[at(v)], 1.0, -1, -1, name + " = " + to_text(system.start[at(v)]),
                       system.model.variables[at(v)].at});
   }
   return result;

@@ -13,6 +13,7 @@ namespace sfdae::cli {
 struct Condition {
   int unknown = -1;  // number among the unknowns; -1: an equation
   double value = 0.0;
+  double factor = 1.0;  // left - right = factor (unknown - value)
   Formula left = -1, right = -1;
   std::string text;
   Location at;

@@ -37,7 +37,8 @@ class Sorting {
       if (used[at(i)] == 0) add(i);
   }
 
-  std::vector<SolvedUnknown> run() {
+  // keeps: variables may be kept where no equation has one open variable alone.
+  std::vector<SolvedUnknown> run(bool keeps) {
     while (!queue_.empty()) {
       const auto [count, equation] = queue_.top();
       queue_.pop();
@@ -48,7 +49,8 @@ class Sorting {
       if (candidate.open.size() != static_cast<std::size_t>(count))
         queue_.emplace(static_cast<int>(candidate.open.size()), equation);
       else if (count == 1) define(equation, candidate.open.front());
-      else tear(equation);
+      else if (keeps) tear(equation);
+      else break;  // all others have more
     }
     return std::move(definitions_);
   }
@@ -167,14 +169,23 @@ Formula solved(System& system, Formula residual, const Aliases& aliases, int roo
   return is_unit ? rest : formulas.apply(Operation::divide, rest, formulas.number(-coefficient));
 }
 
+std::vector<SolvedUnknown> with_values(std::vector<SolvedUnknown> definitions, System& system,
+                                       const std::vector<Residual>& residuals, const Aliases& aliases) {
+  for (SolvedUnknown& definition : definitions)
+    definition.value = solved(system, residuals[at(definition.residual)].formula, aliases, definition.variable);
+  return definitions;
+}
+
 }  // namespace
 
 std::vector<SolvedUnknown> find_definitions(System& system, const std::vector<Residual>& residuals,
                                             const Aliases& aliases, const std::vector<char>& used) {
-  std::vector<SolvedUnknown> definitions = Sorting(system, residuals, aliases, used).run();
-  for (SolvedUnknown& definition : definitions)
-    definition.value = solved(system, residuals[at(definition.residual)].formula, aliases, definition.variable);
-  return definitions;
+  return with_values(Sorting(system, residuals, aliases, used).run(true), system, residuals, aliases);
+}
+
+std::vector<SolvedUnknown> find_explicit(System& system, const std::vector<Residual>& residuals,
+                                         const Aliases& aliases, const std::vector<char>& used) {
+  return with_values(Sorting(system, residuals, aliases, used).run(false), system, residuals, aliases);
 }
 
 }  // namespace sfdae::cli

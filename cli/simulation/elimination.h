@@ -24,4 +24,8 @@ struct SolvedUnknown {
 std::vector<SolvedUnknown> find_definitions(System& system, const std::vector<Residual>& residuals,
                                             const Aliases& aliases, const std::vector<char>& used);
 
+// Of these, those that need no variable to be chosen and kept; without looking for more.
+std::vector<SolvedUnknown> find_explicit(System& system, const std::vector<Residual>& residuals,
+                                         const Aliases& aliases, const std::vector<char>& used);
+
 }  // namespace sfdae::cli

@@ -114,8 +114,9 @@ std::vector<double> Initialization::residuals(Values values, const sfdae::Point&
   for (const Condition& condition : conditions_) {
     double left = 0.0, right = condition.value, size = 0.0;
     if (condition.unknown >= 0) {
-      left = point.x[at(condition.unknown)];
-      size = nominal(condition.unknown);
+      left = condition.factor * point.x[at(condition.unknown)];
+      right = condition.factor * condition.value;
+      size = std::fabs(condition.factor) * nominal(condition.unknown);
     } else {
       left = tape[next];
       right = tape[next + 1];
@@ -137,7 +138,7 @@ Initialization::Linearization Initialization::linearized(Mode& mode, const Value
   for (const Condition& condition : conditions_) {
     std::vector<double> row(at(d), 0.0);
     for (int k = 0; k < d && condition.unknown >= 0; ++k)
-      row[at(k)] = nominal(condition.unknown) * result.B(condition.unknown, k);
+      row[at(k)] = condition.factor * nominal(condition.unknown) * result.B(condition.unknown, k);
     result.rows.push_back(row);
     if (condition.unknown >= 0) continue;
     has_equations = true;

@@ -62,18 +62,15 @@ int LibraryCalls::run(Mode& mode, Phase phase, const std::string& where, const s
 }
 
 std::string LibraryCalls::translated(const std::string& text, const std::vector<int>& unknowns) const {
-  static const std::regex number("(component |x\\[|equation )([0-9]+)\\]?");
+  static const std::regex number("(?:component |x\\[)([0-9]+)\\]?");
   std::string result;
   auto position = text.cbegin();
   for (std::sregex_iterator it(text.begin(), text.end(), number), end; it != end; ++it) {
     const std::smatch& match = *it;
     result.append(position, match[0].first);
     position = match[0].second;
-    const std::size_t i = std::stoul(match[2].str());
-    if (match[1].str() == "equation ") {
-      if (i < system_.residuals.size()) result += "equation " + place(system_.model, system_.residuals[i].at);
-      else result += match[0].str();
-    } else if (i < unknowns.size() && unknowns[i] >= 0) {
+    const std::size_t i = std::stoul(match[1].str());
+    if (i < unknowns.size() && unknowns[i] >= 0) {
       result += system_.model.variables[at(unknowns[i])].name;
     } else {
       result += match[0].str();

@@ -32,7 +32,7 @@ class LibraryCalls {
   // Throws Failure if progress says so.
   void check_stop(double t, double h, int order) const;
 
-  // A text of the library with names of unknowns and lines of equations in place of numbers.
+  // A text of the library with names of unknowns in place of numbers; it has the lines of equations (Modes::recorded).
   std::string translated(const std::string& text, const std::vector<int>& unknowns) const;
 
   // The unknowns of the modes in use.

@@ -5,6 +5,7 @@
 #include <unordered_set>
 
 #include "simulation/recording.h"
+#include "simulation/text.h"
 
 namespace sfdae::cli {
 
@@ -144,6 +145,9 @@ std::shared_ptr<Mode> Modes::recorded(const Values& values) const {
     Recording(system_, values, names).record(unknown_of, t, x, xdot, F);
     for (int k = m; k < F.size(); ++k) F[k] = xdot[n - (F.size() - k)];  // free parameters, the dummy: constant
   };
+  for (const Residual& residual : system_.residuals)
+    problem.equation_names.push_back(place(system_.model, residual.at));
+  problem.equation_names.resize(static_cast<std::size_t>(problem.num_equations));
   return std::make_shared<Mode>(std::move(problem), options_);
 }
 

@@ -10,6 +10,7 @@
 #include "simulation/discrete_order.h"
 #include "simulation/elimination.h"
 #include "simulation/import.h"
+#include "simulation/state_elimination.h"
 #include "simulation/switch_times.h"
 #include "simulation/text.h"
 #include "simulation/whens.h"
@@ -36,8 +37,12 @@ std::vector<unsigned> dependences(const FlatModel& model, const Parameters& para
 
 class Preparation {
  public:
-  Preparation(System& system, Parameters& parameters, std::vector<std::string>& warnings)
-      : system_(system), parameters_(parameters), warnings_(warnings), import_(system, parameters) {}
+  Preparation(System& system, Parameters& parameters, std::vector<std::string>& warnings, int reduce_above)
+      : system_(system),
+        parameters_(parameters),
+        warnings_(warnings),
+        reduce_above_(reduce_above),
+        import_(system, parameters) {}
 
   void run() {
     describe_variables();
@@ -136,9 +141,14 @@ class Preparation {
     }
   }
 
+  // Variables whose derivatives occur in formulas; the flag is set.
+  void mark_states(const std::vector<Formula>& all, std::vector<char>& is_state) const {
+    for (Formula part : system_.formulas.parts(all))
+      if (system_.formulas[part].operation == Operation::derivative) is_state[at(system_.formulas[part].index)] = 1;
+  }
+
   void find_states() {
     std::vector<Formula> all;
-    for (const Residual& residual : residuals_) all.push_back(residual.formula);
     for (const DiscreteAssignment& assignment : system_.discrete) all.push_back(assignment.value);
     for (const Switch& it : system_.switches) all.push_back(it.g);
     for (const Reaction& reaction : system_.reactions) all.push_back(reaction.value);
@@ -146,9 +156,11 @@ class Preparation {
       all.push_back(condition.left);
       all.push_back(condition.right);
     }
-    for (Formula part : system_.formulas.parts(all))
-      if (system_.formulas[part].operation == Operation::derivative)
-        system_.is_state[at(system_.formulas[part].index)] = 1;
+    mark_states(all, system_.is_state);
+    is_state_outside_ = system_.is_state;
+    all.clear();
+    for (const Residual& residual : residuals_) all.push_back(residual.formula);
+    mark_states(all, system_.is_state);
   }
 
   std::vector<int> ranks_of_roots() const {
@@ -166,13 +178,32 @@ class Preparation {
     system_.values.assign(model().variables.size(), -1);
     std::vector<char> used(residuals_.size(), 0);
     const std::vector<int> ranks = ranks_of_roots();
-    const Aliases aliases = find_aliases(system_, residuals_, ranks, used, warnings_);
+    Aliases aliases(ranks);
+    while (find_aliases(system_, residuals_, aliases, used, warnings_)) put_in(aliases, used);
     share_attributes(aliases);
-    const std::vector<SolvedUnknown> definitions = find_definitions(system_, residuals_, aliases, used);
-    substitute(aliases, definitions);
+    std::vector<SolvedUnknown> definitions = find_definitions(system_, residuals_, aliases, used);
+    std::vector<ExplicitState> states;
+    if (std::count(used.begin(), used.end(), 0) > reduce_above_ + static_cast<std::ptrdiff_t>(definitions.size())) {
+      states = eliminate_states({system_, residuals_, used, aliases, ranks, is_state_outside_});
+      definitions = find_definitions(system_, residuals_, aliases, used);
+    }
+    substitute(aliases, states, definitions);
     for (const SolvedUnknown& definition : definitions) used[at(definition.residual)] = 1;
     for (std::size_t i = 0; i < residuals_.size(); ++i)
       if (used[i] == 0) add_residual(residuals_[i]);
+  }
+
+  // With constants in place, products become linear and more aliases show.
+  void put_in(const Aliases& aliases, const std::vector<char>& used) {
+    Formulas& formulas = system_.formulas;
+    Substitution by(formulas);
+    for (int v = 0; v < num_variables(); ++v) {
+      if (determined_[at(v)] != Determined::continuously || aliases.find(v).root == v) continue;
+      const Alias alias = aliases.find(v);
+      by.replace(v, alias_of(alias, alias.root < 0 ? -1 : formulas.variable(alias.root)), slope_of(alias));
+    }
+    for (std::size_t i = 0; i < residuals_.size(); ++i)
+      if (used[i] == 0) residuals_[i].formula = by(residuals_[i].formula);
   }
 
   // What is said of an alias holds for its root, as far as that says nothing itself.
@@ -188,6 +219,7 @@ class Preparation {
       if (alias.root < 0 || alias.root == v) continue;
       const std::size_t root = at(alias.root);
       if (system_.is_state[at(v)] != 0) system_.is_state[root] = 1;
+      if (is_state_outside_[at(v)] != 0) is_state_outside_[root] = 1;
       if (has_nominal[at(v)] != 0 && has_nominal[root] == 0) {
         system_.nominal[root] = system_.nominal[at(v)];
         has_nominal[root] = 1;
@@ -210,18 +242,21 @@ class Preparation {
     return formulas.add(value, formulas.number(alias.offset));
   }
 
-  void substitute(const Aliases& aliases, const std::vector<SolvedUnknown>& definitions) {
+  Formula slope_of(const Alias& alias) {
+    if (alias.root < 0) return system_.formulas.number(0.0);
+    const Formula slope = system_.formulas.derivative(alias.root);
+    return alias.sign > 0.0 ? slope : system_.formulas.negate(slope);
+  }
+
+  void substitute(const Aliases& aliases, const std::vector<ExplicitState>& states,
+                  const std::vector<SolvedUnknown>& definitions) {
     Formulas& formulas = system_.formulas;
     std::vector<std::vector<int>> members(model().variables.size());
     std::vector<char> is_defined(model().variables.size(), 0);
+    for (const ExplicitState& state : states) is_defined[at(state.variable)] = 1;
     for (const SolvedUnknown& definition : definitions) is_defined[at(definition.variable)] = 1;
-    const auto replace = [&](int v, Formula root) {
-      const Alias alias = aliases.find(v);
-      system_.values[at(v)] = alias_of(alias, root);
-      const Formula slope = alias.root < 0                    ? formulas.number(0.0)
-                            : is_defined[at(alias.root)] != 0 ? -1
-                            : alias.sign > 0.0                ? formulas.derivative(alias.root)
-                                                              : formulas.negate(formulas.derivative(alias.root));
+    const auto replace = [&](int v, Formula root, Formula slope) {
+      system_.values[at(v)] = alias_of(aliases.find(v), root);
       substitution_.replace(v, system_.values[at(v)], slope);
     };
     for (int v = 0; v < num_variables(); ++v) {
@@ -229,15 +264,20 @@ class Preparation {
         system_.values[at(v)] = other_value(v);
         continue;
       }
-      const int root = aliases.find(v).root;
-      if (root >= 0 && is_defined[at(root)] != 0) members[at(root)].push_back(v);
-      else replace(v, root < 0 ? -1 : formulas.variable(root));
-      if (root == v && is_defined[at(v)] == 0) system_.unknowns.push_back(v);
+      const Alias alias = aliases.find(v);
+      if (alias.root >= 0 && is_defined[at(alias.root)] != 0) members[at(alias.root)].push_back(v);
+      else replace(v, alias.root < 0 ? -1 : formulas.variable(alias.root), slope_of(alias));
+      if (alias.root == v && is_defined[at(v)] == 0) system_.unknowns.push_back(v);
       else ++system_.num_eliminated;
+    }
+    for (const ExplicitState& state : states) {
+      const Formula value = substitution_(state.value), slope = substitution_(state.derivative);
+      for (int v : members[at(state.variable)])
+        replace(v, value, aliases.find(v).sign > 0.0 ? slope : formulas.negate(slope));
     }
     for (const SolvedUnknown& definition : definitions) {
       const Formula value = substitution_(definition.value);
-      for (int v : members[at(definition.variable)]) replace(v, value);
+      for (int v : members[at(definition.variable)]) replace(v, value, -1);
     }
     for (int v = 0; v < num_variables(); ++v)
       if (parameters_.is_derived(v)) system_.values[at(v)] = substitution_(import_(model().variables[at(v)].binding));
@@ -309,17 +349,20 @@ class Preparation {
   System& system_;
   Parameters& parameters_;
   std::vector<std::string>& warnings_;
+  int reduce_above_;
   Import import_;
   Substitution substitution_{system_.formulas};
   std::vector<Determined> determined_;
   std::vector<Residual> residuals_;
+  std::vector<char> is_state_outside_;  // of every variable: its derivative occurs in what is no residual
 };
 
 }  // namespace
 
-std::unique_ptr<System> prepared(const FlatModel& model, Parameters& parameters, std::vector<std::string>& warnings) {
+std::unique_ptr<System> prepared(const FlatModel& model, Parameters& parameters, std::vector<std::string>& warnings,
+                                 int reduce_above) {
   auto system = std::make_unique<System>(model, dependences(model, parameters));
-  Preparation(*system, parameters, warnings).run();
+  Preparation(*system, parameters, warnings, reduce_above).run();
   return system;
 }
 

@@ -11,7 +11,8 @@
 
 namespace sfdae::cli {
 
-// Throws ModelError. The model has to live as long as the system.
-std::unique_ptr<System> prepared(const FlatModel& model, Parameters& parameters, std::vector<std::string>& warnings);
+// Throws ModelError. The model has to live as long as the system. reduce_above: as in Settings.
+std::unique_ptr<System> prepared(const FlatModel& model, Parameters& parameters, std::vector<std::string>& warnings,
+                                 int reduce_above);
 
 }  // namespace sfdae::cli

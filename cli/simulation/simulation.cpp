@@ -77,7 +77,7 @@ void describe(const LibraryCalls& calls, Result& result) {
 
 void run(const FlatModel& model, const Settings& settings, bool only_analysis, Result& result) {
   Parameters parameters(model, settings.values, result.warnings);
-  const std::unique_ptr<System> system = prepared(model, parameters, result.warnings);
+  const std::unique_ptr<System> system = prepared(model, parameters, result.warnings, settings.reduce_above);
   for (int v = 0; v < static_cast<int>(model.variables.size()); ++v)
     if (parameters.is_known(v)) result.parameters[model.variables[at(v)].name] = parameters.value(v);
   result.num_unknowns = static_cast<int>(system->unknowns.size());

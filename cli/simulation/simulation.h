@@ -20,10 +20,13 @@ struct Settings {
   double stop = std::numeric_limits<double>::quiet_NaN();
   double tolerance = std::numeric_limits<double>::quiet_NaN();  // relative; absolute ones follow from it and nominal
   int method = SFDAE_METHOD_AUTOMATIC;
-  int num_outputs = 0;                   // equidistant ones after the start; 0: the experiment's interval, else 500
-  bool keeps_steps = false;              // every step is an output, too
-  bool keeps_aliases = true;             // values of eliminated unknowns are in the results
-  long max_steps = 0;                    // between two outputs; 0: the library's default
+  int num_outputs = 0;        // equidistant ones after the start; 0: the experiment's interval, else 500
+  bool keeps_steps = false;   // every step is an output, too
+  bool keeps_aliases = true;  // values of eliminated unknowns are in the results
+  long max_steps = 0;         // between two outputs; 0: the library's default
+  // Models with more unknowns, after substitution, also lose states that others give explicitly; smaller ones keep all
+  // their constraints, so that the index analysis speaks of the equations as they stand.
+  int reduce_above = 12;
   std::map<std::string, double> values;  // of parameters and start values, by name, instead of those of the model
   // Called now and then with the time, step size and order reached; false stops.
   std::function<bool(double t, double h, int order)> progress;

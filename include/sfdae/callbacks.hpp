@@ -74,6 +74,7 @@ struct CallbackState {
   Monitor monitor;
   EventFunction event_function;
   int num_events = 0;
+  std::vector<const char*> names;  // while a solver is created
   std::exception_ptr exception;
   std::mutex exception_access;
   sfdae_solver* solver = nullptr;
@@ -242,6 +243,14 @@ void fill_prescribed(const AnyProblem& problem, AnyCProblem& c) {
   c.prescribed_values = problem.prescribed_values ? call_prescribed<AnyProblem> : nullptr;
 }
 
+/// As C wants names, which it copies; the array of them is kept in the state. Throws Error unless there are n, or none.
+inline const char* const* names_in_c(const std::vector<std::string>& given, int n, const char* name, const char* what,
+                                     CallbackState& state) {
+  state.names.clear();
+  for (const std::string& one : given) state.names.push_back(one.c_str());
+  return entries(state.names, n, name, what);
+}
+
 inline sfdae_linear_problem in_c(const LinearProblem& problem, CallbackState* user) {
   sfdae_linear_problem c;
   sfdae_linear_problem_init(&c, sizeof c);
@@ -253,6 +262,7 @@ inline sfdae_linear_problem in_c(const LinearProblem& problem, CallbackState* us
   c.constant_E = problem.constant_E ? 1 : 0;
   c.constant_A = problem.constant_A ? 1 : 0;
   fill_prescribed(problem, c);
+  c.equation_names = names_in_c(problem.equation_names, problem.num_equations, "equation_names", "equations", *user);
   c.user = user;
   return c;
 }
@@ -266,6 +276,7 @@ inline sfdae_nonlinear_problem in_c(const NonlinearProblem& problem, CallbackSta
   c.linear_equations = problem.linear_equations ? call_linear_equations : nullptr;
   c.total_derivative = problem.total_derivative ? call_total_derivative : nullptr;
   fill_prescribed(problem, c);
+  c.equation_names = names_in_c(problem.equation_names, problem.num_equations, "equation_names", "equations", *user);
   c.differentiations = entries(problem.differentiations, problem.num_equations, "differentiations", "equations");
   c.user = user;
   return c;
@@ -296,6 +307,8 @@ inline sfdae_multibody_problem in_c(const MultibodyProblem& problem, CallbackSta
   c.nonholonomic_curvature =
       problem.nonholonomic_curvature ? call_velocity_vector<&P::nonholonomic_curvature, nk> : nullptr;
   c.coordinates = problem.coordinates;
+  c.constraint_names = names_in_c(problem.constraint_names, problem.num_constraints + problem.num_nonholonomic,
+                                  "constraint_names", "constraints", *user);
   c.user = user;
   return c;
 }

@@ -101,6 +101,11 @@ typedef struct sfdae_multibody_problem {
   int coordinates; /**< SFDAE_COORDINATES_ORTHOGONAL (default) or _PERMUTATION */
 
   void* user; /**< handed to every callback */
+
+  /** Names of the constraints for messages, copied: NULL (default), or nl + nk names, holonomic ones first, NULL or ""
+   * for those without one. What a message says of a constraint then includes its name, as in "holonomic constraint 1
+   * (length of the rod)". */
+  const char* const* constraint_names;
 } sfdae_multibody_problem;
 /** Sets every member to its default. size: sizeof(sfdae_multibody_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_multibody_problem_init(sfdae_multibody_problem* problem, size_t size);

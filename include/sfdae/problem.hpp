@@ -200,8 +200,9 @@ struct LinearProblem {
   VectorFunction f;  ///< not given: f = 0
   bool constant_E = false;
   bool constant_A = false;
-  std::vector<int> prescribed;       ///< indices of the components that are prescribed, u > 0 only
-  VectorFunction prescribed_values;  ///< writes their values; order is 0
+  std::vector<int> prescribed;              ///< indices of the components that are prescribed, u > 0 only
+  VectorFunction prescribed_values;         ///< writes their values; order is 0
+  std::vector<std::string> equation_names;  ///< for messages: none, or m names, "" for equations without one
 };
 
 /// F(t, x, x') = 0, see sfdae_nonlinear_problem. One of the three functions has to be given.
@@ -216,6 +217,7 @@ struct NonlinearProblem {
   std::vector<int> prescribed;               ///< indices of the components that are prescribed, u > 0 only
   VectorFunction prescribed_values;          ///< writes their values; order is 0
   std::vector<int> differentiations;         ///< none, or how often each equation is differentiated at most
+  std::vector<std::string> equation_names;   ///< for messages: none, or m names, "" for equations without one
 };
 
 /// Functions of a mechanical system that write into a view filled with zeros, see sfdae_multibody_problem:
@@ -261,6 +263,7 @@ struct MultibodyProblem {
   VelocityVectorFunction constraint_curvature;    ///< gamma; not given: differences
   VelocityVectorFunction nonholonomic_curvature;  ///< eta; not given: differences
   int coordinates = SFDAE_COORDINATES_ORTHOGONAL;
+  std::vector<std::string> constraint_names;  ///< for messages: none, or one for each, holonomic constraints first
 };
 
 }  // namespace sfdae

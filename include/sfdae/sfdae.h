@@ -147,6 +147,10 @@ typedef struct sfdae_linear_problem {
   sfdae_vector_function prescribed_values; /**< writes their values at t, num_prescribed entries; order is 0 */
 
   void* user; /**< handed to every callback */
+
+  /** Names of the equations for messages, copied: NULL (default), or m names, NULL or "" for those without one. What a
+   * message says of an equation then includes its name, as in "equation 7 (balance of mass)". */
+  const char* const* equation_names;
 } sfdae_linear_problem;
 /** Sets every member to its default. size: sizeof(sfdae_linear_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t size);
@@ -224,7 +228,8 @@ typedef struct sfdae_options {
   /** Initial values. Where x violates the constraints, unknowns without a derivative (multipliers, currents; the kernel
    * of E or F_x') adapt first. Only what then remains moves the others, and as little as possible:
    * sum (change_i / (rtol |x_i| + atol))^2 is smallest; SFDAE_VALUES_CHANGED if that is beyond the tolerances
-   * (_NEAREST). Weights make sum (change_i / w_i)^2 of all unknowns smallest instead, without that warning. */
+   * (_NEAREST). Weights make sum (change_i / w_i)^2 of all unknowns smallest instead (a local minimum where constraints are
+   * not linear), without that warning; of multibody systems that of positions, then that of velocities. */
   int initial_values;            /**< SFDAE_INITIAL_NEAREST (default), _FIXED or _ACCEPT */
   const int* fixed;              /**< for _FIXED: n flags, 1 where x_i must not change */
   const double* initial_weights; /**< NULL or n positive numbers w_i */
@@ -419,7 +424,8 @@ SFDAE_API int sfdae_get_change(const sfdae_solver* solver, sfdae_change* result)
  * free). xdot is a guess before if the option xdot_is_guess says so. Analyzes first, forward from t, if there is no
  * analysis. The point reached is unaffected.
  * Warnings: SFDAE_INCONSISTENCY_IGNORED, SFDAE_VALUES_CHANGED, SFDAE_NOT_UNIQUE, the first that applies;
- * sfdae_message names all. Failures: callbacks, structure, values. */
+ * sfdae_message names all. Failures: callbacks, structure, values; SFDAE_TOLERANCE_TOO_SMALL, with the values found in x
+ * and xdot, where derivatives by differences make them less accurate than the tolerances ask for. */
 SFDAE_API int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdot);
 
 /** What the last sfdae_start or sfdae_make_consistent did to the initial values. */

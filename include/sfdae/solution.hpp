@@ -44,6 +44,20 @@ class Solution {
     return point;
   }
 
+  /// The largest difference to the integrator's own values that is to be expected, in tolerances, and where that is, see
+  /// sfdae_get_solution_accuracy.
+  struct Accuracy {
+    double in_tolerances, t;
+  };
+  Accuracy accuracy() const {
+    Accuracy result{};
+    checked(sfdae_get_solution_accuracy(solution_, &result.in_tolerances, &result.t), "nothing was recorded");
+    return result;
+  }
+
+  /// Forgets what was recorded after t, between start and end, else an Error.
+  void cut(double t) { checked(sfdae_cut_solution(solution_, t), "the solution cannot end there"); }
+
   /// All of it as numbers, to be kept or written to a file.
   std::vector<double> save() const {
     std::size_t length = 0;

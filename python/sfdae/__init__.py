@@ -35,7 +35,6 @@ except ImportError as error:
     ) from error
 
 from ._callbacks import CannotEvaluate
-from ._dense import DenseOutput
 from ._ensemble import EnsembleSolution, solve_ensemble
 from ._events import Event, EventRecord
 from ._expression import Condition, Expression, parameter
@@ -72,7 +71,7 @@ globals().update(_PUBLIC)  # sin, cos, exp, ... of expressions, numbers and arra
 
 __version__ = version()
 __all__ = [
-    "CannotEvaluate", "Condition", "DenseOutput", "DerivativeArray", "EnsembleSolution", "Error",
+    "CannotEvaluate", "Condition", "DerivativeArray", "EnsembleSolution", "Error",
     "Event", "EventRecord", "Expression", "ExtendedSystem", "InitialValuesWarning",
     "IntegrationWarning", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
     "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning", "Solution", "Solver",

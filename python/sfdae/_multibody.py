@@ -10,7 +10,7 @@ import numpy as np
 from ._binding import lib
 from ._formula import Formula, flatten, parameter_values, probe
 from ._options import constant
-from ._problem import Problem
+from ._problem import Problem, as_names, c_names
 
 # Functions that can be recorded, and the members of sfdae_multibody_formulas that they are written
 # to.
@@ -68,6 +68,9 @@ class MultibodyProblem(Problem):
         sfdae_multibody_problem; by differences if they are not given.
     coordinates : str
         ``"orthogonal"`` or ``"permutation"``.
+    constraint_names : sequence of str, optional
+        For messages of the library, holonomic constraints first: "holonomic constraint 1 (length of
+        the rod)"; "" for those without one.
     names, units : sequence of str, optional
         Of all unknowns. By default ``q[0]``, ..., ``v[0]``, ..., ``lambda[0]``, ..., ``kappa[0]``,
         ...
@@ -96,6 +99,7 @@ class MultibodyProblem(Problem):
         constraint_curvature: Any = None,
         nonholonomic_curvature: Any = None,
         coordinates: str = "orthogonal",
+        constraint_names: Sequence[str] | None = None,
         names: Sequence[str] | None = None,
         units: Mapping[str, str] | Sequence[str] | None = None,
         parameters: Mapping[str, Any] | None = None,
@@ -127,6 +131,9 @@ class MultibodyProblem(Problem):
             names = [f"{letter}[{i}]" for letter, size in sizes.items() for i in range(size)]
         self._set_unknowns(sum(sizes.values()), names, units)
         self.num_equations = self.num_unknowns
+        self.constraint_names = (
+            None if constraint_names is None else as_names(constraint_names, "constraint_names")
+        )
 
     def _set_functions(self, given: dict[str, Any], parameters: Mapping[str, Any] | None) -> None:
         superfluous = [name for name in _DERIVATIVES if name in given and self.recorded]
@@ -196,6 +203,9 @@ class MultibodyProblem(Problem):
         c.num_positions, c.num_velocities = self.num_positions, self.num_velocities
         c.num_constraints, c.num_nonholonomic = self.num_constraints, self.num_nonholonomic
         c.coordinates = self.coordinates
+        if self.constraint_names is not None:
+            count = self.num_constraints + self.num_nonholonomic
+            c.constraint_names = c_names(self.constraint_names, count, "constraints", keep)
         if self.recorded:
             c.equations = lib.python_multibody_problem_equations
             return

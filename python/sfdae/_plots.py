@@ -21,7 +21,7 @@ def _new_axes(count: int = 1) -> Any:
 def _curve(solution: Any) -> tuple[np.ndarray, np.ndarray]:
     """Times and values to draw: of dense output, if there is one, between the outputs."""
     t = solution.t
-    if solution.dense is None or t.size < 2:
+    if solution.dense is None or solution.dense.is_empty or t.size < 2:
         return t, solution.x
     count = min(_POINTS_PER_STEP, max(_MOST_POINTS // t.size, 1))
     pieces = [np.linspace(a, b, count, endpoint=False) for a, b in zip(t[:-1], t[1:])]

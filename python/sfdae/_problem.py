@@ -111,6 +111,13 @@ class Problem:
 
         return re.sub(r"\b(?:x\[|component )(\d+)\b\]?", name, text)
 
+    def _set_equation_names(self, names: Sequence[str] | None) -> None:
+        self.equation_names = None if names is None else as_names(names, "equation_names")
+
+    def _fill_equation_names(self, c: Any, keep: list[Any]) -> None:
+        if self.equation_names is not None:
+            c.equation_names = c_names(self.equation_names, self.num_equations, "equations", keep)
+
     def _set_prescribed(self, prescribed: Prescribed | None) -> None:
         self.prescribed = {self.index(unknown): f for unknown, f in (prescribed or {}).items()}
         for unknown, function in self.prescribed.items():
@@ -155,6 +162,9 @@ class NonlinearProblem(Problem):
         n; not needed where names are given.
     names, units : sequence of str, optional
         Of the unknowns. units may be a dictionary by name, with ``"t"`` for the time.
+    equation_names : sequence of str, optional
+        m names for messages of the library, which then say "equation 7 (balance of mass)"; "" for
+        equations without one.
     num_equations : int, optional
         m; counted if it is not given.
     parameters : dict, optional
@@ -180,6 +190,7 @@ class NonlinearProblem(Problem):
         *,
         names: Sequence[str] | None = None,
         units: Mapping[str, str] | Sequence[str] | None = None,
+        equation_names: Sequence[str] | None = None,
         num_equations: int | None = None,
         parameters: Mapping[str, Any] | None = None,
         total_derivative: Callable[..., Any] | None = None,
@@ -189,6 +200,9 @@ class NonlinearProblem(Problem):
         if num_unknowns is None and names is None:
             raise TypeError("the number of unknowns is needed: num_unknowns or names")
         self._set_unknowns(len(names) if num_unknowns is None else int(num_unknowns), names, units)
+        self._set_equation_names(equation_names)
+        if num_equations is None and equation_names is not None:
+            num_equations = len(equation_names)
         if (equations is None) == (total_derivative is None):
             raise TypeError("either equations or total_derivative is needed")
         self._counts = num_equations is None and equations is not None
@@ -231,6 +245,7 @@ class NonlinearProblem(Problem):
         else:
             c.total_derivative = lib.python_nonlinear_problem_total_derivative
         self._fill_prescribed(c, keep)
+        self._fill_equation_names(c, keep)
         if self.differentiations is not None:
             if len(self.differentiations) != self.num_equations:
                 given, m = len(self.differentiations), self.num_equations
@@ -256,7 +271,7 @@ class LinearProblem(Problem):
         m entries, 0 if it is not given.
     num_equations, num_unknowns : int, optional
         Needed where neither E nor A is an array; m is n if it is not given.
-    names, units, parameters, prescribed
+    names, units, equation_names, parameters, prescribed
         As for NonlinearProblem.
     """
 
@@ -270,6 +285,7 @@ class LinearProblem(Problem):
         num_unknowns: int | None = None,
         names: Sequence[str] | None = None,
         units: Mapping[str, str] | Sequence[str] | None = None,
+        equation_names: Sequence[str] | None = None,
         parameters: Mapping[str, Any] | None = None,
         prescribed: Prescribed | None = None,
     ) -> None:
@@ -278,6 +294,7 @@ class LinearProblem(Problem):
             self.coefficients["f"] = _coefficient("f", f)
         m, n = self._shape(num_equations, num_unknowns, names)
         self._set_unknowns(n, names, units)
+        self._set_equation_names(equation_names)
         self.num_equations = m
         functions = {name: part for name, part in self.coefficients.items() if callable(part)}
         callbacks = [
@@ -313,6 +330,7 @@ class LinearProblem(Problem):
     def _fill(self, c: Any, keep: list[Any]) -> None:
         c.num_equations, c.num_unknowns = self.num_equations, self.num_unknowns
         self._fill_prescribed(c, keep)
+        self._fill_equation_names(c, keep)
         if self.kind == "nonlinear":
             c.linear_equations = lib.python_nonlinear_problem_linear_equations
             return
@@ -342,3 +360,18 @@ def _coefficient(name: str, given: Any) -> Any:
     except (TypeError, ValueError):
         has_order = False
     return given if has_order else Formula(given, ("t",), name)
+
+
+def as_names(given: Sequence[str], what: str) -> tuple[str, ...]:
+    if isinstance(given, str):
+        raise TypeError(f"{what} has to be a sequence of names, not the string {given!r}")
+    return tuple(str(name) for name in given)
+
+
+def c_names(names: Sequence[str], count: int, what: str, keep: list[Any]) -> Any:
+    """Names for C, of `count` things; what they are made of is added to `keep`."""
+    if len(names) != count:
+        raise ValueError(f"there are {len(names)} names for {count} {what}")
+    texts = [ffi.new("char[]", name.encode()) for name in names]
+    keep += [texts, ffi.new("char*[]", texts)]
+    return keep[-1]

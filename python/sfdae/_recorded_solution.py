@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Callable
 
 import numpy as np
 
@@ -17,9 +17,11 @@ def _checked(status: int, what: str) -> None:
 
 
 class RecordedSolution:
-    """The solution over a whole run of a Solver, see Solver.record: polynomials for all steps, to
-    be evaluated anywhere, saved and loaded. (The solution that sfdae.solve returns has a dense
-    output of its own, ``sol(t)``, which is more accurate than the tolerances ask for.)
+    """The solution over a whole run, at any time: what ``sol(t)`` of sfdae.solve evaluates, or what
+    Solver.record recorded. Polynomials for all steps, which can be saved and loaded.
+
+    They agree to a third of the tolerances with what the integrator interpolates, whose own error
+    is up to half a tolerance, where the solution has no jumps and kinks within steps.
     """
 
     def __init__(self) -> None:
@@ -27,11 +29,26 @@ class RecordedSolution:
         _checked(lib.sfdae_create_solution(box), "out of memory")
         self._box = ffi.gc(box, lib.sfdae_destroy_solution)
 
+    def __reduce__(self) -> tuple[Callable[..., RecordedSolution], tuple[np.ndarray]]:
+        return RecordedSolution.load, (self.save(),)
+
     def _range(self) -> tuple[int, float, float]:
         n, ends = ffi.new("int*"), ffi.new("double[2]")
         status = lib.sfdae_get_solution_range(self._box[0], n, ends, ends + 1)
         _checked(status, "nothing was recorded")
         return n[0], ends[0], ends[1]
+
+    def _accuracy(self) -> tuple[float, float]:
+        values = ffi.new("double[2]")
+        status = lib.sfdae_get_solution_accuracy(self._box[0], values, values + 1)
+        _checked(status, "nothing was recorded")
+        return values[0], values[1]
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing was recorded."""
+        null = ffi.NULL
+        return lib.sfdae_get_solution_range(self._box[0], null, null, null) < 0
 
     @property
     def start(self) -> float:
@@ -40,27 +57,82 @@ class RecordedSolution:
 
     @property
     def end(self) -> float:
-        """The end of the last step."""
+        """The end of the last step, or where the solution was cut."""
         return self._range()[2]
+
+    @property
+    def t_min(self) -> float:
+        """The earliest time."""
+        return min(self._range()[1:])
+
+    @property
+    def t_max(self) -> float:
+        """The latest time."""
+        return max(self._range()[1:])
+
+    @property
+    def accuracy(self) -> float:
+        """The largest difference to the integrator's own values that is to be expected, in units of
+        rtol |x| + atol. Large where the solution has jumps or kinks within a step.
+        """
+        return self._accuracy()[0]
+
+    @property
+    def worst_t(self) -> float:
+        """The beginning of the part of a step where that is."""
+        return self._accuracy()[1]
+
+    def cut(self, t: float) -> None:
+        """Forgets what was recorded after t.
+
+        Raises
+        ------
+        ValueError
+            For a time outside of what was recorded.
+        """
+        n, start, end = self._range()
+        if lib.sfdae_cut_solution(self._box[0], t) < 0:
+            raise ValueError(f"t = {t} is outside of what was recorded, {start} to {end}")
 
     def _evaluate(self, t: Any, part: int) -> np.ndarray:
         n, start, end = self._range()
         times = np.array(t, dtype=float)
         if times.ndim > 1:
             raise ValueError(f"t has shape {times.shape}: it has to be a number or a vector")
-        values = np.empty((times.size, 2, n))
-        for at, both in zip(np.atleast_1d(times), values):
-            x, xdot = (ffi.cast("double*", row.ctypes.data) for row in both)
-            if lib.sfdae_evaluate_solution(self._box[0], at, x, xdot) < 0:
-                raise ValueError(f"t = {at} is outside of what was recorded, {start} to {end}")
-        return values[0, part] if times.ndim == 0 else values[:, part].T
+        first, last = min(start, end), max(start, end)
+        flat = np.clip(times.reshape(-1), first, last)  # NaN stays
+        slack = 4 * np.finfo(float).eps * max(abs(first), abs(last))
+        outside = ~(np.abs(flat - times.reshape(-1)) <= slack)
+        if outside.any():
+            raise ValueError(
+                f"t = {times.reshape(-1)[outside][0]} is outside of [{first}, {last}], where the "
+                "solution is known"
+            )
+        values = np.empty((2, flat.size, n))
+        c_times, x, xdot = (ffi.cast("double*", array.ctypes.data) for array in (flat, *values))
+        status = lib.python_evaluate_solution(
+            self._box[0], c_times, flat.size, x, xdot if part == 1 else ffi.NULL, n
+        )
+        _checked(status, "the solution cannot be evaluated")
+        return values[part, 0].copy() if times.ndim == 0 else values[part].T.copy()
 
     def __call__(self, t: Any) -> np.ndarray:
-        """x at a time, shape (n,), or at N times, shape (n, N)."""
+        """x at a time, shape (n,), or at N times in any order, shape (n, N). Where the run was
+        started anew, by the action of an event, say, these are the values after it.
+
+        Raises
+        ------
+        ValueError
+            For times that were not reached.
+        Error
+            If nothing was recorded.
+        """
         return self._evaluate(t, 0)
 
     def derivative(self, t: Any) -> np.ndarray:
-        """x' at a time, shape (n,), or at N times, shape (n, N)."""
+        """x' at a time, shape (n,), or at N times, shape (n, N): the slope of the polynomials; its
+        error is about that of x over the step size.
+        """
         return self._evaluate(t, 1)
 
     def save(self) -> np.ndarray:

@@ -9,12 +9,11 @@ from typing import Any, Callable, Sequence
 import numpy as np
 
 from ._binding import ffi, lib
-from ._dense import DenseOutput
 from ._events import Event, EventRecord, joined
-from ._options import constant
 from ._report import Report
 from ._solution import Solution, Steps
 from ._points import Point
+from ._recorded_solution import RecordedSolution
 from ._solver import Solver
 from ._status import Error, InitialValuesWarning, IntegrationWarning, Status
 
@@ -29,14 +28,12 @@ class Run:
     """
 
     def __init__(
-        self, solver: Solver, t1: float, events: Sequence[Event], dense: DenseOutput | None
+        self, solver: Solver, t1: float, events: Sequence[Event], dense: RecordedSolution | None
     ) -> None:
         self.solver = solver
         self.t1 = t1
         self.events = events
         self.dense = dense
-        self._outputs: list[float] = []  # those that are left, where steps are taken one by one
-        self._direction = 0.0
         self.points: list[tuple[float, np.ndarray, np.ndarray]] = []
         self.happened: list[EventRecord] = []
         self.status = Status.OK
@@ -45,10 +42,6 @@ class Run:
         self._warnings: list[tuple[str, type[Warning]]] = []
         self.last: Point | None = None
         self._counts = [0] * len(events)
-        self._step_start = (np.nan, np.empty(0), np.empty(0))
-        self._samples = True
-        self._statistics = ffi.new("sfdae_statistics*")
-        lib.sfdae_statistics_init(self._statistics, ffi.sizeof(self._statistics[0]))
 
     # ---- Integration -----------------------------------------------------------------------------
 
@@ -57,12 +50,9 @@ class Run:
         if self.events:
             directions = [event.direction for event in self.events]
             self.solver.set_events(joined(self.events), len(self.events), directions)
+        if self.dense is not None:
+            self.solver.record(self.dense)
         point = self.solver.start(t0, x0, self.t1, xdot0)
-        self._direction = float(np.sign(self.t1 - t0))
-        self._step_start = point[:3]
-        method = self.solver._options.get("method")
-        is_bdf = method is None or constant("method", method) == lib.SFDAE_METHOD_BDF
-        self._samples = not is_bdf or self.solver.characteristics.differential == 0
         if point.status > 0:
             self._note(point.message, InitialValuesWarning)
         self._add(point)
@@ -70,16 +60,14 @@ class Run:
     def integrate(self, t_eval: np.ndarray | None) -> None:
         """To the end, or as far as it goes."""
         try:
-            if t_eval is not None and self.dense is None:
+            if t_eval is not None:
                 self._through(t_eval)
             else:
-                self._step_by_step(t_eval)
+                self._step_by_step()
         except KeyboardInterrupt:
             self.solver._state.take_exception()
             if t_eval is None:
                 self._add_reached(self.last)
-            if self.dense is not None:
-                self.dense.cut(self.last.t)
             self._end(Status.STOPPED, "interrupted by the user")
         except Error as error:
             self._end(error.status, error.message)
@@ -117,27 +105,14 @@ class Run:
         while self._next(*self._call(lib.sfdae_advance, self.t1)) and self.last.t != self.t1:
             pass
 
-    def _step_by_step(self, t_eval: np.ndarray | None) -> None:
-        """Every step on its own, for dense output or where its ends are the outputs."""
-        if t_eval is not None:
-            self._outputs = t_eval.tolist()
-            self.points.clear()
-            self._record_outputs(self.last)
+    def _step_by_step(self) -> None:
+        """Every step on its own: their ends are the outputs."""
         while self.last.t != self.t1:
             status, point = self._call(lib.sfdae_step, self.t1)
             goes_on = self._next(status, point)
-            if t_eval is None:
-                self._add_reached(point)
+            self._add_reached(point)
             if not goes_on:
                 return
-
-    def _record_outputs(self, point: Point) -> None:
-        """Outputs up to a point that was reached, by interpolation within the last step."""
-        while self._outputs and (self._outputs[0] - point.t) * self._direction <= 0:
-            t = self._outputs[0]
-            at_output = point if t == point.t else self.solver.interpolate(t)
-            self.points.append((t, at_output.x, at_output.xdot))
-            del self._outputs[0]
 
     def _call(self, function: Callable[..., int], target: float) -> tuple[int, Point]:
         solver = self.solver
@@ -166,10 +141,6 @@ class Run:
         is_ahead = (point.t - self.last.t) * (
             self.t1 - self.last.t
         ) > 0  # False for NaN, if nothing was returned
-        if self.dense is not None and status != lib.SFDAE_ILLEGAL_ARGUMENT:
-            self._record_step(point)
-        if self._outputs and is_ahead:
-            self._record_outputs(point)
         if is_ahead or status == lib.SFDAE_EVENT:
             self.last = point
         if exception is not None:
@@ -182,20 +153,6 @@ class Run:
         if status not in _GOES_ON:
             self._end(Status(status), message)
         return status in _GOES_ON
-
-    def _record_step(self, point: Point) -> None:
-        """The step that was taken, if there is a new one, as part of the dense output."""
-        statistics = self._statistics
-        lib.sfdae_get_statistics(self.solver._box[0], statistics)
-        b = statistics.t_internal
-        if b == self._step_start[0] or statistics.last_step == 0.0:
-            return
-        if self._samples:
-            self.dense.add_step(self._step_start, b, lambda t: self.solver.interpolate(t)[1:3])
-        end = point if point.t == b else self.solver.interpolate(b)
-        if not self._samples:
-            self.dense.add_ends(self._step_start, end[:3])
-        self._step_start = end[:3]
 
     # ---- Events ----------------------------------------------------------------------------------
 
@@ -222,8 +179,6 @@ class Run:
                         changed, f"x of the action of event {event.name!r}"
                     )
                     is_restarted = True
-        if ends and self.dense is not None:
-            self.dense.cut(point.t)
         if ends or not is_restarted or point.t == self.t1:
             return not ends
         restart = self.solver.start(point.t, x, self.t1)
@@ -232,9 +187,6 @@ class Run:
                 f"after an event at t = {point.t:.9g}: {restart.message}", InitialValuesWarning
             )
         self.last = restart
-        self._step_start = restart[:3]
-        if self.dense is not None:
-            self.dense.cut(point.t)
         return True
 
     # ---- Result ----------------------------------------------------------------------------------
@@ -265,14 +217,7 @@ class Run:
         elif self.status == Status.OK:
             self.message = "the end of the interval was reached"
         if self.dense is not None:
-            self.dense.finish()
-        if self.dense is not None and self.dense.accuracy > _ACCURACY_TO_WARN:
-            self._note(
-                f"dense output differs from the solution by up to {self.dense.accuracy:.0f} "
-                f"tolerances near t = {self.dense.worst_t:.6g}, where it has a jump or a kink: "
-                "sol.t and sol.x are accurate there",
-                IntegrationWarning,
-            )
+            self._finish_dense()
         times = np.array([point[0] for point in self.points])
         x = np.array([point[1] for point in self.points]).reshape(-1, problem.num_unknowns)
         xdot = np.array([point[2] for point in self.points]).reshape(-1, problem.num_unknowns)
@@ -297,3 +242,19 @@ class Run:
             names=problem.names,
             units=dict(problem.units),
         )
+
+    def _finish_dense(self) -> None:
+        """The dense output ends where the run did, within the last step, say."""
+        dense = self.dense
+        self.solver.record(None)
+        if dense.is_empty:
+            return
+        if dense.t_min <= self.last.t <= dense.t_max:
+            dense.cut(self.last.t)
+        if not dense.is_empty and dense.accuracy > _ACCURACY_TO_WARN:
+            self._note(
+                f"dense output differs from the solution by up to {dense.accuracy:.0f} tolerances "
+                f"near t = {dense.worst_t:.6g}, where it has a jump or a kink: sol.t and sol.x are "
+                "accurate there",
+                IntegrationWarning,
+            )

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._dense import DenseOutput
 from ._events import EventRecord
 from ._report import Report
 from ._points import Point
+from ._recorded_solution import RecordedSolution
 from ._status import Status
 
 
@@ -49,8 +49,9 @@ class Solution:
         Index analysis, initial values, statistics.
     steps : Steps
         Ends, sizes and orders of all accepted steps.
-    dense : DenseOutput or None
+    dense : RecordedSolution or None
         What ``sol(t)`` evaluates; ``dense.accuracy`` is its error in units of the tolerances.
+        ``dense.save()`` makes numbers of it, RecordedSolution.load reads them.
     names : tuple of str
         Of the unknowns.
     units : dict
@@ -68,7 +69,7 @@ class Solution:
     x_events: list[np.ndarray]
     report: Report
     steps: Steps
-    dense: DenseOutput | None
+    dense: RecordedSolution | None
     names: tuple[str, ...]
     units: dict[str, str]
 
@@ -94,17 +95,20 @@ class Solution:
         ValueError
             For times that were not reached, and if there is no dense output.
         """
-        if self.dense is None:
-            raise ValueError("no dense output was recorded: call solve with dense_output=True")
-        return self.dense(t)
+        return self._recorded()(t)
 
     def derivative(self, t: Any) -> np.ndarray:
         """x' at a time, shape (n,), or at N times, shape (n, N); less accurate than x by about a
         factor 1 / step.
         """
+        return self._recorded().derivative(t)
+
+    def _recorded(self) -> RecordedSolution:
         if self.dense is None:
             raise ValueError("no dense output was recorded: call solve with dense_output=True")
-        return self.dense.derivative(t)
+        if self.dense.is_empty:
+            raise ValueError("no step was taken: there is no dense output")
+        return self.dense
 
     def __getitem__(self, name: str) -> np.ndarray:
         """One unknown at the times t, N values, by its name (or the time, by ``"t"`` where no

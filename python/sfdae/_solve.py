@@ -7,11 +7,11 @@ from typing import Any, Callable, Mapping, Sequence, Union
 
 import numpy as np
 
-from ._dense import DenseOutput
 from ._events import as_events
 from ._options import check_names
 from ._problem import NonlinearProblem, Problem
 from ._progress import ProgressBar
+from ._recorded_solution import RecordedSolution
 from ._report import Report
 from ._run import Run
 from ._solution import Solution
@@ -19,8 +19,6 @@ from ._points import Point
 from ._solver import Solver
 
 ProblemOrFunction = Union[Problem, Callable[..., Any]]
-
-_TOLERANCE = 1e-6  # default of rtol and atol, that of the library
 
 
 def solve(
@@ -68,7 +66,7 @@ def solve(
         steps.
     dense_output : bool, optional
         Whether ``sol(t)`` can be evaluated at any t. By default where t_eval is not given; it costs
-        a few interpolations a step.
+        a few interpolations a step. ``sol.dense`` is a RecordedSolution, which can be saved.
     events : callable, Event, or sequence of these, optional
         Functions ``g(t, x)`` or ``g(t, x, xdot)`` whose zeros are located; see Event. As in
         solve_ivp, attributes ``terminal`` and ``direction`` of functions count.
@@ -133,10 +131,7 @@ def solve(
         {**options, "method": method, "rtol": rtol, "atol": atol, "fixed": fixed}, t1
     )
     solver = Solver(problem, parameters=parameters, monitor=monitor, **options)
-    dense = None
-    if dense_output:
-        tolerances = [_tolerance(problem, value) for value in (rtol, atol)]
-        dense = DenseOutput(problem.num_unknowns, *tolerances, t0, np.sign(t1 - t0))
+    dense = RecordedSolution() if dense_output else None
     bar = ProgressBar(t0, t1) if progress else None
     solver._recorder.records = 1
     if bar is not None:
@@ -283,13 +278,3 @@ def with_stop_time(options: dict[str, Any], t1: float) -> dict[str, Any]:
     if "stop_time" not in options and "use_stop_time" not in options:
         options["stop_time"] = t1
     return options
-
-
-def _tolerance(problem: Problem, value: Any) -> Any:
-    if value is None:
-        return _TOLERANCE
-    return (
-        float(value)
-        if np.ndim(value) == 0 and not isinstance(value, Mapping)
-        else problem.values(value)
-    )

@@ -93,7 +93,9 @@ def test_functions_of_python():
     with pytest.raises(ZeroDivisionError, match="no value"):
         value_of(lambda t: sfdae.external("failing", failing, t))
     with pytest.raises(sfdae.Error, match="missing has no derivatives of order 1"):
-        sfdae.solve(lambda t, x, xdot: [x[0] + sfdae.external("missing", missing, x[0])], (0, 1), [0])
+        sfdae.solve(
+            lambda t, x, xdot: [x[0] + sfdae.external("missing", missing, x[0])], (0, 1), [0]
+        )
 
 
 def test_recorded_solutions():
@@ -111,9 +113,16 @@ def test_recorded_solutions():
     assert solution(times).shape == (5, 20)
     assert np.abs((solution(times)[:2] ** 2).sum(axis=0) - 1).max() < 1e-6
     assert solution.derivative(times)[0] == pytest.approx(solution(times)[2], abs=1e-4)
+    assert solution.accuracy <= 0.3 and 0 <= solution.worst_t <= 1
     loaded = sfdae.RecordedSolution.load(solution.save())
     assert (loaded(times) == solution(times)).all()
     with pytest.raises(ValueError, match="outside"):
         solution(-1.0)
+    solution.cut(0.5)
+    assert solution.end == 0.5 and (solution(0.5) == loaded(0.5)).all()
+    with pytest.raises(ValueError, match="outside"):
+        solution(0.6)
+    with pytest.raises(ValueError, match="outside"):
+        solution.cut(0.6)
     with pytest.raises(sfdae.Error, match="damaged"):
         sfdae.RecordedSolution.load(solution.save()[:-1])

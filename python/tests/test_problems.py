@@ -384,3 +384,57 @@ def test_arrays_of_callbacks_can_be_kept():
 def test_repr_names_unknowns():
     assert repr(pendulum_problem()) == f"NonlinearProblem(5 unknowns: {', '.join(PENDULUM_NAMES)})"
     assert pendulum.__doc__
+
+
+# ---- Names of equations --------------------------------------------------------------------------
+
+
+def test_messages_have_names_of_equations():
+    def equations(t, x, xdot):
+        return [xdot[0] + x[0], x[1] - np.log(x[0] - 0.5)]
+
+    names = ["balance of mass", "Füllstand"]
+    problem = sfdae.NonlinearProblem(equations, names=["mass", "level"], equation_names=names)
+    assert problem.equation_names == tuple(names)
+    with pytest.raises(sfdae.Error, match=r"log of -0.25 in equation 1 \(Füllstand\)"):
+        sfdae.solve(problem, (0, 1), [0.25, 0])
+
+
+def test_contradicting_linear_equations_have_names():
+    def f(t, order):
+        return np.array([-np.sin(t), -np.sin(t) - 0.5]) if order == 0 else None
+
+    for free_of_callbacks in (True, False):
+        problem = sfdae.LinearProblem(
+            np.zeros((2, 1)),
+            np.ones((2, 1)),
+            (lambda t: [-sfdae.sin(t), -sfdae.sin(t) - 0.5]) if free_of_callbacks else f,
+            equation_names=["path", ""],
+        )
+        with pytest.raises(sfdae.Error, match=r"It is equations 0 \(path\) and 1 that cannot hold"):
+            sfdae.solve(problem, (0, 1), [0])
+
+
+def test_constraints_have_names():
+    """Two rods to one point, of different lengths."""
+    problem = sfdae.MultibodyProblem(
+        2,
+        constraints=lambda t, q: [q @ q - 1, q @ q - 4],
+        forces=lambda t, q, v: [0, -1],
+        constraint_names=["short rod", "long rod"],
+    )
+    with pytest.raises(sfdae.Error, match=r"holonomic constraint [01] \((short|long) rod\)"):
+        sfdae.solve(problem, (0, 1), [1, 0, 0, 0, 0, 0])
+
+
+def test_names_of_equations_are_as_many_as_equations():
+    def two(t, x, xdot):
+        return [xdot[0] + x[0], x[1] - x[0]]
+
+    with pytest.raises(ValueError, match="equations returned 2 formulas, not 1"):
+        sfdae.solve(sfdae.NonlinearProblem(two, 2, equation_names=["one"]), (0, 1), [0, 0])
+    problem = sfdae.NonlinearProblem(two, 2, num_equations=2, equation_names=["one"])
+    with pytest.raises(ValueError, match="there are 1 names for 2 equations"):
+        sfdae.solve(problem, (0, 1), [0, 0])
+    with pytest.raises(TypeError, match="not the string 'ab'"):
+        sfdae.NonlinearProblem(two, 2, equation_names="ab")

@@ -1,6 +1,7 @@
 // Ensembles: the C API, its checks and its summary.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
+#include <limits>
 #include <new>
 #include <string>
 #include <vector>
@@ -79,6 +80,9 @@ CallResult check_arrays(const sfdae_ensemble& ensemble, const sfdae_ensemble_res
   if (results.messages != nullptr && results.message_length < 1)
     return illegal_argument("messages is set, but message_length is 0.");
   if (ensemble.num_instances == 0) return {};
+  if (results.messages != nullptr &&
+      results.message_length > std::numeric_limits<std::size_t>::max() / index(ensemble.num_instances))
+    return illegal_argument("message_length is more than memory has for num_instances messages.");
   if (ensemble.x0 == nullptr) return illegal_argument("x0 is NULL.");
   if (results.x == nullptr || results.statuses == nullptr)
     return illegal_argument("x or statuses of the results is NULL.");

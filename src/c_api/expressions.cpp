@@ -94,9 +94,10 @@ sfdae_expression binary(Operation operation, const sfdae_expression& a, const sf
       [&] { return evaluate(operation, a.value, b.value); });
 }
 
-std::shared_ptr<const Record> finished(sfdae_record& record, const std::vector<int>& residuals) {
+std::shared_ptr<const Record> finished(sfdae_record& record, const std::vector<int>& residuals,
+                                       const EquationNames& names) {
   check_record(record);
-  return record.recorder.finish(residuals);
+  return record.recorder.finish(residuals, names);
 }
 
 // sum += sign * coefficient * node
@@ -135,7 +136,8 @@ void check_outcome(const sfdae_record& record, int returned) {
                 format("the function that writes equations returned %d.", returned));
 }
 
-std::shared_ptr<const Record> record_equations(sfdae_equations_function F, int m, int n, void* user) {
+std::shared_ptr<const Record> record_equations(sfdae_equations_function F, int m, int n, void* user,
+                                               const EquationNames& names) {
   sfdae_record record(n);
   std::vector<sfdae_expression> x, xdot, residual(index(m), in(&record, not_set));
   for (int j = 0; j < n; ++j) {
@@ -147,15 +149,16 @@ std::shared_ptr<const Record> record_equations(sfdae_equations_function F, int m
   std::vector<int> residuals;
   for (int i = 0; i < m; ++i) {
     const sfdae_expression& entry = residual[index(i)];
+    const std::string where = names.appended_to(format("residual[%d]", i), i);
     if (entry.record == &record && entry.node == not_set)
-      throw Failure(SFDAE_ILLEGAL_ARGUMENT, format("recording of equations: residual[%d] was not set.", i));
-    residuals.push_back(node_of(record, entry, format("residual[%d]", i)));
+      throw Failure(SFDAE_ILLEGAL_ARGUMENT, "recording of equations: " + where + " was not set.");
+    residuals.push_back(node_of(record, entry, where));
   }
-  return finished(record, residuals);
+  return finished(record, residuals, names);
 }
 
 std::shared_ptr<const Record> record_linear_equations(sfdae_linear_equations_function coefficients, int m, int n,
-                                                      void* user) {
+                                                      void* user, const EquationNames& names) {
   sfdae_record record(n);
   Recorder& recorder = record.recorder;
   const sfdae_expression t = in(&record, recorder.time());
@@ -176,7 +179,7 @@ std::shared_ptr<const Record> record_linear_equations(sfdae_linear_equations_fun
     if (record.status == SFDAE_OK) residual = recorder.apply(Operation::subtract, residual, f_i);
     residuals.push_back(residual);
   }
-  return finished(record, residuals);
+  return finished(record, residuals, names);
 }
 
 }  // namespace sfdae::core

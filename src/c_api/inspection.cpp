@@ -100,11 +100,13 @@ CallResult no_struct() {
 }
 
 // Passes a mismatch on, with words if it is suspicious.
-CallResult report_mismatch(const DerivativeMismatch& worst, sfdae_derivative_check* result) {
+CallResult report_mismatch(const DerivativeMismatch& worst, const EquationNames& names,
+                           sfdae_derivative_check* result) {
   CallResult words;
   if (worst.suspicious())
-    words.message = format("%s differs from differences in row %d, column %d: %.10g supplied, %.10g by differences.",
-                           name_of(worst).c_str(), worst.row, worst.column, worst.supplied, worst.difference);
+    words.message =
+        format("%s differs from differences in %s, column %d: %.10g supplied, %.10g by differences.",
+               name_of(worst).c_str(), names.row(worst.row).c_str(), worst.column, worst.supplied, worst.difference);
   fill_struct(result, {sizeof *result, worst.function, worst.order, worst.row, worst.column, worst.supplied,
                        worst.difference, worst.error, worst.uncertainty, worst.suspicious() ? 1 : 0});
   return words;
@@ -242,7 +244,8 @@ int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_order, sfdae
     if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
     LinearModel* linear = solver->kind.linear;
     if (linear == nullptr) return linear_only();
-    return report_mismatch(check_derivatives(linear->problem(), t, max_order), result);
+    return report_mismatch(check_derivatives(linear->problem(), t, max_order), solver->problem().equation_names(),
+                           result);
   });
 }
 
@@ -258,7 +261,8 @@ int sfdae_check_total_derivatives(sfdae_solver* solver, double t, const double* 
     if (!all_finite(derivatives, count)) return illegal_argument("derivatives contains NaN or Inf.");
     CallbackProblem* callback = solver->kind.nonlinear != nullptr ? solver->kind.nonlinear->callback() : nullptr;
     if (callback == nullptr) return illegal_argument("there is no callback for total derivatives.");
-    return report_mismatch(check_total_derivatives(*callback, t, derivatives, max_order), result);
+    return report_mismatch(check_total_derivatives(*callback, t, derivatives, max_order), callback->equation_names(),
+                           result);
   });
 }
 
@@ -274,7 +278,7 @@ int sfdae_check_multibody_derivatives(sfdae_solver* solver, double t, const doub
     const MultibodySizes& sizes = callbacks->sizes();
     if (!all_finite(q, index(sizes.positions)) || !all_finite(v, index(sizes.velocities)))
       return illegal_argument("q or v contains NaN or Inf.");
-    return report_mismatch(check_multibody_derivatives(*callbacks, t, q, v), result);
+    return report_mismatch(check_multibody_derivatives(*callbacks, t, q, v), {}, result);
   });
 }
 

@@ -3,6 +3,7 @@
 #include "c_api/problems.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,14 @@ template <class AnyProblem>
 PrescribedInputs inputs_of(const AnyProblem& problem) {
   const int count = problem.prescribed != nullptr ? problem.num_prescribed : 0;
   return {{problem.prescribed, problem.prescribed + count}, problem.prescribed_values, problem.user};
+}
+
+// given: `count` names, or null.
+EquationNames names_of(const char* const* given, int count) {
+  if (given == nullptr) return {};
+  std::vector<std::string> names;
+  for (int i = 0; i < count; ++i) names.emplace_back(given[i] != nullptr ? given[i] : "");
+  return EquationNames(std::move(names));
 }
 
 // Empty where nothing is left out of any array.
@@ -54,7 +63,8 @@ LinearFunctions functions_of(const sfdae_linear_problem& problem) {
           .user = problem.user,
           .constant_E = problem.constant_E != 0,
           .constant_A = problem.constant_A != 0,
-          .inputs = inputs_of(problem)};
+          .inputs = inputs_of(problem),
+          .names = names_of(problem.equation_names, problem.num_equations)};
 }
 
 AnyModel clone_of(const AnyModel& model) {
@@ -70,16 +80,18 @@ AnyModel make_model(const sfdae_linear_problem& problem) {
 AnyModel make_model(const sfdae_nonlinear_problem& problem) {
   const int m = problem.num_equations, n = problem.num_unknowns;
   const std::vector<int> counts = differentiations_of(problem);
+  const EquationNames names = names_of(problem.equation_names, m);
   const auto model_of = [&](auto nonlinear) {
     if (problem.differentiations != nullptr) nonlinear->set_differentiations(counts);
+    nonlinear->set_equation_names(names);
     return any(std::make_unique<NonlinearModel>(std::move(nonlinear)));
   };
   if (problem.total_derivative != nullptr)
     return model_of(
         std::make_unique<CallbackProblem>(m, n, problem.total_derivative, problem.user, inputs_of(problem)));
-  std::shared_ptr<const Record> record = problem.equations != nullptr
-                                             ? record_equations(problem.equations, m, n, problem.user)
-                                             : record_linear_equations(problem.linear_equations, m, n, problem.user);
+  std::shared_ptr<const Record> record =
+      problem.equations != nullptr ? record_equations(problem.equations, m, n, problem.user, names)
+                                   : record_linear_equations(problem.linear_equations, m, n, problem.user, names);
   if (record->is_linear() && counts.empty())
     return any(std::make_unique<LinearModel>(
         std::make_unique<RecordedLinearCoefficients>(std::move(record), inputs_of(problem))));
@@ -88,9 +100,13 @@ AnyModel make_model(const sfdae_nonlinear_problem& problem) {
 
 AnyModel make_model(const sfdae_multibody_problem& problem) {
   const Coordinates coordinates = coordinates_of(problem.coordinates);
-  if (problem.equations != nullptr)
-    return any(std::make_unique<MultibodyModel>(record_multibody(problem), coordinates));
-  return any(std::make_unique<MultibodyModel>(std::make_unique<CallbackMultibody>(problem), coordinates));
+  const auto model_of = [&](auto multibody) {
+    multibody->set_equation_names(
+        names_of(problem.constraint_names, problem.num_constraints + problem.num_nonholonomic));
+    return any(std::make_unique<MultibodyModel>(std::move(multibody), coordinates));
+  };
+  if (problem.equations != nullptr) return model_of(record_multibody(problem));
+  return model_of(std::make_unique<CallbackMultibody>(problem));
 }
 
 }  // namespace sfdae::core

@@ -20,7 +20,7 @@ namespace {
 
 // First of all: what this is, the length in doubles and a checksum of all that follows.
 constexpr double mark = 5.0e7 + 7353.0;  // no number that a solution begins with by chance
-constexpr int layout = 1;
+constexpr int layout = 2;
 constexpr std::size_t header_size = 4;
 
 // Cut to the 52 bits that a double holds.
@@ -103,6 +103,26 @@ int sfdae_evaluate_solution(const sfdae_solution* solution, double t, double* x,
   if (solution->pieces->count() == 0) return SFDAE_NOT_STARTED;
   if (!std::isfinite(t)) return SFDAE_ILLEGAL_ARGUMENT;
   return solution->pieces->evaluate(t, x, xdot) ? SFDAE_OK : SFDAE_ILLEGAL_ARGUMENT;
+}
+
+int sfdae_get_solution_accuracy(const sfdae_solution* solution, double* accuracy, double* t) {
+  if (solution == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  if (solution->pieces->count() == 0) return SFDAE_NOT_STARTED;
+  const SolutionPieces::Accuracy found = solution->pieces->accuracy();
+  if (accuracy != nullptr) *accuracy = found.in_tolerances;
+  if (t != nullptr) *t = found.t;
+  return SFDAE_OK;
+}
+
+int sfdae_cut_solution(sfdae_solution* solution, double t) {
+  if (solution == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  SolutionPieces& pieces = *solution->pieces;
+  if (pieces.count() == 0) return SFDAE_NOT_STARTED;
+  const double direction = pieces.end() < pieces.start() ? -1.0 : 1.0;
+  if (!std::isfinite(t) || (t - pieces.start()) * direction < 0.0 || (pieces.end() - t) * direction < 0.0)
+    return SFDAE_ILLEGAL_ARGUMENT;
+  pieces.cut(t);
+  return SFDAE_OK;
 }
 
 int sfdae_get_solution_length(const sfdae_solution* solution, size_t* length) {

@@ -9,6 +9,7 @@
 #include "c_api/codes.h"
 #include "c_api/structs.h"
 #include "c_api/warnings.h"
+#include "integrate/difference_check.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
 
@@ -338,6 +339,7 @@ int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdo
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
     solver->initial_report = report_of(found);
+    if (auto excess = excess_of_differences(found, solver->options.model.tolerances)) return std::move(*excess);
     return warning;
   });
 }

@@ -39,7 +39,7 @@ struct sfdae_solver {
 
   sfdae_solver(sfdae::core::AnyModel&& its_kind, sfdae::core::SolverOptions its_options)
       : kind(std::move(its_kind)), model(*kind.model), options(std::move(its_options)) {
-    if (const sfdae::core::TaylorEvaluator* evaluator = model.evaluator()) breakpoints.emplace(*evaluator);
+    if (model.evaluator() != nullptr) breakpoints.emplace(model.evaluators_of_inputs());
     options.integration.breakpoints = breakpoints ? &*breakpoints : nullptr;
   }
 

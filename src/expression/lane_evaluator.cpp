@@ -45,6 +45,17 @@ template <bool with_slopes, class Order>
   }
 }
 
+// Points beyond those that are there repeat the last one: what is computed lane by lane is not computed again.
+bool repeats_lane_before(const Lanes& values, int l) {
+  const LaneMask& bits = reinterpret_cast<const LaneMask&>(values);
+  return l > 0 && bits[l] == bits[l - 1];
+}
+
+template <class Function>
+void apply_to_each(const Lanes& a, Lanes& v, Function function) {
+  for (int l = 0; l < lane_count; ++l) v[l] = repeats_lane_before(a, l) ? v[l - 1] : function(a[l]);
+}
+
 // Point by point, as TaylorEvaluator does it. Slot 0 is a leaf: a result there is none. Not inlined into each of the
 // passes: that took the compiler a minute.
 template <bool with_slopes, class Order>
@@ -55,9 +66,14 @@ template <bool with_slopes, class Order>
   const int from[] = {given.v, given.a, given.b, given.c, given.p, given.q};
   double series[6 * size] = {};
   for (int l = 0; l < lane_count; ++l) {
-    for (int i = 0; i < 6; ++i)
-      for (int k = 0; k <= K; ++k) series[i * size + k] = slots[from[i] + k][l];
-    execute<with_slopes>(own, series, K);
+    bool is_repeated = true;
+    for (int i = 1; i < 4; ++i)
+      for (int k = 0; k <= K; ++k) is_repeated = is_repeated && repeats_lane_before(slots[from[i] + k], l);
+    if (!is_repeated) {
+      for (int i = 0; i < 6; ++i)
+        for (int k = 0; k <= K; ++k) series[i * size + k] = slots[from[i] + k][l];
+      execute<with_slopes>(own, series, K);
+    }
     for (const int i : {0, 4, 5})
       if (from[i] != 0)
         for (int k = 0; k <= K; ++k) slots[from[i] + k][l] = series[i * size + k];
@@ -78,7 +94,7 @@ bool divide(const Lanes* a, const Lanes* b, Lanes* v, Order K) {
 template <class Order>
 bool sqrt(const Lanes* a, Lanes* v, Order K) {
   if (!all(a[0] > 0.0)) return false;
-  for (int l = 0; l < lane_count; ++l) v[0][l] = std::sqrt(a[0][l]);
+  apply_to_each(a[0], v[0], [](double x) { return std::sqrt(x); });
   for (int k = 1; k <= K; ++k) {
     Lanes sum = a[k];
     for (int j = 1; j < k; ++j) sum -= v[j] * v[k - j];
@@ -92,10 +108,8 @@ bool sin_cos(const Lanes* a, Lanes* s, Lanes* c, Order K) {
   LaneMask bad{};
   note_not_finite(a[0], bad);
   if (any(bad)) return false;
-  for (int l = 0; l < lane_count; ++l) {
-    s[0][l] = std::sin(a[0][l]);
-    c[0][l] = std::cos(a[0][l]);
-  }
+  apply_to_each(a[0], s[0], [](double x) { return std::sin(x); });
+  apply_to_each(a[0], c[0], [](double x) { return std::cos(x); });
   for (int k = 1; k <= K; ++k) {
     Lanes sum_s{}, sum_c{};
     for (int j = 1; j <= k; ++j) {
@@ -105,6 +119,33 @@ bool sin_cos(const Lanes* a, Lanes* s, Lanes* c, Order K) {
     }
     s[k] = sum_s / static_cast<double>(k);
     c[k] = sum_c / static_cast<double>(k);
+  }
+  return true;
+}
+
+// Larger arguments overflow: that of each point says so.
+template <class Order>
+bool exp(const Lanes* a, Lanes* v, Order K) {
+  constexpr double largest_argument = 709.0;
+  if (!all(a[0] <= largest_argument)) return false;
+  apply_to_each(a[0], v[0], [](double x) { return std::exp(x); });
+  for (int k = 1; k <= K; ++k) {
+    Lanes sum{};
+    for (int j = 1; j <= k; ++j) sum += static_cast<double>(j) * a[j] * v[k - j];
+    v[k] = sum / static_cast<double>(k);
+  }
+  return true;
+}
+
+template <class Order>
+bool choose(const Lanes* a, const Lanes* b, const Lanes* c, Lanes* v, Order K) {
+  LaneMask bad{};
+  note_not_finite(a[0], bad);
+  if (any(bad)) return false;
+  const Lanes condition = a[0];
+  for (int k = 0; k <= K; ++k) {
+    const Lanes if_positive = b[k], otherwise = c[k];
+    v[k] = condition > 0.0 ? if_positive : otherwise;
   }
   return true;
 }
@@ -150,6 +191,8 @@ bool execute_together(const Instruction& instruction, Lanes* slots, Order K) {
       if (!sqrt(a, v, K)) return false;
       if constexpr (with_slopes) p[0] = 0.5 / v[0];
       return true;
+    case Code::exp: return exp(a, v, K);
+    case Code::choose: return choose(a, b, slots + instruction.c, v, K);
     case Code::sin_cos: return sin_cos(a, v, p, K);
     default: return false;
   }
@@ -211,7 +254,8 @@ void run(Pass& pass, Order K) {
   }
   for (const Tape::Leaf& leaf : tape.leaves)
     for (int k = 0; k <= K; ++k) {
-      const Lanes x = lanes(pass.points.x[index(k)][leaf.unknown]);
+      const Lanes x = leaf.derivative ? (k + 1) * lanes(pass.points.x[index(k + 1)][leaf.unknown])
+                                      : lanes(pass.points.x[index(k)][leaf.unknown]);
       note_not_finite(x, bad);
       slots[leaf.slot * pass.stride + k] = x;
     }

@@ -16,14 +16,15 @@ namespace sfdae::core {
 class LaneEvaluator {
  public:
   static constexpr int highest_order = 2;
-  // x(t + s) = sum x_k s^k: x[k] points to the unknowns. Coefficients beyond the order asked for are not read.
+  // x(t + s) = sum x_k s^k: x[k] points to the unknowns. Coefficients beyond the order asked for are not read, where x'
+  // occurs those beyond the next order.
   struct Points {
     const LaneBlock* t;
-    std::array<const LaneBlock*, highest_order + 1> x;
+    std::array<const LaneBlock*, highest_order + 2> x;
   };
 
   // Coefficients of F up to the order, and F_x if asked for. False where anything is not finite, at any of the points,
-  // whatever the reason; the TaylorEvaluator can tell which. Equations without x'.
+  // whatever the reason; the TaylorEvaluator can tell which. F_x is for equations without x' alone.
   bool evaluate(const TaylorEvaluator& source, const Points& points, int order, bool with_gradients);
 
   // Of equation i, coefficient after coefficient.

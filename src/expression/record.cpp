@@ -68,8 +68,8 @@ Record::Record(Parts parts) : parts_(std::move(parts)) {
 }
 
 std::string Record::name(int equation) const {
-  if (parts_.names.empty()) return "equation " + std::to_string(equation);
-  return parts_.names[index(equation)];
+  if (parts_.formulas.empty()) return parts_.equation_names.in_words(equation);
+  return parts_.formulas[index(equation)];
 }
 
 bool Record::is_linear() const {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "expression/equation_names.h"
 #include "expression/operation.h"
 #include "expression/point_function.h"
 #include "linalg/index.h"
@@ -65,8 +66,9 @@ class Record {
     std::vector<double> constants;
     std::vector<FunctionCall> calls;
     std::vector<Parameter> parameters;
-    std::vector<int> residuals;      // nodes, one for each equation
-    std::vector<std::string> names;  // of equations; empty: numbers are names enough
+    std::vector<int> residuals;  // nodes, one for each equation
+    EquationNames equation_names;
+    std::vector<std::string> formulas;  // what messages call equations that are none, entries of M, say; else empty
   };
 
   explicit Record(Parts parts);
@@ -85,6 +87,7 @@ class Record {
   int residual(int equation) const { return parts_.residuals[index(equation)]; }
   // As messages call it.
   std::string name(int equation) const;
+  const EquationNames& equation_names() const { return parts_.equation_names; }
   const std::vector<Parameter>& parameters() const { return parts_.parameters; }
 
   // Sparsity of F_x and F_x'.

@@ -178,7 +178,8 @@ int Recorder::choose(int c, int a, int b) {
   return intern({Operation::choose, c, a, b});
 }
 
-std::shared_ptr<const Record> Recorder::finish(std::vector<int> residuals) {
+std::shared_ptr<const Record> Recorder::finish(std::vector<int> residuals, EquationNames names) {
+  parts_.equation_names = std::move(names);
   parts_.residuals = std::move(residuals);
   const int n = parts_.num_unknowns;
   auto record = std::make_shared<const Record>(std::move(parts_));
@@ -191,7 +192,7 @@ std::shared_ptr<const Record> Recorder::excerpt(int num_unknowns, std::vector<in
   Record::Parts parts = parts_;
   parts.num_unknowns = num_unknowns;
   parts.residuals = std::move(residuals);
-  parts.names = std::move(names);
+  parts.formulas = std::move(names);
   return std::make_shared<const Record>(std::move(parts));
 }
 

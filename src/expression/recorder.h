@@ -59,7 +59,7 @@ class Recorder {
   std::optional<double> number(int i) const;
 
   // The equations; the recorder is empty afterwards.
-  std::shared_ptr<const Record> finish(std::vector<int> residuals);
+  std::shared_ptr<const Record> finish(std::vector<int> residuals, EquationNames names = {});
   // Equations with the first num_unknowns unknowns, and what messages call them; recording can go on.
   std::shared_ptr<const Record> excerpt(int num_unknowns, std::vector<int> residuals,
                                         std::vector<std::string> names) const;

@@ -155,7 +155,8 @@ std::size_t Spline::piece_of(double x) const {
 // Arguments that are the end but for rounding errors count as within.
 bool Spline::is_within(double x) const {
   const double first = data_.x.front(), last = data_.x.back();
-  const double slack = 16.0 * std::numeric_limits<double>::epsilon() * std::max(std::fabs(first), std::fabs(last));
+  // More than half the gap of a kink (time_breakpoints.cpp): steps across the end of data that an argument is limited to.
+  const double slack = 256.0 * std::numeric_limits<double>::epsilon() * std::max(std::fabs(first), std::fabs(last));
   return x >= first - slack && x <= last + slack;
 }
 

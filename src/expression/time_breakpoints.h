@@ -13,14 +13,20 @@ namespace sfdae::core {
 // modulo a period, one of several of these as conditions on t choose, or a linear function of any of that.
 class TimeBreakpoints {
  public:
-  // Parameters are those that the evaluator has when it is asked; it lives as long as this.
-  explicit TimeBreakpoints(const TaylorEvaluator& evaluator);
+  // Parameters are those that the evaluators have when they are asked; they live as long as this.
+  explicit TimeBreakpoints(const std::vector<const TaylorEvaluator*>& evaluators);
 
-  // The next one after t in a direction, +1 or -1, farther away than rounding errors of t.
+  // Where a step has to end: the next one after t in a direction, +1 or -1, farther away than rounding errors of t. In
+  // place of a kink, where values or first derivatives may jump (of tables of degree 1, where a condition changes, where a
+  // period ends), both ends of its gap.
   std::optional<double> next(double t, double direction) const;
-  // Whether t is one of those, to the last bit, and first derivatives may jump there: of tables of degree 1, where a
-  // condition changes, and where a period ends.
-  bool is_kink(double t) const;
+  // Times about a kink within which rounding errors decide on which side of it functions are evaluated.
+  struct Gap {
+    double start, end;
+    bool ends_at(double t) const;
+  };
+  // That holds t; its ends belong to it.
+  std::optional<Gap> gap_at(double t) const;
 
  private:
   // Of t.
@@ -28,17 +34,32 @@ class TimeBreakpoints {
     double offset, slope;
     double at(double t) const { return offset + slope * t; }
   };
+  struct Table {
+    int node;
+    std::vector<char> has_kink;  // at each of its breakpoints
+    double size;                 // of its arguments
+  };
   struct Search;
 
-  std::optional<Line> line_of(int node) const;
-  std::optional<Line> line_of_sum(const Node& node) const;
-  std::optional<double> number_of(int node) const;
-  void search(int node, const Line& outer, Search& search) const;
-  void search_period(const Node& node, const Line& outer, Search& search) const;
+  // The tables of one evaluator.
+  class Inputs {
+   public:
+    explicit Inputs(const TaylorEvaluator& evaluator);
+    void search(Search& search) const;
 
-  const TaylorEvaluator& evaluator_;
-  const Record& record_;
-  std::vector<int> tables_;  // nodes
+   private:
+    std::optional<Line> line_of(int node) const;
+    std::optional<Line> line_of_sum(const Node& node) const;
+    std::optional<double> number_of(int node) const;
+    void search(int node, const Line& outer, Search& search) const;
+    void search_choice(const Node& node, const Line& outer, Search& search) const;
+    void search_period(const Node& node, const Line& outer, Search& search) const;
+
+    const TaylorEvaluator& evaluator_;
+    const Record& record_;
+    std::vector<Table> tables_;
+  };
+  std::vector<Inputs> inputs_;
 };
 
 }  // namespace sfdae::core

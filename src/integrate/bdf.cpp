@@ -44,7 +44,7 @@ void Bdf::resize(const StrangenessFreeSystem& system) {
   tried_.resize(n, size_w);
   estimate_.resize(n, size_w);
   const std::size_t columns = system.is_linear() ? 0 : index(system.taylor_order() + 1);
-  for (Vector* v : {&guess_, &guess_before_, &guess_at_start_}) v->assign(n * columns, 0.0);
+  guess_.assign_zero(n * columns);
   is_linear_ = system.is_linear();
   needs_x_ = system.undetermined() > 0 || !is_linear_;
 }
@@ -88,9 +88,9 @@ Guess Bdf::guess(const StrangenessFreeSystem& system, ErrorWeights& weights) {
   // Iterations are judged by the tolerances at the last point, whatever was tried since.
   weights.update(history_.x().data());
   const auto polynomial = history_.polynomial_x(std::min(tried_.order, history_.points() - 1));
-  polynomial.taylor(tried_.t, system.taylor_order(), guess_.data());
-  polynomial.taylor(history_.time(0), system.taylor_order(), guess_before_.data());
-  return {guess_.data(), guess_before_.data(), weights.inverse()};
+  polynomial.taylor(tried_.t, system.taylor_order(), guess_.here.data());
+  polynomial.taylor(history_.time(0), system.taylor_order(), guess_.before.data());
+  return {guess_.here.data(), guess_.before.data(), weights.inverse()};
 }
 
 StepOutcome Bdf::attempt(StrangenessFreeSystem& system, double t, ErrorWeights& weights) {
@@ -163,11 +163,7 @@ bool Bdf::interpolates_x(ErrorWeights& weights) {
 Guess Bdf::guess_within(double t, int order) {
   if (last_.order == 0) return {};
   prepare_interpolation();
-  const auto polynomial = history_.polynomial_x(degree_within());
-  polynomial.taylor(t, order, guess_.data());
-  polynomial.taylor(history_.time(0), order, guess_before_.data());
-  polynomial.taylor(history_.time(1), order, guess_at_start_.data());
-  return {guess_.data(), guess_before_.data(), nullptr, guess_at_start_.data()};
+  return guess_.within(history_.polynomial_x(degree_within()), {t, history_.time(0), history_.time(1)}, order);
 }
 
 }  // namespace sfdae::core

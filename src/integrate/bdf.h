@@ -19,6 +19,7 @@
 #include "integrate/bdf_step.h"
 #include "integrate/step_control.h"
 #include "integrate/stepper.h"
+#include "integrate/taylor_guess.h"
 
 namespace sfdae::core {
 
@@ -63,7 +64,7 @@ class Bdf final : public Stepper {
   bool is_linear_ = true;
   bool needs_x_ = false;  // differences of x beside those of w: free part, guesses
   BdfStep tried_;
-  std::vector<double> guess_, guess_before_, guess_at_start_;  // Taylor coefficients, n x (taylor_order + 1)
+  TaylorGuess guess_;
   BdfErrorEstimate estimate_;
   StepControl control_, control_before_;
   LastStep last_;

@@ -111,6 +111,12 @@ std::optional<CallResult> DifferenceCheck::excess_at(DaeSystem& system, const Er
   return find_excess(errors_at_start_, sizes_since, t_start_, weights);
 }
 
+std::optional<CallResult> excess_of_differences(const ConsistentPoint& point, const Tolerances& tolerances) {
+  ErrorWeights weights;
+  weights.set(tolerances, Tightening::none);
+  return find_excess(point.difference_errors, point.x, point.t, weights);
+}
+
 void DifferenceCheck::archive(Archive& archive, std::size_t n) {
   archive.small(points_in_excess_);
   archive.real(t_);

@@ -10,6 +10,7 @@
 #include "integrate/integration_options.h"
 #include "linalg/archive.h"
 #include "system/dae_system.h"
+#include "system/model.h"
 
 namespace sfdae::core {
 
@@ -46,5 +47,8 @@ class DifferenceCheck {
   std::vector<double> sizes_since_;      // largest ones
   int points_since_ = 0;
 };
+
+// Of a point that no integration leads to: what its errors are is compared with the tolerances for x as it is.
+std::optional<CallResult> excess_of_differences(const ConsistentPoint& point, const Tolerances& tolerances);
 
 }  // namespace sfdae::core

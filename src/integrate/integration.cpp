@@ -6,9 +6,10 @@
 #include <cmath>
 #include <utility>
 
-#include "expression/time_breakpoints.h"
 #include "integrate/integration_results.h"
+#include "integrate/kinks.h"
 #include "integrate/step_events.h"
+#include "integrate/step_target.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
 
@@ -19,11 +20,6 @@ namespace {
 // Attempts in a row that fail for want of a valid point before the call gives up: steps are shorter by 4^12, some
 // 1e7, then. (Chosen.)
 constexpr int max_point_failures = 12;
-// Of a step: a rest before a limit that is a rounding error of the limit.
-constexpr double rest_at_limit = 1e-10;
-// Of a step: nearly at tout counts as there, as steps may be that much longer than what the error test allows.
-// (Chosen.)
-constexpr double nearly = 1e-4;
 // Of the smallest step: a change of the characteristic values is located within a step longer than this; else it is
 // there. (Chosen, so that the bisection has six steps to go.)
 constexpr double room_to_locate = 64.0;
@@ -49,58 +45,6 @@ Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, 
   if (watch_) watch_->start(integrator_.direction);
 }
 
-Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, const IntegrationOptions& options,
-                         Archive& saved)
-    : options_(options),
-      integrator_(system, 1.0),
-      choice_{options.method},
-      counts_(system),
-      watch_(std::move(watch)) {
-  archive(saved);
-}
-
-void Integration::archive(Archive& archive) {
-  DaeSystem& system = integrator_.system;
-  // Bit 0: backward; bit 1: with events; bit 2: with derivatives by differences.
-  const bool has_events = options_.events != nullptr, is_reading = archive.is_reading();
-  int kind =
-      (integrator_.direction < 0.0 ? 1 : 0) + (has_events ? 2 : 0) + (integrator_.differences.has_errors() ? 4 : 0);
-  bool has_change = change_.has_value();
-  archive.small(kind, integrator_.must_restart, has_change, choice_.chosen, integrator_.method, choice_.outputs);
-  if (is_reading) {
-    integrator_.direction = (kind & 1) != 0 ? -1.0 : 1.0;
-    if (((kind & 2) != 0) != has_events) throw_events_differ(has_events);
-    if (integrator_.method < Method::bdf || integrator_.method > Method::radau || choice_.chosen < Method::bdf ||
-        choice_.chosen > Method::automatic)
-      throw DamagedArchive();
-    integrator_.create(integrator_.method, options_);
-  }
-  choice_.archive_rates(archive);
-  IntegrationCounts all = counts();
-  archive_counts(archive, all, options_.short_checkpoints);
-  if (!options_.short_checkpoints) archive.real(start_);
-  archive.real(integrator_.first_step);
-  archive.real(last_returned_);
-  integrator_.stepper->archive(archive, system);
-  if (!has_change && watch_) watch_->archive(archive, integrator_.direction);
-  if ((kind & 4) != 0) integrator_.differences.archive(archive, index(system.unknowns()));
-  if (has_events) archive_events(archive, *options_.events, index(system.unknowns()), span_);
-  if (is_reading) {
-    counts_.restore(all, system);
-    integrator_.contradictions.largest = all.inconsistency;
-    output_.resize(system);
-    if (has_change) change_.emplace();
-  }
-  if (has_change) archive_change(archive);
-}
-
-void Integration::archive_change(Archive& archive) {
-  CharacteristicValues& values = change_->new_values;
-  archive.real(change_->t_before);
-  archive.real(change_->t);
-  archive.small(values.mu, values.d, values.a, values.u, values.v);
-}
-
 void Integration::set_options(const IntegrationOptions& options) {
   IntegrationOptions copy = options;
   integrator_.set_options(copy);
@@ -117,6 +61,7 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
   const double direction = integrator_.direction;
   Contradictions& contradictions = integrator_.contradictions;
   if (xdot == nullptr) xdot = output_.unused_slopes();
+  const double goal = beside_kink(options_, integrator_, tout);
   if ((tout - last_returned_) * direction < 0.0) return result_of_wrong_direction(tout, last_returned_);
   if (options_.stop_time && (*options_.stop_time - tout) * direction < 0.0)
     return result_beyond_stop_time(tout, *options_.stop_time);
@@ -125,10 +70,15 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
   const auto note_returned = [&] { last_returned_ = (t - tout) * direction > 0.0 ? tout : t; };
   CallResult result;
   try {
-    result = run(tout, one_step);
-    if (result.status == SFDAE_OK) result = output(tout, t, x, xdot);
-    else if (result.status > 0 || result.status == SFDAE_MAX_STEPS) return_consistent_point(t, x, xdot);
-    else return_last_point(t, x, xdot);
+    result = run(goal, one_step);
+    if (result.status == SFDAE_OK) {
+      output(goal, x, xdot);
+      t = tout;
+    } else if (result.status > 0 || result.status == SFDAE_MAX_STEPS) {
+      return_consistent_point(t, x, xdot);
+    } else {
+      return_last_point(t, x, xdot);
+    }
   } catch (const Failure& failure) {
     return_last_point(t, x, xdot);
     note_returned();
@@ -148,6 +98,7 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
 CallResult Integration::interpolate(double t, bool may_interpolate, double* x, double* xdot) {
   const StepState state = integrator_.stepper->state();
   const double start = state.t - state.last.h;
+  t = beside_kink(options_, integrator_, t);
   if ((t - start) * integrator_.direction < 0.0 || (state.t - t) * integrator_.direction < 0.0)
     return result_outside_last_step(t, start, state.t);
   // Searches for events are made with consistent points.
@@ -167,7 +118,7 @@ CallResult Integration::run(double tout, bool one_step) {
     if (auto stopped = obstacle(attempts, tout)) return std::move(*stopped);
     if (integrator_.method == Method::radau && integrator_.system.differential() > 0 && choice_.prefers_bdf())
       restart(Method::bdf);
-    else if (is_at_kink()) restart(integrator_.method);
+    else if (is_at_kink(options_, integrator_.stepper->state())) restart_at_kink();
     const long steps = counts_.own.steps;
     const auto result = attempt_step(tout);
     const bool is_step_taken = counts_.own.steps > steps;
@@ -179,11 +130,11 @@ CallResult Integration::run(double tout, bool one_step) {
   return {};
 }
 
-// The polynomials of the steps before say nothing about those after, and the error test may not notice that
-// (docs/decisions/41-tables-and-solutions.md).
-bool Integration::is_at_kink() const {
-  const StepState state = integrator_.stepper->state();
-  return options_.breakpoints != nullptr && state.last.h != 0.0 && options_.breakpoints->is_kink(state.t);
+// What is known of the points before says nothing about those after: polynomials, which the error test may not notice
+// (docs/decisions/41-tables-and-solutions.md), and what changes of the characteristic values would show in.
+void Integration::restart_at_kink() {
+  restart(integrator_.method);
+  if (watch_) watch_->start(integrator_.direction);
 }
 
 std::optional<CallResult> Integration::obstacle(long attempts, double tout) const {
@@ -214,7 +165,8 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
     if (state.failures_in_a_row > 0) return give_up(StepOutcome::error_too_large);
     size = smallest;
   }
-  const Target target = choose_target(state, integrator_.direction * size, tout);
+  const StepBounds bounds{integrator_.direction, tout, limit_of_step(state.t, tout), options_.never_pass_output};
+  const StepTarget target = choose_target(state, size, bounds);
   const double h = target.t - state.t;
   const StepOutcome outcome = stepper.attempt(integrator_.system, target.t, integrator_.weights);
   if (outcome != StepOutcome::accepted) {
@@ -222,32 +174,17 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
     choice_.note_attempt(false);
     return result;
   }
-  if (std::fabs(target.uncut) > (1.0 + nearly) * std::fabs(h)) stepper.set_next_step(target.uncut);
+  if (target.is_cut_short(h)) stepper.set_next_step(target.uncut);
   return accept_step(h, state.next_step);
 }
 
-// The end of a step of size h, or what limits it.
-Integration::Target Integration::choose_target(const StepState& state, double h, double tout) const {
-  const double direction = integrator_.direction;
-  Target target{state.t + h, 0.0};
+// What the next step from t must not go beyond.
+std::optional<double> Integration::limit_of_step(double t, double tout) const {
   std::optional<double> limit = options_.stop_time;
   if (approach_ && !approach_->is_reached) limit = approach_->t;
   if (change_) limit = change_->t_before;
-  if (options_.breakpoints != nullptr) {
-    const std::optional<double> kink = options_.breakpoints->next(state.t, direction);
-    if (kink && (!limit || (*limit - *kink) * direction > 0.0)) limit = kink;
-  }
-  // No tiny rest before a limit, and not a bit beyond.
-  if (limit && (target.t - *limit) * direction > -rest_at_limit * std::fabs(h)) target.t = *limit;
-  // Steps that end at tout: nearly there counts as there; the step cut short says nothing about the next one. Where
-  // interpolation would not be accurate this is the cheapest way, too, unless it makes steps shorter than they need to
-  // be for that.
-  const bool is_at_output =
-      (target.t - tout) * direction > -nearly * std::fabs(h) && !(limit && (tout - *limit) * direction > 0.0);
-  const bool is_too_long = std::fabs(target.t - state.t) > state.longest_interpolated;
-  if (!is_at_output || !(options_.never_pass_output || is_too_long)) return target;
-  if (options_.never_pass_output || std::fabs(tout - state.t) >= state.longest_interpolated) return {tout, h};
-  return {state.t + direction * state.longest_interpolated, 0.0};
+  const std::optional<double> kink = next_kink(options_, {t, tout, integrator_.direction});
+  return kink && (!limit || (*limit - *kink) * integrator_.direction > 0.0) ? kink : limit;
 }
 
 // wanted: the step that was to be tried, before limits made it one of size h.
@@ -262,8 +199,15 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
     return CallResult{SFDAE_INCONSISTENT_EQUATIONS, system.inconsistency_message()};
   }
   contradictions.largest = std::max(contradictions.largest, quality.inconsistency);
+  const bool is_across_kink = crosses_kink(options_, integrator_.stepper->state().t, h);
+  if (is_across_kink) {
+    if (auto obstacle = obstacle_at_kink(integrator_)) {
+      integrator_.stepper->withdraw();
+      return obstacle;
+    }
+  }
   try {
-    if (has_found_change(h)) return std::nullopt;
+    if (!is_across_kink && has_found_change(h)) return std::nullopt;
     integrator_.differences.accept(system, integrator_.weights, integrator_.stepper->tried_x().data(), false);
   } catch (...) {
     // The next call tries this step again.
@@ -435,13 +379,12 @@ void Integration::return_consistent_point(double& t, double* x, double* xdot) {
   output_.make_consistent(integrator_, slopes_, x, xdot);
 }
 
-CallResult Integration::output(double tout, double& t, double* x, double* xdot) {
-  if (has_searched_to(options_.events, tout)) return_searched_point(*options_.events, t, x, xdot);
-  else output_.evaluate(integrator_, {tout, true, slopes_, options_.interpolates_outputs}, options_, x, xdot);
+void Integration::output(double t, double* x, double* xdot) {
+  double searched;
+  if (has_searched_to(options_.events, t)) return_searched_point(*options_.events, searched, x, xdot);
+  else output_.evaluate(integrator_, {t, true, slopes_, options_.interpolates_outputs}, options_, x, xdot);
   // Others cost the same with either method.
   if (choice_.chosen == Method::automatic && !integrator_.stepper->state().interpolates_well) choice_.note_output();
-  t = tout;
-  return {};
 }
 
 }  // namespace sfdae::core

@@ -63,19 +63,12 @@ class Integration {
   const std::optional<LocatedChange>& change() const { return change_; }
 
  private:
-  // Where an attempt goes to; uncut: the step wanted, if it was cut short at tout, else 0.
-  struct Target {
-    double t;
-    double uncut;
-  };
-
   CallResult run(double tout, bool one_step);
-  // An input has a kink at the last point, up to which there are steps.
-  bool is_at_kink() const;
+  void restart_at_kink();
   // What keeps the next step from being tried.
   std::optional<CallResult> obstacle(long attempts, double tout) const;
   std::optional<CallResult> attempt_step(double tout);
-  Target choose_target(const StepState& state, double h, double tout) const;
+  std::optional<double> limit_of_step(double t, double tout) const;
   std::optional<CallResult> accept_step(double h, double wanted);
   bool has_found_change(double h);
   void look_closer(const LocatedChange& suspect, double h);
@@ -90,7 +83,7 @@ class Integration {
 
   // Up to tout or the last point: the event found, if any.
   std::optional<CallResult> search_events(double tout);
-  CallResult output(double tout, double& t, double* x, double* xdot);
+  void output(double t, double* x, double* xdot);
   void return_last_point(double& t, double* x, double* xdot);
   void return_consistent_point(double& t, double* x, double* xdot);
   void archive_change(Archive& archive);

@@ -52,8 +52,7 @@ void RadauOutput::resize(const StrangenessFreeSystem& system, int most_stages) {
   for (RadauNode* node : {&within_.end, &from_}) node->assign_zero(n, size_w);
   contribution_.assign(size_w, 0.0);
   mapped_.assign(n, 0.0);
-  for (std::vector<double>* v : {&guess_, &guess_before_, &guess_at_start_})
-    v->assign(n * index(system.taylor_order() + 1), 0.0);
+  guess_.assign_zero(n * index(system.taylor_order() + 1));
 }
 
 // Steps of one stage have no polynomial worth the name, and are short.
@@ -95,11 +94,8 @@ bool RadauOutput::gives_up_polynomial(RadauHistory& history, const ErrorWeights&
 
 Guess RadauOutput::guess_within(const RadauHistory& history, double t, int order) {
   if (!interpolates_well_) return {};
-  const RadauPolynomial& polynomial = history.polynomial();
-  polynomial.taylor(t, order, guess_.data());
-  polynomial.taylor(history.newest().t, order, guess_before_.data());
-  polynomial.taylor(history.newest().t - history.last().h, order, guess_at_start_.data());
-  return {guess_.data(), guess_before_.data(), nullptr, guess_at_start_.data()};
+  const double newest = history.newest().t;
+  return guess_.within(history.polynomial(), {t, newest, newest - history.last().h}, order);
 }
 
 void RadauOutput::interpolate(const RadauHistory& history, HermiteTable& table, const PointValues& point) {

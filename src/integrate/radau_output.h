@@ -13,6 +13,7 @@
 #include "integrate/radau_history.h"
 #include "integrate/radau_stages.h"
 #include "integrate/step_scales.h"
+#include "integrate/taylor_guess.h"
 
 namespace sfdae::core {
 
@@ -62,7 +63,7 @@ class RadauOutput {
   RadauStep within_;
   RadauNode from_;  // where it starts
   std::vector<double> contribution_, mapped_;
-  std::vector<double> guess_, guess_before_, guess_at_start_;  // Taylor coefficients
+  TaylorGuess guess_;
 };
 
 }  // namespace sfdae::core

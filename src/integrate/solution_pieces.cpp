@@ -59,13 +59,20 @@ void SolutionPieces::forget() {
   coefficients_.clear();
 }
 
-// The pieces that begin at or after a go, the one that holds it ends there.
-void SolutionPieces::cut(double a) {
-  while (!pieces_.empty() && (pieces_.back().a - a) * direction_ >= 0.0) {
+// The pieces that begin at or after t go, the one that holds it ends there.
+void SolutionPieces::cut(double t) {
+  while (!pieces_.empty() && (pieces_.back().a - t) * direction_ >= 0.0) {
     coefficients_.resize(pieces_.back().first);
     pieces_.pop_back();
   }
-  end_ = a;
+  end_ = t;
+}
+
+SolutionPieces::Accuracy SolutionPieces::accuracy() const {
+  Accuracy result{0.0, start_};
+  for (const Piece& piece : pieces_)
+    if (piece.left_out > result.in_tolerances) result = {piece.left_out, piece.a};
+  return result;
 }
 
 void SolutionPieces::add(int n, const Step& step) {
@@ -92,7 +99,7 @@ void SolutionPieces::add(int n, const Step& step) {
 // Coefficients through the values at the points; returns what the last of them amount to, in tolerances.
 double SolutionPieces::fit(const Step& step, Samples& samples) const {
   const std::size_t n = index(n_);
-  double excess = 0.0;
+  double largest = 0.0;
   for (int degree : degrees) {
     const int stride = max_degree / degree;
     for (int j = 0; j <= max_degree; j += stride) {
@@ -114,31 +121,31 @@ double SolutionPieces::fit(const Step& step, Samples& samples) const {
       }
     const double* const last = samples.coefficients.data() + index(degree) * n;
     const double* const last_but_one = samples.coefficients.data() + index(degree - 1) * n;
-    excess = 0.0;
+    largest = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
       const double left_out = std::fabs(last[i]) + std::fabs(last_but_one[i]);
       if (left_out == 0.0) continue;
       const double allowed = std::max(step.tolerance(static_cast<int>(i), samples.x.data()),
                                       step.tolerance(static_cast<int>(i), samples.x.data() + max_degree * n));
-      excess = std::max(excess, left_out <= tail * allowed ? 0.0 : allowed > 0.0 ? left_out / allowed : 1e300);
+      largest = std::max(largest, allowed > 0.0 ? left_out / allowed : 1e300);
     }
-    if (excess == 0.0) break;
+    if (largest <= tail) break;
   }
-  return excess;
+  return largest;
 }
 
 void SolutionPieces::add_interval(const Step& step, Samples& samples, int halvings) {
-  const double excess = fit(step, samples), middle = samples.time(max_degree / 2);
-  if (excess > 0.0 && halvings > 0 && middle != samples.a && middle != samples.b) {
+  const double left_out = fit(step, samples), middle = samples.time(max_degree / 2);
+  if (left_out > tail && halvings > 0 && middle != samples.a && middle != samples.b) {
     Samples halves[2] = {{samples.a, middle, {}, samples.x, 0, {}}, {middle, samples.b, {}, samples.x, 0, {}}};
-    double best = excess;
+    double best = left_out;
     for (Samples& half : halves) best = std::min(best, fit(step, half));
-    if (best < 0.5 * excess) {
+    if (best < 0.5 * left_out) {
       for (Samples& half : halves) add_interval(step, half, halvings - 1);
       return;
     }
   }
-  pieces_.push_back({samples.a, samples.b, samples.degree, coefficients_.size()});
+  pieces_.push_back({samples.a, samples.b, samples.degree, left_out, coefficients_.size()});
   coefficients_.insert(coefficients_.end(), samples.coefficients.begin(), samples.coefficients.end());
 }
 
@@ -186,6 +193,7 @@ void SolutionPieces::archive(Archive& archive) {
     archive.real(piece.a);
     archive.real(piece.b);
     archive.small(piece.degree);
+    archive.real(piece.left_out);
     piece.first = first;
     first += index(std::max(piece.degree, 0) + 1) * index(std::max(n_, 0));
   }
@@ -202,6 +210,7 @@ bool SolutionPieces::is_sound() const {
     const Piece& piece = pieces_[i];
     const bool has_degree = std::find(std::begin(degrees), std::end(degrees), piece.degree) != std::end(degrees);
     if (!has_degree || !std::isfinite(piece.a) || !std::isfinite(piece.b) || !ahead(piece.a, piece.b)) return false;
+    if (!(piece.left_out >= 0.0)) return false;
     if (i == 0 ? piece.a != start_ : !ahead(pieces_[i - 1].a, piece.a)) return false;
   }
   if (!pieces_.empty() && (!ahead(pieces_.back().a, end_) || ahead(pieces_.back().b, end_))) return false;

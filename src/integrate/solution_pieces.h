@@ -30,6 +30,15 @@ class SolutionPieces {
   std::size_t count() const { return pieces_.size(); }
   double start() const { return start_; }  // where there are pieces
   double end() const { return end_; }
+  // The piece that differs most from what it was made of, and by how many tolerances, about: what the last two of its
+  // coefficients amount to.
+  struct Accuracy {
+    double in_tolerances, t;
+  };
+  Accuracy accuracy() const;
+
+  // It ends at t, between start and end; at the start there is nothing left.
+  void cut(double t);
 
   // False outside of start ... end. x and xdot: n values, xdot may be null.
   bool evaluate(double t, double* x, double* xdot) const;
@@ -42,12 +51,12 @@ class SolutionPieces {
   struct Piece {
     double a, b;
     int degree;
+    double left_out;  // in tolerances
     std::size_t first;
   };
   struct Samples;
 
   void forget();
-  void cut(double a);
   // Adds the interval as it is, or in halves where that helps, as it does with a jump.
   void add_interval(const Step& step, Samples& samples, int halvings);
   double fit(const Step& step, Samples& samples) const;

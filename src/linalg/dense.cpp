@@ -227,8 +227,28 @@ Svd svd(ConstView a) {
   return result;
 }
 
-// With vectors: without them LAPACK takes another algorithm (dqds), which probes the arithmetic by dividing by zero.
-std::vector<double> singular_values(ConstView a) { return svd(a).s; }
+// As svd() finds them, but with a single vector turned along: without any LAPACK takes another algorithm (dqds), which
+// probes the arithmetic by dividing by zero.
+std::vector<double> singular_values(ConstView a) {
+  // Squares of others may over- or underflow: dgesvd scales them.
+  constexpr double largest = 1e140;
+  const int count = std::min(a.rows, a.cols);
+  const double size = max_abs(a);
+  const bool is_in_range = count > 0 && size < largest && size > 1.0 / largest;
+  if (!is_in_range) return svd(a).s;
+  Matrix work = to_matrix(a);
+  const int length = 64 * (a.rows + a.cols), none = 0, one = 1;
+  std::vector<double> d(index(count)), e(d), tau_q(d), tau_p(d), turned(index(count), 0.0), scratch(index(length));
+  int info = 0;
+  dgebrd_(&a.rows, &a.cols, work.data(), &a.rows, d.data(), e.data(), tau_q.data(), tau_p.data(), scratch.data(),
+          &length, &info);
+  double unused = 0.0;
+  if (info == 0)
+    dbdsqr_(a.rows >= a.cols ? "U" : "L", &count, &none, &none, &one, d.data(), e.data(), &unused, &one, &unused,
+            &one, turned.data(), &count, scratch.data(), &info);
+  if (info != 0) throw std::runtime_error("the singular value decomposition did not converge.");
+  return d;
+}
 
 Matrix range_basis(ConstView a, int rank) {
   const Svd decomposition = svd(a);

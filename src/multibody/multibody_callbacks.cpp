@@ -77,9 +77,9 @@ void CallbackMultibody::check_rates(double t, const double* q) {
       if (here[i] != later[i])
         throw Failure(
             SFDAE_ILLEGAL_ARGUMENT,
-            format("constraint %d depends on t (%.15g at t = %.15g, %.15g at t = %.15g with the same q), but "
+            format("%s depends on t (%.15g at t = %.15g, %.15g at t = %.15g with the same q), but "
                    "there is no constraint_rate: provide the derivative of g by t.",
-                   static_cast<int>(i), here[i], t, later[i], t + part * offset));
+                   name_of_constraint(static_cast<int>(i)).c_str(), here[i], t, later[i], t + part * offset));
   }
 }
 

@@ -62,12 +62,6 @@ bool MultibodyConsistency::has_fixed(int first, int count) const {
                      [](char flag) { return flag != 0; });
 }
 
-std::string MultibodyConsistency::name_of(int constraint) const {
-  const bool is_holonomic = constraint < sizes_.holonomic;
-  return format("%s constraint %d", is_holonomic ? "holonomic" : "nonholonomic",
-                is_holonomic ? constraint : constraint - sizes_.holonomic);
-}
-
 // The smallest one; 0 if there is none.
 double MultibodyConsistency::position_tolerance() const {
   const auto& all = request_.tolerances;
@@ -103,7 +97,7 @@ void MultibodyConsistency::refuse_positions(const PositionSearch& search, const 
   const Vector residuals = search.residuals();
   const auto worst = std::max_element(residuals.begin(), residuals.end(),
                                       [](double a, double b) { return std::fabs(a) < std::fabs(b); });
-  const std::string name = name_of(static_cast<int>(worst - residuals.begin()));
+  const std::string name = problem_.name_of_constraint(static_cast<int>(worst - residuals.begin()));
   const bool is_stationary = search.is_stationary(open);
   if (is_stationary && has_fixed(0, sizes_.positions))
     throw Failure(SFDAE_FIXED_VALUES,
@@ -160,7 +154,7 @@ void MultibodyConsistency::check_nearby(const Vector& q, const MultibodyRanks& k
             SFDAE_CHARACTERISTICS_CHANGED,
             format("the configuration at t = %.15g is singular: the gradient of %s vanishes. Start elsewhere, or "
                    "write the constraint so that its gradient does not vanish where it holds.",
-                   t_, name_of(i).c_str()));
+                   t_, problem_.name_of_constraint(i).c_str()));
     PositionSearch search = search_at(beside);
     if (!search.approach(position_metric(search.point().terms, request_).open, most_iterations)) return;
     evaluate_at(search.q());
@@ -225,7 +219,7 @@ void MultibodyConsistency::refuse_velocities(const Vector& residuals, const doub
     if (point_.velocity_units[index(i)] > 0.0)
       size = std::max(size, std::fabs(point_.terms.velocity_rest[index(i)]) / point_.velocity_units[index(i)]);
   if (std::fabs(*worst) <= contradiction * size) return;
-  const std::string name = name_of(static_cast<int>(worst - residuals.begin()));
+  const std::string name = problem_.name_of_constraint(static_cast<int>(worst - residuals.begin()));
   if (has_fixed(sizes_.positions, nv))
     throw Failure(SFDAE_FIXED_VALUES,
                   format("the fixed velocities contradict the constraints at t = %.15g: %s is violated by "

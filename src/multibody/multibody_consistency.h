@@ -43,7 +43,6 @@ class MultibodyConsistency {
   // Returns if they are rounding errors, or tolerated.
   void refuse_velocities(const std::vector<double>& residuals, const double* given);
   bool has_fixed(int first, int count) const;
-  std::string name_of(int constraint) const;
 
   MultibodyProblem& problem_;
   MultibodySizes sizes_;

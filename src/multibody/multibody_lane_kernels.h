@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "linalg/lane_algebra.h"
 #include "linalg/lanes.h"
 #include "multibody/multibody_form.h"
-#include "multibody/multibody_lane_algebra.h"
 #include "multibody/multibody_lane_terms.h"
 #include "multibody/multibody_step_matrix.h"
 

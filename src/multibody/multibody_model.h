@@ -44,6 +44,7 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
     return {.F = problem_->evaluations(), .linearizations = problem_->linearizations()};
   }
   TaylorEvaluator* evaluator() override { return problem_->evaluator(); }
+  std::vector<const TaylorEvaluator*> evaluators_of_inputs() override { return problem_->evaluators_of_inputs(); }
   void parameters_changed() override {
     problem_->parameters_changed();
     first_order_.reset();

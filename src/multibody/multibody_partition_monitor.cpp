@@ -11,7 +11,6 @@
 namespace sfdae::core {
 
 void PartitionMonitor::resize(const MultibodySizes& sizes, const MultibodySettings& settings) {
-  holonomic_ = sizes.holonomic;
   settings_ = settings;
   origin_.q.resize(index(sizes.positions));
   origin_.v.resize(index(sizes.velocities));
@@ -123,13 +122,10 @@ void PartitionMonitor::restore(const MultibodyOrientation& orientation, long cou
   count_ = count;
 }
 
-std::string PartitionMonitor::message() const {
+std::string PartitionMonitor::message(const MultibodyProblem& problem) const {
   if (!has_changed_) return {};
-  const int row = change_.vanishing_row;
-  const bool is_holonomic = row < holonomic_;
   const std::string gradient =
-      format(" The configuration is singular: the gradient of %s constraint %d ",
-             is_holonomic ? "holonomic" : "nonholonomic", is_holonomic ? row : row - holonomic_);
+      " The configuration is singular: the gradient of " + problem.name_of_constraint(change_.vanishing_row) + " ";
   if (change_.vanishing_value == 0.0) return gradient + "vanishes.";
   return gradient + format("depends on those of the others, with singular value %.2g.", change_.vanishing_value);
 }

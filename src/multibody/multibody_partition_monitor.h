@@ -59,7 +59,7 @@ class PartitionMonitor {
   // That met last.
   const MultibodyRankChange& change() const { return change_; }
   // What there is to say about it; empty: nothing.
-  std::string message() const;
+  std::string message(const MultibodyProblem& problem) const;
 
   const MultibodyOrientation& orientation() const { return orientation_; }
   // A partition that was chosen before.
@@ -77,7 +77,6 @@ class PartitionMonitor {
   void name_constraint(const MultibodyPoint& point, int turning_row, const MultibodyForm& form, Arena& arena);
   void note_change(const MultibodyPoint& point, const Crossings& crossings, const MultibodyForm& form, Arena& arena);
 
-  int holonomic_ = 0;
   MultibodySettings settings_;
   MultibodyPhasePoint origin_;
   long count_ = 0;

@@ -9,9 +9,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
+#include "linalg/format.h"
 #include "linalg/matrix.h"
 #include "multibody/multibody_lane_terms.h"
 #include "problem/problem.h"
@@ -62,6 +64,13 @@ class MultibodyProblem : public Problem {
   virtual ~MultibodyProblem() = default;
 
   const MultibodySizes& sizes() const { return sizes_; }
+  // As messages call it: "holonomic constraint 1 (length of the rod)". Names of equations are those of constraints.
+  std::string name_of_constraint(int row) const {
+    const bool is_holonomic = row < sizes_.holonomic;
+    return equation_names().appended_to(format("%s constraint %d", is_holonomic ? "holonomic" : "nonholonomic",
+                                               is_holonomic ? row : row - sizes_.holonomic),
+                                        row);
+  }
   virtual bool has_kinematics() const = 0;  // S is not the identity
 
   // g alone.
@@ -84,6 +93,7 @@ class MultibodyProblem : public Problem {
 
   // Of recorded formulas: where their parameters are; parameters_changed() is due after a change there.
   virtual TaylorEvaluator* evaluator() { return nullptr; }
+  virtual std::vector<const TaylorEvaluator*> evaluators_of_inputs() const { return {}; }
   virtual void parameters_changed() {}
 
   long evaluations() const { return evaluations_; }

@@ -42,7 +42,6 @@ ChangeNorms add_change(const double* change, const double* inverse_weights, std:
 }  // namespace
 
 void MultibodyProjection::resize(const MultibodySizes& sizes, const MultibodyForm& form) {
-  holonomic_ = sizes.holonomic;
   form.resize_tangents(tangents_);
   inverse_weights_.assign(index(sizes.positions + sizes.velocities) + 1, 0.0);
 }
@@ -162,14 +161,11 @@ void MultibodyProjection::compare(const Partition& partition, const double* resi
   }
 }
 
-std::string MultibodyProjection::inconsistency_message(double t) const {
-  const bool is_holonomic = inconsistent_row_ < holonomic_;
+std::string MultibodyProjection::inconsistency_message(const MultibodyProblem& problem, double t) const {
   return format(
-      "constraints contradict each other at t = %.15g: the gradient of %s constraint %d depends on those of the "
-      "others, but it is violated by %.3g (relative) where they hold. Correct the constraints, or set "
-      "ignore_inconsistency.",
-      t, is_holonomic ? "holonomic" : "nonholonomic",
-      is_holonomic ? inconsistent_row_ : inconsistent_row_ - holonomic_, inconsistency_);
+      "constraints contradict each other at t = %.15g: the gradient of %s depends on those of the others, but it is "
+      "violated by %.3g (relative) where they hold. Correct the constraints, or set ignore_inconsistency.",
+      t, problem.name_of_constraint(inconsistent_row_).c_str(), inconsistency_);
 }
 
 }  // namespace sfdae::core

@@ -35,7 +35,7 @@ class MultibodyProjection {
   // Of the point projected last: the smallest pivot of C Q2, and by how much dependent constraints are violated.
   double smallest_pivot() const { return smallest_pivot_; }
   double inconsistency() const { return inconsistency_; }
-  std::string inconsistency_message(double t) const;
+  std::string inconsistency_message(const MultibodyProblem& problem, double t) const;
 
  private:
   PointStatus project_positions(MultibodyPoint& point, MultibodyEquations& equations, const MultibodyForm& form,
@@ -45,7 +45,6 @@ class MultibodyProjection {
   void measure_inconsistency(const MultibodyPoint& point, const MultibodyForm& form, Arena& arena);
   void compare(const Partition& partition, const double* residuals, const double* units, double size);
 
-  int holonomic_ = 0;
   Tangents tangents_;
   std::vector<double> inverse_weights_;
   double smallest_pivot_ = 1.0, inconsistency_ = 0.0;

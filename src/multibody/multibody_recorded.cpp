@@ -91,6 +91,12 @@ void RecordedMultibody::allocate() {
   rate_v_ = Matrix(sizes().positions, sizes().velocities);
 }
 
+std::vector<const TaylorEvaluator*> RecordedMultibody::evaluators_of_inputs() const {
+  std::vector<const TaylorEvaluator*> evaluators = {&terms_.evaluator()};
+  if (constraints_) evaluators.push_back(&*constraints_);
+  return evaluators;
+}
+
 void RecordedMultibody::parameters_changed() {
   const TaylorEvaluator& all = terms_.evaluator();
   terms_.copy_parameters(num_parameters_);

@@ -39,6 +39,7 @@ class RecordedMultibody final : public MultibodyProblem {
   CallbackError linearize(const MultibodyState& state, const MultibodyTerms& terms,
                           MultibodyJacobian& jacobian) override;
   TaylorEvaluator* evaluator() override { return &terms_.evaluator(); }
+  std::vector<const TaylorEvaluator*> evaluators_of_inputs() const override;
   void parameters_changed() override;
   // first_order_equations() of multibody_formulas.h, with the values that parameters have now.
   std::unique_ptr<RecordedProblem> first_order_problem();

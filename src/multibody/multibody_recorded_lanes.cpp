@@ -64,7 +64,7 @@ void RecordedLanes::prepare(const Formulas& formulas, MultibodyLaneTerms& terms)
 
 bool RecordedLanes::evaluate(const Formulas& formulas, const LaneBlock* t, const LaneBlock* qv,
                              MultibodyLaneTerms& terms) {
-  if (!values_.evaluate(formulas.terms.evaluator(), {t, {qv, nullptr, nullptr}}, 0, false)) return false;
+  if (!values_.evaluate(formulas.terms.evaluator(), {t, {qv, nullptr, nullptr, nullptr}}, 0, false)) return false;
   for (const Target& target : masses_) terms.M.entries[target.entry] = *values_.value(target.value);
   for (const Target& target : forces_) terms.f[target.entry] = *values_.value(target.value);
   return formulas.constraints == nullptr || evaluate_constraints(formulas, t, qv, terms);
@@ -75,7 +75,7 @@ bool RecordedLanes::evaluate_constraints(const Formulas& formulas, const LaneBlo
                                          MultibodyLaneTerms& terms) {
   const TaylorEvaluator& source = *formulas.constraints;
   const LaneBlock* v = qv + formulas.positions;
-  if (!constraints_.evaluate(source, {t, {qv, v, zeros_.data()}}, 2, true)) return false;
+  if (!constraints_.evaluate(source, {t, {qv, v, zeros_.data(), nullptr}}, 2, true)) return false;
   std::copy_n(constraints_.gradients(), terms.C.places.size(), terms.C.entries.data());
   for (int i = 0; i < source.record().m(); ++i) {
     const LaneBlock* g = constraints_.value(i);

@@ -80,8 +80,9 @@ std::optional<double> MultibodySystem::change_nearby() {
 
 std::string MultibodySystem::about_change() const {
   if (!monitor_.has_changed()) return {};
-  return monitor_.message() + format(" At t = %.12g the condition of the constraints is %.2g.", accepted_.t,
-                                     condition_of_constraints(accepted_, partition()));
+  return monitor_.message(equations_.problem()) + format(" At t = %.12g the condition of the constraints is %.2g.",
+                                                         accepted_.t,
+                                                         condition_of_constraints(accepted_, partition()));
 }
 
 PointStatus MultibodySystem::set_point(double t, const double* q, const double* v) {
@@ -217,6 +218,14 @@ PointStatus MultibodySystem::solve_stages(const StageEquations& equations, doubl
   copy_unknowns(end_, to_x.column(s - 1));
   for (int i = 0; i < s; ++i) std::copy_n(to_x.column(i), size, to_w.column(i));
   return PointStatus::ok;
+}
+
+DifferentiatedChange MultibodySystem::change_of_differentiated(const double* dx, const double* tolerances) const {
+  DifferentiatedChange largest;
+  for (int i = 0; i < leading_size(); ++i)
+    if (tolerances[i] > 0.0 && std::fabs(dx[i]) > largest.size * tolerances[i])
+      largest = {std::fabs(dx[i]) / tolerances[i], i};
+  return largest;
 }
 
 // What later steps depend on stays as it is: points that are asked for must not change those that follow.

@@ -69,7 +69,9 @@ class MultibodySystem final : public DaeSystem {
   CharacteristicValues values_at(double t) override;
   // Constraints that become singular within the longest step so far.
   std::optional<double> change_nearby() override;
-  std::string inconsistency_message() const override { return projection_.inconsistency_message(t_); }
+  std::string inconsistency_message() const override {
+    return projection_.inconsistency_message(equations_.problem(), t_);
+  }
   std::string about_change() const override;
   // False where mu' is a difference of mu along the solution.
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
@@ -78,6 +80,8 @@ class MultibodySystem final : public DaeSystem {
   void leading_derivative(const double*, const double* xdot, double* wdot) override {
     std::copy_n(xdot, leading_size(), wdot);
   }
+  // Of positions and velocities.
+  DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override;
   void archive(Archive& archive) override;
 
  private:

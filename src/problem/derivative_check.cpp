@@ -88,7 +88,7 @@ void demand_derivatives(LinearProblem& problem, double t, double toward, int max
   for (char which : {'E', 'A', 'f'}) {
     if (problem.is_constant(which)) continue;
     if (const auto wrong = OrdersOfFunction(problem, which, max_order).mismatch(t, direction * reach))
-      throw WrongDerivative(*wrong, t);
+      throw WrongDerivative(*wrong, t, problem.equation_names());
   }
 }
 

@@ -39,7 +39,9 @@ LinearProblem::LinearProblem(LinearFunctions user)
     : user_(std::move(user)),
       functions_{Function{'E', m(), n(), user_.constant_E, 0, std::numeric_limits<int>::max(), {}, {}},
                  Function{'A', m(), n(), user_.constant_A, 0, std::numeric_limits<int>::max(), {}, {}},
-                 Function{'f', m(), 1, user_.f == nullptr, 0, std::numeric_limits<int>::max(), {}, {}}} {}
+                 Function{'f', m(), 1, user_.f == nullptr, 0, std::numeric_limits<int>::max(), {}, {}}} {
+  set_equation_names(user_.names);
+}
 
 void LinearProblem::set_differences(const DifferenceOptions& options) {
   differences_ = options;
@@ -125,6 +127,7 @@ CallbackError LinearProblem::call(char which, double t, int order, double* value
     callback_error.status = SFDAE_NOT_FINITE;
     int first = 0;
     while (all_finite(values + first, 1)) ++first;
+    callback_error.names = &equation_names();
     callback_error.row = first % function.rows;
     callback_error.column = first / function.rows;
   }

@@ -32,6 +32,7 @@ struct LinearFunctions {
   void* user = nullptr;               // handed to these three
   bool constant_E = false, constant_A = false;
   PrescribedInputs inputs;
+  EquationNames names;
 };
 
 class LinearProblem final : public Problem, public CoefficientSource {

@@ -62,6 +62,16 @@ CallbackError NonlinearProblem::residuals(double t, const double* jet, int order
   return error;
 }
 
+bool NonlinearProblem::residuals_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order,
+                                              LaneBlock* F) {
+  if (stop_is_requested() || !evaluate_lanes(t, jets, order, F)) return false;
+  evaluations_ += count;
+  if (differentiations_.empty()) return true;
+  for (int i = 0; i < m_; ++i)
+    for (int k = differentiations_[index(i)] + 1; k <= order; ++k) F[i + k * m_] = LaneBlock();
+  return true;
+}
+
 CallbackError NonlinearProblem::linearize(double t, const double* jet, Orders orders, const Scaling& scaling,
                                           TaylorData& data) {
   CallbackError error = stopped(t);
@@ -151,6 +161,15 @@ CallbackError RecordedProblem::evaluate_values(double t, const double* jet, int 
   return evaluator_.values(t, jet, order, F) ? CallbackError() : failure(t);
 }
 
+bool RecordedProblem::evaluate_lanes(const LaneBlock* t, const LaneBlock* jets, int order, LaneBlock* F) {
+  LaneEvaluator::Points points{t, {}};
+  for (int k = 0; k <= order + 1; ++k) points.x[index(k)] = jets + static_cast<std::ptrdiff_t>(k) * n();
+  if (!lanes_.evaluate(evaluator_, points, order, false)) return false;
+  for (int i = 0; i < m(); ++i)
+    for (int k = 0; k <= order; ++k) F[i + k * m()] = lanes_.value(i)[k];
+  return true;
+}
+
 CallbackError RecordedProblem::evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) {
   const SeriesOrders wanted{orders.f, orders.E, orders.A};
   double* E = orders.E >= 0 ? data.E(0).data : nullptr;
@@ -194,6 +213,7 @@ CallbackError CallbackProblem::call(double t, int order, const double* derivativ
     error.function = name;
     int first = 0;
     while (all_finite(values + first, 1)) ++first;
+    error.names = &equation_names();
     error.row = first % m();
     error.column = first / m();
   };

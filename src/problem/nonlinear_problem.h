@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "expression/lane_evaluator.h"
 #include "expression/taylor_evaluator.h"
 #include "problem/problem.h"
 #include "problem/taylor_data.h"
@@ -40,6 +41,11 @@ class NonlinearProblem : public Problem {
 
   // F: m x (order + 1), Taylor coefficients of F along a jet of order + 1.
   CallbackError residuals(double t, const double* jet, int order, double* F);
+  // F as residuals(), at `count` points side by side, a column being a block for each unknown or equation. False: they have
+  // to be evaluated one by one, for whatever reason; what was written is not to be used.
+  bool residuals_side_by_side(int count, const LaneBlock* t, const LaneBlock* jets, int order, LaneBlock* F);
+  // Whether it is of use to try.
+  virtual bool has_lanes(int) const { return false; }
   // E(k) = (F_x')_k, A(k) = -(F_x)_k, f(k) = -F_k along a jet of order highest + 1: Taylor coefficients in
   // time_scale, scaled as TaylorData does (rows, preferred_rows), with column j of E and A multiplied by
   // units[j] (may be empty).
@@ -59,6 +65,7 @@ class NonlinearProblem : public Problem {
   NonlinearProblem(int m, int n, PrescribedInputs inputs) : m_(m), n_(n), inputs_(std::move(inputs)) {}
 
   virtual CallbackError evaluate_values(double t, const double* jet, int order, double* F) = 0;
+  virtual bool evaluate_lanes(const LaneBlock*, const LaneBlock*, int, LaneBlock*) { return false; }
   // Plain Taylor coefficients of F, F_x' and F_x into f(k), E(k), A(k).
   virtual CallbackError evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) = 0;
 
@@ -81,15 +88,18 @@ class RecordedProblem final : public NonlinearProblem {
   // A copy shares the recording.
   RecordedProblem(const RecordedProblem&) = default;
   TaylorEvaluator& evaluator() { return evaluator_; }
+  bool has_lanes(int order) const override { return order <= LaneEvaluator::highest_order; }
   const Structure* structure() override;
 
  protected:
   CallbackError evaluate_values(double t, const double* jet, int order, double* F) override;
+  bool evaluate_lanes(const LaneBlock* t, const LaneBlock* jets, int order, LaneBlock* F) override;
   CallbackError evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) override;
 
  private:
   CallbackError failure(double t) const;
   TaylorEvaluator evaluator_;
+  LaneEvaluator lanes_;
   bool structure_is_known_ = false;
   std::shared_ptr<const Structure> structure_;
 };

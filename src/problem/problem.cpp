@@ -26,9 +26,9 @@ std::string CallbackError::message() const {
       if (row < 0)
         return format("the coefficients at %s differ so much in size that they overflow: rescale.", place.c_str());
       return format(
-          "%s returned NaN, Inf or a number near overflow in row %d, column %d of derivative order %d at "
+          "%s returned NaN, Inf or a number near overflow in %s, column %d of derivative order %d at "
           "%s. Return 1 from the callback to have the step reduced.",
-          function, row, column, order, place.c_str());
+          function, (names != nullptr ? *names : EquationNames()).row(row).c_str(), column, order, place.c_str());
     case SFDAE_ORDER_MISSING:
       return format(
           "%s does not provide derivative order %d, which is needed at %s. Provide it, or set the "

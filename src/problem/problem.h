@@ -7,8 +7,10 @@
 #include <atomic>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "expression/equation_names.h"
 #include "sfdae/sfdae.h"
 
 namespace sfdae::core {
@@ -22,6 +24,7 @@ struct CallbackError {
   int code = 0;  // what the callback returned
   int row = 0;   // of the first entry that is not finite
   int column = 0;
+  const EquationNames* names = nullptr;  // of the rows; those of the problem, which lives longer
   double t = 0.0;
   // Where t is an internal point of the library's beside a time of the user's: that one. NaN: all times are the user's.
   double user_t = std::numeric_limits<double>::quiet_NaN();
@@ -64,6 +67,9 @@ class Problem {
   bool stop_is_requested() const {
     return stop_requested_.load(std::memory_order_relaxed) || (leader_ != nullptr && leader_->stop_is_requested());
   }
+  void set_equation_names(EquationNames names) { equation_names_ = std::move(names); }
+  const EquationNames& equation_names() const { return equation_names_; }
+
   // Calls of the user's functions that only check derivatives, and are counted nowhere else.
   long check_evaluations() const { return check_evaluations_; }
   // Stops where the leader is asked to, and leaves its request pending.
@@ -72,9 +78,10 @@ class Problem {
  protected:
   Problem() = default;
   // The same equations; limits and requests are not theirs.
-  Problem(const Problem&) {}
+  Problem(const Problem& other) : equation_names_(other.equation_names_) {}
   ~Problem() = default;
 
+  EquationNames equation_names_;
   bool is_checking_ = false;
   long check_evaluations_ = 0;
 

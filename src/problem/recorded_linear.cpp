@@ -38,6 +38,7 @@ LinearFunctions RecordedLinearCoefficients::functions() {
   functions.constant_E = record.is_constant_E();
   functions.constant_A = record.is_constant_A();
   functions.inputs = inputs_;
+  functions.names = record.equation_names();
   return functions;
 }
 

@@ -268,12 +268,13 @@ std::vector<LineContradiction> contradictions(const SuppliedLine& line, const st
   return result;
 }
 
-WrongDerivative::WrongDerivative(const DerivativeMismatch& wrong, double t)
+WrongDerivative::WrongDerivative(const DerivativeMismatch& wrong, double t, const EquationNames& names)
     : Failure(SFDAE_WRONG_DERIVATIVES,
-              format("%s contradicts differences in row %d, column %d at t = %.15g: %.10g supplied, %.10g by "
+              format("%s contradicts differences in %s, column %d at t = %.15g: %.10g supplied, %.10g by "
                      "differences. Is it the derivative of the order asked for? The functions sfdae_check_..."
                      "derivatives look closer; the option check_derivatives = 0 goes on as it is.",
-                     name_of(wrong).c_str(), wrong.row, wrong.column, t, wrong.supplied, wrong.difference)),
+                     name_of(wrong).c_str(), names.row(wrong.row).c_str(), wrong.column, t, wrong.supplied,
+                     wrong.difference)),
       mismatch_(wrong) {}
 
 }  // namespace sfdae::core

@@ -50,7 +50,8 @@ inline constexpr double least_wrong_part = 1e-2;
 // SFDAE_WRONG_DERIVATIVES, in words.
 class WrongDerivative : public Failure {
  public:
-  WrongDerivative(const DerivativeMismatch& mismatch, double t);
+  // names: of the rows.
+  WrongDerivative(const DerivativeMismatch& mismatch, double t, const EquationNames& names = {});
   const DerivativeMismatch& mismatch() const { return mismatch_; }
 
  private:

@@ -221,7 +221,7 @@ void demand_total_derivatives(CallbackProblem& problem, double t, double toward,
   const double direction = toward < t ? -1.0 : 1.0;
   const double reach = direction * std::min(std::fabs(toward - t), problem.room(t, direction));
   if (const auto wrong = TotalLines(problem, t, derivatives, max_order).mismatch(reach))
-    throw WrongDerivative(*wrong, t);
+    throw WrongDerivative(*wrong, t, problem.equation_names());
 }
 
 }  // namespace sfdae::core

@@ -25,6 +25,10 @@ class ConstraintFactors {
   // |r_aa| of R11, the smallest value kept; a > 0.
   double smallest_kept() const { return std::fabs(factors()(rank_ - 1, rank_ - 1)); }
   int rows() const { return rows_; }
+  // Of A^^T, with the rows that its columns are, and what its reflections are multiplied with.
+  ConstView factors() const { return {factors_.data(), n_, rows_, n_}; }
+  const double* tau() const { return tau_.data(); }
+  const int* pivots() const { return pivots_.data(); }
   // Sign of det [V T2] det(A2 V), V the basis of the row space of A2 = A^: no row is redundant.
   int orientation() const;
   // T2: n x (n - rank).
@@ -34,8 +38,6 @@ class ConstraintFactors {
   double solve(const double* f_hat, double norm_f, double* xp, Arena& arena) const;
 
  private:
-  ConstView factors() const { return {factors_.data(), n_, rows_, n_}; }
-
   int n_ = 0, rows_ = 0, rank_ = 0;
   std::vector<double> factors_, tau_;  // n x rows
   std::vector<int> pivots_;

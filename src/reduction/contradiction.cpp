@@ -114,15 +114,19 @@ std::vector<ContradictingEquation> contradicting_equations(const DerivativeArray
   return result;
 }
 
-std::string in_words(const std::vector<ContradictingEquation>& equations) {
+std::string in_words(const std::vector<ContradictingEquation>& equations, const EquationNames& names) {
   constexpr std::size_t most_named = 8;
   std::string text = equations.size() == 1 ? "equation" : equations.empty() ? "" : "equations";
   const std::size_t count = std::min(equations.size(), most_named);
   for (std::size_t i = 0; i < count; ++i) {
     const ContradictingEquation& e = equations[i];
     text += (i == 0 ? " " : i + 1 == equations.size() ? " and " : ", ") + std::to_string(e.equation);
-    if (e.derivatives == 1) text += " (differentiated once)";
-    if (e.derivatives > 1) text += format(" (differentiated %d times)", e.derivatives);
+    std::string more = names[e.equation];
+    if (e.derivatives > 0) {
+      if (!more.empty()) more += ", ";
+      more += e.derivatives == 1 ? "differentiated once" : format("differentiated %d times", e.derivatives);
+    }
+    if (!more.empty()) text += " (" + more + ")";
   }
   if (count < equations.size()) text += format(" and %d others", static_cast<int>(equations.size() - count));
   return text;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "expression/equation_names.h"
 #include "reduction/derivative_array.h"
 
 namespace sfdae::core {
@@ -19,7 +20,7 @@ struct ContradictingEquation {
 std::vector<ContradictingEquation> contradicting_equations(const DerivativeArray& array, int m,
                                                            const std::vector<char>& fixed, const double* x);
 
-// "equations 0 and 2 (differentiated once)"; empty for none.
-std::string in_words(const std::vector<ContradictingEquation>& equations);
+// "equations 0 and 2 (mass, differentiated once)"; empty for none.
+std::string in_words(const std::vector<ContradictingEquation>& equations, const EquationNames& names);
 
 }  // namespace sfdae::core

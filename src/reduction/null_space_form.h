@@ -93,6 +93,7 @@ class NullSpaceForm {
   // Smallest values kept in the decisions on A^ and on E T2 (a > 0, d > 0), or of about their size.
   double smallest_constraint() const { return constraints_.smallest_kept(); }
   double smallest_of_G() const { return differential_.smallest_kept(); }
+  const ConstraintFactors& constraints() const { return constraints_; }
   int rank_of_constraints() const { return constraints_.rank(); }  // a without the prescribed components
   // y := P y for W = P, else y stays.
   void project(double* y, Arena& arena) const { projector_.apply(y, arena); }

@@ -3,6 +3,7 @@
 #include "reduction/rank_sequence.h"
 
 #include <algorithm>
+#include <array>
 
 #include "linalg/index.h"
 #include "reduction/elimination.h"
@@ -71,10 +72,13 @@ bool has_known_values(const RankResult& found, const TaylorData& data, int level
          (!data.differentiations.empty() || stages_rise(found.list, level, std::min(data.m, data.n)));
 }
 
-// find: ranks by a noise model.
+// find: ranks by a noise model. Where the analysis had to take the errors of the data alone, the others would find the
+// values changed at every point.
 template <class Find>
 std::optional<RankSequence> first_match(const TaylorData& data, int level, const IndexAnalysis& known, Find find) {
-  for (NoiseModel noise : {NoiseModel::pivots, NoiseModel::carried, NoiseModel::data}) {
+  constexpr std::array usual = {NoiseModel::pivots, NoiseModel::carried, NoiseModel::data};
+  constexpr std::array least = {NoiseModel::data, NoiseModel::pivots, NoiseModel::carried};
+  for (NoiseModel noise : known.noise == NoiseModel::data ? least : usual) {
     const RankResult found = find(noise);
     if (has_known_values(found, data, level, known)) return found.list;
   }

@@ -30,6 +30,17 @@ void StoredElimination::Block::keep(ConstView from) {
   copy(from, {entries.data(), rows, cols, std::max(rows, 1)});
 }
 
+StoredElimination::StageView StoredElimination::stage(int i) const {
+  const Stage& stage = stages_[index(i)];
+  const Diagonal& diagonal = diagonal_of(stage);
+  return {diagonal.rank,        diagonal.null_rows,     stage.leaving,       stage.rhs,
+          stage.by_reflections, diagonal.R.view(),      diagonal.Q.view(),   stage.W.view(),
+          stage.X.view(),       stage.T.view(),         stage.rows.view(),   stage.X_tau.data(),
+          stage.T_tau.data(),   diagonal.pivots.data(), stage.pivots.data(), stage.solution.view()};
+}
+
+bool StoredElimination::is_combined() const { return n_ <= largest_combined; }
+
 void StoredElimination::begin(const TaylorData& data, int level) {
   m_ = data.m;
   n_ = data.n;
@@ -79,7 +90,7 @@ void StoredElimination::finish(const TaylorData& data, Arena& arena) {
   for (int i = level_; i >= 0; --i) {
     stages_[index(i)].rhs = at;
     at += stages_[index(i)].leaving;
-    if (n_ <= largest_combined) combine(data, i, arena);
+    if (is_combined()) combine(data, i, arena);
   }
 }
 
@@ -160,7 +171,7 @@ void StoredElimination::transform(const double* f, double* transformed, Arena& a
 
 void StoredElimination::recover(const TaylorData& data, RightHandSide rhs, const double* x, double* y,
                                 Arena& arena) const {
-  if (n_ > largest_combined) {
+  if (!is_combined()) {
     for (int i = 0; i <= level_; ++i) solve_stage({data, rhs, x}, i, y, arena);
     return;
   }

@@ -36,6 +36,18 @@ class StoredElimination {
   int carried_rows() const { return carried_; }
   int level() const { return level_; }
 
+  // What stage i is made of, for those who transform and recover several right-hand sides side by side.
+  struct StageView {
+    int rank, null_rows, leaving, rhs;
+    bool by_reflections;
+    ConstView R, Q, W, X, T, rows;
+    const double *X_tau, *T_tau;
+    const int *pivots, *pivots_of_rows;
+    ConstView solution;  // no columns: is_combined() is false
+  };
+  StageView stage(int i) const;
+  bool is_combined() const;
+
   // Called by eliminate().
   void begin(const TaylorData& data, int level);
   // Of the stages that follow.

@@ -67,6 +67,7 @@ class ArrayLinearization {
   bool has_tiny_pivots() const;
   const TaylorData& data() const { return data_; }
   const NullSpaceForm& form() const { return form_; }
+  const StoredElimination& elimination() const { return elimination_; }
   StepMatrix& matrix() { return matrix_; }
   // n x (mu + 1) flags: components of y that some equation determines.
   const std::vector<char>& determined() const { return determined_; }

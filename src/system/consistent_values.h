@@ -26,6 +26,10 @@ struct ConsistencyRequest {
     return keeps_differentiated && weights.empty() &&
            (kind == InitialValues::nearest || kind == InitialValues::fixed);
   }
+  // The sum of all changes, weighted, is to be least.
+  bool is_weighted() const {
+    return !weights.empty() && (kind == InitialValues::nearest || kind == InitialValues::fixed);
+  }
   // Whether a change of theirs is to be reported: with fixed components the user has said what is to stay.
   bool reports_changes() const { return differentiated_stay() && kind == InitialValues::nearest; }
   // Changes that count as one where differentiated_stay(): the tolerances. If digits are trusted, as they are until that

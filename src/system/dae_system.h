@@ -13,6 +13,7 @@
 #include "reduction/index_analysis.h"
 #include "reduction/null_space_form.h"
 #include "system/strangeness_free_system.h"
+#include "system/value_change.h"
 
 namespace sfdae::core {
 
@@ -74,6 +75,9 @@ class DaeSystem : public StrangenessFreeSystem {
   // Whether the characteristic values hold at the current point, where that has not been checked. What later steps
   // depend on stays as it is.
   virtual PointStatus check_ranks() { return PointStatus::ok; }
+
+  // Of x, from the point accepted last to the current one.
+  virtual DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const = 0;
 
   virtual void archive(Archive& archive) = 0;
 

@@ -209,19 +209,23 @@ bool JetEquations::is_converged(const Jet& jet, double tolerance) const {
   // Where nothing was added up, constants cancel: their size is that of the coefficients, but not of those of other
   // rows that derivatives far off have made large.
   Vector size(index(m) * index(level_ + 1), 0.0), least(size.size(), data_.norm(0));
+  const Vector zeros(index(m), 0.0);
   for (int k = 0; k <= level_ + 1; ++k) {
     const double to_scaled = k == 0 ? 1.0 : k * (power *= data_.time_scale);
-    for (int j = 0; j < n; ++j) {
-      const double unit = units_[j];
-      const double y = std::fabs(to_scaled * jet.column(k)[j] / unit);
-      for (int i = 0; i <= level_; ++i)
+    const double divisor = std::max(k, 1);
+    for (int i = std::max(k - 1, 0); i <= level_; ++i) {
+      const bool has_E = k > 0, has_A = i >= k;
+      for (int j = 0; j < n; ++j) {
+        const double y = std::fabs(to_scaled * jet.column(k)[j] / units_[j]);
+        const double* E = has_E ? data_.E(i + 1 - k).column(j) : zeros.data();
+        const double* A = has_A ? data_.A(i - k).column(j) : zeros.data();
+        double *const to = size.data() + i * m, *const largest = least.data() + i * m;
         for (int row = 0; row < m; ++row) {
-          double entry = k == 0 ? std::fabs(data_.A(i)(row, j)) : 0.0;
-          if (k > 0 && i + 1 >= k) entry = std::fabs(data_.E(i + 1 - k)(row, j));
-          if (k > 0 && i >= k) entry += std::fabs(data_.A(i - k)(row, j)) / k;
-          size[index(i * m + row)] += entry * y;
-          least[index(i * m + row)] = std::max(least[index(i * m + row)], entry);
+          const double entry = std::fabs(E[row]) + std::fabs(A[row]) / divisor;
+          to[row] += entry * y;
+          largest[row] = std::max(largest[row], entry);
         }
+      }
     }
   }
   for (std::size_t i = 0; i < size.size(); ++i)
@@ -251,8 +255,8 @@ void JetEquations::give_up(const Jet& jet) const {
     if (value == 0.0) break;
     const std::string amount =
         std::fabs(value) <= largest_named ? format("%.3g", value) : format("more than %.0e", largest_named);
-    text += k == 0 ? format(" equation %d by %s,", i, amount.c_str())
-                   : format(" derivative %d of equation %d by %s,", k, i, amount.c_str());
+    text += (k == 0 ? " " : format(" derivative %d of ", k)) + problem_.equation_names().in_words(i) + " by " +
+            amount + ",";
   }
   text.back() = '.';
   throw Failure(SFDAE_NO_CONSISTENT_VALUES,

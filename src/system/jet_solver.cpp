@@ -279,12 +279,18 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
   constexpr double first_damping = 1e-3, least_damping = 1e-12, weaker = 16.0, after_failure = 1e3;
   // Residuals so much larger that exponentials have run away. Chosen, not measured.
   constexpr double enormous = 1e6;
+  // Undamped steps that gain little, where others have reduced the residuals to this part before
+  // (docs/decisions/44-stages-of-raw-equations.md).
+  constexpr int most_slow = 2;
+  constexpr double near = 1e-3;
   const auto is_converged = [this](const Jet& of, bool by_undamped_steps) {
     return equations_.is_converged(of, by_undamped_steps ? consistent_residual : consistent_after_damping);
   };
   equations_.linearize(jet, level, 0.0);
   double damping = first_damping;
   bool is_undamped = true;
+  int slow_steps = 0;
+  const double first = equations_.norm();
   for (int iteration = 0; iteration < max_iterations;) {
     if (equations_.norm() == 0.0) return;
     const double before = equations_.norm();
@@ -299,6 +305,11 @@ void JetSolver::search(Jet& jet, int level, bool may_grow) {
         return;
       }
       if (converged) return;
+      // Near a solution one that gains little may be followed by one that gains much, where damped ones creep for good.
+      if (trial.valid && trial.norm < before && before <= near * first && slow_steps < most_slow) {
+        ++slow_steps;
+        if (accept(jet, std::move(trial), level)) continue;
+      }
       const bool is_far_off = is_undamped && (!trial.valid || trial.norm > enormous * before);
       if (may_grow && is_undamped && search_undamped(jet, level, std::move(trial))) continue;
       trial.valid = false;

@@ -170,7 +170,8 @@ std::string LinearSystem::named_contradiction(const std::vector<char>& fixed, co
   std::string text;
   try {
     const DerivativeArray array = derivative_array(problem_, point().t, analysis_.values.mu);
-    const std::string names = in_words(contradicting_equations(array, equations(), fixed, x));
+    const std::string names =
+        in_words(contradicting_equations(array, equations(), fixed, x), problem_.equation_names());
     if (!names.empty()) text = " It is " + names + " that cannot hold" + (fixed.empty() ? " together." : " then.");
   } catch (const Failure&) {
     // There is nothing to add.

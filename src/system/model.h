@@ -59,6 +59,7 @@ inline double time_beside(double t, double direction) { return t + direction * s
 struct ConsistentPoint {
   double t = 0.0;
   std::vector<double> x, xdot;
+  std::vector<double> difference_errors;  // of x, see DaeSystem; empty: not asked for, or none
   ConsistencyResult change;
   ValueChange value_change;  // of what was to stay; none where the request did not ask for that
   bool derivative_exact = false;
@@ -85,6 +86,11 @@ class Model {
   // Of recorded equations, else null; parameters_changed() is due after a change there.
   virtual TaylorEvaluator* evaluator() = 0;
   virtual void parameters_changed() {}
+  // Of recorded equations: all that their inputs are in.
+  virtual std::vector<const TaylorEvaluator*> evaluators_of_inputs() {
+    const TaylorEvaluator* const only = evaluator();
+    return only != nullptr ? std::vector<const TaylorEvaluator*>{only} : std::vector<const TaylorEvaluator*>{};
+  }
 
   // Index analysis: makes the system. decisions: all that were made, also when it throws Failure; then there is none.
   virtual void analyze(const PointOfInterest& point, const ModelOptions& options,
@@ -146,7 +152,12 @@ class ModelOf : public Model {
   }
   ConsistentPoint consistent_point_beside(const PointOfInterest& point, const ModelOptions& options) override {
     const std::unique_ptr<System> copy = copy_of_system();
-    return make_consistent(*copy, point, options);
+    ConsistentPoint found = make_consistent(*copy, point, options);
+    if (copy->has_difference_errors()) {
+      found.difference_errors.resize(found.x.size());
+      copy->difference_errors(found.x.data(), found.difference_errors.data());
+    }
+    return found;
   }
 
  protected:

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "linalg/index.h"
+#include "system/relative_orientation.h"
 
 namespace sfdae::core {
 
@@ -59,6 +60,12 @@ void NonlinearChangeWatch::start(double direction) {
   for (Fall& fall : falls_) fall = {0.0, 0.0, first_, first_};
   search_.course().start(first_);
   has_within_ = has_end_ = false;
+  // Determinants of bases are needed rarely: memory for the first one, so that no later step allocates.
+  const int n = first_.n;
+  {
+    const Arena::Frame frame(arena_);
+    arena_.take(index(n) * index(n + 8) + index(n));
+  }
   const ArrayLinearization& linearization = system_.linearization();
   if (linearization.is_usable() && linearization.origin().jet.t == first_.t)
     last_.take(first_.t, linearization.data(), system_.analysis().values.mu, linearization.form());
@@ -66,6 +73,7 @@ void NonlinearChangeWatch::start(double direction) {
   samples_ = 1;
   // Sizes are known from here on: steps allocate nothing.
   older_ = within_ = end_ = last_;
+  reserve_orientation(system_.differential() + system_.undetermined(), arena_);
   set_next_look();
 }
 

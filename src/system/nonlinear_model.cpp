@@ -86,13 +86,23 @@ bool NonlinearModel::analyzed_by_structure(const PointOfInterest& point, const M
     system_ = analyzed_near(options.analysis_by_precedent(), point, options, keeps, decisions);
     if (certifies_structure() && moves_least(point, options)) return true;
   } catch (const Failure& failure) {
-    if (is_final(failure)) throw;
+    if (is_final(failure)) {
+      give_up_structure();
+      throw;
+    }
+  } catch (...) {
+    give_up_structure();
+    throw;
   }
+  give_up_structure();
+  decisions.clear();
+  return false;
+}
+
+void NonlinearModel::give_up_structure() {
   forget_system();
   guess_.clear();
   problem_->follow_structure(false);
-  decisions.clear();
-  return false;
 }
 
 // Which of the jets that fulfil the equations is found depends on the rows. Where what is differentiated does not stay, the

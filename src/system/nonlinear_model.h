@@ -66,6 +66,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
                                             const ModelOptions& options, std::vector<RankDecision>& decisions);
   bool analyzed_by_structure(const PointOfInterest& point, const ModelOptions& options,
                              std::vector<RankDecision>& decisions);
+  void give_up_structure();
   bool certifies_structure();
   // Of what is differentiated, from the guess to the point of the analysis, in tolerances.
   double largest_move(const PointOfInterest& point, const ModelOptions& options) const;

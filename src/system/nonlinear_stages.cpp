@@ -47,14 +47,28 @@ PointStatus NonlinearStages::solve(const StageEquations& equations, ArrayLineari
   const int q = linearization.form().unknowns();
   const IterationTask task{true, 1.0 / h, nullptr, nullptr, equations.guess.inverse_weights, newton_tolerance};
   double before = 0.0, earlier = 0.0;
+  bool is_side_by_side = lanes_.prepare(equations, problem_, linearization);
+  if (is_side_by_side) lanes_.begin(equations, problem_, linearization, jets_);
   iteration.chord().begin();
   for (int k = 0; k < most; ++k) {
-    const PointStatus status = evaluate(equations, linearization);
-    if (status != PointStatus::ok) return status;
-    linearization.matrix().solve_stages(equations.method, block(r_, q), block(z_, q), arena_);
-    const double norm = apply_changes(task, linearization, iteration);
+    double norm;
+    if (is_side_by_side && !lanes_.evaluate(problem_, linearization)) {
+      lanes_.leave(jets_);
+      is_side_by_side = false;
+    }
+    if (is_side_by_side) {
+      norm = lanes_.change(linearization, arena_);
+    } else {
+      const PointStatus status = evaluate(equations, linearization);
+      if (status != PointStatus::ok) return status;
+      linearization.matrix().solve_stages(equations.method, block(r_, q), block(z_, q), arena_);
+      norm = apply_changes(task, linearization, iteration);
+    }
     if (!std::isfinite(norm)) return PointStatus::not_converged;
-    if (iteration.has_converged(task, k, norm, before)) return iteration.check_redundant(task, linearization, last());
+    if (iteration.has_converged(task, k, norm, before)) {
+      if (is_side_by_side) lanes_.leave(jets_);
+      return iteration.check_redundant(task, linearization, last());
+    }
     // x and y correct each other in turn: every second change may be hardly smaller than the one before.
     if (ChordIteration::is_too_slow(k, norm, std::max(before, earlier))) return PointStatus::not_converged;
     earlier = before;

@@ -18,6 +18,7 @@
 #include "system/jet.h"
 #include "system/jet_history.h"
 #include "system/nonlinear_iteration.h"
+#include "system/nonlinear_lanes.h"
 
 namespace sfdae::core {
 
@@ -59,6 +60,7 @@ class NonlinearStages {
 
   AnalyzedEquations& problem_;
   Arena& arena_;
+  NonlinearLanes lanes_;
   int s_ = 0;
   std::vector<Jet> starts_, jets_;
   // A column for each stage.

@@ -61,7 +61,8 @@ std::string NonlinearSystem::inconsistency_message() const {
   const std::string text = DaeSystem::inconsistency_message();
   try {
     const DerivativeArray array = derivative_array(problem_.problem(), jet_, analysis_.values.mu);
-    const std::string names = in_words(contradicting_equations(array, equations(), {}, nullptr));
+    const std::string names =
+        in_words(contradicting_equations(array, equations(), {}, nullptr), problem_.problem().equation_names());
     return names.empty() ? text : text + " It is " + names + " that cannot hold together.";
   } catch (const Failure&) {
     return text;

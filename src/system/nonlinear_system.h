@@ -79,6 +79,10 @@ class NonlinearSystem final : public DaeSystem {
   // its steps becoming short.
   CharacteristicValues values_at(double t) override;
   PointStatus check_ranks() override;
+  DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override {
+    if (!linearization_.is_usable()) return {};
+    return differentiated_change(linearization_.data(), units(), dx, tolerances);
+  }
   const double* rounding_errors() const override { return linearization_.rounding_errors().data(); }
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
   bool exact_derivative(const double* x, double* xdot) override;

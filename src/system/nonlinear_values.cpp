@@ -138,7 +138,9 @@ Distance distance_between(const ConstrainedPoint& point, const ConsistencyReques
 
 // By more than what the accuracy of the iteration leaves open: of what is differentiated, or, where that makes no
 // difference, altogether.
-bool is_farther(const Distance& one, const Distance& other) {
+bool is_farther(const ConsistencyRequest& request, const Distance& one, const Distance& other) {
+  // By weights: iterations that are slow where constraints are bent end at a minimum only if every step is one toward it.
+  if (request.is_weighted()) return one.whole >= other.whole;
   constexpr double nearer = 1.01, negligible = 1e-3;  // in tolerances
   if (one.of_differentiated > nearer * other.of_differentiated + negligible) return true;
   const double gained = other.of_differentiated - one.of_differentiated;
@@ -196,18 +198,18 @@ class Approach {
   // as it was, if no part of the way does.
   bool advance(const Jet& full, bool has_to_be_nearer, Jet& jet) {
     // Chosen, not measured.
-    constexpr double shortest = 1.0 / 32.0;
+    const double shortest = request_.is_weighted() ? 1.0 / 1024.0 : 1.0 / 32.0;
     const int mu = full.order - 1;
     for (double part = 1.0; part >= shortest; part *= 0.5) {
       Jet next = between(jet, full, part);
       if (!is_solved(next, mu)) continue;
-      const bool is_allowed = !has_to_be_nearer || !is_farther(distance(next), distance(jet));
+      const bool is_allowed = !has_to_be_nearer || !is_farther(request_, distance(next), distance(jet));
       if (is_allowed && has_known_ranks(next)) {
         jet = std::move(next);
         return true;
       }
       if (is_allowed) constraints_.linearize(jet);
-      else if (!request_.differentiated_stay()) return false;
+      else if (!request_.differentiated_stay() && !request_.is_weighted()) return false;
     }
     return false;
   }
@@ -245,8 +247,8 @@ ConsistentJetResult choose_consistent_jet(NonlinearProblem& problem, const Index
   // A few roundings of x: there is nothing to change.
   constexpr double no_change = 1e-15;
   // Iterations: those with shortened steps may be slow. Chosen, not measured.
-  const bool keeps = request.differentiated_stay();
-  const int most = keeps ? 100 : 30;
+  const bool keeps = request.differentiated_stay() || request.is_weighted();
+  const int most = request.is_weighted() ? 300 : keeps ? 100 : 30;
   const bool may_move = request.kind == InitialValues::nearest || request.kind == InitialValues::fixed;
   const Vector& x = start.given;
   const Vector target = may_move ? with_inputs(problem, start.jet.t, x) : x;

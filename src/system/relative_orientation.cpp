@@ -31,4 +31,12 @@ int relative_orientation(ConstView then, ConstView now, Arena& arena) {
   return determinant_sign(K, arena);
 }
 
+void reserve_orientation(int d, Arena& arena) {
+  const Arena::Frame frame(arena);
+  const View K = arena.matrix(d, d);
+  for (int j = 0; j < d; ++j)
+    for (int i = 0; i < d; ++i) K(i, j) = i == j ? 1.0 : 0.0;
+  determinant_sign(K, arena);
+}
+
 }  // namespace sfdae::core

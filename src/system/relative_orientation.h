@@ -13,5 +13,7 @@ namespace sfdae::core {
 // a positive definite symmetric part, as x^T then^T now S x >= 1 - |now S - then|^2 / 2 for |x| = 1. So det S is the sign,
 // without a determinant. Others are computed.
 int relative_orientation(ConstView then, ConstView now, Arena& arena);
+// For bases of d columns: the arena has what that takes, though few of them turn far enough to need it.
+void reserve_orientation(int d, Arena& arena);
 
 }  // namespace sfdae::core

@@ -281,24 +281,26 @@ std::optional<double> SingularitySearch::find_ahead_of(double t, double before, 
   return std::nullopt;
 }
 
-// The jet of consistent values near those of another jet; none where there are none, or where they are not found.
-std::optional<Jet> SingularitySearch::consistent_near(const Jet& jet) {
+// Calls the function with jets through values near those of a jet and the consistent one among them; not at all where there
+// are none, or where they are not found.
+template <class Use>
+void SingularitySearch::use_consistent(const Jet& jet, Use use) {
   const std::vector<double> x(jet.x.begin(), jet.x.begin() + jet.n);
   try {
     ConsistentJets jets(problem_.problem(), jet.t, x.data(), {});
     jets.set_units(problem_.units());
     const Jet& consistent = jets.jet_at(jet.t, problem_.mu());
-    if (is_near(x, consistent, problem_.units())) return consistent;
+    if (is_near(x, consistent, problem_.units())) use(jets, consistent);
   } catch (const Failure& failure) {
     if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
   }
-  return std::nullopt;
 }
 
 std::optional<double> SingularitySearch::kept_near(const Jet& jet) {
-  const std::optional<Jet> consistent = consistent_near(jet);
-  if (!consistent) return std::nullopt;
-  return kept_of(*consistent);
+  std::optional<Jet> found;
+  use_consistent(jet, [&](ConsistentJets&, const Jet& consistent) { found = consistent; });
+  if (!found) return std::nullopt;
+  return kept_of(*found);
 }
 
 std::optional<double> SingularitySearch::kept_consistently(const Jet& reference, const Jet& jet) {
@@ -306,23 +308,16 @@ std::optional<double> SingularitySearch::kept_consistently(const Jet& reference,
 }
 
 CharacteristicValues SingularitySearch::values_at(double t) {
-  course_.interpolate(t, jet_);
-  const std::vector<double> x(jet_.x.begin(), jet_.x.begin() + jet_.n);
-  try {
-    ConsistentJets jets(problem_.problem(), t, x.data(), {});
-    jets.set_units(problem_.units());
-    const Jet& consistent = jets.jet_at(t, problem_.mu());
-    if (!is_near(x, consistent, problem_.units())) return {};
+  CharacteristicValues values;
+  use_consistent(interpolated(t), [&](ConsistentJets& jets, const Jet& consistent) {
     AnalysisSettings settings = problem_.settings();
     settings.rank_tol = std::max(settings.rank_tol, std::min(vanishing * kept_of(consistent), largest_tolerance));
     // Rows that vanish must not be scaled up, unless they are of very different size anyway.
     const auto [least, most] = std::minmax_element(rows_.begin(), rows_.end());
     if (*most <= moderate_row_ratio * *least) settings.rows = RowScaling::common;
-    return find_local_values(jets, t, settings, arena_);
-  } catch (const Failure& failure) {
-    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
-    return {};
-  }
+    values = find_local_values(jets, t, settings, arena_);
+  });
+  return values;
 }
 
 }  // namespace sfdae::core

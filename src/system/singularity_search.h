@@ -70,7 +70,8 @@ class SingularitySearch {
   bool set_reference(const Jet& jet);
   const Jet& interpolated(double t);
   std::optional<double> kept_near(const Jet& jet);
-  std::optional<Jet> consistent_near(const Jet& jet);
+  template <class Use>
+  void use_consistent(const Jet& jet, Use use);
   double kept_at(double t);
   Kept relative(const Jet& jet);
   double kept_of(const Jet& jet);

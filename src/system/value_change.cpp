@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/value_change.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -18,6 +19,33 @@ ValueChange largest_change(const double* given, const double* changes, const std
     const double tolerance = tolerances[index(i)];
     const double ratio = tolerance > 0.0 ? size / tolerance : std::numeric_limits<double>::max();
     if (ratio > largest.in_tolerances) largest = {i, given[i], given[i] + changes[i], ratio, false};
+  }
+  return largest;
+}
+
+DifferentiatedChange differentiated_change(const TaylorData& data, const Units& units, const double* dx,
+                                           const double* tolerances) {
+  // Of the largest entry of a row of [E A]: what is smaller is what users' arithmetic leaves of zeros. (Chosen.)
+  constexpr double few = 1e-10;
+  const ConstView E = data.E(0), A = data.A(0);
+  DifferentiatedChange largest;
+  for (int i = 0; i < data.m; ++i) {
+    double size = 0.0, differentiated = 0.0;
+    for (int j = 0; j < data.n; ++j) {
+      differentiated = std::max(differentiated, std::fabs(E(i, j)));
+      size = std::max({size, std::fabs(E(i, j)), std::fabs(A(i, j))});
+    }
+    if (!(differentiated > few * size)) continue;
+    double change = 0.0, tolerance = 0.0, share = 0.0;
+    int component = 0;
+    for (int j = 0; j < data.n; ++j) {
+      const double entry = E(i, j) / units[j], part = std::fabs(entry * dx[j]);
+      change += entry * dx[j];
+      tolerance += std::fabs(entry) * tolerances[j];
+      if (part > share) share = part, component = j;
+    }
+    const double ratio = tolerance > 0.0 ? std::fabs(change) / tolerance : 0.0;
+    if (ratio > largest.size) largest = {ratio, component};
   }
   return largest;
 }

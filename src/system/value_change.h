@@ -4,6 +4,9 @@
 
 #include <vector>
 
+#include "linalg/units.h"
+#include "problem/taylor_data.h"
+
 namespace sfdae::core {
 
 struct ValueChange {
@@ -20,5 +23,14 @@ struct ValueChange {
 // tolerances.
 ValueChange largest_change(const double* given, const double* changes, const std::vector<double>& tolerances,
                            int count);
+
+// A change of x as far as it is one of E x: the largest of |E_i dx| over |E_i| |tolerances|, E_i the rows of E, and the
+// component of x that has most of it. dx, tolerances: n values.
+struct DifferentiatedChange {
+  double size = 0.0;
+  int component = 0;
+};
+DifferentiatedChange differentiated_change(const TaylorData& data, const Units& units, const double* dx,
+                                           const double* tolerances);
 
 }  // namespace sfdae::core

@@ -241,6 +241,7 @@ static void refuse_everything(sfdae_solver* solver) {
   REFUSE(results.x = NULL, "x or statuses");
   REFUSE(results.statuses = NULL, "x or statuses");
   REFUSE(results.message_length = 0, "message_length is 0");
+  REFUSE(results.message_length = (size_t)-1, "message_length is more than");
 }
 
 static int never(double t, const double* at, const double* slopes, double* g, void* user) {

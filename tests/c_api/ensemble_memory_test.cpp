@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <new>
+#include <tuple>
 #include <vector>
 
 #include "family_run.h"
@@ -37,15 +38,28 @@ namespace {
 
 constexpr int n = 5, instances = 3, outputs = 2;
 
-// A pendulum of length L.
+// a^2.
+int square(int order, const double* a, double* derivatives, void*) {
+  derivatives[0] = order == 0 ? a[0] * a[0] : order == 1 ? 2.0 * a[0] : order == 2 ? 2.0 : 0.0;
+  return 0;
+}
+
+enum class Squares { formulas, functions };
+
+sfdae_expression squared(const sfdae_expression& a, Squares kind) {
+  return kind == Squares::formulas ? sfdae_multiply(a, a) : sfdae_external("square", square, 1, &a, nullptr);
+}
+
+// A pendulum of length L; user: its squares.
 int pendulum(sfdae_record* record, sfdae_expression, const sfdae_expression* x, const sfdae_expression* xdot,
-             sfdae_expression* F, void*) {
+             sfdae_expression* F, void* user) {
+  const Squares kind = *static_cast<const Squares*>(user);
   const sfdae_expression L = sfdae_parameter(record, "L", 1.0);
   F[0] = sfdae_subtract(xdot[0], x[2]);
   F[1] = sfdae_subtract(xdot[1], x[3]);
   F[2] = sfdae_add(xdot[2], sfdae_multiply(x[0], x[4]));
   F[3] = sfdae_add(sfdae_add(xdot[3], sfdae_multiply(x[1], x[4])), sfdae_number(1.0));
-  F[4] = sfdae_subtract(sfdae_add(sfdae_multiply(x[0], x[0]), sfdae_multiply(x[1], x[1])), sfdae_multiply(L, L));
+  F[4] = sfdae_subtract(sfdae_add(squared(x[0], kind), squared(x[1], kind)), sfdae_multiply(L, L));
   return 0;
 }
 
@@ -79,19 +93,21 @@ struct Attempt {
   }
 };
 
-class MissingMemory : public testing::TestWithParam<int> {
+class MissingMemory : public testing::TestWithParam<std::tuple<int, Squares>> {
  protected:
   MissingMemory() {
     sfdae_nonlinear_problem problem;
     sfdae_nonlinear_problem_init(&problem, sizeof problem);
     problem.num_equations = problem.num_unknowns = n;
     problem.equations = pendulum;
+    Squares kind = std::get<1>(GetParam());
+    problem.user = &kind;
     sfdae_create_nonlinear(&solver_, &problem, nullptr);
     for (int pass = 0; pass < 2; ++pass) expected_.solve(solver_, 1);  // tables are computed at their first use
     EXPECT_EQ(expected_.status, SFDAE_OK);
     Attempt counted;
     seen = 0;
-    counted.solve(solver_, GetParam());
+    counted.solve(solver_, threads_);
     allocations_ = seen;
   }
   ~MissingMemory() override { sfdae_destroy(&solver_); }
@@ -104,7 +120,7 @@ class MissingMemory : public testing::TestWithParam<int> {
       seen = 0;
       all_later_fail = later;
       first_to_fail = k;
-      run.solve(solver_, GetParam());
+      run.solve(solver_, threads_);
       first_to_fail = 0;
       check(run, later);
     }
@@ -138,6 +154,7 @@ class MissingMemory : public testing::TestWithParam<int> {
     }
   }
 
+  const int threads_ = std::get<0>(GetParam());
   sfdae_solver* solver_ = nullptr;
   Attempt expected_;
   long allocations_ = 0;
@@ -149,12 +166,14 @@ TEST_P(MissingMemory, ConcernsInstancesThatNeedIt) {
   for (long k = 1; k <= allocations_; k += k < 60 ? 1 : step)
     for (const bool later : {false, true}) fail_at(k, later);
   Attempt afterwards;
-  afterwards.solve(solver_, GetParam());
+  afterwards.solve(solver_, threads_);
   EXPECT_EQ(afterwards.status, SFDAE_OK);
   EXPECT_EQ(afterwards.x, expected_.x);
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, MissingMemory, testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Threads, MissingMemory,
+                         testing::Combine(testing::Values(1, 2),
+                                          testing::Values(Squares::formulas, Squares::functions)));
 
 }  // namespace
 }  // namespace sfdae::test

@@ -2,15 +2,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "sfdae/sfdae.hpp"
 
 namespace sfdae::test {
+
+inline constexpr int thread_counts[] = {1, 2, 3, 5};
 
 using AnyProblem = std::variant<NonlinearProblem, MultibodyProblem>;
 
@@ -123,6 +129,34 @@ inline Outcome outcome_of(const EnsembleSolution& solution, int i) {
     for (const double value : solution.xdot(i, j)) outcome.xdot.push_back(value);
   }
   return outcome;
+}
+
+// Instances whose parameters and start values are zeros at first, with outputs on the way.
+inline Ensemble ensemble_of(std::vector<std::string> names, int unknowns, int instances) {
+  Ensemble ensemble;
+  ensemble.parameters = Matrix(static_cast<int>(names.size()), instances);
+  ensemble.parameter_names = std::move(names);
+  ensemble.x0 = Matrix(unknowns, instances);
+  ensemble.times = {0.0, 0.3, 0.31, 1.0, 1.5};
+  ensemble.wants_xdot = true;
+  return ensemble;
+}
+
+// As many as a has.
+inline bool begins_with(const std::vector<double>& b, const std::vector<double>& a) {
+  return a.empty() || (a.size() <= b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
+}
+
+inline bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && begins_with(b, a);
+}
+
+// To the last bit, and word by word.
+inline void expect_same(const Outcome& is, const Outcome& should_be, int instance) {
+  EXPECT_EQ(is.status, should_be.status) << "instance " << instance << ": " << is.message;
+  EXPECT_EQ(is.message, should_be.message) << "instance " << instance;
+  EXPECT_TRUE(same_bits(is.x, should_be.x)) << "instance " << instance;
+  EXPECT_TRUE(same_bits(is.xdot, should_be.xdot)) << "instance " << instance;
 }
 
 }  // namespace sfdae::test

@@ -18,8 +18,6 @@
 namespace sfdae::test {
 namespace {
 
-constexpr int thread_counts[] = {1, 2, 3, 5};
-
 double random_between(std::minstd_rand& generator, double low, double high) {
   return low + (high - low) * static_cast<double>(generator()) / static_cast<double>(std::minstd_rand::max());
 }
@@ -37,16 +35,6 @@ struct Subject {
   AnyProblem problem;
   Ensemble ensemble;
 };
-
-Ensemble ensemble_of(std::vector<std::string> names, int unknowns, int instances) {
-  Ensemble ensemble;
-  ensemble.parameters = Matrix(static_cast<int>(names.size()), instances);
-  ensemble.parameter_names = std::move(names);
-  ensemble.x0 = Matrix(unknowns, instances);
-  ensemble.times = {0.0, 0.3, 0.31, 1.0, 1.5};
-  ensemble.wants_xdot = true;
-  return ensemble;
-}
 
 // Every third one is held horizontally: the start values are consistent as they are.
 Ensemble pendula(int instances) {
@@ -92,22 +80,6 @@ std::vector<Subject> subjects(int instances) {
           {"time-varying linear", time_varying(), waves(instances)},
           {"nonlinear, ranks change", fading_capacity(), capacities(instances)},
           {"constant linear, ranks change", linear_capacity(), capacities(instances)}};
-}
-
-// As many as a has.
-bool begins_with(const std::vector<double>& b, const std::vector<double>& a) {
-  return a.empty() || (a.size() <= b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
-}
-
-bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && begins_with(b, a);
-}
-
-void expect_same(const Outcome& is, const Outcome& should_be, int instance) {
-  EXPECT_EQ(is.status, should_be.status) << "instance " << instance << ": " << is.message;
-  EXPECT_EQ(is.message, should_be.message) << "instance " << instance;
-  EXPECT_TRUE(same_bits(is.x, should_be.x)) << "instance " << instance;
-  EXPECT_TRUE(same_bits(is.xdot, should_be.xdot)) << "instance " << instance;
 }
 
 TEST(Ensemble, EqualsSolversOfTheirOwnToTheLastBit) {

@@ -68,6 +68,20 @@ std::vector<Call> get_all_at(double t) {
           })};
 }
 
+// Of five recorded equations.
+Call get_structure() {
+  return get("structure", [](sfdae_solver* solver, double* to) {
+    sfdae_structure structure;
+    sfdae_structure_init(&structure, sizeof structure);
+    int found[4][5] = {};
+    const int status = sfdae_get_structure(solver, &structure, found[0], found[1], found[2], found[3]);
+    for (const auto& row : found)
+      for (const int entry : row) *to++ = entry;
+    *to = structure.verdict;
+    return status;
+  });
+}
+
 Call certify() {
   return get("certify", [](sfdae_solver* solver, double* to) { return sfdae_certify(solver, to); });
 }
@@ -108,7 +122,9 @@ TEST_P(Methods, InTheTheoryOfANonlinearProblem) {
                      start("start", x), advance("advance", 0.3)},
                     1e-3};
   sequence.density = 2;
-  run_with_theory(sequence, get_all_at(0.3));
+  std::vector<Call> getters = get_all_at(0.3);
+  getters.push_back(get_structure());
+  run_with_theory(sequence, getters);
 }
 
 int record_multibody_pendulum(sfdae_record*, sfdae_expression, const sfdae_expression* q, const sfdae_expression*,

@@ -176,6 +176,59 @@ TEST(Solution, IsTheSameAfterLoading) {
   }
 }
 
+// A step function at 1/3: no polynomial of what is halved ten times at most holds it.
+TEST(Solution, KnowsWhereItIsNotAccurate) {
+  const auto accuracy_of = [](bool jumps) {
+    sfdae::NonlinearProblem problem(1, 1);
+    problem.equations = [=](const auto& t, auto x, auto, auto F) {
+      F[0] = x[0] - sin(t) - (jumps ? choose(t - 1.0 / 3.0, 1.0, 0.0) : 0.0 * t);
+    };
+    Solution solution;
+    sfdae::Solver solver(problem, options_of(SFDAE_METHOD_BDF, 1e-5));
+    solver.record(solution);
+    sfdae::Point point{0.0, {0.0}, {}};
+    solver.start(point, 1.0);
+    solver.advance(1.0, point);
+    const Solution loaded = Solution::load(solution.save());
+    EXPECT_EQ(loaded.accuracy().in_tolerances, solution.accuracy().in_tolerances);
+    EXPECT_EQ(loaded.accuracy().t, solution.accuracy().t);
+    return solution.accuracy();
+  };
+  EXPECT_LE(accuracy_of(false).in_tolerances, 0.3);
+  const Solution::Accuracy jumping = accuracy_of(true);
+  EXPECT_GT(jumping.in_tolerances, 100.0);
+  EXPECT_LE(jumping.t, 1.0 / 3.0);
+  EXPECT_GE(jumping.t, 1.0 / 3.0 - 1.0 / 1024.0 - 1e-12);
+}
+
+TEST(Solution, EndsWhereItIsCut) {
+  for (double end : {0.8, -0.8}) {
+    Solution solution;
+    sfdae::Solver solver(circle(), options_of(SFDAE_METHOD_BDF));
+    solver.record(solution);
+    sfdae::Point point{0.0, {1.0, 0.0}, {}};
+    solver.start(point, end);
+    solver.advance(end, point);
+    const double inside = 0.43 * end, before = solution(inside).x[1];
+    EXPECT_THROW(solution.cut(-0.1 * end), sfdae::Error);
+    EXPECT_THROW(solution.cut(2.0 * end), sfdae::Error);
+    EXPECT_THROW(solution.cut(std::numeric_limits<double>::quiet_NaN()), sfdae::Error);
+    EXPECT_EQ(solution(inside).x[1], before);
+    solution.cut(inside);
+    EXPECT_EQ(solution.end(), inside);
+    EXPECT_EQ(solution(inside).x[1], before);
+    EXPECT_THROW(solution(0.44 * end), sfdae::Error);
+    EXPECT_EQ(Solution::load(solution.save()).end(), inside);
+    solution.cut(0.0);
+    EXPECT_THROW(solution.end(), sfdae::Error);
+    EXPECT_THROW(solution.cut(0.0), sfdae::Error);
+    EXPECT_THROW(solution.accuracy(), sfdae::Error);
+    // The next steps begin anew.
+    solver.advance(1.5 * end, point);
+    EXPECT_NEAR(solution(1.45 * end).x[1], std::sin(1.45 * end), 1e-5);
+  }
+}
+
 TEST(Solution, RefusesWhatIsDamaged) {
   const std::vector<double> saved = recorded().save();
   sfdae_solution* solution = nullptr;

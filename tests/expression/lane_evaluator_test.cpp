@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <tuple>
 #include <vector>
 
 #include "instruction_sets.h"
@@ -21,28 +22,30 @@ namespace {
 using namespace sfdae_test;
 using Numbers = std::vector<double>;
 
-constexpr int orders = LaneEvaluator::highest_order + 1;
+constexpr int orders = LaneEvaluator::highest_order + 1, columns = orders + 1;
 
 // Jets of n unknowns at the points of all lanes, and t.
 struct Jets {
-  Jets(const Numbers& x0, int points, std::uint64_t seed) : n(static_cast<int>(x0.size())), blocks(size(n * orders)) {
-    const Matrix random = random_matrix(n * orders, points, seed);
+  Jets(const Numbers& x0, int points, std::uint64_t seed)
+      : n(static_cast<int>(x0.size())), blocks(size(n * columns)) {
+    const Matrix random = random_matrix(n * columns, points, seed);
     for (int l = 0; l < lane_count; ++l) {
       const int point = std::min(l, points - 1);
       t.lane[l] = 0.3 + 0.1 * point;
-      for (int k = 0; k < orders; ++k)
+      for (int k = 0; k < columns; ++k)
         for (int j = 0; j < n; ++j) {
           const double own = random(j + k * n, point);
           blocks[size(j + k * n)].lane[l] = k == 0 ? x0[size(j)] * (1.0 + 0.02 * own) : own;
         }
     }
   }
-  LaneEvaluator::Points points() const { return {&t, {blocks.data(), blocks.data() + n, blocks.data() + 2 * n}}; }
-  // That of lane l, as TaylorEvaluator wants it: with a column for x'.
+  LaneEvaluator::Points points() const {
+    return {&t, {blocks.data(), blocks.data() + n, blocks.data() + 2 * n, blocks.data() + 3 * n}};
+  }
+  // That of lane l.
   Numbers jet(int l) const {
     Numbers result;
     for (const LaneBlock& block : blocks) result.push_back(block.lane[l]);
-    result.resize(result.size() + size(n), 0.0);
     return result;
   }
   int n;
@@ -87,6 +90,27 @@ TEST_P(EveryOperationInLanes, IsThatOfEachPoint) {
 
 INSTANTIATE_TEST_SUITE_P(Operators, EveryOperationInLanes, testing::ValuesIn(operators()),
                          [](const auto& instance) { return instance.param.name; });
+
+TEST(LaneEvaluator, TakesDerivativesOfUnknowns) {
+  Recording recording(2);
+  const auto& [x, xdot] = std::tie(recording.x, recording.xdot);
+  const TaylorEvaluator source(
+      recording.finish({xdot[0] * x[1] + sin(xdot[1] * recording.t), x[0] * xdot[0] / (3.0 + xdot[1] * xdot[1])}));
+  for_each_instruction_set([&](InstructionSet) {
+    LaneEvaluator lanes;
+    for (int order = 0; order < orders; ++order) {
+      const Jets jets({0.7, 0.45}, 5, 2);
+      TaylorEvaluator single = source;
+      ASSERT_TRUE(lanes.evaluate(source, jets.points(), order, false));
+      for (int l = 0; l < lane_count; ++l) {
+        Numbers F(size(2 * (order + 1)));
+        ASSERT_TRUE(single.values(jets.t.lane[l], jets.jet(l).data(), order, F.data()));
+        for (int i = 0; i < 2; ++i)
+          for (int k = 0; k <= order; ++k) EXPECT_EQ(lanes.value(i)[k].lane[l], F[size(i + 2 * k)]) << order;
+      }
+    }
+  });
+}
 
 // A product of factors that vanish in some points has the derivative there that it has.
 TEST(LaneEvaluator, HasBranchesOfEachPoint) {

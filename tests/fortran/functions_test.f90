@@ -138,6 +138,12 @@ contains
     saved(size(saved)) = saved(size(saved)) + 1
     call loaded%load(saved, status)
     call check_status(status, sfdae_illegal_argument, "a damaged solution")
+    call solution%get_accuracy(start, end, status)
+    call check(status == sfdae_ok .and. start >= 0 .and. start < 1, "accuracy")
+    call solution%cut(1.5_dp, status)
+    call check_status(status, sfdae_ok, "cut")
+    call solution%evaluate(1.6_dp, at, status)
+    call check_status(status, sfdae_illegal_argument, "after the cut")
     call solver%stop_recording(status)
     call check_status(status, sfdae_ok, "stop recording")
     call loaded%destroy(status)

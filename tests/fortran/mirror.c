@@ -92,10 +92,21 @@ size_t fill_progress(sfdae_progress* s) {
 }
 
 size_t fill_linear_problem(sfdae_linear_problem* s) {
-  const sfdae_linear_problem value = {1, 2, 3, matrix_1,      matrix_2, vector_3,
-                                      7, 8, 9, &integers[10], vector_4, &integers[12]};
+  const sfdae_linear_problem value = {1,
+                                      2,
+                                      3,
+                                      matrix_1,
+                                      matrix_2,
+                                      vector_3,
+                                      7,
+                                      8,
+                                      9,
+                                      &integers[10],
+                                      vector_4,
+                                      &integers[12],
+                                      (const char* const*)&integers[13]};
   *s = value;
-  integers[10] = 10, integers[12] = 12;
+  integers[10] = 10, integers[12] = 12, integers[13] = 13;
   return sizeof value;
 }
 
@@ -111,9 +122,10 @@ size_t fill_nonlinear_problem(sfdae_nonlinear_problem* s) {
                                          &integers[8],
                                          vector_4,
                                          &integers[10],
-                                         &integers[11]};
+                                         &integers[11],
+                                         (const char* const*)&integers[12]};
   *s = value;
-  integers[8] = 8, integers[10] = 10, integers[11] = 11;
+  integers[8] = 8, integers[10] = 10, integers[11] = 11, integers[12] = 12;
   return sizeof value;
 }
 
@@ -135,9 +147,10 @@ size_t fill_multibody_problem(sfdae_multibody_problem* s) {
                                          (sfdae_velocity_function)(void (*)(void))matrix_2,
                                          (sfdae_velocity_function)(void (*)(void))vector_3,
                                          17,
-                                         &integers[18]};
+                                         &integers[18],
+                                         (const char* const*)&integers[19]};
   *s = value;
-  integers[18] = 18;
+  integers[18] = 18, integers[19] = 19;
   return sizeof value;
 }
 

@@ -232,14 +232,14 @@ contains
     call check(counts([real(c_double) :: p%size, p%num_equations, p%num_unknowns, &
       number_of(p%e) + 3, number_of(p%a) + 3, number_of(p%f) + 3, p%constant_e, p%constant_a, &
       p%num_prescribed, integer_at(p%prescribed), number_of(p%prescribed_values) + 7, &
-      integer_at(p%user)]), "members of sfdae_linear_problem")
+      integer_at(p%user), integer_at(p%equation_names)]), "members of sfdae_linear_problem")
 
     call check(fill_nonlinear_problem(q) == c_sizeof(q), "size of sfdae_nonlinear_problem")
     call check(counts([real(c_double) :: q%size, q%num_equations, q%num_unknowns, &
       number_of(q%equations) + 3, number_of(q%linear_equations) + 3, &
       number_of(q%total_derivative) + 3, q%num_prescribed, integer_at(q%prescribed), &
-      number_of(q%prescribed_values) + 5, integer_at(q%user), integer_at(q%differentiations)]), &
-      "members of sfdae_nonlinear_problem")
+      number_of(q%prescribed_values) + 5, integer_at(q%user), integer_at(q%differentiations), &
+      integer_at(q%equation_names)]), "members of sfdae_nonlinear_problem")
   end subroutine check_problem
 
   !> Structs of mechanical systems.
@@ -256,7 +256,8 @@ contains
       number_of(p%constraint_rate) + 9, number_of(p%kinematics) + 9, &
       number_of(p%nonholonomic_matrix) + 9, number_of(p%nonholonomic_offset) + 13, &
       number_of(p%constraint_curvature) + 13, number_of(p%nonholonomic_curvature) + 13, &
-      p%coordinates, integer_at(p%user)]), "members of sfdae_multibody_problem")
+      p%coordinates, integer_at(p%user), integer_at(p%constraint_names)]), &
+      "members of sfdae_multibody_problem")
 
     call check(fill_multibody_formulas(f) == c_sizeof(f), "size of sfdae_multibody_formulas")
     call check(counts([value_at(f%mass), value_at(f%forces), value_at(f%constraints), &

@@ -82,3 +82,9 @@ def test_both_methods_solve_the_pendulum(method):
     solution = columns(run("solve", os.path.join(MODELS, "pendulum.mo"), "--method", method, "--tol", "1e-9").stdout)
     for variable, (value, scale) in values.items():
         assert abs(solution[variable][-1] - value) <= 1e-4 * max(abs(value), scale)
+
+
+def test_check_visits_shared_parts_of_formulas_once():
+    """Newton's method in a function: 2^30 paths lead through its formulas; a walk along all of them never ends."""
+    models = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "models")
+    assert run("check", os.path.join(models, "water_functions.bmo")).returncode == 0

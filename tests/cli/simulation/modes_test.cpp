@@ -112,8 +112,9 @@ TEST(Modes, BranchesOfEquationsMayDetermineDifferentUnknowns) {
   EXPECT_EQ(last(result, "x"), 1.0);
 }
 
-// A pendulum hit at t = 1: vx is set, vy follows from the hidden constraint x vx + y vy = 0.
-TEST(Modes, ReinitOfAConstrainedStateKeepsTheConstraints) {
+// A pendulum of length 1 from (1, 0), one of whose states is set at t = 0.3.
+enum class State { x, vx };
+Result pendulum_with(State state, double value) {
   Builder b;
   const Term x = b.real("x", {.start = 1.0}), y = b.real("y", {.start = 0.0, .fixed = true}), vx = b.real("vx"),
              vy = b.real("vy", {.start = 0.0, .fixed = true}), F = b.real("F");
@@ -122,8 +123,13 @@ TEST(Modes, ReinitOfAConstrainedStateKeepsTheConstraints) {
   b.equation(der(vx), -(F * x));
   b.equation(der(vy), -(F * y) - 9.81);
   b.equation(square(x) + square(y), 1.0);
-  b.when({{{time_now() >= 0.3}, {reinit(vx, 1.0)}}});
-  const Result result = solve(b.model, until(0.5));
+  b.when({{{time_now() >= 0.3}, {reinit(state == State::x ? x : vx, value)}}});
+  return solve(b.model, until(0.5));
+}
+
+// A pendulum is hit: vx is set, vy follows from the hidden constraint x vx + y vy = 0.
+TEST(Modes, ReinitOfAConstrainedStateKeepsTheConstraints) {
+  const Result result = pendulum_with(State::vx, 1.0);
   EXPECT_SOLVED(result);
   for (std::size_t k = 1; k < result.trajectory.t.size(); ++k) {
     EXPECT_NEAR(value(result, "x", k) * value(result, "vx", k) + value(result, "y", k) * value(result, "vy", k), 0.0,
@@ -136,16 +142,7 @@ TEST(Modes, ReinitOfAConstrainedStateKeepsTheConstraints) {
 
 // A position of a pendulum is set: the other one has to follow, on the circle, and the velocity stays tangential.
 TEST(Modes, ReinitOfAPositionMovesTheOtherOne) {
-  Builder b;
-  const Term x = b.real("x", {.start = 1.0}), y = b.real("y", {.start = 0.0, .fixed = true}), vx = b.real("vx"),
-             vy = b.real("vy", {.start = 0.0, .fixed = true}), F = b.real("F");
-  b.equation(der(x), vx);
-  b.equation(der(y), vy);
-  b.equation(der(vx), -(F * x));
-  b.equation(der(vy), -(F * y) - 9.81);
-  b.equation(square(x) + square(y), 1.0);
-  b.when({{{time_now() >= 0.3}, {reinit(x, 0.8)}}});
-  const Result result = solve(b.model, until(0.5));
+  const Result result = pendulum_with(State::x, 0.8);
   EXPECT_SOLVED(result);
   for (std::size_t k = 1; k < result.trajectory.t.size(); ++k) {
     const double xk = value(result, "x", k), yk = value(result, "y", k);

@@ -41,6 +41,18 @@ TEST(WrongModels, EquationsThatContradict) {
   EXPECT_CONTAINS(complaint(b.model), "model.mo:4:1: this equation contradicts others: it says 0 = -1");
 }
 
+// x = 1/4 - t reaches 0, where log ends: the library names the equation by its place, unknowns by their names.
+TEST(WrongModels, EquationsThatCannotBeEvaluated) {
+  Builder b;
+  const Term x = b.real("x", {.start = 0.25, .fixed = true}), y = b.real("y");
+  b.equation(der(x), -1.0);
+  b.equation(y * y * y + y, function(Operation::log, x));
+  const Result result = solve(b.model, until(1.0));
+  EXPECT_OUTCOME(result, Outcome::not_finished);
+  EXPECT_CONTAINS(result.message, "(model.mo:4)");
+  EXPECT_CONTAINS(result.message, "log of -");
+}
+
 TEST(WrongModels, ParametersWithoutValueOrWithCycles) {
   Builder b;
   const Term p = b.parameter("p", 1.0), q = b.parameter("q", p), x = b.real("x");

@@ -169,4 +169,42 @@ inline void add_product(double sign, const Numbers& A, const Lanes* x, Lanes* y)
   }
 }
 
+// c := (I - tau v v^T) c, v_0 = 1, for `count` entries.
+inline void reflect(const double* v, double tau, int count, Lanes* c) {
+  if (tau == 0.0) return;
+  Lanes sum = c[0], other{};
+  int i = 1;
+  for (; i + 2 <= count; i += 2) {
+    sum += v[i] * c[i];
+    other += v[i + 1] * c[i + 1];
+  }
+  if (i < count) sum += v[i] * c[i];
+  sum = tau * (sum + other);
+  c[0] -= sum;
+  for (i = 1; i < count; ++i) c[i] -= v[i] * sum;
+}
+
+// c := Q^T c or Q c, Q from the first count reflections of a factorization (dense.h).
+inline void apply_q_transposed(ConstView factors, int count, const double* tau, Lanes* c) {
+  for (int p = 0; p < count; ++p) reflect(&factors(p, p), tau[p], factors.rows - p, c + p);
+}
+inline void apply_q(ConstView factors, int count, const double* tau, Lanes* c) {
+  for (int p = count - 1; p >= 0; --p) reflect(&factors(p, p), tau[p], factors.rows - p, c + p);
+}
+
+// b := R^-1 b or R^-T b, R the upper triangle of order `order` in r.
+inline void solve_upper(ConstView r, int order, Lanes* b) {
+  for (int j = order - 1; j >= 0; --j) {
+    b[j] = b[j] / r(j, j);
+    for (int i = 0; i < j; ++i) b[i] -= r(i, j) * b[j];
+  }
+}
+inline void solve_upper_transposed(ConstView r, int order, Lanes* b) {
+  for (int j = 0; j < order; ++j) {
+    Lanes sum = b[j];
+    for (int i = 0; i < j; ++i) sum -= r(i, j) * b[i];
+    b[j] = sum / r(j, j);
+  }
+}
+
 }  // namespace sfdae::core::lane_algebra

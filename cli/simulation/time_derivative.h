@@ -1,0 +1,34 @@
+// Derivatives of formulas with respect to time.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <unordered_map>
+
+#include "simulation/formulas.h"
+
+namespace sfdae::cli {
+
+class TimeDerivative {
+ public:
+  // of_variable: the derivative of a variable that varies continuously; -1: there is none.
+  TimeDerivative(Formulas& formulas, std::function<Formula(int)> of_variable)
+      : formulas_(formulas), of_variable_(std::move(of_variable)) {}
+
+  // Between events, where what is discrete is constant. -1: something in it has no derivative.
+  Formula operator()(Formula formula);
+
+ private:
+  Formula of_part(Formula formula);
+  Formula of_one(const FormulaNode& node, Formula self);
+  Formula of_two(const FormulaNode& node, Formula self);
+  Formula outer(Operation operation, Formula u, Formula self);
+  Formula square(Formula u) { return formulas_.multiply(u, u); }
+  Formula divide(Formula a, Formula b) { return formulas_.apply(Operation::divide, a, b); }
+
+  Formulas& formulas_;
+  std::function<Formula(int)> of_variable_;
+  std::unordered_map<Formula, Formula> known_;
+};
+
+}  // namespace sfdae::cli

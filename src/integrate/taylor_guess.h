@@ -1,0 +1,30 @@
+// Taylor coefficients of an integrator's polynomial, as guesses of points within its last step.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "system/strangeness_free_system.h"
+
+namespace sfdae::core {
+
+struct TaylorGuess {
+  std::vector<double> here, before, at_start;  // n x (order + 1): at the point, at the ends of the step
+
+  void assign_zero(std::size_t size) {
+    for (std::vector<double>* v : {&here, &before, &at_start}) v->assign(size, 0.0);
+  }
+  struct Times {
+    double t, newest, start;
+  };
+  template <class Polynomial>
+  Guess within(const Polynomial& polynomial, const Times& times, int order) {
+    polynomial.taylor(times.t, order, here.data());
+    polynomial.taylor(times.newest, order, before.data());
+    polynomial.taylor(times.start, order, at_start.data());
+    return {here.data(), before.data(), nullptr, at_start.data()};
+  }
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Inputs with kinks in constraints that are differentiated: derivatives jump at knots, wherever outputs are.
+
+#include <sfdae/sfdae.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace {
+
+using sfdae::ConstExpressions;
+using sfdae::Expression;
+using sfdae::Expressions;
+using Vector = std::vector<double>;
+
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  double real(double a, double b) { return std::uniform_real_distribution<double>(a, b)(engine_); }
+  int integer(int a, int b) { return std::uniform_int_distribution<int>(a, b)(engine_); }
+
+ private:
+  std::mt19937 engine_;
+};
+
+// An input of t, t shifted, t reversed, or repeated with a period.
+enum class Argument { plain, scaled, reversed, periodic };
+
+struct Input {
+  Vector x, y;  // as functions of t, increasing
+  int degree;
+  Argument argument;
+  double period;
+
+  Expression operator()(const Expression& t) const {
+    Vector places = x, values = y;
+    switch (argument) {
+      case Argument::scaled:
+        for (double& place : places) place = 2.0 * place + 1.0;
+        return sfdae::table(2.0 * t + 1.0, degree, places, values);
+      case Argument::reversed:
+        for (double& place : places) place = 7.3 - place;
+        std::reverse(places.begin(), places.end());
+        std::reverse(values.begin(), values.end());
+        return sfdae::table(7.3 - t, degree, places, values);
+      case Argument::periodic: return sfdae::table(modulo(t, period), degree, places, values);
+      default: return sfdae::table(t, degree, places, values);
+    }
+  }
+  double local(double t) const { return argument == Argument::periodic ? t - period * std::floor(t / period) : t; }
+  double value(double t) const {
+    const int count = static_cast<int>(x.size());
+    return sfdae_table(sfdae_number(std::clamp(local(t), x.front(), x.back())), degree, count, x.data(), y.data())
+        .value;
+  }
+  // Slopes of a polygon on both sides of t.
+  double slope(double t, double side) const {
+    const double place = local(t + side * 1e-9 * (1.0 + std::fabs(t)));
+    const auto after = std::upper_bound(x.begin() + 1, x.end() - 1, place) - x.begin();
+    const auto k = static_cast<std::size_t>(after);
+    return (y[k] - y[k - 1]) / (x[k] - x[k - 1]);
+  }
+};
+
+Input random_input(Random& random) {
+  Input input{{}, {}, random.integer(0, 2) == 0 ? 2 * random.integer(1, 2) + 1 : 1, Argument::plain, 0.0};
+  const int count = random.integer(input.degree + 3, 10);
+  const bool is_even = input.degree > 1 || random.integer(0, 1) == 0;  // else splines swing
+  double place = 0.0;
+  for (int i = 0; i < count; ++i) {
+    input.x.push_back(place);
+    input.y.push_back(random.real(-1.0, 1.0));
+    place += is_even ? 0.5 : random.real(0.1, 1.0);
+  }
+  input.argument = static_cast<Argument>(random.integer(0, input.degree == 1 ? 3 : 2));
+  if (input.argument == Argument::periodic) {
+    input.y.back() = input.y.front();
+    input.period = input.x.back();
+  }
+  return input;
+}
+
+// u' = a q, w' = q w, p' = q, p = T(t) in turned coordinates and mixed equations, mu = 1: u = u0 + a (p - p0),
+// w = w0 exp(p - p0), q = T', which jumps at the knots of a polygon.
+struct Problem {
+  Input input;
+  double a, u0 = 0.3, w0 = 0.7, p0 = 0.0;
+  Vector equations, coordinates;  // z = C x, 4 x 4
+
+  Vector z(double t, double side) const {
+    const double p = input.value(t);
+    return {u0 + a * (p - p0), w0 * std::exp(p - p0), p, input.degree == 1 ? input.slope(t, side) : std::nan("")};
+  }
+  Vector to_z(const Vector& x) const {
+    Vector z(4, 0.0);
+    for (std::size_t k = 0; k < 16; ++k) z[k % 4] += coordinates[k] * x[k / 4];
+    return z;
+  }
+  sfdae::NonlinearProblem recorded() const {
+    sfdae::NonlinearProblem problem(4, 4);
+    problem.equations = [*this](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+      Expression z[4] = {0.0, 0.0, 0.0, 0.0}, zdot[4] = {0.0, 0.0, 0.0, 0.0};
+      for (int k = 0; k < 16; ++k) {
+        z[k % 4] = z[k % 4] + coordinates[static_cast<std::size_t>(k)] * x[k / 4];
+        zdot[k % 4] = zdot[k % 4] + coordinates[static_cast<std::size_t>(k)] * xdot[k / 4];
+      }
+      const Expression of_z[4] = {zdot[0] - a * z[3], zdot[1] - z[3] * z[1], zdot[2] - z[3], z[2] - input(t)};
+      for (int i = 0; i < 4; ++i) {
+        Expression sum = 0.0;
+        for (int k = 0; k < 4; ++k) sum = sum + equations[static_cast<std::size_t>(i + 4 * k)] * of_z[k];
+        F[i] = sum;
+      }
+    };
+    return problem;
+  }
+};
+
+// Those of the identity and a random matrix of norm below 1 / 2: condition numbers stay below 3.
+Vector random_matrix(Random& random) {
+  Vector matrix(16);
+  for (double& entry : matrix) entry = random.real(-0.12, 0.12);
+  for (std::size_t i = 0; i < 4; ++i) matrix[5 * i] += 1.0;
+  return matrix;
+}
+
+Vector solve(Vector A, Vector b) {
+  for (std::size_t k = 0; k < 4; ++k)
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (i == k) continue;
+      const double factor = A[i + 4 * k] / A[5 * k];
+      for (std::size_t j = 0; j < 4; ++j) A[i + 4 * j] -= factor * A[k + 4 * j];
+      b[i] -= factor * b[k];
+    }
+  for (std::size_t i = 0; i < 4; ++i) b[i] /= A[5 * i];
+  return b;
+}
+
+// In tolerances: what of z is farther from the solution before the knot than from that after it does not count.
+double error_of(const Problem& problem, const sfdae::Point& point, double tol) {
+  const Vector found = problem.to_z(point.x);
+  double least = 1e300;
+  for (double side : {-1.0, 1.0}) {
+    const Vector z = problem.z(point.t, side);
+    double error = 0.0;
+    for (std::size_t i = 0; i < 4; ++i)
+      if (!std::isnan(z[i])) error = std::max(error, std::fabs(found[i] - z[i]) / (tol * (1.0 + std::fabs(z[i]))));
+    least = std::min(least, error);
+  }
+  return least;
+}
+
+// At knots, beside them and between; forward and backward, from knots and from anywhere.
+TEST(Kinks, InDifferentiatedConstraintsAreNotSmearedOut) {
+  int checked = 0;
+  for (unsigned seed = 0; seed < 150; ++seed) {
+    Random random(seed);
+    Problem problem{random_input(random),  random.real(-2.0, 2.0), 0.3, 0.7, 0.0,
+                    random_matrix(random), random_matrix(random)};
+    const Vector& knots = problem.input.x;
+    double ends[2] = {knots[random.integer(0, 1) == 0 ? 0 : 1], knots[knots.size() - 1]};
+    if (random.integer(0, 1) == 0) ends[0] += 0.3 * (knots[2] - knots[1]);
+    if (random.integer(0, 1) == 0) ends[1] -= 0.3 * (knots[2] - knots[1]);
+    if (random.integer(0, 1) == 0) std::swap(ends[0], ends[1]);
+    Vector outputs = {ends[1]};
+    const auto add = [&](double t) {
+      if ((t - ends[0]) * (t - ends[1]) < 0.0) outputs.push_back(t);
+    };
+    for (int i = 1; i < 12; ++i) add(ends[0] + (ends[1] - ends[0]) * i / 12.0);
+    for (double knot : knots) add(knot - 1e-6), add(knot), add(knot + 1e-6);
+    std::sort(outputs.begin(), outputs.end());
+    if (ends[1] < ends[0]) std::reverse(outputs.begin(), outputs.end());
+
+    sfdae::Options options;
+    const int methods[] = {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU, SFDAE_METHOD_AUTOMATIC};
+    options.method = methods[random.integer(0, 2)];
+    options.output = random.integer(0, 1) == 0 ? SFDAE_OUTPUT_CONSISTENT : SFDAE_OUTPUT_INTERPOLATED;
+    const double tol = std::pow(10.0, -random.real(3.0, 8.0));
+    options.rtol = options.atol = tol;
+    sfdae::Solver solver(problem.recorded(), options);
+    problem.p0 = problem.input.value(ends[0]);
+    Vector z = problem.z(ends[0], 1.0);
+    if (std::isnan(z[3])) z[3] = (problem.input.value(ends[0] + 1e-6) - problem.input.value(ends[0] - 1e-6)) / 2e-6;
+    sfdae::Point point{ends[0], solve(problem.coordinates, z), {}};
+    solver.start(point, ends[1]);
+    ASSERT_EQ(solver.characteristics().strangeness_index, 1);
+    for (double t : outputs) {
+      ASSERT_EQ(solver.advance(t, point), SFDAE_OK) << "seed " << seed;
+      ASSERT_EQ(point.t, t);
+      // T^(p) of splines of higher degree is large between points that lie at random: so are errors.
+      const double allowed = problem.input.degree == 1 ? 40.0 : 400.0;
+      EXPECT_LE(error_of(problem, point, tol), allowed) << "seed " << seed << ", t = " << t;
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 3000);
+}
+
+// The solution as recorded over the whole run, and in single steps: q is T' on both sides of every knot.
+TEST(Kinks, AreInRecordedSolutionsAndSteps) {
+  const Input input{{0.0, 1.0, 2.0, 3.0}, {0.0, 1.0, -1.0, 0.5}, 1, Argument::plain, 0.0};
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    sfdae::NonlinearProblem problem(3, 3);
+    problem.equations = [&](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+      F[0] = xdot[0] + x[0] - x[2];
+      F[1] = xdot[1] - x[2];
+      F[2] = x[1] - input(t);
+    };
+    sfdae::Options options;
+    options.method = method;
+    options.rtol = options.atol = 1e-7;
+    sfdae::Solver solver(problem, options);
+    sfdae::Solution solution;
+    solver.record(solution);
+    sfdae::Point point{0.0, {0.0, 0.0, 1.0}, {}};
+    solver.start(point, 3.0);
+    while (solver.step(3.0, point) == SFDAE_STEP_TAKEN) {
+      const bool is_at_kink = std::fabs(point.t - std::round(point.t)) < 1e-12;
+      if (is_at_kink) continue;
+      EXPECT_NEAR(point.x[2], input.slope(point.t, 1.0), 1e-6) << point.t;
+    }
+    for (int i = 0; i < 300; ++i) {
+      const double t = 0.01 * i + 0.003;
+      const sfdae::Point here = solution(t);
+      EXPECT_NEAR(here.x[2], input.slope(t, 1.0), 1e-5) << t;
+      EXPECT_NEAR(here.x[1], input.value(t), 1e-6) << t;
+    }
+  }
+}
+
+// q = T'(t) passes through zero at a knot: the event is there.
+TEST(Kinks, MayBeEvents) {
+  sfdae::NonlinearProblem problem(2, 2);
+  problem.equations = [&](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] - x[1];
+    F[1] = x[0] - sfdae::table(t, 1, {0.0, 1.0, 2.0}, {0.0, 1.0, -1.0});
+  };
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    sfdae::Options options;
+    options.method = method;
+    sfdae::Solver solver(problem, options);
+    solver.set_events(1, [](double, const auto& x, const auto&, auto g) { g[0] = x[1]; });
+    sfdae::Point point{0.0, {0.0, 1.0}, {}};
+    solver.start(point, 2.0);
+    ASSERT_EQ(solver.advance(1.5, point), SFDAE_EVENT);
+    EXPECT_NEAR(point.t, 1.0, 1e-12);
+    ASSERT_EQ(solver.advance(1.5, point), SFDAE_OK);
+    EXPECT_NEAR(point.x[1], -2.0, 1e-6);
+  }
+}
+
+// ---- Impulses ----------------------------------------------------------------------------------------------------
+
+std::string obstacle_of(sfdae::Solver solver, Vector x) {
+  sfdae::Point point{0.0, std::move(x), {}};
+  solver.start(point, 2.0);
+  EXPECT_EQ(solver.advance(0.9, point), SFDAE_OK);
+  try {
+    solver.advance(1.5, point);
+    return "";
+  } catch (const sfdae::Error& error) {
+    EXPECT_EQ(error.status(), SFDAE_STEP_TOO_SMALL);
+    EXPECT_NEAR(point.t, 1.0, 1e-12);
+    return error.what();
+  }
+}
+
+// A position is prescribed by a polygon: its velocity jumps, the force is an impulse, which is none of the values that
+// functions have. Masses hand it on: v2 jumps by -m12 times that. There is no such solution to be found by steps.
+TEST(Kinks, ThatAskForImpulsesAreNamed) {
+  const Vector places = {0.0, 1.0, 2.0}, values = {0.0, 0.5, -0.3};
+  const double m12 = 0.4;
+  sfdae::NonlinearProblem nonlinear(5, 5);
+  nonlinear.equations = [=](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] - x[2];
+    F[1] = xdot[1] - x[3];
+    F[2] = xdot[2] + m12 * xdot[3] - x[4];
+    F[3] = m12 * xdot[2] + xdot[3];
+    F[4] = x[0] - sfdae::table(t, 1, places, values);
+  };
+  sfdae::MultibodyProblem mechanical(2, 1);
+  mechanical.equations = [=](const auto& t, auto q, auto, auto to) {
+    to.M(0, 0) = to.M(1, 1) = 1.0;
+    to.M(0, 1) = to.M(1, 0) = m12;
+    to.g[0] = q[0] - sfdae::table(t, 1, places, values);
+  };
+  // A jump of what is differentiated once.
+  sfdae::NonlinearProblem saw_tooth(3, 3);
+  saw_tooth.equations = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] - x[1];
+    F[1] = x[0] - sfdae::table(modulo(t, 1.0), 1, {0.0, 1.0}, {0.0, 0.7});
+    F[2] = xdot[2] - x[1];
+  };
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    sfdae::Options options;
+    options.method = method;
+    const char* const words = "an input has a kink or a jump at t = 0.99999";
+    EXPECT_NE(obstacle_of(sfdae::Solver(nonlinear, options), {0.0, 0.0, 0.5, 0.0, 0.0}).find(words),
+              std::string::npos);
+    EXPECT_NE(obstacle_of(sfdae::Solver(mechanical, options), {0.0, 0.0, 0.5, 0.0, 0.0}).find("x[2]"),
+              std::string::npos);
+    EXPECT_NE(obstacle_of(sfdae::Solver(saw_tooth, options), {0.0, 0.7, 0.0}).find("x[0]"), std::string::npos);
+  }
+}
+
+// A jump of what is not differentiated is none of x': x = saw-tooth, y' = x has the integral of it.
+TEST(Kinks, OfAlgebraicUnknownsMayBeJumps) {
+  sfdae::NonlinearProblem problem(2, 2);
+  problem.equations = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] - x[1];
+    F[1] = x[1] - sfdae::table(modulo(t, 1.0), 1, {0.0, 1.0}, {0.0, 1.0});
+  };
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (double end : {4.5, -4.5}) {
+      sfdae::Options options;
+      options.method = method;
+      options.rtol = options.atol = 1e-8;
+      sfdae::Solver solver(problem, options);
+      sfdae::Point point{0.0, {0.0, 0.0}, {}};
+      solver.start(point, end);
+      ASSERT_EQ(solver.advance(end, point), SFDAE_OK);
+      // 4 periods of 1/2 and an integral of t from 0 to 1/2, or of t from 1/2 to 1.
+      EXPECT_NEAR(point.x[0], end > 0.0 ? 2.125 : -2.375, 1e-6);
+      EXPECT_NEAR(point.x[1], 0.5, 1e-6);
+    }
+}
+
+// The knots of a drive of positions are where steps end, too: a pulse of width 0.02 within ten units of time, of degree 3.
+TEST(Kinks, OfDrivesOfMechanicalSystemsAreNotSteppedOver) {
+  const Vector places = {0.0, 2.0, 4.0, 5.99, 6.0, 6.01, 8.0, 10.0},
+               values = {0.0, 0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0};
+  sfdae::MultibodyProblem problem(2, 1);
+  problem.equations = [&](const auto& t, auto q, auto, auto to) {
+    to.M(0, 0) = to.M(1, 1) = 1.0;
+    to.f[1] = q[0];  // v2' = q1: v2 is the integral of the drive
+    to.g[0] = q[0] - sfdae::table(t, 3, places, values);
+  };
+  // Of the spline, by Gauss' formula with two points, exact for cubics.
+  double integral = 0.0;
+  for (std::size_t i = 0; i + 1 < places.size(); ++i)
+    for (double place : {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)}) {
+      const double width = places[i + 1] - places[i], t = places[i] + place * width;
+      const int count = static_cast<int>(places.size());
+      integral += 0.5 * width * sfdae_table(sfdae_number(t), 3, count, places.data(), values.data()).value;
+    }
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    sfdae::Options options;
+    options.method = method;
+    options.rtol = options.atol = 1e-6;
+    sfdae::Solver solver(problem, options);
+    sfdae::Point point{0.0, {0.0, 0.0, 0.0, 0.0, 0.0}, {}};
+    solver.start(point, 10.0);
+    ASSERT_EQ(solver.advance(10.0, point), SFDAE_OK);
+    EXPECT_NEAR(point.x[3], integral, 1e-4);
+  }
+}
+
+}  // namespace
