@@ -127,7 +127,6 @@ StepCost measure(int n, int mu) {
   // One reduction: evaluation apart.
   sfdae_test::FamilyProblem problem(family);
   LinearProblem linear(functions_of(problem.problem));
-  AnalysisSettings settings;
   Arena arena;
   std::vector<RankDecision> decisions;
   TaylorData data;

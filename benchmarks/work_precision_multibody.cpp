@@ -61,7 +61,7 @@ void run_sfdae(const TestProblem& problem, const System& system, MultibodyForm f
   const std::pair<Method, const char*> methods[] = {{Method::bdf, "BDF"}, {Method::radau, "Radau"}};
   for (const auto& [method, method_name] : methods)
     for (const double tol : sfdae_bench::tolerances()) {
-      Row row = sfdae_bench::measured([&] { return solve(system, problem, form, method, tol); });
+      Row row = sfdae_bench::measured([&, method = method] { return solve(system, problem, form, method, tol); });
       row.problem = problem.name;
       row.solver = std::string(name) + " " + method_name;
       row.form = name;
@@ -89,7 +89,8 @@ void run_test_set(const TestProblem& problem, Results& results) {
     const std::pair<Method, const char*> methods[] = {{Method::bdf, "general BDF"}, {Method::radau, "general Radau"}};
     for (const auto& [method, solver] : methods)
       for (const double tol : sfdae_bench::tolerances()) {
-        Row row = sfdae_bench::measured([&] { return sfdae_bench::solve_with_sfdae(peer, equations, method, tol); });
+        Row row = sfdae_bench::measured(
+            [&, method = method] { return sfdae_bench::solve_with_sfdae(peer, equations, method, tol); });
         row.problem = problem.name;
         row.solver = solver;
         row.form = "general";

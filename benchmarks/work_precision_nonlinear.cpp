@@ -31,7 +31,8 @@ void run_sfdae(const TestProblem& problem, const Equations& equations, Results& 
   const bool position_form = problem.name == "fekete_position";
   for (const auto& [method, name] : methods)
     for (const double tol : tolerances()) {
-      Row row = measured([&] { return sfdae_bench::solve_with_sfdae(problem, equations, method, tol); });
+      Row row =
+          measured([&, method = method] { return sfdae_bench::solve_with_sfdae(problem, equations, method, tol); });
       row.problem = position_form ? "fekete" : problem.name;
       row.solver = name;
       row.form = position_form ? "idx3" : "raw";

@@ -11,9 +11,9 @@ install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/sfdae" DESTINATION "${CMAKE_INS
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/CHANGELOG.md"
   DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DOCDIR}"
-  FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png")
+  FILES_MATCHING PATTERN site EXCLUDE PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png")
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/examples" DESTINATION "${CMAKE_INSTALL_DOCDIR}"
-  FILES_MATCHING REGEX "\\.(c|cpp|h|f|f90|gp)$")
+  FILES_MATCHING PATTERN models EXCLUDE REGEX "\\.(c|cpp|h|f|f90|gp)$")
 
 # Two export sets, because only the static library needs LAPACK where it is used.
 install(TARGETS sfdae EXPORT sfdae_shared

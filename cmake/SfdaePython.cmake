@@ -1,16 +1,19 @@
 # sfdae_find_python(<variable>): an interpreter with the modules that the Python package needs, or an empty string. The
-# first python3 of the path need not have them: those of the system are tried, too. SFDAE_PYTHON_EXECUTABLE decides.
+# first python3 of the path need not have them: those of the system are tried, too. SFDAE_PYTHON_EXECUTABLE decides, and
+# need not have numpy: pip builds where there is nothing but what python/pyproject.toml requires for that.
 
 function(sfdae_find_python variable)
   set(${variable} "" PARENT_SCOPE)
+  set(modules "cffi, numpy")
   if(SFDAE_PYTHON_EXECUTABLE)
     set(candidates "${SFDAE_PYTHON_EXECUTABLE}")
+    set(modules "cffi")
   else()
     find_program(sfdae_python_in_path NAMES python3 python)
     mark_as_advanced(sfdae_python_in_path)
     set(candidates ${sfdae_python_in_path} /usr/bin/python3 /usr/local/bin/python3)
   endif()
-  set(test "import cffi, numpy, sys, sysconfig, os
+  set(test "import ${modules}, sys, sysconfig, os
 assert sys.version_info >= (3, 9)
 print(sysconfig.get_path('include'), end='')
 assert os.path.exists(os.path.join(sysconfig.get_path('include'), 'Python.h'))")

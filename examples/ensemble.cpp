@@ -44,7 +44,7 @@ int main() try {
     int k = 1;
     while (solution.x(i, k)[0] > 0.0) ++k;  // beyond the lowest point
     const double before = solution.x(i, k - 1)[0], after = solution.x(i, k)[0];
-    const double quarter = ensemble.times[k - 1] + 0.01 * before / (before - after);
+    const double quarter = 0.01 * (k - 1 + before / (before - after));
     const double g = ensemble.parameters(0, i), L = ensemble.parameters(1, i);
     const double expected = 0.5 * std::numbers::pi * std::sqrt(L / g) * (1.0 + angle * angle / 16.0);
     worst = std::max(worst, std::abs(quarter / expected - 1.0));

@@ -41,7 +41,9 @@ Three things to try:
   a program of your own    cp examples/pendulum.c my_problem.c; edit it; then
                            cc my_problem.c -Iinclude -Lbuild/demo/cmake/src -lsfdae -lm \
                              -Wl,-rpath,$PWD/build/demo/cmake/src -o my_problem && ./my_problem
-  in Python                python3 -m venv --system-site-packages build/venv && build/venv/bin/pip install ./python
+  in Python                scripts/install-dependencies.sh python
+                           python3 -m venv --system-site-packages build/venv
+                           build/venv/bin/pip install --no-build-isolation ./python
                            build/venv/bin/python python/examples/pendulum_chain.py
   a model in a file        scripts/install-program.sh
                            ~/.local/bin/sfdae solve examples/models/pendulum.mo --html pendulum.html

@@ -4,19 +4,25 @@
 #   scripts/install-dependencies.sh demo    to build the library and run the demonstration
 #   scripts/install-dependencies.sh docs    to build the documentation
 #   scripts/install-dependencies.sh program to build the program sfdae
+#   scripts/install-dependencies.sh python  to install the Python package with pip
+#   scripts/install-dependencies.sh package to make Debian packages
 #   scripts/install-dependencies.sh test    to build and test everything (default)
 #
 # Where nothing is missing it says nothing and needs neither network nor root.
 set -euo pipefail
 
 demo=(build-essential g++ cmake pkg-config libopenblas-dev libblas-dev liblapack-dev gnuplot-nox)
-python=(python3-dev python3-cffi python3-numpy python3-pytest python3-matplotlib python3-pip python3-setuptools
-  python3-wheel python3-tqdm python3-pandas python3-nbconvert python3-ipykernel)
+python_build=(python3-dev python3-cffi python3-numpy python3-setuptools python3-wheel)
+python=("${demo[@]}" "${python_build[@]}" python3-matplotlib python3-pip)
 site=(doxygen python3-sphinx python3-myst-parser python3-breathe furo)
-docs=("${demo[@]}" python3-dev python3-cffi python3-numpy "${site[@]}")
+docs=("${demo[@]}" "${python_build[@]}" "${site[@]}")
 program=("${demo[@]}" libcli11-dev nlohmann-json3-dev)
+# With the reference BLAS alone: packages depend on any BLAS.
+package=(g++ cmake ninja-build dpkg-dev file gzip libblas-dev liblapack-dev libcli11-dev nlohmann-json3-dev
+  "${python_build[@]}" "${site[@]}")
 test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev libcli11-dev nlohmann-json3-dev valgrind python3 ninja-build
-  clang clang-format-14 "${python[@]}" "${site[@]}" chromium chromium-driver python3-selenium)
+  clang clang-format-14 "${python[@]}" python3-pytest python3-tqdm python3-pandas python3-nbconvert python3-ipykernel
+  "${site[@]}" chromium chromium-driver python3-selenium)
 # For an example of MPI: installed with others that are missing, never alone, as nothing else needs them.
 welcome=(libopenmpi-dev openmpi-bin)
 
@@ -24,9 +30,11 @@ case "${1:-test}" in
   demo) wanted=("${demo[@]}") ;;
   docs) wanted=("${docs[@]}") ;;
   program) wanted=("${program[@]}") ;;
+  python) wanted=("${python[@]}" python3-venv) ;;
+  package) wanted=("${package[@]}") ;;
   test) wanted=("${test[@]}") ;;
   *)
-    echo "usage: $0 [demo|program|docs|test]" >&2
+    echo "usage: $0 [demo|docs|program|python|package|test]" >&2
     exit 2
     ;;
 esac

@@ -2,7 +2,8 @@
 # Builds the Debian packages and the source distribution for Python in a Debian of its own, installs them in another one
 # that is clean, and uses them there:
 #
-#   scripts/test-packages.sh [SUITE]     bookworm, trixie, ...; default: that of this machine
+#   scripts/test-packages.sh [SUITE]         bookworm, trixie, ...; default: that of this machine
+#   scripts/test-packages.sh SUITE tests     and builds all tests there, and runs those that are not long
 #
 # Warnings are errors, so that this also tests the compiler of that Debian. It needs root, debootstrap and a mirror of
 # Debian, and some 3 GB. SFDAE_ROOTS=<folder> keeps both systems there for the next time. Packages are left in
@@ -23,7 +24,9 @@ builder="$roots/$suite-build" clean="$roots/$suite-clean"
 finish() {
   local status=$?
   for root in "$builder" "$clean"; do
-    if mountpoint -q "$root/proc"; then umount "$root/proc"; fi
+    for folder in dev/pts proc; do
+      if mountpoint -q "$root/$folder"; then umount "$root/$folder"; fi
+    done
   done
   if [[ -z "${SFDAE_ROOTS:-}" ]]; then rm -rf --one-file-system "$roots"; fi
   if [[ $status -eq 0 ]]; then echo "PASSED"; else echo "FAILED"; fi
@@ -37,6 +40,8 @@ inside() {
   local root="$1"
   shift
   mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
+  # Terminals of its own, for tests of progress bars.
+  mountpoint -q "$root/dev/pts" || mount -t devpts -o newinstance,ptmxmode=0666 devpts "$root/dev/pts"
   env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
     OPENBLAS_NUM_THREADS=1 http_proxy="${http_proxy:-}" https_proxy="${https_proxy:-}" chroot "$root" "$@"
 }
@@ -63,13 +68,14 @@ for root in "$builder" "$clean"; do
 done
 
 heading "build"
-install_in "$builder" g++ cmake ninja-build dpkg-dev file liblapack-dev libblas-dev libcli11-dev nlohmann-json3-dev \
-  python3-dev python3-cffi python3-numpy python3-setuptools python3-wheel
-rm -rf "$builder/sfdae"
-mkdir "$builder/sfdae"
+# What was built the last time is kept, if the system was.
+mkdir -p "$builder/sfdae"
+find "$builder/sfdae" -mindepth 1 -maxdepth 1 ! -name build -exec rm -rf {} +
+rm -f "$builder"/sfdae/build/package/*.{deb,tar.gz}
 git ls-files -z | tar --null -T - -cf - | tar -C "$builder/sfdae" -xf -
 inside "$builder" sh -ec "
   cd /sfdae
+  scripts/install-dependencies.sh package
   cmake --preset package -G Ninja -DSFDAE_WERROR=ON
   cmake --build build/package --parallel $jobs
   (cd build/package && cpack)
@@ -79,6 +85,22 @@ rm -rf "$packages"
 mkdir -p "$packages"
 cp "$builder"/sfdae/build/package/*.{deb,tar.gz} "$packages"
 ls -l "$packages"
+
+heading "rules of Debian"
+install_in "$builder" lintian
+# The maintainer is whoever makes packages: CPACK_DEBIAN_PACKAGE_MAINTAINER.
+inside "$builder" sh -c "lintian --allow-root --fail-on error --tag-display-limit 0 \
+  --suppress-tags bogus-mail-host,bogus-mail-host-in-debian-changelog /sfdae/build/package/*.deb"
+
+if [[ "${2:-}" == tests ]]; then
+  heading "tests"
+  inside "$builder" sh -ec "
+    cd /sfdae
+    scripts/install-dependencies.sh test
+    cmake --preset release -G Ninja -DSFDAE_WERROR=ON
+    cmake --build build/release --parallel $jobs
+    ctest --preset release -LE '^(long|install)$'"
+fi
 
 heading "program and Python, with nothing but what they depend on"
 mkdir -p "$clean/packages"
@@ -101,7 +123,7 @@ if [[ -e "$clean/usr/bin/sfdae" ]]; then
 fi
 
 heading "C, C++, Fortran"
-install_in "$clean" /packages/libsfdae-dev*.deb gcc g++ gfortran cmake make pkg-config liblapack-dev
+install_in "$clean" "/packages/$(basename "$packages"/libsfdae-dev*.deb)" gcc g++ gfortran cmake make pkg-config liblapack-dev
 cp -r tests/install/consumer "$clean/consumer"
 inside "$clean" sh -ec '
   mkdir -p /work && cd /work
@@ -126,13 +148,20 @@ inside "$clean" sh -ec '
     done
   done'
 
-heading "pip install of the source distribution"
-install_in "$clean" python3-pip python3-setuptools python3-wheel python3-cffi python3-dev
-inside "$clean" sh -ec "
-  CMAKE_BUILD_PARALLEL_LEVEL=$jobs pip install --quiet --root-user-action=ignore --no-index --no-deps \
-    --no-build-isolation --target /pip /packages/sfdae-*.tar.gz
-  PYTHONPATH=/pip python3 -c 'import sfdae; assert sfdae.__file__.startswith(\"/pip\"); print(sfdae.__version__)'"
-
 heading "removal"
 inside "$clean" apt-get purge -q -y libsfdae0* > "$roots/purge.txt" || { cat "$roots/purge.txt"; exit 1; }
 [[ ! -e "$clean/usr/include/sfdae" && ! -e "$clean/usr/lib/python3/dist-packages/sfdae/_solve.py" ]]
+
+# As python/README.md says, with the source distribution in place of the checkout, and the program that stands there.
+heading "pip install of the source distribution, without a package index"
+cp scripts/install-dependencies.sh "$clean"
+sed -n '/^```python$/,/^```$/{/^```/d;p}' python/README.md > "$clean/pendulum.py"
+[[ "$(wc -l < "$clean/pendulum.py")" -le 10 ]]
+inside "$clean" sh -ec "
+  /install-dependencies.sh python
+  python3 -m venv --system-site-packages /venv
+  CMAKE_BUILD_PARALLEL_LEVEL=$jobs /venv/bin/pip install --quiet --no-index --no-build-isolation /packages/sfdae-*.tar.gz
+  cd /tmp
+  MPLBACKEND=Agg /venv/bin/python /pendulum.py
+  grep -q '<path ' pendulum.svg
+  /venv/bin/python -c 'import sfdae; assert sfdae.__file__.startswith(\"/venv/\"); print(\"sfdae\", sfdae.__version__)'"

@@ -201,7 +201,8 @@ void add_paragraph(const std::string& paragraph, std::string& text) {
 
 std::string error_message(const CallFacts& facts) {
   if (facts.code >= 0) return "";
-  const std::string line = std::string(frame_width, '*') + "\n";
+  std::string line(frame_width, '*');
+  line += '\n';
   std::string text = line;
   add_paragraph(format("DGELDA: error number IERR = %lld", static_cast<long long>(facts.code)), text);
   if (const Entry* entry = find(std::begin(interruptions), std::end(interruptions), facts.code)) {

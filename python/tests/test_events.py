@@ -152,8 +152,9 @@ def test_wrong_values_of_an_action():
 def test_values_that_an_action_leaves_inconsistent_are_reported():
     """Only one of both velocities is reversed: the wire does not allow that."""
     stop = sfdae.Event(lambda t, x: x[1], direction=-1, action=lambda t, x: x * [1, 1, 1, -0.8, 1])
+    # Before the next impact, at 0.698: pytest 8 hands on warnings that do not match.
     with pytest.warns(sfdae.InitialValuesWarning, match="after an event at t = 0.638"):
-        sol = sfdae.solve(bead, (0, 0.7), [1, 1, 0, 0, 0], events=stop)
+        sol = sfdae.solve(bead, (0, 0.69), [1, 1, 0, 0, 0], events=stop)
     assert np.abs(sol.x[2] - sol.x[3]).max() < 1e-12
 
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
@@ -159,6 +160,14 @@ Candidates keep_differential(const NullSpaceForm& form, const TaylorData& data, 
   return {least_squares(rows, target, 0.0), to_matrix(form.Uz())};
 }
 
+// The fixed components exactly as they are given: what is solved for holds them to rounding.
+Vector with_fixed(const ConsistencyRequest& request, const Vector& given, Vector x) {
+  if (request.kind == InitialValues::fixed)
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (request.fixed[i] != 0) x[i] = given[i];
+  return x;
+}
+
 }  // namespace
 
 Vector consistent_point(const ConstrainedPoint& point, const ConsistencyRequest& request, const Vector& user_x) {
@@ -178,7 +187,8 @@ Vector consistent_point(const ConstrainedPoint& point, const ConsistencyRequest&
   if (request.kind == InitialValues::fixed || point.prescribed != nullptr)
     candidates = satisfy_fixed(point, request, x);
   if (request.kind == InitialValues::keep_differential) candidates = keep_differential(form, point.data, x);
-  if (request.differentiated_stay()) return with_differentiated_kept(point, request, candidates, user_x);
+  if (request.differentiated_stay())
+    return with_fixed(request, user_x, with_differentiated_kept(point, request, candidates, user_x));
   Vector consistent(form.xp(), form.xp() + n);
   const bool any_change = point.prescribed == nullptr &&
                           (request.kind == InitialValues::nearest || request.kind == InitialValues::accept);
@@ -191,10 +201,7 @@ Vector consistent_point(const ConstrainedPoint& point, const ConsistencyRequest&
     consistent = nearest(form, x, inverse_weights, candidates);
   }
   for (int i = 0; i < n; ++i) consistent[index(i)] *= units[i];
-  if (request.kind == InitialValues::fixed)
-    for (int i = 0; i < n; ++i)
-      if (request.fixed[index(i)] != 0) consistent[index(i)] = user_x[index(i)];
-  return consistent;
+  return with_fixed(request, user_x, std::move(consistent));
 }
 
 namespace {

@@ -293,6 +293,28 @@ std::optional<ConsistentJetResult> choose_from_analysis(NonlinearProblem& proble
   return std::nullopt;
 }
 
+// Sums of changes hold fixed components to rounding only; a search that ended early need not have come to them. Those
+// that are prescribed are what the user's function says.
+void restore_fixed(const NonlinearProblem& problem, const ConsistencyRequest& request, const PointOfInterest& point,
+                   const Units& units, std::vector<double>& x) {
+  // Of a component or its unit: far above rounding, far below what anybody gives. Chosen, not measured.
+  constexpr double rounding = 1e-10;
+  if (request.kind != InitialValues::fixed) return;
+  std::vector<char> fixed = request.fixed;
+  for (int j : problem.prescribed()) fixed[index(j)] = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (fixed[i] == 0) continue;
+    const double allowed = rounding * std::max(std::fabs(point.x[i]), units[static_cast<int>(i)]);
+    if (std::fabs(x[i] - point.x[i]) > allowed)
+      throw Failure(
+          SFDAE_NO_CONSISTENT_VALUES,
+          format("no consistent values were found near the guess at t = %.15g that leave x[%d] = %.6g as it "
+                 "is. Give a better guess, or fix fewer components.",
+                 point.t, static_cast<int>(i), point.x[i]));
+    x[i] = point.x[i];
+  }
+}
+
 }  // namespace
 
 ConsistentPoint NonlinearModel::make_consistent(NonlinearSystem& system, const PointOfInterest& point,
@@ -316,6 +338,7 @@ ConsistentPoint NonlinearModel::make_consistent(NonlinearSystem& system, const P
   demand_point(system, system.set_point(found.jet), point.t, "Analyze the problem there.");
   system.apply_inputs();
   if (request.kind != InitialValues::accept) result.x.assign(system.jet().x.data(), system.jet().x.data() + n());
+  restore_fixed(*problem_, request, point, system.units(), result.x);
   add_derivative(system, point.direction(), result);
   return result;
 }

@@ -57,7 +57,38 @@ static void values_that_are_consistent_stay(void) {
   }
 }
 
-/* Position x1 and velocity x3 fix the rest: x2 = -sqrt(1 - x1^2), x4 = -x1 x3 / x2, ... */
+/* Position x1 and velocity x3 fix the rest: x2 = -sqrt(1 - x1^2), x4 = -x1 x3 / x2. They stay in every bit, whatever
+ * the rounding errors of the search are. */
+static void many_fixed_components_stay(void) {
+  static const int fixed[N] = {1, 0, 1, 0, 0, 0};
+  int k, j;
+  for (k = 0; k < 2; k++) {
+    sfdae_nonlinear_problem problem = form(k);
+    sfdae_options options = default_options();
+    sfdae_solver* solver;
+    options.initial_values = SFDAE_INITIAL_FIXED;
+    options.fixed = fixed;
+    solver = CREATE(&problem, &options);
+    for (j = 1; j <= 50; j++) {
+      const double x1 = 0.6 * sin(j), x3 = 0.7 * cos(3.0 * j), x2 = -sqrt(1 - x1 * x1);
+      double x[N] = {0};
+      x[0] = x1, x[1] = x2 - 0.1 * cos(5.0 * j), x[2] = x3;
+      CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
+      CHECK(x[0] == x1 && x[2] == x3 && fabs(x[1] - x2) <= 1e-13 && fabs(x[3] + x1 * x3 / x2) <= 1e-13);
+    }
+    /* There is no such point, though consistent ones are known from before. */
+    for (j = 0; j < 4; j++) {
+      double x[N] = {0}, before[N];
+      x[0] = 1.001 + 0.5 * j, x[1] = -0.5, x[2] = 0.2;
+      memcpy(before, x, sizeof x);
+      CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_NO_CONSISTENT_VALUES);
+      CHECK(memcmp(x, before, sizeof x) == 0 && strstr(sfdae_message(solver), "fix fewer components") != NULL);
+    }
+    sfdae_destroy(&solver);
+  }
+}
+
+/* The same for one start, then what contradicts it. */
 static void fixed_components_stay(void) {
   static const int fixed[N] = {1, 0, 1, 0, 0, 0};
   int k;
@@ -246,6 +277,7 @@ int main(void) {
   the_nearest_point_is_found();
   values_that_are_consistent_stay();
   fixed_components_stay();
+  many_fixed_components_stay();
   given_values_are_taken_or_refused();
   weights_count();
   guesses_need_not_be_consistent();

@@ -41,7 +41,8 @@ def main():
     options = parser.parse_args()
     settings = webdriver.ChromeOptions()
     settings.binary_location = options.browser
-    for flag in ("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
+    # Wide: the field is hidden in narrow windows.
+    for flag in ("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--window-size=1600,1000"):
         settings.add_argument(flag)
     site = options.site.resolve()
     browser = webdriver.Chrome(service=Service(options.driver), options=settings)

@@ -24,6 +24,9 @@ foreach(folder IN ITEMS include src fortran_bindings/f77)
     message(FATAL_ERROR "${folder}: ${found} instead of ${expected}")
   endif()
 endforeach()
+# pip builds where there is nothing but what pyproject.toml requires for that: no numpy.
+file(WRITE "${work}/hidden/numpy.py" "raise ModuleNotFoundError('no numpy')\n")
+set(ENV{PYTHONPATH} "${work}/hidden")
 configure("${unpacked}/library" "${work}/build" "-DSFDAE_PYTHON_EXECUTABLE=${PYTHON}" -DSFDAE_PYTHON_LINK=static
   -DSFDAE_BUILD_TESTS=OFF -DSFDAE_BUILD_EXAMPLES=OFF -DSFDAE_BUILD_FORTRAN=OFF -DSFDAE_BUILD_PROGRAM=OFF
   -DSFDAE_INSTALL=OFF -DSFDAE_BUILD_PYTHON=ON)

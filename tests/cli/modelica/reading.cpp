@@ -19,13 +19,13 @@ FlatModel read(const std::string& definitions, const std::string& model) {
 
 FlatModel read_file(const std::string& name) { return read_model_file(std::string(SFDAE_TEST_MODELS) + "/" + name); }
 
-int index_of(const FlatModel& model, const std::string& name) {
+int index_of(const FlatModel& model, std::string_view name) {
   for (size_t k = 0; k < model.variables.size(); ++k)
     if (model.variables[k].name == name) return static_cast<int>(k);
-  throw std::runtime_error("no variable " + name);
+  throw std::runtime_error("no variable " + std::string(name));
 }
 
-const Variable& variable(const FlatModel& model, const std::string& name) {
+const Variable& variable(const FlatModel& model, std::string_view name) {
   return model.variables[static_cast<size_t>(index_of(model, name))];
 }
 

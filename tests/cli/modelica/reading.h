@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 
 #include "modelica/read_model.h"
 
@@ -14,8 +15,8 @@ std::string package(const std::string& definitions, const std::string& model);
 FlatModel read(const std::string& definitions, const std::string& model);
 FlatModel read_file(const std::string& name);
 
-int index_of(const FlatModel& model, const std::string& name);
-const Variable& variable(const FlatModel& model, const std::string& name);
+int index_of(const FlatModel& model, std::string_view name);
+const Variable& variable(const FlatModel& model, std::string_view name);
 
 // By name: x, der(x), pre(x), time.
 using Values = std::map<std::string, double>;

@@ -180,10 +180,10 @@ const std::vector<FormulaProblem>& formula_problems() {
   return problems;
 }
 
-const FormulaProblem& formula_problem(const std::string& name) {
+const FormulaProblem& formula_problem(std::string_view name) {
   for (const FormulaProblem& problem : formula_problems())
     if (problem.data.name == name) return problem;
-  throw std::runtime_error("no problem " + name);
+  throw std::runtime_error("no problem " + std::string(name));
 }
 
 }  // namespace sfdae_test

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -65,7 +66,7 @@ struct FormulaProblem {
 std::vector<FormulaProblem> read_formula_problems(const std::string& path);
 // Those of tests/data/problems.json.
 const std::vector<FormulaProblem>& formula_problems();
-const FormulaProblem& formula_problem(const std::string& name);
+const FormulaProblem& formula_problem(std::string_view name);
 
 }  // namespace sfdae_test
 
