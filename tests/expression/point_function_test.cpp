@@ -189,13 +189,25 @@ struct Kinks {
   Term equation(Argument argument) {
     return recording.x[0] - call(polygon(), {argument(recording)});
   }
+  // After t, the middles of their gaps, both ends of which are found.
   Numbers all(double t, double end) const {
-    const TimeBreakpoints breakpoints(evaluator);
+    const TimeBreakpoints breakpoints({&evaluator});
     const double direction = end > t ? 1.0 : -1.0;
+    if (const auto around = breakpoints.gap_at(t)) t = direction > 0.0 ? around->end : around->start;
     Numbers found;
     while (const auto next = breakpoints.next(t, direction)) {
       if ((*next - end) * direction > 0.0) break;
-      found.push_back(t = *next);
+      t = *next;
+      const auto gap = breakpoints.gap_at(t);
+      if (!gap) {  // values and first derivatives go on
+        found.push_back(t);
+        continue;
+      }
+      EXPECT_TRUE(gap->ends_at(t));
+      const double other = direction > 0.0 ? gap->end : gap->start;
+      EXPECT_EQ(breakpoints.next(t, direction), other);
+      found.push_back(0.5 * (t + other));
+      t = other;
     }
     return found;
   }
@@ -233,12 +245,12 @@ TEST(TimeBreakpoints, AreKinksWhereSlopesJump) {
     Recording r(1);
     const TableData data{degree, {0, 1, 2, 3, 4, 5, 6, 7}, {0, 1, 0, 1, 0, 1, 0, 1}};
     const TaylorEvaluator evaluator(r.finish({r.x[0] - call(Spline::through(data), {r.t})}));
-    return TimeBreakpoints(evaluator).is_kink(t);
+    return TimeBreakpoints({&evaluator}).gap_at(t).has_value();
   };
   EXPECT_TRUE(kinks_of(1, 3.0));
   EXPECT_FALSE(kinks_of(1, 3.5));
   EXPECT_FALSE(kinks_of(3, 3.0));
-  EXPECT_TRUE(kinks_of(3, 7.0));  // where it ends
+  EXPECT_FALSE(kinks_of(3, 7.0));  // where it ends there is nothing behind a gap
 }
 
 }  // namespace

@@ -129,7 +129,14 @@ struct TestProblem {
     return static_cast<const TestProblem*>(user)->write(which, t, order, values);
   }
   LinearFunctions functions() {
-    return {.m = n, .n = n, .E = callback<'E'>, .A = callback<'A'>, .f = callback<'f'>, .user = this, .inputs = {}};
+    return {.m = n,
+            .n = n,
+            .E = callback<'E'>,
+            .A = callback<'A'>,
+            .f = callback<'f'>,
+            .user = this,
+            .inputs = {},
+            .names = {}};
   }
 };
 
@@ -290,7 +297,8 @@ TEST(WrongDerivatives, AreFoundWhereTheOrderIsIgnored) {
   for (const double span : {1e-9, 1.0, 1e3})
     for (const bool varies : {false, true}) {
       Ignoring user{varies};
-      LinearProblem problem({.m = n, .n = n, .E = Ignoring::E, .A = Ignoring::A, .user = &user, .inputs = {}});
+      LinearProblem problem(
+          {.m = n, .n = n, .E = Ignoring::E, .A = Ignoring::A, .user = &user, .inputs = {}, .names = {}});
       try {
         demand_derivatives(problem, 0.5, 0.5 + span, 1);
         ADD_FAILURE() << span << varies;
@@ -313,7 +321,8 @@ TEST(WrongDerivatives, LeaveFailuresOfCallbacksAlone) {
   };
   for (const int code : {1, -1}) {
     Failing user{code};
-    LinearProblem problem({.m = 1, .n = 1, .E = Failing::E, .A = Failing::A, .user = &user, .inputs = {}});
+    LinearProblem problem(
+        {.m = 1, .n = 1, .E = Failing::E, .A = Failing::A, .user = &user, .inputs = {}, .names = {}});
     int status = SFDAE_OK;
     try {
       demand_derivatives(problem, 0.5, 1.0, 1);
