@@ -74,8 +74,11 @@ def cpp_page(root, xml_folder, name, heading):
     text = (root / "include" / "sfdae" / header).read_text()
     comment = re.search(r"^// (?!SPDX).*?(?=^[^/\n])", text, re.DOTALL | re.MULTILINE)[0]
     introduction = as_rst([re.sub(r"^// ?", "", line) for line in comment.split("\n")])
-    parts = [(line, directive(kind, found)) for line, kind, found in structs(xml_folder, header)
-             if "detail" not in found]
+    found = list(structs(xml_folder, header))
+    names = {struct for _, _, struct in found}
+    # Those within others are shown with their members.
+    parts = [(line, directive(kind, struct)) for line, kind, struct in found
+             if "detail" not in struct and struct.rpartition("::")[0] not in names]
     return [*title(f"{heading}: sfdae/{header}"), *introduction, *(line for _, lines in sorted(parts) for line in lines)]
 
 

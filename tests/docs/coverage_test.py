@@ -124,6 +124,7 @@ IN_FORTRAN = {
     "and": "operator(.and.)", "or": "operator(.or.)", "not": "operator(.not.)", "external": "external_value",
     "create_solution": "create", "destroy_solution": "destroy", "record_solution": "record",
     "evaluate_solution": "evaluate", "get_solution_range": "get_range", "get_solution_length": "save",
+    "get_solution_accuracy": "get_accuracy", "cut_solution": "cut",
     "save_solution": "save", "load_solution": "load",
 }
 
