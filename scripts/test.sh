@@ -205,4 +205,4 @@ else
 fi
 
 heading "asan: tests"
-LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE="$very_small" run_tests asan asan -LE "^(docs|symbols|install|long)$"
+LD_LIBRARY_PATH="$openblas" SFDAE_TEST_SCALE="$very_small" run_tests asan asan

@@ -33,9 +33,14 @@ void JetCourse::add(const Jet& jet) {
 void JetCourse::set_attempt(const Jet& end, const NonlinearStages* stages) {
   num_nodes_ = 0;
   is_improved_ = false;
-  num_stages_ = stages != nullptr ? stages->count() : 0;
-  for (int i = num_stages_ - 1; i >= 0; --i) nodes_[index(num_nodes_++)] = &stages->jet(i);
-  if (num_stages_ == 0) nodes_[index(num_nodes_++)] = &end;
+  // Stages of a step of a few roundings of t need not differ in t.
+  const auto add_node = [this](const Jet& jet) {
+    const bool is_there = jet.t == newest().t || (num_nodes_ > 0 && jet.t == nodes_[index(num_nodes_ - 1)]->t);
+    if (!is_there) nodes_[index(num_nodes_++)] = &jet;
+  };
+  for (int i = stages != nullptr ? stages->count() - 1 : -1; i >= 0; --i) add_node(stages->jet(i));
+  num_stages_ = num_nodes_;
+  if (stages == nullptr || stages->count() == 0) add_node(end);
   for (int k = 0; k < count_; ++k) nodes_[index(num_nodes_++)] = &accepted_[index((newest_ - k + most) % most)];
 }
 
