@@ -29,22 +29,22 @@ void write(const std::vector<int>& values, int* to) {
   if (to != nullptr) std::copy(values.begin(), values.end(), to);
 }
 
-// As many names as a message has room for.
-std::string names_of(const Record& record, std::span<const int> equations) {
+// As many as a message has room for.
+template <class Name>
+std::string listed(std::span<const int> items, Name name) {
   constexpr std::size_t most = 8;
   std::string text;
-  for (std::size_t k = 0; k < std::min(most, equations.size()); ++k)
-    text += (k > 0 ? ", " : "") + record.name(equations[k]);
-  return equations.size() > most ? text + format(" and %zu more", equations.size() - most) : text;
+  for (std::size_t k = 0; k < std::min(most, items.size()); ++k) text += (k > 0 ? ", " : "") + name(items[k]);
+  return items.size() > most ? text + format(" and %zu more", items.size() - most) : text;
+}
+
+std::string names_of(const Record& record, std::span<const int> equations) {
+  return listed(equations, [&record](int i) { return record.name(i); });
 }
 
 std::string unknowns_in_words(const std::vector<int>& unknowns) {
   if (unknowns.empty()) return "no unknown";
-  constexpr std::size_t most = 8;
-  std::string text;
-  for (std::size_t k = 0; k < std::min(most, unknowns.size()); ++k)
-    text += (k > 0 ? ", " : "") + format("x[%d]", unknowns[k]);
-  return (unknowns.size() > most ? text + format(" and %zu more", unknowns.size() - most) : text) + " only";
+  return listed(unknowns, [](int j) { return format("x[%d]", j); }) + " only";
 }
 
 CallResult describe_overdetermined(const Record& record, const Overdetermined& part, const PublicArrays& arrays) {
@@ -91,33 +91,23 @@ std::optional<Point> known_point(const sfdae_solver& solver) {
   return point;
 }
 
-int verdict_of(const RankDecision& block) {
-  return block.verdict == Verdict::unclear ? SFDAE_STRUCTURE_UNCLEAR
-         : block.rank < block.cols         ? SFDAE_STRUCTURE_MISLEADS
-                                           : SFDAE_STRUCTURE_CERTIFIED;
-}
-
-int first_block(const Certificate& certificate, int verdict) {
-  const auto found = std::find_if(certificate.blocks.begin(), certificate.blocks.end(),
-                                  [verdict](const RankDecision& block) { return verdict_of(block) == verdict; });
-  return found == certificate.blocks.end() ? -1 : static_cast<int>(found - certificate.blocks.begin());
-}
-
 // What the blocks say; returns it in words if they do not agree with the structure.
 std::string judge_blocks(const Structure& structure, const Record& record, const Certificate& certificate,
                          sfdae_structure& result) {
-  const int singular = first_block(certificate, SFDAE_STRUCTURE_MISLEADS);
-  result.doubtful_block = singular >= 0 ? singular : first_block(certificate, SFDAE_STRUCTURE_UNCLEAR);
-  result.smallest_pivot = singular >= 0 ? 0.0 : certificate.smallest_kept();
-  result.verdict = SFDAE_STRUCTURE_CERTIFIED;
+  const int singular = certificate.first(BlockVerdict::singular);
+  const bool is_singular = singular >= 0;
+  result.doubtful_block = is_singular ? singular : certificate.first(BlockVerdict::unclear);
+  result.smallest_pivot = is_singular ? 0.0 : certificate.smallest_kept();
+  result.verdict = is_singular                 ? SFDAE_STRUCTURE_MISLEADS
+                   : result.doubtful_block < 0 ? SFDAE_STRUCTURE_CERTIFIED
+                                               : SFDAE_STRUCTURE_UNCLEAR;
   if (result.doubtful_block < 0) return "";
   const RankDecision& block = certificate.blocks[index(result.doubtful_block)];
-  result.verdict = verdict_of(block);
   return format(
       "block %d of the system Jacobian, of %s, is %s at t = %.15g: rank %d of %d. Numbers cancel that the "
       "structure cannot see; the derivative array decides.",
       result.doubtful_block, names_of(record, structure.blocks.equations(result.doubtful_block)).c_str(),
-      singular >= 0 ? "singular" : "nearly singular", block.t, block.rank, block.cols);
+      is_singular ? "singular" : "nearly singular", block.t, block.rank, block.cols);
 }
 
 CallResult not_recorded() {
@@ -134,7 +124,7 @@ extern "C" {
 
 int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result, int* differentiations, int* orders,
                         int* assigned, int* block) {
-  return guarded<Text::of_failure>(solver, [&]() -> CallResult {
+  return guarded(solver, [&]() -> CallResult {
     if (result == nullptr || !is_plausible_size(result->size))
       return illegal_argument("the result is NULL or its size is not set: call its init function.");
     TaylorEvaluator* const evaluator = solver->kind.multibody != nullptr ? nullptr : solver->model.evaluator();

@@ -11,10 +11,17 @@
 
 namespace sfdae::core {
 
-bool Certificate::is_given() const {
-  return std::all_of(blocks.begin(), blocks.end(), [](const RankDecision& block) {
-    return block.rank == block.cols && block.verdict != Verdict::unclear;
-  });
+BlockVerdict Certificate::verdict(int block) const {
+  const RankDecision& decision = blocks[index(block)];
+  if (decision.verdict == Verdict::unclear) return BlockVerdict::unclear;
+  return decision.rank < decision.cols ? BlockVerdict::singular : BlockVerdict::regular;
+}
+
+int Certificate::first(BlockVerdict verdict) const {
+  const int count = static_cast<int>(blocks.size());
+  int block = 0;
+  while (block < count && this->verdict(block) != verdict) ++block;
+  return block < count ? block : -1;
 }
 
 namespace {

@@ -30,11 +30,16 @@ struct Structure {
   Blocks blocks;
 };
 
+enum class BlockVerdict { regular, singular, unclear };
+
 // The diagonal blocks of the system Jacobian at a point, each judged by itself, rows and columns scaled by powers of two.
 struct Certificate {
   std::vector<RankDecision> blocks;
+  BlockVerdict verdict(int block) const;
+  // The first block of that verdict, -1: none.
+  int first(BlockVerdict verdict) const;
   // All are regular, and clearly so.
-  bool is_given() const;
+  bool is_given() const { return first(BlockVerdict::singular) < 0 && first(BlockVerdict::unclear) < 0; }
   double smallest_kept() const { return core::smallest_kept(blocks); }
 };
 

@@ -134,6 +134,22 @@ TEST(Structure, IsLeftAloneWhereCountsAreGiven) {
   EXPECT_EQ(structure_of(run, 5).summary.is_followed, 0);
 }
 
+// The counts of the structure given by the user make the same array: the same results to the last bit.
+TEST(Structure, DoesWhatItsCountsDo) {
+  const std::vector<double> start = {0.6, -0.8, 0.0, 0.0, 0.0};
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    NonlinearEquations counted{5, 5, pendulum_equations};
+    counted.differentiations = {1, 1, 0, 0, 2};
+    NonlinearRun proposed({5, 5, pendulum_equations}, options_of(SFDAE_STRUCTURE_AUTOMATIC, method)),
+        given(counted, options_of(SFDAE_STRUCTURE_OFF, method));
+    ASSERT_GE(proposed.integrate(0.0, 2.0, start), 0) << proposed.message();
+    ASSERT_GE(given.integrate(0.0, 2.0, start), 0) << given.message();
+    EXPECT_EQ(structure_of(proposed, 5).summary.is_followed, 1);
+    EXPECT_EQ(proposed.x, given.x);
+    EXPECT_EQ(proposed.statistics().evaluations_F, given.statistics().evaluations_F);
+  }
+}
+
 // Pryce's chain of pendula: strangeness index 2 P.
 TEST(Structure, ReachesIndexTen) {
   constexpr int pendula = 5, n = 5 * pendula;
@@ -199,6 +215,24 @@ TEST(Structure, NamesEquationsThatAreTooMany) {
   EXPECT_EQ(found.block, (std::vector<int>{0, -1, 0}));
   EXPECT_EQ(found.orders, (std::vector<int>{0, -1, -1}));
   EXPECT_EQ(found.assigned, (std::vector<int>{-1, -1, -1}));
+  EXPECT_NE(run.message().find("2 equations contain x[0] only: equation 0, equation 2"), std::string::npos)
+      << run.message();
+}
+
+// Also after a failure, which they explain better than its own words do.
+TEST(Structure, NamesThemAfterAFailureToo) {
+  NonlinearRun run(
+      {3, 3,
+       [](sfdae_record*, const Expression& t, const Expression* x, const Expression* xdot, Expression* F) {
+         F[0] = xdot[0] + x[0] - t;
+         F[1] = xdot[1] + x[2] * x[0];
+         F[2] = x[0] * x[0] - 1.0;
+       }},
+      options_of(SFDAE_STRUCTURE_AUTOMATIC));
+  ASSERT_LT(run.start(0.0, 1.0, {0.5, 0.0, 0.0}), 0);
+  const StructureFound found = structure_of(run, 3);
+  ASSERT_EQ(found.status, SFDAE_OK);
+  EXPECT_EQ(found.summary.has_assignment, 0);
   EXPECT_NE(run.message().find("2 equations contain x[0] only: equation 0, equation 2"), std::string::npos)
       << run.message();
 }
