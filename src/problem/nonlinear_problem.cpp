@@ -20,6 +20,14 @@ void multiply_all(double factor, double* values, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) values[i] *= factor;
 }
 
+// Of F, a column for each order: counts, or none.
+template <class Value>
+void clear_rows_left_out(const std::vector<int>& counts, int order, Value* F) {
+  const int m = static_cast<int>(counts.size());
+  for (int i = 0; i < m; ++i)
+    for (int k = counts[index(i)] + 1; k <= order; ++k) F[i + k * m] = Value();
+}
+
 }  // namespace
 
 CallbackError NonlinearProblem::stopped(double t) const {
@@ -55,10 +63,7 @@ CallbackError NonlinearProblem::residuals(double t, const double* jet, int order
   if (error.status != SFDAE_OK) return error;
   ++evaluations_;
   error = evaluate_values(t, jet, order, F);
-  const std::vector<int>& counts = differentiations();
-  if (counts.empty()) return error;
-  for (int i = 0; i < m_; ++i)
-    for (int k = counts[index(i)] + 1; k <= order; ++k) F[i + k * m_] = 0.0;
+  clear_rows_left_out(differentiations(), order, F);
   return error;
 }
 
@@ -66,9 +71,7 @@ bool NonlinearProblem::residuals_side_by_side(int count, const LaneBlock* t, con
                                               LaneBlock* F) {
   if (stop_is_requested() || !evaluate_lanes(t, jets, order, F)) return false;
   evaluations_ += count;
-  if (differentiations_.empty()) return true;
-  for (int i = 0; i < m_; ++i)
-    for (int k = differentiations_[index(i)] + 1; k <= order; ++k) F[i + k * m_] = LaneBlock();
+  clear_rows_left_out(differentiations(), order, F);
   return true;
 }
 
