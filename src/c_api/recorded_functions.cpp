@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "c_api/recording.h"
-#include "expression/quiet_arithmetic.h"
+#include "linalg/quiet_arithmetic.h"
 #include "expression/symbolic_gradient.h"
 #include "linalg/format.h"
 #include "linalg/index.h"

@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "expression/kernel.h"
-#include "expression/quiet_arithmetic.h"
+#include "linalg/quiet_arithmetic.h"
 #include "linalg/index.h"
 
 namespace sfdae::core {

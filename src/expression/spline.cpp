@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "expression/quiet_arithmetic.h"
+#include "linalg/quiet_arithmetic.h"
 #include "linalg/format.h"
 #include "linalg/index.h"
 

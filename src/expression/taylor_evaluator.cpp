@@ -9,7 +9,7 @@
 
 #include "expression/edges.h"
 #include "expression/kernel.h"
-#include "expression/quiet_arithmetic.h"
+#include "linalg/quiet_arithmetic.h"
 #include "linalg/index.h"
 
 namespace sfdae::core {

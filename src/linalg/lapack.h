@@ -18,6 +18,15 @@ void dgetrs_(const char* trans, const int* n, const int* nrhs, const double* a, 
 void zgetrf_(const int* m, const int* n, std::complex<double>* a, const int* lda, int* ipiv, int* info);
 void zgetrs_(const char* trans, const int* n, const int* nrhs, const std::complex<double>* a, const int* lda,
              const int* ipiv, std::complex<double>* b, const int* ldb, int* info);
+void dgbtrf_(const int* m, const int* n, const int* kl, const int* ku, double* ab, const int* ldab, int* ipiv,
+             int* info);
+void dgbtrs_(const char* trans, const int* n, const int* kl, const int* ku, const int* nrhs, const double* ab,
+             const int* ldab, const int* ipiv, double* b, const int* ldb, int* info);
+void zgbtrf_(const int* m, const int* n, const int* kl, const int* ku, std::complex<double>* ab, const int* ldab,
+             int* ipiv, int* info);
+void zgbtrs_(const char* trans, const int* n, const int* kl, const int* ku, const int* nrhs,
+             const std::complex<double>* ab, const int* ldab, const int* ipiv, std::complex<double>* b,
+             const int* ldb, int* info);
 void dgebrd_(const int* m, const int* n, double* a, const int* lda, double* d, double* e, double* tauq, double* taup,
              double* work, const int* lwork, int* info);
 void dbdsqr_(const char* uplo, const int* n, const int* ncvt, const int* nru, const int* ncc, double* d, double* e,

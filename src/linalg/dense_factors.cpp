@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linalg/dense_factors.h"
+
+#include <algorithm>
+
+#include "linalg/equilibration.h"
+#include "linalg/lapack_names.h"
+
+namespace sfdae::core {
+
+template <class Number>
+bool DenseFactors<Number>::factor(const SparsePattern& pattern, const Number* values) {
+  const std::size_t n = index(size_);
+  lu_.assign(n * n, Number(0));
+  pivots_.resize(n);
+  if (n == 0) return true;
+  for (std::size_t j = 0; j < n; ++j)
+    for (int k = pattern.first[j]; k < pattern.first[j + 1]; ++k)
+      lu_[index(pattern.row[index(k)]) + n * j] = values[k];
+  int info = 0;
+  lapack::getrf(&size_, &size_, lu_.data(), &size_, pivots_.data(), &info);
+  if (info != 0) return false;
+  for (std::size_t j = 0; j < n; ++j)
+    if (std::abs(lu_[j + n * j]) < vanishing_pivot) return false;
+  return true;
+}
+
+template <class Number>
+void DenseFactors<Number>::solve(Op op, Number* b, int count) {
+  if (size_ == 0 || count == 0) return;
+  int info = 0;
+  lapack::getrs(op == Op::plain ? "N" : "T", &size_, &count, lu_.data(), &size_, pivots_.data(), b, &size_, &info);
+}
+
+template class DenseFactors<double>;
+template class DenseFactors<std::complex<double>>;
+
+}  // namespace sfdae::core

@@ -1,0 +1,43 @@
+// LU factors of a sparse matrix by KLU, where the library is built with it (SFDAE_WITH_KLU).
+//
+// [DP10] T. A. Davis, E. Palamadai Natarajan: Algorithm 907: KLU, a direct sparse solver for circuit simulation problems.
+//        ACM Trans. Math. Software 37 (2010), 36.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <memory>
+
+#include "linalg/dense.h"
+#include "linalg/sparse_pattern.h"
+
+namespace sfdae::core {
+
+// False: the functions of KluFactors throw std::logic_error.
+bool klu_is_available();
+
+template <class Number>
+class KluFactors {
+ public:
+  KluFactors();
+  ~KluFactors();
+  KluFactors(const KluFactors& other);
+  KluFactors(KluFactors&& other) noexcept;
+  KluFactors& operator=(KluFactors other) noexcept;
+
+  void analyze(const SparsePattern& pattern);
+  // Estimated by analyze(), of a factorization; 0 if not known.
+  double flops() const;
+  // The pivots of the factorization before are taken again where they are good enough. False if one vanishes.
+  bool factor(const SparsePattern& pattern, const Number* values);
+  // B := op(A)^-1 B, size x count
+  void solve(Op op, Number* b, int count);
+  std::size_t fill() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;  // nullptr until analyze()
+};
+
+}  // namespace sfdae::core

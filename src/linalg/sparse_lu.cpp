@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linalg/sparse_lu.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include "linalg/condition.h"
+#include "linalg/quiet_arithmetic.h"
+
+namespace sfdae::core {
+
+namespace {
+
+template <class Number>
+constexpr double work_of_multiplication = 1.0;
+template <>
+constexpr double work_of_multiplication<std::complex<double>> = 4.0;
+
+// Nanoseconds.
+double dense_time(double n) { return 0.1 * (2.0 / 3.0) * n * n * n; }
+double band_time(const BandOrder& order) { return 0.3 * order.flops(); }
+double klu_time(double n, double entries, double flops) { return 100.0 * n + 10.0 * entries + 1.0 * flops; }
+
+// b_i := b_i 2^(exponents_i - shift); returns the shift, which is not 0 only where something would overflow or vanish.
+template <class Number>
+int scale_in(const std::vector<int>& exponents, Number* b) {
+  constexpr int harmless = 300;
+  int largest = exponent_of_zero;
+  for (std::size_t i = 0; i < exponents.size(); ++i)
+    largest = std::max(largest, binary_exponent(b[i]) + exponents[i]);
+  const int shift = std::abs(largest) > harmless && largest > exponent_of_zero / 2 ? largest : 0;
+  for (std::size_t i = 0; i < exponents.size(); ++i) b[i] = times_power_of_two(b[i], exponents[i] - shift);
+  return shift;
+}
+
+template <class Number>
+void scale_out(const std::vector<int>& exponents, int shift, Number* b) {
+  for (std::size_t i = 0; i < exponents.size(); ++i) b[i] = times_power_of_two(b[i], exponents[i] + shift);
+}
+
+}  // namespace
+
+template <class Number>
+void SparseLu<Number>::analyze(const SparsePattern& pattern, std::optional<SparseMethod> forced) {
+  assert(pattern.first.size() == index(pattern.size) + 1);
+  is_factored_ = may_be_regular_ = false;
+  pattern_ = pattern;
+  choose(pattern, forced);
+}
+
+template <class Number>
+void SparseLu<Number>::choose(const SparsePattern& pattern, std::optional<SparseMethod> forced) {
+  const std::vector<int> column_of = maximum_matching(pattern);
+  may_be_regular_ = std::find(column_of.begin(), column_of.end(), -1) == column_of.end();
+  const auto wants = [&](SparseMethod method) { return !forced || *forced == method; };
+  DenseFactors<Number> dense;
+  dense.analyze(pattern);
+  factors_ = std::move(dense);
+  // A matrix that is never factored needs no other order.
+  if (pattern.size == 0 || !may_be_regular_) return;
+  const double n = pattern.size;
+  double least = forced ? INFINITY : dense_time(n);
+  if (forced == SparseMethod::dense) return;
+  if (wants(SparseMethod::band)) {
+    BandOrder order = band_order(pattern, column_of);
+    if (forced || band_time(order) < least) {
+      least = band_time(order);
+      BandFactors<Number> band;
+      band.analyze(pattern, std::move(order));
+      factors_ = std::move(band);
+    }
+  }
+  if (forced ? forced == SparseMethod::klu : klu_is_available()) {
+    KluFactors<Number> klu;
+    klu.analyze(pattern);
+    const double entries = static_cast<double>(klu.fill() + pattern.row.size());
+    if (forced || klu_time(n, entries, klu.flops()) < least) factors_ = std::move(klu);
+  }
+}
+
+template <class Number>
+bool SparseLu<Number>::factor(const Number* values) {
+  is_factored_ = false;
+  if (!may_be_regular_ || !all_finite_numbers(values, pattern_.row.size())) return false;
+  const CompressedLines columns{pattern_.size, pattern_.size, pattern_.first.data(), pattern_.row.data()};
+  if (!scales_.compute(columns, values)) return false;
+  scaled_.resize(pattern_.row.size());
+  norm_ = 0.0;
+  for (int j = 0; j < pattern_.size; ++j) {
+    double sum = 0.0;
+    for (std::size_t k = index(pattern_.first[index(j)]); k < index(pattern_.first[index(j) + 1]); ++k) {
+      scaled_[k] = times_power_of_two(values[k],
+                                      scales_.of_lines()[index(j)] + scales_.of_crossings()[index(pattern_.row[k])]);
+      sum += std::abs(scaled_[k]);
+    }
+    norm_ = std::max(norm_, sum);
+  }
+  is_factored_ = std::visit([&](auto& factors) { return factors.factor(pattern_, scaled_.data()); }, factors_);
+  return is_factored_;
+}
+
+// A x = b is S (2^-columns x) = 2^rows b; A^T x = b is S^T (2^-rows x) = 2^columns b.
+template <class Number>
+void SparseLu<Number>::solve(Op op, Number* b, int count) {
+  assert(is_factored_);
+  const std::vector<int>& in = op == Op::plain ? scales_.of_crossings() : scales_.of_lines();
+  const std::vector<int>& out = op == Op::plain ? scales_.of_lines() : scales_.of_crossings();
+  shifts_.resize(std::max(shifts_.size(), index(count)));
+  for (int c = 0; c < count; ++c) shifts_[index(c)] = scale_in(in, b + index(c) * index(pattern_.size));
+  std::visit([&](auto& factors) { factors.solve(op, b, count); }, factors_);
+  for (int c = 0; c < count; ++c) scale_out(out, shifts_[index(c)], b + index(c) * index(pattern_.size));
+}
+
+template <class Number>
+double SparseLu<Number>::reciprocal_condition() {
+  if (!is_factored_) return 0.0;
+  if (pattern_.size == 0) return 1.0;
+  const QuietArithmetic quiet;
+  const double inverse_norm = std::visit(
+      [&](auto& factors) {
+        return estimate_inverse_norm<Number>(
+            pattern_.size, [&](Number* x) { factors.solve(Op::plain, x, 1); },
+            [&](Number* x) { factors.solve(Op::transposed, x, 1); });
+      },
+      factors_);
+  // Also where the estimate is NaN.
+  return inverse_norm > 0.0 ? 1.0 / norm_ / inverse_norm : 0.0;
+}
+
+template <class Number>
+std::size_t SparseLu<Number>::fill() const {
+  return std::visit([](const auto& factors) { return factors.fill(); }, factors_);
+}
+
+template class SparseLu<double>;
+template class SparseLu<std::complex<double>>;
+
+}  // namespace sfdae::core

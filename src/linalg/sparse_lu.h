@@ -1,0 +1,64 @@
+// Sparse systems of linear equations A x = b with real or complex entries, 100 to 50,000 unknowns.
+//
+// Rows and columns are scaled by powers of two first, as units differ (equilibration.h). Three methods: a band of
+// LAPACK after reordering (band_order.h), KLU of SuiteSparse where the library is built with it (klu_factors.h), and a full
+// matrix where a band would be no narrower.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "linalg/band_factors.h"
+#include "linalg/dense_factors.h"
+#include "linalg/equilibration.h"
+#include "linalg/klu_factors.h"
+#include "linalg/sparse_pattern.h"
+
+namespace sfdae::core {
+
+enum class SparseMethod { dense, band, klu };
+
+// Instances for double and std::complex<double>. Copies are deep: they go on with the same bits, apart from each other.
+// Where there is no memory std::bad_alloc is thrown, and analyze() or factor() has to be called again. With a band or a full
+// matrix factor() and solve() of as many right-hand sides allocate nothing after their first call.
+template <class Number>
+class SparseLu {
+ public:
+  // Once for a pattern, any: chooses the method by its estimated time, or takes `forced` (klu needs klu_is_available()).
+  void analyze(const SparsePattern& pattern, std::optional<SparseMethod> forced = {});
+  // Values in the order of the pattern, zeros welcome. False: A is singular to working precision (a pivot vanishes), or a
+  // value is not finite; nothing may be solved then. Raises no floating-point exception.
+  bool factor(const Number* values);
+  // B := A^-1 B, column-major, size x count. An overflow of x itself is one of arithmetic, too.
+  void solve(Number* b, int count = 1) { solve(Op::plain, b, count); }
+  // B := A^-T B, A not conjugated.
+  void solve_transposed(Number* b, int count = 1) { solve(Op::transposed, b, count); }
+  // Estimate of 1 / (|S| |S^-1|), 1-norm, S: the equilibrated matrix, seldom more than three times too large (condition.h).
+  // Three to eleven solves. 0 if that overflows or nothing was factored; 1 for size 0.
+  double reciprocal_condition();
+  // Numbers that the factors hold.
+  std::size_t fill() const;
+  SparseMethod method() const { return static_cast<SparseMethod>(factors_.index()); }
+
+ private:
+  void choose(const SparsePattern& pattern, std::optional<SparseMethod> forced);
+  void solve(Op op, Number* b, int count);
+
+  SparsePattern pattern_;
+  bool may_be_regular_ = false;  // the pattern
+  bool is_factored_ = false;
+  Equilibration scales_;
+  std::vector<Number> scaled_;  // S, values in the order of the pattern
+  double norm_ = 0.0;           // |S|
+  std::vector<int> shifts_;     // of right-hand sides
+  std::variant<DenseFactors<Number>, BandFactors<Number>, KluFactors<Number>> factors_;  // of S; as in SparseMethod
+};
+
+extern template class SparseLu<double>;
+extern template class SparseLu<std::complex<double>>;
+
+}  // namespace sfdae::core
