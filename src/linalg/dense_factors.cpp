@@ -2,6 +2,8 @@
 #include "linalg/dense_factors.h"
 
 #include <algorithm>
+#include <limits>
+#include <new>
 
 #include "linalg/equilibration.h"
 #include "linalg/lapack_names.h"
@@ -11,6 +13,8 @@ namespace sfdae::core {
 template <class Number>
 bool DenseFactors<Number>::factor(const SparsePattern& pattern, const Number* values) {
   const std::size_t n = index(size_);
+  // LAPACK counts in 32 bits.
+  if (n * n > index(std::numeric_limits<int>::max())) throw std::bad_alloc();
   lu_.assign(n * n, Number(0));
   pivots_.resize(n);
   if (n == 0) return true;
