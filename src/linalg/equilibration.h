@@ -1,8 +1,10 @@
 // Powers of two that scale the rows and columns of a sparse matrix so that the largest entry of each is about 1. In
 // exponents, so that nothing overflows or vanishes on the way.
 //
-// [R01] D. Ruiz: A scaling algorithm to equilibrate both rows and columns norms in matrices. RAL-TR-2001-034, Rutherford
-//       Appleton Laboratory, 2001.
+// [CR72] A. R. Curtis, J. K. Reid: On the automatic scaling of matrices for Gaussian elimination. IMA J. Appl. Math. 10 (1972),
+//        118-124.
+// [R01]  D. Ruiz: A scaling algorithm to equilibrate both rows and columns norms in matrices. RAL-TR-2001-034, Rutherford
+//        Appleton Laboratory, 2001.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -57,7 +59,8 @@ struct CompressedLines {
 
 class Equilibration {
  public:
-  // From finite values; false if a row or column is zero: its exponent is 0 then. Allocates for the first matrix only.
+  // From finite values; false if a row or column is zero. Allocates for the first matrix only, where sizes are far apart for
+  // others, too. Matrices with the same pattern begin with the exponents of the one before.
   template <class Number>
   bool compute(const CompressedLines& matrix, const Number* values);
 
@@ -68,10 +71,15 @@ class Equilibration {
  private:
   void find_largest(const CompressedLines& matrix);
   bool halve_distances();
+  bool scale_largest(const CompressedLines& matrix);
+  void scale_means(const CompressedLines& matrix);
+  double distance_from_one(const CompressedLines& matrix) const;
 
   std::vector<int> line_, crossing_;
   std::vector<int> exponents_;                           // of the entries
   std::vector<int> largest_in_line_, largest_crossing_;  // exponents after scaling
+  std::vector<int> sums_, counts_;
+  double distance_ = 0.0;  // that was reached when means were taken last
 };
 
 }  // namespace sfdae::core

@@ -45,6 +45,7 @@ void SparseLu<Number>::analyze(const SparsePattern& pattern, std::optional<Spars
   assert(pattern.first.size() == index(pattern.size) + 1);
   is_factored_ = may_be_regular_ = false;
   pattern_ = pattern;
+  scales_ = Equilibration();
   choose(pattern, forced);
 }
 
