@@ -10,8 +10,6 @@ namespace {
 // Each sweep halves the distances, so that matrices of sizes 1e-300 to 1e300 are within a factor of two after 10.
 constexpr int most_sweeps = 10;
 
-// Of exponents, on average: more is not to be expected of a matrix whose units are known.
-constexpr double far_apart = 8.0;
 constexpr int sweeps_of_means = 60;
 
 bool is_zero(int exponent) { return exponent < exponent_of_zero / 2; }
@@ -32,7 +30,7 @@ bool Equilibration::compute(const CompressedLines& matrix, const Number* values)
   // Means are led astray by values that are rounding errors, largest entries are not: these come first. Later matrices
   // profit from the means of the first.
   const double distance = distance_from_one(matrix);
-  const bool is_far = is_first ? distance > far_apart : distance > far_apart + 2.0 * distance_;
+  const bool is_far = is_first ? distance > far_apart_ : distance > far_apart_ + 2.0 * distance_;
   if (is_first || is_far) distance_ = distance;
   if (!is_far) return has_no_zeros;
   const std::vector<int> line = line_, crossing = crossing_;

@@ -59,6 +59,10 @@ struct CompressedLines {
 
 class Equilibration {
  public:
+  // Means of exponents, which take some time, are tried where exponents are further from 0 than `far_apart`, on average after
+  // the largest entries are 1: more than 8 is not to be expected where units are chosen with some care.
+  explicit Equilibration(double far_apart = 8.0) : far_apart_(far_apart) {}
+
   // From finite values; false if a row or column is zero. Allocates for the first matrix only, where sizes are far apart for
   // others, too. Matrices with the same pattern begin with the exponents of the one before.
   template <class Number>
@@ -79,6 +83,7 @@ class Equilibration {
   std::vector<int> exponents_;                           // of the entries
   std::vector<int> largest_in_line_, largest_crossing_;  // exponents after scaling
   std::vector<int> sums_, counts_;
+  double far_apart_;
   double distance_ = 0.0;  // that was reached when means were taken last
 };
 
