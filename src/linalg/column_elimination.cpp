@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "linalg/band_order.h"
 #include "linalg/index.h"
 
 namespace sfdae::core {
@@ -44,11 +45,20 @@ void ColumnElimination::run(ColumnBasis& result) {
   result.fill = entries_.size() + row_of_pivot_.size();
 }
 
+// Along a band where there is a narrow one (rows of a flow on 30 x 30 cells: 35 ms, 2200 by numbers of entries), else rows with
+// few entries first (random rows: 50 ms, 156 along the band).
 std::vector<int> ColumnElimination::row_order() const {
   if (!settings_.order.empty()) return settings_.order;
   std::vector<int> order(index(a_.rows()));
   std::iota(order.begin(), order.end(), 0);
+  // A^T, with empty rows or columns so that it is square.
+  SparsePattern pattern{std::max(a_.rows(), a_.columns), a_.first, a_.column};
+  pattern.first.resize(index(pattern.size) + 1, a_.first.back());
+  const BandOrder band = band_order(pattern, std::vector<int>(index(pattern.size), -1));
+  constexpr int narrow = 8;
+  const bool is_narrow = band.lower + band.upper <= pattern.size / narrow;
   std::stable_sort(order.begin(), order.end(), [&](int i, int j) {
+    if (is_narrow) return band.column_place[index(i)] < band.column_place[index(j)];
     return a_.first[index(i) + 1] - a_.first[index(i)] < a_.first[index(j) + 1] - a_.first[index(j)];
   });
   return order;
