@@ -39,6 +39,9 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/sfdaeConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/sfdaeConfig.cmake" "${PROJECT_BINARY_DIR}/sfdaeConfigVersion.cmake"
   DESTINATION "${package_dir}")
+if(sfdae_uses_klu)
+  install(FILES "${PROJECT_SOURCE_DIR}/cmake/FindKLU.cmake" DESTINATION "${package_dir}")
+endif()
 
 # pkg-config. The prefix is found from where the file lies, so an installed tree can be moved.
 if(IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}")
@@ -61,9 +64,13 @@ else()
   set(pkgconfig_fortrandir "\${prefix}/${fortran_dir}")
 endif()
 
-# What the static library needs: LAPACK and the C++ runtime. Libraries in standard places are named by -l.
+# What the static library needs: LAPACK, KLU where it is used, and the C++ runtime. Libraries in standard places are named by -l.
 set(pkgconfig_libs_private "")
-foreach(library IN LISTS LAPACK_LIBRARIES)
+set(klu_libraries "")
+if(sfdae_uses_klu)
+  set(klu_libraries "${KLU_LIBRARY}" ${KLU_DEPENDENCIES})
+endif()
+foreach(library IN LISTS klu_libraries LAPACK_LIBRARIES)
   get_filename_component(dir "${library}" DIRECTORY)
   get_filename_component(name "${library}" NAME_WE)
   if(dir IN_LIST CMAKE_CXX_IMPLICIT_LINK_DIRECTORIES AND name MATCHES "^lib")

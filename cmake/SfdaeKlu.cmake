@@ -10,3 +10,10 @@ if(SFDAE_WITH_KLU STREQUAL "AUTO")
 elseif(SFDAE_WITH_KLU)
   find_package(KLU REQUIRED)
 endif()
+
+# What the package config asks.
+if(TARGET KLU::KLU)
+  set(sfdae_uses_klu ON)
+else()
+  set(sfdae_uses_klu OFF)
+endif()

@@ -20,7 +20,8 @@ program=("${demo[@]}" libcli11-dev nlohmann-json3-dev)
 # With the reference BLAS alone: packages depend on any BLAS.
 package=(g++ cmake ninja-build dpkg-dev file gzip libblas-dev liblapack-dev libcli11-dev nlohmann-json3-dev
   "${python_build[@]}" "${site[@]}")
-test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev libcli11-dev nlohmann-json3-dev valgrind python3 ninja-build
+test=("${demo[@]}" gfortran libgtest-dev libbenchmark-dev libsuitesparse-dev libcli11-dev nlohmann-json3-dev valgrind python3
+  ninja-build
   clang clang-format-14 "${python[@]}" python3-pytest python3-tqdm python3-pandas python3-nbconvert python3-ipykernel
   "${site[@]}" chromium chromium-driver python3-selenium)
 # For an example of MPI: installed with others that are missing, never alone, as nothing else needs them.
