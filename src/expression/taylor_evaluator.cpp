@@ -9,8 +9,8 @@
 
 #include "expression/edges.h"
 #include "expression/kernel.h"
-#include "linalg/quiet_arithmetic.h"
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 
 namespace sfdae::core {
 
@@ -85,17 +85,25 @@ bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders
   return write_values(orders.F, F) && write_gradients(orders, F_xdot, F_x, limits);
 }
 
-bool TaylorEvaluator::entries(double t, const double* jet, double* values) {
+bool TaylorEvaluator::entries(double t, const double* jet, int order, const std::vector<int>& limits,
+                              double* values) {
   const QuietArithmetic quiet;
-  reserve(0);
-  if (!load(t, jet, 0)) return false;
-  run(t, 0, true);
+  reserve(order);
+  if (!load(t, jet, order)) return false;
+  run(t, order, true);
+  const std::size_t length = index(order + 1);
   for (int i = 0; i < record_->m(); ++i) {
-    sweep_back(i, Fixed<0>());
+    const int own = std::min(order, limits[index(i)]);
+    with_order(own, [&](auto G) { sweep_back(i, G); });
+    bool finite = true;
     for (std::size_t e = tape_.first_target[index(i)]; e < tape_.first_target[index(i + 1)]; ++e) {
-      values[e] = adjoints_[index(tape_.targets[e].slot) * index(stride_)];
-      if (!std::isfinite(values[e])) return fail(i, 0, 0);
+      const double* const from = adjoints_.data() + index(tape_.targets[e].slot) * index(stride_);
+      for (int k = 0; k <= own; ++k) {
+        values[e * length + index(k)] = from[k];
+        finite = finite && std::isfinite(from[k]);
+      }
     }
+    if (!finite) return fail(i, own, own);
   }
   return true;
 }

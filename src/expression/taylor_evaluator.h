@@ -50,9 +50,9 @@ class TaylorEvaluator {
   bool gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot, double* F_x,
                  const std::vector<int>* limits = nullptr);
 
-  // The derivatives of the equations by what they contain, without Taylor coefficients: one for each of tape().targets.
-  // jet: x and x', n x 2.
-  bool entries(double t, const double* jet, double* values);
+  // Of the gradients what is not identically zero: the Taylor coefficients of the derivative by tape().targets[e] from
+  // values[e (order + 1)] on, those of equation i up to the order limits[i]; others are not touched. jet: of order + 1.
+  bool entries(double t, const double* jet, int order, const std::vector<int>& limits, double* values);
 
   // After false.
   const EvaluationFailure& failure() const { return failure_; }

@@ -160,6 +160,14 @@ const Structure* RecordedProblem::structure() {
   return structure_.get();
 }
 
+CallbackError RecordedProblem::gradient_entries(double t, const double* jet, int order,
+                                                const std::vector<int>& limits, double* values) {
+  CallbackError error = stopped(t);
+  if (error.status != SFDAE_OK) return error;
+  ++linearizations_;
+  return evaluator_.entries(t, jet, order, limits, values) ? error : failure(t);
+}
+
 CallbackError RecordedProblem::evaluate_values(double t, const double* jet, int order, double* F) {
   return evaluator_.values(t, jet, order, F) ? CallbackError() : failure(t);
 }

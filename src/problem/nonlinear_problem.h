@@ -66,18 +66,19 @@ class NonlinearProblem : public Problem {
 
   virtual CallbackError evaluate_values(double t, const double* jet, int order, double* F) = 0;
   virtual bool evaluate_lanes(const LaneBlock*, const LaneBlock*, int, LaneBlock*) { return false; }
+  CallbackError stopped(double t) const;
   // Plain Taylor coefficients of F, F_x' and F_x into f(k), E(k), A(k).
   virtual CallbackError evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) = 0;
+  long linearizations_ = 0;
 
  private:
-  CallbackError stopped(double t) const;
   CallbackError drop_rounding_errors(double t, const double* jet, Orders orders, TaylorData& data);
 
   int m_, n_;
   PrescribedInputs inputs_;
   std::vector<int> differentiations_, proposed_;
   bool counts_are_given_ = false, follows_structure_ = false;
-  long evaluations_ = 0, linearizations_ = 0;
+  long evaluations_ = 0;
 };
 
 // Recorded equations.
@@ -85,11 +86,19 @@ class RecordedProblem final : public NonlinearProblem {
  public:
   RecordedProblem(std::shared_ptr<const Record> record, PrescribedInputs inputs)
       : NonlinearProblem(record->m(), record->n(), std::move(inputs)), evaluator_(std::move(record)) {}
+  // Of the same recording, which is shared, with the values that parameters have now; nothing is prescribed.
+  explicit RecordedProblem(const TaylorEvaluator& evaluator)
+      : NonlinearProblem(evaluator.record().m(), evaluator.record().n(), {}), evaluator_(evaluator) {}
   // A copy shares the recording.
   RecordedProblem(const RecordedProblem&) = default;
   TaylorEvaluator& evaluator() { return evaluator_; }
   bool has_lanes(int order) const override { return order <= LaneEvaluator::highest_order; }
   const Structure* structure() override;
+  // See TaylorEvaluator::entries.
+  CallbackError gradient_entries(double t, const double* jet, int order, const std::vector<int>& limits,
+                                 double* values);
+  // After an evaluation that has failed.
+  CallbackError evaluation_error(double t) const { return failure(t); }
 
  protected:
   CallbackError evaluate_values(double t, const double* jet, int order, double* F) override;
