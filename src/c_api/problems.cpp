@@ -10,6 +10,7 @@
 #include "c_api/codes.h"
 #include "c_api/expressions.h"
 #include "c_api/record_multibody.h"
+#include "extension/structured_model.h"
 
 namespace sfdae::core {
 
@@ -52,6 +53,23 @@ AnyModel any(std::unique_ptr<MultibodyModel> model) {
   return {.model = std::move(model), .multibody = multibody};
 }
 
+// Recorded equations, as many as unknowns, all of which may be differentiated and none of the unknowns of which are
+// prescribed, are solved by their structure where that is of use.
+AnyModel with_structure(AnyModel any) {
+  if (!any.model || any.model->evaluator() == nullptr || any.model->m() != any.model->n()) return any;
+  RecordedProblem* problem = any.nonlinear != nullptr ? any.nonlinear->recorded() : nullptr;
+  std::unique_ptr<RecordedProblem> owned;
+  if (any.linear != nullptr) {
+    if (!any.linear->problem().prescribed().empty()) return any;
+    owned = std::make_unique<RecordedProblem>(*any.linear->evaluator());
+    owned->set_equation_names(any.linear->problem().equation_names());
+    problem = owned.get();
+  }
+  if (problem == nullptr || problem->counts_are_given() || !problem->prescribed().empty()) return any;
+  any.model = std::make_unique<StructuredModel>(std::move(any.model), *problem, std::move(owned));
+  return any;
+}
+
 }  // namespace
 
 LinearFunctions functions_of(const sfdae_linear_problem& problem) {
@@ -68,8 +86,8 @@ LinearFunctions functions_of(const sfdae_linear_problem& problem) {
 }
 
 AnyModel clone_of(const AnyModel& model) {
-  if (model.linear != nullptr) return any(model.linear->clone());
-  if (model.nonlinear != nullptr) return any(model.nonlinear->clone());
+  if (model.linear != nullptr) return with_structure(any(model.linear->clone()));
+  if (model.nonlinear != nullptr) return with_structure(any(model.nonlinear->clone()));
   return any(model.multibody->clone());
 }
 
@@ -93,9 +111,9 @@ AnyModel make_model(const sfdae_nonlinear_problem& problem) {
       problem.equations != nullptr ? record_equations(problem.equations, m, n, problem.user, names)
                                    : record_linear_equations(problem.linear_equations, m, n, problem.user, names);
   if (record->is_linear() && counts.empty())
-    return any(std::make_unique<LinearModel>(
-        std::make_unique<RecordedLinearCoefficients>(std::move(record), inputs_of(problem))));
-  return model_of(std::make_unique<RecordedProblem>(std::move(record), inputs_of(problem)));
+    return with_structure(any(std::make_unique<LinearModel>(
+        std::make_unique<RecordedLinearCoefficients>(std::move(record), inputs_of(problem)))));
+  return with_structure(model_of(std::make_unique<RecordedProblem>(std::move(record), inputs_of(problem))));
 }
 
 AnyModel make_model(const sfdae_multibody_problem& problem) {

@@ -83,10 +83,9 @@ struct Point {
 std::optional<Point> known_point(const sfdae_solver& solver) {
   if (solver.system() == nullptr) return std::nullopt;
   Point point{solver.system()->t(), std::vector<double>(2 * index(solver.model.n()))};
-  if (solver.kind.nonlinear != nullptr) {
-    const Jet& jet = solver.kind.nonlinear->point_of_equations();
-    point.t = jet.t;
-    std::copy_n(jet.x.begin(), point.jet.size(), point.jet.begin());
+  if (const Jet* const jet = solver.system()->point_of_equations(); jet != nullptr) {
+    point.t = jet->t;
+    std::copy_n(jet->x.begin(), point.jet.size(), point.jet.begin());
   }
   return point;
 }
@@ -108,6 +107,12 @@ std::string judge_blocks(const Structure& structure, const Record& record, const
       "structure cannot see; the derivative array decides.",
       result.doubtful_block, names_of(record, structure.blocks.equations(result.doubtful_block)).c_str(),
       is_singular ? "singular" : "nearly singular", block.t, block.rank, block.cols);
+}
+
+bool is_followed(const sfdae_solver& solver) {
+  const DaeSystem* const system = solver.system();
+  return (system != nullptr && system->form() == SystemForm::extension) ||
+         (solver.kind.nonlinear != nullptr && solver.kind.nonlinear->follows_structure());
 }
 
 CallResult not_recorded() {
@@ -146,7 +151,7 @@ int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result, int* diff
     found.index_bound = structure.offsets.index_bound();
     found.num_blocks = structure.blocks.count();
     found.largest_block = structure.blocks.largest();
-    found.is_followed = solver->kind.nonlinear != nullptr && solver->kind.nonlinear->follows_structure() ? 1 : 0;
+    found.is_followed = is_followed(*solver) ? 1 : 0;
     CallResult words;
     if (const std::optional<Point> point = known_point(*solver)) {
       Certificate certificate;

@@ -14,19 +14,21 @@ namespace sfdae::core {
 namespace {
 
 // First of all: the layout, the length in doubles and a checksum of all that follows.
-constexpr int layout = 5;
+constexpr int layout = 6;
 constexpr std::size_t header_size = 2;
 
 struct Header {
   int version = layout;
   int m = 0, n = 0;
+  SystemForm form = SystemForm::reduced;
   long length = 0;
 
   void archive(Archive& archive) {
     archive.small(version, m, n);
-    long zero = 0;
-    archive.counts(length, zero);
-    if (zero != 0) throw DamagedArchive();
+    long number = static_cast<long>(form);
+    archive.counts(length, number);
+    if (number < 0 || number > static_cast<long>(SystemForm::extension)) throw DamagedArchive();
+    form = static_cast<SystemForm>(number);
   }
 };
 
@@ -53,7 +55,7 @@ std::size_t checkpoint_size(DaeSystem& system, Integration& integration) {
 void save_checkpoint(DaeSystem& system, Integration& integration, double* to) {
   const std::size_t length = checkpoint_size(system, integration);
   Archive archive = Archive::writer(to, length);
-  Header header{layout, system.equations(), system.unknowns(), static_cast<long>(length)};
+  Header header{layout, system.equations(), system.unknowns(), system.form(), static_cast<long>(length)};
   header.archive(archive);
   double sum = 0.0;
   archive.real(sum);
@@ -64,7 +66,7 @@ void save_checkpoint(DaeSystem& system, Integration& integration, double* to) {
 namespace {
 
 // The doubles behind the header, which are those of a checkpoint of such a problem. Throws Failure or DamagedArchive.
-Archive checked_content(const Model& model, const double* from, std::size_t length) {
+Archive checked_content(Model& model, const double* from, std::size_t length) {
   Archive start = Archive::reader(from, length);
   Header header;
   header.archive(start);
@@ -77,6 +79,7 @@ Archive checked_content(const Model& model, const double* from, std::size_t leng
                   format("the checkpoint is that of a problem with %d equations in %d unknowns, "
                          "not %d in %d.",
                          header.m, header.n, model.m(), model.n()));
+  if (!model.expect(header.form)) throw DamagedArchive();
   const std::size_t total = static_cast<std::size_t>(header.length);
   if (sum != checksum(from + start.size(), total - start.size())) throw DamagedArchive();
   return Archive::reader(from + start.size(), total - start.size());

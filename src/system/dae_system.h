@@ -12,6 +12,7 @@
 #include "problem/problem.h"
 #include "reduction/index_analysis.h"
 #include "reduction/null_space_form.h"
+#include "system/jet.h"
 #include "system/strangeness_free_system.h"
 #include "system/value_change.h"
 
@@ -29,8 +30,12 @@ struct SystemCounts {
   long reductions = 0, factorizations = 0;
 };
 
+// What a system is made of: a derivative array that is reduced, or is minimal by structure.
+enum class SystemForm { reduced, extension };
+
 class DaeSystem : public StrangenessFreeSystem {
  public:
+  virtual SystemForm form() const { return SystemForm::reduced; }
   int equations() const { return equations_; }  // m
   bool stop_is_requested() const { return problem_base_.stop_is_requested(); }
   void take_stop_request() { problem_base_.take_stop_request(); }
@@ -39,6 +44,9 @@ class DaeSystem : public StrangenessFreeSystem {
   LeadingTerm leading_term() const { return leading_; }
   const CallbackError& callback_error() const { return callback_error_; }  // the last one
   const SystemCounts& counts() const { return counts_; }
+
+  // The jet accepted last, of order 1 at least; null where equations are linearized without one.
+  virtual const Jet* point_of_equations() const { return nullptr; }
 
   // The current point.
   virtual double t() const = 0;

@@ -25,6 +25,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   }
 
   NonlinearProblem& problem() override { return *problem_; }
+  RecordedProblem* recorded() { return recorded_; }  // null for functions
   int m() const override { return problem_->m(); }
   int n() const override { return problem_->n(); }
   bool is_constant() const override { return false; }
@@ -40,8 +41,6 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   double certify() override;
   std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<NonlinearChangeWatch>(*system_); }
   bool follows_structure() const { return problem_->follows_structure(); }
-  // x and x' of the point accepted last, or of the analysis, which has been made.
-  const Jet& point_of_equations() const { return system_->accepted_jet(); }
   // The user's function for total derivatives; null for recorded equations.
   CallbackProblem* callback() { return callback_; }
 

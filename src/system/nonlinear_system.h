@@ -48,6 +48,7 @@ class NonlinearSystem final : public DaeSystem {
   const Jet& jet() const { return jet_; }
   // That of the point accepted last.
   const Jet& accepted_jet() const { return history_.accepted(); }
+  const Jet* point_of_equations() const override { return &history_.accepted(); }
   const Units& units() const { return problem_.units(); }
   const AnalysisSettings& settings() const { return problem_.settings(); }
   // What a watch looks at (nonlinear_change_watch.h): the equations and linearizations of the last step, and the jets

@@ -1,0 +1,52 @@
+// Consistent jets: values of all unknowns of the extension that fulfil its equations, with x near values given.
+//
+// First stage by stage [P01]: the equations of a stage determine its unknowns, or as many of them as there are equations,
+// given those of the stages before; then, where values given have to move, all together so that the changes of x are least.
+//
+// [P01] J. D. Pryce: A Simple Structural Analysis Method for DAEs. BIT 41 (2001), 364-394.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "extension/minimal_extension.h"
+#include "system/consistent_values.h"
+#include "system/jet.h"
+#include "system/model.h"
+
+namespace sfdae::core {
+
+// Flags: x_j' occurs in some equation.
+std::vector<char> differentiated_unknowns(const Signature& signature);
+
+class ConsistentExtension {
+ public:
+  // request: with tolerances (ConsistencyRequest::set_tolerances).
+  ConsistentExtension(MinimalExtension& extension, const ConsistencyRequest& request)
+      : extension_(extension),
+        request_(request),
+        sizes_(request.sizes()),
+        differentiated_(differentiated_unknowns(extension.structure().signature)) {}
+
+  // Throws Failure: errors of callbacks, SFDAE_NO_CONSISTENT_VALUES, SFDAE_FIXED_VALUES.
+  Jet find(const PointOfInterest& point);
+  // known: a consistent jet near x.
+  Jet find_from(const PointOfInterest& point, const Jet& known);
+  // What find() has changed of the values given, as the request wants to know it. Throws Failure where it does not allow that.
+  void report(const PointOfInterest& point, const Jet& found, ConsistentPoint& result) const;
+
+ private:
+  void solve_stage(int stage, const Jet& guess, Jet& jet);
+  void solve_together(const Jet& guess, Jet& jet);
+  bool has_to_move(const Jet& guess, const Jet& jet) const;
+  double weight(const MinimalExtension::Column& column) const;
+  bool is_held(const MinimalExtension::Column& column) const;
+  [[noreturn]] void fail(const Jet& jet, const char* why) const;
+
+  MinimalExtension& extension_;
+  const ConsistencyRequest& request_;
+  std::vector<double> sizes_;
+  std::vector<char> differentiated_;
+};
+
+}  // namespace sfdae::core

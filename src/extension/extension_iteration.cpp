@@ -1,0 +1,175 @@
+// The chord iteration for all equations of the extension at one point.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "extension/extension_iteration.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/index.h"
+#include "linalg/rank.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// A matrix whose c deviates by more is made anew: c has changed by a factor of 3/5 or 5/3; as in index_zero_step.cpp.
+constexpr double largest_deviation = 0.25;
+// Deviations that slow iterations do not come from.
+constexpr double harmless = 0.05;
+// Steps that need more are better made smaller; without a step there is no other way. As for other nonlinear systems.
+constexpr int most_iterations = 12, most_iterations_held = 30;
+// A rate that is measured once may be small by chance. Chosen, not measured.
+constexpr double least_rate = 1e-3;
+
+double above_noise(double change, double noise) { return std::max(0.0, std::fabs(change) - noise); }
+
+}  // namespace
+
+PointStatus ExtensionIteration::evaluate(const Jet& jet, double* r) {
+  callback_error_ = extension_.residuals(jet, r);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  for (int i = 0; i < extension_.num_rows(); ++i) r[i] = -r[i];
+  return PointStatus::ok;
+}
+
+void ExtensionIteration::set_slopes(const StateChoice& choice, double c, const double* w_rest, Jet& jet) {
+  for (int j : choice.states()) jet.column(1)[j] = c * jet.x[index(j)] + w_rest[j];
+}
+
+// Changes of derivatives count as far as they act over the step.
+double ExtensionIteration::apply_change(const Change& change, const double* z,
+                                        const ExtensionLinearization& linearization, Jet& jet) {
+  const StateChoice& choice = linearization.choice();
+  const std::vector<double>& noise = linearization.noise();
+  double norm = 0.0;
+  for (int column = 0; column < extension_.num_columns(); ++column) {
+    if (choice.is_slope(column)) continue;
+    const auto [unknown, order] = extension_.columns()[index(column)];
+    const double dx = change.factor * z[choice.slot(column)];
+    jet.column(order)[unknown] += dx;
+    if (!std::isfinite(dx)) return dx;
+    double weight = change.inverse_weights[unknown];
+    for (int k = 0; k < order; ++k) weight /= std::fabs(change.c);
+    norm = std::max(norm, above_noise(dx, noise[index(column)]) * weight);
+  }
+  return norm;
+}
+
+// That of another c is kept while it contracts; changes multiplied by 2 / (1 + c / c of the matrix) then
+// (docs/decisions/38-kept-factorizations.md).
+bool ExtensionIteration::prepare_matrix(double c, ExtensionLinearization& linearization) {
+  deviation_ = 0.0;
+  if (linearization.has_step_matrix()) {
+    deviation_ = std::fabs(c - linearization.c()) / std::fabs(c + linearization.c());
+    if (deviation_ <= largest_deviation) {
+      chord_.set_rate(std::max(chord_.rate(), deviation_));
+      return true;
+    }
+  }
+  deviation_ = 0.0;
+  return linearization.factor_step(c);
+}
+
+bool ExtensionIteration::blames_matrix() const { return deviation_ > harmless; }
+
+PointStatus ExtensionIteration::solve_step(const StepTask& task, ExtensionLinearization& linearization, Jet& jet) {
+  if (!prepare_matrix(task.c, linearization)) return PointStatus::singular;
+  const double factor = 2.0 / (1.0 + task.c / linearization.c());
+  const Change change{task.c, factor, task.inverse_weights};
+  const ChordTarget target{task.tolerance, std::max(least_rate, deviation_)};
+  r_.resize(index(extension_.num_rows()) + 1);
+  double before = 0.0;
+  chord_.begin();
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    set_slopes(linearization.choice(), task.c, task.w_rest, jet);
+    const PointStatus status = evaluate(jet, r_.data());
+    if (status != PointStatus::ok) return status;
+    linearization.solve_step(r_.data());
+    const double norm = apply_change(change, r_.data(), linearization, jet);
+    if (!std::isfinite(norm)) return PointStatus::not_converged;
+    if (chord_.has_converged(target, iteration, norm, before)) {
+      set_slopes(linearization.choice(), task.c, task.w_rest, jet);
+      return PointStatus::ok;
+    }
+    if (ChordIteration::is_too_slow(iteration, norm, before)) return PointStatus::not_converged;
+    before = norm;
+  }
+  return PointStatus::not_converged;
+}
+
+// r_ by slots; relative to x.
+double ExtensionIteration::apply_held(const std::vector<double>& scales, const ExtensionLinearization& linearization,
+                                      Jet& jet) {
+  const StateChoice& choice = linearization.choice();
+  double norm = 0.0;
+  for (int column = 0; column < extension_.num_columns(); ++column) {
+    if (choice.is_held(column)) continue;
+    const auto [unknown, order] = extension_.columns()[index(column)];
+    const double dx = r_[index(choice.slot(column))];
+    double& value = jet.column(order)[unknown];
+    value += dx;
+    if (!std::isfinite(value)) return value;
+    const double scale = order == 0 ? std::max(std::fabs(value), scales[index(unknown)]) : std::fabs(value);
+    const double excess = above_noise(dx, linearization.noise()[index(column)]);
+    if (excess > 0.0) norm = std::max(norm, scale > 0.0 ? excess / scale : 1.0);
+  }
+  return norm;
+}
+
+PointStatus ExtensionIteration::solve_held(ExtensionLinearization& linearization, const std::vector<double>& scales,
+                                           Jet& jet) {
+  // Until changes stop becoming smaller; after the first ones at some hundred roundings of the unknowns, or where
+  // derivatives of high order lose more.
+  constexpr double negligible = 4.0 * unit_roundoff, small = 1e-10;
+  r_.resize(index(extension_.num_rows()) + 1);
+  double before = 0.0, earlier = 0.0;
+  for (int iteration = 0; iteration < most_iterations_held; ++iteration) {
+    const PointStatus status = evaluate(jet, r_.data());
+    if (status != PointStatus::ok) return status;
+    linearization.solve_held(r_.data());
+    const double norm = apply_held(scales, linearization, jet);
+    if (!std::isfinite(norm)) return PointStatus::not_converged;
+    if (norm <= negligible || (iteration > 1 && norm <= small && norm > 0.5 * before)) return PointStatus::ok;
+    // What one iteration gains the next may lose in part: linearizations are from elsewhere.
+    if (ChordIteration::is_too_slow(iteration, norm, std::max(before, earlier))) return PointStatus::not_converged;
+    earlier = before;
+    before = norm;
+  }
+  return PointStatus::not_converged;
+}
+
+// All rows differentiated once more determine x_j^(d_j + 1): what the extension knows of x' is in the jet, the other x' are
+// those of unknowns with d_j = 0.
+PointStatus ExtensionIteration::derivative(ExtensionLinearization& linearization, const Jet& jet, double* xdot) {
+  constexpr double small = 1e-10;
+  const int n = extension_.n();
+  const std::vector<int>& d = extension_.offsets().d;
+  longer_ = jet;
+  longer_.set_order(jet.order + 1);
+  r_.resize(index(extension_.num_rows()) + 1);
+  const bool has_all = std::find(d.begin(), d.end(), 0) == d.end();
+  double before = 0.0;
+  for (int iteration = 0; !has_all && iteration < most_iterations; ++iteration) {
+    callback_error_ = extension_.slopes(longer_, r_.data());
+    if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+    for (int i = 0; i < extension_.num_rows(); ++i) r_[index(i)] = -r_[index(i)];
+    linearization.solve_held(r_.data());
+    double change = 0.0, size = 0.0;
+    for (int j = 0; j < n; ++j) {
+      const int order = d[index(j)] + 1;
+      const int slot = linearization.choice().slot(extension_.column_of(j, order - 1));
+      double& value = longer_.column(order)[j];
+      const double dx = r_[index(slot)] / order;
+      value += dx;
+      change = std::max(change, std::fabs(dx));
+      size = std::max(size, std::fabs(value));
+    }
+    if (!std::isfinite(change)) return PointStatus::not_converged;
+    if (change <= small * size || (iteration > 0 && change > ChordIteration::slowest * before)) break;
+    before = change;
+  }
+  std::copy_n(longer_.column(1), n, xdot);
+  return PointStatus::ok;
+}
+
+}  // namespace sfdae::core

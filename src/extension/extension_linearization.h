@@ -1,0 +1,91 @@
+// The extension linearized at a jet, its states, and the factored matrices that steps, stages and outputs nearby are
+// solved with.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <complex>
+#include <vector>
+
+#include "extension/minimal_extension.h"
+#include "extension/state_matrix.h"
+#include "system/dae_system.h"
+#include "system/jet.h"
+#include "system/stage_method.h"
+
+namespace sfdae::core {
+
+class ExtensionLinearization {
+ public:
+  // counts: reductions and factorizations are added there.
+  ExtensionLinearization(MinimalExtension& extension, SystemCounts& counts)
+      : extension_(extension), counts_(counts) {}
+
+  // At the jet; the states stay if they determine all other unknowns about as well as where they were chosen, else others
+  // take their place. singular: no choice does.
+  PointStatus renew(const Jet& jet, CallbackError& error);
+  // As renew() with these states and no others.
+  PointStatus restore(const Jet& jet, const std::vector<int>& states, CallbackError& error);
+  // Points must not be solved with it any more.
+  void forget() { is_usable_ = false; }
+  bool is_usable() const { return is_usable_; }
+  const Jet& origin() const { return origin_; }
+  const StateChoice& choice() const { return choice_; }
+  // How often states were chosen.
+  long choices() const { return choices_; }
+  // What the choice of states depends on besides the point.
+  void archive_choice(Archive& archive) {
+    archive.real(sensitivity_of_choice_);
+    archive.reals(sizes_, index(extension_.n()));
+  }
+  // What rounding errors of f do to the unknowns, by columns of the extension.
+  const std::vector<double>& noise() const { return noise_; }
+
+  // For x' = c x + ... of the states, unless that matrix is there.
+  bool factor_step(double c);
+  void forget_step_matrix() { step_.forget(); }
+  bool has_step_matrix() const { return step_.is_valid(); }
+  double c() const { return 1.0 / step_.epsilon(); }
+  // All matrices of the stages of a step h.
+  bool factor_stages(const StageMethod& method, double h);
+
+  // r, by rows, becomes the changes by slots that take r away: of a step, of pair k of the stages, those of the states x_j
+  // in place of x_j'; with the states held.
+  void solve_step(double* r) {
+    step_.solve(r);
+    choice_.to_states(step_.epsilon(), r);
+  }
+  void solve_pair(std::size_t k, std::complex<double>* r) {
+    pairs_[k].solve(r);
+    choice_.to_states(pairs_[k].epsilon(), r);
+  }
+  void solve_held(double* r, int count = 1) { held_.solve(r, count); }
+  // r -= (derivatives by the states) changes; changes: n values.
+  void subtract_states(const double* changes, double* r) const;
+
+ private:
+  PointStatus linearize(const Jet& jet, CallbackError& error);
+  bool choose_states();
+  bool factor_held();
+  void set_states(std::vector<int> states);
+  void note_sizes();
+  void measure_sensitivity();
+  void measure_noise();
+
+  static constexpr std::size_t max_pairs = (max_stages - 1) / 2;
+
+  MinimalExtension& extension_;
+  SystemCounts& counts_;
+  Jet origin_;
+  bool is_usable_ = false;
+  long choices_ = 0;
+  // By how many of their sizes the other unknowns x_j change if the states do by theirs.
+  double sensitivity_ = 0.0, sensitivity_of_choice_ = 0.0;
+  std::vector<double> sizes_;  // of x
+  StateChoice choice_;
+  StateMatrix<double> step_, held_;
+  std::array<StateMatrix<std::complex<double>>, max_pairs> pairs_;
+  std::vector<double> noise_, work_;
+};
+
+}  // namespace sfdae::core

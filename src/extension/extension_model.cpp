@@ -1,0 +1,71 @@
+// Recorded equations with the system of their minimal extension.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "extension/extension_model.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "extension/consistent_extension.h"
+#include "linalg/index.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+std::unique_ptr<ExtensionSystem> ExtensionModel::system_at(const Jet& jet, const ModelOptions& options,
+                                                           const ConsistencyRequest& request) {
+  return std::make_unique<ExtensionSystem>(problem_, base_, options.analysis, request.sizes(), jet);
+}
+
+// Where no x is known, linear equations have the same derivatives everywhere.
+void ExtensionModel::analyze(const PointOfInterest& point, const ModelOptions& options,
+                             std::vector<RankDecision>& decisions) {
+  forget_system();
+  const std::vector<double> zeros(index(n()), 0.0);
+  PointOfInterest start = point;
+  if (start.x == nullptr) start.x = zeros.data();
+  // The values are to be chosen later.
+  ConsistencyRequest request = options.request_at(start.x);
+  request.kind = InitialValues::nearest;
+  MinimalExtension extension(problem_);
+  const Jet jet = ConsistentExtension(extension, request).find(start);
+  system_ = system_at(jet, options, request);
+  const std::vector<RankDecision>& made = system_->certificate().blocks;
+  decisions.insert(decisions.end(), made.begin(), made.end());
+  guess_.assign(start.x, start.x + n());
+}
+
+Jet ExtensionModel::accepted_point() const {
+  Jet jet = system_->accepted_jet();
+  jet.set_order(0);
+  return jet;
+}
+
+std::unique_ptr<ExtensionSystem> ExtensionModel::copy_of_system() {
+  return std::make_unique<ExtensionSystem>(problem_, base_, system_->settings(), system_->scales(), system_->jet());
+}
+
+std::unique_ptr<ExtensionSystem> ExtensionModel::archived_system(const ModelOptions& options, Archive& archive) {
+  return std::make_unique<ExtensionSystem>(problem_, base_, options.analysis, archive);
+}
+
+ConsistentPoint ExtensionModel::make_consistent(ExtensionSystem& system, const PointOfInterest& point,
+                                                const ModelOptions& options) {
+  ConsistentPoint result;
+  result.t = point.t;
+  result.x.assign(point.x, point.x + n());
+  const ConsistencyRequest request = options.request_at(point.x);
+  ConsistentExtension search(system.extension(), request);
+  const Jet& known = system.jet();
+  const bool is_known = known.t == point.t && point.xdot == nullptr;
+  const bool is_analyzed = is_known && request.differentiated_stay() && request.kind == InitialValues::nearest &&
+                           std::equal(guess_.begin(), guess_.end(), point.x, point.x + n());
+  const bool is_there = is_known && std::equal(point.x, point.x + n(), known.x.data());
+  const Jet found = is_analyzed || is_there ? known : search.find(point);
+  search.report(point, found, result);
+  demand_point(system, system.set_point(found), point.t, "Analyze the problem there.");
+  if (request.kind != InitialValues::accept) result.x.assign(system.jet().x.data(), system.jet().x.data() + n());
+  add_derivative(system, point.direction(), result);
+  return result;
+}
+
+}  // namespace sfdae::core

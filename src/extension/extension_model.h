@@ -1,0 +1,55 @@
+// Recorded equations with the system of their minimal extension.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "extension/extension_system.h"
+#include "system/model.h"
+
+namespace sfdae::core {
+
+class ExtensionModel final : public ModelOf<ExtensionSystem> {
+ public:
+  // base: whose limits and requests to stop count. Both live longer.
+  ExtensionModel(RecordedProblem& problem, Problem& base) : problem_(problem), base_(base) {}
+
+  Problem& problem() override { return base_; }
+  int m() const override { return problem_.m(); }
+  int n() const override { return problem_.n(); }
+  bool is_constant() const override { return false; }
+  bool needs_x() const override { return true; }
+  EvaluationCounts evaluations() const override {
+    return {.F = problem_.evaluations(), .linearizations = problem_.linearizations()};
+  }
+  TaylorEvaluator* evaluator() override { return &problem_.evaluator(); }
+  void analyze(const PointOfInterest& point, const ModelOptions& options,
+               std::vector<RankDecision>& decisions) override;
+  // The blocks of the system Jacobian have been judged: how far they are from singular ones.
+  double certify() override { return system_->certificate().smallest_kept(); }
+
+  // There are none of the extension: they are those of the whole array (structured_model.h).
+  Jet jet_through(double, const double*, int) override { return {}; }
+  DerivativeArray derivative_array(const Jet&, int) override { return {}; }
+  Projectors projectors(const Jet&, bool) override { return {}; }
+  StrangenessFreeEquations strangeness_free(const Jet&) override { return {}; }
+  Jet accepted_point() const override;
+
+ protected:
+  std::unique_ptr<ExtensionSystem> copy_of_system() override;
+  std::unique_ptr<ExtensionSystem> archived_system(const ModelOptions& options, Archive& archive) override;
+  ConsistentPoint make_consistent(ExtensionSystem& system, const PointOfInterest& point,
+                                  const ModelOptions& options) override;
+
+ private:
+  std::unique_ptr<ExtensionSystem> system_at(const Jet& jet, const ModelOptions& options,
+                                             const ConsistencyRequest& request);
+
+  RecordedProblem& problem_;
+  Problem& base_;
+  // Of x, which the analysis has found its jet near; empty: none.
+  std::vector<double> guess_;
+};
+
+}  // namespace sfdae::core

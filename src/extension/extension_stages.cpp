@@ -1,0 +1,105 @@
+// The stages of an implicit Runge-Kutta step for the extension.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "extension/extension_stages.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/dense.h"
+#include "linalg/index.h"
+#include "linalg/matrix.h"
+#include "system/nonlinear_iteration.h"
+
+namespace sfdae::core {
+
+void ExtensionStages::predict(const StageEquations& equations, const JetHistory& history,
+                              const std::vector<char>& determined) {
+  const StageMethod& method = equations.method;
+  const double h = equations.t_end - equations.t;
+  s_ = method.s;
+  const std::size_t stages = index(s_), size = index(extension_.num_rows()) * stages + 1;
+  if (starts_.size() < stages) {
+    starts_.resize(stages, history.accepted());
+    jets_.resize(stages, history.accepted());
+  }
+  for (auto* v : {&r_, &z_})
+    if (v->size() < size) v->resize(size);
+  pair_.resize(index(extension_.num_rows()) + 1);
+  for (int i = 0; i < s_; ++i) {
+    Jet& start = starts_[index(i)];
+    start.t = i == s_ - 1 ? equations.t_end : equations.t + method.c[index(i)] * h;
+    history.predict(equations.guess, i, determined, {}, start);
+  }
+}
+
+void ExtensionStages::set_slopes(const StageEquations& equations, const StateChoice& choice) {
+  const double h = equations.t_end - equations.t;
+  for (int i = 0; i < s_; ++i)
+    for (int j : choice.states()) {
+      double slope = 0.0;
+      for (int k = 0; k < s_; ++k)
+        slope += equations.method.D_at(i, k) * (jets_[index(k)].x[index(j)] - equations.x[j]);
+      jets_[index(i)].column(1)[j] = slope / h;
+    }
+}
+
+// rho = T^-1 r; the systems of gamma and of the pairs; z = T zeta. As transformed_stages.cpp does it.
+void ExtensionStages::solve_transformed(const StageMethod& method, ExtensionLinearization& linearization) {
+  const int q = extension_.num_rows(), s = method.s;
+  const auto block = [&](std::vector<double>& entries) { return View{entries.data(), q, s, std::max(q, 1)}; };
+  multiply(1.0, Op::plain, block(r_), Op::transposed, ConstView{method.T_inverse.data(), s, s, s}, 0.0, block(z_));
+  linearization.solve_step(column(z_, 0));
+  for (int k = 0; 2 * k + 2 < s; ++k) {
+    double* first = column(z_, 2 * k + 1);
+    double* second = column(z_, 2 * k + 2);
+    for (int i = 0; i < q; ++i) pair_[index(i)] = {first[i], -second[i]};
+    linearization.solve_pair(index(k), pair_.data());
+    for (int i = 0; i < q; ++i) {
+      first[i] = pair_[index(i)].real();
+      second[i] = -pair_[index(i)].imag();
+    }
+  }
+  multiply(1.0, Op::plain, block(z_), Op::transposed, ConstView{method.T.data(), s, s, s}, 0.0, block(r_));
+}
+
+PointStatus ExtensionStages::solve(const StageEquations& equations, ExtensionLinearization& linearization,
+                                   ExtensionIteration& iteration) {
+  // As for other nonlinear systems: more are better saved by shorter steps.
+  constexpr int most = 12;
+  const double h = equations.t_end - equations.t;
+  if (!linearization.factor_stages(equations.method, h)) return PointStatus::singular;
+  for (int i = 0; i < s_; ++i) jets_[index(i)] = starts_[index(i)];
+  const ExtensionIteration::Change change{equations.method.gamma / h, 1.0, equations.guess.inverse_weights};
+  const ChordTarget target{newton_tolerance, 1e-3};
+  double before = 0.0, earlier = 0.0;
+  iteration.chord().begin();
+  for (int k = 0; k < most; ++k) {
+    set_slopes(equations, linearization.choice());
+    for (int i = 0; i < s_; ++i) {
+      const PointStatus status = iteration.evaluate(jets_[index(i)], column(r_, i));
+      if (status != PointStatus::ok) return status;
+    }
+    solve_transformed(equations.method, linearization);
+    double norm = 0.0;
+    for (int i = 0; i < s_; ++i) {
+      const double size = iteration.apply_change(change, column(r_, i), linearization, jets_[index(i)]);
+      if (!std::isfinite(size)) return PointStatus::not_converged;
+      norm = std::max(norm, size);
+    }
+    if (iteration.chord().has_converged(target, k, norm, before)) {
+      set_slopes(equations, linearization.choice());
+      return PointStatus::ok;
+    }
+    if (ChordIteration::is_too_slow(k, norm, std::max(before, earlier))) return PointStatus::not_converged;
+    earlier = before;
+    before = norm;
+  }
+  return PointStatus::not_converged;
+}
+
+void ExtensionStages::copy_to(double* x) const {
+  const int n = extension_.n();
+  for (int i = 0; i < s_; ++i) std::copy_n(jets_[index(i)].x.data(), n, x + static_cast<std::ptrdiff_t>(i) * n);
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,50 @@
+// The stages of an implicit Runge-Kutta step for the extension: simplified Newton with one linearization.
+//
+// For the states j, stage i: x_j' = sum_k D_ik (x_j,k - x_j) / h. With all unknowns of all stages multiplied by T^-1 one real
+// system and (s - 1) / 2 complex ones remain, of the matrices of steps with c = gamma / h and lambda_k / h [HW96, IV.8].
+//
+// [HW96] E. Hairer, G. Wanner: Solving Ordinary Differential Equations II. Springer, 2nd ed. 1996.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "extension/extension_iteration.h"
+#include "system/jet.h"
+#include "system/jet_history.h"
+#include "system/strangeness_free_system.h"
+
+namespace sfdae::core {
+
+class ExtensionStages {
+ public:
+  explicit ExtensionStages(MinimalExtension& extension) : extension_(extension) {}
+
+  // The jets to start from. determined: flags of the derivatives.
+  void predict(const StageEquations& equations, const JetHistory& history, const std::vector<char>& determined);
+  void hold_derivatives(const JetHistory& history) {
+    for (int i = 0; i < s_; ++i) history.hold_derivatives(starts_[index(i)]);
+  }
+  PointStatus solve(const StageEquations& equations, ExtensionLinearization& linearization,
+                    ExtensionIteration& iteration);
+  const Jet& middle() const { return starts_[index(s_ / 2)]; }
+  const Jet& last() const { return jets_[index(s_ - 1)]; }
+  // x: n x s.
+  void copy_to(double* x) const;
+
+ private:
+  void set_slopes(const StageEquations& equations, const StateChoice& choice);
+  void solve_transformed(const StageMethod& method, ExtensionLinearization& linearization);
+  double* column(std::vector<double>& entries, int i) const {
+    return entries.data() + static_cast<std::ptrdiff_t>(i) * extension_.num_rows();
+  }
+
+  MinimalExtension& extension_;
+  int s_ = 0;
+  std::vector<Jet> starts_, jets_;
+  std::vector<double> r_, z_;  // a column for each stage
+  std::vector<std::complex<double>> pair_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,367 @@
+// The strangeness-free system of the minimal extension.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "extension/extension_system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <utility>
+
+#include "linalg/index.h"
+#include "linalg/random.h"
+#include "linalg/rank.h"
+#include "problem/failure.h"
+#include "system/nonlinear_iteration.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// The structure is confirmed again after so many points, as ranks are elsewhere.
+constexpr int points_between_certificates = 20;
+
+}  // namespace
+
+ExtensionSystem::ExtensionSystem(RecordedProblem& problem, Problem& base, const AnalysisSettings& settings,
+                                 std::vector<double> scales, const Jet& jet)
+    : DaeSystem(base, problem.m(), {}, LeadingTerm::identity),
+      problem_(problem),
+      settings_(settings),
+      extension_(problem),
+      linearization_(extension_, counts_),
+      iteration_(extension_, callback_error_),
+      stages_(extension_),
+      scales_(std::move(scales)) {
+  resize();
+  const PointStatus status = set_point(jet);
+  if (status == PointStatus::callback_error) callback_error_.raise();
+  if (status != PointStatus::ok)
+    throw Failure(SFDAE_RANK_UNCLEAR, format("the structure is not confirmed at t = %.15g: ", jet.t) + about_change_);
+  find_values();
+}
+
+ExtensionSystem::ExtensionSystem(RecordedProblem& problem, Problem& base, const AnalysisSettings& settings,
+                                 Archive& saved)
+    : DaeSystem(base, problem.m(), {}, LeadingTerm::identity),
+      problem_(problem),
+      settings_(settings),
+      extension_(problem),
+      linearization_(extension_, counts_),
+      iteration_(extension_, callback_error_),
+      stages_(extension_) {
+  resize();
+  archive(saved);
+}
+
+void ExtensionSystem::resize() {
+  const int n = extension_.n(), order = extension_.jet_order();
+  traits_ = {.unknowns = n,
+             .differential = extension_.freedom(),
+             .undetermined = 0,
+             .leading_size = n,
+             .taylor_order = order};
+  history_.resize(n, order);
+  jet_.n = n;
+  jet_.set_order(order);
+  determined_.assign(index(n) * index(order), 0);
+  for (const auto& [unknown, l] : extension_.columns())
+    if (l > 0) determined_[index((l - 1) * n + unknown)] = 1;
+  rounding_errors_.assign(index(n), 0.0);
+  scales_.resize(index(n), 0.0);
+  work_.assign(index(extension_.num_rows()) + 1, 0.0);
+}
+
+// The largest level the equations of which have a say in x, the states given, is the strangeness index: changes of these
+// equations move some x_j then.
+void ExtensionSystem::find_values() {
+  // Relative to what equations of any level do to x_j: rounding errors are smaller, effects larger. Chosen, not measured.
+  constexpr double effect = 1e-8;
+  const int n = extension_.n(), d = extension_.freedom();
+  analysis_.values = {0, d, n - d, 0, 0};
+  analysis_.t = jet_.t;
+  analysis_.rank_E = d;
+  const int highest = extension_.jet_order() - 1;
+  std::vector<double> largest(index(n), 0.0);
+  std::vector<std::vector<double>> moved;
+  const std::vector<int>& first = extension_.first();
+  for (int level = 0; level <= highest; ++level) {
+    std::minstd_rand generator(1);
+    for (int row = 0; row < extension_.num_rows(); ++row) {
+      double size = 0.0;
+      for (int e = first[index(row)]; e < first[index(row + 1)]; ++e)
+        size = std::max(size, std::fabs(extension_.values()[index(e)]));
+      const double value = size * (1.5 + 0.5 * symmetric_random(generator));
+      work_[index(row)] = extension_.rows()[index(row)].order == level ? value : 0.0;
+    }
+    linearization_.solve_held(work_.data());
+    moved.emplace_back(index(n), 0.0);
+    for (int j = 0; j < n; ++j) {
+      if (linearization_.choice().is_state(j)) continue;
+      const double change = std::fabs(work_[index(linearization_.choice().slot(extension_.column_of(j, 0)))]);
+      moved.back()[index(j)] = change;
+      largest[index(j)] = std::max(largest[index(j)], change);
+    }
+  }
+  for (int level = 1; level <= highest; ++level)
+    for (std::size_t j = 0; j < index(n); ++j)
+      if (moved[index(level)][j] > effect * largest[j]) analysis_.values.mu = level;
+}
+
+PointQuality ExtensionSystem::quality() const {
+  PointQuality quality;
+  quality.kept_constraints = quality.kept_differential = quality.smallest_pivot = certificate_.smallest_kept();
+  return quality;
+}
+
+CharacteristicValues ExtensionSystem::values_at(double) {
+  return about_change_.empty() ? analysis_.values : CharacteristicValues();
+}
+
+// ---- Points ----------------------------------------------------------------------------------------------------
+
+PointStatus ExtensionSystem::set_point(const Jet& jet) {
+  jet_ = jet;
+  jet_.set_order(extension_.jet_order());
+  history_.restart(jet_);
+  const PointStatus status = certify(jet_);
+  return status == PointStatus::ok ? renew(jet_) : status;
+}
+
+PointStatus ExtensionSystem::certify(const Jet& jet) {
+  unjudged_ = 0;
+  about_change_.clear();
+  Certificate certificate;
+  if (!certify_structure(extension_.structure(), problem_.evaluator(), jet.t, jet.x.data(), settings_.rank_tol,
+                         certificate)) {
+    callback_error_ = problem_.evaluation_error(jet.t);
+    return PointStatus::callback_error;
+  }
+  certificate_ = std::move(certificate);
+  if (certificate_.is_given()) return PointStatus::ok;
+  const int singular = certificate_.first(BlockVerdict::singular);
+  const int block = singular >= 0 ? singular : certificate_.first(BlockVerdict::unclear);
+  about_change_ = format("block %d of the system Jacobian, with the equation ", block) +
+                  problem_.evaluator().record().name(extension_.structure().blocks.equations(block)[0]) +
+                  (singular >= 0 ? ", is singular." : ", is nearly singular.");
+  return PointStatus::changed;
+}
+
+PointStatus ExtensionSystem::renew(const Jet& jet) {
+  iteration_.chord().forget_rate();
+  const PointStatus status = linearization_.renew(jet, callback_error_);
+  if (status == PointStatus::singular && about_change_.empty())
+    about_change_ = "no unknowns determine all others there.";
+  if (status != PointStatus::ok) return status;
+  std::fill(rounding_errors_.begin(), rounding_errors_.end(), 0.0);
+  for (int column = 0; column < extension_.num_columns(); ++column) {
+    const auto [unknown, order] = extension_.columns()[index(column)];
+    if (order == 0) rounding_errors_[index(unknown)] = linearization_.noise()[index(column)];
+  }
+  return PointStatus::ok;
+}
+
+PointStatus ExtensionSystem::move_to(double t) {
+  if (t == history_.accepted().t) jet_ = history_.accepted();
+  else if (t != jet_.t) history_.interpolate(t, jet_);
+  return PointStatus::ok;
+}
+
+// ---- Steps -----------------------------------------------------------------------------------------------------
+
+// With the linearization that is there, that of the point accepted last, and that of the guess; see nonlinear_system.cpp.
+template <class Iterate>
+PointStatus ExtensionSystem::iterate_with_renewal(const Jet& start, Iterate iterate) {
+  const Jet& accepted = history_.accepted();
+  PointStatus status = PointStatus::not_converged;
+  if (linearization_.is_usable()) {
+    const long choices = linearization_.choices();
+    status = iterate();
+    if (status == PointStatus::ok || is_hopeless(status)) return status;
+    (void)choices;
+  }
+  if (!linearization_.is_usable() || linearization_.origin().t != accepted.t ||
+      linearization_.origin().x != accepted.x) {
+    status = renew(accepted);
+    if (status == PointStatus::ok) status = iterate();
+    if (status == PointStatus::ok || is_hopeless(status)) return status;
+  }
+  status = renew(start);
+  if (status == PointStatus::ok) status = iterate();
+  if (status != PointStatus::ok) linearization_.forget();
+  return status;
+}
+
+// A linearization that has become slow is renewed where the point has converged, and the structure confirmed now and then.
+PointStatus ExtensionSystem::review() {
+  ChordIteration& chord = iteration_.chord();
+  if (++unjudged_ >= points_between_certificates) {
+    const PointStatus status = certify(jet_);
+    if (status != PointStatus::ok) return status;
+  }
+  if (!chord.is_slow()) return PointStatus::ok;
+  chord.set_slow(false);
+  if (iteration_.blames_matrix()) {
+    linearization_.forget_step_matrix();
+    return PointStatus::ok;
+  }
+  const PointStatus status = renew(jet_);
+  chord.set_rate(0.1);
+  return status;
+}
+
+PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
+  history_.predict(equations.guess, 0, determined_, {}, jet_);
+  start_ = jet_;
+  const StepTask task{equations.c, equations.w_rest, equations.guess.inverse_weights, newton_tolerance};
+  const auto iterate = [&] {
+    return iterate_with_renewal(start_, [&] {
+      jet_ = start_;
+      return iteration_.solve_step(task, linearization_, jet_);
+    });
+  };
+  PointStatus status = iterate();
+  if (status != PointStatus::ok && !is_hopeless(status) && analysis_.values.mu > 0) {
+    history_.hold_derivatives(start_);
+    status = iterate();
+  }
+  if (status == PointStatus::ok) status = review();
+  std::copy_n(jet_.x.data(), unknowns(), x);
+  return status;
+}
+
+PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) {
+  t_reached = equations.t_end;
+  stages_.predict(equations, history_, determined_);
+  const auto iterate = [&] {
+    return iterate_with_renewal(stages_.middle(),
+                                [&] { return stages_.solve(equations, linearization_, iteration_); });
+  };
+  PointStatus status = iterate();
+  if (status != PointStatus::ok && !is_hopeless(status) && analysis_.values.mu > 0) {
+    stages_.hold_derivatives(history_);
+    status = iterate();
+  }
+  if (status != PointStatus::ok) return status;
+  jet_ = stages_.last();
+  stages_.copy_to(x);
+  stages_.copy_to(w);
+  return review();
+}
+
+// One real and (s - 1) / 2 complex factorizations, and about five iterations for each stage.
+double ExtensionSystem::stage_cost(int s) const {
+  const double evaluation = static_cast<double>(extension_.column().size());
+  return evaluation * (5.0 * s + 3.0 + 12.0 * (s - 1) / 2);
+}
+
+// At the end of a step the jet knows them.
+void ExtensionSystem::correct_slopes(double* wdot, double* xdot) {
+  const std::vector<int>& d = extension_.offsets().d;
+  for (int j = 0; j < unknowns(); ++j)
+    if (d[index(j)] > 0) wdot[j] = xdot[j] = jet_.column(1)[j];
+}
+
+void ExtensionSystem::error_in_x(const double* dw, int count, double* dx) {
+  const int n = unknowns();
+  const StateChoice& choice = linearization_.choice();
+  for (int k = 0; k < count; ++k, dw += n, dx += n) {
+    std::copy_n(dw, n, dx);
+    if (!linearization_.is_usable() || differential() == n) continue;
+    std::fill(work_.begin(), work_.end(), 0.0);
+    linearization_.subtract_states(dw, work_.data());
+    linearization_.solve_held(work_.data());
+    for (int j = 0; j < n; ++j)
+      if (!choice.is_state(j)) dx[j] = work_[index(choice.slot(extension_.column_of(j, 0)))];
+  }
+}
+
+// ---- Outputs ---------------------------------------------------------------------------------------------------
+
+// With the linearization that is there; else with one at the jet, which is used once.
+PointStatus ExtensionSystem::solve_held(Jet& jet) {
+  const Jet start = jet;
+  PointStatus status =
+      linearization_.is_usable() ? iteration_.solve_held(linearization_, scales_, jet) : PointStatus::not_converged;
+  if (status == PointStatus::ok || is_hopeless(status)) return status;
+  ExtensionLinearization here(extension_, counts_);
+  jet = start;
+  status = here.renew(jet, callback_error_);
+  return status == PointStatus::ok ? iteration_.solve_held(here, scales_, jet) : status;
+}
+
+// What later steps depend on stays as it is: points that are asked for must not change those that follow.
+void ExtensionSystem::restore(const double* w, const double* x_free, const Guess& guess, double* x) {
+  if (guess.taylor != nullptr && jet_.t != history_.accepted().t) history_.predict(guess, 0, determined_, {}, jet_);
+  std::copy_n(x_free, unknowns(), jet_.x.data());
+  if (w != nullptr && linearization_.is_usable())
+    for (int j : linearization_.choice().states()) jet_.x[index(j)] = w[j];
+  const PointStatus status = solve_held(jet_);
+  if (status == PointStatus::callback_error) callback_error_.raise();
+  if (status != PointStatus::ok)
+    throw Failure(SFDAE_NO_CONSISTENT_VALUES,
+                  format("no values consistent with the constraints were found at t = %.15g.", jet_.t));
+  std::copy_n(jet_.x.data(), unknowns(), x);
+}
+
+bool ExtensionSystem::exact_derivative(const double* x, double* xdot) {
+  Jet jet = jet_;
+  std::copy_n(x, unknowns(), jet.x.data());
+  PointStatus status = solve_held(jet);
+  if (status == PointStatus::ok) status = iteration_.derivative(linearization_, jet, xdot);
+  if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
+  return status == PointStatus::ok;
+}
+
+bool ExtensionSystem::consistent_derivative(const double* x, double, double* xdot) {
+  if (exact_derivative(x, xdot)) return true;
+  std::copy_n(jet_.column(1), unknowns(), xdot);
+  return false;
+}
+
+DifferentiatedChange ExtensionSystem::change_of_differentiated(const double* dx, const double* tolerances) const {
+  DifferentiatedChange largest;
+  for (int j = 0; j < unknowns(); ++j) {
+    if (extension_.offsets().d[index(j)] == 0 || !(tolerances[j] > 0.0)) continue;
+    const double size = std::fabs(dx[j]) / tolerances[j];
+    if (size > largest.size) largest = {size, j};
+  }
+  return largest;
+}
+
+// ---- Checkpoints -----------------------------------------------------------------------------------------------
+
+void ExtensionSystem::archive(Archive& archive) {
+  CharacteristicValues& values = analysis_.values;
+  bool is_usable = linearization_.is_usable(), has_matrix = linearization_.has_step_matrix();
+  archive.small(values.mu, values.d, values.a, unjudged_, is_usable, has_matrix);
+  archive.real(analysis_.t);
+  iteration_.chord().archive_rate(archive);
+  double c = has_matrix ? linearization_.c() : 0.0;
+  archive.real(c);
+  linearization_.archive_choice(archive);
+  archive.reals(scales_, index(unknowns()));
+  history_.archive(archive);
+  Jet origin = linearization_.origin();
+  if (archive.is_reading()) origin = history_.accepted();
+  archive.real(origin.t);
+  archive.reals(origin.x, index(unknowns()) * index(extension_.jet_order() + 1));
+  std::vector<int> states = linearization_.choice().states();
+  states.resize(index(differential()));
+  archive.small(states.data(), states.size());
+  if (!archive.is_reading()) return;
+  if (values.d != differential() || values.a != unknowns() - values.d) throw DamagedArchive();
+  values.u = values.v = 0;
+  analysis_.rank_E = values.d;
+  for (int j : states)
+    if (j < 0 || j >= unknowns() || extension_.offsets().d[index(j)] == 0) throw DamagedArchive();
+  jet_ = history_.accepted();
+  const int unjudged = unjudged_;
+  if (certify(jet_) != PointStatus::ok) throw DamagedArchive();
+  unjudged_ = unjudged;
+  if (linearization_.restore(origin, states, callback_error_) != PointStatus::ok) throw DamagedArchive();
+  if (has_matrix && !linearization_.factor_step(c)) throw DamagedArchive();
+  if (!is_usable) linearization_.forget();
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,103 @@
+// The strangeness-free system of the minimal extension: d of the unknowns x_j are states,
+//
+//     x_j' = ... for the states j (d equations, F1),   f_i^(k) = 0, k = 0, ..., c_i (the rest, F2 among it)
+//
+// in all unknowns x_j^(l) of the extension. BDF and Radau discretize x_j' of the states; all other derivatives follow from
+// the equations. As histories are those of all x_j (W = I), other states may be chosen at any point [MS93: the choice of
+// dummy derivatives]. All equations are solved by chord iterations with sparse matrices.
+//
+// [MS93] S. E. Mattsson, G. Soederlind: Index Reduction in Differential-Algebraic Equations Using Dummy Derivatives.
+//        SIAM J. Sci. Comput. 14 (1993), 677-692.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "extension/extension_iteration.h"
+#include "extension/extension_linearization.h"
+#include "extension/extension_stages.h"
+#include "extension/minimal_extension.h"
+#include "structure/structure.h"
+#include "system/dae_system.h"
+#include "system/jet_history.h"
+
+namespace sfdae::core {
+
+class ExtensionSystem final : public DaeSystem {
+ public:
+  // base: whose requests to stop count. jet: consistent. scales: changes of the unknowns that do not matter, n values, tolerances for example. Throws Failure
+  // where the structure is not confirmed there.
+  ExtensionSystem(RecordedProblem& problem, Problem& base, const AnalysisSettings& settings,
+                  std::vector<double> scales, const Jet& jet);
+  // As it was when it was archived. Throws DamagedArchive.
+  ExtensionSystem(RecordedProblem& problem, Problem& base, const AnalysisSettings& settings, Archive& archive);
+
+  double t() const override { return jet_.t; }
+  SystemForm form() const override { return SystemForm::extension; }
+  // A consistent point becomes the current and accepted one.
+  PointStatus set_point(const Jet& jet);
+  const Jet& jet() const { return jet_; }
+  const Jet* point_of_equations() const override { return &history_.accepted(); }
+  const Jet& accepted_jet() const { return history_.accepted(); }
+  const AnalysisSettings& settings() const { return settings_; }
+  const std::vector<double>& scales() const { return scales_; }
+  MinimalExtension& extension() { return extension_; }
+  const ExtensionLinearization& linearization() const { return linearization_; }
+  const Certificate& certificate() const { return certificate_; }
+
+  PointStatus move_to(double t) override;
+  void accept() override { history_.accept(jet_); }
+  void leading(const double* x, double* w) override { std::copy_n(x, unknowns(), w); }
+  PointStatus solve(const StepEquations& equations, double* x) override;
+  PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
+  void correct_slopes(double* wdot, double* xdot) override;
+  double stage_cost(int s) const override;
+  using StrangenessFreeSystem::error_in_x;
+  void error_in_x(const double* dw, int count, double* dx) override;
+  // Throws Failure where no consistent x is found near x_free.
+  using StrangenessFreeSystem::restore;
+  void restore(const double* w, const double* x_free, const Guess& guess, double* x) override;
+  void correct_derivative(double, const double* x, double* xdot) override { exact_derivative(x, xdot); }
+
+  PointQuality quality() const override;
+  // Other values than those known are not found here: none.
+  CharacteristicValues values_at(double t) override;
+  std::string about_change() const override { return about_change_; }
+  PointStatus check_ranks() override { return certify(jet_); }
+  DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override;
+  const double* rounding_errors() const override { return rounding_errors_.data(); }
+  bool consistent_derivative(const double* x, double direction, double* xdot) override;
+  bool exact_derivative(const double* x, double* xdot) override;
+  void leading_derivative(const double*, const double* xdot, double* wdot) override {
+    std::copy_n(xdot, unknowns(), wdot);
+  }
+  void archive(Archive& archive) override;
+
+ private:
+  void resize();
+  void find_values();
+  PointStatus certify(const Jet& jet);
+  PointStatus renew(const Jet& jet);
+  template <class Iterate>
+  PointStatus iterate_with_renewal(const Jet& start, Iterate iterate);
+  PointStatus review();
+  PointStatus solve_held(Jet& jet);
+
+  RecordedProblem& problem_;
+  AnalysisSettings settings_;
+  MinimalExtension extension_;
+  ExtensionLinearization linearization_;
+  ExtensionIteration iteration_;
+  ExtensionStages stages_;
+  Certificate certificate_;
+  std::string about_change_;
+  JetHistory history_;
+  Jet jet_, start_;
+  std::vector<char> determined_;
+  std::vector<double> scales_, rounding_errors_, work_;
+  int unjudged_ = 0;  // points since the structure was confirmed
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,36 @@
+// The change of unknowns that fulfils linear equations and is least: minimize dx^T W dx / 2 + g^T dx so that J dx = r, J sparse of
+// full row rank, by one sparse factorization of [W J^T; J 0].
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/sparse_lu.h"
+
+namespace sfdae::core {
+
+class LeastChangeStep {
+ public:
+  // J by rows. Unknowns that are held do not change.
+  struct Equations {
+    const std::vector<int>& first;
+    const std::vector<int>& column;
+    int unknowns;
+    int rows() const { return static_cast<int>(first.size()) - 1; }
+  };
+  void analyze(const Equations& equations);
+  // False: there is none, or many.
+  bool factor(const Equations& equations, const std::vector<double>& values, const std::vector<double>& W,
+              const std::vector<char>& is_held);
+  // dx: in: -g, out: dx. r: rows() values, changed.
+  void solve(const Equations& equations, const std::vector<char>& is_held, double* dx, const double* r);
+  double reciprocal_condition() { return lu_.reciprocal_condition(); }
+
+ private:
+  SparsePattern pattern_;
+  std::vector<int> upper_, lower_;  // of the entries of J: their places in J^T and J
+  SparseLu<double> lu_;
+  std::vector<double> values_, b_;
+};
+
+}  // namespace sfdae::core

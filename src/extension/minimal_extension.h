@@ -1,0 +1,97 @@
+// The minimal extension of recorded equations by their structure: f_i, ..., f_i^(c_i) in the unknowns x_j, ..., x_j^(d_j),
+// c and d the canonical offsets [P01], all as Taylor coefficients along a jet, with sparse derivatives.
+//
+// Folder extension: the strangeness-free system of equations whose structure numbers confirm, for many unknowns or a
+// high index: what is differentiated is the least that has to be, and matrices are sparse.
+//
+// [P01] J. D. Pryce: A Simple Structural Analysis Method for DAEs. BIT 41 (2001), 364-394.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "problem/nonlinear_problem.h"
+#include "structure/structure.h"
+#include "system/jet.h"
+
+namespace sfdae::core {
+
+class MinimalExtension {
+ public:
+  // The structure of the problem exists.
+  explicit MinimalExtension(RecordedProblem& problem);
+
+  int n() const { return n_; }
+  // Both sorted by stages: the rows f_i^(k) by k - c_i, the unknowns x_j^(l) by l - d_j.
+  struct Row {
+    int equation, order;
+  };
+  struct Column {
+    int unknown, order;
+  };
+  const std::vector<Row>& rows() const { return rows_; }           // n + sum c of them
+  const std::vector<Column>& columns() const { return columns_; }  // n + sum d
+  int num_rows() const { return static_cast<int>(rows_.size()); }
+  int num_columns() const { return static_cast<int>(columns_.size()); }
+  int freedom() const { return num_columns() - num_rows(); }
+  // The column of x_j^(order), order <= d_j.
+  int column_of(int unknown, int order) const {
+    return place_[index(unknown)][index(offsets().d[index(unknown)] - order)];
+  }
+  const Structure& structure() const { return *problem_.structure(); }
+  const Offsets& offsets() const { return structure().offsets; }
+  RecordedProblem& problem() const { return problem_; }
+  // Stages are first_stage(), ..., 0; each has the rows and the columns from these to those of the next one.
+  int first_stage() const { return -highest_d_; }
+  int first_row(int stage) const { return first_rows_[index(stage + highest_d_)]; }
+  int first_column(int stage) const { return first_columns_[index(stage + highest_d_)]; }
+  // Of jets; coefficients of x_j beyond d_j have no meaning.
+  int jet_order() const { return highest_c_ + 1; }
+
+  // num_rows() coefficients of f along a jet of jet_order().
+  CallbackError residuals(const Jet& jet, double* r);
+  // Those of the total derivatives by t of all rows along the jet; it is of one order more.
+  CallbackError slopes(const Jet& jet, double* r);
+
+  // Residuals of the rows of a stage alone.
+  CallbackError stage_residuals(int stage, const Jet& jet, double* r);
+  // Derivatives of the rows of a stage by its unknowns, which are those of the system Jacobian times factors; rows and columns
+  // count from the first of the stage.
+  struct StageMatrix {
+    std::vector<int> first, column;
+    std::vector<double> values;
+  };
+  CallbackError linearize_stage(int stage, const Jet& jet, StageMatrix& matrix);
+
+  // The derivatives of the rows by the unknowns, by rows: those of row i are entries first()[i], ..., first()[i + 1] - 1.
+  CallbackError linearize(const Jet& jet);
+  const std::vector<int>& first() const { return first_; }
+  const std::vector<int>& column() const { return column_; }
+  const std::vector<double>& values() const { return values_; }
+
+ private:
+  // values()[entry] += factor times a Taylor coefficient of a derivative of f.
+  struct Term {
+    int entry;
+    std::size_t coefficient;
+    double factor;
+  };
+  void number_rows_and_columns();
+  void make_pattern();
+  CallbackError evaluate(const Jet& jet, int order);
+
+  RecordedProblem& problem_;
+  int n_, highest_c_ = 0, highest_d_ = 0;
+  std::vector<Row> rows_;
+  std::vector<Column> columns_;
+  std::vector<int> first_rows_, first_columns_;
+  std::vector<std::vector<int>> place_;  // of x_j^(d_j), x_j^(d_j - 1), ..., x_j
+  std::vector<int> first_, column_;
+  std::vector<Term> terms_;
+  std::vector<double> coefficients_, values_;
+  std::vector<int> no_orders_;  // n zeros
+  std::vector<double> leading_, F_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,92 @@
+// The extension as a square sparse matrix, d of the unknowns x_j being states.
+//
+// With x_j' = c x_j + ... for the states j the unknowns of a step are all x_j^(l) but the x_j of states, a change of which is
+// 1 / c times that of x_j': column x_j' becomes that of x_j' plus epsilon times that of x_j, epsilon = 1 / c. With epsilon =
+// 0 states are held. Complex epsilon: stages of Runge-Kutta methods, transformed.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <complex>
+#include <optional>
+#include <vector>
+
+#include "extension/minimal_extension.h"
+#include "linalg/sparse_lu.h"
+
+namespace sfdae::core {
+
+// Which unknowns are states, and where the columns of the extension stand in the square matrix.
+class StateChoice {
+ public:
+  // As many states as the freedom of the extension; x_j' is among its columns for each.
+  void set(const MinimalExtension& extension, std::vector<int> states);
+
+  const std::vector<int>& states() const { return states_; }
+  bool is_state(int unknown) const { return is_state_[index(unknown)] != 0; }
+  // Of a column of the extension: its unknown in the square matrix. x_j of a state j has that of x_j'.
+  int slot(int column) const { return slot_[index(column)]; }
+  // x_j of a state.
+  bool is_held(int column) const { return is_held_[index(column)] != 0; }
+  // x_j' of a state.
+  bool is_slope(int column) const { return is_slope_[index(column)] != 0; }
+  // Changes of x_j' of the states, by slots, become those of x_j.
+  template <class Number>
+  void to_states(Number epsilon, Number* z) const {
+    for (int slot : state_slots_) z[slot] *= epsilon;
+  }
+  int size() const { return pattern_.size; }
+  const SparsePattern& pattern() const { return pattern_; }
+  // Values in the order of the pattern: to[] of entries of the extension.
+  template <class Number>
+  void assemble(const MinimalExtension& extension, Number epsilon, std::vector<Number>& values) const;
+
+ private:
+  void make_pattern(const MinimalExtension& extension);
+
+  std::vector<int> states_;
+  std::vector<char> is_state_, is_held_, is_slope_;
+  std::vector<int> slot_, state_slots_;
+  SparsePattern pattern_;
+  std::vector<int> place_;  // in the pattern, of the entries of the extension
+};
+
+template <class Number>
+void StateChoice::assemble(const MinimalExtension& extension, Number epsilon, std::vector<Number>& values) const {
+  values.assign(pattern_.row.size(), Number(0));
+  for (std::size_t e = 0; e < place_.size(); ++e) {
+    const bool held = is_held(extension.column()[e]);
+    values[index(place_[e])] += held ? epsilon * extension.values()[e] : Number(extension.values()[e]);
+  }
+}
+
+// Factored for one epsilon at a time.
+template <class Number>
+class StateMatrix {
+ public:
+  void set_choice(const StateChoice& choice) {
+    lu_.analyze(choice.pattern());
+    forget();
+  }
+  void forget() { epsilon_.reset(); }
+  bool is_valid() const { return epsilon_.has_value(); }
+  Number epsilon() const { return *epsilon_; }
+  bool is_for(Number epsilon) const { return epsilon_ == epsilon; }
+  // False: singular.
+  bool factor(const MinimalExtension& extension, const StateChoice& choice, Number epsilon) {
+    forget();
+    choice.assemble(extension, epsilon, values_);
+    if (!lu_.factor(values_.data())) return false;
+    epsilon_ = epsilon;
+    return true;
+  }
+  void solve(Number* b, int count = 1) { lu_.solve(b, count); }
+  double reciprocal_condition() { return lu_.reciprocal_condition(); }
+  std::size_t fill() const { return lu_.fill(); }
+
+ private:
+  SparseLu<Number> lu_;
+  std::vector<Number> values_;
+  std::optional<Number> epsilon_;
+};
+
+}  // namespace sfdae::core

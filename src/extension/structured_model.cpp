@@ -1,0 +1,137 @@
+// Recorded equations by their minimal extension, or by the derivative array.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "extension/structured_model.h"
+
+#include <utility>
+
+#include "linalg/index.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Columns of the derivative array from which on the extension is faster, as a rule; measured by benchmarks/structure_cost.
+constexpr double least_array = 150.0;
+// Columns up to which the whole array is a way out where the extension fails: some seconds.
+constexpr double largest_array = 1500.0;
+
+bool is_final(const Failure& failure) {
+  return failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED;
+}
+
+}  // namespace
+
+StructuredModel::StructuredModel(std::unique_ptr<Model> classical, RecordedProblem& problem,
+                                 std::unique_ptr<RecordedProblem> owned)
+    : classical_(std::move(classical)),
+      owned_(std::move(owned)),
+      problem_(problem),
+      extended_(problem_, classical_->problem()) {
+  if (owned_) owned_->stop_with(classical_->problem());
+}
+
+EvaluationCounts StructuredModel::evaluations() const {
+  EvaluationCounts counts = classical_->evaluations();
+  if (!owned_) return counts;
+  counts.F += owned_->evaluations();
+  counts.linearizations += owned_->linearizations();
+  return counts;
+}
+
+void StructuredModel::parameters_changed() {
+  classical_->parameters_changed();
+  if (!owned_) return;
+  const TaylorEvaluator& from = *classical_->evaluator();
+  for (int i = 0; i < from.num_parameters(); ++i) owned_->evaluator().set_parameter(i, from.parameter(i));
+}
+
+double StructuredModel::array_size() const {
+  const Offsets& offsets = problem_.structure()->offsets;
+  return static_cast<double>(classical_->n()) * (offsets.index_bound() + 1);
+}
+
+bool StructuredModel::may_extend(const PointOfInterest&, const ModelOptions& options) {
+  return options.uses_structure && !options.analysis.by_svd && options.leading == LeadingTerm::automatic &&
+         options.consistency.kind != InitialValues::keep_differential && problem_.structure() != nullptr &&
+         array_size() >= least_array;
+}
+
+void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& options,
+                              std::vector<RankDecision>& decisions) {
+  forget_system();
+  options_ = options;
+  if (may_extend(point, options)) {
+    problem_.follow_structure(false);
+    try {
+      extended_.analyze(point, options, decisions);
+      is_extended_ = true;
+      return;
+    } catch (const Failure& failure) {
+      if (is_final(failure) || array_size() > largest_array) throw;
+    }
+    decisions.clear();
+  }
+  classical_->analyze(point, options, decisions);
+}
+
+void StructuredModel::demand_derivatives(const PointOfInterest& point, const ModelOptions& options) {
+  if (!is_extended_) classical_->demand_derivatives(point, options);
+}
+
+void StructuredModel::forget_system() {
+  is_extended_ = false;
+  extended_.forget_system();
+  classical_->forget_system();
+}
+
+bool StructuredModel::expect(SystemForm form) {
+  if (form == SystemForm::extension && problem_.structure() == nullptr) return false;
+  was_extended_ = is_extended_;
+  is_extended_ = form == SystemForm::extension;
+  return true;
+}
+
+void StructuredModel::restore(const ModelOptions& options, Archive& archive) {
+  try {
+    active().restore(options, archive);
+  } catch (...) {
+    is_extended_ = was_extended_;
+    throw;
+  }
+  options_ = options;
+}
+
+void StructuredModel::undo_restore() {
+  active().undo_restore();
+  is_extended_ = was_extended_;
+}
+
+void StructuredModel::finish_restore() {
+  active().finish_restore();
+  if (was_extended_ == is_extended_) return;
+  if (was_extended_) extended_.forget_system();
+  else classical_->forget_system();
+}
+
+Model& StructuredModel::whole() {
+  if (!is_extended_ || classical_->system() != nullptr) return *classical_;
+  if (array_size() > largest_array)
+    throw Failure(
+        SFDAE_ILLEGAL_ARGUMENT,
+        format("the derivative array of %d unknowns has %.0f columns: objects of the theory are for smaller "
+               "problems; or switch the option structure off.",
+               n(), array_size()));
+  ModelOptions options = options_;
+  options.uses_structure = false;
+  const Jet jet = extended_.accepted_point();
+  std::vector<RankDecision> decisions;
+  classical_->analyze({jet.t, time_beside(jet.t, 1.0), jet.x.data()}, options, decisions);
+  return *classical_;
+}
+
+Jet StructuredModel::accepted_point() const {
+  return is_extended_ && classical_->needs_x() ? extended_.accepted_point() : classical_->accepted_point();
+}
+
+}  // namespace sfdae::core

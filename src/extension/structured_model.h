@@ -1,0 +1,73 @@
+// Recorded equations that are solved by their minimal extension where structure and size suggest it and numbers confirm
+// the structure, and by the derivative array elsewhere.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "extension/extension_model.h"
+#include "system/model.h"
+
+namespace sfdae::core {
+
+class StructuredModel final : public Model {
+ public:
+  // classical: the same equations, by the whole array. problem: theirs as nonlinear equations, of another object or of the
+  // classical model itself (shared ownership is then no one's: `owned` is null).
+  StructuredModel(std::unique_ptr<Model> classical, RecordedProblem& problem, std::unique_ptr<RecordedProblem> owned);
+
+  Problem& problem() override { return classical_->problem(); }
+  int m() const override { return classical_->m(); }
+  int n() const override { return classical_->n(); }
+  bool is_constant() const override { return classical_->is_constant(); }
+  bool needs_x() const override { return classical_->needs_x(); }
+  EvaluationCounts evaluations() const override;
+  TaylorEvaluator* evaluator() override { return classical_->evaluator(); }
+  void parameters_changed() override;
+  std::vector<const TaylorEvaluator*> evaluators_of_inputs() override { return classical_->evaluators_of_inputs(); }
+
+  void analyze(const PointOfInterest& point, const ModelOptions& options,
+               std::vector<RankDecision>& decisions) override;
+  void demand_derivatives(const PointOfInterest& point, const ModelOptions& options) override;
+  bool expect(SystemForm form) override;
+  void restore(const ModelOptions& options, Archive& archive) override;
+  void undo_restore() override;
+  void finish_restore() override;
+  DaeSystem* system() override { return active().system(); }
+  void forget_system() override;
+  double certify() override { return active().certify(); }
+  std::unique_ptr<ChangeWatch> change_watch() override { return active().change_watch(); }
+  ConsistentPoint consistent_point(const PointOfInterest& point, const ModelOptions& options) override {
+    return active().consistent_point(point, options);
+  }
+  ConsistentPoint consistent_point_beside(const PointOfInterest& point, const ModelOptions& options) override {
+    return active().consistent_point_beside(point, options);
+  }
+
+  // The whole array is analyzed for them where that has not been done.
+  Jet jet_through(double t, const double* x, int level) override { return whole().jet_through(t, x, level); }
+  DerivativeArray derivative_array(const Jet& jet, int level) override {
+    return whole().derivative_array(jet, level);
+  }
+  Projectors projectors(const Jet& jet, bool of_array) override { return whole().projectors(jet, of_array); }
+  StrangenessFreeEquations strangeness_free(const Jet& jet) override { return whole().strangeness_free(jet); }
+  int level_of_jets(bool of_array) override { return whole().level_of_jets(of_array); }
+  Jet accepted_point() const override;
+
+ private:
+  Model& active() { return is_extended_ ? static_cast<Model&>(extended_) : *classical_; }
+  bool may_extend(const PointOfInterest& point, const ModelOptions& options);
+  Model& whole();
+  // Entries of a row of the whole array.
+  double array_size() const;
+
+  std::unique_ptr<Model> classical_;
+  std::unique_ptr<RecordedProblem> owned_;
+  RecordedProblem& problem_;
+  ExtensionModel extended_;
+  bool is_extended_ = false, was_extended_ = false;
+  ModelOptions options_;  // of the last analysis
+};
+
+}  // namespace sfdae::core
