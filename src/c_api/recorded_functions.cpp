@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "c_api/recording.h"
-#include "linalg/quiet_arithmetic.h"
 #include "expression/symbolic_gradient.h"
 #include "linalg/format.h"
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 
 namespace sfdae::core {
 

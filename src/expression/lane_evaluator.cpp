@@ -8,8 +8,8 @@
 #include <cstring>
 
 #include "expression/kernel.h"
-#include "linalg/quiet_arithmetic.h"
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 
 namespace sfdae::core {
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
-#include "linalg/quiet_arithmetic.h"
 #include "linalg/format.h"
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 
 namespace sfdae::core {
 
