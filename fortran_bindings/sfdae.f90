@@ -122,7 +122,7 @@ module sfdae
   !> Outputs within steps (dae_options%output).
   public :: sfdae_output_consistent, sfdae_output_interpolated
   !> Whether the derivative array follows the structure (dae_options%structure).
-  public :: sfdae_structure_off, sfdae_structure_automatic
+  public :: sfdae_structure_off, sfdae_structure_automatic, sfdae_structure_required
   !> What numbers say of the structure (sfdae_structure%verdict).
   public :: sfdae_structure_unchecked, sfdae_structure_certified, sfdae_structure_misleads, &
     sfdae_structure_unclear

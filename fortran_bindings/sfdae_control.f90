@@ -107,8 +107,9 @@ module sfdae_control
     !> Derivatives that procedures supply are compared with the functions once with every analysis;
     !> sfdae_wrong_derivatives where one contradicts its function beyond doubt.
     logical :: check_derivatives = .true.
-    !> Recorded nonlinear equations: sfdae_structure_automatic, rows of the derivative array that are not
-    !> needed are left out, or sfdae_structure_off.
+    !> Recorded equations: sfdae_structure_automatic, rows of the derivative array that are not needed are
+    !> left out, and large ones are sparse; sfdae_structure_required, the same or a failure; or
+    !> sfdae_structure_off.
     integer(c_int) :: structure = sfdae_structure_automatic
   end type dae_options
 

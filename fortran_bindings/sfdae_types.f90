@@ -61,6 +61,7 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_structure_certified = 1
   integer(c_int), parameter, public :: sfdae_structure_misleads = 2
   integer(c_int), parameter, public :: sfdae_structure_off = 0
+  integer(c_int), parameter, public :: sfdae_structure_required = 2
   integer(c_int), parameter, public :: sfdae_structure_unchecked = 0
   integer(c_int), parameter, public :: sfdae_structure_unclear = 3
   integer(c_int), parameter, public :: sfdae_tolerance_too_small = -43

@@ -185,7 +185,8 @@ SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t si
 
 /* Whether the derivative array follows what recorded equations contain. */
 #define SFDAE_STRUCTURE_OFF 0       /**< it has all its rows */
-#define SFDAE_STRUCTURE_AUTOMATIC 1 /**< rows that are not needed are left out */
+#define SFDAE_STRUCTURE_AUTOMATIC 1 /**< rows that are not needed are left out, large ones are sparse */
+#define SFDAE_STRUCTURE_REQUIRED 2  /**< the minimal extension with sparse matrices, or a failure */
 
 /** What is reported to the monitor. */
 typedef struct sfdae_progress {
@@ -281,11 +282,15 @@ typedef struct sfdae_options {
    *  - Failures of evaluations that only this needs are ignored, but for negative return values. */
   int check_derivatives;
 
-  /** Recorded nonlinear equations, as many as unknowns: which unknowns and derivatives they contain tells how often each of
-   * them has to be differentiated (J. D. Pryce, BIT 41, 2001), if nothing cancels; sfdae_get_structure has the details.
-   * SFDAE_STRUCTURE_AUTOMATIC (default): rows of the derivative array that are not needed are left out where the numbers
-   * at the start agree, and else the whole array is taken; results are the same. SFDAE_STRUCTURE_OFF: always the whole
-   * array, as where sfdae_nonlinear_problem.differentiations are given. */
+  /** Recorded equations, as many as unknowns: which unknowns and derivatives they contain tells how often each of them has
+   * to be differentiated (J. D. Pryce, BIT 41, 2001), if nothing cancels; sfdae_get_structure has the details.
+   * SFDAE_STRUCTURE_AUTOMATIC (default): where the numbers at the start agree, rows of the derivative array that are not
+   * needed are left out, and from some 150 columns of the array on all matrices are sparse; else the whole array is taken,
+   * or, where it has more than 1500 columns, the failure is reported. Results are the same within the tolerances.
+   * SFDAE_STRUCTURE_REQUIRED: always the rows that are needed, with sparse matrices; SFDAE_RANK_UNCLEAR where the numbers do
+   * not agree, SFDAE_ILLEGAL_ARGUMENT for problems that have no structure: functions, multibody systems, prescribed
+   * components, differentiations, other numbers of equations than of unknowns. SFDAE_STRUCTURE_OFF: always the whole array,
+   * as for these. */
   int structure;
 } sfdae_options;
 /** Sets every member to its default. size: sizeof(sfdae_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */

@@ -187,7 +187,7 @@ CallResult check_options(const sfdae_options& options, int n) {
                options.min_stages, options.max_stages));
   if (options.output < SFDAE_OUTPUT_CONSISTENT || options.output > SFDAE_OUTPUT_INTERPOLATED)
     return illegal_argument(format("output is %d; it must be one of SFDAE_OUTPUT_...", options.output));
-  if (options.structure < SFDAE_STRUCTURE_OFF || options.structure > SFDAE_STRUCTURE_AUTOMATIC)
+  if (options.structure < SFDAE_STRUCTURE_OFF || options.structure > SFDAE_STRUCTURE_REQUIRED)
     return illegal_argument(format("structure is %d; it must be one of SFDAE_STRUCTURE_...", options.structure));
   return {};
 }

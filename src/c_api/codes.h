@@ -8,6 +8,7 @@
 #include "reduction/null_space_form.h"
 #include "sfdae/sfdae.h"
 #include "system/consistent_values.h"
+#include "system/model.h"
 
 namespace sfdae::core {
 
@@ -16,10 +17,14 @@ constexpr int code_of(Enum value) {
   return static_cast<int>(value);
 }
 
+static_assert(code_of(StructureUse::off) == SFDAE_STRUCTURE_OFF);
+static_assert(code_of(StructureUse::automatic) == SFDAE_STRUCTURE_AUTOMATIC);
+static_assert(code_of(StructureUse::required) == SFDAE_STRUCTURE_REQUIRED);
 static_assert(code_of(LeadingTerm::automatic) == SFDAE_LEADING_AUTOMATIC);
 static_assert(code_of(LeadingTerm::projector) == SFDAE_LEADING_PROJECTOR);
 static_assert(code_of(LeadingTerm::matrix) == SFDAE_LEADING_MATRIX);
 static_assert(code_of(LeadingTerm::identity) == SFDAE_LEADING_IDENTITY);
+inline StructureUse structure_use_of(int code) { return static_cast<StructureUse>(code); }
 inline LeadingTerm leading_term_of(int code) { return static_cast<LeadingTerm>(code); }
 
 // InitialValues::keep_differential has no public code.

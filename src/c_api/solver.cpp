@@ -56,7 +56,7 @@ SolverOptions::SolverOptions(const sfdae_options& o, int n)
   model.analysis = {o.max_index, o.reduction == SFDAE_REDUCTION_SVD, o.rank_tol, o.time_scale};
   model.differences = {o.difference_derivatives != 0, o.difference_step, 1.0};
   model.leading = leading_term_of(o.leading_term);
-  model.uses_structure = o.structure == SFDAE_STRUCTURE_AUTOMATIC;
+  model.structure = structure_use_of(o.structure);
   model.consistency.kind = initial_values_of(o.initial_values);
   model.consistency.keeps_differentiated = true;
   if (o.initial_values == SFDAE_INITIAL_FIXED)
@@ -158,6 +158,14 @@ int caught(char* text, size_t length, Body body) noexcept {
   }
 }
 
+void demand_structure(const Model& model, StructureUse wanted) {
+  if (wanted != StructureUse::required || model.has_structure()) return;
+  throw Failure(
+      SFDAE_ILLEGAL_ARGUMENT,
+      "structure = SFDAE_STRUCTURE_REQUIRED is for recorded equations, as many as unknowns, without prescribed "
+      "components and differentiations.");
+}
+
 template <class Problem>
 int create(sfdae_solver** solver, const Problem* problem, const sfdae_options* options, const Problem& defaults) {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
@@ -165,7 +173,10 @@ int create(sfdae_solver** solver, const Problem* problem, const sfdae_options* o
   return caught(nullptr, 0, [&]() -> CallResult {
     Arguments<Problem> arguments;
     CallResult result = read_arguments(problem, options, defaults, arguments);
-    if (result.status == SFDAE_OK) *solver = new sfdae_solver(make_model(arguments.problem), arguments.options);
+    if (result.status != SFDAE_OK) return result;
+    AnyModel model = make_model(arguments.problem);
+    demand_structure(*model.model, structure_use_of(arguments.options.structure));
+    *solver = new sfdae_solver(std::move(model), arguments.options);
     return result;
   });
 }
@@ -176,7 +187,8 @@ int check(const Problem* problem, const sfdae_options* options, const Problem& d
   return caught(text, length, [&] {
     Arguments<Problem> arguments;
     const CallResult checked = read_arguments(problem, options, defaults, arguments);
-    if (checked.status == SFDAE_OK) make_model(arguments.problem);
+    if (checked.status == SFDAE_OK)
+      demand_structure(*make_model(arguments.problem).model, structure_use_of(arguments.options.structure));
     return checked;
   });
 }
@@ -258,6 +270,7 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     const CallResult checked = check_options(copy, solver->model.n());
     if (checked.status != SFDAE_OK) return checked;
     SolverOptions fresh(copy, solver->model.n());
+    demand_structure(solver->model, fresh.model.structure);
     fresh.integration.events = solver->events.get();
     fresh.integration.breakpoints = solver->options.integration.breakpoints;
     const ModelOptions &old = solver->options.model, &now = fresh.model;
@@ -265,7 +278,7 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
         now.analysis.max_index == old.analysis.max_index && now.analysis.by_svd == old.analysis.by_svd &&
         now.analysis.rank_tol == old.analysis.rank_tol && now.analysis.time_scale == old.analysis.time_scale &&
         now.differences.allowed == old.differences.allowed && now.differences.step == old.differences.step &&
-        now.leading == old.leading && now.uses_structure == old.uses_structure;
+        now.leading == old.leading && now.structure == old.structure;
     const bool goes_on = solver->integration && same_analysis;
     if (goes_on) solver->integration->set_options(fresh.integration);
     // Nothing fails from here on.

@@ -51,24 +51,29 @@ double StructuredModel::array_size() const {
   return static_cast<double>(classical_->n()) * (offsets.index_bound() + 1);
 }
 
-bool StructuredModel::may_extend(const PointOfInterest&, const ModelOptions& options) {
-  return options.uses_structure && !options.analysis.by_svd && options.leading == LeadingTerm::automatic &&
-         options.consistency.kind != InitialValues::keep_differential && problem_.structure() != nullptr &&
-         array_size() >= least_array;
+bool StructuredModel::may_extend(const ModelOptions& options) {
+  return options.structure == StructureUse::automatic && !options.analysis.by_svd &&
+         options.leading == LeadingTerm::automatic && options.consistency.kind != InitialValues::keep_differential &&
+         problem_.structure() != nullptr && array_size() >= least_array;
 }
 
 void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& options,
                               std::vector<RankDecision>& decisions) {
   forget_system();
   options_ = options;
-  if (may_extend(point, options)) {
+  const bool is_required = options.structure == StructureUse::required;
+  if (is_required && problem_.structure() == nullptr)
+    throw Failure(SFDAE_RANK_UNCLEAR,
+                  "the option structure requires what these equations do not have: some contain too few unknowns, as "
+                  "sfdae_get_structure tells.");
+  if (is_required || may_extend(options)) {
     problem_.follow_structure(false);
     try {
       extended_.analyze(point, options, decisions);
       is_extended_ = true;
       return;
     } catch (const Failure& failure) {
-      if (is_final(failure) || array_size() > largest_array) throw;
+      if (is_required || is_final(failure) || array_size() > largest_array) throw;
     }
     decisions.clear();
   }
@@ -123,7 +128,7 @@ Model& StructuredModel::whole() {
                "problems; or switch the option structure off.",
                n(), array_size()));
   ModelOptions options = options_;
-  options.uses_structure = false;
+  options.structure = StructureUse::off;
   const Jet jet = extended_.accepted_point();
   std::vector<RankDecision> decisions;
   classical_->analyze({jet.t, time_beside(jet.t, 1.0), jet.x.data()}, options, decisions);

@@ -22,6 +22,7 @@ class StructuredModel final : public Model {
   int n() const override { return classical_->n(); }
   bool is_constant() const override { return classical_->is_constant(); }
   bool needs_x() const override { return classical_->needs_x(); }
+  bool has_structure() const override { return true; }
   EvaluationCounts evaluations() const override;
   TaylorEvaluator* evaluator() override { return classical_->evaluator(); }
   void parameters_changed() override;
@@ -57,7 +58,7 @@ class StructuredModel final : public Model {
 
  private:
   Model& active() { return is_extended_ ? static_cast<Model&>(extended_) : *classical_; }
-  bool may_extend(const PointOfInterest& point, const ModelOptions& options);
+  bool may_extend(const ModelOptions& options);
   Model& whole();
   // Entries of a row of the whole array.
   double array_size() const;

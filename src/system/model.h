@@ -22,13 +22,17 @@
 
 namespace sfdae::core {
 
+// Of recorded equations: the whole derivative array, the rows that their structure asks for where numbers agree, or a
+// failure where they do not.
+enum class StructureUse { off, automatic, required };
+
 struct ModelOptions : Acceptance {
   AnalysisSettings analysis;
   DifferenceOptions differences;
   LeadingTerm leading = LeadingTerm::automatic;
   ConsistencyRequest consistency;
   Precedent precedent;  // of analyses to come
-  bool uses_structure = false;
+  StructureUse structure = StructureUse::off;
 
   // What is asked of values near x.
   ConsistencyRequest request_at(const double* x) const {
@@ -82,6 +86,8 @@ class Model {
   virtual bool is_constant() const = 0;
   // The analysis is that of a solution, and needs x.
   virtual bool needs_x() const = 0;
+  // StructureUse::required is possible.
+  virtual bool has_structure() const { return false; }
   virtual EvaluationCounts evaluations() const = 0;
   // Of recorded equations, else null; parameters_changed() is due after a change there.
   virtual TaylorEvaluator* evaluator() = 0;
