@@ -18,6 +18,8 @@ class BandFactors {
   void analyze(const SparsePattern& pattern, BandOrder order);
   // False if a pivot vanishes.
   bool factor(const SparsePattern& pattern, const Number* values);
+  static bool has_new_pivots() { return true; }
+  void forget_pivots() {}
   // B := op(A)^-1 B, size x count
   void solve(Op op, Number* b, int count);
   std::size_t fill() const { return index(size_) * (2 * index(order_.lower) + index(order_.upper) + 1); }

@@ -14,7 +14,6 @@ namespace sfdae::core {
 ColumnElimination::ColumnElimination(const SparseRows& a, const BasisSettings& settings)
     : a_(a),
       settings_(settings),
-      scales_(0.0),
       pivot_of_column_(index(a.columns), -1),
       first_of_pivot_(1, 0),
       x_(index(a.columns)),

@@ -20,6 +20,8 @@ class DenseFactors {
   void analyze(const SparsePattern& pattern) { size_ = pattern.size; }
   // False if a pivot vanishes.
   bool factor(const SparsePattern& pattern, const Number* values);
+  static bool has_new_pivots() { return true; }
+  void forget_pivots() {}
   // B := op(A)^-1 B, size x count
   void solve(Op op, Number* b, int count);
   std::size_t fill() const { return lu_.size(); }

@@ -1,10 +1,11 @@
 // Powers of two that scale the rows and columns of a sparse matrix so that the largest entry of each is about 1. In
 // exponents, so that nothing overflows or vanishes on the way.
 //
-// [CR72] A. R. Curtis, J. K. Reid: On the automatic scaling of matrices for Gaussian elimination. IMA J. Appl. Math. 10 (1972),
-//        118-124.
-// [R01]  D. Ruiz: A scaling algorithm to equilibrate both rows and columns norms in matrices. RAL-TR-2001-034, Rutherford
-//        Appleton Laboratory, 2001.
+// By the largest entries, never by means: these are led astray by entries that are nothing but rounding errors of zeros
+// (docs/decisions/46-sparse-factors.md).
+//
+// [R01] D. Ruiz: A scaling algorithm to equilibrate both rows and columns norms in matrices. RAL-TR-2001-034, Rutherford
+//       Appleton Laboratory, 2001.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -59,12 +60,7 @@ struct CompressedLines {
 
 class Equilibration {
  public:
-  // Means of exponents, which take some time, are tried where exponents are further from 0 than `far_apart`, on average after
-  // the largest entries are 1: more than 8 is not to be expected where units are chosen with some care.
-  explicit Equilibration(double far_apart = 8.0) : far_apart_(far_apart) {}
-
-  // From finite values; false if a row or column is zero. Allocates for the first matrix only, where sizes are far apart for
-  // others, too. Matrices with the same pattern begin with the exponents of the one before.
+  // From finite values; false if a row or column is zero. Allocates for the first matrix of a size only.
   template <class Number>
   bool compute(const CompressedLines& matrix, const Number* values);
 
@@ -76,15 +72,10 @@ class Equilibration {
   void find_largest(const CompressedLines& matrix);
   bool halve_distances();
   bool scale_largest(const CompressedLines& matrix);
-  void scale_means(const CompressedLines& matrix);
-  double distance_from_one(const CompressedLines& matrix) const;
 
   std::vector<int> line_, crossing_;
   std::vector<int> exponents_;                           // of the entries
   std::vector<int> largest_in_line_, largest_crossing_;  // exponents after scaling
-  std::vector<int> sums_, counts_;
-  double far_apart_;
-  double distance_ = 0.0;  // that was reached when means were taken last
 };
 
 }  // namespace sfdae::core

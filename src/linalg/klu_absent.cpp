@@ -42,6 +42,10 @@ bool KluFactors<Number>::factor(const SparsePattern&, const Number*) {
   complain();
 }
 template <class Number>
+void KluFactors<Number>::forget_pivots() {
+  complain();
+}
+template <class Number>
 void KluFactors<Number>::solve(Op, Number*, int) {
   complain();
 }

@@ -221,12 +221,14 @@ template <class Number>
 KluFactors<Number>::~KluFactors() = default;
 template <class Number>
 KluFactors<Number>::KluFactors(const KluFactors& other)
-    : state_(other.state_ ? std::make_unique<State>(*other.state_) : nullptr) {}
+    : state_(other.state_ ? std::make_unique<State>(*other.state_) : nullptr),
+      has_new_pivots_(other.has_new_pivots_) {}
 template <class Number>
 KluFactors<Number>::KluFactors(KluFactors&&) noexcept = default;
 template <class Number>
 KluFactors<Number>& KluFactors<Number>::operator=(KluFactors other) noexcept {
   state_.swap(other.state_);
+  has_new_pivots_ = other.has_new_pivots_;
   return *this;
 }
 
@@ -243,7 +245,8 @@ double KluFactors<Number>::flops() const {
 template <class Number>
 bool KluFactors<Number>::factor(const SparsePattern& pattern, const Number* values) {
   State& state = *state_;
-  if (state.numeric != nullptr && state.refactor(pattern, values)) return true;
+  has_new_pivots_ = state.numeric == nullptr || !state.refactor(pattern, values);
+  if (!has_new_pivots_) return true;
   state.release();
   state.numeric = Routines<Number>::factor(mutable_data(pattern.first), mutable_data(pattern.row), parts(values),
                                            state.symbolic.get(), &state.common);
@@ -255,6 +258,11 @@ bool KluFactors<Number>::factor(const SparsePattern& pattern, const Number* valu
   }
   state.fresh_growth = state.growth(pattern, values);
   return true;
+}
+
+template <class Number>
+void KluFactors<Number>::forget_pivots() {
+  state_->release();
 }
 
 template <class Number>

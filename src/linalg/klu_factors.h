@@ -31,6 +31,9 @@ class KluFactors {
   double flops() const;
   // The pivots of the factorization before are taken again where they are good enough. False if one vanishes.
   bool factor(const SparsePattern& pattern, const Number* values);
+  // The last factorization has chosen its pivots.
+  bool has_new_pivots() const { return has_new_pivots_; }
+  void forget_pivots();
   // B := op(A)^-1 B, size x count
   void solve(Op op, Number* b, int count);
   std::size_t fill() const;
@@ -38,6 +41,7 @@ class KluFactors {
  private:
   struct State;
   std::unique_ptr<State> state_;  // nullptr until analyze()
+  bool has_new_pivots_ = false;
 };
 
 }  // namespace sfdae::core

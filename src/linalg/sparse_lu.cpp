@@ -98,6 +98,17 @@ bool SparseLu<Number>::factor(const Number* values) {
   return is_factored_;
 }
 
+template <class Number>
+bool SparseLu<Number>::has_new_pivots() const {
+  return std::visit([](const auto& factors) { return factors.has_new_pivots(); }, factors_);
+}
+
+template <class Number>
+void SparseLu<Number>::forget_pivots() {
+  is_factored_ = false;
+  std::visit([](auto& factors) { factors.forget_pivots(); }, factors_);
+}
+
 // A x = b is S (2^-columns x) = 2^rows b; A^T x = b is S^T (2^-rows x) = 2^columns b.
 template <class Number>
 void SparseLu<Number>::solve(Op op, Number* b, int count) {

@@ -33,6 +33,11 @@ class SparseLu {
   // Values in the order of the pattern, zeros welcome. False: A is singular to working precision (a pivot vanishes), or a
   // value is not finite; nothing may be solved then. Raises no floating-point exception.
   bool factor(const Number* values);
+  // Pivots of the factorization before are taken again where they are good enough. Those of the last one are its own, so that
+  // it depends on nothing before it:
+  bool has_new_pivots() const;
+  // Those of the next one will be.
+  void forget_pivots();
   // B := A^-1 B, column-major, size x count. An overflow of x itself is one of arithmetic, too.
   void solve(Number* b, int count = 1) { solve(Op::plain, b, count); }
   // B := A^-T B, A not conjugated.

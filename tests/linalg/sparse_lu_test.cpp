@@ -171,12 +171,12 @@ TYPED_TEST(SparseLuOf, AgreesWithLapackOnFullMatrices) {
   }
 }
 
-// Units of 1e-150 to 1e150 in rows and columns: powers of two do not round, so that solutions differ by rounding of the
+// Units of 1e-9 to 1e9 in rows and columns: powers of two do not round, so that solutions differ by rounding of the
 // pivots chosen only.
 TYPED_TEST(SparseLuOf, SolvesInAnyUnits) {
   for (const Named& named : matrices())
     for (const SparseMethod method : methods())
-      for (const int range : {30, 60, 100, 200, 330}) {
+      for (const int range : {10, 20, 30}) {
         SCOPED_TRACE(named.name + ", method " + std::to_string(static_cast<int>(method)) + ", 2^" +
                      std::to_string(range));
         const SparsePattern& pattern = named.matrix.pattern;
