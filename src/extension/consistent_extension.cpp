@@ -21,6 +21,9 @@ constexpr double weight_of_free = 1e-10;
 // Steps are halved so often, at most, where residuals do not become smaller.
 constexpr int most_halvings = 10;
 constexpr int most_iterations = 50;
+// Of the sum of weighted changes: steps that are that small lead nowhere.
+constexpr double settled = 1e-14;
+constexpr int few_iterations = 12;
 
 // Of one iteration: of x in units of x, or of its tolerance, the largest; of derivatives, which may vanish, the same.
 class Change {
@@ -202,55 +205,145 @@ void ConsistentExtension::solve_stage(int stage, const Jet& guess, Jet& jet) {
   fail(jet, "the search does not come to an end.");
 }
 
-void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
-  const std::vector<MinimalExtension::Column>& columns = extension_.columns();
-  const int count = extension_.num_columns();
-  const LeastChangeStep::Equations equations{extension_.first(), extension_.column(), count};
-  LeastChangeStep step;
-  step.analyze(equations);
-  std::vector<double> W(index(count)), dx(index(count)), r(index(extension_.num_rows())), factors, values;
-  std::vector<char> held(index(count), 0);
-  for (int k = 0; k < count; ++k) {
-    const auto [unknown, order] = columns[index(k)];
-    W[index(k)] = weight(columns[index(k)]);
-    held[index(k)] = is_held(columns[index(k)]) ? 1 : 0;
-    if (held[index(k)] != 0) jet.column(order)[unknown] = guess.column(order)[unknown];
+namespace {
+
+// All equations of the extension, linearized for changes that are least.
+class WholeStep {
+ public:
+  WholeStep(MinimalExtension& extension, std::vector<double> W, std::vector<char> held)
+      : extension_(extension),
+        equations_{extension.first(), extension.column(), extension.num_columns()},
+        W_(std::move(W)),
+        held_(std::move(held)),
+        dx_(W_.size()),
+        r_(index(extension.num_rows())) {
+    step_.analyze(equations_);
   }
+
+  // The change from the jet on: toward the guess, or, without one, least. False: singular. Throws Failure.
+  bool compute(const Jet& jet, const Jet* guess) {
+    CallbackError error = extension_.linearize(jet);
+    if (error.status == SFDAE_OK) error = extension_.residuals(jet, r_.data());
+    if (error.status != SFDAE_OK) error.raise();
+    values_ = extension_.values();
+    scale_rows(equations_.first, values_, factors_);
+    for (int i = 0; i < equations_.rows(); ++i) {
+      r_[index(i)] *= -factors_[index(i)];
+      for (int e = equations_.first[index(i)]; e < equations_.first[index(i + 1)]; ++e)
+        values_[index(e)] *= factors_[index(i)];
+    }
+    residual_ = largest_entry(r_);
+    if (!std::isfinite(residual_) || !step_.factor(equations_, values_, W_, held_)) return false;
+    for (std::size_t k = 0; k < dx_.size(); ++k) {
+      const auto [unknown, order] = extension_.columns()[k];
+      dx_[k] = guess != nullptr ? W_[k] * (guess->column(order)[unknown] - jet.column(order)[unknown]) : 0.0;
+    }
+    step_.solve(equations_, held_, dx_.data(), r_.data());
+    return true;
+  }
+  // Before the change, in units of the largest derivatives.
+  double residual() const { return residual_; }
+  Change apply(double part, const std::vector<double>& sizes, Jet& jet) const {
+    Change change;
+    for (std::size_t k = 0; k < dx_.size(); ++k) {
+      const auto [unknown, order] = extension_.columns()[k];
+      double& value = jet.column(order)[unknown];
+      value += part * dx_[k];
+      change.add(order, part * dx_[k], value, sizes[index(unknown)]);
+    }
+    return change;
+  }
+  // Of the squares of changes from the guess, weighted; of dx.
+  double sum(const Jet& guess, const Jet& jet) const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < dx_.size(); ++k) {
+      const auto [unknown, order] = extension_.columns()[k];
+      sum += W_[k] * std::pow(jet.column(order)[unknown] - guess.column(order)[unknown], 2);
+    }
+    return sum;
+  }
+  double sum_of_change() const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < dx_.size(); ++k) sum += W_[k] * dx_[k] * dx_[k];
+    return sum;
+  }
+
+ private:
+  MinimalExtension& extension_;
+  LeastChangeStep::Equations equations_;
+  LeastChangeStep step_;
+  std::vector<double> W_;
+  std::vector<char> held_;
+  std::vector<double> dx_, r_, factors_, values_;
+  double residual_ = 0.0;
+};
+
+// By changes that are least. False: the search does not come to an end.
+bool fulfil(WholeStep& step, const std::vector<double>& sizes, Jet& jet) {
   Progress progress;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    CallbackError error = extension_.linearize(jet);
-    if (error.status == SFDAE_OK) error = extension_.residuals(jet, r.data());
-    if (error.status != SFDAE_OK) error.raise();
-    values = extension_.values();
-    scale_rows(equations.first, values, factors);
-    for (int i = 0; i < equations.rows(); ++i) {
-      r[index(i)] *= -factors[index(i)];
-      for (int e = equations.first[index(i)]; e < equations.first[index(i + 1)]; ++e)
-        values[index(e)] *= factors[index(i)];
+    if (!step.compute(jet, nullptr)) return false;
+    const Change change = step.apply(1.0, sizes, jet);
+    if (!change.is_finite()) return false;
+    if (progress.has_ended(change, step.residual())) return true;
+  }
+  return false;
+}
+
+// Steps toward the guess, each as long as the sum of changes becomes smaller by it; from a jet that fulfils the equations.
+void approach(WholeStep& step, const Jet& guess, const std::vector<double>& sizes, Jet& jet) {
+  constexpr int most = 300;
+  constexpr double shortest = 1.0 / 1024.0;
+  for (int iteration = 0; iteration < most; ++iteration) {
+    const double sum = step.sum(guess, jet);
+    if (!step.compute(jet, &guess) || step.sum_of_change() <= settled * sum) return;
+    const WholeStep full = step;
+    bool is_nearer = false;
+    for (double part = 1.0; !is_nearer && part >= shortest; part *= 0.5) {
+      Jet next = jet;
+      is_nearer =
+          full.apply(part, sizes, next).is_finite() && fulfil(step, sizes, next) && step.sum(guess, next) < sum;
+      if (is_nearer) jet = std::move(next);
     }
-    if (!step.factor(equations, values, W, held)) {
-      if (request_.kind == InitialValues::fixed)
-        throw Failure(SFDAE_FIXED_VALUES,
-                      format("fixed components contradict the constraints at t = %.15g, or leave too "
-                             "few others to fulfil them.",
-                             jet.t));
-      fail(jet, "the equations are singular there.");
+    if (!is_nearer) return;
+  }
+}
+
+// The whole steps alone: fast, but where constraints are bent they may not come to an end.
+bool hurry(WholeStep& step, const Jet& guess, const std::vector<double>& sizes, Jet& jet) {
+  Progress progress;
+  for (int iteration = 0; iteration < few_iterations; ++iteration) {
+    if (!step.compute(jet, &guess)) return false;
+    const Change change = step.apply(1.0, sizes, jet);
+    if (!change.is_finite()) return false;
+    if (progress.has_ended(change, step.residual())) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
+  const std::vector<MinimalExtension::Column>& columns = extension_.columns();
+  std::vector<double> W(columns.size());
+  std::vector<char> held(columns.size(), 0);
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const auto [unknown, order] = columns[k];
+    W[k] = weight(columns[k]);
+    held[k] = is_held(columns[k]) ? 1 : 0;
+    if (held[k] != 0) jet.column(order)[unknown] = guess.column(order)[unknown];
+  }
+  WholeStep step(extension_, std::move(W), std::move(held));
+  if (!request_.is_weighted()) {
+    Jet quick = jet;
+    if (hurry(step, guess, sizes_, quick)) {
+      jet = std::move(quick);
+      return;
     }
-    for (int k = 0; k < count; ++k) {
-      const auto [unknown, order] = columns[index(k)];
-      dx[index(k)] = W[index(k)] * (guess.column(order)[unknown] - jet.column(order)[unknown]);
-    }
-    const double size_of_residual = largest_entry(r);
-    step.solve(equations, held, dx.data(), r.data());
-    Change change;
-    for (int k = 0; k < count; ++k) {
-      const auto [unknown, order] = columns[index(k)];
-      double& value = jet.column(order)[unknown];
-      value += dx[index(k)];
-      change.add(order, dx[index(k)], value, sizes_[index(unknown)]);
-    }
-    if (!change.is_finite()) break;
-    if (progress.has_ended(change, size_of_residual)) return;
+  }
+  if (fulfil(step, sizes_, jet)) {
+    approach(step, guess, sizes_, jet);
+    return;
   }
   if (request_.kind == InitialValues::fixed)
     throw Failure(

@@ -97,43 +97,49 @@ PointStatus ExtensionIteration::solve_step(const StepTask& task, ExtensionLinear
   return PointStatus::not_converged;
 }
 
-// r_ by slots; relative to x.
-double ExtensionIteration::apply_held(const std::vector<double>& scales, const ExtensionLinearization& linearization,
-                                      Jet& jet) {
+// r_ by slots.
+ExtensionIteration::Norms ExtensionIteration::apply_held(const std::vector<double>& scales,
+                                                         const ExtensionLinearization& linearization, Jet& jet) {
   const StateChoice& choice = linearization.choice();
-  double norm = 0.0;
+  Norms norms;
   for (int column = 0; column < extension_.num_columns(); ++column) {
     if (choice.is_held(column)) continue;
     const auto [unknown, order] = extension_.columns()[index(column)];
     const double dx = r_[index(choice.slot(column))];
     double& value = jet.column(order)[unknown];
     value += dx;
-    if (!std::isfinite(value)) return value;
+    double& norm = order == 0 ? norms.of_x : norms.of_derivatives;
+    if (!std::isfinite(value)) norms.of_x = value;
     const double scale = order == 0 ? std::max(std::fabs(value), scales[index(unknown)]) : std::fabs(value);
     const double excess = above_noise(dx, linearization.noise()[index(column)]);
     if (excess > 0.0) norm = std::max(norm, scale > 0.0 ? excess / scale : 1.0);
   }
-  return norm;
+  return norms;
 }
 
 PointStatus ExtensionIteration::solve_held(ExtensionLinearization& linearization, const std::vector<double>& scales,
                                            Jet& jet) {
-  // Until changes stop becoming smaller; after the first ones at some hundred roundings of the unknowns, or where
-  // derivatives of high order lose more.
-  constexpr double negligible = 4.0 * unit_roundoff, small = 1e-10;
+  // Until changes stop becoming smaller, after the first ones at some hundred roundings of x; derivatives of high order may
+  // lose more.
+  constexpr double negligible = 4.0 * unit_roundoff, small = 1e-13, small_derivatives = 1e-8;
   r_.resize(index(extension_.num_rows()) + 1);
-  double before = 0.0, earlier = 0.0;
+  Norms before, earlier;
   for (int iteration = 0; iteration < most_iterations_held; ++iteration) {
     const PointStatus status = evaluate(jet, r_.data());
     if (status != PointStatus::ok) return status;
     linearization.solve_held(r_.data());
-    const double norm = apply_held(scales, linearization, jet);
-    if (!std::isfinite(norm)) return PointStatus::not_converged;
-    if (norm <= negligible || (iteration > 1 && norm <= small && norm > 0.5 * before)) return PointStatus::ok;
+    const Norms norms = apply_held(scales, linearization, jet);
+    if (!std::isfinite(norms.of_x) || !std::isfinite(norms.of_derivatives)) return PointStatus::not_converged;
+    const bool is_x_there =
+        norms.of_x <= negligible || (iteration > 1 && norms.of_x <= small && norms.of_x > 0.5 * before.of_x);
+    const bool are_derivatives_there =
+        norms.of_derivatives <= small || (iteration > 1 && norms.of_derivatives > 0.5 * before.of_derivatives);
+    if (is_x_there && (norms.of_derivatives <= small_derivatives || are_derivatives_there)) return PointStatus::ok;
     // What one iteration gains the next may lose in part: linearizations are from elsewhere.
-    if (ChordIteration::is_too_slow(iteration, norm, std::max(before, earlier))) return PointStatus::not_converged;
+    if (ChordIteration::is_too_slow(iteration, norms.of_x, std::max(before.of_x, earlier.of_x)) && norms.of_x > small)
+      return PointStatus::not_converged;
     earlier = before;
-    before = norm;
+    before = norms;
   }
   return PointStatus::not_converged;
 }

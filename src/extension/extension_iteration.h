@@ -50,7 +50,11 @@ class ExtensionIteration {
 
  private:
   bool prepare_matrix(double c, ExtensionLinearization& linearization);
-  double apply_held(const std::vector<double>& scales, const ExtensionLinearization& linearization, Jet& jet);
+  // Of x, and of its derivatives; relative.
+  struct Norms {
+    double of_x = 0.0, of_derivatives = 0.0;
+  };
+  Norms apply_held(const std::vector<double>& scales, const ExtensionLinearization& linearization, Jet& jet);
 
   MinimalExtension& extension_;
   CallbackError& callback_error_;

@@ -141,6 +141,12 @@ bool ExtensionLinearization::factor_stages(const StageMethod& method, double h) 
   return true;
 }
 
+bool ExtensionLinearization::archive_matrices(Archive& archive) {
+  bool is_factored = step_.archive(archive, extension_, choice_);
+  for (auto& pair : pairs_) is_factored = pair.archive(archive, extension_, choice_) && is_factored;
+  return is_factored;
+}
+
 void ExtensionLinearization::subtract_states(const double* changes, double* r) const {
   const std::vector<int>& first = extension_.first();
   for (int row = 0; row < extension_.num_rows(); ++row)

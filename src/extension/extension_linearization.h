@@ -31,6 +31,8 @@ class ExtensionLinearization {
   bool is_usable() const { return is_usable_; }
   const Jet& origin() const { return origin_; }
   const StateChoice& choice() const { return choice_; }
+  // Reading: after restore(), the factored matrices. False: they cannot have been.
+  bool archive_matrices(Archive& archive);
   // How often states were chosen.
   long choices() const { return choices_; }
   // What the choice of states depends on besides the point.

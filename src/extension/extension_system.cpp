@@ -333,12 +333,10 @@ DifferentiatedChange ExtensionSystem::change_of_differentiated(const double* dx,
 
 void ExtensionSystem::archive(Archive& archive) {
   CharacteristicValues& values = analysis_.values;
-  bool is_usable = linearization_.is_usable(), has_matrix = linearization_.has_step_matrix();
-  archive.small(values.mu, values.d, values.a, unjudged_, is_usable, has_matrix);
+  bool is_usable = linearization_.is_usable();
+  archive.small(values.mu, values.d, values.a, unjudged_, is_usable);
   archive.real(analysis_.t);
   iteration_.chord().archive_rate(archive);
-  double c = has_matrix ? linearization_.c() : 0.0;
-  archive.real(c);
   linearization_.archive_choice(archive);
   archive.reals(scales_, index(unknowns()));
   history_.archive(archive);
@@ -349,7 +347,10 @@ void ExtensionSystem::archive(Archive& archive) {
   std::vector<int> states = linearization_.choice().states();
   states.resize(index(differential()));
   archive.small(states.data(), states.size());
-  if (!archive.is_reading()) return;
+  if (!archive.is_reading()) {
+    linearization_.archive_matrices(archive);
+    return;
+  }
   if (values.d != differential() || values.a != unknowns() - values.d) throw DamagedArchive();
   values.u = values.v = 0;
   analysis_.rank_E = values.d;
@@ -360,7 +361,7 @@ void ExtensionSystem::archive(Archive& archive) {
   if (certify(jet_) != PointStatus::ok) throw DamagedArchive();
   unjudged_ = unjudged;
   if (linearization_.restore(origin, states, callback_error_) != PointStatus::ok) throw DamagedArchive();
-  if (has_matrix && !linearization_.factor_step(c)) throw DamagedArchive();
+  if (!linearization_.archive_matrices(archive)) throw DamagedArchive();
   if (!is_usable) linearization_.forget();
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "extension/minimal_extension.h"
+#include "linalg/archive.h"
 #include "linalg/sparse_lu.h"
 
 namespace sfdae::core {
@@ -67,26 +68,45 @@ class StateMatrix {
     lu_.analyze(choice.pattern());
     forget();
   }
-  void forget() { epsilon_.reset(); }
+  // As after set_choice(): what comes depends on nothing before.
+  void forget() {
+    epsilon_.reset();
+    lu_.forget_pivots();
+  }
   bool is_valid() const { return epsilon_.has_value(); }
   Number epsilon() const { return *epsilon_; }
   bool is_for(Number epsilon) const { return epsilon_ == epsilon; }
   // False: singular.
   bool factor(const MinimalExtension& extension, const StateChoice& choice, Number epsilon) {
-    forget();
+    epsilon_.reset();
     choice.assemble(extension, epsilon, values_);
     if (!lu_.factor(values_.data())) return false;
+    if (lu_.has_new_pivots()) epsilon_of_pivots_ = epsilon;
     epsilon_ = epsilon;
     return true;
+  }
+  // Reading: of the same values and choice. False: singular.
+  bool archive(Archive& archive, const MinimalExtension& extension, const StateChoice& choice) {
+    bool is_factored = is_valid();
+    archive.small(is_factored);
+    if (!is_factored) return true;
+    Number pivots = epsilon_of_pivots_, now = epsilon_.value_or(Number(0));
+    archive.reals(parts(pivots), sizeof(Number) / sizeof(double));
+    archive.reals(parts(now), sizeof(Number) / sizeof(double));
+    return !archive.is_reading() ||
+           (factor(extension, choice, pivots) && (now == pivots || factor(extension, choice, now)));
   }
   void solve(Number* b, int count = 1) { lu_.solve(b, count); }
   double reciprocal_condition() { return lu_.reciprocal_condition(); }
   std::size_t fill() const { return lu_.fill(); }
 
  private:
+  static double* parts(Number& number) { return reinterpret_cast<double*>(&number); }
+
   SparseLu<Number> lu_;
   std::vector<Number> values_;
   std::optional<Number> epsilon_;
+  Number epsilon_of_pivots_{};
 };
 
 }  // namespace sfdae::core

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Systems by their minimal extension: what is known of them, whatever their size, or a failure with a name.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "family_run.h"
+#include "nonlinear_examples.h"
+#include "nonlinear_run.h"
+#include "sparse_system.h"
+
+namespace sfdae_test {
+
+namespace {
+
+NonlinearEquations equations_of(const SparseSystem& system) {
+  return sfdae_test::equations_of(
+      system.n(), system.n(),
+      [&system](const auto& t, const auto* x, const auto* xdot, auto* F) { system.residual(t, x, xdot, F); });
+}
+
+sfdae_options required(int method = SFDAE_METHOD_BDF) {
+  sfdae_options options = options_with(1e-6, method);
+  options.structure = SFDAE_STRUCTURE_REQUIRED;
+  return options;
+}
+
+double error_in_tolerances(const std::vector<double>& x, const std::vector<double>& exact) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    largest = std::max(largest, std::fabs(x[i] - exact[i]) / (1e-6 * std::fabs(exact[i]) + 1e-6));
+  return largest;
+}
+
+void pendulum_equations(sfdae_record*, const Expression&, const Expression* x, const Expression* xdot,
+                        Expression* F) {
+  F[0] = xdot[0] - x[2];
+  F[1] = xdot[1] - x[3];
+  F[2] = xdot[2] + x[0] * x[4];
+  F[3] = xdot[3] + x[1] * x[4] + 9.81;
+  F[4] = x[0] * x[0] + x[1] * x[1] - 1.0;
+}
+
+bool is_known(int status) { return status == SFDAE_OK || status == SFDAE_VALUES_CHANGED; }
+
+}  // namespace
+
+TEST(Extension, FindsTheValuesOrNamesWhatItCannotConfirm) {
+  const int count = scaled_count(3000);
+  int confirmed = 0;
+  for (int trial = 0; trial < count; ++trial) {
+    SCOPED_TRACE(trial);
+    const SparseSystem system(static_cast<unsigned>(trial + 1), trial % 2 == 1);
+    NonlinearRun run(equations_of(system), required());
+    const int status = run.analyze(0.2, 1.0, system.exact(0.2));
+    if (status == SFDAE_OK) {
+      EXPECT_EQ(run.values(), system.values());
+      ++confirmed;
+    } else {
+      EXPECT_TRUE(status == SFDAE_RANK_UNCLEAR || status == SFDAE_NO_CONSISTENT_VALUES) << run.message();
+      EXPECT_NE(run.message(), "");
+    }
+  }
+  EXPECT_GT(confirmed, count / 4);
+}
+
+TEST(Extension, ItsIntegrationsAreAccurate) {
+  const int count = scaled_count(600);
+  int integrated = 0;
+  for (int trial = 0; trial < count; ++trial) {
+    SCOPED_TRACE(trial);
+    const SparseSystem system(static_cast<unsigned>(trial + 70001), trial % 2 == 1);
+    for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+      NonlinearRun run(equations_of(system), required(method));
+      if (!is_known(run.integrate(0.2, 1.5, system.exact(0.2)))) continue;
+      ++integrated;
+      EXPECT_LT(error_in_tolerances(run.x, system.exact(1.5)), 10.0) << method;
+    }
+  }
+  EXPECT_GT(integrated, count / 2);
+}
+
+TEST(Extension, KeepsConstraintsAndEnergyOfAPendulum) {
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    NonlinearRun run({5, 5, pendulum_equations}, required(method));
+    ASSERT_TRUE(is_known(run.integrate(0.0, 10.0, {0.6, -0.8, 0.0, 0.0, 0.0}))) << run.message();
+    EXPECT_EQ(run.values(), (CharacteristicValues{2, 2, 3, 0, 0}));
+    const std::vector<double>& x = run.x;
+    EXPECT_NEAR(x[0] * x[0] + x[1] * x[1], 1.0, 1e-11);
+    EXPECT_NEAR(x[0] * x[2] + x[1] * x[3], 0.0, 1e-12);
+    EXPECT_NEAR(x[4], x[2] * x[2] + x[3] * x[3] - 9.81 * x[1], 1e-10);
+    EXPECT_NEAR(0.5 * (x[2] * x[2] + x[3] * x[3]) + 9.81 * x[1], -9.81 * 0.8, 1e-3);
+  }
+}
+
+// Every state there is takes its turn: the pendulum goes around.
+TEST(Extension, ChoosesOtherStatesOnItsWay) {
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    NonlinearRun run({5, 5, pendulum_equations}, required(method));
+    ASSERT_TRUE(is_known(run.integrate(0.0, 5.0, {0.0, -1.0, 8.0, 0.0, 0.0}))) << run.message();
+    const std::vector<double>& x = run.x;
+    EXPECT_NEAR(x[0] * x[0] + x[1] * x[1], 1.0, 1e-12);
+    EXPECT_NEAR(0.5 * (x[2] * x[2] + x[3] * x[3]) + 9.81 * x[1], 32.0 - 9.81, 2e-3);
+  }
+}
+
+TEST(Extension, GoesOnFromCheckpointsInEveryBit) {
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    NonlinearRun first({5, 5, pendulum_equations}, required(method)),
+        second({5, 5, pendulum_equations}, required(method));
+    ASSERT_GE(first.integrate(0.0, 0.5, {0.6, -0.8, 0.0, 0.0, 0.0}), 0);
+    std::size_t length = 0;
+    ASSERT_EQ(sfdae_get_checkpoint_length(first.solver(), &length), SFDAE_OK);
+    std::vector<double> checkpoint(length);
+    ASSERT_EQ(sfdae_save_checkpoint(first.solver(), checkpoint.data(), length), SFDAE_OK);
+    ASSERT_EQ(sfdae_restore_checkpoint(second.solver(), checkpoint.data(), length), SFDAE_OK) << second.message();
+    second.x.resize(5);
+    ASSERT_GE(first.advance(3.0), 0);
+    ASSERT_GE(second.advance(3.0), 0) << second.message();
+    EXPECT_EQ(std::memcmp(first.x.data(), second.x.data(), 5 * sizeof(double)), 0);
+  }
+}
+
+TEST(Extension, StartsAsAsked) {
+  const std::vector<double> off = {0.62, -0.8, 0.1, 0.0, 0.0};
+  sfdae_options options = required();
+  int fixed[] = {1, 0, 1, 0, 0};
+  options.initial_values = SFDAE_INITIAL_FIXED;
+  options.fixed = fixed;
+  NonlinearRun held({5, 5, pendulum_equations}, options);
+  ASSERT_TRUE(is_known(held.start(0.0, 1.0, off))) << held.message();
+  EXPECT_EQ(held.x[0], 0.62);
+  EXPECT_EQ(held.x[2], 0.1);
+  EXPECT_NEAR(held.x[1], -std::sqrt(1.0 - 0.62 * 0.62), 1e-13);
+  EXPECT_NEAR(held.x[3], -0.62 * 0.1 / held.x[1], 1e-13);
+  int impossible[] = {1, 1, 0, 0, 0};
+  options.fixed = impossible;
+  NonlinearRun too_many({5, 5, pendulum_equations}, options);
+  const int status = too_many.start(0.0, 1.0, off);
+  EXPECT_TRUE(status == SFDAE_FIXED_VALUES || status == SFDAE_NO_CONSISTENT_VALUES) << status;
+  sfdae_options accept = required();
+  accept.initial_values = SFDAE_INITIAL_ACCEPT;
+  NonlinearRun accepted({5, 5, pendulum_equations}, accept);
+  EXPECT_EQ(accepted.start(0.0, 1.0, off), SFDAE_INCONSISTENT_VALUES);
+  // The nearest point of the circle, if all changes count.
+  sfdae_options weighted = required();
+  double weights[] = {1.0, 1.0, 1e-6, 1e-6, 1e-6};
+  weighted.initial_weights = weights;
+  NonlinearRun nearest({5, 5, pendulum_equations}, weighted);
+  ASSERT_TRUE(is_known(nearest.start(0.0, 1.0, off))) << nearest.message();
+  const double length = std::hypot(0.62, 0.8);
+  EXPECT_NEAR(nearest.x[0], 0.62 / length, 1e-6);
+  EXPECT_NEAR(nearest.x[1], -0.8 / length, 1e-6);
+}
+
+TEST(Extension, IsNotForProblemsWithoutStructure) {
+  sfdae_options options = required();
+  sfdae_linear_problem linear;
+  sfdae_linear_problem_init(&linear, sizeof linear);
+  linear.num_equations = linear.num_unknowns = 1;
+  const auto one = [](double, int order, double* matrix, void*) {
+    matrix[0] = order == 0 ? 1.0 : 0.0;
+    return 0;
+  };
+  linear.E = linear.A = linear.f = one;
+  sfdae_solver* solver = nullptr;
+  EXPECT_EQ(sfdae_create_linear(&solver, &linear, &options), SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(solver, nullptr);
+  options.structure = SFDAE_STRUCTURE_AUTOMATIC;
+  ASSERT_EQ(sfdae_create_linear(&solver, &linear, &options), SFDAE_OK);
+  options.structure = SFDAE_STRUCTURE_REQUIRED;
+  EXPECT_EQ(sfdae_set_options(solver, &options), SFDAE_ILLEGAL_ARGUMENT);
+  sfdae_destroy(&solver);
+  // Two equations for x0, none for x1.
+  NonlinearRun missing(
+      {2, 2,
+       [](sfdae_record*, const Expression&, const Expression* x, const Expression* xdot, Expression* F) {
+         F[0] = xdot[0] + x[0] * x[0];
+         F[1] = x[0] * x[0] - 1.0;
+       }},
+      options);
+  EXPECT_EQ(missing.analyze(0.0, 1.0, {1.0, 0.0}), SFDAE_RANK_UNCLEAR);
+}
+
+}  // namespace sfdae_test
