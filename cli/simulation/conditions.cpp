@@ -45,7 +45,7 @@ void simplify(const Formulas& formulas, const std::vector<int>& number_of, Condi
   std::erase_if(coefficients, [](const auto& entry) { return entry.second == 0.0; });
   if (coefficients.size() != 1) return;
   const auto [variable, coefficient] = *coefficients.begin();
-  const double value = -constant / coefficient;
+  const double value = 0.0 - constant / coefficient;  // never -0
   if (at(variable) >= number_of.size() || number_of[at(variable)] < 0 || !std::isfinite(value)) return;
   condition.unknown = number_of[at(variable)];
   condition.value = value;

@@ -38,7 +38,7 @@ void Output::add(Values& values) {
   discrete_.complete(values);
   Trajectory& trajectory = result_.trajectory;
   trajectory.t.push_back(values.t);
-  for (int v : columns_) trajectory.values.push_back(values.variable[at(v)]);
+  for (int v : columns_) trajectory.values.push_back(values.variable[at(v)] + 0.0);  // -0 becomes 0
   check_bounds(values);
 }
 

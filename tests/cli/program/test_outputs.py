@@ -23,6 +23,17 @@ def test_numbers_read_back_exactly(tmp_path):
         assert variable["values"] == solution[variable["name"]]
 
 
+def test_zero_has_no_sign(tmp_path):
+    path = model(tmp_path, """    Real 'x'(start = 0.0, fixed = true);
+    Real 'y';
+    Real 'v'(start = 0.0);
+  initial equation
+    'v' = 0.0;""", "    'y' = -'x';\n    der('x') = 0.0 * time;\n    der('v') = 1.0;")
+    names, rows = table(run("solve", path, "--outputs", "2").stdout)
+    assert names == ["time", "x", "y", "v"]
+    assert rows[0] == ["0"] * 4 and [row[1:3] for row in rows] == [["0", "0"]] * 3
+
+
 def test_outputs_are_equidistant():
     time = columns(run("solve", PENDULUM, "--from", "1", "--to", "3", "--outputs", "8").stdout)["time"]
     assert time == pytest.approx([1 + k / 4 for k in range(9)], abs=1e-12)
