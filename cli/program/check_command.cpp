@@ -6,6 +6,7 @@
 #include "program/commands.h"
 #include "program/interruption.h"
 #include "program/names.h"
+#include "program/numbers.h"
 #include "program/output_file.h"
 #include "program/presentation.h"
 #include "program/run.h"
@@ -14,10 +15,6 @@
 namespace sfdae::cli {
 
 namespace {
-
-std::string counted(std::size_t count, const std::string& one, const std::string& many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
 
 std::string kind_of(const Variable& variable) {
   if (variable.is_input) return "input";
@@ -60,21 +57,13 @@ std::string names_text(const FlatModel& model) {
 
 // Where numbers cancel, tools that go by the pattern of the equations reduce the index wrongly.
 std::string structure_text(const FlatModel& model, const Result& result) {
-  const Characteristics& values = result.characteristics;
-  const std::optional<int> structural = structural_index(model);
-  if (!structural || result.outcome != Outcome::solved || values.undetermined > 0 || values.redundant > 0) return "";
-  const int index = values.algebraic > 0 ? values.strangeness_index + 1 : 0;
-  if (*structural >= index) return "";
+  const std::optional<int> structural = structural_index(model), index = differentiation_index(result);
+  if (!structural || !index || result.outcome != Outcome::solved) return "";
+  if (*structural > *index && result.num_replaced_states > 0)
+    return "  By their pattern the equations as they stand have index " + std::to_string(*structural) + ".\n";
+  if (*structural >= *index) return "";
   return "  The pattern of the equations alone says index " + std::to_string(*structural) +
          ", which is too low: here numbers cancel, and tools that go by the pattern go wrong.\n";
-}
-
-std::string verdict_text(const Result& result) {
-  std::string text;
-  for (const std::string& sentence : index_in_words(result)) text += "  " + sentence + "\n";
-  const std::string safety = safety_in_words(result);
-  if (!safety.empty()) text += "  " + safety + "\n";
-  return text;
 }
 
 }  // namespace
@@ -94,7 +83,7 @@ int check_command(const Arguments& arguments) {
   print_reason(model, result);
   if (!arguments.is_quiet && arguments.json != "-")
     write_to_standard_output(counts_text(model) + (arguments.lists_names ? names_text(model) : std::string()) +
-                             verdict_text(result) + structure_text(model, result));
+                             index_text(result) + structure_text(model, result));
   return exit_code_of(result.outcome);
 }
 

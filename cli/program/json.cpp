@@ -13,17 +13,17 @@ Json index_json(const Result& result) {
   const Characteristics& values = result.characteristics;
   const std::vector<std::string> words = index_in_words(result);
   if (words.empty()) return nullptr;
-  const bool is_regular = values.undetermined == 0 && values.redundant == 0;
   Json json{{"strangeness_index", values.strangeness_index},
             {"differentiation_index", nullptr},
             {"differential", values.differential},
             {"algebraic", values.algebraic},
             {"undetermined", values.undetermined},
             {"redundant", values.redundant},
+            {"replaced_states", result.num_replaced_states},
             {"smallest_gap", values.smallest_gap},
             {"words", words},
             {"safety", safety_in_words(result)}};
-  if (is_regular) json["differentiation_index"] = values.algebraic > 0 ? values.strangeness_index + 1 : 0;
+  if (const std::optional<int> index = differentiation_index(result)) json["differentiation_index"] = *index;
   return json;
 }
 

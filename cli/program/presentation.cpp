@@ -10,13 +10,13 @@ namespace sfdae::cli {
 
 namespace {
 
-std::string counted(int count, const std::string& one, const std::string& many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
+// What is found by substitution follows from constraints, too.
+bool has_constraints(const Result& result) { return result.characteristics.algebraic + result.num_eliminated > 0; }
 
 // What has to be differentiated until no constraint is hidden any more.
-std::string meaning_of_index(const Characteristics& values) {
-  if (values.algebraic == 0) return "These are ordinary differential equations: there are no constraints.";
+std::string meaning_of_index(const Result& result) {
+  const Characteristics& values = result.characteristics;
+  if (!has_constraints(result)) return "These are ordinary differential equations: there are no constraints.";
   if (values.strangeness_index == 0) return "No constraint is hidden: the algebraic unknowns follow from the others.";
   const std::string order = values.strangeness_index == 1   ? "once"
                             : values.strangeness_index == 2 ? "twice"
@@ -29,11 +29,17 @@ std::string counts_in_words(const Result& result) {
   const Characteristics& values = result.characteristics;
   std::string text = "Of " + counted(result.num_unknowns, "unknown", "unknowns");
   if (result.num_eliminated > 0)
-    text += " (" + std::to_string(result.num_eliminated) + " more are found by substitution)";
+    text += " (" + counted(result.num_eliminated, "more is", "more are") + " found by substitution)";
   const std::string free = values.differential == 0 ? "none" : std::to_string(values.differential);
   if (values.algebraic == 0) return text + ", " + free + " can have any initial value.";
   return text + ", " + free + " can have any initial value; " +
          (values.algebraic == 1 ? "1 follows" : std::to_string(values.algebraic) + " follow") + " from constraints.";
+}
+
+std::string replaced_in_words(const Result& result) {
+  return counted(result.num_replaced_states, "differentiated unknown has", "differentiated unknowns have") +
+         " been replaced by what others give for " + (result.num_replaced_states == 1 ? "it" : "them") +
+         ": as they stand, the equations may have a higher index.";
 }
 
 }  // namespace
@@ -67,16 +73,24 @@ std::vector<ParameterValue> parameter_values(const Presentation& presentation) {
   return result;
 }
 
+std::optional<int> differentiation_index(const Result& result) {
+  const Characteristics& values = result.characteristics;
+  if (values.undetermined > 0 || values.redundant > 0) return std::nullopt;
+  return has_constraints(result) ? values.strangeness_index + 1 : 0;
+}
+
 std::vector<std::string> index_in_words(const Result& result) {
   const Characteristics& values = result.characteristics;
+  if (result.num_unknowns == 0 && result.outcome == Outcome::solved)
+    return {"No differential equations are left: everything is found by substitution or at events."};
   if (values.differential + values.algebraic + values.undetermined == 0) return {};
-  const bool is_regular = values.undetermined == 0 && values.redundant == 0;
-  const std::string strangeness = "strangeness index " + std::to_string(values.strangeness_index);
-  const int index = values.algebraic > 0 ? values.strangeness_index + 1 : 0;
+  const std::string strangeness = "trangeness index " + std::to_string(values.strangeness_index);
+  const std::optional<int> index = differentiation_index(result);
   std::vector<std::string> sentences;
-  sentences.push_back(is_regular ? "Index " + std::to_string(index) + " (" + strangeness + ")."
-                                 : "S" + strangeness.substr(1) + ".");
-  sentences.push_back(meaning_of_index(values));
+  sentences.push_back(index ? "Index " + std::to_string(*index) + " (s" + strangeness + ")."
+                            : "S" + strangeness + ".");
+  if (result.num_replaced_states > 0) sentences.push_back(replaced_in_words(result));
+  sentences.push_back(meaning_of_index(result));
   sentences.push_back(counts_in_words(result));
   if (values.undetermined > 0)
     sentences.push_back(counted(values.undetermined, "component", "components") +

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,11 +30,18 @@ std::vector<ParameterValue> parameter_values(const Presentation& presentation);
 // "solved", "not started", ...
 std::string name_of(Outcome outcome);
 
+// The differentiation index of the model, unless states have been replaced; none where the equations leave something
+// undetermined or follow from others.
+std::optional<int> differentiation_index(const Result& result);
+
 // What the index means here, in sentences; none if it was not determined.
 std::vector<std::string> index_in_words(const Result& result);
 
 // How safe the rank decisions are, in a sentence; "" without decisions.
 std::string safety_in_words(const Result& result);
+
+// Both, as lines.
+std::string index_text(const Result& result);
 
 // "stage", "constraints", ...: what a decision was about, in a word.
 std::string subject_of(const Decision& decision);

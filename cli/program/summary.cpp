@@ -17,6 +17,8 @@ std::string padded(const std::string& text, std::size_t width) {
 
 using Row = std::vector<std::string>;
 
+std::string after_empty_line(const std::string& text) { return text.empty() ? "" : "\n" + text; }
+
 }  // namespace
 
 std::string aligned(const std::vector<std::vector<std::string>>& rows) {
@@ -56,24 +58,22 @@ std::string values_text(const Trajectory& trajectory) {
   return text;
 }
 
-std::string index_text(const Result& result) {
-  std::string text, line;
-  for (const std::string& sentence : index_in_words(result)) text += "  " + sentence + "\n";
-  line = safety_in_words(result);
-  if (!line.empty()) text += "  " + line + "\n";
-  return text.empty() ? "" : "\n" + text;
-}
-
 }  // namespace
+
+std::string index_text(const Result& result) {
+  std::string text;
+  for (const std::string& sentence : index_in_words(result)) text += "  " + sentence + "\n";
+  const std::string safety = safety_in_words(result);
+  return safety.empty() ? text : text + "  " + safety + "\n";
+}
 
 std::string headline(const Presentation& presentation) {
   const Result& result = presentation.result;
   const std::vector<double>& t = result.trajectory.t;
   std::string text = presentation.model.name + ": " + name_of(result.outcome);
   if (t.size() > 1) text += " from " + short_text(t.front()) + " to " + short_text(t.back()) + " s";
-  if (result.statistics.steps > 0) text += ", " + std::to_string(result.statistics.steps) + " steps";
-  if (!result.events.empty())
-    text += ", " + std::to_string(result.events.size()) + (result.events.size() == 1 ? " event" : " events");
+  if (result.statistics.steps > 0) text += ", " + counted(result.statistics.steps, "step", "steps");
+  if (!result.events.empty()) text += ", " + counted(result.events.size(), "event", "events");
   return text;
 }
 
@@ -82,15 +82,14 @@ std::string summary_text(const Presentation& presentation) {
   // What a model says that ends itself; why something failed goes to standard error.
   if (presentation.result.outcome == Outcome::solved && !presentation.result.message.empty())
     text += "  " + presentation.result.message + "\n";
-  return text + index_text(presentation.result) + values_text(presentation.trajectory);
+  return text + after_empty_line(index_text(presentation.result)) + values_text(presentation.trajectory);
 }
 
 std::string analysis_text(const Presentation& presentation) {
   const Result& result = presentation.result;
   std::string text = presentation.model.name + ": " +
                      (result.outcome == Outcome::solved ? std::string("analyzed") : name_of(result.outcome)) + "\n" +
-                     index_text(result);
-  if (!result.report.empty()) text += "\n" + result.report;
+                     after_empty_line(index_text(result)) + after_empty_line(result.report);
   return text + values_text(presentation.trajectory);
 }
 

@@ -148,7 +148,9 @@ std::shared_ptr<Mode> Modes::recorded(const Values& values) const {
   for (const Residual& residual : system_.residuals)
     problem.equation_names.push_back(place(system_.model, residual.at));
   problem.equation_names.resize(static_cast<std::size_t>(problem.num_equations));
-  return std::make_shared<Mode>(std::move(problem), options_);
+  const auto mode = std::make_shared<Mode>(std::move(problem), options_);
+  mode->has_dummy = has_dummy;
+  return mode;
 }
 
 }  // namespace sfdae::cli

@@ -22,6 +22,7 @@ struct Mode : std::enable_shared_from_this<Mode> {
   sfdae::Solver solver;
   sfdae::Options options;          // in use
   std::vector<double> parameters;  // values in use
+  bool has_dummy = false;          // the only unknown is none of the system, which has none
 
   // Makes the point consistent, components with a flag stay. What LibraryCalls::attempt expects.
   int make_consistent(sfdae::Point& point, const std::vector<int>& fixed);

@@ -185,6 +185,7 @@ class Preparation {
     std::vector<ExplicitState> states;
     if (std::count(used.begin(), used.end(), 0) > reduce_above_ + static_cast<std::ptrdiff_t>(definitions.size())) {
       states = eliminate_states({system_, residuals_, used, aliases, ranks, is_state_outside_});
+      system_.num_replaced_states += static_cast<int>(states.size());
       definitions = find_definitions(system_, residuals_, aliases, used);
     }
     substitute(aliases, states, definitions);
@@ -216,7 +217,10 @@ class Preparation {
     for (int v = 0; v < num_variables(); ++v) {
       const Alias alias = determined_[at(v)] == Determined::continuously ? aliases.find(v) : Alias{v, 1.0, 0.0};
       system_.aliases[at(v)] = alias;
-      if (alias.root < 0 || alias.root == v) continue;
+      if (alias.root == v) continue;
+      if (system_.is_state[at(v)] != 0 && (alias.root < 0 || system_.is_state[at(alias.root)] != 0))
+        ++system_.num_replaced_states;
+      if (alias.root < 0) continue;
       const std::size_t root = at(alias.root);
       if (system_.is_state[at(v)] != 0) system_.is_state[root] = 1;
       if (is_state_outside_[at(v)] != 0) is_state_outside_[root] = 1;

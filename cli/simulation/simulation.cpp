@@ -63,15 +63,16 @@ std::vector<int> with_free(const System& system) {
   return unknowns;
 }
 
-// What the library found out about the mode it worked on last.
+// What the library found out about the mode it worked on last, where that is about the model.
 void describe(const LibraryCalls& calls, Result& result) {
-  if (!calls.last_mode()) return;
+  if (!calls.last_mode() || calls.last_mode()->has_dummy) return;
   const sfdae::Solver& solver = calls.last_mode()->solver;
   try {
     result.report = calls.translated(solver.report());
     result.decisions = solver.decisions();
     result.characteristics = solver.characteristics();
-  } catch (const sfdae::Error&) {  // no analysis
+    result.characteristics.differential -= solver.num_unknowns() - result.num_unknowns;  // free parameters
+  } catch (const sfdae::Error&) {                                                        // no analysis
   }
 }
 
@@ -82,6 +83,7 @@ void run(const FlatModel& model, const Settings& settings, bool only_analysis, R
     if (parameters.is_known(v)) result.parameters[model.variables[at(v)].name] = parameters.value(v);
   result.num_unknowns = static_cast<int>(system->unknowns.size());
   result.num_eliminated = system->num_eliminated;
+  result.num_replaced_states = system->num_replaced_states;
   const std::vector<int> all_unknowns = with_free(*system);
   Modes modes(*system,
               options_of(*system, settings, system->unknowns.empty() ? std::vector<int>{-1} : system->unknowns),

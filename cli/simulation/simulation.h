@@ -60,6 +60,7 @@ struct Result {
   std::string message;    // why it is not solved; what terminate() says
   std::vector<std::string> warnings;
   int num_unknowns = 0, num_eliminated = 0;  // of the system solved; unknowns found by substitution
+  int num_replaced_states = 0;  // of the latter, those whose derivatives occur: without them the index may be lower
   Characteristics characteristics{};
   std::vector<Decision> decisions;
   std::string report;       // the library's own, names for numbers where it names unknowns and equations

@@ -94,9 +94,10 @@ struct System {
   std::vector<InitialCondition> initial_conditions;
   std::vector<Formula> when_conditions;  // one for each virtual variable after those of the model
   int num_eliminated = 0;
-  std::vector<double> nominal;    // of every variable
-  std::vector<char> has_start;    // of every variable: the model gives a start value
-  std::vector<double> start;      // of every variable, 0 if it has none; roots know those of their aliases
+  int num_replaced_states = 0;  // differentiated variables of the model that others stand for; this lowers the index
+  std::vector<double> nominal;  // of every variable
+  std::vector<char> has_start;  // of every variable: the model gives a start value
+  std::vector<double> start;    // of every variable, 0 if it has none; roots know those of their aliases
   std::vector<double> own_start;  // of every variable, its own
   std::vector<Formula> own_start_formulas;
   std::vector<char> is_state;  // of every variable: its derivative occurs

@@ -7,6 +7,7 @@ import subprocess
 
 PROGRAM = os.environ["SFDAE_PROGRAM"]
 MODELS = os.environ["SFDAE_MODELS"]
+EXPORTS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "models")
 PENDULUM = os.path.join(MODELS, "pendulum.mo")
 
 

@@ -6,7 +6,7 @@ import os
 
 import pytest
 from known_values import KNOWN
-from program import MODELS, columns, run
+from program import EXPORTS, MODELS, columns, run
 
 
 def test_every_model_has_known_values():
@@ -86,5 +86,4 @@ def test_both_methods_solve_the_pendulum(method):
 
 def test_check_visits_shared_parts_of_formulas_once():
     """Newton's method in a function: 2^30 paths lead through its formulas; a walk along all of them never ends."""
-    models = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "models")
-    assert run("check", os.path.join(models, "water_functions.bmo")).returncode == 0
+    assert run("check", os.path.join(EXPORTS, "water_functions.bmo")).returncode == 0

@@ -5,7 +5,7 @@ import math
 import os
 
 import pytest
-from program import MODELS, PENDULUM, columns, model, run, table
+from program import EXPORTS, MODELS, PENDULUM, columns, model, run, table
 
 
 def test_csv_to_a_pipe_has_all_variables_over_time():
@@ -126,3 +126,31 @@ def test_check_compares_with_the_pattern_of_equations():
     assert "Index 2 (strangeness index 1)." in text and "The pattern of the equations alone says index 1" in text
     for name in ("pendulum", "crane", "servo_chain", "squeezer", "rlc_ladder", "two_capacitors", "transistor_amplifier"):
         assert "The pattern" not in run("check", os.path.join(MODELS, name + ".mo")).stdout
+
+
+def test_index_after_elimination_is_named_as_such(tmp_path):
+    """Positions by angles of joints: an index of 3 becomes 1 where they are put in."""
+    text = run("check", os.path.join(EXPORTS, "double_pendulum.bmo")).stdout
+    assert "Index 1 (strangeness index 0).\n  18 differentiated unknowns have been replaced" in text
+    assert "By their pattern the equations as they stand have index 3." in text
+    assert "1 differentiated unknown has been replaced" in run("analyze", os.path.join(MODELS, "two_capacitors.mo")).stdout
+    run("check", os.path.join(EXPORTS, "double_pendulum.bmo"), "--json", tmp_path / "c.json")
+    assert json.loads((tmp_path / "c.json").read_text())["index"]["replaced_states"] == 18
+    assert "replaced" not in run("check", os.path.join(MODELS, "squeezer.mo")).stdout
+
+
+def test_what_substitution_finds_makes_index_one(tmp_path):
+    report = tmp_path / "c.json"
+    text = run("check", os.path.join(MODELS, "thermostat.mo"), "--json", report).stdout
+    assert "Index 1 (strangeness index 0)." in text and "(1 more is found by substitution)" in text
+    assert "ordinary" not in text and json.loads(report.read_text())["index"]["differentiation_index"] == 1
+    path = model(tmp_path, "    Real 'x'(start = 1.0, fixed = true);", "    der('x') = -'x';")
+    assert "Index 0 (strangeness index 0)." in run("check", path).stdout
+
+
+def test_models_without_differential_equations_have_no_unknown_of_the_library(tmp_path):
+    report = tmp_path / "a.json"
+    text = run("analyze", os.path.join(EXPORTS, "timers.bmo"), "--json", report).stdout
+    assert "No differential equations are left" in text and "n = 1 unknowns" not in text
+    data = json.loads(report.read_text())
+    assert data["index"]["differential"] == 0 and data["decisions"] == [] and data["report"] == ""

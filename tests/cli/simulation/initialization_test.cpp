@@ -21,6 +21,18 @@ TEST(Initialization, FreeParametersFollowFromTheSteadyState) {
   EXPECT_TRUE(result.warnings.empty()) << joined(result.warnings);
 }
 
+// Free parameters are unknowns while initial values are found, but no free values of the model.
+TEST(Initialization, FreeParametersAreNotCountedAsFreeValues) {
+  Builder b;
+  const Term k = b.free_parameter("k", 1.0), h = b.real("h", {.start = 0.4, .fixed = true});
+  b.equation(der(h), 1.0 - k * h);
+  b.initial(h, 0.5);
+  const Result result = analyze(b.model, until(1.0));
+  EXPECT_OUTCOME(result, Outcome::not_started);
+  EXPECT_EQ(result.num_unknowns, 1);
+  EXPECT_EQ(result.characteristics.differential, 1);
+}
+
 // A parameter whose binding contains a free one follows it.
 TEST(Initialization, ParametersThatDependOnFreeOnesFollow) {
   Builder b;
