@@ -26,9 +26,8 @@ struct Candidate {
 // equation with few of them is kept as an unknown.
 class Sorting {
  public:
-  Sorting(System& system, const std::vector<Residual>& residuals, const Aliases& aliases,
-          const std::vector<char>& used)
-      : system_(system), residuals_(residuals), aliases_(aliases) {
+  Sorting(const System& system, const std::vector<Residual>& residuals, const std::vector<char>& used)
+      : system_(system), residuals_(residuals) {
     candidates_.resize(residuals.size());
     equations_of_.resize(system.values.size());
     is_closed_.assign(system.values.size(), 0);
@@ -60,22 +59,17 @@ class Sorting {
     const Formula formula = residuals_[at(equation)].formula;
     const Formulas& formulas = system_.formulas;
     if (formulas.depends(formula, on_derivative)) return;
-    std::set<int> nonlinear, all;
     const LinearForm form = linear_form(formulas, formula);
     if (!form.is_whole) return;
+    std::set<int> nonlinear;
     std::vector<Formula> others;
     for (const auto& [factor, other] : form.others) others.push_back(other);
     for (Formula part : formulas.parts(others))
       if (formulas[part].operation == Operation::variable && formulas.depends(part, on_continuous))
-        insert_root(nonlinear, formulas[part].index);
-    std::map<int, double> coefficients;
-    for (const auto& [variable, coefficient] : form.coefficients) {
-      const Alias alias = aliases_.find(variable);
-      if (alias.root >= 0) coefficients[alias.root] += coefficient * alias.sign;
-    }
+        nonlinear.insert(formulas[part].index);
     Candidate candidate;
-    all = nonlinear;
-    for (const auto& [variable, coefficient] : coefficients) {
+    std::set<int> all = nonlinear;
+    for (const auto& [variable, coefficient] : form.coefficients) {
       const double size = std::fabs(coefficient);
       all.insert(variable);
       if (nonlinear.count(variable) == 0 && size > smallest_divisor && size < largest_divisor)
@@ -88,11 +82,6 @@ class Sorting {
     for (int variable : candidate.open) equations_of_[at(variable)].push_back(equation);
     queue_.emplace(static_cast<int>(candidate.open.size()), equation);
     candidates_[at(equation)] = std::move(candidate);
-  }
-
-  void insert_root(std::set<int>& variables, int variable) const {
-    const Alias alias = aliases_.find(variable);
-    if (alias.root >= 0) variables.insert(alias.root);
   }
 
   void forget_closed(std::vector<int>& variables) const {
@@ -132,9 +121,8 @@ class Sorting {
 
   using Entry = std::pair<int, int>;  // open variables, equation
 
-  System& system_;
+  const System& system_;
   const std::vector<Residual>& residuals_;
-  const Aliases& aliases_;
   std::vector<Candidate> candidates_;
   std::vector<std::vector<int>> equations_of_;
   std::vector<char> is_closed_;
@@ -142,50 +130,26 @@ class Sorting {
   std::vector<SolvedUnknown> definitions_;
 };
 
-// The value of a variable from a residual: -(all other terms) / coefficient.
-Formula solved(System& system, Formula residual, const Aliases& aliases, int root) {
-  Formulas& formulas = system.formulas;
-  const LinearForm form = linear_form(formulas, residual);
-  double coefficient = 0.0, constant = form.constant;
-  Formula rest = formulas.number(0.0);
-  const auto add = [&](double factor, Formula term) {
-    if (factor == 1.0) rest = formulas.add(rest, term);
-    else if (factor == -1.0) rest = formulas.subtract(rest, term);
-    else rest = formulas.add(rest, formulas.multiply(formulas.number(factor), term));
-  };
-  for (const auto& [variable, factor] : form.coefficients) {
-    const Alias alias = aliases.find(variable);
-    if (alias.root != root) continue;
-    coefficient += factor * alias.sign;
-    constant += factor * alias.offset;
+std::vector<SolvedUnknown> with_values(std::vector<SolvedUnknown> definitions, Formulas& formulas,
+                                       const std::vector<Residual>& residuals) {
+  for (SolvedUnknown& definition : definitions) {
+    LinearForm form = linear_form(formulas, residuals[at(definition.residual)].formula);
+    const double coefficient = form.coefficients.extract(definition.variable).mapped();
+    definition.value = solved(formulas, form, coefficient);
   }
-  const double scale = -1.0 / coefficient;
-  const bool is_unit = std::fabs(coefficient) == 1.0;
-  for (const auto& [variable, factor] : form.coefficients)
-    if (factor != 0.0 && aliases.find(variable).root != root)
-      add(is_unit ? factor * scale : factor, formulas.variable(variable));
-  for (const auto& [factor, term] : form.others) add(is_unit ? factor * scale : factor, term);
-  rest = formulas.add(rest, formulas.number(is_unit ? constant * scale : constant));
-  return is_unit ? rest : formulas.apply(Operation::divide, rest, formulas.number(-coefficient));
-}
-
-std::vector<SolvedUnknown> with_values(std::vector<SolvedUnknown> definitions, System& system,
-                                       const std::vector<Residual>& residuals, const Aliases& aliases) {
-  for (SolvedUnknown& definition : definitions)
-    definition.value = solved(system, residuals[at(definition.residual)].formula, aliases, definition.variable);
   return definitions;
 }
 
 }  // namespace
 
 std::vector<SolvedUnknown> find_definitions(System& system, const std::vector<Residual>& residuals,
-                                            const Aliases& aliases, const std::vector<char>& used) {
-  return with_values(Sorting(system, residuals, aliases, used).run(true), system, residuals, aliases);
+                                            const std::vector<char>& used) {
+  return with_values(Sorting(system, residuals, used).run(true), system.formulas, residuals);
 }
 
 std::vector<SolvedUnknown> find_explicit(System& system, const std::vector<Residual>& residuals,
-                                         const Aliases& aliases, const std::vector<char>& used) {
-  return with_values(Sorting(system, residuals, aliases, used).run(false), system, residuals, aliases);
+                                         const std::vector<char>& used) {
+  return with_values(Sorting(system, residuals, used).run(false), system.formulas, residuals);
 }
 
 }  // namespace sfdae::cli

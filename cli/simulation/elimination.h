@@ -6,7 +6,6 @@
 
 #include <vector>
 
-#include "simulation/aliases.h"
 #include "simulation/system.h"
 
 namespace sfdae::cli {
@@ -20,12 +19,12 @@ struct SolvedUnknown {
 
 // Definitions in an order in which each needs only what remains and those before it. An equation defines a variable if
 // it contains it linearly with a coefficient that is a number, and contains no derivative; states are never defined.
-// used: residuals that are no longer there.
+// Residuals contain roots of aliases alone. used: those that are no longer there.
 std::vector<SolvedUnknown> find_definitions(System& system, const std::vector<Residual>& residuals,
-                                            const Aliases& aliases, const std::vector<char>& used);
+                                            const std::vector<char>& used);
 
 // Of these, those that need no variable to be chosen and kept; without looking for more.
 std::vector<SolvedUnknown> find_explicit(System& system, const std::vector<Residual>& residuals,
-                                         const Aliases& aliases, const std::vector<char>& used);
+                                         const std::vector<char>& used);
 
 }  // namespace sfdae::cli

@@ -220,6 +220,11 @@ std::vector<Formula> Formulas::parts(const std::vector<Formula>& of) const {
   return result;
 }
 
+void Formulas::mark_differentiated(const std::vector<Formula>& in, std::vector<char>& flags) const {
+  for (Formula part : parts(in))
+    if (nodes_[at(part)].operation == Operation::derivative) flags[at(nodes_[at(part)].index)] = 1;
+}
+
 Formula Substitution::operator()(Formula formula) {
   if (formula < 0) return formula;
   std::vector<Formula> stack{formula};

@@ -76,6 +76,9 @@ class Formulas {
   // All formulas that these consist of, in ascending order.
   std::vector<Formula> parts(const std::vector<Formula>& of) const;
 
+  // Sets the flags of variables whose derivatives occur in these.
+  void mark_differentiated(const std::vector<Formula>& in, std::vector<char>& flags) const;
+
   int add_variable(unsigned dependence);  // its index
 
  private:

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/linear_form.h"
 
+#include <cmath>
+
 namespace sfdae::cli {
 
 namespace {
@@ -47,6 +49,23 @@ LinearForm linear_form(const Formulas& formulas, Formula formula) {
     }
   }
   return result;
+}
+
+// Coefficients of x that are 1 or -1 need no division.
+Formula solved(Formulas& formulas, const LinearForm& form, double coefficient) {
+  const bool is_unit = std::fabs(coefficient) == 1.0;
+  const double scale = is_unit ? -coefficient : 1.0;
+  Formula sum = formulas.number(0.0);
+  const auto add = [&](double factor, Formula term) {
+    if (factor == 1.0) sum = formulas.add(sum, term);
+    else if (factor == -1.0) sum = formulas.subtract(sum, term);
+    else sum = formulas.add(sum, formulas.multiply(formulas.number(factor), term));
+  };
+  for (const auto& [variable, factor] : form.coefficients)
+    if (factor != 0.0) add(factor * scale, formulas.variable(variable));
+  for (const auto& [factor, term] : form.others) add(factor * scale, term);
+  sum = formulas.add(sum, formulas.number(form.constant * scale));
+  return is_unit ? sum : formulas.apply(Operation::divide, sum, formulas.number(-coefficient));
 }
 
 }  // namespace sfdae::cli

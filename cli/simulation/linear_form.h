@@ -19,4 +19,7 @@ struct LinearForm {
 
 LinearForm linear_form(const Formulas& formulas, Formula formula);
 
+// x from 0 = coefficient x + form.
+Formula solved(Formulas& formulas, const LinearForm& form, double coefficient);
+
 }  // namespace sfdae::cli

@@ -141,12 +141,6 @@ class Preparation {
     }
   }
 
-  // Variables whose derivatives occur in formulas; the flag is set.
-  void mark_states(const std::vector<Formula>& all, std::vector<char>& is_state) const {
-    for (Formula part : system_.formulas.parts(all))
-      if (system_.formulas[part].operation == Operation::derivative) is_state[at(system_.formulas[part].index)] = 1;
-  }
-
   void find_states() {
     std::vector<Formula> all;
     for (const DiscreteAssignment& assignment : system_.discrete) all.push_back(assignment.value);
@@ -156,11 +150,11 @@ class Preparation {
       all.push_back(condition.left);
       all.push_back(condition.right);
     }
-    mark_states(all, system_.is_state);
+    system_.formulas.mark_differentiated(all, system_.is_state);
     is_state_outside_ = system_.is_state;
     all.clear();
     for (const Residual& residual : residuals_) all.push_back(residual.formula);
-    mark_states(all, system_.is_state);
+    system_.formulas.mark_differentiated(all, system_.is_state);
   }
 
   std::vector<int> ranks_of_roots() const {
@@ -181,12 +175,12 @@ class Preparation {
     Aliases aliases(ranks);
     while (find_aliases(system_, residuals_, aliases, used, warnings_)) put_in(aliases, used);
     share_attributes(aliases);
-    std::vector<SolvedUnknown> definitions = find_definitions(system_, residuals_, aliases, used);
+    std::vector<SolvedUnknown> definitions = find_definitions(system_, residuals_, used);
     std::vector<ExplicitState> states;
     if (std::count(used.begin(), used.end(), 0) > reduce_above_ + static_cast<std::ptrdiff_t>(definitions.size())) {
       states = eliminate_states({system_, residuals_, used, aliases, ranks, is_state_outside_});
       system_.num_replaced_states += static_cast<int>(states.size());
-      definitions = find_definitions(system_, residuals_, aliases, used);
+      definitions = find_definitions(system_, residuals_, used);
     }
     substitute(aliases, states, definitions);
     for (const SolvedUnknown& definition : definitions) used[at(definition.residual)] = 1;
@@ -201,7 +195,7 @@ class Preparation {
     for (int v = 0; v < num_variables(); ++v) {
       if (determined_[at(v)] != Determined::continuously || aliases.find(v).root == v) continue;
       const Alias alias = aliases.find(v);
-      by.replace(v, alias_of(alias, alias.root < 0 ? -1 : formulas.variable(alias.root)), slope_of(alias));
+      by.replace(v, value_of(alias), slope_of(alias));
     }
     for (std::size_t i = 0; i < residuals_.size(); ++i)
       if (used[i] == 0) residuals_[i].formula = by(residuals_[i].formula);
@@ -239,29 +233,34 @@ class Preparation {
     }
   }
 
-  Formula alias_of(const Alias& alias, Formula root) {
-    Formulas& formulas = system_.formulas;
-    if (alias.root < 0) return formulas.number(alias.offset);
-    const Formula value = alias.sign > 0.0 ? root : formulas.negate(root);
-    return formulas.add(value, formulas.number(alias.offset));
+  Formula with_sign_of(const Alias& alias, Formula formula) {
+    return alias.sign > 0.0 ? formula : system_.formulas.negate(formula);
+  }
+
+  // The value of an alias by that of its root.
+  Formula value_of(const Alias& alias, Formula root) {
+    return system_.formulas.add(with_sign_of(alias, root), system_.formulas.number(alias.offset));
+  }
+
+  Formula value_of(const Alias& alias) {
+    if (alias.root < 0) return system_.formulas.number(alias.offset);
+    return value_of(alias, system_.formulas.variable(alias.root));
   }
 
   Formula slope_of(const Alias& alias) {
     if (alias.root < 0) return system_.formulas.number(0.0);
-    const Formula slope = system_.formulas.derivative(alias.root);
-    return alias.sign > 0.0 ? slope : system_.formulas.negate(slope);
+    return with_sign_of(alias, system_.formulas.derivative(alias.root));
   }
 
   void substitute(const Aliases& aliases, const std::vector<ExplicitState>& states,
                   const std::vector<SolvedUnknown>& definitions) {
-    Formulas& formulas = system_.formulas;
     std::vector<std::vector<int>> members(model().variables.size());
     std::vector<char> is_defined(model().variables.size(), 0);
     for (const ExplicitState& state : states) is_defined[at(state.variable)] = 1;
     for (const SolvedUnknown& definition : definitions) is_defined[at(definition.variable)] = 1;
-    const auto replace = [&](int v, Formula root, Formula slope) {
-      system_.values[at(v)] = alias_of(aliases.find(v), root);
-      substitution_.replace(v, system_.values[at(v)], slope);
+    const auto replace = [&](int v, Formula value, Formula slope) {
+      system_.values[at(v)] = value;
+      substitution_.replace(v, value, slope);
     };
     for (int v = 0; v < num_variables(); ++v) {
       if (determined_[at(v)] != Determined::continuously) {
@@ -270,18 +269,18 @@ class Preparation {
       }
       const Alias alias = aliases.find(v);
       if (alias.root >= 0 && is_defined[at(alias.root)] != 0) members[at(alias.root)].push_back(v);
-      else replace(v, alias.root < 0 ? -1 : formulas.variable(alias.root), slope_of(alias));
+      else replace(v, value_of(alias), slope_of(alias));
       if (alias.root == v && is_defined[at(v)] == 0) system_.unknowns.push_back(v);
       else ++system_.num_eliminated;
     }
     for (const ExplicitState& state : states) {
       const Formula value = substitution_(state.value), slope = substitution_(state.derivative);
       for (int v : members[at(state.variable)])
-        replace(v, value, aliases.find(v).sign > 0.0 ? slope : formulas.negate(slope));
+        replace(v, value_of(aliases.find(v), value), with_sign_of(aliases.find(v), slope));
     }
     for (const SolvedUnknown& definition : definitions) {
       const Formula value = substitution_(definition.value);
-      for (int v : members[at(definition.variable)]) replace(v, value, -1);
+      for (int v : members[at(definition.variable)]) replace(v, value_of(aliases.find(v), value), -1);
     }
     for (int v = 0; v < num_variables(); ++v)
       if (parameters_.is_derived(v)) system_.values[at(v)] = substitution_(import_(model().variables[at(v)].binding));

@@ -22,15 +22,15 @@ constexpr std::size_t most_parts = 100000;
 
 class StateElimination {
  public:
-  explicit StateElimination(const Reducible& it)
-      : system_(it.system),
-        formulas_(it.system.formulas),
-        it_(it),
-        derivative_(it.ranks.size(), -1),
-        is_kept_(it.ranks.size(), 0) {
+  explicit StateElimination(const Reducible& reducible)
+      : system_(reducible.system),
+        formulas_(reducible.system.formulas),
+        reducible_(reducible),
+        derivative_(reducible.ranks.size(), -1),
+        is_kept_(reducible.ranks.size(), 0) {
     for (const Reaction& reaction : system_.reactions)
       if (reaction.kind == Action::Kind::reinit)
-        if (const int root = it.aliases.find(reaction.variable).root; root >= 0) is_kept_[at(root)] = 1;
+        if (const int root = reducible.aliases.find(reaction.variable).root; root >= 0) is_kept_[at(root)] = 1;
   }
 
   std::vector<ExplicitState> run() {
@@ -45,26 +45,23 @@ class StateElimination {
 
  private:
   void rewrite(Substitution& by) {
-    for (std::size_t i = 0; i < it_.residuals.size(); ++i)
-      if (it_.used[i] == 0) it_.residuals[i].formula = by(it_.residuals[i].formula);
+    for (std::size_t i = 0; i < reducible_.residuals.size(); ++i)
+      if (reducible_.used[i] == 0) reducible_.residuals[i].formula = by(reducible_.residuals[i].formula);
   }
 
   // x' = k v + c: elsewhere k v + c stands for x', so that x' occurs once.
   void define_derivatives() {
     std::vector<std::pair<int, int>> found;  // state, residual
-    for (std::size_t i = 0; i < it_.residuals.size(); ++i) {
-      const Formula formula = it_.residuals[i].formula;
-      if (it_.used[i] != 0 || !formulas_.depends(formula, on_derivative)) continue;
-      const LinearForm form = linear_form(formulas_, formula);
+    for (std::size_t i = 0; i < reducible_.residuals.size(); ++i) {
+      const Formula formula = reducible_.residuals[i].formula;
+      if (reducible_.used[i] != 0 || !formulas_.depends(formula, on_derivative)) continue;
+      LinearForm form = linear_form(formulas_, formula);
       if (!form.is_whole || form.others.size() != 1 || form.coefficients.size() > 1) continue;
       const auto [factor, other] = form.others.front();
       const FormulaNode node = formulas_[other];
       if (node.operation != Operation::derivative || derivative_[at(node.index)] >= 0) continue;
-      Formula value = formulas_.number(-form.constant / factor);
-      for (const auto& [v, coefficient] : form.coefficients)
-        value =
-            formulas_.add(formulas_.multiply(formulas_.number(-coefficient / factor), formulas_.variable(v)), value);
-      derivative_[at(node.index)] = value;
+      form.others.clear();
+      derivative_[at(node.index)] = solved(formulas_, form, factor);
       found.emplace_back(node.index, static_cast<int>(i));
     }
     if (found.empty()) return;
@@ -72,10 +69,10 @@ class StateElimination {
     std::vector<Formula> kept;
     for (const auto& [state, residual] : found) {
       by.replace(state, formulas_.variable(state), derivative_[at(state)]);
-      kept.push_back(it_.residuals[at(residual)].formula);
+      kept.push_back(reducible_.residuals[at(residual)].formula);
     }
     rewrite(by);
-    for (std::size_t k = 0; k < found.size(); ++k) it_.residuals[at(found[k].second)].formula = kept[k];
+    for (std::size_t k = 0; k < found.size(); ++k) reducible_.residuals[at(found[k].second)].formula = kept[k];
   }
 
   // Of what constraints are made of: states and time alone.
@@ -87,8 +84,8 @@ class StateElimination {
   }
 
   // x = value where the constraint 0 = g gives it; x: -1 if it gives none.
-  ExplicitState solved(Formula g) {
-    const LinearForm form = linear_form(formulas_, g);
+  ExplicitState explicit_state(Formula g) {
+    LinearForm form = linear_form(formulas_, g);
     if (!form.is_whole) return {};
     std::vector<Formula> others;
     for (const auto& [factor, other] : form.others) others.push_back(other);
@@ -102,41 +99,33 @@ class StateElimination {
     for (const auto& [v, coefficient] : form.coefficients) {
       if (occurs.count(v) != 0 || is_kept_[at(v)] != 0 || size(v, coefficient) < safe_pivot * largest) continue;
       if (coefficient == 0.0 || !std::isfinite(coefficient)) continue;
-      if (best < 0 || it_.ranks[at(v)] < it_.ranks[at(best)]) best = v;
+      if (best < 0 || reducible_.ranks[at(v)] < reducible_.ranks[at(best)]) best = v;
     }
     if (best < 0) return {};
-    const double scale = -1.0 / form.coefficients.at(best);
-    Formula value = formulas_.number(form.constant * scale);
-    for (const auto& [v, coefficient] : form.coefficients)
-      if (v != best)
-        value =
-            formulas_.add(value, formulas_.multiply(formulas_.number(coefficient * scale), formulas_.variable(v)));
-    for (const auto& [factor, other] : form.others)
-      value = formulas_.add(value, formulas_.multiply(formulas_.number(factor * scale), other));
-    return {best, value, -1};
+    const double coefficient = form.coefficients.extract(best).mapped();
+    return {best, solved(formulas_, form, coefficient), -1};
   }
 
   // Constraints of this round, each with those before it put in.
   std::vector<ExplicitState> found_in_constraints() {
     Substitution algebraic(formulas_);
-    std::vector<char> defines(it_.residuals.size(), 0);
-    for (const SolvedUnknown& one : find_explicit(system_, it_.residuals, it_.aliases, it_.used)) {
+    std::vector<char> defines(reducible_.residuals.size(), 0);
+    for (const SolvedUnknown& one : find_explicit(system_, reducible_.residuals, reducible_.used)) {
       algebraic.replace(one.variable, algebraic(one.value), -1);
       defines[at(one.residual)] = 1;
     }
-    TimeDerivative derivative(formulas_, [&](int v) { return formulas_.derivative(v); });
     std::vector<ExplicitState> found;
     std::unordered_map<int, Formula> values;
-    for (std::size_t i = 0; i < it_.residuals.size(); ++i) {
-      if (it_.used[i] != 0 || defines[i] != 0) continue;
-      if (formulas_.depends(it_.residuals[i].formula, on_derivative | on_discrete | on_free)) continue;
-      const Formula g = with(values, algebraic(it_.residuals[i].formula));
+    for (std::size_t i = 0; i < reducible_.residuals.size(); ++i) {
+      if (reducible_.used[i] != 0 || defines[i] != 0) continue;
+      if (formulas_.depends(reducible_.residuals[i].formula, on_derivative | on_discrete | on_free)) continue;
+      const Formula g = with(values, algebraic(reducible_.residuals[i].formula));
       const std::vector<Formula> parts = formulas_.parts({g});
       // What jumps is left to the library, which reports what it does to states.
       if (formulas_.depends(g, on_discrete | on_free) || parts.size() > most_parts || !is_of_states(parts)) continue;
-      const ExplicitState one = solved(g);
-      if (one.variable < 0 || derivative(one.value) < 0) continue;
-      it_.used[i] = 1;
+      const ExplicitState one = explicit_state(g);
+      if (one.variable < 0) continue;
+      reducible_.used[i] = 1;
       values[one.variable] = one.value;
       found.push_back(one);
     }
@@ -183,17 +172,16 @@ class StateElimination {
 
   void find_states() {
     std::vector<Formula> all;
-    for (std::size_t i = 0; i < it_.residuals.size(); ++i)
-      if (it_.used[i] == 0) all.push_back(it_.residuals[i].formula);
-    system_.is_state = it_.is_state_outside;
+    for (std::size_t i = 0; i < reducible_.residuals.size(); ++i)
+      if (reducible_.used[i] == 0) all.push_back(reducible_.residuals[i].formula);
+    system_.is_state = reducible_.is_state_outside;
     for (const ExplicitState& one : result_) system_.is_state[at(one.variable)] = 0;
-    for (Formula part : formulas_.parts(all))
-      if (formulas_[part].operation == Operation::derivative) system_.is_state[at(formulas_[part].index)] = 1;
+    formulas_.mark_differentiated(all, system_.is_state);
   }
 
   System& system_;
   Formulas& formulas_;
-  const Reducible& it_;
+  const Reducible& reducible_;
   std::vector<Formula> derivative_;  // of states: what stands for them; -1: they stand for themselves
   std::vector<char> is_kept_;        // of variables: reinit sets them
   std::vector<ExplicitState> result_;

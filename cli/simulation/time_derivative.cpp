@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation/time_derivative.h"
 
+#include <cassert>
 #include <numbers>
 #include <vector>
 
@@ -15,22 +16,20 @@ Formula TimeDerivative::operator()(Formula formula) {
 
 Formula TimeDerivative::of_part(Formula formula) {
   const FormulaNode node = formulas_[formula];
+  assert(node.operation != Operation::derivative);
   if ((node.dependence & on_continuous) == 0) return formulas_.number(0.0);
   switch (node.operation) {
     case Operation::time: return formulas_.number(1.0);
     case Operation::variable: return of_variable_(node.index);
-    case Operation::derivative: return -1;
-    case Operation::choose: {
-      const Formula yes = known_.at(node.operands[1]), no = known_.at(node.operands[2]);
-      return yes < 0 || no < 0 ? -1 : formulas_.apply(Operation::choose, node.operands[0], yes, no);
-    }
+    case Operation::choose:
+      return formulas_.apply(Operation::choose, node.operands[0], known_.at(node.operands[1]),
+                             known_.at(node.operands[2]));
     default: return num_operands(node.operation) == 1 ? of_one(node, formula) : of_two(node, formula);
   }
 }
 
 Formula TimeDerivative::of_one(const FormulaNode& node, Formula self) {
   const Formula du = known_.at(node.operands[0]);
-  if (du < 0) return -1;
   if (node.operation == Operation::negate) return formulas_.negate(du);
   return formulas_.multiply(outer(node.operation, node.operands[0], self), du);
 }
@@ -62,7 +61,6 @@ Formula TimeDerivative::outer(Operation operation, Formula u, Formula self) {
 
 Formula TimeDerivative::of_two(const FormulaNode& node, Formula self) {
   const Formula u = node.operands[0], v = node.operands[1], du = known_.at(u), dv = known_.at(v);
-  if (du < 0 || dv < 0) return -1;
   const auto minus = [&](Formula a, Formula b) { return formulas_.subtract(a, b); };
   const auto times = [&](Formula a, Formula b) { return formulas_.multiply(a, b); };
   switch (node.operation) {

@@ -11,11 +11,11 @@ namespace sfdae::cli {
 
 class TimeDerivative {
  public:
-  // of_variable: the derivative of a variable that varies continuously; -1: there is none.
+  // of_variable: the derivative of a variable that varies continuously.
   TimeDerivative(Formulas& formulas, std::function<Formula(int)> of_variable)
       : formulas_(formulas), of_variable_(std::move(of_variable)) {}
 
-  // Between events, where what is discrete is constant. -1: something in it has no derivative.
+  // Between events, where what is discrete is constant. The formula contains no derivatives.
   Formula operator()(Formula formula);
 
  private:
