@@ -316,11 +316,27 @@ def test_dense_output_changes_nothing():
     assert np.array_equal(with_it.x, without.x) and with_it.dense and without.dense is None
 
 
-def test_dense_output_without_steps():
+def test_dense_output_of_one_step():
     sol = sfdae.solve(
-        oscillator, (0, 1), [1, 0], monitor=lambda progress: True, dense_output=True, max_steps=1
+        oscillator, (0, 1), [1, 0], monitor=lambda progress: True, dense_output=True
     )
-    assert not sol.success
+    assert not sol.success and len(sol.t) == 2 and sol.dense.t_max == sol.t[-1]
+    assert sol(sol.t[-1] / 2)[0] == pytest.approx(np.cos(sol.t[-1] / 2), abs=1e-6)
+
+
+@pytest.mark.parametrize("method", ["bdf", "radau"])
+def test_dense_output_without_steps(method):
+    def nowhere(t, x, xdot):
+        return [xdot[0] - sfdae.sqrt(-t)]
+
+    with pytest.warns(sfdae.IntegrationWarning, match="sqrt of -"):
+        sol = sfdae.solve(nowhere, (0, 1), [1], method=method, dense_output=True)
+    assert list(sol.t) == [0] and sol.dense.is_empty
+    with pytest.raises(ValueError, match="no step was taken"):
+        sol(0.0)
+
+
+def test_recorded_solution_of_no_run():
     empty = sfdae.RecordedSolution()
     assert empty.is_empty
     for ask in (lambda: empty.t_min, lambda: empty.accuracy, lambda: empty.cut(0.0)):
