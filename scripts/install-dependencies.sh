@@ -12,10 +12,11 @@
 set -euo pipefail
 
 demo=(build-essential g++ cmake pkg-config libopenblas-dev libblas-dev liblapack-dev gnuplot-nox)
-python_build=(python3-dev python3-cffi python3-numpy python3-setuptools python3-wheel)
+python_module=(python3-dev python3-cffi python3-numpy)
+python_build=("${python_module[@]}" python3-setuptools python3-wheel)
 python=("${demo[@]}" "${python_build[@]}" python3-matplotlib python3-pip)
 site=(doxygen python3-sphinx python3-myst-parser python3-breathe furo)
-docs=("${demo[@]}" "${python_build[@]}" "${site[@]}")
+docs=("${demo[@]}" "${python_module[@]}" "${site[@]}")
 program=("${demo[@]}" libcli11-dev nlohmann-json3-dev)
 # With the reference BLAS alone: packages depend on any BLAS.
 package=(g++ cmake ninja-build dpkg-dev file gzip libblas-dev liblapack-dev libcli11-dev nlohmann-json3-dev

@@ -156,7 +156,11 @@ inside "$clean" apt-get purge -q -y libsfdae0* > "$roots/purge.txt" || { cat "$r
 heading "pip install of the source distribution, without a package index"
 cp scripts/install-dependencies.sh "$clean"
 sed -n '/^```python$/,/^```$/{/^```/d;p}' python/README.md > "$clean/pendulum.py"
-[[ "$(wc -l < "$clean/pendulum.py")" -le 10 ]]
+lines="$(wc -l < "$clean/pendulum.py")"
+if [[ "$lines" -eq 0 || "$lines" -gt 10 ]]; then
+  echo "python/README.md: its program has $lines lines, expected 1 to 10" >&2
+  exit 1
+fi
 inside "$clean" sh -ec "
   /install-dependencies.sh python
   python3 -m venv --system-site-packages /venv
