@@ -16,8 +16,9 @@ class Switches {
   // As arguments say, to the letter: for initial values.
   bool set_literally(Values& values);
 
-  // At events. Switches by time have the value that holds after t. Others whose argument is where they change, but for
-  // rounding, keep their value; those that have passed it here are given more room. Returns whether one changed. only_first: at most one changes, the first.
+  // At events. Switches by time have the value that holds after t. Those that have changed at this t already keep their
+  // value while their argument is where they change, but for rounding. Returns whether one changed. only_first: at most
+  // one changes, the first.
   bool update(Values& values, bool only_first = false);
 
   // Functions whose zeros are events.

@@ -231,8 +231,8 @@ typedef struct sfdae_structure {
   int is_followed;    /**< 1: the analysis has left rows of the derivative array out (sfdae_options.structure) */
   int verdict;        /**< SFDAE_STRUCTURE_UNCHECKED, ... */
   int doubtful_block; /**< the first one that is singular or nearly so, -1: none */
-  double
-      smallest_pivot; /**< of all blocks, rows and columns scaled to 1; 0 if one is singular or none was looked at */
+  /** Of all blocks, rows and columns scaled to 1; 0 if one is singular or none was looked at. */
+  double smallest_pivot;
 } sfdae_structure;
 /** Prepares a result of sfdae_get_structure. size: sizeof(sfdae_structure). */
 SFDAE_API int sfdae_structure_init(sfdae_structure* structure, size_t size);
