@@ -20,11 +20,6 @@ class TimeDerivative {
 
  private:
   Formula of_part(Formula formula);
-  Formula of_one(const FormulaNode& node, Formula self);
-  Formula of_two(const FormulaNode& node, Formula self);
-  Formula outer(Operation operation, Formula u, Formula self);
-  Formula square(Formula u) { return formulas_.multiply(u, u); }
-  Formula divide(Formula a, Formula b) { return formulas_.apply(Operation::divide, a, b); }
 
   Formulas& formulas_;
   std::function<Formula(int)> of_variable_;

@@ -146,7 +146,8 @@ TEST(Derivatives, OfFormulasFollowTheChainRule) {
   const std::string all =
       "'x' ^ 3 * sin('y') / exp('x') + sqrt('x') * tan('y') - log('x' * 'y') + atan2('x', 'y') + 'x' ^ 'y' + "
       "asin('x' / 9) + acos('y' / 9) + atan('x') + sinh('x') + cosh('y') + tanh('x') + abs('x') + log10('y') + "
-      "min('x', 'y') + max('x', 'y') + (if time > 1 then 'x' else 'y') + mod('x', 'y') + 'p' * 'x' + time ^ 2";
+      "min('x', 'y') + max('x', 'y') + (if time > 1 then 'x' else 'y') + mod('x', 'y') + rem('x', 'y') + 'p' * 'x' + "
+      "time ^ 2";
   const FlatModel model =
       read("", "parameter Real 'p' = 4; Real 'x', 'y', 'f' = " + all + ", 'd' = der(" + all + ");");
   const double h = 1e-5, dx = 0.7, dy = -0.4;
