@@ -8,62 +8,11 @@
 #include <utility>
 
 #include "model/flat_model.h"
+#include "model/operations.h"
 
 namespace sfdae::cli {
 
 namespace {
-
-std::optional<double> apply_to_one(Operation operation, double x) {
-  switch (operation) {
-    case Operation::negate: return -x;
-    case Operation::abs: return std::fabs(x);
-    case Operation::sign: return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0;
-    case Operation::sqrt: return std::sqrt(x);
-    case Operation::exp: return std::exp(x);
-    case Operation::log: return std::log(x);
-    case Operation::log10: return std::log10(x);
-    case Operation::sin: return std::sin(x);
-    case Operation::cos: return std::cos(x);
-    case Operation::tan: return std::tan(x);
-    case Operation::asin: return std::asin(x);
-    case Operation::acos: return std::acos(x);
-    case Operation::atan: return std::atan(x);
-    case Operation::sinh: return std::sinh(x);
-    case Operation::cosh: return std::cosh(x);
-    case Operation::tanh: return std::tanh(x);
-    case Operation::floor:
-    case Operation::integer: return std::floor(x);
-    case Operation::ceil: return std::ceil(x);
-    case Operation::not_: return x == 0.0 ? 1.0 : 0.0;
-    case Operation::no_event: return x;
-    default: return std::nullopt;
-  }
-}
-
-std::optional<double> apply_to_two(Operation operation, double x, double y) {
-  switch (operation) {
-    case Operation::add: return x + y;
-    case Operation::subtract: return x - y;
-    case Operation::multiply: return x * y;
-    case Operation::divide: return x / y;
-    case Operation::power: return std::pow(x, y);
-    case Operation::atan2: return std::atan2(x, y);
-    case Operation::min: return std::fmin(x, y);
-    case Operation::max: return std::fmax(x, y);
-    case Operation::div: return std::trunc(x / y);
-    case Operation::mod: return x - std::floor(x / y) * y;
-    case Operation::rem: return x - std::trunc(x / y) * y;
-    case Operation::less: return x < y ? 1.0 : 0.0;
-    case Operation::less_equal: return x <= y ? 1.0 : 0.0;
-    case Operation::greater: return x > y ? 1.0 : 0.0;
-    case Operation::greater_equal: return x >= y ? 1.0 : 0.0;
-    case Operation::equal: return x == y ? 1.0 : 0.0;
-    case Operation::not_equal: return x != y ? 1.0 : 0.0;
-    case Operation::and_: return x != 0.0 && y != 0.0 ? 1.0 : 0.0;
-    case Operation::or_: return x != 0.0 || y != 0.0 ? 1.0 : 0.0;
-    default: return std::nullopt;
-  }
-}
 
 bool makes_events(Operation operation) {
   switch (operation) {
@@ -89,10 +38,9 @@ void mix(size_t& hash, size_t value) { hash ^= value + 0x9e3779b97f4a7c15ULL + (
 }  // namespace
 
 std::optional<double> apply(Operation operation, const std::vector<double>& x) {
-  if (x.size() == 1) return apply_to_one(operation, x[0]);
-  if (x.size() == 2) return apply_to_two(operation, x[0], x[1]);
-  if (operation == Operation::choose && x.size() == 3) return x[0] != 0.0 ? x[1] : x[2];
-  return std::nullopt;
+  if (x.empty() || operation == Operation::sample) return std::nullopt;
+  const auto operand = [&x](size_t k) { return k < x.size() ? x[k] : 0.0; };
+  return applied(operation, x[0], operand(1), operand(2));
 }
 
 bool is_number(const Expression& e) { return e->operation == Operation::number; }

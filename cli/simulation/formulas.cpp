@@ -8,89 +8,6 @@
 
 namespace sfdae::cli {
 
-int num_operands(Operation operation) {
-  switch (operation) {
-    case Operation::number:
-    case Operation::time:
-    case Operation::variable:
-    case Operation::derivative:
-    case Operation::previous:
-    case Operation::sample:  // start and interval are kept elsewhere
-    case Operation::initial:
-    case Operation::terminal: return 0;
-    case Operation::choose: return 3;
-    default: return operation < Operation::add ? 1 : 2;
-  }
-}
-
-bool is_relation(Operation operation) {
-  return operation >= Operation::less && operation <= Operation::greater_equal;
-}
-
-namespace {
-
-double truth(bool value) { return value ? 1.0 : 0.0; }
-
-double relation(Operation operation, double a, double b) {
-  switch (operation) {
-    case Operation::less: return truth(a < b);
-    case Operation::less_equal: return truth(a <= b);
-    case Operation::greater: return truth(a > b);
-    case Operation::greater_equal: return truth(a >= b);
-    case Operation::equal: return truth(a == b);
-    case Operation::not_equal: return truth(a != b);
-    case Operation::and_: return truth(a != 0.0 && b != 0.0);
-    default: return truth(a != 0.0 || b != 0.0);
-  }
-}
-
-double of_two(Operation operation, double a, double b) {
-  switch (operation) {
-    case Operation::add: return a + b;
-    case Operation::subtract: return a - b;
-    case Operation::multiply: return a * b;
-    case Operation::divide: return a / b;
-    case Operation::power: return std::pow(a, b);
-    case Operation::atan2: return std::atan2(a, b);
-    case Operation::min: return std::min(a, b);
-    case Operation::max: return std::max(a, b);
-    case Operation::div: return std::trunc(a / b);
-    case Operation::mod: return a - std::floor(a / b) * b;
-    case Operation::rem: return a - std::trunc(a / b) * b;
-    default: return relation(operation, a, b);
-  }
-}
-
-}  // namespace
-
-double applied(Operation operation, double a, double b, double c) {
-  switch (operation) {
-    case Operation::negate: return -a;
-    case Operation::abs: return std::fabs(a);
-    case Operation::sign: return truth(a > 0.0) - truth(a < 0.0);
-    case Operation::sqrt: return std::sqrt(a);
-    case Operation::exp: return std::exp(a);
-    case Operation::log: return std::log(a);
-    case Operation::log10: return std::log10(a);
-    case Operation::sin: return std::sin(a);
-    case Operation::cos: return std::cos(a);
-    case Operation::tan: return std::tan(a);
-    case Operation::asin: return std::asin(a);
-    case Operation::acos: return std::acos(a);
-    case Operation::atan: return std::atan(a);
-    case Operation::sinh: return std::sinh(a);
-    case Operation::cosh: return std::cosh(a);
-    case Operation::tanh: return std::tanh(a);
-    case Operation::floor:
-    case Operation::integer: return std::floor(a);
-    case Operation::ceil: return std::ceil(a);
-    case Operation::not_: return truth(a == 0.0);
-    case Operation::no_event: return a;
-    case Operation::choose: return a != 0.0 ? b : c;
-    default: return of_two(operation, a, b);
-  }
-}
-
 std::size_t Formulas::Hash::operator()(const FormulaNode& node) const {
   // Seed: the golden ratio; multiplier: one of those of MurmurHash3's finalizer, which spread bits well.
   std::uint64_t hash = 0x9e3779b97f4a7c15u;
@@ -197,7 +114,7 @@ Formula Formulas::simplified_logic(Operation operation, Formula a, Formula b, Fo
   if (is_number(b)) std::swap(a, b);
   if (!is_number(a)) return -1;
   const bool decides = (nodes_[at(a)].value != 0.0) == (operation == Operation::or_);
-  return decides ? number(truth(operation == Operation::or_)) : b;
+  return decides ? number(operation == Operation::or_ ? 1.0 : 0.0) : b;
 }
 
 std::vector<Formula> Formulas::parts(const std::vector<Formula>& of) const {

@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "model/expression.h"
+#include "model/operations.h"
 
 namespace sfdae::cli {
 
@@ -36,12 +36,6 @@ struct FormulaNode {
 
   bool operator==(const FormulaNode&) const = default;
 };
-
-int num_operands(Operation operation);
-bool is_relation(Operation operation);
-
-// The value of an operation on numbers.
-double applied(Operation operation, double a, double b, double c);
 
 class Formulas {
  public:
