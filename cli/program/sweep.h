@@ -39,6 +39,7 @@ struct Instance {
   Outcome outcome = Outcome::stopped;
   int status = 0;
   std::string message;
+  std::vector<std::string> warnings;
   long steps = 0;
   Trajectory trajectory;  // of the variables that are wanted
 };

@@ -43,6 +43,7 @@ Instance solved_instance(std::size_t number, const FlatModel& model, Settings se
   instance.outcome = result.outcome;
   instance.status = result.status;
   instance.message = result.message;
+  instance.warnings = result.warnings;
   instance.steps = result.statistics.steps;
   instance.trajectory = selected(model, result, wanted);
   Trajectory& trajectory = instance.trajectory;
@@ -89,13 +90,18 @@ std::string table_text(const std::vector<Instance>& instances, const Grid& grid,
                        const std::vector<std::string>& names) {
   constexpr std::size_t max_columns = 6, max_rows = 200;
   const std::size_t columns = std::min(names.size(), max_columns);
+  bool is_cut = false;
   std::vector<std::vector<std::string>> rows(1, {"instance"});
   for (const ParameterChoice& assignment : grid.assignments()) rows[0].push_back(assignment.name);
   rows[0].insert(rows[0].end(), {"outcome", "time"});
   rows[0].insert(rows[0].end(), names.begin(), names.begin() + static_cast<std::ptrdiff_t>(columns));
   for (const Instance& instance : instances) {
     const Trajectory& trajectory = instance.trajectory;
-    for (std::size_t k = 0; k < std::max<std::size_t>(trajectory.t.size(), 1) && rows.size() <= max_rows; ++k) {
+    for (std::size_t k = 0; k < std::max<std::size_t>(trajectory.t.size(), 1); ++k) {
+      if (rows.size() > max_rows) {
+        is_cut = true;
+        break;
+      }
       std::vector<std::string> row{std::to_string(instance.number + 1)};
       for (const double value : instance.given) row.push_back(short_text(value, 9));
       row.push_back(name_of(instance.outcome));
@@ -108,8 +114,9 @@ std::string table_text(const std::vector<Instance>& instances, const Grid& grid,
   }
   std::string text = aligned(rows);
   if (columns < names.size())
-    text += "  " + std::to_string(names.size() - columns) + " more variables are left out; --variables chooses\n";
-  if (rows.size() > max_rows) text += "  only the first rows; --csv FILE writes all\n";
+    text += "  " + counted(names.size() - columns, "more variable is", "more variables are") +
+            " left out; --variables chooses\n";
+  if (is_cut) text += "  only the first rows; --csv FILE writes all\n";
   return text;
 }
 
@@ -128,6 +135,7 @@ std::string sweep_json(const FlatModel& model, const Grid& grid, const std::vect
                     {"outcome", name_of(instance.outcome)},
                     {"status", sfdae_status_name(instance.status)},
                     {"message", instance.message},
+                    {"warnings", instance.warnings},
                     {"steps", instance.steps},
                     {"time", trajectory.t},
                     {"values", values}});
@@ -147,7 +155,8 @@ int report(const std::vector<Instance>& instances, std::size_t expected, bool is
                    instance.message.c_str());
   }
   if (num_failed > max_reasons)
-    std::fprintf(stderr, "sfdae: ... and %zu more instances are not solved\n", num_failed - max_reasons);
+    std::fprintf(stderr, "sfdae: ... and %s not solved\n",
+                 counted(num_failed - max_reasons, "more instance is", "more instances are").c_str());
   if (was_interrupted()) {
     std::fprintf(stderr, "sfdae: interrupted; %zu of %zu instances were begun\n", instances.size(), expected);
     return interrupted;

@@ -28,6 +28,17 @@ bool uses_derivatives(const System& system) {
                      [&](const auto& it) { return depends(it.value); });
 }
 
+std::string at_place(const System& system, Location at) { return " (" + place(system.model, at) + ")"; }
+
+// What happened to a switch that now has the value.
+std::string change_in_words(const System& system, int number, double value) {
+  const Switch& it = system.switches[at(number)];
+  const std::string what = it.kind != Switch::Kind::relation ? " jumps"
+                           : value != 0.0                    ? " becomes true"
+                                                             : " becomes false";
+  return it.text + what + at_place(system, it.at);
+}
+
 }  // namespace
 
 Integration::Integration(const Parts& parts)
@@ -52,6 +63,15 @@ double Integration::output_time(long number) const {
 }
 
 void Integration::run(Values& values, sfdae::Point& point) {
+  try {
+    run_to_end(values, point);
+  } catch (...) {
+    add_statistics();
+    throw;
+  }
+}
+
+void Integration::run_to_end(Values& values, sfdae::Point& point) {
   Reached at{values, point};
   parts_.output.add(values);
   if (!settle_at_start(at)) return;
@@ -125,7 +145,7 @@ void Integration::start(Reached& at) {
     parts_.result.warnings.push_back(where + ": " + parts_.calls.message());
   }
   parts_.modes.to_values(at.point, at.values);
-  is_started_ = is_first_step_ = true;
+  is_started_ = is_first_step_ = is_piece_open_ = true;
   start_ = at.values.t;
   roots_at_start_.resize(cli::at(parts_.switches.num_roots()));
   root_values_ = at.values;
@@ -185,12 +205,7 @@ bool Integration::repair(Reached& at, const Values& before, bool is_first) {
   at.point = high_point;
   parts_.switches.set(number, wanted, at.values);
   is_started_ = false;
-  const Switch& it = parts_.system.switches[cli::at(number)];
-  const bool is_relation_switch = it.kind == Switch::Kind::relation;
-  const std::string text = it.text + (!is_relation_switch ? " jumps"
-                                      : wanted != 0.0     ? " becomes true"
-                                                          : " becomes false");
-  if (!happens(at, {}, text + " (" + place(parts_.system.model, it.at) + ")")) is_over_ = true;
+  if (!happens(at, {}, change_in_words(parts_.system, number, wanted))) is_over_ = true;
   return true;
 }
 
@@ -326,21 +341,17 @@ void Integration::count_event(const std::string& text, const Values& before, con
 
 std::string Integration::describe(const std::vector<int>& roots, const Values& before, const Values& after) const {
   std::string text;
-  const auto add = [&](const std::string& what, Location where) {
-    text += (text.empty() ? "" : "; ") + what + " (" + place(parts_.system.model, where) + ")";
-  };
+  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : "; ") + what; };
   std::vector<char> is_named(after.switches.size(), 0);
   for (int i = 0; i < static_cast<int>(roots.size()); ++i)
     if (roots[cli::at(i)] != 0) is_named[cli::at(parts_.switches.switch_of(i))] = 1;
   for (std::size_t s = 0; s < after.switches.size(); ++s) {
     if (is_named[s] == 0 && before.switches[s] == after.switches[s]) continue;
-    const Switch& it = parts_.system.switches[s];
-    const bool is_relation_switch = it.kind == Switch::Kind::relation;
-    add(it.text + (is_relation_switch ? (after.switches[s] != 0.0 ? " becomes true" : " becomes false") : " jumps"),
-        it.at);
+    add(change_in_words(parts_.system, static_cast<int>(s), after.switches[s]));
   }
   for (std::size_t i = 0; i < after.samples.size(); ++i)
-    if (after.samples[i] != 0.0) add(parts_.system.samples[i].text, parts_.system.samples[i].at);
+    if (after.samples[i] != 0.0)
+      add(parts_.system.samples[i].text + at_place(parts_.system, parts_.system.samples[i].at));
   return text;
 }
 
@@ -355,8 +366,8 @@ void Integration::finish(Reached& at) {
 }
 
 void Integration::add_statistics() {
-  if (!is_started_ && !mode_) return;
-  if (!mode_) return;
+  if (!is_piece_open_) return;
+  is_piece_open_ = false;
   sfdae::Statistics now = mode_->solver.statistics();
   sfdae::Statistics& sum = parts_.result.statistics;
   sum.steps += now.steps;

@@ -38,6 +38,7 @@ class Integration {
     sfdae::Point& point;
   };
 
+  void run_to_end(Values& values, sfdae::Point& point);
   void start(Reached& at);
   int step(Reached& at, double target);
   bool happens(Reached& at, const std::vector<int>& roots, const std::string& contradiction);
@@ -63,6 +64,7 @@ class Integration {
   std::vector<double> roots_at_start_;
   std::vector<long> next_sample_;
   sfdae::Statistics baseline_{};  // of the mode before the piece under way
+  bool is_piece_open_ = false;    // its statistics have not been added
   bool is_started_ = false, is_first_step_ = true, needs_derivatives_ = false, has_warned_ = false;
   double start_ = 0.0;  // of the piece under way
   long next_output_ = 1, num_steps_ = 0;

@@ -76,6 +76,14 @@ def test_limit_of_steps():
     assert "not finished" in result.stderr
 
 
+def test_statistics_of_runs_that_fail(tmp_path):
+    report = tmp_path / "r.json"
+    run("solve", PENDULUM, "--outputs", "1", "--max-steps", "3", "--json", report, code=1)
+    data = json.loads(report.read_text())
+    assert data["statistics"]["steps"] == 3 and data["statistics"]["evaluations"] > 0
+    assert data["headline"].endswith("3 steps")
+
+
 def test_json_has_everything(tmp_path):
     report = tmp_path / "r.json"
     result = run("solve", PENDULUM, "--json", report, "--set", "g=1.62")

@@ -86,3 +86,11 @@ def test_failed_instances_are_named(tmp_path):
     assert float(rows[0][-1]) == pytest.approx(1.0, rel=1e-4)
     instances = json.loads((tmp_path / "s.json").read_text())["instances"]
     assert instances[1]["status"] != "SFDAE_OK" and instances[1]["message"] and instances[2]["message"] == ""
+
+
+def test_warnings_of_instances_are_kept(tmp_path):
+    path = model(tmp_path, "    parameter Real 'k' = 1.0;\n    Real 'x'(start = 0.0, fixed = true, max = 1.5);",
+                 "    der('x') = 'k';")
+    run("sweep", path, "--to", "1", "--set", "k=1,2", "--json", tmp_path / "s.json")
+    first, second = json.loads((tmp_path / "s.json").read_text())["instances"]
+    assert first["warnings"] == [] and "above max = 1.5" in second["warnings"][0]

@@ -4,7 +4,7 @@ import os
 import pty
 import subprocess
 
-from program import PENDULUM, PROGRAM
+from program import PENDULUM, PROGRAM, model
 
 
 def on_terminal(*arguments):
@@ -48,3 +48,17 @@ def test_sweep_shows_its_table():
     code, text = on_terminal("sweep", PENDULUM, "--set", "L=1,2", "--to", "1", "--variables", "x")
     assert code == 0 and "  instance  L  outcome  time  x\r\n" in text and "2 of 2 instances solved" in text
     assert "  2         2  solved   1     " in text
+
+
+def test_only_tables_that_are_cut_say_so():
+    for count, is_cut in ((200, False), (201, True)):
+        values = ",".join(str(1 + k / 1000) for k in range(count))
+        code, text = on_terminal("sweep", PENDULUM, "--set", f"L={values}", "--to", "0.001", "--variables", "x", "--jobs", "1")
+        assert code == 0 and ("only the first rows" in text) == is_cut
+
+
+def test_one_variable_that_is_left_out(tmp_path):
+    names = "abcdefg"
+    path = model(tmp_path, "\n".join(f"    Real '{n}'(start = 1.0, fixed = true);" for n in names),
+                 "\n".join(f"    der('{n}') = -'{n}';" for n in names))
+    assert "  1 more variable is left out;" in on_terminal("sweep", path, "--set", "a=1,2")[1]
