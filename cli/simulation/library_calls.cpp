@@ -61,8 +61,11 @@ int LibraryCalls::run(Mode& mode, Phase phase, const std::string& where, const s
   return status;
 }
 
-std::string LibraryCalls::translated(const std::string& text, const std::vector<int>& unknowns) const {
-  static const std::regex number("(?:component |x\\[)([0-9]+)\\]?");
+std::string LibraryCalls::translated(const std::string& given) const {
+  // Numbers of equations are those of the mode; their names are places in the file.
+  static const std::regex number_before_name("\\bequation [0-9]+ \\(");
+  const std::string text = std::regex_replace(given, number_before_name, "equation (");
+  static const std::regex number("\\b(?:component |x\\[)([0-9]+)\\b\\]?");
   std::string result;
   auto position = text.cbegin();
   for (std::sregex_iterator it(text.begin(), text.end(), number), end; it != end; ++it) {
@@ -70,8 +73,8 @@ std::string LibraryCalls::translated(const std::string& text, const std::vector<
     result.append(position, match[0].first);
     position = match[0].second;
     const std::size_t i = std::stoul(match[1].str());
-    if (i < unknowns.size() && unknowns[i] >= 0) {
-      result += system_.model.variables[at(unknowns[i])].name;
+    if (i < unknowns_.size() && unknowns_[i] >= 0) {
+      result += system_.model.variables[at(unknowns_[i])].name;
     } else {
       result += match[0].str();
     }

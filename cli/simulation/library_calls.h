@@ -32,12 +32,12 @@ class LibraryCalls {
   // Throws Failure if progress says so.
   void check_stop(double t, double h, int order) const;
 
-  // A text of the library with names of unknowns in place of numbers; it has the lines of equations (Modes::recorded).
-  std::string translated(const std::string& text, const std::vector<int>& unknowns) const;
+  // A text of the library with names of unknowns in place of numbers; it has the lines of equations (Modes::recorded),
+  // whose numbers are left out.
+  std::string translated(const std::string& given) const;
 
   // The unknowns of the modes in use.
   void set_unknowns(const std::vector<int>& unknowns) { unknowns_ = unknowns; }
-  std::string translated(const std::string& text) const { return translated(text, unknowns_); }
 
  private:
   int run_while_polling(Mode& mode, const std::function<int()>& call);

@@ -162,3 +162,10 @@ def test_models_without_differential_equations_have_no_unknown_of_the_library(tm
     assert "No differential equations are left" in text and "n = 1 unknowns" not in text
     data = json.loads(report.read_text())
     assert data["index"]["differential"] == 0 and data["decisions"] == [] and data["report"] == ""
+
+
+def test_files_whose_names_look_like_unknowns_keep_them(tmp_path):
+    path = model(tmp_path, "    Real 'load'(start = 0.0, fixed = true);", "    der('load') = sqrt(0.5 - 'load') + 1.0;")
+    box = path.rename(tmp_path / "box[0].mo")
+    message = run("solve", box, code=1).stderr
+    assert " in equation (" in message and "box[0].mo:6)" in message
