@@ -36,8 +36,8 @@ std::optional<Value> call_string_function(Elaboration& e, const Call& call) {
     const std::string& text = text_argument(e, call, 0);
     const int first = integer_argument(e, call, 1), last = integer_argument(e, call, 2);
     if (first < 1 || last < first || static_cast<size_t>(last) > text.size())
-      e.fail(call.at, "a part of a string from " + std::to_string(first) + " to " + std::to_string(last) +
-                          "; it has " + std::to_string(text.size()) + " characters");
+      e.fail(call.at, "a string of " + std::to_string(text.size()) + " characters has no part from " +
+                          std::to_string(first) + " to " + std::to_string(last));
     return text_value(text.substr(static_cast<size_t>(first) - 1, static_cast<size_t>(last - first) + 1));
   }
   return std::nullopt;

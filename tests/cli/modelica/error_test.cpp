@@ -21,6 +21,27 @@ void expect_error(const std::string& definitions, const std::string& model, cons
 
 }  // namespace
 
+// Positions count from 1; an end before the start is an error of the function, not an empty string.
+TEST(Rejections, OfPartsThatStringsDoNotHave) {
+  const std::string functions =
+      "function 'part' input String 's'; input Integer 'i', 'j'; output String 'r'; external \"C\" 'r' = "
+      "ModelicaStrings_substring('s', 'i', 'j'); end 'part'; function 'length' input String 's'; output Integer 'n'; "
+      "external \"C\" 'n' = ModelicaStrings_length('s'); end 'length';";
+  EXPECT_EQ(error_of(package(functions,
+                             "parameter Integer 'n' = 'length'('part'(\"abcdef\", 2, 6)); Real 'x'['n'] = "
+                             "fill(time, 5);")),
+            "");
+  for (const std::string range : {"2, 0", "3, 2", "0, 2", "2, 7"}) {
+    const std::string message =
+        error_of(package(functions, "Integer 'n' = 'length'('part'(\"abcdef\", " + range + "));"));
+    const std::size_t comma = range.find(',');
+    EXPECT_NE(message.find("a string of 6 characters has no part from " + range.substr(0, comma) + " to " +
+                           range.substr(comma + 2)),
+              std::string::npos)
+        << message;
+  }
+}
+
 TEST(Rejections, OfWhatIsNotFlat) {
   expect_error("", "extends 'A';", "extends", "not flat");
   expect_error("", "import A;", "import", "not flat");
