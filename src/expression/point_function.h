@@ -29,11 +29,13 @@ class PointFunction {
   virtual int derivatives(int order, const double* arguments, double* values) const = 0;
   // Whether it has a value there; else, in words, why not.
   virtual std::string objection(const double* /*arguments*/) const { return {}; }
-  // Of functions of one argument: where their derivatives jump, increasing.
+  // Of functions of one argument: where a derivative jumps, increasing.
   virtual const std::vector<double>& breakpoints() const {
     static const std::vector<double> none;
     return none;
   }
+  // Which order of derivatives jumps there; it is constant in between.
+  virtual int jumping_order() const { return 0; }
 
  private:
   std::string name_;

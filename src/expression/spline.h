@@ -35,6 +35,7 @@ class Spline : public PointFunction {
   int derivatives(int order, const double* arguments, double* values) const override;
   std::string objection(const double* arguments) const override;
   const std::vector<double>& breakpoints() const override { return breakpoints_; }
+  int jumping_order() const override { return data_.degree; }
 
  private:
   explicit Spline(const TableData& data);

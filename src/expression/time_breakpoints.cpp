@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "expression/kernel.h"
 #include "linalg/index.h"
+#include "linalg/quiet_arithmetic.h"
 
 namespace sfdae::core {
 
@@ -20,54 +20,53 @@ constexpr double half_gap = 64.0 * std::numeric_limits<double>::epsilon();
 // Of half a gap: ends of gaps that are as near as that are the same one.
 constexpr double same_end = 0.25;
 
-// At each breakpoint: whether the first derivative on both sides differs; the ends count.
-std::vector<char> kinks_of(const PointFunction& table) {
+bool is_table(const PointFunction& function) { return !function.breakpoints().empty(); }
+
+// At each breakpoint: whether the value or the first derivative on both sides differs; the ends count.
+std::vector<char> kinks_of(const FunctionCall& table) {
   constexpr double few = 1e-9;  // far beyond rounding errors
-  const std::vector<double>& all = table.breakpoints();
+  const PointFunction& function = *table.function;
+  const std::vector<double>& all = function.breakpoints();
+  const int order = function.jumping_order();
+  const bool can_have_kinks = order <= static_cast<int>(table.by.size()) + 1;
   std::vector<char> has_kink(all.size(), 1);
   for (std::size_t k = 1; k + 1 < all.size(); ++k) {
-    const double x = all[k], before = x - 1e-12 * (x - all[k - 1]);
-    double slopes[2] = {};
-    table.derivatives(1, &before, &slopes[0]);
-    table.derivatives(1, &x, &slopes[1]);
-    has_kink[k] = std::fabs(slopes[1] - slopes[0]) > few * (std::fabs(slopes[0]) + std::fabs(slopes[1])) ? 1 : 0;
+    double before = 0.0, after = 0.0;  // constant between breakpoints
+    function.derivatives(order, &all[k - 1], &before);
+    function.derivatives(order, &all[k], &after);
+    has_kink[k] = can_have_kinks && std::fabs(after - before) > few * (std::fabs(after) + std::fabs(before)) ? 1 : 0;
   }
   return has_kink;
 }
 
 }  // namespace
 
-// Where a table's argument has to be, and the time of that which is the next one so far.
+// What is found, looking from t.
 struct TimeBreakpoints::Search {
   Search(double time, double its_direction) : t(time), direction(its_direction) {}
 
   double t, direction;
-  const Table* table = nullptr;
-  const std::vector<double>* targets = nullptr;
-  bool is_condition = false;  // the zero of a condition is searched
-  bool has_choice = false;    // on the way to the table: it may go on beyond its ends
-  std::optional<double> found;
-  std::optional<Gap> gap;  // that holds t
+  std::optional<double> end;  // of a step
+  std::optional<Gap> gap;     // that holds t
 
-  bool has_kink(std::ptrdiff_t k) const {
-    if (is_condition || k < 0) return true;
-    const auto last = static_cast<std::ptrdiff_t>(targets->size()) - 1;
-    return table->has_kink[static_cast<std::size_t>(k)] != 0 && (has_choice || (k > 0 && k < last));
-  }
-  // targets[k] is reached at that time; -1: something else happens. size: of the terms of a linear function of t.
-  void note(double time, double size, std::ptrdiff_t k = -1) {
+  static double half_of_gap(double time, double size) { return half_gap * std::max(std::fabs(time), size); }
+
+  // size: of the terms of a linear function of t, in units of t.
+  void note_kink(double time, double size) {
     if (!std::isfinite(time)) return;
-    if (!has_kink(k)) return note_end(time, half_gap * std::max(std::fabs(t), std::fabs(time)));
-    const double half = half_gap * std::max(std::fabs(time), size);
+    const double half = half_of_gap(time, size);
     note_end(time - direction * half, same_end * half);
     note_end(time + direction * half, same_end * half);
     if (std::fabs(t - time) > (1.0 + same_end) * half) return;
     const Gap here{time - half, time + half};
     gap = gap ? Gap{std::min(gap->start, here.start), std::max(gap->end, here.end)} : here;
   }
+  void note_smooth(double time) {
+    if (std::isfinite(time)) note_end(time, half_of_gap(time, std::fabs(t)));
+  }
   void note_end(double time, double slack) {
     if ((time - t) * direction <= slack) return;
-    if (!found || (*found - time) * direction > 0.0) found = time;
+    if (!end || (*end - time) * direction > 0.0) end = time;
   }
 };
 
@@ -75,167 +74,178 @@ TimeBreakpoints::TimeBreakpoints(const std::vector<const TaylorEvaluator*>& eval
   for (const TaylorEvaluator* evaluator : evaluators) inputs_.emplace_back(*evaluator);
 }
 
-TimeBreakpoints::Inputs::Inputs(const TaylorEvaluator& evaluator)
-    : evaluator_(evaluator), record_(evaluator.record()) {
-  for (int i = 0; i < record_.num_nodes(); ++i) {
-    if (record_.node(i).operation != Operation::function || evaluator.tape().slot_of[index(i)] < 0) continue;
-    const int argument = record_.call(i).arguments.front();
-    const bool is_input = !record_.is_active(argument) && varies_in_time(record_.dependence(argument));
-    const PointFunction& function = *record_.call(i).function;
-    const std::vector<double>& places = function.breakpoints();
-    if (!is_input || places.empty()) continue;
-    tables_.push_back({i, kinks_of(function), std::max(std::fabs(places.front()), std::fabs(places.back()))});
-  }
+TimeBreakpoints::Search TimeBreakpoints::search(double t, double direction) {
+  const QuietArithmetic quiet;  // what is unknown is NaN
+  Search found(t, direction);
+  for (Inputs& inputs : inputs_) inputs.search(found);
+  return found;
 }
 
-std::optional<double> TimeBreakpoints::next(double t, double direction) const {
-  Search found(t, direction);
-  for (const Inputs& inputs : inputs_) inputs.search(found);
-  return found.found;
-}
+std::optional<double> TimeBreakpoints::next(double t, double direction) { return search(t, direction).end; }
 
 bool TimeBreakpoints::Gap::ends_at(double t) const {
   const double near = same_end * 0.5 * (end - start);
   return std::fabs(t - start) <= near || std::fabs(t - end) <= near;
 }
 
-std::optional<TimeBreakpoints::Gap> TimeBreakpoints::gap_at(double t) const {
-  Search found(t, 1.0);
-  for (const Inputs& inputs : inputs_) inputs.search(found);
-  return found.gap;
+std::optional<TimeBreakpoints::Gap> TimeBreakpoints::gap_at(double t) { return search(t, 1.0).gap; }
+
+// ---- The tables of one evaluator -----------------------------------------------------------------------------------
+
+const TimeBreakpoints::Curve& TimeBreakpoints::Inputs::curve(int i) const { return curves_[index(place_[index(i)])]; }
+
+TimeBreakpoints::Curve TimeBreakpoints::Inputs::constant(double value) {
+  return {.value = value, .offset = value, .slope = 0.0};
 }
 
-void TimeBreakpoints::Inputs::search(Search& search_for) const {
-  for (const Table& table : tables_) {
-    const FunctionCall& call = record_.call(table.node);
-    search_for.table = &table;
-    search_for.targets = &call.function->breakpoints();
-    search(call.arguments.front(), {0.0, 1.0}, search_for);
+TimeBreakpoints::Curve TimeBreakpoints::Inputs::multiple(const Curve& a, double factor) {
+  Curve result = a;
+  result.offset *= factor;
+  result.slope *= factor;
+  result.size *= std::fabs(factor);
+  return result;
+}
+
+TimeBreakpoints::Curve TimeBreakpoints::Inputs::sum(const Curve& a, const Curve& b) {
+  return {.offset = a.offset + b.offset,
+          .slope = a.slope + b.slope,
+          .size = std::max({a.size, b.size, std::fabs(a.offset), std::fabs(b.offset)}),
+          .has_choice = a.has_choice || b.has_choice,
+          .first = std::max(a.first, b.first),
+          .last = std::min(a.last, b.last)};
+}
+
+TimeBreakpoints::Inputs::Inputs(const TaylorEvaluator& evaluator)
+    : evaluator_(evaluator), record_(evaluator.record()) {
+  std::vector<char> is_needed(index(record_.num_nodes()), 0);
+  for (int i = 0; i < record_.num_nodes(); ++i) {
+    if (record_.node(i).operation != Operation::function || evaluator.tape().slot_of[index(i)] < 0) continue;
+    const FunctionCall& call = record_.call(i);
+    const int argument = call.arguments.front();
+    if (record_.is_active(argument) || !varies_in_time(record_.dependence(argument)) || !is_table(*call.function))
+      continue;
+    const std::vector<double>& places = call.function->breakpoints();
+    tables_.push_back({i, kinks_of(call), std::max(std::fabs(places.front()), std::fabs(places.back()))});
+    is_needed[index(argument)] = 1;
   }
+  if (tables_.empty()) return;
+  place_.assign(index(record_.num_nodes()), -1);
+  for (int i = record_.num_nodes() - 1; i >= 0; --i) {
+    if (is_needed[index(i)] == 0) continue;
+    const Operands operands = record_.operands(i);
+    for (int k = 0; k < operands.size(); ++k) is_needed[index(operands[k])] = 1;
+  }
+  for (int i = 0; i < record_.num_nodes(); ++i) {
+    if (is_needed[index(i)] == 0) continue;
+    place_[index(i)] = static_cast<int>(nodes_.size());
+    nodes_.push_back(i);
+  }
+  curves_.resize(nodes_.size());
 }
 
-// The value of a node that depends on parameters alone.
-std::optional<double> TimeBreakpoints::Inputs::number_of(int i) const {
-  if (varies_in_time(record_.dependence(i))) return std::nullopt;
+void TimeBreakpoints::Inputs::search(Search& search_for) {
+  for (std::size_t k = 0; k < nodes_.size(); ++k) curves_[k] = curve_of(nodes_[k], search_for);
+  for (const Table& table : tables_) search_table(table, search_for);
+}
+
+// The value of an operation on what is known.
+double TimeBreakpoints::Inputs::value_of(int i) const {
   const Node& node = record_.node(i);
-  if (node.operation == Operation::constant) return record_.constant(node.a);
-  if (node.operation == Operation::parameter) return evaluator_.parameter(node.a);
-  if (node.operation == Operation::function) return std::nullopt;
-  double values[3] = {};
   const Operands operands = record_.operands(i);
+  double values[PointFunction::max_arguments] = {};
   for (int k = 0; k < operands.size(); ++k) {
-    const std::optional<double> value = number_of(operands[k]);
-    if (!value) return std::nullopt;
-    values[k] = *value;
+    values[k] = curve(operands[k]).value;
+    if (!std::isfinite(values[k])) return unknown;
   }
-  return evaluate(node.operation, values[0], values[1], values[2]);
+  if (node.operation != Operation::function)
+    return evaluate(node.operation, values[0], values[1], values[2]).value_or(unknown);
+  // Others are the user's, who does not expect calls from here.
+  const FunctionCall& call = record_.call(i);
+  double result = 0.0;
+  const int order = static_cast<int>(call.by.size());
+  return is_table(*call.function) && call.function->derivatives(order, values, &result) == 0 ? result : unknown;
 }
 
-std::optional<TimeBreakpoints::Line> TimeBreakpoints::Inputs::line_of(int i) const {
+TimeBreakpoints::Curve TimeBreakpoints::Inputs::curve_of(int i, Search& search_for) const {
   const Node& node = record_.node(i);
-  if (const auto number = number_of(i)) return Line{*number, 0.0};
   switch (node.operation) {
-    case Operation::time: return Line{0.0, 1.0};
-    case Operation::negate:
-    case Operation::add:
-    case Operation::subtract: return line_of_sum(node);
-    case Operation::multiply:
-    case Operation::divide: {
-      const bool is_first = node.operation == Operation::multiply && number_of(node.a).has_value();
-      const auto line = line_of(is_first ? node.b : node.a);
-      const auto factor = number_of(is_first ? node.a : node.b);
-      if (!line || !factor || (node.operation == Operation::divide && *factor == 0.0)) return std::nullopt;
-      const double by = node.operation == Operation::divide ? 1.0 / *factor : *factor;
-      return Line{line->offset * by, line->slope * by};
-    }
-    default: return std::nullopt;
+    case Operation::constant: return constant(record_.constant(node.a));
+    case Operation::parameter: return constant(evaluator_.parameter(node.a));
+    case Operation::time: return {.value = search_for.t, .offset = 0.0, .slope = 1.0};
+    case Operation::choose: return curve_of_choice(node, search_for);
+    default: break;
   }
-}
-
-std::optional<TimeBreakpoints::Line> TimeBreakpoints::Inputs::line_of_sum(const Node& node) const {
-  const auto first = line_of(node.a);
-  if (!first) return std::nullopt;
-  if (node.operation == Operation::negate) return Line{-first->offset, -first->slope};
-  const auto second = line_of(node.b);
-  if (!second) return std::nullopt;
-  const double sign = node.operation == Operation::add ? 1.0 : -1.0;
-  return Line{first->offset + sign * second->offset, first->slope + sign * second->slope};
-}
-
-// Times at which outer(node) is one of the targets.
-void TimeBreakpoints::Inputs::search(int i, const Line& outer, Search& search_for) const {
-  const Node& node = record_.node(i);
-  if (const auto line = line_of(i)) {
-    const double slope = outer.slope * line->slope, offset = outer.offset + outer.slope * line->offset;
-    if (slope == 0.0) return;
-    const std::vector<double>& targets = *search_for.targets;
-    const bool rises = slope * search_for.direction > 0.0;
-    const double now = offset + slope * search_for.t;
-    const double size = std::max(search_for.table->size, std::fabs(offset)) / std::fabs(slope);
-    // One of the two beside the argument may be at t but for rounding errors.
-    const auto place = std::lower_bound(targets.begin(), targets.end(), now) - targets.begin();
-    const auto last = static_cast<std::ptrdiff_t>(targets.size()) - 1;
-    const auto first = std::clamp<std::ptrdiff_t>(place - (rises ? 1 : 3), 0, last);
-    for (auto k = first; k <= std::min(last, first + 3); ++k)
-      search_for.note((targets[static_cast<std::size_t>(k)] - offset) / slope, size, k);
-    return;
-  }
+  Curve result;
   switch (node.operation) {
-    case Operation::negate: return search(node.a, {outer.offset, -outer.slope}, search_for);
-    case Operation::add:
-    case Operation::subtract: {
-      const double sign = node.operation == Operation::add ? 1.0 : -1.0;
-      if (const auto b = number_of(node.b))
-        return search(node.a, {outer.offset + sign * outer.slope * *b, outer.slope}, search_for);
-      if (const auto a = number_of(node.a))
-        return search(node.b, {outer.offset + outer.slope * *a, sign * outer.slope}, search_for);
-      return;
-    }
+    case Operation::negate: result = multiple(curve(node.a), -1.0); break;
+    case Operation::add: result = sum(curve(node.a), curve(node.b)); break;
+    case Operation::subtract: result = sum(curve(node.a), multiple(curve(node.b), -1.0)); break;
     case Operation::multiply:
-      if (const auto a = number_of(node.a)) return search(node.b, {outer.offset, outer.slope * *a}, search_for);
-      if (const auto b = number_of(node.b)) return search(node.a, {outer.offset, outer.slope * *b}, search_for);
-      return;
+      result = curve(node.a).slope == 0.0   ? multiple(curve(node.b), curve(node.a).offset)
+               : curve(node.b).slope == 0.0 ? multiple(curve(node.a), curve(node.b).offset)
+                                            : Curve();
+      break;
     case Operation::divide:
-      if (const auto b = number_of(node.b); b && *b != 0.0)
-        search(node.a, {outer.offset, outer.slope / *b}, search_for);
-      return;
-    case Operation::modulo: return search_period(node, outer, search_for);
-    case Operation::choose: return search_choice(node, outer, search_for);
-    default: return;
+      if (curve(node.b).slope == 0.0) result = multiple(curve(node.a), 1.0 / curve(node.b).offset);
+      break;
+    case Operation::modulo: result = remainder(curve(node.a), curve(node.b), search_for); break;
+    default: break;
   }
+  result.value = value_of(i);
+  const Operands operands = record_.operands(i);
+  bool is_constant = true;
+  for (int k = 0; k < operands.size(); ++k) {
+    is_constant = is_constant && curve(operands[k]).slope == 0.0;
+    result.has_choice = result.has_choice || curve(operands[k]).has_choice;
+  }
+  if (is_constant) result.offset = result.value, result.slope = 0.0;
+  return result;
 }
 
-// Its condition may be a choice, too.
-void TimeBreakpoints::Inputs::search_choice(const Node& node, const Line& outer, Search& search_for) const {
-  static const std::vector<double> zero = {0.0};
-  const bool had_choice = std::exchange(search_for.has_choice, true);
-  search(node.b, outer, search_for);
-  search(node.c, outer, search_for);
-  const std::vector<double>* const targets = std::exchange(search_for.targets, &zero);
-  const bool was_condition = std::exchange(search_for.is_condition, true);
-  search(node.a, {0.0, 1.0}, search_for);
-  search_for.targets = targets;
-  search_for.is_condition = was_condition;
-  search_for.has_choice = had_choice;
+TimeBreakpoints::Curve TimeBreakpoints::Inputs::curve_of_choice(const Node& node, Search& search_for) const {
+  const Curve& condition = curve(node.a);
+  if (condition.is_rising_or_falling())
+    search_for.note_kink(-condition.offset / condition.slope, condition.size_in_time());
+  if (std::isnan(condition.value)) return {};
+  Curve result = curve(condition.value > 0.0 ? node.b : node.c);
+  result.has_choice = true;
+  return result;
 }
 
-// The remainder of a linear function, a = k b + r: where r is a target, and where k changes.
-void TimeBreakpoints::Inputs::search_period(const Node& node, const Line& outer, Search& search_for) const {
-  const auto line = line_of(node.a);
-  const auto period = number_of(node.b);
-  if (!line || !period || *period == 0.0 || line->slope == 0.0 || outer.slope == 0.0) return;
-  const double b = *period, k = std::floor(line->at(search_for.t) / b);
-  const std::vector<double>& targets = *search_for.targets;
-  const double size =
-      std::max({search_for.table->size, std::fabs(b), std::fabs(line->offset)}) / std::fabs(line->slope);
-  const auto note = [&](double remainder, std::ptrdiff_t place) {
-    for (int turn = -1; turn <= 2; ++turn)
-      search_for.note(((k + turn) * b + remainder - line->offset) / line->slope, size, place);
-  };
-  note(0.0, -1);
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    const double remainder = (targets[i] - outer.offset) / outer.slope;
-    if (remainder / b > 0.0 && remainder / b < 1.0) note(remainder, static_cast<std::ptrdiff_t>(i));
+// The remainder of a linear function, a = k b + r: it begins anew where k changes.
+TimeBreakpoints::Curve TimeBreakpoints::Inputs::remainder(const Curve& a, const Curve& b, Search& search_for) {
+  if (!a.is_rising_or_falling() || b.slope != 0.0) return {};
+  const double k = std::floor(a.value / b.offset);
+  const double size = std::max(a.size_in_time(), std::fabs(b.offset / a.slope));  // the same on both sides
+  const double times[] = {(k * b.offset - a.offset) / a.slope, ((k + 1.0) * b.offset - a.offset) / a.slope};
+  for (double time : times) search_for.note_kink(time, size);
+  Curve result = sum(a, constant(-k * b.offset));
+  result.first = std::min(times[0], times[1]);
+  result.last = std::max(times[0], times[1]);
+  return result;
+}
+
+// Times at which the argument is at a breakpoint.
+void TimeBreakpoints::Inputs::search_table(const Table& table, Search& search_for) const {
+  const FunctionCall& call = record_.call(table.node);
+  const Curve& argument = curve(call.arguments.front());
+  if (!argument.is_rising_or_falling()) return;
+  const std::vector<double>& places = call.function->breakpoints();
+  const double offset = argument.offset, slope = argument.slope, now = offset + slope * search_for.t;
+  const double size = std::max(table.size / std::fabs(slope), argument.size_in_time());
+  // One of the two beside the argument may be at t but for rounding errors.
+  const auto last = static_cast<std::ptrdiff_t>(places.size()) - 1;
+  const auto place = std::lower_bound(places.begin(), places.end(), now) - places.begin();
+  const auto first = std::clamp<std::ptrdiff_t>(place - (slope * search_for.direction > 0.0 ? 1 : 3), 0, last);
+  for (auto k = first; k <= std::min(last, first + 3); ++k) {
+    const double time = (places[static_cast<std::size_t>(k)] - offset) / slope;
+    const double half = Search::half_of_gap(time, size);
+    // There a period ends.
+    if (!(time - argument.first > half && argument.last - time > half)) continue;
+    // Beyond the ends of the data there is nothing, but another choice.
+    const bool has_kink = table.has_kink[static_cast<std::size_t>(k)] != 0;
+    if (has_kink && (argument.has_choice || (k > 0 && k < last))) search_for.note_kink(time, size);
+    else search_for.note_smooth(time);
   }
 }
 

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -18,47 +21,67 @@ class TimeBreakpoints {
 
   // Where a step has to end: the next one after t in a direction, +1 or -1, farther away than rounding errors of t. In
   // place of a kink, where values or first derivatives may jump (of tables of degree 1, where a condition changes, where a
-  // period ends), both ends of its gap.
-  std::optional<double> next(double t, double direction) const;
+  // period ends), both ends of its gap. Nothing is allocated.
+  std::optional<double> next(double t, double direction);
   // Times about a kink within which rounding errors decide on which side of it functions are evaluated.
   struct Gap {
     double start, end;
     bool ends_at(double t) const;
   };
   // That holds t; its ends belong to it.
-  std::optional<Gap> gap_at(double t) const;
+  std::optional<Gap> gap_at(double t);
 
  private:
-  // Of t.
-  struct Line {
-    double offset, slope;
-    double at(double t) const { return offset + slope * t; }
-  };
-  struct Table {
-    int node;
-    std::vector<char> has_kink;  // at each of its breakpoints
-    double size;                 // of its arguments
-  };
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
   struct Search;
 
-  // The tables of one evaluator.
+  // What a node is near the time of a search, by the branches of choices and the periods that hold then.
+  struct Curve {
+    double value = unknown;                     // at that time
+    double offset = unknown, slope = unknown;   // of a linear function of t
+    double size = 0.0;                          // of its terms
+    bool has_choice = false;                    // it may be another function elsewhere
+    double first = -infinity, last = infinity;  // of the period
+
+    bool is_rising_or_falling() const { return std::fabs(slope) > 0.0; }
+    double size_in_time() const { return std::max(size, std::fabs(offset)) / std::fabs(slope); }
+  };
+
+  // The tables of one evaluator. Every part of their arguments is looked at once, however often it is used.
   class Inputs {
    public:
     explicit Inputs(const TaylorEvaluator& evaluator);
-    void search(Search& search) const;
+    void search(Search& search);
 
    private:
-    std::optional<Line> line_of(int node) const;
-    std::optional<Line> line_of_sum(const Node& node) const;
-    std::optional<double> number_of(int node) const;
-    void search(int node, const Line& outer, Search& search) const;
-    void search_choice(const Node& node, const Line& outer, Search& search) const;
-    void search_period(const Node& node, const Line& outer, Search& search) const;
+    struct Table {
+      int node;
+      std::vector<char> has_kink;  // at each of its breakpoints
+      double size;                 // of its arguments
+    };
+
+    const Curve& curve(int node) const;
+    // Notes where conditions change and periods end.
+    Curve curve_of(int node, Search& search) const;
+    Curve curve_of_choice(const Node& node, Search& search) const;
+    double value_of(int node) const;
+    void search_table(const Table& table, Search& search) const;
+    static Curve constant(double value);
+    static Curve multiple(const Curve& a, double factor);
+    static Curve sum(const Curve& a, const Curve& b);
+    static Curve remainder(const Curve& a, const Curve& b, Search& search);
 
     const TaylorEvaluator& evaluator_;
     const Record& record_;
     std::vector<Table> tables_;
+    std::vector<int> nodes_;     // that arguments of tables consist of, operands first
+    std::vector<int> place_;     // of each node of the record among these
+    std::vector<Curve> curves_;  // of these, about the time of the last search
   };
+
+  Search search(double t, double direction);
+
   std::vector<Inputs> inputs_;
 };
 

@@ -30,7 +30,7 @@ struct IntegrationOptions : Acceptance {
   sfdae_monitor_function monitor = nullptr;
   void* monitor_user = nullptr;
   Events* events = nullptr;                      // not owned; none
-  const TimeBreakpoints* breakpoints = nullptr;  // not owned; none: where steps end
+  TimeBreakpoints* breakpoints = nullptr;  // not owned; none: where steps end
 };
 
 struct IntegrationCounts {

@@ -14,7 +14,6 @@
 #include "expression/spline.h"
 #include "expression/symbolic_gradient.h"
 #include "expression/taylor_evaluator.h"
-#include "expression/time_breakpoints.h"
 #include "instruction_sets.h"
 #include "matrix_checks.h"
 #include "recorded.h"
@@ -52,13 +51,6 @@ class ExpSin : public PointFunction {
  private:
   int highest_order_;
 };
-
-Term call(const std::shared_ptr<const PointFunction>& function, const std::vector<Term>& arguments) {
-  Recorder& recorder = *arguments.front().recorder;
-  FunctionCall call{function, {}, {}};
-  for (const Term& argument : arguments) call.arguments.push_back(argument.in(recorder));
-  return {&recorder, recorder.call(call)};
-}
 
 // The function of k terms that the last of them belong to, as a call or as a formula; and a derivative of it.
 std::vector<Term> equations(Recording& r, int k, bool as_call) {
@@ -176,81 +168,6 @@ TEST(PointFunction, PassesOnWhatIsNotFinite) {
   double F = 0.0;
   EXPECT_FALSE(evaluator.values(0.0, jet.data(), 0, &F));
   EXPECT_EQ(evaluator.failure().message, "log of -1 in equation 0");
-}
-
-// ---- Times of kinks ------------------------------------------------------------------------------------------------
-
-std::shared_ptr<const Spline> polygon() { return Spline::through({1, {0.0, 1.0, 1.5, 4.0}, {0.0, 1.0, 0.0, 2.0}}); }
-
-struct Kinks {
-  template <class Argument>
-  explicit Kinks(Argument argument) : recording(1), evaluator(recording.finish({equation(argument)})) {}
-  template <class Argument>
-  Term equation(Argument argument) {
-    return recording.x[0] - call(polygon(), {argument(recording)});
-  }
-  // After t, the middles of their gaps, both ends of which are found.
-  Numbers all(double t, double end) const {
-    const TimeBreakpoints breakpoints({&evaluator});
-    const double direction = end > t ? 1.0 : -1.0;
-    if (const auto around = breakpoints.gap_at(t)) t = direction > 0.0 ? around->end : around->start;
-    Numbers found;
-    while (const auto next = breakpoints.next(t, direction)) {
-      if ((*next - end) * direction > 0.0) break;
-      t = *next;
-      const auto gap = breakpoints.gap_at(t);
-      if (!gap) {  // values and first derivatives go on
-        found.push_back(t);
-        continue;
-      }
-      EXPECT_TRUE(gap->ends_at(t));
-      const double other = direction > 0.0 ? gap->end : gap->start;
-      EXPECT_EQ(breakpoints.next(t, direction), other);
-      found.push_back(0.5 * (t + other));
-      t = other;
-    }
-    return found;
-  }
-  Recording recording;
-  TaylorEvaluator evaluator;
-};
-
-void expect_near(const Numbers& found, const Numbers& expected) {
-  ASSERT_EQ(found.size(), expected.size());
-  for (std::size_t i = 0; i < found.size(); ++i)
-    EXPECT_NEAR(found[i], expected[i], 1e-14 * (1.0 + std::fabs(expected[i])));
-}
-
-TEST(TimeBreakpoints, AreThoseOfTables) {
-  const Kinks of_t([](Recording& r) { return r.t; });
-  expect_near(of_t.all(-1.0, 10.0), {0.0, 1.0, 1.5, 4.0});
-  expect_near(of_t.all(10.0, -1.0), {4.0, 1.5, 1.0, 0.0});
-  expect_near(of_t.all(1.0, 10.0), {1.5, 4.0});
-  expect_near(of_t.all(1.0, -10.0), {0.0});
-  Kinks of_line([](Recording& r) { return 3.0 - r.t / r.parameter("p", 2.0); });
-  expect_near(of_line.all(-10.0, 10.0), {-2.0, 3.0, 4.0, 6.0});
-  of_line.evaluator.set_parameter(0, 1.0);
-  expect_near(of_line.all(-10.0, 10.0), {-1.0, 1.5, 2.0, 3.0});
-  const Kinks of_period([](Recording& r) { return 0.5 + modulo(r.t, Term(3.0)); });
-  expect_near(of_period.all(-3.1, 3.1), {-3.0, -2.5, -2.0, 0.0, 0.5, 1.0, 3.0});
-  expect_near(of_period.all(3.1, -3.1), {3.0, 1.0, 0.5, 0.0, -2.0, -2.5, -3.0});
-  const Kinks held([](Recording& r) { return min(max(r.t - 1.0, Term(0.5)), Term(2.0)); });
-  expect_near(held.all(-10.0, 10.0), {1.0, 1.5, 2.0, 2.5, 3.0, 5.0});
-  const Kinks of_state([](Recording& r) { return r.x[0] * 0.5; });
-  expect_near(of_state.all(-10.0, 10.0), {});
-}
-
-TEST(TimeBreakpoints, AreKinksWhereSlopesJump) {
-  const auto kinks_of = [](int degree, double t) {
-    Recording r(1);
-    const TableData data{degree, {0, 1, 2, 3, 4, 5, 6, 7}, {0, 1, 0, 1, 0, 1, 0, 1}};
-    const TaylorEvaluator evaluator(r.finish({r.x[0] - call(Spline::through(data), {r.t})}));
-    return TimeBreakpoints({&evaluator}).gap_at(t).has_value();
-  };
-  EXPECT_TRUE(kinks_of(1, 3.0));
-  EXPECT_FALSE(kinks_of(1, 3.5));
-  EXPECT_FALSE(kinks_of(3, 3.0));
-  EXPECT_FALSE(kinks_of(3, 7.0));  // where it ends there is nothing behind a gap
 }
 
 }  // namespace

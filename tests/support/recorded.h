@@ -4,6 +4,7 @@
 #define SFDAE_TESTS_RECORDED_H
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "expression/recorder.h"
@@ -61,6 +62,15 @@ inline Term choose(const Term& c, const Term& a, const Term& b) {
   Recorder& recorder = *c.recorder;
   const int chosen = a.in(recorder), otherwise = b.in(recorder);
   return {&recorder, recorder.apply(Operation::choose, c.node, chosen, otherwise)};
+}
+
+// The function, or its derivative by the arguments `by`, at arguments at least one of which belongs to a recorder.
+inline Term call(const std::shared_ptr<const sfdae::core::PointFunction>& function,
+                 const std::vector<Term>& arguments, std::vector<int> by = {}) {
+  Recorder& recorder = *arguments.front().recorder;
+  sfdae::core::FunctionCall call{function, {}, std::move(by)};
+  for (const Term& argument : arguments) call.arguments.push_back(argument.in(recorder));
+  return {&recorder, recorder.call(call)};
 }
 
 // Unknowns, their derivatives and time of equations that are being recorded.
