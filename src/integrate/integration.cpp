@@ -72,7 +72,7 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
   try {
     result = run(goal, one_step);
     if (result.status == SFDAE_OK) {
-      output(goal, x, xdot);
+      output(goal, tout, x, xdot);
       t = tout;
     } else if (result.status > 0 || result.status == SFDAE_MAX_STEPS) {
       return_consistent_point(t, x, xdot);
@@ -98,13 +98,13 @@ CallResult Integration::advance(double tout, bool one_step, double& t, double* x
 CallResult Integration::interpolate(double t, bool may_interpolate, double* x, double* xdot) {
   const StepState state = integrator_.stepper->state();
   const double start = state.t - state.last.h;
-  t = beside_kink(options_, integrator_, t);
-  if ((t - start) * integrator_.direction < 0.0 || (state.t - t) * integrator_.direction < 0.0)
+  const double place = beside_kink(options_, integrator_, t);
+  if ((place - start) * integrator_.direction < 0.0 || (state.t - place) * integrator_.direction < 0.0)
     return result_outside_last_step(t, start, state.t);
   // Searches for events are made with consistent points.
   const bool may = may_interpolate && options_.interpolates_outputs && options_.events == nullptr;
-  const PointRequest request{t, true, slopes_, may};
-  output_.evaluate_aside(integrator_, request, options_, x, xdot);
+  const PointRequest request{place, true, slopes_, may};
+  output_.evaluate_aside(integrator_, request_beside_kink(t, request), options_, x, xdot);
   return {};
 }
 
@@ -200,13 +200,13 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
   }
   contradictions.largest = std::max(contradictions.largest, quality.inconsistency);
   const bool is_across_kink = crosses_kink(options_, integrator_.stepper->state().t, h);
-  if (is_across_kink) {
-    if (auto obstacle = obstacle_at_kink(integrator_)) {
-      integrator_.stepper->withdraw();
-      return obstacle;
-    }
-  }
   try {
+    if (is_across_kink) {
+      if (auto obstacle = obstacle_at_kink(integrator_)) {
+        integrator_.stepper->withdraw();
+        return obstacle;
+      }
+    }
     if (!is_across_kink && has_found_change(h)) return std::nullopt;
     integrator_.differences.accept(system, integrator_.weights, integrator_.stepper->tried_x().data(), false);
   } catch (...) {
@@ -379,10 +379,13 @@ void Integration::return_consistent_point(double& t, double* x, double* xdot) {
   output_.make_consistent(integrator_, slopes_, x, xdot);
 }
 
-void Integration::output(double t, double* x, double* xdot) {
+// place: where the solution at t is evaluated.
+void Integration::output(double place, double t, double* x, double* xdot) {
   double searched;
-  if (has_searched_to(options_.events, t)) return_searched_point(*options_.events, searched, x, xdot);
-  else output_.evaluate(integrator_, {t, true, slopes_, options_.interpolates_outputs}, options_, x, xdot);
+  const PointRequest request = request_beside_kink(t, {place, true, slopes_, options_.interpolates_outputs});
+  if (request.distance == 0.0 && has_searched_to(options_.events, place))
+    return_searched_point(*options_.events, searched, x, xdot);
+  else output_.evaluate(integrator_, request, options_, x, xdot);
   // Others cost the same with either method.
   if (choice_.chosen == Method::automatic && !integrator_.stepper->state().interpolates_well) choice_.note_output();
 }

@@ -83,7 +83,7 @@ class Integration {
 
   // Up to tout or the last point: the event found, if any.
   std::optional<CallResult> search_events(double tout);
-  void output(double t, double* x, double* xdot);
+  void output(double place, double t, double* x, double* xdot);
   void return_last_point(double& t, double* x, double* xdot);
   void return_consistent_point(double& t, double* x, double* xdot);
   void archive_change(Archive& archive);

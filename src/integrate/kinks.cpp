@@ -18,6 +18,22 @@ constexpr double about_a_gap = 1.5;
 // Of the tolerances: what is differentiated jumps by more. Iterations leave less. (Chosen.)
 constexpr double clear_jump = 10.0;
 
+// Of what slopes on both sides of a gap explain: more is a jump. (Chosen.)
+constexpr double clear_of_slopes = 2.0;
+
+// Where t is large a gap is so wide that what changes fast changes by more than tolerances within it.
+void leave_out_slopes(const Integrator& integrator, std::vector<double>& jump) {
+  const std::size_t n = jump.size();
+  const StepState state = integrator.stepper->state();
+  std::vector<double> x(n), before(n), after(n, 0.0);
+  integrator.stepper->interpolate({state.t, nullptr, x.data(), before.data()});
+  integrator.system.exact_derivative(integrator.stepper->tried_x().data(), after.data());
+  const double h = std::fabs(state.tried_t - state.t);
+  for (std::size_t i = 0; i < n; ++i)
+    if (std::fabs(jump[i]) <= clear_of_slopes * h * std::max(std::fabs(before[i]), std::fabs(after[i])))
+      jump[i] = 0.0;
+}
+
 }  // namespace
 
 std::optional<double> next_kink(const IntegrationOptions& options, const StepFrom& step) {
@@ -51,6 +67,13 @@ double beside_kink(const IntegrationOptions& options, const Integrator& integrat
   return options.stop_time && integrator.direction > 0.0 ? std::min(gap->end, *options.stop_time) : gap->end;
 }
 
+// Where t is large a gap is so wide that x changes within it.
+PointRequest request_beside_kink(double t, const PointRequest& request) {
+  const double distance = t - request.t;
+  if (std::fabs(distance) <= Integrator::smallest_step(t, request.t)) return request;
+  return {request.t, request.may_refine, Slopes::consistent, false, distance};
+}
+
 std::optional<CallResult> obstacle_at_kink(const Integrator& integrator) {
   const std::vector<double>& before = integrator.stepper->x();
   const std::vector<double>& after = integrator.stepper->tried_x();
@@ -60,7 +83,11 @@ std::optional<CallResult> obstacle_at_kink(const Integrator& integrator) {
     jump[i] = after[i] - before[i];
     tolerances[i] = integrator.weights.tolerance(static_cast<int>(i), after.data());
   }
-  const DifferentiatedChange change = integrator.system.change_of_differentiated(jump.data(), tolerances.data());
+  const auto find_change = [&] { return integrator.system.change_of_differentiated(jump.data(), tolerances.data()); };
+  DifferentiatedChange change = find_change();
+  if (!(change.size > clear_jump)) return std::nullopt;
+  leave_out_slopes(integrator, jump);
+  change = find_change();
   if (!(change.size > clear_jump)) return std::nullopt;
   return CallResult{
       SFDAE_STEP_TOO_SMALL,

@@ -9,6 +9,7 @@
 
 #include "integrate/integration_options.h"
 #include "integrate/integrator.h"
+#include "integrate/step_output.h"
 
 namespace sfdae::core {
 
@@ -26,6 +27,8 @@ bool crosses_kink(const IntegrationOptions& options, double t, double h);
 
 // t, or where the solution is evaluated for it.
 double beside_kink(const IntegrationOptions& options, const Integrator& integrator, double t);
+// The solution at t is asked for, which is evaluated where the request says.
+PointRequest request_beside_kink(double t, const PointRequest& request);
 
 // What keeps the step across the gap, which has been tried, from being accepted: what is differentiated jumps.
 std::optional<CallResult> obstacle_at_kink(const Integrator& integrator);

@@ -37,7 +37,8 @@ void find_slopes(Integrator& integrator, const PointRequest& request, double* x,
       integrator.method == Method::radau && request.t != state.t && request.slopes == Slopes::wanted;
   if (request.slopes == Slopes::none || (request.slopes == Slopes::rough && !system.is_linear()))
     std::fill_n(xdot, system.unknowns(), 0.0);
-  else if (system.differential() == 0) system.consistent_derivative(x, integrator.direction, xdot);
+  else if (system.differential() == 0 || request.slopes == Slopes::consistent)
+    system.consistent_derivative(x, integrator.direction, xdot);
   else if (!(is_within_long_step && system.exact_derivative(x, xdot)))
     system.correct_derivative(state.last.leading_coefficient, x, xdot);
   const std::size_t n = index(system.unknowns());
@@ -74,6 +75,8 @@ void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, c
   check_ranks(integrator, request.t);
   check_differences(integrator, x);
   find_slopes(integrator, request, x, xdot);
+  if (request.distance == 0.0) return;
+  for (std::size_t i = 0; i < index(integrator.system.unknowns()); ++i) x[i] += request.distance * xdot[i];
 }
 
 // Consistent x, and the slope of the polynomial.

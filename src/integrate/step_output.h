@@ -8,14 +8,16 @@
 
 namespace sfdae::core {
 
-// What x' is needed for. Rough: an estimate, for which what costs much is left out, and zero will do.
-enum class Slopes { none, rough, wanted };
+// What x' is needed for. Rough: an estimate, for which what costs much is left out, and zero will do. Consistent: from the
+// derivative array where that is possible, whatever it costs.
+enum class Slopes { none, rough, wanted, consistent };
 
 struct PointRequest {
   double t;
   bool may_refine;  // where the integrator's polynomial is not accurate it is made so
   Slopes slopes;
   bool may_interpolate = false;  // the polynomial alone will do where it is accurate, without constraints
+  double distance = 0.0;         // x is to be that of t + distance, a rounding error of t away, by its slope at t
 };
 
 class StepOutput {

@@ -254,6 +254,37 @@ TEST(Kinks, MayBeEvents) {
   }
 }
 
+// Seconds since 1970: within the rounding errors of t, 5e-5 s here, unknowns change by many tolerances. That is no jump, and
+// what is asked of a knot is the solution there.
+TEST(Kinks, AreCrossedWhereTimesAreLarge) {
+  const double day = 1.7e9;
+  Input input{{0.0, 1.0, 2.0, 3.0, 10.0}, {0.0, 2.0, -1.0, 4.0, 4.0}, 1, Argument::plain, 0.0};
+  for (double& place : input.x) place += day;
+  const Vector integrals = {0.0, 1.0, 1.5, 3.0}, slopes = {2.0, -3.0, 5.0, 0.0};  // at knots, and after them
+  sfdae::NonlinearProblem problem(3, 3);
+  problem.equations = [&](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] - x[1];
+    F[1] = x[1] - input(t);
+    F[2] = xdot[1] - x[2];
+  };
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (bool is_forward : {true, false}) {
+      sfdae::Options options;
+      options.method = method;
+      sfdae::Solver solver(problem, options);
+      const int first = is_forward ? 0 : 3, last = is_forward ? 3 : 0, step = is_forward ? 1 : -1;
+      const auto at = [](const Vector& values, int k) { return values[static_cast<std::size_t>(k)]; };
+      sfdae::Point point{at(input.x, first), {at(integrals, first), at(input.y, first), 0.0}, {}};
+      solver.start(point, at(input.x, last));
+      for (int k = first + step; k != last + step; k += step) {
+        ASSERT_EQ(solver.advance(at(input.x, k), point), SFDAE_OK);
+        EXPECT_NEAR(point.x[0], at(integrals, k), 2e-5);
+        EXPECT_NEAR(point.x[1], at(input.y, k), 2e-5);
+        EXPECT_NEAR(point.x[2], at(slopes, k), 1e-4);
+      }
+    }
+}
+
 // ---- Impulses ----------------------------------------------------------------------------------------------------
 
 std::string obstacle_of(sfdae::Solver solver, Vector x) {
