@@ -108,14 +108,18 @@ Vector with_inputs(NonlinearProblem& problem, double t, const Vector& given) {
   return target;
 }
 
-// weights: empty, or units of the components.
+// weights: empty, or units of the components, whose squares may overflow.
 double length(const Vector& v, const Vector& weights) {
-  double sum = 0.0;
+  const auto entry = [&](std::size_t i) { return v[i] / (weights.empty() ? 1.0 : weights[i]); };
+  double largest = 0.0, sum = 0.0;
+  for (std::size_t i = 0; i < v.size(); ++i) largest = std::max(largest, std::fabs(entry(i)));
+  if (largest == 0.0 || std::isinf(largest)) return largest;
+  const int exponent = std::ilogb(largest);
   for (std::size_t i = 0; i < v.size(); ++i) {
-    const double entry = v[i] / (weights.empty() ? 1.0 : weights[i]);
-    sum += entry * entry;
+    const double scaled = std::ldexp(entry(i), -exponent);
+    sum += scaled * scaled;
   }
-  return std::sqrt(sum);
+  return std::ldexp(std::sqrt(sum), exponent);
 }
 
 Vector difference(const Vector& a, const double* b) {

@@ -8,9 +8,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <string>
 #include <vector>
+
+#include "random.h"
 
 namespace {
 
@@ -19,15 +20,7 @@ using sfdae::Expression;
 using sfdae::Expressions;
 using Vector = std::vector<double>;
 
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double real(double a, double b) { return std::uniform_real_distribution<double>(a, b)(engine_); }
-  int integer(int a, int b) { return std::uniform_int_distribution<int>(a, b)(engine_); }
-
- private:
-  std::mt19937 engine_;
-};
+using sfdae_test::Random;
 
 // An input of t, t shifted, t reversed, or repeated with a period.
 enum class Argument { plain, scaled, reversed, periodic };

@@ -8,8 +8,9 @@
 
 #include <array>
 #include <cmath>
-#include <random>
 #include <vector>
+
+#include "random.h"
 
 namespace {
 
@@ -18,19 +19,7 @@ using sfdae::Expression;
 using sfdae::Expressions;
 using Vector = std::vector<double>;
 
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double real(double a, double b) { return std::uniform_real_distribution<double>(a, b)(engine_); }
-  Vector reals(int count, double a, double b) {
-    Vector values(static_cast<std::size_t>(count));
-    for (double& value : values) value = real(a, b);
-    return values;
-  }
-
- private:
-  std::mt19937 engine_;
-};
+using sfdae_test::Random;
 
 Vector weights_between(Random& random, double least, double most, int count) {
   Vector weights = random.reals(count, std::log(least), std::log(most));
@@ -115,6 +104,22 @@ TEST(WeightedStartValues, AreALocalMinimumOnBentConstraints) {
             << "seed " << seed << ", radius " << radius;
       }
   }
+}
+
+// Only their ratios count, and whose squares overflow are weights, too: what must hardly move does not.
+TEST(WeightedStartValues, MayHaveSquaresThatOverflow) {
+  sfdae::NonlinearProblem problem(2, 2);
+  problem.equations = [](const Expression&, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] + x[1];
+    F[1] = x[1] * x[1] - x[0] - 1.5;
+  };
+  const Vector x = consistent(problem, {0.5, 2.0}, {1.0, 1.3});
+  for (double unit : {1e-200, 1e200}) {
+    const Vector same = consistent(problem, {0.5 * unit, 2.0 * unit}, {1.0, 1.3});
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(same[i], x[i], 1e-8);
+  }
+  EXPECT_NEAR(consistent(problem, {1e-200, 1e100}, {1.0, 1.3})[0], 1.0, 1e-12);
+  EXPECT_NEAR(consistent(problem, {1e100, 1e-200}, {1.0, 1.3})[1], 1.3, 1e-12);
 }
 
 }  // namespace
