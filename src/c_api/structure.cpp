@@ -58,10 +58,12 @@ CallResult describe_overdetermined(const Record& record, const Overdetermined& p
   for (int j : part.unknowns)
     if (arrays.orders != nullptr) arrays.orders[j] = 0;
   CallResult words;
-  words.message = format(
-      "%zu equations contain %s: %s. They contradict each other or are redundant, and other unknowns are not "
-      "determined.",
-      part.equations.size(), unknowns_in_words(part.unknowns).c_str(), names_of(record, part.equations).c_str());
+  const std::string unknowns = unknowns_in_words(part.unknowns), names = names_of(record, part.equations);
+  words.message = part.equations.size() == 1
+                      ? names + " contains " + unknowns + ". It is contradictory or redundant"
+                      : format("%zu equations contain %s: %s. They contradict each other or are redundant",
+                               part.equations.size(), unknowns.c_str(), names.c_str());
+  words.message += ", and other unknowns are not determined.";
   return words;
 }
 
