@@ -20,6 +20,20 @@ struct Factors {
 
 inline void set_abs(const Lanes& value, Lanes& result) { result = value < 0.0 ? -value : value; }
 
+// The largest (|value_k| - noise_k) factor_k at any point, zero if none is positive.
+inline double largest_above_noise(const Lanes* values, int count, const double* noise, const double* factors) {
+  Lanes most{};
+  for (int k = 0; k < count; ++k) {
+    Lanes size;
+    set_abs(values[k], size);
+    size = (size - noise[k]) * factors[k];
+    most = size > most ? size : most;
+  }
+  double largest = most[0];
+  for (int l = 1; l < lane_count; ++l) largest = most[l] > largest ? most[l] : largest;
+  return largest;
+}
+
 // False: no pivot of some column is good for all points.
 inline bool choose_pivot(const Factors& lu, int p) {
   // A diagonal that is hardly less than the largest entry saves the search; with less than a hundredth of it rounding

@@ -316,15 +316,7 @@ void change_all(Work& work) {
   work.norm = std::numeric_limits<double>::quiet_NaN();
   if (any(bad)) return;
   // As MultibodyIteration::norm_of.
-  Lanes norms{};
-  for (int k = 0; k < 2 * n; ++k) {
-    Lanes size;
-    set_abs(dq[k], size);
-    size = (size - work.noise[k]) * work.inverse_weights[k];
-    norms = size > norms ? size : norms;
-  }
-  work.norm = norms[0];
-  for (int l = 1; l < lane_count; ++l) work.norm = norms[l] > work.norm ? norms[l] : work.norm;
+  work.norm = largest_above_noise(dq, 2 * n, work.noise, work.inverse_weights);
 }
 
 SFDAE_LANE_KERNEL(evaluate_all, Work)

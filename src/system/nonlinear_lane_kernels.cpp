@@ -175,15 +175,7 @@ void change_all(Work& work) {
   work.norm = std::numeric_limits<double>::quiet_NaN();
   if (any(bad)) return;
   // As NonlinearIteration::weighted_norm.
-  Lanes norms{};
-  for (int k = 0; k < count; ++k) {
-    Lanes size;
-    set_abs(work.changes[k], size);
-    size = (size - work.noise[k]) * work.norms[k];
-    norms = size > norms ? size : norms;
-  }
-  work.norm = norms[0];
-  for (int l = 1; l < lane_count; ++l) work.norm = norms[l] > work.norm ? norms[l] : work.norm;
+  work.norm = largest_above_noise(work.changes, count, work.noise, work.norms);
 }
 
 SFDAE_LANE_KERNEL(take_all_slopes, Work)

@@ -28,6 +28,17 @@ inline Call create_call(Create create, const sfdae_options& options) {
   return {"create", [create, options](Session& s) { return armed([&] { return create(&s.solver, options); }); }};
 }
 
+// Creates a solver of n recorded equations.
+inline int create_recorded(sfdae_solver** solver, const sfdae_options& options, int n,
+                           sfdae_equations_function equations, const char* const* names = nullptr) {
+  sfdae_nonlinear_problem problem;
+  sfdae_nonlinear_problem_init(&problem, sizeof problem);
+  problem.num_equations = problem.num_unknowns = n;
+  problem.equations = equations;
+  problem.equation_names = names;
+  return sfdae_create_nonlinear(solver, &problem, &options);
+}
+
 inline sfdae_options options_of(int method, double tol) {
   sfdae_options options;
   sfdae_options_init(&options, sizeof options);

@@ -223,11 +223,7 @@ int record_linear(sfdae_record* record, sfdae_expression t, const sfdae_expressi
 
 TEST_P(Methods, WithRecordedLinearEquations) {
   const auto create = [](sfdae_solver** solver, const sfdae_options& options) {
-    sfdae_nonlinear_problem problem;
-    sfdae_nonlinear_problem_init(&problem, sizeof problem);
-    problem.num_equations = problem.num_unknowns = 2;
-    problem.equations = record_linear;
-    return sfdae_create_nonlinear(solver, &problem, &options);
+    return create_recorded(solver, options, 2, record_linear);
   };
   const auto set_parameter = [](double value) {
     return Call{"set parameter",

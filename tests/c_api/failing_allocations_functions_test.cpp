@@ -45,11 +45,7 @@ int pendulum(sfdae_record*, sfdae_expression t, const sfdae_expression* x, const
 }
 
 int create_pendulum(sfdae_solver** solver, const sfdae_options& options) {
-  sfdae_nonlinear_problem problem;
-  sfdae_nonlinear_problem_init(&problem, sizeof problem);
-  problem.num_equations = problem.num_unknowns = 5;
-  problem.equations = pendulum;
-  return sfdae_create_nonlinear(solver, &problem, &options);
+  return create_recorded(solver, options, 5, pendulum);
 }
 
 TEST_P(Methods, WithFunctionsInNonlinearEquations) {
@@ -100,11 +96,7 @@ int linear(sfdae_record*, sfdae_expression t, const sfdae_expression* x, const s
 
 TEST_P(Methods, WithFunctionsInLinearEquations) {
   const auto create = [](sfdae_solver** solver, const sfdae_options& options) {
-    sfdae_nonlinear_problem problem;
-    sfdae_nonlinear_problem_init(&problem, sizeof problem);
-    problem.num_equations = problem.num_unknowns = 2;
-    problem.equations = linear;
-    return sfdae_create_nonlinear(solver, &problem, &options);
+    return create_recorded(solver, options, 2, linear);
   };
   const std::vector<double> x = {1.0, 0.5};
   run_with_faults({"functions in linear equations",
@@ -128,12 +120,7 @@ int fenced(sfdae_record*, sfdae_expression, const sfdae_expression* x, const sfd
 TEST_P(Methods, WhereAFunctionCannotBeEvaluated) {
   static const char* const names[] = {"balance of what comes and what goes"};
   const auto create = [](sfdae_solver** solver, const sfdae_options& options) {
-    sfdae_nonlinear_problem problem;
-    sfdae_nonlinear_problem_init(&problem, sizeof problem);
-    problem.num_equations = problem.num_unknowns = 1;
-    problem.equations = fenced;
-    problem.equation_names = names;
-    return sfdae_create_nonlinear(solver, &problem, &options);
+    return create_recorded(solver, options, 1, fenced, names);
   };
   Call failed = advance("advance to the fence", 1.0);
   failed.failure = SFDAE_CALLBACK_FAILED;

@@ -145,12 +145,8 @@ int record_pendulum(sfdae_record* record, sfdae_expression t, const sfdae_expres
   return 0;
 }
 
-int create_recorded(sfdae_solver** solver, const sfdae_options& options) {
-  sfdae_nonlinear_problem problem;
-  sfdae_nonlinear_problem_init(&problem, sizeof problem);
-  problem.num_equations = problem.num_unknowns = 5;
-  problem.equations = record_pendulum;
-  return sfdae_create_nonlinear(solver, &problem, &options);
+int create_pendulum(sfdae_solver** solver, const sfdae_options& options) {
+  return create_recorded(solver, options, 5, record_pendulum);
 }
 
 std::vector<Call> with_parameter(const std::vector<double>& x) {
@@ -263,7 +259,7 @@ constexpr double tolerance = 1e-3, several_tolerances = 10.0 * tolerance;
 std::vector<Subject> subjects() {
   const std::vector<double> swing = {0.6, -0.8, 0.8, 0.6, 0.3}, turning = {0.0, 0.0, 0.0, 0.4, -0.04, 0.5, 0.1, 0.1};
   return {{"varying linear problem", create_varying, {0.3, 0.1, 0.2}, false, 0.0, linear_inspection()},
-          {"recorded pendulum", create_recorded, swing, true, several_tolerances, with_parameter(swing), 1},
+          {"recorded pendulum", create_pendulum, swing, true, several_tolerances, with_parameter(swing), 1},
           {"callbacks of a nonlinear problem",
            create_callbacks,
            {1.0, 1.0},

@@ -106,19 +106,15 @@ int record_pendulum(sfdae_record*, sfdae_expression, const sfdae_expression* x, 
 }
 
 template <sfdae_equations_function record, int n>
-int create_recorded(sfdae_solver** solver, const sfdae_options& options) {
-  sfdae_nonlinear_problem problem;
-  sfdae_nonlinear_problem_init(&problem, sizeof problem);
-  problem.num_equations = problem.num_unknowns = n;
-  problem.equations = record;
-  return sfdae_create_nonlinear(solver, &problem, &options);
+int create_formulas(sfdae_solver** solver, const sfdae_options& options) {
+  return create_recorded(solver, options, n, record);
 }
 
 TEST_P(Methods, InTheTheoryOfANonlinearProblem) {
   const std::vector<double> x = {0.6, -0.8, 0.8, 0.6, 1.8};
   Sequence sequence{"theory of a nonlinear problem",
                     x,
-                    {create_call(create_recorded<record_pendulum, 5>, options_of(GetParam(), 1e-3)),
+                    {create_call(create_formulas<record_pendulum, 5>, options_of(GetParam(), 1e-3)),
                      start("start", x), advance("advance", 0.3)},
                     1e-3};
   sequence.density = 2;
@@ -184,7 +180,7 @@ TEST_P(Methods, WhereTheSlopeIsGuessed) {
   options.xdot_is_guess = 1;
   run_with_faults({"guess of a slope",
                    {1.0},
-                   {create_call(create_recorded<record_square, 1>, options), start_downward(), certify(),
+                   {create_call(create_formulas<record_square, 1>, options), start_downward(), certify(),
                     advance("advance", 0.5)},
                    1e-2});
 }
@@ -203,7 +199,7 @@ TEST_P(Methods, WhereANonlinearProblemIsSingular) {
   changed.failure = SFDAE_CHARACTERISTICS_CHANGED;
   run_with_faults({"singular point",
                    x,
-                   {create_call(create_recorded<record_circle, 2>, options_of(GetParam(), 1e-3)), start("start", x),
+                   {create_call(create_formulas<record_circle, 2>, options_of(GetParam(), 1e-3)), start("start", x),
                     changed, get_change()},
                    1e-2});
 }

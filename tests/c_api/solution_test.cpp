@@ -112,16 +112,22 @@ TEST(Solution, GoesBackward) {
   EXPECT_NEAR(solution(-0.5).x[1], std::sin(-0.5), 1e-5);
 }
 
-// Without differential equations steps are as long as the interval; a kink at 1/3, where halving helps.
-TEST(Solution, FollowsAlgebraicEquations) {
-  sfdae::NonlinearProblem problem(1, 1);
-  problem.equations = [](const auto& t, auto x, auto, auto F) { F[0] = x[0] - sin(40.0 * t) - abs(t - 1.0 / 3.0); };
+// Of one unknown that is algebraic, from 0 to 1.
+Solution solution_of(const sfdae::NonlinearProblem& problem) {
   Solution solution;
   sfdae::Solver solver(problem, options_of(SFDAE_METHOD_BDF, 1e-5));
   solver.record(solution);
   sfdae::Point point{0.0, {0.0}, {}};
   solver.start(point, 1.0);
   solver.advance(1.0, point);
+  return solution;
+}
+
+// Without differential equations steps are as long as the interval; a kink at 1/3, where halving helps.
+TEST(Solution, FollowsAlgebraicEquations) {
+  sfdae::NonlinearProblem problem(1, 1);
+  problem.equations = [](const auto& t, auto x, auto, auto F) { F[0] = x[0] - sin(40.0 * t) - abs(t - 1.0 / 3.0); };
+  const Solution solution = solution_of(problem);
   for (double t = 0.0; t <= 1.0; t += 1e-3) {
     if (std::fabs(t - 1.0 / 3.0) < 2e-3) continue;
     EXPECT_NEAR(solution(t).x[0], std::sin(40.0 * t) + std::fabs(t - 1.0 / 3.0), 2e-5) << t;
@@ -183,12 +189,7 @@ TEST(Solution, KnowsWhereItIsNotAccurate) {
     problem.equations = [=](const auto& t, auto x, auto, auto F) {
       F[0] = x[0] - sin(t) - (jumps ? choose(t - 1.0 / 3.0, 1.0, 0.0) : 0.0 * t);
     };
-    Solution solution;
-    sfdae::Solver solver(problem, options_of(SFDAE_METHOD_BDF, 1e-5));
-    solver.record(solution);
-    sfdae::Point point{0.0, {0.0}, {}};
-    solver.start(point, 1.0);
-    solver.advance(1.0, point);
+    const Solution solution = solution_of(problem);
     const Solution loaded = Solution::load(solution.save());
     EXPECT_EQ(loaded.accuracy().in_tolerances, solution.accuracy().in_tolerances);
     EXPECT_EQ(loaded.accuracy().t, solution.accuracy().t);
