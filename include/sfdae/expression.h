@@ -114,10 +114,10 @@ SFDAE_API sfdae_expression sfdae_time_derivative(sfdae_expression a);
  * data there is no value: evaluations fail, as log(-1) does. To hold the values at the ends write the table of
  * min(max(a, x[0]), x[count - 1]), for periodic data that of modulo(a - x[0], period) + x[0].
  * Steps of an integration end where t, or a linear function of it (modulo a period, too), reaches a knot, so that no
- * kink of an input is stepped over. Where the first derivative (degree 1, the end of a period) or the value (a condition)
- * jumps, a step leads across that is as short as rounding errors of t; outputs there are those after it. If what is
- * differentiated would jump, as the velocities of a position drive of degree 1, the integration ends with
- * SFDAE_STEP_TOO_SMALL: x' is infinite there. */
+ * kink of an input is stepped over. Where the first derivative (degree 1, the end of a period), the value (a condition) or
+ * what x depends on (a degree up to mu) jumps, a step leads across that is as short as rounding errors of t; outputs there
+ * are those after it. If what is differentiated would jump, as the velocities of a position drive of degree 1, the
+ * integration ends with SFDAE_STEP_TOO_SMALL: x' is infinite there. */
 SFDAE_API sfdae_expression sfdae_table(sfdae_expression a, int degree, int count, const double* x, const double* y);
 
 /** Writes all partial derivatives of one order of a function of k arguments: order 0 the value; order 1 the gradient, k

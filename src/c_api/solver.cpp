@@ -377,6 +377,7 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
     solver->integration =
         std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
                                       solver->options.integration, InitialPoint{t, toward, found.x, found.xdot});
+    solver->note_differentiations();
     solver->integration->record(solver->solution);
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
@@ -419,6 +420,7 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
     solver->integration =
         restore_checkpoint(solver->model, solver->options.model, solver->options.integration, checkpoint, length);
+    solver->note_differentiations();
     solver->integration->record(solver->solution);
     solver->decisions.clear();
     solver->initial_report.reset();

@@ -46,6 +46,10 @@ struct sfdae_solver {
   sfdae::core::Problem& problem() { return model.problem(); }
   // Null before an analysis.
   const sfdae::core::DaeSystem* system() const { return model.system(); }
+  // Before the first step.
+  void note_differentiations() {
+    if (breakpoints) breakpoints->set_differentiations(system()->analysis().values.mu);
+  }
   void forget_analysis() {
     integration.reset();
     model.forget_system();
@@ -74,8 +78,9 @@ struct sfdae_solver {
 namespace sfdae::core {
 
 inline constexpr const char* out_of_memory = "out of memory.";
-// Whose words stay: those of the call always, or those that explain an earlier failure.
-enum class Text { of_call, of_failure };
+// Whose words stay: those of the call always; those that explain an earlier failure; or these unless the call has words to
+// say with success, which are what was asked for.
+enum class Text { of_call, of_failure, of_answer };
 
 // What helps where a multibody system with callbacks fails: a look at its derivatives.
 inline const char* hint_of(const sfdae_solver& solver, int status) {
@@ -100,7 +105,8 @@ int guarded(sfdae_solver* solver, Body body) noexcept {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
   if (solver->busy.exchange(true)) return SFDAE_BUSY;
   const auto say = [solver](int status, const char* text) {
-    if (text_kept == Text::of_call) solver->message_explains_failure = status < 0;
+    const bool is_answer = text_kept == Text::of_answer && status >= 0 && *text != '\0';
+    if (text_kept == Text::of_call || is_answer) solver->message_explains_failure = status < 0;
     else if (solver->message_explains_failure) return status;
     if (*text == '\0') solver->message[0] = '\0';
     else std::snprintf(solver->message, sizeof solver->message, "%s%s", text, hint_of(*solver, status));

@@ -22,32 +22,28 @@ constexpr double same_end = 0.25;
 
 bool is_table(const PointFunction& function) { return !function.breakpoints().empty(); }
 
-// At each breakpoint: whether the value or the first derivative on both sides differs; the ends count.
-std::vector<char> kinks_of(const FunctionCall& table) {
+// At each breakpoint: whether the derivative of that order differs on both sides; the ends count.
+std::vector<char> jumps_of(const PointFunction& table) {
   constexpr double few = 1e-9;  // far beyond rounding errors
-  const PointFunction& function = *table.function;
-  const std::vector<double>& all = function.breakpoints();
-  const int order = function.jumping_order();
-  const bool can_have_kinks = order <= static_cast<int>(table.by.size()) + 1;
-  std::vector<char> has_kink(all.size(), 1);
+  const std::vector<double>& all = table.breakpoints();
+  std::vector<char> has_jump(all.size(), 1);
   for (std::size_t k = 1; k + 1 < all.size(); ++k) {
     double before = 0.0, after = 0.0;  // constant between breakpoints
-    function.derivatives(order, &all[k - 1], &before);
-    function.derivatives(order, &all[k], &after);
-    has_kink[k] = can_have_kinks && std::fabs(after - before) > few * (std::fabs(after) + std::fabs(before)) ? 1 : 0;
+    table.derivatives(table.jumping_order(), &all[k - 1], &before);
+    table.derivatives(table.jumping_order(), &all[k], &after);
+    has_jump[k] = std::fabs(after - before) > few * (std::fabs(after) + std::fabs(before)) ? 1 : 0;
   }
-  return has_kink;
+  return has_jump;
 }
 
 }  // namespace
 
 // What is found, looking from t.
 struct TimeBreakpoints::Search {
-  Search(double time, double its_direction) : t(time), direction(its_direction) {}
-
   double t, direction;
-  std::optional<double> end;  // of a step
-  std::optional<Gap> gap;     // that holds t
+  int differentiations;
+  std::optional<double> end = {};  // of a step
+  std::optional<Gap> gap = {};     // that holds t
 
   static double half_of_gap(double time, double size) { return half_gap * std::max(std::fabs(time), size); }
 
@@ -76,7 +72,7 @@ TimeBreakpoints::TimeBreakpoints(const std::vector<const TaylorEvaluator*>& eval
 
 TimeBreakpoints::Search TimeBreakpoints::search(double t, double direction) {
   const QuietArithmetic quiet;  // what is unknown is NaN
-  Search found(t, direction);
+  Search found{.t = t, .direction = direction, .differentiations = std::max(differentiations_, 1)};
   for (Inputs& inputs : inputs_) inputs.search(found);
   return found;
 }
@@ -125,7 +121,9 @@ TimeBreakpoints::Inputs::Inputs(const TaylorEvaluator& evaluator)
     if (record_.is_active(argument) || !varies_in_time(record_.dependence(argument)) || !is_table(*call.function))
       continue;
     const std::vector<double>& places = call.function->breakpoints();
-    tables_.push_back({i, kinks_of(call), std::max(std::fabs(places.front()), std::fabs(places.back()))});
+    const double size = std::max(std::fabs(places.front()), std::fabs(places.back()));
+    const int order = call.function->jumping_order() - static_cast<int>(call.by.size());
+    tables_.push_back({i, jumps_of(*call.function), order, size});
     is_needed[index(argument)] = 1;
   }
   if (tables_.empty()) return;
@@ -243,8 +241,10 @@ void TimeBreakpoints::Inputs::search_table(const Table& table, Search& search_fo
     // There a period ends.
     if (!(time - argument.first > half && argument.last - time > half)) continue;
     // Beyond the ends of the data there is nothing, but another choice.
-    const bool has_kink = table.has_kink[static_cast<std::size_t>(k)] != 0;
-    if (has_kink && (argument.has_choice || (k > 0 && k < last))) search_for.note_kink(time, size);
+    const bool is_end = k == 0 || k == last;
+    const bool has_kink = table.has_jump[static_cast<std::size_t>(k)] != 0 &&
+                          (is_end ? argument.has_choice : table.order <= search_for.differentiations);
+    if (has_kink) search_for.note_kink(time, size);
     else search_for.note_smooth(time);
   }
 }

@@ -19,9 +19,12 @@ class TimeBreakpoints {
   // Parameters are those that the evaluators have when they are asked; they live as long as this.
   explicit TimeBreakpoints(const std::vector<const TaylorEvaluator*>& evaluators);
 
+  // Unknowns depend on derivatives up to this order; those up to the first count in any case.
+  void set_differentiations(int count) { differentiations_ = count; }
+
   // Where a step has to end: the next one after t in a direction, +1 or -1, farther away than rounding errors of t. In
-  // place of a kink, where values or first derivatives may jump (of tables of degree 1, where a condition changes, where a
-  // period ends), both ends of its gap. Nothing is allocated.
+  // place of a kink, where values, first derivatives or what unknowns depend on may jump (of tables of degree 1 or a degree
+  // that is not above the number of differentiations, where a condition changes, where a period ends), both ends of its gap. Nothing is allocated.
   std::optional<double> next(double t, double direction);
   // Times about a kink within which rounding errors decide on which side of it functions are evaluated.
   struct Gap {
@@ -57,8 +60,9 @@ class TimeBreakpoints {
    private:
     struct Table {
       int node;
-      std::vector<char> has_kink;  // at each of its breakpoints
-      double size;                 // of its arguments
+      std::vector<char> has_jump;  // of the derivative of `order`, at each of its breakpoints
+      int order;
+      double size;  // of its arguments
     };
 
     const Curve& curve(int node) const;
@@ -83,6 +87,7 @@ class TimeBreakpoints {
   Search search(double t, double direction);
 
   std::vector<Inputs> inputs_;
+  int differentiations_ = 0;
 };
 
 }  // namespace sfdae::core

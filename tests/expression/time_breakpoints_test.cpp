@@ -118,6 +118,18 @@ TEST(TimeBreakpoints, AreKinksOfDerivatives) {
   }
 }
 
+// Unknowns that depend on the derivative of order p jump with it.
+TEST(TimeBreakpoints, AreKinksWhereWhatIsDifferentiatedJumps) {
+  Recording r(1);
+  const TableData data{3, {0, 1, 2, 3, 4, 5, 6, 7}, {0, 1, 0, 1, 0, 1, 0, 1}};
+  const TaylorEvaluator evaluator(r.finish({r.x[0] - call(Spline::through(data), {r.t})}));
+  TimeBreakpoints breakpoints({&evaluator});
+  for (int count : {0, 1, 2, 3, 4}) {
+    breakpoints.set_differentiations(count);
+    EXPECT_EQ(breakpoints.gap_at(3.0).has_value(), count >= 3) << count;
+  }
+}
+
 // What takes a path for every use of a part, or a call for every operation, does not end.
 TEST(TimeBreakpoints, OfArgumentsThatShareParts) {
   constexpr int many = 60, very_many = 200000;

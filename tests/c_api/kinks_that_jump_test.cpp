@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Inputs with kinks that make unknowns jump: what is differentiated must not, the others may.
+
+#include <sfdae/sfdae.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using sfdae::ConstExpressions;
+using sfdae::Expression;
+using sfdae::Expressions;
+using Vector = std::vector<double>;
+
+std::string obstacle_of(sfdae::Solver solver, Vector x) {
+  sfdae::Point point{0.0, std::move(x), {}};
+  solver.start(point, 2.0);
+  EXPECT_EQ(solver.advance(0.9, point), SFDAE_OK);
+  try {
+    solver.advance(1.5, point);
+    return "";
+  } catch (const sfdae::Error& error) {
+    EXPECT_EQ(error.status(), SFDAE_STEP_TOO_SMALL);
+    EXPECT_NEAR(point.t, 1.0, 1e-12);
+    return error.what();
+  }
+}
+
+// A position is prescribed by a polygon: its velocity jumps, the force is an impulse, which is none of the values that
+// functions have. Masses hand it on: v2 jumps by -m12 times that. There is no such solution to be found by steps.
+TEST(Kinks, ThatAskForImpulsesAreNamed) {
+  const Vector places = {0.0, 1.0, 2.0}, values = {0.0, 0.5, -0.3};
+  const double m12 = 0.4;
+  sfdae::NonlinearProblem nonlinear(5, 5);
+  nonlinear.equations = [=](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] - x[2];
+    F[1] = xdot[1] - x[3];
+    F[2] = xdot[2] + m12 * xdot[3] - x[4];
+    F[3] = m12 * xdot[2] + xdot[3];
+    F[4] = x[0] - sfdae::table(t, 1, places, values);
+  };
+  sfdae::MultibodyProblem mechanical(2, 1);
+  mechanical.equations = [=](const auto& t, auto q, auto, auto to) {
+    to.M(0, 0) = to.M(1, 1) = 1.0;
+    to.M(0, 1) = to.M(1, 0) = m12;
+    to.g[0] = q[0] - sfdae::table(t, 1, places, values);
+  };
+  // A jump of what is differentiated once.
+  sfdae::NonlinearProblem saw_tooth(3, 3);
+  saw_tooth.equations = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] - x[1];
+    F[1] = x[0] - sfdae::table(modulo(t, 1.0), 1, {0.0, 1.0}, {0.0, 0.7});
+    F[2] = xdot[2] - x[1];
+  };
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    sfdae::Options options;
+    options.method = method;
+    const char* const words = "an input has a kink or a jump at t = 0.99999";
+    EXPECT_NE(obstacle_of(sfdae::Solver(nonlinear, options), {0.0, 0.0, 0.5, 0.0, 0.0}).find(words),
+              std::string::npos);
+    EXPECT_NE(obstacle_of(sfdae::Solver(mechanical, options), {0.0, 0.0, 0.5, 0.0, 0.0}).find("x[2]"),
+              std::string::npos);
+    EXPECT_NE(obstacle_of(sfdae::Solver(saw_tooth, options), {0.0, 0.7, 0.0}).find("x[0]"), std::string::npos);
+  }
+}
+
+// As the velocities of a polygon do, derivatives of order p of splines jump at knots: mu = 4 differentiates those of p = 3.
+TEST(Kinks, ThatAskForImpulsesAreNamedForSplines) {
+  const Vector places = {0.0, 0.5, 1.0, 1.5, 2.0, 2.5}, values = {0.0, 0.3, -0.2, 0.5, 0.1, 0.4};
+  for (int mu : {3, 4}) {
+    sfdae::NonlinearProblem problem(mu + 2, mu + 2);
+    problem.equations = [=](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+      for (int i = 0; i < mu; ++i) F[i] = xdot[i] - x[i + 1];
+      F[mu] = x[0] - sfdae::table(t, 3, places, values);
+      F[mu + 1] = xdot[mu + 1] - x[mu];  // T^(mu - 1), which has jumps for mu = 4
+    };
+    for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+      sfdae::Options options;
+      options.method = method;
+      sfdae::Solver solver(problem, options);
+      sfdae::Point point{0.0, Vector(static_cast<std::size_t>(mu + 2), 0.0), {}};
+      solver.start(point, 2.0);
+      EXPECT_EQ(solver.characteristics().strangeness_index, mu);
+      const Vector start = point.x;
+      if (mu == 3) {
+        ASSERT_EQ(solver.advance(1.8, point), SFDAE_OK);
+        EXPECT_NEAR(point.x[4] - start[4], point.x[2] - start[2], 1e-4);
+        continue;
+      }
+      EXPECT_EQ(solver.advance(0.9, point), SFDAE_OK);
+      EXPECT_THROW(solver.advance(1.2, point), sfdae::Error);
+      EXPECT_NEAR(point.t, 1.0, 1e-12);
+    }
+  }
+}
+
+// A jump of what is not differentiated is none of x': x = saw-tooth, y' = x has the integral of it.
+TEST(Kinks, OfAlgebraicUnknownsMayBeJumps) {
+  sfdae::NonlinearProblem problem(2, 2);
+  problem.equations = [](const Expression& t, ConstExpressions x, ConstExpressions xdot, Expressions F) {
+    F[0] = xdot[0] - x[1];
+    F[1] = x[1] - sfdae::table(modulo(t, 1.0), 1, {0.0, 1.0}, {0.0, 1.0});
+  };
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (double end : {4.5, -4.5}) {
+      sfdae::Options options;
+      options.method = method;
+      options.rtol = options.atol = 1e-8;
+      sfdae::Solver solver(problem, options);
+      sfdae::Point point{0.0, {0.0, 0.0}, {}};
+      solver.start(point, end);
+      ASSERT_EQ(solver.advance(end, point), SFDAE_OK);
+      // 4 periods of 1/2 and an integral of t from 0 to 1/2, or of t from 1/2 to 1.
+      EXPECT_NEAR(point.x[0], end > 0.0 ? 2.125 : -2.375, 1e-6);
+      EXPECT_NEAR(point.x[1], 0.5, 1e-6);
+    }
+}
+
+// The knots of a drive of positions are where steps end, too: a pulse of width 0.02 within ten units of time, of degree 3.
+TEST(Kinks, OfDrivesOfMechanicalSystemsAreNotSteppedOver) {
+  const Vector places = {0.0, 2.0, 4.0, 5.99, 6.0, 6.01, 8.0, 10.0},
+               values = {0.0, 0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0};
+  sfdae::MultibodyProblem problem(2, 1);
+  problem.equations = [&](const auto& t, auto q, auto, auto to) {
+    to.M(0, 0) = to.M(1, 1) = 1.0;
+    to.f[1] = q[0];  // v2' = q1: v2 is the integral of the drive
+    to.g[0] = q[0] - sfdae::table(t, 3, places, values);
+  };
+  // Of the spline, by Gauss' formula with two points, exact for cubics.
+  double integral = 0.0;
+  for (std::size_t i = 0; i + 1 < places.size(); ++i)
+    for (double place : {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)}) {
+      const double width = places[i + 1] - places[i], t = places[i] + place * width;
+      const int count = static_cast<int>(places.size());
+      integral += 0.5 * width * sfdae_table(sfdae_number(t), 3, count, places.data(), values.data()).value;
+    }
+  for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+    sfdae::Options options;
+    options.method = method;
+    options.rtol = options.atol = 1e-6;
+    sfdae::Solver solver(problem, options);
+    sfdae::Point point{0.0, {0.0, 0.0, 0.0, 0.0, 0.0}, {}};
+    solver.start(point, 10.0);
+    ASSERT_EQ(solver.advance(10.0, point), SFDAE_OK);
+    EXPECT_NEAR(point.x[3], integral, 1e-4);
+  }
+}
+
+}  // namespace
