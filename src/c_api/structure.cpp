@@ -131,7 +131,7 @@ extern "C" {
 
 int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result, int* differentiations, int* orders,
                         int* assigned, int* block) {
-  return guarded(solver, [&]() -> CallResult {
+  return guarded<Text::of_answer>(solver, [&]() -> CallResult {
     if (result == nullptr || !is_plausible_size(result->size))
       return illegal_argument("the result is NULL or its size is not set: call its init function.");
     TaylorEvaluator* const evaluator = solver->kind.multibody != nullptr ? nullptr : solver->model.evaluator();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "linalg/arena.h"
@@ -28,8 +29,11 @@ int Certificate::first(BlockVerdict verdict) const {
 
 namespace {
 
-// The power of two next to 1 / size.
-double inverse_power(double size) { return size > 0.0 ? std::exp2(-std::round(std::log2(size))) : 1.0; }
+// The power of two next to 1 / size, or the largest one.
+double inverse_power(double size) {
+  constexpr double largest = std::numeric_limits<double>::max_exponent - 1;
+  return size > 0.0 ? std::exp2(std::min(-std::round(std::log2(size)), largest)) : 1.0;
+}
 
 // Entries of one size in rows and columns, as far as that can be had: a few sweeps of maxima, as more change little.
 void equilibrate(View a) {

@@ -237,6 +237,50 @@ TEST(Structure, NamesThemAfterAFailureToo) {
       << run.message();
 }
 
+// 1 / 1e-310 is infinite.
+TEST(Structure, IsCertifiedWhereEntriesAreTiny) {
+  NonlinearRun run({3, 3,
+                    [](sfdae_record*, const Expression&, const Expression* x, const Expression* xdot, Expression* F) {
+                      F[0] = xdot[0] - sin(x[1]);
+                      F[1] = 1e-310 * (x[0] - 0.5 * x[1] + 0.3 * x[2]);
+                      F[2] = 1e-310 * (x[1] + x[2]);
+                    }},
+                   options_of(SFDAE_STRUCTURE_AUTOMATIC));
+  ASSERT_EQ(run.start(0.0, 1.0, {0.0, 0.0, 0.0}), SFDAE_OK);
+  EXPECT_EQ(structure_of(run, 3).summary.verdict, SFDAE_STRUCTURE_CERTIFIED);
+}
+
+// Where there is nothing to say of the structure, words that explain a failure stay.
+TEST(Structure, LeavesWordsOfFailuresWhereItHasNone) {
+  NonlinearRun run({1, 1,
+                    [](sfdae_record*, const Expression&, const Expression* x, const Expression* xdot, Expression* F) {
+                      F[0] = xdot[0] - log(x[0]);
+                    }},
+                   options_of(SFDAE_STRUCTURE_AUTOMATIC));
+  ASSERT_EQ(run.start(0.0, 1.0, {-1.0}), SFDAE_NOT_FINITE);
+  const std::string words = run.message();
+  const StructureFound found = structure_of(run, 1);
+  ASSERT_EQ(found.status, SFDAE_OK);
+  EXPECT_EQ(found.summary.has_assignment, 1);
+  EXPECT_EQ(run.message(), words);
+  ASSERT_EQ(sfdae_get_structure(run.solver(), nullptr, nullptr, nullptr, nullptr, nullptr), SFDAE_ILLEGAL_ARGUMENT);
+  EXPECT_EQ(run.message(), words);
+}
+
+TEST(Structure, NamesASingleEquationWithoutUnknowns) {
+  NonlinearRun run(
+      {2, 2,
+       [](sfdae_record*, const Expression& t, const Expression* x, const Expression* xdot, Expression* F) {
+         F[0] = xdot[0] - x[1];
+         F[1] = t;
+       }},
+      options_of(SFDAE_STRUCTURE_AUTOMATIC));
+  ASSERT_EQ(structure_of(run, 2).status, SFDAE_OK);
+  EXPECT_EQ(
+      run.message(),
+      "equation 1 contains no unknown. It is contradictory or redundant, and other unknowns are not determined.");
+}
+
 // The rows of arrays that users see are all there, and projectors fit them: Z2^T M = 0, Z2^T N T2 = 0.
 TEST(Structure, LeavesArraysOfTheTheoryAsTheyAre) {
   constexpr int rows = 15, n = 5, a = 3, d = 2;
