@@ -287,6 +287,7 @@ typedef struct sfdae_options {
    * SFDAE_STRUCTURE_AUTOMATIC (default): where the numbers at the start agree, rows of the derivative array that are not
    * needed are left out, and from some 150 columns of the array on all matrices are sparse; else the whole array is taken,
    * or, where it has more than 1500 columns, the failure is reported. Results are the same within the tolerances.
+   * Where numbers cancel at a later time only, the whole array may go on and the other end with SFDAE_CHARACTERISTICS_CHANGED.
    * SFDAE_STRUCTURE_REQUIRED: always the rows that are needed, with sparse matrices; SFDAE_RANK_UNCLEAR where the numbers do
    * not agree, SFDAE_ILLEGAL_ARGUMENT for problems that have no structure: functions, multibody systems, prescribed
    * components, differentiations, other numbers of equations than of unknowns. SFDAE_STRUCTURE_OFF: always the whole array,

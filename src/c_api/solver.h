@@ -46,6 +46,12 @@ struct sfdae_solver {
   sfdae::core::Problem& problem() { return model.problem(); }
   // Null before an analysis.
   const sfdae::core::DaeSystem* system() const { return model.system(); }
+  // Rows of the derivative array that structure does not ask for are left out.
+  bool follows_structure() const {
+    using sfdae::core::SystemForm;
+    return (system() != nullptr && system()->form() == SystemForm::extension) ||
+           (kind.nonlinear != nullptr && kind.nonlinear->follows_structure());
+  }
   // Before the first step.
   void note_differentiations() {
     if (breakpoints) breakpoints->set_differentiations(system()->analysis().values.mu);
@@ -82,8 +88,12 @@ inline constexpr const char* out_of_memory = "out of memory.";
 // say with success, which are what was asked for.
 enum class Text { of_call, of_failure, of_answer };
 
-// What helps where a multibody system with callbacks fails: a look at its derivatives.
+// What helps where a multibody system with callbacks fails: a look at its derivatives; where rows of the array are left out:
+// the whole array.
 inline const char* hint_of(const sfdae_solver& solver, int status) {
+  if (status == SFDAE_CHARACTERISTICS_CHANGED && solver.follows_structure())
+    return " Or set structure = SFDAE_STRUCTURE_OFF: rows of the derivative array were left out that may be needed "
+           "there.";
   const bool has_callbacks = solver.kind.multibody != nullptr && solver.kind.multibody->callbacks() != nullptr;
   switch (status) {
     case SFDAE_CHARACTERISTICS_CHANGED:

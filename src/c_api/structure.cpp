@@ -111,12 +111,6 @@ std::string judge_blocks(const Structure& structure, const Record& record, const
       is_singular ? "singular" : "nearly singular", block.t, block.rank, block.cols);
 }
 
-bool is_followed(const sfdae_solver& solver) {
-  const DaeSystem* const system = solver.system();
-  return (system != nullptr && system->form() == SystemForm::extension) ||
-         (solver.kind.nonlinear != nullptr && solver.kind.nonlinear->follows_structure());
-}
-
 CallResult not_recorded() {
   return illegal_argument("structure is that of recorded equations, as many as unknowns, linear or nonlinear.");
 }
@@ -153,7 +147,7 @@ int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result, int* diff
     found.index_bound = structure.offsets.index_bound();
     found.num_blocks = structure.blocks.count();
     found.largest_block = structure.blocks.largest();
-    found.is_followed = is_followed(*solver) ? 1 : 0;
+    found.is_followed = solver->follows_structure() ? 1 : 0;
     CallResult words;
     if (const std::optional<Point> point = known_point(*solver)) {
       Certificate certificate;

@@ -237,6 +237,29 @@ TEST(Structure, NamesThemAfterAFailureToo) {
       << run.message();
 }
 
+// x0' = cos t x1: where cos t = 0 the derivative of row 0 determines x1, which the chain of index 3 makes part of the array,
+// and which structure leaves out.
+TEST(Structure, IsNamedWhereRowsLeftOutAreNeeded) {
+  for (int structure : {SFDAE_STRUCTURE_OFF, SFDAE_STRUCTURE_AUTOMATIC}) {
+    NonlinearRun run(
+        {5, 5,
+         [](sfdae_record*, const Expression& t, const Expression* x, const Expression* xdot, Expression* F) {
+           F[0] = xdot[0] - cos(t) * x[1];
+           F[1] = x[0] - sin(t);
+           F[2] = xdot[2] - x[3];
+           F[3] = xdot[3] - x[4];
+           F[4] = x[2] + 0.1 * x[2] * x[2] * x[2] - sin(t);
+         }},
+        options_of(structure));
+    ASSERT_GE(run.start(0.2, 4.0, {0.2, 1.0, 0.2, 1.0, 0.0}), SFDAE_OK);
+    const bool is_followed = structure_of(run, 5).summary.is_followed == 1;
+    EXPECT_EQ(is_followed, structure == SFDAE_STRUCTURE_AUTOMATIC);
+    const int status = run.advance(std::acos(0.0));
+    EXPECT_EQ(status, is_followed ? SFDAE_CHARACTERISTICS_CHANGED : SFDAE_OK);
+    EXPECT_EQ(run.message().find("structure = SFDAE_STRUCTURE_OFF") != std::string::npos, is_followed);
+  }
+}
+
 // 1 / 1e-310 is infinite.
 TEST(Structure, IsCertifiedWhereEntriesAreTiny) {
   NonlinearRun run({3, 3,
