@@ -14,7 +14,7 @@
 namespace sfdae::core::series {
 
 // Of values: max_derivative_order + 1, as x' of a jet has one order less than x.
-constexpr int highest_order = 14;
+constexpr int highest_order = 62;
 
 // An order that the compiler knows.
 template <int value>

@@ -22,7 +22,7 @@
 
 namespace sfdae::core {
 
-// Highest orders, 0 ... 14; -1: none.
+// Highest orders, 0 ... 62; -1: none.
 struct SeriesOrders {
   int F = -1, F_xdot = -1, F_x = -1;
   int of_gradients() const { return F_xdot > F_x ? F_xdot : F_x; }

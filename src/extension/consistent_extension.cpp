@@ -49,8 +49,12 @@ class Change {
 // Until nothing changes, or what changes are rounding errors: those of x are small, and residuals do not become smaller.
 class Progress {
  public:
-  bool has_ended(const Change& change, double residual) {
-    const bool stands = iterations_ > 0 && residual >= 0.1 * residual_ && residual <= Change::small * largest_;
+  // terms: sizes of what is added up in the residuals.
+  bool has_ended(const Change& change, double residual, double terms) {
+    constexpr double rounding = 1e-12;
+    const bool stands = iterations_ > 0 && residual >= 0.1 * residual_ &&
+                        residual <= std::max(Change::small * largest_, rounding * terms);
+    is_stuck_ = iterations_ > 2 && residual >= 0.1 * residual_ && !change.is_small();
     const bool is_small = change.is_small() && iterations_ > 0 && change.of_x() >= 0.1 * before_;
     largest_ = std::max(largest_, residual);
     residual_ = residual;
@@ -59,14 +63,31 @@ class Progress {
     return change.is_negligible() || is_small || (stands && change.of_x() <= Change::small);
   }
 
+  // Residuals have stopped becoming smaller: it is of no use to go on where every step should be as good as the last.
+  bool is_stuck() const { return is_stuck_; }
+
  private:
   int iterations_ = 0;
+  bool is_stuck_ = false;
   double residual_ = 0.0, largest_ = 0.0, before_ = 0.0;
 };
 
 double largest_entry(const std::vector<double>& v) {
   double largest = 0.0;
   for (double entry : v) largest = std::isfinite(entry) ? std::max(largest, std::fabs(entry)) : HUGE_VAL;
+  return largest;
+}
+
+// The largest sum of |derivative| |unknown|; x: of column c.
+template <class Value>
+double largest_terms(const std::vector<int>& first, const std::vector<int>& column, const std::vector<double>& values,
+                     Value x) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i + 1 < first.size(); ++i) {
+    double sum = 0.0;
+    for (int e = first[i]; e < first[i + 1]; ++e) sum += std::fabs(values[index(e)] * x(column[index(e)]));
+    largest = std::max(largest, sum);
+  }
   return largest;
 }
 
@@ -200,7 +221,11 @@ void ConsistentExtension::solve_stage(int stage, const Jet& guess, Jet& jet) {
       if (residual(jet) <= size_of_residual || change.is_small() || halving == most_halvings) break;
     }
     if (!change.is_finite()) fail(jet, "the search has diverged.");
-    if (factor == 1.0 && progress.has_ended(change, size_of_residual)) return;
+    const double terms = largest_terms(J.first, J.column, J.values, [&](int k) {
+      const auto [unknown, order] = columns[k];
+      return jet.column(order)[unknown];
+    });
+    if (factor == 1.0 && progress.has_ended(change, size_of_residual, terms)) return;
   }
   fail(jet, "the search does not come to an end.");
 }
@@ -233,6 +258,10 @@ class WholeStep {
         values_[index(e)] *= factors_[index(i)];
     }
     residual_ = largest_entry(r_);
+    terms_ = largest_terms(equations_.first, equations_.column, values_, [&](int k) {
+      const auto [unknown, order] = extension_.columns()[index(k)];
+      return jet.column(order)[unknown];
+    });
     if (!std::isfinite(residual_) || !step_.factor(equations_, values_, W_, held_)) return false;
     for (std::size_t k = 0; k < dx_.size(); ++k) {
       const auto [unknown, order] = extension_.columns()[k];
@@ -241,8 +270,9 @@ class WholeStep {
     step_.solve(equations_, held_, dx_.data(), r_.data());
     return true;
   }
-  // Before the change, in units of the largest derivatives.
+  // Before the change, in units of the largest derivatives; and what is added up there.
   double residual() const { return residual_; }
+  double terms() const { return terms_; }
   Change apply(double part, const std::vector<double>& sizes, Jet& jet) const {
     Change change;
     for (std::size_t k = 0; k < dx_.size(); ++k) {
@@ -275,7 +305,7 @@ class WholeStep {
   std::vector<double> W_;
   std::vector<char> held_;
   std::vector<double> dx_, r_, factors_, values_;
-  double residual_ = 0.0;
+  double residual_ = 0.0, terms_ = 0.0;
 };
 
 // By changes that are least. False: the search does not come to an end.
@@ -285,7 +315,7 @@ bool fulfil(WholeStep& step, const std::vector<double>& sizes, Jet& jet) {
     if (!step.compute(jet, nullptr)) return false;
     const Change change = step.apply(1.0, sizes, jet);
     if (!change.is_finite()) return false;
-    if (progress.has_ended(change, step.residual())) return true;
+    if (progress.has_ended(change, step.residual(), step.terms())) return true;
   }
   return false;
 }
@@ -309,14 +339,16 @@ void approach(WholeStep& step, const Jet& guess, const std::vector<double>& size
   }
 }
 
-// The whole steps alone: fast, but where constraints are bent they may not come to an end.
+// The whole steps alone: fast, but where constraints are bent, or derivatives of high order lose too many digits, they may
+// not come to an end.
 bool hurry(WholeStep& step, const Jet& guess, const std::vector<double>& sizes, Jet& jet) {
   Progress progress;
   for (int iteration = 0; iteration < few_iterations; ++iteration) {
     if (!step.compute(jet, &guess)) return false;
     const Change change = step.apply(1.0, sizes, jet);
     if (!change.is_finite()) return false;
-    if (progress.has_ended(change, step.residual())) return true;
+    if (progress.has_ended(change, step.residual(), step.terms())) return true;
+    if (progress.is_stuck()) return false;
   }
   return false;
 }
@@ -340,6 +372,8 @@ void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
       jet = std::move(quick);
       return;
     }
+    // The jet is consistent, if not the nearest one.
+    if (request_.kind != InitialValues::fixed) return;
   }
   if (fulfil(step, sizes_, jet)) {
     approach(step, guess, sizes_, jet);

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extension/structured_model.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "expression/series.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
 
@@ -54,7 +56,13 @@ double StructuredModel::array_size() const {
 bool StructuredModel::may_extend(const ModelOptions& options) {
   return options.structure == StructureUse::automatic && !options.analysis.by_svd &&
          options.leading == LeadingTerm::automatic && options.consistency.kind != InitialValues::keep_differential &&
-         problem_.structure() != nullptr && array_size() >= least_array;
+         problem_.structure() != nullptr && orders_are_possible() && array_size() >= least_array;
+}
+
+// Of Taylor series of the equations, and of those of their derivatives by t.
+bool StructuredModel::orders_are_possible() const {
+  const std::vector<int>& c = problem_.structure()->offsets.c;
+  return *std::max_element(c.begin(), c.end()) + 1 <= series::highest_order;
 }
 
 void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& options,
@@ -66,6 +74,9 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
     throw Failure(SFDAE_RANK_UNCLEAR,
                   "the option structure requires what these equations do not have: some contain too few unknowns, as "
                   "sfdae_get_structure tells.");
+  if (is_required && !orders_are_possible())
+    throw Failure(SFDAE_INDEX_TOO_HIGH,
+                  format("structure asks for more than %d derivatives of an equation.", series::highest_order - 1));
   if (is_required || may_extend(options)) {
     problem_.follow_structure(false);
     try {

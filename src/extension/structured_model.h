@@ -59,6 +59,7 @@ class StructuredModel final : public Model {
  private:
   Model& active() { return is_extended_ ? static_cast<Model&>(extended_) : *classical_; }
   bool may_extend(const ModelOptions& options);
+  bool orders_are_possible() const;
   Model& whole();
   // Entries of a row of the whole array.
   double array_size() const;
