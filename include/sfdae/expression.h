@@ -159,11 +159,12 @@ typedef int (*sfdae_total_derivative_function)(double t, int order, const double
 
 /** Nonlinear problem F(t, x, x') = 0. Call sfdae_nonlinear_problem_init first, then set members: exactly one of the
  * three functions. Formulas are differentiated by the library; those that are linear in x and x' are solved as
- * linear problems. */
+ * linear problems. Up to 50000 equations in as many unknowns can be solved where their structure is of use
+ * (sfdae_options.structure): formulas, nothing prescribed, no differentiations. */
 typedef struct sfdae_nonlinear_problem {
   size_t size;                                      /**< set by sfdae_nonlinear_problem_init */
-  int num_equations;                                /**< m, 1 ... 5000 */
-  int num_unknowns;                                 /**< n, 1 ... 5000; m and n may differ */
+  int num_equations;                                /**< m, 1 ... 5000 or more: see below */
+  int num_unknowns;                                 /**< n, 1 ... 5000 or more; m and n may differ */
   sfdae_equations_function equations;               /**< called once, to record F */
   sfdae_linear_equations_function linear_equations; /**< called once, to record E, A and f */
   sfdae_total_derivative_function total_derivative; /**< called at every point */

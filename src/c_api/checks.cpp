@@ -13,8 +13,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Orders beyond this are a mistake, and sizes would overflow.
-constexpr int largest_dimension = 5000;
+// Orders beyond this are a mistake, and sizes would overflow; recorded equations may be solved with sparse matrices.
+constexpr int largest_dimension = 5000, largest_sparse = 50000;
 
 bool is_flag(int value) { return value == 0 || value == 1; }
 
@@ -53,10 +53,9 @@ CallResult check_initial_values(const sfdae_options& options, int n) {
   return {};
 }
 
-CallResult check_dimensions(int m, int n) {
-  if (m < 0 || n < 0 || m > largest_dimension || n > largest_dimension)
-    return illegal_argument(
-        format("num_equations = %d, num_unknowns = %d: must be 1 ... %d.", m, n, largest_dimension));
+CallResult check_dimensions(int m, int n, int largest = largest_dimension) {
+  if (m < 0 || n < 0 || m > largest || n > largest)
+    return illegal_argument(format("num_equations = %d, num_unknowns = %d: must be 1 ... %d.", m, n, largest));
   if (m == 0 || n == 0)
     return {SFDAE_EMPTY_PROBLEM, format("num_equations = %d, num_unknowns = %d: there is nothing to solve.", m, n)};
   return {};
@@ -94,7 +93,11 @@ CallResult check_problem(const sfdae_linear_problem& problem) {
 }
 
 CallResult check_problem(const sfdae_nonlinear_problem& problem) {
-  if (CallResult result = check_dimensions(problem.num_equations, problem.num_unknowns); result.status != SFDAE_OK)
+  const bool may_be_sparse = problem.total_derivative == nullptr && problem.num_equations == problem.num_unknowns &&
+                             problem.num_prescribed == 0 && problem.differentiations == nullptr;
+  if (CallResult result = check_dimensions(problem.num_equations, problem.num_unknowns,
+                                           may_be_sparse ? largest_sparse : largest_dimension);
+      result.status != SFDAE_OK)
     return result;
   const int functions =
       (problem.equations != nullptr) + (problem.linear_equations != nullptr) + (problem.total_derivative != nullptr);

@@ -15,6 +15,8 @@ namespace {
 
 // Columns of the derivative array from which on the extension is faster, as a rule; measured by benchmarks/structure_cost.
 constexpr double least_array = 150.0;
+// Unknowns of problems that may have dense matrices; as in c_api/checks.cpp.
+constexpr int most_unknowns = 5000;
 // Columns up to which the whole array is a way out where the extension fails: some seconds.
 constexpr double largest_array = 1500.0;
 
@@ -88,6 +90,11 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
     }
     decisions.clear();
   }
+  if (n() > most_unknowns)
+    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                  format("%d unknowns are too many for the whole derivative array, which the options or the equations ask "
+                         "for: more than %d need their structure.",
+                         n(), most_unknowns));
   classical_->analyze(point, options, decisions);
 }
 
