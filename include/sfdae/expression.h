@@ -163,8 +163,8 @@ typedef int (*sfdae_total_derivative_function)(double t, int order, const double
  * (sfdae_options.structure): formulas, nothing prescribed, no differentiations. */
 typedef struct sfdae_nonlinear_problem {
   size_t size;                                      /**< set by sfdae_nonlinear_problem_init */
-  int num_equations;                                /**< m, 1 ... 5000 or more: see below */
-  int num_unknowns;                                 /**< n, 1 ... 5000 or more; m and n may differ */
+  int num_equations;                                /**< m, 1 ... 5000 or more: see above */
+  int num_unknowns;                                 /**< n, 1 ... 5000 or more: see above; m and n may differ */
   sfdae_equations_function equations;               /**< called once, to record F */
   sfdae_linear_equations_function linear_equations; /**< called once, to record E, A and f */
   sfdae_total_derivative_function total_derivative; /**< called at every point */

@@ -20,16 +20,21 @@ OPTION_NAMES = tuple(name for name in _FIELDS if name not in _NOT_GIVEN)
 
 
 @functools.lru_cache(maxsize=None)
+# The headers have other constants that begin as those of these options.
+_CHOICES = {"structure": ("off", "automatic", "required")}
+
+
 def choices(option: str) -> dict[str, int]:
     """The constants SFDAE_<OPTION>_<CHOICE> of the headers, in lower case, of an option that is a
     choice.
     """
     prefix = f"SFDAE_{option.split('_')[0].upper()}_"
-    return {
+    found = {
         name.removeprefix(prefix).lower(): getattr(lib, name)
         for name in dir(lib)
         if name.startswith(prefix)
     }
+    return {name: found[name] for name in _CHOICES.get(option, found)}
 
 
 def constant(option: str, value: Any) -> int:

@@ -320,6 +320,13 @@ def test_the_structure_is_certified_at_the_start():
         started(structure=7)
 
 
+def test_structure_is_required_by_name():
+    solver = started(structure="required")
+    assert solver.structure().summary.is_followed == 1
+    with pytest.raises((ValueError, TypeError, sfdae.Error)):
+        started(structure="certified")
+
+
 def test_the_structure_names_equations_that_are_too_many():
     problem = sfdae.NonlinearProblem(
         lambda t, x, xdot: [xdot[0] ** 2 - t, x[0] ** 2 - 1, xdot[1] - x[0]],

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "extension/jet_search.h"
+#include "extension/least_change_search.h"
 #include "extension/least_change_step.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -21,85 +23,6 @@ constexpr double weight_of_free = 1e-10;
 // Steps are halved so often, at most, where residuals do not become smaller.
 constexpr int most_halvings = 10;
 constexpr int most_iterations = 50;
-// Of the sum of weighted changes: steps that are that small lead nowhere.
-constexpr double settled = 1e-14;
-constexpr int few_iterations = 12;
-
-// Of one iteration: of x in units of x, or of its tolerance, the largest; of derivatives, which may vanish, the same.
-class Change {
- public:
-  void add(int order, double dx, double value, double size) {
-    const double before = std::fabs(value - dx), scale = std::max(std::fabs(value), before);
-    is_finite_ = is_finite_ && std::isfinite(value);
-    if (dx == 0.0 || !is_finite_) return;
-    double& largest = order == 0 ? of_x_ : of_derivatives_;
-    largest = std::max(largest, std::fabs(dx) / (order == 0 ? std::max(scale, size) : scale));
-  }
-  bool is_finite() const { return is_finite_; }
-  bool is_negligible() const { return std::max(of_x_, of_derivatives_) <= 4.0 * unit_roundoff; }
-  bool is_small() const { return of_x_ <= small && of_derivatives_ <= small; }
-  double of_x() const { return of_x_; }
-  static constexpr double small = 1e-8;
-
- private:
-  double of_x_ = 0.0, of_derivatives_ = 0.0;
-  bool is_finite_ = true;
-};
-
-// Until nothing changes, or what changes are rounding errors: those of x are small, and residuals do not become smaller.
-class Progress {
- public:
-  // terms: sizes of what is added up in the residuals.
-  bool has_ended(const Change& change, double residual, double terms) {
-    constexpr double rounding = 1e-12;
-    const bool stands = iterations_ > 0 && residual >= 0.1 * residual_ &&
-                        residual <= std::max(Change::small * largest_, rounding * terms);
-    is_stuck_ = iterations_ > 2 && residual >= 0.1 * residual_ && !change.is_small();
-    const bool is_small = change.is_small() && iterations_ > 0 && change.of_x() >= 0.1 * before_;
-    largest_ = std::max(largest_, residual);
-    residual_ = residual;
-    before_ = change.of_x();
-    ++iterations_;
-    return change.is_negligible() || is_small || (stands && change.of_x() <= Change::small);
-  }
-
-  // Residuals have stopped becoming smaller: it is of no use to go on where every step should be as good as the last.
-  bool is_stuck() const { return is_stuck_; }
-
- private:
-  int iterations_ = 0;
-  bool is_stuck_ = false;
-  double residual_ = 0.0, largest_ = 0.0, before_ = 0.0;
-};
-
-double largest_entry(const std::vector<double>& v) {
-  double largest = 0.0;
-  for (double entry : v) largest = std::isfinite(entry) ? std::max(largest, std::fabs(entry)) : HUGE_VAL;
-  return largest;
-}
-
-// The largest sum of |derivative| |unknown|; x: of column c.
-template <class Value>
-double largest_terms(const std::vector<int>& first, const std::vector<int>& column, const std::vector<double>& values,
-                     Value x) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i + 1 < first.size(); ++i) {
-    double sum = 0.0;
-    for (int e = first[i]; e < first[i + 1]; ++e) sum += std::fabs(values[index(e)] * x(column[index(e)]));
-    largest = std::max(largest, sum);
-  }
-  return largest;
-}
-
-// Residuals in units of the largest derivative of their rows.
-void scale_rows(const std::vector<int>& first, const std::vector<double>& values, std::vector<double>& factors) {
-  factors.assign(first.size() - 1, 1.0);
-  for (std::size_t i = 0; i < factors.size(); ++i) {
-    double largest = 0.0;
-    for (int e = first[i]; e < first[i + 1]; ++e) largest = std::max(largest, std::fabs(values[index(e)]));
-    if (largest > 0.0) factors[i] = 1.0 / largest;
-  }
-}
 
 }  // namespace
 
@@ -187,7 +110,7 @@ void ConsistentExtension::solve_stage(int stage, const Jet& guess, Jet& jet) {
     for (std::size_t i = 0; i < r.size(); ++i) r[i] *= -factors[i];
     return error.status == SFDAE_OK ? largest_entry(r) : HUGE_VAL;
   };
-  Progress progress;
+  SearchProgress progress;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     CallbackError error = extension_.linearize_stage(stage, jet, J);
     if (error.status != SFDAE_OK) error.raise();
@@ -208,7 +131,7 @@ void ConsistentExtension::solve_stage(int stage, const Jet& guess, Jet& jet) {
     }
     step.solve(equations, held, dx.data(), r.data());
     const Jet start = jet;
-    Change change;
+    JetChange change;
     double factor = 1.0;
     for (int halving = 0;; ++halving, factor *= 0.5) {
       change = {};
@@ -230,131 +153,6 @@ void ConsistentExtension::solve_stage(int stage, const Jet& guess, Jet& jet) {
   fail(jet, "the search does not come to an end.");
 }
 
-namespace {
-
-// All equations of the extension, linearized for changes that are least.
-class WholeStep {
- public:
-  WholeStep(MinimalExtension& extension, std::vector<double> W, std::vector<char> held)
-      : extension_(extension),
-        equations_{extension.first(), extension.column(), extension.num_columns()},
-        W_(std::move(W)),
-        held_(std::move(held)),
-        dx_(W_.size()),
-        r_(index(extension.num_rows())) {
-    step_.analyze(equations_);
-  }
-
-  // The change from the jet on: toward the guess, or, without one, least. False: singular. Throws Failure.
-  bool compute(const Jet& jet, const Jet* guess) {
-    CallbackError error = extension_.linearize(jet);
-    if (error.status == SFDAE_OK) error = extension_.residuals(jet, r_.data());
-    if (error.status != SFDAE_OK) error.raise();
-    values_ = extension_.values();
-    scale_rows(equations_.first, values_, factors_);
-    for (int i = 0; i < equations_.rows(); ++i) {
-      r_[index(i)] *= -factors_[index(i)];
-      for (int e = equations_.first[index(i)]; e < equations_.first[index(i + 1)]; ++e)
-        values_[index(e)] *= factors_[index(i)];
-    }
-    residual_ = largest_entry(r_);
-    terms_ = largest_terms(equations_.first, equations_.column, values_, [&](int k) {
-      const auto [unknown, order] = extension_.columns()[index(k)];
-      return jet.column(order)[unknown];
-    });
-    if (!std::isfinite(residual_) || !step_.factor(equations_, values_, W_, held_)) return false;
-    for (std::size_t k = 0; k < dx_.size(); ++k) {
-      const auto [unknown, order] = extension_.columns()[k];
-      dx_[k] = guess != nullptr ? W_[k] * (guess->column(order)[unknown] - jet.column(order)[unknown]) : 0.0;
-    }
-    step_.solve(equations_, held_, dx_.data(), r_.data());
-    return true;
-  }
-  // Before the change, in units of the largest derivatives; and what is added up there.
-  double residual() const { return residual_; }
-  double terms() const { return terms_; }
-  Change apply(double part, const std::vector<double>& sizes, Jet& jet) const {
-    Change change;
-    for (std::size_t k = 0; k < dx_.size(); ++k) {
-      const auto [unknown, order] = extension_.columns()[k];
-      double& value = jet.column(order)[unknown];
-      value += part * dx_[k];
-      change.add(order, part * dx_[k], value, sizes[index(unknown)]);
-    }
-    return change;
-  }
-  // Of the squares of changes from the guess, weighted; of dx.
-  double sum(const Jet& guess, const Jet& jet) const {
-    double sum = 0.0;
-    for (std::size_t k = 0; k < dx_.size(); ++k) {
-      const auto [unknown, order] = extension_.columns()[k];
-      sum += W_[k] * std::pow(jet.column(order)[unknown] - guess.column(order)[unknown], 2);
-    }
-    return sum;
-  }
-  double sum_of_change() const {
-    double sum = 0.0;
-    for (std::size_t k = 0; k < dx_.size(); ++k) sum += W_[k] * dx_[k] * dx_[k];
-    return sum;
-  }
-
- private:
-  MinimalExtension& extension_;
-  LeastChangeStep::Equations equations_;
-  LeastChangeStep step_;
-  std::vector<double> W_;
-  std::vector<char> held_;
-  std::vector<double> dx_, r_, factors_, values_;
-  double residual_ = 0.0, terms_ = 0.0;
-};
-
-// By changes that are least. False: the search does not come to an end.
-bool fulfil(WholeStep& step, const std::vector<double>& sizes, Jet& jet) {
-  Progress progress;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    if (!step.compute(jet, nullptr)) return false;
-    const Change change = step.apply(1.0, sizes, jet);
-    if (!change.is_finite()) return false;
-    if (progress.has_ended(change, step.residual(), step.terms())) return true;
-  }
-  return false;
-}
-
-// Steps toward the guess, each as long as the sum of changes becomes smaller by it; from a jet that fulfils the equations.
-void approach(WholeStep& step, const Jet& guess, const std::vector<double>& sizes, Jet& jet) {
-  constexpr int most = 300;
-  constexpr double shortest = 1.0 / 1024.0;
-  for (int iteration = 0; iteration < most; ++iteration) {
-    const double sum = step.sum(guess, jet);
-    if (!step.compute(jet, &guess) || step.sum_of_change() <= settled * sum) return;
-    const WholeStep full = step;
-    bool is_nearer = false;
-    for (double part = 1.0; !is_nearer && part >= shortest; part *= 0.5) {
-      Jet next = jet;
-      is_nearer =
-          full.apply(part, sizes, next).is_finite() && fulfil(step, sizes, next) && step.sum(guess, next) < sum;
-      if (is_nearer) jet = std::move(next);
-    }
-    if (!is_nearer) return;
-  }
-}
-
-// The whole steps alone: fast, but where constraints are bent, or derivatives of high order lose too many digits, they may
-// not come to an end.
-bool hurry(WholeStep& step, const Jet& guess, const std::vector<double>& sizes, Jet& jet) {
-  Progress progress;
-  for (int iteration = 0; iteration < few_iterations; ++iteration) {
-    if (!step.compute(jet, &guess)) return false;
-    const Change change = step.apply(1.0, sizes, jet);
-    if (!change.is_finite()) return false;
-    if (progress.has_ended(change, step.residual(), step.terms())) return true;
-    if (progress.is_stuck()) return false;
-  }
-  return false;
-}
-
-}  // namespace
-
 void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
   const std::vector<MinimalExtension::Column>& columns = extension_.columns();
   std::vector<double> W(columns.size());
@@ -365,18 +163,18 @@ void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
     held[k] = is_held(columns[k]) ? 1 : 0;
     if (held[k] != 0) jet.column(order)[unknown] = guess.column(order)[unknown];
   }
-  WholeStep step(extension_, std::move(W), std::move(held));
+  LeastChangeSearch search(extension_, std::move(W), std::move(held), sizes_);
   if (!request_.is_weighted()) {
     Jet quick = jet;
-    if (hurry(step, guess, sizes_, quick)) {
+    if (search.hurry(guess, quick)) {
       jet = std::move(quick);
       return;
     }
     // The jet is consistent, if not the nearest one.
     if (request_.kind != InitialValues::fixed) return;
   }
-  if (fulfil(step, sizes_, jet)) {
-    approach(step, guess, sizes_, jet);
+  if (search.fulfil(jet)) {
+    search.approach(guess, jet);
     return;
   }
   if (request_.kind == InitialValues::fixed)

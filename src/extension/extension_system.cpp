@@ -39,6 +39,7 @@ ExtensionSystem::ExtensionSystem(RecordedProblem& problem, Problem& base, const 
   if (status != PointStatus::ok)
     throw Failure(SFDAE_RANK_UNCLEAR, format("the structure is not confirmed at t = %.15g: ", jet.t) + about_change_);
   find_values();
+  if (renew(jet_) == PointStatus::callback_error) callback_error_.raise();
 }
 
 ExtensionSystem::ExtensionSystem(RecordedProblem& problem, Problem& base, const AnalysisSettings& settings,
@@ -72,40 +73,57 @@ void ExtensionSystem::resize() {
   work_.assign(index(extension_.num_rows()) + 1, 0.0);
 }
 
+// What changes of the equations of one level do to the unknowns x_j, the states given; n values. solve: of the matrix with
+// the states held.
+template <class Solve>
+std::vector<double> ExtensionSystem::effect_of_level(int level, Solve solve) {
+  const std::vector<int>& first = extension_.first();
+  std::minstd_rand generator(1);
+  for (int row = 0; row < extension_.num_rows(); ++row) {
+    double size = 0.0;
+    for (int e = first[index(row)]; e < first[index(row + 1)]; ++e)
+      size = std::max(size, std::fabs(extension_.values()[index(e)]));
+    const double change = size * (1.5 + 0.5 * symmetric_random(generator));
+    work_[index(row)] = extension_.rows()[index(row)].order == level ? change : 0.0;
+  }
+  solve(work_.data());
+  std::vector<double> effect(index(extension_.n()), 0.0);
+  const StateChoice& choice = linearization_.choice();
+  for (int j = 0; j < extension_.n(); ++j)
+    if (!choice.is_state(j)) effect[index(j)] = std::fabs(work_[index(choice.slot(extension_.column_of(j, 0)))]);
+  return effect;
+}
+
 // The largest level the equations of which have a say in x, the states given, is the strangeness index: changes of these
-// equations move some x_j then.
+// equations move some x_j then. Where they move it little beside those of other levels, as a capacitor in farad does, the
+// effect has to be the same with entries that are changed a little: rounding errors are not.
 void ExtensionSystem::find_values() {
-  // Relative to what equations of any level do to x_j: rounding errors are smaller, effects larger. Chosen, not measured.
-  constexpr double effect = 1e-8;
-  const int n = extension_.n(), d = extension_.freedom();
+  // Relative to what equations of any level do to x_j; of the entries; of the effect. Chosen, not measured.
+  constexpr double clear = 1e-8, least = 1e-14, little = 1e-10, same = 1e-3;
+  const int n = extension_.n(), d = extension_.freedom(), highest = extension_.jet_order() - 1;
   analysis_.values = {0, d, n - d, 0, 0};
   analysis_.t = jet_.t;
   analysis_.rank_E = d;
-  const int highest = extension_.jet_order() - 1;
-  std::vector<double> largest(index(n), 0.0);
-  std::vector<std::vector<double>> moved;
-  const std::vector<int>& first = extension_.first();
-  for (int level = 0; level <= highest; ++level) {
-    std::minstd_rand generator(1);
-    for (int row = 0; row < extension_.num_rows(); ++row) {
-      double size = 0.0;
-      for (int e = first[index(row)]; e < first[index(row + 1)]; ++e)
-        size = std::max(size, std::fabs(extension_.values()[index(e)]));
-      const double value = size * (1.5 + 0.5 * symmetric_random(generator));
-      work_[index(row)] = extension_.rows()[index(row)].order == level ? value : 0.0;
-    }
-    linearization_.solve_held(work_.data());
-    moved.emplace_back(index(n), 0.0);
-    for (int j = 0; j < n; ++j) {
-      if (linearization_.choice().is_state(j)) continue;
-      const double change = std::fabs(work_[index(linearization_.choice().slot(extension_.column_of(j, 0)))]);
-      moved.back()[index(j)] = change;
-      largest[index(j)] = std::max(largest[index(j)], change);
+  const auto effects = [&](auto solve) {
+    std::vector<std::vector<double>> of_levels;
+    for (int level = 0; level <= highest; ++level) of_levels.push_back(effect_of_level(level, solve));
+    return of_levels;
+  };
+  const auto plain = effects([this](double* r) { linearization_.solve_held(r); });
+  extension_.perturb(little);
+  StateMatrix<double> other;
+  other.set_choice(linearization_.choice());
+  const bool has_other = other.factor(extension_, linearization_.choice(), 0.0);
+  const auto changed = has_other ? effects([&other](double* r) { other.solve(r); }) : plain;
+  for (std::size_t j = 0; j < index(n); ++j) {
+    double largest = 0.0;
+    for (const std::vector<double>& effect : plain) largest = std::max(largest, effect[j]);
+    for (int level = analysis_.values.mu + 1; level <= highest; ++level) {
+      const double effect = plain[index(level)][j], again = changed[index(level)][j];
+      const bool is_real = effect > least * largest && std::fabs(again - effect) <= same * effect;
+      if (effect > clear * largest || is_real) analysis_.values.mu = level;
     }
   }
-  for (int level = 1; level <= highest; ++level)
-    for (std::size_t j = 0; j < index(n); ++j)
-      if (moved[index(level)][j] > effect * largest[j]) analysis_.values.mu = level;
 }
 
 PointQuality ExtensionSystem::quality() const {
@@ -175,10 +193,8 @@ PointStatus ExtensionSystem::iterate_with_renewal(const Jet& start, Iterate iter
   const Jet& accepted = history_.accepted();
   PointStatus status = PointStatus::not_converged;
   if (linearization_.is_usable()) {
-    const long choices = linearization_.choices();
     status = iterate();
     if (status == PointStatus::ok || is_hopeless(status)) return status;
-    (void)choices;
   }
   if (!linearization_.is_usable() || linearization_.origin().t != accepted.t ||
       linearization_.origin().x != accepted.x) {

@@ -78,6 +78,8 @@ class ExtensionSystem final : public DaeSystem {
  private:
   void resize();
   void find_values();
+  template <class Solve>
+  std::vector<double> effect_of_level(int level, Solve solve);
   PointStatus certify(const Jet& jet);
   PointStatus renew(const Jet& jet);
   template <class Iterate>

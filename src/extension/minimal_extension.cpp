@@ -3,8 +3,10 @@
 #include "extension/minimal_extension.h"
 
 #include <algorithm>
+#include <random>
 
 #include "linalg/index.h"
+#include "linalg/random.h"
 
 namespace sfdae::core {
 
@@ -113,6 +115,11 @@ CallbackError MinimalExtension::linearize_stage(int stage, const Jet& jet, Stage
     matrix.first.push_back(static_cast<int>(matrix.column.size()));
   }
   return error;
+}
+
+void MinimalExtension::perturb(double size) {
+  std::minstd_rand generator(1);
+  for (double& value : values_) value *= 1.0 + size * symmetric_random(generator);
 }
 
 CallbackError MinimalExtension::linearize(const Jet& jet) {

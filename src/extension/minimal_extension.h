@@ -66,6 +66,8 @@ class MinimalExtension {
 
   // The derivatives of the rows by the unknowns, by rows: those of row i are entries first()[i], ..., first()[i + 1] - 1.
   CallbackError linearize(const Jet& jet);
+  // Each value times 1 + size times a random number, until they are made anew.
+  void perturb(double size);
   const std::vector<int>& first() const { return first_; }
   const std::vector<int>& column() const { return column_; }
   const std::vector<double>& values() const { return values_; }

@@ -91,10 +91,11 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
     decisions.clear();
   }
   if (n() > most_unknowns)
-    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
-                  format("%d unknowns are too many for the whole derivative array, which the options or the equations ask "
-                         "for: more than %d need their structure.",
-                         n(), most_unknowns));
+    throw Failure(
+        SFDAE_ILLEGAL_ARGUMENT,
+        format("%d unknowns are too many for the whole derivative array, which the options or the equations ask "
+               "for: more than %d need their structure.",
+               n(), most_unknowns));
   classical_->analyze(point, options, decisions);
 }
 

@@ -64,7 +64,9 @@ void NonlinearModel::analyze(const PointOfInterest& point, const ModelOptions& o
   forget_system();
   guess_.clear();
   problem_->follow_structure(false);
-  if (options.structure != StructureUse::off && !options.analysis.by_svd && analyzed_by_structure(point, options, decisions)) return;
+  if (options.structure != StructureUse::off && !options.analysis.by_svd &&
+      analyzed_by_structure(point, options, decisions))
+    return;
   try {
     system_ = analyzed(options.analysis_by_precedent(), point, options, decisions);
     return;

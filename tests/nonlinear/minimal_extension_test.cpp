@@ -154,6 +154,21 @@ TEST(Extension, StartsAsAsked) {
   EXPECT_NEAR(nearest.x[1], -0.8 / length, 1e-6);
 }
 
+// A capacitor across a source: the current is C x0', whatever the unit of C.
+TEST(Extension, FindsTheIndexInAnyUnit) {
+  for (const double C : {1.0, 1e-6, 1e-9, 1e-12}) {
+    NonlinearRun run(sfdae_test::equations_of(2, 2,
+                                              [C](const auto& t, const auto* x, const auto* xdot, auto* F) {
+                                                using std::sin;
+                                                F[0] = x[0] - sin(t);
+                                                F[1] = C * xdot[0] - x[1] + 0.0 * (x[1] * x[1]);
+                                              }),
+                     required());
+    ASSERT_EQ(run.analyze(0.0, 1.0, {0.0, 0.0}), SFDAE_OK) << run.message();
+    EXPECT_EQ(run.values(), (CharacteristicValues{1, 0, 2, 0, 0})) << C;
+  }
+}
+
 TEST(Extension, IsNotForProblemsWithoutStructure) {
   sfdae_options options = required();
   sfdae_linear_problem linear;

@@ -1,0 +1,92 @@
+// What searches of consistent jets have in common: how much an iteration changes, and when it has come to its end.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "linalg/index.h"
+#include "linalg/rank.h"
+
+namespace sfdae::core {
+
+// Of one iteration: of x in units of x, or of its tolerance, the largest; of derivatives, which may vanish, the same.
+class JetChange {
+ public:
+  void add(int order, double dx, double value, double size) {
+    const double before = std::fabs(value - dx), scale = std::max(std::fabs(value), before);
+    is_finite_ = is_finite_ && std::isfinite(value);
+    if (dx == 0.0 || !is_finite_) return;
+    double& largest = order == 0 ? of_x_ : of_derivatives_;
+    largest = std::max(largest, std::fabs(dx) / (order == 0 ? std::max(scale, size) : scale));
+  }
+  bool is_finite() const { return is_finite_; }
+  bool is_negligible() const { return std::max(of_x_, of_derivatives_) <= 4.0 * unit_roundoff; }
+  bool is_small() const { return of_x_ <= small && of_derivatives_ <= small; }
+  double of_x() const { return of_x_; }
+  static constexpr double small = 1e-8;
+
+ private:
+  double of_x_ = 0.0, of_derivatives_ = 0.0;
+  bool is_finite_ = true;
+};
+
+// Until nothing changes, or what changes are rounding errors: those of x are small, and residuals do not become smaller.
+class SearchProgress {
+ public:
+  // terms: sizes of what is added up in the residuals.
+  bool has_ended(const JetChange& change, double residual, double terms) {
+    constexpr double rounding = 1e-12;
+    const bool stands = iterations_ > 0 && residual >= 0.1 * residual_ &&
+                        residual <= std::max(JetChange::small * largest_, rounding * terms);
+    is_stuck_ = iterations_ > 2 && residual >= 0.1 * residual_ && !change.is_small();
+    const bool is_small = change.is_small() && iterations_ > 0 && change.of_x() >= 0.1 * before_;
+    largest_ = std::max(largest_, residual);
+    residual_ = residual;
+    before_ = change.of_x();
+    ++iterations_;
+    return change.is_negligible() || is_small || (stands && change.of_x() <= JetChange::small);
+  }
+
+  // Residuals have stopped becoming smaller: it is of no use to go on where every step should be as good as the last.
+  bool is_stuck() const { return is_stuck_; }
+
+ private:
+  int iterations_ = 0;
+  bool is_stuck_ = false;
+  double residual_ = 0.0, largest_ = 0.0, before_ = 0.0;
+};
+
+// HUGE_VAL: not finite.
+inline double largest_entry(const std::vector<double>& v) {
+  double largest = 0.0;
+  for (double entry : v) largest = std::isfinite(entry) ? std::max(largest, std::fabs(entry)) : HUGE_VAL;
+  return largest;
+}
+
+// The largest sum of |derivative| |unknown|; x: of column c.
+template <class Value>
+double largest_terms(const std::vector<int>& first, const std::vector<int>& column, const std::vector<double>& values,
+                     Value x) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i + 1 < first.size(); ++i) {
+    double sum = 0.0;
+    for (int e = first[i]; e < first[i + 1]; ++e) sum += std::fabs(values[index(e)] * x(column[index(e)]));
+    largest = std::max(largest, sum);
+  }
+  return largest;
+}
+
+// Residuals in units of the largest derivative of their rows.
+inline void scale_rows(const std::vector<int>& first, const std::vector<double>& values,
+                       std::vector<double>& factors) {
+  factors.assign(first.size() - 1, 1.0);
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    double largest = 0.0;
+    for (int e = first[i]; e < first[i + 1]; ++e) largest = std::max(largest, std::fabs(values[index(e)]));
+    if (largest > 0.0) factors[i] = 1.0 / largest;
+  }
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,123 @@
+// All equations of the extension fulfilled by least changes.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "extension/least_change_search.h"
+
+#include <cmath>
+#include <utility>
+
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+namespace {
+
+constexpr int most_iterations = 50, few_iterations = 12;
+// Of the sum of weighted changes: steps that are that small lead nowhere.
+constexpr double settled = 1e-14;
+
+}  // namespace
+
+LeastChangeSearch::LeastChangeSearch(MinimalExtension& extension, std::vector<double> W, std::vector<char> held,
+                                     const std::vector<double>& sizes)
+    : extension_(extension),
+      equations_{extension.first(), extension.column(), extension.num_columns()},
+      W_(std::move(W)),
+      held_(std::move(held)),
+      sizes_(sizes),
+      dx_(W_.size()),
+      r_(index(extension.num_rows())) {
+  step_.analyze(equations_);
+}
+
+bool LeastChangeSearch::compute(const Jet& jet, const Jet* guess) {
+  CallbackError error = extension_.linearize(jet);
+  if (error.status == SFDAE_OK) error = extension_.residuals(jet, r_.data());
+  if (error.status != SFDAE_OK) error.raise();
+  values_ = extension_.values();
+  scale_rows(equations_.first, values_, factors_);
+  for (int i = 0; i < equations_.rows(); ++i) {
+    r_[index(i)] *= -factors_[index(i)];
+    for (int e = equations_.first[index(i)]; e < equations_.first[index(i + 1)]; ++e)
+      values_[index(e)] *= factors_[index(i)];
+  }
+  residual_ = largest_entry(r_);
+  terms_ = largest_terms(equations_.first, equations_.column, values_, [&](int k) {
+    const auto [unknown, order] = extension_.columns()[index(k)];
+    return jet.column(order)[unknown];
+  });
+  if (!std::isfinite(residual_) || !step_.factor(equations_, values_, W_, held_)) return false;
+  for (std::size_t k = 0; k < dx_.size(); ++k) {
+    const auto [unknown, order] = extension_.columns()[k];
+    dx_[k] = guess != nullptr ? W_[k] * (guess->column(order)[unknown] - jet.column(order)[unknown]) : 0.0;
+  }
+  step_.solve(equations_, held_, dx_.data(), r_.data());
+  return true;
+}
+
+JetChange LeastChangeSearch::apply(const std::vector<double>& dx, double part, Jet& jet) const {
+  JetChange change;
+  for (std::size_t k = 0; k < dx.size(); ++k) {
+    const auto [unknown, order] = extension_.columns()[k];
+    double& value = jet.column(order)[unknown];
+    value += part * dx[k];
+    change.add(order, part * dx[k], value, sizes_[index(unknown)]);
+  }
+  return change;
+}
+
+double LeastChangeSearch::sum(const Jet& guess, const Jet& jet) const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < dx_.size(); ++k) {
+    const auto [unknown, order] = extension_.columns()[k];
+    sum += W_[k] * std::pow(jet.column(order)[unknown] - guess.column(order)[unknown], 2);
+  }
+  return sum;
+}
+
+double LeastChangeSearch::sum_of_change() const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < dx_.size(); ++k) sum += W_[k] * dx_[k] * dx_[k];
+  return sum;
+}
+
+bool LeastChangeSearch::fulfil(Jet& jet) {
+  SearchProgress progress;
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    if (!compute(jet, nullptr)) return false;
+    const JetChange change = apply(dx_, 1.0, jet);
+    if (!change.is_finite()) return false;
+    if (progress.has_ended(change, residual_, terms_)) return true;
+  }
+  return false;
+}
+
+bool LeastChangeSearch::hurry(const Jet& guess, Jet& jet) {
+  SearchProgress progress;
+  for (int iteration = 0; iteration < few_iterations; ++iteration) {
+    if (!compute(jet, &guess)) return false;
+    const JetChange change = apply(dx_, 1.0, jet);
+    if (!change.is_finite()) return false;
+    if (progress.has_ended(change, residual_, terms_)) return true;
+    if (progress.is_stuck()) return false;
+  }
+  return false;
+}
+
+void LeastChangeSearch::approach(const Jet& guess, Jet& jet) {
+  constexpr int most = 300;
+  constexpr double shortest = 1.0 / 1024.0;
+  for (int iteration = 0; iteration < most; ++iteration) {
+    const double before = sum(guess, jet);
+    if (!compute(jet, &guess) || sum_of_change() <= settled * before) return;
+    const std::vector<double> whole = dx_;
+    bool is_nearer = false;
+    for (double part = 1.0; !is_nearer && part >= shortest; part *= 0.5) {
+      Jet next = jet;
+      is_nearer = apply(whole, part, next).is_finite() && fulfil(next) && sum(guess, next) < before;
+      if (is_nearer) jet = std::move(next);
+    }
+    if (!is_nearer) return;
+  }
+}
+
+}  // namespace sfdae::core
