@@ -28,9 +28,9 @@ class ConsistentExtension {
         sizes_(request.sizes()),
         differentiated_(differentiated_unknowns(extension.structure().signature)) {}
 
-  // Throws Failure: errors of callbacks, SFDAE_NO_CONSISTENT_VALUES, SFDAE_FIXED_VALUES.
+  // Near the x and, if it is there, x' of the point. Throws Failure: errors of callbacks, SFDAE_NO_CONSISTENT_VALUES.
   Jet find(const PointOfInterest& point);
-  // known: a consistent jet near x.
+  // From the derivatives of known, a consistent jet near x. Throws the same.
   Jet find_from(const PointOfInterest& point, const Jet& known);
   // What find() has changed of the values given, as the request wants to know it. Throws Failure where it does not allow that.
   void report(const PointOfInterest& point, const Jet& found, ConsistentPoint& result) const;

@@ -26,21 +26,21 @@ class ExtensionIteration {
   ExtensionIteration(MinimalExtension& extension, CallbackError& callback_error)
       : extension_(extension), callback_error_(callback_error) {}
 
-  // From the jet on, to the one that solves the task.
+  // jet: in: a guess, out: the jet that fulfils all equations and the task.
   PointStatus solve_step(const StepTask& task, ExtensionLinearization& linearization, Jet& jet);
-  // To the jet that fulfils all equations with the states as they are, as accurately as rounding permits. scales: changes of
-  // the unknowns that do not matter, n values; whether the iteration is slow stays as it was.
+  // jet: in: a guess, out: the jet that fulfils all equations with the states as they are, as accurately as rounding permits.
+  // scales: changes of the unknowns that do not matter, n values. Whether the iteration is slow stays as it was.
   PointStatus solve_held(ExtensionLinearization& linearization, const std::vector<double>& scales, Jet& jet);
-  // x' of all unknowns at such a jet, to which they belong.
+  // x' of all unknowns at such a jet, n values, also where the extension has no x_j'.
   PointStatus derivative(ExtensionLinearization& linearization, const Jet& jet, double* xdot);
 
   ChordIteration& chord() { return chord_; }
   // The step matrix is for another c, which slow iterations come from: a new one may be all that is needed.
   bool blames_matrix() const;
 
-  // residuals, by rows, of the jet, negative.
+  // The residuals of the jet, by rows, times -1.
   PointStatus evaluate(const Jet& jet, double* r);
-  // The jet, but for x_j' of states, changes by `factor` times z, by slots: by how much, weighted. c: of the step.
+  // Adds `factor` times z, by slots, to the jet, but for x_j' of states. c: of the step. Returns the largest change, weighted.
   struct Change {
     double c, factor;
     const double* inverse_weights;
@@ -50,7 +50,7 @@ class ExtensionIteration {
 
  private:
   bool prepare_matrix(double c, ExtensionLinearization& linearization);
-  // Of x, and of its derivatives; relative.
+  // Of changes of x, and of its derivatives, relative.
   struct Norms {
     double of_x = 0.0, of_derivatives = 0.0;
   };

@@ -26,7 +26,7 @@ class ExtensionLinearization {
   PointStatus renew(const Jet& jet, CallbackError& error);
   // As renew() with these states and no others.
   PointStatus restore(const Jet& jet, const std::vector<int>& states, CallbackError& error);
-  // Points must not be solved with it any more.
+  // It must not be used any more, before renew() or restore().
   void forget() { is_usable_ = false; }
   bool is_usable() const { return is_usable_; }
   const Jet& origin() const { return origin_; }
@@ -40,7 +40,7 @@ class ExtensionLinearization {
     archive.real(sensitivity_of_choice_);
     archive.reals(sizes_, index(extension_.n()));
   }
-  // What rounding errors of f do to the unknowns, by columns of the extension.
+  // What rounding errors of f and of the unknowns themselves do to these, by columns of the extension.
   const std::vector<double>& noise() const { return noise_; }
 
   // For x' = c x + ... of the states, unless that matrix is there.
@@ -48,7 +48,7 @@ class ExtensionLinearization {
   void forget_step_matrix() { step_.forget(); }
   bool has_step_matrix() const { return step_.is_valid(); }
   double c() const { return 1.0 / step_.epsilon(); }
-  // All matrices of the stages of a step h.
+  // All matrices of the stages of a step h, unless they are there.
   bool factor_stages(const StageMethod& method, double h);
 
   // r, by rows, becomes the changes by slots that take r away: of a step, of pair k of the stages, those of the states x_j

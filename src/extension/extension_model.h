@@ -29,7 +29,7 @@ class ExtensionModel final : public ModelOf<ExtensionSystem> {
   // The blocks of the system Jacobian have been judged: how far they are from singular ones.
   double certify() override { return system_->certificate().smallest_kept(); }
 
-  // There are none of the extension: they are those of the whole array (structured_model.h).
+  // Empty: these objects are those of the whole array, which StructuredModel asks for them.
   Jet jet_through(double, const double*, int) override { return {}; }
   DerivativeArray derivative_array(const Jet&, int) override { return {}; }
   Projectors projectors(const Jet&, bool) override { return {}; }
@@ -48,7 +48,7 @@ class ExtensionModel final : public ModelOf<ExtensionSystem> {
 
   RecordedProblem& problem_;
   Problem& base_;
-  // Of x, which the analysis has found its jet near; empty: none.
+  // The x near which the analysis has found its jet; empty: none was made.
   std::vector<double> guess_;
 };
 

@@ -27,8 +27,8 @@ namespace sfdae::core {
 
 class ExtensionSystem final : public DaeSystem {
  public:
-  // base: whose requests to stop count. jet: consistent. scales: changes of the unknowns that do not matter, n values, tolerances for example. Throws Failure
-  // where the structure is not confirmed there.
+  // base: whose requests to stop count; it lives longer, as problem does. jet: consistent. scales: changes of the unknowns
+  // that do not matter, n values: tolerances, for example. Throws Failure where the structure is not confirmed there.
   ExtensionSystem(RecordedProblem& problem, Problem& base, const AnalysisSettings& settings,
                   std::vector<double> scales, const Jet& jet);
   // As it was when it was archived. Throws DamagedArchive.
@@ -62,7 +62,7 @@ class ExtensionSystem final : public DaeSystem {
   void correct_derivative(double, const double* x, double* xdot) override { exact_derivative(x, xdot); }
 
   PointQuality quality() const override;
-  // Other values than those known are not found here: none.
+  // Those known, or none where the structure is not confirmed any more: others are not found here.
   CharacteristicValues values_at(double t) override;
   std::string about_change() const override { return about_change_; }
   PointStatus check_ranks() override { return certify(jet_); }
@@ -99,7 +99,7 @@ class ExtensionSystem final : public DaeSystem {
   Jet jet_, start_;
   std::vector<char> determined_;
   std::vector<double> scales_, rounding_errors_, work_;
-  int unjudged_ = 0;  // points since the structure was confirmed
+  int unjudged_ = 0;  // points since the structure was judged
 };
 
 }  // namespace sfdae::core

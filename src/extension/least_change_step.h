@@ -19,10 +19,10 @@ class LeastChangeStep {
     int rows() const { return static_cast<int>(first.size()) - 1; }
   };
   void analyze(const Equations& equations);
-  // False: there is none, or many.
+  // False: there is no such change, or more than one.
   bool factor(const Equations& equations, const std::vector<double>& values, const std::vector<double>& W,
               const std::vector<char>& is_held);
-  // dx: in: -g, out: dx. r: rows() values, changed.
+  // dx: in: -g, out: dx. r: rows() values.
   void solve(const Equations& equations, const std::vector<char>& is_held, double* dx, const double* r);
   double reciprocal_condition() { return lu_.reciprocal_condition(); }
 

@@ -49,12 +49,12 @@ class MinimalExtension {
   // Of jets; coefficients of x_j beyond d_j have no meaning.
   int jet_order() const { return highest_c_ + 1; }
 
-  // num_rows() coefficients of f along a jet of jet_order().
+  // num_rows() Taylor coefficients of f along a jet of jet_order().
   CallbackError residuals(const Jet& jet, double* r);
   // Those of the total derivatives by t of all rows along the jet; it is of one order more.
   CallbackError slopes(const Jet& jet, double* r);
 
-  // Residuals of the rows of a stage alone.
+  // Residuals of the rows of a stage alone, as many as these are.
   CallbackError stage_residuals(int stage, const Jet& jet, double* r);
   // Derivatives of the rows of a stage by its unknowns, which are those of the system Jacobian times factors; rows and columns
   // count from the first of the stage.

@@ -13,7 +13,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Columns of the derivative array from which on the extension is faster, as a rule; measured by benchmarks/structure_cost.
+// Columns of the derivative array from which on the extension is faster, as a rule (docs/decisions/47-minimal-extension.md).
 constexpr double least_array = 150.0;
 // Unknowns of problems that may have dense matrices; as in c_api/checks.cpp.
 constexpr int most_unknowns = 5000;

@@ -13,8 +13,8 @@ namespace sfdae::core {
 
 class StructuredModel final : public Model {
  public:
-  // classical: the same equations, by the whole array. problem: theirs as nonlinear equations, of another object or of the
-  // classical model itself (shared ownership is then no one's: `owned` is null).
+  // classical: the same equations, by the whole array. problem: these as nonlinear equations; `owned` if that is another object
+  // than the one of the classical model, else null.
   StructuredModel(std::unique_ptr<Model> classical, RecordedProblem& problem, std::unique_ptr<RecordedProblem> owned);
 
   Problem& problem() override { return classical_->problem(); }
@@ -46,7 +46,7 @@ class StructuredModel final : public Model {
     return active().consistent_point_beside(point, options);
   }
 
-  // The whole array is analyzed for them where that has not been done.
+  // The whole array is analyzed for them where that has not been done. Throws Failure where it is too large.
   Jet jet_through(double t, const double* x, int level) override { return whole().jet_through(t, x, level); }
   DerivativeArray derivative_array(const Jet& jet, int level) override {
     return whole().derivative_array(jet, level);
@@ -61,7 +61,7 @@ class StructuredModel final : public Model {
   bool may_extend(const ModelOptions& options);
   bool orders_are_possible() const;
   Model& whole();
-  // Entries of a row of the whole array.
+  // An upper bound of the columns of the whole array.
   double array_size() const;
 
   std::unique_ptr<Model> classical_;
