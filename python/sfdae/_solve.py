@@ -85,7 +85,9 @@ def solve(
         Called after every step with a Progress; a true result stops.
     **options
         Further members of sfdae_options by name, such as max_step, max_index, initial_step:
-        ``sfdae.OPTION_NAMES``.
+        ``sfdae.OPTION_NAMES``. Large problems have sparse matrices by themselves, where the numbers
+        confirm the structure; ``structure="required"`` takes sparse matrices or fails and says why,
+        ``"off"`` takes the whole derivative array, ``"automatic"`` is the default.
 
     Returns
     -------
