@@ -63,6 +63,13 @@ class SystemJacobian {
     return J;
   }
 
+  // Of a block of one equation.
+  double only_entry(int number) {
+    double entry = 0.0;
+    for_each_entry(number, [&entry](int, int, double value) { entry = value; });
+    return entry;
+  }
+
   SparsePattern sparse_block(int number, std::vector<double>& values) {
     SparsePattern pattern;
     pattern.size = static_cast<int>(structure_.blocks.equations(number).size());
@@ -104,6 +111,21 @@ class SystemJacobian {
   std::vector<int> place_;  // of unknowns in the block at hand
 };
 
+RankDecision decision_on(const double* R, int size, double t, double rank_tol) {
+  RankDecision decision =
+      decide_rank(R, size, size + 1, {.noise = unit_roundoff, .dimension = size, .rank_tol = rank_tol});
+  decision.t = t;
+  decision.rows = decision.cols = size;
+  return decision;
+}
+
+// The same without a matrix: semi-discretized equations have thousands of such blocks.
+RankDecision judge(double J, double t, double rank_tol) {
+  const View block{&J, 1, 1, 1};
+  equilibrate(block);
+  return decision_on(&J, 1, t, rank_tol);
+}
+
 RankDecision judge(Matrix J, double t, double rank_tol) {
   const int size = J.rows();
   equilibrate(J);
@@ -111,11 +133,7 @@ RankDecision judge(Matrix J, double t, double rank_tol) {
   std::vector<int> pivots(index(size));
   std::vector<double> tau(index(size));
   factor_qr_pivoted(J, pivots.data(), tau.data(), arena);
-  RankDecision decision =
-      decide_rank(J.data(), size, size + 1, {.noise = unit_roundoff, .dimension = size, .rank_tol = rank_tol});
-  decision.t = t;
-  decision.rows = decision.cols = size;
-  return decision;
+  return decision_on(J.data(), size, t, rank_tol);
 }
 
 // Larger blocks are factored as sparse matrices: an estimate of the condition says as much where it is good. Else the dense
@@ -147,8 +165,13 @@ bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, d
   if (!evaluator.entries(t, jet, 0, limits, values.data())) return false;
   SystemJacobian jacobian(structure, evaluator.tape(), values);
   certificate.blocks.clear();
+  certificate.blocks.reserve(index(structure.blocks.count()));
   for (int block = 0; block < structure.blocks.count(); ++block) {
     const int size = static_cast<int>(structure.blocks.equations(block).size());
+    if (size == 1) {
+      certificate.blocks.push_back(judge(jacobian.only_entry(block), t, rank_tol));
+      continue;
+    }
     if (size > largest_dense_block && rank_tol == 0.0) {
       std::vector<double> of_block;
       const SparsePattern pattern = jacobian.sparse_block(block, of_block);
