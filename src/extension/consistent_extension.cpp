@@ -110,6 +110,12 @@ void ConsistentExtension::solve_stage(int stage, const Jet& guess, Jet& jet) {
     for (std::size_t i = 0; i < r.size(); ++i) r[i] *= -factors[i];
     return error.status == SFDAE_OK ? largest_entry(r) : HUGE_VAL;
   };
+  const auto relative = [&] {
+    return relative_residual(J.first, J.column, J.values, r, [&](int k) {
+      const auto [unknown, order] = columns[k];
+      return jet.column(order)[unknown];
+    });
+  };
   SearchProgress progress;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     CallbackError error = extension_.linearize_stage(stage, jet, J);
@@ -141,14 +147,12 @@ void ConsistentExtension::solve_stage(int stage, const Jet& guess, Jet& jet) {
         value = start.column(order)[unknown] + factor * dx[index(k)];
         change.add(order, dx[index(k)], value, sizes_[index(unknown)]);
       }
-      if (residual(jet) <= size_of_residual || change.is_small() || halving == most_halvings) break;
+      // Rounding errors need not become smaller.
+      const bool is_less = residual(jet) <= size_of_residual || relative() <= rounding_residual;
+      if (is_less || change.is_small() || halving == most_halvings) break;
     }
     if (!change.is_finite()) fail(jet, "the search has diverged.");
-    const double terms = largest_terms(J.first, J.column, J.values, [&](int k) {
-      const auto [unknown, order] = columns[k];
-      return jet.column(order)[unknown];
-    });
-    if (factor == 1.0 && progress.has_ended(change, size_of_residual, terms)) return;
+    if (factor == 1.0 && progress.has_ended(change, size_of_residual, relative())) return;
   }
   fail(jet, "the search does not come to an end.");
 }

@@ -32,21 +32,26 @@ class JetChange {
   bool is_finite_ = true;
 };
 
+// Relative to what is added up in them, residuals that are nothing but rounding errors.
+inline constexpr double rounding_residual = 1e-14;
+
 // Until nothing changes, or what changes are rounding errors: those of x are small, and residuals do not become smaller.
 class SearchProgress {
  public:
-  // terms: sizes of what is added up in the residuals.
-  bool has_ended(const JetChange& change, double residual, double terms) {
-    constexpr double rounding = 1e-12;
+  // relative: to what is added up in each residual, the largest.
+  bool has_ended(const JetChange& change, double residual, double relative) {
+    constexpr double near_rounding = 1e-12;
     const bool stands = iterations_ > 0 && residual >= 0.1 * residual_ &&
-                        residual <= std::max(JetChange::small * largest_, rounding * terms);
+                        (residual <= JetChange::small * largest_ || relative <= near_rounding);
     is_stuck_ = iterations_ > 2 && residual >= 0.1 * residual_ && !change.is_small();
     const bool is_small = change.is_small() && iterations_ > 0 && change.of_x() >= 0.1 * before_;
     largest_ = std::max(largest_, residual);
     residual_ = residual;
     before_ = change.of_x();
     ++iterations_;
-    return change.is_negligible() || is_small || (stands && change.of_x() <= JetChange::small);
+    // Nothing is better than that, however much rounding errors move what hardly matters.
+    const bool is_rounding = iterations_ > 2 && relative <= rounding_residual;
+    return change.is_negligible() || is_small || is_rounding || (stands && change.of_x() <= JetChange::small);
   }
 
   // Residuals have stopped becoming smaller: it is of no use to go on where every step should be as good as the last.
@@ -65,15 +70,15 @@ inline double largest_entry(const std::vector<double>& v) {
   return largest;
 }
 
-// The largest sum of |derivative| |unknown|; x: of column c.
+// The largest residual relative to the sum of |derivative| |unknown| of its row; x: of column c.
 template <class Value>
-double largest_terms(const std::vector<int>& first, const std::vector<int>& column, const std::vector<double>& values,
-                     Value x) {
+double relative_residual(const std::vector<int>& first, const std::vector<int>& column,
+                         const std::vector<double>& values, const std::vector<double>& r, Value x) {
   double largest = 0.0;
   for (std::size_t i = 0; i + 1 < first.size(); ++i) {
     double sum = 0.0;
     for (int e = first[i]; e < first[i + 1]; ++e) sum += std::fabs(values[index(e)] * x(column[index(e)]));
-    largest = std::max(largest, sum);
+    if (r[i] != 0.0) largest = std::max(largest, sum > 0.0 ? std::fabs(r[i]) / sum : 1.0);
   }
   return largest;
 }

@@ -41,7 +41,7 @@ bool LeastChangeSearch::compute(const Jet& jet, const Jet* guess) {
       values_[index(e)] *= factors_[index(i)];
   }
   residual_ = largest_entry(r_);
-  terms_ = largest_terms(equations_.first, equations_.column, values_, [&](int k) {
+  relative_ = relative_residual(equations_.first, equations_.column, values_, r_, [&](int k) {
     const auto [unknown, order] = extension_.columns()[index(k)];
     return jet.column(order)[unknown];
   });
@@ -86,7 +86,7 @@ bool LeastChangeSearch::fulfil(Jet& jet) {
     if (!compute(jet, nullptr)) return false;
     const JetChange change = apply(dx_, 1.0, jet);
     if (!change.is_finite()) return false;
-    if (progress.has_ended(change, residual_, terms_)) return true;
+    if (progress.has_ended(change, residual_, relative_)) return true;
   }
   return false;
 }
@@ -97,7 +97,7 @@ bool LeastChangeSearch::hurry(const Jet& guess, Jet& jet) {
     if (!compute(jet, &guess)) return false;
     const JetChange change = apply(dx_, 1.0, jet);
     if (!change.is_finite()) return false;
-    if (progress.has_ended(change, residual_, terms_)) return true;
+    if (progress.has_ended(change, residual_, relative_)) return true;
     if (progress.is_stuck()) return false;
   }
   return false;

@@ -40,8 +40,8 @@ class LeastChangeSearch {
   std::vector<char> held_;
   const std::vector<double>& sizes_;
   std::vector<double> dx_, r_, factors_, values_;
-  // Before the change, in units of the largest derivatives; and what is added up there.
-  double residual_ = 0.0, terms_ = 0.0;
+  // Before the change, in units of the largest derivatives, and relative to what is added up in each.
+  double residual_ = 0.0, relative_ = 0.0;
 };
 
 }  // namespace sfdae::core

@@ -169,6 +169,28 @@ TEST(Extension, FindsTheIndexInAnyUnit) {
   }
 }
 
+// Currents of 1e-6 A beside voltages of 1 V, capacitors that are not grounded: rounding errors of the sums are large in units
+// of tight tolerances.
+TEST(Extension, StartsAtTightTolerances) {
+  for (const double tolerance : {1e-6, 1e-8, 1e-10, 1e-12}) {
+    sfdae_options options = options_with(tolerance, SFDAE_METHOD_BDF);
+    options.structure = SFDAE_STRUCTURE_REQUIRED;
+    NonlinearRun run(sfdae_test::equations_of(5, 5,
+                                              [](const auto& t, const auto* x, const auto* xdot, auto* F) {
+                                                using std::exp, std::sin;
+                                                const auto diode = 1e-6 * (exp((x[1] - x[2]) / 0.026) - 1.0);
+                                                F[0] = x[3] - (x[1] - 3.0) / 9000.0 - diode;
+                                                F[1] = x[3] + (x[0] - 0.1 * sin(200.0 * t)) / 1000.0;
+                                                F[2] = 1e-6 * (xdot[0] - xdot[1]) - x[3];
+                                                F[3] = 2e-6 * xdot[2] + x[2] / 1000.0 - diode;
+                                                F[4] = x[4] - x[2] / 1000.0;
+                                              }),
+                     options);
+    ASSERT_TRUE(is_known(run.start(0.0, 1.0, {0.0, 3.0, 2.9, 0.0, 0.0}))) << tolerance << ": " << run.message();
+    EXPECT_NEAR(run.x[3], -run.x[0] / 1000.0, 1e-15);
+  }
+}
+
 TEST(Extension, IsNotForProblemsWithoutStructure) {
   sfdae_options options = required();
   sfdae_linear_problem linear;
