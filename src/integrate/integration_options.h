@@ -29,7 +29,7 @@ struct IntegrationOptions : Acceptance {
   long max_steps = 100000;
   sfdae_monitor_function monitor = nullptr;
   void* monitor_user = nullptr;
-  Events* events = nullptr;                      // not owned; none
+  Events* events = nullptr;                // not owned; none
   TimeBreakpoints* breakpoints = nullptr;  // not owned; none: where steps end
 };
 
