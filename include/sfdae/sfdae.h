@@ -286,7 +286,7 @@ typedef struct sfdae_options {
    * to be differentiated (J. D. Pryce, BIT 41, 2001), if nothing cancels; sfdae_get_structure has the details.
    * SFDAE_STRUCTURE_AUTOMATIC (default): where the numbers at the start agree, rows of the derivative array that are not
    * needed are left out, and from some 150 columns of the array on all matrices are sparse; else the whole array is taken,
-   * or, where it has more than 1500 columns, the failure is reported. Results are the same within the tolerances.
+   * or, with more than 5000 unknowns, the failure is reported. Results are the same within the tolerances.
    * Where numbers cancel at a later time only, the whole array may go on and the other end with SFDAE_CHARACTERISTICS_CHANGED.
    * SFDAE_STRUCTURE_REQUIRED: always the rows that are needed, with sparse matrices; SFDAE_RANK_UNCLEAR where the numbers do
    * not agree, SFDAE_ILLEGAL_ARGUMENT for problems that have no structure: functions, multibody systems, prescribed

@@ -17,8 +17,6 @@ namespace {
 constexpr double least_array = 150.0;
 // Unknowns of problems that may have dense matrices; as in c_api/checks.cpp.
 constexpr int most_unknowns = 5000;
-// Columns up to which the whole array is a way out where the extension fails: some seconds.
-constexpr double largest_array = 1500.0;
 
 bool is_final(const Failure& failure) {
   return failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED;
@@ -86,7 +84,7 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
       is_extended_ = true;
       return;
     } catch (const Failure& failure) {
-      if (is_required || is_final(failure) || array_size() > largest_array) throw;
+      if (is_required || is_final(failure) || n() > most_unknowns) throw;
     }
     decisions.clear();
   }
@@ -140,12 +138,12 @@ void StructuredModel::finish_restore() {
 
 Model& StructuredModel::whole() {
   if (!is_extended_ || classical_->system() != nullptr) return *classical_;
-  if (array_size() > largest_array)
+  if (n() > most_unknowns)
     throw Failure(
         SFDAE_ILLEGAL_ARGUMENT,
-        format("the derivative array of %d unknowns has %.0f columns: objects of the theory are for smaller "
-               "problems; or switch the option structure off.",
-               n(), array_size()));
+        format("objects of the theory are those of the whole derivative array: there are none of more than %d "
+               "unknowns.",
+               most_unknowns));
   ModelOptions options = options_;
   options.structure = StructureUse::off;
   const Jet jet = extended_.accepted_point();
