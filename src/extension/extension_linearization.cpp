@@ -34,6 +34,7 @@ PointStatus ExtensionLinearization::linearize(const Jet& jet, CallbackError& err
   error = extension_.linearize(jet);
   if (error.status != SFDAE_OK) return PointStatus::callback_error;
   origin_ = jet;
+  values_ = extension_.values();
   return PointStatus::ok;
 }
 
@@ -73,8 +74,8 @@ bool ExtensionLinearization::choose_states() {
     const auto [unknown, order] = extension_.columns()[index(column)];
     if (order == 0 && extension_.offsets().d[index(unknown)] > 0) settings.classes[index(column)] = 1;
   }
-  const ColumnBasis basis = column_basis(
-      {extension_.num_columns(), extension_.first(), extension_.column(), extension_.values()}, settings);
+  const ColumnBasis basis =
+      column_basis({extension_.num_columns(), extension_.first(), extension_.column(), values_}, settings);
   if (basis.rank < extension_.num_rows() || !basis.has_all_of_class_0) return false;
   std::vector<int> states;
   for (int column : basis.left_over) states.push_back(extension_.columns()[index(column)].unknown);
@@ -94,7 +95,7 @@ void ExtensionLinearization::set_states(std::vector<int> states) {
 
 bool ExtensionLinearization::factor_held() {
   ++counts_.factorizations;
-  if (!held_.factor(extension_, choice_, 0.0)) return false;
+  if (!held_.factor(derivatives(), choice_, 0.0)) return false;
   measure_sensitivity();
   return true;
 }
@@ -127,7 +128,7 @@ void ExtensionLinearization::measure_sensitivity() {
 bool ExtensionLinearization::factor_step(double c) {
   if (step_.is_for(1.0 / c)) return true;
   ++counts_.factorizations;
-  return step_.factor(extension_, choice_, 1.0 / c);
+  return step_.factor(derivatives(), choice_, 1.0 / c);
 }
 
 bool ExtensionLinearization::factor_stages(const StageMethod& method, double h) {
@@ -136,14 +137,14 @@ bool ExtensionLinearization::factor_stages(const StageMethod& method, double h) 
     const std::complex<double> epsilon = h / method.lambda[k];
     if (pairs_[k].is_for(epsilon)) continue;
     ++counts_.factorizations;
-    if (!pairs_[k].factor(extension_, choice_, epsilon)) return false;
+    if (!pairs_[k].factor(derivatives(), choice_, epsilon)) return false;
   }
   return true;
 }
 
 bool ExtensionLinearization::archive_matrices(Archive& archive) {
-  bool is_factored = step_.archive(archive, extension_, choice_);
-  for (auto& pair : pairs_) is_factored = pair.archive(archive, extension_, choice_) && is_factored;
+  bool is_factored = step_.archive(archive, derivatives(), choice_);
+  for (auto& pair : pairs_) is_factored = pair.archive(archive, derivatives(), choice_) && is_factored;
   return is_factored;
 }
 
@@ -152,8 +153,7 @@ void ExtensionLinearization::subtract_states(const double* changes, double* r) c
   for (int row = 0; row < extension_.num_rows(); ++row)
     for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {
       const int column = extension_.column()[index(e)];
-      if (choice_.is_held(column))
-        r[row] -= extension_.values()[index(e)] * changes[extension_.columns()[index(column)].unknown];
+      if (choice_.is_held(column)) r[row] -= values_[index(e)] * changes[extension_.columns()[index(column)].unknown];
     }
 }
 
@@ -170,7 +170,7 @@ void ExtensionLinearization::measure_noise() {
   for (int row = 0; row < extension_.num_rows(); ++row) {
     double sum = 0.0;
     for (int e = first[index(row)]; e < first[index(row + 1)]; ++e)
-      sum += std::fabs(extension_.values()[index(e)] * coefficient(extension_.column()[index(e)]));
+      sum += std::fabs(values_[index(e)] * coefficient(extension_.column()[index(e)]));
     work_[index(row)] = symmetric_random(generator) < 0.0 ? -sum : sum;
   }
   held_.solve(work_.data());

@@ -67,6 +67,7 @@ class ExtensionLinearization {
 
  private:
   PointStatus linearize(const Jet& jet, CallbackError& error);
+  ExtensionDerivatives derivatives() const { return {extension_, values_}; }
   bool choose_states();
   bool factor_held();
   void set_states(std::vector<int> states);
@@ -87,6 +88,8 @@ class ExtensionLinearization {
   StateChoice choice_;
   StateMatrix<double> step_, held_;
   std::array<StateMatrix<std::complex<double>>, max_pairs> pairs_;
+  // Of the rows at the origin: the extension may have been linearized elsewhere since.
+  std::vector<double> values_;
   std::vector<double> noise_, work_;
 };
 

@@ -39,7 +39,6 @@ ExtensionSystem::ExtensionSystem(RecordedProblem& problem, Problem& base, const 
   if (status != PointStatus::ok)
     throw Failure(SFDAE_RANK_UNCLEAR, format("the structure is not confirmed at t = %.15g: ", jet.t) + about_change_);
   find_values();
-  if (renew(jet_) == PointStatus::callback_error) callback_error_.raise();
 }
 
 ExtensionSystem::ExtensionSystem(RecordedProblem& problem, Problem& base, const AnalysisSettings& settings,
@@ -113,7 +112,7 @@ void ExtensionSystem::find_values() {
   extension_.perturb(little);
   StateMatrix<double> other;
   other.set_choice(linearization_.choice());
-  const bool has_other = other.factor(extension_, linearization_.choice(), 0.0);
+  const bool has_other = other.factor({extension_, extension_.values()}, linearization_.choice(), 0.0);
   const auto changed = has_other ? effects([&other](double* r) { other.solve(r); }) : plain;
   for (std::size_t j = 0; j < index(n); ++j) {
     double largest = 0.0;
@@ -294,16 +293,19 @@ void ExtensionSystem::error_in_x(const double* dw, int count, double* dx) {
 
 // ---- Outputs ---------------------------------------------------------------------------------------------------
 
-// With the linearization that is there; else with one at the jet, which is used once.
-PointStatus ExtensionSystem::solve_held(Jet& jet) {
+// With the linearization that is there; else with one at the jet, which is used once. xdot: the derivative, or null.
+PointStatus ExtensionSystem::solve_held(Jet& jet, double* xdot) {
+  const auto solve = [&](ExtensionLinearization& linearization) {
+    const PointStatus status = iteration_.solve_held(linearization, scales_, jet);
+    return status == PointStatus::ok && xdot != nullptr ? iteration_.derivative(linearization, jet, xdot) : status;
+  };
   const Jet start = jet;
-  PointStatus status =
-      linearization_.is_usable() ? iteration_.solve_held(linearization_, scales_, jet) : PointStatus::not_converged;
+  PointStatus status = linearization_.is_usable() ? solve(linearization_) : PointStatus::not_converged;
   if (status == PointStatus::ok || is_hopeless(status)) return status;
   ExtensionLinearization here(extension_, counts_);
   jet = start;
   status = here.renew(jet, callback_error_);
-  return status == PointStatus::ok ? iteration_.solve_held(here, scales_, jet) : status;
+  return status == PointStatus::ok ? solve(here) : status;
 }
 
 // What later steps depend on stays as it is: points that are asked for must not change those that follow.
@@ -312,7 +314,7 @@ void ExtensionSystem::restore(const double* w, const double* x_free, const Guess
   std::copy_n(x_free, unknowns(), jet_.x.data());
   if (w != nullptr && linearization_.is_usable())
     for (int j : linearization_.choice().states()) jet_.x[index(j)] = w[j];
-  const PointStatus status = solve_held(jet_);
+  const PointStatus status = solve_held(jet_, nullptr);
   if (status == PointStatus::callback_error) callback_error_.raise();
   if (status != PointStatus::ok)
     throw Failure(SFDAE_NO_CONSISTENT_VALUES,
@@ -323,8 +325,7 @@ void ExtensionSystem::restore(const double* w, const double* x_free, const Guess
 bool ExtensionSystem::exact_derivative(const double* x, double* xdot) {
   Jet jet = jet_;
   std::copy_n(x, unknowns(), jet.x.data());
-  PointStatus status = solve_held(jet);
-  if (status == PointStatus::ok) status = iteration_.derivative(linearization_, jet, xdot);
+  const PointStatus status = solve_held(jet, xdot);
   if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
   return status == PointStatus::ok;
 }

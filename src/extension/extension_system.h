@@ -85,7 +85,7 @@ class ExtensionSystem final : public DaeSystem {
   template <class Iterate>
   PointStatus iterate_with_renewal(const Jet& start, Iterate iterate);
   PointStatus review();
-  PointStatus solve_held(Jet& jet);
+  PointStatus solve_held(Jet& jet, double* xdot);
 
   RecordedProblem& problem_;
   AnalysisSettings settings_;

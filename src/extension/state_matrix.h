@@ -16,6 +16,12 @@
 
 namespace sfdae::core {
 
+// Derivatives of the rows of an extension, which were its values at some jet.
+struct ExtensionDerivatives {
+  const MinimalExtension& extension;
+  const std::vector<double>& values;
+};
+
 // Which unknowns are states, and where the columns of the extension stand in the square matrix.
 class StateChoice {
  public:
@@ -37,9 +43,9 @@ class StateChoice {
   }
   int size() const { return pattern_.size; }
   const SparsePattern& pattern() const { return pattern_; }
-  // Values in the order of the pattern: to[] of entries of the extension.
+  // values: to, in the order of the pattern.
   template <class Number>
-  void assemble(const MinimalExtension& extension, Number epsilon, std::vector<Number>& values) const;
+  void assemble(const ExtensionDerivatives& from, Number epsilon, std::vector<Number>& values) const;
 
  private:
   void make_pattern(const MinimalExtension& extension);
@@ -52,11 +58,11 @@ class StateChoice {
 };
 
 template <class Number>
-void StateChoice::assemble(const MinimalExtension& extension, Number epsilon, std::vector<Number>& values) const {
+void StateChoice::assemble(const ExtensionDerivatives& from, Number epsilon, std::vector<Number>& values) const {
   values.assign(pattern_.row.size(), Number(0));
   for (std::size_t e = 0; e < place_.size(); ++e) {
-    const bool held = is_held(extension.column()[e]);
-    values[index(place_[e])] += held ? epsilon * extension.values()[e] : Number(extension.values()[e]);
+    const bool held = is_held(from.extension.column()[e]);
+    values[index(place_[e])] += held ? epsilon * from.values[e] : Number(from.values[e]);
   }
 }
 
@@ -77,24 +83,23 @@ class StateMatrix {
   Number epsilon() const { return *epsilon_; }
   bool is_for(Number epsilon) const { return epsilon_ == epsilon; }
   // False: singular.
-  bool factor(const MinimalExtension& extension, const StateChoice& choice, Number epsilon) {
+  bool factor(const ExtensionDerivatives& from, const StateChoice& choice, Number epsilon) {
     epsilon_.reset();
-    choice.assemble(extension, epsilon, values_);
+    choice.assemble(from, epsilon, values_);
     if (!lu_.factor(values_.data())) return false;
     if (lu_.has_new_pivots()) epsilon_of_pivots_ = epsilon;
     epsilon_ = epsilon;
     return true;
   }
   // Reading: of the same values and choice. False: singular.
-  bool archive(Archive& archive, const MinimalExtension& extension, const StateChoice& choice) {
+  bool archive(Archive& archive, const ExtensionDerivatives& from, const StateChoice& choice) {
     bool is_factored = is_valid();
     archive.small(is_factored);
     if (!is_factored) return true;
     Number pivots = epsilon_of_pivots_, now = epsilon_.value_or(Number(0));
     archive.reals(parts(pivots), sizeof(Number) / sizeof(double));
     archive.reals(parts(now), sizeof(Number) / sizeof(double));
-    return !archive.is_reading() ||
-           (factor(extension, choice, pivots) && (now == pivots || factor(extension, choice, now)));
+    return !archive.is_reading() || (factor(from, choice, pivots) && (now == pivots || factor(from, choice, now)));
   }
   void solve(Number* b, int count = 1) { lu_.solve(b, count); }
   double reciprocal_condition() { return lu_.reciprocal_condition(); }
