@@ -19,11 +19,11 @@ _NOT_GIVEN = {"size", "monitor", "monitor_user", "rtol_vector", "atol_vector"}
 OPTION_NAMES = tuple(name for name in _FIELDS if name not in _NOT_GIVEN)
 
 
-@functools.lru_cache(maxsize=None)
 # The headers have other constants that begin as those of these options.
 _CHOICES = {"structure": ("off", "automatic", "required")}
 
 
+@functools.lru_cache(maxsize=None)
 def choices(option: str) -> dict[str, int]:
     """The constants SFDAE_<OPTION>_<CHOICE> of the headers, in lower case, of an option that is a
     choice.
