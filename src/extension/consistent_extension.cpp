@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "extension/jet_search.h"
 #include "extension/least_change_search.h"
-#include "extension/least_change_step.h"
+#include "extension/stage_search.h"
 #include "linalg/index.h"
-#include "linalg/matrix.h"
-#include "linalg/rank.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -20,9 +18,6 @@ namespace {
 // In squares of the sizes of x, W of what may move freely: far below what is to stay, far above rounding. Chosen, not
 // measured.
 constexpr double weight_of_free = 1e-10;
-// Steps are halved so often, at most, where residuals do not become smaller.
-constexpr int most_halvings = 10;
-constexpr int most_iterations = 50;
 
 }  // namespace
 
@@ -70,13 +65,6 @@ Jet ConsistentExtension::find(const PointOfInterest& point) {
   return jet;
 }
 
-Jet ConsistentExtension::find_from(const PointOfInterest& point, const Jet& known) {
-  Jet guess = known, jet = known;
-  std::copy_n(point.x, extension_.n(), guess.x.begin());
-  solve_together(guess, jet);
-  return jet;
-}
-
 // Stages move what they have to, but not with an eye on those that come; fixed values they do not know of.
 bool ConsistentExtension::has_to_move(const Jet& guess, const Jet& jet) const {
   constexpr double moved = 1e-6;  // of the tolerances; by judgement
@@ -89,72 +77,18 @@ bool ConsistentExtension::has_to_move(const Jet& guess, const Jet& jet) const {
   return false;
 }
 
-// Newton's method, each step the least change back to the guess; derivatives, of which nothing is known, count little.
+// Derivatives, of which nothing is known, count little.
 void ConsistentExtension::solve_stage(int stage, const Jet& guess, Jet& jet) {
   const int rows = extension_.first_row(stage + 1) - extension_.first_row(stage);
-  const int first = extension_.first_column(stage), count = extension_.first_column(stage + 1) - first;
+  const int first = extension_.first_column(stage), last = extension_.first_column(stage + 1);
   if (rows == 0) return;
-  const auto columns = extension_.columns().begin() + first;
-  MinimalExtension::StageMatrix J;
-  const LeastChangeStep::Equations equations{J.first, J.column, count};
-  LeastChangeStep step;
-  std::vector<double> W(index(count)), dx(index(count)), r(index(rows)), factors;
-  std::vector<char> held(index(count), 0);
-  for (int k = 0; k < count; ++k) {
-    const double size = sizes_[index(columns[k].unknown)];
-    W[index(k)] = rows == count ? 0.0 : columns[k].order > 0 ? weight_of_free / (size * size) : weight(columns[k]);
+  std::vector<double> W;
+  for (int k = first; k < last; ++k) {
+    const MinimalExtension::Column& column = extension_.columns()[index(k)];
+    const double size = sizes_[index(column.unknown)];
+    W.push_back(rows == last - first ? 0.0 : column.order > 0 ? weight_of_free / (size * size) : weight(column));
   }
-  const auto residual = [&](const Jet& at) {
-    const CallbackError error = extension_.stage_residuals(stage, at, r.data());
-    if (error.status != SFDAE_OK && !error.is_recoverable()) error.raise();
-    for (std::size_t i = 0; i < r.size(); ++i) r[i] *= -factors[i];
-    return error.status == SFDAE_OK ? largest_entry(r) : HUGE_VAL;
-  };
-  const auto relative = [&] {
-    return relative_residual(J.first, J.column, J.values, r, [&](int k) {
-      const auto [unknown, order] = columns[k];
-      return jet.column(order)[unknown];
-    });
-  };
-  SearchProgress progress;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    CallbackError error = extension_.linearize_stage(stage, jet, J);
-    if (error.status != SFDAE_OK) error.raise();
-    if (iteration == 0) step.analyze(equations);
-    scale_rows(J.first, J.values, factors);
-    for (int i = 0; i < rows; ++i)
-      for (int e = J.first[index(i)]; e < J.first[index(i + 1)]; ++e) J.values[index(e)] *= factors[index(i)];
-    if (!step.factor(equations, J.values, W, held)) fail(jet, "the equations are singular there.");
-    const double size_of_residual = residual(jet);
-    if (size_of_residual == HUGE_VAL) {
-      error = extension_.stage_residuals(stage, jet, r.data());
-      if (error.status != SFDAE_OK) error.raise();
-      fail(jet, "the equations overflow.");
-    }
-    for (int k = 0; k < count; ++k) {
-      const auto [unknown, order] = columns[k];
-      dx[index(k)] = W[index(k)] * (guess.column(order)[unknown] - jet.column(order)[unknown]);
-    }
-    step.solve(equations, held, dx.data(), r.data());
-    const Jet start = jet;
-    JetChange change;
-    double factor = 1.0;
-    for (int halving = 0;; ++halving, factor *= 0.5) {
-      change = {};
-      for (int k = 0; k < count; ++k) {
-        const auto [unknown, order] = columns[k];
-        double& value = jet.column(order)[unknown];
-        value = start.column(order)[unknown] + factor * dx[index(k)];
-        change.add(order, dx[index(k)], value, sizes_[index(unknown)]);
-      }
-      // Rounding errors need not become smaller.
-      const bool is_less = residual(jet) <= size_of_residual || relative() <= rounding_residual;
-      if (is_less || change.is_small() || halving == most_halvings) break;
-    }
-    if (!change.is_finite()) fail(jet, "the search has diverged.");
-    if (factor == 1.0 && progress.has_ended(change, size_of_residual, relative())) return;
-  }
-  fail(jet, "the search does not come to an end.");
+  if (const char* const why = StageSearch(extension_, stage, std::move(W), sizes_).run(guess, jet)) fail(jet, why);
 }
 
 void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {

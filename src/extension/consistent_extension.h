@@ -26,12 +26,10 @@ class ConsistentExtension {
       : extension_(extension),
         request_(request),
         sizes_(request.sizes()),
-        differentiated_(differentiated_unknowns(extension.structure().signature)) {}
+        differentiated_(differentiated_unknowns(extension.problem().structure()->signature)) {}
 
   // Near the x and, if it is there, x' of the point. Throws Failure: errors of callbacks, SFDAE_NO_CONSISTENT_VALUES.
   Jet find(const PointOfInterest& point);
-  // From the derivatives of known, a consistent jet near x. Throws the same.
-  Jet find_from(const PointOfInterest& point, const Jet& known);
   // What find() has changed of the values given, as the request wants to know it. Throws Failure where it does not allow that.
   void report(const PointOfInterest& point, const Jet& found, ConsistentPoint& result) const;
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <utility>
 
@@ -65,6 +64,36 @@ PointStatus ExtensionLinearization::restore(const Jet& jet, const std::vector<in
   return PointStatus::ok;
 }
 
+// The derivatives with time in units in which x_j and x_j' have derivatives of one size in equations that contain both: whether
+// columns depend on each other is not to depend on the user's.
+std::vector<double> ExtensionLinearization::values_in_own_time() const {
+  const std::vector<int>& first = extension_.first();
+  double sum = 0.0;
+  int count = 0;
+  for (int row = 0; row < extension_.num_rows(); ++row) {
+    double of_x = 0.0, of_slopes = 0.0;
+    for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {
+      const int order = extension_.columns()[index(extension_.column()[index(e)])].order;
+      double& largest = order == 0 ? of_x : of_slopes;
+      if (order < 2) largest = std::max(largest, std::fabs(values_[index(e)]));
+    }
+    if (extension_.rows()[index(row)].order > 0 || of_x == 0.0 || of_slopes == 0.0) continue;
+    sum += std::log2(of_slopes) - std::log2(of_x);
+    ++count;
+  }
+  // As far as its powers do not overflow.
+  const double largest_unit = 400.0 / extension_.jet_order();
+  const int unit =
+      count > 0 ? static_cast<int>(std::lround(std::clamp(sum / count, -largest_unit, largest_unit))) : 0;
+  std::vector<double> values(values_);
+  for (int row = 0; row < extension_.num_rows(); ++row)
+    for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {
+      const int order = extension_.columns()[index(extension_.column()[index(e)])].order;
+      values[index(e)] = std::ldexp(values[index(e)], unit * (extension_.rows()[index(row)].order - order));
+    }
+  return values;
+}
+
 // Unknowns that are no x_j, or have no x_j' in the extension, cannot be states: the others are, as far as these are not
 // determined.
 bool ExtensionLinearization::choose_states() {
@@ -74,8 +103,8 @@ bool ExtensionLinearization::choose_states() {
     const auto [unknown, order] = extension_.columns()[index(column)];
     if (order == 0 && extension_.offsets().d[index(unknown)] > 0) settings.classes[index(column)] = 1;
   }
-  const ColumnBasis basis =
-      column_basis({extension_.num_columns(), extension_.first(), extension_.column(), values_}, settings);
+  const ColumnBasis basis = column_basis(
+      {extension_.num_columns(), extension_.first(), extension_.column(), values_in_own_time()}, settings);
   if (basis.rank < extension_.num_rows() || !basis.has_all_of_class_0) return false;
   std::vector<int> states;
   for (int column : basis.left_over) states.push_back(extension_.columns()[index(column)].unknown);

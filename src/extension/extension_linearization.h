@@ -69,6 +69,7 @@ class ExtensionLinearization {
   PointStatus linearize(const Jet& jet, CallbackError& error);
   ExtensionDerivatives derivatives() const { return {extension_, values_}; }
   bool choose_states();
+  std::vector<double> values_in_own_time() const;
   bool factor_held();
   void set_states(std::vector<int> states);
   void note_sizes();

@@ -8,12 +8,15 @@
 #include "extension/consistent_extension.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "structure/replacement.h"
 
 namespace sfdae::core {
 
-std::unique_ptr<ExtensionSystem> ExtensionModel::system_at(const Jet& jet, const ModelOptions& options,
-                                                           const ConsistencyRequest& request) {
-  return std::make_unique<ExtensionSystem>(problem_, base_, options.analysis, request.sizes(), jet);
+// Where structure misleads, equations are replaced if that helps.
+MinimalExtension ExtensionModel::extension_near(const PointOfInterest& point, const std::vector<double>& sizes) {
+  const std::shared_ptr<const Structure>& recorded = problem_.shared_structure();
+  auto replaced = structure_with_replacements(*recorded, problem_.evaluator(), {point.t, point.x, sizes});
+  return {problem_, replaced ? std::move(replaced) : recorded};
 }
 
 // Where no x is known, linear equations have the same derivatives everywhere.
@@ -26,9 +29,9 @@ void ExtensionModel::analyze(const PointOfInterest& point, const ModelOptions& o
   // The values are to be chosen later.
   ConsistencyRequest request = options.request_at(start.x);
   request.kind = InitialValues::nearest;
-  MinimalExtension extension(problem_);
+  MinimalExtension extension = extension_near(start, request.sizes());
   const Jet jet = ConsistentExtension(extension, request).find(start);
-  system_ = system_at(jet, options, request);
+  system_ = std::make_unique<ExtensionSystem>(std::move(extension), base_, options.analysis, request.sizes(), jet);
   const std::vector<RankDecision>& made = system_->certificate().blocks;
   decisions.insert(decisions.end(), made.begin(), made.end());
   guess_.assign(start.x, start.x + n());
@@ -41,7 +44,8 @@ Jet ExtensionModel::accepted_point() const {
 }
 
 std::unique_ptr<ExtensionSystem> ExtensionModel::copy_of_system() {
-  return std::make_unique<ExtensionSystem>(problem_, base_, system_->settings(), system_->scales(), system_->jet());
+  return std::make_unique<ExtensionSystem>(MinimalExtension(problem_, system_->extension().shared_structure()), base_,
+                                           system_->settings(), system_->scales(), system_->jet());
 }
 
 std::unique_ptr<ExtensionSystem> ExtensionModel::archived_system(const ModelOptions& options, Archive& archive) {

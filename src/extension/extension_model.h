@@ -43,8 +43,7 @@ class ExtensionModel final : public ModelOf<ExtensionSystem> {
                                   const ModelOptions& options) override;
 
  private:
-  std::unique_ptr<ExtensionSystem> system_at(const Jet& jet, const ModelOptions& options,
-                                             const ConsistencyRequest& request);
+  MinimalExtension extension_near(const PointOfInterest& point, const std::vector<double>& sizes);
 
   RecordedProblem& problem_;
   Problem& base_;

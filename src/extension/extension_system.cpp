@@ -4,14 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <utility>
 
+#include "extension/archived_structure.h"
 #include "linalg/index.h"
 #include "linalg/random.h"
 #include "linalg/rank.h"
 #include "problem/failure.h"
+#include "structure/replacement.h"
 #include "system/nonlinear_iteration.h"
 
 namespace sfdae::core {
@@ -23,12 +24,12 @@ constexpr int points_between_certificates = 20;
 
 }  // namespace
 
-ExtensionSystem::ExtensionSystem(RecordedProblem& problem, Problem& base, const AnalysisSettings& settings,
+ExtensionSystem::ExtensionSystem(MinimalExtension extension, Problem& base, const AnalysisSettings& settings,
                                  std::vector<double> scales, const Jet& jet)
-    : DaeSystem(base, problem.m(), {}, LeadingTerm::identity),
-      problem_(problem),
+    : DaeSystem(base, extension.n(), {}, LeadingTerm::identity),
+      problem_(extension.problem()),
       settings_(settings),
-      extension_(problem),
+      extension_(std::move(extension)),
       linearization_(extension_, counts_),
       iteration_(extension_, callback_error_),
       stages_(extension_),
@@ -46,7 +47,7 @@ ExtensionSystem::ExtensionSystem(RecordedProblem& problem, Problem& base, const 
     : DaeSystem(base, problem.m(), {}, LeadingTerm::identity),
       problem_(problem),
       settings_(settings),
-      extension_(problem),
+      extension_(problem, archived_structure(*problem.structure(), saved)),
       linearization_(extension_, counts_),
       iteration_(extension_, callback_error_),
       stages_(extension_) {
@@ -72,18 +73,34 @@ void ExtensionSystem::resize() {
   work_.assign(index(extension_.num_rows()) + 1, 0.0);
 }
 
-// What changes of the equations of one level do to the unknowns x_j, the states given; n values. solve: of the matrix with
-// the states held.
-template <class Solve>
-std::vector<double> ExtensionSystem::effect_of_level(int level, Solve solve) {
+// A change of each derivative of a recorded equation, by equations and levels: as large as entries of the rows that it is part of.
+std::vector<double> ExtensionSystem::trial_changes() const {
   const std::vector<int>& first = extension_.first();
-  std::minstd_rand generator(1);
+  const std::size_t n = index(extension_.n());
+  std::vector<double> changes(n * index(extension_.highest_level() + 1), 0.0);
   for (int row = 0; row < extension_.num_rows(); ++row) {
     double size = 0.0;
     for (int e = first[index(row)]; e < first[index(row + 1)]; ++e)
       size = std::max(size, std::fabs(extension_.values()[index(e)]));
-    const double change = size * (1.5 + 0.5 * symmetric_random(generator));
-    work_[index(row)] = extension_.rows()[index(row)].order == level ? change : 0.0;
+    for (const MinimalExtension::Part& part : extension_.parts(row)) {
+      double& change = changes[index(part.equation) + index(part.order) * n];
+      change = std::max(change, size / std::fabs(part.factor));
+    }
+  }
+  std::minstd_rand generator(1);
+  for (double& change : changes) change *= 1.5 + 0.5 * symmetric_random(generator);
+  return changes;
+}
+
+// What changes of the recorded equations of one level do to the unknowns x_j, the states given; n values. solve: of the matrix
+// with the states held.
+template <class Solve>
+std::vector<double> ExtensionSystem::effect_of_level(int level, const std::vector<double>& changes, Solve solve) {
+  const std::size_t n = index(extension_.n());
+  for (int row = 0; row < extension_.num_rows(); ++row) {
+    work_[index(row)] = 0.0;
+    for (const MinimalExtension::Part& part : extension_.parts(row))
+      if (part.order == level) work_[index(row)] += part.factor * changes[index(part.equation) + index(level) * n];
   }
   solve(work_.data());
   std::vector<double> effect(index(extension_.n()), 0.0);
@@ -99,13 +116,14 @@ std::vector<double> ExtensionSystem::effect_of_level(int level, Solve solve) {
 void ExtensionSystem::find_values() {
   // Relative to what equations of any level do to x_j; of the entries; of the effect. Chosen, not measured.
   constexpr double clear = 1e-8, least = 1e-14, little = 1e-10, same = 1e-3;
-  const int n = extension_.n(), d = extension_.freedom(), highest = extension_.jet_order() - 1;
+  const int n = extension_.n(), d = extension_.freedom(), highest = extension_.highest_level();
   analysis_.values = {0, d, n - d, 0, 0};
   analysis_.t = jet_.t;
   analysis_.rank_E = d;
+  const std::vector<double> changes = trial_changes();
   const auto effects = [&](auto solve) {
     std::vector<std::vector<double>> of_levels;
-    for (int level = 0; level <= highest; ++level) of_levels.push_back(effect_of_level(level, solve));
+    for (int level = 0; level <= highest; ++level) of_levels.push_back(effect_of_level(level, changes, solve));
     return of_levels;
   };
   const auto plain = effects([this](double* r) { linearization_.solve_held(r); });
@@ -155,6 +173,10 @@ PointStatus ExtensionSystem::certify(const Jet& jet) {
     return PointStatus::callback_error;
   }
   certificate_ = std::move(certificate);
+  if (!still_cancel(extension_.structure(), problem_.evaluator(), jet.t, jet.x.data())) {
+    about_change_ = "equations that depended on each other do so no more.";
+    return PointStatus::changed;
+  }
   if (certificate_.is_given()) return PointStatus::ok;
   const int singular = certificate_.first(BlockVerdict::singular);
   const int block = singular >= 0 ? singular : certificate_.first(BlockVerdict::unclear);
@@ -339,7 +361,7 @@ bool ExtensionSystem::consistent_derivative(const double* x, double, double* xdo
 DifferentiatedChange ExtensionSystem::change_of_differentiated(const double* dx, const double* tolerances) const {
   DifferentiatedChange largest;
   for (int j = 0; j < unknowns(); ++j) {
-    if (extension_.offsets().d[index(j)] == 0 || !(tolerances[j] > 0.0)) continue;
+    if (problem_.structure()->offsets.d[index(j)] == 0 || !(tolerances[j] > 0.0)) continue;
     const double size = std::fabs(dx[j]) / tolerances[j];
     if (size > largest.size) largest = {size, j};
   }
@@ -349,6 +371,7 @@ DifferentiatedChange ExtensionSystem::change_of_differentiated(const double* dx,
 // ---- Checkpoints -----------------------------------------------------------------------------------------------
 
 void ExtensionSystem::archive(Archive& archive) {
+  if (!archive.is_reading()) archive_structure(extension_.structure(), archive);
   CharacteristicValues& values = analysis_.values;
   bool is_usable = linearization_.is_usable();
   archive.small(values.mu, values.d, values.a, unjudged_, is_usable);

@@ -27,9 +27,9 @@ namespace sfdae::core {
 
 class ExtensionSystem final : public DaeSystem {
  public:
-  // base: whose requests to stop count; it lives longer, as problem does. jet: consistent. scales: changes of the unknowns
-  // that do not matter, n values: tolerances, for example. Throws Failure where the structure is not confirmed there.
-  ExtensionSystem(RecordedProblem& problem, Problem& base, const AnalysisSettings& settings,
+  // base: whose requests to stop count; it lives longer, as the problem of the extension does. jet: consistent. scales: changes of
+  // the unknowns that do not matter, n values: tolerances, for example. Throws Failure where the structure is not confirmed there.
+  ExtensionSystem(MinimalExtension extension, Problem& base, const AnalysisSettings& settings,
                   std::vector<double> scales, const Jet& jet);
   // As it was when it was archived. Throws DamagedArchive.
   ExtensionSystem(RecordedProblem& problem, Problem& base, const AnalysisSettings& settings, Archive& archive);
@@ -78,8 +78,9 @@ class ExtensionSystem final : public DaeSystem {
  private:
   void resize();
   void find_values();
+  std::vector<double> trial_changes() const;
   template <class Solve>
-  std::vector<double> effect_of_level(int level, Solve solve);
+  std::vector<double> effect_of_level(int level, const std::vector<double>& changes, Solve solve);
   PointStatus certify(const Jet& jet);
   PointStatus renew(const Jet& jet);
   template <class Iterate>

@@ -83,14 +83,15 @@ double relative_residual(const std::vector<int>& first, const std::vector<int>& 
   return largest;
 }
 
-// Residuals in units of the largest derivative of their rows.
-inline void scale_rows(const std::vector<int>& first, const std::vector<double>& values,
-                       std::vector<double>& factors) {
+// Each row in units of its largest derivative; factors: those that residuals have to be multiplied by, too.
+inline void equilibrate_rows(const std::vector<int>& first, std::vector<double>& values,
+                             std::vector<double>& factors) {
   factors.assign(first.size() - 1, 1.0);
   for (std::size_t i = 0; i < factors.size(); ++i) {
     double largest = 0.0;
     for (int e = first[i]; e < first[i + 1]; ++e) largest = std::max(largest, std::fabs(values[index(e)]));
     if (largest > 0.0) factors[i] = 1.0 / largest;
+    for (int e = first[i]; e < first[i + 1]; ++e) values[index(e)] *= factors[i];
   }
 }
 

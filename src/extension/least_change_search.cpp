@@ -34,12 +34,8 @@ bool LeastChangeSearch::compute(const Jet& jet, const Jet* guess) {
   if (error.status == SFDAE_OK) error = extension_.residuals(jet, r_.data());
   if (error.status != SFDAE_OK) error.raise();
   values_ = extension_.values();
-  scale_rows(equations_.first, values_, factors_);
-  for (int i = 0; i < equations_.rows(); ++i) {
-    r_[index(i)] *= -factors_[index(i)];
-    for (int e = equations_.first[index(i)]; e < equations_.first[index(i + 1)]; ++e)
-      values_[index(e)] *= factors_[index(i)];
-  }
+  equilibrate_rows(equations_.first, values_, factors_);
+  for (std::size_t i = 0; i < r_.size(); ++i) r_[i] *= -factors_[i];
   residual_ = largest_entry(r_);
   relative_ = relative_residual(equations_.first, equations_.column, values_, r_, [&](int k) {
     const auto [unknown, order] = extension_.columns()[index(k)];

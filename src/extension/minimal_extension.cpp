@@ -4,16 +4,21 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 
 #include "linalg/index.h"
 #include "linalg/random.h"
 
 namespace sfdae::core {
 
-MinimalExtension::MinimalExtension(RecordedProblem& problem) : problem_(problem), n_(problem.n()) {
-  highest_c_ = *std::max_element(offsets().c.begin(), offsets().c.end());
+MinimalExtension::MinimalExtension(RecordedProblem& problem, std::shared_ptr<const Structure> structure)
+    : problem_(problem),
+      structure_(std::move(structure)),
+      n_(problem.n()),
+      leading_(*structure_, problem.evaluator().tape()) {
   highest_d_ = *std::max_element(offsets().d.begin(), offsets().d.end());
   number_rows_and_columns();
+  note_parts();
   make_pattern();
 }
 
@@ -35,15 +40,37 @@ void MinimalExtension::number_rows_and_columns() {
   first_columns_.push_back(num_columns());
 }
 
-// With F_k = sum over the coefficients of f, x'_k = (k + 1) x_(k+1): dF_k / dx_l = (f_x)_(k-l) + l (f_x')_(k-l+1).
+// (D^m f)_k = (k + m)! / k! f_(k+m)
+void MinimalExtension::note_parts() {
+  levels_.assign(index(n_), 0);
+  for (const Row& row : rows_) {
+    for (const EquationTerm& term : structure_->equations.of(row.equation)) {
+      double factor = term.factor;
+      for (int k = row.order + 1; k <= row.order + term.order; ++k) factor *= k;
+      parts_.push_back({term.equation, row.order + term.order, factor});
+      int& level = levels_[index(term.equation)];
+      level = std::max(level, parts_.back().order);
+    }
+    first_part_.push_back(static_cast<int>(parts_.size()));
+  }
+  highest_level_ = *std::max_element(levels_.begin(), levels_.end());
+}
+
+// With F_k = sum over the coefficients of f, x'_k = (k + 1) x_(k+1): dF_k / dx_l = (f_x)_(k-l) + l (f_x')_(k-l+1). Derivatives that
+// the signature does not know of have cancelled.
 void MinimalExtension::make_pattern() {
   const Tape& tape = problem_.evaluator().tape();
-  const std::size_t length = index(highest_c_ + 1);
+  const std::size_t length = index(highest_level_ + 1);
+  std::vector<int> highest_order(index(n_), -1);  // of the unknowns in a row
   std::vector<int> entry_of(columns_.size(), -1);
   first_.assign(1, 0);
-  for (const Row& row : rows_) {
+  for (int row = 0; row < num_rows(); ++row) {
     const int begin = first_.back();
+    const auto [equation, row_order] = rows_[index(row)];
+    for (const Signature::Entry& entry : structure_->signature.row(equation))
+      highest_order[index(entry.unknown)] = entry.order + row_order;
     const auto add = [&](int unknown, int order, std::size_t target, int coefficient, double factor) {
+      if (order > highest_order[index(unknown)]) return;
       int& entry = entry_of[index(column_of(unknown, order))];
       if (entry < begin) {
         entry = static_cast<int>(column_.size());
@@ -51,14 +78,17 @@ void MinimalExtension::make_pattern() {
       }
       terms_.push_back({entry, target * length + index(coefficient), factor});
     };
-    for (std::size_t e = tape.first_target[index(row.equation)]; e < tape.first_target[index(row.equation + 1)];
-         ++e) {
-      const int unknown = tape.targets[e].unknown;
-      if (tape.targets[e].derivative)
-        for (int l = 1; l <= row.order + 1; ++l) add(unknown, l, e, row.order - l + 1, l);
-      else
-        for (int l = 0; l <= row.order; ++l) add(unknown, l, e, row.order - l, 1.0);
-    }
+    for (const Part& part : parts(row))
+      for (std::size_t e = tape.first_target[index(part.equation)]; e < tape.first_target[index(part.equation + 1)];
+           ++e) {
+        const int unknown = tape.targets[e].unknown;
+        if (tape.targets[e].derivative)
+          for (int l = 1; l <= part.order + 1; ++l) add(unknown, l, e, part.order - l + 1, l * part.factor);
+        else
+          for (int l = 0; l <= part.order; ++l) add(unknown, l, e, part.order - l, part.factor);
+      }
+    for (const Signature::Entry& entry : structure_->signature.row(equation))
+      highest_order[index(entry.unknown)] = -1;
     first_.push_back(static_cast<int>(column_.size()));
   }
   coefficients_.assign(tape.targets.size() * length, 0.0);
@@ -66,51 +96,61 @@ void MinimalExtension::make_pattern() {
 }
 
 CallbackError MinimalExtension::evaluate(const Jet& jet, int order) {
-  F_.resize(index(n_) * index(highest_c_ + 2));
+  F_.resize(index(n_) * index(highest_level_ + 2));
   return problem_.residuals(jet.t, jet.x.data(), order, F_.data());
 }
 
+double MinimalExtension::value_of(int row) const {
+  double value = 0.0;
+  for (const Part& part : parts(row)) value += part.factor * F_[index(part.equation) + index(part.order) * index(n_)];
+  return value;
+}
+
 CallbackError MinimalExtension::residuals(const Jet& jet, double* r) {
-  CallbackError error = evaluate(jet, highest_c_);
-  for (const Row& row : rows_) *r++ = F_[index(row.equation) + index(row.order) * index(n_)];
+  CallbackError error = evaluate(jet, highest_level_);
+  for (int row = 0; row < num_rows(); ++row) *r++ = value_of(row);
   return error;
 }
 
 CallbackError MinimalExtension::slopes(const Jet& jet, double* r) {
-  CallbackError error = evaluate(jet, highest_c_ + 1);
-  for (const Row& row : rows_) *r++ = (row.order + 1) * F_[index(row.equation) + index(row.order + 1) * index(n_)];
+  CallbackError error = evaluate(jet, highest_level_ + 1);
+  for (int row = 0; row < num_rows(); ++row) {
+    *r = 0.0;
+    for (const Part& part : parts(row)) {
+      const int next = part.order + 1;
+      *r += part.factor * next * F_[index(part.equation) + index(next) * index(n_)];
+    }
+    ++r;
+  }
   return error;
 }
 
 CallbackError MinimalExtension::stage_residuals(int stage, const Jet& jet, double* r) {
   const int first = first_row(stage), last = first_row(stage + 1);
-  CallbackError error = evaluate(jet, std::max(0, highest_c_ + stage));
-  for (int i = first; i < last; ++i) {
-    const Row& row = rows_[index(i)];
-    *r++ = F_[index(row.equation) + index(row.order) * index(n_)];
-  }
+  int order = 0;
+  for (int row = first; row < last; ++row)
+    for (const Part& part : parts(row)) order = std::max(order, part.order);
+  CallbackError error = evaluate(jet, order);
+  for (int row = first; row < last; ++row) *r++ = value_of(row);
   return error;
 }
 
-// Of f_i^(k) by x_j^(l), l - k = d_j - c_i: l! / k! ... as Taylor coefficients l or 1 times the entry of the system Jacobian.
+// Of f_i^(k) by x_j^(l), l - k = d_j - c_i: as Taylor coefficients l! / k! times the entry of the system Jacobian.
 CallbackError MinimalExtension::linearize_stage(int stage, const Jet& jet, StageMatrix& matrix) {
-  const Tape& tape = problem_.evaluator().tape();
-  leading_.resize(tape.targets.size());
-  no_orders_.resize(index(n_), 0);
-  CallbackError error = problem_.gradient_entries(jet.t, jet.x.data(), 0, no_orders_, leading_.data());
+  CallbackError error = problem_.gradients_for(
+      jet.t, [&](TaylorEvaluator& evaluator) { return leading_.evaluate(evaluator, jet.t, jet.x.data()); });
   if (error.status != SFDAE_OK) return error;
   matrix.first.assign(1, 0);
   matrix.column.clear();
   matrix.values.clear();
   for (int i = first_row(stage); i < first_row(stage + 1); ++i) {
-    const Row& row = rows_[index(i)];
-    for (std::size_t e = tape.first_target[index(row.equation)]; e < tape.first_target[index(row.equation + 1)];
-         ++e) {
-      const Tape::Leaf& leaf = tape.targets[e];
-      if (!offsets().is_leading(row.equation, {leaf.unknown, leaf.derivative ? 1 : 0})) continue;
-      const int order = row.order + (leaf.derivative ? 1 : 0);
-      matrix.column.push_back(column_of(leaf.unknown, order) - first_column(stage));
-      matrix.values.push_back((leaf.derivative ? order : 1) * leading_[e]);
+    const auto [equation, row_order] = rows_[index(i)];
+    for (int e = leading_.first()[index(equation)]; e < leading_.first()[index(equation + 1)]; ++e) {
+      const int unknown = leading_.unknown()[index(e)], order = offsets().d[index(unknown)] + stage;
+      double factor = 1.0;
+      for (int l = row_order + 1; l <= order; ++l) factor *= l;
+      matrix.column.push_back(column_of(unknown, order) - first_column(stage));
+      matrix.values.push_back(factor * leading_.values()[index(e)]);
     }
     matrix.first.push_back(static_cast<int>(matrix.column.size()));
   }
@@ -123,7 +163,7 @@ void MinimalExtension::perturb(double size) {
 }
 
 CallbackError MinimalExtension::linearize(const Jet& jet) {
-  CallbackError error = problem_.gradient_entries(jet.t, jet.x.data(), highest_c_, offsets().c, coefficients_.data());
+  CallbackError error = problem_.gradient_entries(jet.t, jet.x.data(), highest_level_, levels_, coefficients_.data());
   if (error.status != SFDAE_OK) return error;
   std::fill(values_.begin(), values_.end(), 0.0);
   for (const Term& term : terms_) values_[index(term.entry)] += term.factor * coefficients_[term.coefficient];

@@ -1,5 +1,6 @@
 // The minimal extension of recorded equations by their structure: f_i, ..., f_i^(c_i) in the unknowns x_j, ..., x_j^(d_j),
-// c and d the canonical offsets [P01], all as Taylor coefficients along a jet, with sparse derivatives.
+// c and d the canonical offsets [P01], all as Taylor coefficients along a jet, with sparse derivatives. Where structure misleads,
+// f_i are the combinations of recorded equations that have taken their place (structure/replacement.h).
 //
 // Folder extension: the strangeness-free system of equations whose structure numbers confirm, for many unknowns or a
 // high index: what is differentiated is the least that has to be, and matrices are sparse.
@@ -9,18 +10,19 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "problem/nonlinear_problem.h"
 #include "structure/structure.h"
+#include "structure/system_jacobian.h"
 #include "system/jet.h"
 
 namespace sfdae::core {
 
 class MinimalExtension {
  public:
-  // The structure of the problem exists.
-  explicit MinimalExtension(RecordedProblem& problem);
+  MinimalExtension(RecordedProblem& problem, std::shared_ptr<const Structure> structure);
 
   int n() const { return n_; }
   // Both sorted by stages: the rows f_i^(k) by k - c_i, the unknowns x_j^(l) by l - d_j.
@@ -39,15 +41,26 @@ class MinimalExtension {
   int column_of(int unknown, int order) const {
     return place_[index(unknown)][index(offsets().d[index(unknown)] - order)];
   }
-  const Structure& structure() const { return *problem_.structure(); }
-  const Offsets& offsets() const { return structure().offsets; }
+  const Structure& structure() const { return *structure_; }
+  const std::shared_ptr<const Structure>& shared_structure() const { return structure_; }
+  const Offsets& offsets() const { return structure_->offsets; }
   RecordedProblem& problem() const { return problem_; }
+  // A row is the sum of factors times Taylor coefficients of recorded equations.
+  struct Part {
+    int equation, order;
+    double factor;
+  };
+  std::span<const Part> parts(int row) const {
+    return {parts_.data() + first_part_[index(row)], parts_.data() + first_part_[index(row + 1)]};
+  }
   // Stages are first_stage(), ..., 0; each has the rows and the columns from these to those of the next one.
   int first_stage() const { return -highest_d_; }
   int first_row(int stage) const { return first_rows_[index(stage + highest_d_)]; }
   int first_column(int stage) const { return first_columns_[index(stage + highest_d_)]; }
+  // The highest derivative of a recorded equation.
+  int highest_level() const { return highest_level_; }
   // Of jets; coefficients of x_j beyond d_j have no meaning.
-  int jet_order() const { return highest_c_ + 1; }
+  int jet_order() const { return highest_level_ + 1; }
 
   // num_rows() Taylor coefficients of f along a jet of jet_order().
   CallbackError residuals(const Jet& jet, double* r);
@@ -80,20 +93,25 @@ class MinimalExtension {
     double factor;
   };
   void number_rows_and_columns();
+  void note_parts();
   void make_pattern();
   CallbackError evaluate(const Jet& jet, int order);
+  double value_of(int row) const;
 
   RecordedProblem& problem_;
-  int n_, highest_c_ = 0, highest_d_ = 0;
+  std::shared_ptr<const Structure> structure_;
+  int n_, highest_level_ = 0, highest_d_ = 0;
   std::vector<Row> rows_;
   std::vector<Column> columns_;
   std::vector<int> first_rows_, first_columns_;
-  std::vector<std::vector<int>> place_;  // of x_j^(d_j), x_j^(d_j - 1), ..., x_j
+  std::vector<Part> parts_;
+  std::vector<int> first_part_{0}, levels_;  // levels: of each recorded equation, the highest
+  std::vector<std::vector<int>> place_;      // of x_j^(d_j), x_j^(d_j - 1), ..., x_j
   std::vector<int> first_, column_;
   std::vector<Term> terms_;
   std::vector<double> coefficients_, values_;
-  std::vector<int> no_orders_;  // n zeros
-  std::vector<double> leading_, F_;
+  SystemJacobian leading_;
+  std::vector<double> F_;
 };
 
 }  // namespace sfdae::core

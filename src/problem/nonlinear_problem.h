@@ -94,9 +94,21 @@ class RecordedProblem final : public NonlinearProblem {
   TaylorEvaluator& evaluator() { return evaluator_; }
   bool has_lanes(int order) const override { return order <= LaneEvaluator::highest_order; }
   const Structure* structure() override;
+  const std::shared_ptr<const Structure>& shared_structure() {
+    structure();
+    return structure_;
+  }
   // See TaylorEvaluator::entries.
   CallbackError gradient_entries(double t, const double* jet, int order, const std::vector<int>& limits,
                                  double* values);
+  // evaluate: calls that function of the evaluator, whose answer it gives.
+  template <class Evaluate>
+  CallbackError gradients_for(double t, Evaluate evaluate) {
+    CallbackError error = stopped(t);
+    if (error.status != SFDAE_OK) return error;
+    ++linearizations_;
+    return evaluate(evaluator_) ? error : failure(t);
+  }
   // After an evaluation that has failed.
   CallbackError evaluation_error(double t) const { return failure(t); }
 

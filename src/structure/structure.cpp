@@ -11,6 +11,7 @@
 #include "linalg/dense.h"
 #include "linalg/sparse_lu.h"
 #include "linalg/units.h"
+#include "structure/system_jacobian.h"
 
 namespace sfdae::core {
 
@@ -50,11 +51,11 @@ void equilibrate(View a) {
   }
 }
 
-// Values: derivatives of the equations by the leaves that the tape leads to.
-class SystemJacobian {
+// Diagonal blocks of the system Jacobian as it was evaluated.
+class DiagonalBlocks {
  public:
-  SystemJacobian(const Structure& structure, const Tape& tape, const std::vector<double>& values)
-      : structure_(structure), tape_(tape), values_(values), place_(index(structure.signature.size()), -1) {}
+  DiagonalBlocks(const Structure& structure, const SystemJacobian& jacobian)
+      : structure_(structure), jacobian_(jacobian), place_(index(structure_.signature.size()), -1) {}
 
   Matrix block(int number) {
     const int size = static_cast<int>(structure_.blocks.equations(number).size());
@@ -94,20 +95,17 @@ class SystemJacobian {
     const auto equations = structure_.blocks.equations(number), unknowns = structure_.blocks.unknowns(number);
     for (std::size_t k = 0; k < unknowns.size(); ++k) place_[index(unknowns[k])] = static_cast<int>(k);
     for (std::size_t row = 0; row < equations.size(); ++row) {
-      const int i = equations[row];
-      for (std::size_t e = tape_.first_target[index(i)]; e < tape_.first_target[index(i + 1)]; ++e) {
-        const Tape::Leaf& leaf = tape_.targets[e];
-        const int column = place_[index(leaf.unknown)];
-        if (column >= 0 && structure_.offsets.is_leading(i, {leaf.unknown, leaf.derivative ? 1 : 0}))
-          action(static_cast<int>(row), column, values_[e]);
+      const std::size_t i = index(equations[row]);
+      for (int e = jacobian_.first()[i]; e < jacobian_.first()[i + 1]; ++e) {
+        const int column = place_[index(jacobian_.unknown()[index(e)])];
+        if (column >= 0) action(static_cast<int>(row), column, jacobian_.values()[index(e)]);
       }
     }
     for (int j : unknowns) place_[index(j)] = -1;
   }
 
   const Structure& structure_;
-  const Tape& tape_;
-  const std::vector<double>& values_;
+  const SystemJacobian& jacobian_;
   std::vector<int> place_;  // of unknowns in the block at hand
 };
 
@@ -160,28 +158,27 @@ RankDecision judge_sparse(const SparsePattern& pattern, const std::vector<double
 
 bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, double t, const double* jet,
                        double rank_tol, Certificate& certificate) {
-  std::vector<double> values(evaluator.tape().targets.size());
-  const std::vector<int> limits(index(structure.signature.size()), 0);
-  if (!evaluator.entries(t, jet, 0, limits, values.data())) return false;
-  SystemJacobian jacobian(structure, evaluator.tape(), values);
+  SystemJacobian jacobian(structure, evaluator.tape());
+  if (!jacobian.evaluate(evaluator, t, jet)) return false;
+  DiagonalBlocks diagonal(structure, jacobian);
   certificate.blocks.clear();
   certificate.blocks.reserve(index(structure.blocks.count()));
   for (int block = 0; block < structure.blocks.count(); ++block) {
     const int size = static_cast<int>(structure.blocks.equations(block).size());
     if (size == 1) {
-      certificate.blocks.push_back(judge(jacobian.only_entry(block), t, rank_tol));
+      certificate.blocks.push_back(judge(diagonal.only_entry(block), t, rank_tol));
       continue;
     }
     if (size > largest_dense_block && rank_tol == 0.0) {
       std::vector<double> of_block;
-      const SparsePattern pattern = jacobian.sparse_block(block, of_block);
+      const SparsePattern pattern = diagonal.sparse_block(block, of_block);
       const RankDecision decision = judge_sparse(pattern, of_block, t);
       if (decision.verdict == Verdict::clear || size > largest_in_doubt) {
         certificate.blocks.push_back(decision);
         continue;
       }
     }
-    certificate.blocks.push_back(judge(jacobian.block(block), t, rank_tol));
+    certificate.blocks.push_back(judge(diagonal.block(block), t, rank_tol));
   }
   return true;
 }

@@ -5,11 +5,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
 #include "linalg/rank.h"
 #include "structure/blocks.h"
+#include "structure/equation_terms.h"
 #include "structure/offsets.h"
 #include "structure/signature.h"
 #include "structure/transversal.h"
@@ -18,12 +20,18 @@ namespace sfdae::core {
 
 // Of equations as many as unknowns that have a transversal.
 struct Structure {
-  Structure(const Signature& rows, const Transversal& assignment)
-      : signature(rows),
+  // rows: of the equations that the terms make.
+  Structure(const Signature& rows, const Transversal& assignment, EquationTerms terms)
+      : equations(std::move(terms)),
+        signature(rows),
         transversal(assignment),
         offsets(canonical_offsets(rows, assignment)),
         blocks(rows, assignment, offsets) {}
+  // Of the equations as they are recorded.
+  Structure(const Signature& rows, const Transversal& assignment)
+      : Structure(rows, assignment, EquationTerms(rows.size())) {}
 
+  EquationTerms equations;
   Signature signature;
   Transversal transversal;
   Offsets offsets;
@@ -43,7 +51,8 @@ struct Certificate {
   double smallest_kept() const { return core::smallest_kept(blocks); }
 };
 
-// jet: x and x' of a consistent point, n x 2. rank_tol: as in RankScale. False: the equations cannot be evaluated there.
+// At a consistent point. jet: x and x', n x 2; more of it where equations were replaced, see SystemJacobian::jet_order().
+// rank_tol: as in RankScale. False: the equations cannot be evaluated there.
 bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, double t, const double* jet,
                        double rank_tol, Certificate& certificate);
 

@@ -21,7 +21,9 @@ namespace sfdae_test {
 
 class SparseSystem {
  public:
-  SparseSystem(unsigned seed, bool is_mixed);
+  // How structure is to mislead: not at all, by sums with constant factors, or with factors that vary, too.
+  enum class Mixing { none, constant, any };
+  SparseSystem(unsigned seed, Mixing mixing);
 
   int n() const { return n_; }
   CharacteristicValues values() const { return values_; }
@@ -62,7 +64,7 @@ inline std::vector<int> SparseSystem::permutation(RandomNumbers& numbers) const 
   return places;
 }
 
-inline SparseSystem::SparseSystem(unsigned seed, bool is_mixed) {
+inline SparseSystem::SparseSystem(unsigned seed, Mixing mixing) {
   RandomNumbers numbers(seed);
   const auto below = [&numbers](int bound) { return static_cast<int>(numbers.uniform(0.0, bound - 1e-9)); };
   d_ = 1 + below(4);
@@ -81,10 +83,11 @@ inline SparseSystem::SparseSystem(unsigned seed, bool is_mixed) {
   }
   unknown_ = permutation(numbers);
   equation_ = permutation(numbers);
-  for (int count = is_mixed ? 1 + below(2 * n_) : 0; count > 0; --count) {
+  for (int count = mixing != Mixing::none ? 1 + below(2 * n_) : 0; count > 0; --count) {
     const int to = below(n_), from = below(n_);
     if (to != from)
       mixes_.push_back({to, from, below(n_), numbers.uniform(-1.5, 1.5), below(2) * 0.5, below(3) == 0 ? 1.0 : 0.0});
+    if (mixing == Mixing::constant && to != from) mixes_.back().size = 0.0;
   }
 }
 

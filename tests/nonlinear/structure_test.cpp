@@ -8,23 +8,11 @@
 #include "family_run.h"
 #include "nonlinear_examples.h"
 #include "nonlinear_run.h"
-#include "sparse_system.h"
+#include "sparse_run.h"
 
 namespace sfdae_test {
 
 namespace {
-
-NonlinearEquations equations_of(const SparseSystem& system) {
-  return sfdae_test::equations_of(
-      system.n(), system.n(),
-      [&system](const auto& t, const auto* x, const auto* xdot, auto* F) { system.residual(t, x, xdot, F); });
-}
-
-sfdae_options options_of(int structure, int method = SFDAE_METHOD_BDF) {
-  sfdae_options options = options_with(1e-6, method);
-  options.structure = structure;
-  return options;
-}
 
 struct StructureFound {
   sfdae_structure summary;
@@ -42,22 +30,6 @@ StructureFound structure_of(NonlinearRun& run, int n) {
   return found;
 }
 
-double error_in_tolerances(const std::vector<double>& x, const std::vector<double>& exact) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    largest = std::max(largest, std::fabs(x[i] - exact[i]) / (1e-6 * std::fabs(exact[i]) + 1e-6));
-  return largest;
-}
-
-void pendulum_equations(sfdae_record*, const Expression&, const Expression* x, const Expression* xdot,
-                        Expression* F) {
-  F[0] = xdot[0] - x[2];
-  F[1] = xdot[1] - x[3];
-  F[2] = xdot[2] + x[0] * x[4];
-  F[3] = xdot[3] + x[1] * x[4] + 9.81;
-  F[4] = x[0] * x[0] + x[1] * x[1] - 1.0;
-}
-
 }  // namespace
 
 TEST(Structure, GivesTheAnswersOfTheWholeArray) {
@@ -65,7 +37,8 @@ TEST(Structure, GivesTheAnswersOfTheWholeArray) {
   int followed = 0, misled = 0, plain_certified = 0;
   for (int trial = 0; trial < count; ++trial) {
     SCOPED_TRACE(trial);
-    const SparseSystem system(static_cast<unsigned>(trial + 1), trial % 2 == 1);
+    const SparseSystem system(static_cast<unsigned>(trial + 1),
+                              trial % 2 == 1 ? SparseSystem::Mixing::any : SparseSystem::Mixing::none);
     NonlinearRun with(equations_of(system), options_of(SFDAE_STRUCTURE_AUTOMATIC)),
         without(equations_of(system), options_of(SFDAE_STRUCTURE_OFF));
     const std::vector<double> start = system.exact(0.2);
@@ -95,7 +68,8 @@ TEST(Structure, ItsIntegrationsAreAsAccurate) {
   const int count = scaled_count(400);
   for (int trial = 0; trial < count; ++trial) {
     SCOPED_TRACE(trial);
-    const SparseSystem system(static_cast<unsigned>(trial + 70001), trial % 2 == 1);
+    const SparseSystem system(static_cast<unsigned>(trial + 70001),
+                              trial % 2 == 1 ? SparseSystem::Mixing::any : SparseSystem::Mixing::none);
     for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
       NonlinearRun run(equations_of(system), options_of(SFDAE_STRUCTURE_AUTOMATIC, method));
       ASSERT_EQ(run.integrate(0.2, 1.5, system.exact(0.2)), SFDAE_OK) << run.message();

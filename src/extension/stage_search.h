@@ -1,0 +1,42 @@
+// The unknowns of one stage of an extension by Newton's method, each step the least change back to the guess.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "extension/jet_search.h"
+#include "extension/least_change_step.h"
+#include "extension/minimal_extension.h"
+#include "system/jet.h"
+
+namespace sfdae::core {
+
+class StageSearch {
+ public:
+  // W: of the square of a change of each column of the stage. sizes: of the unknowns, n values; changes far below them do not matter.
+  StageSearch(MinimalExtension& extension, int stage, std::vector<double> W, const std::vector<double>& sizes);
+
+  // What has ended the search without a solution, or null. jet: its unknowns of the stages before are known. Throws Failure
+  // where the equations cannot be evaluated at the guess.
+  const char* run(const Jet& guess, Jet& jet);
+
+ private:
+  const char* linearize(const Jet& jet, bool is_first);
+  double residual(const Jet& jet);
+  double relative(const Jet& jet) const;
+  bool step(const Jet& guess, Jet& jet);
+
+  MinimalExtension& extension_;
+  int stage_;
+  std::vector<MinimalExtension::Column> columns_;
+  MinimalExtension::StageMatrix J_;
+  LeastChangeStep::Equations equations_;
+  LeastChangeStep step_;
+  std::vector<double> W_, dx_, r_, factors_;
+  std::vector<char> held_;  // none
+  const std::vector<double>& sizes_;
+  double residual_ = 0.0;  // at the point of the linearization
+  JetChange change_;
+};
+
+}  // namespace sfdae::core

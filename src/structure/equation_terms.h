@@ -1,0 +1,69 @@
+// Equations that take the place of recorded ones: f^_i = sum of factor D^order f_k over terms, D the total derivative by t,
+// factors constant; f_i is among the terms, as it stands.
+//
+// As the other equations stay, they have the solutions of the recorded ones [TNP17].
+//
+// [TNP17] G. Tan, N. S. Nedialkov, J. D. Pryce: Conversion methods for improving structural analysis of
+//         differential-algebraic equation systems. BIT 57 (2017), 845-865.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+// factor D^order f_equation
+struct EquationTerm {
+  int equation;
+  int order;
+  double factor;
+};
+
+class EquationTerms {
+ public:
+  // Every equation is that recorded.
+  explicit EquationTerms(int n) : place_(index(n), -1) {
+    for (int i = 0; i < n; ++i) recorded_.push_back({i, 0, 1.0});
+  }
+
+  std::span<const EquationTerm> of(int i) const {
+    const int place = place_[index(i)];
+    return place < 0 ? std::span(&recorded_[index(i)], 1) : std::span<const EquationTerm>(replaced_[index(place)]);
+  }
+  bool is_replaced(int i) const { return place_[index(i)] >= 0; }
+  int num_replaced() const { return static_cast<int>(replaced_.size()); }
+  // Of D, in all terms.
+  int highest_order() const { return highest_order_; }
+
+  void replace(int i, std::vector<EquationTerm> terms) {
+    for (const EquationTerm& term : terms) highest_order_ = std::max(highest_order_, term.order);
+    if (!is_replaced(i)) {
+      place_[index(i)] = num_replaced();
+      replaced_.emplace_back();
+    }
+    replaced_[index(place_[index(i)])] = std::move(terms);
+  }
+
+ private:
+  std::vector<EquationTerm> recorded_;
+  std::vector<int> place_;  // in replaced_, or -1
+  std::vector<std::vector<EquationTerm>> replaced_;
+  int highest_order_ = 0;
+};
+
+// A Taylor coefficient of a derivative of f_k by x_j or x_j', times a factor: part of the derivative of D^order f_k by x_j^(s). order
+// of the coefficient: -1 where there is none.
+struct SeriesTerm {
+  int order;
+  double factor;
+};
+
+// With f_k = a_1 x_j' + a_0 x_j: D^m f_k contains (binomial(m, s - 1) a_1^(m - s + 1) + binomial(m, s) a_0^(m - s)) x_j^(s).
+SeriesTerm series_term(const EquationTerm& term, bool of_derivative, int s);
+
+}  // namespace sfdae::core

@@ -1,0 +1,47 @@
+// Entries of the system Jacobian.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "structure/system_jacobian.h"
+
+#include <algorithm>
+
+namespace sfdae::core {
+
+SystemJacobian::SystemJacobian(const Structure& structure, const Tape& tape)
+    : order_(structure.equations.highest_order()),
+      limits_(index(structure.signature.size()), 0),
+      coefficients_(tape.targets.size() * index(order_ + 1)) {
+  const std::size_t length = index(order_ + 1);
+  std::vector<int> entry_of(index(structure.signature.size()), -1);
+  for (int i = 0; i < structure.signature.size(); ++i) {
+    for (const Signature::Entry& entry : structure.signature.row(i)) {
+      if (!structure.offsets.is_leading(i, entry)) continue;
+      entry_of[index(entry.unknown)] = static_cast<int>(unknown_.size());
+      unknown_.push_back(entry.unknown);
+    }
+    for (const EquationTerm& term : structure.equations.of(i)) {
+      int& limit = limits_[index(term.equation)];
+      limit = std::max(limit, term.order);
+      for (std::size_t e = tape.first_target[index(term.equation)]; e < tape.first_target[index(term.equation + 1)];
+           ++e) {
+        const Tape::Leaf& leaf = tape.targets[e];
+        const int entry = entry_of[index(leaf.unknown)];
+        if (entry < 0) continue;
+        const int s = structure.offsets.d[index(leaf.unknown)] - structure.offsets.c[index(i)];
+        const SeriesTerm part = series_term(term, leaf.derivative, s);
+        if (part.order >= 0) terms_.push_back({entry, e * length + index(part.order), part.factor});
+      }
+    }
+    for (int e = first_.back(); e < static_cast<int>(unknown_.size()); ++e) entry_of[index(unknown_[index(e)])] = -1;
+    first_.push_back(static_cast<int>(unknown_.size()));
+  }
+  values_.resize(unknown_.size());
+}
+
+bool SystemJacobian::evaluate(TaylorEvaluator& evaluator, double t, const double* jet) {
+  if (!evaluator.entries(t, jet, order_, limits_, coefficients_.data())) return false;
+  std::fill(values_.begin(), values_.end(), 0.0);
+  for (const Term& term : terms_) values_[index(term.entry)] += term.factor * coefficients_[term.coefficient];
+  return true;
+}
+
+}  // namespace sfdae::core
