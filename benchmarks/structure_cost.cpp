@@ -4,7 +4,7 @@
 // and KLU, both with analytic Jacobians; errors are those of the worst component relative to 1 + |x|, of runs at 1e-9 (amplifiers:
 // 1e-8, as their start fails at 1e-9). Run it with OPENBLAS_NUM_THREADS=1.
 //
-//   structure_cost [brusselator|ladder|amplifiers|links|pendula [size [alone]]]
+//   structure_cost [brusselator|ladder|amplifiers|currents|links|pendula [size [alone]]]
 //
 // alone: one run of this library, for profilers.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -275,6 +275,7 @@ int main(int argc, char** argv) {
   const Family families[] = {
       {"ladder", sfdae_bench::ladder_problem, {500}, 500, reference_tol},
       {"amplifiers", sfdae_bench::amplifier_problem, {1, 3, 10, 30, 100}, 100, 1e-8},
+      {"currents", sfdae_bench::amplifier_problem_with_currents, {1, 3, 10, 30, 100}, 100, 1e-8},
       {"links", sfdae_bench::link_problem, {10, 20, 50, 100, 200, 500}, 500, 0.0},
       {"pendula", sfdae_bench::pendula_problem, {1, 2, 3, 4, 5, 6, 8, 10, 12}, 5, reference_tol}};
   for (const Family& family : families)

@@ -115,10 +115,26 @@ inline SparseProblem ladder_problem(int sections) {
 }
 
 // Two-stage transistor amplifiers [HW96, VII.1], driven by the same signal and, a little, by the output before:
-// more of it would sharpen edges from stage to stage, without end. Nodal equations alone have
-// capacitors between nodes that are dynamic unknowns for the structure and not for numbers; here the currents of these three
-// are unknowns, too (x[8], x[9], x[10]), which structure sees through.
+// more of it would sharpen edges from stage to stage, without end. Nodal equations: three capacitors are between nodes that are
+// dynamic unknowns for the structure and not for numbers.
 inline void amplifier(const Expression& source, const Expression* x, const Expression* xdot, Expression* F) {
+  constexpr double Ub = 6.0, alpha = 0.99, R0 = 1000.0, R = 9000.0;
+  const auto diode = [](const Expression& voltage) { return 1e-6 * (exp(voltage / 0.026) - 1.0); };
+  const Expression first = diode(x[1] - x[2]), second = diode(x[4] - x[5]);
+  const auto capacitor = [&](double C, int from, int to) { return C * (xdot[from] - xdot[to]); };
+  F[0] = capacitor(1e-6, 1, 0) + (source - x[0]) / R0;
+  F[1] = -capacitor(1e-6, 1, 0) + Ub / R - x[1] * (2.0 / R) - (1.0 - alpha) * first;
+  F[2] = -2e-6 * xdot[2] + first - x[2] / R;
+  F[3] = capacitor(3e-6, 4, 3) + (Ub - x[3]) / R - alpha * first;
+  F[4] = -capacitor(3e-6, 4, 3) + Ub / R - x[4] * (2.0 / R) - (1.0 - alpha) * second;
+  F[5] = -4e-6 * xdot[5] + second - x[5] / R;
+  F[6] = capacitor(5e-6, 7, 6) + (Ub - x[6]) / R - alpha * second;
+  F[7] = -capacitor(5e-6, 7, 6) - x[7] / R;
+}
+
+// The same with the currents of these three as unknowns, too (x[8], x[9], x[10]), which structure sees through.
+inline void amplifier_with_currents(const Expression& source, const Expression* x, const Expression* xdot,
+                                    Expression* F) {
   constexpr double Ub = 6.0, alpha = 0.99, R0 = 1000.0, R = 9000.0;
   const auto diode = [](const Expression& voltage) { return 1e-6 * (exp(voltage / 0.026) - 1.0); };
   const Expression first = diode(x[1] - x[2]), second = diode(x[4] - x[5]);
@@ -135,20 +151,27 @@ inline void amplifier(const Expression& source, const Expression* x, const Expre
   F[10] = x[10] - 5e-6 * (xdot[7] - xdot[6]);
 }
 
-inline SparseProblem amplifier_problem(int amplifiers) {
+inline SparseProblem amplifiers(int count, int unknowns,
+                                void (*one)(const Expression&, const Expression*, const Expression*, Expression*)) {
   SparseProblem problem;
-  problem.record = [amplifiers](const Expression& t, const Expression* x, const Expression* xdot, Expression* F) {
+  problem.record = [=](const Expression& t, const Expression* x, const Expression* xdot, Expression* F) {
     const Expression signal = 0.1 * sin(200.0 * pi * t);
     Expression source = signal;
-    for (int k = 0; k < amplifiers; ++k, x += 11, xdot += 11, F += 11) {
-      amplifier(source, x, xdot, F);
+    for (int k = 0; k < count; ++k, x += unknowns, xdot += unknowns, F += unknowns) {
+      one(source, x, xdot, F);
       source = signal + 1e-5 * x[7];
     }
   };
-  for (int k = 0; k < amplifiers; ++k)
-    for (const double value : {0.0, 3.0, 3.0, 6.0, 3.0, 3.0, 6.0, 0.0, 0.0, 0.0, 0.0}) problem.x0.push_back(value);
+  for (int k = 0; k < count; ++k) {
+    for (const double value : {0.0, 3.0, 3.0, 6.0, 3.0, 3.0, 6.0, 0.0}) problem.x0.push_back(value);
+    problem.x0.resize(problem.x0.size() + static_cast<std::size_t>(unknowns - 8), 0.0);
+  }
   problem.tf = 0.05;
   return problem;
+}
+inline SparseProblem amplifier_problem(int count) { return amplifiers(count, 8, amplifier); }
+inline SparseProblem amplifier_problem_with_currents(int count) {
+  return amplifiers(count, 11, amplifier_with_currents);
 }
 
 // Masses 1/N at the ends of rigid links of length 1/N that hang from the origin, in absolute coordinates; T_k: tensions.
