@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <utility>
 
 #include "extension/archived_structure.h"
+#include "extension/strangeness_index.h"
 #include "linalg/index.h"
-#include "linalg/random.h"
 #include "linalg/rank.h"
 #include "problem/failure.h"
 #include "structure/replacement.h"
@@ -36,7 +35,10 @@ ExtensionSystem::ExtensionSystem(MinimalExtension extension, Problem& base, cons
       scales_(std::move(scales)) {
   resize();
   const PointStatus status = set_point(jet);
-  if (status == PointStatus::callback_error) callback_error_.raise();
+  if (status == PointStatus::callback_error && !callback_error_.is_recoverable()) callback_error_.raise();
+  if (status == PointStatus::callback_error)
+    throw Failure(SFDAE_NO_CONSISTENT_VALUES, "no values consistent with the constraints were found: " +
+                                                  callback_error_.detail + " Give a better guess.");
   if (status != PointStatus::ok)
     throw Failure(SFDAE_RANK_UNCLEAR, format("the structure is not confirmed at t = %.15g: ", jet.t) + about_change_);
   find_values();
@@ -73,74 +75,11 @@ void ExtensionSystem::resize() {
   work_.assign(index(extension_.num_rows()) + 1, 0.0);
 }
 
-// A change of each derivative of a recorded equation, by equations and levels: as large as entries of the rows that it is part of.
-std::vector<double> ExtensionSystem::trial_changes() const {
-  const std::vector<int>& first = extension_.first();
-  const std::size_t n = index(extension_.n());
-  std::vector<double> changes(n * index(extension_.highest_level() + 1), 0.0);
-  for (int row = 0; row < extension_.num_rows(); ++row) {
-    double size = 0.0;
-    for (int e = first[index(row)]; e < first[index(row + 1)]; ++e)
-      size = std::max(size, std::fabs(extension_.values()[index(e)]));
-    for (const MinimalExtension::Part& part : extension_.parts(row)) {
-      double& change = changes[index(part.equation) + index(part.order) * n];
-      change = std::max(change, size / std::fabs(part.factor));
-    }
-  }
-  std::minstd_rand generator(1);
-  for (double& change : changes) change *= 1.5 + 0.5 * symmetric_random(generator);
-  return changes;
-}
-
-// What changes of the recorded equations of one level do to the unknowns x_j, the states given; n values. solve: of the matrix
-// with the states held.
-template <class Solve>
-std::vector<double> ExtensionSystem::effect_of_level(int level, const std::vector<double>& changes, Solve solve) {
-  const std::size_t n = index(extension_.n());
-  for (int row = 0; row < extension_.num_rows(); ++row) {
-    work_[index(row)] = 0.0;
-    for (const MinimalExtension::Part& part : extension_.parts(row))
-      if (part.order == level) work_[index(row)] += part.factor * changes[index(part.equation) + index(level) * n];
-  }
-  solve(work_.data());
-  std::vector<double> effect(index(extension_.n()), 0.0);
-  const StateChoice& choice = linearization_.choice();
-  for (int j = 0; j < extension_.n(); ++j)
-    if (!choice.is_state(j)) effect[index(j)] = std::fabs(work_[index(choice.slot(extension_.column_of(j, 0)))]);
-  return effect;
-}
-
-// The largest level the equations of which have a say in x, the states given, is the strangeness index: changes of these
-// equations move some x_j then. Where they move it little beside those of other levels, as a capacitor in farad does, the
-// effect has to be the same with entries that are changed a little: rounding errors are not.
 void ExtensionSystem::find_values() {
-  // Relative to what equations of any level do to x_j; of the entries; of the effect. Chosen, not measured.
-  constexpr double clear = 1e-8, least = 1e-14, little = 1e-10, same = 1e-3;
-  const int n = extension_.n(), d = extension_.freedom(), highest = extension_.highest_level();
-  analysis_.values = {0, d, n - d, 0, 0};
+  const int n = extension_.n(), d = extension_.freedom();
+  analysis_.values = {strangeness_index(extension_, linearization_), d, n - d, 0, 0};
   analysis_.t = jet_.t;
   analysis_.rank_E = d;
-  const std::vector<double> changes = trial_changes();
-  const auto effects = [&](auto solve) {
-    std::vector<std::vector<double>> of_levels;
-    for (int level = 0; level <= highest; ++level) of_levels.push_back(effect_of_level(level, changes, solve));
-    return of_levels;
-  };
-  const auto plain = effects([this](double* r) { linearization_.solve_held(r); });
-  extension_.perturb(little);
-  StateMatrix<double> other;
-  other.set_choice(linearization_.choice());
-  const bool has_other = other.factor({extension_, extension_.values()}, linearization_.choice(), 0.0);
-  const auto changed = has_other ? effects([&other](double* r) { other.solve(r); }) : plain;
-  for (std::size_t j = 0; j < index(n); ++j) {
-    double largest = 0.0;
-    for (const std::vector<double>& effect : plain) largest = std::max(largest, effect[j]);
-    for (int level = analysis_.values.mu + 1; level <= highest; ++level) {
-      const double effect = plain[index(level)][j], again = changed[index(level)][j];
-      const bool is_real = effect > least * largest && std::fabs(again - effect) <= same * effect;
-      if (effect > clear * largest || is_real) analysis_.values.mu = level;
-    }
-  }
 }
 
 PointQuality ExtensionSystem::quality() const {
@@ -159,16 +98,30 @@ PointStatus ExtensionSystem::set_point(const Jet& jet) {
   jet_ = jet;
   jet_.set_order(extension_.jet_order());
   history_.restart(jet_);
-  const PointStatus status = certify(jet_);
-  return status == PointStatus::ok ? renew(jet_) : status;
+  // Once more with the linearization, which knows how far rounding errors have moved the jet.
+  PointStatus status = certify(jet_);
+  if (status == PointStatus::ok) status = renew(jet_);
+  return status == PointStatus::ok ? certify(jet_) : status;
+}
+
+// Empty: it is not known.
+std::vector<double> ExtensionSystem::noise_of_jet() const {
+  if (!linearization_.is_usable()) return {};
+  std::vector<double> noise(jet_.x.size(), 0.0);
+  for (int column = 0; column < extension_.num_columns(); ++column) {
+    const auto [unknown, order] = extension_.columns()[index(column)];
+    noise[index(unknown) + index(order) * index(unknowns())] = linearization_.noise()[index(column)];
+  }
+  return noise;
 }
 
 PointStatus ExtensionSystem::certify(const Jet& jet) {
   unjudged_ = 0;
   about_change_.clear();
   Certificate certificate;
-  if (!certify_structure(extension_.structure(), problem_.evaluator(), jet.t, jet.x.data(), settings_.rank_tol,
-                         certificate)) {
+  const std::vector<double> noise = noise_of_jet();
+  const CertifiedPoint point{jet.t, jet.x.data(), noise.empty() ? nullptr : noise.data()};
+  if (!certify_structure(extension_.structure(), problem_.evaluator(), point, settings_.rank_tol, certificate)) {
     callback_error_ = problem_.evaluation_error(jet.t);
     return PointStatus::callback_error;
   }

@@ -78,10 +78,8 @@ class ExtensionSystem final : public DaeSystem {
  private:
   void resize();
   void find_values();
-  std::vector<double> trial_changes() const;
-  template <class Solve>
-  std::vector<double> effect_of_level(int level, const std::vector<double>& changes, Solve solve);
   PointStatus certify(const Jet& jet);
+  std::vector<double> noise_of_jet() const;
   PointStatus renew(const Jet& jet);
   template <class Iterate>
   PointStatus iterate_with_renewal(const Jet& start, Iterate iterate);

@@ -10,7 +10,8 @@
 
 namespace sfdae::core {
 
-enum class Subject { stage, constraints, differential, array };  // what was judged: S(:, y_j), A^, E T2, M
+// What was judged: S(:, y_j), A^, E T2, M, a diagonal block of the system Jacobian.
+enum class Subject { stage, constraints, differential, array, block };
 enum class Verdict { clear, confirmed, unclear, user };
 
 struct RankDecision {

@@ -290,6 +290,7 @@ std::string describe(const RankDecision& decision) {
   const char* subject = decision.subject == Subject::stage         ? "diagonal block"
                         : decision.subject == Subject::constraints ? "constraints"
                         : decision.subject == Subject::array       ? "derivative array"
+                        : decision.subject == Subject::block       ? "block of the system Jacobian"
                                                                    : "E T2";
   return format("rank decision at t = %.15g, level %d (%s, %d x %d): kept %.1e, dropped %.1e, noise %.1e (gap %.2g)",
                 decision.t, decision.level, subject, decision.rows, decision.cols, decision.kept, decision.dropped,

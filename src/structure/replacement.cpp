@@ -152,7 +152,7 @@ bool Replacement::sample(int order) {
 }
 
 bool Replacement::judge(const Structure& structure, Certificate& certificate) {
-  return certify_structure(structure, evaluator_, neighbourhood_.t, samples_[0].jet.data(), 0.0, certificate);
+  return certify_structure(structure, evaluator_, {neighbourhood_.t, samples_[0].jet.data()}, 0.0, certificate);
 }
 
 std::shared_ptr<const Structure> Replacement::run(const Structure& recorded) {

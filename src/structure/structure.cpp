@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <utility>
 
 #include "linalg/arena.h"
 #include "linalg/dense.h"
+#include "linalg/random.h"
 #include "linalg/sparse_lu.h"
 #include "linalg/units.h"
 #include "structure/system_jacobian.h"
@@ -154,31 +156,52 @@ RankDecision judge_sparse(const SparsePattern& pattern, const std::vector<double
   return decision;
 }
 
+RankDecision judge_block(const Structure& structure, DiagonalBlocks& diagonal, int block, double t, double rank_tol) {
+  const int size = static_cast<int>(structure.blocks.equations(block).size());
+  if (size == 1) return judge(diagonal.only_entry(block), t, rank_tol);
+  if (size > largest_dense_block && rank_tol == 0.0) {
+    std::vector<double> of_block;
+    const SparsePattern pattern = diagonal.sparse_block(block, of_block);
+    const RankDecision decision = judge_sparse(pattern, of_block, t);
+    if (decision.verdict == Verdict::clear || size > largest_in_doubt) return decision;
+  }
+  return judge(diagonal.block(block), t, rank_tol);
+}
+
+// The point moved by its rounding errors, to one side or the other.
+std::vector<double> moved(const CertifiedPoint& point, std::size_t count, double side) {
+  constexpr double few_roundings = 8.0;
+  std::minstd_rand generator(1);
+  std::vector<double> jet(point.jet, point.jet + count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double noise = point.noise != nullptr ? point.noise[k] : 0.0;
+    const double size = few_roundings * std::max(unit_roundoff * std::fabs(jet[k]), noise);
+    const double part = symmetric_random(generator);
+    jet[k] += side * size * (part < 0.0 ? part - 1.0 : part + 1.0) / 2.0;
+  }
+  return jet;
+}
+
 }  // namespace
 
-bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, double t, const double* jet,
+bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, const CertifiedPoint& point,
                        double rank_tol, Certificate& certificate) {
   SystemJacobian jacobian(structure, evaluator.tape());
-  if (!jacobian.evaluate(evaluator, t, jet)) return false;
+  const std::size_t count = index(structure.signature.size()) * index(jacobian.jet_order() + 1);
+  // One side may be beyond the domain of a function.
+  std::vector<double> nearby;
+  for (const double side : {1.0, -1.0})
+    if (nearby.empty() && jacobian.evaluate(evaluator, point.t, moved(point, count, side).data()))
+      nearby = jacobian.values();
+  if (!jacobian.evaluate(evaluator, point.t, point.jet)) return false;
+  if (!nearby.empty()) jacobian.drop_changes_from(nearby);
   DiagonalBlocks diagonal(structure, jacobian);
   certificate.blocks.clear();
   certificate.blocks.reserve(index(structure.blocks.count()));
   for (int block = 0; block < structure.blocks.count(); ++block) {
-    const int size = static_cast<int>(structure.blocks.equations(block).size());
-    if (size == 1) {
-      certificate.blocks.push_back(judge(diagonal.only_entry(block), t, rank_tol));
-      continue;
-    }
-    if (size > largest_dense_block && rank_tol == 0.0) {
-      std::vector<double> of_block;
-      const SparsePattern pattern = diagonal.sparse_block(block, of_block);
-      const RankDecision decision = judge_sparse(pattern, of_block, t);
-      if (decision.verdict == Verdict::clear || size > largest_in_doubt) {
-        certificate.blocks.push_back(decision);
-        continue;
-      }
-    }
-    certificate.blocks.push_back(judge(diagonal.block(block), t, rank_tol));
+    certificate.blocks.push_back(judge_block(structure, diagonal, block, point.t, rank_tol));
+    certificate.blocks.back().subject = Subject::block;
+    certificate.blocks.back().stage = block;
   }
   return true;
 }

@@ -51,9 +51,18 @@ struct Certificate {
   double smallest_kept() const { return core::smallest_kept(blocks); }
 };
 
-// At a consistent point. jet: x and x', n x 2; more of it where equations were replaced, see SystemJacobian::jet_order().
-// rank_tol: as in RankScale. False: the equations cannot be evaluated there.
-bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, double t, const double* jet,
+// A consistent point.
+struct CertifiedPoint {
+  double t;
+  // x and x', n x 2; more of it where equations were replaced, see SystemJacobian::jet_order().
+  const double* jet;
+  // Of the jet, as many values: how far it may be off by rounding. Null: by a few roundings of its numbers.
+  const double* noise = nullptr;
+};
+
+// Entries that rounding errors of the point change by more than a part of them are taken for zeros: an entry that vanishes at
+// consistent points only has no other value there. rank_tol: as in RankScale. False: the equations cannot be evaluated there.
+bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, const CertifiedPoint& point,
                        double rank_tol, Certificate& certificate);
 
 }  // namespace sfdae::core

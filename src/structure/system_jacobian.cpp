@@ -3,6 +3,7 @@
 #include "structure/system_jacobian.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sfdae::core {
 
@@ -42,6 +43,12 @@ bool SystemJacobian::evaluate(TaylorEvaluator& evaluator, double t, const double
   std::fill(values_.begin(), values_.end(), 0.0);
   for (const Term& term : terms_) values_[index(term.entry)] += term.factor * coefficients_[term.coefficient];
   return true;
+}
+
+void SystemJacobian::drop_changes_from(const std::vector<double>& values) {
+  constexpr double part = 1e-3;
+  for (std::size_t e = 0; e < values_.size(); ++e)
+    if (!(std::fabs(values[e] - values_[e]) <= part * std::fabs(values_[e]))) values_[e] = 0.0;
 }
 
 }  // namespace sfdae::core

@@ -19,6 +19,9 @@ class SystemJacobian {
   // False: the equations cannot be evaluated there. jet: of jet_order(), at least.
   bool evaluate(TaylorEvaluator& evaluator, double t, const double* jet);
 
+  // Entries that differ from these by more than a part of them become zero.
+  void drop_changes_from(const std::vector<double>& values);
+
   // The entries of equation i are first()[i], ..., first()[i + 1] - 1.
   const std::vector<int>& first() const { return first_; }
   const std::vector<int>& unknown() const { return unknown_; }

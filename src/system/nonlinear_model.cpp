@@ -146,7 +146,7 @@ bool NonlinearModel::moves_least(const PointOfInterest& point, const ModelOption
 bool NonlinearModel::certifies_structure() {
   const Jet& jet = system_->accepted_jet();
   Certificate certificate;
-  return certify_structure(*problem_->structure(), recorded_->evaluator(), jet.t, jet.x.data(),
+  return certify_structure(*problem_->structure(), recorded_->evaluator(), {jet.t, jet.x.data()},
                            system_->settings().rank_tol, certificate) &&
          certificate.is_given();
 }

@@ -1,0 +1,104 @@
+// The exact strangeness index by trial changes of the equations.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "extension/strangeness_index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "linalg/index.h"
+#include "linalg/random.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Relative to what equations of any level do to x_j; of the entries; of the effect. Chosen, not measured.
+constexpr double clear = 1e-8, least = 1e-14, little = 1e-10, same = 1e-3;
+
+class LevelEffects {
+ public:
+  LevelEffects(const MinimalExtension& extension, const StateChoice& choice)
+      : extension_(extension),
+        choice_(choice),
+        n_(index(extension.n())),
+        changes_(n_ * index(extension.highest_level() + 1), 0.0),
+        work_(index(extension.num_rows()) + 1) {
+    note_changes();
+  }
+
+  // Of all levels, what their changes do to the unknowns x_j, the states given. solve: of the matrix with the states held.
+  template <class Solve>
+  std::vector<std::vector<double>> all(Solve solve) {
+    std::vector<std::vector<double>> effects;
+    for (int level = 0; level <= extension_.highest_level(); ++level) effects.push_back(of_level(level, solve));
+    return effects;
+  }
+
+ private:
+  // A change of each derivative of a recorded equation: as large as entries of the rows that it is part of.
+  void note_changes() {
+    const std::vector<int>& first = extension_.first();
+    for (int row = 0; row < extension_.num_rows(); ++row) {
+      double size = 0.0;
+      for (int e = first[index(row)]; e < first[index(row + 1)]; ++e)
+        size = std::max(size, std::fabs(extension_.values()[index(e)]));
+      for (const MinimalExtension::Part& part : extension_.parts(row)) {
+        double& change = changes_[index(part.equation) + index(part.order) * n_];
+        change = std::max(change, size / std::fabs(part.factor));
+      }
+    }
+    std::minstd_rand generator(1);
+    for (double& change : changes_) change *= 1.5 + 0.5 * symmetric_random(generator);
+  }
+
+  template <class Solve>
+  std::vector<double> of_level(int level, Solve solve) {
+    for (int row = 0; row < extension_.num_rows(); ++row) {
+      work_[index(row)] = 0.0;
+      for (const MinimalExtension::Part& part : extension_.parts(row))
+        if (part.order == level)
+          work_[index(row)] += part.factor * changes_[index(part.equation) + index(level) * n_];
+    }
+    solve(work_.data());
+    std::vector<double> effect(n_, 0.0);
+    for (int j = 0; j < extension_.n(); ++j)
+      if (!choice_.is_state(j)) effect[index(j)] = std::fabs(work_[index(choice_.slot(extension_.column_of(j, 0)))]);
+    return effect;
+  }
+
+  const MinimalExtension& extension_;
+  const StateChoice& choice_;
+  std::size_t n_;
+  std::vector<double> changes_;  // by equations and levels
+  std::vector<double> work_;
+};
+
+}  // namespace
+
+// Where changes move x_j little beside those of other levels, as a capacitor in farad does, the effect has to be the same with
+// entries that are changed a little: rounding errors are not.
+int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linearization) {
+  const StateChoice& choice = linearization.choice();
+  LevelEffects effects(extension, choice);
+  const auto plain = effects.all([&linearization](double* r) { linearization.solve_held(r); });
+  extension.perturb(little);
+  StateMatrix<double> other;
+  other.set_choice(choice);
+  const bool has_other = other.factor({extension, extension.values()}, choice, 0.0);
+  const auto changed = has_other ? effects.all([&other](double* r) { other.solve(r); }) : plain;
+  int mu = 0;
+  for (std::size_t j = 0; j < index(extension.n()); ++j) {
+    double largest = 0.0;
+    for (const std::vector<double>& effect : plain) largest = std::max(largest, effect[j]);
+    for (int level = mu + 1; level <= extension.highest_level(); ++level) {
+      const double effect = plain[index(level)][j], again = changed[index(level)][j];
+      const bool is_real = effect > least * largest && std::fabs(again - effect) <= same * effect;
+      if (effect > clear * largest || is_real) mu = level;
+    }
+  }
+  return mu;
+}
+
+}  // namespace sfdae::core
