@@ -103,9 +103,15 @@ bool ExtensionLinearization::choose_states() {
     const auto [unknown, order] = extension_.columns()[index(column)];
     if (order == 0 && extension_.offsets().d[index(unknown)] > 0) settings.classes[index(column)] = 1;
   }
-  const ColumnBasis basis = column_basis(
-      {extension_.num_columns(), extension_.first(), extension_.column(), values_in_own_time()}, settings);
-  if (basis.rank < extension_.num_rows() || !basis.has_all_of_class_0) return false;
+  const auto basis_of = [&](const std::vector<double>& values) {
+    return column_basis({extension_.num_columns(), extension_.first(), extension_.column(), values}, settings);
+  };
+  const auto determines_all = [&](const ColumnBasis& basis) {
+    return basis.rank == extension_.num_rows() && basis.has_all_of_class_0;
+  };
+  ColumnBasis basis = basis_of(values_in_own_time());
+  if (!determines_all(basis)) basis = basis_of(values_);
+  if (!determines_all(basis)) return false;
   std::vector<int> states;
   for (int column : basis.left_over) states.push_back(extension_.columns()[index(column)].unknown);
   std::sort(states.begin(), states.end());

@@ -33,8 +33,8 @@ class ExtensionLinearization {
   const StateChoice& choice() const { return choice_; }
   // Reading: after restore(), the factored matrices. False: they cannot have been.
   bool archive_matrices(Archive& archive);
-  // How often states were chosen.
-  long choices() const { return choices_; }
+  // Numbers in the factors of the matrix with the states held.
+  std::size_t fill() const { return held_.fill(); }
   // What the choice of states depends on besides the point.
   void archive_choice(Archive& archive) {
     archive.real(sensitivity_of_choice_);

@@ -18,7 +18,9 @@ ColumnElimination::ColumnElimination(const SparseRows& a, const BasisSettings& s
       first_of_pivot_(1, 0),
       x_(index(a.columns)),
       added_(index(a.columns)),
-      seen_in_(index(a.columns), -1) {
+      seen_in_(index(a.columns), -1),
+      count_(index(a.columns), 0) {
+  for (int column : a.column) ++count_[index(column)];
   scales_.compute({a.rows(), a.columns, a.first.data(), a.column.data()}, a.value.data());
 }
 
@@ -123,7 +125,9 @@ int ColumnElimination::choose_pivot() const {
     const double size = std::fabs(x_[index(column)]);
     if (pivot_of_column_[index(column)] >= 0 || size == 0.0 || size < settings_.threshold * largest) continue;
     if (best < 0 || class_of(column) < class_of(best) ||
-        (class_of(column) == class_of(best) && size > std::fabs(x_[index(best)])))
+        (class_of(column) == class_of(best) &&
+         (count_[index(column)] < count_[index(best)] ||
+          (count_[index(column)] == count_[index(best)] && size > std::fabs(x_[index(best)])))))
       best = column;
   }
   return best;

@@ -48,6 +48,7 @@ class ColumnElimination {
   std::vector<int> reached_;  // columns; those with pivots behind all that they change
   std::vector<int> seen_in_;  // of columns: the row that met it last
   std::vector<int> stack_, next_;
+  std::vector<int> count_;  // entries of columns of A
 };
 
 }  // namespace sfdae::core
