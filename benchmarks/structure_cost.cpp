@@ -1,10 +1,10 @@
 // Large and high-index recorded problems by their minimal extension: processor time of starts (recording, analysis,
 // consistent values) and of integrations with BDF, rtol = atol = 1e-6, medians of three runs. Each case is run in a process of
-// its own, whose peak of memory is told without what the program takes before. The Brusselator beside IDA with band matrices
-// and KLU, both with analytic Jacobians; errors are those of the worst component relative to 1 + |x|, of runs at 1e-9 (amplifiers:
+// its own, whose peak of memory is told without what the program takes before. The Brusselator and Stokes's equations (size: cells
+// a side; IDA: differentiated by hand) beside IDA with band matrices and KLU, both with analytic Jacobians; errors are those of the worst component relative to 1 + |x|, of runs at 1e-9 (amplifiers:
 // 1e-8, as their start fails at 1e-9). Run it with OPENBLAS_NUM_THREADS=1.
 //
-//   structure_cost [brusselator|ladder|amplifiers|currents|links|pendula [size [alone]]]
+//   structure_cost [brusselator|stokes|ladder|amplifiers|currents|links|pendula [size [alone]]]
 //
 // alone: one run of this library, for profilers.
 // SPDX-License-Identifier: BSD-3-Clause
@@ -26,6 +26,7 @@
 
 #include "ida_sparse.h"
 #include "sfdae/sfdae.h"
+#include "stokes_problem.h"
 #include "structure_problems.h"
 #include "text_table.h"
 
@@ -200,9 +201,7 @@ void print(const TextTable& table, const char* problem, const char* solver, cons
              reference.empty() ? "" : small_number(error(run, reference)), text(f.megabytes)});
 }
 
-void compare_brusselator(const TextTable& table, int n) {
-  const SparsePeer peer = sfdae_bench::brusselator_peer(n / 2);
-  const SparseProblem problem = sfdae_bench::brusselator_problem(n / 2);
+void compare(const TextTable& table, const char* name, const SparsePeer& peer, const SparseProblem& problem) {
   const std::size_t size = problem.x0.size();
   using sfdae_bench::PeerMatrix;
   const auto ours = [&] { return solve(problem, work_tol, true); };
@@ -211,17 +210,17 @@ void compare_brusselator(const TextTable& table, int n) {
                                                   : solve(problem, reference_tol, true);
   };
   const std::vector<double> x = in_child(size, reference).x;
-  print(table, "brusselator", "sfdae", typical(size, ours), x);
+  print(table, name, "sfdae", typical(size, ours), x);
   if (!sfdae_bench::sparse_ida_is_available()) return;
   const auto band = [&] { return solve_peer(peer, work_tol, PeerMatrix::band); };
   const auto klu = [&] { return solve_peer(peer, work_tol, PeerMatrix::klu); };
-  print(table, "brusselator", "IDA band", typical(size, band), x);
-  print(table, "brusselator", "IDA KLU", typical(size, klu), x);
+  print(table, name, "IDA band", typical(size, band), x);
+  print(table, name, "IDA KLU", typical(size, klu), x);
   // About as accurate as ours.
   const auto tight = [&] { return solve_peer(peer, 0.1 * work_tol, PeerMatrix::klu); };
-  print(table, "brusselator", "IDA 1e-7", typical(size, tight), x);
+  print(table, name, "IDA 1e-7", typical(size, tight), x);
   const Run exact = in_child(size, [&] { return solve(problem, reference_tol, true); });
-  print(table, "brusselator", "sfdae 1e-9", exact, x);
+  print(table, name, "sfdae 1e-9", exact, x);
 }
 
 struct Family {
@@ -265,13 +264,22 @@ int main(int argc, char** argv) {
                          {"error", 8},
                          {"MB", 6}},
                         false);
+  if (argc > 3 && wanted == "stokes") {
+    print(table, "stokes", "sfdae", solve(sfdae_bench::stokes_problem(only), work_tol, true), {});
+    return 0;
+  }
   if (argc > 3 && wanted == "brusselator") {
     print(table, "brusselator", "sfdae", solve(sfdae_bench::brusselator_problem(only / 2), work_tol, true), {});
     return 0;
   }
   if (wanted == "all" || wanted == "brusselator")
     for (const int n : {400, 2000, 5000})
-      if (only == 0 || only == n) compare_brusselator(table, n);
+      if (only == 0 || only == n)
+        compare(table, "brusselator", sfdae_bench::brusselator_peer(n / 2), sfdae_bench::brusselator_problem(n / 2));
+  if (wanted == "all" || wanted == "stokes")
+    for (const int k : {8, 18, 41})
+      if (only == 0 || only == k)
+        compare(table, "stokes", sfdae_bench::stokes_peer(k), sfdae_bench::stokes_problem(k));
   const Family families[] = {
       {"ladder", sfdae_bench::ladder_problem, {500}, 500, reference_tol},
       {"amplifiers", sfdae_bench::amplifier_problem, {1, 3, 10, 30, 100}, 100, 1e-8},
