@@ -24,12 +24,14 @@ void BdfHistory::start(const StartingPoint& point) {
   slope_x_ = point.xdot;
   points_ = 2;
   is_fictitious_ = true;
+  is_same_[0] = x_[0] == w_[0];
 }
 
 void BdfHistory::place_fictitious_point(double h) {
   times_[1] = times_[0] - h;
   for (std::size_t i = 0; i < slope_w_.size(); ++i) w_[1][i] = w_[0][i] - h * slope_w_[i];
   for (std::size_t i = 0; i < slope_x_.size(); ++i) x_[1][i] = x_[0][i] - h * slope_x_[i];
+  is_same_[1] = x_[1] == w_[1];
 }
 
 void BdfHistory::append(double t, const std::vector<double>& w, const std::vector<double>& x) {
@@ -38,15 +40,18 @@ void BdfHistory::append(double t, const std::vector<double>& w, const std::vecto
   std::rotate(w_.begin(), w_.begin() + count - 1, w_.begin() + count);
   std::rotate(x_.begin(), x_.begin() + count - 1, x_.begin() + count);
   std::rotate(times_.begin(), times_.begin() + count - 1, times_.begin() + count);
+  std::rotate(is_same_.begin(), is_same_.begin() + count - 1, is_same_.begin() + count);
   times_[0] = t;
   std::copy_n(w.data(), w_[0].size(), w_[0].data());
   std::copy_n(x.data(), x_[0].size(), x_[0].data());
+  is_same_[0] = x_[0] == w_[0];
   points_ = count;
 }
 
 void BdfHistory::compute_differences(int count, bool with_x) {
   differences_of_history(times_, w_, count, dw_);
-  if (with_x) differences_of_history(times_, x_, count, dx_);
+  shares_ = std::all_of(is_same_.begin(), is_same_.begin() + count, [](bool same) { return same; });
+  if (with_x && !shares_) differences_of_history(times_, x_, count, dx_);
 }
 
 int BdfHistory::archive_size(Archive& archive, const StrangenessFreeSystem& system, int max_points, int& last_order) {
@@ -72,6 +77,7 @@ void BdfHistory::archive_points(Archive& archive, int points) {
     archive.reals(slope_w_, size_w());
     archive.reals(slope_x_, size_x());
   }
+  for (int i = 0; i < points; ++i) is_same_[index(i)] = x_[index(i)] == w_[index(i)];
 }
 
 }  // namespace sfdae::core

@@ -36,9 +36,9 @@ class BdfHistory {
   void compute_differences(int count, bool with_x);
   // w[t_0, ..., t_i].
   const std::vector<double>& difference(int i) const { return dw_[index(i)]; }
-  const std::vector<double>& difference_x(int i) const { return dx_[index(i)]; }
+  const std::vector<double>& difference_x(int i) const { return table_x()[index(i)]; }
   Polynomial polynomial_w(int degree) const { return {dw_, times_, degree, size_w()}; }
-  Polynomial polynomial_x(int degree) const { return {dx_, times_, degree, size_x()}; }
+  Polynomial polynomial_x(int degree) const { return {table_x(), times_, degree, size_x()}; }
 
   // A checkpoint has the number of points, at most max_points, beside the order of the last step; it is returned.
   // Then there is room for them when reading.
@@ -47,6 +47,7 @@ class BdfHistory {
 
  private:
   void resize(std::size_t n, std::size_t size_w);
+  const Table& table_x() const { return shares_ ? dw_ : dx_; }
 
   std::array<double, capacity> times_{};
   Table w_, x_;
@@ -54,6 +55,9 @@ class BdfHistory {
   bool is_fictitious_ = false;  // the second one of the start
   std::vector<double> slope_w_, slope_x_;
   Table dw_, dx_;
+  // x = w at these points, in every bit, as with W = I: differences of w serve both.
+  std::array<bool, capacity> is_same_{};
+  bool shares_ = false;
 };
 
 }  // namespace sfdae::core
