@@ -129,7 +129,7 @@ module sfdae
   !> How positions and velocities are divided (coordinates of multibody systems).
   public :: sfdae_coordinates_orthogonal, sfdae_coordinates_permutation
   !> Which matrix a rank decision was about (sfdae_decision%what).
-  public :: sfdae_decision_stage, sfdae_decision_a2, sfdae_decision_et2, sfdae_decision_array
+  public :: sfdae_decision_stage, sfdae_decision_a2, sfdae_decision_et2, sfdae_decision_array, sfdae_decision_block
   !> Verdicts on rank decisions (sfdae_decision%verdict).
   public :: sfdae_verdict_clear, sfdae_verdict_confirmed, sfdae_verdict_unclear, sfdae_verdict_user
 

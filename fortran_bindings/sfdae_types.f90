@@ -16,6 +16,7 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_coordinates_permutation = 1
   integer(c_int), parameter, public :: sfdae_decision_a2 = 1
   integer(c_int), parameter, public :: sfdae_decision_array = 3
+  integer(c_int), parameter, public :: sfdae_decision_block = 4
   integer(c_int), parameter, public :: sfdae_decision_et2 = 2
   integer(c_int), parameter, public :: sfdae_decision_stage = 0
   integer(c_int), parameter, public :: sfdae_empty_problem = -4
@@ -343,6 +344,7 @@ module sfdae_types
     integer(c_int) :: verdict = 0
     integer(c_int) :: doubtful_block = 0
     real(c_double) :: smallest_pivot = 0
+    integer(c_int) :: num_replaced = 0
   end type sfdae_structure
 
 end module sfdae_types

@@ -234,12 +234,17 @@ typedef struct sfdae_structure {
   int doubtful_block; /**< the first one that is singular or nearly so, -1: none */
   /** Of all blocks, rows and columns scaled to 1; 0 if one is singular or none was looked at. */
   double smallest_pivot;
+  /** Equations in whose place a sum of equations and derivatives of equations has been taken, with constant factors, as
+   * numbers cancel in it: what is said here is of the equations after that. (G. Tan, N. S. Nedialkov, J. D. Pryce, BIT 57,
+   * 2017.) They depend on other equations in the system Jacobian: nodes on both sides of a capacitor, for example. */
+  int num_replaced;
 } sfdae_structure;
 /** Prepares a result of sfdae_get_structure. size: sizeof(sfdae_structure). */
 SFDAE_API int sfdae_structure_init(sfdae_structure* structure, size_t size);
 
 /** The structure of recorded equations F(t, x, x') = 0 or E x' = A x + f, as many as unknowns, at any time; the numbers
- * are those of the point accepted last, or of the analysis. Arrays may be NULL; n entries each:
+ * are those of the point accepted last, or of the analysis. Equations are replaced where the analysis has found that this
+ * makes the structure right and sparse matrices are used (sfdae_options.structure). Arrays may be NULL; n entries each:
  *  - differentiations: c_i;
  *  - orders: d_j;
  *  - assigned: the unknown of equation i;

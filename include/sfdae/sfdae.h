@@ -286,7 +286,9 @@ typedef struct sfdae_options {
    * to be differentiated (J. D. Pryce, BIT 41, 2001), if nothing cancels; sfdae_get_structure has the details.
    * SFDAE_STRUCTURE_AUTOMATIC (default): where the numbers at the start agree, rows of the derivative array that are not
    * needed are left out, and from some 150 columns of the array on all matrices are sparse; else the whole array is taken,
-   * or, with more than 5000 unknowns, the failure is reported. Results are the same within the tolerances.
+   * or, with more than 5000 unknowns, the failure is reported. Results are the same within the tolerances. With sparse
+   * matrices, equations that depend on others wherever one looks, as those of nodes on both sides of a capacitor do, are
+   * replaced by sums in which numbers cancel, if constant factors do it.
    * Where numbers cancel at a later time only, the whole array may go on and the other end with SFDAE_CHARACTERISTICS_CHANGED.
    * SFDAE_STRUCTURE_REQUIRED: always the rows that are needed, with sparse matrices; SFDAE_RANK_UNCLEAR where the numbers do
    * not agree, SFDAE_ILLEGAL_ARGUMENT for problems that have no structure: functions, multibody systems, prescribed
@@ -376,6 +378,8 @@ SFDAE_API int sfdae_get_characteristics(const sfdae_solver* solver, sfdae_charac
 #define SFDAE_DECISION_A2 1    /**< the constraints A^ x + f^ = 0: rank a */
 #define SFDAE_DECISION_ET2 2   /**< E T2: rank d */
 #define SFDAE_DECISION_ARRAY 3 /**< the whole array M (SVD reduction) */
+#define SFDAE_DECISION_BLOCK \
+  4 /**< a diagonal block of the system Jacobian of recorded equations (sfdae_get_structure) */
 
 /* Verdicts. */
 #define SFDAE_VERDICT_CLEAR 0
@@ -387,9 +391,9 @@ SFDAE_API int sfdae_get_characteristics(const sfdae_solver* solver, sfdae_charac
 typedef struct sfdae_decision {
   size_t size;
   double t;
-  int level;         /**< of the derivative array, 0 ... */
-  int stage;         /**< block column 1 ... level + 1 for SFDAE_DECISION_STAGE, else 0 */
-  int what;          /**< SFDAE_DECISION_ ... */
+  int level; /**< of the derivative array, 0 ... */
+  int stage; /**< block column 1 ... level + 1 for SFDAE_DECISION_STAGE, the block for SFDAE_DECISION_BLOCK, else 0 */
+  int what;  /**< SFDAE_DECISION_ ... */
   int rows, columns; /**< of the matrix judged */
   int rank;
   double kept;      /**< smallest value kept, 0 if rank = 0 */

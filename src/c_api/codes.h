@@ -42,6 +42,7 @@ static_assert(code_of(Subject::stage) == SFDAE_DECISION_STAGE);
 static_assert(code_of(Subject::constraints) == SFDAE_DECISION_A2);
 static_assert(code_of(Subject::differential) == SFDAE_DECISION_ET2);
 static_assert(code_of(Subject::array) == SFDAE_DECISION_ARRAY);
+static_assert(code_of(Subject::block) == SFDAE_DECISION_BLOCK);
 
 static_assert(code_of(Verdict::clear) == SFDAE_VERDICT_CLEAR);
 static_assert(code_of(Verdict::confirmed) == SFDAE_VERDICT_CONFIRMED);

@@ -6,6 +6,7 @@
 #include "c_api/codes.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
+#include "c_api/structure_report.h"
 
 namespace sfdae::core {
 
@@ -21,16 +22,26 @@ std::string matrix_name(const RankDecision& decision) {
     case Subject::stage: return format("y_%d", decision.stage);
     case Subject::constraints: return "A2";
     case Subject::differential: return "E T2";
+    case Subject::block: return format("J_%d", decision.stage);
     default: return "M";
   }
 }
 
-std::string decision_table(const std::vector<RankDecision>& decisions) {
+// Large systems have thousands of blocks: then those nearest to singular ones are shown.
+std::string decision_table(std::vector<RankDecision> decisions) {
+  constexpr std::size_t most = 60, shown = 20;
+  const std::size_t count = decisions.size();
   std::string text = "  t             level  matrix  size       rank  smallest kept  largest dropped  decision\n";
+  if (count > most) {
+    std::stable_sort(decisions.begin(), decisions.end(),
+                     [](const RankDecision& a, const RankDecision& b) { return a.gap < b.gap; });
+    decisions.resize(shown);
+  }
   for (const RankDecision& decision : decisions)
     text += format("  %-12.6g  %-5d  %-6s  %-9s  %-4d  %-13.1e  %-15.1e  %s\n", decision.t, decision.level,
                    matrix_name(decision).c_str(), format("%dx%d", decision.rows, decision.cols).c_str(),
                    decision.rank, decision.kept, decision.dropped, name_of(decision.verdict));
+  if (count > most) text += format("  ... (the %zu of %zu with the smallest gaps)\n", shown, count);
   return text;
 }
 
@@ -123,6 +134,8 @@ std::string report_of(const sfdae_solver& solver) {
                                    : decision_table(solver.decisions);
   text += solver.system() != nullptr ? analysis_report(solver) : "the analysis failed\n";
   if (solver.system() != nullptr && solver.kind.multibody != nullptr) text += constraints_report(solver);
+  if (const auto extension = solver.model.extension())
+    text += structure_report(*extension, solver.model.evaluator()->record());
   if (solver.initial_report) text += initial_report(*solver.initial_report);
   if (solver.integration) text += integration_report(solver);
   if (solver.message[0] != '\0') text += std::string("Last message: ") + solver.message + "\n";

@@ -93,6 +93,7 @@ void analyze(sfdae_solver& solver, PointOfInterest point) {
   solver.forget_analysis();
   const bool checks = solver.options.checks_derivatives;
   try {
+    solver.decisions.clear();
     solver.model.analyze(point, solver.options.model, solver.decisions);
   } catch (const Failure& failure) {
     if (checks && may_be_of_derivatives(failure.status()))

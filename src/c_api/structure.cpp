@@ -76,7 +76,7 @@ void write_arrays(const Structure& structure, const PublicArrays& arrays) {
     for (int i : structure.blocks.equations(block)) arrays.block[i] = block;
 }
 
-// x and x' where equations are looked at, and t. Linear equations have the same derivatives everywhere.
+// x, x' and what is known beyond them where equations are looked at, and t. Linear equations have the same derivatives everywhere.
 struct Point {
   double t;
   std::vector<double> jet;
@@ -87,7 +87,8 @@ std::optional<Point> known_point(const sfdae_solver& solver) {
   Point point{solver.system()->t(), std::vector<double>(2 * index(solver.model.n()))};
   if (const Jet* const jet = solver.system()->point_of_equations(); jet != nullptr) {
     point.t = jet->t;
-    std::copy_n(jet->x.begin(), point.jet.size(), point.jet.begin());
+    point.jet = jet->x;
+    point.jet.resize(std::max(point.jet.size(), 2 * index(solver.model.n())));
   }
   return point;
 }
@@ -132,26 +133,28 @@ int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result, int* diff
     if (evaluator == nullptr || evaluator->record().m() != evaluator->record().n()) return not_recorded();
     const Record& record = evaluator->record();
     const PublicArrays arrays{differentiations, orders, assigned, block};
-    const Signature signature(record);
-    const Transversal transversal = highest_transversal(signature);
     sfdae_structure found{};
     found.size = sizeof found;
     found.doubtful_block = -1;
+    const Signature signature(record);
+    const Transversal transversal = highest_transversal(signature);
     if (!transversal.exists()) {
       fill_struct(result, found);
       return describe_overdetermined(record, transversal.overdetermined, arrays);
     }
-    const Structure structure(signature, transversal);
+    const std::optional<Model::Extension> extension = solver->model.extension();
+    const Structure structure = extension ? *extension->structure : Structure(signature, transversal);
     found.has_assignment = 1;
     found.freedom = structure.offsets.freedom();
     found.index_bound = structure.offsets.index_bound();
     found.num_blocks = structure.blocks.count();
     found.largest_block = structure.blocks.largest();
+    found.num_replaced = structure.equations.num_replaced();
     found.is_followed = solver->follows_structure() ? 1 : 0;
     CallResult words;
     if (const std::optional<Point> point = known_point(*solver)) {
       Certificate certificate;
-      if (!certify_structure(structure, *evaluator, point->t, point->jet.data(),
+      if (!certify_structure(structure, *evaluator, {point->t, point->jet.data()},
                              solver->options.model.analysis.rank_tol, certificate))
         return {SFDAE_NOT_FINITE, evaluator->failure().message};
       words.message = judge_blocks(structure, record, certificate, found);

@@ -37,6 +37,18 @@ void ExtensionModel::analyze(const PointOfInterest& point, const ModelOptions& o
   guess_.assign(start.x, start.x + n());
 }
 
+std::optional<Model::Extension> ExtensionModel::extension() {
+  if (!system_) return std::nullopt;
+  const MinimalExtension& extension = system_->extension();
+  const ExtensionLinearization& linearization = system_->linearization();
+  return Extension{.structure = &extension.structure(),
+                   .rows = extension.num_rows(),
+                   .columns = extension.num_columns(),
+                   .entries = extension.column().size(),
+                   .fill = linearization.fill(),
+                   .states = linearization.choice().states()};
+}
+
 Jet ExtensionModel::accepted_point() const {
   Jet jet = system_->accepted_jet();
   jet.set_order(0);

@@ -29,6 +29,8 @@ class ExtensionModel final : public ModelOf<ExtensionSystem> {
   // The blocks of the system Jacobian have been judged: how far they are from singular ones.
   double certify() override { return system_->certificate().smallest_kept(); }
 
+  std::optional<Extension> extension() override;
+
   // Empty: these objects are those of the whole array, which StructuredModel asks for them.
   Jet jet_through(double, const double*, int) override { return {}; }
   DerivativeArray derivative_array(const Jet&, int) override { return {}; }

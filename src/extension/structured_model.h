@@ -46,6 +46,8 @@ class StructuredModel final : public Model {
     return active().consistent_point_beside(point, options);
   }
 
+  std::optional<Extension> extension() override { return is_extended_ ? extended_.extension() : std::nullopt; }
+
   // The whole array is analyzed for them where that has not been done. Throws Failure where it is too large.
   Jet jet_through(double t, const double* x, int level) override { return whole().jet_through(t, x, level); }
   DerivativeArray derivative_array(const Jet& jet, int level) override {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -14,6 +16,7 @@
 #include "problem/problem.h"
 #include "reduction/derivative_array.h"
 #include "reduction/index_analysis.h"
+#include "structure/structure.h"
 #include "system/change_watch.h"
 #include "system/consistent_values.h"
 #include "system/dae_system.h"
@@ -125,6 +128,15 @@ class Model {
   virtual ConsistentPoint consistent_point(const PointOfInterest& point, const ModelOptions& options) = 0;
   // With a copy of the system, so that an integration is not disturbed.
   virtual ConsistentPoint consistent_point_beside(const PointOfInterest& point, const ModelOptions& options) = 0;
+
+  // Of recorded equations that are solved by their minimal extension: what it looks like.
+  struct Extension {
+    const Structure* structure;  // lives as long as the system
+    int rows, columns;
+    std::size_t entries, fill;  // of derivatives, of the factors of one matrix
+    std::vector<int> states;
+  };
+  virtual std::optional<Extension> extension() { return std::nullopt; }
 
   // The theory's objects, of the equations linearized at a jet (derivative_array.h); nothing of an integration is
   // disturbed. All throw Failure, and all but the array need an analysis.

@@ -125,10 +125,55 @@ static void a_change_ends_the_integration(void) {
   sfdae_destroy(&solver);
 }
 
+/* A capacitor between two nodes: x0' - x1' + x0 - sin t = 0 and x1' - x0' + x1 = 0, C times the slopes. The sum has none. */
+static int floating_capacitor(sfdae_record* record, sfdae_expression t, const sfdae_expression* x,
+                              const sfdae_expression* xdot, sfdae_expression* F, void* user) {
+  const sfdae_expression C = sfdae_number(1e-9);
+  const sfdae_expression current = sfdae_multiply(C, sfdae_subtract(xdot[0], xdot[1]));
+  (void)record, (void)user;
+  F[0] = sfdae_add(current, sfdae_subtract(sfdae_multiply(x[0], sfdae_exp(x[0])), sfdae_sin(t)));
+  F[1] = sfdae_subtract(x[1], current);
+  return 0;
+}
+
+static void replaced_equations_are_shown(void) {
+  double x[2] = {0, 0};
+  char report[4000];
+  int count = 0, orders[2] = {9, 9};
+  sfdae_options options;
+  sfdae_structure structure;
+  sfdae_decision decision;
+  sfdae_solver* solver = solver_of(floating_capacitor, 2, 2, NULL);
+  sfdae_options_init(&options, sizeof options);
+  sfdae_structure_init(&structure, sizeof structure);
+  sfdae_decision_init(&decision, sizeof decision);
+  CHECK_STATUS(sfdae_start(solver, 0, 1e-6, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_structure(solver, &structure, NULL, NULL, NULL, NULL), SFDAE_OK);
+  CHECK(structure.verdict == SFDAE_STRUCTURE_MISLEADS && structure.freedom == 2 && structure.num_replaced == 0);
+  CHECK(strstr(sfdae_message(solver), "the derivative array decides") != NULL);
+  CHECK_STATUS(sfdae_report(solver, report, sizeof report, NULL), SFDAE_OK);
+  CHECK(strstr(report, "Structure") == NULL);
+  options.structure = SFDAE_STRUCTURE_REQUIRED;
+  CHECK_STATUS(sfdae_set_options(solver, &options), SFDAE_OK);
+  CHECK_STATUS(sfdae_start(solver, 0, 1e-6, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_structure(solver, &structure, NULL, orders, NULL, NULL), SFDAE_OK);
+  CHECK(structure.verdict == SFDAE_STRUCTURE_CERTIFIED && structure.freedom == 1 && structure.num_replaced == 1);
+  CHECK(orders[0] == 1 && orders[1] == 1);
+  CHECK_STATUS(sfdae_get_num_decisions(solver, &count), SFDAE_OK);
+  CHECK(count == structure.num_blocks);
+  CHECK_STATUS(sfdae_get_decision(solver, count - 1, &decision), SFDAE_OK);
+  CHECK(decision.what == SFDAE_DECISION_BLOCK && decision.stage == count - 1 && decision.rank == decision.rows);
+  CHECK_STATUS(sfdae_report(solver, report, sizeof report, NULL), SFDAE_OK);
+  CHECK(strstr(report, "1 equation was replaced") != NULL && strstr(report, "states: x[") != NULL);
+  CHECK(strstr(report, "determine") != NULL && strstr(report, "equation 1+") != NULL);
+  sfdae_destroy(&solver);
+}
+
 int main(void) {
   both_kinds_have_a_structure();
   other_problems_are_refused();
   the_option_is_checked();
   a_change_ends_the_integration();
+  replaced_equations_are_shown();
   return failures != 0;
 }

@@ -170,7 +170,7 @@ size_t fill_multibody_report(sfdae_multibody_report* s) {
 }
 
 size_t fill_structure(sfdae_structure* s) {
-  const sfdae_structure value = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10.0};
+  const sfdae_structure value = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10.0, 11};
   *s = value;
   return sizeof value;
 }

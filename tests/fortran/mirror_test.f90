@@ -272,7 +272,7 @@ contains
     call check(fill_structure(s) == c_sizeof(s), "size of sfdae_structure")
     call check(counts([real(c_double) :: s%size, s%has_assignment, s%freedom, s%index_bound, &
       s%num_blocks, s%largest_block, s%is_followed, s%verdict, s%doubtful_block, &
-      s%smallest_pivot]), "members of sfdae_structure")
+      s%smallest_pivot, s%num_replaced]), "members of sfdae_structure")
   end subroutine check_multibody
 
   !> Struct of the options.
