@@ -58,6 +58,18 @@ void BandFactors<Number>::solve(Op op, Number* b, int count) {
     for (std::size_t i = 0; i < n; ++i) b[start + i] = permuted_[start + index(to[i])];
 }
 
+template <class Number>
+Determinant<Number> BandFactors<Number>::determinant() const {
+  const std::size_t ld = index(ld_), top = index(order_.lower) + index(order_.upper);
+  Determinant<Number> determinant;
+  for (std::size_t j = 0; j < index(size_); ++j) {
+    determinant.multiply(band_[top + ld * j]);
+    determinant.change_sign_if(index(pivots_[j]) != j + 1);
+  }
+  determinant.change_sign_if(is_odd(order_.row_place.data(), size_) != is_odd(order_.column_place.data(), size_));
+  return determinant;
+}
+
 template class BandFactors<double>;
 template class BandFactors<std::complex<double>>;
 

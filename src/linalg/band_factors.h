@@ -8,6 +8,7 @@
 
 #include "linalg/band_order.h"
 #include "linalg/dense.h"
+#include "linalg/determinant.h"
 #include "linalg/sparse_pattern.h"
 
 namespace sfdae::core {
@@ -23,6 +24,7 @@ class BandFactors {
   // B := op(A)^-1 B, size x count
   void solve(Op op, Number* b, int count);
   std::size_t fill() const { return index(size_) * (2 * index(order_.lower) + index(order_.upper) + 1); }
+  Determinant<Number> determinant() const;
 
  private:
   int size_ = 0;

@@ -36,6 +36,16 @@ void DenseFactors<Number>::solve(Op op, Number* b, int count) {
   lapack::getrs(op == Op::plain ? "N" : "T", &size_, &count, lu_.data(), &size_, pivots_.data(), b, &size_, &info);
 }
 
+template <class Number>
+Determinant<Number> DenseFactors<Number>::determinant() const {
+  Determinant<Number> determinant;
+  for (std::size_t j = 0; j < index(size_); ++j) {
+    determinant.multiply(lu_[j + index(size_) * j]);
+    determinant.change_sign_if(index(pivots_[j]) != j + 1);
+  }
+  return determinant;
+}
+
 template class DenseFactors<double>;
 template class DenseFactors<std::complex<double>>;
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "linalg/dense.h"
+#include "linalg/determinant.h"
 #include "linalg/sparse_pattern.h"
 
 namespace sfdae::core {
@@ -25,6 +26,7 @@ class DenseFactors {
   // B := op(A)^-1 B, size x count
   void solve(Op op, Number* b, int count);
   std::size_t fill() const { return lu_.size(); }
+  Determinant<Number> determinant() const;
 
  private:
   int size_ = 0;

@@ -54,6 +54,11 @@ std::size_t KluFactors<Number>::fill() const {
   complain();
 }
 
+template <class Number>
+Determinant<Number> KluFactors<Number>::determinant() const {
+  complain();
+}
+
 template class KluFactors<double>;
 template class KluFactors<std::complex<double>>;
 

@@ -280,6 +280,17 @@ std::size_t KluFactors<Number>::fill() const {
   return index(state_->numeric->lnz) + index(state_->numeric->unz) + index(state_->numeric->nzoff);
 }
 
+template <class Number>
+Determinant<Number> KluFactors<Number>::determinant() const {
+  assert(state_->numeric != nullptr);
+  const int n = state_->symbolic->n;
+  const Number* pivots = static_cast<const Number*>(state_->numeric->Udiag);
+  Determinant<Number> determinant;
+  for (int k = 0; k < n; ++k) determinant.multiply(pivots[k]);
+  determinant.change_sign_if(is_odd(state_->numeric->Pnum, n) != is_odd(state_->symbolic->Q, n));
+  return determinant;
+}
+
 template class KluFactors<double>;
 template class KluFactors<std::complex<double>>;
 

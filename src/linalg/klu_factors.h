@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "linalg/dense.h"
+#include "linalg/determinant.h"
 #include "linalg/sparse_pattern.h"
 
 namespace sfdae::core {
@@ -37,6 +38,7 @@ class KluFactors {
   // B := op(A)^-1 B, size x count
   void solve(Op op, Number* b, int count);
   std::size_t fill() const;
+  Determinant<Number> determinant() const;
 
  private:
   struct State;

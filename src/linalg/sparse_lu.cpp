@@ -138,6 +138,15 @@ double SparseLu<Number>::reciprocal_condition() {
 }
 
 template <class Number>
+Determinant<Number> SparseLu<Number>::determinant() const {
+  assert(is_factored_);
+  Determinant<Number> determinant = std::visit([](const auto& factors) { return factors.determinant(); }, factors_);
+  for (const std::vector<int>* exponents : {&scales_.of_lines(), &scales_.of_crossings()})
+    for (int exponent : *exponents) determinant.log2 -= exponent;
+  return determinant;
+}
+
+template <class Number>
 std::size_t SparseLu<Number>::fill() const {
   return std::visit([](const auto& factors) { return factors.fill(); }, factors_);
 }

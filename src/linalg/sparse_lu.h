@@ -14,6 +14,7 @@
 
 #include "linalg/band_factors.h"
 #include "linalg/dense_factors.h"
+#include "linalg/determinant.h"
 #include "linalg/equilibration.h"
 #include "linalg/klu_factors.h"
 #include "linalg/sparse_pattern.h"
@@ -45,6 +46,8 @@ class SparseLu {
   // Estimate of 1 / (|S| |S^-1|), 1-norm, S: the equilibrated matrix, seldom more than three times too large (condition.h).
   // Three to eleven solves. 0 if that overflows or nothing was factored; 1 for size 0.
   double reciprocal_condition();
+  // Of A, which factor() has factored.
+  Determinant<Number> determinant() const;
   // Numbers that the factors hold.
   std::size_t fill() const;
   SparseMethod method() const { return static_cast<SparseMethod>(factors_.index()); }
