@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "extension/consistent_extension.h"
+#include "extension/extension_change_watch.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
 #include "structure/replacement.h"
@@ -47,6 +48,10 @@ std::optional<Model::Extension> ExtensionModel::extension() {
                    .entries = extension.column().size(),
                    .fill = linearization.fill(),
                    .states = linearization.choice().states()};
+}
+
+std::unique_ptr<ChangeWatch> ExtensionModel::change_watch() {
+  return std::make_unique<ExtensionChangeWatch>(*system_);
 }
 
 Jet ExtensionModel::accepted_point() const {

@@ -30,6 +30,7 @@ class ExtensionModel final : public ModelOf<ExtensionSystem> {
   double certify() override { return system_->certificate().smallest_kept(); }
 
   std::optional<Extension> extension() override;
+  std::unique_ptr<ChangeWatch> change_watch() override;
 
   // Empty: these objects are those of the whole array, which StructuredModel asks for them.
   Jet jet_through(double, const double*, int) override { return {}; }

@@ -98,6 +98,7 @@ PointStatus ExtensionSystem::set_point(const Jet& jet) {
   jet_ = jet;
   jet_.set_order(extension_.jet_order());
   history_.restart(jet_);
+  about_later_point_.clear();
   // Once more with the linearization, which knows how far rounding errors have moved the jet.
   PointStatus status = certify(jet_);
   if (status == PointStatus::ok) status = renew(jet_);
@@ -133,17 +134,19 @@ PointStatus ExtensionSystem::certify(const Jet& jet) {
   if (certificate_.is_given()) return PointStatus::ok;
   const int singular = certificate_.first(BlockVerdict::singular);
   const int block = singular >= 0 ? singular : certificate_.first(BlockVerdict::unclear);
-  about_change_ = format("block %d of the system Jacobian, with the equation ", block) +
-                  problem_.evaluator().record().name(extension_.structure().blocks.equations(block)[0]) +
-                  (singular >= 0 ? ", is singular." : ", is nearly singular.");
+  about_change_ = describe_block(block) + (singular >= 0 ? " is singular." : " is nearly singular.");
   return PointStatus::changed;
+}
+
+std::string ExtensionSystem::describe_block(int block) const {
+  return format("block %d of the system Jacobian, with ", block) +
+         problem_.evaluator().record().name(extension_.structure().blocks.equations(block)[0]) + ",";
 }
 
 PointStatus ExtensionSystem::renew(const Jet& jet) {
   iteration_.chord().forget_rate();
   const PointStatus status = linearization_.renew(jet, callback_error_);
-  if (status == PointStatus::singular && about_change_.empty())
-    about_change_ = "no unknowns determine all others there.";
+  if (status == PointStatus::singular && about_change_.empty()) about_change_ = "no unknowns determine all others.";
   if (status != PointStatus::ok) return status;
   std::fill(rounding_errors_.begin(), rounding_errors_.end(), 0.0);
   for (int column = 0; column < extension_.num_columns(); ++column) {

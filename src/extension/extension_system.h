@@ -64,7 +64,12 @@ class ExtensionSystem final : public DaeSystem {
   PointQuality quality() const override;
   // Those known, or none where the structure is not confirmed any more: others are not found here.
   CharacteristicValues values_at(double t) override;
-  std::string about_change() const override { return about_change_; }
+  std::string about_change() const override {
+    const std::string& about = about_change_.empty() ? about_later_point_ : about_change_;
+    return about.empty() ? about : " There " + about;
+  }
+  // A block of the system Jacobian that has been found to be singular at a later point.
+  void note_singular_block(int block) { about_later_point_ = describe_block(block) + " is singular."; }
   PointStatus check_ranks() override { return certify(jet_); }
   DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override;
   const double* rounding_errors() const override { return rounding_errors_.data(); }
@@ -76,6 +81,7 @@ class ExtensionSystem final : public DaeSystem {
   void archive(Archive& archive) override;
 
  private:
+  std::string describe_block(int block) const;
   void resize();
   void find_values();
   PointStatus certify(const Jet& jet);
@@ -93,7 +99,7 @@ class ExtensionSystem final : public DaeSystem {
   ExtensionIteration iteration_;
   ExtensionStages stages_;
   Certificate certificate_;
-  std::string about_change_;
+  std::string about_change_, about_later_point_;
   JetHistory history_;
   Jet jet_, start_;
   std::vector<char> determined_;

@@ -1,0 +1,54 @@
+// Determinants of the blocks of the system Jacobian: where one vanishes along a solution, the structure misleads there, and
+// the characteristic values are other ones.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "expression/taylor_evaluator.h"
+#include "linalg/sparse_lu.h"
+#include "structure/structure.h"
+#include "system/jet.h"
+
+namespace sfdae::core {
+
+class BlockDeterminants {
+ public:
+  // Both live longer.
+  BlockDeterminants(const Structure& structure, TaylorEvaluator& evaluator);
+
+  // Blocks some entry of which depends on t, x or x'; others keep their determinants.
+  int count() const { return static_cast<int>(blocks_.size()); }
+  // The number of a block of these in the structure.
+  int number(int k) const { return blocks_[index(k)].number; }
+
+  // Its number of unknowns.
+  int size(int k) const { return static_cast<int>(structure_.blocks.equations(number(k)).size()); }
+
+  struct Value {
+    int sign = 0;  // 0: singular to working precision
+    double log2 = 0.0;
+  };
+  // At a jet with x and x' at least; count() values. False: the equations cannot be evaluated there.
+  bool measure(const Jet& jet, std::vector<Value>& values);
+
+ private:
+  struct Block {
+    int number;
+    std::vector<std::size_t> targets;  // of the tape, by columns of the block
+    SparseLu<double> lu;               // of blocks of more than one equation
+  };
+  bool is_leading(int equation, std::size_t target) const;
+  void add(int number);
+  Value value(Block& block);
+
+  const Structure& structure_;
+  TaylorEvaluator& evaluator_;
+  std::vector<Block> blocks_;
+  std::vector<int> limits_;    // of the orders of derivatives: -1 for equations of other blocks
+  std::vector<int> block_of_;  // of the unknowns
+  int block_at_hand_ = 0;
+  std::vector<double> gradients_, values_;
+};
+
+}  // namespace sfdae::core

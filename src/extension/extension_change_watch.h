@@ -1,0 +1,60 @@
+// Singular points between steps of the extension: where the determinant of a block of the system Jacobian changes its sign, or
+// touches zero, from one accepted point to the next. Structure has fewer free values there than it says.
+//
+// A suspicion in a long step is confirmed by shorter ones: x in between is interpolated. Determinants that jump, as formulas
+// with conditions have them, do not become small with the step.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "extension/block_determinants.h"
+#include "extension/extension_system.h"
+#include "system/change_watch.h"
+
+namespace sfdae::core {
+
+class ExtensionChangeWatch final : public ChangeWatch {
+ public:
+  explicit ExtensionChangeWatch(ExtensionSystem& system);
+  void start(double direction) override;
+  std::optional<LocatedChange> find(double t_last) override;
+  void accept() override;
+  // Steps that become short locate it.
+  std::optional<LocatedChange> locate(double, double) override { return std::nullopt; }
+  std::optional<LocatedChange> find_beyond() override;
+  void archive(Archive& archive, double direction) override;
+
+ private:
+  // Of the blocks, at a point with x and x' as they were found.
+  struct Sample {
+    Jet jet;
+    std::vector<BlockDeterminants::Value> values;
+    double t() const { return jet.t; }
+  };
+  // The singular point found first: where, in a step of which size, and log2 of the determinant about it.
+  struct Suspect {
+    double t, step, log2;
+    int block;
+  };
+
+  bool measure(const Jet& jet, Sample& sample);
+  bool measure_between(double part);
+  std::optional<int> turned_block(const Sample& now) const;
+  std::optional<int> dipping_block() const;
+  double find_turn(int block);
+  std::optional<double> find_dip(int block);
+  std::optional<LocatedChange> change_at(double t, int block);
+
+  ExtensionSystem& system_;
+  BlockDeterminants determinants_;
+  double direction_ = 1.0;
+  Sample older_, last_, now_, between_;
+  int samples_ = 0;       // accepted ones that are there, up to two
+  bool has_now_ = false;  // of the step that is tried
+  std::optional<Suspect> suspect_;
+  std::vector<double> highest_;  // log2 of the determinants since the start, the largest
+};
+
+}  // namespace sfdae::core
