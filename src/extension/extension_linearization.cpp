@@ -64,9 +64,8 @@ PointStatus ExtensionLinearization::restore(const Jet& jet, const std::vector<in
   return PointStatus::ok;
 }
 
-// The derivatives with time in units in which x_j and x_j' have derivatives of one size in equations that contain both: whether
-// columns depend on each other is not to depend on the user's.
-std::vector<double> ExtensionLinearization::values_in_own_time() const {
+// That in which x_j and x_j' have derivatives of one size in equations that contain both.
+int ExtensionLinearization::time_exponent() const {
   const std::vector<int>& first = extension_.first();
   double sum = 0.0;
   int count = 0;
@@ -83,8 +82,13 @@ std::vector<double> ExtensionLinearization::values_in_own_time() const {
   }
   // As far as its powers do not overflow.
   const double largest_unit = 400.0 / extension_.jet_order();
-  const int unit =
-      count > 0 ? static_cast<int>(std::lround(std::clamp(sum / count, -largest_unit, largest_unit))) : 0;
+  return count > 0 ? static_cast<int>(std::lround(std::clamp(sum / count, -largest_unit, largest_unit))) : 0;
+}
+
+// The derivatives with time in units of its own: whether columns depend on each other is not to depend on the user's.
+std::vector<double> ExtensionLinearization::values_in_own_time() const {
+  const std::vector<int>& first = extension_.first();
+  const int unit = time_exponent();
   std::vector<double> values(values_);
   for (int row = 0; row < extension_.num_rows(); ++row)
     for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {

@@ -43,6 +43,9 @@ class ExtensionLinearization {
   // What rounding errors of f and of the unknowns themselves do to these, by columns of the extension.
   const std::vector<double>& noise() const { return noise_; }
 
+  // The unit of time of the equations, a power of two.
+  int time_exponent() const;
+
   // For x' = c x + ... of the states, unless that matrix is there.
   bool factor_step(double c);
   void forget_step_matrix() { step_.forget(); }

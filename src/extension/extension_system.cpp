@@ -77,7 +77,8 @@ void ExtensionSystem::resize() {
 
 void ExtensionSystem::find_values() {
   const int n = extension_.n(), d = extension_.freedom();
-  analysis_.values = {strangeness_index(extension_, linearization_), d, n - d, 0, 0};
+  const double tau = settings_.time_scale > 0.0 ? settings_.time_scale : std::exp2(linearization_.time_exponent());
+  analysis_.values = {strangeness_index(extension_, linearization_, tau), d, n - d, 0, 0};
   analysis_.t = jet_.t;
   analysis_.rank_E = d;
 }

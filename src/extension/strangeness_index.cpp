@@ -79,7 +79,7 @@ class LevelEffects {
 
 // Where changes move x_j little beside those of other levels, as a capacitor in farad does, the effect has to be the same with
 // entries that are changed a little: rounding errors are not.
-int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linearization) {
+int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linearization, double tau) {
   const StateChoice& choice = linearization.choice();
   LevelEffects effects(extension, choice);
   const auto plain = effects.all([&linearization](double* r) { linearization.solve_held(r); });
@@ -90,11 +90,16 @@ int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linea
   const auto changed = has_other ? effects.all([&other](double* r) { other.solve(r); }) : plain;
   int mu = 0;
   for (std::size_t j = 0; j < index(extension.n()); ++j) {
-    double largest = 0.0;
-    for (const std::vector<double>& effect : plain) largest = std::max(largest, effect[j]);
+    double largest = 0.0, largest_in_units = 0.0, unit = 1.0;
+    for (const std::vector<double>& effect : plain) {
+      largest = std::max(largest, effect[j]);
+      largest_in_units = std::max(largest_in_units, effect[j] / unit);
+      unit *= tau;
+    }
     for (int level = mu + 1; level <= extension.highest_level(); ++level) {
       const double effect = plain[index(level)][j], again = changed[index(level)][j];
-      const bool is_real = effect > least * largest && std::fabs(again - effect) <= same * effect;
+      const bool is_noticed = effect > least * largest || effect / std::pow(tau, level) > least * largest_in_units;
+      const bool is_real = is_noticed && std::fabs(again - effect) <= same * effect;
       if (effect > clear * largest || is_real) mu = level;
     }
   }

@@ -152,6 +152,16 @@ Model& StructuredModel::whole() {
   return *classical_;
 }
 
+Model& StructuredModel::same_whole() {
+  Model& model = whole();
+  const CharacteristicValues &of_array = model.system()->analysis().values, &own = system()->analysis().values;
+  if (of_array == own) return model;
+  throw Failure(SFDAE_RANK_UNCLEAR,
+                "the whole derivative array has other characteristic values, (" + describe(of_array) +
+                    "), than those in use, (" + describe(own) +
+                    "), which follow from structure: its objects do not fit. Set structure = SFDAE_STRUCTURE_OFF.");
+}
+
 Jet StructuredModel::accepted_point() const {
   return is_extended_ && classical_->needs_x() ? extended_.accepted_point() : classical_->accepted_point();
 }

@@ -53,9 +53,10 @@ class StructuredModel final : public Model {
   DerivativeArray derivative_array(const Jet& jet, int level) override {
     return whole().derivative_array(jet, level);
   }
-  Projectors projectors(const Jet& jet, bool of_array) override { return whole().projectors(jet, of_array); }
-  StrangenessFreeEquations strangeness_free(const Jet& jet) override { return whole().strangeness_free(jet); }
-  int level_of_jets(bool of_array) override { return whole().level_of_jets(of_array); }
+  // Their sizes are those of the characteristic values in use: Failure where the whole array has others.
+  Projectors projectors(const Jet& jet, bool of_array) override { return same_whole().projectors(jet, of_array); }
+  StrangenessFreeEquations strangeness_free(const Jet& jet) override { return same_whole().strangeness_free(jet); }
+  int level_of_jets(bool of_array) override { return same_whole().level_of_jets(of_array); }
   Jet accepted_point() const override;
 
  private:
@@ -63,6 +64,7 @@ class StructuredModel final : public Model {
   bool may_extend(const ModelOptions& options);
   bool orders_are_possible() const;
   Model& whole();
+  Model& same_whole();
   // An upper bound of the columns of the whole array.
   double array_size() const;
 
