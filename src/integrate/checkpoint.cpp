@@ -79,9 +79,10 @@ Archive checked_content(Model& model, const double* from, std::size_t length) {
                   format("the checkpoint is that of a problem with %d equations in %d unknowns, "
                          "not %d in %d.",
                          header.m, header.n, model.m(), model.n()));
-  if (!model.expect(header.form)) throw DamagedArchive();
   const std::size_t total = static_cast<std::size_t>(header.length);
   if (sum != checksum(from + start.size(), total - start.size())) throw DamagedArchive();
+  // Last: from here on the model waits for what the archive has.
+  if (!model.expect(header.form)) throw DamagedArchive();
   return Archive::reader(from + start.size(), total - start.size());
 }
 
@@ -117,8 +118,8 @@ std::unique_ptr<Integration> restore_checkpoint(Model& model, const ModelOptions
                                                 const IntegrationOptions& options, const double* from,
                                                 std::size_t length) {
   try {
-    Archive archive = checked_content(model, from, length);
     Undo undo(model, options.events);
+    Archive archive = checked_content(model, from, length);
     model.restore(model_options, archive);
     undo.note_restored();
     auto integration = std::make_unique<Integration>(*model.system(), model.change_watch(), options, archive);

@@ -30,6 +30,15 @@ NonlinearEquations in_units(const SparseSystem& system, double unit) {
                       });
 }
 
+void pendulum_equations(sfdae_record*, const Expression&, const Expression* x, const Expression* xdot,
+                        Expression* F) {
+  F[0] = xdot[0] - x[2];
+  F[1] = xdot[1] - x[3];
+  F[2] = xdot[2] + x[0] * x[4];
+  F[3] = xdot[3] + x[1] * x[4] + 9.81;
+  F[4] = x[0] * x[0] + x[1] * x[1] - 1.0;
+}
+
 }  // namespace
 
 // What is confirmed in one unit is confirmed in others: microseconds, hours.
@@ -71,6 +80,31 @@ TEST(ExtensionObjects, FitTheCharacteristicValues) {
       if (status < 0) {
         EXPECT_EQ(status, SFDAE_RANK_UNCLEAR) << status_text(run, status);
       }
+    }
+}
+
+TEST(ExtensionObjects, CheckpointsThatAreRefusedChangeNothing) {
+  const std::vector<double> start = {0.6, -0.8, 0.0, 0.0, 0.0};
+  const int structures[] = {SFDAE_STRUCTURE_REQUIRED, SFDAE_STRUCTURE_OFF};
+  for (const int own : structures)
+    for (const int other : structures) {
+      NonlinearRun from({5, 5, pendulum_equations}, with_structure(other)),
+          run({5, 5, pendulum_equations}, with_structure(own)),
+          alone({5, 5, pendulum_equations}, with_structure(own));
+      ASSERT_GE(from.integrate(0.0, 0.5, start), 0);
+      std::size_t length = 0;
+      ASSERT_EQ(sfdae_get_checkpoint_length(from.solver(), &length), SFDAE_OK);
+      std::vector<double> checkpoint(length);
+      ASSERT_EQ(sfdae_save_checkpoint(from.solver(), checkpoint.data(), length), SFDAE_OK);
+      checkpoint[length / 2] += 1.0;
+      ASSERT_GE(run.integrate(0.0, 0.3, start), 0);
+      ASSERT_GE(alone.integrate(0.0, 0.3, start), 0);
+      EXPECT_EQ(sfdae_restore_checkpoint(run.solver(), checkpoint.data(), length), SFDAE_ILLEGAL_ARGUMENT);
+      std::vector<char> text(10000);
+      EXPECT_EQ(sfdae_report(run.solver(), text.data(), text.size(), nullptr), SFDAE_OK);
+      ASSERT_EQ(run.advance(1.0), SFDAE_OK) << run.message();
+      ASSERT_EQ(alone.advance(1.0), SFDAE_OK);
+      EXPECT_EQ(std::memcmp(run.x.data(), alone.x.data(), 5 * sizeof(double)), 0);
     }
 }
 
