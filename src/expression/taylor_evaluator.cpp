@@ -109,7 +109,6 @@ bool TaylorEvaluator::entries(double t, const double* jet, int order, const std:
   const std::size_t length = index(order + 1);
   for (int i = 0; i < record_->m(); ++i) {
     const int own = std::min(order, limits[index(i)]);
-    if (own < 0) continue;
     with_order(own, [&](auto G) { sweep_back(i, G); });
     bool finite = true;
     for (std::size_t e = tape_.first_target[index(i)]; e < tape_.first_target[index(i + 1)]; ++e) {

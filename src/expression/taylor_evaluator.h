@@ -51,7 +51,7 @@ class TaylorEvaluator {
                  const std::vector<int>* limits = nullptr);
 
   // Of the gradients what is not identically zero: the Taylor coefficients of the derivative by tape().targets[e] from
-  // values[e (order + 1)] on, those of equation i up to the order limits[i], -1: none; others are not touched. jet: of order + 1.
+  // values[e (order + 1)] on, those of equation i up to the order limits[i]; others are not touched. jet: of order + 1.
   bool entries(double t, const double* jet, int order, const std::vector<int>& limits, double* values);
 
   // After false.

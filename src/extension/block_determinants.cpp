@@ -34,56 +34,43 @@ std::vector<char> constant_targets(const Tape& tape, const Record& record) {
 }  // namespace
 
 BlockDeterminants::BlockDeterminants(const Structure& structure, TaylorEvaluator& evaluator)
-    : structure_(structure),
-      evaluator_(evaluator),
-      limits_(index(structure.signature.size()), -1),
-      gradients_(evaluator.tape().targets.size()) {
+    : structure_(structure), evaluator_(evaluator), jacobian_(structure, evaluator.tape()) {
   const Tape& tape = evaluator.tape();
   const std::vector<char> is_constant = constant_targets(tape, evaluator.record());
+  // Equations that were replaced count as ones that vary.
   const auto varies = [&](int i) {
-    for (std::size_t e = tape.first_target[index(i)]; e < tape.first_target[index(i + 1)]; ++e)
-      if (is_constant[e] == 0 && is_leading(i, e)) return true;
+    if (structure.equations.is_replaced(i)) return true;
+    for (std::size_t e = tape.first_target[index(i)]; e < tape.first_target[index(i + 1)]; ++e) {
+      const Tape::Leaf& leaf = tape.targets[e];
+      if (is_constant[e] == 0 && structure.offsets.is_leading(i, {leaf.unknown, leaf.derivative ? 1 : 0}))
+        return true;
+    }
     return false;
   };
-  block_of_.resize(limits_.size());
-  for (int block = 0; block < structure.blocks.count(); ++block)
-    for (int j : structure.blocks.unknowns(block)) block_of_[index(j)] = block;
   for (int block = 0; block < structure.blocks.count(); ++block) {
     const auto equations = structure.blocks.equations(block);
-    block_at_hand_ = block;
     if (std::any_of(equations.begin(), equations.end(), varies)) add(block);
   }
 }
 
-// Entries of the block at hand.
-bool BlockDeterminants::is_leading(int equation, std::size_t target) const {
-  const Tape::Leaf& leaf = evaluator_.tape().targets[target];
-  return block_of_[index(leaf.unknown)] == block_at_hand_ &&
-         structure_.offsets.is_leading(equation, {leaf.unknown, leaf.derivative ? 1 : 0});
-}
-
 void BlockDeterminants::add(int number) {
-  const Tape& tape = evaluator_.tape();
   const auto equations = structure_.blocks.equations(number), unknowns = structure_.blocks.unknowns(number);
   Block block;
   block.number = number;
   SparsePattern pattern;
   pattern.size = static_cast<int>(equations.size());
-  std::vector<int> column_of(limits_.size(), -1);
+  std::vector<int> column_of(index(structure_.signature.size()), -1);
   for (std::size_t k = 0; k < unknowns.size(); ++k) column_of[index(unknowns[k])] = static_cast<int>(k);
-  std::vector<std::vector<std::pair<int, std::size_t>>> columns(equations.size());
-  for (std::size_t row = 0; row < equations.size(); ++row) {
-    const int i = equations[row];
-    limits_[index(i)] = 0;
-    for (std::size_t e = tape.first_target[index(i)]; e < tape.first_target[index(i + 1)]; ++e)
-      if (is_leading(i, e))
-        columns[index(column_of[index(tape.targets[e].unknown)])].emplace_back(static_cast<int>(row), e);
-  }
+  std::vector<std::vector<std::pair<int, int>>> columns(equations.size());
+  for (std::size_t row = 0; row < equations.size(); ++row)
+    for (int e = jacobian_.first()[index(equations[row])]; e < jacobian_.first()[index(equations[row] + 1)]; ++e)
+      if (const int column = column_of[index(jacobian_.unknown()[index(e)])]; column >= 0)
+        columns[index(column)].emplace_back(static_cast<int>(row), e);
   pattern.first.assign(1, 0);
   for (const auto& column : columns) {
-    for (const auto& [row, target] : column) {
+    for (const auto& [row, entry] : column) {
       pattern.row.push_back(row);
-      block.targets.push_back(target);
+      block.entries.push_back(entry);
     }
     pattern.first.push_back(static_cast<int>(pattern.row.size()));
   }
@@ -93,7 +80,7 @@ void BlockDeterminants::add(int number) {
 
 BlockDeterminants::Value BlockDeterminants::value(Block& block) {
   values_.clear();
-  for (std::size_t target : block.targets) values_.push_back(gradients_[target]);
+  for (int entry : block.entries) values_.push_back(jacobian_.values()[index(entry)]);
   Determinant<double> determinant;
   if (values_.size() == 1) {
     if (values_[0] == 0.0) return {};
@@ -108,7 +95,7 @@ BlockDeterminants::Value BlockDeterminants::value(Block& block) {
 bool BlockDeterminants::measure(const Jet& jet, std::vector<Value>& values) {
   values.clear();
   if (blocks_.empty()) return true;
-  if (!evaluator_.entries(jet.t, jet.x.data(), 0, limits_, gradients_.data())) return false;
+  if (!jacobian_.evaluate(evaluator_, jet.t, jet.x.data())) return false;
   for (Block& block : blocks_) values.push_back(value(block));
   return true;
 }

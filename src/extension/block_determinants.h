@@ -8,6 +8,7 @@
 #include "expression/taylor_evaluator.h"
 #include "linalg/sparse_lu.h"
 #include "structure/structure.h"
+#include "structure/system_jacobian.h"
 #include "system/jet.h"
 
 namespace sfdae::core {
@@ -29,26 +30,25 @@ class BlockDeterminants {
     int sign = 0;  // 0: singular to working precision
     double log2 = 0.0;
   };
-  // At a jet with x and x' at least; count() values. False: the equations cannot be evaluated there.
+  // Of the jets wanted.
+  int jet_order() const { return jacobian_.jet_order(); }
+  // At a jet of that order, at least; count() values. False: the equations cannot be evaluated there.
   bool measure(const Jet& jet, std::vector<Value>& values);
 
  private:
   struct Block {
     int number;
-    std::vector<std::size_t> targets;  // of the tape, by columns of the block
-    SparseLu<double> lu;               // of blocks of more than one equation
+    std::vector<int> entries;  // of the system Jacobian, by columns of the block
+    SparseLu<double> lu;       // of blocks of more than one equation
   };
-  bool is_leading(int equation, std::size_t target) const;
   void add(int number);
   Value value(Block& block);
 
   const Structure& structure_;
   TaylorEvaluator& evaluator_;
+  SystemJacobian jacobian_;
   std::vector<Block> blocks_;
-  std::vector<int> limits_;    // of the orders of derivatives: -1 for equations of other blocks
-  std::vector<int> block_of_;  // of the unknowns
-  int block_at_hand_ = 0;
-  std::vector<double> gradients_, values_;
+  std::vector<double> values_;
 };
 
 }  // namespace sfdae::core

@@ -38,10 +38,8 @@ ExtensionChangeWatch::ExtensionChangeWatch(ExtensionSystem& system)
     : system_(system), determinants_(system.extension().structure(), system.extension().problem().evaluator()) {}
 
 bool ExtensionChangeWatch::measure(const Jet& jet, Sample& sample) {
-  sample.jet.t = jet.t;
-  sample.jet.n = jet.n;
-  sample.jet.x.assign(jet.x.begin(), jet.x.begin() + 2 * static_cast<std::ptrdiff_t>(jet.n));
-  sample.jet.order = 1;
+  sample.jet = jet;
+  sample.jet.set_order(determinants_.jet_order());
   return determinants_.measure(sample.jet, sample.values);
 }
 
@@ -189,10 +187,10 @@ void ExtensionChangeWatch::archive(Archive& archive, double direction) {
   for (int i = 0; i < samples_; ++i) {
     Jet& jet = newest_first[i]->jet;
     archive.real(jet.t);
-    archive.reals(jet.x, 2 * index(system_.unknowns()));
+    archive.reals(jet.x, index(system_.unknowns()) * index(determinants_.jet_order() + 1));
     if (!archive.is_reading()) continue;
     jet.n = system_.unknowns();
-    jet.order = 1;
+    jet.order = determinants_.jet_order();
     if (!determinants_.measure(jet, newest_first[i]->values)) throw DamagedArchive();
   }
   if (!has_suspect) return;
