@@ -18,6 +18,8 @@ namespace {
 // In squares of the sizes of x, W of what may move freely: far below what is to stay, far above rounding. Chosen, not
 // measured.
 constexpr double weight_of_free = 1e-10;
+// Of the tolerances: changes that count. By judgement.
+constexpr double moved = 1e-6;
 
 }  // namespace
 
@@ -67,7 +69,6 @@ Jet ConsistentExtension::find(const PointOfInterest& point) {
 
 // Stages move what they have to, but not with an eye on those that come; fixed values they do not know of.
 bool ConsistentExtension::has_to_move(const Jet& guess, const Jet& jet) const {
-  constexpr double moved = 1e-6;  // of the tolerances; by judgement
   if (request_.is_weighted()) return true;
   for (int j = 0; j < extension_.n(); ++j) {
     const double change = std::fabs(jet.x[index(j)] - guess.x[index(j)]);
@@ -95,23 +96,33 @@ void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
   const std::vector<MinimalExtension::Column>& columns = extension_.columns();
   std::vector<double> W(columns.size());
   std::vector<char> held(columns.size(), 0);
+  bool is_candidate = true;  // consistent, and what is fixed is where it should be
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const auto [unknown, order] = columns[k];
     W[k] = weight(columns[k]);
     held[k] = is_held(columns[k]) ? 1 : 0;
+    const double change = jet.column(order)[unknown] - guess.column(order)[unknown];
+    if (held[k] != 0 && std::fabs(change) > moved * sizes_[index(unknown)]) is_candidate = false;
     if (held[k] != 0) jet.column(order)[unknown] = guess.column(order)[unknown];
   }
   LeastChangeSearch search(extension_, std::move(W), std::move(held), sizes_);
+  // From values that are consistent already, as searches may where equations are nearly dependent.
+  const auto runs_away = [&](const Jet& found) {
+    return is_candidate && search.sum(guess, found) > search.sum(guess, jet);
+  };
   if (!request_.is_weighted()) {
     Jet quick = jet;
-    if (search.hurry(guess, quick)) {
+    if (search.hurry(guess, quick) && !runs_away(quick)) {
       jet = std::move(quick);
       return;
     }
     // The jet is consistent, if not the nearest one.
     if (request_.kind != InitialValues::fixed) return;
   }
-  if (search.fulfil(jet)) {
+  Jet next = jet;
+  const bool is_fulfilled = search.fulfil(next);
+  if (is_fulfilled && !runs_away(next)) jet = std::move(next);
+  if (is_fulfilled || is_candidate) {
     search.approach(guess, jet);
     return;
   }

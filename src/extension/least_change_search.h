@@ -23,6 +23,8 @@ class LeastChangeSearch {
   // Nearest to the guess, by whole steps alone: fast, but where constraints are bent, or derivatives of high order lose too
   // many digits, they may not come to an end.
   bool hurry(const Jet& guess, Jet& jet);
+  // Of W times the squares of all changes.
+  double sum(const Jet& guess, const Jet& jet) const;
   // Steps toward the guess, each as long as the sum of changes becomes smaller by it; from a jet that fulfils the equations.
   void approach(const Jet& guess, Jet& jet);
 
@@ -30,7 +32,6 @@ class LeastChangeSearch {
   // The change from the jet on, toward the guess or, without one, least.
   bool compute(const Jet& jet, const Jet* guess);
   JetChange apply(const std::vector<double>& dx, double part, Jet& jet) const;
-  double sum(const Jet& guess, const Jet& jet) const;
   double sum_of_change() const;
 
   MinimalExtension& extension_;

@@ -45,7 +45,7 @@ void pendulum_equations(sfdae_record*, const Expression&, const Expression* x, c
 TEST(ExtensionObjects, HaveTheIndexInAnyUnitOfTime) {
   int confirmed = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
-    const SparseSystem system(seed, false);
+    const SparseSystem system(seed, SparseSystem::Mixing::none);
     bool is_confirmed = true;
     for (const double unit : {1.0, 1e-3, 1e-5, 1e2}) {
       SCOPED_TRACE(testing::Message() << seed << ", " << unit);
@@ -67,7 +67,7 @@ TEST(ExtensionObjects, FitTheCharacteristicValues) {
   for (unsigned seed = 1; seed <= 40; ++seed)
     for (const double unit : {1e-9, 1e-5, 1.0, 1e5, 1e9}) {
       SCOPED_TRACE(testing::Message() << seed << ", " << unit);
-      const SparseSystem system(seed, false);
+      const SparseSystem system(seed, SparseSystem::Mixing::none);
       NonlinearRun run(in_units(system, unit), with_structure(SFDAE_STRUCTURE_REQUIRED));
       if (run.analyze(0.2 * unit, unit, system.exact(0.2)) < 0) continue;
       const std::size_t n = static_cast<std::size_t>(system.n()), a = static_cast<std::size_t>(run.values().a),
@@ -106,6 +106,23 @@ TEST(ExtensionObjects, CheckpointsThatAreRefusedChangeNothing) {
       ASSERT_EQ(alone.advance(1.0), SFDAE_OK);
       EXPECT_EQ(std::memcmp(run.x.data(), alone.x.data(), 5 * sizeof(double)), 0);
     }
+}
+
+// Values that are consistent are the nearest ones, whatever is fixed.
+TEST(ExtensionObjects, ConsistentValuesStayWhereSomeAreFixed) {
+  for (unsigned seed = 1; seed <= 400; ++seed) {
+    const SparseSystem system(seed, SparseSystem::Mixing::none);
+    const std::vector<double> exact = system.exact(0.3);
+    sfdae_options options = with_structure(SFDAE_STRUCTURE_REQUIRED);
+    options.rtol = options.atol = 1e-9;
+    std::vector<int> fixed(exact.size(), 0);
+    fixed[seed % exact.size()] = 1;
+    options.initial_values = SFDAE_INITIAL_FIXED;
+    options.fixed = fixed.data();
+    NonlinearRun run(in_units(system, 1.0), options);
+    if (run.start(0.3, 1.0, exact) != SFDAE_OK) continue;
+    for (std::size_t i = 0; i < exact.size(); ++i) EXPECT_NEAR(run.x[i], exact[i], 1e-9) << seed << ", " << i;
+  }
 }
 
 }  // namespace sfdae_test
