@@ -16,7 +16,7 @@
  * Here are the life cycle, options, linear problems, integration and inspection. This header includes all others:
  * sfdae/events.h, sfdae/expression.h for equations written as formulas and nonlinear problems, sfdae/multibody.h
  * for mechanical systems, sfdae/ensemble.h for many instances of a problem, sfdae/solution.h for the solution over a whole
- * run.
+ * run, sfdae/linearization.h for poles, zeros and transfer functions at a point.
  *
  * Conventions
  *  - Matrices are column-major without padding: entry (i, j) of an m x n matrix is a[i + j * m]. Indices count from
@@ -677,6 +677,7 @@ SFDAE_API int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_or
 #include <sfdae/ensemble.h>
 #include <sfdae/events.h>
 #include <sfdae/expression.h>
+#include <sfdae/linearization.h>
 #include <sfdae/multibody.h>
 #include <sfdae/solution.h>
 

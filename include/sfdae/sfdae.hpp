@@ -30,6 +30,7 @@
 #include <sfdae/callbacks.hpp>
 #include <sfdae/ensemble.hpp>
 #include <sfdae/expression.hpp>
+#include <sfdae/linearization.hpp>
 #include <sfdae/problem.hpp>
 #include <sfdae/results.hpp>
 #include <sfdae/solution.hpp>
@@ -370,6 +371,37 @@ class Solver {
     const bool agrees = result.summary.has_assignment == 1 && result.summary.verdict <= SFDAE_STRUCTURE_CERTIFIED;
     if (!agrees) result.words = message();
     return result;
+  }
+
+  /// The descriptor system of the problem, linearized at a point (sfdae_linearize).
+  Descriptor linearize(const Linearization& choice) {
+    const int n = num_unknowns();
+    if (!choice.x.empty()) detail::require_size(choice.x.size(), n, "x");
+    if (!choice.xdot.empty()) detail::require_size(choice.xdot.size(), n, "xdot");
+    if (choice.input_columns.columns() > 0)
+      detail::require_size(detail::size(choice.input_columns.rows()), num_equations(), "a column of inputs");
+    if (choice.output_rows.rows() > 0)
+      detail::require_size(detail::size(choice.output_rows.columns()), n, "a row of outputs");
+    std::vector<const char*> names;
+    for (const std::string& name : choice.input_parameters) names.push_back(name.c_str());
+    sfdae_linearization in_c;
+    sfdae_linearization_init(&in_c, sizeof in_c);
+    in_c.t = choice.t;
+    in_c.x = choice.x.empty() ? nullptr : choice.x.data();
+    in_c.xdot = choice.xdot.empty() ? nullptr : choice.xdot.data();
+    in_c.num_input_parameters = static_cast<int>(names.size());
+    in_c.input_parameters = names.data();
+    in_c.num_input_unknowns = static_cast<int>(choice.input_unknowns.size());
+    in_c.input_unknowns = choice.input_unknowns.data();
+    in_c.num_input_columns = choice.input_columns.columns();
+    in_c.input_columns = choice.input_columns.data();
+    in_c.num_output_unknowns = static_cast<int>(choice.output_unknowns.size());
+    in_c.output_unknowns = choice.output_unknowns.data();
+    in_c.num_output_rows = choice.output_rows.rows();
+    in_c.output_rows = choice.output_rows.data();
+    sfdae_descriptor* descriptor = nullptr;
+    checked(sfdae_linearize(get(), &in_c, &descriptor));
+    return Descriptor(descriptor);
   }
 
   /// Compares the derivatives of order 1 ... max_order that the callbacks of a linear problem supply near t with

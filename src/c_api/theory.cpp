@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "c_api/linearized_problem.h"
 #include "c_api/solver.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
@@ -41,25 +42,6 @@ void demand_analysis(const sfdae_solver& solver) {
 void demand_numbers(const char* name, const double* values, std::size_t count) {
   if (values == nullptr) raise(SFDAE_ILLEGAL_ARGUMENT, format("%s is NULL.", name));
   if (!all_finite(values, count)) raise(SFDAE_ILLEGAL_ARGUMENT, format("%s contains NaN or Inf.", name));
-}
-
-// The solution at t: within the last step of an integration, else at the point of the analysis.
-std::vector<double> solution_at(sfdae_solver& solver, double t) {
-  if (solver.integration) {
-    std::vector<double> x(index(solver.model.n()));
-    solver.integration->want_slopes(false);
-    const CallResult result = solver.integration->interpolate(t, false, x.data(), nullptr);
-    if (result.status < 0) raise(result.status, result.message);
-    return x;
-  }
-  demand_analysis(solver);
-  const Jet point = solver.model.accepted_point();
-  if (point.n == 0) raise(SFDAE_NOT_STARTED, "there is no solution yet: call sfdae_start first.");
-  if (point.t != t)
-    raise(
-        SFDAE_ILLEGAL_ARGUMENT,
-        format("t = %.15g: the one point known before sfdae_start is that of the analysis, t = %.15g.", t, point.t));
-  return {point.x.begin(), point.x.begin() + point.n};
 }
 
 // What objects are asked for at: t alone for linear problems, a jet of the solution for others.
@@ -128,6 +110,25 @@ CallResult write(const StrangenessFreeEquations& found, const SystemPlaces& to) 
 }
 
 }  // namespace
+
+// The solution at t: within the last step of an integration, else at the point of the analysis.
+std::vector<double> solution_at(sfdae_solver& solver, double t) {
+  if (solver.integration) {
+    std::vector<double> x(index(solver.model.n()));
+    solver.integration->want_slopes(false);
+    const CallResult result = solver.integration->interpolate(t, false, x.data(), nullptr);
+    if (result.status < 0) raise(result.status, result.message);
+    return x;
+  }
+  demand_analysis(solver);
+  const Jet point = solver.model.accepted_point();
+  if (point.n == 0) raise(SFDAE_NOT_STARTED, "there is no solution yet: call sfdae_start first.");
+  if (point.t != t)
+    raise(
+        SFDAE_ILLEGAL_ARGUMENT,
+        format("t = %.15g: the one point known before sfdae_start is that of the analysis, t = %.15g.", t, point.t));
+  return {point.x.begin(), point.x.begin() + point.n};
+}
 
 }  // namespace sfdae::core
 

@@ -66,6 +66,10 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
   StrangenessFreeEquations strangeness_free(const Jet& jet) override;
   int level_of_jets(bool of_array) override { return of_array ? system_->analysis().values.mu : 0; }
   Jet accepted_point() const override;
+  // A copy of the recorded first-order equations, with the values that parameters have now; null for functions.
+  std::unique_ptr<RecordedProblem> recorded_first_order_problem() {
+    return recorded_ != nullptr ? recorded_->first_order_problem() : nullptr;
+  }
   // Throws Failure.
   ExtendedSystem extended_system(double t, const double* x);
 

@@ -1,0 +1,28 @@
+// Derivatives of recorded equations by their parameters, at points.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/matrix.h"
+#include "problem/nonlinear_problem.h"
+
+namespace sfdae::core {
+
+class ParameterDerivatives {
+ public:
+  // By the parameters with these numbers, at the values that all have now.
+  ParameterDerivatives(const TaylorEvaluator& equations, std::vector<int> parameters);
+
+  // By form: on x or x'.
+  bool depend_on_solution() const;
+  // F_p, m x parameters. jet: x and x', n values each. Throws Failure where F cannot be evaluated.
+  Matrix at(double t, const double* jet);
+
+ private:
+  std::vector<int> parameters_;
+  std::vector<double> values_;  // of these
+  RecordedProblem problem_;     // with these as unknowns
+};
+
+}  // namespace sfdae::core
