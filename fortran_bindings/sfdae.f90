@@ -41,6 +41,7 @@ module sfdae
   use sfdae_control, only: dae_events, dae_monitor, dae_options
   use sfdae_ensembles, only: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results
   use sfdae_expressions
+  use sfdae_linearizations, only: dae_descriptor, dae_linearization
   use sfdae_multibody, only: kinematic_multibody_dae, multibody_dae, multibody_formulas, &
     recorded_multibody_dae
   use sfdae_problems, only: derivative_dae, linear_dae, nonlinear_dae, recorded_linear_dae
@@ -57,6 +58,7 @@ module sfdae
   public :: recorded_multibody_dae, multibody_dae, kinematic_multibody_dae, multibody_formulas
   public :: dae_events, dae_monitor, dae_options, dae_solver
   public :: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results, dae_solution
+  public :: dae_descriptor, dae_linearization
   public :: sfdae_check_linear, sfdae_check_nonlinear, sfdae_check_multibody
   public :: sfdae_status_name, sfdae_version
 
@@ -74,10 +76,11 @@ module sfdae
 
   public :: sfdae_characteristics, sfdae_decision, sfdae_change, sfdae_initial_report, &
     sfdae_statistics, sfdae_derivative_check, sfdae_progress, sfdae_multibody_report, &
-    sfdae_structure
+    sfdae_structure, sfdae_spectrum
   public :: sfdae_linear_problem, sfdae_nonlinear_problem, sfdae_multibody_problem, &
     sfdae_multibody_formulas, sfdae_options
   public :: sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results
+  public :: sfdae_descriptor_matrices, sfdae_linearization
 
   ! ---- Version of the header that these modules mirror --------------------------------------
 

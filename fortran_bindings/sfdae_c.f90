@@ -6,33 +6,37 @@ module sfdae_c
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funloc, c_funptr, c_int, c_ptr, &
     c_size_t
   use sfdae_types, only: expression, sfdae_change, sfdae_characteristics, sfdae_decision, &
-    sfdae_derivative_check, sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results, &
-    sfdae_initial_report, sfdae_linear_problem, sfdae_multibody_formulas, sfdae_multibody_problem, &
-    sfdae_multibody_report, sfdae_nonlinear_problem, sfdae_options, sfdae_progress, &
-    sfdae_statistics, sfdae_structure
+    sfdae_derivative_check, sfdae_descriptor_matrices, sfdae_ensemble, sfdae_ensemble_progress, &
+    sfdae_ensemble_results, sfdae_initial_report, sfdae_linear_problem, sfdae_linearization, &
+    sfdae_multibody_formulas, sfdae_multibody_problem, sfdae_multibody_report, &
+    sfdae_nonlinear_problem, sfdae_options, sfdae_progress, sfdae_spectrum, sfdae_statistics, &
+    sfdae_structure
   implicit none
   private
 
   public :: c_abs, c_acos, c_add, c_advance, c_analyze, c_analyze_at, c_and, c_asin, c_atan, &
     c_atan2, c_certify, c_change_init, c_characteristics_init, c_check_derivatives, &
     c_check_linear, c_check_multibody, c_check_multibody_derivatives, c_check_nonlinear, &
-    c_check_total_derivatives, c_choose, c_cos, c_cosh, c_create_linear, c_create_multibody, &
-    c_create_nonlinear, c_create_solution, c_cut_solution, c_decision_init, c_derivative, &
-    c_derivative_check_init, c_destroy, c_destroy_solution, c_divide, c_ensemble_init, &
+    c_check_total_derivatives, c_choose, c_cos, c_cosh, c_create_descriptor, c_create_linear, &
+    c_create_multibody, c_create_nonlinear, c_create_solution, c_cut_solution, c_decision_init, &
+    c_derivative, c_derivative_check_init, c_descriptor_matrices_init, c_descriptor_message, &
+    c_destroy, c_destroy_descriptor, c_destroy_solution, c_divide, c_ensemble_init, &
     c_ensemble_results_init, c_evaluate_solution, c_exp, c_external, c_floor, c_get_change, &
     c_get_characteristics, c_get_checkpoint_length, c_get_decision, c_get_derivative_array, &
-    c_get_derivative_array_at, c_get_events, c_get_extended_system, c_get_initial_report, &
-    c_get_jet, c_get_multibody_report, c_get_num_decisions, c_get_parameter, c_get_projectors, &
-    c_get_projectors_at, c_get_solution_accuracy, c_get_solution_length, c_get_solution_range, &
-    c_get_statistics, c_get_strangeness_free, c_get_strangeness_free_at, c_get_structure, &
-    c_greater, c_greater_equal, c_initial_report_init, c_interpolate, c_less, c_less_equal, &
-    c_linear_problem_init, c_load_solution, c_log, c_log10, c_make_consistent, c_max, c_message, &
-    c_min, c_modulo, c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
+    c_get_derivative_array_at, c_get_descriptor_matrices, c_get_descriptor_sizes, c_get_events, &
+    c_get_extended_system, c_get_initial_report, c_get_jet, c_get_multibody_report, &
+    c_get_num_decisions, c_get_parameter, c_get_poles, c_get_projectors, c_get_projectors_at, &
+    c_get_solution_accuracy, c_get_solution_length, c_get_solution_range, c_get_statistics, &
+    c_get_strangeness_free, c_get_strangeness_free_at, c_get_structure, c_get_transfer, &
+    c_get_zeros, c_greater, c_greater_equal, c_initial_report_init, c_interpolate, c_less, &
+    c_less_equal, c_linear_problem_init, c_linearization_init, c_linearize, c_load_solution, &
+    c_log, c_log10, c_make_consistent, c_max, c_message, c_min, c_modulo, &
+    c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
     c_nonlinear_problem_init, c_not, c_number, c_options_init, c_or, c_parameter, c_power, &
     c_record_solution, c_report, c_request_stop, c_restore_checkpoint, c_save_checkpoint, &
     c_save_solution, c_set_events, c_set_options, c_set_parameter, c_sign, c_sin, c_sinh, &
-    c_solve_ensemble, c_sqrt, c_start, c_statistics_init, c_status_name, c_step, c_structure_init, &
-    c_subtract, c_table, c_tan, c_tanh, c_time_derivative, c_version, &
+    c_solve_ensemble, c_spectrum_init, c_sqrt, c_start, c_statistics_init, c_status_name, c_step, &
+    c_structure_init, c_subtract, c_table, c_tan, c_tanh, c_time_derivative, c_version, &
     address_of_ensemble_monitor_function, address_of_equations_function, &
     address_of_event_function, address_of_external_function, address_of_linear_equations_function, &
     address_of_matrix_function, address_of_monitor_function, &
@@ -335,6 +339,13 @@ module sfdae_c
       type(expression) :: c_cosh
     end function c_cosh
 
+    function c_create_descriptor(matrices, descriptor) bind(c, name="sfdae_create_descriptor")
+      import :: c_int, c_ptr, sfdae_descriptor_matrices
+      type(sfdae_descriptor_matrices), intent(in) :: matrices
+      type(c_ptr), intent(inout) :: descriptor
+      integer(c_int) :: c_create_descriptor
+    end function c_create_descriptor
+
     function c_create_linear(solver, problem, options) bind(c, name="sfdae_create_linear")
       import :: c_int, c_ptr, sfdae_linear_problem, sfdae_options
       type(c_ptr), intent(inout) :: solver
@@ -393,11 +404,31 @@ module sfdae_c
       integer(c_int) :: c_derivative_check_init
     end function c_derivative_check_init
 
+    function c_descriptor_matrices_init(matrices, size) &
+      bind(c, name="sfdae_descriptor_matrices_init")
+      import :: c_int, c_size_t, sfdae_descriptor_matrices
+      type(sfdae_descriptor_matrices), intent(inout) :: matrices
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_descriptor_matrices_init
+    end function c_descriptor_matrices_init
+
+    function c_descriptor_message(descriptor) bind(c, name="sfdae_descriptor_message")
+      import :: c_ptr
+      type(c_ptr), value :: descriptor
+      type(c_ptr) :: c_descriptor_message
+    end function c_descriptor_message
+
     function c_destroy(solver) bind(c, name="sfdae_destroy")
       import :: c_int, c_ptr
       type(c_ptr), intent(inout) :: solver
       integer(c_int) :: c_destroy
     end function c_destroy
+
+    function c_destroy_descriptor(descriptor) bind(c, name="sfdae_destroy_descriptor")
+      import :: c_int, c_ptr
+      type(c_ptr), intent(inout) :: descriptor
+      integer(c_int) :: c_destroy_descriptor
+    end function c_destroy_descriptor
 
     function c_destroy_solution(solution) bind(c, name="sfdae_destroy_solution")
       import :: c_int, c_ptr
@@ -511,6 +542,29 @@ module sfdae_c
       integer(c_int) :: c_get_derivative_array_at
     end function c_get_derivative_array_at
 
+    function c_get_descriptor_matrices(descriptor, e, a, b, c, d) &
+      bind(c, name="sfdae_get_descriptor_matrices")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: descriptor
+      real(c_double), intent(inout) :: e(*)
+      real(c_double), intent(inout) :: a(*)
+      real(c_double), intent(inout) :: b(*)
+      real(c_double), intent(inout) :: c(*)
+      real(c_double), intent(inout) :: d(*)
+      integer(c_int) :: c_get_descriptor_matrices
+    end function c_get_descriptor_matrices
+
+    function c_get_descriptor_sizes(descriptor, num_equations, num_unknowns, num_inputs, &
+      num_outputs) bind(c, name="sfdae_get_descriptor_sizes")
+      import :: c_int, c_ptr
+      type(c_ptr), value :: descriptor
+      integer(c_int), intent(inout) :: num_equations
+      integer(c_int), intent(inout) :: num_unknowns
+      integer(c_int), intent(inout) :: num_inputs
+      integer(c_int), intent(inout) :: num_outputs
+      integer(c_int) :: c_get_descriptor_sizes
+    end function c_get_descriptor_sizes
+
     function c_get_events(solver, which) bind(c, name="sfdae_get_events")
       import :: c_int, c_ptr
       type(c_ptr), value :: solver
@@ -571,6 +625,17 @@ module sfdae_c
       real(c_double), intent(inout) :: value
       integer(c_int) :: c_get_parameter
     end function c_get_parameter
+
+    function c_get_poles(descriptor, spectrum, real, imaginary, errors) &
+      bind(c, name="sfdae_get_poles")
+      import :: c_double, c_int, c_ptr, sfdae_spectrum
+      type(c_ptr), value :: descriptor
+      type(sfdae_spectrum), intent(inout) :: spectrum
+      real(c_double), intent(inout) :: real(*)
+      real(c_double), intent(inout) :: imaginary(*)
+      real(c_double), intent(inout) :: errors(*)
+      integer(c_int) :: c_get_poles
+    end function c_get_poles
 
     function c_get_projectors(solver, t, z1, z2, z3, t2, vhat) bind(c, name="sfdae_get_projectors")
       import :: c_double, c_int, c_ptr
@@ -672,6 +737,29 @@ module sfdae_c
       integer(c_int) :: c_get_structure
     end function c_get_structure
 
+    function c_get_transfer(descriptor, count, real, imaginary, h_real, h_imaginary) &
+      bind(c, name="sfdae_get_transfer")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: descriptor
+      integer(c_int), value :: count
+      real(c_double), intent(in) :: real(*)
+      real(c_double), intent(in) :: imaginary(*)
+      real(c_double), intent(inout) :: h_real(*)
+      real(c_double), intent(inout) :: h_imaginary(*)
+      integer(c_int) :: c_get_transfer
+    end function c_get_transfer
+
+    function c_get_zeros(descriptor, spectrum, real, imaginary, errors) &
+      bind(c, name="sfdae_get_zeros")
+      import :: c_double, c_int, c_ptr, sfdae_spectrum
+      type(c_ptr), value :: descriptor
+      type(sfdae_spectrum), intent(inout) :: spectrum
+      real(c_double), intent(inout) :: real(*)
+      real(c_double), intent(inout) :: imaginary(*)
+      real(c_double), intent(inout) :: errors(*)
+      integer(c_int) :: c_get_zeros
+    end function c_get_zeros
+
     function c_greater(a, b) bind(c, name="sfdae_greater")
       import :: expression
       type(expression), value :: a
@@ -722,6 +810,21 @@ module sfdae_c
       integer(c_size_t), value :: size
       integer(c_int) :: c_linear_problem_init
     end function c_linear_problem_init
+
+    function c_linearization_init(choice, size) bind(c, name="sfdae_linearization_init")
+      import :: c_int, c_size_t, sfdae_linearization
+      type(sfdae_linearization), intent(inout) :: choice
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_linearization_init
+    end function c_linearization_init
+
+    function c_linearize(solver, choice, descriptor) bind(c, name="sfdae_linearize")
+      import :: c_int, c_ptr, sfdae_linearization
+      type(c_ptr), value :: solver
+      type(sfdae_linearization), intent(in) :: choice
+      type(c_ptr), intent(inout) :: descriptor
+      integer(c_int) :: c_linearize
+    end function c_linearize
 
     function c_load_solution(solution, values, length) bind(c, name="sfdae_load_solution")
       import :: c_double, c_int, c_ptr, c_size_t
@@ -952,6 +1055,13 @@ module sfdae_c
       type(sfdae_ensemble_results), intent(inout) :: results
       integer(c_int) :: c_solve_ensemble
     end function c_solve_ensemble
+
+    function c_spectrum_init(spectrum, size) bind(c, name="sfdae_spectrum_init")
+      import :: c_int, c_size_t, sfdae_spectrum
+      type(sfdae_spectrum), intent(inout) :: spectrum
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_spectrum_init
+    end function c_spectrum_init
 
     function c_sqrt(a) bind(c, name="sfdae_sqrt")
       import :: expression

@@ -21,6 +21,7 @@ module sfdae_solver
     event_callback, fill_options
   use sfdae_conversions, only: text_at, text_in, text_in_c
   use sfdae_ensembles, only: dae_ensemble, dae_ensemble_results, solve_ensemble_in_c
+  use sfdae_linearizations, only: dae_descriptor, dae_linearization, linearize_in_c
   use sfdae_multibody, only: any_multibody_dae, multibody_holder
   use sfdae_problems, only: any_dae, linear_dae, linear_holder, nonlinear_holder, problem_holder
   use sfdae_solutions, only: dae_solution
@@ -83,6 +84,7 @@ module sfdae_solver
     procedure :: get_projectors => solver_get_projectors
     procedure :: get_strangeness_free => solver_get_strangeness_free
     procedure :: get_extended_system => solver_get_extended_system
+    procedure :: linearize => solver_linearize
     procedure :: certify => solver_certify
     procedure :: check_derivatives => solver_check_derivatives
     procedure :: check_total_derivatives => solver_check_total_derivatives
@@ -542,6 +544,21 @@ contains
     if (status == sfdae_ok) call solve_ensemble_in_c(self%handle, &
       self%holder%problem%num_unknowns, ensemble, results, status, self%complaint)
   end subroutine solver_solve_ensemble
+
+  !> The descriptor system of the problem, linearized at a point. Nothing of an integration changes.
+  recursive subroutine solver_linearize(self, choice, descriptor, status)
+    class(dae_solver), intent(inout) :: self
+    !> The point, inputs and outputs.
+    type(dae_linearization), target, intent(in) :: choice
+    !> Replaced unless the call fails.
+    class(dae_descriptor), intent(inout) :: descriptor
+    !> sfdae_not_started where the solution is needed and not known; callbacks.
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) call linearize_in_c(self%handle, self%holder%problem%num_equations, &
+      self%holder%problem%num_unknowns, choice, descriptor, status, self%complaint)
+  end subroutine solver_linearize
 
   !> From now on all accepted steps go to the solution.
   subroutine solver_record(self, solution, status)

@@ -135,6 +135,20 @@ module sfdae_types
     integer(c_int) :: suspicious = 0
   end type sfdae_derivative_check
 
+  type, bind(c), public :: sfdae_descriptor_matrices
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: num_equations = 0
+    integer(c_int) :: num_unknowns = 0
+    integer(c_int) :: num_inputs = 0
+    integer(c_int) :: num_outputs = 0
+    type(c_ptr) :: e = c_null_ptr
+    type(c_ptr) :: a = c_null_ptr
+    type(c_ptr) :: b = c_null_ptr
+    type(c_ptr) :: c = c_null_ptr
+    type(c_ptr) :: d = c_null_ptr
+    real(c_double) :: rank_tol = 0
+  end type sfdae_descriptor_matrices
+
   type, bind(c), public :: sfdae_ensemble
     integer(c_size_t) :: size = 0
     integer(c_int) :: num_instances = 0
@@ -203,6 +217,23 @@ module sfdae_types
     type(c_ptr) :: user = c_null_ptr
     type(c_ptr) :: equation_names = c_null_ptr
   end type sfdae_linear_problem
+
+  type, bind(c), public :: sfdae_linearization
+    integer(c_size_t) :: size = 0
+    real(c_double) :: t = 0
+    type(c_ptr) :: x = c_null_ptr
+    type(c_ptr) :: xdot = c_null_ptr
+    integer(c_int) :: num_input_parameters = 0
+    type(c_ptr) :: input_parameters = c_null_ptr
+    integer(c_int) :: num_input_unknowns = 0
+    type(c_ptr) :: input_unknowns = c_null_ptr
+    integer(c_int) :: num_input_columns = 0
+    type(c_ptr) :: input_columns = c_null_ptr
+    integer(c_int) :: num_output_unknowns = 0
+    type(c_ptr) :: output_unknowns = c_null_ptr
+    integer(c_int) :: num_output_rows = 0
+    type(c_ptr) :: output_rows = c_null_ptr
+  end type sfdae_linearization
 
   type, bind(c), public :: sfdae_multibody_formulas
     type(c_ptr) :: mass = c_null_ptr
@@ -308,6 +339,17 @@ module sfdae_types
     integer(c_int) :: num_unknowns = 0
     type(c_ptr) :: x = c_null_ptr
   end type sfdae_progress
+
+  type, bind(c), public :: sfdae_spectrum
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: num_finite = 0
+    integer(c_int) :: num_infinite = 0
+    integer(c_int) :: strangeness_index = 0
+    integer(c_int) :: differential = 0
+    integer(c_int) :: algebraic = 0
+    integer(c_int) :: undetermined = 0
+    integer(c_int) :: redundant = 0
+  end type sfdae_spectrum
 
   type, bind(c), public :: sfdae_statistics
     integer(c_size_t) :: size = 0

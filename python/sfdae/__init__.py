@@ -47,6 +47,7 @@ from ._inspection import (
     StrangenessFreeSystem,
     Structure,
 )
+from ._linearization import Descriptor, Spectrum
 from ._multibody import MultibodyProblem
 from ._options import OPTION_NAMES, choices
 from ._problem import LinearProblem, NonlinearProblem, Problem
@@ -71,10 +72,10 @@ globals().update(_PUBLIC)  # sin, cos, exp, ... of expressions, numbers and arra
 
 __version__ = version()
 __all__ = [
-    "CannotEvaluate", "Condition", "DerivativeArray", "EnsembleSolution", "Error",
+    "CannotEvaluate", "Condition", "DerivativeArray", "Descriptor", "EnsembleSolution", "Error",
     "Event", "EventRecord", "Expression", "ExtendedSystem", "InitialValuesWarning",
     "IntegrationWarning", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
-    "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning", "Solution", "Solver",
+    "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning", "Solution", "Solver", "Spectrum",
     "Status", "Steps", "StrangenessFreeSystem", "Struct", "Structure", "analyze", "choices", "choose",
     "derivative", "external", "table", "time_derivative",
     "make_consistent", "parameter", "solve", "solve_ensemble", "status_name", "version", *_PUBLIC,

@@ -12,6 +12,7 @@ from ._binding import ffi, lib
 from ._callbacks import CallbackState, CountMismatch
 from ._formula import checked_value
 from ._inspection import Inspection
+from ._linearization import Linearizing
 from ._options import c_options, check_names
 from ._points import Point, wrapped
 from ._problem import LinearProblem, Problem
@@ -19,7 +20,7 @@ from ._recorded_solution import RecordedSolution
 from ._status import Error, Status
 
 
-class Solver(Inspection):
+class Solver(Inspection, Linearizing):
     """Analysis and integration of a problem, step by step; ``sfdae.solve`` does all of it in one
     call.
 

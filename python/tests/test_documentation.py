@@ -44,6 +44,7 @@ DOCUMENTED = [
     "choose",
     "Event",
     "Solver",
+    "Descriptor",
 ]
 DOCUMENTED += ["LinearProblem", "NonlinearProblem", "MultibodyProblem"]
 

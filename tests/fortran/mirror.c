@@ -17,6 +17,9 @@ size_t fill_multibody_problem(sfdae_multibody_problem* s);
 size_t fill_multibody_formulas(sfdae_multibody_formulas* s);
 size_t fill_multibody_report(sfdae_multibody_report* s);
 size_t fill_structure(sfdae_structure* s);
+size_t fill_spectrum(sfdae_spectrum* s);
+size_t fill_linearization(sfdae_linearization* s);
+size_t fill_descriptor_matrices(sfdae_descriptor_matrices* s);
 size_t fill_options(sfdae_options* s);
 size_t fill_ensemble(sfdae_ensemble* s);
 size_t fill_ensemble_progress(sfdae_ensemble_progress* s);
@@ -172,6 +175,30 @@ size_t fill_multibody_report(sfdae_multibody_report* s) {
 size_t fill_structure(sfdae_structure* s) {
   const sfdae_structure value = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10.0, 11};
   *s = value;
+  return sizeof value;
+}
+
+size_t fill_spectrum(sfdae_spectrum* s) {
+  const sfdae_spectrum value = {1, 2, 3, 4, 5, 6, 7, 8};
+  *s = value;
+  return sizeof value;
+}
+
+size_t fill_linearization(sfdae_linearization* s) {
+  static const char* text = "6";
+  const sfdae_linearization value = {1, 2.0,          &numbers[3], &numbers[4],   5,  &text,       7, &integers[8],
+                                     9, &numbers[10], 11,          &integers[12], 13, &numbers[14]};
+  *s = value;
+  numbers[3] = 3.0, numbers[4] = 4.0, integers[8] = 8, numbers[10] = 10.0, integers[12] = 12, numbers[14] = 14.0;
+  return sizeof value;
+}
+
+size_t fill_descriptor_matrices(sfdae_descriptor_matrices* s) {
+  const sfdae_descriptor_matrices value = {
+      1, 2, 3, 4, 5, &numbers[6], &numbers[7], &numbers[8], &numbers[9], &numbers[10], 11.0};
+  int i;
+  *s = value;
+  for (i = 6; i <= 10; i++) numbers[i] = i;
   return sizeof value;
 }
 

@@ -5,10 +5,11 @@ program mirror_test
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_f_pointer, c_f_procpointer, &
     c_funptr, c_int, c_ptr, c_size_t, c_sizeof
   use sfdae, only: dae_options, expression, sfdae_change, sfdae_characteristics, sfdae_decision, &
-    sfdae_derivative_check, sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results, &
-    sfdae_initial_report, sfdae_linear_problem, &
+    sfdae_derivative_check, sfdae_descriptor_matrices, sfdae_ensemble, sfdae_ensemble_progress, &
+    sfdae_ensemble_results, sfdae_initial_report, sfdae_linear_problem, sfdae_linearization, &
     sfdae_multibody_formulas, sfdae_multibody_problem, sfdae_multibody_report, &
-    sfdae_nonlinear_problem, sfdae_options, sfdae_progress, sfdae_statistics, sfdae_structure
+    sfdae_nonlinear_problem, sfdae_options, sfdae_progress, sfdae_spectrum, sfdae_statistics, &
+    sfdae_structure
   use test_support, only: check, finish
   implicit none
 
@@ -95,6 +96,21 @@ program mirror_test
       type(sfdae_options), intent(inout) :: s
       integer(c_size_t) :: bytes
     end function fill_options
+    function fill_spectrum(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_spectrum
+      type(sfdae_spectrum), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_spectrum
+    function fill_linearization(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_linearization
+      type(sfdae_linearization), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_linearization
+    function fill_descriptor_matrices(s) bind(c) result(bytes)
+      import :: c_size_t, sfdae_descriptor_matrices
+      type(sfdae_descriptor_matrices), intent(inout) :: s
+      integer(c_size_t) :: bytes
+    end function fill_descriptor_matrices
     function fill_ensemble(s) bind(c) result(bytes)
       import :: c_size_t, sfdae_ensemble
       type(sfdae_ensemble), intent(inout) :: s
@@ -137,6 +153,7 @@ program mirror_test
   call check_problem()
   call check_multibody()
   call check_ensemble()
+  call check_linearization()
   call check_options()
   call check_defaults()
   call finish()
@@ -274,6 +291,34 @@ contains
       s%num_blocks, s%largest_block, s%is_followed, s%verdict, s%doubtful_block, &
       s%smallest_pivot, s%num_replaced]), "members of sfdae_structure")
   end subroutine check_multibody
+
+  !> Structs of descriptor systems.
+  subroutine check_linearization()
+    type(sfdae_spectrum) :: s
+    type(sfdae_linearization) :: l
+    type(sfdae_descriptor_matrices) :: d
+    character(kind=c_char), pointer :: text
+    type(c_ptr), pointer :: name
+
+    call check(fill_spectrum(s) == c_sizeof(s), "size of sfdae_spectrum")
+    call check(counts([real(c_double) :: s%size, s%num_finite, s%num_infinite, &
+      s%strangeness_index, s%differential, s%algebraic, s%undetermined, s%redundant]), &
+      "members of sfdae_spectrum")
+
+    call check(fill_linearization(l) == c_sizeof(l), "size of sfdae_linearization")
+    call c_f_pointer(l%input_parameters, name)
+    call c_f_pointer(name, text)
+    call check(counts([real(c_double) :: l%size, l%t, number_at(l%x), number_at(l%xdot), &
+      l%num_input_parameters, iachar(text) - iachar("0"), l%num_input_unknowns, &
+      integer_at(l%input_unknowns), l%num_input_columns, number_at(l%input_columns), &
+      l%num_output_unknowns, integer_at(l%output_unknowns), l%num_output_rows, &
+      number_at(l%output_rows)]), "members of sfdae_linearization")
+
+    call check(fill_descriptor_matrices(d) == c_sizeof(d), "size of sfdae_descriptor_matrices")
+    call check(counts([real(c_double) :: d%size, d%num_equations, d%num_unknowns, d%num_inputs, &
+      d%num_outputs, number_at(d%e), number_at(d%a), number_at(d%b), number_at(d%c), &
+      number_at(d%d), d%rank_tol]), "members of sfdae_descriptor_matrices")
+  end subroutine check_linearization
 
   !> Struct of the options.
   subroutine check_options()
