@@ -39,6 +39,7 @@ docs/guide/mistakes
 docs/guide/tolerances
 docs/guide/performance
 docs/guide/events_and_ensembles
+docs/guide/linearization
 docs/guide/python
 docs/guide/program
 docs/guide/coverage

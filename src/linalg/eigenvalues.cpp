@@ -192,14 +192,15 @@ std::vector<Eigenvalue> generalized_eigenvalues(ConstView G, ConstView B) {
   return result;
 }
 
-std::vector<Eigenvalue> refined(ConstView E, ConstView A, std::vector<Eigenvalue> known) {
+std::vector<Eigenvalue> refined(ConstView E, ConstView A, std::vector<Eigenvalue> known, double small_enough) {
   ShiftedPencil pencil(E, A);
   std::vector<Eigenvalue> result = known;
   for (std::size_t k = 0; k < known.size(); ++k) {
-    result[k] = refined(pencil, known[k], largest_change(known, k));
-    if (known[k].value.imag() == 0.0) continue;
-    result[k + 1] = {std::conj(result[k].value), result[k].error};
-    ++k;
+    const bool is_pair = known[k].value.imag() != 0.0;
+    if (!(known[k].error <= small_enough * std::abs(known[k].value)))
+      result[k] = refined(pencil, known[k], largest_change(known, k));
+    if (is_pair) result[k + 1] = {std::conj(result[k].value), result[k].error};
+    k += is_pair ? 1 : 0;
   }
   std::vector<char> merged(known.size(), 0);
   for (std::size_t k = 0; k < known.size(); ++k)

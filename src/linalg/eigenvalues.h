@@ -27,8 +27,8 @@ std::vector<Eigenvalue> generalized_eigenvalues(ConstView G, ConstView B);
 
 // By two-sided inverse iteration with a pencil lambda E - A, which may have infinite eigenvalues: errors are then those of
 // relative errors of the entries, which small eigenvalues beside large ones feel less [HH98]. Values that this does not
-// improve, as multiple ones, stay as they are.
-std::vector<Eigenvalue> refined(ConstView E, ConstView A, std::vector<Eigenvalue> known);
+// improve, as multiple ones, stay as they are, and so do those whose relative errors are small enough.
+std::vector<Eigenvalue> refined(ConstView E, ConstView A, std::vector<Eigenvalue> known, double small_enough);
 
 // By size, of the same size with positive imaginary parts first; pairs stay together.
 void sort_by_size(std::vector<Eigenvalue>& eigenvalues);

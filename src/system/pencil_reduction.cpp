@@ -103,12 +103,8 @@ PencilSpectrum spectrum_of_pencil(ConstView E, ConstView A, double rank_tol, con
     eigenvalue.value /= time_scale;
     eigenvalue.error *= amplification / time_scale;
   }
-  const auto has_few_digits = [](const Eigenvalue& found) {
-    return !(found.error <= few_digits * std::abs(found.value));
-  };
-  const bool is_small = E.cols <= always_refined;
-  if (result.is_regular() && (is_small || std::any_of(result.finite.begin(), result.finite.end(), has_few_digits)))
-    result.finite = refined(E, A, std::move(result.finite));
+  if (result.is_regular())
+    result.finite = refined(E, A, std::move(result.finite), E.cols <= always_refined ? 0.0 : few_digits);
   sort_by_size(result.finite);
   return result;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -82,6 +83,23 @@ Call get_structure() {
   });
 }
 
+// Of five recorded equations; destroyed again.
+Call linearize(double t) {
+  return get("linearization", [t](sfdae_solver* solver, double* to) {
+    const int outputs[] = {0};
+    sfdae_linearization choice;
+    sfdae_linearization_init(&choice, sizeof choice);
+    choice.t = t;
+    choice.num_output_unknowns = 1;
+    choice.output_unknowns = outputs;
+    sfdae_descriptor* descriptor = nullptr;
+    const int status = sfdae_linearize(solver, &choice, &descriptor);
+    if (status == SFDAE_OK) sfdae_get_descriptor_matrices(descriptor, to, to + 100, nullptr, to + 200, nullptr);
+    sfdae_destroy_descriptor(&descriptor);
+    return status;
+  });
+}
+
 Call certify() {
   return get("certify", [](sfdae_solver* solver, double* to) { return sfdae_certify(solver, to); });
 }
@@ -120,6 +138,7 @@ TEST_P(Methods, InTheTheoryOfANonlinearProblem) {
   sequence.density = 2;
   std::vector<Call> getters = get_all_at(0.3);
   getters.push_back(get_structure());
+  getters.push_back(linearize(0.3));
   run_with_theory(sequence, getters);
 }
 
@@ -247,6 +266,42 @@ TEST_P(Methods, WhereRanksNeedACertificate) {
   calls.push_back(restore());
   calls.push_back(advance("advance after restore", 0.2));
   run_with_faults({"circuit", x, calls});
+}
+
+// Poles, zeros and values of a descriptor system with missing memory: nothing is written, and the call can be repeated.
+TEST(FailingAllocations, InPolesOfADescriptorSystem) {
+  const double E[] = {1, 0, 0, 0}, A[] = {-2, 1, 1, -1}, B[] = {1, 0}, C[] = {1, 0}, one = 1;
+  sfdae_descriptor_matrices matrices;
+  sfdae_descriptor_matrices_init(&matrices, sizeof matrices);
+  matrices.num_equations = matrices.num_unknowns = 2;
+  matrices.num_inputs = matrices.num_outputs = 1;
+  matrices.E = E, matrices.A = A, matrices.B = B, matrices.C = C;
+  sfdae_descriptor* descriptor = nullptr;
+  sfdae_spectrum spectrum;
+  sfdae_spectrum_init(&spectrum, sizeof spectrum);
+  double real[2] = {7, 7}, imaginary[2] = {7, 7};
+  const std::vector<std::function<int()>> calls = {
+      [&] { return descriptor != nullptr ? 0 : sfdae_create_descriptor(&matrices, &descriptor); },
+      [&] { return sfdae_get_poles(descriptor, &spectrum, real, imaginary, nullptr); },
+      [&] { return sfdae_get_zeros(descriptor, &spectrum, real, imaginary, nullptr); },
+      [&] { return sfdae_get_transfer(descriptor, 1, &one, &one, real, imaginary); }};
+  for (const auto& call : calls) {
+    real[0] = imaginary[0] = 7;
+    allocations = {.blocks = allocations.blocks};
+    int status = SFDAE_OUT_OF_MEMORY;
+    for (allocations.first = 1; status != SFDAE_OK; ++allocations.first) {
+      const long blocks = allocations.blocks;
+      allocations.seen = 0;
+      status = armed(call);
+      if (status == SFDAE_OK) break;
+      ASSERT_EQ(status, SFDAE_OUT_OF_MEMORY);
+      EXPECT_EQ(real[0], 7);
+      EXPECT_EQ(allocations.blocks, blocks);
+    }
+    EXPECT_GT(allocations.first, 1);
+  }
+  sfdae_destroy_descriptor(&descriptor);
+  allocations.first = 0;
 }
 
 }  // namespace

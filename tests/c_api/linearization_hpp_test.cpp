@@ -287,6 +287,75 @@ TEST(FrozenPencils, AreNamedWhereTheyAreSingularOrOthers) {
   EXPECT_NEAR(std::abs(frozen.values[0] - 1.0), 0.0, 1e-14);
 }
 
+// A rod between two supports that both hold it along its axis: one multiplier is not determined, and neither is the pencil.
+TEST(RedundantConstraints, MakeAPencilSingular) {
+  sfdae::MultibodyProblem problem(2, 2);
+  problem.equations = [](const auto&, auto q, auto, auto to) {
+    to.M(0, 0) = to.M(1, 1) = 1.0;
+    to.f[1] = -q[1];
+    to.g[0] = q[0];
+    to.g[1] = 2.0 * q[0];
+  };
+  sfdae::Solver solver(problem);
+  sfdae::Point point{0.0, {0, 0, 0, 0, 0, 0}, {}};
+  solver.start(point, 1.0);
+  Descriptor descriptor = solver.linearize({});
+  EXPECT_EQ(status_of([&] { descriptor.poles(); }), SFDAE_SINGULAR);
+}
+
+// Total derivatives by a callback: x1' = -x1^3 + x2, 0 = x2 - x1, at x1 = 1: pole -3 + 1.
+TEST(Callbacks, HaveRightHandSidesAsInputs) {
+  sfdae::NonlinearProblem problem(2, 2);
+  problem.total_derivative = [](double, int order, sfdae::ConstMatrixRef x, sfdae::TotalDerivatives to) -> int {
+    if (order > 0) return SFDAE_ORDER_NOT_AVAILABLE;
+    to.F[0] = x(0, 1) + x(0, 0) * x(0, 0) * x(0, 0) - x(1, 0);
+    to.F[1] = x(1, 0) - x(0, 0);
+    if (to.F_x) to.F_x(0, 0) = 3 * x(0, 0) * x(0, 0), to.F_x(0, 1) = to.F_x(1, 0) = -1, to.F_x(1, 1) = 1;
+    if (to.F_xdot) to.F_xdot(0, 0) = 1;
+    return SFDAE_OK;
+  };
+  sfdae::Solver solver(problem);
+  Linearization choice;
+  choice.x = choice.xdot = {1.0, 1.0};
+  choice.input_columns = Matrix(2, 1);
+  choice.input_columns(0, 0) = 5.0;
+  choice.output_unknowns = {1};
+  Descriptor descriptor = solver.linearize(choice);
+  EXPECT_NEAR(descriptor.poles().values.at(0).real(), -2.0, 1e-14);
+  EXPECT_NEAR(descriptor.transfer(1.0)[0].real(), 5.0 / 3.0, 1e-14);
+  choice.input_parameters = {"u"};
+  EXPECT_EQ(status_of([&] { solver.linearize(choice); }), SFDAE_ILLEGAL_ARGUMENT);
+}
+
+// Large recorded equations are solved by their minimal extension: 20 pendula, coupled with the one before, at rest.
+TEST(MinimalExtension, IsLinearizedAlongTheSolution) {
+  constexpr int pendula = 20;
+  sfdae::NonlinearProblem problem(5 * pendula, 5 * pendula);
+  problem.equations = [](const auto&, auto x, auto xdot, auto F) {
+    for (int k = 0; k < 5 * pendula; k += 5) {
+      F[k] = xdot[k] - x[k + 2];
+      F[k + 1] = xdot[k + 1] - x[k + 3];
+      F[k + 2] = xdot[k + 2] + x[k] * x[k + 4] - (k > 0 ? x[k - 5] : sfdae::Expression(0.0));
+      F[k + 3] = xdot[k + 3] + x[k + 1] * x[k + 4] + (1.0 + k);
+      F[k + 4] = x[k] * x[k] + x[k + 1] * x[k + 1] - 1.0;
+    }
+  };
+  sfdae::Options options;
+  options.structure = SFDAE_STRUCTURE_REQUIRED;
+  sfdae::Solver solver(problem, options);
+  sfdae::Point point{0.0, std::vector<double>(5 * pendula, 0.0), {}};
+  for (std::size_t k = 0; k < 5 * pendula; k += 5)
+    point.x[k + 1] = -1.0, point.x[k + 4] = 1.0 + static_cast<double>(k);
+  solver.start(point, 1.0);
+  solver.advance(0.5, point);
+  Linearization choice;
+  choice.t = 0.5;
+  const Spectrum poles = solver.linearize(choice).poles();
+  ASSERT_EQ(poles.values.size(), 2u * pendula);
+  for (std::size_t k = 0; k < pendula; ++k)
+    EXPECT_NEAR(poles.values[2 * k].imag(), std::sqrt(1.0 + 5.0 * static_cast<double>(k)), 1e-9);
+}
+
 TEST(Choices, AreChecked) {
   sfdae::Solver solver(pendulum());
   const auto status_with = [&](auto change) {

@@ -126,6 +126,8 @@ IN_FORTRAN = {
     "evaluate_solution": "evaluate", "get_solution_range": "get_range", "get_solution_length": "save",
     "get_solution_accuracy": "get_accuracy", "cut_solution": "cut",
     "save_solution": "save", "load_solution": "load",
+    "create_descriptor": "create", "destroy_descriptor": "destroy", "descriptor_message": "message",
+    "get_descriptor_sizes": "get_sizes", "get_descriptor_matrices": "get_matrices",
 }
 
 
