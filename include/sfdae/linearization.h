@@ -48,11 +48,12 @@ typedef struct sfdae_linearization {
   size_t size; /**< set by sfdae_linearization_init */
 
   double t; /**< default 0 */
-  const double*
-      x; /**< n values, or NULL (default): the solution at t, as for sfdae_get_jet. Linear problems: not used
-                         unless an input multiplies an unknown */
-  const double* xdot; /**< n values; NULL (default): those of sfdae_get_jet through x. With both given nothing need be
-                         consistent, or analyzed before: F is linearized there */
+  /** n values, or NULL (default): the solution at t, as for sfdae_get_jet. Linear problems: not used unless an input
+   * multiplies an unknown. */
+  const double* x;
+  /** n values, or NULL (default): those of sfdae_get_jet through x. With both given nothing need be consistent, or
+   * analyzed before: F is linearized there. */
+  const double* xdot;
 
   /** Inputs: first parameters (sfdae_parameter) of recorded equations, which count as functions of time. Where equations
    * contain the derivative of an input, write it as an unknown. */

@@ -2,6 +2,7 @@
 #include "system/pencil_reduction.h"
 
 #include <algorithm>
+#include <cmath>
 #include <complex>
 
 #include "linalg/index.h"
@@ -100,6 +101,8 @@ PencilSpectrum spectrum_of_pencil(ConstView E, ConstView A, double rank_tol, con
                          name.c_str(), reduced.G.rows(), reduced.G.cols()));
   result.finite = generalized_eigenvalues(reduced.G, reduced.B);
   for (Eigenvalue& eigenvalue : result.finite) {
+    if (!std::isfinite(std::abs(eigenvalue.value)))
+      throw Failure(SFDAE_RANK_UNCLEAR, name + ": an eigenvalue that counts as finite is infinite by QZ.");
     eigenvalue.value /= time_scale;
     eigenvalue.error *= amplification / time_scale;
   }
