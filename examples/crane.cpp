@@ -24,10 +24,10 @@ int main() {
     F[6] = across * across + x[2] * x[2] - l * l;
   };
   sfdae::Solver solver(problem);
+  sfdae::Point at_rest{0.0, {0, 0, -l, 0, 0, 0, m * g / l}, {}};
+  solver.start(at_rest, 1.0);
 
   sfdae::Linearization choice;
-  choice.x = {0, 0, -l, 0, 0, 0, m * g / l};
-  choice.xdot = std::vector<double>(7, 0.0);
   choice.input_parameters = {"u"};
   choice.output_unknowns = {0};
   sfdae::Descriptor descriptor = solver.linearize(choice);
