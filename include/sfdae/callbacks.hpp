@@ -73,7 +73,7 @@ struct CallbackState {
   std::variant<LinearProblem, NonlinearProblem, MultibodyProblem> problem;
   Monitor monitor;
   EventFunction event_function;
-  int num_events = 0;
+  int num_events = 0, num_sensitivities = 0;
   std::vector<const char*> names;  // while a solver is created
   std::exception_ptr exception;
   std::mutex exception_access;

@@ -15,8 +15,9 @@
  *
  * Here are the life cycle, options, linear problems, integration and inspection. This header includes all others:
  * sfdae/events.h, sfdae/expression.h for equations written as formulas and nonlinear problems, sfdae/multibody.h
- * for mechanical systems, sfdae/ensemble.h for many instances of a problem, sfdae/solution.h for the solution over a whole
- * run, sfdae/linearization.h for poles, zeros and transfer functions at a point.
+ * for mechanical systems, sfdae/ensemble.h for many instances of a problem, sfdae/sensitivity.h for derivatives of the
+ * solution by parameters, sfdae/solution.h for the solution over a whole run, sfdae/linearization.h for poles, zeros and
+ * transfer functions at a point.
  *
  * Conventions
  *  - Matrices are column-major without padding: entry (i, j) of an m x n matrix is a[i + j * m]. Indices count from
@@ -679,6 +680,7 @@ SFDAE_API int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_or
 #include <sfdae/expression.h>
 #include <sfdae/linearization.h>
 #include <sfdae/multibody.h>
+#include <sfdae/sensitivity.h>
 #include <sfdae/solution.h>
 
 #endif

@@ -33,6 +33,7 @@
 #include <sfdae/linearization.hpp>
 #include <sfdae/problem.hpp>
 #include <sfdae/results.hpp>
+#include <sfdae/sensitivity.hpp>
 #include <sfdae/solution.hpp>
 
 #include <cstddef>
@@ -254,6 +255,50 @@ class Solver {
     solution.num_analyses = results.num_analyses;
     solution.num_threads = results.num_threads;
     return solution;
+  }
+
+  /// Asks for sensitivities from the next start on, see sfdae_set_sensitivities; none: no more.
+  int set_sensitivities(const Sensitivities& wanted) {
+    const int n = num_unknowns(), count = static_cast<int>(wanted.parameters.size());
+    if (wanted.directions.columns() > 0) require_matrix(wanted.directions, n, count, "directions");
+    if (!wanted.scales.empty()) detail::require_size(wanted.scales.size(), count, "scales", "parameters");
+    std::vector<const char*> names;
+    for (const std::string& name : wanted.parameters) names.push_back(name.empty() ? nullptr : name.c_str());
+    sfdae_sensitivity_options options;
+    sfdae_sensitivity_options_init(&options, sizeof options);
+    options.error_test = wanted.error_test ? 1 : 0;
+    options.scales = wanted.scales.empty() ? nullptr : wanted.scales.data();
+    const int status = checked(sfdae_set_sensitivities(
+        get(), count, names.data(), wanted.directions.columns() > 0 ? wanted.directions.data() : nullptr, &options));
+    state_->num_sensitivities = count;
+    return status;
+  }
+
+  /// S and S' at t, where the last call has returned or within the last step.
+  SensitivityValues sensitivities(double t) {
+    const int count = state_ ? state_->num_sensitivities : 0;
+    SensitivityValues values{Matrix(num_unknowns(), count), Matrix(num_unknowns(), count)};
+    double nothing = 0;
+    checked(sfdae_get_sensitivities(get(), t, count > 0 ? values.S.data() : &nothing,
+                                    count > 0 ? values.Sdot.data() : nullptr));
+    return values;
+  }
+
+  /// dt_e/dp of an event at t, see sfdae_get_event_sensitivities. g_p: empty, or one number for each parameter.
+  std::vector<double> event_sensitivities(double t, double g_t, const std::vector<double>& g_x,
+                                          const std::vector<double>& g_p = {}) {
+    const int count = state_ ? state_->num_sensitivities : 0;
+    detail::require_size(g_x.size(), num_unknowns(), "g_x");
+    if (!g_p.empty()) detail::require_size(g_p.size(), count, "g_p", "parameters");
+    std::vector<double> dt(detail::size(count) + 1);
+    checked(sfdae_get_event_sensitivities(get(), t, g_t, g_x.data(), g_p.empty() ? nullptr : g_p.data(), dt.data()));
+    dt.resize(detail::size(count));
+    return dt;
+  }
+
+  /// Work for the sensitivities.
+  SensitivityStatistics sensitivity_statistics() const {
+    return filled(sfdae_sensitivity_statistics_init, sfdae_get_sensitivity_statistics);
   }
 
   /// From now on all accepted steps go to the solution, see sfdae_record_solution.

@@ -272,6 +272,9 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     if (checked.status != SFDAE_OK) return checked;
     SolverOptions fresh(copy, solver->model.n());
     demand_structure(solver->model, fresh.model.structure);
+    fresh.model.for_sensitivities = solver->options.model.for_sensitivities;
+    if (solver->sensitivities && solver->sensitivities->options.error_test && fresh.integration.method != Method::bdf)
+      return illegal_argument("the error test of sensitivities needs method = SFDAE_METHOD_BDF.");
     fresh.integration.events = solver->events.get();
     fresh.integration.breakpoints = solver->options.integration.breakpoints;
     const ModelOptions &old = solver->options.model, &now = fresh.model;
@@ -379,6 +382,7 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
         std::make_unique<Integration>(*solver->model.system(), solver->model.change_watch(),
                                       solver->options.integration, InitialPoint{t, toward, found.x, found.xdot});
     solver->note_differentiations();
+    carry_sensitivities(*solver, found.x);
     solver->integration->record(solver->solution);
     std::copy(found.x.begin(), found.x.end(), x);
     if (xdot != nullptr) std::copy(found.xdot.begin(), found.xdot.end(), xdot);
@@ -408,6 +412,8 @@ int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t lengt
   return guarded(solver, [&]() -> CallResult {
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
     if (!solver->integration) return not_started("sfdae_start");
+    if (solver->integration->sensitivities() != nullptr)
+      return illegal_argument("checkpoints cannot hold sensitivities.");
     const std::size_t needed = checkpoint_size(*solver->model.system(), *solver->integration);
     if (length < needed)
       return illegal_argument(format("length = %zu, but the checkpoint has %zu doubles.", length, needed));
@@ -419,6 +425,9 @@ int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t lengt
 int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, size_t length) {
   return guarded(solver, [&]() -> CallResult {
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
+    if (solver->sensitivities)
+      return illegal_argument(
+          "checkpoints cannot hold sensitivities: call sfdae_set_sensitivities with count = 0 first.");
     solver->integration =
         restore_checkpoint(solver->model, solver->options.model, solver->options.integration, checkpoint, length);
     solver->note_differentiations();

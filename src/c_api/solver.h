@@ -14,6 +14,7 @@
 
 #include "c_api/checks.h"
 #include "c_api/problems.h"
+#include "c_api/sensitivities.h"
 #include "expression/time_breakpoints.h"
 #include "integrate/checkpoint.h"
 #include "integrate/events.h"
@@ -71,6 +72,7 @@ struct sfdae_solver {
   std::unique_ptr<sfdae::core::Events> events;  // options.integration points to them
   std::optional<sfdae::core::TimeBreakpoints> breakpoints;
   std::weak_ptr<sfdae::core::SolutionPieces> solution;  // where steps are recorded
+  std::optional<sfdae::core::SensitivityRequest> sensitivities;
   // After a start:
   std::unique_ptr<sfdae::core::Integration> integration;
   std::optional<sfdae_initial_report> initial_report;

@@ -35,9 +35,12 @@ StructuredModel::StructuredModel(std::unique_ptr<Model> classical, RecordedProbl
 
 EvaluationCounts StructuredModel::evaluations() const {
   EvaluationCounts counts = classical_->evaluations();
-  if (!owned_) return counts;
-  counts.F += owned_->evaluations();
-  counts.linearizations += owned_->linearizations();
+  const auto add = [&counts](const NonlinearProblem& problem) {
+    counts.F += problem.evaluations();
+    counts.linearizations += problem.linearizations();
+  };
+  if (owned_) add(*owned_);
+  if (nonlinear_) add(nonlinear_->problem());
   return counts;
 }
 
@@ -45,7 +48,10 @@ void StructuredModel::parameters_changed() {
   classical_->parameters_changed();
   if (!owned_) return;
   const TaylorEvaluator& from = *classical_->evaluator();
-  for (int i = 0; i < from.num_parameters(); ++i) owned_->evaluator().set_parameter(i, from.parameter(i));
+  for (int i = 0; i < from.num_parameters(); ++i) {
+    owned_->evaluator().set_parameter(i, from.parameter(i));
+    if (nonlinear_) nonlinear_->evaluator()->set_parameter(i, from.parameter(i));
+  }
 }
 
 double StructuredModel::array_size() const {
@@ -54,7 +60,7 @@ double StructuredModel::array_size() const {
 }
 
 bool StructuredModel::may_extend(const ModelOptions& options) {
-  return options.structure == StructureUse::automatic && !options.analysis.by_svd &&
+  return options.structure == StructureUse::automatic && !options.for_sensitivities && !options.analysis.by_svd &&
          options.leading == LeadingTerm::automatic && options.consistency.kind != InitialValues::keep_differential &&
          problem_.structure() != nullptr && orders_are_possible() && array_size() >= least_array;
 }
@@ -74,6 +80,11 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
     throw Failure(SFDAE_RANK_UNCLEAR,
                   "the option structure requires what these equations do not have: some contain too few unknowns, as "
                   "sfdae_get_structure tells.");
+  if (is_required && options.for_sensitivities)
+    throw Failure(
+        SFDAE_ILLEGAL_ARGUMENT,
+        "structure = SFDAE_STRUCTURE_REQUIRED and sensitivities exclude each other: they are computed with the "
+        "whole derivative array.");
   if (is_required && !orders_are_possible())
     throw Failure(SFDAE_INDEX_TOO_HIGH,
                   format("structure asks for more than %d derivatives of an equation.", series::highest_order - 1));
@@ -94,16 +105,33 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
         format("%d unknowns are too many for the whole derivative array, which the options or the equations ask "
                "for: more than %d need their structure.",
                n(), most_unknowns));
-  classical_->analyze(point, options, decisions);
+  if (options.for_sensitivities && owned_) analyze_as_nonlinear(point, options, decisions);
+  else classical_->analyze(point, options, decisions);
+}
+
+void StructuredModel::analyze_as_nonlinear(const PointOfInterest& point, const ModelOptions& options,
+                                           std::vector<RankDecision>& decisions) {
+  if (point.x == nullptr)
+    throw Failure(
+        SFDAE_ILLEGAL_ARGUMENT,
+        "with sensitivities linear equations are analyzed as nonlinear ones, at values: call sfdae_analyze_at.");
+  if (!nonlinear_) {
+    nonlinear_ = std::make_unique<NonlinearModel>(std::make_unique<RecordedProblem>(owned_->evaluator()));
+    nonlinear_->problem().set_equation_names(classical_->problem().equation_names());
+    nonlinear_->problem().stop_with(classical_->problem());
+  }
+  nonlinear_->analyze(point, options, decisions);
+  serves_nonlinear_ = true;
 }
 
 void StructuredModel::demand_derivatives(const PointOfInterest& point, const ModelOptions& options) {
-  if (!is_extended_) classical_->demand_derivatives(point, options);
+  if (!is_extended_ && !serves_nonlinear_) classical_->demand_derivatives(point, options);
 }
 
 void StructuredModel::forget_system() {
-  is_extended_ = false;
+  is_extended_ = serves_nonlinear_ = false;
   extended_.forget_system();
+  if (nonlinear_) nonlinear_->forget_system();
   classical_->forget_system();
 }
 
@@ -137,6 +165,7 @@ void StructuredModel::finish_restore() {
 }
 
 Model& StructuredModel::whole() {
+  if (serves_nonlinear_) return *nonlinear_;
   if (!is_extended_ || classical_->system() != nullptr) return *classical_;
   if (n() > most_unknowns)
     throw Failure(
@@ -163,6 +192,7 @@ Model& StructuredModel::same_whole() {
 }
 
 Jet StructuredModel::accepted_point() const {
+  if (serves_nonlinear_) return nonlinear_->accepted_point();
   return is_extended_ && classical_->needs_x() ? extended_.accepted_point() : classical_->accepted_point();
 }
 

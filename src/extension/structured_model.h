@@ -8,6 +8,7 @@
 
 #include "extension/extension_model.h"
 #include "system/model.h"
+#include "system/nonlinear_model.h"
 
 namespace sfdae::core {
 
@@ -39,6 +40,9 @@ class StructuredModel final : public Model {
   void forget_system() override;
   double certify() override { return active().certify(); }
   std::unique_ptr<ChangeWatch> change_watch() override { return active().change_watch(); }
+  std::unique_ptr<SensitivitySystem> sensitivities(std::vector<int> parameters) override {
+    return active().sensitivities(std::move(parameters));
+  }
   ConsistentPoint consistent_point(const PointOfInterest& point, const ModelOptions& options) override {
     return active().consistent_point(point, options);
   }
@@ -60,8 +64,13 @@ class StructuredModel final : public Model {
   Jet accepted_point() const override;
 
  private:
-  Model& active() { return is_extended_ ? static_cast<Model&>(extended_) : *classical_; }
+  Model& active() {
+    if (is_extended_) return extended_;
+    return serves_nonlinear_ ? static_cast<Model&>(*nonlinear_) : *classical_;
+  }
   bool may_extend(const ModelOptions& options);
+  void analyze_as_nonlinear(const PointOfInterest& point, const ModelOptions& options,
+                            std::vector<RankDecision>& decisions);
   bool orders_are_possible() const;
   Model& whole();
   Model& same_whole();
@@ -73,6 +82,9 @@ class StructuredModel final : public Model {
   RecordedProblem& problem_;
   ExtensionModel extended_;
   bool is_extended_ = false, was_extended_ = false;
+  // Linear equations as nonlinear ones, by the whole array: for sensitivities.
+  std::unique_ptr<NonlinearModel> nonlinear_;
+  bool serves_nonlinear_ = false;
   ModelOptions options_;  // of the last analysis
 };
 

@@ -37,6 +37,9 @@ class Bdf final : public Stepper {
   void set_next_step(double h) override { next_step_ = h; }
 
   StepState state() const override;
+  TriedStep tried() const override {
+    return {tried_.t, tried_.h, tried_.order, tried_.x.data(), tried_.c, tried_.w_rest.data(), nullptr, nullptr};
+  }
   const std::vector<double>& x() const override { return history_.x(); }
   const std::vector<double>& tried_x() const override { return tried_.x; }
   const std::vector<double>& error() const override { return estimate_.error(); }

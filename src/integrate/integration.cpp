@@ -150,6 +150,7 @@ std::optional<CallResult> Integration::obstacle(long attempts, double tout) cons
 void Integration::restart(Method method) {
   output_.resize(integrator_.system);
   integrator_.restart(method, options_);
+  if (sensitivities_) sensitivities_->start(integrator_);
 }
 
 std::optional<CallResult> Integration::attempt_step(double tout) {
@@ -168,7 +169,9 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   const StepBounds bounds{integrator_.direction, tout, limit_of_step(state.t, tout), options_.never_pass_output};
   const StepTarget target = choose_target(state, size, bounds);
   const double h = target.t - state.t;
-  const StepOutcome outcome = stepper.attempt(integrator_.system, target.t, integrator_.weights);
+  StepOutcome outcome = stepper.attempt(integrator_.system, target.t, integrator_.weights);
+  if (outcome == StepOutcome::accepted && sensitivities_)
+    outcome = sensitivities_->attempt(integrator_, options_.tolerances);
   if (outcome != StepOutcome::accepted) {
     auto result = handle_failure(outcome, h, tout);
     choice_.note_attempt(false);
@@ -224,6 +227,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
   const double from = integrator_.stepper->state().t;
   integrator_.stepper->commit();
   system.accept();
+  if (sensitivities_) sensitivities_->commit(integrator_);
   if (counts.steps++ == 0) counts.first_step = h;
   choice_.note_step();
   if (approach_ && approach_->is_reached) approach_.reset();

@@ -12,6 +12,7 @@
 #include "integrate/integration_options.h"
 #include "integrate/integrator.h"
 #include "integrate/method_choice.h"
+#include "integrate/sensitivities.h"
 #include "integrate/solution_pieces.h"
 #include "integrate/step_output.h"
 #include "integrate/work_counts.h"
@@ -43,6 +44,12 @@ class Integration {
   // The solution at any t within the last step, not made consistent if it may be interpolated; the point reached
   // stays. xdot may be null.
   CallResult interpolate(double t, bool may_interpolate, double* x, double* xdot);
+
+  // Carried along with the steps from the initial point on; before the first step. Throws Failure.
+  void carry(std::unique_ptr<Sensitivities> sensitivities);
+  const Sensitivities* sensitivities() const { return sensitivities_.get(); }
+  // Those at any t within the last step, or at the initial point: n x count. Sdot may be null. Throws Failure.
+  CallResult evaluate_sensitivities(double t, double* S, double* Sdot);
 
   // Everything is as before where memory is missing.
   void set_options(const IntegrationOptions& options);
@@ -95,6 +102,7 @@ class Integration {
   WorkCounts counts_;
   std::unique_ptr<ChangeWatch> watch_;  // none where points can be looked at in steps only
   std::optional<LocatedChange> change_;
+  std::unique_ptr<Sensitivities> sensitivities_;  // none, as a rule
   // A suspected change that has to be confirmed: a step ends at t, before it, and the next ones are no longer than
   // `step` until one is accepted.
   struct Approach {

@@ -32,6 +32,10 @@ class Radau final : public Stepper {
   void set_next_step(double h) override { next_step_ = h; }
 
   StepState state() const override;
+  TriedStep tried() const override {
+    return {tried_.end.t, tried_.h, tried_.method->order(), tried_.stages.x.data(),
+            0.0,          nullptr,  &tried_.method->stages, history_.newest().x.data()};
+  }
   const std::vector<double>& x() const override { return history_.newest().x; }
   const std::vector<double>& tried_x() const override { return tried_.end.x; }
   const std::vector<double>& error() const override { return estimate_.error(); }

@@ -68,6 +68,18 @@ struct LastStep {
   double leading_coefficient = std::numeric_limits<double>::infinity();
 };
 
+// A step that was tried with success, with what says what D_h x is for W = I: c x + rest for BDF, where `method` is null;
+// else the stages of x (n x s) and where it started.
+struct TriedStep {
+  double t = 0.0, h = 0.0;
+  int order = 0;
+  const double* x = nullptr;
+  double c = 0.0;
+  const double* rest = nullptr;
+  const StageMethod* method = nullptr;
+  const double* x_start = nullptr;
+};
+
 // Where an integrator stands between attempts.
 struct StepState {
   double t;        // the last point
@@ -107,6 +119,7 @@ class Stepper {
   virtual void set_next_step(double h) = 0;
 
   virtual StepState state() const = 0;
+  virtual TriedStep tried() const = 0;                     // after an attempt that was accepted, before commit()
   virtual const std::vector<double>& x() const = 0;        // at the last point
   virtual const std::vector<double>& tried_x() const = 0;  // at the end of the last attempt, where it was accepted
   virtual const std::vector<double>& error() const = 0;    // of the last attempt, mapped to x

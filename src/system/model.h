@@ -21,6 +21,7 @@
 #include "system/consistent_values.h"
 #include "system/dae_system.h"
 #include "system/jet.h"
+#include "system/sensitivity_system.h"
 #include "system/value_change.h"
 
 namespace sfdae::core {
@@ -36,6 +37,7 @@ struct ModelOptions : Acceptance {
   ConsistencyRequest consistency;
   Precedent precedent;  // of analyses to come
   StructureUse structure = StructureUse::off;
+  bool for_sensitivities = false;  // the system has to be one that sensitivities can be asked of
 
   // What is asked of values near x.
   ConsistencyRequest request_at(const double* x) const {
@@ -122,6 +124,10 @@ class Model {
   virtual double certify() = 0;
   // Null where x is needed, which is known at points of an integration only.
   virtual std::unique_ptr<ChangeWatch> change_watch() { return nullptr; }
+
+  // By parameters of these numbers, see ParameterSeries, along x of the system, which was analyzed for that; null
+  // where this kind of model has none. Throws Failure where these equations have none.
+  virtual std::unique_ptr<SensitivitySystem> sensitivities(std::vector<int>) { return nullptr; }
 
   // Consistent values near x, x' in the direction toward `toward`; the system is at that point afterwards. Throws
   // Failure.

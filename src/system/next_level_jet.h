@@ -25,6 +25,8 @@ class NextLevelJet {
   // not possible. Throws Failure where a callback stops.
   bool solve(const Jet& start, const double* x);
   const double* derivative() const { return jet_.column(1); }
+  // The last one, of order mu + 2.
+  const Jet& jet() const { return jet_; }
   // The next solve() is made even if the jet is that of the last one.
   void forget_solution() { is_new_ = false; }
   // Those that the jet has.

@@ -15,6 +15,7 @@
 #include "system/consistent_jets.h"
 #include "system/jet_coefficients.h"
 #include "system/jet_solver.h"
+#include "system/nonlinear_sensitivities.h"
 #include "system/nonlinear_values.h"
 
 namespace sfdae::core {
@@ -318,6 +319,18 @@ void restore_fixed(const NonlinearProblem& problem, const ConsistencyRequest& re
 }
 
 }  // namespace
+
+std::unique_ptr<SensitivitySystem> NonlinearModel::sensitivities(std::vector<int> parameters) {
+  if (recorded_ == nullptr) return nullptr;
+  if (!problem_->prescribed().empty())
+    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                  "there are no sensitivities of problems with prescribed components: write these as equations.");
+  if (system_->undetermined() > 0)
+    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                  format("there are no sensitivities where components of the solution are free (u = %d).",
+                         system_->undetermined()));
+  return std::make_unique<NonlinearSensitivities>(*system_, *recorded_, std::move(parameters));
+}
 
 ConsistentPoint NonlinearModel::make_consistent(NonlinearSystem& system, const PointOfInterest& point,
                                                 const ModelOptions& options) {

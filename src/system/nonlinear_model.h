@@ -40,6 +40,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   void undo_restore() override;
   double certify() override;
   std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<NonlinearChangeWatch>(*system_); }
+  std::unique_ptr<SensitivitySystem> sensitivities(std::vector<int> parameters) override;
   bool follows_structure() const { return problem_->follows_structure(); }
   // The user's function for total derivatives; null for recorded equations.
   CallbackProblem* callback() { return callback_; }

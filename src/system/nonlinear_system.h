@@ -60,6 +60,13 @@ class NonlinearSystem final : public DaeSystem {
     return stages_.count() > 1 && stages_.last().t == jet_.t ? &stages_ : nullptr;
   }
 
+  // That of level mu + 1 through the current jet, which lives until the system is asked for something else; null where
+  // there is none.
+  const Jet* next_level_jet() {
+    if (!problem_.prescribed().empty() || !next_level_.solve(jet_, jet_.column(0))) return nullptr;
+    return &next_level_.jet();
+  }
+
   PointStatus move_to(double t) override;
   void accept() override;
   void leading(const double* x, double* w) override { std::copy_n(x, unknowns(), w); }

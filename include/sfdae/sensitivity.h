@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+
+/** @file
+ * sfdae - sensitivities: derivatives S = dx/dp of the solution by parameters of recorded equations and by start values.
+ *
+ *     create -> sfdae_set_sensitivities -> sfdae_start -> sfdae_advance -> sfdae_get_sensitivities ...
+ *
+ * sfdae.h has the conventions, and includes this header.
+ */
+#include <sfdae/sfdae.h> /* before the guard: whichever of the headers is included first, sfdae.h is read first */
+
+#ifndef SFDAE_SENSITIVITY_H
+#define SFDAE_SENSITIVITY_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** How sensitivities are computed. Call sfdae_sensitivity_options_init first. */
+typedef struct sfdae_sensitivity_options {
+  size_t size;          /**< set by sfdae_sensitivity_options_init */
+  int error_test;       /**< 0 (default): steps are chosen for x alone. 1: for S as well, with BDF only */
+  const double* scales; /**< of the error test: NULL (all 1), or one positive number for each parameter, its typical
+                             size: S_ij has the tolerance rtol |S_ij| + atol_i / scales[j] */
+} sfdae_sensitivity_options;
+/** Sets every member to its default. size: sizeof(sfdae_sensitivity_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */
+SFDAE_API int sfdae_sensitivity_options_init(sfdae_sensitivity_options* options, size_t size);
+
+/** Work for the sensitivities of the integration under way, beside that for x. */
+typedef struct sfdae_sensitivity_statistics {
+  size_t size;              /**< set by sfdae_sensitivity_statistics_init */
+  int count;                /**< of sensitivities; 0: none are computed */
+  long linearizations;      /**< derivative arrays that were linearized along x and eliminated */
+  long factorizations;      /**< matrices of steps, each for all parameters */
+  long error_test_failures; /**< steps repeated for the errors of S */
+  long outputs;             /**< points for which they were asked */
+} sfdae_sensitivity_statistics;
+/** Prepares a result. size: sizeof(sfdae_sensitivity_statistics). SFDAE_ILLEGAL_ARGUMENT for NULL. */
+SFDAE_API int sfdae_sensitivity_statistics_init(sfdae_sensitivity_statistics* statistics, size_t size);
+
+/** Asks for `count` sensitivities S_j = dx/dp_j, 0 (none any more) ... 10000, from the next sfdae_start on. An integration
+ * under way ends; the analysis is kept where it serves.
+ *
+ * parameters: `count` names of parameters of the recorded equations (sfdae_parameter), or NULL for those p_j that are in
+ * start values only; NULL for all of them. directions: NULL (zero), or n x count numbers, column j the derivative by p_j of
+ * the guess of x that sfdae_start is given. Thus S = dx/dx0_i has no name, and the i-th unit vector as direction.
+ * options: NULL for the defaults. Everything is copied.
+ *
+ *  - Start values: S(t0) is the derivative of the consistent point that is nearest as the option initial_values says, with
+ *    fixed components and weights, for guesses near the consistent x that the start has found. So S fulfils the
+ *    linearized constraints, hidden ones too, there and at all outputs.
+ *  - The equations of S have the strangeness index, the matrices and the strangeness-free form of the linearized
+ *    equations; they are discretized as x is (BDF and Radau) after each step, with exact derivatives F_x', F_x and F_p.
+ *    Their errors are about those of x, relative, without a test of their own unless the options ask for one.
+ *  - The whole derivative array is used: the option structure = SFDAE_STRUCTURE_AUTOMATIC is read as OFF, REQUIRED is
+ *    refused by the analysis. Linear recorded equations are solved as nonlinear ones.
+ *  - Where an event only ends a call, S goes on. Where x, its equations or parameters change there, start anew with the
+ *    directions of the new branch: see sfdae_get_event_sensitivities.
+ *  - They are in no checkpoints, ensembles and recorded solutions (sfdae_solution): sfdae_save_checkpoint refuses.
+ *
+ * SFDAE_ILLEGAL_ARGUMENT: equations that are not recorded, mechanical systems (sfdae_multibody_problem), names that no
+ * parameter has, numbers that are not finite. sfdae_start fails with SFDAE_ILLEGAL_ARGUMENT where components are prescribed
+ * or u > 0, with SFDAE_FIXED_VALUES where fixed components or directions cannot follow, with
+ * SFDAE_INCONSISTENT_EQUATIONS where redundant equations contradict each other once a parameter changes. */
+SFDAE_API int sfdae_set_sensitivities(sfdae_solver* solver, int count, const char* const* parameters,
+                                      const double* directions, const sfdae_sensitivity_options* options);
+
+/** S and S' at t, which is the start, where the last call has returned, or any other point within the last step. S: n x
+ * count, column j for p_j. Sdot: NULL, or n x count, from the derivative array as x' is. S fulfils the constraints, hidden
+ * ones included, to rounding. With Radau, points within a step cost about as much as the step. SFDAE_NOT_STARTED: there is
+ * no integration, or none with sensitivities. */
+SFDAE_API int sfdae_get_sensitivities(sfdae_solver* solver, double t, double* S, double* Sdot);
+
+/** dt[j] = dt_e/dp_j of an event g(t, x, p) = 0 at t, where sfdae_advance has returned SFDAE_EVENT:
+ *
+ *     dt_e/dp_j = -(g_x S_j + g_pj) / (g_t + g_x x')
+ *
+ * g_t: the partial derivative by t; g_x: n numbers; g_p: NULL (zero) or `count` numbers. Where x then jumps to h(t, x, p),
+ * the directions for the new start are (h_x S_j + h_pj) + (h_t + h_x x'_before - x'_after) dt_e/dp_j. Failures:
+ * SFDAE_NOT_STARTED; SFDAE_SINGULAR if g does not move through zero with t. */
+SFDAE_API int sfdae_get_event_sensitivities(sfdae_solver* solver, double t, double g_t, const double* g_x,
+                                            const double* g_p, double* dt);
+
+/** Fills the struct, which was prepared with its init function. */
+SFDAE_API int sfdae_get_sensitivity_statistics(const sfdae_solver* solver, sfdae_sensitivity_statistics* statistics);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Sensitivities for C++17 and later: what goes into and comes out of Solver::set_sensitivities; see sensitivity.h for
+// the meaning of everything here. Included by sfdae.hpp.
+#ifndef SFDAE_SENSITIVITY_HPP
+#define SFDAE_SENSITIVITY_HPP
+
+#include <sfdae/sfdae.h>
+#include <sfdae/results.hpp>
+
+#include <string>
+#include <vector>
+
+namespace sfdae {
+
+using SensitivityStatistics = sfdae_sensitivity_statistics;
+
+/// Which derivatives of the solution are wanted, see sfdae_set_sensitivities.
+struct Sensitivities {
+  std::vector<std::string> parameters;  ///< one for each column; "": what start values alone depend on
+  Matrix directions;                    ///< empty, or n x parameters.size(): derivatives of the guess of x
+  bool error_test = false;
+  std::vector<double> scales;  ///< empty, or one for each parameter
+};
+
+/// S = dx/dp and S' at a point: n rows, one column for each parameter.
+struct SensitivityValues {
+  Matrix S, Sdot;
+};
+
+}  // namespace sfdae
+
+#endif

@@ -1,0 +1,206 @@
+// Sensitivities carried along with the steps of x.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/sensitivities.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "linalg/index.h"
+#include "linalg/matrix.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+// Of redundant equations differentiated by parameters, relative: they contradict each other where a parameter changes.
+constexpr double contradiction = 1e-6;
+// Of step control for the error test of S: the safety factor of errors, and the fastest fall.
+constexpr double safety = 2.0, fastest_fall = 0.25;
+
+}  // namespace
+
+Sensitivities::Sensitivities(std::unique_ptr<SensitivitySystem> system, SensitivityOptions options, Vector S)
+    : system_(std::move(system)), options_(std::move(options)), S_(std::move(S)) {
+  for (Vector* v : {&Sdot_, &tried_, &slopes_, &error_}) v->assign(size(), 0.0);
+  before_ = S_;
+  xdot_.assign(index(unknowns()), 0.0);
+  weights_.resize(index(count()));
+}
+
+SensitivityWork Sensitivities::work() const {
+  SensitivityWork work = work_;
+  const SensitivityCounts counts = system_->counts();
+  work.linearizations = counts.linearizations;
+  work.factorizations = counts.factorizations;
+  return work;
+}
+
+void Sensitivities::demand(PointStatus status, double t) const {
+  if (status == PointStatus::callback_error) system_->callback_error().raise();
+  if (status != PointStatus::ok)
+    throw Failure(SFDAE_SINGULAR,
+                  format("the equations of the sensitivities at t = %.15g are singular: the characteristic values "
+                         "that are known do not hold there.",
+                         t));
+  if (system_->inconsistency() > contradiction)
+    throw Failure(
+        SFDAE_INCONSISTENT_EQUATIONS,
+        format("redundant equations contradict each other at t = %.15g once a parameter is changed: relative "
+               "residual %.3g of their derivatives by parameters. Sensitivities do not exist.",
+               t, system_->inconsistency()));
+}
+
+void Sensitivities::start(const Integrator& integrator) {
+  const double t = integrator.stepper->state().t;
+  Vector consistent(size());
+  demand(system_->restore(S_.data(), consistent.data()), t);
+  demand(system_->derivative(consistent.data(), Sdot_.data()), t);
+  S_ = before_ = std::move(consistent);
+  method_ = nullptr;
+  largest_next_ = 0.0;
+  const Vector none;
+  history_.start({t, none, none, S_, Sdot_});
+  step_.resize(0, size());
+}
+
+// ---- Steps -----------------------------------------------------------------------------------------------------
+
+StepOutcome Sensitivities::attempt(Integrator& integrator, const Tolerances& tolerances) {
+  Stepper& stepper = *integrator.stepper;
+  const TriedStep& tried = step_tried_ = stepper.tried();
+  StepOutcome outcome = StepOutcome::accepted;
+  const PointStatus status = tried.method != nullptr ? solve_radau(tried) : solve_bdf(tried);
+  if (status == PointStatus::callback_error && !system_->callback_error().is_recoverable()) {
+    stepper.withdraw();
+    system_->callback_error().raise();
+  }
+  largest_next_ = 0.0;
+  if (const auto failure = failed_outcome(status)) outcome = *failure;
+  else if (!all_finite(tried_.data(), tried_.size())) outcome = StepOutcome::not_finite;
+  else if (options_.error_test && tried.method == nullptr) {
+    const double error = error_of_bdf(tried, integrator, tolerances);
+    const double factor = std::pow(safety * error + 1e-4, -1.0 / (tried.order + 1));
+    if (!(error <= 1.0)) {
+      outcome = StepOutcome::error_too_large;
+      ++work_.error_failures;
+      stepper.withdraw();
+      stepper.set_next_step(tried.h * (std::isfinite(factor) ? std::clamp(factor, fastest_fall, 0.9) : fastest_fall));
+      return outcome;
+    }
+    largest_next_ = std::fabs(tried.h) * std::max(factor, fastest_fall);
+  }
+  if (outcome != StepOutcome::accepted) stepper.withdraw();
+  return outcome;
+}
+
+PointStatus Sensitivities::solve_bdf(const TriedStep& tried) {
+  if (history_.is_at_start()) history_.place_fictitious_point(tried.h);
+  step_.t = tried.t;
+  step_.h = tried.h;
+  step_.order = tried.order;
+  history_.compute_differences(std::min(history_.points(), tried.order + 1), false);
+  step_.set_formula(history_, false, false);
+  for (std::size_t i = 0; i < xdot_.size(); ++i) xdot_[i] = tried.c * tried.x[i] + tried.rest[i];
+  return system_->solve_step(step_.c, step_.w_rest.data(), xdot_.data(), tried_.data());
+}
+
+PointStatus Sensitivities::solve_radau(const TriedStep& tried) {
+  const StageMethod& method = *tried.method;
+  stages_.resize(size() * index(method.s));
+  const std::size_t n = xdot_.size();
+  PointStatus status = PointStatus::ok;
+  for (int i = 0; i < method.s && status == PointStatus::ok; ++i) {
+    std::fill(xdot_.begin(), xdot_.end(), 0.0);
+    for (int j = 0; j < method.s; ++j)
+      for (std::size_t k = 0; k < n; ++k)
+        xdot_[k] += method.D_at(i, j) / tried.h * (tried.x[n * index(j) + k] - tried.x_start[k]);
+    status = system_->keep_stage_of_step(method, i, xdot_.data());
+  }
+  if (status == PointStatus::ok) status = system_->solve_kept_stages(method, tried.h, S_.data(), stages_.data());
+  if (status == PointStatus::ok) std::copy_n(stages_.data() + size() * index(method.s - 1), size(), tried_.data());
+  return status;
+}
+
+// As BdfErrorEstimate does for x: the difference to the predictor, mapped to the directions that the constraints leave.
+double Sensitivities::error_of_bdf(const TriedStep& tried, const Integrator& integrator,
+                                   const Tolerances& tolerances) {
+  const std::size_t n = index(unknowns());
+  history_.polynomial_w(tried.order).evaluate(tried.t, slopes_.data(), nullptr);
+  for (std::size_t i = 0; i < size(); ++i) slopes_[i] = tried_[i] - slopes_[i];
+  system_->error_in_S(slopes_.data(), error_.data());
+  const double constant = tried.h / (tried.t - history_.time(tried.order));
+  double largest = 0.0;
+  for (std::size_t j = 0; j < weights_.size(); ++j) {
+    Tolerances scaled = tolerances;
+    for (double& atol : scaled.atol) atol /= options_.scales[j];
+    weights_[j].set(scaled, integrator.stepper->tightening());
+    weights_[j].update(tried_.data() + j * n);
+    largest = std::max(largest, weights_[j].norm(error_.data() + j * n));
+  }
+  return constant * largest;
+}
+
+void Sensitivities::commit(Integrator& integrator) {
+  work_.inconsistency = std::max(work_.inconsistency, system_->inconsistency());
+  before_ = S_;
+  S_ = tried_;
+  method_ = step_tried_.method;
+  if (method_ == nullptr) history_.append(step_tried_.t, tried_, {});
+  const double next = integrator.stepper->state().next_step;
+  if (largest_next_ > 0.0 && std::fabs(next) > largest_next_)
+    integrator.stepper->set_next_step(std::copysign(largest_next_, next));
+}
+
+// ---- Points ----------------------------------------------------------------------------------------------------
+
+bool Sensitivities::needs_stages(const Integrator& integrator, double t) const {
+  return method_ != nullptr && t != integrator.stepper->state().t;
+}
+
+void Sensitivities::evaluate(const Integrator& integrator, double t, double* S, double* Sdot) {
+  const StepState state = integrator.stepper->state();
+  ++work_.outputs;
+  tried_ = S_;
+  slopes_ = Sdot_;
+  if (method_ == nullptr && state.last.order > 0) {
+    const int degree = std::min(state.last.order, history_.points() - 1);
+    history_.compute_differences(degree + 1, false);
+    history_.polynomial_w(degree).evaluate(t, tried_.data(), slopes_.data());
+  } else if (method_ != nullptr) {
+    // The slope of the collocation polynomial at its end.
+    const int s = method_->s;
+    std::fill(slopes_.begin(), slopes_.end(), 0.0);
+    for (int j = 0; j < s; ++j)
+      for (std::size_t i = 0; i < size(); ++i)
+        slopes_[i] += method_->D_at(s - 1, j) / state.last.h * (stages_[size() * index(j) + i] - before_[i]);
+  }
+  demand(system_->restore(tried_.data(), error_.data()), t);
+  if (Sdot != nullptr) {
+    demand(system_->derivative(error_.data(), slopes_.data()), t);
+    std::copy(slopes_.begin(), slopes_.end(), Sdot);
+  }
+  std::copy(error_.begin(), error_.end(), S);
+}
+
+void Sensitivities::finish_stages(double t, double h, double* S, double* Sdot) {
+  ++work_.outputs;
+  const StageMethod& method = method_within();
+  Vector within(size() * index(method.s));
+  demand(system_->solve_kept_stages(method, h, before_.data(), within.data()), t);
+  const double* const end = within.data() + size() * index(method.s - 1);
+  if (Sdot != nullptr) {
+    std::fill(slopes_.begin(), slopes_.end(), 0.0);
+    for (int j = 0; j < method.s; ++j)
+      for (std::size_t i = 0; i < size(); ++i)
+        slopes_[i] += method.D_at(method.s - 1, j) / h * (within[size() * index(j) + i] - before_[i]);
+    demand(system_->derivative(end, slopes_.data()), t);
+    std::copy(slopes_.begin(), slopes_.end(), Sdot);
+  }
+  std::copy_n(end, size(), S);
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,91 @@
+// Sensitivities carried along with the steps of x: the same formulas, after each step of x [FTB97].
+//
+// [FTB97] W. F. Feehery, J. E. Tolsma, P. I. Barton: Efficient sensitivity analysis of large-scale differential-algebraic
+//         systems. Appl. Numer. Math. 25 (1997).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "integrate/bdf_history.h"
+#include "integrate/bdf_step.h"
+#include "integrate/integrator.h"
+#include "integrate/stepper.h"
+#include "system/sensitivity_system.h"
+
+namespace sfdae::core {
+
+struct SensitivityOptions {
+  bool error_test = false;     // of S as well, else of x alone
+  std::vector<double> scales;  // of the parameters: S_ij scale_j counts as x_i does; one for each
+};
+
+struct SensitivityWork {
+  long linearizations = 0, factorizations = 0, error_failures = 0, outputs = 0;
+  double inconsistency = 0.0;  // largest contradiction of redundant equations
+};
+
+class Sensitivities {
+ public:
+  // S: those at the point where the system of x stands, consistent. Throws Failure.
+  Sensitivities(std::unique_ptr<SensitivitySystem> system, SensitivityOptions options, std::vector<double> S);
+
+  // At the last point of the integrator, whose history starts there. Throws Failure.
+  void start(const Integrator& integrator);
+  // Of the step that the integrator has tried with success: its sensitivities, and the error test of these if that is
+  // asked for; error_too_large: the attempt is withdrawn, and the next one is smaller.
+  StepOutcome attempt(Integrator& integrator, const Tolerances& tolerances);
+  // The step tried has been taken.
+  void commit(Integrator& integrator);
+
+  // Points within the last step, where the system of x has been moved to: by the polynomial of BDF, ...
+  void evaluate(const Integrator& integrator, double t, double* S, double* Sdot);
+  // ... or the stages of a shorter Radau step to t: move(stage time), which returns x', is called for all of them, the last is t.
+  template <class Move>
+  void evaluate_by_stages(const Integrator& integrator, double t, Move move, double* S, double* Sdot);
+  // Whether that is the way.
+  bool needs_stages(const Integrator& integrator, double t) const;
+
+  int count() const { return system_->count(); }
+  int unknowns() const { return system_->unknowns(); }
+  std::size_t size() const { return system_->size(); }
+  SensitivityWork work() const;
+
+ private:
+  void demand(PointStatus status, double t) const;
+  PointStatus solve_bdf(const TriedStep& tried);
+  PointStatus solve_radau(const TriedStep& tried);
+  double error_of_bdf(const TriedStep& tried, const Integrator& integrator, const Tolerances& tolerances);
+  const StageMethod& method_within() const { return *method_; }
+  void finish_stages(double t, double h, double* S, double* Sdot);
+
+  std::unique_ptr<SensitivitySystem> system_;
+  SensitivityOptions options_;
+  SensitivityWork work_;
+  std::vector<double> S_, Sdot_;  // at the last point; the slope at starts alone
+  std::vector<double> before_;    // S where the last step started
+  TriedStep step_tried_;
+  std::vector<double> tried_;  // at its end
+  BdfHistory history_;
+  BdfStep step_;
+  const StageMethod* method_ = nullptr;  // of the last step, of Radau
+  std::vector<double> stages_, slopes_, error_;
+  std::vector<double> xdot_;
+  std::vector<ErrorWeights> weights_;
+  double largest_next_ = 0.0;  // step that the error test of S allows; 0: any
+};
+
+template <class Move>
+void Sensitivities::evaluate_by_stages(const Integrator& integrator, double t, Move move, double* S, double* Sdot) {
+  const StepState state = integrator.stepper->state();
+  const double from = state.t - state.last.h, h = t - from;
+  const StageMethod& method = method_within();
+  for (int i = 0; i < method.s; ++i) {
+    const double* const xdot = move(i + 1 == method.s ? t : from + method.c[index(i)] * h);
+    demand(system_->keep_stage(method, i, xdot), t);
+  }
+  finish_stages(t, h, S, Sdot);
+}
+
+}  // namespace sfdae::core

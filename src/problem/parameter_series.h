@@ -1,0 +1,38 @@
+// Derivatives of recorded equations by chosen parameters along a jet, as the right-hand sides of sensitivities.
+//
+// With S = dx/dp the derivative array of F(t, x, x', p) = 0, differentiated by p, is the array of the linear problem
+// E S' = A S + f along the solution, E = F_x', A = -F_x, f = -F_p.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "expression/taylor_evaluator.h"
+#include "problem/nonlinear_problem.h"
+#include "problem/taylor_data.h"
+
+namespace sfdae::core {
+
+class ParameterSeries {
+ public:
+  // parameters: their numbers, one for each column; -1: the column is zero, as only initial values differ.
+  ParameterSeries(RecordedProblem& problem, std::vector<int> parameters);
+
+  int count() const { return static_cast<int>(parameters_.size()); }
+  // Whether F_x', F_x or F_p contain x'.
+  bool needs_slopes() const { return needs_slopes_; }
+  // With the values that parameters have from now on.
+  void take_parameters();
+  // f: column j holds f_0, ..., f_order of parameter j one below the other, m (order + 1) entries, scaled as `data`
+  // are; jet: of order + 1. Rows that the array of the data leaves out are zero.
+  CallbackError evaluate(const TaylorData& data, const double* jet, int order, View f);
+
+ private:
+  RecordedProblem& problem_;
+  std::vector<int> parameters_, columns_;  // columns of F_p: those that are not zero
+  TaylorEvaluator evaluator_;
+  bool needs_slopes_;
+  std::vector<double> F_p_;
+};
+
+}  // namespace sfdae::core

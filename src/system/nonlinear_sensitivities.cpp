@@ -1,0 +1,194 @@
+// Sensitivities of a nonlinear problem.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/nonlinear_sensitivities.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "linalg/dense.h"
+#include "linalg/index.h"
+#include "reduction/rank_sequence.h"
+
+namespace sfdae::core {
+
+NonlinearSensitivities::NonlinearSensitivities(NonlinearSystem& system, RecordedProblem& problem,
+                                               std::vector<int> parameters)
+    : system_(system), problem_(problem), parameters_(problem, std::move(parameters)) {}
+
+View NonlinearSensitivities::scaled(const double* S) {
+  const int n = unknowns();
+  const View result = arena_.matrix(n, count());
+  for (int j = 0; j < count(); ++j)
+    for (int i = 0; i < n; ++i) result(i, j) = S[i + j * n] / system_.units()[i];
+  return result;
+}
+
+void NonlinearSensitivities::to_user(ConstView S, double* to) const {
+  const int n = unknowns();
+  for (int j = 0; j < count(); ++j)
+    for (int i = 0; i < n; ++i) to[i + j * n] = S(i, j) * system_.units()[i];
+}
+
+PointStatus NonlinearSensitivities::linearize(const Jet& jet, const double* xdot) {
+  ++linearizations_;
+  const PointStatus status = point_.linearize(system_.analyzed_equations(), parameters_,
+                                              {jet, xdot, system_.linearization().ranks()}, arena_);
+  callback_error_ = point_.callback_error();
+  return status;
+}
+
+// ---- Steps -----------------------------------------------------------------------------------------------------
+
+// With S = xp + T2 z and K = c tau Z1^T E - Z1^T A:  K T2 z = Z1^T f - K xp - tau Z1^T E rest.
+PointStatus NonlinearSensitivities::solve_step(double c, const double* rest, const double* xdot, double* S) {
+  const PointStatus status = linearize(system_.jet(), xdot);
+  if (status != PointStatus::ok) return status;
+  const int n = unknowns(), d = point_.d();
+  const double tau = point_.time_scale();
+  if (step_matrix_.cols() != d) step_matrix_ = Matrix(padded_rows(d), d);
+  pivots_.resize(index(d) + 1);
+  const View M = step_matrix_.view().top(d);
+  const Arena::Frame frame(arena_);
+  const View K = arena_.matrix(d, n), z = arena_.matrix(d, count()), result = arena_.matrix(n, count());
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < d; ++i) K(i, j) = c * tau * point_.ZE()(i, j) - point_.ZA()(i, j);
+  multiply(1.0, Op::plain, K, Op::plain, point_.T2(), 0.0, M);
+  ++factorizations_;
+  if (!factor_lu(M, pivots_.data())) return PointStatus::singular;
+  copy(point_.Zf(), z);
+  multiply(-1.0, Op::plain, K, Op::plain, point_.xp(), 1.0, z);
+  multiply(-tau, Op::plain, point_.ZE(), Op::plain, scaled(rest), 1.0, z);
+  solve_lu(M, pivots_.data(), z);
+  copy(point_.xp(), result);
+  multiply(1.0, Op::plain, point_.T2(), Op::plain, z, 1.0, result);
+  to_user(result, S);
+  return PointStatus::ok;
+}
+
+PointStatus NonlinearSensitivities::keep(const StageMethod& method, int i, const Jet& jet, const double* xdot) {
+  const PointStatus status = linearize(jet, xdot);
+  if (status != PointStatus::ok) return status;
+  stages_.resize(method.s, unknowns(), point_.d(), count());
+  stages_.keep(i, point_);
+  return PointStatus::ok;
+}
+
+PointStatus NonlinearSensitivities::keep_stage_of_step(const StageMethod& method, int i, const double* xdot) {
+  const NonlinearStages* solved = system_.stages();
+  return keep(method, i, solved == nullptr || i + 1 == method.s ? system_.jet() : solved->jet(i), xdot);
+}
+
+PointStatus NonlinearSensitivities::solve_kept_stages(const StageMethod& method, double h, const double* S_start,
+                                                      double* S) {
+  const Arena::Frame frame(arena_);
+  ++factorizations_;
+  if (!stages_.solve(method, h, scaled(S_start), arena_)) return PointStatus::singular;
+  const View result = arena_.matrix(unknowns(), count());
+  for (int i = 0; i < method.s; ++i) {
+    stages_.expand(i, result);
+    to_user(result, S + size() * index(i));
+  }
+  return PointStatus::ok;
+}
+
+// ---- Points ----------------------------------------------------------------------------------------------------
+
+PointStatus NonlinearSensitivities::restore(const double* guess, double* S) {
+  const PointStatus status = linearize(system_.jet(), nullptr);
+  if (status != PointStatus::ok) return status;
+  const Arena::Frame frame(arena_);
+  const View change = scaled(guess), q = arena_.matrix(point_.d(), count()),
+             result = arena_.matrix(unknowns(), count());
+  copy(point_.xp(), result);
+  for (int j = 0; j < count(); ++j)
+    for (int i = 0; i < unknowns(); ++i) change(i, j) -= result(i, j);
+  multiply(1.0, Op::plain, point_.ZE(), Op::plain, change, 0.0, q);
+  point_.add_along_T2(q, result, arena_);
+  to_user(result, S);
+  return PointStatus::ok;
+}
+
+void NonlinearSensitivities::error_in_S(const double* errors, double* mapped) {
+  const Arena::Frame frame(arena_);
+  const View q = arena_.matrix(point_.d(), count()), result = arena_.matrix(unknowns(), count());
+  multiply(1.0, Op::plain, point_.ZE(), Op::plain, scaled(errors), 0.0, q);
+  fill(result, 0.0);
+  point_.add_along_T2(q, result, arena_);
+  to_user(result, mapped);
+}
+
+void NonlinearSensitivities::start(const ConsistencyRequest& request, const double* directions, double* S) {
+  const int n = unknowns();
+  parameters_.take_parameters();
+  const PointStatus status = linearize(system_.jet(), nullptr);
+  if (status == PointStatus::callback_error) callback_error_.raise();
+  if (status != PointStatus::ok)
+    throw Failure(
+        SFDAE_CHARACTERISTICS_CHANGED,
+        format("the characteristic values known do not hold at t = %.15g, where sensitivities are to start.",
+               system_.jet().t));
+  for (int j = 0; j < count(); ++j) {
+    const std::vector<double> direction(directions + j * n, directions + (j + 1) * n);
+    ConsistencyRequest relative = request;
+    for (int i = 0; i < n; ++i)
+      relative.least_size = std::max(relative.least_size, std::fabs(direction[index(i)]) / system_.units()[i]);
+    const std::vector<double> found =
+        consistent_point(point_.constraints_of(j, system_.units(), arena_), relative, direction);
+    std::copy(found.begin(), found.end(), S + static_cast<std::ptrdiff_t>(j) * n);
+  }
+}
+
+// ---- S' --------------------------------------------------------------------------------------------------------
+
+PointStatus NonlinearSensitivities::derivative(const double* S, double* Sdot) {
+  if (derivative_from_array(S, Sdot)) return PointStatus::ok;
+  if (callback_error_.status != SFDAE_OK && !callback_error_.is_recoverable()) return PointStatus::callback_error;
+  correct_slopes(S, Sdot);
+  return PointStatus::ok;
+}
+
+// M y = N S + g of level mu + 1 at the jet that fulfils it: y_1 = tau S'.
+bool NonlinearSensitivities::derivative_from_array(const double* S, double* Sdot) {
+  const Jet* jet = system_.next_level_jet();
+  if (jet == nullptr) return false;
+  AnalyzedEquations& equations = system_.analyzed_equations();
+  const IndexAnalysis& analysis = equations.analysis();
+  const int level = equations.mu() + 1, m = equations.m(), n = unknowns();
+  const NonlinearProblem::Scaling scaling{analysis.time_scale, analysis.rows, nullptr, &system_.units(), true};
+  ++linearizations_;
+  callback_error_ = equations.problem().linearize(jet->t, jet->x.data(), {level, level, level}, scaling, next_data_);
+  if (callback_error_.status != SFDAE_OK) return false;
+  if (next_f_.rows() == 0) next_f_ = Matrix(m * (level + 1), count());
+  callback_error_ = parameters_.evaluate(next_data_, jet->x.data(), level, next_f_);
+  if (callback_error_.status != SFDAE_OK) return false;
+  StoredReduction reduction{next_elimination_};
+  if (!reduce_with_known_values(next_data_, level, analysis, equations.settings().rank_tol, {arena_, next_form_},
+                                reduction))
+    return false;
+  const Arena::Frame frame(arena_);
+  const View known = scaled(S), result = arena_.matrix(n, count());
+  double* transformed = arena_.take(index(next_f_.rows()) + 1);
+  double* y = arena_.take(index(n) * index(level + 1));
+  for (int j = 0; j < count(); ++j) {
+    const double* f = next_f_.view().column(j);
+    next_elimination_.transform(f, transformed, arena_);
+    next_elimination_.recover(next_data_, {f, transformed}, known.column(j), y, arena_);
+    for (int i = 0; i < n; ++i) result(i, j) = y[i] / next_data_.time_scale;
+  }
+  if (!all_finite(result.data, index(result.ld) * index(count() - 1) + index(n))) return false;
+  to_user(result, Sdot);
+  return true;
+}
+
+// Within T2, so that F1 = 0: Z1^T E T2 z = Z1^T (A S + f) / tau - Z1^T E S'.
+void NonlinearSensitivities::correct_slopes(const double* S, double* Sdot) {
+  const Arena::Frame frame(arena_);
+  const View slopes = scaled(Sdot), q = arena_.matrix(point_.d(), count());
+  copy(point_.Zf(), q);
+  multiply(1.0, Op::plain, point_.ZA(), Op::plain, scaled(S), 1.0, q);
+  multiply(-1.0, Op::plain, point_.ZE(), Op::plain, slopes, 1.0 / point_.time_scale(), q);
+  point_.add_along_T2(q, slopes, arena_);
+  to_user(slopes, Sdot);
+}
+
+}  // namespace sfdae::core

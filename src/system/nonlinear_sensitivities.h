@@ -1,0 +1,62 @@
+// Sensitivities of a nonlinear problem: linear equations along the jets of its system.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/arena.h"
+#include "problem/parameter_series.h"
+#include "system/nonlinear_system.h"
+#include "system/sensitivity_point.h"
+#include "system/sensitivity_stages.h"
+#include "system/sensitivity_system.h"
+
+namespace sfdae::core {
+
+class NonlinearSensitivities final : public SensitivitySystem {
+ public:
+  // parameters: as of ParameterSeries. The system and the problem live longer. No components are free or prescribed.
+  NonlinearSensitivities(NonlinearSystem& system, RecordedProblem& problem, std::vector<int> parameters);
+
+  int unknowns() const override { return system_.unknowns(); }
+  int count() const override { return parameters_.count(); }
+  PointStatus solve_step(double c, const double* rest, const double* xdot, double* S) override;
+  PointStatus keep_stage_of_step(const StageMethod& method, int i, const double* xdot) override;
+  PointStatus keep_stage(const StageMethod& method, int i, const double* xdot) override {
+    return keep(method, i, system_.jet(), xdot);
+  }
+  PointStatus solve_kept_stages(const StageMethod& method, double h, const double* S_start, double* S) override;
+  PointStatus restore(const double* guess, double* S) override;
+  void error_in_S(const double* errors, double* mapped) override;
+  PointStatus derivative(const double* S, double* Sdot) override;
+  void start(const ConsistencyRequest& request, const double* directions, double* S) override;
+  double inconsistency() const override { return point_.inconsistency(); }
+  const CallbackError& callback_error() const override { return callback_error_; }
+  SensitivityCounts counts() const override { return {linearizations_, factorizations_}; }
+
+ private:
+  PointStatus linearize(const Jet& jet, const double* xdot);
+  PointStatus keep(const StageMethod& method, int i, const Jet& jet, const double* xdot);
+  bool derivative_from_array(const double* S, double* Sdot);
+  void correct_slopes(const double* S, double* Sdot);
+  // n x count, between the user's units and those of the equations.
+  View scaled(const double* S);
+  void to_user(ConstView S, double* to) const;
+
+  NonlinearSystem& system_;
+  RecordedProblem& problem_;
+  ParameterSeries parameters_;
+  Arena arena_;
+  SensitivityPoint point_;
+  SensitivityStages stages_;
+  Matrix step_matrix_;
+  std::vector<int> pivots_;
+  TaylorData next_data_;  // of level mu + 1
+  StoredElimination next_elimination_;
+  NullSpaceForm next_form_;
+  Matrix next_f_;
+  long linearizations_ = 0, factorizations_ = 0;
+  CallbackError callback_error_;
+};
+
+}  // namespace sfdae::core

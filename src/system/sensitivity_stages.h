@@ -1,0 +1,42 @@
+// The stages of an implicit Runge-Kutta step of sensitivities, solved together for all parameters.
+//
+// With S_i = xp_i + T2_i z_i at stage i the equations are those of linear_stages.h for W = I:
+//
+//     tau/h L_i sum_j D_ij (xp_j + T2_j z_j - S) = B_i z_i + b_i
+//     L_i = Z1^T E,  B_i = Z1^T A T2,  b_i = Z1^T (A xp + f)
+//
+// one matrix of order s d for all columns.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/arena.h"
+#include "linalg/matrix.h"
+#include "system/sensitivity_point.h"
+#include "system/stage_method.h"
+
+namespace sfdae::core {
+
+class SensitivityStages {
+ public:
+  void resize(int s, int n, int d, int count);
+  void keep(int i, const SensitivityPoint& point);
+  // S_start: n x count, of scaled unknowns. False if the matrix is singular.
+  bool solve(const StageMethod& method, double h, ConstView S_start, Arena& arena);
+  // Of stage i, scaled.
+  void expand(int i, View S) const;
+
+ private:
+  struct Stage {
+    Matrix T2, xp, L, B, b;
+    double tau = 1.0;
+  };
+
+  int s_ = 0, n_ = 0, d_ = 0, count_ = 0;
+  std::vector<Stage> stages_;
+  Matrix matrix_, z_;  // s d x s d, s d x count
+  std::vector<int> pivots_;
+};
+
+}  // namespace sfdae::core

@@ -1,0 +1,61 @@
+// What the driver of sensitivities S = dx/dp sees of a problem: the strangeness-free system of S, linear, along x.
+//
+// The derivative array of F(t, x, x', p) = 0 differentiated by p has the matrices of its linearization: S solves
+//
+//     Z1^T (E S' - A S - f) = 0,   A2 S + f2 = 0,        E = F_x',  A = -F_x,  f = -F_p
+//
+// with the Z1, A2 of the state, discretized as the state is [FTB97, MP96]. One column for each of `count` parameters,
+// n x count in column-major order, in the user's units everywhere.
+//
+// [FTB97] W. F. Feehery, J. E. Tolsma, P. I. Barton: Efficient sensitivity analysis of large-scale differential-algebraic
+//         systems. Appl. Numer. Math. 25 (1997).
+// [MP96]  T. Maly, L. R. Petzold: Numerical methods and software for sensitivity analysis of differential-algebraic
+//         systems. Appl. Numer. Math. 20 (1996).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "problem/problem.h"
+#include "system/consistent_values.h"
+#include "system/stage_method.h"
+#include "system/strangeness_free_system.h"
+
+namespace sfdae::core {
+
+struct SensitivityCounts {
+  long linearizations = 0, factorizations = 0;
+};
+
+class SensitivitySystem {
+ public:
+  virtual ~SensitivitySystem() = default;
+
+  virtual int unknowns() const = 0;
+  virtual int count() const = 0;
+  std::size_t size() const { return index(unknowns()) * index(count()); }
+
+  // All of what follows is about the current point of the system of x, which has converged there.
+  // F1 with S' = c S + rest, and F2; xdot: D_h x.
+  virtual PointStatus solve_step(double c, const double* rest, const double* xdot, double* S) = 0;
+  // Stage i of the step that the system of x has solved last, or of one whose stages it has been moved to, one by one. xdot:
+  // x' there, as discretized or true.
+  virtual PointStatus keep_stage_of_step(const StageMethod& method, int i, const double* xdot) = 0;
+  virtual PointStatus keep_stage(const StageMethod& method, int i, const double* xdot) = 0;
+  // Of a step h from S_start; S: one block for each stage. ok or singular.
+  virtual PointStatus solve_kept_stages(const StageMethod& method, double h, const double* S_start, double* S) = 0;
+  // S with F2 = 0 whose differential part is that of the guess.
+  virtual PointStatus restore(const double* guess, double* S) = 0;
+  // What an error of the differential part means for S; at the point linearized last.
+  virtual void error_in_S(const double* errors, double* mapped) = 0;
+  // S' of sensitivities restored here. It comes with the value of S' of a polynomial, which is corrected where the
+  // derivative array does not determine it.
+  virtual PointStatus derivative(const double* S, double* Sdot) = 0;
+  // The S nearest to the directions given, as the request measures changes of x. Throws Failure where there is none.
+  virtual void start(const ConsistencyRequest& request, const double* directions, double* S) = 0;
+
+  // Contradiction of redundant equations at the point linearized last, relative.
+  virtual double inconsistency() const = 0;
+  virtual const CallbackError& callback_error() const = 0;
+  virtual SensitivityCounts counts() const = 0;
+};
+
+}  // namespace sfdae::core
