@@ -45,6 +45,7 @@ module sfdae
   use sfdae_multibody, only: kinematic_multibody_dae, multibody_dae, multibody_formulas, &
     recorded_multibody_dae
   use sfdae_problems, only: derivative_dae, linear_dae, nonlinear_dae, recorded_linear_dae
+  use sfdae_sensitivities, only: dae_sensitivities
   use sfdae_solver, only: dae_solver, sfdae_check_linear, sfdae_check_multibody, &
     sfdae_check_nonlinear, sfdae_status_name, sfdae_version
   use sfdae_solutions, only: dae_solution
@@ -57,7 +58,8 @@ module sfdae
   public :: linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae
   public :: recorded_multibody_dae, multibody_dae, kinematic_multibody_dae, multibody_formulas
   public :: dae_events, dae_monitor, dae_options, dae_solver
-  public :: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results, dae_solution
+  public :: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results, dae_sensitivities, &
+    dae_solution
   public :: dae_descriptor, dae_linearization
   public :: sfdae_check_linear, sfdae_check_nonlinear, sfdae_check_multibody
   public :: sfdae_status_name, sfdae_version
@@ -80,7 +82,9 @@ module sfdae
   public :: sfdae_linear_problem, sfdae_nonlinear_problem, sfdae_multibody_problem, &
     sfdae_multibody_formulas, sfdae_options
   public :: sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results
-  public :: sfdae_descriptor_matrices, sfdae_linearization
+  public :: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results, dae_sensitivities, &
+    dae_solution
+  public :: dae_descriptor, dae_linearization
 
   ! ---- Version of the header that these modules mirror --------------------------------------
 

@@ -9,8 +9,8 @@ module sfdae_c
     sfdae_derivative_check, sfdae_descriptor_matrices, sfdae_ensemble, sfdae_ensemble_progress, &
     sfdae_ensemble_results, sfdae_initial_report, sfdae_linear_problem, sfdae_linearization, &
     sfdae_multibody_formulas, sfdae_multibody_problem, sfdae_multibody_report, &
-    sfdae_nonlinear_problem, sfdae_options, sfdae_progress, sfdae_spectrum, sfdae_statistics, &
-    sfdae_structure
+    sfdae_nonlinear_problem, sfdae_options, sfdae_progress, sfdae_sensitivity_options, &
+    sfdae_sensitivity_statistics, sfdae_spectrum, sfdae_statistics, sfdae_structure
   implicit none
   private
 
@@ -23,9 +23,10 @@ module sfdae_c
     c_destroy, c_destroy_descriptor, c_destroy_solution, c_divide, c_ensemble_init, &
     c_ensemble_results_init, c_evaluate_solution, c_exp, c_external, c_floor, c_get_change, &
     c_get_characteristics, c_get_checkpoint_length, c_get_decision, c_get_derivative_array, &
-    c_get_derivative_array_at, c_get_descriptor_matrices, c_get_descriptor_sizes, c_get_events, &
-    c_get_extended_system, c_get_initial_report, c_get_jet, c_get_multibody_report, &
-    c_get_num_decisions, c_get_parameter, c_get_poles, c_get_projectors, c_get_projectors_at, &
+    c_get_derivative_array_at, c_get_descriptor_matrices, c_get_descriptor_sizes, &
+    c_get_event_sensitivities, c_get_events, c_get_extended_system, c_get_initial_report, &
+    c_get_jet, c_get_multibody_report, c_get_num_decisions, c_get_parameter, c_get_poles, &
+    c_get_projectors, c_get_projectors_at, c_get_sensitivities, c_get_sensitivity_statistics, &
     c_get_solution_accuracy, c_get_solution_length, c_get_solution_range, c_get_statistics, &
     c_get_strangeness_free, c_get_strangeness_free_at, c_get_structure, c_get_transfer, &
     c_get_zeros, c_greater, c_greater_equal, c_initial_report_init, c_interpolate, c_less, &
@@ -34,9 +35,10 @@ module sfdae_c
     c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
     c_nonlinear_problem_init, c_not, c_number, c_options_init, c_or, c_parameter, c_power, &
     c_record_solution, c_report, c_request_stop, c_restore_checkpoint, c_save_checkpoint, &
-    c_save_solution, c_set_events, c_set_options, c_set_parameter, c_sign, c_sin, c_sinh, &
-    c_solve_ensemble, c_spectrum_init, c_sqrt, c_start, c_statistics_init, c_status_name, c_step, &
-    c_structure_init, c_subtract, c_table, c_tan, c_tanh, c_time_derivative, c_version, &
+    c_save_solution, c_sensitivity_options_init, c_sensitivity_statistics_init, c_set_events, &
+    c_set_options, c_set_parameter, c_set_sensitivities, c_sign, c_sin, c_sinh, c_solve_ensemble, &
+    c_spectrum_init, c_sqrt, c_start, c_statistics_init, c_status_name, c_step, c_structure_init, &
+    c_subtract, c_table, c_tan, c_tanh, c_time_derivative, c_version, &
     address_of_ensemble_monitor_function, address_of_equations_function, &
     address_of_event_function, address_of_external_function, address_of_linear_equations_function, &
     address_of_matrix_function, address_of_monitor_function, &
@@ -565,6 +567,18 @@ module sfdae_c
       integer(c_int) :: c_get_descriptor_sizes
     end function c_get_descriptor_sizes
 
+    function c_get_event_sensitivities(solver, t, g_t, g_x, g_p, dt) &
+      bind(c, name="sfdae_get_event_sensitivities")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), value :: g_t
+      real(c_double), intent(in) :: g_x(*)
+      type(c_ptr), value :: g_p
+      real(c_double), intent(inout) :: dt(*)
+      integer(c_int) :: c_get_event_sensitivities
+    end function c_get_event_sensitivities
+
     function c_get_events(solver, which) bind(c, name="sfdae_get_events")
       import :: c_int, c_ptr
       type(c_ptr), value :: solver
@@ -662,6 +676,23 @@ module sfdae_c
       type(c_ptr), value :: vhat
       integer(c_int) :: c_get_projectors_at
     end function c_get_projectors_at
+
+    function c_get_sensitivities(solver, t, s, sdot) bind(c, name="sfdae_get_sensitivities")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), intent(inout) :: s(*)
+      type(c_ptr), value :: sdot
+      integer(c_int) :: c_get_sensitivities
+    end function c_get_sensitivities
+
+    function c_get_sensitivity_statistics(solver, statistics) &
+      bind(c, name="sfdae_get_sensitivity_statistics")
+      import :: c_int, c_ptr, sfdae_sensitivity_statistics
+      type(c_ptr), value :: solver
+      type(sfdae_sensitivity_statistics), intent(inout) :: statistics
+      integer(c_int) :: c_get_sensitivity_statistics
+    end function c_get_sensitivity_statistics
 
     function c_get_solution_accuracy(solution, accuracy, t) &
       bind(c, name="sfdae_get_solution_accuracy")
@@ -1004,6 +1035,22 @@ module sfdae_c
       integer(c_int) :: c_save_solution
     end function c_save_solution
 
+    function c_sensitivity_options_init(options, size) &
+      bind(c, name="sfdae_sensitivity_options_init")
+      import :: c_int, c_size_t, sfdae_sensitivity_options
+      type(sfdae_sensitivity_options), intent(inout) :: options
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_sensitivity_options_init
+    end function c_sensitivity_options_init
+
+    function c_sensitivity_statistics_init(statistics, size) &
+      bind(c, name="sfdae_sensitivity_statistics_init")
+      import :: c_int, c_size_t, sfdae_sensitivity_statistics
+      type(sfdae_sensitivity_statistics), intent(inout) :: statistics
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_sensitivity_statistics_init
+    end function c_sensitivity_statistics_init
+
     function c_set_events(solver, num_events, function, directions, user) &
       bind(c, name="sfdae_set_events")
       import :: c_funptr, c_int, c_ptr
@@ -1029,6 +1076,17 @@ module sfdae_c
       real(c_double), value :: value
       integer(c_int) :: c_set_parameter
     end function c_set_parameter
+
+    function c_set_sensitivities(solver, count, parameters, directions, options) &
+      bind(c, name="sfdae_set_sensitivities")
+      import :: c_int, c_ptr, sfdae_sensitivity_options
+      type(c_ptr), value :: solver
+      integer(c_int), value :: count
+      type(c_ptr), intent(in) :: parameters(*)
+      type(c_ptr), value :: directions
+      type(sfdae_sensitivity_options), intent(in) :: options
+      integer(c_int) :: c_set_sensitivities
+    end function c_set_sensitivities
 
     function c_sign(a) bind(c, name="sfdae_sign")
       import :: expression

@@ -4,19 +4,19 @@
 module sfdae_solver
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_int, c_loc, &
     c_null_char, c_null_ptr, c_ptr, c_size_t, c_sizeof
-  use sfdae_c, only: c_advance, c_analyze, c_analyze_at, c_change_init, c_characteristics_init, &
-    c_certify, c_check_derivatives, c_check_multibody_derivatives, c_check_total_derivatives, &
-    c_decision_init, c_derivative_check_init, c_destroy, c_get_change, c_get_characteristics, &
-    c_get_checkpoint_length, c_get_decision, c_get_derivative_array, &
-    c_get_derivative_array_at, c_get_events, c_get_extended_system, c_get_initial_report, &
-    c_get_jet, c_get_multibody_report, c_get_num_decisions, c_get_parameter, c_get_projectors, &
-    c_get_projectors_at, c_get_statistics, c_get_strangeness_free, c_get_strangeness_free_at, &
-    c_get_structure, c_structure_init, &
-    c_initial_report_init, &
-    c_interpolate, c_make_consistent, c_message, c_multibody_report_init, &
-    c_record_solution, c_report, &
-    c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_set_events, c_set_options, &
-    c_set_parameter, c_start, c_statistics_init, c_status_name, c_step, c_version
+  use sfdae_c, only: c_advance, c_analyze, c_analyze_at, c_certify, c_change_init, &
+    c_characteristics_init, c_check_derivatives, c_check_multibody_derivatives, &
+    c_check_total_derivatives, c_decision_init, c_derivative_check_init, c_destroy, &
+    c_get_change, c_get_characteristics, c_get_checkpoint_length, c_get_decision, &
+    c_get_derivative_array, c_get_derivative_array_at, c_get_event_sensitivities, c_get_events, &
+    c_get_extended_system, c_get_initial_report, c_get_jet, c_get_multibody_report, &
+    c_get_num_decisions, c_get_parameter, c_get_projectors, c_get_projectors_at, &
+    c_get_sensitivities, c_get_sensitivity_statistics, c_get_statistics, c_get_strangeness_free, &
+    c_get_strangeness_free_at, c_get_structure, c_initial_report_init, c_interpolate, &
+    c_make_consistent, c_message, c_multibody_report_init, c_record_solution, c_report, &
+    c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_sensitivity_statistics_init, &
+    c_set_events, c_set_options, c_set_parameter, c_start, c_statistics_init, c_status_name, &
+    c_step, c_structure_init, c_version
   use sfdae_control, only: compare_size, control_holder, dae_events, dae_monitor, dae_options, &
     event_callback, fill_options
   use sfdae_conversions, only: text_at, text_in, text_in_c
@@ -24,10 +24,12 @@ module sfdae_solver
   use sfdae_linearizations, only: dae_descriptor, dae_linearization, linearize_in_c
   use sfdae_multibody, only: any_multibody_dae, multibody_holder
   use sfdae_problems, only: any_dae, linear_dae, linear_holder, nonlinear_holder, problem_holder
+  use sfdae_sensitivities, only: dae_sensitivities, set_sensitivities_in_c
   use sfdae_solutions, only: dae_solution
   use sfdae_types, only: sfdae_change, sfdae_characteristics, sfdae_decision, &
     sfdae_derivative_check, sfdae_illegal_argument, sfdae_initial_report, &
-    sfdae_multibody_report, sfdae_ok, sfdae_options, sfdae_out_of_memory, sfdae_statistics, &
+    sfdae_multibody_report, sfdae_ok, sfdae_options, sfdae_out_of_memory, &
+    sfdae_sensitivity_statistics, sfdae_statistics, &
     sfdae_structure
   implicit none
   private
@@ -48,6 +50,8 @@ module sfdae_solver
     !> The C solver.
     type(c_ptr) :: handle = c_null_ptr
     type(solver_holder), pointer :: holder => null()
+    !> Sensitivities that were asked for.
+    integer(c_int) :: num_sensitivities = 0
     !> Message of this module about the last call; else the library has the word.
     character(len=:), allocatable :: complaint
   contains
@@ -77,6 +81,10 @@ module sfdae_solver
     procedure :: set_events => solver_set_events
     procedure :: get_events => solver_get_events
     procedure :: interpolate => solver_interpolate
+    procedure :: set_sensitivities => solver_set_sensitivities
+    procedure :: get_sensitivities => solver_get_sensitivities
+    procedure :: get_event_sensitivities => solver_get_event_sensitivities
+    procedure :: get_sensitivity_statistics => solver_get_sensitivity_statistics
     procedure :: get_statistics => solver_get_statistics
     procedure :: report => solver_report
     procedure :: get_jet => solver_get_jet
@@ -687,6 +695,102 @@ contains
     call check_point(self, x, status, xdot, xdot_address)
     if (status == sfdae_ok) status = c_interpolate(self%handle, t, x, xdot_address)
   end subroutine solver_interpolate
+
+  !> Asks for derivatives of the solution by parameters and start values, from the next start on.
+  subroutine solver_set_sensitivities(self, wanted, status)
+    class(dae_solver), intent(inout) :: self
+    !> Without names: none any more.
+    type(dae_sensitivities), target, intent(in) :: wanted
+    !> sfdae_illegal_argument for equations that are not recorded, or unknown names.
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status /= sfdae_ok) return
+    call set_sensitivities_in_c(self%handle, self%holder%problem%num_unknowns, wanted, status, &
+      self%complaint)
+    if (status < 0) return
+    self%num_sensitivities = 0
+    if (allocated(wanted%parameter_names)) &
+      self%num_sensitivities = size(wanted%parameter_names, kind=c_int)
+  end subroutine solver_set_sensitivities
+
+  !> S = dx/dp at t, where the last call has returned or within the last step.
+  recursive subroutine solver_get_sensitivities(self, t, s, status, sdot)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> n x the number of parameters.
+    real(c_double), contiguous, intent(inout) :: s(:, :)
+    !> sfdae_not_started if there are none.
+    integer(c_int), intent(out) :: status
+    !> S', like s.
+    real(c_double), contiguous, target, intent(inout), optional :: sdot(:, :)
+    type(c_ptr) :: sdot_address
+
+    call check_call(self, status)
+    call check_entries(self, "a column of s", size(s, 1, c_int), status)
+    call check_parameters(self, "a row of s", size(s, 2, c_int), status)
+    sdot_address = c_null_ptr
+    if (present(sdot)) then
+      call check_entries(self, "a column of sdot", size(sdot, 1, c_int), status)
+      call check_parameters(self, "a row of sdot", size(sdot, 2, c_int), status)
+      if (size(sdot) > 0) sdot_address = c_loc(sdot)
+    end if
+    if (status == sfdae_ok) status = c_get_sensitivities(self%handle, t, s, sdot_address)
+  end subroutine solver_get_sensitivities
+
+  !> dt_e/dp of an event g(t, x, p) = 0 at t, where advance has returned sfdae_event.
+  recursive subroutine solver_get_event_sensitivities(self, t, g_t, g_x, dt, status, g_p)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> The partial derivative of g by t.
+    real(c_double), intent(in) :: g_t
+    !> n of them by x.
+    real(c_double), contiguous, intent(in) :: g_x(:)
+    !> One for each parameter.
+    real(c_double), contiguous, intent(inout) :: dt(:)
+    !> sfdae_singular if g does not change with t.
+    integer(c_int), intent(out) :: status
+    !> Those of g by the parameters; zero if absent.
+    real(c_double), contiguous, target, intent(in), optional :: g_p(:)
+    type(c_ptr) :: g_p_address
+
+    call check_call(self, status)
+    call check_entries(self, "g_x", size(g_x, kind=c_int), status)
+    call check_parameters(self, "dt", size(dt, kind=c_int), status)
+    g_p_address = c_null_ptr
+    if (present(g_p)) then
+      call check_parameters(self, "g_p", size(g_p, kind=c_int), status)
+      if (size(g_p) > 0) g_p_address = c_loc(g_p)
+    end if
+    if (status == sfdae_ok) &
+      status = c_get_event_sensitivities(self%handle, t, g_t, g_x, g_p_address, dt)
+  end subroutine solver_get_event_sensitivities
+
+  !> Refuses a call with an array that has not one entry for each parameter.
+  subroutine check_parameters(self, name, found, status)
+    class(dae_solver), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    integer(c_int), intent(in) :: found
+    !> If not sfdae_ok, the call is refused already.
+    integer(c_int), intent(inout) :: status
+
+    if (status /= sfdae_ok .or. found == self%num_sensitivities) return
+    call compare_size(name, found, self%num_sensitivities, self%complaint, "number of names")
+    status = sfdae_illegal_argument
+  end subroutine check_parameters
+
+  !> Work for the sensitivities since start.
+  subroutine solver_get_sensitivity_statistics(self, statistics, status)
+    class(dae_solver), intent(inout) :: self
+    type(sfdae_sensitivity_statistics), intent(inout) :: statistics
+    integer(c_int), intent(out) :: status
+    type(sfdae_sensitivity_statistics) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_sensitivity_statistics_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_sensitivity_statistics(self%handle, found)
+    if (status >= 0) statistics = found
+  end subroutine solver_get_sensitivity_statistics
 
   !> Counts since start.
   subroutine solver_get_statistics(self, statistics, status)

@@ -340,6 +340,21 @@ module sfdae_types
     type(c_ptr) :: x = c_null_ptr
   end type sfdae_progress
 
+  type, bind(c), public :: sfdae_sensitivity_options
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: error_test = 0
+    type(c_ptr) :: scales = c_null_ptr
+  end type sfdae_sensitivity_options
+
+  type, bind(c), public :: sfdae_sensitivity_statistics
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: count = 0
+    integer(c_long) :: linearizations = 0
+    integer(c_long) :: factorizations = 0
+    integer(c_long) :: error_test_failures = 0
+    integer(c_long) :: outputs = 0
+  end type sfdae_sensitivity_statistics
+
   type, bind(c), public :: sfdae_spectrum
     integer(c_size_t) :: size = 0
     integer(c_int) :: num_finite = 0

@@ -71,7 +71,10 @@ ADDRESSES = {
     ("sfdae_get_projectors_at", "vhat"),
     ("sfdae_interpolate", "xdot"),
     ("sfdae_make_consistent", "xdot"),
+    ("sfdae_get_event_sensitivities", "g_p"),
+    ("sfdae_get_sensitivities", "Sdot"),
     ("sfdae_set_events", "directions"),
+    ("sfdae_set_sensitivities", "directions"),
     ("sfdae_start", "xdot"),
     ("sfdae_step", "xdot"),
 }
@@ -298,6 +301,8 @@ def argument_line(owner, variable, api, is_callback):
             return f"{pointee}, intent({intent}) :: {name}(*)"
     if variable.pointers == 2 and variable.base in api.opaque and not variable.const:
         return f"{ADDRESS[0]}, intent(inout) :: {name}"
+    if variable.pointers == 2 and variable.base == "char" and variable.const and not is_callback:
+        return f"{ADDRESS[0]}, intent(in) :: {name}(*)"  # texts
     if variable.pointers > 1:
         raise HeaderError(f"{variable.place}: {variable.name}: a pointer to a pointer to {variable.base}")
     return f"{mirror(variable, api)[0]}, value :: {name}"

@@ -40,6 +40,7 @@ docs/guide/tolerances
 docs/guide/performance
 docs/guide/events_and_ensembles
 docs/guide/linearization
+docs/guide/sensitivities
 docs/guide/python
 docs/guide/program
 docs/guide/coverage

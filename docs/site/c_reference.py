@@ -10,10 +10,10 @@ from headers import as_rst, title
 
 # Headings where the name of a header is not enough, in the order of the pages. Others follow.
 C_HEADINGS = {"sfdae": "Life cycle, options, linear problems", "expression": "Expressions, nonlinear problems",
-              "multibody": "Mechanical systems", "ensemble": "Ensembles",
+              "multibody": "Mechanical systems", "ensemble": "Ensembles", "sensitivity": "Sensitivities",
               "linearization": "Linearization, descriptor systems"}
 CPP_HEADINGS = {"sfdae": "The solver", "problem": "Problems", "expression": "Expressions",
-                "results": "Options, points, results, errors", "ensemble": "Ensembles",
+                "results": "Options, points, results, errors", "ensemble": "Ensembles", "sensitivity": "Sensitivities",
                 "linearization": "Linearization, descriptor systems"}
 NOT_FOR_USERS = {"callbacks.hpp"}
 NOT_SHOWN = r"SFDAE_API|SFDAE_\w+_H|SFDAE_VERSION_\w+"

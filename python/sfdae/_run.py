@@ -42,6 +42,7 @@ class Run:
         self._warnings: list[tuple[str, type[Warning]]] = []
         self.last: Point | None = None
         self._counts = [0] * len(events)
+        self._S: list[np.ndarray] | None = [] if solver._num_sensitivities > 0 else None
 
     # ---- Integration -----------------------------------------------------------------------------
 
@@ -85,16 +86,22 @@ class Run:
             done[0] = 1
         pointers = [self.solver._pointer(array) for array in (t, x, xdot)]
         c_times = self.solver._pointer(times)
+        if not done[0] and self._S is not None:
+            self._S.clear()  # the start is no output
         try:
             is_on = True
             while is_on and done[0] < count:
+                # Sensitivities are known within the last step only.
+                limit = count if self._S is None else done[0] + 1
                 status = lib.python_advance_through(
-                    self.solver._box[0], c_times, count, done, *pointers, n
+                    self.solver._box[0], c_times, limit, done, *pointers, n
                 )
-                k = min(done[0], count - 1)
+                k = min(done[0], limit - 1)
                 point = Point(t[k], x[k].copy(), xdot[k].copy(), Status(status), "")
+                if self._S is not None and point.t == times[k]:
+                    self._S.append(self.solver.sensitivities(point.t)[0])
                 is_on = self._next(status, point)
-                done[0] += done[0] < count and point.t == times[k]  # an event at an output
+                done[0] += done[0] < limit and point.t == times[k]  # an event at an output
             if is_on and self.last.t != self.t1:
                 self._to_end()
         finally:
@@ -134,6 +141,8 @@ class Run:
     def _add(self, point: Point) -> None:
         self.last = point
         self.points.append((point.t, point.x, point.xdot))
+        if self._S is not None:
+            self._S.append(self.solver.sensitivities(point.t)[0])
 
     def _next(self, status: int, point: Point) -> bool:
         """Takes what a call returned; whether the integration goes on."""
@@ -221,12 +230,17 @@ class Run:
         times = np.array([point[0] for point in self.points])
         x = np.array([point[1] for point in self.points]).reshape(-1, problem.num_unknowns)
         xdot = np.array([point[2] for point in self.points]).reshape(-1, problem.num_unknowns)
+        S = None
+        if self._S is not None:
+            shape = (-1, problem.num_unknowns, solver._num_sensitivities)
+            S = np.array(self._S[: times.size]).reshape(shape).transpose(1, 2, 0)
         steps = solver._steps()
         by_function = [[e for e in self.happened if e.index == i] for i in range(len(self.events))]
         return Solution(
             t=times,
             x=x.T,
             xdot=xdot.T,
+            S=S,
             status=self.status,
             message="; ".join([self.message, *self.notes]),
             last=self.last._replace(status=self.status, message=self.message),

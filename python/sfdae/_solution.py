@@ -32,6 +32,9 @@ class Solution:
     x, xdot : numpy.ndarray
         n x N, the unknowns at these times and their derivatives. x satisfies all constraints to
         rounding.
+    S : numpy.ndarray or None
+        n x p x N: derivatives of x at these times by the p parameters or start values that
+        ``sensitivities`` names.
     status : Status
         ``OK``: the end was reached; ``EVENT``: a terminal event; ``STOPPED``: by the monitor or
         Ctrl-C; negative: a failure.
@@ -61,6 +64,7 @@ class Solution:
     t: np.ndarray
     x: np.ndarray
     xdot: np.ndarray
+    S: np.ndarray | None
     status: Status
     message: str
     last: Point

@@ -34,6 +34,7 @@ def solve(
     events: Any = None,
     fixed: Any = None,
     parameters: Mapping[str, Any] | None = None,
+    sensitivities: Sequence[str] | None = None,
     xdot0: Any = None,
     names: Sequence[str] | None = None,
     units: Any = None,
@@ -74,6 +75,9 @@ def solve(
         Unknowns whose initial values must not change.
     parameters : dict, optional
         Values of named parameters.
+    sensitivities : sequence of str, optional
+        Names of parameters, or of unknowns (by their start values), by which the solution is
+        differentiated: ``sol.S``. For recorded problems; see Solver.set_sensitivities.
     xdot0 : array_like or dict, optional
         A guess of x', for problems that allow several.
     names, units : sequence of str, optional
@@ -138,6 +142,8 @@ def solve(
     solver._recorder.records = 1
     if bar is not None:
         solver._set_monitor(bar.watch(monitor))
+    if sensitivities is not None:
+        solver.set_sensitivities(sensitivities)
     run = Run(solver, t1, as_events(events), dense)
     try:
         run.start(t0, problem.values(x0), None if xdot0 is None else problem.values(xdot0, "xdot0"))

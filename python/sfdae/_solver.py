@@ -11,16 +11,16 @@ import numpy as np
 from ._binding import ffi, lib
 from ._callbacks import CallbackState, CountMismatch
 from ._formula import checked_value
-from ._inspection import Inspection
 from ._linearization import Linearizing
 from ._options import c_options, check_names
 from ._points import Point, wrapped
 from ._problem import LinearProblem, Problem
 from ._recorded_solution import RecordedSolution
+from ._sensitivities import Sensitivities
 from ._status import Error, Status
 
 
-class Solver(Inspection, Linearizing):
+class Solver(Sensitivities, Linearizing):
     """Analysis and integration of a problem, step by step; ``sfdae.solve`` does all of it in one
     call.
 

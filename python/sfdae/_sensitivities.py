@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Derivatives of the solution by parameters and start values, for Solver."""
+
+from __future__ import annotations
+
+from typing import Any, Sequence
+
+import numpy as np
+
+from ._binding import ffi, lib
+from ._inspection import Inspection
+from ._structs import filled, prepared
+
+
+class Sensitivities(Inspection):
+    """The methods of a Solver that are about sensitivities."""
+
+    _num_sensitivities = 0
+
+    def set_sensitivities(
+        self,
+        names: Sequence[str],
+        directions: Any = None,
+        error_test: bool = False,
+        scales: Any = None,
+    ) -> None:
+        """Asks for derivatives of the solution from the next start() on.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Of parameters of recorded equations, or of unknowns: then by their start values. None:
+            no sensitivities any more.
+        directions : array_like, optional
+            n x p: derivatives of the guess of x by each of these, added to the unit vectors of
+            start values.
+        error_test : bool
+            Whether steps are chosen for them as well, with the method ``"bdf"``.
+        scales : array_like, optional
+            p typical sizes of the parameters, for the error test; by default 1.
+        """
+        names = list(names)
+        n, count = self.problem.num_unknowns, len(names)
+        columns = np.zeros((count, n))
+        if directions is not None:
+            columns += np.reshape(np.array(directions, dtype=float), (n, count)).T
+        c_names = [ffi.NULL] * count
+        for j, name in enumerate(names):
+            if name in self.problem.names and name not in self.problem.parameters:
+                columns[j, self.problem.names.index(name)] += 1.0
+            else:
+                c_names[j] = ffi.new("char[]", str(name).encode())
+        options = prepared("sensitivity_options")
+        options.error_test = int(bool(error_test))
+        sizes = None
+        if scales is not None:
+            sizes = np.ascontiguousarray(np.reshape(np.array(scales, dtype=float), count))
+            options.scales = self._pointer(sizes)
+        self._call(
+            lib.sfdae_set_sensitivities,
+            count,
+            ffi.new("char*[]", c_names) if count else ffi.NULL,
+            self._pointer(columns) if count else ffi.NULL,
+            options,
+        )
+        self._num_sensitivities = count
+
+    def sensitivities(self, t: float) -> tuple[np.ndarray, np.ndarray]:
+        """S = dx/dp and S' at t, n x p each, where the last call has returned or within the last
+        step.
+        """
+        shape = (max(self._num_sensitivities, 1), self.problem.num_unknowns)
+        S, Sdot = np.zeros(shape), np.zeros(shape)
+        self._call(lib.sfdae_get_sensitivities, t, self._pointer(S), self._pointer(Sdot))
+        return S.T, Sdot.T
+
+    def event_sensitivities(self, t: float, g_t: float, g_x: Any, g_p: Any = None) -> np.ndarray:
+        """dt_e/dp of an event g(t, x, p) = 0 at t, from the partial derivatives of g."""
+        n, count = self.problem.num_unknowns, self._num_sensitivities
+        by_x = np.ascontiguousarray(np.reshape(np.array(g_x, dtype=float), n))
+        by_p = None
+        if g_p is not None:
+            by_p = np.ascontiguousarray(np.reshape(np.array(g_p, dtype=float), count))
+        dt = np.zeros(max(count, 1))
+        self._call(
+            lib.sfdae_get_event_sensitivities,
+            t,
+            g_t,
+            self._pointer(by_x),
+            ffi.NULL if by_p is None else self._pointer(by_p),
+            self._pointer(dt),
+        )
+        return dt[:count]
+
+    @property
+    def sensitivity_statistics(self) -> Any:
+        """Work for the sensitivities since the start: count, linearizations, ..."""
+        return filled(
+            "sensitivity_statistics",
+            lambda statistics: self._call(lib.sfdae_get_sensitivity_statistics, statistics),
+        )

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sensitivities: x1' = p x2, x2' = -p x1, 0 = z^3 + z - c x1, x1 = x1(0) cos p t."""
+
+import numpy as np
+import pytest
+
+import sfdae
+
+
+def oscillator(t, x, xdot, p=1.5, c=2.0):
+    return [xdot[0] - p * x[1], xdot[1] + p * x[0], x[2] ** 3 + x[2] - c * x[0]]
+
+
+NAMES = ["a", "b", "z"]
+TIGHT = {"rtol": 1e-9, "atol": 1e-9}
+
+
+def exact(t):
+    """dx1/dp and dx1/dx1(0)."""
+    return np.array([-t * np.sin(1.5 * t), np.cos(1.5 * t)])
+
+
+@pytest.mark.parametrize("method", ["bdf", "radau"])
+def test_solve_returns_them_at_outputs(method):
+    times = np.linspace(0, 3, 7)
+    sol = sfdae.solve(
+        oscillator, (0, 3), [1, 0, 0], names=NAMES, t_eval=times, method=method,
+        sensitivities=["p", "a"], **TIGHT,
+    )
+    assert sol.S.shape == (3, 2, 7)
+    assert sol.S[0] == pytest.approx(exact(times), abs=1e-6)
+    slope = 1 / (3 * sol["z"] ** 2 + 1)
+    assert sol.S[2] == pytest.approx(2 * slope * exact(times), abs=1e-6)
+
+
+def test_every_step_is_an_output_without_times():
+    sol = sfdae.solve(oscillator, (0, 1), [1, 0, 0], sensitivities=["p"], **TIGHT)
+    assert sol.S.shape == (3, 1, sol.t.size)
+    assert sol.S[0, 0] == pytest.approx(exact(sol.t)[0], abs=1e-6)
+    assert sfdae.solve(oscillator, (0, 1), [1, 0, 0]).S is None
+
+
+def test_times_that_do_not_begin_at_the_start():
+    sol = sfdae.solve(
+        oscillator, (0, 2), [1, 0, 0], t_eval=[0.5, 1.5], sensitivities=["p"], **TIGHT
+    )
+    assert sol.S[0, 0] == pytest.approx(exact(np.array([0.5, 1.5]))[0], abs=1e-6)
+
+
+def test_step_by_step():
+    solver = sfdae.Solver(sfdae.NonlinearProblem(oscillator, 3, names=NAMES), **TIGHT)
+    solver.set_sensitivities(["c", "a"], directions=np.zeros((3, 2)), error_test=True, scales=[2, 1])
+    solver.start(0, [1, 0, 0], 3)
+    solver.set_events(lambda t, x, xdot: x[0])
+    point = solver.advance(3)
+    assert point.status == sfdae.Status.EVENT
+    S, Sdot = solver.sensitivities(point.t)
+    assert S.shape == Sdot.shape == (3, 2)
+    assert Sdot[:2, 1] == pytest.approx([1.5 * S[1, 1], -1.5 * S[0, 1]], abs=1e-8)
+    dt = solver.event_sensitivities(point.t, 0, [1, 0, 0])
+    assert dt == pytest.approx([0, 0], abs=1e-6)
+    dt = solver.event_sensitivities(point.t, 0, [1, 0, 0], [0, -1])  # of x1 = level
+    assert dt[1] == pytest.approx(-1 / 1.5, abs=1e-6)
+    assert solver.sensitivity_statistics.count == 2
+    solver.set_sensitivities([])
+    with pytest.raises(sfdae.Error, match="sfdae_set_sensitivities"):
+        solver.sensitivities(point.t)
+
+
+def test_mistakes_are_named():
+    with pytest.raises(sfdae.Error, match="no parameter \"q\""):
+        sfdae.solve(oscillator, (0, 1), [1, 0, 0], sensitivities=["q"])

@@ -1,0 +1,144 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!
+! Sensitivities from Fortran: x1' = p x2, x2' = -p x1, 0 = z**3 + z - c x1, from (x0, 0, z):
+! x1 = x0 cos(p t).
+module sensitivity_problems
+  use, intrinsic :: iso_c_binding, only: c_int, dp => c_double
+  use sfdae
+  implicit none
+  private
+
+  public :: oscillator, first_component
+
+  type, extends(nonlinear_dae) :: oscillator
+  contains
+    procedure :: equations => oscillator_equations
+  end type oscillator
+
+  !> Zeros of x1.
+  type, extends(dae_events) :: first_component
+  contains
+    procedure :: eval_g
+  end type first_component
+
+contains
+
+  subroutine oscillator_equations(self, t, x, xdot, residual)
+    class(oscillator), intent(inout) :: self
+    type(expression), intent(in) :: t
+    type(expression), intent(in) :: x(:)
+    type(expression), intent(in) :: xdot(:)
+    type(expression), intent(inout) :: residual(:)
+    type(expression) :: p
+
+    p = named_parameter(t, "p", 1.5_dp)
+    residual(1) = xdot(1) - p * x(2)
+    residual(2) = xdot(2) + p * x(1)
+    residual(3) = x(3)**3 + x(3) - named_parameter(t, "c", 2.0_dp) * x(1)
+  end subroutine oscillator_equations
+
+  subroutine eval_g(self, t, x, xdot, g, status)
+    class(first_component), intent(inout) :: self
+    real(dp), intent(in) :: t
+    real(dp), intent(in) :: x(:)
+    real(dp), intent(in) :: xdot(:)
+    real(dp), intent(inout) :: g(:)
+    integer(c_int), intent(inout) :: status
+
+    g(1) = x(1)
+  end subroutine eval_g
+
+end module sensitivity_problems
+
+program sensitivities_test
+  use, intrinsic :: iso_c_binding, only: c_int, dp => c_double
+  use sfdae
+  use sensitivity_problems, only: first_component, oscillator
+  use test_support, only: check, finish
+  implicit none
+
+  real(dp), parameter :: p = 1.5_dp, c = 2.0_dp
+  type(oscillator), target :: problem
+  type(first_component), target :: events
+  type(dae_solver) :: solver
+  type(dae_options) :: options
+  type(dae_sensitivities) :: wanted
+  type(sfdae_sensitivity_statistics) :: statistics
+  real(dp) :: x(3), s(3, 3), sdot(3, 3), wrong(3, 2), dt(3), t, slope
+  integer(c_int) :: status
+
+  problem%num_equations = 3
+  problem%num_unknowns = 3
+  options%rtol = 1.0e-9_dp
+  options%atol = 1.0e-9_dp
+  call solver%create(problem, status, options)
+  call check(status == sfdae_ok, "create")
+
+  wanted%parameter_names = [character(len=4) :: "p", "c", ""]
+  allocate (wanted%directions(3, 3))
+  wanted%directions = 0
+  wanted%directions(1, 3) = 1
+  call solver%set_sensitivities(wanted, status)
+  call check(status == sfdae_ok, "set_sensitivities")
+  call solver%get_sensitivities(0.0_dp, s, status)
+  call check(status == sfdae_not_started, "before start")
+
+  x = [1, 0, 0]
+  call solver%start(0.0_dp, 3.0_dp, x, status)
+  call check(status == sfdae_ok, "start")
+  call solver%advance(0.7_dp, t, x, status)
+  call check(status == sfdae_ok, "advance")
+  call solver%get_sensitivities(t, s, status, sdot)
+  call check(status == sfdae_ok, "get_sensitivities")
+  slope = 1 / (3 * x(3)**2 + 1)
+  call check(near(s(1, 1), -t * sin(p * t), 1.0e-6_dp), "dx1/dp")
+  call check(near(s(3, 1), -c * slope * t * sin(p * t), 1.0e-6_dp), "dz/dp")
+  call check(near(s(3, 2), slope * cos(p * t), 1.0e-6_dp), "dz/dc")
+  call check(near(s(1, 3), cos(p * t), 1.0e-6_dp), "dx1/dx0")
+  call check(near(sdot(1, 3), -p * sin(p * t), 1.0e-5_dp), "its slope")
+  call solver%get_sensitivity_statistics(statistics, status)
+  call check(status == sfdae_ok .and. statistics%count == 3 .and. statistics%linearizations > 0, &
+    "statistics")
+
+  ! cos(p t) = 0 at t = pi / (2 p).
+  events%num_events = 1
+  call solver%set_events(events, status)
+  call solver%advance(3.0_dp, t, x, status)
+  call check(status == sfdae_event, "event")
+  call solver%get_event_sensitivities(t, 0.0_dp, [1.0_dp, 0.0_dp, 0.0_dp], dt, status)
+  call check(status == sfdae_ok .and. near(dt(1), -t / p, 1.0e-6_dp), "time of the event")
+  call solver%get_event_sensitivities(t, 0.0_dp, [1.0_dp, 0.0_dp, 0.0_dp], dt, status, &
+    [-1.0_dp, 0.0_dp, 0.0_dp])
+  call check(status == sfdae_ok .and. near(dt(1), -(t + 1) / p, 1.0e-6_dp), "of a level")
+
+  call solver%get_sensitivities(t, wrong, status)
+  call check(status == sfdae_illegal_argument, "too few columns")
+  call check(len(solver%message()) > 0, "message")
+  call solver%get_event_sensitivities(t, 0.0_dp, [1.0_dp], dt, status)
+  call check(status == sfdae_illegal_argument, "too few derivatives")
+  wanted%parameter_names(1) = "none"
+  call solver%set_sensitivities(wanted, status)
+  call check(status == sfdae_illegal_argument, "unknown name")
+  wanted%parameter_names(1) = "p"
+  wanted%scales = [1.0_dp]
+  call solver%set_sensitivities(wanted, status)
+  call check(status == sfdae_illegal_argument, "too few scales")
+
+  call solver%set_sensitivities(dae_sensitivities(), status)
+  call check(status == sfdae_ok, "none any more")
+  call solver%start(0.0_dp, 3.0_dp, x, status)
+  call solver%get_sensitivity_statistics(statistics, status)
+  call check(status == sfdae_ok .and. statistics%count == 0, "no statistics")
+  call solver%destroy(status)
+  call finish()
+
+contains
+
+  pure logical function near(a, b, tolerance)
+    real(dp), intent(in) :: a
+    real(dp), intent(in) :: b
+    real(dp), intent(in) :: tolerance
+
+    near = abs(a - b) <= tolerance
+  end function near
+end program sensitivities_test
