@@ -150,7 +150,10 @@ std::optional<CallResult> Integration::obstacle(long attempts, double tout) cons
 void Integration::restart(Method method) {
   output_.resize(integrator_.system);
   integrator_.restart(method, options_);
-  if (sensitivities_) sensitivities_->start(integrator_);
+  if (!sensitivities_) return;
+  integrator_.must_restart = true;  // once more, if that fails
+  sensitivities_->start(integrator_);
+  integrator_.must_restart = false;
 }
 
 std::optional<CallResult> Integration::attempt_step(double tout) {

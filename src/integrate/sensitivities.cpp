@@ -1,4 +1,7 @@
 // Sensitivities carried along with the steps of x.
+//
+// [BCP96] K. E. Brenan, S. L. Campbell, L. R. Petzold: Numerical Solution of Initial-Value Problems in
+//         Differential-Algebraic Equations. SIAM, 1996.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/sensitivities.h"
 
@@ -18,8 +21,9 @@ using Vector = std::vector<double>;
 
 // Of redundant equations differentiated by parameters, relative: they contradict each other where a parameter changes.
 constexpr double contradiction = 1e-6;
-// Of step control for the error test of S: the safety factor of errors, and the fastest fall.
-constexpr double safety = 2.0, fastest_fall = 0.25;
+// Of step control for the error test of S, as [BCP96] has it for x: the safety factor of errors, what keeps quotients finite,
+// and how steps fall after a failure.
+constexpr double safety = 2.0, least_error = 1e-4, fastest_fall = 0.25, slowest_fall = 0.9;
 
 }  // namespace
 
@@ -71,30 +75,44 @@ void Sensitivities::start(const Integrator& integrator) {
 
 StepOutcome Sensitivities::attempt(Integrator& integrator, const Tolerances& tolerances) {
   Stepper& stepper = *integrator.stepper;
-  const TriedStep& tried = step_tried_ = stepper.tried();
-  StepOutcome outcome = StepOutcome::accepted;
-  const PointStatus status = tried.method != nullptr ? solve_radau(tried) : solve_bdf(tried);
-  if (status == PointStatus::callback_error && !system_->callback_error().is_recoverable()) {
-    stepper.withdraw();
-    system_->callback_error().raise();
-  }
+  step_tried_ = stepper.tried();
   largest_next_ = 0.0;
-  if (const auto failure = failed_outcome(status)) outcome = *failure;
-  else if (!all_finite(tried_.data(), tried_.size())) outcome = StepOutcome::not_finite;
-  else if (options_.error_test && tried.method == nullptr) {
-    const double error = error_of_bdf(tried, integrator, tolerances);
-    const double factor = std::pow(safety * error + 1e-4, -1.0 / (tried.order + 1));
-    if (!(error <= 1.0)) {
-      outcome = StepOutcome::error_too_large;
-      ++work_.error_failures;
-      stepper.withdraw();
-      stepper.set_next_step(tried.h * (std::isfinite(factor) ? std::clamp(factor, fastest_fall, 0.9) : fastest_fall));
-      return outcome;
-    }
-    largest_next_ = std::fabs(tried.h) * std::max(factor, fastest_fall);
+  StepOutcome outcome;
+  try {
+    outcome = solve_tried();
+    if (outcome == StepOutcome::accepted && options_.error_test) outcome = test_error(integrator, tolerances);
+  } catch (...) {
+    // The next call tries this step again.
+    stepper.withdraw();
+    stepper.set_next_step(step_tried_.h);
+    throw;
   }
-  if (outcome != StepOutcome::accepted) stepper.withdraw();
+  if (outcome == StepOutcome::accepted) return outcome;
+  stepper.withdraw();
+  if (outcome == StepOutcome::error_too_large) stepper.set_next_step(smaller_step_);
   return outcome;
+}
+
+StepOutcome Sensitivities::solve_tried() {
+  const PointStatus status = step_tried_.method != nullptr ? solve_radau(step_tried_) : solve_bdf(step_tried_);
+  if (status == PointStatus::callback_error && !system_->callback_error().is_recoverable())
+    system_->callback_error().raise();
+  if (const auto failure = failed_outcome(status)) return *failure;
+  return all_finite(tried_.data(), tried_.size()) ? StepOutcome::accepted : StepOutcome::not_finite;
+}
+
+// Of BDF; next steps are no longer than S allows.
+StepOutcome Sensitivities::test_error(const Integrator& integrator, const Tolerances& tolerances) {
+  const double error = error_of_bdf(step_tried_, integrator, tolerances);
+  const double factor = std::pow(safety * error + least_error, -1.0 / (step_tried_.order + 1));
+  if (error <= 1.0) {
+    largest_next_ = std::fabs(step_tried_.h) * std::max(factor, fastest_fall);
+    return StepOutcome::accepted;
+  }
+  smaller_step_ =
+      step_tried_.h * (std::isfinite(factor) ? std::clamp(factor, fastest_fall, slowest_fall) : fastest_fall);
+  ++work_.error_failures;
+  return StepOutcome::error_too_large;
 }
 
 PointStatus Sensitivities::solve_bdf(const TriedStep& tried) {
@@ -105,6 +123,7 @@ PointStatus Sensitivities::solve_bdf(const TriedStep& tried) {
   history_.compute_differences(std::min(history_.points(), tried.order + 1), false);
   step_.set_formula(history_, false, false);
   for (std::size_t i = 0; i < xdot_.size(); ++i) xdot_[i] = tried.c * tried.x[i] + tried.rest[i];
+  std::copy_n(step_.predicted.data(), size(), tried_.data());
   return system_->solve_step(step_.c, step_.w_rest.data(), xdot_.data(), tried_.data());
 }
 
@@ -188,7 +207,7 @@ void Sensitivities::evaluate(const Integrator& integrator, double t, double* S, 
 
 void Sensitivities::finish_stages(double t, double h, double* S, double* Sdot) {
   ++work_.outputs;
-  const StageMethod& method = method_within();
+  const StageMethod& method = *method_;
   Vector within(size() * index(method.s));
   demand(system_->solve_kept_stages(method, h, before_.data(), within.data()), t);
   const double* const end = within.data() + size() * index(method.s - 1);

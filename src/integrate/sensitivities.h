@@ -54,10 +54,11 @@ class Sensitivities {
 
  private:
   void demand(PointStatus status, double t) const;
+  StepOutcome solve_tried();
+  StepOutcome test_error(const Integrator& integrator, const Tolerances& tolerances);
   PointStatus solve_bdf(const TriedStep& tried);
   PointStatus solve_radau(const TriedStep& tried);
   double error_of_bdf(const TriedStep& tried, const Integrator& integrator, const Tolerances& tolerances);
-  const StageMethod& method_within() const { return *method_; }
   void finish_stages(double t, double h, double* S, double* Sdot);
 
   std::unique_ptr<SensitivitySystem> system_;
@@ -74,13 +75,14 @@ class Sensitivities {
   std::vector<double> xdot_;
   std::vector<ErrorWeights> weights_;
   double largest_next_ = 0.0;  // step that the error test of S allows; 0: any
+  double smaller_step_ = 0.0;  // to be tried after a step that it has refused
 };
 
 template <class Move>
 void Sensitivities::evaluate_by_stages(const Integrator& integrator, double t, Move move, double* S, double* Sdot) {
   const StepState state = integrator.stepper->state();
   const double from = state.t - state.last.h, h = t - from;
-  const StageMethod& method = method_within();
+  const StageMethod& method = *method_;
   for (int i = 0; i < method.s; ++i) {
     const double* const xdot = move(i + 1 == method.s ? t : from + method.c[index(i)] * h);
     demand(system_->keep_stage(method, i, xdot), t);

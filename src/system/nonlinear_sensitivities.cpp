@@ -3,6 +3,8 @@
 #include "system/nonlinear_sensitivities.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "linalg/dense.h"
@@ -47,22 +49,57 @@ PointStatus NonlinearSensitivities::solve_step(double c, const double* rest, con
   const double tau = point_.time_scale();
   if (step_matrix_.cols() != d) step_matrix_ = Matrix(padded_rows(d), d);
   pivots_.resize(index(d) + 1);
-  const View M = step_matrix_.view().top(d);
   const Arena::Frame frame(arena_);
   const View K = arena_.matrix(d, n), z = arena_.matrix(d, count()), result = arena_.matrix(n, count());
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < d; ++i) K(i, j) = c * tau * point_.ZE()(i, j) - point_.ZA()(i, j);
+  copy(point_.Zf(), z);
+  multiply(-tau, Op::plain, point_.ZE(), Op::plain, scaled(rest), 1.0, z);
+  if (point_.is_ordinary()) {
+    if (!solve_ordinary(K, z, scaled(S))) return PointStatus::singular;
+    to_user(z, S);
+    return PointStatus::ok;
+  }
+  const View M = step_matrix_.view().top(d);
   multiply(1.0, Op::plain, K, Op::plain, point_.T2(), 0.0, M);
+  multiply(-1.0, Op::plain, K, Op::plain, point_.xp(), 1.0, z);
   ++factorizations_;
   if (!factor_lu(M, pivots_.data())) return PointStatus::singular;
-  copy(point_.Zf(), z);
-  multiply(-1.0, Op::plain, K, Op::plain, point_.xp(), 1.0, z);
-  multiply(-tau, Op::plain, point_.ZE(), Op::plain, scaled(rest), 1.0, z);
   solve_lu(M, pivots_.data(), z);
   copy(point_.xp(), result);
   multiply(1.0, Op::plain, point_.T2(), Op::plain, z, 1.0, result);
   to_user(result, S);
   return PointStatus::ok;
+}
+
+bool NonlinearSensitivities::solve_ordinary(ConstView K, View z, ConstView guess) {
+  // Changes end at rounding errors; more iterations than these would cost more than new factors.
+  constexpr double rounding = 1e-13;
+  const int n = K.rows, most = std::min(8, n / (6 * count()));
+  const View M = step_matrix_.view().top(n);
+  const Arena::Frame frame(arena_);
+  const View solution = arena_.matrix(n, count()), change = arena_.matrix(n, count());
+  copy(guess, solution);
+  double before = std::numeric_limits<double>::infinity();
+  for (int iteration = 0; has_factors_ && iteration < most; ++iteration) {
+    copy(z, change);
+    multiply(-1.0, Op::plain, K, Op::plain, solution, 1.0, change);
+    solve_lu(M, pivots_.data(), change);
+    for (int j = 0; j < count(); ++j)
+      for (int i = 0; i < n; ++i) solution(i, j) += change(i, j);
+    const double size = max_abs(change);
+    if (size <= rounding * max_abs(solution)) {
+      copy(solution, z);
+      return true;
+    }
+    if (!(size < 0.5 * before)) break;
+    before = size;
+  }
+  copy(K, M);
+  ++factorizations_;
+  has_factors_ = factor_lu(M, pivots_.data());
+  if (has_factors_) solve_lu(M, pivots_.data(), z);
+  return has_factors_;
 }
 
 PointStatus NonlinearSensitivities::keep(const StageMethod& method, int i, const Jet& jet, const double* xdot) {
@@ -96,6 +133,10 @@ PointStatus NonlinearSensitivities::solve_kept_stages(const StageMethod& method,
 PointStatus NonlinearSensitivities::restore(const double* guess, double* S) {
   const PointStatus status = linearize(system_.jet(), nullptr);
   if (status != PointStatus::ok) return status;
+  if (point_.is_ordinary()) {
+    std::copy_n(guess, size(), S);
+    return PointStatus::ok;
+  }
   const Arena::Frame frame(arena_);
   const View change = scaled(guess), q = arena_.matrix(point_.d(), count()),
              result = arena_.matrix(unknowns(), count());
@@ -109,6 +150,10 @@ PointStatus NonlinearSensitivities::restore(const double* guess, double* S) {
 }
 
 void NonlinearSensitivities::error_in_S(const double* errors, double* mapped) {
+  if (point_.is_ordinary()) {
+    std::copy_n(errors, size(), mapped);
+    return;
+  }
   const Arena::Frame frame(arena_);
   const View q = arena_.matrix(point_.d(), count()), result = arena_.matrix(unknowns(), count());
   multiply(1.0, Op::plain, point_.ZE(), Op::plain, scaled(errors), 0.0, q);
@@ -127,6 +172,11 @@ void NonlinearSensitivities::start(const ConsistencyRequest& request, const doub
         SFDAE_CHARACTERISTICS_CHANGED,
         format("the characteristic values known do not hold at t = %.15g, where sensitivities are to start.",
                system_.jet().t));
+  has_factors_ = false;
+  if (point_.is_ordinary()) {
+    std::copy_n(directions, size(), S);
+    return;
+  }
   for (int j = 0; j < count(); ++j) {
     const std::vector<double> direction(directions + j * n, directions + (j + 1) * n);
     ConsistencyRequest relative = request;
@@ -141,10 +191,27 @@ void NonlinearSensitivities::start(const ConsistencyRequest& request, const doub
 // ---- S' --------------------------------------------------------------------------------------------------------
 
 PointStatus NonlinearSensitivities::derivative(const double* S, double* Sdot) {
+  if (point_.is_ordinary() && derivative_of_ordinary(S, Sdot)) return PointStatus::ok;
   if (derivative_from_array(S, Sdot)) return PointStatus::ok;
   if (callback_error_.status != SFDAE_OK && !callback_error_.is_recoverable()) return PointStatus::callback_error;
-  correct_slopes(S, Sdot);
+  if (!point_.is_ordinary()) correct_slopes(S, Sdot);
   return PointStatus::ok;
+}
+
+// tau E S' = A S + f.
+bool NonlinearSensitivities::derivative_of_ordinary(const double* S, double* Sdot) {
+  const int n = unknowns();
+  const Arena::Frame frame(arena_);
+  const View E = arena_.matrix(n, n), slopes = arena_.matrix(n, count());
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) E(i, j) = point_.time_scale() * point_.ZE()(i, j);
+  copy(point_.Zf(), slopes);
+  multiply(1.0, Op::plain, point_.ZA(), Op::plain, scaled(S), 1.0, slopes);
+  int* pivots = arena_.integers(n);
+  if (!factor_lu(E, pivots)) return false;
+  solve_lu(E, pivots, slopes);
+  to_user(slopes, Sdot);
+  return true;
 }
 
 // M y = N S + g of level mu + 1 at the jet that fulfils it: y_1 = tau S'.

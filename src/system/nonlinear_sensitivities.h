@@ -37,6 +37,7 @@ class NonlinearSensitivities final : public SensitivitySystem {
  private:
   PointStatus linearize(const Jet& jet, const double* xdot);
   PointStatus keep(const StageMethod& method, int i, const Jet& jet, const double* xdot);
+  bool derivative_of_ordinary(const double* S, double* Sdot);
   bool derivative_from_array(const double* S, double* Sdot);
   void correct_slopes(const double* S, double* Sdot);
   // n x count, between the user's units and those of the equations.
@@ -49,7 +50,10 @@ class NonlinearSensitivities final : public SensitivitySystem {
   Arena arena_;
   SensitivityPoint point_;
   SensitivityStages stages_;
+  // K z = r of an ordinary point, r in z before: with the factors kept if these converge, else with those of K.
+  bool solve_ordinary(ConstView K, View z, ConstView guess);
   Matrix step_matrix_;
+  bool has_factors_ = false;  // of an ordinary point
   std::vector<int> pivots_;
   TaylorData next_data_;  // of level mu + 1
   StoredElimination next_elimination_;

@@ -22,10 +22,15 @@ PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterS
   if (f_.rows() != m * (mu + 1) || f_.cols() != count) f_ = Matrix(m * (mu + 1), count);
   callback_error_ = parameters.evaluate(data_, jet.x.data(), mu, f_);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  inconsistency_ = 0.0;
+  is_ordinary_ = mu == 0 && analysis.values.d == equations.n() && m == equations.n();
+  if (is_ordinary_) {
+    resize();
+    return take_differential(equations, parameters, place);
+  }
   const PointStatus status = reduce(equations, place.known, arena);
   if (status != PointStatus::ok) return status;
   resize();
-  inconsistency_ = 0.0;
   for (int j = 0; j < count; ++j) {
     take_column(j, arena);
     std::copy_n(form_.xp(), data_.n, xp_.view().column(j));
@@ -35,7 +40,7 @@ PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterS
 }
 
 void SensitivityPoint::resize() {
-  const int n = data_.n, d = form_.d, count = f_.cols();
+  const int n = data_.n, d = this->d(), count = f_.cols();
   if (xp_.rows() == n && xp_.cols() == count && ZE_.rows() == d) return;
   xp_ = Matrix(n, count);
   ZE_ = ZA_ = Matrix(d, n);
@@ -59,6 +64,12 @@ PointStatus SensitivityPoint::take_differential(AnalyzedEquations& equations, Pa
     if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
     matrices = &slope_data_;
     f = slope_f_;
+  }
+  if (is_ordinary_) {
+    copy(matrices->E(0), ZE_);
+    copy(matrices->A(0), ZA_);
+    copy(f, Zf_);
+    return PointStatus::ok;
   }
   multiply(1.0, Op::transposed, form_.Z1(), Op::plain, matrices->E(0), 0.0, ZE_);
   multiply(1.0, Op::transposed, form_.Z1(), Op::plain, matrices->A(0), 0.0, ZA_);

@@ -28,9 +28,11 @@ class SensitivityPoint {
   PointStatus linearize(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place,
                         Arena& arena);
 
+  // mu = 0 and no constraints: nothing is eliminated, T2 = Z1 = I and xp = 0, which are not formed.
+  bool is_ordinary() const { return is_ordinary_; }
   // Of scaled unknowns: S = xp + T2 z and Z1^T (tau E S' - A S - f) = 0.
   double time_scale() const { return data_.time_scale; }
-  int d() const { return form_.d; }
+  int d() const { return is_ordinary_ ? data_.n : form_.d; }
   ConstView T2() const { return form_.T2(); }
   ConstView xp() const { return xp_; }
   ConstView ZE() const { return ZE_; }  // d x n
@@ -56,6 +58,7 @@ class SensitivityPoint {
   Matrix f_, f_hat_, slope_f_;  // (mu + 1) m x count; transformed by the elimination, Z^T f; of level 0 at x'
   Matrix xp_, ZE_, ZA_, Zf_;
   std::vector<double> slope_jet_;
+  bool is_ordinary_ = false;
   int rank_E_ = 0;
   double kept_ = 1.0, inconsistency_ = 0.0;
   CallbackError callback_error_;

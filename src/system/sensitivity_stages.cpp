@@ -29,12 +29,17 @@ void SensitivityStages::resize(int s, int n, int d, int count) {
 
 void SensitivityStages::keep(int i, const SensitivityPoint& point) {
   Stage& stage = stages_[index(i)];
-  copy(point.T2(), stage.T2);
-  copy(point.xp(), stage.xp);
+  is_ordinary_ = point.is_ordinary();
   copy(point.ZE(), stage.L);
-  multiply(1.0, Op::plain, point.ZA(), Op::plain, point.T2(), 0.0, stage.B);
   copy(point.Zf(), stage.b);
-  multiply(1.0, Op::plain, point.ZA(), Op::plain, point.xp(), 1.0, stage.b);
+  if (is_ordinary_) {
+    copy(point.ZA(), stage.B);
+  } else {
+    copy(point.T2(), stage.T2);
+    copy(point.xp(), stage.xp);
+    multiply(1.0, Op::plain, point.ZA(), Op::plain, point.T2(), 0.0, stage.B);
+    multiply(1.0, Op::plain, point.ZA(), Op::plain, point.xp(), 1.0, stage.b);
+  }
   stage.tau = point.time_scale();
 }
 
@@ -49,8 +54,10 @@ bool SensitivityStages::solve(const StageMethod& method, double h, ConstView S_s
     fill(slopes, 0.0);
     for (int j = 0; j < s_; ++j) {
       const double weight = factor * method.D_at(i, j);
-      multiply(weight, Op::plain, stage.L, Op::plain, stages_[index(j)].T2, 0.0, rows);
-      copy(rows, M.block(i * d_, j * d_, d_, d_));
+      if (is_ordinary_) copy(stage.L, rows);
+      else multiply(1.0, Op::plain, stage.L, Op::plain, stages_[index(j)].T2, 0.0, rows);
+      for (int k = 0; k < d_; ++k)
+        for (int r = 0; r < d_; ++r) M(i * d_ + r, j * d_ + k) = weight * rows(r, k);
       for (int q = 0; q < count_; ++q)
         for (int k = 0; k < n_; ++k) slopes(k, q) -= weight * (stages_[index(j)].xp(k, q) - S_start(k, q));
     }
@@ -66,6 +73,7 @@ bool SensitivityStages::solve(const StageMethod& method, double h, ConstView S_s
 
 void SensitivityStages::expand(int i, View S) const {
   const Stage& stage = stages_[index(i)];
+  if (is_ordinary_) return copy(z_.view().block(i * d_, 0, d_, count_), S);
   copy(stage.xp, S);
   multiply(1.0, Op::plain, stage.T2, Op::plain, z_.view().block(i * d_, 0, d_, count_), 1.0, S);
 }

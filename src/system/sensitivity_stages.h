@@ -5,7 +5,7 @@
 //     tau/h L_i sum_j D_ij (xp_j + T2_j z_j - S) = B_i z_i + b_i
 //     L_i = Z1^T E,  B_i = Z1^T A T2,  b_i = Z1^T (A xp + f)
 //
-// one matrix of order s d for all columns.
+// one matrix of order s d for all columns. T2 = I where the point is ordinary.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -34,6 +34,7 @@ class SensitivityStages {
   };
 
   int s_ = 0, n_ = 0, d_ = 0, count_ = 0;
+  bool is_ordinary_ = false;
   std::vector<Stage> stages_;
   Matrix matrix_, z_;  // s d x s d, s d x count
   std::vector<int> pivots_;

@@ -34,7 +34,7 @@ class SensitivitySystem {
   std::size_t size() const { return index(unknowns()) * index(count()); }
 
   // All of what follows is about the current point of the system of x, which has converged there.
-  // F1 with S' = c S + rest, and F2; xdot: D_h x.
+  // F1 with S' = c S + rest, and F2; xdot: D_h x. S comes with a guess.
   virtual PointStatus solve_step(double c, const double* rest, const double* xdot, double* S) = 0;
   // Stage i of the step that the system of x has solved last, or of one whose stages it has been moved to, one by one. xdot:
   // x' there, as discretized or true.

@@ -330,6 +330,12 @@ TEST(LinearSensitivities, AreThoseOfTheFormula) {
     solver.start(again, 4);
     solver.advance(4, again);
     EXPECT_NEAR(solver.sensitivities(4).S(0, 0), -8 * std::sin(2), 1e-6);
+    // Backward: x1(4) = 2 stays, x1 = 2 cos p (4 - t).
+    solver.set_parameter("p", 1.5);
+    Point last{4.0, {2.0, 0.0, 0.0}, {}};
+    solver.start(last, 0);
+    solver.advance(0, last);
+    EXPECT_NEAR(solver.sensitivities(0).S(0, 0), -8 * std::sin(6), 1e-6);
     // Without sensitivities the problem is linear again.
     solver.set_sensitivities({});
     solver.start(again, 8);
