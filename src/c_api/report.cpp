@@ -106,7 +106,7 @@ std::string integration_report(const sfdae_solver& solver) {
       format("Integration to t = %.10g by %s: %ld steps, %ld error test failures, %ld other failures\n", s.t_internal,
              method_name(solver, s.last_order).c_str(), s.steps, s.error_failures, s.other_failures);
   text += format("  %ld reductions, %ld factorizations, ", s.reductions, s.factorizations);
-  text += solver.kind.linear != nullptr
+  text += solver.kind.linear != nullptr && !solver.options.model.for_sensitivities
               ? format("%ld / %ld / %ld calls of E / A / f\n", s.evaluations_E, s.evaluations_A, s.evaluations_f)
           : solver.kind.multibody != nullptr
               ? format("%ld evaluations, %ld linearizations\n", s.evaluations_F, s.linearizations)

@@ -165,8 +165,7 @@ void StructuredModel::finish_restore() {
 }
 
 Model& StructuredModel::whole() {
-  if (serves_nonlinear_) return *nonlinear_;
-  if (!is_extended_ || classical_->system() != nullptr) return *classical_;
+  if ((!is_extended_ && !serves_nonlinear_) || classical_->system() != nullptr) return *classical_;
   if (n() > most_unknowns)
     throw Failure(
         SFDAE_ILLEGAL_ARGUMENT,
@@ -175,7 +174,7 @@ Model& StructuredModel::whole() {
                most_unknowns));
   ModelOptions options = options_;
   options.structure = StructureUse::off;
-  const Jet jet = extended_.accepted_point();
+  const Jet jet = is_extended_ ? extended_.accepted_point() : nonlinear_->accepted_point();
   std::vector<RankDecision> decisions;
   classical_->analyze({jet.t, time_beside(jet.t, 1.0), jet.x.data()}, options, decisions);
   return *classical_;
@@ -192,7 +191,6 @@ Model& StructuredModel::same_whole() {
 }
 
 Jet StructuredModel::accepted_point() const {
-  if (serves_nonlinear_) return nonlinear_->accepted_point();
   return is_extended_ && classical_->needs_x() ? extended_.accepted_point() : classical_->accepted_point();
 }
 

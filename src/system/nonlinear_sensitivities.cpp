@@ -182,8 +182,13 @@ void NonlinearSensitivities::start(const ConsistencyRequest& request, const doub
     ConsistencyRequest relative = request;
     for (int i = 0; i < n; ++i)
       relative.least_size = std::max(relative.least_size, std::fabs(direction[index(i)]) / system_.units()[i]);
-    const std::vector<double> found =
-        consistent_point(point_.constraints_of(j, system_.units(), arena_), relative, direction);
+    std::vector<double> found;
+    try {
+      found = consistent_point(point_.constraints_of(j, system_.units(), arena_), relative, direction);
+    } catch (const Failure& failure) {
+      throw Failure(failure.status(),
+                    format("sensitivity %d, whose directions take the place of values: ", j) + failure.what());
+    }
     std::copy(found.begin(), found.end(), S + static_cast<std::ptrdiff_t>(j) * n);
   }
 }

@@ -41,7 +41,7 @@ PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterS
 
 void SensitivityPoint::resize() {
   const int n = data_.n, d = this->d(), count = f_.cols();
-  if (xp_.rows() == n && xp_.cols() == count && ZE_.rows() == d) return;
+  if (xp_.rows() == n && Zf_.rows() == d && Zf_.cols() == count) return;  // the last one that needs memory
   xp_ = Matrix(n, count);
   ZE_ = ZA_ = Matrix(d, n);
   Zf_ = Matrix(d, count);

@@ -11,10 +11,7 @@ namespace sfdae::core {
 
 void SensitivityStages::resize(int s, int n, int d, int count) {
   if (s == s_ && n == n_ && d == d_ && count == count_) return;
-  s_ = s;
-  n_ = n;
-  d_ = d;
-  count_ = count;
+  s_ = 0;  // while memory may be missing
   Stage stage;
   stage.T2 = Matrix(n, d);
   stage.xp = Matrix(n, count);
@@ -25,6 +22,10 @@ void SensitivityStages::resize(int s, int n, int d, int count) {
   matrix_ = Matrix(padded_rows(s * d), s * d);
   z_ = Matrix(s * d, count);
   pivots_.assign(index(s * d) + 1, 0);
+  s_ = s;
+  n_ = n;
+  d_ = d;
+  count_ = count;
 }
 
 void SensitivityStages::keep(int i, const SensitivityPoint& point) {

@@ -324,6 +324,11 @@ TEST(LinearSensitivities, AreThoseOfTheFormula) {
     EXPECT_NEAR(S(2, 1), 2 * std::cos(6), 1e-7);
     EXPECT_NEAR(S(0, 1), 0.0, 1e-12);
     EXPECT_NEAR(S(2, 2), 3 * std::cos(6), 1e-7);
+    // What is said of the problem and its solution is as it was.
+    EXPECT_NE(solver.report().find("strangeness index 0"), std::string::npos);
+    const sfdae::DerivativeArray array = solver.derivative_array(4.0, 0);
+    EXPECT_EQ(array.N(0, 1), 1.5);
+    EXPECT_EQ(solver.characteristics().algebraic, 1);
     // Parameters may be changed, and a new start begins with the same directions.
     solver.set_parameter("p", 0.5);
     Point again{0.0, {2.0, 0.0, 0.0}, {}};
