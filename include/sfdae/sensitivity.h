@@ -52,11 +52,11 @@ SFDAE_API int sfdae_sensitivity_statistics_init(sfdae_sensitivity_statistics* st
  *  - The equations of S have the strangeness index, the matrices and the strangeness-free form of the linearized
  *    equations; they are discretized as x is (BDF and Radau) after each step, with exact derivatives F_x', F_x and F_p.
  *    Their errors are about those of x, relative, without a test of their own unless the options ask for one.
- *  - The whole derivative array is used: the option structure = SFDAE_STRUCTURE_AUTOMATIC is read as OFF, REQUIRED is
+ *  - Matrices are dense, of at most 5000 unknowns: structure = SFDAE_STRUCTURE_REQUIRED, which asks for sparse ones, is
  *    refused by the analysis. Linear recorded equations are solved as nonlinear ones.
  *  - Where an event only ends a call, S goes on. Where x, its equations or parameters change there, start anew with the
  *    directions of the new branch: see sfdae_get_event_sensitivities.
- *  - They are in no checkpoints, ensembles and recorded solutions (sfdae_solution): sfdae_save_checkpoint refuses.
+ *  - They are in no checkpoints, ensembles and recorded solutions (sfdae_solution): checkpoints are refused.
  *
  * SFDAE_ILLEGAL_ARGUMENT: equations that are not recorded, mechanical systems (sfdae_multibody_problem), names that no
  * parameter has, numbers that are not finite. sfdae_start fails with SFDAE_ILLEGAL_ARGUMENT where components are prescribed
