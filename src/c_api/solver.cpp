@@ -23,14 +23,6 @@ CallResult not_started(const char* first) { return {SFDAE_NOT_STARTED, format("c
 
 bool finite_vector(const double* values, int n) { return all_finite(values, index(n)); }
 
-// Nothing is evaluated beyond the stop time, and differences stay on this side of the start.
-void set_limits(sfdae_solver& solver, double t, double direction) {
-  const double infinity = std::numeric_limits<double>::infinity();
-  const double stop = solver.options.integration.stop_time.value_or(direction * infinity);
-  if (direction > 0.0) solver.problem().set_limits(t, std::max(stop, t));
-  else solver.problem().set_limits(std::min(stop, t), t);
-}
-
 sfdae_initial_report report_of(const ConsistentPoint& point) {
   return {sizeof(sfdae_initial_report),  point.t,
           point.change.residual_before,  point.change.residual_after,
@@ -52,6 +44,25 @@ void demand_derivatives(sfdae_solver& solver, const PointOfInterest& point) {
 }
 
 }  // namespace
+
+// Nothing is evaluated beyond the stop time or the first breakpoint, and differences stay on this side of the start.
+void set_limits(sfdae_solver& solver, double t, double direction) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const double stop = solver.options.integration.stop_time.value_or(direction * infinity);
+  const double piece = solver.breakpoints->end_of_piece(t, direction);
+  if (direction > 0.0) solver.problem().set_limits(t, std::max(std::min(stop, piece), t));
+  else solver.problem().set_limits(std::min(std::max(stop, piece), t), t);
+}
+
+void prepare_start(sfdae_solver& solver, const PointOfInterest& point) {
+  const double direction = point.direction();
+  solver.breakpoints->set_size(std::max(std::fabs(point.t), std::fabs(point.toward)));
+  if (!solver.system() || (direction != solver.direction && !solver.model.is_constant())) analyze(solver, point);
+  solver.direction = direction;
+  solver.integration.reset();
+  solver.jumps.forget();
+  set_limits(solver, point.t, direction);
+}
 
 SolverOptions::SolverOptions(const sfdae_options& o, int n)
     : xdot_is_guess(o.xdot_is_guess != 0), checks_derivatives(o.check_derivatives != 0) {
@@ -89,6 +100,8 @@ void analyze(sfdae_solver& solver, PointOfInterest point) {
   const double t = point.t, direction = point.toward < t ? -1.0 : 1.0;
   const auto& stop = solver.options.integration.stop_time;
   if (stop && (*stop - point.toward) * direction < 0.0) point.toward = *stop;
+  const double piece = solver.breakpoints->end_of_piece(t, direction);
+  if ((piece - point.toward) * direction < 0.0) point.toward = piece;
   if (point.toward == t) throw Failure(SFDAE_ILLEGAL_ARGUMENT, format("t = %.15g lies at or beyond stop_time.", t));
   set_limits(solver, t, direction);
   const UserTime user_time(solver.problem(), t);
@@ -278,7 +291,7 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
     if (solver->sensitivities && solver->sensitivities->options.error_test && fresh.integration.method != Method::bdf)
       return illegal_argument("the error test of sensitivities needs method = SFDAE_METHOD_BDF.");
     fresh.integration.events = solver->events.get();
-    fresh.integration.breakpoints = solver->options.integration.breakpoints;
+    solver->use_breakpoints(fresh.integration);
     const ModelOptions &old = solver->options.model, &now = fresh.model;
     const bool same_analysis =
         now.analysis.max_index == old.analysis.max_index && now.analysis.by_svd == old.analysis.by_svd &&
@@ -372,11 +385,7 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
     const auto& stop = solver->options.integration.stop_time;
     if (stop && (*stop - t) * direction <= 0.0)
       return illegal_argument(format("t = %.15g lies at or beyond stop_time = %.15g.", t, *stop));
-    if (!solver->system() || (direction != solver->direction && !solver->model.is_constant()))
-      analyze(*solver, point);
-    solver->direction = direction;
-    solver->integration.reset();
-    set_limits(*solver, t, direction);
+    prepare_start(*solver, point);
     const UserTime user_time(solver->problem(), t);
     const ConsistentPoint found = solver->model.consistent_point(point, solver->options.model);
     CallResult warning = warning_of(*solver->system(), found);

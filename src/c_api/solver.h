@@ -18,6 +18,7 @@
 #include "expression/time_breakpoints.h"
 #include "integrate/checkpoint.h"
 #include "integrate/events.h"
+#include "integrate/jump_rule.h"
 #include "problem/failure.h"
 #include "sfdae/sfdae.h"
 
@@ -32,6 +33,24 @@ struct SolverOptions {
   bool checks_derivatives;
 };
 
+// The jumps of data at breakpoints: by impulses of the equations.
+class JumpsOfModel final : public JumpRule {
+ public:
+  explicit JumpsOfModel(sfdae_solver& solver) : solver_(solver) {}
+  ConsistentPoint values_after(const PointOfInterest& before) override;
+  void forget() { last_.reset(); }
+
+  struct Crossed {
+    double t;
+    std::vector<double> before, after, impulse;
+  };
+  const std::optional<Crossed>& last() const { return last_; }
+
+ private:
+  sfdae_solver& solver_;
+  std::optional<Crossed> last_;
+};
+
 }  // namespace sfdae::core
 
 struct sfdae_solver {
@@ -40,8 +59,16 @@ struct sfdae_solver {
 
   sfdae_solver(sfdae::core::AnyModel&& its_kind, sfdae::core::SolverOptions its_options)
       : kind(std::move(its_kind)), model(*kind.model), options(std::move(its_options)) {
-    if (model.evaluator() != nullptr) breakpoints.emplace(model.evaluators_of_inputs());
-    options.integration.breakpoints = breakpoints ? &*breakpoints : nullptr;
+    using Inputs = std::vector<const sfdae::core::TaylorEvaluator*>;
+    breakpoints.emplace(model.evaluator() != nullptr ? model.evaluators_of_inputs() : Inputs());
+    use_breakpoints(options.integration);
+  }
+
+  // Those of tables and those that are set, if there can be any.
+  void use_breakpoints(sfdae::core::IntegrationOptions& integration_options) {
+    const bool has_any = model.evaluator() != nullptr || breakpoints->has_times();
+    integration_options.breakpoints = has_any ? &*breakpoints : nullptr;
+    integration_options.jumps = breakpoints->has_times() ? &jumps : nullptr;
   }
 
   sfdae::core::Problem& problem() { return model.problem(); }
@@ -54,9 +81,7 @@ struct sfdae_solver {
            (kind.nonlinear != nullptr && kind.nonlinear->follows_structure());
   }
   // Before the first step.
-  void note_differentiations() {
-    if (breakpoints) breakpoints->set_differentiations(system()->analysis().values.mu);
-  }
+  void note_differentiations() { breakpoints->set_differentiations(system()->analysis().values.mu); }
   void forget_analysis() {
     integration.reset();
     model.forget_system();
@@ -71,6 +96,7 @@ struct sfdae_solver {
   double direction = 1.0;                       // of the nearby point of the analysis
   std::unique_ptr<sfdae::core::Events> events;  // options.integration points to them
   std::optional<sfdae::core::TimeBreakpoints> breakpoints;
+  sfdae::core::JumpsOfModel jumps{*this};
   std::weak_ptr<sfdae::core::SolutionPieces> solution;  // where steps are recorded
   std::optional<sfdae::core::SensitivityRequest> sensitivities;
   // After a start:
@@ -142,6 +168,10 @@ int guarded(sfdae_solver* solver, Body body) noexcept {
   return status;
 }
 
+// The side of the start that nothing is evaluated on, and the end of the first piece.
+void set_limits(sfdae_solver& solver, double t, double direction);
+// The analysis and limits that consistent values at the point need; an integration ends.
+void prepare_start(sfdae_solver& solver, const PointOfInterest& point);
 // Index analysis; replaces system, forgets the integration.
 void analyze(sfdae_solver& solver, PointOfInterest point);
 sfdae_characteristics characteristics_of(const sfdae_solver& solver);

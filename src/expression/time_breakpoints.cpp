@@ -1,10 +1,11 @@
-// Times at which inputs of recorded equations have kinks.
+// Times at which data have kinks or jumps.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/time_breakpoints.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "expression/kernel.h"
 #include "linalg/index.h"
@@ -48,14 +49,14 @@ struct TimeBreakpoints::Search {
   static double half_of_gap(double time, double size) { return half_gap * std::max(std::fabs(time), size); }
 
   // size: of the terms of a linear function of t, in units of t.
-  void note_kink(double time, double size) {
+  void note_kink(double time, double size, bool is_jump = false) {
     if (!std::isfinite(time)) return;
     const double half = half_of_gap(time, size);
     note_end(time - direction * half, same_end * half);
     note_end(time + direction * half, same_end * half);
     if (std::fabs(t - time) > (1.0 + same_end) * half) return;
-    const Gap here{time - half, time + half};
-    gap = gap ? Gap{std::min(gap->start, here.start), std::max(gap->end, here.end)} : here;
+    const Gap here{time - half, time + half, is_jump};
+    gap = gap ? Gap{std::min(gap->start, here.start), std::max(gap->end, here.end), gap->is_jump || is_jump} : here;
   }
   void note_smooth(double time) {
     if (std::isfinite(time)) note_end(time, half_of_gap(time, std::fabs(t)));
@@ -74,7 +75,31 @@ TimeBreakpoints::Search TimeBreakpoints::search(double t, double direction) {
   const QuietArithmetic quiet;  // what is unknown is NaN
   Search found{.t = t, .direction = direction, .differentiations = std::max(differentiations_, 1)};
   for (Inputs& inputs : inputs_) inputs.search(found);
+  search_times(found);
   return found;
+}
+
+void TimeBreakpoints::set_times(std::vector<double> times, std::vector<char> jumps) {
+  times_ = std::move(times);
+  jumps_ = std::move(jumps);
+}
+
+// Two on each side: gaps may hold each other's times.
+void TimeBreakpoints::search_times(Search& search_for) const {
+  const auto place = std::lower_bound(times_.begin(), times_.end(), search_for.t) - times_.begin();
+  const auto last = std::min<std::ptrdiff_t>(place + 2, static_cast<std::ptrdiff_t>(times_.size()));
+  for (auto k = std::max<std::ptrdiff_t>(place - 2, 0); k < last; ++k)
+    search_for.note_kink(times_[static_cast<std::size_t>(k)], size_, jumps_[static_cast<std::size_t>(k)] != 0);
+}
+
+double TimeBreakpoints::end_of_piece(double t, double direction) const {
+  double end = direction * infinity;
+  for (const double time : times_) {
+    const double half = Search::half_of_gap(time, size_);
+    if ((time - t) * direction > (1.0 + same_end) * half && (end - time) * direction > 0.0)
+      end = time - direction * half;
+  }
+  return end;
 }
 
 std::optional<double> TimeBreakpoints::next(double t, double direction) { return search(t, direction).end; }
@@ -82,6 +107,10 @@ std::optional<double> TimeBreakpoints::next(double t, double direction) { return
 bool TimeBreakpoints::Gap::ends_at(double t) const {
   const double near = same_end * 0.5 * (end - start);
   return std::fabs(t - start) <= near || std::fabs(t - end) <= near;
+}
+
+bool TimeBreakpoints::Gap::begins_at(double t, double direction) const {
+  return std::fabs(t - far_end(-direction)) <= same_end * 0.5 * (end - start);
 }
 
 std::optional<TimeBreakpoints::Gap> TimeBreakpoints::gap_at(double t) { return search(t, 1.0).gap; }

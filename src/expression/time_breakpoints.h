@@ -1,4 +1,4 @@
-// Times at which inputs of recorded equations have kinks: where their tables have.
+// Times at which data have kinks or jumps: where tables of recorded equations have, and where the user says so.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -19,6 +19,14 @@ class TimeBreakpoints {
   // Parameters are those that the evaluators have when they are asked; they live as long as this.
   explicit TimeBreakpoints(const std::vector<const TaylorEvaluator*>& evaluators);
 
+  // The user's, increasing, besides those of tables; jumps: flags, of those at which x may jump.
+  void set_times(std::vector<double> times, std::vector<char> jumps);
+  bool has_times() const { return !times_.empty(); }
+  // Times have rounding errors of this size at least.
+  void set_size(double size) { size_ = size; }
+  // Where the gap of the next one of these begins beyond t and any gap that holds t; infinite: there is none.
+  double end_of_piece(double t, double direction) const;
+
   // Unknowns depend on derivatives up to this order; those up to the first count in any case.
   void set_differentiations(int count) { differentiations_ = count; }
 
@@ -29,7 +37,10 @@ class TimeBreakpoints {
   // Times about a kink within which rounding errors decide on which side of it functions are evaluated.
   struct Gap {
     double start, end;
+    bool is_jump = false;  // of x, too
     bool ends_at(double t) const;
+    bool begins_at(double t, double direction) const;
+    double far_end(double direction) const { return direction > 0.0 ? end : start; }
   };
   // That holds t; its ends belong to it.
   std::optional<Gap> gap_at(double t);
@@ -86,7 +97,12 @@ class TimeBreakpoints {
 
   Search search(double t, double direction);
 
+  void search_times(Search& search) const;
+
   std::vector<Inputs> inputs_;
+  std::vector<double> times_;
+  std::vector<char> jumps_;
+  double size_ = 0.0;
   int differentiations_ = 0;
 };
 

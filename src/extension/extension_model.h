@@ -33,6 +33,7 @@ class ExtensionModel final : public ModelOf<ExtensionSystem> {
   std::unique_ptr<ChangeWatch> change_watch() override;
 
   // Empty: these objects are those of the whole array, which StructuredModel asks for them.
+  Jump jump(const PointOfInterest&, const ModelOptions&) override { return {}; }
   Jet jet_through(double, const double*, int) override { return {}; }
   DerivativeArray derivative_array(const Jet&, int) override { return {}; }
   Projectors projectors(const Jet&, bool) override { return {}; }

@@ -53,6 +53,9 @@ class StructuredModel final : public Model {
   std::optional<Extension> extension() override { return is_extended_ ? extended_.extension() : std::nullopt; }
 
   // The whole array is analyzed for them where that has not been done. Throws Failure where it is too large.
+  Jump jump(const PointOfInterest& point, const ModelOptions& options) override {
+    return whole().jump(point, options);
+  }
   Jet jet_through(double t, const double* x, int level) override { return whole().jet_through(t, x, level); }
   DerivativeArray derivative_array(const Jet& jet, int level) override {
     return whole().derivative_array(jet, level);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "integrate/integration_results.h"
+#include "integrate/jump_rule.h"
 #include "integrate/kinks.h"
 #include "integrate/step_events.h"
 #include "integrate/step_target.h"
@@ -116,6 +117,12 @@ CallResult Integration::run(double tout, bool one_step) {
   if (integrator_.must_restart && !change_ && !integrator_.has_passed(tout)) restart(integrator_.method);
   for (long attempts = 0; !integrator_.has_passed(tout); ++attempts) {
     if (auto stopped = obstacle(attempts, tout)) return std::move(*stopped);
+    const double t = integrator_.stepper->state().t;
+    keep_to_piece(options_, integrator_.system, {t, tout, integrator_.direction}, start_);
+    if (const auto gap = jump_at(options_, t, integrator_.direction)) {
+      cross_jump(*gap, tout);
+      continue;
+    }
     if (integrator_.method == Method::radau && integrator_.system.differential() > 0 && choice_.prefers_bdf())
       restart(Method::bdf);
     else if (is_at_kink(options_, integrator_.stepper->state())) restart_at_kink();
@@ -135,6 +142,36 @@ CallResult Integration::run(double tout, bool one_step) {
 void Integration::restart_at_kink() {
   restart(integrator_.method);
   if (watch_) watch_->start(integrator_.direction);
+}
+
+// The point before stays the last one where that throws.
+void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
+  const double direction = integrator_.direction, t = gap.far_end(direction);
+  const std::vector<double> before = integrator_.stepper->x();
+  const double toward = (tout - t) * direction > 0.0 ? tout : time_beside(t, direction);
+  const ConsistentPoint after = options_.jumps->values_after({t, toward, before.data()});
+  output_.resize(integrator_.system);
+  integrator_.start(t, after.x, after.xdot, options_);
+  integrator_.must_restart = false;
+  approach_.reset();
+  if (watch_) watch_->start(direction);
+  record_jump(gap, before, after.x);
+}
+
+// A line from one side to the other.
+void Integration::record_jump(const TimeBreakpoints::Gap& gap, const std::vector<double>& before,
+                              const std::vector<double>& after) {
+  const std::shared_ptr<SolutionPieces> solution = solution_.lock();
+  if (!solution || !is_recorded_) return;
+  const double from = gap.far_end(-integrator_.direction), to = gap.far_end(integrator_.direction);
+  const auto sample = [&](double t, double* x) {
+    const double part = (t - from) / (to - from);
+    for (std::size_t i = 0; i < before.size(); ++i) x[i] = before[i] + part * (after[i] - before[i]);
+  };
+  const auto tolerance = [&](int i, const double* x) { return integrator_.weights.tolerance(i, x); };
+  is_recorded_ = false;
+  solution->add(integrator_.system.unknowns(), {solution->end(), to, true, sample, tolerance});
+  is_recorded_ = true;
 }
 
 std::optional<CallResult> Integration::obstacle(long attempts, double tout) const {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "expression/time_breakpoints.h"
 #include "integrate/integration_options.h"
 #include "integrate/integrator.h"
 #include "integrate/method_choice.h"
@@ -57,6 +58,11 @@ class Integration {
   void want_slopes(bool wanted) { slopes_ = wanted || options_.events != nullptr ? Slopes::wanted : Slopes::none; }
   // None: nullptr. They are searched from the point returned last.
   void set_events(Events* events) { options_.events = events; }
+  // Those of the options, from the next step on.
+  void set_breakpoints(const IntegrationOptions& options) {
+    options_.breakpoints = options.breakpoints;
+    options_.jumps = options.jumps;
+  }
   // Where steps go from now on; none: nullptr.
   void record(std::weak_ptr<SolutionPieces> solution) {
     solution_ = std::move(solution);
@@ -72,6 +78,9 @@ class Integration {
  private:
   CallResult run(double tout, bool one_step);
   void restart_at_kink();
+  void cross_jump(const TimeBreakpoints::Gap& gap, double tout);
+  void record_jump(const TimeBreakpoints::Gap& gap, const std::vector<double>& before,
+                   const std::vector<double>& after);
   // What keeps the next step from being tried.
   std::optional<CallResult> obstacle(long attempts, double tout) const;
   std::optional<CallResult> attempt_step(double tout);

@@ -12,6 +12,7 @@
 namespace sfdae::core {
 
 struct Events;
+class JumpRule;
 class TimeBreakpoints;
 
 // automatic: Radau, until frequent output or failing steps show that BDF is better off.
@@ -31,6 +32,7 @@ struct IntegrationOptions : Acceptance {
   void* monitor_user = nullptr;
   Events* events = nullptr;                // not owned; none
   TimeBreakpoints* breakpoints = nullptr;  // not owned; none: where steps end
+  JumpRule* jumps = nullptr;               // not owned; what happens at those where x may jump
 };
 
 struct IntegrationCounts {

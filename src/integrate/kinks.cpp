@@ -6,7 +6,6 @@
 #include <cmath>
 #include <vector>
 
-#include "expression/time_breakpoints.h"
 #include "linalg/index.h"
 
 namespace sfdae::core {
@@ -32,6 +31,11 @@ void leave_out_slopes(const Integrator& integrator, std::vector<double>& jump) {
   for (std::size_t i = 0; i < n; ++i)
     if (std::fabs(jump[i]) <= clear_of_slopes * h * std::max(std::fabs(before[i]), std::fabs(after[i])))
       jump[i] = 0.0;
+}
+
+// Nothing is evaluated after the jump.
+bool has_end_in(const IntegrationOptions& options, const TimeBreakpoints::Gap& gap, double direction) {
+  return options.stop_time && (gap.far_end(direction) - *options.stop_time) * direction > 0.0;
 }
 
 }  // namespace
@@ -64,6 +68,7 @@ double beside_kink(const IntegrationOptions& options, const Integrator& integrat
   if (std::fabs(t - reached) <= Integrator::smallest_step(reached, t)) return reached;
   const auto gap = options.breakpoints->gap_at(t);
   if (!gap || gap->ends_at(t)) return t;
+  if (gap->is_jump && has_end_in(options, *gap, integrator.direction)) return gap->far_end(-integrator.direction);
   return options.stop_time && integrator.direction > 0.0 ? std::min(gap->end, *options.stop_time) : gap->end;
 }
 
@@ -72,6 +77,25 @@ PointRequest request_beside_kink(double t, const PointRequest& request) {
   const double distance = t - request.t;
   if (std::fabs(distance) <= Integrator::smallest_step(t, request.t)) return request;
   return {request.t, request.may_refine, Slopes::consistent, false, distance};
+}
+
+std::optional<TimeBreakpoints::Gap> jump_at(const IntegrationOptions& options, double t, double direction) {
+  if (options.breakpoints == nullptr || options.jumps == nullptr) return std::nullopt;
+  const auto gap = options.breakpoints->gap_at(t);
+  return gap && gap->is_jump && gap->begins_at(t, direction) && !has_end_in(options, *gap, direction) ? gap
+                                                                                                      : std::nullopt;
+}
+
+void keep_to_piece(const IntegrationOptions& options, DaeSystem& system, const StepFrom& step, double start) {
+  if (options.breakpoints == nullptr || !options.breakpoints->has_times()) return;
+  const double direction = step.direction;
+  const auto gap = options.breakpoints->gap_at(step.t);
+  // A step across a gap belongs to the piece after it.
+  double from = gap ? step.t : options.breakpoints->end_of_piece(step.t, -direction);
+  double to = options.breakpoints->end_of_piece(step.t, direction);
+  if ((start - from) * direction > 0.0) from = start;
+  if (options.stop_time && (to - *options.stop_time) * direction > 0.0) to = *options.stop_time;
+  system.set_limits(std::min(from, to), std::max(from, to));
 }
 
 std::optional<CallResult> obstacle_at_kink(const Integrator& integrator) {
@@ -91,10 +115,11 @@ std::optional<CallResult> obstacle_at_kink(const Integrator& integrator) {
   if (!(change.size > clear_jump)) return std::nullopt;
   return CallResult{
       SFDAE_STEP_TOO_SMALL,
-      format(
-          "an input has a kink or a jump at t = %.15g that the equations differentiate too often: x[%d], whose "
-          "derivative is in the equations, jumps by %.3g. Take a table of higher degree, or stop there and restart.",
-          integrator.stepper->state().t, change.component, jump[index(change.component)])};
+      format("an input has a kink or a jump at t = %.15g that the equations differentiate too often: x[%d], whose "
+             "derivative is in the equations, jumps by %.3g. Take a table of higher degree, make it a breakpoint at "
+             "which x may "
+             "jump (sfdae_set_breakpoints), or stop there and restart.",
+             integrator.stepper->state().t, change.component, jump[index(change.component)])};
 }
 
 }  // namespace sfdae::core

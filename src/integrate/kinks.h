@@ -7,6 +7,7 @@
 
 #include <optional>
 
+#include "expression/time_breakpoints.h"
 #include "integrate/integration_options.h"
 #include "integrate/integrator.h"
 #include "integrate/step_output.h"
@@ -29,6 +30,13 @@ bool crosses_kink(const IntegrationOptions& options, double t, double h);
 double beside_kink(const IntegrationOptions& options, const Integrator& integrator, double t);
 // The solution at t is asked for, which is evaluated where the request says.
 PointRequest request_beside_kink(double t, const PointRequest& request);
+
+// The gap of a jump begins at t.
+std::optional<TimeBreakpoints::Gap> jump_at(const IntegrationOptions& options, double t, double direction);
+
+// The next evaluations are those of a step from t: they stay on the side of breakpoints that it is on. start: of the
+// integration.
+void keep_to_piece(const IntegrationOptions& options, DaeSystem& system, const StepFrom& step, double start);
 
 // What keeps the step across the gap, which has been tried, from being accepted: what is differentiated jumps.
 std::optional<CallResult> obstacle_at_kink(const Integrator& integrator);

@@ -7,6 +7,7 @@
 
 #include "linalg/index.h"
 #include "multibody/multibody_consistency.h"
+#include "multibody/multibody_impact.h"
 #include "multibody/multibody_supplied_lines.h"
 #include "problem/failure.h"
 #include "problem/supplied_line.h"
@@ -109,6 +110,47 @@ ConsistentPoint MultibodyModel::make_consistent(MultibodySystem& system, const P
   if (request.kind == InitialValues::accept) result.x = given;
   add_derivative(system, point.direction(), result);
   return result;
+}
+
+namespace {
+
+// Impulses of constraints change velocities, never positions.
+void demand_positions(const ConsistencyRequest& request, double t, const double* given,
+                      const std::vector<double>& q) {
+  for (std::size_t i = 0; i < q.size(); ++i)
+    if (std::fabs(q[i] - given[i]) > request.tolerances[i])
+      throw Failure(
+          SFDAE_NO_CONSISTENT_VALUES,
+          format("positions violate the constraints at t = %.15g: x[%d] = %.6g would have to jump by %.3g, and "
+                 "impulses change velocities only. Switch where the constraints hold, or correct the "
+                 "positions.",
+                 t, static_cast<int>(i), given[i], q[i] - given[i]));
+}
+
+}  // namespace
+
+Jump MultibodyModel::impact(const PointOfInterest& point, const ModelOptions& options,
+                            const std::vector<double>& restitution) {
+  const MultibodySizes& sizes = problem_->sizes();
+  const int nq = sizes.positions, nv = sizes.velocities;
+  ConsistencyRequest request = options.request_at(point.x);
+  request.kind = InitialValues::nearest;
+  MultibodyConsistency consistency(*problem_, point.t, request, options.ignore_inconsistency);
+  const std::vector<double> q = consistency.positions(point.x);
+  demand_positions(request, point.t, point.x, q);
+  const std::vector<double> v_before(point.x + nq, point.x + nq + nv);
+  const Impact found =
+      core::impact(*problem_, {point.t, q, v_before}, system_->settings().ranks.velocities, restitution);
+
+  Jump jump{q, Matrix(n(), system_->analysis().values.mu)};
+  jump.x.insert(jump.x.end(), found.v.begin(), found.v.end());
+  jump.x.resize(index(n()), 0.0);
+  for (int i = 0; i < sizes.constraints(); ++i) jump.impulses(nq + nv + i, 0) = found.p[index(i)];
+  if (std::any_of(restitution.begin(), restitution.end(), [](double e) { return e != 0.0; })) return jump;
+  ModelOptions plain = options;
+  plain.consistency = request;
+  jump.x = consistent_point_beside({point.t, point.toward, jump.x.data()}, plain).x;
+  return jump;
 }
 
 // Components that are fixed stay to the last bit. Forces of constraints follow from positions and velocities: those

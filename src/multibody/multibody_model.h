@@ -52,6 +52,10 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   void demand_derivatives(const PointOfInterest& point, const ModelOptions& options) override;
+  Jump jump(const PointOfInterest& point, const ModelOptions& options) override { return impact(point, options, {}); }
+  // With coefficients of restitution, empty or one for each constraint: where one is not 0, forces of constraints are 0
+  // afterwards, as it is not known which constraints hold. Throws Failure.
+  Jump impact(const PointOfInterest& point, const ModelOptions& options, const std::vector<double>& restitution);
   // The user's functions; null for recorded formulas.
   CallbackMultibody* callbacks() { return callbacks_; }
   // Of the point accepted last, after an analysis.

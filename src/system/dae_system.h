@@ -39,6 +39,7 @@ class DaeSystem : public StrangenessFreeSystem {
   int equations() const { return equations_; }  // m
   bool stop_is_requested() const { return problem_base_.stop_is_requested(); }
   void take_stop_request() { problem_base_.take_stop_request(); }
+  void set_limits(double lowest, double highest) { problem_base_.set_limits(lowest, highest); }
   void set_distance(double distance) { analysis_.distance = distance; }
   const IndexAnalysis& analysis() const { return analysis_; }
   LeadingTerm leading_term() const { return leading_; }

@@ -136,6 +136,16 @@ ConsistentPoint LinearModel::make_consistent(LinearSystem& system, const PointOf
   return result;
 }
 
+Jump LinearModel::jump(const PointOfInterest& point, const ModelOptions& options) {
+  const SameSettings same(problem_);
+  const std::unique_ptr<LinearSystem> copy = copy_of_system();
+  set_point(*copy, point.t, options);
+  const ConstrainedPoint constraints = constraints_of(*copy);
+  const InputsAfter inputs{problem_.prescribed(), {}};
+  return jump_by_impulses({constraints, constraints.data, copy->analysis().values.mu, inputs},
+                          {point.x, point.x + n()});
+}
+
 DerivativeArray LinearModel::derivative_array(double t, int level) {
   const SameSettings same(problem_);
   return core::derivative_array(problem_, t, level);

@@ -43,6 +43,8 @@ class LinearModel final : public ModelOf<LinearSystem> {
   // contradict each other and that is not to be ignored; true if it is.
   bool set_point(double t, const ModelOptions& options) { return set_point(*system_, t, options); }
 
+  Jump jump(const PointOfInterest& point, const ModelOptions& options) override;
+
   // Equations linearized anywhere are those of x = 0. Both throw Failure.
   DerivativeArray derivative_array(double t, int level);
   Projectors projectors(double t);

@@ -20,6 +20,7 @@
 #include "system/change_watch.h"
 #include "system/consistent_values.h"
 #include "system/dae_system.h"
+#include "system/impulses.h"
 #include "system/jet.h"
 #include "system/sensitivity_system.h"
 #include "system/value_change.h"
@@ -143,6 +144,10 @@ class Model {
     std::vector<int> states;
   };
   virtual std::optional<Extension> extension() { return std::nullopt; }
+
+  // From values of other equations before t to consistent ones, by impulses of these equations. Needs an analysis; nothing
+  // of an integration is disturbed. Throws Failure.
+  virtual Jump jump(const PointOfInterest& point, const ModelOptions& options) = 0;
 
   // The theory's objects, of the equations linearized at a jet (derivative_array.h); nothing of an integration is
   // disturbed. All throw Failure, and all but the array need an analysis.

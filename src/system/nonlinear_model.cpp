@@ -15,6 +15,7 @@
 #include "system/consistent_jets.h"
 #include "system/jet_coefficients.h"
 #include "system/jet_solver.h"
+#include "system/nonlinear_jump.h"
 #include "system/nonlinear_sensitivities.h"
 #include "system/nonlinear_values.h"
 
@@ -356,6 +357,16 @@ ConsistentPoint NonlinearModel::make_consistent(NonlinearSystem& system, const P
   restore_fixed(*problem_, request, point, system.units(), result.x);
   add_derivative(system, point.direction(), result);
   return result;
+}
+
+Jump NonlinearModel::jump(const PointOfInterest& point, const ModelOptions& options) {
+  const std::unique_ptr<NonlinearSystem> copy = copy_of_system();
+  ModelOptions plain = options;
+  plain.consistency = {};
+  plain.consistency.keeps_differentiated = true;
+  make_consistent(*copy, point, plain);
+  return find_jump(*problem_, {copy->analysis(), copy->units(), copy->settings().rank_tol}, copy->jet(),
+                   {point.x, point.x + n()});
 }
 
 }  // namespace sfdae::core

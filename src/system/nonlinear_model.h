@@ -45,6 +45,8 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   // The user's function for total derivatives; null for recorded equations.
   CallbackProblem* callback() { return callback_; }
 
+  Jump jump(const PointOfInterest& point, const ModelOptions& options) override;
+
   Jet jet_through(double t, const double* x, int level) override;
   DerivativeArray derivative_array(const Jet& jet, int level) override;
   Projectors projectors(const Jet& jet, bool of_array) override;

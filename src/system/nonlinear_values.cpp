@@ -8,9 +8,7 @@
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
-#include "reduction/null_space_form.h"
-#include "reduction/rank_sequence.h"
-#include "reduction/stored_elimination.h"
+#include "system/linearized_constraints.h"
 
 namespace sfdae::core {
 
@@ -21,92 +19,6 @@ using Vector = std::vector<double>;
 // The iteration leaves out the curvature of the constraints and converges linearly where x is far from them: accurate
 // to this it is as near as anybody wants. Chosen, not measured.
 constexpr double accuracy = 1e-8;
-
-// One linearization of the constraints at a jet.
-class LinearizedConstraints {
- public:
-  struct Known {
-    const IndexAnalysis& analysis;
-    const Units& units;
-    double rank_tol;
-  };
-  LinearizedConstraints(NonlinearProblem& problem, const Known& known)
-      : problem_(problem), analysis_(known.analysis), units_(known.units), rank_tol_(known.rank_tol) {}
-
-  void linearize(const Jet& jet) {
-    const int mu = analysis_.values.mu;
-    const NonlinearProblem::Scaling scaling{analysis_.time_scale, analysis_.rows, nullptr, &units_};
-    const CallbackError error = problem_.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
-    if (error.status != SFDAE_OK) error.raise();
-    StoredReduction reduction{elimination_, true};
-    has_known_ranks_ = reduce_with_known_values(data_, mu, analysis_, rank_tol_, {arena_, form_}, reduction);
-    rank_E_ = reduction.rank_E;
-    kept_ = reduction.kept;
-  }
-  ConstrainedPoint point() const {
-    return {form_, data_, units_, rank_E_, kept_, follows_inputs_ ? &problem_.prescribed() : nullptr};
-  }
-  // Prescribed components go to the values in the target.
-  void follow_inputs() { follows_inputs_ = !problem_.prescribed().empty(); }
-  bool has_known_ranks() const { return has_known_ranks_; }
-
-  // Moves the jet by the change that brings x nearest to the target within the linearized constraints. Returns its
-  // size relative to x.
-  double move(const ConsistencyRequest& request, const Vector& target, Jet& jet) {
-    const int n = problem_.n(), mu = analysis_.values.mu;
-    const double size = size_of(jet);
-    Vector missing(index(n));
-    for (int i = 0; i < n; ++i) missing[index(i)] = target[index(i)] - jet.x[index(i)];
-    ConsistencyRequest relative = request;
-    relative.least_size = size;
-    Vector dx = consistent_point(point(), relative, missing);
-    double largest = 0.0;
-    for (int i = 0; i < n; ++i) {
-      dx[index(i)] /= units_[i];
-      largest = std::max(largest, std::fabs(dx[index(i)]));
-    }
-    Vector transformed(index(problem_.m() * (mu + 1)) + 1), dy(index(n * (mu + 1)));
-    elimination_.transform(data_.f(0), transformed.data(), arena_);
-    elimination_.recover(data_, {data_.f(0), transformed.data()}, dx.data(), dy.data(), arena_);
-    jet.add_scaled(dx.data(), dy.data(), mu + 1, data_.time_scale, units_);
-    return size > 0.0 ? largest / size : largest;
-  }
-
-  // The least change of x that fulfils the linearized constraints.
-  Vector violation() const {
-    Vector change(form_.xp(), form_.xp() + form_.n);
-    units_.outward(change.data());
-    return change;
-  }
-  // The largest component in the units of the equations.
-  double size_of(const Jet& jet) const {
-    double size = 0.0;
-    for (int i = 0; i < jet.n; ++i) size = std::max(size, std::fabs(jet.x[index(i)]) / units_[i]);
-    return size;
-  }
-
- private:
-  NonlinearProblem& problem_;
-  const IndexAnalysis& analysis_;
-  const Units& units_;
-  double rank_tol_;
-  TaylorData data_;
-  NullSpaceForm form_;
-  StoredElimination elimination_;
-  Arena arena_;
-  int rank_E_ = 0;
-  double kept_ = 1.0;
-  bool has_known_ranks_ = true, follows_inputs_ = false;
-};
-
-// The values given, prescribed components as the user's function has them at t.
-Vector with_inputs(NonlinearProblem& problem, double t, const Vector& given) {
-  Vector target(given), values(problem.prescribed().size() + 1);
-  const CallbackError error = problem.evaluate_prescribed(t, values.data());
-  if (error.status != SFDAE_OK) error.raise();
-  for (std::size_t k = 0; k < problem.prescribed().size(); ++k) target[index(problem.prescribed()[k])] = values[k];
-  return target;
-}
 
 // weights: empty, or units of the components, whose squares may overflow.
 double length(const Vector& v, const Vector& weights) {

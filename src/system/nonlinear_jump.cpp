@@ -1,0 +1,169 @@
+// The jump of a nonlinear problem from values of other equations to consistent ones.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/nonlinear_jump.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "linalg/index.h"
+#include "problem/failure.h"
+#include "system/jet_solver.h"
+
+namespace sfdae::core {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+// Changes of the iteration relative to x: it converges quadratically, and ends with the second of them.
+constexpr double converged = 1e-7, no_change = 1e-14;
+constexpr int most_iterations = 50;
+// Of what is added up in an equation at another point: its factors are not the same there. Iterations leave less.
+// (Chosen.)
+constexpr double same_factors = 1e-6;
+
+// All rows of the equations at a jet, whatever the structure leaves out in the array.
+TaylorData coefficients_at(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Jet& jet,
+                           const std::vector<double>* rows) {
+  const int mu = known.analysis.values.mu;
+  const bool follows = problem.follows_structure();
+  problem.follow_structure(false);
+  TaylorData data;
+  const NonlinearProblem::Scaling scaling{
+      known.analysis.time_scale, rows != nullptr ? RowScaling::given : known.analysis.rows, rows, &known.units};
+  const CallbackError error = problem.linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data);
+  problem.follow_structure(follows);
+  if (error.status != SFDAE_OK) error.raise();
+  return data;
+}
+
+struct Found {
+  Jump jump;
+  Matrix theta;
+  Jet jet;
+  TaylorData data;
+};
+
+Vector difference(const Vector& a, const double* b) {
+  Vector result(a);
+  for (std::size_t i = 0; i < a.size(); ++i) result[i] -= b[i];
+  return result;
+}
+
+Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Jet& start,
+              const Vector& before) {
+  const int mu = known.analysis.values.mu;
+  Found found;
+  found.jet = start;
+  found.jet.set_order(mu + 1);
+  JetSolver solver(problem, known.units);
+  LinearizedConstraints constraints(problem, known);
+  constraints.follow_inputs();
+  const Vector inputs_after = with_inputs(problem, start.t, before);
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    constraints.linearize(found.jet);
+    if (!constraints.has_known_ranks()) break;
+    InputsAfter inputs{problem.prescribed(), {}};
+    for (int i : problem.prescribed()) inputs.values.push_back(inputs_after[index(i)] - found.jet.x[index(i)]);
+    found.data = coefficients_at(problem, known, found.jet, nullptr);
+    const ConstrainedPoint point = constraints.point();
+    found.jump =
+        jump_by_impulses({point, found.data, mu, inputs}, difference(before, found.jet.x.data()), &found.theta);
+    const double change = constraints.move_by(found.jump.x, found.jet);
+    if (change > no_change) solver.solve(found.jet, mu);
+    if (change > converged) continue;
+    found.jump.x.assign(found.jet.x.data(), found.jet.x.data() + problem.n());
+    return found;
+  }
+  throw Failure(
+      SFDAE_NO_CONSISTENT_VALUES,
+      format(
+          "no values were found that impulses of the equations lead to from those before t = %.15g. Give the values "
+          "after the jump yourself, with sfdae_start, and fix those that have to stay.",
+          start.t));
+}
+
+// The jet after the jump with x anywhere between both sides (part 0: before, 1: after), or far off where there are
+// impulses, and with other derivatives: those of a smooth course that takes a while.
+Jet jet_aside(const LinearizedConstraints::Known& known, const Found& found, double part, double strength) {
+  Jet jet = found.jet;
+  const int n = jet.n;
+  double largest = 0.0;
+  for (int i = 0; i < n; ++i)
+    largest = std::max({largest, std::fabs(jet.x[index(i)]) / known.units[i], std::fabs(found.theta(i, 0))});
+  const double tau = found.data.time_scale;
+  for (int i = 0; i < n; ++i) {
+    const double unit = known.units[i];
+    jet.column(0)[i] -= (1.0 - part) * unit * found.theta(i, 0);
+    for (int k = 1; k < found.theta.cols(); ++k) jet.column(0)[i] += strength * unit * found.theta(i, k);
+    double scale = strength * unit * (largest > 0.0 ? largest : 1.0);
+    for (int k = 1; k <= jet.order; ++k) {
+      scale /= tau;
+      // Any numbers, different for all.
+      jet.column(k)[i] += scale * std::sin(1.0 + 2.3 * i + 5.1 * k + 7.7 * part);
+    }
+  }
+  return jet;
+}
+
+// False where the equations cannot be evaluated there.
+bool has_same_factors(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Found& found,
+                      const Jet& jet, int& row) {
+  TaylorData data;
+  try {
+    data = coefficients_at(problem, known, jet, &found.data.row_scale);
+  } catch (const Failure& failure) {
+    if (failure.status() != SFDAE_NOT_FINITE && failure.status() != SFDAE_CALLBACK_FAILED) throw;
+    row = -1;
+    return false;
+  }
+  const Vector left = residuals_of_impulses(data, known.analysis.values.mu, found.theta);
+  const auto worst = std::max_element(left.begin(), left.end());
+  if (worst == left.end() || *worst <= same_factors) return true;
+  row = static_cast<int>(worst - left.begin()) % problem.m();
+  return false;
+}
+
+// What jumps beyond rounding.
+bool has_jumped(const Found& found, const Units& units) {
+  double largest = 0.0, jumped = 0.0;
+  for (int i = 0; i < found.jet.n; ++i) {
+    largest = std::max(largest, std::fabs(found.jet.x[index(i)]) / units[i]);
+    for (int k = 0; k < found.theta.cols(); ++k) jumped = std::max(jumped, std::fabs(found.theta(i, k)));
+  }
+  return jumped > 1e-10 * largest;
+}
+
+void demand_linearity(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Found& found) {
+  if (!has_jumped(found, known.units)) return;
+  for (const double part : {0.0, 0.37, 1.0}) {
+    int row = -1;
+    bool is_same = false;
+    for (double strength = 1.0; !is_same && row < 0 && strength > 1e-7; strength *= 1e-3)
+      is_same = has_same_factors(problem, known, found, jet_aside(known, found, part, strength), row);
+    if (is_same) continue;
+    throw Failure(
+        SFDAE_NO_CONSISTENT_VALUES,
+        format("the jump at t = %.15g is not determined: %s Write the equation so that what jumps is in it linearly, "
+               "with "
+               "factors that stay (differentiate a charge instead of C(v) v'), or give the values after the jump "
+               "yourself, with sfdae_start.",
+               found.jet.t,
+               row < 0 ? "the equations cannot be evaluated between the values before and after it."
+                       : (problem.equation_names().row(row) +
+                          " multiplies what jumps, or has an impulse, by a factor that jumps itself.")
+                             .c_str()));
+  }
+}
+
+}  // namespace
+
+Jump find_jump(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Jet& start,
+               const std::vector<double>& before) {
+  Found found = iterate(problem, known, start, before);
+  demand_linearity(problem, known, found);
+  return std::move(found.jump);
+}
+
+}  // namespace sfdae::core
