@@ -91,7 +91,7 @@ void keep_to_piece(const IntegrationOptions& options, DaeSystem& system, const S
   const double direction = step.direction;
   const auto gap = options.breakpoints->gap_at(step.t);
   // A step across a gap belongs to the piece after it.
-  double from = gap ? step.t : options.breakpoints->end_of_piece(step.t, -direction);
+  double from = gap ? gap->far_end(direction) : options.breakpoints->end_of_piece(step.t, -direction);
   double to = options.breakpoints->end_of_piece(step.t, direction);
   if ((start - from) * direction > 0.0) from = start;
   if (options.stop_time && (to - *options.stop_time) * direction > 0.0) to = *options.stop_time;

@@ -128,6 +128,37 @@ Solver recorded_solver(BothModes& both, const sfdae_options& options) {
   return Solver(solver);
 }
 
+// From exact values before to exact values after, and xi_k = N^(k+1) (y2+ - y2-) in the coordinates of the mode, both
+// relative to the largest of them in their units.
+double error_of_jump(const Mode& mode, double t, const Values& before, const Values& after, const Values& impulses) {
+  const auto n = static_cast<std::size_t>(mode.n());
+  const auto in_coordinates = [&](const double* x) {
+    Values y(x, x + n);
+    for (std::size_t j = 0; j < mode.unit.size(); ++j) y[j] /= mode.unit[j];
+    return mode.Q.inverse * y;
+  };
+  const Values exact = in_coordinates(mode.solution(t, t, mode.differential_part(before)).data());
+  const Values found = in_coordinates(after.data()), start = in_coordinates(before.data());
+  Values change(exact);
+  double largest = 0.0, error = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    change[i] -= start[i];
+    largest = std::max({largest, std::fabs(exact[i]), std::fabs(start[i])});
+    error = std::max(error, std::fabs(found[i] - exact[i]));
+  }
+  for (std::size_t k = 0; k < impulses.size() / n; ++k) {
+    Values next(n, 0.0);
+    for (int i = 0; i < mode.a; ++i)
+      for (int j = 0; j < mode.a; ++j)
+        next[static_cast<std::size_t>(mode.d + i)] += mode.N(i, j) * change[static_cast<std::size_t>(mode.d + j)];
+    change = next;
+    const Values xi = in_coordinates(impulses.data() + k * n);
+    const double unit = std::pow(mode.time, static_cast<double>(k + 1));
+    for (std::size_t i = 0; i < n; ++i) error = std::max(error, std::fabs(xi[i] / unit - change[i]));
+  }
+  return error / largest;
+}
+
 struct Outcome {
   int status = SFDAE_OK;
   std::string message;
@@ -166,8 +197,10 @@ Outcome run(Mode& first, Mode& second, int method, bool is_recorded) {
 
   if (is_recorded) EXPECT_EQ(sfdae_set_parameter(solver, "s", 1.0), SFDAE_OK);
   else solver = plain[1].get();
-  Values impulses(static_cast<std::size_t>(4 * n));
-  if (failed(sfdae_jump(solver, change, end, x.data(), x.data(), 4, impulses.data()))) return outcome;
+  Values impulses(static_cast<std::size_t>(4 * n)), after(before);
+  if (failed(sfdae_jump(solver, change, end, before.data(), after.data(), 4, impulses.data()))) return outcome;
+  EXPECT_LE(error_of_jump(second, change, before, after, impulses), 1e-9);
+  if (failed(sfdae_jump(solver, change, end, x.data(), x.data(), 0, nullptr))) return outcome;
   const Values y2 = second.differential_part(before);
   outcome.error = std::max(outcome.error, tolerances.error(x, second.solution(change, change, y2)));
   if (failed(sfdae_start(solver, change, end, x.data(), nullptr)) ||

@@ -86,7 +86,7 @@ struct Wave {
 
 struct Mode {
   // algebraic >= mu + 1: the largest block of N has mu + 1 rows.
-  Mode(Random& random, int differential, int algebraic, int strangeness_index)
+  Mode(Random& random, int differential, int algebraic, int strangeness_index, double least_lambda = -3.0)
       : d(differential),
         a(algebraic),
         mu(strangeness_index),
@@ -95,7 +95,7 @@ struct Mode {
         N(a),
         E(d + a),
         A(d + a) {
-    for (int i = 0; i < d; ++i) lambda.push_back(random.real(-3.0, 0.5));
+    for (int i = 0; i < d; ++i) lambda.push_back(random.real(least_lambda, 0.5));
     for (int i = 0; i < d + a; ++i)
       waves.push_back({random.real(-1.0, 1.0), random.real(0.5, 1.5), random.real(0.0, 6.28)});
     // The first block has mu + 1 rows, the others as many or fewer.
