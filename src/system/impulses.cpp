@@ -22,6 +22,9 @@ constexpr double least_pivot = 1e-13;
 // Of what is added up in an equation: rounding errors leave less. (Chosen.)
 constexpr double contradiction = 1e-7;
 
+// Of the largest of theta: what is added up in an equation is measured by that at least. (Chosen.)
+constexpr double negligible = 1e-4;
+
 // C := the block E_{j-p} + A_{j-p-1} / j, zero at first.
 void add_block(const TaylorData& data, int p, int j, View C) {
   const auto add = [&](double s, ConstView from) {
@@ -132,6 +135,7 @@ void demand_solution(const TaylorData& data, int mu, ConstView theta, double t) 
 Vector residuals_of_impulses(const TaylorData& data, int mu, ConstView theta) {
   const int m = data.m, n = data.n;
   Vector result(index((mu + 1) * m), 0.0);
+  const double largest = max_abs(theta);
   for (int p = 0; p <= mu; ++p) {
     Vector left(index(m), 0.0), size(index(m), 0.0);
     for (int j = p; j <= mu; ++j) {
@@ -143,10 +147,8 @@ Vector residuals_of_impulses(const TaylorData& data, int mu, ConstView theta) {
           size[index(row)] += std::fabs(block(row, col) * theta(col, j));
         }
     }
-    const double largest = std::max(max_abs(theta.columns(p, theta.cols - p)), 0.0);
     for (int row = 0; row < m; ++row) {
-      // What cancels in all of theta below rounding says nothing.
-      const double scale = std::max(size[index(row)], 1e-6 * largest);
+      const double scale = std::max(size[index(row)], negligible * largest);
       if (scale > 0.0) result[index(p * m + row)] = std::fabs(left[index(row)]) / scale;
     }
   }
