@@ -133,6 +133,8 @@ module sfdae
   !> What numbers say of the structure (sfdae_structure%verdict).
   public :: sfdae_structure_unchecked, sfdae_structure_certified, sfdae_structure_misleads, &
     sfdae_structure_unclear
+  !> What happens at a breakpoint (kinds of dae_solver%set_breakpoints).
+  public :: sfdae_breakpoint_kink, sfdae_breakpoint_jump
   !> How positions and velocities are divided (coordinates of multibody systems).
   public :: sfdae_coordinates_orthogonal, sfdae_coordinates_permutation
   !> Which matrix a rank decision was about (sfdae_decision%what).

@@ -25,20 +25,20 @@ module sfdae_c
     c_get_characteristics, c_get_checkpoint_length, c_get_decision, c_get_derivative_array, &
     c_get_derivative_array_at, c_get_descriptor_matrices, c_get_descriptor_sizes, &
     c_get_event_sensitivities, c_get_events, c_get_extended_system, c_get_initial_report, &
-    c_get_jet, c_get_multibody_report, c_get_num_decisions, c_get_parameter, c_get_poles, &
-    c_get_projectors, c_get_projectors_at, c_get_sensitivities, c_get_sensitivity_statistics, &
-    c_get_solution_accuracy, c_get_solution_length, c_get_solution_range, c_get_statistics, &
-    c_get_strangeness_free, c_get_strangeness_free_at, c_get_structure, c_get_transfer, &
-    c_get_zeros, c_greater, c_greater_equal, c_initial_report_init, c_interpolate, c_less, &
-    c_less_equal, c_linear_problem_init, c_linearization_init, c_linearize, c_load_solution, &
-    c_log, c_log10, c_make_consistent, c_max, c_message, c_min, c_modulo, &
-    c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
-    c_nonlinear_problem_init, c_not, c_number, c_options_init, c_or, c_parameter, c_power, &
-    c_record_solution, c_report, c_request_stop, c_restore_checkpoint, c_save_checkpoint, &
-    c_save_solution, c_sensitivity_options_init, c_sensitivity_statistics_init, c_set_events, &
-    c_set_options, c_set_parameter, c_set_sensitivities, c_sign, c_sin, c_sinh, c_solve_ensemble, &
-    c_spectrum_init, c_sqrt, c_start, c_statistics_init, c_status_name, c_step, c_structure_init, &
-    c_subtract, c_table, c_tan, c_tanh, c_time_derivative, c_version, &
+    c_get_jet, c_get_jump, c_get_multibody_report, c_get_num_decisions, c_get_parameter, &
+    c_get_poles, c_get_projectors, c_get_projectors_at, c_get_sensitivities, &
+    c_get_sensitivity_statistics, c_get_solution_accuracy, c_get_solution_length, &
+    c_get_solution_range, c_get_statistics, c_get_strangeness_free, c_get_strangeness_free_at, &
+    c_get_structure, c_get_transfer, c_get_zeros, c_greater, c_greater_equal, c_impact, &
+    c_initial_report_init, c_interpolate, c_jump, c_less, c_less_equal, c_linear_problem_init, &
+    c_linearization_init, c_linearize, c_load_solution, c_log, c_log10, c_make_consistent, c_max, &
+    c_message, c_min, c_modulo, c_multibody_problem_init, c_multibody_report_init, c_multiply, &
+    c_negate, c_nonlinear_problem_init, c_not, c_number, c_options_init, c_or, c_parameter, &
+    c_power, c_record_solution, c_report, c_request_stop, c_restore_checkpoint, c_save_checkpoint, &
+    c_save_solution, c_sensitivity_options_init, c_sensitivity_statistics_init, c_set_breakpoints, &
+    c_set_events, c_set_options, c_set_parameter, c_set_sensitivities, c_sign, c_sin, c_sinh, &
+    c_solve_ensemble, c_spectrum_init, c_sqrt, c_start, c_statistics_init, c_status_name, c_step, &
+    c_structure_init, c_subtract, c_table, c_tan, c_tanh, c_time_derivative, c_version, &
     address_of_ensemble_monitor_function, address_of_equations_function, &
     address_of_event_function, address_of_external_function, address_of_linear_equations_function, &
     address_of_matrix_function, address_of_monitor_function, &
@@ -618,6 +618,16 @@ module sfdae_c
       integer(c_int) :: c_get_jet
     end function c_get_jet
 
+    function c_get_jump(solver, t, before, after, impulse) bind(c, name="sfdae_get_jump")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), intent(inout) :: t
+      real(c_double), intent(inout) :: before(*)
+      real(c_double), intent(inout) :: after(*)
+      type(c_ptr), value :: impulse
+      integer(c_int) :: c_get_jump
+    end function c_get_jump
+
     function c_get_multibody_report(solver, report) bind(c, name="sfdae_get_multibody_report")
       import :: c_int, c_ptr, sfdae_multibody_report
       type(c_ptr), value :: solver
@@ -805,6 +815,17 @@ module sfdae_c
       type(expression) :: c_greater_equal
     end function c_greater_equal
 
+    function c_impact(solver, t, restitution, before, after, impulses) bind(c, name="sfdae_impact")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      type(c_ptr), value :: restitution
+      real(c_double), intent(in) :: before(*)
+      real(c_double), intent(inout) :: after(*)
+      type(c_ptr), value :: impulses
+      integer(c_int) :: c_impact
+    end function c_impact
+
     function c_initial_report_init(report, size) bind(c, name="sfdae_initial_report_init")
       import :: c_int, c_size_t, sfdae_initial_report
       type(sfdae_initial_report), intent(inout) :: report
@@ -820,6 +841,18 @@ module sfdae_c
       type(c_ptr), value :: xdot
       integer(c_int) :: c_interpolate
     end function c_interpolate
+
+    function c_jump(solver, t, toward, before, after, orders, impulses) bind(c, name="sfdae_jump")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      real(c_double), value :: t
+      real(c_double), value :: toward
+      real(c_double), intent(in) :: before(*)
+      real(c_double), intent(inout) :: after(*)
+      integer(c_int), value :: orders
+      type(c_ptr), value :: impulses
+      integer(c_int) :: c_jump
+    end function c_jump
 
     function c_less(a, b) bind(c, name="sfdae_less")
       import :: expression
@@ -1050,6 +1083,15 @@ module sfdae_c
       integer(c_size_t), value :: size
       integer(c_int) :: c_sensitivity_statistics_init
     end function c_sensitivity_statistics_init
+
+    function c_set_breakpoints(solver, count, t, kinds) bind(c, name="sfdae_set_breakpoints")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      integer(c_int), value :: count
+      real(c_double), intent(in) :: t(*)
+      type(c_ptr), value :: kinds
+      integer(c_int) :: c_set_breakpoints
+    end function c_set_breakpoints
 
     function c_set_events(solver, num_events, function, directions, user) &
       bind(c, name="sfdae_set_events")

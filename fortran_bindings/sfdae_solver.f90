@@ -6,17 +6,17 @@ module sfdae_solver
     c_null_char, c_null_ptr, c_ptr, c_size_t, c_sizeof
   use sfdae_c, only: c_advance, c_analyze, c_analyze_at, c_certify, c_change_init, &
     c_characteristics_init, c_check_derivatives, c_check_multibody_derivatives, &
-    c_check_total_derivatives, c_decision_init, c_derivative_check_init, c_destroy, &
-    c_get_change, c_get_characteristics, c_get_checkpoint_length, c_get_decision, &
-    c_get_derivative_array, c_get_derivative_array_at, c_get_event_sensitivities, c_get_events, &
-    c_get_extended_system, c_get_initial_report, c_get_jet, c_get_multibody_report, &
-    c_get_num_decisions, c_get_parameter, c_get_projectors, c_get_projectors_at, &
-    c_get_sensitivities, c_get_sensitivity_statistics, c_get_statistics, c_get_strangeness_free, &
-    c_get_strangeness_free_at, c_get_structure, c_initial_report_init, c_interpolate, &
-    c_make_consistent, c_message, c_multibody_report_init, c_record_solution, c_report, &
+    c_check_total_derivatives, c_decision_init, c_derivative_check_init, c_destroy, c_get_change, &
+    c_get_characteristics, c_get_checkpoint_length, c_get_decision, c_get_derivative_array, &
+    c_get_derivative_array_at, c_get_event_sensitivities, c_get_events, c_get_extended_system, &
+    c_get_initial_report, c_get_jet, c_get_jump, c_get_multibody_report, c_get_num_decisions, &
+    c_get_parameter, c_get_projectors, c_get_projectors_at, c_get_sensitivities, &
+    c_get_sensitivity_statistics, c_get_statistics, c_get_strangeness_free, &
+    c_get_strangeness_free_at, c_get_structure, c_impact, c_initial_report_init, c_interpolate, &
+    c_jump, c_make_consistent, c_message, c_multibody_report_init, c_record_solution, c_report, &
     c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_sensitivity_statistics_init, &
-    c_set_events, c_set_options, c_set_parameter, c_start, c_statistics_init, c_status_name, &
-    c_step, c_structure_init, c_version
+    c_set_breakpoints, c_set_events, c_set_options, c_set_parameter, c_start, c_statistics_init, &
+    c_status_name, c_step, c_structure_init, c_version
   use sfdae_control, only: compare_size, control_holder, dae_events, dae_monitor, dae_options, &
     event_callback, fill_options
   use sfdae_conversions, only: text_at, text_in, text_in_c
@@ -80,6 +80,10 @@ module sfdae_solver
     procedure :: restore_checkpoint => solver_restore_checkpoint
     procedure :: set_events => solver_set_events
     procedure :: get_events => solver_get_events
+    procedure :: set_breakpoints => solver_set_breakpoints
+    procedure :: get_jump => solver_get_jump
+    procedure :: jump => solver_jump
+    procedure :: impact => solver_impact
     procedure :: interpolate => solver_interpolate
     procedure :: set_sensitivities => solver_set_sensitivities
     procedure :: get_sensitivities => solver_get_sensitivities
@@ -680,6 +684,110 @@ contains
     status = c_get_events(self%handle, which)
   end subroutine solver_get_events
 
+  !> Sets the times at which data have kinks or jumps: steps end there. modes.h has the rules.
+  subroutine solver_set_breakpoints(self, t, status, kinds)
+    class(dae_solver), intent(inout) :: self
+    !> Increasing; of size 0: no breakpoints any more.
+    real(c_double), contiguous, intent(in) :: t(:)
+    integer(c_int), intent(out) :: status
+    !> sfdae_breakpoint_kink or sfdae_breakpoint_jump for each; absent: all are kinks.
+    integer(c_int), contiguous, target, intent(in), optional :: kinds(:)
+    type(c_ptr) :: address
+
+    call check_call(self, status)
+    if (status < 0) return
+    address = c_null_ptr
+    if (present(kinds)) then
+      status = sfdae_illegal_argument
+      self%complaint = "kinds has not as many entries as t"
+      if (size(kinds) /= size(t)) return
+      self%complaint = ""
+      if (size(kinds) > 0) address = c_loc(kinds)
+    end if
+    status = c_set_breakpoints(self%handle, size(t, kind=c_int), t, address)
+  end subroutine solver_set_breakpoints
+
+  !> The jump crossed last at a breakpoint; sfdae_not_started if there was none.
+  subroutine solver_get_jump(self, t, before, after, status, impulse)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(inout) :: t
+    !> n values.
+    real(c_double), contiguous, intent(inout) :: before(:)
+    !> n values.
+    real(c_double), contiguous, intent(inout) :: after(:)
+    integer(c_int), intent(out) :: status
+    !> n values: the factor of delta in each component.
+    real(c_double), contiguous, target, intent(inout), optional :: impulse(:)
+    type(c_ptr) :: address
+
+    call check_before_and_after(self, before, after, status)
+    address = c_null_ptr
+    if (present(impulse)) then
+      call check_entries(self, "impulse", size(impulse, kind=c_int), status)
+      address = c_loc(impulse)
+    end if
+    if (status == sfdae_ok) status = c_get_jump(self%handle, t, before, after, address)
+  end subroutine solver_get_jump
+
+  !> The values with which these equations begin at t if others have led to `before`, by impulses
+  !> of these equations. start with what is after goes on.
+  recursive subroutine solver_jump(self, t, toward, before, after, status, impulses)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> In the direction of integration.
+    real(c_double), intent(in) :: toward
+    !> n values.
+    real(c_double), contiguous, intent(in) :: before(:)
+    !> n values.
+    real(c_double), contiguous, intent(inout) :: after(:)
+    integer(c_int), intent(out) :: status
+    !> n rows, as many columns as are wanted: the factors of delta, delta', ...
+    real(c_double), contiguous, target, intent(inout), optional :: impulses(:, :)
+    integer(c_int) :: orders
+    type(c_ptr) :: address
+
+    call check_before_and_after(self, before, after, status)
+    address = c_null_ptr
+    orders = 0
+    if (present(impulses)) then
+      call check_entries(self, "a column of impulses", size(impulses, 1, c_int), status)
+      orders = size(impulses, 2, c_int)
+      if (orders > 0) address = c_loc(impulses)
+    end if
+    if (status == sfdae_ok) &
+      status = c_jump(self%handle, t, toward, before, after, orders, address)
+  end subroutine solver_jump
+
+  !> The velocities of a mechanical system after an impact.
+  recursive subroutine solver_impact(self, t, before, after, status, restitution, impulses)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> n values.
+    real(c_double), contiguous, intent(in) :: before(:)
+    !> n values.
+    real(c_double), contiguous, intent(inout) :: after(:)
+    integer(c_int), intent(out) :: status
+    !> Of the nl + nk constraints, holonomic ones first, 0 to 1 each; absent: all 0.
+    real(c_double), contiguous, target, intent(in), optional :: restitution(:)
+    !> Of the nl + nk constraints.
+    real(c_double), contiguous, target, intent(inout), optional :: impulses(:)
+    type(c_ptr) :: coefficients, forces
+
+    call check_before_and_after(self, before, after, status)
+    coefficients = c_null_ptr
+    forces = c_null_ptr
+    if (present(restitution)) then
+      call check_constraints(self, "restitution", size(restitution, kind=c_int), status)
+      coefficients = c_loc(restitution)
+    end if
+    if (present(impulses)) then
+      call check_constraints(self, "impulses", size(impulses, kind=c_int), status)
+      forces = c_loc(impulses)
+    end if
+    if (status == sfdae_ok) &
+      status = c_impact(self%handle, t, coefficients, before, after, forces)
+  end subroutine solver_impact
+
   !> The solution at any t within the last step taken. The point reached stays.
   recursive subroutine solver_interpolate(self, t, x, status, xdot)
     class(dae_solver), intent(inout) :: self
@@ -1215,6 +1323,35 @@ contains
     call check_entries(self, "xdot", size(xdot, kind=c_int), status)
     xdot_address = c_loc(xdot)
   end subroutine check_point
+
+  !> Refuses a call with values before and after a jump that have not n entries.
+  subroutine check_before_and_after(self, before, after, status)
+    class(dae_solver), intent(inout) :: self
+    real(c_double), intent(in) :: before(:)
+    real(c_double), intent(in) :: after(:)
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    call check_entries(self, "before", size(before, kind=c_int), status)
+    call check_entries(self, "after", size(after, kind=c_int), status)
+  end subroutine check_before_and_after
+
+  !> Refuses a call with an array that has not one entry for each constraint of a mechanical system.
+  subroutine check_constraints(self, name, length, status)
+    class(dae_solver), intent(inout) :: self
+    character(len=*), intent(in) :: name
+    integer(c_int), intent(in) :: length
+    !> If not sfdae_ok, the call is refused already.
+    integer(c_int), intent(inout) :: status
+
+    if (status /= sfdae_ok) return
+    select type (system => self%holder%problem)
+    class is (multibody_holder)
+      call compare_size(name, length, system%callbacks%nl + system%callbacks%nk, self%complaint, &
+        "nl + nk")
+    end select
+    if (len(self%complaint) > 0) status = sfdae_illegal_argument
+  end subroutine check_constraints
 
   !> Refuses a call with x that has not n entries.
   subroutine check_optional_x(self, status, x, x_address)

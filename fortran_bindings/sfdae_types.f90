@@ -8,6 +8,8 @@ module sfdae_types
   implicit none
   private
 
+  integer(c_int), parameter, public :: sfdae_breakpoint_jump = 1
+  integer(c_int), parameter, public :: sfdae_breakpoint_kink = 0
   integer(c_int), parameter, public :: sfdae_busy = -3
   integer(c_int), parameter, public :: sfdae_callback_failed = -11
   integer(c_int), parameter, public :: sfdae_callback_stopped = -10

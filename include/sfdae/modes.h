@@ -26,15 +26,16 @@ extern "C" {
 #define SFDAE_BREAKPOINT_JUMP 1 /**< data jump so that x may jump: values are found anew by the rule of sfdae_jump */
 
 /** Sets the times at which data have kinks or jumps: steps end there, and the integrator starts anew with short steps of
- * low order, in both directions of integration. Tables of recorded equations need none; their kinks are known.
+ * low order, in both directions of integration. Kinks of tables and of conditions on t in recorded equations are known
+ * without.
  *
  * count: 0 ... 1000000 (0: none any more). t: count times, finite and increasing. kinds: NULL (all are kinks) or count
  * numbers SFDAE_BREAKPOINT_KINK or _JUMP.
  *
- * With delta = 1.5e-14 S, S the largest of the |t| that sfdae_start was given (t and toward) and of the breakpoint itself:
- * up to a breakpoint t_k the functions of the problem are called with t <= t_k - delta, after it with t >= t_k + delta, so
- * that a comparison of t with t_k takes the branch of the side that the step is on whatever its rounding; derivatives by
- * differences, too, and the analysis look at one side only. A kink is crossed by a step of length 2 delta, with calls in
+ * With delta = 1.42e-14 S, S the largest |t_k| (where 0 is the only breakpoint, of the times given to sfdae_start), the
+ * functions of the problem are called with t <= t_k - delta up to a breakpoint t_k, and with t >= t_k + delta after it: a
+ * comparison of t with t_k takes the branch of the side that the step is on, whatever its rounding. Derivatives by
+ * differences and the analysis look at one side only, too. A kink is crossed by a step of length 2 delta, with calls in
  * between; at a jump there are none. (A start at a breakpoint itself calls them there: they decide which side it is.)
  *
  *  - At a kink E x has to be continuous. If it is not, the call ends with SFDAE_STEP_TOO_SMALL, which names the component:
@@ -76,8 +77,8 @@ SFDAE_API int sfdae_get_jump(const sfdae_solver* solver, double* t, double* befo
  * Failures: those of sfdae_analyze_at; SFDAE_NO_CONSISTENT_VALUES where the jump is not determined (u > 0 without
  * prescribed components, factors that jump themselves, positions that would have to jump), or impulses do not lead to
  * consistent values (redundant equations, v > 0). `after` and `impulses` are untouched then. */
-SFDAE_API int sfdae_jump(sfdae_solver* solver, double t, double toward, const double* before, double* after, int orders,
-                         double* impulses);
+SFDAE_API int sfdae_jump(sfdae_solver* solver, double t, double toward, const double* before, double* after,
+                         int orders, double* impulses);
 
 /** The velocities of a multibody system after an impact at t,
  *

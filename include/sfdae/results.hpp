@@ -117,6 +117,14 @@ struct ExtendedSystem {
   std::vector<double> f, w;
 };
 
+/// Values before and after equations or data change at t, and the impulses there: x = impulses(:, 0) delta(t) +
+/// impulses(:, 1) delta'(t) + ..., n rows.
+struct Jump {
+  double t = 0;
+  std::vector<double> before, after;
+  Matrix impulses;
+};
+
 }  // namespace sfdae
 
 #endif

@@ -26,6 +26,7 @@
 #ifndef SFDAE_SFDAE_HPP
 #define SFDAE_SFDAE_HPP
 
+#include <sfdae/modes.h>
 #include <sfdae/sfdae.h>
 #include <sfdae/callbacks.hpp>
 #include <sfdae/ensemble.hpp>
@@ -210,6 +211,46 @@ class Solver {
     state_->event_function = std::move(function);
     state_->num_events = count;
     return status;
+  }
+
+  /// Times at which data have kinks or jumps, increasing; kinds: empty (all are kinks), or SFDAE_BREAKPOINT_KINK or
+  /// SFDAE_BREAKPOINT_JUMP for each. None: no breakpoints any more. See sfdae_set_breakpoints.
+  int set_breakpoints(const std::vector<double>& t, const std::vector<int>& kinds = {}) {
+    if (!kinds.empty()) detail::require_size(kinds.size(), static_cast<int>(t.size()), "kinds", "times");
+    return checked(
+        sfdae_set_breakpoints(get(), static_cast<int>(t.size()), t.data(), kinds.empty() ? nullptr : kinds.data()));
+  }
+
+  /// The jump crossed last at a breakpoint, with the impulse of order 0 alone.
+  Jump last_jump() const {
+    const std::size_t n = detail::size(num_unknowns());
+    Jump jump{0.0, std::vector<double>(n), std::vector<double>(n), Matrix(num_unknowns(), 1)};
+    checked(sfdae_get_jump(get(), &jump.t, jump.before.data(), jump.after.data(), jump.impulses.data()));
+    return jump;
+  }
+
+  /// The values with which these equations begin at t if others have led to `before`, by impulses of these equations;
+  /// orders: how many impulses are wanted, of delta, delta', ... See sfdae_jump; start() with the values after it goes on.
+  Jump jump(double t, double toward, const std::vector<double>& before, int orders = 1) {
+    detail::require_size(before.size(), num_unknowns(), "before");
+    Jump jump{t, before, before, Matrix(num_unknowns(), orders < 0 ? 0 : orders)};
+    checked(sfdae_jump(get(), t, toward, before.data(), jump.after.data(), orders, jump.impulses.data()));
+    return jump;
+  }
+
+  /// The velocities of a mechanical system after an impact with coefficients of restitution, empty (all 0) or one for
+  /// each constraint, and the impulses of the constraints in the rows of lambda and kappa. See sfdae_impact.
+  Jump impact(double t, const std::vector<double>& before, const std::vector<double>& restitution = {}) {
+    const auto* problem = std::get_if<MultibodyProblem>(state_ ? &state_->problem : nullptr);
+    const int count = problem != nullptr ? problem->num_constraints + problem->num_nonholonomic : 0;
+    detail::require_size(before.size(), num_unknowns(), "before");
+    if (problem != nullptr && !restitution.empty())
+      detail::require_size(restitution.size(), count, "restitution", "constraints");
+    Jump jump{t, before, before, Matrix(num_unknowns(), 1)};
+    double* const impulses = jump.impulses.data() + (num_unknowns() - count);
+    checked(sfdae_impact(get(), t, restitution.empty() ? nullptr : restitution.data(), before.data(),
+                         jump.after.data(), impulses));
+    return jump;
   }
 
   /// Which events happened at the point returned with SFDAE_EVENT: +1 rising, -1 falling, else 0.

@@ -48,6 +48,7 @@ from ._inspection import (
     Structure,
 )
 from ._linearization import Descriptor, Spectrum
+from ._modes import Jump
 from ._multibody import MultibodyProblem
 from ._options import OPTION_NAMES, choices
 from ._problem import LinearProblem, NonlinearProblem, Problem
@@ -74,7 +75,7 @@ __version__ = version()
 __all__ = [
     "CannotEvaluate", "Condition", "DerivativeArray", "Descriptor", "EnsembleSolution", "Error",
     "Event", "EventRecord", "Expression", "ExtendedSystem", "InitialValuesWarning",
-    "IntegrationWarning", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
+    "IntegrationWarning", "Jump", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
     "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning", "Solution", "Solver", "Spectrum",
     "Status", "Steps", "StrangenessFreeSystem", "Struct", "Structure", "analyze", "choices", "choose",
     "derivative", "external", "table", "time_derivative",

@@ -97,7 +97,11 @@ int sfdae_set_breakpoints(sfdae_solver* solver, int count, const double* t, cons
 int sfdae_get_jump(const sfdae_solver* solver, double* t, double* before, double* after, double* impulse) {
   if (solver == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
   const auto& last = solver->jumps.last();
-  if (!last) return SFDAE_NOT_STARTED;
+  if (!last) {
+    if (!solver->message_explains_failure)
+      std::snprintf(solver->message, sizeof solver->message, "no jump has been crossed since sfdae_start.");
+    return SFDAE_NOT_STARTED;
+  }
   if (t != nullptr) *t = last->t;
   if (before != nullptr) std::copy(last->before.begin(), last->before.end(), before);
   if (after != nullptr) std::copy(last->after.begin(), last->after.end(), after);

@@ -446,6 +446,7 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
     solver->decisions.clear();
     solver->initial_report.reset();
     solver->direction = solver->integration->direction();
+    solver->breakpoints->set_size(solver->integration->size_of_times());
     set_limits(*solver, solver->integration->start(), solver->direction);
     return {};
   });

@@ -84,18 +84,23 @@ void TimeBreakpoints::set_times(std::vector<double> times, std::vector<char> jum
   jumps_ = std::move(jumps);
 }
 
+double TimeBreakpoints::size() const {
+  const double largest = times_.empty() ? 0.0 : std::max(std::fabs(times_.front()), std::fabs(times_.back()));
+  return largest > 0.0 ? largest : size_of_times_;
+}
+
 // Two on each side: gaps may hold each other's times.
 void TimeBreakpoints::search_times(Search& search_for) const {
   const auto place = std::lower_bound(times_.begin(), times_.end(), search_for.t) - times_.begin();
   const auto last = std::min<std::ptrdiff_t>(place + 2, static_cast<std::ptrdiff_t>(times_.size()));
   for (auto k = std::max<std::ptrdiff_t>(place - 2, 0); k < last; ++k)
-    search_for.note_kink(times_[static_cast<std::size_t>(k)], size_, jumps_[static_cast<std::size_t>(k)] != 0);
+    search_for.note_kink(times_[static_cast<std::size_t>(k)], size(), jumps_[static_cast<std::size_t>(k)] != 0);
 }
 
 double TimeBreakpoints::end_of_piece(double t, double direction) const {
   double end = direction * infinity;
   for (const double time : times_) {
-    const double half = Search::half_of_gap(time, size_);
+    const double half = Search::half_of_gap(time, size());
     if ((time - t) * direction > (1.0 + same_end) * half && (end - time) * direction > 0.0)
       end = time - direction * half;
   }

@@ -22,8 +22,8 @@ class TimeBreakpoints {
   // The user's, increasing, besides those of tables; jumps: flags, of those at which x may jump.
   void set_times(std::vector<double> times, std::vector<char> jumps);
   bool has_times() const { return !times_.empty(); }
-  // Times have rounding errors of this size at least.
-  void set_size(double size) { size_ = size; }
+  // Of times of an integration, where 0 is the only one of these.
+  void set_size(double size) { size_of_times_ = size; }
   // Where the gap of the next one of these begins beyond t and any gap that holds t; infinite: there is none.
   double end_of_piece(double t, double direction) const;
 
@@ -102,7 +102,8 @@ class TimeBreakpoints {
   std::vector<Inputs> inputs_;
   std::vector<double> times_;
   std::vector<char> jumps_;
-  double size_ = 0.0;
+  double size() const;  // the largest of these
+  double size_of_times_ = 1.0;
   int differentiations_ = 0;
 };
 

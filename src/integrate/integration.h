@@ -4,6 +4,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -72,6 +74,7 @@ class Integration {
   const Stepper& stepper() const { return *integrator_.stepper; }
   Method method() const { return integrator_.method; }  // at present: bdf or radau
   double direction() const { return integrator_.direction; }
+  double size_of_times() const { return std::max(std::fabs(start_), std::fabs(integrator_.stepper->state().t)); }
   double start() const { return start_; }  // of a checkpoint that is short: 0
   const std::optional<LocatedChange>& change() const { return change_; }
 
