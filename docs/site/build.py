@@ -41,6 +41,7 @@ docs/guide/performance
 docs/guide/events_and_ensembles
 docs/guide/linearization
 docs/guide/sensitivities
+docs/guide/modes
 docs/guide/python
 docs/guide/program
 docs/guide/coverage

@@ -11,7 +11,8 @@ from headers import as_rst, title
 # Headings where the name of a header is not enough, in the order of the pages. Others follow.
 C_HEADINGS = {"sfdae": "Life cycle, options, linear problems", "expression": "Expressions, nonlinear problems",
               "multibody": "Mechanical systems", "ensemble": "Ensembles", "sensitivity": "Sensitivities",
-              "linearization": "Linearization, descriptor systems"}
+              "linearization": "Linearization, descriptor systems",
+              "modes": "Switches, impacts, breakpoints"}
 CPP_HEADINGS = {"sfdae": "The solver", "problem": "Problems", "expression": "Expressions",
                 "results": "Options, points, results, errors", "ensemble": "Ensembles", "sensitivity": "Sensitivities",
                 "linearization": "Linearization, descriptor systems"}
@@ -104,7 +105,7 @@ def pages(root, xml_folder):
         result[f"c_{name}.rst"] = c_page(root, xml_folder, name, heading)
     for name, heading in cpp_headers.items():
         result[f"cpp_{name}.rst"] = cpp_page(root, xml_folder, name, heading)
-    result["c.rst"] = contents("C", "Programs include ``sfdae/sfdae.h``, which includes the others.",
+    result["c.rst"] = contents("C", "Programs include ``sfdae/sfdae.h``, which includes the others but ``sfdae/modes.h``.",
                                [f"c_{name}" for name in c_headers])
     result["cpp.rst"] = contents("C++", "Programs include ``sfdae/sfdae.hpp``, which includes the others.",
                                  [f"cpp_{name}" for name in cpp_headers])
