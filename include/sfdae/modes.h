@@ -45,8 +45,8 @@ extern "C" {
  *    both sides, else the call ends with SFDAE_CHARACTERISTICS_CHANGED or with what sfdae_jump fails with, with the values
  *    before: go on with sfdae_analyze_at, sfdae_jump and sfdae_start.
  *  - tout = t_k gives the solution after t_k (for both directions, that on the side of larger t), with x' there.
- *  - Breakpoints survive sfdae_start, sfdae_analyze and sfdae_set_options. They are not in checkpoints: set the same ones
- *    before restoring. Set during an integration, they count from the next step on.
+ *  - Breakpoints survive sfdae_start, sfdae_analyze and sfdae_set_options, and hold for the instances of ensembles. They are
+ *    not in checkpoints: set the same ones before restoring. Set during an integration, they count from the next step on.
  * SFDAE_ILLEGAL_ARGUMENT names the first time that is not finite, not larger than the one before, or of unknown kind, and
  * leaves the breakpoints as they were. */
 SFDAE_API int sfdae_set_breakpoints(sfdae_solver* solver, int count, const double* t, const int* kinds);

@@ -40,6 +40,8 @@ EnsembleWorker::EnsembleWorker(sfdae_solver& prototype, const EnsembleTask& task
       outputs_(x_.size() * index(task.ensemble.num_times)),
       slopes_(task.results.xdot != nullptr ? outputs_.size() : 0) {
   solver_.problem().stop_with(prototype.problem());
+  solver_.breakpoints->take_times(*prototype.breakpoints);
+  solver_.use_breakpoints(solver_.options.integration);
 }
 
 bool EnsembleWorker::set_parameters(int instance, InstanceOutcome& outcome) {

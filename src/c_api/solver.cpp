@@ -442,6 +442,7 @@ int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, siz
     solver->integration =
         restore_checkpoint(solver->model, solver->options.model, solver->options.integration, checkpoint, length);
     solver->note_differentiations();
+    solver->jumps.forget();
     solver->integration->record(solver->solution);
     solver->decisions.clear();
     solver->initial_report.reset();

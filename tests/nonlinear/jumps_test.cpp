@@ -238,6 +238,60 @@ TEST(Impacts, OfRedundantConstraintsAreShared) {
             SFDAE_INCONSISTENT_EQUATIONS);
 }
 
+// The minimal extension with sparse matrices has the same jumps, also at breakpoints: a capacitor whose charge is q = v + v^3
+// follows a source that steps from 0 to 1 at t = 1/2, q' = i, v = s(t), and charges another one through i2, 3 w' = i2 = v - w.
+TEST(Jumps, OfSparseEquationsAreTheSame) {
+  sfdae::NonlinearProblem problem(5, 5);
+  problem.equations = [](const auto& t, auto x, auto xdot, auto F) {
+    F[0] = xdot[0] - x[2];
+    F[1] = x[0] - x[1] - x[1] * x[1] * x[1];
+    F[2] = x[1] - choose(t < 0.5, 0.0, 1.0);
+    F[3] = 3.0 * xdot[3] - x[4];
+    F[4] = x[4] - x[1] + x[3];
+  };
+  for (int structure : {SFDAE_STRUCTURE_OFF, SFDAE_STRUCTURE_AUTOMATIC, SFDAE_STRUCTURE_REQUIRED})
+    for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+      sfdae::Options options = loose_off();
+      options.structure = structure;
+      options.method = method;
+      sfdae::Solver solver(problem, options);
+      solver.set_breakpoints({0.5}, {SFDAE_BREAKPOINT_JUMP});
+      sfdae::Point point{0.0, {0.0, 0.0, 0.0, 0.0, 0.0}, {}};
+      solver.start(point, 1.0);
+      solver.advance(1.0, point);
+      EXPECT_NEAR(point.x[0], 2.0, 1e-7) << structure;
+      EXPECT_NEAR(point.x[1], 1.0, 1e-7);
+      EXPECT_NEAR(point.x[2], 0.0, 1e-6);
+      EXPECT_NEAR(point.x[3], 1.0 - std::exp(-0.5 / 3.0), 1e-7);
+      EXPECT_NEAR(solver.last_jump().impulses(2, 0), 2.0, 1e-7);
+      EXPECT_NEAR(solver.last_jump().after[3], 0.0, 1e-7);
+    }
+}
+
+// The same capacitors, as many as threads take.
+TEST(Jumps, HappenInEnsembles) {
+  sfdae::NonlinearProblem problem(2, 2);
+  problem.equations = [](const auto& t, auto x, auto xdot, auto F) {
+    F[0] = xdot[0] - x[1];
+    F[1] = x[0] - sfdae::parameter(t, "height", 1.0) * choose(t < 0.5, 0.0, 1.0);
+  };
+  sfdae::Solver solver(problem, loose_off());
+  solver.set_breakpoints({0.5}, {SFDAE_BREAKPOINT_JUMP});
+  sfdae::Ensemble ensemble;
+  ensemble.times = {1.0};
+  ensemble.parameter_names = {"height"};
+  ensemble.x0 = sfdae::Matrix(2, 3);
+  ensemble.parameters = sfdae::Matrix(1, 3);
+  for (int i = 0; i < 3; ++i) ensemble.parameters(0, i) = 1.0 + i;
+  sfdae::EnsembleSolution solution = solver.solve_ensemble(ensemble);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(solution.statuses[static_cast<std::size_t>(i)], SFDAE_OK)
+        << solution.messages[static_cast<std::size_t>(i)];
+    EXPECT_NEAR(solution.x()[static_cast<std::size_t>(2 * i)], 1.0 + i, 1e-7);
+    EXPECT_NEAR(solution.x()[static_cast<std::size_t>(2 * i + 1)], 0.0, 1e-7);
+  }
+}
+
 // A driven circuit, E x' = A x + f with redundant equations that agree, and with some that contradict the values before:
 // x1' = 0, x1 = 1.
 TEST(Jumps, AreRefusedWhereRedundantEquationsContradict) {
