@@ -32,6 +32,7 @@ def solve(
     t_eval: Any = None,
     dense_output: bool | None = None,
     events: Any = None,
+    breakpoints: Any = None,
     fixed: Any = None,
     parameters: Mapping[str, Any] | None = None,
     sensitivities: Sequence[str] | None = None,
@@ -71,6 +72,9 @@ def solve(
     events : callable, Event, or sequence of these, optional
         Functions ``g(t, x)`` or ``g(t, x, xdot)`` whose zeros are located; see Event. As in
         solve_ivp, attributes ``terminal`` and ``direction`` of functions count.
+    breakpoints : sequence of float or dict, optional
+        Times at which data have kinks, where steps end; or a dict of times and ``"kink"`` or
+        ``"jump"``, the latter where x may jump. See Solver.set_breakpoints.
     fixed : sequence of str or int or bool, optional
         Unknowns whose initial values must not change.
     parameters : dict, optional
@@ -139,6 +143,10 @@ def solve(
     solver = Solver(problem, parameters=parameters, monitor=monitor, **options)
     dense = RecordedSolution() if dense_output else None
     bar = ProgressBar(t0, t1) if progress else None
+    if isinstance(breakpoints, Mapping):
+        solver.set_breakpoints(sorted(breakpoints), [breakpoints[t] for t in sorted(breakpoints)])
+    elif breakpoints is not None:
+        solver.set_breakpoints(breakpoints)
     solver._recorder.records = 1
     if bar is not None:
         solver._set_monitor(bar.watch(monitor))

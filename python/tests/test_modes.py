@@ -79,3 +79,21 @@ def test_bad_breakpoints():
     with pytest.raises(ValueError, match="'bend'"):
         solver.set_breakpoints([1], "bend")
     solver.set_breakpoints([])
+
+
+@pytest.mark.parametrize("method", ["bdf", "radau"])
+def test_breakpoints_of_solve(method):
+    sol = sfdae.solve(driven(), (0, 1), [0, 0], method=method, breakpoints={0.5: "jump"})
+    assert sol.success
+    assert sol(0.4)[0] == pytest.approx(0, abs=1e-9) and sol(0.6)[0] == pytest.approx(1, abs=1e-9)
+    sol = sfdae.solve(
+        lambda t, x, xdot: [xdot[0] - x[1], x[0] - sfdae.maximum(t - 0.5, 0)],
+        (0, 1),
+        [0, 0],
+        method=method,
+        breakpoints=[0.5],
+        t_eval=[0.25, 0.75],
+    )
+    assert sol.x == pytest.approx(np.array([[0, 0.25], [0, 1]]), abs=1e-6)
+    with pytest.raises(ValueError, match="'bend'"):
+        sfdae.solve(driven(), (0, 1), [0, 0], breakpoints={0.5: "bend"})

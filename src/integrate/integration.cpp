@@ -155,22 +155,18 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   integrator_.must_restart = false;
   approach_.reset();
   if (watch_) watch_->start(direction);
-  record_jump(gap, before, after.x);
+  record_jump(gap, after.x);
 }
 
-// A line from one side to the other.
-void Integration::record_jump(const TimeBreakpoints::Gap& gap, const std::vector<double>& before,
-                              const std::vector<double>& after) {
+// Within the gap the values are those after it.
+void Integration::record_jump(const TimeBreakpoints::Gap& gap, const std::vector<double>& after) {
   const std::shared_ptr<SolutionPieces> solution = solution_.lock();
   if (!solution || !is_recorded_) return;
-  const double from = gap.far_end(-integrator_.direction), to = gap.far_end(integrator_.direction);
-  const auto sample = [&](double t, double* x) {
-    const double part = (t - from) / (to - from);
-    for (std::size_t i = 0; i < before.size(); ++i) x[i] = before[i] + part * (after[i] - before[i]);
-  };
+  const auto sample = [&](double, double* x) { std::copy(after.begin(), after.end(), x); };
   const auto tolerance = [&](int i, const double* x) { return integrator_.weights.tolerance(i, x); };
   is_recorded_ = false;
-  solution->add(integrator_.system.unknowns(), {solution->end(), to, true, sample, tolerance});
+  solution->add(integrator_.system.unknowns(),
+                {solution->end(), gap.far_end(integrator_.direction), true, sample, tolerance});
   is_recorded_ = true;
 }
 

@@ -82,8 +82,7 @@ class Integration {
   CallResult run(double tout, bool one_step);
   void restart_at_kink();
   void cross_jump(const TimeBreakpoints::Gap& gap, double tout);
-  void record_jump(const TimeBreakpoints::Gap& gap, const std::vector<double>& before,
-                   const std::vector<double>& after);
+  void record_jump(const TimeBreakpoints::Gap& gap, const std::vector<double>& after);
   // What keeps the next step from being tried.
   std::optional<CallResult> obstacle(long attempts, double tout) const;
   std::optional<CallResult> attempt_step(double tout);
