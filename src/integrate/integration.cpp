@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "integrate/integration_results.h"
-#include "integrate/jump_rule.h"
 #include "integrate/kinks.h"
 #include "integrate/step_events.h"
 #include "integrate/step_target.h"
@@ -142,32 +141,6 @@ CallResult Integration::run(double tout, bool one_step) {
 void Integration::restart_at_kink() {
   restart(integrator_.method);
   if (watch_) watch_->start(integrator_.direction);
-}
-
-// The point before stays the last one where that throws.
-void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
-  const double direction = integrator_.direction, t = gap.far_end(direction);
-  const std::vector<double> before = integrator_.stepper->x();
-  const double toward = (tout - t) * direction > 0.0 ? tout : time_beside(t, direction);
-  const ConsistentPoint after = options_.jumps->values_after({t, toward, before.data()});
-  output_.resize(integrator_.system);
-  integrator_.start(t, after.x, after.xdot, options_);
-  integrator_.must_restart = false;
-  approach_.reset();
-  if (watch_) watch_->start(direction);
-  record_jump(gap, after.x);
-}
-
-// Within the gap the values are those after it.
-void Integration::record_jump(const TimeBreakpoints::Gap& gap, const std::vector<double>& after) {
-  const std::shared_ptr<SolutionPieces> solution = solution_.lock();
-  if (!solution || !is_recorded_) return;
-  const auto sample = [&](double, double* x) { std::copy(after.begin(), after.end(), x); };
-  const auto tolerance = [&](int i, const double* x) { return integrator_.weights.tolerance(i, x); };
-  is_recorded_ = false;
-  solution->add(integrator_.system.unknowns(),
-                {solution->end(), gap.far_end(integrator_.direction), true, sample, tolerance});
-  is_recorded_ = true;
 }
 
 std::optional<CallResult> Integration::obstacle(long attempts, double tout) const {

@@ -9,6 +9,7 @@
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "system/least_change.h"
 
 namespace sfdae::core {
 
@@ -118,8 +119,8 @@ Vector solve(LeastSquares problem, double t) {
   return y;
 }
 
-void demand_solution(const TaylorData& data, int mu, ConstView theta, double t) {
-  const Vector left = residuals_of_impulses(data, mu, theta);
+void demand_solution(const TaylorData& data, int mu, ConstView theta, double rounding) {
+  const Vector left = residuals_of_impulses(data, mu, theta, rounding);
   for (std::size_t i = 0; i < left.size(); ++i)
     if (!(left[i] <= contradiction))
       throw Failure(
@@ -127,12 +128,18 @@ void demand_solution(const TaylorData& data, int mu, ConstView theta, double t) 
           format(
               "no impulses of the equations lead from the values before t = %.15g to consistent ones: equation %d, "
               "or its derivative, cannot hold. Equations that are redundant contradict these values.",
-              t, static_cast<int>(i) % data.m));
+              data.t, static_cast<int>(i) % data.m));
 }
 
 }  // namespace
 
-Vector residuals_of_impulses(const TaylorData& data, int mu, ConstView theta) {
+double rounding_of_impulses(const ConstrainedPoint& point, double size) {
+  // Two digits of room for errors of the directions; never more than that. (Chosen.)
+  constexpr double room = 1e2, least = 1e-12, most = 1e-8;
+  return std::clamp(room * error_of_directions(point.form.n, point.kept), least, most) * size;
+}
+
+Vector residuals_of_impulses(const TaylorData& data, int mu, ConstView theta, double rounding) {
   const int m = data.m, n = data.n;
   Vector result(index((mu + 1) * m), 0.0);
   const double largest = max_abs(theta);
@@ -149,7 +156,8 @@ Vector residuals_of_impulses(const TaylorData& data, int mu, ConstView theta) {
     }
     for (int row = 0; row < m; ++row) {
       const double scale = std::max(size[index(row)], negligible * largest);
-      if (scale > 0.0) result[index(p * m + row)] = std::fabs(left[index(row)]) / scale;
+      const double beyond = std::max(std::fabs(left[index(row)]) - rounding, 0.0);
+      if (scale > 0.0) result[index(p * m + row)] = beyond / scale;
     }
   }
   return result;
@@ -180,7 +188,10 @@ Jump jump_by_impulses(const ImpulseEquations& of, const Vector& before, Matrix* 
       jump.impulses(i, j - 1) = units[i] * factor * found(i, j);
     }
   }
-  demand_solution(of.data, mu, found, t);
+  double size = of.size;
+  for (int i = 0; i < n; ++i)
+    size = std::max({size, std::fabs(before[index(i)] / units[i]), std::fabs(jump.x[index(i)])});
+  demand_solution(of.data, mu, found, rounding_of_impulses(of.point, size));
   units.outward(jump.x.data());
   if (!all_finite(jump.x.data(), index(n)) || !all_finite(jump.impulses.data(), index(n * mu)))
     throw Failure(SFDAE_NOT_FINITE, format("values after the jump at t = %.15g overflow: rescale.", t));

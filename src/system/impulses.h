@@ -40,20 +40,25 @@ struct InputsAfter {
   std::vector<double> values;
 };
 
-// data: the coefficients up to order mu, all rows.
+// data: the coefficients up to order mu, all rows. size: of what rounding errors are relative to, where values are changes of
+// a point, in scaled units.
 struct ImpulseEquations {
   const ConstrainedPoint& point;
   const TaylorData& data;
   int mu;
   const InputsAfter& inputs;
+  double size = 0.0;
 };
+
+// What rounding errors of values of this size may leave in the equations.
+double rounding_of_impulses(const ConstrainedPoint& point, double size);
 
 // before: x-, in the user's units, as the result. theta, if not null: in scaled units, n x (mu + 1). Throws Failure:
 // SFDAE_NO_CONSISTENT_VALUES where the equations do not determine x+, or there is none.
 Jump jump_by_impulses(const ImpulseEquations& equations, const std::vector<double>& before, Matrix* theta = nullptr);
 
-// What is left of the equations above for these theta and the coefficients of another point, per row of size: an array of
-// mu + 1 blocks of m rows; 0 where they hold.
-std::vector<double> residuals_of_impulses(const TaylorData& data, int mu, ConstView theta);
+// What is left of the equations above for these theta and the coefficients of another point, beyond rounding errors and
+// relative to what is added up in each: mu + 1 blocks of m rows.
+std::vector<double> residuals_of_impulses(const TaylorData& data, int mu, ConstView theta, double rounding);
 
 }  // namespace sfdae::core

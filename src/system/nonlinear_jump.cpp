@@ -43,6 +43,7 @@ struct Found {
   Matrix theta;
   Jet jet;
   TaylorData data;
+  double rounding = 0.0;  // in the equations of impulses
 };
 
 Vector difference(const Vector& a, const double* b) {
@@ -68,8 +69,11 @@ Found iterate(NonlinearProblem& problem, const LinearizedConstraints::Known& kno
     for (int i : problem.prescribed()) inputs.values.push_back(inputs_after[index(i)] - found.jet.x[index(i)]);
     found.data = coefficients_at(problem, known, found.jet, nullptr);
     const ConstrainedPoint point = constraints.point();
+    double size = constraints.size_of(found.jet);
+    for (int i = 0; i < found.jet.n; ++i) size = std::max(size, std::fabs(before[index(i)]) / known.units[i]);
+    found.rounding = rounding_of_impulses(point, size);
     found.jump =
-        jump_by_impulses({point, found.data, mu, inputs}, difference(before, found.jet.x.data()), &found.theta);
+        jump_by_impulses({point, found.data, mu, inputs, size}, difference(before, found.jet.x.data()), &found.theta);
     const double change = constraints.move_by(found.jump.x, found.jet);
     if (change > no_change) solver.solve(found.jet, mu);
     if (change > converged) continue;
@@ -118,7 +122,7 @@ bool has_same_factors(NonlinearProblem& problem, const LinearizedConstraints::Kn
     row = -1;
     return false;
   }
-  const Vector left = residuals_of_impulses(data, known.analysis.values.mu, found.theta);
+  const Vector left = residuals_of_impulses(data, known.analysis.values.mu, found.theta, found.rounding);
   const auto worst = std::max_element(left.begin(), left.end());
   if (worst == left.end() || *worst <= same_factors) return true;
   row = static_cast<int>(worst - left.begin()) % problem.m();
@@ -132,7 +136,7 @@ bool has_jumped(const Found& found, const Units& units) {
     largest = std::max(largest, std::fabs(found.jet.x[index(i)]) / units[i]);
     for (int k = 0; k < found.theta.cols(); ++k) jumped = std::max(jumped, std::fabs(found.theta(i, k)));
   }
-  return jumped > 1e-10 * largest;
+  return jumped > std::max(1e-10 * largest, found.rounding);
 }
 
 void demand_linearity(NonlinearProblem& problem, const LinearizedConstraints::Known& known, const Found& found) {

@@ -257,6 +257,30 @@ TEST(Jumps, FollowTheConsistencyProjector) {
   }
 }
 
+// Values that are consistent already, or but for rounding errors, or nearly, of any size.
+TEST(Jumps, LeaveConsistentValues) {
+  Random random(3);
+  double largest = 0.0;
+  for (int k = 0; k < 300; ++k) {
+    const int mu = random.integer(0, 3), a = random.integer(mu + 1, mu + 3), d = random.integer(0, 3);
+    Mode mode(random, d, a, mu);
+    const double size = std::pow(10.0, random.integer(0, 8)),
+                 error = k % 2 == 0 ? 0.0 : std::pow(10.0, random.real(-16, -6));
+    for (auto& wave : mode.waves) wave.c *= size;
+    Values y1 = random.reals(d, -size, size), before = mode.solution(0.3, 0.3, y1);
+    for (double& value : before) value += error * size * random.real(-1.0, 1.0);
+    sfdae_options options;
+    sfdae_options_init(&options, sizeof options);
+    const Solver solver = solver_of(mode, options, true);
+    Values after(before), impulses(static_cast<std::size_t>(mode.n()));
+    ASSERT_EQ(sfdae_jump(solver.get(), 0.3, 1.0, before.data(), after.data(), 1, impulses.data()), SFDAE_OK)
+        << sfdae_message(solver.get());
+    largest = std::max(largest, error_of_jump(mode, 0.3, before, after, impulses));
+  }
+  std::printf("values that are consistent: relative error %.2g\n", largest);
+  EXPECT_LE(largest, 1e-11);
+}
+
 // pF beside nH, nanoseconds or hours.
 TEST(Jumps, DoNotDependOnUnits) {
   for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
