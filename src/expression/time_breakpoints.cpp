@@ -98,13 +98,14 @@ void TimeBreakpoints::search_times(Search& search_for) const {
 }
 
 double TimeBreakpoints::end_of_piece(double t, double direction) const {
-  double end = direction * infinity;
-  for (const double time : times_) {
-    const double half = Search::half_of_gap(time, size());
-    if ((time - t) * direction > (1.0 + same_end) * half && (end - time) * direction > 0.0)
-      end = time - direction * half;
+  const auto count = static_cast<std::ptrdiff_t>(times_.size());
+  const auto above = std::upper_bound(times_.begin(), times_.end(), t) - times_.begin();
+  const std::ptrdiff_t step = direction > 0.0 ? 1 : -1;
+  for (std::ptrdiff_t k = direction > 0.0 ? above : above - 1; k >= 0 && k < count; k += step) {
+    const double time = times_[static_cast<std::size_t>(k)], half = Search::half_of_gap(time, size());
+    if ((time - t) * direction > (1.0 + same_end) * half) return time - direction * half;
   }
-  return end;
+  return direction * infinity;
 }
 
 std::optional<double> TimeBreakpoints::next(double t, double direction) { return search(t, direction).end; }
