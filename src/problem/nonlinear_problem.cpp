@@ -162,8 +162,8 @@ const Structure* RecordedProblem::structure() {
 
 CallbackError RecordedProblem::gradient_entries(double t, const double* jet, int order,
                                                 const std::vector<int>& limits, double* values) {
-  return gradients_for(
-      t, [&](TaylorEvaluator& evaluator) { return evaluator.entries(t, jet, order, limits, values); });
+  return gradients_for(t,
+                       [&](TaylorEvaluator& evaluator) { return evaluator.entries(t, jet, order, limits, values); });
 }
 
 CallbackError RecordedProblem::evaluate_values(double t, const double* jet, int order, double* F) {
