@@ -82,9 +82,8 @@ module sfdae
   public :: sfdae_linear_problem, sfdae_nonlinear_problem, sfdae_multibody_problem, &
     sfdae_multibody_formulas, sfdae_options
   public :: sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results
-  public :: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results, dae_sensitivities, &
-    dae_solution
-  public :: dae_descriptor, dae_linearization
+  public :: sfdae_descriptor_matrices, sfdae_linearization
+  public :: sfdae_sensitivity_options, sfdae_sensitivity_statistics
 
   ! ---- Version of the header that these modules mirror --------------------------------------
 
