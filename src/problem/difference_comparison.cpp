@@ -24,6 +24,8 @@ constexpr int spacings = 20;
 // Differences may share their truncation error with their estimate: nothing below is called uncertain. Three digits
 // above rounding, by judgement.
 constexpr double least_uncertainty = 1e3 * unit_roundoff;
+// Of the unit, in the points where functions are called.
+constexpr double few_roundings = 4.0;
 
 double largest(const std::vector<double>& v) { return max_abs({v.data(), static_cast<int>(v.size()), 1, 1}); }
 
@@ -48,6 +50,8 @@ Differences best_differences(int count, double unit, const OffsetFunction& funct
     if (!reached) continue;  // out of the domain of the function: closer points
     double error = 0.0;
     DifferenceFormula(points / 2, 1).apply(1, h, samples.data(), count, candidate.data(), &error);
+    // The points themselves are rounded; where functions are of low degree the formula may see nothing of it.
+    error = std::max(error, few_roundings * unit_roundoff * unit / h * largest(candidate));
     if (best.error >= 0.0 && error >= best.error) continue;
     best = {candidate, error};
   }
