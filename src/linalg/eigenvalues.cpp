@@ -78,6 +78,14 @@ struct Norms {
   double G, B;
 };
 
+// Infinite where it would overflow, without a floating-point exception.
+Complex quotient(Complex alpha, double beta) {
+  const double size = std::max(std::fabs(alpha.real()), std::fabs(alpha.imag()));
+  if (std::fabs(beta) < 1.0 && size >= std::fabs(beta) * std::numeric_limits<double>::max())
+    return std::numeric_limits<double>::infinity();
+  return alpha / beta;
+}
+
 // y^H (lambda G - B) = 0: the backward error of QZ is some roundings of these norms; 4 by judgement.
 double error_of(const Schur& schur, int k, Complex value, ConstView G, const Norms& norms) {
   const double imaginary = schur.alpha_i[index(k)];
@@ -85,6 +93,7 @@ double error_of(const Schur& schur, int k, Complex value, ConstView G, const Nor
   Vector y = vector_of(schur.left, k, imaginary);
   for (Complex& entry : y) entry = std::conj(entry);
   const double overlap = std::abs(dot(y, product(Op::plain, G, x)));
+  if (!(overlap > 0.0) || !std::isfinite(std::abs(value))) return std::numeric_limits<double>::infinity();
   return 4 * roundoff * (norms.B + std::abs(value) * norms.G) * norm(x) * norm(y) / overlap;
 }
 
@@ -155,6 +164,7 @@ Eigenvalue refined(ShiftedPencil& pencil, const Eigenvalue& known, double larges
       normalize(y);
     }
     const Complex overlap = dot(y, product(Op::plain, pencil.E(), x));
+    if (overlap == 0.0) return known;
     const Complex change = -dot(y, pencil.product(Op::plain, x)) / overlap;
     const double error =
         (4 * roundoff * size_of_terms(pencil, y, x) + what_is_left(pencil, change, y, x)) / std::abs(overlap);
@@ -182,7 +192,7 @@ std::vector<Eigenvalue> generalized_eigenvalues(ConstView G, ConstView B) {
   const Schur schur = decompose(G, B);
   const Norms norms{frobenius(G), frobenius(B)};
   for (int k = 0; k < n; ++k) {
-    const Complex value = Complex(schur.alpha_r[index(k)], schur.alpha_i[index(k)]) / schur.beta[index(k)];
+    const Complex value = quotient({schur.alpha_r[index(k)], schur.alpha_i[index(k)]}, schur.beta[index(k)]);
     const double error = error_of(schur, k, value, G, norms);
     result.push_back({value, error});
     if (schur.alpha_i[index(k)] == 0.0) continue;

@@ -21,7 +21,7 @@ struct Eigenvalue {
   double error = 0.0;
 };
 
-// All of them, by QZ: G and B are square, of one size, finite, G regular. Empty for matrices without columns. The errors are
+// All of them, by QZ: G and B are square, of one size, finite, G regular; where it is not, infinite ones with infinite errors. Empty for matrices without columns. The errors are
 // those that normwise backward stability allows. Throws std::runtime_error where QZ does not converge.
 std::vector<Eigenvalue> generalized_eigenvalues(ConstView G, ConstView B);
 
