@@ -11,8 +11,8 @@
 
 namespace sfdae::core {
 
-PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterSeries& parameters,
-                                        const Place& place, Arena& arena) {
+PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place,
+                                        Arena& arena) {
   const int mu = equations.mu(), m = equations.m(), count = parameters.count();
   const Jet& jet = place.jet;
   const IndexAnalysis& analysis = equations.analysis();

@@ -25,8 +25,7 @@ class SensitivityPoint {
     const double* xdot;
     const RankSequence& known;
   };
-  PointStatus linearize(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place,
-                        Arena& arena);
+  PointStatus linearize(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place, Arena& arena);
 
   // mu = 0 and no constraints: nothing is eliminated, T2 = Z1 = I and xp = 0, which are not formed.
   bool is_ordinary() const { return is_ordinary_; }
