@@ -49,16 +49,7 @@ int guarded_on(sfdae_descriptor* descriptor, Body body) noexcept {
     std::snprintf(descriptor->message, sizeof descriptor->message, "%s", text);
     return status;
   };
-  try {
-    const CallResult result = body();
-    return say(result.status, result.message.c_str());
-  } catch (const Failure& failure) {
-    return say(failure.status(), failure.what());
-  } catch (const std::bad_alloc&) {
-    return say(SFDAE_OUT_OF_MEMORY, out_of_memory);
-  } catch (const std::exception& unexpected) {
-    return say(SFDAE_INTERNAL, unexpected.what());
-  }
+  return status_of(body, say);
 }
 
 bool is_number_of_lines(int count, int least) { return count >= least && count <= most_lines; }

@@ -162,16 +162,7 @@ int caught(char* text, size_t length, Body body) noexcept {
     if (length > 0) std::snprintf(text, length, "%s", message);
     return status;
   };
-  try {
-    const CallResult result = body();
-    return say(result.status, result.message.c_str());
-  } catch (const Failure& failure) {
-    return say(failure.status(), failure.what());
-  } catch (const std::bad_alloc&) {
-    return say(SFDAE_OUT_OF_MEMORY, out_of_memory);
-  } catch (...) {
-    return say(SFDAE_INTERNAL, "an exception came out of a callback.");
-  }
+  return status_of(body, say);
 }
 
 void demand_structure(const Model& model, StructureUse wanted) {

@@ -137,6 +137,23 @@ inline const char* hint_of(const sfdae_solver& solver, int status) {
   }
 }
 
+// What a body returns, or what an exception out of it means, goes to say(status, text), which returns the status.
+template <class Body, class Say>
+int status_of(Body body, Say say) noexcept {
+  try {
+    const CallResult result = body();
+    return say(result.status, result.message.c_str());
+  } catch (const Failure& failure) {
+    return say(failure.status(), failure.what());
+  } catch (const std::bad_alloc&) {
+    return say(SFDAE_OUT_OF_MEMORY, out_of_memory);
+  } catch (const std::exception& unexpected) {
+    return say(SFDAE_INTERNAL, unexpected.what());
+  } catch (...) {
+    return say(SFDAE_INTERNAL, "an exception came out of a callback.");
+  }
+}
+
 // Runs the body of an API call: one at a time, exceptions to status and message.
 template <Text text_kept = Text::of_call, class Body>
 int guarded(sfdae_solver* solver, Body body) noexcept {
@@ -150,19 +167,7 @@ int guarded(sfdae_solver* solver, Body body) noexcept {
     else std::snprintf(solver->message, sizeof solver->message, "%s%s", text, hint_of(*solver, status));
     return status;
   };
-  int status = SFDAE_INTERNAL;
-  try {
-    const CallResult result = body();
-    status = say(result.status, result.message.c_str());
-  } catch (const Failure& failure) {
-    status = say(failure.status(), failure.what());
-  } catch (const std::bad_alloc&) {
-    status = say(SFDAE_OUT_OF_MEMORY, out_of_memory);
-  } catch (const std::exception& unexpected) {
-    status = say(SFDAE_INTERNAL, unexpected.what());
-  } catch (...) {
-    status = say(SFDAE_INTERNAL, "an exception came out of a callback.");
-  }
+  const int status = status_of(body, say);
   if (status == SFDAE_STOPPED) solver->problem().take_stop_request();
   solver->busy.store(false);
   return status;

@@ -3,10 +3,10 @@
 #include "extension/block_determinants.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "linalg/index.h"
+#include "linalg/small_determinant.h"
 
 namespace sfdae::core {
 
@@ -47,47 +47,44 @@ BlockDeterminants::BlockDeterminants(const Structure& structure, TaylorEvaluator
     }
     return false;
   };
+  BlockEntries of_blocks(structure, jacobian_);
   for (int block = 0; block < structure.blocks.count(); ++block) {
     const auto equations = structure.blocks.equations(block);
-    if (std::any_of(equations.begin(), equations.end(), varies)) add(block);
+    if (std::any_of(equations.begin(), equations.end(), varies)) add(block, of_blocks);
   }
 }
 
-void BlockDeterminants::add(int number) {
-  const auto equations = structure_.blocks.equations(number), unknowns = structure_.blocks.unknowns(number);
+void BlockDeterminants::add(int number, BlockEntries& of_blocks) {
   Block block;
   block.number = number;
-  SparsePattern pattern;
-  pattern.size = static_cast<int>(equations.size());
-  std::vector<int> column_of(index(structure_.signature.size()), -1);
-  for (std::size_t k = 0; k < unknowns.size(); ++k) column_of[index(unknowns[k])] = static_cast<int>(k);
-  std::vector<std::vector<std::pair<int, int>>> columns(equations.size());
-  for (std::size_t row = 0; row < equations.size(); ++row)
-    for (int e = jacobian_.first()[index(equations[row])]; e < jacobian_.first()[index(equations[row] + 1)]; ++e)
-      if (const int column = column_of[index(jacobian_.unknown()[index(e)])]; column >= 0)
-        columns[index(column)].emplace_back(static_cast<int>(row), e);
-  pattern.first.assign(1, 0);
-  for (const auto& column : columns) {
-    for (const auto& [row, entry] : column) {
-      pattern.row.push_back(row);
-      block.entries.push_back(entry);
-    }
-    pattern.first.push_back(static_cast<int>(pattern.row.size()));
+  std::vector<std::vector<std::pair<int, int>>> columns(structure_.blocks.equations(number).size());
+  of_blocks.for_each(number, [&](int row, int column, int e) { columns[index(column)].emplace_back(row, e); });
+  const SparsePattern pattern = pattern_of(columns, block.entries);
+  if (pattern.size > largest_small_determinant) {
+    block.lu = std::make_unique<SparseLu<double>>();
+    block.lu->analyze(pattern);
+  } else {
+    for (std::size_t column = 0; column < columns.size(); ++column)
+      for (const auto& [row, e] : columns[column])
+        block.places.push_back(row + static_cast<int>(column) * pattern.size);
   }
-  if (pattern.size > 1) block.lu.analyze(pattern);
   blocks_.push_back(std::move(block));
 }
 
-BlockDeterminants::Value BlockDeterminants::value(Block& block) {
-  values_.clear();
-  for (int entry : block.entries) values_.push_back(jacobian_.values()[index(entry)]);
+BlockDeterminants::Value BlockDeterminants::value(const Block& block) {
+  const std::vector<double>& entries = jacobian_.values();
   Determinant<double> determinant;
-  if (values_.size() == 1) {
-    if (values_[0] == 0.0) return {};
-    determinant.multiply(values_[0]);
+  if (block.lu) {
+    values_.clear();
+    for (int entry : block.entries) values_.push_back(entries[index(entry)]);
+    if (!block.lu->factor(values_.data())) return {};
+    determinant = block.lu->determinant();
   } else {
-    if (!block.lu.factor(values_.data())) return {};
-    determinant = block.lu.determinant();
+    const int equations = size(block);
+    values_.assign(index(equations) * index(equations), 0.0);
+    for (std::size_t k = 0; k < block.entries.size(); ++k)
+      values_[index(block.places[k])] = entries[index(block.entries[k])];
+    if (!small_determinant(values_.data(), equations, determinant)) return {};
   }
   return {determinant.direction > 0.0 ? 1 : -1, determinant.log2};
 }
@@ -96,7 +93,7 @@ bool BlockDeterminants::measure(const Jet& jet, std::vector<Value>& values) {
   values.clear();
   if (blocks_.empty()) return true;
   if (!jacobian_.evaluate(evaluator_, jet.t, jet.x.data())) return false;
-  for (Block& block : blocks_) values.push_back(value(block));
+  for (const Block& block : blocks_) values.push_back(value(block));
   return true;
 }
 

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "expression/taylor_evaluator.h"
@@ -24,7 +25,7 @@ class BlockDeterminants {
   int number(int k) const { return blocks_[index(k)].number; }
 
   // Its number of unknowns.
-  int size(int k) const { return static_cast<int>(structure_.blocks.equations(number(k)).size()); }
+  int size(int k) const { return size(blocks_[index(k)]); }
 
   struct Value {
     int sign = 0;  // 0: singular to working precision
@@ -38,11 +39,13 @@ class BlockDeterminants {
  private:
   struct Block {
     int number;
-    std::vector<int> entries;  // of the system Jacobian, by columns of the block
-    SparseLu<double> lu;       // of blocks of more than one equation
+    std::vector<int> entries;              // of the system Jacobian, by columns of the block
+    std::vector<int> places;               // of small blocks: of these in a full matrix
+    std::unique_ptr<SparseLu<double>> lu;  // of others
   };
-  void add(int number);
-  Value value(Block& block);
+  int size(const Block& block) const { return static_cast<int>(structure_.blocks.equations(block.number).size()); }
+  void add(int number, BlockEntries& of_blocks);
+  Value value(const Block& block);
 
   const Structure& structure_;
   TaylorEvaluator& evaluator_;

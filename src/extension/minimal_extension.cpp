@@ -165,8 +165,7 @@ void MinimalExtension::perturb(double size) {
 CallbackError MinimalExtension::linearize(const Jet& jet) {
   CallbackError error = problem_.gradient_entries(jet.t, jet.x.data(), highest_level_, levels_, coefficients_.data());
   if (error.status != SFDAE_OK) return error;
-  std::fill(values_.begin(), values_.end(), 0.0);
-  for (const Term& term : terms_) values_[index(term.entry)] += term.factor * coefficients_[term.coefficient];
+  sum_terms(terms_, coefficients_, values_);
   return error;
 }
 

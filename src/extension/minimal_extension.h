@@ -86,12 +86,6 @@ class MinimalExtension {
   const std::vector<double>& values() const { return values_; }
 
  private:
-  // values()[entry] += factor times a Taylor coefficient of a derivative of f.
-  struct Term {
-    int entry;
-    std::size_t coefficient;
-    double factor;
-  };
   void number_rows_and_columns();
   void note_parts();
   void make_pattern();
@@ -108,7 +102,7 @@ class MinimalExtension {
   std::vector<int> first_part_{0}, levels_;  // levels: of each recorded equation, the highest
   std::vector<std::vector<int>> place_;      // of x_j^(d_j), x_j^(d_j - 1), ..., x_j
   std::vector<int> first_, column_;
-  std::vector<Term> terms_;
+  std::vector<EntryTerm> terms_;
   std::vector<double> coefficients_, values_;
   SystemJacobian leading_;
   std::vector<double> F_;

@@ -4,15 +4,15 @@
 
 #include <vector>
 
+#include "expression/taylor_evaluator.h"
 #include "linalg/matrix.h"
-#include "problem/nonlinear_problem.h"
 
 namespace sfdae::core {
 
 class ParameterDerivatives {
  public:
   // By the parameters with these numbers, at the values that all have now.
-  ParameterDerivatives(const TaylorEvaluator& equations, std::vector<int> parameters);
+  ParameterDerivatives(const TaylorEvaluator& equations, const std::vector<int>& parameters);
 
   // By form: on x or x'.
   bool depend_on_solution() const;
@@ -20,9 +20,8 @@ class ParameterDerivatives {
   Matrix at(double t, const double* jet);
 
  private:
-  std::vector<int> parameters_;
-  std::vector<double> values_;  // of these
-  RecordedProblem problem_;     // with these as unknowns
+  int m_, count_;
+  TaylorEvaluator evaluator_;  // of the formulas recorded for F_p
 };
 
 }  // namespace sfdae::core

@@ -38,6 +38,16 @@ bool contains_slopes(const Record& equations, const Record& gradient) {
 
 }  // namespace
 
+CallbackError parameter_gradient_error(const TaylorEvaluator& F_p, double t, double user_t) {
+  CallbackError error;
+  error.status = status_of(F_p.failure());
+  error.t = t;
+  error.user_t = user_t;
+  error.detail = "the equations cannot be differentiated by their parameters at " + error.where() + ": " +
+                 F_p.failure().message + ".";
+  return error;
+}
+
 ParameterSeries::ParameterSeries(RecordedProblem& problem, std::vector<int> parameters)
     : problem_(problem),
       parameters_(std::move(parameters)),
@@ -57,15 +67,8 @@ CallbackError ParameterSeries::evaluate(const TaylorData& data, const double* je
   fill(f, 0.0);
   if (chosen == 0) return {};
   F_p_.resize(index(m) * index(chosen) * index(order + 1));
-  if (!evaluator_.values(data.t, jet, order, F_p_.data())) {
-    CallbackError error;
-    error.status = status_of(evaluator_.failure());
-    error.t = data.t;
-    error.user_t = problem_.user_t();
-    error.detail = "the equations cannot be differentiated by their parameters at " + error.where() + ": " +
-                   evaluator_.failure().message + ".";
-    return error;
-  }
+  if (!evaluator_.values(data.t, jet, order, F_p_.data()))
+    return parameter_gradient_error(evaluator_, data.t, problem_.user_t());
   double power = 1.0;
   for (int k = 0; k <= order; ++k) {
     power *= data.time_scale;

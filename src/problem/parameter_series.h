@@ -13,6 +13,9 @@
 
 namespace sfdae::core {
 
+// Of formulas of F_p that could not be evaluated.
+CallbackError parameter_gradient_error(const TaylorEvaluator& F_p, double t, double user_t);
+
 class ParameterSeries {
  public:
   // parameters: their numbers, one for each column; -1: the column is zero, as only initial values differ.

@@ -22,19 +22,12 @@ class TransposedBlock {
  public:
   TransposedBlock(const Structure& structure, const SystemJacobian& jacobian, int block)
       : equations_(structure.blocks.equations(block)), columns_(equations_.size()), largest_(equations_.size(), 0.0) {
-    const auto unknowns = structure.blocks.unknowns(block);
-    std::vector<int> place(index(structure.signature.size()), -1);
-    for (std::size_t k = 0; k < unknowns.size(); ++k) place[index(unknowns[k])] = static_cast<int>(k);
-    for (std::size_t k = 0; k < equations_.size(); ++k) {
-      const std::size_t i = index(equations_[k]);
-      for (int e = jacobian.first()[i]; e < jacobian.first()[i + 1]; ++e) {
-        const int row = place[index(jacobian.unknown()[index(e)])];
-        const double value = jacobian.values()[index(e)];
-        if (row < 0 || value == 0.0) continue;
-        columns_[k].push_back({row, value});
-        largest_[index(row)] = std::max(largest_[index(row)], std::fabs(value));
-      }
-    }
+    BlockEntries(structure, jacobian).for_each(block, [&](int equation, int unknown, int e) {
+      const double value = jacobian.values()[index(e)];
+      if (value == 0.0) return;
+      columns_[index(equation)].push_back({unknown, value});
+      largest_[index(unknown)] = std::max(largest_[index(unknown)], std::fabs(value));
+    });
   }
 
   struct Entry {

@@ -66,4 +66,16 @@ struct SeriesTerm {
 // With f_k = a_1 x_j' + a_0 x_j: D^m f_k contains (binomial(m, s - 1) a_1^(m - s + 1) + binomial(m, s) a_0^(m - s)) x_j^(s).
 SeriesTerm series_term(const EquationTerm& term, bool of_derivative, int s);
 
+// values[entry] += factor times coefficients[coefficient], a Taylor coefficient of a derivative of a recorded equation.
+struct EntryTerm {
+  int entry;
+  std::size_t coefficient;
+  double factor;
+};
+inline void sum_terms(const std::vector<EntryTerm>& terms, const std::vector<double>& coefficients,
+                      std::vector<double>& values) {
+  std::fill(values.begin(), values.end(), 0.0);
+  for (const EntryTerm& term : terms) values[index(term.entry)] += term.factor * coefficients[term.coefficient];
+}
+
 }  // namespace sfdae::core

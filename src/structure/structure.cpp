@@ -57,58 +57,34 @@ void equilibrate(View a) {
 class DiagonalBlocks {
  public:
   DiagonalBlocks(const Structure& structure, const SystemJacobian& jacobian)
-      : structure_(structure), jacobian_(jacobian), place_(index(structure_.signature.size()), -1) {}
+      : structure_(structure), values_(jacobian.values()), entries_(structure, jacobian) {}
+
+  int size(int number) const { return static_cast<int>(structure_.blocks.equations(number).size()); }
 
   Matrix block(int number) {
-    const int size = static_cast<int>(structure_.blocks.equations(number).size());
-    Matrix J(size, size);
-    for_each_entry(number, [&J](int row, int column, double value) { J(row, column) = value; });
+    Matrix J(size(number), size(number));
+    entries_.for_each(number, [&](int row, int column, int e) { J(row, column) = values_[index(e)]; });
     return J;
   }
 
   // Of a block of one equation.
   double only_entry(int number) {
     double entry = 0.0;
-    for_each_entry(number, [&entry](int, int, double value) { entry = value; });
+    entries_.for_each(number, [&](int, int, int e) { entry = values_[index(e)]; });
     return entry;
   }
 
   SparsePattern sparse_block(int number, std::vector<double>& values) {
-    SparsePattern pattern;
-    pattern.size = static_cast<int>(structure_.blocks.equations(number).size());
-    std::vector<std::vector<std::pair<int, double>>> columns(index(pattern.size));
-    for_each_entry(
-        number, [&columns](int row, int column, double value) { columns[index(column)].emplace_back(row, value); });
-    pattern.first.assign(1, 0);
-    values.clear();
-    for (const auto& column : columns) {
-      for (const auto& [row, value] : column) {
-        pattern.row.push_back(row);
-        values.push_back(value);
-      }
-      pattern.first.push_back(static_cast<int>(pattern.row.size()));
-    }
-    return pattern;
+    std::vector<std::vector<std::pair<int, double>>> columns(index(size(number)));
+    entries_.for_each(
+        number, [&](int row, int column, int e) { columns[index(column)].emplace_back(row, values_[index(e)]); });
+    return pattern_of(columns, values);
   }
 
  private:
-  template <class Action>
-  void for_each_entry(int number, Action action) {
-    const auto equations = structure_.blocks.equations(number), unknowns = structure_.blocks.unknowns(number);
-    for (std::size_t k = 0; k < unknowns.size(); ++k) place_[index(unknowns[k])] = static_cast<int>(k);
-    for (std::size_t row = 0; row < equations.size(); ++row) {
-      const std::size_t i = index(equations[row]);
-      for (int e = jacobian_.first()[i]; e < jacobian_.first()[i + 1]; ++e) {
-        const int column = place_[index(jacobian_.unknown()[index(e)])];
-        if (column >= 0) action(static_cast<int>(row), column, jacobian_.values()[index(e)]);
-      }
-    }
-    for (int j : unknowns) place_[index(j)] = -1;
-  }
-
   const Structure& structure_;
-  const SystemJacobian& jacobian_;
-  std::vector<int> place_;  // of unknowns in the block at hand
+  const std::vector<double>& values_;
+  BlockEntries entries_;
 };
 
 RankDecision decision_on(const double* R, int size, double t, double rank_tol) {
@@ -156,8 +132,8 @@ RankDecision judge_sparse(const SparsePattern& pattern, const std::vector<double
   return decision;
 }
 
-RankDecision judge_block(const Structure& structure, DiagonalBlocks& diagonal, int block, double t, double rank_tol) {
-  const int size = static_cast<int>(structure.blocks.equations(block).size());
+RankDecision judge_block(DiagonalBlocks& diagonal, int block, double t, double rank_tol) {
+  const int size = diagonal.size(block);
   if (size == 1) return judge(diagonal.only_entry(block), t, rank_tol);
   if (size > largest_dense_block && rank_tol == 0.0) {
     std::vector<double> of_block;
@@ -199,7 +175,7 @@ bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, c
   certificate.blocks.clear();
   certificate.blocks.reserve(index(structure.blocks.count()));
   for (int block = 0; block < structure.blocks.count(); ++block) {
-    certificate.blocks.push_back(judge_block(structure, diagonal, block, point.t, rank_tol));
+    certificate.blocks.push_back(judge_block(diagonal, block, point.t, rank_tol));
     certificate.blocks.back().subject = Subject::block;
     certificate.blocks.back().stage = block;
   }

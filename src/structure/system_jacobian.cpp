@@ -40,8 +40,7 @@ SystemJacobian::SystemJacobian(const Structure& structure, const Tape& tape)
 
 bool SystemJacobian::evaluate(TaylorEvaluator& evaluator, double t, const double* jet) {
   if (!evaluator.entries(t, jet, order_, limits_, coefficients_.data())) return false;
-  std::fill(values_.begin(), values_.end(), 0.0);
-  for (const Term& term : terms_) values_[index(term.entry)] += term.factor * coefficients_[term.coefficient];
+  sum_terms(terms_, coefficients_, values_);
   return true;
 }
 

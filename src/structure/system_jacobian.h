@@ -28,18 +28,38 @@ class SystemJacobian {
   const std::vector<double>& values() const { return values_; }
 
  private:
-  // values_[entry] += factor times a Taylor coefficient of a derivative of a recorded equation.
-  struct Term {
-    int entry;
-    std::size_t coefficient;
-    double factor;
-  };
-
   int order_;
   std::vector<int> first_{0}, unknown_;
   std::vector<int> limits_;  // of the coefficients of each recorded equation
-  std::vector<Term> terms_;
+  std::vector<EntryTerm> terms_;
   std::vector<double> coefficients_, values_;
+};
+
+// Entries of the diagonal blocks.
+class BlockEntries {
+ public:
+  // Both live longer.
+  BlockEntries(const Structure& structure, const SystemJacobian& jacobian)
+      : structure_(structure), jacobian_(jacobian), place_(index(structure.signature.size()), -1) {}
+
+  // action(row, column, entry), row after row: in the block, entry: of the values of the system Jacobian.
+  template <class Action>
+  void for_each(int block, Action action) {
+    const auto equations = structure_.blocks.equations(block), unknowns = structure_.blocks.unknowns(block);
+    for (std::size_t k = 0; k < unknowns.size(); ++k) place_[index(unknowns[k])] = static_cast<int>(k);
+    for (std::size_t row = 0; row < equations.size(); ++row) {
+      const std::size_t i = index(equations[row]);
+      for (int e = jacobian_.first()[i]; e < jacobian_.first()[i + 1]; ++e)
+        if (const int column = place_[index(jacobian_.unknown()[index(e)])]; column >= 0)
+          action(static_cast<int>(row), column, e);
+    }
+    for (int j : unknowns) place_[index(j)] = -1;
+  }
+
+ private:
+  const Structure& structure_;
+  const SystemJacobian& jacobian_;
+  std::vector<int> place_;  // of unknowns in the block at hand
 };
 
 }  // namespace sfdae::core

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "linalg/random.h"
+#include "linalg/small_determinant.h"
 #include "linalg/sparse_lu.h"
 #include "sparse_matrices.h"
 
@@ -111,6 +112,43 @@ TEST(Determinant, KnowsOddPermutations) {
   EXPECT_TRUE(is_odd(swap, 3));
   EXPECT_FALSE(is_odd(cycle, 3));
   EXPECT_FALSE(is_odd(two_swaps, 4));
+}
+
+TEST(SmallDeterminant, IsThatOfEliminationInAnyUnits) {
+  std::minstd_rand generator(7);
+  for (int size = 1; size <= largest_small_determinant; ++size)
+    for (int trial = 0; trial < 200; ++trial) {
+      SparsePattern pattern;
+      pattern.size = size;
+      pattern.first.push_back(0);
+      std::vector<double> a(index(size) * index(size)), values;
+      const double unit = std::ldexp(1.0, trial % 2 == 0 ? 0 : 900);
+      for (int j = 0; j < size; ++j) {
+        for (int i = 0; i < size; ++i) {
+          a[index(i + j * size)] = symmetric_random(generator) * (i % 2 == 0 ? unit : 1.0 / unit);
+          pattern.row.push_back(i);
+          values.push_back(a[index(i + j * size)]);
+        }
+        pattern.first.push_back(static_cast<int>(pattern.row.size()));
+      }
+      SparseLu<double> lu;
+      lu.analyze(pattern);
+      ASSERT_TRUE(lu.factor(values.data()));
+      const Determinant<double> expected = lu.determinant();
+      Determinant<double> determinant;
+      ASSERT_TRUE(small_determinant(a.data(), size, determinant));
+      EXPECT_EQ(determinant.direction, expected.direction) << size << ' ' << trial;
+      EXPECT_NEAR(determinant.log2, expected.log2, 1e-9) << size << ' ' << trial;
+    }
+}
+
+TEST(SmallDeterminant, SaysWhereThereIsNone) {
+  Determinant<double> determinant;
+  double proportional[] = {1.0, 2.0, 2.0, 4.0}, empty[] = {1.0, 0.0, 3.0, 0.0},
+         infinite[] = {1.0, HUGE_VAL, 0.0, 1.0};
+  EXPECT_FALSE(small_determinant(proportional, 2, determinant));
+  EXPECT_FALSE(small_determinant(empty, 2, determinant));
+  EXPECT_FALSE(small_determinant(infinite, 2, determinant));
 }
 
 }  // namespace sfdae::core
