@@ -13,8 +13,8 @@ namespace sfdae::core {
 
 namespace {
 
-// Orders beyond this are a mistake, and sizes would overflow; recorded equations may be solved with sparse matrices.
-constexpr int largest_dimension = 5000, largest_sparse = 50000;
+// Recorded equations may be solved with sparse matrices.
+constexpr int largest_dimension = most_dense_unknowns, largest_sparse = 50000;
 
 bool is_flag(int value) { return value == 0 || value == 1; }
 

@@ -27,8 +27,6 @@ struct sfdae_descriptor {
 
 namespace {
 
-constexpr int most_lines = 5000;
-
 sfdae_linearization default_linearization() {
   sfdae_linearization choice{};
   choice.size = sizeof choice;
@@ -52,7 +50,7 @@ int guarded_on(sfdae_descriptor* descriptor, Body body) noexcept {
   return status_of(body, say);
 }
 
-bool is_number_of_lines(int count, int least) { return count >= least && count <= most_lines; }
+bool is_number_of_lines(int count, int least) { return count >= least && count <= most_dense_unknowns; }
 
 // rows x cols from the user; null: zeros, if these are allowed.
 bool read(const double* from, bool may_be_null, Matrix& to) {

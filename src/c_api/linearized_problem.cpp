@@ -14,12 +14,11 @@ namespace sfdae::core {
 
 namespace {
 
-constexpr int most_lines = 5000;
-
 [[noreturn]] void refuse(const std::string& message) { throw Failure(SFDAE_ILLEGAL_ARGUMENT, message); }
 
 void demand_list(const char* name, int count, const void* list) {
-  if (count < 0 || count > most_lines) refuse(format("num_%s = %d; it must be 0 ... %d.", name, count, most_lines));
+  if (count < 0 || count > most_dense_unknowns)
+    refuse(format("num_%s = %d; it must be 0 ... %d.", name, count, most_dense_unknowns));
   if (count > 0 && list == nullptr) refuse(format("num_%s = %d, but %s is NULL.", name, count, name));
 }
 
@@ -42,8 +41,8 @@ void demand_no_repetition(const sfdae_linearization& choice) {
 }
 
 void check(const sfdae_linearization& choice, int m, int n) {
-  if (m > most_lines || n > most_lines)
-    refuse(format("%d equations in %d unknowns; linearizations have at most %d.", m, n, most_lines));
+  if (m > most_dense_unknowns || n > most_dense_unknowns)
+    refuse(format("%d equations in %d unknowns; linearizations have at most %d.", m, n, most_dense_unknowns));
   if (!std::isfinite(choice.t)) refuse(format("t is %g.", choice.t));
   if (choice.xdot != nullptr && choice.x == nullptr) refuse("xdot is given, but x is NULL.");
   if (choice.x != nullptr) demand_finite("x", choice.x, index(n));

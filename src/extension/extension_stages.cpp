@@ -9,6 +9,7 @@
 #include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "system/nonlinear_iteration.h"
+#include "system/transformed_stages.h"
 
 namespace sfdae::core {
 
@@ -43,23 +44,12 @@ void ExtensionStages::set_slopes(const StageEquations& equations, const StateCho
     }
 }
 
-// rho = T^-1 r; the systems of gamma and of the pairs; z = T zeta. As transformed_stages.cpp does it.
 void ExtensionStages::solve_transformed(const StageMethod& method, ExtensionLinearization& linearization) {
   const int q = extension_.num_rows(), s = method.s;
   const auto block = [&](std::vector<double>& entries) { return View{entries.data(), q, s, std::max(q, 1)}; };
-  multiply(1.0, Op::plain, block(r_), Op::transposed, ConstView{method.T_inverse.data(), s, s, s}, 0.0, block(z_));
-  linearization.solve_step(column(z_, 0));
-  for (int k = 0; 2 * k + 2 < s; ++k) {
-    double* first = column(z_, 2 * k + 1);
-    double* second = column(z_, 2 * k + 2);
-    for (int i = 0; i < q; ++i) pair_[index(i)] = {first[i], -second[i]};
-    linearization.solve_pair(index(k), pair_.data());
-    for (int i = 0; i < q; ++i) {
-      first[i] = pair_[index(i)].real();
-      second[i] = -pair_[index(i)].imag();
-    }
-  }
-  multiply(1.0, Op::plain, block(z_), Op::transposed, ConstView{method.T.data(), s, s, s}, 0.0, block(r_));
+  solve_decoupled(
+      method, block(r_), block(z_), block(r_), pair_.data(), [&](double* x) { linearization.solve_step(x); },
+      [&](std::size_t k, std::complex<double>* omega) { linearization.solve_pair(k, omega); });
 }
 
 PointStatus ExtensionStages::solve(const StageEquations& equations, ExtensionLinearization& linearization,

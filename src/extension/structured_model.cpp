@@ -15,8 +15,6 @@ namespace {
 
 // Columns of the derivative array from which on the extension is faster, as a rule (docs/decisions/47-minimal-extension.md).
 constexpr double least_array = 150.0;
-// Unknowns of problems that may have dense matrices; as in c_api/checks.cpp.
-constexpr int most_unknowns = 5000;
 
 bool is_final(const Failure& failure) {
   return failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED;
@@ -95,16 +93,16 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
       is_extended_ = true;
       return;
     } catch (const Failure& failure) {
-      if (is_required || is_final(failure) || n() > most_unknowns) throw;
+      if (is_required || is_final(failure) || n() > most_dense_unknowns) throw;
     }
     decisions.clear();
   }
-  if (n() > most_unknowns)
+  if (n() > most_dense_unknowns)
     throw Failure(
         SFDAE_ILLEGAL_ARGUMENT,
         format("%d unknowns are too many for the whole derivative array, which the options or the equations ask "
                "for: more than %d need their structure.",
-               n(), most_unknowns));
+               n(), most_dense_unknowns));
   if (options.for_sensitivities && owned_) analyze_as_nonlinear(point, options, decisions);
   else classical_->analyze(point, options, decisions);
 }
@@ -166,12 +164,12 @@ void StructuredModel::finish_restore() {
 
 Model& StructuredModel::whole() {
   if ((!is_extended_ && !serves_nonlinear_) || classical_->system() != nullptr) return *classical_;
-  if (n() > most_unknowns)
+  if (n() > most_dense_unknowns)
     throw Failure(
         SFDAE_ILLEGAL_ARGUMENT,
         format("objects of the theory are those of the whole derivative array: there are none of more than %d "
                "unknowns.",
-               most_unknowns));
+               most_dense_unknowns));
   ModelOptions options = options_;
   options.structure = StructureUse::off;
   const Jet jet = is_extended_ ? extended_.accepted_point() : nonlinear_->accepted_point();

@@ -39,6 +39,9 @@ struct CallbackError {
   [[noreturn]] void raise() const;
 };
 
+// Unknowns of problems with dense matrices: more are a mistake, and sizes would overflow.
+constexpr int most_dense_unknowns = 5000;
+
 // Components prescribed as functions of time.
 struct PrescribedInputs {
   std::vector<int> components;

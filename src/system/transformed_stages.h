@@ -21,6 +21,27 @@
 
 namespace sfdae::core {
 
+// rho = T^-1 r; one real and (s-1)/2 complex systems for zeta; z = T zeta, for the q rows of r, rho and z, a column for each
+// stage. solve(x) and solve_pair(k, omega): of these systems, in place. r and z may be the same; omega: of q numbers.
+template <class Solve, class SolvePair>
+void solve_decoupled(const StageMethod& method, ConstView r, View rho, View z, std::complex<double>* omega,
+                     Solve solve, SolvePair solve_pair) {
+  const int s = method.s, q = rho.rows;
+  multiply(1.0, Op::plain, r, Op::transposed, ConstView{method.T_inverse.data(), s, s, s}, 0.0, rho);
+  solve(rho.column(0));
+  for (int k = 0; 2 * k + 2 < s; ++k) {
+    double* first = rho.column(2 * k + 1);
+    double* second = rho.column(2 * k + 2);
+    for (int i = 0; i < q; ++i) omega[i] = {first[i], -second[i]};
+    solve_pair(index(k), omega);
+    for (int i = 0; i < q; ++i) {
+      first[i] = omega[i].real();
+      second[i] = -omega[i].imag();
+    }
+  }
+  multiply(1.0, Op::plain, rho, Op::transposed, ConstView{method.T.data(), s, s, s}, 0.0, z);
+}
+
 class TransformedStages {
  public:
   // Factors [c tau G - B; c tau Uz^T] for c = lambda_k / h, h = gamma / c_real, unless that is done. False if
