@@ -27,10 +27,12 @@ class LeastChangeStep {
   double reciprocal_condition() { return lu_.reciprocal_condition(); }
 
  private:
+  void refine();
+
   SparsePattern pattern_;
   std::vector<int> upper_, lower_;  // of the entries of J: their places in J^T and J
   SparseLu<double> lu_;
-  std::vector<double> values_, b_;
+  std::vector<double> values_, b_, z_;
 };
 
 }  // namespace sfdae::core
