@@ -10,6 +10,7 @@
 #include "extension/stage_search.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
+#include "structure/time_unit.h"
 
 namespace sfdae::core {
 
@@ -47,7 +48,7 @@ double ConsistentExtension::weight(const MinimalExtension::Column& column) const
   if (column.order > 0) return 0.0;
   if (request_.is_weighted()) return request_.weights[j] * request_.weights[j];
   if (!request_.differentiated_stay()) return 1.0;
-  const double of_size = 1.0 / (sizes_[j] * sizes_[j]);
+  const double of_size = 1.0 / (units_.sizes[j] * units_.sizes[j]);
   return differentiated_[j] != 0 ? of_size : weight_of_free * of_size;
 }
 
@@ -58,6 +59,8 @@ Jet ConsistentExtension::find(const PointOfInterest& point) {
   guess.x.assign(point.x, point.x + extension_.n());
   guess.set_order(extension_.jet_order());
   if (point.xdot != nullptr) std::copy_n(point.xdot, extension_.n(), guess.column(1));
+  units_.time =
+      time_unit(extension_.problem().evaluator(), {guess.t, guess.x.data(), units_.sizes}, extension_.jet_order());
   Jet jet = guess;
   // What is beyond the extension has no meaning.
   for (int j = 0; j < extension_.n(); ++j)
@@ -73,7 +76,7 @@ bool ConsistentExtension::has_to_move(const Jet& guess, const Jet& jet) const {
   for (int j = 0; j < extension_.n(); ++j) {
     const double change = std::fabs(jet.x[index(j)] - guess.x[index(j)]);
     const bool stays = is_held({j, 0}) || !request_.differentiated_stay() || differentiated_[index(j)] != 0;
-    if (stays && change > moved * sizes_[index(j)]) return true;
+    if (stays && change > moved * units_.sizes[index(j)]) return true;
   }
   return false;
 }
@@ -86,10 +89,10 @@ void ConsistentExtension::solve_stage(int stage, const Jet& guess, Jet& jet) {
   std::vector<double> W;
   for (int k = first; k < last; ++k) {
     const MinimalExtension::Column& column = extension_.columns()[index(k)];
-    const double size = sizes_[index(column.unknown)];
+    const double size = units_.sizes[index(column.unknown)];
     W.push_back(rows == last - first ? 0.0 : column.order > 0 ? weight_of_free / (size * size) : weight(column));
   }
-  if (const char* const why = StageSearch(extension_, stage, std::move(W), sizes_).run(guess, jet)) fail(jet, why);
+  if (const char* const why = StageSearch(extension_, stage, std::move(W), units_).run(guess, jet)) fail(jet, why);
 }
 
 void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
@@ -102,10 +105,10 @@ void ConsistentExtension::solve_together(const Jet& guess, Jet& jet) {
     W[k] = weight(columns[k]);
     held[k] = is_held(columns[k]) ? 1 : 0;
     const double change = jet.column(order)[unknown] - guess.column(order)[unknown];
-    if (held[k] != 0 && std::fabs(change) > moved * sizes_[index(unknown)]) is_candidate = false;
+    if (held[k] != 0 && std::fabs(change) > moved * units_.sizes[index(unknown)]) is_candidate = false;
     if (held[k] != 0) jet.column(order)[unknown] = guess.column(order)[unknown];
   }
-  LeastChangeSearch search(extension_, std::move(W), std::move(held), sizes_);
+  LeastChangeSearch search(extension_, std::move(W), std::move(held), units_);
   // From values that are consistent already, as searches may where equations are nearly dependent.
   const auto runs_away = [&](const Jet& found) {
     return is_candidate && search.sum(guess, found) > search.sum(guess, jet);

@@ -9,6 +9,7 @@
 
 #include <vector>
 
+#include "extension/jet_search.h"
 #include "extension/minimal_extension.h"
 #include "system/consistent_values.h"
 #include "system/jet.h"
@@ -25,7 +26,7 @@ class ConsistentExtension {
   ConsistentExtension(MinimalExtension& extension, const ConsistencyRequest& request)
       : extension_(extension),
         request_(request),
-        sizes_(request.sizes()),
+        units_{request.sizes()},
         differentiated_(differentiated_unknowns(extension.problem().structure()->signature)) {}
 
   // Near the x and, if it is there, x' of the point. Throws Failure: errors of callbacks, SFDAE_NO_CONSISTENT_VALUES.
@@ -43,7 +44,7 @@ class ConsistentExtension {
 
   MinimalExtension& extension_;
   const ConsistencyRequest& request_;
-  std::vector<double> sizes_;
+  SearchUnits units_;
   std::vector<char> differentiated_;
 };
 

@@ -11,6 +11,26 @@
 
 namespace sfdae::core {
 
+// Changes are measured in: sizes of x, n values, far below which they do not matter, and the equations' own unit of time, as
+// what is found must not depend on that of the user.
+struct SearchUnits {
+  std::vector<double> sizes;
+  double time = 1.0;
+  // Of columns x_j^(order): of time alone.
+  template <class Columns>
+  std::vector<double> of(const Columns& columns) const {
+    std::vector<double> units;
+    units.reserve(columns.size());
+    for (const auto& column : columns) units.push_back(std::pow(time, -column.order));
+    return units;
+  }
+};
+
+inline void scale_columns(const std::vector<int>& column, const std::vector<double>& units,
+                          std::vector<double>& values) {
+  for (std::size_t e = 0; e < values.size(); ++e) values[e] *= units[index(column[e])];
+}
+
 // Of one iteration: of x in units of x, or of its tolerance, the largest; of derivatives, which may vanish, the same.
 class JetChange {
  public:

@@ -3,6 +3,8 @@
 #include "extension/least_change_search.h"
 
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <utility>
 
 #include "linalg/index.h"
@@ -18,34 +20,40 @@ constexpr double settled = 1e-14;
 }  // namespace
 
 LeastChangeSearch::LeastChangeSearch(MinimalExtension& extension, std::vector<double> W, std::vector<char> held,
-                                     const std::vector<double>& sizes)
+                                     const SearchUnits& units)
     : extension_(extension),
       equations_{extension.first(), extension.column(), extension.num_columns()},
       W_(std::move(W)),
       held_(std::move(held)),
-      sizes_(sizes),
+      unit_(units.of(extension.columns())),
+      units_(units),
       dx_(W_.size()),
       r_(index(extension.num_rows())) {
   step_.analyze(equations_);
 }
 
+double LeastChangeSearch::distance(int k, const Jet& from, const Jet& to) const {
+  const auto [unknown, order] = extension_.columns()[index(k)];
+  return (to.column(order)[unknown] - from.column(order)[unknown]) / unit_[index(k)];
+}
+
 bool LeastChangeSearch::compute(const Jet& jet, const Jet* guess) {
   CallbackError error = extension_.linearize(jet);
   if (error.status == SFDAE_OK) error = extension_.residuals(jet, r_.data());
-  if (error.status != SFDAE_OK) error.raise();
+  if (error.status != SFDAE_OK && !error.is_recoverable()) error.raise();
+  if (error.status != SFDAE_OK) return false;
   values_ = extension_.values();
+  scale_columns(equations_.column, unit_, values_);
   equilibrate_rows(equations_.first, values_, factors_);
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] *= -factors_[i];
   residual_ = largest_entry(r_);
   relative_ = relative_residual(equations_.first, equations_.column, values_, r_, [&](int k) {
     const auto [unknown, order] = extension_.columns()[index(k)];
-    return jet.column(order)[unknown];
+    return jet.column(order)[unknown] / unit_[index(k)];
   });
   if (!std::isfinite(residual_) || !step_.factor(equations_, values_, W_, held_)) return false;
-  for (std::size_t k = 0; k < dx_.size(); ++k) {
-    const auto [unknown, order] = extension_.columns()[k];
-    dx_[k] = guess != nullptr ? W_[k] * (guess->column(order)[unknown] - jet.column(order)[unknown]) : 0.0;
-  }
+  for (std::size_t k = 0; k < dx_.size(); ++k)
+    dx_[k] = guess != nullptr ? W_[k] * distance(static_cast<int>(k), jet, *guess) : 0.0;
   step_.solve(equations_, held_, dx_.data(), r_.data());
   return true;
 }
@@ -55,18 +63,16 @@ JetChange LeastChangeSearch::apply(const std::vector<double>& dx, double part, J
   for (std::size_t k = 0; k < dx.size(); ++k) {
     const auto [unknown, order] = extension_.columns()[k];
     double& value = jet.column(order)[unknown];
-    value += part * dx[k];
-    change.add(order, part * dx[k], value, sizes_[index(unknown)]);
+    const double step = part * unit_[k] * dx[k];
+    value += step;
+    change.add(order, step, value, units_.sizes[index(unknown)]);
   }
   return change;
 }
 
 double LeastChangeSearch::sum(const Jet& guess, const Jet& jet) const {
   double sum = 0.0;
-  for (std::size_t k = 0; k < dx_.size(); ++k) {
-    const auto [unknown, order] = extension_.columns()[k];
-    sum += W_[k] * std::pow(jet.column(order)[unknown] - guess.column(order)[unknown], 2);
-  }
+  for (std::size_t k = 0; k < dx_.size(); ++k) sum += W_[k] * std::pow(distance(static_cast<int>(k), guess, jet), 2);
   return sum;
 }
 
@@ -93,6 +99,9 @@ bool LeastChangeSearch::hurry(const Jet& guess, Jet& jet) {
     if (!compute(jet, &guess)) return false;
     const JetChange change = apply(dx_, 1.0, jet);
     if (!change.is_finite()) return false;
+    if (getenv("DBG"))
+      fprintf(stderr, "hurry %d of_x %g small %d residual %g relative %g\n", iteration, change.of_x(),
+              change.is_small(), residual_, relative_);
     if (progress.has_ended(change, residual_, relative_)) return true;
     if (progress.is_stuck()) return false;
   }

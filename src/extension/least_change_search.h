@@ -13,12 +13,12 @@ namespace sfdae::core {
 
 class LeastChangeSearch {
  public:
-  // W: weights of the squares of changes, by columns; those that are held do not change. sizes: of x, n changes that do not
-  // matter.
+  // W: weights of the squares of changes, in units of the search, by columns; those that are held do not change.
   LeastChangeSearch(MinimalExtension& extension, std::vector<double> W, std::vector<char> held,
-                    const std::vector<double>& sizes);
+                    const SearchUnits& units);
 
-  // All of these throw Failure where the equations cannot be evaluated. False: the search does not come to an end.
+  // All of these throw Failure where callbacks stop. False: the search does not come to an end, or leads to where the equations
+  // cannot be evaluated.
   bool fulfil(Jet& jet);
   // Nearest to the guess, by whole steps alone: fast, but where constraints are bent, or derivatives of high order lose too
   // many digits, they may not come to an end.
@@ -33,13 +33,16 @@ class LeastChangeSearch {
   bool compute(const Jet& jet, const Jet* guess);
   JetChange apply(const std::vector<double>& dx, double part, Jet& jet) const;
   double sum_of_change() const;
+  // In units.
+  double distance(int k, const Jet& from, const Jet& to) const;
 
   MinimalExtension& extension_;
   LeastChangeStep::Equations equations_;
   LeastChangeStep step_;
   std::vector<double> W_;
   std::vector<char> held_;
-  const std::vector<double>& sizes_;
+  std::vector<double> unit_;  // of the columns
+  const SearchUnits& units_;
   std::vector<double> dx_, r_, factors_, values_;
   // Before the change, in units of the largest derivatives, and relative to what is added up in each.
   double residual_ = 0.0, relative_ = 0.0;

@@ -17,8 +17,7 @@ constexpr int most_iterations = 50;
 
 }  // namespace
 
-StageSearch::StageSearch(MinimalExtension& extension, int stage, std::vector<double> W,
-                         const std::vector<double>& sizes)
+StageSearch::StageSearch(MinimalExtension& extension, int stage, std::vector<double> W, const SearchUnits& units)
     : extension_(extension),
       stage_(stage),
       columns_(extension.columns().begin() + extension.first_column(stage),
@@ -28,7 +27,8 @@ StageSearch::StageSearch(MinimalExtension& extension, int stage, std::vector<dou
       dx_(columns_.size()),
       r_(index(extension.first_row(stage + 1) - extension.first_row(stage))),
       held_(columns_.size(), 0),
-      sizes_(sizes) {}
+      unit_(units.of(columns_)),
+      units_(units) {}
 
 // HUGE_VAL: it cannot be computed. r_ becomes minus the scaled residuals.
 double StageSearch::residual(const Jet& jet) {
@@ -41,32 +41,37 @@ double StageSearch::residual(const Jet& jet) {
 double StageSearch::relative(const Jet& jet) const {
   return relative_residual(J_.first, J_.column, J_.values, r_, [&](int k) {
     const auto [unknown, order] = columns_[index(k)];
-    return jet.column(order)[unknown];
+    return jet.column(order)[unknown] / unit_[index(k)];
   });
 }
 
-// Errors at the guess are the user's; elsewhere the search has gone astray.
-const char* StageSearch::linearize(const Jet& jet, bool is_first) {
+// Errors at the guess are the user's; elsewhere the search has gone astray, maybe in an earlier stage.
+const char* StageSearch::explain(const CallbackError& error, const Jet& guess, bool is_first) {
+  if (!error.is_recoverable() || (is_first && extension_.linearize(guess).status != SFDAE_OK)) error.raise();
+  return "the search leads to where the equations cannot be evaluated.";
+}
+
+const char* StageSearch::linearize(const Jet& guess, const Jet& jet, bool is_first) {
   CallbackError error = extension_.linearize_stage(stage_, jet, J_);
-  if (error.status != SFDAE_OK && (is_first || !error.is_recoverable())) error.raise();
-  if (error.status != SFDAE_OK) return "the search leads to where the equations cannot be evaluated.";
+  if (error.status != SFDAE_OK) return explain(error, guess, is_first);
   if (is_first) step_.analyze(equations_);
+  scale_columns(J_.column, unit_, J_.values);
   equilibrate_rows(J_.first, J_.values, factors_);
   if (!step_.factor(equations_, J_.values, W_, held_)) return "the equations are singular there.";
   residual_ = residual(jet);
   if (residual_ < HUGE_VAL) return nullptr;
   error = extension_.stage_residuals(stage_, jet, r_.data());
-  if (error.status != SFDAE_OK && is_first) error.raise();
-  return "the equations overflow.";
+  return error.status != SFDAE_OK ? explain(error, guess, is_first) : "the equations overflow.";
 }
 
 // Whether it was a whole one. change_ becomes that of the jet.
 bool StageSearch::step(const Jet& guess, Jet& jet) {
   for (std::size_t k = 0; k < columns_.size(); ++k) {
     const auto [unknown, order] = columns_[k];
-    dx_[k] = W_[k] * (guess.column(order)[unknown] - jet.column(order)[unknown]);
+    dx_[k] = W_[k] * (guess.column(order)[unknown] - jet.column(order)[unknown]) / unit_[k];
   }
   step_.solve(equations_, held_, dx_.data(), r_.data());
+  for (std::size_t k = 0; k < columns_.size(); ++k) dx_[k] *= unit_[k];
   const Jet start = jet;
   double factor = 1.0;
   for (int halving = 0;; ++halving, factor *= 0.5) {
@@ -75,7 +80,7 @@ bool StageSearch::step(const Jet& guess, Jet& jet) {
       const auto [unknown, order] = columns_[k];
       double& value = jet.column(order)[unknown];
       value = start.column(order)[unknown] + factor * dx_[k];
-      change_.add(order, dx_[k], value, sizes_[index(unknown)]);
+      change_.add(order, dx_[k], value, units_.sizes[index(unknown)]);
     }
     // Rounding errors need not become smaller.
     const bool is_less = residual(jet) <= residual_ || relative(jet) <= rounding_residual;
@@ -86,7 +91,7 @@ bool StageSearch::step(const Jet& guess, Jet& jet) {
 const char* StageSearch::run(const Jet& guess, Jet& jet) {
   SearchProgress progress;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    if (const char* const why = linearize(jet, iteration == 0)) return why;
+    if (const char* const why = linearize(guess, jet, iteration == 0)) return why;
     const bool is_whole = step(guess, jet);
     if (!change_.is_finite()) return "the search has diverged.";
     if (is_whole && progress.has_ended(change_, residual_, relative(jet))) return nullptr;

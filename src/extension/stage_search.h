@@ -13,15 +13,16 @@ namespace sfdae::core {
 
 class StageSearch {
  public:
-  // W: of the square of a change of each column of the stage. sizes: of the unknowns, n values; changes far below them do not matter.
-  StageSearch(MinimalExtension& extension, int stage, std::vector<double> W, const std::vector<double>& sizes);
+  // W: of the square of a change of each column of the stage, in the units of the search.
+  StageSearch(MinimalExtension& extension, int stage, std::vector<double> W, const SearchUnits& units);
 
   // What has ended the search without a solution, or null. jet: its unknowns of the stages before are known. Throws Failure
   // where the equations cannot be evaluated at the guess.
   const char* run(const Jet& guess, Jet& jet);
 
  private:
-  const char* linearize(const Jet& jet, bool is_first);
+  const char* linearize(const Jet& guess, const Jet& jet, bool is_first);
+  const char* explain(const CallbackError& error, const Jet& guess, bool is_first);
   double residual(const Jet& jet);
   double relative(const Jet& jet) const;
   bool step(const Jet& guess, Jet& jet);
@@ -33,8 +34,9 @@ class StageSearch {
   LeastChangeStep::Equations equations_;
   LeastChangeStep step_;
   std::vector<double> W_, dx_, r_, factors_;
-  std::vector<char> held_;  // none
-  const std::vector<double>& sizes_;
+  std::vector<char> held_;    // none
+  std::vector<double> unit_;  // of the columns
+  const SearchUnits& units_;
   double residual_ = 0.0;  // at the point of the linearization
   JetChange change_;
 };
