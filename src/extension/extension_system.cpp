@@ -288,11 +288,10 @@ PointStatus ExtensionSystem::solve_held(Jet& jet, double* xdot) {
 }
 
 // What later steps depend on stays as it is: points that are asked for must not change those that follow.
-void ExtensionSystem::restore(const double* w, const double* x_free, const Guess& guess, double* x) {
+// w is part of x; polynomials know it no more once they have been archived.
+void ExtensionSystem::restore(const double*, const double* x_free, const Guess& guess, double* x) {
   if (guess.taylor != nullptr && jet_.t != history_.accepted().t) history_.predict(guess, 0, determined_, {}, jet_);
   std::copy_n(x_free, unknowns(), jet_.x.data());
-  if (w != nullptr && linearization_.is_usable())
-    for (int j : linearization_.choice().states()) jet_.x[index(j)] = w[j];
   const PointStatus status = solve_held(jet_, nullptr);
   if (status == PointStatus::callback_error) callback_error_.raise();
   if (status != PointStatus::ok)

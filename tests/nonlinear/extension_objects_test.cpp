@@ -125,4 +125,29 @@ TEST(ExtensionObjects, ConsistentValuesStayWhereSomeAreFixed) {
   }
 }
 
+// Outputs within the last step, which was made before.
+TEST(ExtensionObjects, CheckpointsKnowPointsWithinTheLastStep) {
+  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
+    for (const int structure : {SFDAE_STRUCTURE_REQUIRED, SFDAE_STRUCTURE_OFF}) {
+      SCOPED_TRACE(testing::Message() << method << ", " << structure);
+      sfdae_options options = with_structure(structure);
+      options.method = method;
+      const std::vector<double> start = {0.6, -0.8, 0.0, 0.0, 0.0};
+      NonlinearRun run({5, 5, pendulum_equations}, options), restored({5, 5, pendulum_equations}, options);
+      ASSERT_GE(run.integrate(0.0, 0.5, start), 0);
+      std::size_t length = 0;
+      ASSERT_EQ(sfdae_get_checkpoint_length(run.solver(), &length), SFDAE_OK);
+      std::vector<double> checkpoint(length);
+      ASSERT_EQ(sfdae_save_checkpoint(run.solver(), checkpoint.data(), length), SFDAE_OK);
+      ASSERT_EQ(sfdae_restore_checkpoint(restored.solver(), checkpoint.data(), length), SFDAE_OK);
+      const sfdae_statistics statistics = run.statistics();
+      const double t = statistics.t_internal - 0.4 * statistics.last_step;
+      std::vector<double> x(5), xdot(5), again(5), slope(5);
+      ASSERT_EQ(sfdae_interpolate(run.solver(), t, x.data(), xdot.data()), SFDAE_OK);
+      ASSERT_EQ(sfdae_interpolate(restored.solver(), t, again.data(), slope.data()), SFDAE_OK);
+      EXPECT_EQ(x, again);
+      EXPECT_EQ(xdot, slope);
+    }
+}
+
 }  // namespace sfdae_test
