@@ -120,8 +120,10 @@ enum class Text { of_call, of_failure, of_answer };
 // the whole array.
 inline const char* hint_of(const sfdae_solver& solver, int status) {
   if (status == SFDAE_CHARACTERISTICS_CHANGED && solver.follows_structure())
-    return " Or set structure = SFDAE_STRUCTURE_OFF: rows of the derivative array were left out that may be needed "
-           "there.";
+    return solver.system() != nullptr && solver.system()->form() == SystemForm::extension
+               ? " If structure alone misleads there, structure = SFDAE_STRUCTURE_OFF goes on beyond that point."
+               : " Or set structure = SFDAE_STRUCTURE_OFF: rows of the derivative array were left out that may be "
+                 "needed there.";
   const bool has_callbacks = solver.kind.multibody != nullptr && solver.kind.multibody->callbacks() != nullptr;
   switch (status) {
     case SFDAE_CHARACTERISTICS_CHANGED:

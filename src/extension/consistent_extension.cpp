@@ -33,9 +33,14 @@ std::vector<char> differentiated_unknowns(const Signature& signature) {
 }
 
 void ConsistentExtension::fail(const Jet& jet, const char* why) const {
+  // No guess helps where blocks of the system Jacobian are singular everywhere.
+  const char* const advice =
+      why == StageSearch::singular
+          ? " If structure misleads, set structure = SFDAE_STRUCTURE_OFF; if that is a singular point alone, give "
+            "another guess."
+          : " Give a better guess.";
   throw Failure(SFDAE_NO_CONSISTENT_VALUES,
-                format("no values consistent with the constraints were found at t = %.15g: ", jet.t) + why +
-                    " Give a better guess.");
+                format("no values consistent with the constraints were found at t = %.15g: ", jet.t) + why + advice);
 }
 
 bool ConsistentExtension::is_held(const MinimalExtension::Column& column) const {

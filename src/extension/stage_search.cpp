@@ -57,7 +57,7 @@ const char* StageSearch::linearize(const Jet& guess, const Jet& jet, bool is_fir
   if (is_first) step_.analyze(equations_);
   scale_columns(J_.column, unit_, J_.values);
   equilibrate_rows(J_.first, J_.values, factors_);
-  if (!step_.factor(equations_, J_.values, W_, held_)) return "the equations are singular there.";
+  if (!step_.factor(equations_, J_.values, W_, held_)) return singular;
   residual_ = residual(jet);
   if (residual_ < HUGE_VAL) return nullptr;
   error = extension_.stage_residuals(stage_, jet, r_.data());

@@ -19,6 +19,8 @@ class StageSearch {
   // What has ended the search without a solution, or null. jet: its unknowns of the stages before are known. Throws Failure
   // where the equations cannot be evaluated at the guess.
   const char* run(const Jet& guess, Jet& jet);
+  // One of these reasons: the structure may mislead.
+  static constexpr const char* singular = "the equations are singular there.";
 
  private:
   const char* linearize(const Jet& guess, const Jet& jet, bool is_first);

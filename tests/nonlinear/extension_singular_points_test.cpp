@@ -31,6 +31,8 @@ void expect_named(const NonlinearEquations& equations, double end, const std::ve
                                       << status_text(run, status));
       EXPECT_EQ(status, SFDAE_CHARACTERISTICS_CHANGED);
       EXPECT_NE(run.message().find("of the system Jacobian"), std::string::npos);
+      // Whether the whole array would help is not known, and none of its rows were left out.
+      EXPECT_NE(run.message().find("If structure alone misleads"), std::string::npos);
       sfdae_change change;
       sfdae_change_init(&change, sizeof change);
       ASSERT_EQ(sfdae_get_change(run.solver(), &change), SFDAE_OK);

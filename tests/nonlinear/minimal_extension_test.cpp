@@ -194,4 +194,18 @@ TEST(Extension, IsNotForProblemsWithoutStructure) {
   EXPECT_EQ(missing.analyze(0.0, 1.0, {1.0, 0.0}), SFDAE_RANK_UNCLEAR);
 }
 
+// The factor of x_1' + x_2' varies: no combination with constant factors can be found, and no guess is better.
+TEST(Extension, AdvisesAgainstStructureWhereItMisleadsEverywhere) {
+  const auto equations = equations_of(2, 2, [](const auto& t, const auto* x, const auto* xdot, auto* F) {
+    using std::sin, std::cos;
+    F[0] = xdot[0] + xdot[1] - x[0];
+    F[1] = (xdot[0] + xdot[1]) * (1.0 + 0.5 * sin(x[0])) + x[1] - cos(t);
+  });
+  NonlinearRun run(equations, required());
+  EXPECT_EQ(run.start(0.0, 1.0, {0.3, 0.2}), SFDAE_NO_CONSISTENT_VALUES);
+  EXPECT_NE(run.message().find("set structure = SFDAE_STRUCTURE_OFF"), std::string::npos) << run.message();
+  NonlinearRun whole(equations, options_of(SFDAE_STRUCTURE_OFF));
+  EXPECT_GE(whole.start(0.0, 1.0, {0.3, 0.2}), 0) << whole.message();
+}
+
 }  // namespace sfdae_test
