@@ -132,6 +132,8 @@ module sfdae
   !> What numbers say of the structure (sfdae_structure%verdict).
   public :: sfdae_structure_unchecked, sfdae_structure_certified, sfdae_structure_misleads, &
     sfdae_structure_unclear
+  !> Languages of dae_solver%export_source.
+  public :: sfdae_source_c, sfdae_source_fortran
   !> What happens at a breakpoint (kinds of dae_solver%set_breakpoints).
   public :: sfdae_breakpoint_kink, sfdae_breakpoint_jump
   !> How positions and velocities are divided (coordinates of multibody systems).

@@ -21,12 +21,12 @@ module sfdae_c
     c_create_multibody, c_create_nonlinear, c_create_solution, c_cut_solution, c_decision_init, &
     c_derivative, c_derivative_check_init, c_descriptor_matrices_init, c_descriptor_message, &
     c_destroy, c_destroy_descriptor, c_destroy_solution, c_divide, c_ensemble_init, &
-    c_ensemble_results_init, c_evaluate_solution, c_exp, c_external, c_floor, c_get_change, &
-    c_get_characteristics, c_get_checkpoint_length, c_get_decision, c_get_derivative_array, &
-    c_get_derivative_array_at, c_get_descriptor_matrices, c_get_descriptor_sizes, &
-    c_get_event_sensitivities, c_get_events, c_get_extended_system, c_get_initial_report, &
-    c_get_jet, c_get_jump, c_get_multibody_report, c_get_num_decisions, c_get_parameter, &
-    c_get_poles, c_get_projectors, c_get_projectors_at, c_get_sensitivities, &
+    c_ensemble_results_init, c_evaluate_solution, c_exp, c_export_source, c_external, c_floor, &
+    c_get_change, c_get_characteristics, c_get_checkpoint_length, c_get_decision, &
+    c_get_derivative_array, c_get_derivative_array_at, c_get_descriptor_matrices, &
+    c_get_descriptor_sizes, c_get_event_sensitivities, c_get_events, c_get_extended_system, &
+    c_get_initial_report, c_get_jet, c_get_jump, c_get_multibody_report, c_get_num_decisions, &
+    c_get_parameter, c_get_poles, c_get_projectors, c_get_projectors_at, c_get_sensitivities, &
     c_get_sensitivity_statistics, c_get_solution_accuracy, c_get_solution_length, &
     c_get_solution_range, c_get_statistics, c_get_strangeness_free, c_get_strangeness_free_at, &
     c_get_structure, c_get_transfer, c_get_zeros, c_greater, c_greater_equal, c_impact, &
@@ -473,6 +473,18 @@ module sfdae_c
       type(expression), value :: a
       type(expression) :: c_exp
     end function c_exp
+
+    function c_export_source(solver, language, name, text, length, needed) &
+      bind(c, name="sfdae_export_source")
+      import :: c_char, c_int, c_ptr, c_size_t
+      type(c_ptr), value :: solver
+      integer(c_int), value :: language
+      character(kind=c_char), intent(in) :: name(*)
+      character(kind=c_char), intent(inout) :: text(*)
+      integer(c_size_t), value :: length
+      integer(c_size_t), intent(inout) :: needed
+      integer(c_int) :: c_export_source
+    end function c_export_source
 
     function c_external(name, function, count, arguments, user) bind(c, name="sfdae_external")
       import :: c_char, c_funptr, c_int, c_ptr, expression

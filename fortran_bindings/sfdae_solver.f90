@@ -6,7 +6,8 @@ module sfdae_solver
     c_null_char, c_null_ptr, c_ptr, c_size_t, c_sizeof
   use sfdae_c, only: c_advance, c_analyze, c_analyze_at, c_certify, c_change_init, &
     c_characteristics_init, c_check_derivatives, c_check_multibody_derivatives, &
-    c_check_total_derivatives, c_decision_init, c_derivative_check_init, c_destroy, c_get_change, &
+    c_check_total_derivatives, c_decision_init, c_derivative_check_init, c_destroy, &
+    c_export_source, c_get_change, &
     c_get_characteristics, c_get_checkpoint_length, c_get_decision, c_get_derivative_array, &
     c_get_derivative_array_at, c_get_event_sensitivities, c_get_events, c_get_extended_system, &
     c_get_initial_report, c_get_jet, c_get_jump, c_get_multibody_report, c_get_num_decisions, &
@@ -91,6 +92,7 @@ module sfdae_solver
     procedure :: get_sensitivity_statistics => solver_get_sensitivity_statistics
     procedure :: get_statistics => solver_get_statistics
     procedure :: report => solver_report
+    procedure :: export_source => solver_export_source
     procedure :: get_jet => solver_get_jet
     procedure :: get_derivative_array => solver_get_derivative_array
     procedure :: get_projectors => solver_get_projectors
@@ -933,6 +935,31 @@ contains
     status = c_report(self%handle, buffer, needed, needed)
     if (status >= 0) text = text_in(buffer)
   end subroutine solver_report
+
+  !> Source text, for use without the library, of a strangeness-free system F(t, z, z') = 0 that
+  !> has the solutions of recorded equations: functions whose names begin with `name`.
+  subroutine solver_export_source(self, language, name, text, status)
+    class(dae_solver), intent(inout) :: self
+    !> sfdae_source_c, sfdae_source_fortran.
+    integer(c_int), intent(in) :: language
+    !> Letters, digits and underscores, a letter first.
+    character(len=*), intent(in) :: name
+    !> Lines are separated by new_line('a').
+    character(len=:), allocatable, intent(inout) :: text
+    integer(c_int), intent(out) :: status
+    character(kind=c_char) :: nothing(1)
+    character(kind=c_char), allocatable :: buffer(:)
+    integer(c_size_t) :: needed
+
+    call check_call(self, status)
+    needed = 1
+    if (status == sfdae_ok) status = c_export_source(self%handle, language, text_in_c(name), &
+      nothing, 1_c_size_t, needed)
+    if (status < 0) return
+    allocate (buffer(needed))
+    status = c_export_source(self%handle, language, text_in_c(name), buffer, needed, needed)
+    if (status >= 0) text = text_in(buffer)
+  end subroutine solver_export_source
 
   !> The jet of a level through (t, x), n x (level + 2): x, x', ..., x^(level + 1) in its columns.
   recursive subroutine solver_get_jet(self, t, level, status, jet, x)

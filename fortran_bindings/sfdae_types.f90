@@ -57,6 +57,8 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_reduction_staged = 0
   integer(c_int), parameter, public :: sfdae_reduction_svd = 1
   integer(c_int), parameter, public :: sfdae_singular = -42
+  integer(c_int), parameter, public :: sfdae_source_c = 0
+  integer(c_int), parameter, public :: sfdae_source_fortran = 1
   integer(c_int), parameter, public :: sfdae_step_taken = 1
   integer(c_int), parameter, public :: sfdae_step_too_small = -41
   integer(c_int), parameter, public :: sfdae_stopped = 2

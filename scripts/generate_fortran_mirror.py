@@ -57,6 +57,7 @@ SINGLE = {
     ("sfdae_get_strangeness_free", "residual"),
     ("sfdae_get_strangeness_free_at", "residual"),
     ("sfdae_report", "needed"),
+    ("sfdae_export_source", "needed"),
 }
 # or an array for which the modules may pass NULL.
 ADDRESSES = {

@@ -256,6 +256,31 @@ SFDAE_API int sfdae_structure_init(sfdae_structure* structure, size_t size);
 SFDAE_API int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result, int* differentiations, int* orders,
                                   int* assigned, int* block);
 
+/* Languages of sfdae_export_source. */
+#define SFDAE_SOURCE_C 0       /**< C99 */
+#define SFDAE_SOURCE_FORTRAN 1 /**< a module NAME_model of Fortran 2008 */
+
+/** Writes source text, for use without the library, of a strangeness-free system F(t, z, z') = 0 that has the solutions of
+ * recorded equations F(t, x, x') = 0 or E x' = A x + f, as many as unknowns. Its equations are those recorded and those of
+ * their derivatives that structure asks for (sfdae_get_structure: differentiations), n + sum of c_i; its unknowns z are x_j and
+ * the derivatives of x_j up to d_j, but x_j' of the states, d of the x_j, which is z'. All other derivatives are algebraic
+ * unknowns (dummy derivatives; S. E. Mattsson, G. Soederlind, SIAM J. Sci. Comput. 14, 1993). Equations that are strangeness-free
+ * already come out as they are. The states are chosen at the point that the solver has reached, or that of the analysis, linear
+ * equations before a start: at x = 0; F stays strangeness-free as long as they determine the other unknowns.
+ *
+ * The text has constants NAME_size, NAME_num_states, NAME_num_parameters, NAME_mu, NAME_d, NAME_a, tables NAME_unknown,
+ * NAME_order, NAME_is_state of z, and functions NAME_start (t, z, z' and parameters at the point), NAME_residual(t, z, zdot, p, r)
+ * and NAME_jacobian(t, z, zdot, p, F_zdot, F_z), full matrices by columns. Comments say what is what.
+ *
+ * language: SFDAE_SOURCE_C, SFDAE_SOURCE_FORTRAN. name: NAME, 1 ... 40 letters, digits and _, a letter first. At most length
+ * characters, final zero included, are written to text (NULL with length 0 is allowed). *needed (may be NULL): length of the
+ * whole text + 1. An integration goes on undisturbed.
+ * Failures: SFDAE_NOT_STARTED before an analysis; SFDAE_ILLEGAL_ARGUMENT for arguments, for problems of other kinds and for
+ * equations that call functions or tables; SFDAE_RANK_UNCLEAR and others if numbers do not confirm the structure of the
+ * equations, not even with some of them replaced. */
+SFDAE_API int sfdae_export_source(sfdae_solver* solver, int language, const char* name, char* text, size_t length,
+                                  size_t* needed);
+
 /** Compares the total derivatives that sfdae_nonlinear_problem.total_derivative supplies at t along a jet with
  * differences, and reports the worst mismatch; sfdae_message says it in words if it is suspicious. derivatives: n x
  * (max_order + 2), the jet as that function gets it, which need not be consistent; best without zeros. F of the

@@ -459,6 +459,17 @@ class Solver {
     return result;
   }
 
+  /// Source text of a strangeness-free system with the solutions of recorded equations (sfdae_export_source). language:
+  /// SFDAE_SOURCE_C, SFDAE_SOURCE_FORTRAN; name: what its functions begin with.
+  std::string export_source(int language, const std::string& name) {
+    std::size_t needed = 0;
+    checked(sfdae_export_source(get(), language, name.c_str(), nullptr, 0, &needed));
+    std::string text(needed, '\0');
+    checked(sfdae_export_source(get(), language, name.c_str(), text.data(), needed, &needed));
+    text.resize(needed - 1);
+    return text;
+  }
+
   /// The descriptor system of the problem, linearized at a point (sfdae_linearize).
   Descriptor linearize(const Linearization& choice) {
     const int n = num_unknowns();

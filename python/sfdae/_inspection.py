@@ -134,6 +134,27 @@ class Inspection:
         self._call(lib.sfdae_report, text, needed[0], ffi.NULL)
         return self.problem.with_names(ffi.string(text).decode(errors="replace"))
 
+    def export_source(self, name: str, language: str = "c") -> str:
+        """Source text of a strangeness-free system F(t, z, z') = 0 with the solutions of recorded
+        equations, for use without the library; see sfdae_export_source.
+
+        Parameters
+        ----------
+        name
+            What its functions begin with: letters, digits and underscores, a letter first.
+        language
+            "c" (C99) or "fortran" (a module of Fortran 2008).
+        """
+        languages = {"c": lib.SFDAE_SOURCE_C, "fortran": lib.SFDAE_SOURCE_FORTRAN}
+        if language not in languages:
+            raise ValueError(f"language is {language!r}, none of {', '.join(languages)}")
+        arguments = (languages[language], name.encode())
+        needed = ffi.new("size_t*")
+        self._call(lib.sfdae_export_source, *arguments, ffi.NULL, 0, needed)
+        text = ffi.new("char[]", needed[0])
+        self._call(lib.sfdae_export_source, *arguments, text, needed[0], ffi.NULL)
+        return ffi.string(text).decode(errors="replace")
+
     def certify(self) -> float:
         """Certifies the ranks of the analysis.
 

@@ -320,6 +320,19 @@ def test_the_structure_is_certified_at_the_start():
         started(structure=7)
 
 
+def test_source_of_the_equations():
+    solver = sfdae.Solver(pendulum_problem())
+    with pytest.raises(sfdae.Error):
+        solver.export_source("pendulum")
+    solver.start(0.0, PENDULUM_START, 10.0)
+    assert "void pendulum_residual(double t, const double *z" in solver.export_source("pendulum")
+    assert "pure subroutine pendulum_residual(" in solver.export_source("pendulum", "fortran")
+    with pytest.raises(ValueError):
+        solver.export_source("pendulum", "basic")
+    with pytest.raises(sfdae.Error):
+        solver.export_source("not a name")
+
+
 def test_structure_is_required_by_name():
     solver = started(structure="required")
     assert solver.structure().summary.is_followed == 1

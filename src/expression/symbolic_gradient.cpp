@@ -138,6 +138,14 @@ std::vector<int> symbolic_gradient(Recorder& recorder, int node, int count) {
   return symbolic_gradient(recorder, node, unknowns);
 }
 
+std::array<int, 3> symbolic_partials(Recorder& recorder, int node) {
+  const Node f = recorder.node(node);
+  const int one = recorder.constant(1.0);
+  Adjoints partials = adjoints_of_operands(recorder, f, node, one);
+  if (f.operation == Operation::power) partials[1] = adjoint_of_exponent(recorder, f, node, one);
+  return partials;
+}
+
 std::optional<int> symbolic_time_derivative(Recorder& recorder, int node) {
   std::vector<int> leaves, rates;
   for (int i = 0; i <= node; ++i) {

@@ -4,6 +4,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -16,6 +17,10 @@ namespace sfdae::core {
 std::vector<int> symbolic_gradient(Recorder& recorder, int node, int count);
 // By nodes of leaves.
 std::vector<int> symbolic_gradient(Recorder& recorder, int node, const std::vector<int>& leaves);
+
+// Nodes of the partial derivatives of a node by its operands, -1 where there is none: of any operation but leaves, calls of functions
+// and `choose`, whose operands count on their branch only.
+std::array<int, 3> symbolic_partials(Recorder& recorder, int node);
 
 // The derivative along time, x' being that of x; none if that needs x'', as the node depends on x'.
 std::optional<int> symbolic_time_derivative(Recorder& recorder, int node);

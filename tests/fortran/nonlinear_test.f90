@@ -403,6 +403,7 @@ contains
     type(dae_solver) :: solver
     type(sfdae_structure) :: structure
     integer(c_int), allocatable :: counts(:), orders(:), assigned(:), block(:)
+    character(len=:), allocatable :: text
     real(dp) :: x(5)
     integer(c_int) :: status
     integer :: i
@@ -424,6 +425,13 @@ contains
     call check(all(orders == [2, 2, 1, 1, 0]), "orders")
     call check(all(block == 1), "one block")
     call check(all([(count(assigned == i) == 1, i=1, 5)]), "every unknown is assigned once")
+    call solver%export_source(sfdae_source_fortran, "pendulum", text, status)
+    call check_status(status, sfdae_ok, "export_source")
+    call check(index(text, "module pendulum_model"//new_line('a')) > 0, "source text")
+    call check(index(text, "pendulum_size = 9") > 0 .and. index(text, achar(0)) == 0, "its size")
+    call solver%export_source(sfdae_source_c, "no name", text, status)
+    call check_status(status, sfdae_illegal_argument, "export_source")
+    call check(len(text) > 1000, "the text stays")
     call solver%destroy()
   end subroutine structure_is_certified
 
