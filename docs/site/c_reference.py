@@ -15,7 +15,7 @@ C_HEADINGS = {"sfdae": "Life cycle, options, linear problems", "expression": "Ex
               "modes": "Switches, impacts, breakpoints"}
 CPP_HEADINGS = {"sfdae": "The solver", "problem": "Problems", "expression": "Expressions",
                 "results": "Options, points, results, errors", "ensemble": "Ensembles", "sensitivity": "Sensitivities",
-                "linearization": "Linearization, descriptor systems"}
+                "linearization": "Linearization, descriptor systems", "complex": "Complex problems"}
 NOT_FOR_USERS = {"callbacks.hpp"}
 NOT_SHOWN = r"SFDAE_API|SFDAE_\w+_H|SFDAE_VERSION_\w+"
 
