@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "expression/node_copies.h"
 #include "expression/recorder.h"
 #include "expression/symbolic_jet.h"
 #include "linalg/index.h"
@@ -23,25 +24,9 @@ double factorial(int k) {
 
 // The recording again, with room for derivatives; returns the nodes of the equations.
 std::vector<int> copy_of(const Record& record, Recorder& to) {
-  std::vector<int> place(index(record.num_nodes()), -1), residuals;
-  for (int i = 0; i < record.num_nodes(); ++i) {
-    const Node& node = record.node(i);
-    const auto at = [&place](int operand) { return operand < 0 ? -1 : place[index(operand)]; };
-    switch (node.operation) {
-      case Operation::constant: place[index(i)] = to.constant(record.constant(node.a)); break;
-      case Operation::parameter: {
-        const Parameter& parameter = record.parameters()[index(node.a)];
-        place[index(i)] = to.parameter(parameter.name, parameter.value);
-        break;
-      }
-      case Operation::time: place[index(i)] = to.time(); break;
-      case Operation::unknown: place[index(i)] = to.unknown(node.a); break;
-      case Operation::derivative: place[index(i)] = to.derivative(node.a); break;
-      case Operation::function: place[index(i)] = to.constant(0.0); break;  // not needed by any equation
-      default: place[index(i)] = to.apply(node.operation, at(node.a), at(node.b), at(node.c));
-    }
-  }
-  for (int i = 0; i < record.m(); ++i) residuals.push_back(place[index(record.residual(i))]);
+  const std::vector<int> copies = copy_nodes(record, to);
+  std::vector<int> residuals;
+  for (int i = 0; i < record.m(); ++i) residuals.push_back(copies[index(record.residual(i))]);
   return residuals;
 }
 

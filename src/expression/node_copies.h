@@ -1,0 +1,15 @@
+// The nodes of a record recorded once more.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "expression/record.h"
+#include "expression/recorder.h"
+
+namespace sfdae::core {
+
+// Of each node of the record, the number that it has in the recorder; parameters keep their numbers if none are there yet.
+std::vector<int> copy_nodes(const Record& record, Recorder& recorder);
+
+}  // namespace sfdae::core
