@@ -102,6 +102,7 @@ extern "C" {
 #define SFDAE_STEP_TOO_SMALL (-41)      /**< the error test fails at the smallest step */
 #define SFDAE_SINGULAR (-42)            /**< the iteration matrix stays singular */
 #define SFDAE_TOLERANCE_TOO_SMALL (-43) /**< tolerances below what rounding, or derivatives by differences, allow */
+#define SFDAE_ZENO (-44)                /**< transitions of a hybrid system accumulate: sfdae_get_accumulation */
 
 #define SFDAE_INTERNAL (-99) /**< a defect of the library: please report it */
 
@@ -317,8 +318,8 @@ SFDAE_API int sfdae_create_linear(sfdae_solver** solver, const sfdae_linear_prob
 SFDAE_API int sfdae_check_linear(const sfdae_linear_problem* problem, const sfdae_options* options, char* text,
                                  size_t length);
 
-/** Frees the solver and sets *solver to NULL. NULL and *solver == NULL are allowed. SFDAE_BUSY from a callback,
- * which changes nothing. */
+/** Frees the solver and sets *solver to NULL. NULL and *solver == NULL are allowed. SFDAE_BUSY from a callback and for
+ * a mode of a hybrid system that still exists, which changes nothing. */
 SFDAE_API int sfdae_destroy(sfdae_solver** solver);
 
 /** Replaces the options; the point reached stays. A change of max_index, reduction, rank_tol, time_scale,

@@ -180,6 +180,7 @@ const char* sfdae_status_name(int status) {
     SFDAE_NAME(SFDAE_STEP_TOO_SMALL)
     SFDAE_NAME(SFDAE_SINGULAR)
     SFDAE_NAME(SFDAE_TOLERANCE_TOO_SMALL)
+    SFDAE_NAME(SFDAE_ZENO)
     SFDAE_NAME(SFDAE_INTERNAL)
     default: return "unknown status";
   }

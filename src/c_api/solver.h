@@ -104,6 +104,7 @@ struct sfdae_solver {
   std::optional<sfdae_initial_report> initial_report;
 
   std::atomic<bool> busy{false};
+  bool is_mode = false;  // of a hybrid system, which lives
   // Of the last call. Functions that only read leave it alone where it explains a failure.
   mutable char message[1536] = "";
   bool message_explains_failure = false;

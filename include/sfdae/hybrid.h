@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+
+/** @file
+ * sfdae - hybrid systems: several modes, transitions between them, and an integration across all of them.
+ *
+ *     solvers, one for each mode -> sfdae_create_hybrid -> sfdae_add_mode ... -> sfdae_add_transition ...
+ *         -> sfdae_start_hybrid -> sfdae_advance_hybrid ... -> sfdae_destroy_hybrid, then the solvers
+ *
+ * A mode is a problem with its solver: equations, options, parameters, index. All modes have the same unknowns. An ideal
+ * diode, for example, has the modes "conducts" (u = 0) and "blocks" (i = 0); the first is left when i falls below zero, the
+ * second when u rises above it. A mode is analyzed when it is entered first; later it only starts.
+ *
+ * sfdae.h has the conventions. This header is not included by it.
+ */
+#ifndef SFDAE_HYBRID_H
+#define SFDAE_HYBRID_H
+
+#include <sfdae/modes.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Modes, transitions, and an integration across them. It belongs to one thread at a time, as its solvers do. */
+typedef struct sfdae_hybrid sfdae_hybrid;
+
+/** Creates a hybrid system without modes. On failure *hybrid is NULL. */
+SFDAE_API int sfdae_create_hybrid(sfdae_hybrid** hybrid);
+
+/** Frees the hybrid system and sets *hybrid to NULL; its solvers stay, and are free again. NULL and *hybrid == NULL are
+ * allowed. SFDAE_BUSY from a callback, which changes nothing. */
+SFDAE_API int sfdae_destroy_hybrid(sfdae_hybrid** hybrid);
+
+/** What the last call on this hybrid system had to say, as sfdae_message; what a solver says begins with its mode. */
+SFDAE_API const char* sfdae_get_hybrid_message(const sfdae_hybrid* hybrid);
+
+/* ---- Modes and transitions ------------------------------------------------------------------- */
+
+/** Adds a mode, which is to be solved by `solver`; modes count from 0. Two modes may have the same equations with other
+ * values of parameters: create two solvers. The solver has to live as long as the hybrid system: until then sfdae_destroy
+ * refuses it. Its options, parameters and breakpoints can be changed as ever; what ends its integration ends that of the
+ * hybrid system, too. All modes have as many unknowns, with the same meaning.
+ * name: for messages and the report, copied; NULL: none. *mode (may be NULL): the number of the mode.
+ * SFDAE_ILLEGAL_ARGUMENT: another number of unknowns, a solver that is a mode already, that has events or sensitivities;
+ * a name that another mode has. */
+SFDAE_API int sfdae_add_mode(sfdae_hybrid* hybrid, sfdae_solver* solver, const char* name, int* mode);
+
+/* When a transition happens. */
+#define SFDAE_TRANSITION_CONDITION 0 /**< as soon as function > 0, clearly; also where the mode begins */
+#define SFDAE_TRANSITION_ZERO 1      /**< where function passes zero, as `direction` says: an event */
+#define SFDAE_TRANSITION_TIME 2      /**< at `time`, if the mode began before */
+
+/** Writes values after a transition at t from one mode to another to `after`, n values, in which it finds those before.
+ * Returns 0, or any other value to end the integration. */
+typedef int (*sfdae_jump_function)(double t, int from, int to, const double* before, double* after, void* user);
+
+/** A transition from a mode to another one, or to itself. Call sfdae_transition_init first, then set members.
+ *
+ * A condition counts where function exceeds what it changes by if x moves by its tolerances, or t by some roundings: what
+ * is not known that well is no reason to leave a mode. It is looked at where the mode begins, too: a mode may be left at
+ * once. An event is one of sfdae_set_events of its mode: a zero where the mode begins is none. Where several transitions are due, the one added first counts. */
+typedef struct sfdae_transition {
+  size_t size;                   /**< set by sfdae_transition_init */
+  int from, to;                  /**< modes */
+  int kind;                      /**< SFDAE_TRANSITION_CONDITION (default), _ZERO or _TIME */
+  sfdae_event_function function; /**< writes one number; not for _TIME */
+  int direction;                 /**< _ZERO: +1 rising zeros, -1 falling ones, 0 (default) both */
+  double time;                   /**< _TIME: finite */
+  sfdae_event_function guard;    /**< NULL (default), or writes one number: no transition unless it is > 0 at the event */
+  /** NULL (default): values after it are those of sfdae_jump for the mode `to`. Else they are what this writes, made
+   * consistent as the options of the solver of `to` say. */
+  sfdae_jump_function jump;
+  void* user; /**< handed to the functions */
+} sfdae_transition;
+/** Sets every member to its default. size: sizeof(sfdae_transition). SFDAE_ILLEGAL_ARGUMENT for NULL. */
+SFDAE_API int sfdae_transition_init(sfdae_transition* transition, size_t size);
+
+/** Adds a transition, which is copied; they count from 0. *number (may be NULL): that of the transition. An integration
+ * under way ends. SFDAE_ILLEGAL_ARGUMENT names what is wrong: a mode that there is not, a function that is missing. */
+SFDAE_API int sfdae_add_transition(sfdae_hybrid* hybrid, const sfdae_transition* transition, int* number);
+
+/* ---- Integration ----------------------------------------------------------------------------- */
+
+/** Starts at (t, x) in a mode: sfdae_start of its solver, with the same x, xdot, warnings and failures. If a condition of
+ * that mode holds there, its transition happens at once, and x and xdot are those of the mode reached. */
+SFDAE_API int sfdae_start_hybrid(sfdae_hybrid* hybrid, int mode, double t, double toward, double* x, double* xdot);
+
+/** Integrates to tout across all transitions on the way, those at tout included, and returns there: sfdae_advance of the
+ * solvers, with the same arguments, warnings and failures. After failures of a transition itself (those of sfdae_jump and
+ * sfdae_start) t and x are those before it and the integration has ended; after others sfdae_advance_hybrid goes on.
+ *
+ * SFDAE_ZENO: transitions accumulate at a time that cannot be passed, as the bounces of a ball do: the times between seven
+ * passages of a transition shrink by the same factor, and a millionth of the time since the start is left, or the function
+ * of the transition moves by a thousand tolerances only. Or modes lead to each other again and again (chattering): x moves
+ * by at most ten tolerances in each of 30 + 2 (number of modes) visits, as where both lead toward the same surface.
+ * sfdae_get_accumulation has the time; t and x are those after the last transition. sfdae_start_hybrid goes on. */
+SFDAE_API int sfdae_advance_hybrid(sfdae_hybrid* hybrid, double tout, double* t, double* x, double* xdot);
+
+/** sfdae_advance_hybrid to the next transition, or to tout if there is none before: returns SFDAE_EVENT with the values
+ * after the transition, or SFDAE_OK at tout. Transitions that happen at once after another are returned one by one. */
+SFDAE_API int sfdae_advance_to_transition(sfdae_hybrid* hybrid, double tout, double* t, double* x, double* xdot);
+
+/** From now on all accepted steps in all modes go to the solution, see sfdae_record_solution; NULL: no more. At transitions
+ * the solution may jump, and has the value after the jump. */
+SFDAE_API int sfdae_record_hybrid(sfdae_hybrid* hybrid, sfdae_solution* solution);
+
+/** Stops the call that is running, or else the next one, as sfdae_request_stop does. */
+SFDAE_API int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid);
+
+/* ---- Inspection ------------------------------------------------------------------------------ */
+
+/** The mode that the system is in. SFDAE_NOT_STARTED before a start. */
+SFDAE_API int sfdae_get_current_mode(const sfdae_hybrid* hybrid, int* mode);
+
+/** A mode and what was done in it since sfdae_start_hybrid. */
+typedef struct sfdae_mode {
+  size_t size;
+  long visits;           /**< how often the mode was entered */
+  double duration;       /**< time spent in it, signed as the direction of integration */
+  long steps;            /**< accepted */
+  int num_analyses;      /**< index analyses since it was added, 1 as a rule, 0 before it is entered */
+  int strangeness_index; /**< -1, as the following: not analyzed yet */
+  int differential;      /**< d */
+  int algebraic;         /**< a */
+} sfdae_mode;
+/** Prepares a result of sfdae_get_mode. size: sizeof(sfdae_mode). */
+SFDAE_API int sfdae_mode_init(sfdae_mode* mode, size_t size);
+
+/** What is known of a mode. SFDAE_ILLEGAL_ARGUMENT if there is no such mode. */
+SFDAE_API int sfdae_get_mode(const sfdae_hybrid* hybrid, int mode, sfdae_mode* result);
+
+/** A transition that happened. */
+typedef struct sfdae_passage {
+  size_t size;
+  double t;
+  int transition, from, to; /**< numbers of the transition and of the modes */
+  double largest_impulse;   /**< largest |factor| of delta(t), 0 with a jump of the user's */
+  int impulse_component;    /**< where, -1 if there is none */
+  double largest_change;    /**< largest |after - before| */
+  int changed_component;    /**< where, -1 if nothing changed */
+} sfdae_passage;
+/** Prepares a result of sfdae_get_passage. size: sizeof(sfdae_passage). */
+SFDAE_API int sfdae_passage_init(sfdae_passage* passage, size_t size);
+
+/** How many transitions have happened since sfdae_start_hybrid, or before the checkpoint, too. */
+SFDAE_API int sfdae_get_num_passages(const sfdae_hybrid* hybrid, long* count);
+
+/** The transition that happened as number `index`, 0 ... count - 1. Those before a checkpoint that was restored are counted,
+ * but not remembered (SFDAE_ILLEGAL_ARGUMENT). */
+SFDAE_API int sfdae_get_passage(const sfdae_hybrid* hybrid, long index, sfdae_passage* result);
+
+/** Values before and after the last transition, and the factors of delta(t) there (n values each, any pointer may be NULL).
+ * SFDAE_NOT_STARTED if there was none since the start or the checkpoint. */
+SFDAE_API int sfdae_get_passage_values(const sfdae_hybrid* hybrid, double* before, double* after, double* impulse);
+
+/** After SFDAE_ZENO: the time at which transitions accumulate. Else SFDAE_NOT_STARTED. */
+SFDAE_API int sfdae_get_accumulation(const sfdae_hybrid* hybrid, double* t);
+
+/** sfdae_get_statistics over all modes: counts since the start (of callbacks: since creation of the solvers), largest and
+ * smallest values of all, steps and orders of the present mode. */
+SFDAE_API int sfdae_get_hybrid_statistics(const sfdae_hybrid* hybrid, sfdae_statistics* result);
+
+/** Writes a report as text, as sfdae_report does: modes with their index, d, a, visits, times and steps, and the
+ * transitions. */
+SFDAE_API int sfdae_report_hybrid(const sfdae_hybrid* hybrid, char* text, size_t length, size_t* needed);
+
+/* ---- Checkpoints ----------------------------------------------------------------------------- */
+
+/* Those of sfdae_save_checkpoint and its kind, with the mode and counts. Add the same modes and transitions before restoring.
+ * Modes that are entered after that are analyzed anew where their solvers have no analysis. */
+
+/** Number of doubles that sfdae_save_hybrid_checkpoint writes now. SFDAE_NOT_STARTED if there is no integration. */
+SFDAE_API int sfdae_get_hybrid_checkpoint_length(sfdae_hybrid* hybrid, size_t* length);
+
+/** Writes a checkpoint to an array of `length` doubles. SFDAE_NOT_STARTED if there is no integration. */
+SFDAE_API int sfdae_save_hybrid_checkpoint(sfdae_hybrid* hybrid, double* checkpoint, size_t length);
+
+/** Continues from a checkpoint instead of sfdae_start_hybrid. SFDAE_ILLEGAL_ARGUMENT if it is damaged or does not fit;
+ * after a failure an integration under way goes on. */
+SFDAE_API int sfdae_restore_hybrid_checkpoint(sfdae_hybrid* hybrid, const double* checkpoint, size_t length);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

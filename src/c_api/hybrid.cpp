@@ -1,0 +1,210 @@
+// Hybrid systems: modes, transitions, life cycle: the C API over solvers.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "c_api/hybrid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "c_api/structs.h"
+#include "linalg/index.h"
+#include "linalg/matrix.h"
+
+using namespace sfdae::core;
+
+sfdae_hybrid::~sfdae_hybrid() {
+  for (HybridMode& mode : modes) {
+    mode.solver->is_mode = false;
+    sfdae_set_events(mode.solver, 0, nullptr, nullptr, nullptr);
+  }
+}
+
+std::string sfdae_hybrid::name_of(int mode) const {
+  const std::string& name = modes[index(mode)].name;
+  return name.empty() ? format("mode %d", mode) : format("mode %d (%.80s)", mode, name.c_str());
+}
+
+bool sfdae_hybrid::is_running() const {
+  return run.mode >= 0 && run.integration != nullptr && mode().solver->integration.get() == run.integration;
+}
+
+namespace {
+
+sfdae_transition default_transition() {
+  sfdae_transition transition{};
+  transition.size = sizeof transition;
+  transition.kind = SFDAE_TRANSITION_CONDITION;
+  return transition;
+}
+
+CallResult check_mode(const sfdae_hybrid& hybrid, const char* name, int mode) {
+  const int count = static_cast<int>(hybrid.modes.size());
+  if (count == 0)
+    return illegal_argument(format("%s = %d, but there are no modes: call sfdae_add_mode.", name, mode));
+  if (mode < 0 || mode >= count)
+    return illegal_argument(format("%s = %d; there are the modes 0 ... %d.", name, mode, count - 1));
+  return {};
+}
+
+CallResult check_new_mode(const sfdae_hybrid& hybrid, const sfdae_solver* solver, const char* name) {
+  if (solver == nullptr) return illegal_argument("solver is NULL.");
+  if (solver->is_mode) return illegal_argument("the solver is a mode of a hybrid system already.");
+  if (solver->events) return illegal_argument("the solver has events; events of a mode are its transitions.");
+  if (solver->sensitivities)
+    return illegal_argument("the solver has sensitivities, which are not carried over jumps.");
+  if (!hybrid.modes.empty() && solver->model.n() != hybrid.n())
+    return illegal_argument(
+        format("the solver has %d unknowns, but those of the other modes have %d.", solver->model.n(), hybrid.n()));
+  for (std::size_t k = 0; k < hybrid.modes.size() && name != nullptr && *name != '\0'; ++k)
+    if (hybrid.modes[k].name == name)
+      return illegal_argument(format("mode %zu has the name \"%.60s\" already.", k, name));
+  return {};
+}
+
+CallResult check_transition(const sfdae_hybrid& hybrid, const sfdae_transition& transition) {
+  CallResult checked = check_mode(hybrid, "from", transition.from);
+  if (checked.status == SFDAE_OK) checked = check_mode(hybrid, "to", transition.to);
+  if (checked.status != SFDAE_OK) return checked;
+  if (transition.kind < SFDAE_TRANSITION_CONDITION || transition.kind > SFDAE_TRANSITION_TIME)
+    return illegal_argument(format("kind = %d; it must be one of SFDAE_TRANSITION_...", transition.kind));
+  if (transition.kind == SFDAE_TRANSITION_TIME) {
+    if (!std::isfinite(transition.time)) return illegal_argument(format("time is %g.", transition.time));
+    if (transition.function != nullptr) return illegal_argument("a transition at a time has no function.");
+    return {};
+  }
+  if (transition.function == nullptr) return illegal_argument("function is NULL.");
+  if (transition.direction < -1 || transition.direction > 1)
+    return illegal_argument(format("direction = %d; it must be -1, 0 or 1.", transition.direction));
+  return {};
+}
+
+CallResult check_start(const sfdae_hybrid& hybrid, int mode, const PointOfInterest& point) {
+  const CallResult checked = check_mode(hybrid, "mode", mode);
+  if (checked.status != SFDAE_OK) return checked;
+  if (!std::isfinite(point.t) || !std::isfinite(point.toward) || point.t == point.toward)
+    return illegal_argument(format("t = %g, toward = %g: must be finite and different.", point.t, point.toward));
+  if (point.x == nullptr) return illegal_argument("x is NULL.");
+  if (!all_finite(point.x, index(hybrid.n()))) return illegal_argument("x contains NaN or Inf.");
+  return {};
+}
+
+int advance(sfdae_hybrid* hybrid, double tout, bool stops, double* t, double* x, double* xdot) {
+  return guarded(hybrid, [&]() -> CallResult {
+    if (t == nullptr || x == nullptr) return illegal_argument("t and x must not be NULL.");
+    if (!std::isfinite(tout)) return illegal_argument(format("tout is %g.", tout));
+    if (hybrid->run.accumulation && hybrid->run.mode >= 0)
+      return {SFDAE_ZENO,
+              format("transitions accumulate at t = %.10g: call sfdae_start_hybrid.", *hybrid->run.accumulation)};
+    if (!hybrid->is_running()) return no_run();
+    HybridRun& run = hybrid->run;
+    if ((tout - run.t) * run.direction() < 0.0)
+      return illegal_argument(format("tout = %.15g lies before t = %.15g, the last point returned.", tout, run.t));
+    const CallResult result = advance_run(*hybrid, tout, stops, xdot != nullptr);
+    if (result.status == SFDAE_ILLEGAL_ARGUMENT) return result;
+    *t = run.t;
+    std::copy(run.x.begin(), run.x.end(), x);
+    if (xdot != nullptr) std::copy(run.xdot.begin(), run.xdot.end(), xdot);
+    return result;
+  });
+}
+
+}  // namespace
+
+extern "C" {
+
+int sfdae_transition_init(sfdae_transition* transition, size_t size) {
+  return initialize(transition, size, default_transition());
+}
+
+int sfdae_create_hybrid(sfdae_hybrid** hybrid) {
+  if (hybrid == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  *hybrid = new (std::nothrow) sfdae_hybrid;
+  return *hybrid != nullptr ? SFDAE_OK : SFDAE_OUT_OF_MEMORY;
+}
+
+int sfdae_destroy_hybrid(sfdae_hybrid** hybrid) {
+  if (hybrid == nullptr || *hybrid == nullptr) return SFDAE_OK;
+  if ((*hybrid)->busy.load()) return SFDAE_BUSY;
+  for (const HybridMode& mode : (*hybrid)->modes)
+    if (mode.solver->busy.load()) return SFDAE_BUSY;
+  delete *hybrid;
+  *hybrid = nullptr;
+  return SFDAE_OK;
+}
+
+const char* sfdae_get_hybrid_message(const sfdae_hybrid* hybrid) { return hybrid == nullptr ? "" : hybrid->message; }
+
+int sfdae_add_mode(sfdae_hybrid* hybrid, sfdae_solver* solver, const char* name, int* mode) {
+  return guarded(hybrid, [&]() -> CallResult {
+    const CallResult checked = check_new_mode(*hybrid, solver, name);
+    if (checked.status != SFDAE_OK) return checked;
+    hybrid->modes.push_back({solver, name != nullptr ? name : "", {}, {}, false, &hybrid->transitions, {}, 0});
+    solver->is_mode = true;
+    hybrid->run.mode = -1;
+    if (mode != nullptr) *mode = static_cast<int>(hybrid->modes.size()) - 1;
+    return {};
+  });
+}
+
+int sfdae_add_transition(sfdae_hybrid* hybrid, const sfdae_transition* transition, int* number) {
+  return guarded(hybrid, [&]() -> CallResult {
+    if (transition == nullptr || !is_plausible_size(transition->size))
+      return illegal_argument("transition is NULL or its size is not set: call sfdae_transition_init.");
+    const sfdae_transition given = read_struct(*transition, default_transition());
+    const CallResult checked = check_transition(*hybrid, given);
+    if (checked.status != SFDAE_OK) return checked;
+    HybridMode& from = hybrid->modes[index(given.from)];
+    std::vector<int>& kind = given.kind == SFDAE_TRANSITION_TIME ? from.timed : from.watched;
+    kind.reserve(kind.size() + 1);
+    hybrid->transitions.push_back({given, {}, 0.0});
+    // Nothing fails from here on.
+    kind.push_back(static_cast<int>(hybrid->transitions.size()) - 1);
+    from.has_guards = from.has_guards || given.guard != nullptr;
+    hybrid->events_are_set = false;
+    hybrid->run.mode = -1;
+    if (number != nullptr) *number = kind.back();
+    return {};
+  });
+}
+
+int sfdae_start_hybrid(sfdae_hybrid* hybrid, int mode, double t, double toward, double* x, double* xdot) {
+  return guarded(hybrid, [&]() -> CallResult {
+    const PointOfInterest point{t, toward, x, xdot};
+    const CallResult checked = check_start(*hybrid, mode, point);
+    if (checked.status != SFDAE_OK) return checked;
+    CallResult result = start_run(*hybrid, mode, point);
+    if (result.status < 0 && result.status != SFDAE_ZENO) return result;
+    const HybridRun& run = hybrid->run;
+    std::copy(run.x.begin(), run.x.end(), x);
+    if (xdot != nullptr) std::copy(run.xdot.begin(), run.xdot.end(), xdot);
+    return result;
+  });
+}
+
+int sfdae_advance_hybrid(sfdae_hybrid* hybrid, double tout, double* t, double* x, double* xdot) {
+  return advance(hybrid, tout, false, t, x, xdot);
+}
+
+int sfdae_advance_to_transition(sfdae_hybrid* hybrid, double tout, double* t, double* x, double* xdot) {
+  return advance(hybrid, tout, true, t, x, xdot);
+}
+
+int sfdae_record_hybrid(sfdae_hybrid* hybrid, sfdae_solution* solution) {
+  return guarded(hybrid, [&]() -> CallResult {
+    if (hybrid->modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode.");
+    sfdae_solver* solver = hybrid->modes[index(std::max(hybrid->run.mode, 0))].solver;
+    const int status = sfdae_record_solution(solver, solution);
+    if (status < 0) return {status, sfdae_message(solver)};
+    hybrid->solution = solver->solution;
+    return {};
+  });
+}
+
+int sfdae_request_stop_hybrid(sfdae_hybrid* hybrid) {
+  if (hybrid == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  hybrid->stop_is_requested.store(true);
+  sfdae_solver* solver = hybrid->running.load();
+  if (solver != nullptr) solver->problem().request_stop();
+  return SFDAE_OK;
+}
+
+}  // extern "C"

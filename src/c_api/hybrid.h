@@ -1,0 +1,114 @@
+// What stands behind the handle sfdae_hybrid: modes with their solvers, transitions, and a run across them.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "c_api/solver.h"
+#include "integrate/solution_pieces.h"
+#include "sfdae/hybrid.h"
+
+namespace sfdae::core {
+
+// Counts that add up over the visits of a mode.
+struct VisitCounts {
+  double duration = 0.0;
+  long visits = 0, steps = 0, error_failures = 0, other_failures = 0, reductions = 0, factorizations = 0;
+  double smallest_kept = 0.0, consistency = 0.0, rounding = 0.0;
+  void add(const sfdae_statistics& s);
+};
+
+struct HybridTransition {
+  sfdae_transition given;
+  std::vector<double> passages;  // the times of the last ones, at most `remembered`
+  // What the function changes by if x moves by its tolerances: no condition counts below that.
+  double margin = 0.0;
+};
+
+struct HybridMode {
+  sfdae_solver* solver;
+  std::string name;
+  std::vector<int> watched;  // transitions that are events of the solver, in their order
+  std::vector<int> timed;
+  bool has_guards = false;
+  const std::deque<HybridTransition>* transitions;
+  VisitCounts left;  // of all visits that have ended
+  int num_analyses = 0;
+};
+
+// A run across modes. t, x, xdot: the point reached.
+struct HybridRun {
+  int mode = -1;
+  double start = 0.0, toward = 0.0, entered = 0.0;
+  double t = 0.0;
+  std::vector<double> x, xdot;
+  bool is_fresh = false;  // conditions of the mode have not been looked at since it was entered
+  const Integration* integration = nullptr;
+  long short_visits = 0;  // the last ones, in which x has moved by a few tolerances only
+  double first_short = 0.0, short_time = 0.0;
+  long forgotten = 0;  // passages before a checkpoint
+  std::vector<sfdae_passage> passages;
+  std::vector<double> before, after, impulse;  // of the last one
+  std::optional<double> accumulation;
+  CallResult warning;  // the first one of the call
+  double direction() const { return toward < start ? -1.0 : 1.0; }
+};
+
+}  // namespace sfdae::core
+
+struct sfdae_hybrid {
+  ~sfdae_hybrid();
+  int n() const { return modes.empty() ? 0 : modes.front().solver->model.n(); }
+  // "mode 1 (open)"
+  std::string name_of(int mode) const;
+  bool is_running() const;
+  const sfdae::core::HybridMode& mode() const { return modes[static_cast<std::size_t>(run.mode)]; }
+
+  std::deque<sfdae::core::HybridMode> modes;  // deques: events point into them
+  std::deque<sfdae::core::HybridTransition> transitions;
+  bool events_are_set = false;
+  std::weak_ptr<sfdae::core::SolutionPieces> solution;
+  sfdae::core::HybridRun run;
+  std::atomic<bool> busy{false}, stop_is_requested{false};
+  std::atomic<sfdae_solver*> running{nullptr};
+  mutable char message[sizeof(sfdae_solver::message) + 128] = "";
+};
+
+namespace sfdae::core {
+
+// Runs the body of an API call: one at a time, exceptions to status and message.
+template <class Body>
+int guarded(sfdae_hybrid* hybrid, Body body) noexcept {
+  if (hybrid == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  if (hybrid->busy.exchange(true)) return SFDAE_BUSY;
+  CallResult result{SFDAE_INTERNAL, ""};
+  const char* text = "";
+  try {
+    result = body();
+    text = result.message.c_str();
+  } catch (const std::bad_alloc&) {
+    result.status = SFDAE_OUT_OF_MEMORY;
+    text = out_of_memory;
+  } catch (...) {
+    text = "an exception came out of a callback.";
+  }
+  std::snprintf(hybrid->message, sizeof hybrid->message, "%s", text);
+  hybrid->busy.store(false);
+  return result.status;
+}
+
+inline CallResult no_run() { return {SFDAE_NOT_STARTED, "call sfdae_start_hybrid first."}; }
+
+// Events of all solvers, where transitions have been added.
+CallResult set_transition_events(sfdae_hybrid& hybrid);
+CallResult start_run(sfdae_hybrid& hybrid, int mode, const PointOfInterest& point);
+CallResult advance_run(sfdae_hybrid& hybrid, double tout, bool stops_at_transition, bool wants_slopes);
+// Counts of a mode, the present visit included.
+VisitCounts counts_of(const sfdae_hybrid& hybrid, int mode);
+
+}  // namespace sfdae::core

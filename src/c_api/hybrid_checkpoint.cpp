@@ -1,0 +1,165 @@
+// Checkpoints of hybrid systems: the state of the run, then that of the solver of its mode.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "c_api/hybrid.h"
+#include "linalg/archive.h"
+#include "linalg/index.h"
+
+using namespace sfdae::core;
+
+namespace {
+
+constexpr double mark = 5.0e7 + 1237.0;  // no number that a checkpoint begins with by chance
+
+// All but what solvers know of themselves.
+struct HybridState {
+  HybridRun run;
+  std::vector<VisitCounts> left;
+  std::vector<std::vector<double>> passages;  // of each transition
+  std::vector<double> margins;
+};
+
+HybridState state_of(const sfdae_hybrid& hybrid) {
+  HybridState state{hybrid.run, {}, {}, {}};
+  for (const HybridMode& mode : hybrid.modes) state.left.push_back(mode.left);
+  for (const HybridTransition& transition : hybrid.transitions) {
+    state.passages.push_back(transition.passages);
+    state.margins.push_back(transition.margin);
+  }
+  return state;
+}
+
+void archive_count(Archive& archive, long& count) {
+  double value = static_cast<double>(count);
+  archive.real(value);
+  if (archive.is_reading() && !(value >= 0.0 && value <= 1e15 && value == std::floor(value))) throw DamagedArchive();
+  count = static_cast<long>(value);
+}
+
+// Numbers that have to be as they are here.
+void archive_size(Archive& archive, std::size_t size) {
+  double value = static_cast<double>(size);
+  archive.real(value);
+  if (archive.is_reading() && value != static_cast<double>(size)) throw DamagedArchive();
+}
+
+void archive_state(Archive& archive, HybridState& state, std::size_t n) {
+  HybridRun& run = state.run;
+  archive_size(archive, static_cast<std::size_t>(mark));
+  archive_size(archive, n);
+  archive_size(archive, state.left.size());
+  archive_size(archive, state.passages.size());
+  archive.small(run.mode, run.is_fresh);
+  for (double* value : {&run.start, &run.toward, &run.entered, &run.t, &run.first_short, &run.short_time})
+    archive.real(*value);
+  archive.reals(run.x, n);
+  archive.reals(run.xdot, n);
+  run.forgotten += static_cast<long>(run.passages.size());
+  run.passages.clear();
+  archive_count(archive, run.forgotten);
+  archive_count(archive, run.short_visits);
+  archive.reals(state.margins, state.margins.size());
+  for (VisitCounts& counts : state.left) {
+    for (long* count : {&counts.visits, &counts.steps, &counts.error_failures, &counts.other_failures,
+                        &counts.reductions, &counts.factorizations})
+      archive_count(archive, *count);
+    for (double* value : {&counts.duration, &counts.smallest_kept, &counts.consistency, &counts.rounding})
+      archive.real(*value);
+  }
+  for (std::vector<double>& times : state.passages) {
+    long count = static_cast<long>(times.size());
+    archive_count(archive, count);
+    if (count > 64) throw DamagedArchive();
+    archive.reals(times, static_cast<std::size_t>(count));
+  }
+}
+
+std::size_t own_size(const sfdae_hybrid& hybrid) {
+  HybridState state = state_of(hybrid);
+  Archive counter = Archive::counter();
+  archive_state(counter, state, index(hybrid.n()));
+  return counter.size();
+}
+
+CallResult of_solver(const sfdae_hybrid& hybrid, int mode, int status) {
+  return {status, hybrid.name_of(mode) + ": " + sfdae_message(hybrid.modes[index(mode)].solver)};
+}
+
+// What the checkpoint says, and where that of the solver begins.
+HybridState read_state(const sfdae_hybrid& hybrid, const double* checkpoint, std::size_t length, std::size_t& own) {
+  HybridState state = state_of(hybrid);
+  state.run = {};
+  Archive archive = Archive::reader(checkpoint, length);
+  archive_state(archive, state, index(hybrid.n()));
+  if (state.run.mode < 0 || state.run.mode >= static_cast<int>(hybrid.modes.size())) throw DamagedArchive();
+  own = archive.size();
+  return state;
+}
+
+CallResult restore(sfdae_hybrid& hybrid, const double* checkpoint, std::size_t length) {
+  std::size_t own = 0;
+  HybridState state = read_state(hybrid, checkpoint, length, own);
+  CallResult set = set_transition_events(hybrid);
+  if (set.status < 0) return set;
+  const int mode = state.run.mode;
+  sfdae_solver* solver = hybrid.modes[index(mode)].solver;
+  const int status = sfdae_restore_checkpoint(solver, checkpoint + own, length - own);
+  if (status < 0) return of_solver(hybrid, mode, status);
+  // Nothing fails from here on.
+  state.run.integration = solver->integration.get();
+  hybrid.run = std::move(state.run);
+  for (std::size_t k = 0; k < hybrid.modes.size(); ++k) hybrid.modes[k].left = state.left[k];
+  for (std::size_t k = 0; k < hybrid.transitions.size(); ++k) {
+    hybrid.transitions[k].passages.swap(state.passages[k]);
+    hybrid.transitions[k].margin = state.margins[k];
+  }
+  return {};
+}
+
+}  // namespace
+
+extern "C" {
+
+int sfdae_get_hybrid_checkpoint_length(sfdae_hybrid* hybrid, size_t* length) {
+  return guarded(hybrid, [&]() -> CallResult {
+    if (length == nullptr) return illegal_argument("length is NULL.");
+    if (!hybrid->is_running()) return no_run();
+    std::size_t of_mode = 0;
+    const int status = sfdae_get_checkpoint_length(hybrid->mode().solver, &of_mode);
+    if (status < 0) return of_solver(*hybrid, hybrid->run.mode, status);
+    *length = own_size(*hybrid) + of_mode;
+    return {};
+  });
+}
+
+int sfdae_save_hybrid_checkpoint(sfdae_hybrid* hybrid, double* checkpoint, size_t length) {
+  return guarded(hybrid, [&]() -> CallResult {
+    if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
+    if (!hybrid->is_running()) return no_run();
+    const std::size_t own = own_size(*hybrid);
+    if (length <= own)
+      return illegal_argument(format("length = %zu, but the checkpoint has more than %zu doubles.", length, own));
+    const int status = sfdae_save_checkpoint(hybrid->mode().solver, checkpoint + own, length - own);
+    if (status < 0) return of_solver(*hybrid, hybrid->run.mode, status);
+    HybridState state = state_of(*hybrid);
+    Archive archive = Archive::writer(checkpoint, own);
+    archive_state(archive, state, index(hybrid->n()));
+    return {};
+  });
+}
+
+int sfdae_restore_hybrid_checkpoint(sfdae_hybrid* hybrid, const double* checkpoint, size_t length) {
+  return guarded(hybrid, [&]() -> CallResult {
+    if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
+    if (hybrid->modes.empty()) return illegal_argument("there are no modes: call sfdae_add_mode.");
+    try {
+      return restore(*hybrid, checkpoint, length);
+    } catch (const DamagedArchive&) {
+      return illegal_argument("the checkpoint is damaged, or one of another hybrid system.");
+    }
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,177 @@
+// What a hybrid system has done: the C API.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
+#include "c_api/hybrid.h"
+#include "c_api/structs.h"
+#include "linalg/index.h"
+
+using namespace sfdae::core;
+
+namespace {
+
+// Functions that only read, also from within callbacks.
+template <class Body>
+int query(const sfdae_hybrid* hybrid, Body body) noexcept {
+  if (hybrid == nullptr) return SFDAE_ILLEGAL_ARGUMENT;
+  try {
+    const CallResult result = body();
+    if (result.status < 0) std::snprintf(hybrid->message, sizeof hybrid->message, "%s", result.message.c_str());
+    return result.status;
+  } catch (const std::bad_alloc&) {
+    return SFDAE_OUT_OF_MEMORY;
+  }
+}
+
+template <class Struct>
+CallResult fill(Struct* result, const Struct& source) {
+  return fill_struct(result, source) ? CallResult{} : illegal_argument("result is NULL or its size is not set.");
+}
+
+sfdae_mode summary_of(const sfdae_hybrid& hybrid, int k) {
+  const HybridMode& mode = hybrid.modes[index(k)];
+  const VisitCounts counts = counts_of(hybrid, k);
+  sfdae_mode summary{sizeof(sfdae_mode), counts.visits, counts.duration, counts.steps, mode.num_analyses, -1, -1, -1};
+  if (mode.solver->system() == nullptr) return summary;
+  const sfdae_characteristics values = characteristics_of(*mode.solver);
+  summary.strangeness_index = values.strangeness_index;
+  summary.differential = values.differential;
+  summary.algebraic = values.algebraic;
+  return summary;
+}
+
+sfdae_statistics statistics_of_all(const sfdae_hybrid& hybrid) {
+  sfdae_statistics sum{};
+  if (hybrid.run.mode >= 0) sum = statistics_of(*hybrid.mode().solver);
+  sum.size = sizeof sum;
+  sum.steps = sum.error_failures = sum.other_failures = sum.reductions = sum.factorizations = 0;
+  sum.evaluations_E = sum.evaluations_A = sum.evaluations_f = sum.evaluations_F = 0;
+  sum.linearizations = sum.check_calls = 0;
+  for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {
+    const VisitCounts counts = counts_of(hybrid, k);
+    const sfdae_statistics calls = statistics_of(*hybrid.modes[index(k)].solver);
+    sum.steps += counts.steps;
+    sum.error_failures += counts.error_failures;
+    sum.other_failures += counts.other_failures;
+    sum.reductions += counts.reductions;
+    sum.factorizations += counts.factorizations;
+    sum.evaluations_E += calls.evaluations_E;
+    sum.evaluations_A += calls.evaluations_A;
+    sum.evaluations_f += calls.evaluations_f;
+    sum.evaluations_F += calls.evaluations_F;
+    sum.linearizations += calls.linearizations;
+    sum.check_calls += calls.check_calls;
+    if (counts.smallest_kept > 0.0)
+      sum.smallest_kept =
+          sum.smallest_kept > 0.0 ? std::min(sum.smallest_kept, counts.smallest_kept) : counts.smallest_kept;
+    sum.consistency = std::max(sum.consistency, counts.consistency);
+    sum.rounding = std::max(sum.rounding, counts.rounding);
+  }
+  return sum;
+}
+
+std::string report_of_all(const sfdae_hybrid& hybrid) {
+  const HybridRun& run = hybrid.run;
+  std::string text =
+      format("Hybrid system of %zu modes and %zu transitions\n", hybrid.modes.size(), hybrid.transitions.size());
+  text += "  mode                          index     d     a  visits  analyses     steps          time\n";
+  for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {
+    const sfdae_mode mode = summary_of(hybrid, k);
+    const std::string values = mode.strangeness_index < 0
+                                   ? "    -     -     -"
+                                   : format("%5d %5d %5d", mode.strangeness_index, mode.differential, mode.algebraic);
+    text += format("%c %-30.30s", k == run.mode ? '>' : ' ', hybrid.name_of(k).c_str()) + values +
+            format("  %6ld  %8d  %8ld  %12.6g\n", mode.visits, mode.num_analyses, mode.steps, mode.duration);
+  }
+  const std::size_t most = 20, count = run.passages.size();
+  if (count == 0) return text;
+  text += format("%ld transitions%s\n", run.forgotten + static_cast<long>(count),
+                 count > most ? ", the last ones:" : ":");
+  for (std::size_t k = count > most ? count - most : 0; k < count; ++k) {
+    const sfdae_passage& passage = run.passages[k];
+    text += format("  t = %-16.10g %s -> %s, largest change %.3g, impulse %.3g\n", passage.t,
+                   hybrid.name_of(passage.from).c_str(), hybrid.name_of(passage.to).c_str(), passage.largest_change,
+                   passage.largest_impulse);
+  }
+  if (run.accumulation) text += format("transitions accumulate at t = %.10g\n", *run.accumulation);
+  return text;
+}
+
+}  // namespace
+
+extern "C" {
+
+int sfdae_mode_init(sfdae_mode* mode, size_t size) { return initialize(mode, size, sfdae_mode{}); }
+int sfdae_passage_init(sfdae_passage* passage, size_t size) { return initialize(passage, size, sfdae_passage{}); }
+
+int sfdae_get_current_mode(const sfdae_hybrid* hybrid, int* mode) {
+  return query(hybrid, [&]() -> CallResult {
+    if (mode == nullptr) return illegal_argument("mode is NULL.");
+    if (hybrid->run.mode < 0) return no_run();
+    *mode = hybrid->run.mode;
+    return {};
+  });
+}
+
+int sfdae_get_mode(const sfdae_hybrid* hybrid, int mode, sfdae_mode* result) {
+  return query(hybrid, [&]() -> CallResult {
+    if (mode < 0 || mode >= static_cast<int>(hybrid->modes.size()))
+      return illegal_argument(format("mode = %d; there are %zu modes.", mode, hybrid->modes.size()));
+    return fill(result, summary_of(*hybrid, mode));
+  });
+}
+
+int sfdae_get_num_passages(const sfdae_hybrid* hybrid, long* count) {
+  return query(hybrid, [&]() -> CallResult {
+    if (count == nullptr) return illegal_argument("count is NULL.");
+    *count = hybrid->run.forgotten + static_cast<long>(hybrid->run.passages.size());
+    return {};
+  });
+}
+
+int sfdae_get_passage(const sfdae_hybrid* hybrid, long number, sfdae_passage* result) {
+  return query(hybrid, [&]() -> CallResult {
+    const HybridRun& run = hybrid->run;
+    const long count = run.forgotten + static_cast<long>(run.passages.size());
+    if (number < run.forgotten || number >= count)
+      return illegal_argument(
+          format("index = %ld; transitions from %ld on, below %ld, are known.", number, run.forgotten, count));
+    return fill(result, run.passages[static_cast<std::size_t>(number - run.forgotten)]);
+  });
+}
+
+int sfdae_get_passage_values(const sfdae_hybrid* hybrid, double* before, double* after, double* impulse) {
+  return query(hybrid, [&]() -> CallResult {
+    const HybridRun& run = hybrid->run;
+    if (run.passages.empty()) return {SFDAE_NOT_STARTED, "there was no transition since the start."};
+    if (before != nullptr) std::copy(run.before.begin(), run.before.end(), before);
+    if (after != nullptr) std::copy(run.after.begin(), run.after.end(), after);
+    if (impulse != nullptr) std::copy(run.impulse.begin(), run.impulse.end(), impulse);
+    return {};
+  });
+}
+
+int sfdae_get_accumulation(const sfdae_hybrid* hybrid, double* t) {
+  return query(hybrid, [&]() -> CallResult {
+    if (t == nullptr) return illegal_argument("t is NULL.");
+    if (!hybrid->run.accumulation) return {SFDAE_NOT_STARTED, "transitions have not accumulated."};
+    *t = *hybrid->run.accumulation;
+    return {};
+  });
+}
+
+int sfdae_get_hybrid_statistics(const sfdae_hybrid* hybrid, sfdae_statistics* result) {
+  return query(hybrid, [&] { return fill(result, statistics_of_all(*hybrid)); });
+}
+
+int sfdae_report_hybrid(const sfdae_hybrid* hybrid, char* text, size_t length, size_t* needed) {
+  return query(hybrid, [&]() -> CallResult {
+    if (text == nullptr && length > 0) return illegal_argument("text is NULL.");
+    const std::string report = report_of_all(*hybrid);
+    if (length > 0) std::snprintf(text, length, "%s", report.c_str());
+    if (needed != nullptr) *needed = report.size() + 1;
+    return {};
+  });
+}
+
+}  // extern "C"
