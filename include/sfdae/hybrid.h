@@ -66,7 +66,8 @@ typedef struct sfdae_transition {
   sfdae_event_function function; /**< writes one number; not for _TIME */
   int direction;                 /**< _ZERO: +1 rising zeros, -1 falling ones, 0 (default) both */
   double time;                   /**< _TIME: finite */
-  sfdae_event_function guard;    /**< NULL (default), or writes one number: no transition unless it is > 0 at the event */
+  sfdae_event_function
+      guard; /**< NULL (default), or writes one number: no transition unless it is > 0 at the event */
   /** NULL (default): values after it are those of sfdae_jump for the mode `to`. Else they are what this writes, made
    * consistent as the options of the solver of `to` say. */
   sfdae_jump_function jump;

@@ -547,6 +547,7 @@ class Solver {
   sfdae_solver* get() const noexcept { return state_ ? state_->solver : nullptr; }
 
  private:
+  friend class Hybrid;
   using State = detail::CallbackState;
 
   /// Refuses a jet that is smaller than its level demands.

@@ -189,8 +189,8 @@ static void modes_of_different_index(int method) {
   /* u = sin(2 pi t) - v leaves zero upward */
   CHECK_STATUS(sfdae_start_hybrid(hybrid, 0, 0, 20, x, xdot), SFDAE_OK);
   for (k = 1; k <= 80; ++k) {
-    CHECK_STATUS(sfdae_advance_hybrid(hybrid, 0.25 * k, &t, x, k % 2 ? NULL : xdot), SFDAE_OK);
-    CHECK(t == 0.25 * k);
+    CHECK_STATUS(sfdae_advance_hybrid(hybrid, 0.25 * (double)k, &t, x, k % 2 ? NULL : xdot), SFDAE_OK);
+    CHECK(t == 0.25 * (double)k);
     NEAR(x[0], exact(t, NULL), 2e-6);
     NEAR(x[2], sin(2 * pi * t) - x[0], 1e-9);
   }

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Hybrid systems for C++17 and later: a header-only wrapper of hybrid.h, which has the meaning of everything here. Not
+// included by sfdae.hpp.
+#ifndef SFDAE_HYBRID_HPP
+#define SFDAE_HYBRID_HPP
+
+#include <sfdae/hybrid.h>
+#include <sfdae/sfdae.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sfdae {
+
+using ModeSummary = sfdae_mode;
+using Passage = sfdae_passage;
+
+/// A function of t, x and x' that a transition depends on. An exception stops the call.
+using TransitionFunction = std::function<double(double t, ConstVectorRef x, ConstVectorRef xdot)>;
+/// Changes x from the values before a transition to those after it. An exception stops the call.
+using JumpFunction = std::function<void(double t, VectorRef x)>;
+
+/// A transition between modes, see sfdae_transition.
+struct Transition {
+  int from = 0, to = 0;
+  int kind = SFDAE_TRANSITION_CONDITION;
+  TransitionFunction function;  ///< not for SFDAE_TRANSITION_TIME
+  int direction = 0;
+  double time = 0;
+  TransitionFunction guard;  ///< empty: none
+  JumpFunction jump;         ///< empty: by impulses
+};
+
+/// Modes, transitions, and an integration across them. Movable. It has to be destroyed before its solvers: declare it after
+/// them.
+class Hybrid {
+ public:
+  Hybrid() {
+    if (const int status = sfdae_create_hybrid(&hybrid_); status < 0) throw Error(status, "a hybrid system");
+  }
+  Hybrid(Hybrid&& other) noexcept { swap(other); }
+  Hybrid& operator=(Hybrid&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~Hybrid() { sfdae_destroy_hybrid(&hybrid_); }
+
+  /// Adds a mode, which the solver solves; its number. The solver may be moved, but has to live as long as this.
+  int add_mode(Solver& solver, const std::string& name = "") {
+    modes_.reserve(modes_.size() + 1);
+    int mode = 0;
+    checked(sfdae_add_mode(hybrid_, solver.get(), name.c_str(), &mode));
+    modes_.push_back(solver.state_.get());
+    return mode;
+  }
+
+  /// Adds a transition; its number.
+  int add_transition(Transition transition) {
+    auto state = std::make_unique<State>();
+    state->transition = std::move(transition);
+    state->num_unknowns = modes_.empty() ? 0 : modes_.front()->num_unknowns;
+    const Transition& given = state->transition;
+    sfdae_transition c;
+    sfdae_transition_init(&c, sizeof c);
+    c.from = given.from;
+    c.to = given.to;
+    c.kind = given.kind;
+    c.function = given.function ? call_function : nullptr;
+    c.direction = given.direction;
+    c.time = given.time;
+    c.guard = given.guard ? call_guard : nullptr;
+    c.jump = given.jump ? call_jump : nullptr;
+    c.user = state.get();
+    transitions_.reserve(transitions_.size() + 1);
+    int number = 0;
+    checked(sfdae_add_transition(hybrid_, &c, &number));
+    transitions_.push_back(std::move(state));
+    return number;
+  }
+
+  /// Starts in a mode at point.t toward the given time; `point` gets the consistent values.
+  int start(int mode, Point& point, double toward) {
+    prepare(point, point.x.size());
+    return checked(sfdae_start_hybrid(hybrid_, mode, point.t, toward, point.x.data(), point.xdot.data()));
+  }
+
+  /// Integrates to tout across all transitions. After failures `point` is the one reached.
+  int advance(double tout, Point& point) {
+    prepare(point, num_unknowns());
+    return checked(sfdae_advance_hybrid(hybrid_, tout, &point.t, point.x.data(), point.xdot.data()));
+  }
+
+  /// Integrates to the next transition, SFDAE_EVENT, or to tout.
+  int advance_to_transition(double tout, Point& point) {
+    prepare(point, num_unknowns());
+    return checked(sfdae_advance_to_transition(hybrid_, tout, &point.t, point.x.data(), point.xdot.data()));
+  }
+
+  /// From now on all accepted steps in all modes go to the solution.
+  int record(Solution& solution) { return checked(sfdae_record_hybrid(hybrid_, solution.get())); }
+  /// No steps are recorded any more.
+  int stop_recording() { return checked(sfdae_record_hybrid(hybrid_, nullptr)); }
+
+  /// Stops the call that is running, or else the next one. From any thread or signal handler.
+  void request_stop() noexcept { sfdae_request_stop_hybrid(hybrid_); }
+
+  /// What the last call had to say.
+  std::string message() const { return sfdae_get_hybrid_message(hybrid_); }
+
+  /// The mode that the system is in.
+  int current_mode() const {
+    int mode = 0;
+    checked(sfdae_get_current_mode(hybrid_, &mode));
+    return mode;
+  }
+
+  /// A mode and what was done in it since the start.
+  ModeSummary mode(int number) const {
+    ModeSummary result;
+    sfdae_mode_init(&result, sizeof result);
+    checked(sfdae_get_mode(hybrid_, number, &result));
+    return result;
+  }
+
+  /// How many transitions have happened since the start.
+  long num_passages() const {
+    long count = 0;
+    checked(sfdae_get_num_passages(hybrid_, &count));
+    return count;
+  }
+
+  /// A transition that happened, from 0 on.
+  Passage passage(long index) const {
+    Passage result;
+    sfdae_passage_init(&result, sizeof result);
+    checked(sfdae_get_passage(hybrid_, index, &result));
+    return result;
+  }
+
+  /// Values before and after the last transition, with the impulse of order 0.
+  Jump last_jump() const {
+    const int n = modes_.empty() ? 0 : modes_.front()->num_unknowns;
+    Jump jump{0.0, std::vector<double>(num_unknowns()), std::vector<double>(num_unknowns()), Matrix(n, 1)};
+    checked(sfdae_get_passage_values(hybrid_, jump.before.data(), jump.after.data(), jump.impulses.data()));
+    jump.t = passage(num_passages() - 1).t;
+    return jump;
+  }
+
+  /// The time at which transitions accumulate, after SFDAE_ZENO.
+  double accumulation() const {
+    double t = 0;
+    checked(sfdae_get_accumulation(hybrid_, &t));
+    return t;
+  }
+
+  /// Counts over all modes.
+  Statistics statistics() const {
+    Statistics result;
+    sfdae_statistics_init(&result, sizeof result);
+    checked(sfdae_get_hybrid_statistics(hybrid_, &result));
+    return result;
+  }
+
+  /// Modes and transitions as text.
+  std::string report() const {
+    std::size_t needed = 0;
+    checked(sfdae_report_hybrid(hybrid_, nullptr, 0, &needed));
+    std::string text(needed, '\0');
+    checked(sfdae_report_hybrid(hybrid_, text.data(), needed, &needed));
+    text.resize(needed - 1);
+    return text;
+  }
+
+  /// The state of the run, see sfdae_save_hybrid_checkpoint.
+  std::vector<double> save_checkpoint() {
+    std::size_t length = 0;
+    checked(sfdae_get_hybrid_checkpoint_length(hybrid_, &length));
+    std::vector<double> checkpoint(length);
+    checked(sfdae_save_hybrid_checkpoint(hybrid_, checkpoint.data(), length));
+    return checkpoint;
+  }
+
+  /// Continues from a checkpoint instead of start().
+  int restore_checkpoint(const std::vector<double>& checkpoint) {
+    const double nothing = 0;  // an empty vector may have no address
+    return checked(sfdae_restore_hybrid_checkpoint(hybrid_, checkpoint.empty() ? &nothing : checkpoint.data(),
+                                                   checkpoint.size()));
+  }
+
+  /// The C object, which stays owned by this one.
+  sfdae_hybrid* get() const noexcept { return hybrid_; }
+
+ private:
+  struct State {
+    Transition transition;
+    int num_unknowns = 0;
+    std::exception_ptr exception;
+    template <class Call>
+    int guarded(Call call) noexcept {
+      try {
+        call();
+        return 0;
+      } catch (...) {
+        if (!exception) exception = std::current_exception();
+        return -1;
+      }
+    }
+  };
+
+  static int call_function(double t, const double* x, const double* xdot, double* g, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    const int n = state.num_unknowns;
+    return state.guarded([&] { *g = state.transition.function(t, {x, n, "x"}, {xdot, n, "xdot"}); });
+  }
+  static int call_guard(double t, const double* x, const double* xdot, double* g, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    const int n = state.num_unknowns;
+    return state.guarded([&] { *g = state.transition.guard(t, {x, n, "x"}, {xdot, n, "xdot"}); });
+  }
+  static int call_jump(double t, int, int, const double*, double* after, void* user) noexcept {
+    State& state = *static_cast<State*>(user);
+    return state.guarded([&] { state.transition.jump(t, {after, state.num_unknowns, "x"}); });
+  }
+
+  std::size_t num_unknowns() const { return modes_.empty() ? 0 : detail::size(modes_.front()->num_unknowns); }
+
+  void prepare(Point& point, std::size_t size) const {
+    if (!modes_.empty()) detail::require_size(size, modes_.front()->num_unknowns, "x");
+    point.x.resize(size);
+    point.xdot.resize(size);
+  }
+
+  void swap(Hybrid& other) noexcept {
+    std::swap(hybrid_, other.hybrid_);
+    modes_.swap(other.modes_);
+    transitions_.swap(other.transitions_);
+  }
+
+  /// Passes on the status, unless the call failed or an exception waits.
+  int checked(int status) const {
+    for (const auto& state : transitions_)
+      if (state->exception) std::rethrow_exception(std::exchange(state->exception, nullptr));
+    for (detail::CallbackState* mode : modes_) mode->rethrow();
+    if (status < 0) throw Error(status, message());
+    return status;
+  }
+
+  sfdae_hybrid* hybrid_ = nullptr;
+  std::vector<detail::CallbackState*> modes_;
+  std::vector<std::unique_ptr<State>> transitions_;
+};
+
+}  // namespace sfdae
+
+#endif
