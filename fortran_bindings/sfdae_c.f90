@@ -3,45 +3,52 @@
 ! Written by scripts/generate_fortran_mirror.py from the headers in include/sfdae: do not edit.
 ! Callbacks and functions of C; the header explains them and their arguments.
 module sfdae_c
-  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funloc, c_funptr, c_int, c_ptr, &
-    c_size_t
+  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funloc, c_funptr, c_int, c_long, &
+    c_ptr, c_size_t
   use sfdae_types, only: expression, sfdae_change, sfdae_characteristics, sfdae_decision, &
     sfdae_derivative_check, sfdae_descriptor_matrices, sfdae_ensemble, sfdae_ensemble_progress, &
     sfdae_ensemble_results, sfdae_initial_report, sfdae_linear_problem, sfdae_linearization, &
-    sfdae_multibody_formulas, sfdae_multibody_problem, sfdae_multibody_report, &
-    sfdae_nonlinear_problem, sfdae_options, sfdae_progress, sfdae_sensitivity_options, &
-    sfdae_sensitivity_statistics, sfdae_spectrum, sfdae_statistics, sfdae_structure
+    sfdae_mode, sfdae_multibody_formulas, sfdae_multibody_problem, sfdae_multibody_report, &
+    sfdae_nonlinear_problem, sfdae_options, sfdae_passage, sfdae_progress, &
+    sfdae_sensitivity_options, sfdae_sensitivity_statistics, sfdae_spectrum, sfdae_statistics, &
+    sfdae_structure, sfdae_transition
   implicit none
   private
 
-  public :: c_abs, c_acos, c_add, c_advance, c_analyze, c_analyze_at, c_and, c_asin, c_atan, &
-    c_atan2, c_certify, c_change_init, c_characteristics_init, c_check_derivatives, &
-    c_check_linear, c_check_multibody, c_check_multibody_derivatives, c_check_nonlinear, &
-    c_check_total_derivatives, c_choose, c_cos, c_cosh, c_create_descriptor, c_create_linear, &
-    c_create_multibody, c_create_nonlinear, c_create_solution, c_cut_solution, c_decision_init, &
-    c_derivative, c_derivative_check_init, c_descriptor_matrices_init, c_descriptor_message, &
-    c_destroy, c_destroy_descriptor, c_destroy_solution, c_divide, c_ensemble_init, &
+  public :: c_abs, c_acos, c_add, c_add_mode, c_add_transition, c_advance, c_advance_hybrid, &
+    c_advance_to_transition, c_analyze, c_analyze_at, c_and, c_asin, c_atan, c_atan2, c_certify, &
+    c_change_init, c_characteristics_init, c_check_derivatives, c_check_linear, c_check_multibody, &
+    c_check_multibody_derivatives, c_check_nonlinear, c_check_total_derivatives, c_choose, c_cos, &
+    c_cosh, c_create_descriptor, c_create_hybrid, c_create_linear, c_create_multibody, &
+    c_create_nonlinear, c_create_solution, c_cut_solution, c_decision_init, c_derivative, &
+    c_derivative_check_init, c_descriptor_matrices_init, c_descriptor_message, c_destroy, &
+    c_destroy_descriptor, c_destroy_hybrid, c_destroy_solution, c_divide, c_ensemble_init, &
     c_ensemble_results_init, c_evaluate_solution, c_exp, c_export_source, c_external, c_floor, &
-    c_get_change, c_get_characteristics, c_get_checkpoint_length, c_get_decision, &
-    c_get_derivative_array, c_get_derivative_array_at, c_get_descriptor_matrices, &
-    c_get_descriptor_sizes, c_get_event_sensitivities, c_get_events, c_get_extended_system, &
-    c_get_initial_report, c_get_jet, c_get_jump, c_get_multibody_report, c_get_num_decisions, &
-    c_get_parameter, c_get_poles, c_get_projectors, c_get_projectors_at, c_get_sensitivities, &
-    c_get_sensitivity_statistics, c_get_solution_accuracy, c_get_solution_length, &
-    c_get_solution_range, c_get_statistics, c_get_strangeness_free, c_get_strangeness_free_at, &
-    c_get_structure, c_get_transfer, c_get_zeros, c_greater, c_greater_equal, c_impact, &
-    c_initial_report_init, c_interpolate, c_jump, c_less, c_less_equal, c_linear_problem_init, &
-    c_linearization_init, c_linearize, c_load_solution, c_log, c_log10, c_make_consistent, c_max, &
-    c_message, c_min, c_modulo, c_multibody_problem_init, c_multibody_report_init, c_multiply, &
-    c_negate, c_nonlinear_problem_init, c_not, c_number, c_options_init, c_or, c_parameter, &
-    c_power, c_record_solution, c_report, c_request_stop, c_restore_checkpoint, c_save_checkpoint, &
-    c_save_solution, c_sensitivity_options_init, c_sensitivity_statistics_init, c_set_breakpoints, &
-    c_set_events, c_set_options, c_set_parameter, c_set_sensitivities, c_sign, c_sin, c_sinh, &
-    c_solve_ensemble, c_spectrum_init, c_sqrt, c_start, c_statistics_init, c_status_name, c_step, &
-    c_structure_init, c_subtract, c_table, c_tan, c_tanh, c_time_derivative, c_version, &
-    address_of_ensemble_monitor_function, address_of_equations_function, &
-    address_of_event_function, address_of_external_function, address_of_linear_equations_function, &
-    address_of_matrix_function, address_of_monitor_function, &
+    c_get_accumulation, c_get_change, c_get_characteristics, c_get_checkpoint_length, &
+    c_get_current_mode, c_get_decision, c_get_derivative_array, c_get_derivative_array_at, &
+    c_get_descriptor_matrices, c_get_descriptor_sizes, c_get_event_sensitivities, c_get_events, &
+    c_get_extended_system, c_get_hybrid_checkpoint_length, c_get_hybrid_message, &
+    c_get_hybrid_statistics, c_get_initial_report, c_get_jet, c_get_jump, c_get_mode, &
+    c_get_multibody_report, c_get_num_decisions, c_get_num_passages, c_get_parameter, &
+    c_get_passage, c_get_passage_values, c_get_poles, c_get_projectors, c_get_projectors_at, &
+    c_get_sensitivities, c_get_sensitivity_statistics, c_get_solution_accuracy, &
+    c_get_solution_length, c_get_solution_range, c_get_statistics, c_get_strangeness_free, &
+    c_get_strangeness_free_at, c_get_structure, c_get_transfer, c_get_zeros, c_greater, &
+    c_greater_equal, c_impact, c_initial_report_init, c_interpolate, c_jump, c_less, c_less_equal, &
+    c_linear_problem_init, c_linearization_init, c_linearize, c_load_solution, c_log, c_log10, &
+    c_make_consistent, c_max, c_message, c_min, c_mode_init, c_modulo, c_multibody_problem_init, &
+    c_multibody_report_init, c_multiply, c_negate, c_nonlinear_problem_init, c_not, c_number, &
+    c_options_init, c_or, c_parameter, c_passage_init, c_power, c_record_hybrid, &
+    c_record_solution, c_report, c_report_hybrid, c_request_stop, c_request_stop_hybrid, &
+    c_restore_checkpoint, c_restore_hybrid_checkpoint, c_save_checkpoint, &
+    c_save_hybrid_checkpoint, c_save_solution, c_sensitivity_options_init, &
+    c_sensitivity_statistics_init, c_set_breakpoints, c_set_events, c_set_options, &
+    c_set_parameter, c_set_sensitivities, c_sign, c_sin, c_sinh, c_solve_ensemble, &
+    c_spectrum_init, c_sqrt, c_start, c_start_hybrid, c_statistics_init, c_status_name, c_step, &
+    c_structure_init, c_subtract, c_table, c_tan, c_tanh, c_time_derivative, c_transition_init, &
+    c_version, address_of_ensemble_monitor_function, address_of_equations_function, &
+    address_of_event_function, address_of_external_function, address_of_jump_function, &
+    address_of_linear_equations_function, address_of_matrix_function, address_of_monitor_function, &
     address_of_multibody_equations_function, address_of_position_function, &
     address_of_total_derivative_function, address_of_vector_function, address_of_velocity_function
 
@@ -83,6 +90,17 @@ module sfdae_c
       type(c_ptr), value :: user
       integer(c_int) :: sfdae_external_function
     end function sfdae_external_function
+
+    function sfdae_jump_function(t, from, to, before, after, user) bind(c)
+      import :: c_double, c_int, c_ptr
+      real(c_double), value :: t
+      integer(c_int), value :: from
+      integer(c_int), value :: to
+      type(c_ptr), value :: before
+      type(c_ptr), value :: after
+      type(c_ptr), value :: user
+      integer(c_int) :: sfdae_jump_function
+    end function sfdae_jump_function
 
     function sfdae_linear_equations_function(record, t, e, a, f, user) bind(c)
       import :: c_int, c_ptr, expression
@@ -185,6 +203,23 @@ module sfdae_c
       type(expression) :: c_add
     end function c_add
 
+    function c_add_mode(hybrid, solver, name, mode) bind(c, name="sfdae_add_mode")
+      import :: c_char, c_int, c_ptr
+      type(c_ptr), value :: hybrid
+      type(c_ptr), value :: solver
+      character(kind=c_char), intent(in) :: name(*)
+      integer(c_int), intent(inout) :: mode(*)
+      integer(c_int) :: c_add_mode
+    end function c_add_mode
+
+    function c_add_transition(hybrid, transition, number) bind(c, name="sfdae_add_transition")
+      import :: c_int, c_ptr, sfdae_transition
+      type(c_ptr), value :: hybrid
+      type(sfdae_transition), intent(in) :: transition
+      integer(c_int), intent(inout) :: number(*)
+      integer(c_int) :: c_add_transition
+    end function c_add_transition
+
     function c_advance(solver, tout, t, x, xdot) bind(c, name="sfdae_advance")
       import :: c_double, c_int, c_ptr
       type(c_ptr), value :: solver
@@ -194,6 +229,27 @@ module sfdae_c
       type(c_ptr), value :: xdot
       integer(c_int) :: c_advance
     end function c_advance
+
+    function c_advance_hybrid(hybrid, tout, t, x, xdot) bind(c, name="sfdae_advance_hybrid")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: hybrid
+      real(c_double), value :: tout
+      real(c_double), intent(inout) :: t(*)
+      real(c_double), intent(inout) :: x(*)
+      real(c_double), intent(inout) :: xdot(*)
+      integer(c_int) :: c_advance_hybrid
+    end function c_advance_hybrid
+
+    function c_advance_to_transition(hybrid, tout, t, x, xdot) &
+      bind(c, name="sfdae_advance_to_transition")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: hybrid
+      real(c_double), value :: tout
+      real(c_double), intent(inout) :: t(*)
+      real(c_double), intent(inout) :: x(*)
+      real(c_double), intent(inout) :: xdot(*)
+      integer(c_int) :: c_advance_to_transition
+    end function c_advance_to_transition
 
     function c_analyze(solver, t, toward, result) bind(c, name="sfdae_analyze")
       import :: c_double, c_int, c_ptr, sfdae_characteristics
@@ -348,6 +404,12 @@ module sfdae_c
       integer(c_int) :: c_create_descriptor
     end function c_create_descriptor
 
+    function c_create_hybrid(hybrid) bind(c, name="sfdae_create_hybrid")
+      import :: c_int, c_ptr
+      type(c_ptr), intent(inout) :: hybrid
+      integer(c_int) :: c_create_hybrid
+    end function c_create_hybrid
+
     function c_create_linear(solver, problem, options) bind(c, name="sfdae_create_linear")
       import :: c_int, c_ptr, sfdae_linear_problem, sfdae_options
       type(c_ptr), intent(inout) :: solver
@@ -432,6 +494,12 @@ module sfdae_c
       integer(c_int) :: c_destroy_descriptor
     end function c_destroy_descriptor
 
+    function c_destroy_hybrid(hybrid) bind(c, name="sfdae_destroy_hybrid")
+      import :: c_int, c_ptr
+      type(c_ptr), intent(inout) :: hybrid
+      integer(c_int) :: c_destroy_hybrid
+    end function c_destroy_hybrid
+
     function c_destroy_solution(solution) bind(c, name="sfdae_destroy_solution")
       import :: c_int, c_ptr
       type(c_ptr), intent(inout) :: solution
@@ -502,6 +570,13 @@ module sfdae_c
       type(expression) :: c_floor
     end function c_floor
 
+    function c_get_accumulation(hybrid, t) bind(c, name="sfdae_get_accumulation")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: hybrid
+      real(c_double), intent(inout) :: t(*)
+      integer(c_int) :: c_get_accumulation
+    end function c_get_accumulation
+
     function c_get_change(solver, result) bind(c, name="sfdae_get_change")
       import :: c_int, c_ptr, sfdae_change
       type(c_ptr), value :: solver
@@ -522,6 +597,13 @@ module sfdae_c
       integer(c_size_t), intent(inout) :: length
       integer(c_int) :: c_get_checkpoint_length
     end function c_get_checkpoint_length
+
+    function c_get_current_mode(hybrid, mode) bind(c, name="sfdae_get_current_mode")
+      import :: c_int, c_ptr
+      type(c_ptr), value :: hybrid
+      integer(c_int), intent(inout) :: mode(*)
+      integer(c_int) :: c_get_current_mode
+    end function c_get_current_mode
 
     function c_get_decision(solver, index, result) bind(c, name="sfdae_get_decision")
       import :: c_int, c_ptr, sfdae_decision
@@ -613,6 +695,27 @@ module sfdae_c
       integer(c_int) :: c_get_extended_system
     end function c_get_extended_system
 
+    function c_get_hybrid_checkpoint_length(hybrid, length) &
+      bind(c, name="sfdae_get_hybrid_checkpoint_length")
+      import :: c_int, c_ptr, c_size_t
+      type(c_ptr), value :: hybrid
+      integer(c_size_t), intent(inout) :: length(*)
+      integer(c_int) :: c_get_hybrid_checkpoint_length
+    end function c_get_hybrid_checkpoint_length
+
+    function c_get_hybrid_message(hybrid) bind(c, name="sfdae_get_hybrid_message")
+      import :: c_ptr
+      type(c_ptr), value :: hybrid
+      type(c_ptr) :: c_get_hybrid_message
+    end function c_get_hybrid_message
+
+    function c_get_hybrid_statistics(hybrid, result) bind(c, name="sfdae_get_hybrid_statistics")
+      import :: c_int, c_ptr, sfdae_statistics
+      type(c_ptr), value :: hybrid
+      type(sfdae_statistics), intent(inout) :: result
+      integer(c_int) :: c_get_hybrid_statistics
+    end function c_get_hybrid_statistics
+
     function c_get_initial_report(solver, result) bind(c, name="sfdae_get_initial_report")
       import :: c_int, c_ptr, sfdae_initial_report
       type(c_ptr), value :: solver
@@ -640,6 +743,14 @@ module sfdae_c
       integer(c_int) :: c_get_jump
     end function c_get_jump
 
+    function c_get_mode(hybrid, mode, result) bind(c, name="sfdae_get_mode")
+      import :: c_int, c_ptr, sfdae_mode
+      type(c_ptr), value :: hybrid
+      integer(c_int), value :: mode
+      type(sfdae_mode), intent(inout) :: result
+      integer(c_int) :: c_get_mode
+    end function c_get_mode
+
     function c_get_multibody_report(solver, report) bind(c, name="sfdae_get_multibody_report")
       import :: c_int, c_ptr, sfdae_multibody_report
       type(c_ptr), value :: solver
@@ -654,6 +765,13 @@ module sfdae_c
       integer(c_int) :: c_get_num_decisions
     end function c_get_num_decisions
 
+    function c_get_num_passages(hybrid, count) bind(c, name="sfdae_get_num_passages")
+      import :: c_int, c_long, c_ptr
+      type(c_ptr), value :: hybrid
+      integer(c_long), intent(inout) :: count(*)
+      integer(c_int) :: c_get_num_passages
+    end function c_get_num_passages
+
     function c_get_parameter(solver, name, value) bind(c, name="sfdae_get_parameter")
       import :: c_char, c_double, c_int, c_ptr
       type(c_ptr), value :: solver
@@ -661,6 +779,24 @@ module sfdae_c
       real(c_double), intent(inout) :: value
       integer(c_int) :: c_get_parameter
     end function c_get_parameter
+
+    function c_get_passage(hybrid, index, result) bind(c, name="sfdae_get_passage")
+      import :: c_int, c_long, c_ptr, sfdae_passage
+      type(c_ptr), value :: hybrid
+      integer(c_long), value :: index
+      type(sfdae_passage), intent(inout) :: result
+      integer(c_int) :: c_get_passage
+    end function c_get_passage
+
+    function c_get_passage_values(hybrid, before, after, impulse) &
+      bind(c, name="sfdae_get_passage_values")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: hybrid
+      real(c_double), intent(inout) :: before(*)
+      real(c_double), intent(inout) :: after(*)
+      real(c_double), intent(inout) :: impulse(*)
+      integer(c_int) :: c_get_passage_values
+    end function c_get_passage_values
 
     function c_get_poles(descriptor, spectrum, real, imaginary, errors) &
       bind(c, name="sfdae_get_poles")
@@ -951,6 +1087,13 @@ module sfdae_c
       type(expression) :: c_min
     end function c_min
 
+    function c_mode_init(mode, size) bind(c, name="sfdae_mode_init")
+      import :: c_int, c_size_t, sfdae_mode
+      type(sfdae_mode), intent(inout) :: mode
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_mode_init
+    end function c_mode_init
+
     function c_modulo(a, b) bind(c, name="sfdae_modulo")
       import :: expression
       type(expression), value :: a
@@ -1026,12 +1169,26 @@ module sfdae_c
       type(expression) :: c_parameter
     end function c_parameter
 
+    function c_passage_init(passage, size) bind(c, name="sfdae_passage_init")
+      import :: c_int, c_size_t, sfdae_passage
+      type(sfdae_passage), intent(inout) :: passage
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_passage_init
+    end function c_passage_init
+
     function c_power(a, b) bind(c, name="sfdae_power")
       import :: expression
       type(expression), value :: a
       type(expression), value :: b
       type(expression) :: c_power
     end function c_power
+
+    function c_record_hybrid(hybrid, solution) bind(c, name="sfdae_record_hybrid")
+      import :: c_int, c_ptr
+      type(c_ptr), value :: hybrid
+      type(c_ptr), value :: solution
+      integer(c_int) :: c_record_hybrid
+    end function c_record_hybrid
 
     function c_record_solution(solver, solution) bind(c, name="sfdae_record_solution")
       import :: c_int, c_ptr
@@ -1049,11 +1206,26 @@ module sfdae_c
       integer(c_int) :: c_report
     end function c_report
 
+    function c_report_hybrid(hybrid, text, length, needed) bind(c, name="sfdae_report_hybrid")
+      import :: c_char, c_int, c_ptr, c_size_t
+      type(c_ptr), value :: hybrid
+      character(kind=c_char), intent(inout) :: text(*)
+      integer(c_size_t), value :: length
+      integer(c_size_t), intent(inout) :: needed(*)
+      integer(c_int) :: c_report_hybrid
+    end function c_report_hybrid
+
     function c_request_stop(solver) bind(c, name="sfdae_request_stop")
       import :: c_int, c_ptr
       type(c_ptr), value :: solver
       integer(c_int) :: c_request_stop
     end function c_request_stop
+
+    function c_request_stop_hybrid(hybrid) bind(c, name="sfdae_request_stop_hybrid")
+      import :: c_int, c_ptr
+      type(c_ptr), value :: hybrid
+      integer(c_int) :: c_request_stop_hybrid
+    end function c_request_stop_hybrid
 
     function c_restore_checkpoint(solver, checkpoint, length) &
       bind(c, name="sfdae_restore_checkpoint")
@@ -1064,6 +1236,15 @@ module sfdae_c
       integer(c_int) :: c_restore_checkpoint
     end function c_restore_checkpoint
 
+    function c_restore_hybrid_checkpoint(hybrid, checkpoint, length) &
+      bind(c, name="sfdae_restore_hybrid_checkpoint")
+      import :: c_double, c_int, c_ptr, c_size_t
+      type(c_ptr), value :: hybrid
+      real(c_double), intent(in) :: checkpoint(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: c_restore_hybrid_checkpoint
+    end function c_restore_hybrid_checkpoint
+
     function c_save_checkpoint(solver, checkpoint, length) bind(c, name="sfdae_save_checkpoint")
       import :: c_double, c_int, c_ptr, c_size_t
       type(c_ptr), value :: solver
@@ -1071,6 +1252,15 @@ module sfdae_c
       integer(c_size_t), value :: length
       integer(c_int) :: c_save_checkpoint
     end function c_save_checkpoint
+
+    function c_save_hybrid_checkpoint(hybrid, checkpoint, length) &
+      bind(c, name="sfdae_save_hybrid_checkpoint")
+      import :: c_double, c_int, c_ptr, c_size_t
+      type(c_ptr), value :: hybrid
+      real(c_double), intent(inout) :: checkpoint(*)
+      integer(c_size_t), value :: length
+      integer(c_int) :: c_save_hybrid_checkpoint
+    end function c_save_hybrid_checkpoint
 
     function c_save_solution(solution, values, length) bind(c, name="sfdae_save_solution")
       import :: c_double, c_int, c_ptr, c_size_t
@@ -1191,6 +1381,17 @@ module sfdae_c
       integer(c_int) :: c_start
     end function c_start
 
+    function c_start_hybrid(hybrid, mode, t, toward, x, xdot) bind(c, name="sfdae_start_hybrid")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: hybrid
+      integer(c_int), value :: mode
+      real(c_double), value :: t
+      real(c_double), value :: toward
+      real(c_double), intent(inout) :: x(*)
+      real(c_double), intent(inout) :: xdot(*)
+      integer(c_int) :: c_start_hybrid
+    end function c_start_hybrid
+
     function c_statistics_init(statistics, size) bind(c, name="sfdae_statistics_init")
       import :: c_int, c_size_t, sfdae_statistics
       type(sfdae_statistics), intent(inout) :: statistics
@@ -1256,6 +1457,13 @@ module sfdae_c
       type(expression) :: c_time_derivative
     end function c_time_derivative
 
+    function c_transition_init(transition, size) bind(c, name="sfdae_transition_init")
+      import :: c_int, c_size_t, sfdae_transition
+      type(sfdae_transition), intent(inout) :: transition
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_transition_init
+    end function c_transition_init
+
     function c_version() bind(c, name="sfdae_version")
       import :: c_ptr
       type(c_ptr) :: c_version
@@ -1296,6 +1504,14 @@ contains
 
     address = c_funloc(callback)
   end function address_of_external_function
+
+  !> Of a sfdae_jump_function; the compiler compares its arguments.
+  function address_of_jump_function(callback) result(address)
+    procedure(sfdae_jump_function) :: callback
+    type(c_funptr) :: address
+
+    address = c_funloc(callback)
+  end function address_of_jump_function
 
   !> Of a sfdae_linear_equations_function; the compiler compares its arguments.
   function address_of_linear_equations_function(callback) result(address)

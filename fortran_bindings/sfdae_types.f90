@@ -70,6 +70,9 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_structure_unchecked = 0
   integer(c_int), parameter, public :: sfdae_structure_unclear = 3
   integer(c_int), parameter, public :: sfdae_tolerance_too_small = -43
+  integer(c_int), parameter, public :: sfdae_transition_condition = 0
+  integer(c_int), parameter, public :: sfdae_transition_time = 2
+  integer(c_int), parameter, public :: sfdae_transition_zero = 1
   integer(c_int), parameter, public :: sfdae_values_changed = 6
   integer(c_int), parameter, public :: sfdae_verdict_clear = 0
   integer(c_int), parameter, public :: sfdae_verdict_confirmed = 1
@@ -79,6 +82,7 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_version_minor = 2
   integer(c_int), parameter, public :: sfdae_version_patch = 0
   integer(c_int), parameter, public :: sfdae_wrong_derivatives = -14
+  integer(c_int), parameter, public :: sfdae_zeno = -44
 
   type, bind(c), public :: sfdae_change
     integer(c_size_t) :: size = 0
@@ -239,6 +243,17 @@ module sfdae_types
     type(c_ptr) :: output_rows = c_null_ptr
   end type sfdae_linearization
 
+  type, bind(c), public :: sfdae_mode
+    integer(c_size_t) :: size = 0
+    integer(c_long) :: visits = 0
+    real(c_double) :: duration = 0
+    integer(c_long) :: steps = 0
+    integer(c_int) :: num_analyses = 0
+    integer(c_int) :: strangeness_index = 0
+    integer(c_int) :: differential = 0
+    integer(c_int) :: algebraic = 0
+  end type sfdae_mode
+
   type, bind(c), public :: sfdae_multibody_formulas
     type(c_ptr) :: mass = c_null_ptr
     type(c_ptr) :: forces = c_null_ptr
@@ -334,6 +349,18 @@ module sfdae_types
     integer(c_int) :: structure = 0
   end type sfdae_options
 
+  type, bind(c), public :: sfdae_passage
+    integer(c_size_t) :: size = 0
+    real(c_double) :: t = 0
+    integer(c_int) :: transition = 0
+    integer(c_int) :: from = 0
+    integer(c_int) :: to = 0
+    real(c_double) :: largest_impulse = 0
+    integer(c_int) :: impulse_component = 0
+    real(c_double) :: largest_change = 0
+    integer(c_int) :: changed_component = 0
+  end type sfdae_passage
+
   type, bind(c), public :: sfdae_progress
     integer(c_size_t) :: size = 0
     real(c_double) :: t = 0
@@ -407,5 +434,18 @@ module sfdae_types
     real(c_double) :: smallest_pivot = 0
     integer(c_int) :: num_replaced = 0
   end type sfdae_structure
+
+  type, bind(c), public :: sfdae_transition
+    integer(c_size_t) :: size = 0
+    integer(c_int) :: from = 0
+    integer(c_int) :: to = 0
+    integer(c_int) :: kind = 0
+    type(c_funptr) :: function = c_null_funptr
+    integer(c_int) :: direction = 0
+    real(c_double) :: time = 0
+    type(c_funptr) :: guard = c_null_funptr
+    type(c_funptr) :: jump = c_null_funptr
+    type(c_ptr) :: user = c_null_ptr
+  end type sfdae_transition
 
 end module sfdae_types

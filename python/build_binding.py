@@ -85,8 +85,9 @@ def callbacks(text: str) -> str:
                     declaration(ffi, f"python_{struct.removeprefix('sfdae_')}_{member}", field.type)
                 )
     in_structs = set(re.findall(r"^\s+(sfdae_\w+_function) \w+;", text, re.MULTILINE))
+    in_arguments = set(re.findall(r"\b(sfdae_\w+_function) \w+[,)]", text))
     for name in re.findall(r"\(\*(sfdae_\w+_function)\)", text):
-        if name not in in_structs:
+        if name not in in_structs or name in in_arguments:
             result.append(
                 declaration(ffi, f"python_{name.removeprefix('sfdae_')}", ffi.typeof(name))
             )

@@ -47,6 +47,7 @@ from ._inspection import (
     StrangenessFreeSystem,
     Structure,
 )
+from ._hybrid import Hybrid, Passage, Transition
 from ._linearization import Descriptor, Spectrum
 from ._modes import Jump
 from ._multibody import MultibodyProblem
@@ -74,10 +75,10 @@ globals().update(_PUBLIC)  # sin, cos, exp, ... of expressions, numbers and arra
 __version__ = version()
 __all__ = [
     "CannotEvaluate", "Condition", "DerivativeArray", "Descriptor", "EnsembleSolution", "Error",
-    "Event", "EventRecord", "Expression", "ExtendedSystem", "InitialValuesWarning",
+    "Event", "EventRecord", "Expression", "ExtendedSystem", "Hybrid", "InitialValuesWarning",
     "IntegrationWarning", "Jump", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
-    "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning", "Solution", "Solver", "Spectrum",
+    "Passage", "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning", "Solution", "Solver", "Spectrum",
     "Status", "Steps", "StrangenessFreeSystem", "Struct", "Structure", "analyze", "choices", "choose",
-    "derivative", "external", "table", "time_derivative",
+    "derivative", "external", "table", "time_derivative", "Transition",
     "make_consistent", "parameter", "solve", "solve_ensemble", "status_name", "version", *_PUBLIC,
 ]  # fmt: skip

@@ -1,0 +1,361 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Hybrid systems: modes, transitions between them, and an integration across all of them."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
+
+import numpy as np
+
+from ._binding import ffi, lib
+from ._callbacks import _numbers, _write, callback
+from ._events import _with_derivatives
+from ._modes import Jump
+from ._points import Point
+from ._problem import Problem
+from ._recorded_solution import RecordedSolution
+from ._solver import Solver
+from ._status import Error, Status
+from ._structs import Struct, filled
+
+
+class Transition:
+    """A transition from a mode to another one, or to itself. See sfdae_transition.
+
+    Parameters
+    ----------
+    source, target : str
+        Names of modes.
+    condition : callable, optional
+        ``condition(t, x)`` or ``condition(t, x, xdot)``: the transition happens as soon as it is
+        > 0, by more than what the tolerances of x leave unknown; also where the mode begins.
+    zero : callable, optional
+        A function of the same kind: the transition happens where it passes zero.
+    direction : int
+        Of zeros: +1 rising ones, -1 falling ones, 0 both.
+    time : float, optional
+        The transition happens at this time. Exactly one of condition, zero and time is given.
+    guard : callable, optional
+        A function of the same kind: no transition unless it is > 0 then.
+    jump : callable, optional
+        ``jump(t, x)`` returns the values after the transition, which are made consistent. None:
+        they follow from impulses of the equations, as by Solver.jump.
+    """
+
+    def __init__(
+        self,
+        source: str,
+        target: str,
+        condition: Callable[..., float] | None = None,
+        *,
+        zero: Callable[..., float] | None = None,
+        direction: int = 0,
+        time: float | None = None,
+        guard: Callable[..., float] | None = None,
+        jump: Callable[..., Any] | None = None,
+    ) -> None:
+        if sum(given is not None for given in (condition, zero, time)) != 1:
+            raise TypeError("a transition needs one of condition, zero and time")
+        self.source, self.target = source, target
+        self.time, self.direction = time, direction
+        self.kind = lib.SFDAE_TRANSITION_TIME
+        if condition is not None:
+            self.kind = lib.SFDAE_TRANSITION_CONDITION
+        elif zero is not None:
+            self.kind = lib.SFDAE_TRANSITION_ZERO
+        function = condition if condition is not None else zero
+        self.function = None if function is None else _with_derivatives(function)
+        self.guard = None if guard is None else _with_derivatives(guard)
+        self.jump = jump
+
+
+class Passage(NamedTuple):
+    """A transition that happened.
+
+    Attributes
+    ----------
+    t : float
+    source, target : str
+        Modes.
+    transition : int
+        Its number, from 0 on.
+    largest_impulse, largest_change : float
+        In size; 0 where there is none.
+    impulse_component, changed_component : int
+        Where; -1 where there is none.
+    """
+
+    t: float
+    source: str
+    target: str
+    transition: int
+    largest_impulse: float
+    impulse_component: int
+    largest_change: float
+    changed_component: int
+
+
+class _State:
+    """What the callbacks of a transition get as `user`."""
+
+    def __init__(self, transition: Transition, num_unknowns: int) -> None:
+        self.transition, self.n = transition, num_unknowns
+        self.exception: BaseException | None = None
+
+
+def _evaluate(state: _State, function: Any, t: float, x: Any, xdot: Any, g: Any) -> None:
+    value = function(t, _numbers(x, (state.n,)), _numbers(xdot, (state.n,)))
+    _write(g, np.reshape(value, (1,)), (1,), "a function of a transition")
+
+
+@callback("python_transition_function")
+def _function(state: _State, t: float, x: Any, xdot: Any, g: Any) -> None:
+    _evaluate(state, state.transition.function, t, x, xdot, g)
+
+
+@callback("python_transition_guard")
+def _guard(state: _State, t: float, x: Any, xdot: Any, g: Any) -> None:
+    _evaluate(state, state.transition.guard, t, x, xdot, g)
+
+
+@callback("python_transition_jump")
+def _jump(state: _State, t: float, source: int, target: int, before: Any, after: Any) -> None:
+    value = state.transition.jump(t, _numbers(before, (state.n,)).copy())
+    _write(after, value, (state.n,), "jump of a transition")
+
+
+class Hybrid:
+    """A system with several modes, each a problem of its own with the same unknowns, and transitions
+    between them. A mode is analyzed when it is entered first.
+
+    Parameters
+    ----------
+    modes : mapping
+        Problems, or solvers, by the names of their modes.
+    transitions : sequence of Transition
+    **options
+        Of the solvers of modes that are given as problems.
+
+    Raises
+    ------
+    Error
+        ``ILLEGAL_ARGUMENT`` with what is wrong in the message.
+    """
+
+    def __init__(
+        self,
+        modes: Mapping[str, Problem | Solver],
+        transitions: Sequence[Transition] = (),
+        **options: Any,
+    ) -> None:
+        self.solvers = {
+            name: mode if isinstance(mode, Solver) else Solver(mode, **options)
+            for name, mode in modes.items()
+        }
+        if not self.solvers:
+            raise ValueError("a hybrid system needs modes")
+        self._names = list(self.solvers)
+        self._states: list[_State] = []
+        self._handles: list[Any] = []
+        self._lock = threading.RLock()
+        self._box = ffi.new("sfdae_hybrid**")
+        if lib.sfdae_create_hybrid(self._box) < 0:
+            raise Error(Status.OUT_OF_MEMORY, "out of memory")
+        for name, solver in self.solvers.items():
+            self._call(lib.sfdae_add_mode, solver._box[0], name.encode(), ffi.NULL)
+        for transition in transitions:
+            self._add(transition)
+
+    def __del__(self, destroy: Callable[[Any], int] = lib.sfdae_destroy_hybrid) -> None:
+        box = getattr(self, "_box", None)
+        if box is not None:
+            destroy(box)
+
+    def __reduce__(self) -> Any:
+        raise TypeError("hybrid systems cannot be pickled or copied; see save_checkpoint")
+
+    @property
+    def _problem(self) -> Any:
+        return self.solvers[self._names[0]].problem
+
+    def _number(self, name: str) -> int:
+        if name not in self._names:
+            raise ValueError(f"there is no mode {name!r}; there are {', '.join(self._names)}")
+        return self._names.index(name)
+
+    def _add(self, transition: Transition) -> None:
+        state = _State(transition, self._problem.num_unknowns)
+        handle = ffi.new_handle(state)
+        c = ffi.new("sfdae_transition*")
+        lib.sfdae_transition_init(c, ffi.sizeof(c[0]))
+        setattr(c, "from", self._number(transition.source))
+        c.to = self._number(transition.target)
+        c.kind = transition.kind
+        c.direction = transition.direction
+        c.user = handle
+        if transition.time is not None:
+            c.time = transition.time
+        if transition.function is not None:
+            c.function = lib.python_transition_function
+        if transition.guard is not None:
+            c.guard = lib.python_transition_guard
+        if transition.jump is not None:
+            c.jump = lib.python_transition_jump
+        self._call(lib.sfdae_add_transition, c, ffi.NULL)
+        self._states.append(state)
+        self._handles.append(handle)
+
+    def _call(self, function: Callable[..., int], *arguments: Any) -> int:
+        if not self._lock.acquire(blocking=False):
+            raise Error(Status.BUSY, "the hybrid system is in use by another thread")
+        try:
+            status = function(self._box[0], *arguments)
+        finally:
+            self._lock.release()
+        raised = [state.exception for state in self._states if state.exception is not None]
+        for state in self._states:
+            state.exception = None
+        raised += [e for s in self.solvers.values() if (e := s._state.take_exception()) is not None]
+        if raised:
+            raise raised[0]
+        if status < 0:
+            raise Error(status, self.message)
+        return status
+
+    def _point(self, function: Callable[..., int], *arguments: Any) -> Point:
+        t = ffi.new("double*", np.nan)
+        x, xdot = np.full((2, self._problem.num_unknowns), np.nan)
+        try:
+            status = self._call(function, *arguments, t, _address(x), _address(xdot))
+        except Error as error:
+            if not np.isnan(t[0]):
+                error.point = Point(t[0], x, xdot, error.status, error.message)
+            raise
+        return Point(t[0], x, xdot, Status(status), self.message)
+
+    @property
+    def message(self) -> str:
+        """What the last call had to say; what a solver says begins with its mode."""
+        text = ffi.string(lib.sfdae_get_hybrid_message(self._box[0]))
+        return self._problem.with_names(text.decode(errors="replace"))
+
+    def request_stop(self) -> None:
+        """Stops the call that is running, or else the next one; any thread may do so."""
+        lib.sfdae_request_stop_hybrid(self._box[0])
+
+    # ---- Integration -----------------------------------------------------------------------------
+
+    def start(self, mode: str, t: float, x: Any, toward: float) -> Point:
+        """Starts at (t, x) in a mode; the consistent values, of the mode reached if a condition of
+        that mode holds there.
+        """
+        values = self._problem.values(x, "x")
+        xdot = np.zeros_like(values)
+        number = self._number(mode)
+        status = self._call(
+            lib.sfdae_start_hybrid, number, t, toward, _address(values), _address(xdot)
+        )
+        return Point(float(t), values, xdot, Status(status), self.message)
+
+    def advance(self, tout: float) -> Point:
+        """Integrates to tout across all transitions on the way.
+
+        Raises
+        ------
+        Error
+            ``ZENO`` where transitions accumulate, see accumulation; error.point is the one reached.
+        """
+        return self._point(lib.sfdae_advance_hybrid, tout)
+
+    def advance_to_transition(self, tout: float) -> Point:
+        """Integrates to the next transition, with the status ``EVENT`` and the values after it, or
+        to tout.
+        """
+        return self._point(lib.sfdae_advance_to_transition, tout)
+
+    def record(self, solution: RecordedSolution | None) -> None:
+        """From now on all accepted steps in all modes go to the solution; None: no more."""
+        self._call(lib.sfdae_record_hybrid, ffi.NULL if solution is None else solution._box[0])
+
+    # ---- Inspection ------------------------------------------------------------------------------
+
+    @property
+    def mode(self) -> str:
+        """The mode that the system is in."""
+        number = ffi.new("int*")
+        self._call(lib.sfdae_get_current_mode, number)
+        return self._names[number[0]]
+
+    @property
+    def modes(self) -> dict[str, Struct]:
+        """What was done in each mode since the start: visits, duration, steps, num_analyses,
+        strangeness_index (-1: not analyzed yet), differential, algebraic.
+        """
+        return {
+            name: filled("mode", lambda mode, k=k: self._call(lib.sfdae_get_mode, k, mode))
+            for k, name in enumerate(self._names)
+        }
+
+    @property
+    def num_passages(self) -> int:
+        """How many transitions have happened since the start, also before a checkpoint."""
+        count = ffi.new("long*")
+        self._call(lib.sfdae_get_num_passages, count)
+        return count[0]
+
+    def passage(self, index: int) -> Passage:
+        """The transition that happened as number `index`, from 0 on."""
+        found = filled("passage", lambda p: self._call(lib.sfdae_get_passage, index, p))._asdict()
+        source, target = self._names[found.pop("from")], self._names[found.pop("to")]
+        return Passage(source=source, target=target, **found)
+
+    @property
+    def last_jump(self) -> Jump:
+        """Values before and after the last transition, with the impulse of order 0 alone."""
+        n = self._problem.num_unknowns
+        before, after = np.empty((2, n))
+        impulses = np.empty((n, 1))
+        self._call(
+            lib.sfdae_get_passage_values, _address(before), _address(after), _address(impulses)
+        )
+        return Jump(self.passage(self.num_passages - 1).t, before, after, impulses)
+
+    @property
+    def accumulation(self) -> float:
+        """The time at which transitions accumulate, after ``ZENO``."""
+        t = ffi.new("double*")
+        self._call(lib.sfdae_get_accumulation, t)
+        return t[0]
+
+    @property
+    def statistics(self) -> Struct:
+        """Counts over all modes."""
+        return filled("statistics", lambda s: self._call(lib.sfdae_get_hybrid_statistics, s))
+
+    def report(self) -> str:
+        """Modes with their index, visits, times and steps, and the last transitions."""
+        needed = ffi.new("size_t*")
+        self._call(lib.sfdae_report_hybrid, ffi.NULL, 0, needed)
+        text = ffi.new("char[]", needed[0])
+        self._call(lib.sfdae_report_hybrid, text, needed[0], needed)
+        return ffi.string(text).decode(errors="replace")
+
+    # ---- Checkpoints -----------------------------------------------------------------------------
+
+    def save_checkpoint(self) -> np.ndarray:
+        """The state of the run as an array of numbers."""
+        length = ffi.new("size_t*")
+        self._call(lib.sfdae_get_hybrid_checkpoint_length, length)
+        checkpoint = np.empty(length[0])
+        self._call(lib.sfdae_save_hybrid_checkpoint, _address(checkpoint), length[0])
+        return checkpoint
+
+    def restore_checkpoint(self, checkpoint: Any) -> None:
+        """Continues from a checkpoint instead of start(), with the same modes and transitions."""
+        values = np.array(checkpoint, dtype=float, ndmin=1)
+        self._call(lib.sfdae_restore_hybrid_checkpoint, _address(values), values.size)
+
+
+def _address(array: np.ndarray) -> Any:
+    return ffi.cast("double*", array.ctypes.data)
