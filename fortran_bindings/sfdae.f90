@@ -41,6 +41,7 @@ module sfdae
   use sfdae_control, only: dae_events, dae_monitor, dae_options
   use sfdae_ensembles, only: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results
   use sfdae_expressions
+  use sfdae_hybrids, only: dae_hybrid, dae_transition
   use sfdae_linearizations, only: dae_descriptor, dae_linearization
   use sfdae_multibody, only: kinematic_multibody_dae, multibody_dae, multibody_formulas, &
     recorded_multibody_dae
@@ -61,6 +62,7 @@ module sfdae
   public :: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results, dae_sensitivities, &
     dae_solution
   public :: dae_descriptor, dae_linearization
+  public :: dae_hybrid, dae_transition
   public :: sfdae_check_linear, sfdae_check_nonlinear, sfdae_check_multibody
   public :: sfdae_status_name, sfdae_version
 
@@ -78,7 +80,7 @@ module sfdae
 
   public :: sfdae_characteristics, sfdae_decision, sfdae_change, sfdae_initial_report, &
     sfdae_statistics, sfdae_derivative_check, sfdae_progress, sfdae_multibody_report, &
-    sfdae_structure, sfdae_spectrum
+    sfdae_structure, sfdae_spectrum, sfdae_mode, sfdae_passage, sfdae_transition
   public :: sfdae_linear_problem, sfdae_nonlinear_problem, sfdae_multibody_problem, &
     sfdae_multibody_formulas, sfdae_options
   public :: sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results
@@ -108,7 +110,8 @@ module sfdae
   public :: sfdae_inconsistent_values, sfdae_inconsistent_equations, sfdae_fixed_values, &
     sfdae_no_consistent_values
   !> Failures: the integration. The point reached is returned, advance may be called again.
-  public :: sfdae_max_steps, sfdae_step_too_small, sfdae_singular, sfdae_tolerance_too_small
+  public :: sfdae_max_steps, sfdae_step_too_small, sfdae_singular, sfdae_tolerance_too_small, &
+    sfdae_zeno
   !> A defect of the library: please report it.
   public :: sfdae_internal
   !> Status of a callback that cannot provide the derivative order asked for.
@@ -136,6 +139,8 @@ module sfdae
   public :: sfdae_source_c, sfdae_source_fortran
   !> What happens at a breakpoint (kinds of dae_solver%set_breakpoints).
   public :: sfdae_breakpoint_kink, sfdae_breakpoint_jump
+  !> When a transition happens (dae_transition%kind).
+  public :: sfdae_transition_condition, sfdae_transition_zero, sfdae_transition_time
   !> How positions and velocities are divided (coordinates of multibody systems).
   public :: sfdae_coordinates_orthogonal, sfdae_coordinates_permutation
   !> Which matrix a rank decision was about (sfdae_decision%what).

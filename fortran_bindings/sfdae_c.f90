@@ -208,7 +208,7 @@ module sfdae_c
       type(c_ptr), value :: hybrid
       type(c_ptr), value :: solver
       character(kind=c_char), intent(in) :: name(*)
-      integer(c_int), intent(inout) :: mode(*)
+      integer(c_int), intent(inout) :: mode
       integer(c_int) :: c_add_mode
     end function c_add_mode
 
@@ -216,7 +216,7 @@ module sfdae_c
       import :: c_int, c_ptr, sfdae_transition
       type(c_ptr), value :: hybrid
       type(sfdae_transition), intent(in) :: transition
-      integer(c_int), intent(inout) :: number(*)
+      integer(c_int), intent(inout) :: number
       integer(c_int) :: c_add_transition
     end function c_add_transition
 
@@ -234,9 +234,9 @@ module sfdae_c
       import :: c_double, c_int, c_ptr
       type(c_ptr), value :: hybrid
       real(c_double), value :: tout
-      real(c_double), intent(inout) :: t(*)
+      real(c_double), intent(inout) :: t
       real(c_double), intent(inout) :: x(*)
-      real(c_double), intent(inout) :: xdot(*)
+      type(c_ptr), value :: xdot
       integer(c_int) :: c_advance_hybrid
     end function c_advance_hybrid
 
@@ -245,9 +245,9 @@ module sfdae_c
       import :: c_double, c_int, c_ptr
       type(c_ptr), value :: hybrid
       real(c_double), value :: tout
-      real(c_double), intent(inout) :: t(*)
+      real(c_double), intent(inout) :: t
       real(c_double), intent(inout) :: x(*)
-      real(c_double), intent(inout) :: xdot(*)
+      type(c_ptr), value :: xdot
       integer(c_int) :: c_advance_to_transition
     end function c_advance_to_transition
 
@@ -573,7 +573,7 @@ module sfdae_c
     function c_get_accumulation(hybrid, t) bind(c, name="sfdae_get_accumulation")
       import :: c_double, c_int, c_ptr
       type(c_ptr), value :: hybrid
-      real(c_double), intent(inout) :: t(*)
+      real(c_double), intent(inout) :: t
       integer(c_int) :: c_get_accumulation
     end function c_get_accumulation
 
@@ -601,7 +601,7 @@ module sfdae_c
     function c_get_current_mode(hybrid, mode) bind(c, name="sfdae_get_current_mode")
       import :: c_int, c_ptr
       type(c_ptr), value :: hybrid
-      integer(c_int), intent(inout) :: mode(*)
+      integer(c_int), intent(inout) :: mode
       integer(c_int) :: c_get_current_mode
     end function c_get_current_mode
 
@@ -699,7 +699,7 @@ module sfdae_c
       bind(c, name="sfdae_get_hybrid_checkpoint_length")
       import :: c_int, c_ptr, c_size_t
       type(c_ptr), value :: hybrid
-      integer(c_size_t), intent(inout) :: length(*)
+      integer(c_size_t), intent(inout) :: length
       integer(c_int) :: c_get_hybrid_checkpoint_length
     end function c_get_hybrid_checkpoint_length
 
@@ -768,7 +768,7 @@ module sfdae_c
     function c_get_num_passages(hybrid, count) bind(c, name="sfdae_get_num_passages")
       import :: c_int, c_long, c_ptr
       type(c_ptr), value :: hybrid
-      integer(c_long), intent(inout) :: count(*)
+      integer(c_long), intent(inout) :: count
       integer(c_int) :: c_get_num_passages
     end function c_get_num_passages
 
@@ -794,7 +794,7 @@ module sfdae_c
       type(c_ptr), value :: hybrid
       real(c_double), intent(inout) :: before(*)
       real(c_double), intent(inout) :: after(*)
-      real(c_double), intent(inout) :: impulse(*)
+      type(c_ptr), value :: impulse
       integer(c_int) :: c_get_passage_values
     end function c_get_passage_values
 
@@ -1211,7 +1211,7 @@ module sfdae_c
       type(c_ptr), value :: hybrid
       character(kind=c_char), intent(inout) :: text(*)
       integer(c_size_t), value :: length
-      integer(c_size_t), intent(inout) :: needed(*)
+      integer(c_size_t), intent(inout) :: needed
       integer(c_int) :: c_report_hybrid
     end function c_report_hybrid
 
@@ -1388,7 +1388,7 @@ module sfdae_c
       real(c_double), value :: t
       real(c_double), value :: toward
       real(c_double), intent(inout) :: x(*)
-      real(c_double), intent(inout) :: xdot(*)
+      type(c_ptr), value :: xdot
       integer(c_int) :: c_start_hybrid
     end function c_start_hybrid
 

@@ -105,6 +105,8 @@ module sfdae_solver
     procedure :: check_multibody_derivatives => solver_check_multibody_derivatives
     procedure :: get_multibody_report => solver_get_multibody_report
     procedure :: get_structure => solver_get_structure
+    !> For the modules of sfdae alone: the address of the C solver and n.
+    procedure :: in_c => solver_in_c
   end type dae_solver
 
 contains
@@ -1307,6 +1309,17 @@ contains
   end subroutine solver_get_structure
 
   ! ---- Checks before a call -----------------------------------------------------------------
+
+  !> The address of the C solver, null if there is none, and n.
+  subroutine solver_in_c(self, address, num_unknowns)
+    class(dae_solver), intent(in) :: self
+    type(c_ptr), intent(out) :: address
+    integer(c_int), intent(out) :: num_unknowns
+
+    address = self%handle
+    num_unknowns = 0
+    if (c_associated(self%handle)) num_unknowns = self%holder%problem%num_unknowns
+  end subroutine solver_in_c
 
   !> Before every call on a solver: refuses it if the solver does not exist.
   subroutine check_call(self, status)

@@ -37,6 +37,15 @@ MEMBER_NAMES = {
 
 # Pointers to numbers among the arguments of functions are arrays, but for these: a single number,
 SINGLE = {
+    ("sfdae_add_mode", "mode"),
+    ("sfdae_add_transition", "number"),
+    ("sfdae_advance_hybrid", "t"),
+    ("sfdae_advance_to_transition", "t"),
+    ("sfdae_get_accumulation", "t"),
+    ("sfdae_get_current_mode", "mode"),
+    ("sfdae_get_hybrid_checkpoint_length", "length"),
+    ("sfdae_get_num_passages", "count"),
+    ("sfdae_report_hybrid", "needed"),
     ("sfdae_advance", "t"),
     ("sfdae_step", "t"),
     ("sfdae_get_checkpoint_length", "length"),
@@ -61,6 +70,10 @@ SINGLE = {
 }
 # or an array for which the modules may pass NULL.
 ADDRESSES = {
+    ("sfdae_advance_hybrid", "xdot"),
+    ("sfdae_advance_to_transition", "xdot"),
+    ("sfdae_get_passage_values", "impulse"),
+    ("sfdae_start_hybrid", "xdot"),
     ("sfdae_advance", "xdot"),
     ("sfdae_evaluate_solution", "xdot"),
     ("sfdae_get_extended_system", "x"),

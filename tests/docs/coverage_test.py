@@ -126,6 +126,11 @@ IN_FORTRAN = {
     "evaluate_solution": "evaluate", "get_solution_range": "get_range", "get_solution_length": "save",
     "get_solution_accuracy": "get_accuracy", "cut_solution": "cut",
     "save_solution": "save", "load_solution": "load",
+    "create_hybrid": "create", "destroy_hybrid": "destroy", "get_hybrid_message": "message", "start_hybrid": "start",
+    "advance_hybrid": "advance", "record_hybrid": "record", "request_stop_hybrid": "request_stop",
+    "get_hybrid_statistics": "get_statistics", "report_hybrid": "report",
+    "get_hybrid_checkpoint_length": "save_checkpoint", "save_hybrid_checkpoint": "save_checkpoint",
+    "restore_hybrid_checkpoint": "restore_checkpoint",
     "create_descriptor": "create", "destroy_descriptor": "destroy", "descriptor_message": "message",
     "get_descriptor_sizes": "get_sizes", "get_descriptor_matrices": "get_matrices",
 }

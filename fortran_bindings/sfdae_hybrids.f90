@@ -1,0 +1,532 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!
+! Hybrid systems: modes, transitions between them, and an integration across all of them.
+module sfdae_hybrids
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
+    c_loc, c_long, c_null_ptr, c_ptr, c_size_t, c_sizeof
+  use sfdae_c, only: address_of_event_function, address_of_jump_function, c_add_mode, &
+    c_add_transition, c_advance_hybrid, c_advance_to_transition, c_create_hybrid, &
+    c_destroy_hybrid, c_get_accumulation, c_get_current_mode, c_get_hybrid_checkpoint_length, &
+    c_get_hybrid_message, c_get_hybrid_statistics, c_get_mode, c_get_num_passages, c_get_passage, &
+    c_get_passage_values, c_mode_init, c_passage_init, c_record_hybrid, c_report_hybrid, &
+    c_request_stop_hybrid, c_restore_hybrid_checkpoint, c_save_hybrid_checkpoint, c_start_hybrid, &
+    c_statistics_init, c_transition_init
+  use sfdae_control, only: compare_size
+  use sfdae_conversions, only: text_at, text_in, text_in_c, vector_at
+  use sfdae_solutions, only: dae_solution
+  use sfdae_solver, only: dae_solver
+  use sfdae_types, only: sfdae_illegal_argument, sfdae_mode, sfdae_ok, sfdae_out_of_memory, &
+    sfdae_passage, sfdae_statistics, sfdae_transition, sfdae_transition_condition, &
+    sfdae_transition_time
+  implicit none
+  private
+
+  public :: dae_hybrid, dae_transition
+
+  !> A transition between modes: extend it, components are your data. hybrid.h has the rules.
+  type :: dae_transition
+    !> The mode that it leaves, from 1 on.
+    integer(c_int) :: from = 0
+    !> The mode that it leads to.
+    integer(c_int) :: to = 0
+    !> sfdae_transition_condition, _zero or _time.
+    integer(c_int) :: kind = sfdae_transition_condition
+    !> Of zeros: +1 rising, -1 falling, 0 both.
+    integer(c_int) :: direction = 0
+    !> For sfdae_transition_time.
+    real(c_double) :: time = 0
+    !> .true.: no transition unless eval_guard is > 0.
+    logical :: has_guard = .false.
+    !> .true.: values after it are those of eval_jump; else they follow from impulses.
+    logical :: has_jump = .false.
+  contains
+    !> The condition, or the function whose zeros count.
+    procedure :: eval => transition_eval
+    !> The guard.
+    procedure :: eval_guard => transition_eval
+    !> Values after the transition.
+    procedure :: eval_jump => transition_eval_jump
+  end type dae_transition
+
+  !> What C points to for a transition. On the heap, so that it stays in place.
+  type :: transition_holder
+    class(dae_transition), pointer :: transition => null()
+    integer(c_int) :: num_unknowns = 0
+    type(transition_holder), pointer :: next => null()
+  end type transition_holder
+
+  !> A hybrid system. Never copy one, and destroy it before its solvers and before it goes out of
+  !> scope.
+  type :: dae_hybrid
+    private
+    type(c_ptr) :: handle = c_null_ptr
+    integer(c_int) :: num_unknowns = 0
+    type(transition_holder), pointer :: transitions => null()
+    !> Message of this module about the last call; else the library has the word.
+    character(len=:), allocatable :: complaint
+  contains
+    procedure :: create => hybrid_create
+    procedure :: destroy => hybrid_destroy
+    procedure :: message => hybrid_message
+    procedure :: add_mode => hybrid_add_mode
+    procedure :: add_transition => hybrid_add_transition
+    procedure :: start => hybrid_start
+    procedure :: advance => hybrid_advance
+    procedure :: advance_to_transition => hybrid_advance_to_transition
+    procedure :: record => hybrid_record
+    procedure :: stop_recording => hybrid_stop_recording
+    procedure :: request_stop => hybrid_request_stop
+    procedure :: get_current_mode => hybrid_get_current_mode
+    procedure :: get_mode => hybrid_get_mode
+    procedure :: get_num_passages => hybrid_get_num_passages
+    procedure :: get_passage => hybrid_get_passage
+    procedure :: get_passage_values => hybrid_get_passage_values
+    procedure :: get_accumulation => hybrid_get_accumulation
+    procedure :: get_statistics => hybrid_get_statistics
+    procedure :: report => hybrid_report
+    procedure :: save_checkpoint => hybrid_save_checkpoint
+    procedure :: restore_checkpoint => hybrid_restore_checkpoint
+  end type dae_hybrid
+
+contains
+
+  ! ---- Transitions --------------------------------------------------------------------------
+
+  !> A function that is not needed.
+  subroutine transition_eval(self, t, x, xdot, g, status)
+    class(dae_transition), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> n values.
+    real(c_double), intent(in) :: x(:)
+    !> n values of x'.
+    real(c_double), intent(in) :: xdot(:)
+    !> Zero on entry.
+    real(c_double), intent(inout) :: g
+    !> 0 on entry. > 0: cannot evaluate here. < 0: stop at once.
+    integer(c_int), intent(inout) :: status
+
+    g = 0
+    if (self%from < 0 .or. t > huge(t) .or. size(x) /= size(xdot)) status = -1
+  end subroutine transition_eval
+
+  !> Values that stay.
+  subroutine transition_eval_jump(self, t, before, after, status)
+    class(dae_transition), intent(inout) :: self
+    real(c_double), intent(in) :: t
+    !> n values.
+    real(c_double), intent(in) :: before(:)
+    !> n values; those before on entry.
+    real(c_double), intent(inout) :: after(:)
+    !> 0 on entry; any other value ends the integration.
+    integer(c_int), intent(inout) :: status
+
+    after = before
+    if (self%from < 0 .or. t > huge(t)) status = -1
+  end subroutine transition_eval_jump
+
+  !> sfdae_event_function of the transition.
+  recursive function call_eval(t, x, xdot, g, user) bind(c, name="") result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: x, xdot, g, user
+    integer(c_int) :: status
+    type(transition_holder), pointer :: to
+    real(c_double), pointer :: value
+
+    call c_f_pointer(user, to)
+    call c_f_pointer(g, value)
+    status = sfdae_ok
+    call to%transition%eval(t, vector_at(x, to%num_unknowns), vector_at(xdot, to%num_unknowns), &
+      value, status)
+  end function call_eval
+
+  !> sfdae_event_function of the guard.
+  recursive function call_guard(t, x, xdot, g, user) bind(c, name="") result(status)
+    real(c_double), value :: t
+    type(c_ptr), value :: x, xdot, g, user
+    integer(c_int) :: status
+    type(transition_holder), pointer :: to
+    real(c_double), pointer :: value
+
+    call c_f_pointer(user, to)
+    call c_f_pointer(g, value)
+    status = sfdae_ok
+    call to%transition%eval_guard(t, vector_at(x, to%num_unknowns), &
+      vector_at(xdot, to%num_unknowns), value, status)
+  end function call_guard
+
+  !> sfdae_jump_function.
+  recursive function call_jump(t, from, to, before, after, user) bind(c, name="") result(status)
+    real(c_double), value :: t
+    integer(c_int), value :: from, to
+    type(c_ptr), value :: before, after, user
+    integer(c_int) :: status
+    type(transition_holder), pointer :: holder
+
+    call c_f_pointer(user, holder)
+    status = sfdae_ok
+    if (from < 0 .or. to < 0) status = -1
+    call holder%transition%eval_jump(t, vector_at(before, holder%num_unknowns), &
+      vector_at(after, holder%num_unknowns), status)
+  end function call_jump
+
+  ! ---- Modes and transitions ----------------------------------------------------------------
+
+  !> A hybrid system without modes; what there was is destroyed.
+  subroutine hybrid_create(self, status)
+    class(dae_hybrid), intent(inout) :: self
+    integer(c_int), intent(out) :: status
+
+    call self%destroy(status)
+    if (status == sfdae_ok) status = c_create_hybrid(self%handle)
+  end subroutine hybrid_create
+
+  !> The solvers are free again.
+  subroutine hybrid_destroy(self, status)
+    class(dae_hybrid), intent(inout) :: self
+    integer(c_int), intent(out) :: status
+    type(transition_holder), pointer :: next
+
+    self%complaint = ""
+    status = c_destroy_hybrid(self%handle)
+    if (status < 0) return
+    self%num_unknowns = 0
+    do while (associated(self%transitions))
+      next => self%transitions%next
+      deallocate (self%transitions)
+      self%transitions => next
+    end do
+  end subroutine hybrid_destroy
+
+  !> What the last call had to say; what a solver says begins with its mode, counted from 0.
+  function hybrid_message(self) result(message)
+    class(dae_hybrid), intent(in) :: self
+    character(len=:), allocatable :: message
+
+    message = ""
+    if (allocated(self%complaint)) message = self%complaint
+    if (len(message) == 0) message = text_at(c_get_hybrid_message(self%handle))
+  end function hybrid_message
+
+  !> Adds a mode, from 1 on.
+  subroutine hybrid_add_mode(self, solver, status, name, mode)
+    class(dae_hybrid), intent(inout) :: self
+    !> Must live as long as the hybrid system; `destroy` refuses it until then.
+    class(dae_solver), intent(in) :: solver
+    integer(c_int), intent(out) :: status
+    !> For messages and the report.
+    character(len=*), intent(in), optional :: name
+    !> Its number.
+    integer(c_int), intent(inout), optional :: mode
+    type(c_ptr) :: address
+    integer(c_int) :: num_unknowns, number
+
+    call check_call(self, status)
+    if (status < 0) return
+    call solver%in_c(address, num_unknowns)
+    if (present(name)) then
+      status = c_add_mode(self%handle, address, text_in_c(name), number)
+    else
+      status = c_add_mode(self%handle, address, text_in_c(""), number)
+    end if
+    if (status < 0) return
+    self%num_unknowns = num_unknowns
+    if (present(mode)) mode = number + 1
+  end subroutine hybrid_add_mode
+
+  !> Adds a transition, from 1 on.
+  subroutine hybrid_add_transition(self, transition, status, number)
+    class(dae_hybrid), intent(inout) :: self
+    !> Must have the target attribute and live, in place, as long as the hybrid system.
+    class(dae_transition), target, intent(inout) :: transition
+    integer(c_int), intent(out) :: status
+    !> Its number.
+    integer(c_int), intent(inout), optional :: number
+    type(transition_holder), pointer :: holder
+    type(sfdae_transition) :: c
+    integer(c_int) :: added
+    integer :: outcome
+
+    call check_call(self, status)
+    if (status < 0) return
+    status = sfdae_out_of_memory
+    allocate (holder, stat=outcome)
+    if (outcome /= 0) return
+    holder%transition => transition
+    holder%num_unknowns = self%num_unknowns
+    status = c_transition_init(c, c_sizeof(c))
+    c%from = transition%from - 1
+    c%to = transition%to - 1
+    c%kind = transition%kind
+    c%direction = transition%direction
+    c%time = transition%time
+    c%user = c_loc(holder)
+    if (c%kind /= sfdae_transition_time) c%function = address_of_event_function(call_eval)
+    if (transition%has_guard) c%guard = address_of_event_function(call_guard)
+    if (transition%has_jump) c%jump = address_of_jump_function(call_jump)
+    status = c_add_transition(self%handle, c, added)
+    if (status < 0) then
+      deallocate (holder)
+      return
+    end if
+    holder%next => self%transitions
+    self%transitions => holder
+    if (present(number)) number = added + 1
+  end subroutine hybrid_add_transition
+
+  ! ---- Integration --------------------------------------------------------------------------
+
+  !> Starts at (t, x) in a mode; x and xdot become the consistent ones.
+  recursive subroutine hybrid_start(self, mode, t, toward, x, status, xdot)
+    class(dae_hybrid), intent(inout) :: self
+    integer(c_int), intent(in) :: mode
+    real(c_double), intent(in) :: t
+    !> Not t: sets the direction of integration.
+    real(c_double), intent(in) :: toward
+    !> n values.
+    real(c_double), contiguous, intent(inout) :: x(:)
+    integer(c_int), intent(out) :: status
+    !> n values.
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    type(c_ptr) :: slopes
+
+    call check_point(self, x, slopes, status, xdot)
+    if (status == sfdae_ok) &
+      status = c_start_hybrid(self%handle, mode - 1, t, toward, x, slopes)
+  end subroutine hybrid_start
+
+  !> Integrates to tout across all transitions on the way. After failures t, x and xdot are the
+  !> point reached; sfdae_zeno where transitions accumulate.
+  recursive subroutine hybrid_advance(self, tout, t, x, status, xdot)
+    class(dae_hybrid), intent(inout) :: self
+    real(c_double), intent(in) :: tout
+    real(c_double), intent(inout) :: t
+    !> n values.
+    real(c_double), contiguous, intent(inout) :: x(:)
+    integer(c_int), intent(out) :: status
+    !> n values.
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    type(c_ptr) :: slopes
+
+    call check_point(self, x, slopes, status, xdot)
+    if (status == sfdae_ok) status = c_advance_hybrid(self%handle, tout, t, x, slopes)
+  end subroutine hybrid_advance
+
+  !> Integrates to the next transition, sfdae_event, with the values after it, or to tout.
+  recursive subroutine hybrid_advance_to_transition(self, tout, t, x, status, xdot)
+    class(dae_hybrid), intent(inout) :: self
+    real(c_double), intent(in) :: tout
+    real(c_double), intent(inout) :: t
+    !> n values.
+    real(c_double), contiguous, intent(inout) :: x(:)
+    integer(c_int), intent(out) :: status
+    !> n values.
+    real(c_double), contiguous, target, intent(inout), optional :: xdot(:)
+    type(c_ptr) :: slopes
+
+    call check_point(self, x, slopes, status, xdot)
+    if (status == sfdae_ok) status = c_advance_to_transition(self%handle, tout, t, x, slopes)
+  end subroutine hybrid_advance_to_transition
+
+  !> From now on all accepted steps in all modes go to the solution.
+  subroutine hybrid_record(self, solution, status)
+    class(dae_hybrid), intent(inout) :: self
+    class(dae_solution), intent(in) :: solution
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_record_hybrid(self%handle, solution%address())
+  end subroutine hybrid_record
+
+  !> No steps are recorded any more.
+  subroutine hybrid_stop_recording(self, status)
+    class(dae_hybrid), intent(inout) :: self
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_record_hybrid(self%handle, c_null_ptr)
+  end subroutine hybrid_stop_recording
+
+  !> Stops the call that is running, or else the next one.
+  subroutine hybrid_request_stop(self, status)
+    class(dae_hybrid), intent(in) :: self
+    integer(c_int), intent(out) :: status
+
+    status = c_request_stop_hybrid(self%handle)
+  end subroutine hybrid_request_stop
+
+  ! ---- Inspection ---------------------------------------------------------------------------
+
+  !> The mode that the system is in; sfdae_not_started before a start.
+  subroutine hybrid_get_current_mode(self, mode, status)
+    class(dae_hybrid), intent(inout) :: self
+    integer(c_int), intent(inout) :: mode
+    integer(c_int), intent(out) :: status
+    integer(c_int) :: number
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_get_current_mode(self%handle, number)
+    if (status == sfdae_ok) mode = number + 1
+  end subroutine hybrid_get_current_mode
+
+  !> A mode and what was done in it since the start.
+  subroutine hybrid_get_mode(self, mode, result, status)
+    class(dae_hybrid), intent(inout) :: self
+    integer(c_int), intent(in) :: mode
+    type(sfdae_mode), intent(inout) :: result
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_mode_init(result, c_sizeof(result))
+    if (status == sfdae_ok) status = c_get_mode(self%handle, mode - 1, result)
+  end subroutine hybrid_get_mode
+
+  !> How many transitions have happened since the start.
+  subroutine hybrid_get_num_passages(self, count, status)
+    class(dae_hybrid), intent(inout) :: self
+    integer(c_long), intent(inout) :: count
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_get_num_passages(self%handle, count)
+  end subroutine hybrid_get_num_passages
+
+  !> A transition that happened, from 1 on. Modes, the transition and components count from 1 there,
+  !> too, and components are 0 where there is none.
+  subroutine hybrid_get_passage(self, index, result, status)
+    class(dae_hybrid), intent(inout) :: self
+    integer(c_long), intent(in) :: index
+    type(sfdae_passage), intent(inout) :: result
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_passage_init(result, c_sizeof(result))
+    if (status == sfdae_ok) status = c_get_passage(self%handle, index - 1, result)
+    if (status < 0) return
+    result%transition = result%transition + 1
+    result%from = result%from + 1
+    result%to = result%to + 1
+    result%impulse_component = result%impulse_component + 1
+    result%changed_component = result%changed_component + 1
+  end subroutine hybrid_get_passage
+
+  !> Values before and after the last transition.
+  subroutine hybrid_get_passage_values(self, before, after, status, impulse)
+    class(dae_hybrid), intent(inout) :: self
+    !> n values.
+    real(c_double), contiguous, intent(inout) :: before(:)
+    !> n values.
+    real(c_double), contiguous, intent(inout) :: after(:)
+    integer(c_int), intent(out) :: status
+    !> n values: the factor of delta in each component.
+    real(c_double), contiguous, target, intent(inout), optional :: impulse(:)
+    type(c_ptr) :: address, unused
+
+    call check_point(self, before, address, status, impulse)
+    if (status == sfdae_ok) call check_point(self, after, unused, status)
+    if (status == sfdae_ok) status = c_get_passage_values(self%handle, before, after, address)
+  end subroutine hybrid_get_passage_values
+
+  !> After sfdae_zeno: the time at which transitions accumulate.
+  subroutine hybrid_get_accumulation(self, t, status)
+    class(dae_hybrid), intent(inout) :: self
+    real(c_double), intent(inout) :: t
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_get_accumulation(self%handle, t)
+  end subroutine hybrid_get_accumulation
+
+  !> Counts over all modes.
+  subroutine hybrid_get_statistics(self, result, status)
+    class(dae_hybrid), intent(inout) :: self
+    type(sfdae_statistics), intent(inout) :: result
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_statistics_init(result, c_sizeof(result))
+    if (status == sfdae_ok) status = c_get_hybrid_statistics(self%handle, result)
+  end subroutine hybrid_get_statistics
+
+  !> Modes and the last transitions as text.
+  subroutine hybrid_report(self, text, status)
+    class(dae_hybrid), intent(inout) :: self
+    !> Lines are separated by new_line('a').
+    character(len=:), allocatable, intent(inout) :: text
+    integer(c_int), intent(out) :: status
+    character(kind=c_char) :: nothing(1)
+    character(kind=c_char), allocatable :: buffer(:)
+    integer(c_size_t) :: needed
+
+    call check_call(self, status)
+    needed = 1
+    if (status == sfdae_ok) status = c_report_hybrid(self%handle, nothing, 1_c_size_t, needed)
+    if (status < 0) return
+    allocate (buffer(needed))
+    status = c_report_hybrid(self%handle, buffer, needed, needed)
+    if (status >= 0) text = text_in(buffer)
+  end subroutine hybrid_report
+
+  !> The state of the run as numbers.
+  subroutine hybrid_save_checkpoint(self, checkpoint, status)
+    class(dae_hybrid), intent(inout) :: self
+    real(c_double), allocatable, intent(inout) :: checkpoint(:)
+    integer(c_int), intent(out) :: status
+    real(c_double), allocatable :: values(:)
+    integer(c_size_t) :: length
+
+    call check_call(self, status)
+    length = 0
+    if (status == sfdae_ok) status = c_get_hybrid_checkpoint_length(self%handle, length)
+    if (status < 0) return
+    allocate (values(length))
+    status = c_save_hybrid_checkpoint(self%handle, values, length)
+    if (status == sfdae_ok) call move_alloc(values, checkpoint)
+  end subroutine hybrid_save_checkpoint
+
+  !> Continues from a checkpoint instead of start, with the same modes and transitions.
+  subroutine hybrid_restore_checkpoint(self, checkpoint, status)
+    class(dae_hybrid), intent(inout) :: self
+    real(c_double), contiguous, intent(in) :: checkpoint(:)
+    integer(c_int), intent(out) :: status
+
+    call check_call(self, status)
+    if (status == sfdae_ok) &
+      status = c_restore_hybrid_checkpoint(self%handle, checkpoint, size(checkpoint, kind=c_size_t))
+  end subroutine hybrid_restore_checkpoint
+
+  ! ---- Checks -------------------------------------------------------------------------------
+
+  !> Refuses calls before create.
+  subroutine check_call(self, status)
+    class(dae_hybrid), intent(inout) :: self
+    !> sfdae_ok or sfdae_illegal_argument.
+    integer(c_int), intent(out) :: status
+
+    status = sfdae_ok
+    self%complaint = ""
+    if (c_associated(self%handle)) return
+    status = sfdae_illegal_argument
+    self%complaint = "the hybrid system does not exist: create it first"
+  end subroutine check_call
+
+  !> Refuses a call with arrays that have not n entries.
+  subroutine check_point(self, x, address, status, more)
+    class(dae_hybrid), intent(inout) :: self
+    real(c_double), intent(in) :: x(:)
+    !> Of `more`, null if it is absent.
+    type(c_ptr), intent(out) :: address
+    integer(c_int), intent(out) :: status
+    real(c_double), contiguous, target, intent(inout), optional :: more(:)
+
+    address = c_null_ptr
+    call check_call(self, status)
+    if (status < 0 .or. self%num_unknowns == 0) return
+    call compare_size("x", size(x, kind=c_int), self%num_unknowns, self%complaint)
+    if (present(more)) then
+      call compare_size("xdot", size(more, kind=c_int), self%num_unknowns, self%complaint)
+      address = c_loc(more)
+    end if
+    if (len(self%complaint) > 0) status = sfdae_illegal_argument
+  end subroutine check_point
+
+end module sfdae_hybrids

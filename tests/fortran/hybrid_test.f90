@@ -1,0 +1,243 @@
+! SPDX-License-Identifier: BSD-3-Clause
+!
+! Hybrid systems from Fortran.
+module hybrid_problems
+  use, intrinsic :: iso_c_binding, only: c_int, dp => c_double
+  use sfdae, only: dae_transition, expression, nonlinear_dae, assignment(=), operator(+), &
+    operator(-), operator(*)
+  implicit none
+  private
+
+  !> Two capacitors, 1 and 3 F, and a switch: x1' + x1 + x3 = 0, 3 x2' - x3 = 0.
+  type, extends(nonlinear_dae), public :: capacitors_dae
+    real(dp) :: closed = 0
+  contains
+    procedure :: equations => capacitors_equations
+  end type capacitors_dae
+
+  !> x1' = x2, x2' = -9.81.
+  type, extends(nonlinear_dae), public :: flight_dae
+  contains
+    procedure :: equations => flight_equations
+  end type flight_dae
+
+  !> Where the voltages differ by 2.
+  type, extends(dae_transition), public :: closing
+  contains
+    procedure :: eval => closing_eval
+    procedure :: eval_guard => closing_guard
+  end type closing
+
+  !> At the ground.
+  type, extends(dae_transition), public :: bounce
+  contains
+    procedure :: eval => bounce_eval
+    procedure :: eval_jump => bounce_jump
+  end type bounce
+
+contains
+
+  subroutine capacitors_equations(self, t, x, xdot, residual)
+    class(capacitors_dae), intent(inout) :: self
+    type(expression), intent(in) :: t
+    type(expression), intent(in) :: x(:)
+    type(expression), intent(in) :: xdot(:)
+    type(expression), intent(inout) :: residual(:)
+
+    residual(1) = xdot(1) + x(1) + x(3)
+    residual(2) = 3 * xdot(2) - x(3)
+    residual(3) = self%closed * (x(1) - x(2)) + (1 - self%closed) * x(3)
+  end subroutine capacitors_equations
+
+  subroutine flight_equations(self, t, x, xdot, residual)
+    class(flight_dae), intent(inout) :: self
+    type(expression), intent(in) :: t
+    type(expression), intent(in) :: x(:)
+    type(expression), intent(in) :: xdot(:)
+    type(expression), intent(inout) :: residual(:)
+
+    residual(1) = xdot(1) - x(2)
+    residual(2) = xdot(2) + 9.81_dp
+  end subroutine flight_equations
+
+  subroutine closing_eval(self, t, x, xdot, g, status)
+    class(closing), intent(inout) :: self
+    real(dp), intent(in) :: t
+    real(dp), intent(in) :: x(:)
+    real(dp), intent(in) :: xdot(:)
+    real(dp), intent(inout) :: g
+    integer(c_int), intent(inout) :: status
+
+    g = 2 - x(1) + x(2)
+  end subroutine closing_eval
+
+  subroutine closing_guard(self, t, x, xdot, g, status)
+    class(closing), intent(inout) :: self
+    real(dp), intent(in) :: t
+    real(dp), intent(in) :: x(:)
+    real(dp), intent(in) :: xdot(:)
+    real(dp), intent(inout) :: g
+    integer(c_int), intent(inout) :: status
+
+    g = -xdot(1)
+  end subroutine closing_guard
+
+  subroutine bounce_eval(self, t, x, xdot, g, status)
+    class(bounce), intent(inout) :: self
+    real(dp), intent(in) :: t
+    real(dp), intent(in) :: x(:)
+    real(dp), intent(in) :: xdot(:)
+    real(dp), intent(inout) :: g
+    integer(c_int), intent(inout) :: status
+
+    g = x(1)
+  end subroutine bounce_eval
+
+  subroutine bounce_jump(self, t, before, after, status)
+    class(bounce), intent(inout) :: self
+    real(dp), intent(in) :: t
+    real(dp), intent(in) :: before(:)
+    real(dp), intent(inout) :: after(:)
+    integer(c_int), intent(inout) :: status
+
+    after(2) = -0.7_dp * before(2)
+  end subroutine bounce_jump
+
+end module hybrid_problems
+
+program hybrid_test
+  use, intrinsic :: iso_c_binding, only: c_int, c_long, dp => c_double
+  use sfdae, only: dae_hybrid, dae_solution, dae_solver, sfdae_event, sfdae_illegal_argument, &
+    sfdae_mode, sfdae_not_started, sfdae_ok, sfdae_passage, sfdae_statistics, &
+    sfdae_transition_zero, sfdae_zeno
+  use hybrid_problems, only: bounce, capacitors_dae, closing, flight_dae
+  use test_support, only: check, check_status, finish
+  implicit none
+
+  call keeps_charge()
+  call accumulates()
+  call finish()
+
+contains
+
+  subroutine keeps_charge()
+    type(capacitors_dae), target :: problems(2)
+    type(dae_solver) :: solvers(2)
+    type(dae_hybrid) :: hybrid
+    type(closing), target :: close
+    type(dae_solution) :: solution
+    type(sfdae_mode) :: mode
+    type(sfdae_passage) :: passage
+    type(sfdae_statistics) :: statistics
+    integer(c_int) :: status, number
+    integer(c_long) :: count
+    real(dp) :: t, x(3), xdot(3), y(3), before(3), after(3), impulse(3), short(2)
+    real(dp), allocatable :: checkpoint(:)
+    character(len=:), allocatable :: text
+    integer :: k
+
+    x = [4.0_dp, 0.0_dp, 0.0_dp]
+    call hybrid%start(1, 0.0_dp, 2.0_dp, x, status)
+    call check_status(status, sfdae_illegal_argument, "start before create")
+    call hybrid%create(status)
+    call check_status(status, sfdae_ok, "create")
+    do k = 1, 2
+      problems(k)%num_equations = 3
+      problems(k)%num_unknowns = 3
+      problems(k)%closed = k - 1
+      call solvers(k)%create(problems(k), status)
+      call hybrid%add_mode(solvers(k), status, trim(merge("open  ", "closed", k == 1)), number)
+      call check_status(status, sfdae_ok, "add_mode")
+      call check(number == k, "modes count from 1")
+    end do
+    close%from = 1
+    close%to = 5
+    call hybrid%add_transition(close, status)
+    call check_status(status, sfdae_illegal_argument, "a mode that there is not")
+    close%to = 2
+    close%has_guard = .true.
+    call hybrid%add_transition(close, status, number)
+    call check_status(status, sfdae_ok, "add_transition")
+    call check(number == 1, "transitions count from 1")
+    call solution%create(status)
+    call hybrid%record(solution, status)
+    call check_status(status, sfdae_ok, "record")
+    short = 0
+    call hybrid%start(1, 0.0_dp, 2.0_dp, short, status)
+    call check_status(status, sfdae_illegal_argument, "x too short")
+    call hybrid%start(1, 0.0_dp, 2.0_dp, x, status, xdot)
+    call check_status(status, sfdae_ok, "start")
+    call hybrid%get_accumulation(t, status)
+    call check_status(status, sfdae_not_started, "nothing accumulates")
+    call hybrid%advance_to_transition(2.0_dp, t, x, status)
+    call check_status(status, sfdae_event, "advance_to_transition")
+    call check(abs(t - log(2.0_dp)) < 1.0e-5_dp, "when the switch closes")
+    call check(maxval(abs(x(1:2) - 0.5_dp)) < 1.0e-5_dp, "the charge is kept")
+    call hybrid%get_current_mode(number, status)
+    call check(number == 2, "the mode")
+    call hybrid%get_num_passages(count, status)
+    call check(count == 1, "one transition")
+    call hybrid%get_passage(1_c_long, passage, status)
+    call check_status(status, sfdae_ok, "get_passage")
+    call check(passage%from == 1 .and. passage%to == 2 .and. passage%impulse_component == 3, "from 1")
+    call hybrid%get_passage_values(before, after, status, impulse)
+    call check_status(status, sfdae_ok, "get_passage_values")
+    call check(abs(impulse(3) - 1.5_dp) < 1.0e-5_dp, "the charge that flows")
+    call hybrid%save_checkpoint(checkpoint, status)
+    call check_status(status, sfdae_ok, "save_checkpoint")
+    call hybrid%advance(2.0_dp, t, x, status)
+    call check_status(status, sfdae_ok, "advance")
+    call check(abs(x(1) - 0.5_dp * exp(-(2 - log(2.0_dp)) / 4)) < 1.0e-4_dp, "the end")
+    call solution%evaluate(0.5_dp, y, status)
+    call check(abs(y(1) - 4 * exp(-0.5_dp)) < 1.0e-4_dp, "the solution before")
+    call hybrid%get_mode(2, mode, status)
+    call check(mode%strangeness_index == 1 .and. mode%num_analyses == 1, "the index of the mode")
+    call hybrid%get_statistics(statistics, status)
+    call check(statistics%steps > mode%steps, "steps of all modes")
+    call hybrid%report(text, status)
+    call check(index(text, "(closed)") > 0, "the report")
+    call hybrid%restore_checkpoint(checkpoint, status)
+    call check_status(status, sfdae_ok, "restore_checkpoint")
+    call hybrid%stop_recording(status)
+    call hybrid%advance(2.0_dp, t, y, status)
+    call check(all(abs(x - y) <= 0), "the same from a checkpoint")
+    call solution%destroy(status)
+    call hybrid%destroy(status)
+    call check_status(status, sfdae_ok, "destroy")
+    do k = 1, 2
+      call solvers(k)%destroy(status)
+      call check_status(status, sfdae_ok, "destroy a solver")
+    end do
+  end subroutine keeps_charge
+
+  subroutine accumulates()
+    type(flight_dae), target :: problem
+    type(bounce), target :: ground
+    type(dae_solver) :: solver
+    type(dae_hybrid) :: hybrid
+    integer(c_int) :: status
+    real(dp) :: t, x(2), limit
+
+    problem%num_equations = 2
+    problem%num_unknowns = 2
+    call solver%create(problem, status)
+    call hybrid%create(status)
+    call hybrid%add_mode(solver, status)
+    ground%from = 1
+    ground%to = 1
+    ground%kind = sfdae_transition_zero
+    ground%direction = -1
+    ground%has_jump = .true.
+    call hybrid%add_transition(ground, status)
+    x = [0.0_dp, 5.0_dp]
+    call hybrid%start(1, 0.0_dp, 10.0_dp, x, status)
+    call hybrid%advance(10.0_dp, t, x, status)
+    call check_status(status, sfdae_zeno, "bounces accumulate")
+    call check(index(hybrid%message(), "accumulate") > 0, "the message")
+    call hybrid%get_accumulation(limit, status)
+    call check(abs(limit - 10 / (9.81_dp * 0.3_dp)) < 1.0e-3_dp, "where they do")
+    call hybrid%destroy(status)
+    call solver%destroy(status)
+  end subroutine accumulates
+
+end program hybrid_test
