@@ -90,6 +90,9 @@ SFDAE_API int sfdae_start_hybrid(sfdae_hybrid* hybrid, int mode, double t, doubl
  * solvers, with the same arguments, warnings and failures. After failures of a transition itself (those of sfdae_jump and
  * sfdae_start) t and x are those before it and the integration has ended; after others sfdae_advance_hybrid goes on.
  *
+ * Events are found as sfdae_set_events says. In a mode without differential equations (d = 0) steps are as long as tout
+ * allows: limit max_step of its solver.
+ *
  * SFDAE_ZENO: transitions accumulate at a time that cannot be passed, as the bounces of a ball do: the times between seven
  * passages of a transition shrink by the same factor, and a millionth of the time since the start is left, or the function
  * of the transition moves by a thousand tolerances only. Or modes lead to each other again and again (chattering): x moves
@@ -119,7 +122,7 @@ typedef struct sfdae_mode {
   long visits;           /**< how often the mode was entered */
   double duration;       /**< time spent in it, signed as the direction of integration */
   long steps;            /**< accepted */
-  int num_analyses;      /**< index analyses since it was added, 1 as a rule, 0 before it is entered */
+  int num_analyses;      /**< index analyses made by this hybrid system, as a rule 1, once it is entered */
   int strangeness_index; /**< -1, as the following: not analyzed yet */
   int differential;      /**< d */
   int algebraic;         /**< a */

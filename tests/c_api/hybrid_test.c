@@ -363,6 +363,66 @@ static void chattering_ends(double start) {
   destroy(&hybrid, solvers, 2);
 }
 
+/* x' = x > y ? -2 : 2,  y' = y > x ? -3 : 1.5 as three modes of x' = 2 - 4 a,  y' = -3 + 4.5 a: a = 0 (x < y), a = 1
+ * (x > y), and the motion along x = y, where a, the part of the second, follows from x' = y': a = 10 / 17 (mu = 1). From
+ * (1.5, 1) x = y is reached at t = 1/7 in 17/14; then x' = -6 / 17, and x(1) = 17/14 - 36/119 = 217/238. */
+static int sides(sfdae_record* record, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
+                 sfdae_expression* F, void* user) {
+  const sfdae_expression slides = sfdae_parameter(record, "slides", 0), above = sfdae_parameter(record, "above", 0);
+  const sfdae_expression held = sfdae_subtract(x[2], above);
+  (void)t, (void)user;
+  F[0] = sfdae_subtract(sfdae_add(xdot[0], sfdae_multiply(sfdae_number(4), x[2])), sfdae_number(2));
+  F[1] = sfdae_add(sfdae_subtract(xdot[1], sfdae_multiply(sfdae_number(4.5), x[2])), sfdae_number(3));
+  F[2] = sfdae_add(held, sfdae_multiply(slides, sfdae_subtract(sfdae_subtract(x[0], x[1]), held)));
+  return 0;
+}
+static int distance(double t, const double* x, const double* xdot, double* g, void* user) {
+  (void)t, (void)xdot;
+  g[0] = *(const double*)user * (x[0] - x[1]);
+  return 0;
+}
+static int part_left(double t, const double* x, const double* xdot, double* g, void* user) {
+  (void)t, (void)xdot;
+  g[0] = *(const double*)user > 0 ? x[2] - 1 : -x[2];
+  return 0;
+}
+
+static void slides_in_a_mode_of_its_own(double x0, double y0) {
+  double sign[] = {1, -1}, t = 0, x[3];
+  sfdae_solver* solvers[3]; /* below, above, along */
+  sfdae_hybrid* hybrid = NULL;
+  sfdae_passage passage;
+  int k, mode = -1;
+  const double first = fabs(x0 - y0) / (x0 > y0 ? 3.5 : 5), reached = x0 + first * (x0 > y0 ? -2 : 2);
+  CHECK_STATUS(sfdae_create_hybrid(&hybrid), SFDAE_OK);
+  for (k = 0; k < 3; ++k) {
+    solvers[k] = create(sides, 3, NULL, SFDAE_METHOD_BDF);
+    CHECK_STATUS(sfdae_set_parameter(solvers[k], "above", k == 1), SFDAE_OK);
+    CHECK_STATUS(sfdae_set_parameter(solvers[k], "slides", k == 2), SFDAE_OK);
+    CHECK_STATUS(sfdae_add_mode(hybrid, solvers[k], NULL, NULL), SFDAE_OK);
+  }
+  for (k = 0; k < 2; ++k) {
+    sfdae_transition reach = transition_of(k, 2, SFDAE_TRANSITION_CONDITION, distance),
+                     leave = transition_of(2, k, SFDAE_TRANSITION_CONDITION, part_left);
+    reach.user = &sign[k];
+    leave.user = &sign[1 - k];
+    CHECK_STATUS(sfdae_add_transition(hybrid, &reach, NULL), SFDAE_OK);
+    CHECK_STATUS(sfdae_add_transition(hybrid, &leave, NULL), SFDAE_OK);
+  }
+  x[0] = x0, x[1] = y0, x[2] = x0 > y0;
+  CHECK_STATUS(sfdae_start_hybrid(hybrid, x0 > y0, 0, 1, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance_hybrid(hybrid, 1, &t, x, NULL), SFDAE_OK);
+  NEAR(x[0], reached - 6.0 / 17 * (1 - first), 1e-6);
+  NEAR(x[1], x[0], 1e-12);
+  NEAR(x[2], 10.0 / 17, 1e-6);
+  CHECK_STATUS(sfdae_get_current_mode(hybrid, &mode), SFDAE_OK);
+  CHECK(mode == 2);
+  sfdae_passage_init(&passage, sizeof passage);
+  CHECK_STATUS(sfdae_get_passage(hybrid, 1, &passage), SFDAE_ILLEGAL_ARGUMENT); /* there was one */
+  CHECK(mode_of(hybrid, 2).strangeness_index == 1);
+  destroy(&hybrid, solvers, 3);
+}
+
 static int upward(double t, const double* x, const double* xdot, double* g, void* user) {
   (void)t, (void)x;
   ++*(int*)user;
@@ -506,6 +566,8 @@ int main(void) {
   bounces_accumulate(0.95);
   chattering_ends(-0.5);
   chattering_ends(0);
+  slides_in_a_mode_of_its_own(1.5, 1);
+  slides_in_a_mode_of_its_own(0.5, 1);
   guards_and_failures();
   failures_name_the_mode();
   return failures > 0;
