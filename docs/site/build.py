@@ -42,6 +42,7 @@ docs/guide/events_and_ensembles
 docs/guide/linearization
 docs/guide/sensitivities
 docs/guide/modes
+docs/guide/hybrid
 docs/guide/python
 docs/guide/program
 docs/guide/coverage

@@ -12,10 +12,11 @@ from headers import as_rst, title
 C_HEADINGS = {"sfdae": "Life cycle, options, linear problems", "expression": "Expressions, nonlinear problems",
               "multibody": "Mechanical systems", "ensemble": "Ensembles", "sensitivity": "Sensitivities",
               "linearization": "Linearization, descriptor systems",
-              "modes": "Switches, impacts, breakpoints"}
+              "modes": "Switches, impacts, breakpoints", "hybrid": "Hybrid systems"}
 CPP_HEADINGS = {"sfdae": "The solver", "problem": "Problems", "expression": "Expressions",
                 "results": "Options, points, results, errors", "ensemble": "Ensembles", "sensitivity": "Sensitivities",
-                "linearization": "Linearization, descriptor systems", "complex": "Complex problems"}
+                "linearization": "Linearization, descriptor systems", "complex": "Complex problems",
+                "hybrid": "Hybrid systems"}
 NOT_FOR_USERS = {"callbacks.hpp"}
 NOT_SHOWN = r"SFDAE_API|SFDAE_\w+_H|SFDAE_VERSION_\w+"
 
@@ -105,8 +106,10 @@ def pages(root, xml_folder):
         result[f"c_{name}.rst"] = c_page(root, xml_folder, name, heading)
     for name, heading in cpp_headers.items():
         result[f"cpp_{name}.rst"] = cpp_page(root, xml_folder, name, heading)
-    result["c.rst"] = contents("C", "Programs include ``sfdae/sfdae.h``, which includes the others but ``sfdae/modes.h``.",
+    result["c.rst"] = contents("C", "Programs include ``sfdae/sfdae.h``, which includes the others but ``sfdae/modes.h`` and "
+                               "``sfdae/hybrid.h``.",
                                [f"c_{name}" for name in c_headers])
-    result["cpp.rst"] = contents("C++", "Programs include ``sfdae/sfdae.hpp``, which includes the others.",
+    result["cpp.rst"] = contents("C++", "Programs include ``sfdae/sfdae.hpp``, which includes the others but "
+                                 "``sfdae/hybrid.hpp``.",
                                  [f"cpp_{name}" for name in cpp_headers])
     return {name: "\n".join(lines) + "\n" for name, lines in result.items()}
