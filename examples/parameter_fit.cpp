@@ -24,7 +24,7 @@ void compare(sfdae::Solver& solver, const double* p, const sfdae::Matrix& measur
   solver.start(point, 3);
   for (int k = 0; k < rows; ++k) {
     if (k % 2 == 0) solver.advance(3.0 * (k + 2) / rows, point);
-    const sfdae::Matrix S = solver.sensitivities(point.t).S;
+    const sfdae::Matrix S = solver.sensitivities(point.t, false).S;
     b(k, 0) = measured(k, 0) - point.x[std::size_t(k % 2)];
     for (int j = 0; j < columns; ++j) J(k, j) = S(k % 2, j);
   }

@@ -315,13 +315,14 @@ class Solver {
     return status;
   }
 
-  /// S and S' at t, where the last call has returned or within the last step.
-  SensitivityValues sensitivities(double t) {
+  /// S and S' at t, where the last call has returned or within the last step. slopes: whether S' is wanted, which costs
+  /// more than S; else Sdot is empty.
+  SensitivityValues sensitivities(double t, bool slopes = true) {
     const int count = state_ ? state_->num_sensitivities : 0;
-    SensitivityValues values{Matrix(num_unknowns(), count), Matrix(num_unknowns(), count)};
+    SensitivityValues values{Matrix(num_unknowns(), count), slopes ? Matrix(num_unknowns(), count) : Matrix()};
     double nothing = 0;
     checked(sfdae_get_sensitivities(get(), t, count > 0 ? values.S.data() : &nothing,
-                                    count > 0 ? values.Sdot.data() : nullptr));
+                                    count > 0 && slopes ? values.Sdot.data() : nullptr));
     return values;
   }
 

@@ -99,7 +99,7 @@ class Run:
                 k = min(done[0], limit - 1)
                 point = Point(t[k], x[k].copy(), xdot[k].copy(), Status(status), "")
                 if self._S is not None and point.t == times[k]:
-                    self._S.append(self.solver.sensitivities(point.t)[0])
+                    self._S.append(self.solver.sensitivities(point.t, False)[0])
                 is_on = self._next(status, point)
                 done[0] += done[0] < limit and point.t == times[k]  # an event at an output
             if is_on and self.last.t != self.t1:
@@ -142,7 +142,7 @@ class Run:
         self.last = point
         self.points.append((point.t, point.x, point.xdot))
         if self._S is not None:
-            self._S.append(self.solver.sensitivities(point.t)[0])
+            self._S.append(self.solver.sensitivities(point.t, False)[0])
 
     def _next(self, status: int, point: Point) -> bool:
         """Takes what a call returned; whether the integration goes on."""

@@ -65,14 +65,19 @@ class Sensitivities(Inspection):
         )
         self._num_sensitivities = count
 
-    def sensitivities(self, t: float) -> tuple[np.ndarray, np.ndarray]:
+    def sensitivities(self, t: float, slopes: bool = True) -> tuple[np.ndarray, np.ndarray | None]:
         """S = dx/dp and S' at t, n x p each, where the last call has returned or within the last
-        step.
+        step. slopes: whether S' is wanted, which costs more than S; else None.
         """
         shape = (max(self._num_sensitivities, 1), self.problem.num_unknowns)
-        S, Sdot = np.zeros(shape), np.zeros(shape)
-        self._call(lib.sfdae_get_sensitivities, t, self._pointer(S), self._pointer(Sdot))
-        return S.T, Sdot.T
+        S, Sdot = np.zeros(shape), np.zeros(shape) if slopes else None
+        self._call(
+            lib.sfdae_get_sensitivities,
+            t,
+            self._pointer(S),
+            ffi.NULL if Sdot is None else self._pointer(Sdot),
+        )
+        return S.T, None if Sdot is None else Sdot.T
 
     def event_sensitivities(self, t: float, g_t: float, g_x: Any, g_p: Any = None) -> np.ndarray:
         """dt_e/dp of an event g(t, x, p) = 0 at t, from the partial derivatives of g."""

@@ -20,6 +20,10 @@ CallResult Integration::evaluate_sensitivities(double t, double* S, double* Sdot
   const double place = beside_kink(options_, integrator_, t);
   if ((place - start) * integrator_.direction < 0.0 || (state.t - place) * integrator_.direction < 0.0)
     return result_outside_last_step(t, start, state.t);
+  if (Sdot == nullptr && place == state.t) {
+    sensitivities_->copy_last(S);
+    return {};
+  }
   const std::size_t n = index(integrator_.system.unknowns());
   std::vector<double> x(n), xdot(n);
   const auto move = [&](double at, Slopes slopes) {

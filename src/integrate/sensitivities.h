@@ -39,6 +39,8 @@ class Sensitivities {
   // The step tried has been taken.
   void commit(Integrator& integrator);
 
+  // At the last point, as the step has found them.
+  void copy_last(double* S);
   // Points within the last step, where the system of x has been moved to: by the polynomial of BDF, ...
   void evaluate(const Integrator& integrator, double t, double* S, double* Sdot);
   // ... or the stages of a shorter Radau step to t: move(stage time), which returns x', is called for all of them, the last is t.

@@ -62,13 +62,26 @@ void ParameterSeries::take_parameters() {
   for (int i = 0; i < from.num_parameters(); ++i) evaluator_.set_parameter(i, from.parameter(i));
 }
 
+CallbackError ParameterSeries::evaluate_series(double t, const double* jet, int order) {
+  F_p_.resize(index(problem_.m()) * columns_.size() * index(order + 1));
+  if (columns_.empty() || evaluator_.values(t, jet, order, F_p_.data())) return {};
+  return parameter_gradient_error(evaluator_, t, problem_.user_t());
+}
+
+CallbackError ParameterSeries::values(double t, const double* jet, View F_p) {
+  fill(F_p, 0.0);
+  CallbackError error = evaluate_series(t, jet, 0);
+  if (error.status != SFDAE_OK) return error;
+  for (std::size_t q = 0; q < columns_.size(); ++q)
+    std::copy_n(F_p_.data() + index(problem_.m()) * q, problem_.m(), F_p.column(columns_[q]));
+  return error;
+}
+
 CallbackError ParameterSeries::evaluate(const TaylorData& data, const double* jet, int order, View f) {
   const int m = problem_.m(), chosen = static_cast<int>(columns_.size());
   fill(f, 0.0);
-  if (chosen == 0) return {};
-  F_p_.resize(index(m) * index(chosen) * index(order + 1));
-  if (!evaluator_.values(data.t, jet, order, F_p_.data()))
-    return parameter_gradient_error(evaluator_, data.t, problem_.user_t());
+  CallbackError error = evaluate_series(data.t, jet, order);
+  if (error.status != SFDAE_OK) return error;
   double power = 1.0;
   for (int k = 0; k <= order; ++k) {
     power *= data.time_scale;
@@ -79,7 +92,7 @@ CallbackError ParameterSeries::evaluate(const TaylorData& data, const double* je
         if (data.has_row(i, k)) to[i] = -power * data.row_scale[index(i)] * from[i];
     }
   }
-  return {};
+  return error;
 }
 
 }  // namespace sfdae::core

@@ -15,7 +15,10 @@ namespace sfdae::core {
 
 NonlinearSensitivities::NonlinearSensitivities(NonlinearSystem& system, RecordedProblem& problem,
                                                std::vector<int> parameters)
-    : system_(system), problem_(problem), parameters_(problem, std::move(parameters)) {}
+    : system_(system),
+      problem_(problem),
+      parameters_(problem, std::move(parameters)),
+      sparse_step_(problem, parameters_) {}
 
 View NonlinearSensitivities::scaled(const double* S) {
   const int n = unknowns();
@@ -36,13 +39,25 @@ PointStatus NonlinearSensitivities::linearize(const Jet& jet, const double* xdot
   const PointStatus status = point_.linearize(system_.analyzed_equations(), parameters_,
                                               {jet, xdot, system_.linearization().ranks()}, arena_);
   callback_error_ = point_.callback_error();
+  is_point_here_ = status == PointStatus::ok;
   return status;
+}
+
+PointStatus NonlinearSensitivities::linearize_here() {
+  return is_point_here_ ? PointStatus::ok : linearize(system_.jet(), nullptr);
 }
 
 // ---- Steps -----------------------------------------------------------------------------------------------------
 
 // With S = xp + T2 z and K = c tau Z1^T E - Z1^T A:  K T2 z = Z1^T f - K xp - tau Z1^T E rest.
 PointStatus NonlinearSensitivities::solve_step(double c, const double* rest, const double* xdot, double* S) {
+  if (sparse_step_.is_possible()) {
+    is_point_here_ = false;
+    ++factorizations_;
+    const PointStatus status = sparse_step_.solve({system_.jet().t, system_.jet().x.data(), xdot, c, rest}, S);
+    callback_error_ = sparse_step_.callback_error();
+    return status;
+  }
   const PointStatus status = linearize(system_.jet(), xdot);
   if (status != PointStatus::ok) return status;
   const int n = unknowns(), d = point_.d();
@@ -131,12 +146,13 @@ PointStatus NonlinearSensitivities::solve_kept_stages(const StageMethod& method,
 // ---- Points ----------------------------------------------------------------------------------------------------
 
 PointStatus NonlinearSensitivities::restore(const double* guess, double* S) {
-  const PointStatus status = linearize(system_.jet(), nullptr);
-  if (status != PointStatus::ok) return status;
+  is_point_here_ = false;
   if (point_.is_ordinary()) {
     std::copy_n(guess, size(), S);
     return PointStatus::ok;
   }
+  const PointStatus status = linearize(system_.jet(), nullptr);
+  if (status != PointStatus::ok) return status;
   const Arena::Frame frame(arena_);
   const View change = scaled(guess), q = arena_.matrix(point_.d(), count()),
              result = arena_.matrix(unknowns(), count());
@@ -150,7 +166,8 @@ PointStatus NonlinearSensitivities::restore(const double* guess, double* S) {
 }
 
 void NonlinearSensitivities::error_in_S(const double* errors, double* mapped) {
-  if (point_.is_ordinary()) {
+  // Without the form errors are not smaller than with it.
+  if (point_.is_ordinary() || linearize_here() != PointStatus::ok) {
     std::copy_n(errors, size(), mapped);
     return;
   }
@@ -173,6 +190,7 @@ void NonlinearSensitivities::start(const ConsistencyRequest& request, const doub
         format("the characteristic values known do not hold at t = %.15g, where sensitivities are to start.",
                system_.jet().t));
   has_factors_ = false;
+  sparse_step_.prepare(system_.analyzed_equations().analysis());
   if (point_.is_ordinary()) {
     std::copy_n(directions, size(), S);
     return;
@@ -196,6 +214,8 @@ void NonlinearSensitivities::start(const ConsistencyRequest& request, const doub
 // ---- S' --------------------------------------------------------------------------------------------------------
 
 PointStatus NonlinearSensitivities::derivative(const double* S, double* Sdot) {
+  const PointStatus status = linearize_here();
+  if (status != PointStatus::ok) return status;
   if (point_.is_ordinary() && derivative_of_ordinary(S, Sdot)) return PointStatus::ok;
   if (derivative_from_array(S, Sdot)) return PointStatus::ok;
   if (callback_error_.status != SFDAE_OK && !callback_error_.is_recoverable()) return PointStatus::callback_error;

@@ -10,6 +10,7 @@
 #include "system/sensitivity_point.h"
 #include "system/sensitivity_stages.h"
 #include "system/sensitivity_system.h"
+#include "system/sparse_sensitivity_step.h"
 
 namespace sfdae::core {
 
@@ -36,6 +37,8 @@ class NonlinearSensitivities final : public SensitivitySystem {
 
  private:
   PointStatus linearize(const Jet& jet, const double* xdot);
+  // At the current point of the system, unless that is where it was linearized last.
+  PointStatus linearize_here();
   PointStatus keep(const StageMethod& method, int i, const Jet& jet, const double* xdot);
   bool derivative_of_ordinary(const double* S, double* Sdot);
   bool derivative_from_array(const double* S, double* Sdot);
@@ -49,6 +52,8 @@ class NonlinearSensitivities final : public SensitivitySystem {
   ParameterSeries parameters_;
   Arena arena_;
   SensitivityPoint point_;
+  bool is_point_here_ = false;  // the equations of the point are those of the system's
+  SparseSensitivityStep sparse_step_;
   SensitivityStages stages_;
   // K z = r of an ordinary point, r in z before: with the factors kept if these converge, else with those of K.
   bool solve_ordinary(ConstView K, View z, ConstView guess);

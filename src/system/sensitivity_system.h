@@ -46,7 +46,7 @@ class SensitivitySystem {
   virtual PointStatus restore(const double* guess, double* S) = 0;
   // What an error of the differential part means for S; at the point linearized last.
   virtual void error_in_S(const double* errors, double* mapped) = 0;
-  // S' of sensitivities restored here. It comes with the value of S' of a polynomial, which is corrected where the
+  // S' of sensitivities restored here, or of a stage kept here. It comes with the value of S' of a polynomial, which is corrected where the
   // derivative array does not determine it.
   virtual PointStatus derivative(const double* S, double* Sdot) = 0;
   // The S nearest to the directions given, as the request measures changes of x. Throws Failure where there is none.

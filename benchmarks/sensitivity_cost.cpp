@@ -1,0 +1,126 @@
+// What sensitivities cost beside x: microseconds of an integration without them, with one parameter and with ten.
+//
+// Columns: method, steps, the time of x alone, and what one and ten sensitivities add, relative. Run it with
+// OPENBLAS_NUM_THREADS=1. Arguments: nothing; or a problem (0, 1, 2), a method (0: BDF, 1: Radau) and a count, of which
+// one integration is done, to be profiled or counted.
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "sfdae/sfdae.hpp"
+
+namespace {
+
+using sfdae::Expression;
+
+struct Problem {
+  const char* name;
+  sfdae::NonlinearProblem equations;
+  std::vector<double> x;
+  double end;
+};
+
+std::string name_of(int j) { return std::string("p").append(std::to_string(j)); }
+
+Expression parameter_of(const Expression& t, int j, double value) { return sfdae::parameter(t, name_of(j), value); }
+
+// Mass points on massless rods, index raw; parameters: gravity and lengths, masses, dampings.
+Problem chain(int links, double end) {
+  sfdae::NonlinearProblem problem(5 * links, 5 * links);
+  problem.equations = [links](const Expression& t, auto x, auto xdot, auto F) {
+    const Expression g = parameter_of(t, 0, 9.81);
+    std::vector<Expression> L, m;
+    for (int i = 0; i < links; ++i) L.push_back(parameter_of(t, 1 + 2 * i, 1.0));
+    for (int i = 0; i < links; ++i) m.push_back(parameter_of(t, 2 + 2 * i, 1.0));
+    const Expression damping = parameter_of(t, 9, 0.1);
+    for (int i = 2 * links + 1; i < 9; ++i) parameter_of(t, i, 1.0);
+    const auto at = [&](int i, int k) { return i < 0 ? 0.0 * t : x[5 * i + k]; };
+    for (int i = 0; i < links; ++i) {
+      F[5 * i] = xdot[5 * i] - x[5 * i + 2];
+      F[5 * i + 1] = xdot[5 * i + 1] - x[5 * i + 3];
+      for (int k = 0; k < 2; ++k) {
+        Expression force = (at(i, k) - at(i - 1, k)) * x[5 * i + 4] + damping * x[5 * i + 2 + k];
+        if (i + 1 < links) force = force - (at(i + 1, k) - at(i, k)) * x[5 * i + 9];
+        if (k == 1) force = force + m[std::size_t(i)] * g;
+        F[5 * i + 2 + k] = m[std::size_t(i)] * xdot[5 * i + 2 + k] + force;
+      }
+      const Expression dx = at(i, 0) - at(i - 1, 0), dy = at(i, 1) - at(i - 1, 1);
+      F[5 * i + 4] = dx * dx + dy * dy - L[std::size_t(i)] * L[std::size_t(i)];
+    }
+  };
+  std::vector<double> x(std::size_t(5 * links), 0.0);
+  for (int i = 0; i < links; ++i) {
+    x[std::size_t(5 * i)] = 0.6 * (i + 1);
+    x[std::size_t(5 * i + 1)] = -0.8 * (i + 1);
+  }
+  return {links == 1 ? "pendulum" : "chain of four", std::move(problem), std::move(x), end};
+}
+
+// Diffusion and a reaction with ten rates, each of some cells.
+Problem stiff(int n) {
+  sfdae::NonlinearProblem problem(n, n);
+  problem.equations = [n](const Expression& t, auto x, auto xdot, auto F) {
+    std::vector<Expression> rate;
+    for (int j = 0; j < 10; ++j) rate.push_back(parameter_of(t, j, 1.0 + 0.1 * j));
+    const auto at = [&](int i) { return i < 0 ? 1.0 + 0.0 * t : i >= n ? 0.0 * t : x[i]; };
+    for (int i = 0; i < n; ++i)
+      F[i] = xdot[i] - 500.0 * (at(i - 1) - 2.0 * x[i] + at(i + 1)) - rate[std::size_t(i % 10)] * x[i] * (1.0 - x[i]);
+  };
+  return {"40 stiff equations", std::move(problem), std::vector<double>(std::size_t(n), 0.1), 5.0};
+}
+
+Problem problem_of(int number) { return number == 0 ? chain(1, 10.0) : number == 1 ? chain(4, 2.0) : stiff(40); }
+
+// Seconds of the steps, without the start.
+double run(const Problem& problem, int method, int count, long& steps) {
+  sfdae::Options options;
+  options.rtol = options.atol = 1e-6;
+  options.method = method;
+  sfdae::Solver solver(problem.equations, options);
+  if (count > 0) {
+    sfdae::Sensitivities wanted;
+    for (int j = 0; j < count; ++j) wanted.parameters.push_back(name_of(j));
+    solver.set_sensitivities(wanted);
+  }
+  sfdae::Point point{0.0, problem.x, {}};
+  solver.start(point, problem.end);
+  const auto begin = std::chrono::steady_clock::now();
+  solver.advance(problem.end, point);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  steps = solver.statistics().steps;
+  return elapsed.count();
+}
+
+void print_table() {
+  std::printf("%-20s %-6s %6s %10s %8s %8s\n", "", "method", "steps", "x alone/us", "one", "ten");
+  for (int number = 0; number < 3; ++number) {
+    const Problem problem = problem_of(number);
+    for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+      double best[] = {1e300, 1e300, 1e300};
+      const int counts[] = {0, 1, 10};
+      long steps = 0;
+      for (int repetition = 0; repetition < 15; ++repetition)
+        for (int k = 0; k < 3; ++k) best[k] = std::min(best[k], run(problem, method, counts[k], steps));
+      std::printf("%-20s %-6s %6ld %10.0f %+7.0f%% %+7.0f%%\n", problem.name,
+                  method == SFDAE_METHOD_BDF ? "BDF" : "Radau", steps, 1e6 * best[0],
+                  100.0 * (best[1] / best[0] - 1.0), 100.0 * (best[2] / best[0] - 1.0));
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 4) {
+    print_table();
+    return 0;
+  }
+  long steps = 0;
+  const double seconds = run(problem_of(std::atoi(argv[1])), std::atoi(argv[2]), std::atoi(argv[3]), steps);
+  std::printf("%ld steps, %.0f microseconds\n", steps, 1e6 * seconds);
+  return 0;
+}

@@ -1,0 +1,62 @@
+// BDF steps of sensitivities of regular problems of strangeness index 0, where matrices are sparse.
+//
+// x solves F(t, x, c x + w_rest, p) = 0 there (index_zero_step.h). Differentiated by p that is
+//
+//     (c F_x' + F_x) S = -F_p - F_x' rest,     S' = c S + rest,
+//
+// constraints included: rows of the left kernel of F_x' have no part of S'. Nothing is eliminated, and the matrix is factored
+// anew in each step, with the pivots of the one before where they serve.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/matrix.h"
+#include "linalg/sparse_lu.h"
+#include "problem/parameter_series.h"
+#include "reduction/index_analysis.h"
+#include "system/strangeness_free_system.h"
+
+namespace sfdae::core {
+
+class SparseSensitivityStep {
+ public:
+  // Both live longer.
+  SparseSensitivityStep(RecordedProblem& problem, ParameterSeries& parameters)
+      : problem_(problem), parameters_(parameters) {}
+
+  // For the values that the analysis has found: whether this is the way to solve steps. It is not where the matrix is as
+  // well taken for a full one.
+  bool prepare(const IndexAnalysis& analysis);
+  bool is_possible() const { return is_possible_; }
+
+  // x' = xdot, rest: n x count; all in the user's units.
+  struct Step {
+    double t;
+    const double *x, *xdot;
+    double c;
+    const double* rest;
+  };
+  PointStatus solve(const Step& step, double* S);
+  const CallbackError& callback_error() const { return callback_error_; }
+
+ private:
+  SparsePattern find_pattern();
+
+  struct Place {
+    int row, column;
+    bool of_slope;  // of F_x', else of F_x
+    int position;   // in the matrix
+  };
+
+  RecordedProblem& problem_;
+  ParameterSeries& parameters_;
+  bool is_possible_ = false;
+  std::vector<Place> places_;  // of the derivatives that the equations have, in the order of the evaluator
+  std::vector<int> limits_;
+  std::vector<double> jet_, derivatives_, values_;
+  SparseLu<double> lu_;
+  CallbackError callback_error_;
+};
+
+}  // namespace sfdae::core
