@@ -68,12 +68,14 @@ CallbackError ParameterSeries::evaluate_series(double t, const double* jet, int 
   return parameter_gradient_error(evaluator_, t, problem_.user_t());
 }
 
-CallbackError ParameterSeries::values(double t, const double* jet, View F_p) {
+CallbackError ParameterSeries::values(double t, const double* jet, int order, View F_p) {
+  const std::size_t m = index(problem_.m());
   fill(F_p, 0.0);
-  CallbackError error = evaluate_series(t, jet, 0);
+  CallbackError error = evaluate_series(t, jet, order);
   if (error.status != SFDAE_OK) return error;
-  for (std::size_t q = 0; q < columns_.size(); ++q)
-    std::copy_n(F_p_.data() + index(problem_.m()) * q, problem_.m(), F_p.column(columns_[q]));
+  for (std::size_t k = 0; k <= index(order); ++k)
+    for (std::size_t q = 0; q < columns_.size(); ++q)
+      std::copy_n(F_p_.data() + m * (q + columns_.size() * k), m, F_p.column(columns_[q]) + m * k);
   return error;
 }
 

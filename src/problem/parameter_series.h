@@ -29,8 +29,8 @@ class ParameterSeries {
   // f: column j holds f_0, ..., f_order of parameter j one below the other, m (order + 1) entries, scaled as `data`
   // are; jet: of order + 1. Rows that the array of the data leaves out are zero.
   CallbackError evaluate(const TaylorData& data, const double* jet, int order, View f);
-  // F_p as it stands, m x count. jet: x and x'.
-  CallbackError values(double t, const double* jet, View F_p);
+  // The Taylor coefficients of F_p as they are, m (order + 1) x count.
+  CallbackError values(double t, const double* jet, int order, View F_p);
 
  private:
   CallbackError evaluate_series(double t, const double* jet, int order);

@@ -18,7 +18,8 @@ NonlinearSensitivities::NonlinearSensitivities(NonlinearSystem& system, Recorded
     : system_(system),
       problem_(problem),
       parameters_(problem, std::move(parameters)),
-      sparse_step_(problem, parameters_) {}
+      sparse_step_(problem, parameters_),
+      extended_step_(problem, parameters_) {}
 
 View NonlinearSensitivities::scaled(const double* S) {
   const int n = unknowns();
@@ -57,6 +58,13 @@ PointStatus NonlinearSensitivities::solve_step(double c, const double* rest, con
     const PointStatus status = sparse_step_.solve({system_.jet().t, system_.jet().x.data(), xdot, c, rest}, S);
     callback_error_ = sparse_step_.callback_error();
     return status;
+  }
+  if (extended_step_.is_possible()) {
+    is_point_here_ = false;
+    ++factorizations_;
+    const PointStatus status = extended_step_.solve(system_.jet(), c, rest, S);
+    callback_error_ = extended_step_.callback_error();
+    if (extended_step_.is_possible()) return status;
   }
   const PointStatus status = linearize(system_.jet(), xdot);
   if (status != PointStatus::ok) return status;
@@ -191,6 +199,7 @@ void NonlinearSensitivities::start(const ConsistencyRequest& request, const doub
                system_.jet().t));
   has_factors_ = false;
   sparse_step_.prepare(system_.analyzed_equations().analysis());
+  extended_step_.prepare(system_.analyzed_equations(), system_.jet());
   if (point_.is_ordinary()) {
     std::copy_n(directions, size(), S);
     return;

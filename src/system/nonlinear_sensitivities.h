@@ -6,6 +6,7 @@
 
 #include "linalg/arena.h"
 #include "problem/parameter_series.h"
+#include "system/extended_sensitivity_step.h"
 #include "system/nonlinear_system.h"
 #include "system/sensitivity_point.h"
 #include "system/sensitivity_stages.h"
@@ -54,6 +55,7 @@ class NonlinearSensitivities final : public SensitivitySystem {
   SensitivityPoint point_;
   bool is_point_here_ = false;  // the equations of the point are those of the system's
   SparseSensitivityStep sparse_step_;
+  ExtendedSensitivityStep extended_step_;
   SensitivityStages stages_;
   // K z = r of an ordinary point, r in z before: with the factors kept if these converge, else with those of K.
   bool solve_ordinary(ConstView K, View z, ConstView guess);

@@ -55,7 +55,7 @@ PointStatus SparseSensitivityStep::solve(const Step& step, double* S) {
   std::copy_n(step.xdot, n, jet_.begin() + n);
   callback_error_ = problem_.gradient_entries(step.t, jet_.data(), 0, limits_, derivatives_.data());
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
-  callback_error_ = parameters_.values(step.t, jet_.data(), View{S, n, count, n});
+  callback_error_ = parameters_.values(step.t, jet_.data(), 0, View{S, n, count, n});
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   for (std::size_t i = 0; i < index(n) * index(count); ++i) S[i] = -S[i];
   std::fill(values_.begin(), values_.end(), 0.0);

@@ -1,0 +1,219 @@
+// BDF steps of sensitivities by the minimal extension of recorded equations.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/extended_sensitivity_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "linalg/column_basis.h"
+#include "linalg/index.h"
+#include "structure/structure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// As for the extension of x (extension/extension_linearization.cpp): states are chosen anew where these move some unknown
+// by so much more than where they were chosen, and by so many of its sizes if they change by theirs.
+constexpr double worth_a_choice = 3.0, harmless_move = 30.0;
+
+}  // namespace
+
+bool ExtendedSensitivityStep::prepare(const AnalyzedEquations& equations, const Jet& jet) {
+  is_possible_ = has_pattern_ = false;
+  if (!fits(equations)) return false;
+  Certificate certificate;
+  if (!certify_structure(*problem_.structure(), problem_.evaluator(), {jet.t, jet.x.data()},
+                         equations.settings().rank_tol, certificate) ||
+      !certificate.is_given())
+    return false;
+  time_scale_ = equations.analysis().time_scale;
+  find_terms();
+  sizes_.assign(index(jet.n), 0.0);
+  states_.clear();
+  move_of_choice_ = 0.0;
+  is_possible_ = linearize(jet) && choose_states();
+  return is_possible_;
+}
+
+// The jets have the derivatives that the extension contains, and fulfil its equations.
+bool ExtendedSensitivityStep::fits(const AnalyzedEquations& equations) const {
+  const CharacteristicValues& values = equations.analysis().values;
+  const Structure* structure = problem_.structure();
+  if (structure == nullptr || values.mu == 0 || values.d + values.a != problem_.n() || equations.analysis().v_hat > 0)
+    return false;
+  const Offsets& offsets = structure->offsets;
+  if (offsets.freedom() != values.d) return false;
+  const std::vector<int>& most = problem_.differentiations();
+  for (std::size_t i = 0; i < offsets.c.size(); ++i)
+    if (offsets.c[i] > values.mu || (!most.empty() && offsets.c[i] > most[i])) return false;
+  return *std::max_element(offsets.d.begin(), offsets.d.end()) <= equations.jet_order();
+}
+
+// F_i,k contains x_j,l with the coefficients (F_x)_{k-l} and, as those of x' are (l + 1) x_{l+1}, l (F_x')_{k-l+1}.
+void ExtendedSensitivityStep::find_terms() {
+  const Offsets& offsets = problem_.structure()->offsets;
+  const Tape& tape = problem_.evaluator().tape();
+  limits_ = offsets.c;
+  order_ = *std::max_element(limits_.begin(), limits_.end());
+  first_row_.assign(1, 0);
+  first_column_.assign(1, 0);
+  for (int c : offsets.c) first_row_.push_back(first_row_.back() + c + 1);
+  for (int d : offsets.d) first_column_.push_back(first_column_.back() + d + 1);
+  terms_.clear();
+  for (std::size_t i = 0; i < limits_.size(); ++i)
+    for (std::size_t e = tape.first_target[i]; e < tape.first_target[i + 1]; ++e) {
+      const int unknown = tape.targets[e].unknown, shift = tape.targets[e].derivative ? 1 : 0;
+      for (int k = 0; k <= limits_[i]; ++k)
+        for (int l = shift; l <= std::min(k + shift, offsets.d[index(unknown)]); ++l)
+          terms_.push_back({first_row_[i] + k, first_column_[index(unknown)] + l,
+                            e * index(order_ + 1) + index(k - l + shift), shift == 1 ? double(l) : 1.0, -1});
+    }
+  coefficients_.assign(tape.targets.size() * index(order_ + 1), 0.0);
+  F_p_.assign(index(problem_.m()) * index(order_ + 1) * index(parameters_.count()), 0.0);
+  right_.assign(index(num_columns()) * index(parameters_.count() + 1), 0.0);
+}
+
+bool ExtendedSensitivityStep::linearize(const Jet& jet) {
+  callback_error_ = problem_.gradient_entries(jet.t, jet.x.data(), order_, limits_, coefficients_.data());
+  for (std::size_t j = 0; j < sizes_.size(); ++j) sizes_[j] = std::max(sizes_[j], std::fabs(jet.x[j]));
+  return callback_error_.status == SFDAE_OK;
+}
+
+// What is no x_j, or has no x_j' in the extension, is no state: these have to be determined by the others.
+bool ExtendedSensitivityStep::choose_states() {
+  std::vector<int> unknown_of(index(num_columns())), order_of(index(num_columns())), order_of_row(index(num_rows()));
+  BasisSettings settings;
+  settings.classes.assign(index(num_columns()), 0);
+  for (std::size_t j = 0; j + 1 < first_column_.size(); ++j)
+    for (int column = first_column_[j]; column < first_column_[j + 1]; ++column) {
+      unknown_of[index(column)] = static_cast<int>(j);
+      order_of[index(column)] = column - first_column_[j];
+      if (column == first_column_[j] && first_column_[j + 1] > column + 1) settings.classes[index(column)] = 1;
+    }
+  for (std::size_t i = 0; i + 1 < first_row_.size(); ++i)
+    for (int row = first_row_[i]; row < first_row_[i + 1]; ++row) order_of_row[index(row)] = row - first_row_[i];
+  SparseRows rows;
+  rows.columns = num_columns();
+  rows.first.assign(1, 0);
+  std::vector<int> entry_of(index(num_columns()), -1);
+  // Terms come by rows of one equation only.
+  std::vector<std::vector<std::size_t>> of_row(index(num_rows()));
+  for (std::size_t e = 0; e < terms_.size(); ++e) of_row[index(terms_[e].row)].push_back(e);
+  for (std::size_t row = 0; row < of_row.size(); ++row) {
+    for (std::size_t e : of_row[row]) {
+      const Term& term = terms_[e];
+      int& entry = entry_of[index(term.column)];
+      if (entry < rows.first.back()) {
+        entry = static_cast<int>(rows.column.size());
+        rows.column.push_back(term.column);
+        rows.value.push_back(0.0);
+      }
+      rows.value[index(entry)] += term.factor * coefficients_[term.coefficient] *
+                                  std::pow(time_scale_, order_of_row[row] - order_of[index(term.column)]);
+    }
+    rows.first.push_back(static_cast<int>(rows.column.size()));
+  }
+  const ColumnBasis basis = column_basis(rows, settings);
+  if (basis.rank != num_rows() || !basis.has_all_of_class_0) return false;
+  std::vector<int> states;
+  for (int column : basis.left_over) states.push_back(unknown_of[index(column)]);
+  std::sort(states.begin(), states.end());
+  if (states != states_) {
+    has_pattern_ = false;
+    states_ = std::move(states);
+  }
+  return true;
+}
+
+// The matrix has the equations of the extension in its first rows, those of the states in its last.
+void ExtendedSensitivityStep::set_states(const std::vector<int>& states) {
+  std::vector<std::pair<int, int>> places;  // column, row
+  for (const Term& term : terms_) places.emplace_back(term.column, term.row);
+  for (std::size_t s = 0; s < states.size(); ++s)
+    for (int l = 0; l < 2; ++l)
+      places.emplace_back(first_column_[index(states[s])] + l, num_rows() + static_cast<int>(s));
+  std::vector<std::pair<int, int>> entries = places;
+  std::sort(entries.begin(), entries.end());
+  entries.erase(std::unique(entries.begin(), entries.end()), entries.end());
+  const auto position_of = [&](std::size_t e) {
+    return static_cast<int>(std::lower_bound(entries.begin(), entries.end(), places[e]) - entries.begin());
+  };
+  for (std::size_t e = 0; e < terms_.size(); ++e) terms_[e].position = position_of(e);
+  state_positions_.clear();
+  for (std::size_t e = terms_.size(); e < places.size(); ++e) state_positions_.push_back(position_of(e));
+  SparsePattern pattern;
+  pattern.size = num_columns();
+  pattern.first.assign(index(pattern.size) + 1, 0);
+  for (const auto& [column, row] : entries) {
+    pattern.row.push_back(row);
+    ++pattern.first[index(column) + 1];
+  }
+  std::partial_sum(pattern.first.begin(), pattern.first.end(), pattern.first.begin());
+  values_.assign(entries.size(), 0.0);
+  lu_.analyze(pattern);
+  has_pattern_ = true;
+}
+
+bool ExtendedSensitivityStep::factor(double c) {
+  if (!has_pattern_) set_states(states_);
+  std::fill(values_.begin(), values_.end(), 0.0);
+  for (const Term& term : terms_) values_[index(term.position)] += term.factor * coefficients_[term.coefficient];
+  for (std::size_t s = 0; s < states_.size(); ++s) {
+    values_[index(state_positions_[2 * s])] = c;
+    values_[index(state_positions_[2 * s + 1])] = -1.0;
+  }
+  return lu_.factor(values_.data());
+}
+
+// Those of S, and one with no other change than those of the states by their sizes.
+void ExtendedSensitivityStep::set_right_hand_sides(double c, const double* rest) {
+  const int count = parameters_.count(), m = problem_.m(), n = problem_.n();
+  std::fill(right_.begin(), right_.end(), 0.0);
+  double* to = right_.data();
+  for (int j = 0; j < count; ++j, to += num_columns()) {
+    const double* F_p = F_p_.data() + index(m) * index(order_ + 1) * index(j);
+    for (std::size_t i = 0; i < index(m); ++i)
+      for (int k = 0; k <= limits_[i]; ++k) to[first_row_[i] + k] = -F_p[i + index(m) * index(k)];
+    for (std::size_t s = 0; s < states_.size(); ++s)
+      to[index(num_rows()) + s] = -rest[index(states_[s]) + index(n) * index(j)];
+  }
+  for (std::size_t s = 0; s < states_.size(); ++s)
+    to[index(num_rows()) + s] = (s % 2 == 0 ? c : -c) * sizes_[index(states_[s])];
+}
+
+double ExtendedSensitivityStep::largest_move() const {
+  const double* moves = right_.data() + index(num_columns()) * index(parameters_.count());
+  double largest = 0.0;
+  for (std::size_t j = 0; j < sizes_.size(); ++j)
+    if (sizes_[j] > 0.0) largest = std::max(largest, std::fabs(moves[first_column_[j]]) / sizes_[j]);
+  return largest;
+}
+
+PointStatus ExtendedSensitivityStep::solve(const Jet& jet, double c, const double* rest, double* S) {
+  const int n = jet.n, count = parameters_.count();
+  if (!linearize(jet)) return PointStatus::callback_error;
+  const int rows = problem_.m() * (order_ + 1);
+  callback_error_ = parameters_.values(jet.t, jet.x.data(), order_, View{F_p_.data(), rows, count, rows});
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  const auto solve_with_states = [&] {
+    if (!factor(c)) return false;
+    set_right_hand_sides(c, rest);
+    lu_.solve(right_.data(), count + 1);
+    return all_finite(right_.data(), right_.size());
+  };
+  const bool is_solved = solve_with_states();
+  if (!is_solved || largest_move() > std::max(harmless_move, worth_a_choice * move_of_choice_)) {
+    is_possible_ = choose_states() && ((is_solved && has_pattern_) || solve_with_states());
+    if (!is_possible_) return PointStatus::ok;
+    move_of_choice_ = largest_move();
+  }
+  for (int j = 0; j < count; ++j)
+    for (int i = 0; i < n; ++i)
+      S[i + j * n] = right_[index(num_columns()) * index(j) + index(first_column_[index(i)])];
+  return PointStatus::ok;
+}
+
+}  // namespace sfdae::core

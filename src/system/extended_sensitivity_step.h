@@ -1,0 +1,73 @@
+// BDF steps of sensitivities by the minimal extension of recorded equations.
+//
+// Where numbers confirm the structure of the equations, with its offsets c_i and d_j, equation i differentiated up to c_i
+// times determines the Taylor coefficients up to d_j of all x_j from d of the x_j, the states. Differentiated by p that is
+// linear, with states discretized as x is:
+//
+//     sum_{j,l} (dF_i,k / dx_j,l) S_j,l = -(F_p)_i,k,  k = 0 ... c_i,      S_s,1 = c S_s,0 + rest_s,  s a state
+//
+// one sparse matrix in place of an elimination of the derivative array. The jets of x have all derivatives that these
+// equations contain: they fulfil the equations, which determine them. States are chosen anew where they move other unknowns
+// much more than when they were chosen.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/sparse_lu.h"
+#include "problem/parameter_series.h"
+#include "system/analyzed_equations.h"
+#include "system/jet.h"
+
+namespace sfdae::core {
+
+class ExtendedSensitivityStep {
+ public:
+  // Both live longer.
+  ExtendedSensitivityStep(RecordedProblem& problem, ParameterSeries& parameters)
+      : problem_(problem), parameters_(parameters) {}
+
+  // At a jet that fulfils F_mu = 0: whether this is the way to solve steps.
+  bool prepare(const AnalyzedEquations& equations, const Jet& jet);
+  bool is_possible() const { return is_possible_; }
+
+  // rest, S: n x count, in the user's units. Not possible any more: no states determine the rest, S is as it was.
+  PointStatus solve(const Jet& jet, double c, const double* rest, double* S);
+  const CallbackError& callback_error() const { return callback_error_; }
+
+ private:
+  // Of an entry of the matrix: factor times a Taylor coefficient of a derivative of an equation.
+  struct Term {
+    int row, column;
+    std::size_t coefficient;
+    double factor;
+    int position;
+  };
+
+  bool fits(const AnalyzedEquations& equations) const;
+  void find_terms();
+  bool linearize(const Jet& jet);
+  bool choose_states();
+  void set_states(const std::vector<int>& states);
+  bool factor(double c);
+  void set_right_hand_sides(double c, const double* rest);
+  double largest_move() const;
+  int num_rows() const { return first_row_.back(); }
+  int num_columns() const { return first_column_.back(); }
+
+  RecordedProblem& problem_;
+  ParameterSeries& parameters_;
+  bool is_possible_ = false, has_pattern_ = false;
+  double time_scale_ = 1.0, move_of_choice_ = 0.0;
+  int order_ = 0;                              // of the equation differentiated most
+  std::vector<int> limits_;                    // c
+  std::vector<int> first_row_, first_column_;  // of (i, 0), of (j, 0); one more at the end
+  std::vector<Term> terms_;
+  std::vector<int> states_;
+  std::vector<int> state_positions_;  // of S_s,0 and S_s,1 in the last rows
+  std::vector<double> coefficients_, values_, F_p_, right_, sizes_;
+  SparseLu<double> lu_;
+  CallbackError callback_error_;
+};
+
+}  // namespace sfdae::core
