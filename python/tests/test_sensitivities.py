@@ -57,6 +57,9 @@ def test_step_by_step():
     S, Sdot = solver.sensitivities(point.t)
     assert S.shape == Sdot.shape == (3, 2)
     assert Sdot[:2, 1] == pytest.approx([1.5 * S[1, 1], -1.5 * S[0, 1]], abs=1e-8)
+    alone, nothing = solver.sensitivities(point.t, slopes=False)
+    assert alone == pytest.approx(S, abs=1e-8)
+    assert nothing is None
     dt = solver.event_sensitivities(point.t, 0, [1, 0, 0])
     assert dt == pytest.approx([0, 0], abs=1e-6)
     dt = solver.event_sensitivities(point.t, 0, [1, 0, 0], [0, -1])  # of x1 = level

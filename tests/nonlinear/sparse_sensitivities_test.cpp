@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sensitivities of recorded equations whose steps are sparse systems, against differences of solutions.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "sfdae/sfdae.hpp"
+
+namespace {
+
+using sfdae::Expression;
+using sfdae::Matrix;
+using sfdae::Point;
+
+struct Problem {
+  sfdae::NonlinearProblem equations;
+  std::vector<double> x;
+  double end;
+};
+
+// Mass points on massless rods in the plane, index raw, mu = 2: positions, velocities and a force for each.
+Problem chain() {
+  constexpr int links = 3;
+  sfdae::NonlinearProblem problem(5 * links, 5 * links);
+  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
+    const Expression g = sfdae::parameter(t, "p", 9.81), mass = sfdae::parameter(t, "q", 1.5);
+    const auto at = [&](int i, int k) { return i < 0 ? 0.0 * t : x[5 * i + k]; };
+    for (int i = 0; i < links; ++i) {
+      F[5 * i] = xdot[5 * i] - x[5 * i + 2];
+      F[5 * i + 1] = xdot[5 * i + 1] - x[5 * i + 3];
+      for (int k = 0; k < 2; ++k) {
+        Expression force = (at(i, k) - at(i - 1, k)) * x[5 * i + 4];
+        if (i + 1 < links) force = force - (at(i + 1, k) - at(i, k)) * x[5 * i + 9];
+        const Expression m = i == 1 ? mass : 0.0 * t + 1.0;
+        F[5 * i + 2 + k] = m * xdot[5 * i + 2 + k] + force + (k == 1 ? m * g : 0.0 * t);
+      }
+      const Expression dx = at(i, 0) - at(i - 1, 0), dy = at(i, 1) - at(i - 1, 1);
+      F[5 * i + 4] = dx * dx + dy * dy - 1.0;
+    }
+  };
+  std::vector<double> x(5 * links, 0.0);
+  // The first hangs down, and its horizontal position alone can be a state; others stand off.
+  for (int i = 0; i < links; ++i) {
+    x[std::size_t(5 * i)] = 0.8 * i;
+    x[std::size_t(5 * i + 1)] = -1.0 - 0.6 * i;
+  }
+  return {std::move(problem), std::move(x), 2.0};
+}
+
+// Diffusion with fluxes as unknowns, mu = 0: u_i' = (phi_i - phi_{i+1}) - p u_i^2, 0 = phi_i - q (u_{i-1} - u_i).
+Problem diffusion() {
+  constexpr int cells = 15;
+  sfdae::NonlinearProblem problem(2 * cells, 2 * cells);
+  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
+    const Expression p = sfdae::parameter(t, "p", 0.7), q = sfdae::parameter(t, "q", 50.0);
+    for (int i = 0; i < cells; ++i) {
+      const Expression out = i + 1 < cells ? x[2 * i + 3] : 0.0 * t;
+      F[2 * i] = xdot[2 * i] - (x[2 * i + 1] - out) + p * x[2 * i] * x[2 * i];
+      F[2 * i + 1] = x[2 * i + 1] - q * ((i > 0 ? x[2 * i - 2] : sin(t)) - x[2 * i]);
+    }
+  };
+  return {std::move(problem), std::vector<double>(2 * cells, 0.0), 3.0};
+}
+
+sfdae::Options options_with(double tolerance, int method) {
+  sfdae::Options options;
+  options.rtol = options.atol = tolerance;
+  options.method = method;
+  return options;
+}
+
+// Where the problem stands at its end with this value of a parameter.
+std::vector<double> end_with(const Problem& problem, const std::string& parameter, double value) {
+  sfdae::Solver solver(problem.equations, options_with(1e-12, SFDAE_METHOD_RADAU));
+  solver.set_parameter(parameter, value);
+  Point point{0.0, problem.x, {}};
+  solver.start(point, problem.end);
+  solver.advance(problem.end, point);
+  return point.x;
+}
+
+class SparseSensitivities : public testing::TestWithParam<int> {
+ protected:
+  static Problem problem() { return GetParam() == 0 ? chain() : diffusion(); }
+  static sfdae::Solver started(const Problem& problem, Point& point, bool error_test) {
+    sfdae::Solver solver(problem.equations, options_with(1e-9, SFDAE_METHOD_BDF));
+    sfdae::Sensitivities wanted;
+    wanted.parameters = {"p", "q"};
+    wanted.error_test = error_test;
+    solver.set_sensitivities(wanted);
+    point = {0.0, problem.x, {}};
+    solver.start(point, problem.end);
+    return solver;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Problems, SparseSensitivities, testing::Values(0, 1));
+
+TEST_P(SparseSensitivities, AgreeWithDifferences) {
+  const Problem problem = SparseSensitivities::problem();
+  for (bool error_test : {false, true}) {
+    Point point;
+    sfdae::Solver solver = started(problem, point, error_test);
+    solver.advance(problem.end, point);
+    const Matrix S = solver.sensitivities(problem.end).S;
+    for (int j = 0; j < 2; ++j) {
+      const std::string name = j == 0 ? "p" : "q";
+      const double value = solver.parameter(name), h = 1e-4 * value;
+      const std::vector<double> above = end_with(problem, name, value + h),
+                                below = end_with(problem, name, value - h);
+      double size = 0.0;
+      for (int i = 0; i < S.rows(); ++i) size = std::max(size, std::abs(S(i, j)));
+      for (int i = 0; i < S.rows(); ++i) {
+        const double difference = (above[std::size_t(i)] - below[std::size_t(i)]) / (2.0 * h);
+        // h^2 and 1e-12 / h are errors of the differences.
+        EXPECT_NEAR(S(i, j), difference, 1e-5 * size) << name << ", " << i << ", error test " << error_test;
+      }
+    }
+  }
+}
+
+TEST_P(SparseSensitivities, NeedNoEliminationInEachStep) {
+  const Problem problem = SparseSensitivities::problem();
+  Point point;
+  sfdae::Solver solver = started(problem, point, false);
+  solver.advance(problem.end, point);
+  EXPECT_GT(solver.sensitivity_statistics().factorizations, 20);
+  EXPECT_LE(solver.sensitivity_statistics().linearizations, 3);
+}
+
+TEST_P(SparseSensitivities, AreTheSameWithoutSlopes) {
+  const Problem problem = SparseSensitivities::problem();
+  Point point;
+  sfdae::Solver solver = started(problem, point, false);
+  double before = point.t;
+  for (int step = 0; step < 30; ++step) {
+    before = point.t;
+    ASSERT_EQ(solver.step(problem.end, point), SFDAE_STEP_TAKEN);
+  }
+  for (double t : {point.t, 0.4 * before + 0.6 * point.t}) {
+    const sfdae::SensitivityValues with = solver.sensitivities(t), without = solver.sensitivities(t, false);
+    EXPECT_EQ(without.Sdot.columns(), 0);
+    double size = 0.0;
+    for (int j = 0; j < 2; ++j)
+      for (int i = 0; i < with.S.rows(); ++i) size = std::max(size, std::abs(with.S(i, j)));
+    // At the end of the step it is that of the step, else one that is put on the constraints at x interpolated.
+    for (int j = 0; j < 2; ++j)
+      for (int i = 0; i < with.S.rows(); ++i) EXPECT_NEAR(with.S(i, j), without.S(i, j), 1e-7 * size);
+  }
+}
+
+}  // namespace
