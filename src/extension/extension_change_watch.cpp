@@ -80,7 +80,8 @@ std::optional<int> ExtensionChangeWatch::turned_block(const Sample& now) const {
   return std::nullopt;
 }
 
-// The line through the two points before goes about as far below zero as the value is above.
+// The line through the two points before goes about as far below zero as the value is above, or below zero where the value has
+// turned: steps may end far beyond the point.
 std::optional<int> ExtensionChangeWatch::dipping_block() const {
   constexpr double about = 0.75;
   if (samples_ < 2) return std::nullopt;
@@ -89,7 +90,9 @@ std::optional<int> ExtensionChangeWatch::dipping_block() const {
     if (determinants_.size(static_cast<int>(k)) > most_unknowns) continue;
     const double reference = older_.values[k].log2, last = ratio(last_.values[k].log2, reference),
                  now = ratio(now_.values[k].log2, reference);
-    if (last + (last - 1.0) * part < -about * now) return static_cast<int>(k);
+    const double expected = last + (last - 1.0) * part;
+    const bool has_turned = expected < 0.0 && now > last;
+    if (expected < -about * now || has_turned) return static_cast<int>(k);
   }
   return std::nullopt;
 }
