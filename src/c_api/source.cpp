@@ -31,17 +31,18 @@ void demand_exportable(const sfdae_solver& solver) {
     throw Failure(SFDAE_NOT_STARTED, "call sfdae_analyze, sfdae_analyze_at or sfdae_start first.");
 }
 
-// Where the solver is; x: zero for linear equations before a start.
-PointOfInterest present_point(sfdae_solver& solver, std::vector<double>& x) {
+// Where the solver is; x: zero for linear equations before a start. xdot: where known, as F = 0 may allow several.
+PointOfInterest present_point(sfdae_solver& solver, std::vector<double>& x, std::vector<double>& xdot) {
   double t = solver.system()->t();
   x.assign(index(solver.model.n()), 0.0);
   if (const Jet* const jet = solver.system()->point_of_equations(); jet != nullptr) {
     t = jet->t;
     std::copy_n(jet->column(0), x.size(), x.begin());
+    if (jet->order > 0) xdot.assign(jet->column(1), jet->column(1) + jet->n);
   } else if (solver.integration) {
     x = solution_at(solver, t);
   }
-  return {t, time_beside(t, solver.direction), x.data()};
+  return {t, time_beside(t, solver.direction), x.data(), xdot.empty() ? nullptr : xdot.data()};
 }
 
 std::string source_of(sfdae_solver& solver, Language language, const char* name) {
@@ -52,8 +53,8 @@ std::string source_of(sfdae_solver& solver, Language language, const char* name)
   if (problem.structure() == nullptr)
     refuse(
         "some equations contain too few unknowns for a structure, as sfdae_get_structure tells: there is no source.");
-  std::vector<double> x;
-  const PointOfInterest point = present_point(solver, x);
+  std::vector<double> x, xdot;
+  const PointOfInterest point = present_point(solver, x, xdot);
   ExtensionModel model(problem, solver.problem());
   std::vector<RankDecision> decisions;
   try {

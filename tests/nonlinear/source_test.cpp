@@ -277,6 +277,29 @@ TEST(Source, OfReplacedEquationsIsRight) {
   check_sources(run, 3, 0);
 }
 
+// x1'^2 = 1 + x1^2 has two solutions through every point; 0 = x2 - x1 x1'.
+TEST(Source, KeepsTheBranchOfTheSolution) {
+  const auto equations = [](sfdae_record*, const Expression&, const Expression* x, const Expression* xdot,
+                            Expression* F) {
+    F[0] = xdot[0] * xdot[0] - 1.0 - x[0] * x[0];
+    F[1] = x[1] - x[0] * xdot[0];
+  };
+  for (const double slope : {1.0, -1.0}) {
+    sfdae_options options = default_options();
+    options.xdot_is_guess = 1;
+    NonlinearRun run({2, 2, equations}, options);
+    run.xdot = {slope, 0.0};
+    ASSERT_GE(run.start(0.0, 1.0, {0.0, 0.0}), SFDAE_OK) << run.message();
+    ASSERT_EQ(run.advance(0.5), SFDAE_OK);
+    const Compiled model(source_of(run.solver(), SFDAE_SOURCE_C), SFDAE_SOURCE_C);
+    Point point{0.0, std::vector<double>(2), std::vector<double>(2)};
+    std::vector<double> p(1);
+    model.start(point.t, point.z, point.zdot, p);
+    EXPECT_NEAR(point.zdot[0], slope * std::cosh(point.t), 1e-4);
+    for (double r : model.residual(point.t, point.z, point.zdot, p)) EXPECT_NEAR(r, 0.0, 1e-12);
+  }
+}
+
 // The exported text is all that is used from the start on; error of BDF 2: C h^2.
 TEST(Source, OfThePendulumCanBeIntegratedWithoutTheLibrary) {
   NonlinearRun run(pendulum(), options_with(1e-10));
