@@ -108,6 +108,18 @@ inline CallResult no_run() { return {SFDAE_NOT_STARTED, "call sfdae_start_hybrid
 CallResult set_transition_events(sfdae_hybrid& hybrid);
 CallResult start_run(sfdae_hybrid& hybrid, int mode, const PointOfInterest& point);
 CallResult advance_run(sfdae_hybrid& hybrid, double tout, bool stops_at_transition, bool wants_slopes);
+// The failure that a function of the user's returned.
+CallResult of_callback(const char* what, const HybridRun& run, int returned);
+// Toward the end of the run, or beside t once that is passed.
+double toward_from(const HybridRun& run);
+// How much the function of a transition changes when x moves by its tolerances, or t by some roundings.
+CallResult find_margin(const sfdae_hybrid& hybrid, const sfdae_transition& given, double& margin);
+// The time in which x moves by a few tolerances. Visits that end before are counted.
+double time_of_short_visit(const HybridRun& run, const Tolerances& tolerances);
+void count_short_visit(HybridRun& run);
+void note_passage(HybridTransition& transition, double t);
+// SFDAE_ZENO after a transition that is one of too many.
+CallResult check_accumulation(sfdae_hybrid& hybrid, const HybridTransition& last);
 // Counts of a mode, the present visit included.
 VisitCounts counts_of(const sfdae_hybrid& hybrid, int mode);
 
