@@ -111,37 +111,67 @@ void run_problems(const std::vector<std::string>& wanted) {
   results.summarize();
 }
 
-// Processor time of a step, the start left out, and the exponent p of the cost N^p from the row before.
-void run_chains() {
+struct ChainRow {
+  int links, method, structure;
+};
+
+// Processor time of the start and of a step in microseconds, the least of some runs.
+struct ChainCost {
+  double create = 0.0, start = 0.0, step = 0.0;
+  long steps = 0;
+};
+
+ChainCost cost_of(const ChainRow& row) {
   constexpr double tolerance = 1e-6;
-  std::printf("links,solver,steps,microseconds a step,exponent\n");
-  for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
-    double before = 0.0;
-    int links_before = 0;
-    for (const int links : {10, 20, 50, 100}) {
-      const sfdae_test::PendulumChain system(links);
-      const double end = 5.0 / links;
-      double best = 0.0;
-      long steps = 0;
-      for (int k = 0; k < (links < 50 ? 5 : 1); ++k) {
-        MultibodyRun run(system, MultibodyForm::recorded, sfdae_test::multibody_options(tolerance, method));
-        if (run.start(0.0, end, system.start()) < 0) continue;
-        const std::clock_t begin = std::clock();
-        if (run.advance(end) < 0) continue;
-        const double elapsed = 1e6 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-        steps = run.statistics().steps;
-        const double cost = elapsed / static_cast<double>(steps);
-        best = best == 0.0 ? cost : std::min(best, cost);
-      }
-      std::printf("%d,%s,%ld,%.4g,", links, method == SFDAE_METHOD_BDF ? "BDF" : "Radau", steps, best);
-      if (before > 0.0)
-        std::printf("%.2f", std::log(best / before) / std::log(static_cast<double>(links) / links_before));
-      std::printf("\n");
-      std::fflush(stdout);
-      before = best;
-      links_before = links;
-    }
+  const sfdae_test::PendulumChain system(row.links);
+  const double end = 5.0 / row.links;
+  ChainCost best;
+  const auto microseconds_since = [](std::clock_t begin) {
+    return 1e6 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  };
+  for (int k = 0; k < (row.links < 50 ? 5 : 1); ++k) {
+    sfdae_options options = sfdae_test::multibody_options(tolerance, row.method);
+    options.structure = row.structure;
+    std::clock_t begin = std::clock();
+    MultibodyRun run(system, MultibodyForm::recorded, options);
+    const double create = microseconds_since(begin);
+    begin = std::clock();
+    if (run.start(0.0, end, system.start()) < 0) continue;
+    const double start = microseconds_since(begin);
+    begin = std::clock();
+    if (run.advance(end) < 0) continue;
+    best.steps = run.statistics().steps;
+    const double step = microseconds_since(begin) / static_cast<double>(best.steps);
+    const auto keep_least = [k](double value, double& least) { least = k == 0 ? value : std::min(least, value); };
+    keep_least(create, best.create);
+    keep_least(start, best.start);
+    keep_least(step, best.step);
   }
+  return best;
+}
+
+// With local coordinates and with sparse matrices; the exponents p of costs N^p from the row before.
+void run_chains() {
+  constexpr int most_links_with_dense_matrices = 100;
+  std::printf("links,solver,matrices,steps,create us,start us,exponent,us a step,exponent\n");
+  for (const int structure : {SFDAE_STRUCTURE_OFF, SFDAE_STRUCTURE_REQUIRED})
+    for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
+      ChainCost before;
+      int links_before = 0;
+      for (const int links : {5, 10, 20, 50, 100, 200, 500}) {
+        if (structure == SFDAE_STRUCTURE_OFF && links > most_links_with_dense_matrices) break;
+        const ChainCost cost = cost_of({links, method, structure});
+        const auto exponent = [&](double now, double then) {
+          return then > 0.0 ? std::log(now / then) / std::log(static_cast<double>(links) / links_before) : 0.0;
+        };
+        std::printf("%d,%s,%s,%ld,%.4g,%.4g,%.2f,%.4g,%.2f\n", links, method == SFDAE_METHOD_BDF ? "BDF" : "Radau",
+                    structure == SFDAE_STRUCTURE_OFF ? "dense" : "sparse", cost.steps, cost.create, cost.start,
+                    exponent(cost.start, before.start), cost.step, exponent(cost.step, before.step));
+        std::fflush(stdout);
+        before = cost;
+        links_before = links;
+      }
+    }
 }
 
 }  // namespace

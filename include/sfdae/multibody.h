@@ -137,9 +137,10 @@ typedef struct sfdae_multibody_report {
   int degrees_of_freedom;      /**< nv - rank [G; H]: independent velocities */
   int position_freedom;        /**< nq - rank g_q: independent positions */
   double condition;            /**< of the partition in use: |(C Q2)^-1| |C|, rows in their units; 1 is perfect */
-  long partitions;             /**< chosen since sfdae_start, 1 at first */
-  double position_residual;    /**< max |g|, each row in units of its gradient */
-  double velocity_residual;    /**< max of |G v + g_t| and |H v + h|, each row in units of its gradient */
+  long
+      partitions; /**< chosen since sfdae_start, 1 at first; 0: sparse matrices are in use, condition is that of C at the point */
+  double position_residual; /**< max |g|, each row in units of its gradient */
+  double velocity_residual; /**< max of |G v + g_t| and |H v + h|, each row in units of its gradient */
 } sfdae_multibody_report;
 /** Prepares a result of sfdae_get_multibody_report. size: sizeof(sfdae_multibody_report). */
 SFDAE_API int sfdae_multibody_report_init(sfdae_multibody_report* report, size_t size);

@@ -293,9 +293,13 @@ typedef struct sfdae_options {
    * replaced by sums in which numbers cancel, if constant factors do it.
    * Where numbers cancel at a later time only, the whole array may go on and the other end with SFDAE_CHARACTERISTICS_CHANGED.
    * SFDAE_STRUCTURE_REQUIRED: always the rows that are needed, with sparse matrices; SFDAE_RANK_UNCLEAR where the numbers do
-   * not agree, SFDAE_ILLEGAL_ARGUMENT for problems that have no structure: functions, multibody systems, prescribed
+   * not agree, SFDAE_ILLEGAL_ARGUMENT for problems that have no structure: functions, prescribed
    * components, differentiations, other numbers of equations than of unknowns. SFDAE_STRUCTURE_OFF: always the whole array,
-   * as for these. */
+   * as for these.
+   * Recorded multibody systems: local coordinates with dense matrices, or first-order equations with sparse ones.
+   * SFDAE_STRUCTURE_AUTOMATIC takes these from 200 unknowns (q, v, lambda, kappa) on, where an equation contains at most a tenth
+   * of them on average, no constraint is redundant and the numbers agree; coordinates is without effect then. A singular
+   * configuration ends the integration as ever; the values after it are not determined. */
   int structure;
 } sfdae_options;
 /** Sets every member to its default. size: sizeof(sfdae_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */

@@ -135,7 +135,7 @@ int sfdae_jump(sfdae_solver* solver, double t, double toward, const double* befo
 int sfdae_impact(sfdae_solver* solver, double t, const double* restitution, const double* before, double* after,
                  double* impulses) {
   return guarded(solver, [&]() -> CallResult {
-    MultibodyModel* model = solver->kind.multibody;
+    StructuredMultibody* model = solver->kind.multibody;
     if (model == nullptr) return illegal_argument("impacts are those of multibody systems: call sfdae_jump.");
     const double toward = time_beside(t, solver->direction);
     CallResult checked = check_jump(*solver, t, toward, before, after);

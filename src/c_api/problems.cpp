@@ -48,8 +48,8 @@ AnyModel any(std::unique_ptr<NonlinearModel> model) {
   return {.model = std::move(model), .nonlinear = nonlinear};
 }
 
-AnyModel any(std::unique_ptr<MultibodyModel> model) {
-  MultibodyModel* multibody = model.get();
+AnyModel any(std::unique_ptr<StructuredMultibody> model) {
+  StructuredMultibody* multibody = model.get();
   return {.model = std::move(model), .multibody = multibody};
 }
 
@@ -121,7 +121,8 @@ AnyModel make_model(const sfdae_multibody_problem& problem) {
   const auto model_of = [&](auto multibody) {
     multibody->set_equation_names(
         names_of(problem.constraint_names, problem.num_constraints + problem.num_nonholonomic));
-    return any(std::make_unique<MultibodyModel>(std::move(multibody), coordinates));
+    return any(
+        std::make_unique<StructuredMultibody>(std::make_unique<MultibodyModel>(std::move(multibody), coordinates)));
   };
   if (problem.equations != nullptr) return model_of(record_multibody(problem));
   return model_of(std::make_unique<CallbackMultibody>(problem));

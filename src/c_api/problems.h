@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "multibody/multibody_model.h"
+#include "multibody/structured_multibody.h"
 #include "sfdae/sfdae.h"
 #include "system/linear_model.h"
 #include "system/nonlinear_model.h"
@@ -16,7 +16,7 @@ struct AnyModel {
   std::unique_ptr<Model> model;
   LinearModel* linear = nullptr;
   NonlinearModel* nonlinear = nullptr;
-  MultibodyModel* multibody = nullptr;
+  StructuredMultibody* multibody = nullptr;
 };
 
 // The problems have been checked. Failure, with a public status, for mistakes in recording.

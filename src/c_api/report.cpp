@@ -84,9 +84,12 @@ std::string constraints_report(const sfdae_solver& solver) {
   if (report.redundant > 0) text += format(", %d of them redundant", report.redundant);
   text += format("; %d degrees of freedom, %d independent positions\n", report.degrees_of_freedom,
                  report.position_freedom);
-  text += format(
-      "  at t = %.10g: partition number %ld, of condition %.2g; residuals %.1e (positions), %.1e (velocities)\n",
-      report.t, report.partitions, report.condition, report.position_residual, report.velocity_residual);
+  text += format("  at t = %.10g: ", report.t);
+  text += report.partitions > 0
+              ? format("partition number %ld, of condition %.2g", report.partitions, report.condition)
+              : format("sparse matrices; constraints of condition %.2g", report.condition);
+  text +=
+      format("; residuals %.1e (positions), %.1e (velocities)\n", report.position_residual, report.velocity_residual);
   return text;
 }
 

@@ -120,6 +120,8 @@ enum class Text { of_call, of_failure, of_answer };
 // What helps where a multibody system with callbacks fails: a look at its derivatives; where rows of the array are left out:
 // the whole array.
 inline const char* hint_of(const sfdae_solver& solver, int status) {
+  if (status == SFDAE_CHARACTERISTICS_CHANGED && solver.follows_structure() && solver.kind.multibody != nullptr)
+    return " With structure = SFDAE_STRUCTURE_OFF the constraint that depends on others may be named.";
   if (status == SFDAE_CHARACTERISTICS_CHANGED && solver.follows_structure())
     return solver.system() != nullptr && solver.system()->form() == SystemForm::extension
                ? " If structure alone misleads there, structure = SFDAE_STRUCTURE_OFF goes on beyond that point."

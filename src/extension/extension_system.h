@@ -66,7 +66,9 @@ class ExtensionSystem final : public DaeSystem {
   CharacteristicValues values_at(double t) override;
   std::string about_change() const override {
     const std::string& about = about_change_.empty() ? about_later_point_ : about_change_;
-    return about.empty() ? about : " There " + about;
+    if (about.empty()) return about;
+    const Jet& accepted = history_.accepted();
+    return " There " + about + problem_base().about_singular_point(accepted.t, accepted.x.data());
   }
   // A block of the system Jacobian that has been found to be singular at a later point.
   void note_singular_block(int block) { about_later_point_ = describe_block(block) + " is singular."; }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "multibody/multibody_formulas.h"
 
+#include <utility>
+
 #include "expression/symbolic_gradient.h"
 #include "expression/taylor_evaluator.h"
 #include "linalg/index.h"
@@ -71,7 +73,10 @@ std::shared_ptr<const Record> first_order_equations(Recorder& recorder, const Mu
   for (int i = 0; i < nk; ++i)
     residuals.push_back(
         recorder.apply(Operation::add, combination(recorder, row_of(formulas.H, nk, i), v), formulas.h[index(i)]));
-  return recorder.excerpt(formulas.sizes.unknowns(), residuals, numbered("F", formulas.sizes.unknowns()));
+  std::vector<std::string> names = numbered("q'", nq);
+  for (const auto& [name, count] : {std::pair{"f", nv}, std::pair{"g", nl}, std::pair{"H v + h", nk}})
+    for (std::string& numbered_name : numbered(name, count)) names.push_back(std::move(numbered_name));
+  return recorder.excerpt(formulas.sizes.unknowns(), residuals, names);
 }
 
 bool report_failure(const TaylorEvaluator& evaluator, CallbackError& error) {

@@ -32,6 +32,17 @@ ValueChange change_of_motion(const MultibodySizes& sizes, const std::vector<doub
 
 }  // namespace
 
+void report_change_of_motion(const MultibodySizes& sizes, const GivenMotion& given, ConsistentPoint& found) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < index(sizes.positions + sizes.velocities); ++i)
+    sum += std::pow(found.x[i] - given.x[i], 2);
+  found.change.residual_before = std::sqrt(sum);
+  report_change(given.request, given.t, given.x, found.x, found.change);
+  if (given.request.reports_changes())
+    found.value_change = change_of_motion(sizes, given.request.tolerances, given.x, found.x);
+  if (given.request.kind == InitialValues::accept) found.x = given.x;
+}
+
 void MultibodyModel::analyze(const PointOfInterest& point, const ModelOptions& options,
                              std::vector<RankDecision>& decisions) {
   forget_system();
@@ -101,13 +112,8 @@ ConsistentPoint MultibodyModel::make_consistent(MultibodySystem& system, const P
   result.x.insert(result.x.end(), found.v.begin(), found.v.end());
   result.x.insert(result.x.end(), found.mu.begin(), found.mu.begin() + sizes.constraints());
   keep_fixed(request, point, result.x);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < index(system.leading_size()); ++i) sum += std::pow(result.x[i] - given[i], 2);
-  result.change.residual_before = std::sqrt(sum);
   result.change.residual_after = std::max(position_residual(found), velocity_residual(found));
-  report_change(request, point.t, given, result.x, result.change);
-  if (request.reports_changes()) result.value_change = change_of_motion(sizes, request.tolerances, given, result.x);
-  if (request.kind == InitialValues::accept) result.x = given;
+  report_change_of_motion(sizes, {request, point.t, given}, result);
   add_derivative(system, point.direction(), result);
   return result;
 }

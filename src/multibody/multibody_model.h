@@ -12,13 +12,23 @@
 
 namespace sfdae::core {
 
+// What positions, velocities and forces of constraints were to be made consistent.
+struct GivenMotion {
+  const ConsistencyRequest& request;
+  double t;
+  const std::vector<double>& x;
+};
+// The changes of what was given are reported; those beyond tolerances are refused for InitialValues::accept, which else keeps
+// what was given. found: consistent. Throws Failure.
+void report_change_of_motion(const MultibodySizes& sizes, const GivenMotion& given, ConsistentPoint& found);
+
 // What is known at the point reached.
 struct ConstraintsReport {
   double t = 0.0;
   int holonomic = 0, nonholonomic = 0, redundant = 0;
   int degrees_of_freedom = 0, position_freedom = 0;
   double condition = 1.0;
-  long partitions = 0;
+  long partitions = 0;  // 0 with sparse matrices, which need none
   double position_residual = 0.0, velocity_residual = 0.0;
 };
 
@@ -56,6 +66,9 @@ class MultibodyModel final : public ModelOf<MultibodySystem> {
   // With coefficients of restitution, empty or one for each constraint: where one is not 0, forces of constraints are 0
   // afterwards, as it is not known which constraints hold. Throws Failure.
   Jump impact(const PointOfInterest& point, const ModelOptions& options, const std::vector<double>& restitution);
+  bool is_recorded() const { return recorded_ != nullptr; }
+  // The user's, of recorded formulas.
+  int num_parameters() const { return recorded_->num_parameters(); }
   // The user's functions; null for recorded formulas.
   CallbackMultibody* callbacks() { return callbacks_; }
   // Of the point accepted last, after an analysis.

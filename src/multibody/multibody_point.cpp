@@ -66,7 +66,7 @@ void MultibodyPoint::resize(const MultibodySizes& sizes) {
   mu.assign(nc + 1, 0.0);
   position_units.assign(index(sizes.holonomic) + 1, 0.0);
   velocity_units.assign(nc + 1, 0.0);
-  K_ = Matrix(static_cast<int>(nv + nc), static_cast<int>(nv + nc));
+  K_ = Matrix();
   pivots_.assign(nv + nc + 1, 0);
   solution_.assign(nv + nc + 1, 0.0);
 }
@@ -99,6 +99,9 @@ void MultibodyPoint::rates(double* rates) const {
 
 bool MultibodyPoint::factor(const std::vector<int>& rows, int rank) {
   const int nv = terms.M.rows(), order = nv + rank;
+  // Not before it is needed, as it is the largest of all.
+  const int largest_order = nv + terms.C.rows();
+  if (K_.rows() != largest_order) K_ = Matrix(largest_order, largest_order);
   order_ = order;
   const View K{K_.data(), order, order, std::max(order, 1)};
   for (int j = 0; j < nv; ++j) {
@@ -215,6 +218,17 @@ double condition_of_constraints(const MultibodyPoint& point, const Partition& pa
   }
   const double smallest = singular_values(product(C, partition.Q2())).back();
   return smallest > 0.0 ? singular_values(C).front() / smallest : std::numeric_limits<double>::infinity();
+}
+
+double condition_of_constraints(const MultibodyPoint& point) {
+  Matrix C = to_matrix(point.terms.C);
+  if (C.rows() == 0) return 1.0;
+  for (int i = 0; i < C.rows(); ++i)
+    if (point.velocity_units[index(i)] == 0.0) return std::numeric_limits<double>::infinity();
+  for (int j = 0; j < C.cols(); ++j)
+    for (int i = 0; i < C.rows(); ++i) C(i, j) /= point.velocity_units[index(i)];
+  const std::vector<double> values = singular_values(C);
+  return values.back() > 0.0 ? values.front() / values.back() : std::numeric_limits<double>::infinity();
 }
 
 namespace {

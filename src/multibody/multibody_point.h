@@ -78,6 +78,8 @@ class MultibodyPoint {
 
 // |C| |(C Q2)^-1| at a point, rows in units of their lengths; infinite if singular.
 double condition_of_constraints(const MultibodyPoint& point, const Partition& partition);
+// The same for directions chosen at that very point, all rows being independent.
+double condition_of_constraints(const MultibodyPoint& point);
 // The largest residuals there of g = 0 and of C v + r = 0, in the same units.
 double position_residual(const MultibodyPoint& point);
 double velocity_residual(const MultibodyPoint& point);

@@ -88,6 +88,9 @@ class MultibodyProblem : public Problem {
   virtual CallbackError linearize(const MultibodyState& state, const MultibodyTerms& terms,
                                   MultibodyJacobian& jacobian) = 0;
 
+  // The constraint that depends most on the others there.
+  std::string about_singular_point(double t, const double* x) override;
+
   // Throws Failure if g turns out to depend on t though its derivative by t was not given.
   virtual void check_rates(double, const double*) {}
 

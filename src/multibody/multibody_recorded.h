@@ -41,6 +41,7 @@ class RecordedMultibody final : public MultibodyProblem {
   TaylorEvaluator* evaluator() override { return &terms_.evaluator(); }
   std::vector<const TaylorEvaluator*> evaluators_of_inputs() const override;
   void parameters_changed() override;
+  int num_parameters() const { return num_parameters_; }
   // first_order_equations() of multibody_formulas.h, with the values that parameters have now.
   std::unique_ptr<RecordedProblem> first_order_problem();
 

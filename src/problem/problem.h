@@ -73,6 +73,9 @@ class Problem {
   void set_equation_names(EquationNames names) { equation_names_ = std::move(names); }
   const EquationNames& equation_names() const { return equation_names_; }
 
+  // What else there is to say where their structure, or a rank, is lost just after the point (t, x); n values.
+  virtual std::string about_singular_point(double, const double*) { return {}; }
+
   // Calls of the user's functions that only check derivatives, and are counted nowhere else.
   long check_evaluations() const { return check_evaluations_; }
   // Stops where the leader is asked to, and leaves its request pending.

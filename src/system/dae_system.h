@@ -100,6 +100,9 @@ class DaeSystem : public StrangenessFreeSystem {
            (status == PointStatus::callback_error && !callback_error_.is_recoverable());
   }
 
+  // Whose limits, names and requests to stop count.
+  Problem& problem_base() const { return problem_base_; }
+
   IndexAnalysis analysis_;
   LeadingTerm leading_;
   CallbackError callback_error_;

@@ -1,0 +1,262 @@
+// Mechanical systems with constraints: sparse or with local coordinates.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "multibody/structured_multibody.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "linalg/dense.h"
+#include "linalg/index.h"
+#include "multibody/multibody_consistency.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Unknowns (q, v, mu) from which on sparse matrices are faster (docs/decisions/54-sparse-multibody-systems.md).
+constexpr int least_unknowns = 200;
+// Equations that contain more of all unknowns than this leave no use for sparse matrices: forces between all bodies.
+constexpr double largest_density = 0.1;
+// Positions and velocities that are consistent stay, but for errors so large, relative to the largest of them.
+constexpr double largest_move = 1e-13;
+
+bool is_final(const Failure& failure) {
+  return failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED;
+}
+
+double density(const Record& record) {
+  double entries = 0.0;
+  for (int i = 0; i < record.m(); ++i) entries += static_cast<double>(record.entries(i).size());
+  return entries / (static_cast<double>(record.m()) * record.n());
+}
+
+bool stays(const double* from, const double* to, int count) {
+  const double bound = largest_move * max_abs(from, count);
+  for (int i = 0; i < count; ++i)
+    if (!(std::fabs(to[i] - from[i]) <= bound)) return false;
+  return true;
+}
+
+bool motion_stays(const MultibodySizes& sizes, const double* from, const double* to) {
+  const int nq = sizes.positions;
+  return stays(from, to, nq) && stays(from + nq, to + nq, sizes.velocities);
+}
+
+}  // namespace
+
+StructuredMultibody::Sparse::Sparse(std::unique_ptr<RecordedProblem> equations, Problem& base)
+    : problem(std::move(equations)), model(*problem, base) {
+  problem->stop_with(base);
+  problem->follow_structure(false);
+}
+
+std::unique_ptr<StructuredMultibody> StructuredMultibody::clone() const {
+  std::unique_ptr<MultibodyModel> other = local_->clone();
+  return other ? std::make_unique<StructuredMultibody>(std::move(other)) : nullptr;
+}
+
+EvaluationCounts StructuredMultibody::evaluations() const {
+  EvaluationCounts counts = local_->evaluations();
+  if (sparse_) {
+    counts.F += sparse_->problem->evaluations();
+    counts.linearizations += sparse_->problem->linearizations();
+  }
+  return counts;
+}
+
+void StructuredMultibody::parameters_changed() {
+  local_->parameters_changed();
+  if (!sparse_) return;
+  const TaylorEvaluator& from = *local_->evaluator();
+  for (int i = 0; i < local_->num_parameters(); ++i)
+    sparse_->problem->evaluator().set_parameter(i, from.parameter(i));
+}
+
+// ---- Which form serves -----------------------------------------------------------------------------------------
+
+bool StructuredMultibody::may_be_sparse(const ModelOptions& options) {
+  const InitialValues kind = options.consistency.kind;
+  return options.structure == StructureUse::automatic && n() >= least_unknowns &&
+         (kind == InitialValues::nearest || kind == InitialValues::accept) && make_sparse() &&
+         density(sparse_->problem->evaluator().record()) <= largest_density;
+}
+
+// False where the equations have no structure.
+bool StructuredMultibody::make_sparse() {
+  if (!local_->is_recorded()) return false;
+  if (!sparse_) sparse_ = std::make_unique<Sparse>(local_->recorded_first_order_problem(), problem());
+  return sparse_->problem->structure() != nullptr;
+}
+
+void StructuredMultibody::analyze(const PointOfInterest& point, const ModelOptions& options,
+                                  std::vector<RankDecision>& decisions) {
+  forget_system();
+  options_ = options;
+  const bool is_required = options.structure == StructureUse::required;
+  if (is_required || may_be_sparse(options)) {
+    try {
+      return analyze_sparse(point, options, decisions);
+    } catch (const Failure& failure) {
+      if (is_required || is_final(failure)) throw;
+    }
+    decisions.clear();
+  }
+  local_->analyze(point, options, decisions);
+}
+
+// Positions and velocities are made consistent as ever, and the extension has to agree: where it is badly conditioned,
+// local coordinates are better.
+void StructuredMultibody::analyze_sparse(const PointOfInterest& point, const ModelOptions& options,
+                                         std::vector<RankDecision>& decisions) {
+  if (!make_sparse())
+    throw Failure(SFDAE_RANK_UNCLEAR,
+                  "the option structure requires what these equations do not have: some constraints contain too few "
+                  "coordinates.");
+  problem().check_rates(point.t, point.x);
+  const std::vector<double> x = with_consistent_motion(point, options);
+  sparse_->model.analyze({point.t, point.toward, x.data()}, options, decisions);
+  const Jet found = sparse_->model.accepted_point();
+  if (!motion_stays(problem().sizes(), x.data(), found.x.data())) {
+    sparse_->model.forget_system();
+    throw Failure(
+        SFDAE_RANK_UNCLEAR,
+        format("the equations with their derivatives are too badly conditioned at t = %.15g: values that are "
+               "consistent do not stay as they are.",
+               point.t));
+  }
+  is_sparse_ = true;
+}
+
+void StructuredMultibody::demand_derivatives(const PointOfInterest& point, const ModelOptions& options) {
+  if (!is_sparse_) local_->demand_derivatives(point, options);
+}
+
+void StructuredMultibody::forget_system() {
+  is_sparse_ = false;
+  if (sparse_) sparse_->model.forget_system();
+  local_->forget_system();
+}
+
+// Local coordinates at the point accepted last, for what has no sparse form.
+MultibodyModel& StructuredMultibody::local() {
+  if (!is_sparse_) return *local_;
+  const Jet jet = sparse_->model.accepted_point();
+  const MultibodySystem* known = local_->system();
+  if (known != nullptr && known->accepted_point().t == jet.t &&
+      std::equal(known->accepted_point().q.begin(), known->accepted_point().q.end(), jet.x.begin()))
+    return *local_;
+  std::vector<RankDecision> decisions;
+  local_->analyze({jet.t, time_beside(jet.t, 1.0), jet.x.data()}, options_, decisions);
+  return *local_;
+}
+
+// ---- Checkpoints -----------------------------------------------------------------------------------------------
+
+bool StructuredMultibody::expect(SystemForm form) {
+  if (form == SystemForm::extension && !make_sparse()) return false;
+  was_sparse_ = is_sparse_;
+  is_sparse_ = form == SystemForm::extension;
+  return true;
+}
+
+void StructuredMultibody::restore(const ModelOptions& options, Archive& archive) {
+  try {
+    active().restore(options, archive);
+  } catch (...) {
+    is_sparse_ = was_sparse_;
+    throw;
+  }
+  options_ = options;
+}
+
+void StructuredMultibody::undo_restore() {
+  active().undo_restore();
+  is_sparse_ = was_sparse_;
+}
+
+void StructuredMultibody::finish_restore() {
+  active().finish_restore();
+  if (was_sparse_ == is_sparse_) return;
+  if (was_sparse_) sparse_->model.forget_system();
+  else local_->forget_system();
+}
+
+// ---- Points ----------------------------------------------------------------------------------------------------
+
+// What holds to rounding stays; what does not moves in the metric of the kinetic energy, with dense matrices.
+std::vector<double> StructuredMultibody::with_consistent_motion(const PointOfInterest& point,
+                                                                const ModelOptions& options) {
+  const MultibodySizes& sizes = problem().sizes();
+  const ConsistencyRequest request = options.request_at(point.x);
+  MultibodyConsistency consistency(problem(), point.t, request, options.ignore_inconsistency);
+  const std::vector<double> q = consistency.positions(point.x);
+  const std::vector<double> v = consistency.velocities(q, point.x + sizes.positions, sizes.constraints());
+  std::vector<double> x(point.x, point.x + n());
+  std::copy(q.begin(), q.end(), x.begin());
+  std::copy(v.begin(), v.end(), x.begin() + sizes.positions);
+  return x;
+}
+
+// Where the extension has been analyzed is no need to search again.
+template <class Find>
+ConsistentPoint StructuredMultibody::consistent(const PointOfInterest& point, const ModelOptions& options,
+                                                Find find) {
+  const std::vector<double> given(point.x, point.x + n());
+  std::vector<double> x = with_consistent_motion(point, options);
+  const Jet known = sparse_->model.accepted_point();
+  if (known.t == point.t && motion_stays(problem().sizes(), x.data(), known.x.data())) x = known.x;
+  ModelOptions plain = options;
+  plain.consistency.kind = InitialValues::nearest;
+  plain.consistency.weights.clear();
+  plain.consistency.fixed.clear();
+  ConsistentPoint found = find(PointOfInterest{point.t, point.toward, x.data()}, plain);
+  const ConsistencyRequest request = options.request_at(given.data());
+  report_change_of_motion(problem().sizes(), {request, point.t, given}, found);
+  return found;
+}
+
+ConsistentPoint StructuredMultibody::consistent_point(const PointOfInterest& point, const ModelOptions& options) {
+  if (!is_sparse_) return local_->consistent_point(point, options);
+  return consistent(point, options, [this](const PointOfInterest& near, const ModelOptions& plain) {
+    return sparse_->model.consistent_point(near, plain);
+  });
+}
+
+ConsistentPoint StructuredMultibody::consistent_point_beside(const PointOfInterest& point,
+                                                             const ModelOptions& options) {
+  if (!is_sparse_) return local_->consistent_point_beside(point, options);
+  return consistent(point, options, [this](const PointOfInterest& near, const ModelOptions& plain) {
+    return sparse_->model.consistent_point_beside(near, plain);
+  });
+}
+
+Jet StructuredMultibody::accepted_point() const {
+  return is_sparse_ ? sparse_->model.accepted_point() : local_->accepted_point();
+}
+
+// A structure that is confirmed leaves no constraint that depends on others.
+ConstraintsReport StructuredMultibody::constraints() {
+  if (!is_sparse_) return local_->constraints();
+  const MultibodySizes& sizes = problem().sizes();
+  const Jet jet = sparse_->model.accepted_point();
+  MultibodyPoint point;
+  point.resize(sizes);
+  point.set(jet.t, jet.x.data(), jet.x.data() + sizes.positions);
+  const CallbackError error = problem().at_velocity(point.t, point.q.data(), point.v.data(), point.terms);
+  if (error.status != SFDAE_OK) error.raise();
+  point.measure_rows();
+  return {.t = point.t,
+          .holonomic = sizes.holonomic,
+          .nonholonomic = sizes.nonholonomic,
+          .redundant = 0,
+          .degrees_of_freedom = sizes.velocities - sizes.constraints(),
+          .position_freedom = sizes.positions - sizes.holonomic,
+          .condition = condition_of_constraints(point),
+          .partitions = 0,
+          .position_residual = position_residual(point),
+          .velocity_residual = velocity_residual(point)};
+}
+
+}  // namespace sfdae::core
