@@ -90,15 +90,17 @@ inline double largest_entry(const std::vector<double>& v) {
   return largest;
 }
 
-// The largest residual relative to the sum of |derivative| |unknown| of its row; x: of column c.
+// The largest residual relative to the sum of |derivative| |unknown| of its row; x: of column c. HUGE_VAL: not finite.
 template <class Value>
 double relative_residual(const std::vector<int>& first, const std::vector<int>& column,
                          const std::vector<double>& values, const std::vector<double>& r, Value x) {
   double largest = 0.0;
   for (std::size_t i = 0; i + 1 < first.size(); ++i) {
+    if (r[i] == 0.0) continue;
     double sum = 0.0;
     for (int e = first[i]; e < first[i + 1]; ++e) sum += std::fabs(values[index(e)] * x(column[index(e)]));
-    if (r[i] != 0.0) largest = std::max(largest, sum > 0.0 ? std::fabs(r[i]) / sum : 1.0);
+    if (!std::isfinite(r[i]) || !std::isfinite(sum)) return HUGE_VAL;
+    largest = std::max(largest, sum > 0.0 ? std::fabs(r[i]) / sum : 1.0);
   }
   return largest;
 }

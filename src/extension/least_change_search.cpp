@@ -3,8 +3,6 @@
 #include "extension/least_change_search.h"
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <utility>
 
 #include "linalg/index.h"
@@ -99,9 +97,6 @@ bool LeastChangeSearch::hurry(const Jet& guess, Jet& jet) {
     if (!compute(jet, &guess)) return false;
     const JetChange change = apply(dx_, 1.0, jet);
     if (!change.is_finite()) return false;
-    if (getenv("DBG"))
-      fprintf(stderr, "hurry %d of_x %g small %d residual %g relative %g\n", iteration, change.of_x(),
-              change.is_small(), residual_, relative_);
     if (progress.has_ended(change, residual_, relative_)) return true;
     if (progress.is_stuck()) return false;
   }
