@@ -20,7 +20,7 @@ class StageSearch {
   // where the equations cannot be evaluated at the guess.
   const char* run(const Jet& guess, Jet& jet);
   // One of these reasons: the structure may mislead.
-  static constexpr const char* singular = "the equations are singular there.";
+  static constexpr char singular[] = "the equations are singular there.";
 
  private:
   const char* linearize(const Jet& guess, const Jet& jet, bool is_first);
