@@ -53,14 +53,16 @@ SFDAE_API int sfdae_sensitivity_statistics_init(sfdae_sensitivity_statistics* st
  *    equations; they are discretized as x is (BDF and Radau) after each step, with exact derivatives F_x', F_x and F_p.
  *    Their errors are about those of x, relative, without a test of their own unless the options ask for one.
  *  - Matrices are dense, of at most 5000 unknowns: structure = SFDAE_STRUCTURE_REQUIRED, which asks for sparse ones, is
- *    refused by the analysis. Linear recorded equations are solved as nonlinear ones.
+ *    refused by the analysis. Linear recorded equations are solved as nonlinear ones, mechanical systems
+ *    (sfdae_multibody_problem) by their first-order equations: x takes more time then. S(t0) of these is nearest with
+ *    the weights of the options, not in kinetic energy; directions that fulfil the linearized constraints stay.
  *  - Where an event only ends a call, S goes on. Where x, its equations or parameters change there, start anew with the
  *    directions of the new branch: see sfdae_get_event_sensitivities.
  *  - They are in no checkpoints, ensembles and recorded solutions (sfdae_solution): checkpoints are refused.
  *
- * SFDAE_ILLEGAL_ARGUMENT: equations that are not recorded, mechanical systems (sfdae_multibody_problem), names that no
- * parameter has, numbers that are not finite. sfdae_start fails with SFDAE_ILLEGAL_ARGUMENT where components are prescribed
- * or u > 0, with SFDAE_FIXED_VALUES where fixed components or directions cannot follow, with
+ * SFDAE_ILLEGAL_ARGUMENT: equations that are not recorded, names that no parameter has, numbers that are not finite.
+ * sfdae_start fails with SFDAE_ILLEGAL_ARGUMENT where components are prescribed or u > 0 (redundant constraints of mechanical
+ * systems), with SFDAE_FIXED_VALUES where fixed components or directions cannot follow, with
  * SFDAE_INCONSISTENT_EQUATIONS where redundant equations contradict each other once a parameter changes. */
 SFDAE_API int sfdae_set_sensitivities(sfdae_solver* solver, int count, const char* const* parameters,
                                       const double* directions, const sfdae_sensitivity_options* options);

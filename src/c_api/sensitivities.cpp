@@ -60,9 +60,6 @@ CallResult read_request(sfdae_solver& solver, int count, const char* const* name
                         const sfdae_sensitivity_options* options, SensitivityRequest& request) {
   if (count < 0 || count > most_sensitivities)
     return illegal_argument(format("count = %d; it must be 0 ... %d.", count, most_sensitivities));
-  if (count > 0 && solver.kind.multibody != nullptr)
-    return illegal_argument(
-        "there are no sensitivities of mechanical systems: write the equations with sfdae_nonlinear_problem.");
   if (count > 0 && solver.model.evaluator() == nullptr)
     return illegal_argument("the problem is given by callbacks; sensitivities need recorded equations.");
   const CallResult checked = read_parameters(solver, count, names, request.parameters);

@@ -16,10 +16,6 @@ namespace {
 // Columns of the derivative array from which on the extension is faster, as a rule (docs/decisions/47-minimal-extension.md).
 constexpr double least_array = 150.0;
 
-bool is_final(const Failure& failure) {
-  return failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED;
-}
-
 }  // namespace
 
 StructuredModel::StructuredModel(std::unique_ptr<Model> classical, RecordedProblem& problem,
@@ -78,11 +74,7 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
     throw Failure(SFDAE_RANK_UNCLEAR,
                   "the option structure requires what these equations do not have: some contain too few unknowns, as "
                   "sfdae_get_structure tells.");
-  if (is_required && options.for_sensitivities)
-    throw Failure(
-        SFDAE_ILLEGAL_ARGUMENT,
-        "structure = SFDAE_STRUCTURE_REQUIRED and sensitivities exclude each other: they are computed with the "
-        "whole derivative array.");
+  demand_array_for_sensitivities(options);
   if (is_required && !orders_are_possible())
     throw Failure(SFDAE_INDEX_TOO_HIGH,
                   format("structure asks for more than %d derivatives of an equation.", series::highest_order - 1));
@@ -93,16 +85,11 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
       is_extended_ = true;
       return;
     } catch (const Failure& failure) {
-      if (is_required || is_final(failure) || n() > most_dense_unknowns) throw;
+      if (is_required || is_stop(failure) || n() > most_dense_unknowns) throw;
     }
     decisions.clear();
   }
-  if (n() > most_dense_unknowns)
-    throw Failure(
-        SFDAE_ILLEGAL_ARGUMENT,
-        format("%d unknowns are too many for the whole derivative array, which the options or the equations ask "
-               "for: more than %d need their structure.",
-               n(), most_dense_unknowns));
+  demand_dense(n());
   if (options.for_sensitivities && owned_) analyze_as_nonlinear(point, options, decisions);
   else classical_->analyze(point, options, decisions);
 }

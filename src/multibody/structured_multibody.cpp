@@ -22,10 +22,6 @@ constexpr double largest_density = 0.1;
 // Positions and velocities that are consistent stay, but for errors so large, relative to the largest of them.
 constexpr double largest_move = 1e-13;
 
-bool is_final(const Failure& failure) {
-  return failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED;
-}
-
 double density(const Record& record) {
   double entries = 0.0;
   for (int i = 0; i < record.m(); ++i) entries += static_cast<double>(record.entries(i).size());
@@ -59,22 +55,30 @@ std::unique_ptr<StructuredMultibody> StructuredMultibody::clone() const {
 
 EvaluationCounts StructuredMultibody::evaluations() const {
   EvaluationCounts counts = local_->evaluations();
-  if (sparse_) {
-    counts.F += sparse_->problem->evaluations();
-    counts.linearizations += sparse_->problem->linearizations();
-  }
+  const auto add = [&counts](const NonlinearProblem& problem) {
+    counts.F += problem.evaluations();
+    counts.linearizations += problem.linearizations();
+  };
+  if (sparse_) add(*sparse_->problem);
+  if (array_) add(array_->problem());
   return counts;
 }
 
 void StructuredMultibody::parameters_changed() {
   local_->parameters_changed();
-  if (!sparse_) return;
   const TaylorEvaluator& from = *local_->evaluator();
-  for (int i = 0; i < local_->num_parameters(); ++i)
-    sparse_->problem->evaluator().set_parameter(i, from.parameter(i));
+  for (int i = 0; i < local_->num_parameters(); ++i) {
+    if (sparse_) sparse_->problem->evaluator().set_parameter(i, from.parameter(i));
+    if (array_) array_->evaluator()->set_parameter(i, from.parameter(i));
+  }
 }
 
 // ---- Which form serves -----------------------------------------------------------------------------------------
+
+Model& StructuredMultibody::active() {
+  if (form_ == Form::sparse) return sparse_->model;
+  return form_ == Form::array ? static_cast<Model&>(*array_) : *local_;
+}
 
 bool StructuredMultibody::may_be_sparse(const ModelOptions& options) {
   const InitialValues kind = options.consistency.kind;
@@ -94,12 +98,13 @@ void StructuredMultibody::analyze(const PointOfInterest& point, const ModelOptio
                                   std::vector<RankDecision>& decisions) {
   forget_system();
   options_ = options;
+  if (options.for_sensitivities) return analyze_array(point, options, decisions);
   const bool is_required = options.structure == StructureUse::required;
   if (is_required || may_be_sparse(options)) {
     try {
       return analyze_sparse(point, options, decisions);
     } catch (const Failure& failure) {
-      if (is_required || is_final(failure)) throw;
+      if (is_required || is_stop(failure)) throw;
     }
     decisions.clear();
   }
@@ -126,23 +131,50 @@ void StructuredMultibody::analyze_sparse(const PointOfInterest& point, const Mod
                "consistent do not stay as they are.",
                point.t));
   }
-  is_sparse_ = true;
+  form_ = Form::sparse;
+}
+
+void StructuredMultibody::analyze_array(const PointOfInterest& point, const ModelOptions& options,
+                                        std::vector<RankDecision>& decisions) {
+  demand_array_for_sensitivities(options);
+  demand_dense(n());
+  if (!array_) {
+    array_ = std::make_unique<NonlinearModel>(local_->recorded_first_order_problem());
+    array_->problem().stop_with(problem());
+  }
+  problem().check_rates(point.t, point.x);
+  const std::vector<double> x = with_consistent_motion(point, options);
+  array_->analyze({point.t, point.toward, x.data()}, options, decisions);
+  form_ = Form::array;
+}
+
+// Forces are unknowns of the first-order equations, and have to be unique.
+std::unique_ptr<SensitivitySystem> StructuredMultibody::sensitivities(std::vector<int> parameters) {
+  const int redundant = system()->analysis().values.u;
+  if (redundant > 0)
+    throw Failure(
+        SFDAE_ILLEGAL_ARGUMENT,
+        format("there are no sensitivities with redundant constraints, whose forces are not unique: %d of them "
+               "depend on others. Leave these out.",
+               redundant));
+  return active().sensitivities(std::move(parameters));
 }
 
 void StructuredMultibody::demand_derivatives(const PointOfInterest& point, const ModelOptions& options) {
-  if (!is_sparse_) local_->demand_derivatives(point, options);
+  if (form_ == Form::local) local_->demand_derivatives(point, options);
 }
 
 void StructuredMultibody::forget_system() {
-  is_sparse_ = false;
+  form_ = Form::local;
   if (sparse_) sparse_->model.forget_system();
+  if (array_) array_->forget_system();
   local_->forget_system();
 }
 
 // Local coordinates at the point accepted last, for what has no sparse form.
 MultibodyModel& StructuredMultibody::local() {
-  if (!is_sparse_) return *local_;
-  const Jet jet = sparse_->model.accepted_point();
+  if (form_ == Form::local) return *local_;
+  const Jet jet = accepted_point();
   const MultibodySystem* known = local_->system();
   if (known != nullptr && known->accepted_point().t == jet.t &&
       std::equal(known->accepted_point().q.begin(), known->accepted_point().q.end(), jet.x.begin()))
@@ -156,8 +188,8 @@ MultibodyModel& StructuredMultibody::local() {
 
 bool StructuredMultibody::expect(SystemForm form) {
   if (form == SystemForm::extension && !make_sparse()) return false;
-  was_sparse_ = is_sparse_;
-  is_sparse_ = form == SystemForm::extension;
+  form_before_ = form_;
+  form_ = form == SystemForm::extension ? Form::sparse : Form::local;
   return true;
 }
 
@@ -165,7 +197,7 @@ void StructuredMultibody::restore(const ModelOptions& options, Archive& archive)
   try {
     active().restore(options, archive);
   } catch (...) {
-    is_sparse_ = was_sparse_;
+    form_ = form_before_;
     throw;
   }
   options_ = options;
@@ -173,13 +205,14 @@ void StructuredMultibody::restore(const ModelOptions& options, Archive& archive)
 
 void StructuredMultibody::undo_restore() {
   active().undo_restore();
-  is_sparse_ = was_sparse_;
+  form_ = form_before_;
 }
 
 void StructuredMultibody::finish_restore() {
   active().finish_restore();
-  if (was_sparse_ == is_sparse_) return;
-  if (was_sparse_) sparse_->model.forget_system();
+  if (form_before_ == form_) return;
+  if (form_before_ == Form::sparse) sparse_->model.forget_system();
+  else if (form_before_ == Form::array) array_->forget_system();
   else local_->forget_system();
 }
 
@@ -205,7 +238,7 @@ ConsistentPoint StructuredMultibody::consistent(const PointOfInterest& point, co
                                                 Find find) {
   const std::vector<double> given(point.x, point.x + n());
   std::vector<double> x = with_consistent_motion(point, options);
-  const Jet known = sparse_->model.accepted_point();
+  const Jet known = accepted_point();
   if (known.t == point.t && motion_stays(problem().sizes(), x.data(), known.x.data())) x = known.x;
   ModelOptions plain = options;
   plain.consistency.kind = InitialValues::nearest;
@@ -218,27 +251,28 @@ ConsistentPoint StructuredMultibody::consistent(const PointOfInterest& point, co
 }
 
 ConsistentPoint StructuredMultibody::consistent_point(const PointOfInterest& point, const ModelOptions& options) {
-  if (!is_sparse_) return local_->consistent_point(point, options);
+  if (form_ == Form::local) return local_->consistent_point(point, options);
   return consistent(point, options, [this](const PointOfInterest& near, const ModelOptions& plain) {
-    return sparse_->model.consistent_point(near, plain);
+    return active().consistent_point(near, plain);
   });
 }
 
 ConsistentPoint StructuredMultibody::consistent_point_beside(const PointOfInterest& point,
                                                              const ModelOptions& options) {
-  if (!is_sparse_) return local_->consistent_point_beside(point, options);
+  if (form_ == Form::local) return local_->consistent_point_beside(point, options);
   return consistent(point, options, [this](const PointOfInterest& near, const ModelOptions& plain) {
-    return sparse_->model.consistent_point_beside(near, plain);
+    return active().consistent_point_beside(near, plain);
   });
 }
 
 Jet StructuredMultibody::accepted_point() const {
-  return is_sparse_ ? sparse_->model.accepted_point() : local_->accepted_point();
+  if (form_ == Form::sparse) return sparse_->model.accepted_point();
+  return form_ == Form::array ? array_->accepted_point() : local_->accepted_point();
 }
 
 // A structure that is confirmed leaves no constraint that depends on others.
 ConstraintsReport StructuredMultibody::constraints() {
-  if (!is_sparse_) return local_->constraints();
+  if (form_ != Form::sparse) return local().constraints();
   const MultibodySizes& sizes = problem().sizes();
   const Jet jet = sparse_->model.accepted_point();
   MultibodyPoint point;

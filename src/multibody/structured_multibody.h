@@ -1,5 +1,6 @@
 // Mechanical systems with constraints: large recorded ones by the minimal extension of their first-order equations, with
-// sparse matrices, where numbers confirm their structure; all others by local coordinates, with dense ones.
+// sparse matrices, where numbers confirm their structure; those that sensitivities are asked of by the derivative array of
+// these equations; all others by local coordinates, with dense matrices.
 //
 // K = [M C^T; C 0] of chains and trees has few entries in a row, and what follows from it, as projections and tangents, has
 // many (docs/decisions/54-sparse-multibody-systems.md).
@@ -12,6 +13,7 @@
 #include "extension/extension_model.h"
 #include "multibody/multibody_model.h"
 #include "system/model.h"
+#include "system/nonlinear_model.h"
 
 namespace sfdae::core {
 
@@ -46,6 +48,7 @@ class StructuredMultibody final : public Model {
   void forget_system() override;
   double certify() override { return local_->certify(); }
   std::unique_ptr<ChangeWatch> change_watch() override { return active().change_watch(); }
+  std::unique_ptr<SensitivitySystem> sensitivities(std::vector<int> parameters) override;
   ConsistentPoint consistent_point(const PointOfInterest& point, const ModelOptions& options) override;
   ConsistentPoint consistent_point_beside(const PointOfInterest& point, const ModelOptions& options) override;
 
@@ -80,11 +83,13 @@ class StructuredMultibody final : public Model {
     ExtensionModel model;
   };
 
-  Model& active() { return is_sparse_ ? static_cast<Model&>(sparse_->model) : *local_; }
+  enum class Form { local, sparse, array };
+  Model& active();
   bool may_be_sparse(const ModelOptions& options);
   bool make_sparse();
   void analyze_sparse(const PointOfInterest& point, const ModelOptions& options,
                       std::vector<RankDecision>& decisions);
+  void analyze_array(const PointOfInterest& point, const ModelOptions& options, std::vector<RankDecision>& decisions);
   MultibodyModel& local();
   // The given x with consistent positions and velocities.
   std::vector<double> with_consistent_motion(const PointOfInterest& point, const ModelOptions& options);
@@ -92,8 +97,9 @@ class StructuredMultibody final : public Model {
   ConsistentPoint consistent(const PointOfInterest& point, const ModelOptions& options, Find find);
 
   std::unique_ptr<MultibodyModel> local_;
-  std::unique_ptr<Sparse> sparse_;  // once it has been of use
-  bool is_sparse_ = false, was_sparse_ = false;
+  std::unique_ptr<Sparse> sparse_;         // once it has been of use
+  std::unique_ptr<NonlinearModel> array_;  // the first-order equations, for sensitivities
+  Form form_ = Form::local, form_before_ = Form::local;
   ModelOptions options_;  // of the last analysis
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "linalg/format.h"
+#include "sfdae/sfdae.h"
 
 namespace sfdae::core {
 
@@ -20,5 +21,10 @@ class Failure : public std::exception {
   int status_;
   std::string message_;
 };
+
+// The user wants an end: no other way to a result is to be tried.
+inline bool is_stop(const Failure& failure) {
+  return failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED;
+}
 
 }  // namespace sfdae::core

@@ -53,6 +53,10 @@ struct ModelOptions : Acceptance {
   }
 };
 
+// Throw Failure: sensitivities of equations whose structure is required; more unknowns than the whole array can have.
+void demand_array_for_sensitivities(const ModelOptions& options);
+void demand_dense(int n);
+
 // x: n values, or null where none are known. toward: in the direction of integration. xdot: a guess, or null; of
 // nonlinear problems it chooses among the derivatives that F(t, x, x') = 0 allows.
 struct PointOfInterest {

@@ -29,8 +29,7 @@ std::vector<char> fixed_components(const ModelOptions& options) {
 
 // No other start will help.
 bool is_final(const Failure& failure) {
-  const int status = failure.status();
-  return status == SFDAE_STOPPED || status == SFDAE_CALLBACK_STOPPED || status == SFDAE_ORDER_MISSING;
+  return is_stop(failure) || failure.status() == SFDAE_ORDER_MISSING;
 }
 
 Jet guessed_jet(const PointOfInterest& point, int n) {
