@@ -63,16 +63,13 @@ bool are_about_right(const std::vector<double>& preferred, const std::vector<dou
   return true;
 }
 
-void choose_row_scale(TaylorData& data, double tau, RowScaling rows, const std::vector<double>* preferred) {
-  std::vector<double>& row_scale = data.row_scale;
-  measure_rows(data, rows == RowScaling::timed ? tau : 1.0, row_scale);
-  data.row_norm = row_scale;
-  const double largest = *std::max_element(row_scale.begin(), row_scale.end());
-  // Powers of two that bring the largest row to [1, 2) and the others to once or twice that: a common factor of all
-  // rows changes nothing but a common factor.
+// From sizes of rows to factors: powers of two that bring the largest row to [1, 2) and the others to once or twice that, as a
+// common factor of all rows changes nothing but a common factor.
+void become_factors(std::vector<double>& sizes, RowScaling rows) {
+  const double largest = *std::max_element(sizes.begin(), sizes.end());
   const int top = largest == 0.0 ? 0 : std::ilogb(largest);
   const double top_mantissa = std::ldexp(largest, -top);
-  for (double& size : row_scale) {
+  for (double& size : sizes) {
     if (size == 0.0 || rows == RowScaling::common) {
       size = power_of_two(-top);
       continue;
@@ -80,6 +77,18 @@ void choose_row_scale(TaylorData& data, double tau, RowScaling rows, const std::
     const int exponent = std::ilogb(size);
     size = power_of_two(-exponent + (std::ldexp(size, -exponent) < top_mantissa ? 1 : 0));
   }
+}
+
+double unit_of_A(RowScaling rows, double tau) {
+  if (rows == RowScaling::timed) return tau;
+  return rows == RowScaling::common ? 1.0 : std::max(tau, 1.0);
+}
+
+void choose_row_scale(TaylorData& data, double tau, RowScaling rows, const std::vector<double>* preferred) {
+  std::vector<double>& row_scale = data.row_scale;
+  measure_rows(data, unit_of_A(rows, tau), row_scale);
+  data.row_norm = row_scale;
+  become_factors(row_scale, rows);
   if (preferred == nullptr || rows == RowScaling::common) return;
   if (rows == RowScaling::given || are_about_right(*preferred, row_scale)) row_scale = *preferred;
 }
@@ -166,12 +175,35 @@ bool TaylorData::scale(double tau, RowScaling rows, const std::vector<double>* p
   choose_row_scale(*this, time_scale, rows, preferred);
   scale_rows_and_measure(time_scale);
   if (norm(std::max(orders.E, orders.A)) > largest_coefficient) return false;
-  if (tau == 0.0) rescale_time(power_of_two_near(choose_time_scale()));
+  if (tau == 0.0) {
+    rescale_time(power_of_two_near(choose_time_scale()));
+    if (time_scale > 1.0 && (rows == RowScaling::each || rows == RowScaling::timed)) balance_rows();
+  }
   const double largest = norm(std::max(orders.E, orders.A));
   if (largest > largest_coefficient) return false;
   // A tiny E with its small time scale: one more common factor keeps squares from underflow.
   if (largest > 0.0 && largest < small_data) multiply_all(std::ldexp(1.0, -std::ilogb(largest)));
   return norm_f(orders.f) <= largest_coefficient;
+}
+
+// Rows without E have been multiplied by the unit of time that was chosen.
+void TaylorData::balance_rows() {
+  std::vector<double> factors(index(m));
+  measure_rows(*this, 1.0, factors);
+  become_factors(factors, RowScaling::each);
+  for (int i = 0; i < m; ++i) row_scale[index(i)] *= factors[index(i)];
+  const auto multiply = [&](double* values, int columns) {
+    double norm = 0.0;
+    for (int j = 0; j < columns; ++j)
+      norm = std::max(norm, kernels::loops().arrays.scale_entries(values + static_cast<std::ptrdiff_t>(j) * m,
+                                                                  factors.data(), m));
+    return norm;
+  };
+  for (int k = 0; k <= std::max({orders.E, orders.A, orders.f}); ++k) {
+    if (k <= orders.E) norms_.E[index(k)] = multiply(E(k).data, n);
+    if (k <= orders.A) norms_.A[index(k)] = multiply(A(k).data, n);
+    if (k <= orders.f) norms_.f[index(k)] = multiply(f(k), 1);
+  }
 }
 
 void TaylorData::multiply_all(double factor) {

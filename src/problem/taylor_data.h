@@ -33,8 +33,8 @@ struct Orders {
   int f = -1;
 };
 
-// each: rows of [E A] in units of time of the user; common: one factor for all; timed: rows of [E tau A]; given: the
-// factors that are preferred, right or not.
+// each: rows of [E A] in units of time of the user, or of [E tau A] where tau is longer; common: one factor for all; timed:
+// rows of [E tau A]; given: the factors that are preferred, right or not.
 enum class RowScaling { each, common, timed, given };
 // Of a number that was read.
 inline bool is_row_scaling(RowScaling rows) { return rows >= RowScaling::each && rows <= RowScaling::timed; }
@@ -145,6 +145,7 @@ class TaylorData {
   double factor_of_order(char which, int order) const;
   double largest_scaled_error(char which, int order) const;
   double choose_time_scale() const;
+  void balance_rows();
   std::ptrdiff_t first(int k) const { return static_cast<std::ptrdiff_t>(k) * m * n; }  // entry of order k
   void scale_rows_and_measure(double tau);
   void multiply_all(double factor);

@@ -222,10 +222,10 @@ TEST(TimeScale, RescalingIsTheSameAsScalingWithTheProduct) {
   const Orders orders{3, 3, 3};
   const TaylorData plain = random_data(2, 3, orders, {1.0, 4.0});
   TaylorData at_once = plain, in_two = plain;
-  ASSERT_TRUE(at_once.scale(2.0));
-  ASSERT_TRUE(in_two.scale(16.0));
+  ASSERT_TRUE(at_once.scale(0.125));
+  ASSERT_TRUE(in_two.scale(1.0));
   in_two.rescale_time(0.125);
-  EXPECT_EQ(in_two.time_scale, 2.0);
+  EXPECT_EQ(in_two.time_scale, 0.125);
   for (int k = 0; k <= 3; ++k) {
     EXPECT_EQ(sfdae_test::distance(std::as_const(at_once).E(k), std::as_const(in_two).E(k)), 0.0);
     EXPECT_EQ(sfdae_test::distance(std::as_const(at_once).A(k), std::as_const(in_two).A(k)), 0.0);
@@ -233,6 +233,29 @@ TEST(TimeScale, RescalingIsTheSameAsScalingWithTheProduct) {
     EXPECT_EQ(at_once.norm(k), in_two.norm(k));
     EXPECT_EQ(at_once.norm_A(k), in_two.norm_A(k));
     EXPECT_EQ(at_once.norm_f(k), in_two.norm_f(k));
+  }
+}
+
+// E of the first row is 2^20, A everywhere 1: the unit of time is 2^20, and both rows are of unit size in it.
+TEST(TimeScale, DoesNotMakeRowsWithoutELargerThanOthers) {
+  for (const double given : {0.0, std::ldexp(1.0, 20)}) {
+    TaylorData data;
+    data.resize(2, 2, {0, 0, 0});
+    fill(data.E(0), 0.0);
+    fill(data.A(0), 1.0);
+    data.E(0)(0, 0) = std::ldexp(1.0, 20);
+    data.f(0)[0] = data.f(0)[1] = 3.0;
+    ASSERT_TRUE(data.scale(given));
+    EXPECT_EQ(data.time_scale, std::ldexp(1.0, 20));
+    const TaylorData& scaled = data;
+    EXPECT_EQ(scaled.E(0)(0, 0), 1.0);
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j) EXPECT_EQ(scaled.A(0)(i, j), 1.0);
+    EXPECT_EQ(scaled.f(0)[0], 3.0);
+    EXPECT_EQ(scaled.f(0)[1], 3.0);
+    EXPECT_EQ(scaled.row_scale[0], std::ldexp(1.0, -20));
+    EXPECT_EQ(scaled.row_scale[1], std::ldexp(1.0, -20));
+    EXPECT_EQ(scaled.norm_f(0), 3.0);
   }
 }
 
@@ -369,7 +392,7 @@ TEST(TaylorData, RefusesCoefficientsWhoseProductsWouldOverflow) {
   EXPECT_FALSE(large_f.scale(0.0));
   TaylorData large_derivative = scalar({1.0, 1e70}, {1.0});
   EXPECT_FALSE(large_derivative.scale(0.0));
-  TaylorData long_time = scalar({1.0, 0.0, 1e20}, {1.0});  // 1e20 / 2! * 2^150 = 7e64
+  TaylorData long_time = scalar({1.0, 0.0, 1e40}, {1.0});  // 1e40 / 2! * 2^150 / 2^75 = 2e62
   EXPECT_FALSE(long_time.scale(std::ldexp(1.0, 75)));
   TaylorData fine = scalar({1.0, 1e10}, {1.0}, {1e40});
   EXPECT_TRUE(fine.scale(0.0));
