@@ -45,7 +45,8 @@ module sfdae
   use sfdae_linearizations, only: dae_descriptor, dae_linearization
   use sfdae_multibody, only: kinematic_multibody_dae, multibody_dae, multibody_formulas, &
     recorded_multibody_dae
-  use sfdae_problems, only: derivative_dae, linear_dae, nonlinear_dae, recorded_linear_dae
+  use sfdae_problems, only: derivative_dae, linear_dae, nonlinear_dae, recorded_linear_dae, &
+    sparsity_pattern
   use sfdae_sensitivities, only: dae_sensitivities
   use sfdae_solver, only: dae_solver, sfdae_check_linear, sfdae_check_multibody, &
     sfdae_check_nonlinear, sfdae_status_name, sfdae_version
@@ -56,7 +57,7 @@ module sfdae
 
   ! ---- Problems, options, solver ------------------------------------------------------------
 
-  public :: linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae
+  public :: linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae, sparsity_pattern
   public :: recorded_multibody_dae, multibody_dae, kinematic_multibody_dae, multibody_formulas
   public :: dae_events, dae_monitor, dae_options, dae_solver
   public :: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results, dae_sensitivities, &
@@ -102,7 +103,7 @@ module sfdae
     sfdae_not_started
   !> Failures: the user's procedures.
   public :: sfdae_callback_stopped, sfdae_callback_failed, sfdae_not_finite, sfdae_order_missing, &
-    sfdae_wrong_derivatives
+    sfdae_wrong_derivatives, sfdae_wrong_pattern
   !> Failures: the structure of the problem.
   public :: sfdae_index_too_high, sfdae_rank_unclear, sfdae_characteristics_changed, &
     sfdae_prescription_singular
@@ -132,6 +133,8 @@ module sfdae
   public :: sfdae_output_consistent, sfdae_output_interpolated
   !> Whether the derivative array follows the structure (dae_options%structure).
   public :: sfdae_structure_off, sfdae_structure_automatic, sfdae_structure_required
+  !> What bindings write as matrices of which patterns are given.
+  public :: sfdae_matrices_dense, sfdae_matrices_compressed, sfdae_matrices_differences
   !> What numbers say of the structure (sfdae_structure%verdict).
   public :: sfdae_structure_unchecked, sfdae_structure_certified, sfdae_structure_misleads, &
     sfdae_structure_unclear

@@ -11,10 +11,11 @@ module sfdae_problems
     c_create_nonlinear, c_linear_problem_init, c_nonlinear_problem_init
   use sfdae_conversions, only: flag, matrix_at, names_in_c, vector_at
   use sfdae_types, only: expression, sfdae_internal, sfdae_linear_problem, &
-    sfdae_nonlinear_problem, sfdae_ok, sfdae_options, sfdae_order_not_available
+    sfdae_matrices_dense, sfdae_nonlinear_problem, sfdae_ok, sfdae_options, sfdae_order_not_available
   implicit none
   private
 
+  public :: sparsity_pattern
   public :: any_dae, linear_dae, nonlinear_dae, recorded_linear_dae, derivative_dae
   public :: problem_holder, linear_holder, nonlinear_holder, equation_name_length
 
@@ -22,6 +23,15 @@ module sfdae_problems
   integer, parameter :: equation_name_length = 128
 
   ! ---- Types to extend ----------------------------------------------------------------------
+
+  !> Sparsity of an m x n matrix by compressed columns: rows of the entries of column j are
+  !> row_index(col_start(j)), ..., row_index(col_start(j + 1) - 1), in any order, none twice.
+  type :: sparsity_pattern
+    !> n + 1 numbers, the first 1, the last the number of entries + 1.
+    integer(c_int), allocatable :: col_start(:)
+    !> One for each entry, 1 ... m.
+    integer(c_int), allocatable :: row_index(:)
+  end type sparsity_pattern
 
   !> What all problems have.
   type, abstract :: any_dae
@@ -50,6 +60,11 @@ module sfdae_problems
     logical :: constant_a = .false.
     !> .false.: f = 0, eval_f is not called.
     logical :: has_f = .true.
+    !> Of E and A, both or none: equations are then solved by their structure.
+    type(sparsity_pattern) :: pattern_e, pattern_a
+    !> sfdae_matrices_compressed: e and a of the bindings have one column, the entries in the
+    !> order of the pattern.
+    integer(c_int) :: matrices = sfdae_matrices_dense
   contains
     !> Writes E or its derivatives.
     procedure(e_function), deferred :: eval_e
@@ -76,6 +91,11 @@ module sfdae_problems
 
   !> Nonlinear problem F(t, x, x') = 0 with derivatives of your own.
   type, abstract, extends(any_dae) :: derivative_dae
+    !> Of F_x and F_x', both or none: equations are then solved by their structure.
+    type(sparsity_pattern) :: pattern_f_x, pattern_f_xdot
+    !> sfdae_matrices_compressed: f_x and f_xdot of the binding have one column, the entries in the
+    !> order of the pattern. sfdae_matrices_differences: they are absent, always.
+    integer(c_int) :: matrices = sfdae_matrices_dense
   contains
     !> Writes F and its Jacobians, or total derivatives of them; called at every point.
     procedure(total_derivative_procedure), deferred :: total_derivative
@@ -225,6 +245,9 @@ module sfdae_problems
     character(kind=c_char), allocatable :: names(:, :)
     !> Of these.
     type(c_ptr), allocatable :: name_addresses(:)
+    !> As C wants them: of E and A, or of F_x and F_x'.
+    type(sparsity_pattern) :: pattern_e, pattern_a, pattern_f_x, pattern_f_xdot
+    integer(c_int) :: matrices = sfdae_matrices_dense
   end type problem_callbacks
 
   !> For a linear_dae.
@@ -292,7 +315,7 @@ contains
 
     call c_f_pointer(user, to)
     status = sfdae_ok
-    call to%linear%eval_e(t, order, matrix_at(matrix, to%num_equations, to%num_unknowns), status)
+    call to%linear%eval_e(t, order, matrix_of(to, matrix, to%pattern_e), status)
   end function call_eval_e
 
   !> sfdae_matrix_function of A.
@@ -305,7 +328,7 @@ contains
 
     call c_f_pointer(user, to)
     status = sfdae_ok
-    call to%linear%eval_a(t, order, matrix_at(matrix, to%num_equations, to%num_unknowns), status)
+    call to%linear%eval_a(t, order, matrix_of(to, matrix, to%pattern_a), status)
   end function call_eval_a
 
   !> sfdae_vector_function of f.
@@ -384,12 +407,26 @@ contains
     call c_f_pointer(user, to)
     jet => matrix_at(derivatives, to%num_unknowns, order + 2_c_int)
     nullify (matrix_x, matrix_xdot)
-    if (c_associated(f_x)) matrix_x => matrix_at(f_x, to%num_equations, to%num_unknowns)
-    if (c_associated(f_xdot)) matrix_xdot => matrix_at(f_xdot, to%num_equations, to%num_unknowns)
+    if (c_associated(f_x)) matrix_x => matrix_of(to, f_x, to%pattern_f_x)
+    if (c_associated(f_xdot)) matrix_xdot => matrix_of(to, f_xdot, to%pattern_f_xdot)
     status = sfdae_ok
     call to%derivative%total_derivative(t, order, jet, vector_at(f, to%num_equations), matrix_x, &
       matrix_xdot, status)
   end function call_total_derivative
+
+  !> Where a matrix goes, or the entries of its pattern.
+  function matrix_of(to, address, pattern) result(matrix)
+    type(problem_callbacks), intent(in) :: to
+    type(c_ptr), intent(in) :: address
+    type(sparsity_pattern), intent(in) :: pattern
+    real(c_double), pointer :: matrix(:, :)
+
+    if (to%matrices == sfdae_matrices_dense) then
+      matrix => matrix_at(address, to%num_equations, to%num_unknowns)
+    else
+      matrix => matrix_at(address, size(pattern%row_index, kind=c_int), 1_c_int)
+    end if
+  end function matrix_of
 
   ! ---- Descriptions for C -------------------------------------------------------------------
 
@@ -417,6 +454,12 @@ contains
         if (problem%has_f) c%f = address_of_vector_function(call_eval_f)
         c%constant_e = flag(problem%constant_e)
         c%constant_a = flag(problem%constant_a)
+        c%matrices = problem%matrices
+        self%callbacks%matrices = problem%matrices
+        call copy_pattern(problem%pattern_e, self%callbacks%pattern_e, c%e_entries, &
+          c%e_col_start, c%e_row_index)
+        call copy_pattern(problem%pattern_a, self%callbacks%pattern_a, c%a_entries, &
+          c%a_col_start, c%a_row_index)
       end select
       if (.not. allocated(self%callbacks%prescribed)) return
       c%num_prescribed = size(self%callbacks%prescribed, kind=c_int)
@@ -451,6 +494,12 @@ contains
       class is (derivative_dae)
         self%callbacks%derivative => problem
         c%total_derivative = address_of_total_derivative_function(call_total_derivative)
+        c%matrices = problem%matrices
+        self%callbacks%matrices = problem%matrices
+        call copy_pattern(problem%pattern_f_x, self%callbacks%pattern_f_x, c%f_x_entries, &
+          c%f_x_col_start, c%f_x_row_index)
+        call copy_pattern(problem%pattern_f_xdot, self%callbacks%pattern_f_xdot, &
+          c%f_xdot_entries, c%f_xdot_col_start, c%f_xdot_row_index)
       end select
       if (allocated(self%callbacks%differentiations)) &
         c%differentiations = c_loc(self%callbacks%differentiations)
@@ -460,6 +509,23 @@ contains
       c%prescribed_values = address_of_vector_function(call_eval_prescribed)
     end associate
   end subroutine fill_nonlinear
+
+  !> Of a pattern counted from 1 what C needs, which counts from 0.
+  subroutine copy_pattern(pattern, copy, entries, col_start, row_index)
+    type(sparsity_pattern), intent(in) :: pattern
+    type(sparsity_pattern), target, intent(inout) :: copy
+    integer(c_int), intent(inout) :: entries
+    type(c_ptr), intent(inout) :: col_start, row_index
+
+    if (allocated(pattern%row_index)) then
+      copy%row_index = pattern%row_index - 1_c_int
+      entries = size(pattern%row_index, kind=c_int)
+      if (entries > 0) row_index = c_loc(copy%row_index)
+    end if
+    if (.not. allocated(pattern%col_start)) return
+    copy%col_start = pattern%col_start - 1_c_int
+    if (size(pattern%col_start) > 0) col_start = c_loc(copy%col_start)
+  end subroutine copy_pattern
 
   !> What callbacks and C need of any problem.
   subroutine prepare_callbacks(callbacks, problem)

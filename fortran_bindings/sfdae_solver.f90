@@ -24,7 +24,8 @@ module sfdae_solver
   use sfdae_ensembles, only: dae_ensemble, dae_ensemble_results, solve_ensemble_in_c
   use sfdae_linearizations, only: dae_descriptor, dae_linearization, linearize_in_c
   use sfdae_multibody, only: any_multibody_dae, multibody_holder
-  use sfdae_problems, only: any_dae, linear_dae, linear_holder, nonlinear_holder, problem_holder
+  use sfdae_problems, only: any_dae, derivative_dae, linear_dae, linear_holder, nonlinear_holder, &
+    problem_holder, sparsity_pattern
   use sfdae_sensitivities, only: dae_sensitivities, set_sensitivities_in_c
   use sfdae_solutions, only: dae_solution
   use sfdae_types, only: sfdae_change, sfdae_characteristics, sfdae_decision, &
@@ -202,12 +203,32 @@ contains
       call compare_size("equation_names", size(problem%equation_names, kind=c_int), &
         problem%num_equations, complaint, "m")
     select type (problem)
+    class is (linear_dae)
+      call check_pattern(problem%pattern_e, "pattern_e", problem%num_unknowns, complaint)
+      call check_pattern(problem%pattern_a, "pattern_a", problem%num_unknowns, complaint)
+    class is (derivative_dae)
+      call check_pattern(problem%pattern_f_x, "pattern_f_x", problem%num_unknowns, complaint)
+      call check_pattern(problem%pattern_f_xdot, "pattern_f_xdot", problem%num_unknowns, complaint)
     class is (any_multibody_dae)
       if (allocated(problem%constraint_names)) &
         call compare_size("constraint_names", size(problem%constraint_names, kind=c_int), &
           problem%num_constraints + problem%num_nonholonomic, complaint, "nl + nk")
     end select
   end subroutine check_names
+
+  !> Complains of a wrong number of columns, which C cannot see, and of a part that is missing.
+  subroutine check_pattern(pattern, name, num_unknowns, complaint)
+    type(sparsity_pattern), intent(in) :: pattern
+    character(len=*), intent(in) :: name
+    integer(c_int), intent(in) :: num_unknowns
+    !> Replaced if it is wrong.
+    character(len=:), allocatable, intent(inout) :: complaint
+
+    if (allocated(pattern%col_start) .neqv. allocated(pattern%row_index)) &
+      complaint = name // " has one of col_start and row_index only"
+    if (allocated(pattern%col_start)) call compare_size(name // "%col_start", &
+      size(pattern%col_start, kind=c_int), num_unknowns + 1_c_int, complaint, "n + 1")
+  end subroutine check_pattern
 
   !> What is wrong with a problem and its options, in words, and the status that create returns.
   recursive subroutine say_what_is_wrong(holder, c_options, text, status)

@@ -38,6 +38,9 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_leading_identity = 3
   integer(c_int), parameter, public :: sfdae_leading_matrix = 2
   integer(c_int), parameter, public :: sfdae_leading_projector = 1
+  integer(c_int), parameter, public :: sfdae_matrices_compressed = 1
+  integer(c_int), parameter, public :: sfdae_matrices_dense = 0
+  integer(c_int), parameter, public :: sfdae_matrices_differences = 2
   integer(c_int), parameter, public :: sfdae_max_steps = -40
   integer(c_int), parameter, public :: sfdae_method_automatic = 2
   integer(c_int), parameter, public :: sfdae_method_bdf = 0
@@ -82,6 +85,7 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_version_minor = 2
   integer(c_int), parameter, public :: sfdae_version_patch = 0
   integer(c_int), parameter, public :: sfdae_wrong_derivatives = -14
+  integer(c_int), parameter, public :: sfdae_wrong_pattern = -15
   integer(c_int), parameter, public :: sfdae_zeno = -44
 
   type, bind(c), public :: sfdae_change
@@ -224,6 +228,13 @@ module sfdae_types
     type(c_funptr) :: prescribed_values = c_null_funptr
     type(c_ptr) :: user = c_null_ptr
     type(c_ptr) :: equation_names = c_null_ptr
+    integer(c_int) :: e_entries = 0
+    type(c_ptr) :: e_col_start = c_null_ptr
+    type(c_ptr) :: e_row_index = c_null_ptr
+    integer(c_int) :: a_entries = 0
+    type(c_ptr) :: a_col_start = c_null_ptr
+    type(c_ptr) :: a_row_index = c_null_ptr
+    integer(c_int) :: matrices = 0
   end type sfdae_linear_problem
 
   type, bind(c), public :: sfdae_linearization
@@ -312,6 +323,13 @@ module sfdae_types
     type(c_ptr) :: user = c_null_ptr
     type(c_ptr) :: differentiations = c_null_ptr
     type(c_ptr) :: equation_names = c_null_ptr
+    integer(c_int) :: f_x_entries = 0
+    type(c_ptr) :: f_x_col_start = c_null_ptr
+    type(c_ptr) :: f_x_row_index = c_null_ptr
+    integer(c_int) :: f_xdot_entries = 0
+    type(c_ptr) :: f_xdot_col_start = c_null_ptr
+    type(c_ptr) :: f_xdot_row_index = c_null_ptr
+    integer(c_int) :: matrices = 0
   end type sfdae_nonlinear_problem
 
   type, bind(c), public :: sfdae_options

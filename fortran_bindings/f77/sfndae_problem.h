@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "f77/user_problem.h"
-#include "problem/nonlinear_problem.h"
+#include "problem/callback_problem.h"
 
 namespace sfdae::f77 {
 

@@ -100,12 +100,21 @@ constexpr const char* name_of(VelocityVectorFunction MultibodyProblem::*function
   return function == &P::forces ? "f" : function == &P::constraint_curvature ? "gamma" : "eta";
 }
 
-template <MatrixFunction LinearProblem::*function>
+/// Where a matrix of m rows and n columns goes, or the entries of its pattern.
+inline MatrixRef view(double* values, const CallbackState& state, const SparsityPattern& pattern, int matrices,
+                      const char* name) {
+  if (values == nullptr) return {values, 0, state.num_unknowns, name};
+  if (matrices == SFDAE_MATRICES_DENSE) return {values, state.num_equations, state.num_unknowns, name};
+  return {values, static_cast<int>(pattern.row_index.size()), 1, name};
+}
+
+template <MatrixFunction LinearProblem::*function, SparsityPattern LinearProblem::*pattern>
 int call_matrix(double t, int order, double* values, void* user) noexcept {
   CallbackState& state = *static_cast<CallbackState*>(user);
   return state.guarded([&] {
     const LinearProblem& problem = std::get<LinearProblem>(state.problem);
-    return (problem.*function).call(t, order, {values, state.num_equations, state.num_unknowns, name_of(function)});
+    return (problem.*function)
+        .call(t, order, view(values, state, problem.*pattern, problem.matrices, name_of(function)));
   });
 }
 
@@ -166,10 +175,11 @@ inline int call_total_derivative(double t, int order, const double* derivatives,
   CallbackState& state = *static_cast<CallbackState*>(user);
   return state.guarded([&] {
     const int m = state.num_equations, n = state.num_unknowns;
-    return std::get<NonlinearProblem>(state.problem)
-        .total_derivative.call(
-            t, order, {derivatives, n, order + 2, "derivatives"},
-            {{F, m, "F"}, {F_x, F_x != nullptr ? m : 0, n, "F_x"}, {F_xdot, F_xdot != nullptr ? m : 0, n, "F_xdot"}});
+    const NonlinearProblem& problem = std::get<NonlinearProblem>(state.problem);
+    return problem.total_derivative.call(t, order, {derivatives, n, order + 2, "derivatives"},
+                                         {{F, m, "F"},
+                                          view(F_x, state, problem.F_x_pattern, problem.matrices, "F_x"),
+                                          view(F_xdot, state, problem.F_xdot_pattern, problem.matrices, "F_xdot")});
   });
 }
 
@@ -251,18 +261,31 @@ inline const char* const* names_in_c(const std::vector<std::string>& given, int 
   return entries(state.names, n, name, what);
 }
 
+/// Where the parts of a pattern go. Throws Error unless col_start has n + 1 numbers, or nothing is given.
+inline void fill_pattern(const SparsityPattern& pattern, int n, const char* name, int& count, const int*& col_start,
+                         const int*& row_index) {
+  if (pattern.col_start.empty() && pattern.row_index.empty()) return;
+  require_size(pattern.col_start.size(), n + 1, name, "unknowns, and one more");
+  count = static_cast<int>(pattern.row_index.size());
+  col_start = pattern.col_start.data();
+  row_index = pattern.row_index.data();
+}
+
 inline sfdae_linear_problem in_c(const LinearProblem& problem, CallbackState* user) {
   sfdae_linear_problem c;
   sfdae_linear_problem_init(&c, sizeof c);
   c.num_equations = problem.num_equations;
   c.num_unknowns = problem.num_unknowns;
-  c.E = problem.E ? call_matrix<&LinearProblem::E> : nullptr;
-  c.A = problem.A ? call_matrix<&LinearProblem::A> : nullptr;
+  c.E = problem.E ? call_matrix<&LinearProblem::E, &LinearProblem::E_pattern> : nullptr;
+  c.A = problem.A ? call_matrix<&LinearProblem::A, &LinearProblem::A_pattern> : nullptr;
   c.f = problem.f ? call_f : nullptr;
   c.constant_E = problem.constant_E ? 1 : 0;
   c.constant_A = problem.constant_A ? 1 : 0;
   fill_prescribed(problem, c);
   c.equation_names = names_in_c(problem.equation_names, problem.num_equations, "equation_names", "equations", *user);
+  fill_pattern(problem.E_pattern, c.num_unknowns, "E_pattern.col_start", c.E_entries, c.E_col_start, c.E_row_index);
+  fill_pattern(problem.A_pattern, c.num_unknowns, "A_pattern.col_start", c.A_entries, c.A_col_start, c.A_row_index);
+  c.matrices = problem.matrices;
   c.user = user;
   return c;
 }
@@ -278,6 +301,11 @@ inline sfdae_nonlinear_problem in_c(const NonlinearProblem& problem, CallbackSta
   fill_prescribed(problem, c);
   c.equation_names = names_in_c(problem.equation_names, problem.num_equations, "equation_names", "equations", *user);
   c.differentiations = entries(problem.differentiations, problem.num_equations, "differentiations", "equations");
+  fill_pattern(problem.F_x_pattern, c.num_unknowns, "F_x_pattern.col_start", c.F_x_entries, c.F_x_col_start,
+               c.F_x_row_index);
+  fill_pattern(problem.F_xdot_pattern, c.num_unknowns, "F_xdot_pattern.col_start", c.F_xdot_entries,
+               c.F_xdot_col_start, c.F_xdot_row_index);
+  c.matrices = problem.matrices;
   c.user = user;
   return c;
 }

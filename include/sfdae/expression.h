@@ -160,7 +160,7 @@ typedef int (*sfdae_total_derivative_function)(double t, int order, const double
 /** Nonlinear problem F(t, x, x') = 0. Call sfdae_nonlinear_problem_init first, then set members: exactly one of the
  * three functions. Formulas are differentiated by the library; those that are linear in x and x' are solved as
  * linear problems. Up to 50000 equations in as many unknowns can be solved where their structure is of use
- * (sfdae_options.structure): formulas, nothing prescribed, no differentiations. */
+ * (sfdae_options.structure): formulas or a function with patterns, nothing prescribed, no differentiations. */
 typedef struct sfdae_nonlinear_problem {
   size_t size;                                      /**< set by sfdae_nonlinear_problem_init */
   int num_equations;                                /**< m, 1 ... 5000 or more: see above */
@@ -186,6 +186,23 @@ typedef struct sfdae_nonlinear_problem {
   /** Names of the equations for messages, copied: NULL (default), or m names, NULL or "" for those without one. What a
    * message says of an equation then includes its name, as in "equation 7 (balance of mass)". */
   const char* const* equation_names;
+
+  /** With total_derivative only: sparsity patterns (SFDAE_MATRICES_...) of both F_x and F_x', or none (default: NULL). As many
+   * equations as unknowns, none prescribed, no differentiations, are then solved by their structure and with sparse matrices as
+   * recorded equations are (sfdae_options.structure). What is beyond a pattern ends the call with SFDAE_WRONG_PATTERN: dense
+   * Jacobians are compared wherever they are evaluated. For the other forms unknowns are moved, a group at a time, and equations
+   * without any of them must not change: all groups at first, one with every tenth Jacobian later. */
+  int F_x_entries;          /**< default 0 */
+  const int* F_x_col_start; /**< n + 1 numbers */
+  const int* F_x_row_index; /**< F_x_entries rows, 0 ... m - 1 */
+  int F_xdot_entries;
+  const int* F_xdot_col_start;
+  const int* F_xdot_row_index;
+  /** SFDAE_MATRICES_DENSE (default), _COMPRESSED: F_x and F_xdot of the callback have so many entries, its total derivatives
+   * too; or _DIFFERENCES: the callback gets NULL for both. Differences serve where numbers confirm the structure, and nowhere
+   * else (SFDAE_RANK_UNCLEAR). They allow SFDAE_ORDER_NOT_AVAILABLE for order 1 where no equation has to be differentiated: x' at
+   * outputs then has errors of differences. */
+  int matrices;
 } sfdae_nonlinear_problem;
 /** Sets every member to its default. size: sizeof(sfdae_nonlinear_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_nonlinear_problem_init(sfdae_nonlinear_problem* problem, size_t size);

@@ -189,6 +189,12 @@ using TotalDerivativeFunction = Callback<double, int, ConstMatrixRef, TotalDeriv
 ///     [](double t, sfdae::ConstVectorRef x, sfdae::ConstVectorRef xdot, sfdae::VectorRef g) { ... }
 using EventFunction = Callback<double, ConstVectorRef, ConstVectorRef, VectorRef>;
 
+/// Sparsity of a matrix by compressed columns, see SFDAE_MATRICES_DENSE: n + 1 and as many numbers as there are entries; all
+/// empty: not given.
+struct SparsityPattern {
+  std::vector<int> col_start, row_index;
+};
+
 /// E(t) x' = A(t) x + f(t), see sfdae_linear_problem.
 struct LinearProblem {
   LinearProblem(int equations, int unknowns) : num_equations(equations), num_unknowns(unknowns) {}
@@ -203,6 +209,9 @@ struct LinearProblem {
   std::vector<int> prescribed;              ///< indices of the components that are prescribed, u > 0 only
   VectorFunction prescribed_values;         ///< writes their values; order is 0
   std::vector<std::string> equation_names;  ///< for messages: none, or m names, "" for equations without one
+  SparsityPattern E_pattern, A_pattern;     ///< both or none
+  /// SFDAE_MATRICES_COMPRESSED: E and A are views of one column, the entries in the order of the pattern.
+  int matrices = SFDAE_MATRICES_DENSE;
 };
 
 /// F(t, x, x') = 0, see sfdae_nonlinear_problem. One of the three functions has to be given.
@@ -211,13 +220,17 @@ struct NonlinearProblem {
 
   int num_equations;
   int num_unknowns;
-  EquationsFunction equations;               ///< recorded when a solver is created
-  LinearEquationsFunction linear_equations;  ///< recorded when a solver is created
-  TotalDerivativeFunction total_derivative;  ///< called at every point
-  std::vector<int> prescribed;               ///< indices of the components that are prescribed, u > 0 only
-  VectorFunction prescribed_values;          ///< writes their values; order is 0
-  std::vector<int> differentiations;         ///< none, or how often each equation is differentiated at most
-  std::vector<std::string> equation_names;   ///< for messages: none, or m names, "" for equations without one
+  EquationsFunction equations;                  ///< recorded when a solver is created
+  LinearEquationsFunction linear_equations;     ///< recorded when a solver is created
+  TotalDerivativeFunction total_derivative;     ///< called at every point
+  std::vector<int> prescribed;                  ///< indices of the components that are prescribed, u > 0 only
+  VectorFunction prescribed_values;             ///< writes their values; order is 0
+  std::vector<int> differentiations;            ///< none, or how often each equation is differentiated at most
+  std::vector<std::string> equation_names;      ///< for messages: none, or m names, "" for equations without one
+  SparsityPattern F_x_pattern, F_xdot_pattern;  ///< for total_derivative: both or none
+  /// SFDAE_MATRICES_COMPRESSED: F_x and F_xdot are views of one column, the entries in the order of the pattern;
+  /// SFDAE_MATRICES_DIFFERENCES: they are not asked for.
+  int matrices = SFDAE_MATRICES_DENSE;
 };
 
 /// Functions of a mechanical system that write into a view filled with zeros, see sfdae_multibody_problem:

@@ -84,6 +84,7 @@ extern "C" {
 #define SFDAE_NOT_FINITE (-12)        /**< a callback returned NaN or Inf and a smaller step did not help */
 #define SFDAE_ORDER_MISSING (-13)     /**< a derivative that is needed is not available */
 #define SFDAE_WRONG_DERIVATIVES (-14) /**< a derivative contradicts its function: option check_derivatives */
+#define SFDAE_WRONG_PATTERN (-15)     /**< an entry of a matrix is not zero, and not in its sparsity pattern */
 
 /* Failures: structure of the problem. */
 #define SFDAE_INDEX_TOO_HIGH (-20)          /**< the hypothesis holds at no level up to max_index */
@@ -131,11 +132,19 @@ typedef int (*sfdae_matrix_function)(double t, int order, double* matrix, void* 
  * type write prescribed values, too: order is 0. */
 typedef int (*sfdae_vector_function)(double t, int order, double* vector, void* user);
 
+/* What callbacks write as matrices of which sparsity patterns are given. A pattern has compressed columns: rows of the
+ * entries of column j, 0 <= j < n, are row_index[col_start[j]], ..., row_index[col_start[j + 1] - 1], in any order and none
+ * twice; col_start has n + 1 numbers, the first 0 and the last the number of entries. All are copied. */
+#define SFDAE_MATRICES_DENSE 0 /**< all m x n entries; those beyond the pattern have to be zero, which is checked */
+#define SFDAE_MATRICES_COMPRESSED 1 /**< the entries alone, in the order of row_index */
+#define SFDAE_MATRICES_DIFFERENCES \
+  2 /**< nonlinear: nothing. F_x and F_x' are differences of F, by groups of columns */
+
 /** Linear problem E(t) x' = A(t) x + f(t). Call sfdae_linear_problem_init first, then set members. */
 typedef struct sfdae_linear_problem {
   size_t size;       /**< set by sfdae_linear_problem_init */
-  int num_equations; /**< m, 1 ... 5000 */
-  int num_unknowns;  /**< n, 1 ... 5000; m and n may differ */
+  int num_equations; /**< m, 1 ... 5000, or 50000 where compressed matrices are square and nothing is prescribed */
+  int num_unknowns;  /**< n, as m; m and n may differ */
   sfdae_matrix_function E;
   sfdae_matrix_function A;
   sfdae_vector_function f; /**< NULL: f = 0 */
@@ -153,6 +162,17 @@ typedef struct sfdae_linear_problem {
   /** Names of the equations for messages, copied: NULL (default), or m names, NULL or "" for those without one. What a
    * message says of an equation then includes its name, as in "equation 7 (balance of mass)". */
   const char* const* equation_names;
+
+  /** Sparsity patterns: of both matrices or none (default: NULL). As many equations as unknowns, none prescribed, are then solved
+   * by their structure and with sparse matrices as recorded equations are (sfdae_options.structure). An entry that a dense
+   * matrix has beyond its pattern ends the call with SFDAE_WRONG_PATTERN, whenever it occurs. */
+  int E_entries;          /**< default 0 */
+  const int* E_col_start; /**< n + 1 numbers */
+  const int* E_row_index; /**< E_entries rows, 0 ... m - 1 */
+  int A_entries;
+  const int* A_col_start;
+  const int* A_row_index;
+  int matrices; /**< SFDAE_MATRICES_DENSE (default) or _COMPRESSED */
 } sfdae_linear_problem;
 /** Sets every member to its default. size: sizeof(sfdae_linear_problem). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_linear_problem_init(sfdae_linear_problem* problem, size_t size);

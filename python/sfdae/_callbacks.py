@@ -174,7 +174,7 @@ def _define_coefficient(name: str) -> None:
     @callback(f"python_linear_problem_{name}")
     def coefficient(state: CallbackState, t: float, order: int, result: Any) -> int | None:
         problem = state.problem
-        shape = (problem.num_equations, problem.num_unknowns)[: 1 if name == "f" else 2]
+        shape = (problem.num_equations,) if name == "f" else problem.matrix_shape(name)
         part = problem.coefficients[name]
         if isinstance(part, np.ndarray):
             if order == 0:
@@ -259,8 +259,8 @@ def _total_derivative(
         parts = (result,)
     _write(F, parts[0], (m,), "F of total_derivative")
     if asks_for_jacobians:
-        _write(F_x, parts[1], (m, n), "F_x of total_derivative")
-        _write(F_xdot, parts[2], (m, n), "F_xdot of total_derivative")
+        _write(F_x, parts[1], problem.matrix_shape("F_x"), "F_x of total_derivative")
+        _write(F_xdot, parts[2], problem.matrix_shape("F_xdot"), "F_xdot of total_derivative")
     return 0
 
 

@@ -12,6 +12,8 @@ import numpy as np
 from ._binding import ffi, lib
 from ._formula import Formula, flatten, parameter_values
 
+MATRICES = ("dense", "compressed", "differences")  # in the order of SFDAE_MATRICES_...
+
 Prescribed = Mapping[Union[str, int], Callable[[float], float]]
 
 
@@ -118,6 +120,31 @@ class Problem:
         if self.equation_names is not None:
             c.equation_names = c_names(self.equation_names, self.num_equations, "equations", keep)
 
+    def _set_patterns(self, given: Mapping[str, Any], matrices: str) -> None:
+        self.patterns = {
+            name: as_pattern(pattern, self.num_unknowns, f"{name}_pattern")
+            for name, pattern in given.items()
+            if pattern is not None
+        }
+        if matrices not in MATRICES:
+            raise ValueError(f"matrices is {matrices!r}, not one of {', '.join(MATRICES)}")
+        self.matrices = matrices
+
+    def matrix_shape(self, name: str) -> tuple[int, ...]:
+        """Shape of what functions write as the matrix of this name: m x n, or one value an entry."""
+        if self.matrices == "dense":
+            return (int(self.num_equations or 0), self.num_unknowns)
+        return (len(self.patterns[name][1]),)
+
+    def _fill_patterns(self, c: Any, keep: list[Any]) -> None:
+        c.matrices = MATRICES.index(self.matrices)
+        for name, (col_start, row_index) in self.patterns.items():
+            arrays = [ffi.new("int[]", part.tolist()) for part in (col_start, row_index)]
+            keep += arrays
+            setattr(c, f"{name}_entries", len(row_index))
+            setattr(c, f"{name}_col_start", arrays[0])
+            setattr(c, f"{name}_row_index", arrays[1])
+
     def _set_prescribed(self, prescribed: Prescribed | None) -> None:
         self.prescribed = {self.index(unknown): f for unknown, f in (prescribed or {}).items()}
         for unknown, function in self.prescribed.items():
@@ -179,6 +206,13 @@ class NonlinearProblem(Problem):
         Unknowns that the equations leave free (u > 0) as functions of time: ``{"input": np.sin}``.
     differentiations : sequence of int, optional
         How often each equation is differentiated at most; see sfdae_nonlinear_problem.
+    F_x_pattern, F_xdot_pattern : pair of array_like, optional
+        For total_derivative: sparsity by compressed columns, ``(col_start, row_index)`` with n + 1
+        numbers and as many rows as there are entries, from 0: both matrices or none.
+    matrices : {"dense", "compressed", "differences"}, optional
+        With patterns: what total_derivative returns as F_x and F_xdot. "compressed": the entries in
+        the order of the pattern; "differences": nothing, jacobians is false then, and they are
+        differences of F.
     """
 
     kind = "nonlinear"
@@ -196,6 +230,9 @@ class NonlinearProblem(Problem):
         total_derivative: Callable[..., Any] | None = None,
         prescribed: Prescribed | None = None,
         differentiations: Iterable[int] | None = None,
+        F_x_pattern: Any = None,
+        F_xdot_pattern: Any = None,
+        matrices: str = "dense",
     ) -> None:
         if num_unknowns is None and names is None:
             raise TypeError("the number of unknowns is needed: num_unknowns or names")
@@ -216,6 +253,7 @@ class NonlinearProblem(Problem):
         self.differentiations = (
             None if differentiations is None else [int(count) for count in differentiations]
         )
+        self._set_patterns({"F_x": F_x_pattern, "F_xdot": F_xdot_pattern}, matrices)
 
     def residual(self, t: float, x: Any, xdot: Any, **parameters: Any) -> np.ndarray:
         """F(t, x, x') for numbers: the function that writes the equations, evaluated.
@@ -252,6 +290,7 @@ class NonlinearProblem(Problem):
                 raise ValueError(f"differentiations has {given} entries for {m} equations")
             keep.append(ffi.new("int[]", self.differentiations))
             c.differentiations = keep[-1]
+        self._fill_patterns(c, keep)
 
 
 class LinearProblem(Problem):
@@ -273,6 +312,10 @@ class LinearProblem(Problem):
         Needed where neither E nor A is an array; m is n if it is not given.
     names, units, equation_names, parameters, prescribed
         As for NonlinearProblem.
+    E_pattern, A_pattern : pair of array_like, optional
+        For functions of (t, order): sparsity, as F_x_pattern of NonlinearProblem.
+    matrices : {"dense", "compressed"}, optional
+        "compressed": E and A, arrays or functions, are the entries in the order of their patterns.
     """
 
     def __init__(
@@ -288,14 +331,27 @@ class LinearProblem(Problem):
         equation_names: Sequence[str] | None = None,
         parameters: Mapping[str, Any] | None = None,
         prescribed: Prescribed | None = None,
+        E_pattern: Any = None,
+        A_pattern: Any = None,
+        matrices: str = "dense",
     ) -> None:
-        self.coefficients = {"E": _coefficient("E", E), "A": _coefficient("A", A)}
+        dimension = 1 if matrices == "compressed" else 2
+        self.coefficients = {
+            "E": _coefficient("E", E, dimension),
+            "A": _coefficient("A", A, dimension),
+        }
         if f is not None:
-            self.coefficients["f"] = _coefficient("f", f)
-        m, n = self._shape(num_equations, num_unknowns, names)
+            self.coefficients["f"] = _coefficient("f", f, 1)
+        patterns = {"E": E_pattern, "A": A_pattern}
+        if num_unknowns is None and names is None and E_pattern is not None:
+            num_unknowns = len(E_pattern[0]) - 1
+        m, n = self._shape(num_equations, num_unknowns, names, matrices == "compressed")
         self._set_unknowns(n, names, units)
         self._set_equation_names(equation_names)
         self.num_equations = m
+        self._set_patterns(patterns, matrices)
+        if matrices != "dense":
+            self._check_entries()
         functions = {name: part for name, part in self.coefficients.items() if callable(part)}
         callbacks = [
             name for name, function in functions.items() if not isinstance(function, Formula)
@@ -307,13 +363,28 @@ class LinearProblem(Problem):
                 "(t, order), which is called at every point: give functions of one kind"
             )
         self.kind = "linear" if callbacks or not formulas else "nonlinear"
+        if self.patterns and self.kind != "linear":
+            raise TypeError("patterns are for functions of (t, order): those of formulas are known")
         self.parameters = parameter_values([functions[name] for name in formulas], parameters)
         self._set_prescribed(prescribed)
 
-    def _shape(self, m: int | None, n: int | None, names: Sequence[str] | None) -> tuple[int, int]:
+    def _check_entries(self) -> None:
+        if self.matrices == "differences":
+            raise ValueError("E and A cannot be differences: matrices is 'dense' or 'compressed'")
+        for part in ("E", "A"):
+            array = self.coefficients[part]
+            if part not in self.patterns:
+                raise TypeError(f"{part}_pattern is needed where matrices are compressed")
+            expected = self.matrix_shape(part)
+            if isinstance(array, np.ndarray) and array.shape != expected:
+                raise ValueError(f"{part} has shape {array.shape}, not {expected}")
+
+    def _shape(
+        self, m: int | None, n: int | None, names: Sequence[str] | None, is_compressed: bool
+    ) -> tuple[int, int]:
         if n is None and names is not None:
             n = len(names)
-        for part in ("E", "A"):
+        for part in () if is_compressed else ("E", "A"):
             matrix = self.coefficients[part]
             if isinstance(matrix, np.ndarray):
                 m = matrix.shape[0] if m is None else m
@@ -322,6 +393,8 @@ class LinearProblem(Problem):
             raise TypeError("num_unknowns or names is needed where neither E nor A is an array")
         m = n if m is None else m
         for part, expected in (("E", (m, n)), ("A", (m, n)), ("f", (m,))):
+            if is_compressed and part != "f":
+                continue
             array = self.coefficients.get(part)
             if isinstance(array, np.ndarray) and array.shape != expected:
                 raise ValueError(f"{part} has shape {array.shape}, not {expected}")
@@ -338,9 +411,10 @@ class LinearProblem(Problem):
             setattr(c, part, getattr(lib, f"python_linear_problem_{part}"))
         c.constant_E = isinstance(self.coefficients["E"], np.ndarray)
         c.constant_A = isinstance(self.coefficients["A"], np.ndarray)
+        self._fill_patterns(c, keep)
 
 
-def _coefficient(name: str, given: Any) -> Any:
+def _coefficient(name: str, given: Any, dimension: int) -> Any:
     """An array of numbers, a function of (t, order), or a Formula in t."""
     if not callable(given):
         try:
@@ -349,10 +423,10 @@ def _coefficient(name: str, given: Any) -> Any:
             raise TypeError(
                 f"{name} has to be an array of numbers or a function, not {given!r}"
             ) from None
-        if array.ndim != (1 if name == "f" else 2):
+        if array.ndim != dimension:
             raise ValueError(
                 f"{name} has shape {array.shape}: it has to be a "
-                f"{'vector' if name == 'f' else 'matrix'}"
+                f"{'vector' if dimension == 1 else 'matrix'}"
             )
         return array
     try:
@@ -360,6 +434,21 @@ def _coefficient(name: str, given: Any) -> Any:
     except (TypeError, ValueError):
         has_order = False
     return given if has_order else Formula(given, ("t",), name)
+
+
+def as_pattern(given: Any, n: int, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """(col_start, row_index) of n columns; what else is wrong with it the library says."""
+    parts = tuple(np.asarray(part) for part in given)
+    if len(parts) != 2:
+        raise ValueError(f"{name} has to be a pair (col_start, row_index)")
+    for part, what in zip(parts, ("col_start", "row_index")):
+        if part.ndim != 1 or (part.size > 0 and not np.issubdtype(part.dtype, np.integer)):
+            raise ValueError(f"{what} of {name} has to be a vector of integers")
+    if len(parts[0]) != n + 1:
+        raise ValueError(
+            f"col_start of {name} has {len(parts[0])} numbers for {n} unknowns: {n + 1} are needed"
+        )
+    return parts[0].astype(np.intc), parts[1].astype(np.intc)
 
 
 def as_names(given: Sequence[str], what: str) -> tuple[str, ...]:

@@ -127,6 +127,81 @@ def test_total_derivatives_by_hand():
     assert not sfdae.Solver(problem).check_derivatives(0.5, 2).suspicious
 
 
+# ---- Sparsity patterns ---------------------------------------------------------------------------
+
+# x0' = -x1, 0 = x1^3 + x1 - x0: log x1 + 3/2 x1^2 + t stays.
+CUBIC = {"F_x_pattern": ([0, 1, 3], [1, 0, 1]), "F_xdot_pattern": ([0, 1, 1], [0])}
+
+
+@pytest.mark.parametrize("matrices", ["dense", "compressed", "differences"])
+def test_total_derivatives_with_patterns(matrices):
+    asked = []
+
+    def total_derivative(t, order, jet, jacobians):
+        if order > 0:
+            return None
+        x, xdot = jet[:, 0], jet[:, 1]
+        F = [xdot[0] + x[1], x[1] ** 3 + x[1] - x[0]]
+        if not jacobians:
+            return F
+        asked.append(order)
+        slope = 3 * x[1] ** 2 + 1
+        if matrices == "compressed":
+            return F, [-1, 1, slope], [1]
+        return F, [[0, 1], [-1, slope]], [[1, 0], [0, 0]]
+
+    problem = sfdae.NonlinearProblem(
+        num_unknowns=2, total_derivative=total_derivative, matrices=matrices, **CUBIC
+    )
+    sol = sfdae.solve(
+        problem, (0, 1), [2, 1], structure="required", difference_derivatives=True, **EXACT
+    )
+    v = sol.x[1, -1]
+    assert np.log(v) + 1.5 * v**2 + 1 == pytest.approx(1.5, abs=1e-6)
+    assert bool(asked) == (matrices != "differences")
+
+
+def test_linear_problems_with_entries():
+    """x0' = -x0, 0 = x0 - x1."""
+    problem = sfdae.LinearProblem(
+        [1.0],
+        lambda t, order: [-1.0, 1.0, -1.0] if order == 0 else [0.0] * 3,
+        E_pattern=([0, 1, 1], [0]),
+        A_pattern=([0, 2, 3], [0, 1, 1]),
+        matrices="compressed",
+    )
+    assert problem.num_unknowns == 2
+    sol = sfdae.solve(problem, (0, 1), [1, 1], structure="required", **EXACT)
+    assert sol.x[:, -1] == pytest.approx(np.exp(-1) * np.ones(2), abs=1e-7)
+
+
+def test_an_entry_that_a_pattern_lacks():
+    problem = sfdae.LinearProblem(
+        np.eye(2), lambda t, order: np.eye(2), E_pattern=([0, 1, 2], [0, 1]), A_pattern=([0, 1, 1], [0])
+    )
+    with pytest.raises(sfdae.Error, match="A has the entry 1 in row 1, column 1"):
+        sfdae.solve(problem, (0, 1), [1, 1])
+
+
+@pytest.mark.parametrize(
+    "change, error, text",
+    [
+        ({"F_x_pattern": ([0, 1], [1])}, ValueError, "2 numbers for 2 unknowns: 3 are needed"),
+        ({"F_x_pattern": ([0, 1, 3], [0.5, 0, 1])}, ValueError, "vector of integers"),
+        ({"F_x_pattern": ([0, 1, 3],)}, ValueError, "pair"),
+        ({"matrices": "sparse"}, ValueError, "not one of dense"),
+        ({"F_x_pattern": ([0, 1, 3], [1, 0, 2])}, sfdae.Error, "rows are 0 ... 1"),
+    ],
+)
+def test_wrong_patterns(change, error, text):
+    with pytest.raises(error, match=text):
+        sfdae.Solver(
+            sfdae.NonlinearProblem(
+                num_unknowns=2, total_derivative=lambda *_: None, **{**CUBIC, **change}
+            )
+        )
+
+
 # ---- Names and values ----------------------------------------------------------------------------
 
 

@@ -3,9 +3,11 @@
 #include "c_api/checks.h"
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "integrate/step_control.h"
+#include "linalg/column_pattern.h"
 #include "linalg/index.h"
 #include "problem/failure.h"
 
@@ -13,7 +15,7 @@ namespace sfdae::core {
 
 namespace {
 
-// Recorded equations may be solved with sparse matrices.
+// Recorded equations, and functions with patterns, may be solved with sparse matrices.
 constexpr int largest_dimension = most_dense_unknowns, largest_sparse = 50000;
 
 bool is_flag(int value) { return value == 0 || value == 1; }
@@ -80,10 +82,49 @@ CallResult check_prescribed(const AnyProblem& problem) {
   return {};
 }
 
+struct NamedPattern {
+  const char* name;
+  GivenPattern pattern;
+  bool is_given() const { return pattern.entries != 0 || pattern.start != nullptr || pattern.row != nullptr; }
+};
+
+// Of both matrices or none.
+CallResult check_patterns(const NamedPattern& first, const NamedPattern& second, int m, int n) {
+  if (!first.is_given() && !second.is_given()) return {};
+  for (const NamedPattern* one : {&first, &second}) {
+    if (!one->is_given())
+      return illegal_argument(
+          format("the pattern of %s is missing: give those of both matrices or none.", one->name));
+    if (const std::string wrong = complaint_about(one->pattern, one->name, m, n); !wrong.empty())
+      return illegal_argument(wrong);
+  }
+  return {};
+}
+
+CallResult check_form(int matrices, int highest, bool has_patterns) {
+  if (matrices < SFDAE_MATRICES_DENSE || matrices > highest)
+    return illegal_argument(format("matrices is %d; it must be one of SFDAE_MATRICES_...", matrices));
+  if (matrices != SFDAE_MATRICES_DENSE && !has_patterns)
+    return illegal_argument("matrices is not SFDAE_MATRICES_DENSE: patterns have to be given.");
+  return {};
+}
+
 }  // namespace
 
 CallResult check_problem(const sfdae_linear_problem& problem) {
-  if (CallResult result = check_dimensions(problem.num_equations, problem.num_unknowns); result.status != SFDAE_OK)
+  const bool may_be_sparse = problem.matrices == SFDAE_MATRICES_COMPRESSED && problem.num_prescribed == 0 &&
+                             problem.num_equations == problem.num_unknowns;
+  if (CallResult result = check_dimensions(problem.num_equations, problem.num_unknowns,
+                                           may_be_sparse ? largest_sparse : largest_dimension);
+      result.status != SFDAE_OK)
+    return result;
+  const NamedPattern E{"E", {problem.E_entries, problem.E_col_start, problem.E_row_index}},
+      A{"A", {problem.A_entries, problem.A_col_start, problem.A_row_index}};
+  if (CallResult result = check_form(problem.matrices, SFDAE_MATRICES_COMPRESSED, E.is_given());
+      result.status != SFDAE_OK)
+    return result;
+  if (CallResult result = check_patterns(E, A, problem.num_equations, problem.num_unknowns);
+      result.status != SFDAE_OK)
     return result;
   if (problem.E == nullptr || problem.A == nullptr) return illegal_argument("the callbacks E and A must be set.");
   if (!is_flag(problem.constant_E) || !is_flag(problem.constant_A))
@@ -92,9 +133,30 @@ CallResult check_problem(const sfdae_linear_problem& problem) {
   return check_prescribed(problem);
 }
 
+namespace {
+
+CallResult check_jacobians(const sfdae_nonlinear_problem& problem, bool has_structure) {
+  const NamedPattern F_x{"F_x", {problem.F_x_entries, problem.F_x_col_start, problem.F_x_row_index}},
+      F_xdot{"F_xdot", {problem.F_xdot_entries, problem.F_xdot_col_start, problem.F_xdot_row_index}};
+  if (F_x.is_given() && problem.total_derivative == nullptr)
+    return illegal_argument("patterns are for total_derivative: those of formulas are known.");
+  if (CallResult result = check_form(problem.matrices, SFDAE_MATRICES_DIFFERENCES, F_x.is_given());
+      result.status != SFDAE_OK)
+    return result;
+  if (problem.matrices == SFDAE_MATRICES_DIFFERENCES && !has_structure)
+    return illegal_argument(
+        "SFDAE_MATRICES_DIFFERENCES needs as many equations as unknowns, nothing prescribed and no "
+        "differentiations.");
+  return check_patterns(F_x, F_xdot, problem.num_equations, problem.num_unknowns);
+}
+
+}  // namespace
+
 CallResult check_problem(const sfdae_nonlinear_problem& problem) {
-  const bool may_be_sparse = problem.total_derivative == nullptr && problem.num_equations == problem.num_unknowns &&
-                             problem.num_prescribed == 0 && problem.differentiations == nullptr;
+  const bool has_structure = problem.num_equations == problem.num_unknowns && problem.num_prescribed == 0 &&
+                             problem.differentiations == nullptr;
+  const bool may_be_sparse =
+      has_structure && (problem.total_derivative == nullptr || problem.matrices != SFDAE_MATRICES_DENSE);
   if (CallResult result = check_dimensions(problem.num_equations, problem.num_unknowns,
                                            may_be_sparse ? largest_sparse : largest_dimension);
       result.status != SFDAE_OK)
@@ -106,6 +168,7 @@ CallResult check_problem(const sfdae_nonlinear_problem& problem) {
         format("%d of the functions equations, linear_equations and total_derivative are set; it must "
                "be one.",
                functions));
+  if (CallResult result = check_jacobians(problem, has_structure); result.status != SFDAE_OK) return result;
   for (int i = 0; problem.differentiations != nullptr && i < problem.num_equations; ++i)
     if (problem.differentiations[i] < 0 || problem.differentiations[i] > max_strangeness_index)
       return illegal_argument(format("differentiations[%d] = %d; it must be 0 ... %d.", i,

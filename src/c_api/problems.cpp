@@ -11,6 +11,7 @@
 #include "c_api/expressions.h"
 #include "c_api/record_multibody.h"
 #include "extension/structured_model.h"
+#include "problem/callback_equations.h"
 
 namespace sfdae::core {
 
@@ -70,19 +71,62 @@ AnyModel with_structure(AnyModel any) {
   return any;
 }
 
+JacobianForm form_of(int matrices) {
+  return matrices == SFDAE_MATRICES_DENSE        ? JacobianForm::dense
+         : matrices == SFDAE_MATRICES_COMPRESSED ? JacobianForm::compressed
+                                                 : JacobianForm::differences;
+}
+
+// None where there are none.
+std::shared_ptr<const JacobianPatterns> patterns_of(const GivenPattern& F_x, const GivenPattern& F_xdot, int n) {
+  if (F_x.start == nullptr) return nullptr;
+  return std::make_shared<const JacobianPatterns>(
+      JacobianPatterns{column_pattern(F_x, n), column_pattern(F_xdot, n)});
+}
+
+// Functions with patterns, the same way; they evaluate what the model of them does.
+AnyModel with_opaque_structure(AnyModel any, std::shared_ptr<PatternedEquations> equations,
+                               const JacobianPatterns& patterns) {
+  const int m = any.model->m();
+  const EquationNames names = any.model->problem().equation_names();
+  std::unique_ptr<RecordedProblem> opaque = opaque_problem(std::move(equations), m, patterns, names);
+  RecordedProblem& problem = *opaque;
+  if (any.nonlinear != nullptr) any.nonlinear->callback()->follow(&problem);
+  any.model = std::make_unique<StructuredModel>(std::move(any.model), problem, std::move(opaque));
+  return any;
+}
+
+AnyModel with_patterns(AnyModel any) {
+  if (any.model->m() != any.model->n()) return any;
+  if (any.linear != nullptr) {
+    LinearProblem& problem = any.linear->problem();
+    if (!problem.patterns() || !problem.prescribed().empty()) return any;
+    const auto patterns = problem.patterns();
+    return with_opaque_structure(std::move(any), std::make_shared<LinearEquations>(problem), *patterns);
+  }
+  CallbackProblem& problem = *any.nonlinear->callback();
+  if (!problem.patterns() || problem.counts_are_given() || !problem.prescribed().empty()) return any;
+  const auto patterns = problem.patterns();
+  return with_opaque_structure(std::move(any), std::make_shared<NonlinearEquations>(problem), *patterns);
+}
+
 }  // namespace
 
 LinearFunctions functions_of(const sfdae_linear_problem& problem) {
-  return {.m = problem.num_equations,
-          .n = problem.num_unknowns,
-          .E = problem.E,
-          .A = problem.A,
-          .f = problem.f,
-          .user = problem.user,
-          .constant_E = problem.constant_E != 0,
-          .constant_A = problem.constant_A != 0,
-          .inputs = inputs_of(problem),
-          .names = names_of(problem.equation_names, problem.num_equations)};
+  return {
+      .m = problem.num_equations,
+      .n = problem.num_unknowns,
+      .E = problem.E,
+      .A = problem.A,
+      .f = problem.f,
+      .user = problem.user,
+      .constant_E = problem.constant_E != 0,
+      .constant_A = problem.constant_A != 0,
+      .inputs = inputs_of(problem),
+      .names = names_of(problem.equation_names, problem.num_equations),
+      .patterns = patterns_of({problem.A_entries, problem.A_col_start, problem.A_row_index},
+                              {problem.E_entries, problem.E_col_start, problem.E_row_index}, problem.num_unknowns),
+      .compressed = problem.matrices == SFDAE_MATRICES_COMPRESSED};
 }
 
 AnyModel clone_of(const AnyModel& model) {
@@ -92,7 +136,7 @@ AnyModel clone_of(const AnyModel& model) {
 }
 
 AnyModel make_model(const sfdae_linear_problem& problem) {
-  return any(std::make_unique<LinearModel>(functions_of(problem)));
+  return with_patterns(any(std::make_unique<LinearModel>(functions_of(problem))));
 }
 
 AnyModel make_model(const sfdae_nonlinear_problem& problem) {
@@ -104,9 +148,15 @@ AnyModel make_model(const sfdae_nonlinear_problem& problem) {
     nonlinear->set_equation_names(names);
     return any(std::make_unique<NonlinearModel>(std::move(nonlinear)));
   };
-  if (problem.total_derivative != nullptr)
-    return model_of(
-        std::make_unique<CallbackProblem>(m, n, problem.total_derivative, problem.user, inputs_of(problem)));
+  if (problem.total_derivative != nullptr) {
+    auto callback =
+        std::make_unique<CallbackProblem>(m, n, problem.total_derivative, problem.user, inputs_of(problem));
+    const auto patterns =
+        patterns_of({problem.F_x_entries, problem.F_x_col_start, problem.F_x_row_index},
+                    {problem.F_xdot_entries, problem.F_xdot_col_start, problem.F_xdot_row_index}, n);
+    if (patterns) callback->set_patterns(patterns, form_of(problem.matrices));
+    return with_patterns(model_of(std::move(callback)));
+  }
   std::shared_ptr<const Record> record =
       problem.equations != nullptr ? record_equations(problem.equations, m, n, problem.user, names)
                                    : record_linear_equations(problem.linear_equations, m, n, problem.user, names);

@@ -138,7 +138,7 @@ std::string report_of(const sfdae_solver& solver) {
   text += solver.system() != nullptr ? analysis_report(solver) : "the analysis failed\n";
   if (solver.system() != nullptr && solver.kind.multibody != nullptr) text += constraints_report(solver);
   if (const auto extension = solver.model.extension())
-    text += structure_report(*extension, solver.model.evaluator()->record());
+    text += structure_report(*extension, solver.model.structure_evaluator()->record());
   if (solver.initial_report) text += initial_report(*solver.initial_report);
   if (solver.integration) text += integration_report(solver);
   if (solver.message[0] != '\0') text += std::string("Last message: ") + solver.message + "\n";
@@ -171,6 +171,7 @@ const char* sfdae_status_name(int status) {
     SFDAE_NAME(SFDAE_NOT_FINITE)
     SFDAE_NAME(SFDAE_ORDER_MISSING)
     SFDAE_NAME(SFDAE_WRONG_DERIVATIVES)
+    SFDAE_NAME(SFDAE_WRONG_PATTERN)
     SFDAE_NAME(SFDAE_INDEX_TOO_HIGH)
     SFDAE_NAME(SFDAE_RANK_UNCLEAR)
     SFDAE_NAME(SFDAE_CHARACTERISTICS_CHANGED)

@@ -113,7 +113,10 @@ std::string judge_blocks(const Structure& structure, const Record& record, const
 }
 
 CallResult not_recorded() {
-  return illegal_argument("structure is that of recorded equations, as many as unknowns, linear or nonlinear.");
+  return illegal_argument(
+      "structure is that of recorded equations, or of functions with sparsity patterns, as many as unknowns, linear "
+      "or "
+      "nonlinear.");
 }
 
 }  // namespace
@@ -129,7 +132,8 @@ int sfdae_get_structure(sfdae_solver* solver, sfdae_structure* result, int* diff
   return guarded<Text::of_answer>(solver, [&]() -> CallResult {
     if (result == nullptr || !is_plausible_size(result->size))
       return illegal_argument("the result is NULL or its size is not set: call its init function.");
-    TaylorEvaluator* const evaluator = solver->kind.multibody != nullptr ? nullptr : solver->model.evaluator();
+    TaylorEvaluator* const evaluator =
+        solver->kind.multibody != nullptr ? nullptr : solver->model.structure_evaluator();
     if (evaluator == nullptr || evaluator->record().m() != evaluator->record().n()) return not_recorded();
     const Record& record = evaluator->record();
     const PublicArrays arrays{differentiations, orders, assigned, block};

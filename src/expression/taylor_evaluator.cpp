@@ -68,8 +68,8 @@ std::vector<Edge> in_offsets(std::vector<Edge> edges, int stride) {
 
 }  // namespace
 
-TaylorEvaluator::TaylorEvaluator(std::shared_ptr<const Record> record)
-    : record_(std::move(record)), shared_tape_(std::make_shared<const Tape>(*record_)) {
+TaylorEvaluator::TaylorEvaluator(std::shared_ptr<const Record> record, std::shared_ptr<EquationSource> source)
+    : record_(std::move(record)), source_(std::move(source)), shared_tape_(std::make_shared<const Tape>(*record_)) {
   for (const Parameter& parameter : record_->parameters()) parameters_.push_back(parameter.value);
 }
 
@@ -91,8 +91,10 @@ bool TaylorEvaluator::values(double t, const double* jet, int order, double* F) 
 bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders, double* F, double* F_xdot,
                                 double* F_x, const std::vector<int>* limits) {
   const int order = orders.highest();
+  assert(source_ == nullptr || orders.of_gradients() < 0);
   assert(order <= series::highest_order);
   if (order < 0) return true;
+  if (source_) return source_->values(t, jet, orders.F, F);
   const QuietArithmetic quiet;
   reserve(order);
   if (!load(t, jet, order)) return false;
@@ -102,6 +104,7 @@ bool TaylorEvaluator::gradients(double t, const double* jet, SeriesOrders orders
 
 bool TaylorEvaluator::entries(double t, const double* jet, int order, const std::vector<int>& limits,
                               double* values) {
+  if (source_) return source_->entries(t, jet, order, limits, values);
   const QuietArithmetic quiet;
   reserve(order);
   if (!load(t, jet, order)) return false;

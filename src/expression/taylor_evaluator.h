@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "expression/diagnosis.h"
+#include "expression/equation_source.h"
 #include "expression/record.h"
 #include "expression/tape.h"
 #include "linalg/index.h"
@@ -31,7 +32,8 @@ struct SeriesOrders {
 
 class TaylorEvaluator {
  public:
-  explicit TaylorEvaluator(std::shared_ptr<const Record> record);
+  // source: evaluates the equations, which are no formulas; null: the record does. One at a time uses it.
+  explicit TaylorEvaluator(std::shared_ptr<const Record> record, std::shared_ptr<EquationSource> source = nullptr);
   // Of the same recording, which is shared, with the values that parameters have now.
   TaylorEvaluator(const TaylorEvaluator& other) = default;
   TaylorEvaluator& operator=(const TaylorEvaluator&) = delete;
@@ -53,6 +55,9 @@ class TaylorEvaluator {
   // Of the gradients what is not identically zero: the Taylor coefficients of the derivative by tape().targets[e] from
   // values[e (order + 1)] on, those of equation i up to the order limits[i]; others are not touched. jet: of order + 1.
   bool entries(double t, const double* jet, int order, const std::vector<int>& limits, double* values);
+
+  // Beyond rounding errors, relative: see EquationSource::noise.
+  double noise_of_entries() const { return source_ ? source_->noise() : 0.0; }
 
   // After false.
   const EvaluationFailure& failure() const { return failure_; }
@@ -80,6 +85,7 @@ class TaylorEvaluator {
   bool fail(int equation, int order, int order_of_gradients);
 
   std::shared_ptr<const Record> record_;
+  std::shared_ptr<EquationSource> source_;
   std::shared_ptr<const Tape> shared_tape_;
   const Tape& tape_ = *shared_tape_;
   Program program_;

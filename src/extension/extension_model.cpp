@@ -16,6 +16,7 @@ namespace sfdae::core {
 // Where structure misleads, equations are replaced if that helps.
 MinimalExtension ExtensionModel::extension_near(const PointOfInterest& point, const std::vector<double>& sizes) {
   const std::shared_ptr<const Structure>& recorded = problem_.shared_structure();
+  if (problem_.source() != nullptr && problem_.source()->has_differences()) return {problem_, recorded};
   auto replaced = structure_with_replacements(*recorded, problem_.evaluator(), {point.t, point.x, sizes});
   return {problem_, replaced ? std::move(replaced) : recorded};
 }
@@ -24,6 +25,7 @@ MinimalExtension ExtensionModel::extension_near(const PointOfInterest& point, co
 void ExtensionModel::analyze(const PointOfInterest& point, const ModelOptions& options,
                              std::vector<RankDecision>& decisions) {
   forget_system();
+  problem_.forget_source();
   const std::vector<double> zeros(index(n()), 0.0);
   PointOfInterest start = point;
   if (start.x == nullptr) start.x = zeros.data();

@@ -39,6 +39,7 @@ class ExtensionModel final : public ModelOf<ExtensionSystem> {
   Projectors projectors(const Jet&, bool) override { return {}; }
   StrangenessFreeEquations strangeness_free(const Jet&) override { return {}; }
   Jet accepted_point() const override;
+  const Jet& accepted_jet() const { return system_->accepted_jet(); }
 
  protected:
   std::unique_ptr<ExtensionSystem> copy_of_system() override;

@@ -40,7 +40,7 @@ EvaluationCounts StructuredModel::evaluations() const {
 
 void StructuredModel::parameters_changed() {
   classical_->parameters_changed();
-  if (!owned_) return;
+  if (!owned_ || classical_->evaluator() == nullptr) return;
   const TaylorEvaluator& from = *classical_->evaluator();
   for (int i = 0; i < from.num_parameters(); ++i) {
     owned_->evaluator().set_parameter(i, from.parameter(i));
@@ -69,29 +69,40 @@ void StructuredModel::analyze(const PointOfInterest& point, const ModelOptions& 
                               std::vector<RankDecision>& decisions) {
   forget_system();
   options_ = options;
-  const bool is_required = options.structure == StructureUse::required;
-  if (is_required && problem_.structure() == nullptr)
-    throw Failure(SFDAE_RANK_UNCLEAR,
-                  "the option structure requires what these equations do not have: some contain too few unknowns, as "
-                  "sfdae_get_structure tells.");
-  demand_array_for_sensitivities(options);
-  if (is_required && !orders_are_possible())
-    throw Failure(SFDAE_INDEX_TOO_HIGH,
-                  format("structure asks for more than %d derivatives of an equation.", series::highest_order - 1));
+  const bool is_required = options.structure == StructureUse::required || has_differences();
+  if (is_required) demand_structure(options);
   if (is_required || may_extend(options)) {
     problem_.follow_structure(false);
     try {
+      problem_.allow_differences_in_time(options.differences.allowed);
       extended_.analyze(point, options, decisions);
       is_extended_ = true;
       return;
     } catch (const Failure& failure) {
-      if (is_required || is_stop(failure) || n() > most_dense_unknowns) throw;
+      if (is_required || ends_everything(failure.status()) || n() > most_dense_unknowns) throw;
     }
     decisions.clear();
   }
   demand_dense(n());
   if (options.for_sensitivities && owned_) analyze_as_nonlinear(point, options, decisions);
   else classical_->analyze(point, options, decisions);
+}
+
+// Where it has to be used.
+void StructuredModel::demand_structure(const ModelOptions& options) const {
+  if (has_differences() && options.structure == StructureUse::off)
+    throw Failure(
+        SFDAE_ILLEGAL_ARGUMENT,
+        "structure = SFDAE_STRUCTURE_OFF and SFDAE_MATRICES_DIFFERENCES exclude each other: the whole array "
+        "needs Jacobians.");
+  if (problem_.shared_structure() == nullptr)
+    throw Failure(SFDAE_RANK_UNCLEAR,
+                  "the option structure, or Jacobians by differences, require what these equations do not have: some "
+                  "contain too few unknowns, as sfdae_get_structure tells.");
+  demand_array_for_sensitivities(options);
+  if (!orders_are_possible())
+    throw Failure(SFDAE_INDEX_TOO_HIGH,
+                  format("structure asks for more than %d derivatives of an equation.", series::highest_order - 1));
 }
 
 void StructuredModel::analyze_as_nonlinear(const PointOfInterest& point, const ModelOptions& options,
@@ -110,7 +121,12 @@ void StructuredModel::analyze_as_nonlinear(const PointOfInterest& point, const M
 }
 
 void StructuredModel::demand_derivatives(const PointOfInterest& point, const ModelOptions& options) {
-  if (!is_extended_ && !serves_nonlinear_) classical_->demand_derivatives(point, options);
+  // Comparisons take matrices of all derivatives; by judgement.
+  constexpr int most_compared = 1000;
+  if (serves_nonlinear_) return;
+  if (!is_extended_) classical_->demand_derivatives(point, options);
+  else if (problem_.source() != nullptr && n() <= most_compared)
+    classical_->demand_derivatives_along(extended_.accepted_jet(), point, options);
 }
 
 void StructuredModel::forget_system() {
@@ -128,6 +144,7 @@ bool StructuredModel::expect(SystemForm form) {
 }
 
 void StructuredModel::restore(const ModelOptions& options, Archive& archive) {
+  problem_.allow_differences_in_time(options.differences.allowed);
   try {
     active().restore(options, archive);
   } catch (...) {
@@ -157,6 +174,11 @@ Model& StructuredModel::whole() {
         format("objects of the theory are those of the whole derivative array: there are none of more than %d "
                "unknowns.",
                most_dense_unknowns));
+  if (has_differences())
+    throw Failure(
+        SFDAE_ILLEGAL_ARGUMENT,
+        "objects of the theory are those of the whole derivative array, which needs Jacobians: there are none "
+        "with SFDAE_MATRICES_DIFFERENCES.");
   ModelOptions options = options_;
   options.structure = StructureUse::off;
   const Jet jet = is_extended_ ? extended_.accepted_point() : nonlinear_->accepted_point();

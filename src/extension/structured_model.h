@@ -14,7 +14,7 @@ namespace sfdae::core {
 
 class StructuredModel final : public Model {
  public:
-  // classical: the same equations, by the whole array. problem: these as nonlinear equations; `owned` if that is another object
+  // classical: the same equations, by the whole array, recorded ones or functions with patterns. problem: these as nonlinear equations; `owned` if that is another object
   // than the one of the classical model, else null.
   StructuredModel(std::unique_ptr<Model> classical, RecordedProblem& problem, std::unique_ptr<RecordedProblem> owned);
 
@@ -26,6 +26,7 @@ class StructuredModel final : public Model {
   bool has_structure() const override { return true; }
   EvaluationCounts evaluations() const override;
   TaylorEvaluator* evaluator() override { return classical_->evaluator(); }
+  TaylorEvaluator* structure_evaluator() override { return &problem_.evaluator(); }
   void parameters_changed() override;
   std::vector<const TaylorEvaluator*> evaluators_of_inputs() override { return classical_->evaluators_of_inputs(); }
 
@@ -75,6 +76,9 @@ class StructuredModel final : public Model {
   void analyze_as_nonlinear(const PointOfInterest& point, const ModelOptions& options,
                             std::vector<RankDecision>& decisions);
   bool orders_are_possible() const;
+  // Jacobians by differences have nothing else to be solved by.
+  bool has_differences() const { return problem_.source() != nullptr && problem_.source()->has_differences(); }
+  void demand_structure(const ModelOptions& options) const;
   Model& whole();
   Model& same_whole();
   // An upper bound of the columns of the whole array.

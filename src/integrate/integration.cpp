@@ -256,7 +256,7 @@ void Integration::record_step(double from) {
     try {
       output_.evaluate_aside(integrator_, {at, true, Slopes::none, true}, options_, x, nullptr);
     } catch (const Failure& failure) {
-      if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+      if (ends_everything(failure.status())) throw;
       output_.interpolate(stepper, at, x, nullptr);
     }
   };

@@ -127,7 +127,7 @@ void StepOutput::test_polynomial(Integrator& integrator, const IntegrationOption
     find_values(integrator, {*t, true, Slopes::none}, options, x, xdot);
     integrator.stepper->gives_up_polynomial(integrator.weights, x_free_.data(), x);
   } catch (const Failure& failure) {
-    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    if (ends_everything(failure.status())) throw;
   }
 }
 

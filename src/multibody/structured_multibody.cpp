@@ -104,7 +104,7 @@ void StructuredMultibody::analyze(const PointOfInterest& point, const ModelOptio
     try {
       return analyze_sparse(point, options, decisions);
     } catch (const Failure& failure) {
-      if (is_required || is_stop(failure)) throw;
+      if (is_required || ends_everything(failure.status())) throw;
     }
     decisions.clear();
   }

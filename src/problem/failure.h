@@ -11,6 +11,11 @@
 
 namespace sfdae::core {
 
+// No other point, and no other way to compute, helps.
+constexpr bool ends_everything(int status) {
+  return status == SFDAE_STOPPED || status == SFDAE_CALLBACK_STOPPED || status == SFDAE_WRONG_PATTERN;
+}
+
 class Failure : public std::exception {
  public:
   Failure(int status, std::string message) : status_(status), message_(std::move(message)) {}
@@ -21,10 +26,5 @@ class Failure : public std::exception {
   int status_;
   std::string message_;
 };
-
-// The user wants an end: no other way to a result is to be tried.
-inline bool is_stop(const Failure& failure) {
-  return failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED;
-}
 
 }  // namespace sfdae::core

@@ -94,9 +94,11 @@ void LinearProblem::archive_spacings(Archive& archive, Function& function) {
   }
 }
 
-CallbackError LinearProblem::call(char which, double t, int order, double* values) {
+// compressed: of the values, else all entries of a matrix are asked for.
+CallbackError LinearProblem::invoke(char which, double t, int order, double* values,
+                                    const ColumnPattern* compressed) {
   Function& function = functions_[slot(which)];
-  const int count = function.rows * function.columns;
+  const int count = compressed != nullptr ? compressed->entries() : function.rows * function.columns;
   std::fill_n(values, count, 0.0);
   CallbackError callback_error;
   callback_error.function = function.name == 'E' ? "E" : function.name == 'A' ? "A" : "f";
@@ -128,10 +130,43 @@ CallbackError LinearProblem::call(char which, double t, int order, double* value
     int first = 0;
     while (all_finite(values + first, 1)) ++first;
     callback_error.names = &equation_names();
-    callback_error.row = first % function.rows;
-    callback_error.column = first / function.rows;
+    callback_error.row = compressed != nullptr ? compressed->row[index(first)] : first % function.rows;
+    callback_error.column = compressed != nullptr ? compressed->column_of(first) : first / function.rows;
+    return callback_error;
+  }
+  if (const ColumnPattern* pattern = pattern_of(which); pattern != nullptr && compressed == nullptr) {
+    const auto [row, column] = entry_beyond(*pattern, m(), values);
+    if (row < 0) return callback_error;
+    const double value = values[index(row) + index(m()) * index(column)];
+    callback_error.status = SFDAE_WRONG_PATTERN;
+    callback_error.detail =
+        lacking_entry(callback_error.function, equation_names().row(row), column, value, callback_error.where());
   }
   return callback_error;
+}
+
+// Null for f, and where there is none.
+const ColumnPattern* LinearProblem::pattern_of(char which) const {
+  if (which == 'f' || !user_.patterns) return nullptr;
+  return which == 'E' ? &user_.patterns->F_xdot : &user_.patterns->F_x;
+}
+
+CallbackError LinearProblem::call(char which, double t, int order, double* values) {
+  if (which == 'f' || !user_.compressed) return invoke(which, t, order, values, nullptr);
+  const ColumnPattern& pattern = *pattern_of(which);
+  std::vector<double> entries(index(pattern.entries()));
+  const CallbackError error = invoke(which, t, order, entries.data(), &pattern);
+  if (error.status == SFDAE_OK) scatter(pattern, entries.data(), m(), values);
+  return error;
+}
+
+CallbackError LinearProblem::call_entries(char which, double t, int order, double* values) {
+  const ColumnPattern& pattern = *pattern_of(which);
+  if (user_.compressed) return invoke(which, t, order, values, &pattern);
+  std::vector<double> matrix(index(m()) * index(n()));
+  const CallbackError error = invoke(which, t, order, matrix.data(), nullptr);
+  if (error.status == SFDAE_OK) gather(pattern, matrix.data(), m(), values);
+  return error;
 }
 
 // All orders 0..order of one function, with the errors of differences.

@@ -5,9 +5,11 @@
 #include <array>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <utility>
 #include <vector>
 
+#include "expression/opaque_record.h"
 #include "linalg/archive.h"
 #include "problem/coefficient_source.h"
 #include "problem/difference_spacings.h"
@@ -33,6 +35,9 @@ struct LinearFunctions {
   bool constant_E = false, constant_A = false;
   PrescribedInputs inputs;
   EquationNames names;
+  // Of A (F_x) and E (F_xdot), or null. Compressed: E and A write the entries of these, not matrices.
+  std::shared_ptr<const JacobianPatterns> patterns = nullptr;
+  bool compressed = false;
 };
 
 class LinearProblem final : public Problem, public CoefficientSource {
@@ -61,6 +66,10 @@ class LinearProblem final : public Problem, public CoefficientSource {
 
   // One derivative straight from the callback: which = 'E', 'A' or 'f'. No differences.
   CallbackError call(char which, double t, int order, double* values);
+
+  const std::shared_ptr<const JacobianPatterns>& patterns() const { return user_.patterns; }
+  // The same of E and A as the entries of their patterns.
+  CallbackError call_entries(char which, double t, int order, double* values);
 
   // Says why callbacks cannot evaluate, where they know it.
   void set_explanation(std::function<std::string()> explanation) { explanation_ = std::move(explanation); }
@@ -107,6 +116,8 @@ class LinearProblem final : public Problem, public CoefficientSource {
   };
 
   static std::size_t slot(char which) { return which == 'E' ? 0u : which == 'A' ? 1u : 2u; }
+  const ColumnPattern* pattern_of(char which) const;
+  CallbackError invoke(char which, double t, int order, double* values, const ColumnPattern* compressed);
   CallbackError fill(Function& function, double t, int order, TaylorData& data);
   CallbackError differentiate(Function& function, double t, OrderRange orders, TaylorData& data);
   // Where the points of differences are.

@@ -140,6 +140,7 @@ CallbackError NonlinearProblem::drop_rounding_errors(double t, const double* jet
 }
 
 CallbackError RecordedProblem::failure(double t) const {
+  if (source_) return source_->error();
   CallbackError error;
   error.status = status_of(evaluator_.failure());
   error.t = t;
@@ -171,6 +172,7 @@ CallbackError RecordedProblem::evaluate_values(double t, const double* jet, int 
 }
 
 bool RecordedProblem::evaluate_lanes(const LaneBlock* t, const LaneBlock* jets, int order, LaneBlock* F) {
+  if (source_) return false;
   LaneEvaluator::Points points{t, {}};
   for (int k = 0; k <= order + 1; ++k) points.x[index(k)] = jets + static_cast<std::ptrdiff_t>(k) * n();
   if (!lanes_.evaluate(evaluator_, points, order, false)) return false;
@@ -185,84 +187,6 @@ CallbackError RecordedProblem::evaluate_gradients(double t, const double* jet, O
   double* A = orders.A >= 0 ? data.A(0).data : nullptr;
   double* F = orders.f >= 0 ? data.f(0) : nullptr;
   return evaluator_.gradients(t, jet, wanted, F, E, A, &data.differentiations) ? CallbackError() : failure(t);
-}
-
-void CallbackProblem::to_derivatives(const double* jet, int order) {
-  const std::size_t size = index(n());
-  derivatives_.resize(size * index(order + 1));
-  double factorial = 1.0;
-  for (int k = 0; k <= order; ++k) {
-    factorial *= std::max(k, 1);
-    for (std::size_t i = 0; i < size; ++i) derivatives_[size * index(k) + i] = factorial * jet[size * index(k) + i];
-  }
-}
-
-CallbackError CallbackProblem::call(double t, int order, const double* derivatives, const Outputs& to) {
-  const auto [F, F_x, F_xdot] = to;
-  const std::size_t m_size = index(m()), area = m_size * index(n());
-  std::fill_n(F, m_size, 0.0);
-  if (F_x != nullptr) std::fill_n(F_x, area, 0.0);
-  if (F_xdot != nullptr) std::fill_n(F_xdot, area, 0.0);
-  CallbackError error;
-  error.function = "F";
-  error.order = order;
-  error.t = t;
-  error.user_t = user_t();
-  if (is_checking_) ++check_evaluations_;
-  error.code = function_(t, order, derivatives, F, F_x, F_xdot, user_);
-  if (error.code != 0) {
-    error.status = error.code < 0                            ? SFDAE_CALLBACK_STOPPED
-                   : error.code == SFDAE_ORDER_NOT_AVAILABLE ? SFDAE_ORDER_MISSING
-                                                             : SFDAE_CALLBACK_FAILED;
-    return error;
-  }
-  const auto check = [&](const char* name, const double* values, std::size_t count) {
-    if (values == nullptr || error.status != SFDAE_OK || all_finite(values, count)) return;
-    error.status = SFDAE_NOT_FINITE;
-    error.function = name;
-    int first = 0;
-    while (all_finite(values + first, 1)) ++first;
-    error.names = &equation_names();
-    error.row = first % m();
-    error.column = first / m();
-  };
-  check("F", F, m_size);
-  check("F_x", F_x, area);
-  check("F_xdot", F_xdot, area);
-  return error;
-}
-
-CallbackError CallbackProblem::evaluate_values(double t, const double* jet, int order, double* F) {
-  to_derivatives(jet, order + 1);
-  double factorial = 1.0;
-  for (int k = 0; k <= order; ++k) {
-    factorial *= std::max(k, 1);
-    double* F_k = F + index(m()) * index(k);
-    const CallbackError error = call(t, k, derivatives_.data(), {F_k});
-    if (error.status != SFDAE_OK) return error;
-    for (int i = 0; i < m(); ++i) F_k[i] /= factorial;
-  }
-  return {};
-}
-
-CallbackError CallbackProblem::evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) {
-  const int highest = std::max({orders.E, orders.A, orders.f});
-  to_derivatives(jet, highest + 1);
-  unused_.resize(index(m()));
-  double factorial = 1.0;
-  for (int k = 0; k <= highest; ++k) {
-    factorial *= std::max(k, 1);
-    double* F = k <= orders.f ? data.f(k) : unused_.data();
-    double* A = k <= orders.A ? data.A(k).data : nullptr;
-    double* E = k <= orders.E ? data.E(k).data : nullptr;
-    const CallbackError error = call(t, k, derivatives_.data(), {F, A, E});
-    if (error.status != SFDAE_OK) return error;
-    const std::size_t area = index(m()) * index(n());
-    multiply_all(1.0 / factorial, F, index(m()));
-    if (A != nullptr) multiply_all(1.0 / factorial, A, area);
-    if (E != nullptr) multiply_all(1.0 / factorial, E, area);
-  }
-  return {};
 }
 
 }  // namespace sfdae::core

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "expression/lane_evaluator.h"
@@ -33,6 +34,8 @@ class NonlinearProblem : public Problem {
   const std::vector<int>& differentiations() const { return follows_structure_ ? proposed_ : differentiations_; }
   // Null where there is none, or nothing is known of it.
   virtual const Structure* structure() { return nullptr; }
+  // That of the derivatives which confirm the structure; null where there is none.
+  virtual TaylorEvaluator* structure_evaluator() { return nullptr; }
   // The offsets are these counts, in place of those set. Nothing changes where there is no structure.
   void follow_structure(bool follows);
   bool follows_structure() const { return follows_structure_; }
@@ -70,6 +73,7 @@ class NonlinearProblem : public Problem {
   // Plain Taylor coefficients of F, F_x' and F_x into f(k), E(k), A(k).
   virtual CallbackError evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) = 0;
   long linearizations_ = 0;
+  long evaluations_ = 0;
 
  private:
   CallbackError drop_rounding_errors(double t, const double* jet, Orders orders, TaylorData& data);
@@ -78,10 +82,25 @@ class NonlinearProblem : public Problem {
   PrescribedInputs inputs_;
   std::vector<int> differentiations_, proposed_;
   bool counts_are_given_ = false, follows_structure_ = false;
-  long evaluations_ = 0;
 };
 
-// Recorded equations.
+// Functions of the user's with known patterns, in place of formulas.
+class SuppliedEquations : public EquationSource {
+ public:
+  // After an evaluation that has failed.
+  const CallbackError& error() const { return error_; }
+  // Derivatives are differences: what structure cannot see is not to be found in them.
+  virtual bool has_differences() const { return false; }
+  // Where the first total derivative by t is not available.
+  virtual void allow_differences_in_time(bool) {}
+  // What was evaluated: the user may have changed what functions depend on.
+  virtual void forget() {}
+
+ protected:
+  CallbackError error_;
+};
+
+// Recorded equations, or others that are evaluated as if they were.
 class RecordedProblem final : public NonlinearProblem {
  public:
   RecordedProblem(std::shared_ptr<const Record> record, PrescribedInputs inputs)
@@ -89,11 +108,25 @@ class RecordedProblem final : public NonlinearProblem {
   // Of the same recording, which is shared, with the values that parameters have now; nothing is prescribed.
   explicit RecordedProblem(const TaylorEvaluator& evaluator)
       : NonlinearProblem(evaluator.record().m(), evaluator.record().n(), {}), evaluator_(evaluator) {}
+  // Functions of the user's: an opaque record.
+  RecordedProblem(std::shared_ptr<const Record> record, std::shared_ptr<SuppliedEquations> source)
+      : NonlinearProblem(record->m(), record->n(), {}),
+        evaluator_(std::move(record), source),
+        source_(std::move(source)) {}
+  // Null for formulas.
+  const SuppliedEquations* source() const { return source_.get(); }
+  void allow_differences_in_time(bool allowed) {
+    if (source_) source_->allow_differences_in_time(allowed);
+  }
+  void forget_source() {
+    if (source_) source_->forget();
+  }
   // A copy shares the recording.
   RecordedProblem(const RecordedProblem&) = default;
   TaylorEvaluator& evaluator() { return evaluator_; }
-  bool has_lanes(int order) const override { return order <= LaneEvaluator::highest_order; }
+  bool has_lanes(int order) const override { return !source_ && order <= LaneEvaluator::highest_order; }
   const Structure* structure() override;
+  TaylorEvaluator* structure_evaluator() override { return &evaluator_; }
   const std::shared_ptr<const Structure>& shared_structure() {
     structure();
     return structure_;
@@ -120,35 +153,10 @@ class RecordedProblem final : public NonlinearProblem {
  private:
   CallbackError failure(double t) const;
   TaylorEvaluator evaluator_;
+  std::shared_ptr<SuppliedEquations> source_;
   LaneEvaluator lanes_;
   bool structure_is_known_ = false;
   std::shared_ptr<const Structure> structure_;
-};
-
-// The user's functions for total derivatives.
-class CallbackProblem final : public NonlinearProblem {
- public:
-  CallbackProblem(int m, int n, sfdae_total_derivative_function function, void* user, PrescribedInputs inputs)
-      : NonlinearProblem(m, n, std::move(inputs)), function_(function), user_(user) {}
-
-  struct Outputs {
-    double* F;
-    double *F_x = nullptr, *F_xdot = nullptr;  // null: not asked for
-  };
-  // One order straight from the callback, plain derivatives. derivatives: those of x.
-  CallbackError call(double t, int order, const double* derivatives, const Outputs& to);
-
- protected:
-  CallbackError evaluate_values(double t, const double* jet, int order, double* F) override;
-  CallbackError evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) override;
-
- private:
-  void to_derivatives(const double* jet, int order);
-
-  sfdae_total_derivative_function function_;
-  void* user_;
-  std::vector<double> derivatives_;
-  std::vector<double> unused_;  // F of orders that are not asked for
 };
 
 }  // namespace sfdae::core

@@ -39,6 +39,12 @@ std::string CallbackError::message() const {
   }
 }
 
+std::string lacking_entry(const char* matrix, const std::string& row, int column, double value,
+                          const std::string& where) {
+  return format("%s has the entry %.6g in %s, column %d at %s, which the pattern of %s lacks. Add it to the pattern.",
+                matrix, value, row.c_str(), column, where.c_str(), matrix);
+}
+
 void CallbackError::raise() const { throw Failure(status, message()); }
 
 }  // namespace sfdae::core

@@ -15,8 +15,8 @@
 
 namespace sfdae::core {
 
-// What went wrong in a callback. status: SFDAE_OK, _CALLBACK_STOPPED, _CALLBACK_FAILED, _NOT_FINITE, _ORDER_MISSING
-// or _STOPPED (a stop request).
+// What went wrong in a callback. status: SFDAE_OK, _CALLBACK_STOPPED, _CALLBACK_FAILED, _NOT_FINITE, _ORDER_MISSING,
+// _WRONG_PATTERN or _STOPPED (a stop request).
 struct CallbackError {
   int status = SFDAE_OK;
   const char* function = "";
@@ -38,6 +38,10 @@ struct CallbackError {
   // Throws Failure.
   [[noreturn]] void raise() const;
 };
+
+// In words: a matrix has an entry that is not in its pattern.
+std::string lacking_entry(const char* matrix, const std::string& row, int column, double value,
+                          const std::string& where);
 
 // Unknowns of problems with dense matrices: more are a mistake, and sizes would overflow.
 constexpr int most_dense_unknowns = 5000;

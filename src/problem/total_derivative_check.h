@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "problem/callback_problem.h"
 #include "problem/difference_comparison.h"
-#include "problem/nonlinear_problem.h"
 
 namespace sfdae::core {
 

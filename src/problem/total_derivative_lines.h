@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "problem/nonlinear_problem.h"
+#include "problem/callback_problem.h"
 
 namespace sfdae::core {
 

@@ -186,7 +186,7 @@ bool IndexSearch::holds_above(int level, const CharacteristicValues& values, con
     return !above.clear ||
            (above.ranks.a == values.a && above.ranks.d == values.d && above.ranks.v_hat == ranks.v_hat + values.v);
   } catch (const Failure& failure) {
-    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    if (ends_everything(failure.status())) throw;
     return true;
   }
 }
@@ -388,7 +388,7 @@ CharacteristicValues local_values(const SearchTask& task, double t) {
     const SearchResult found = upward.search(task.settings.max_index);
     return found.is_clear ? found.values : CharacteristicValues{};
   } catch (const Failure& failure) {
-    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    if (ends_everything(failure.status())) throw;
     return {};
   }
 }

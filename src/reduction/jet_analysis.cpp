@@ -44,7 +44,7 @@ std::optional<UnitsResult> analyze_in_other_units(CoefficientSource& source, Pla
       source.set_units(found.units);
       found.analysis = analyze_at_two_points({source, scaled, arena, &found.decisions}, place).analysis;
     } catch (const Failure& failure) {
-      if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+      if (ends_everything(failure.status())) throw;
       continue;
     }
     const bool is_clear = std::all_of(found.decisions.begin(), found.decisions.end(),

@@ -132,10 +132,11 @@ RankDecision judge_sparse(const SparsePattern& pattern, const std::vector<double
   return decision;
 }
 
-RankDecision judge_block(DiagonalBlocks& diagonal, int block, double t, double rank_tol) {
+// noise: of entries; what is regular to an estimate of the condition is regular beyond it.
+RankDecision judge_block(DiagonalBlocks& diagonal, int block, double t, double rank_tol, double noise) {
   const int size = diagonal.size(block);
   if (size == 1) return judge(diagonal.only_entry(block), t, rank_tol);
-  if (size > largest_dense_block && rank_tol == 0.0) {
+  if (size > largest_dense_block && (rank_tol == 0.0 || rank_tol == noise)) {
     std::vector<double> of_block;
     const SparsePattern pattern = diagonal.sparse_block(block, of_block);
     const RankDecision decision = judge_sparse(pattern, of_block, t);
@@ -162,6 +163,8 @@ std::vector<double> moved(const CertifiedPoint& point, std::size_t count, double
 
 bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, const CertifiedPoint& point,
                        double rank_tol, Certificate& certificate) {
+  const double noise = evaluator.noise_of_entries();
+  rank_tol = std::max(rank_tol, noise);
   SystemJacobian jacobian(structure, evaluator.tape());
   const std::size_t count = index(structure.signature.size()) * index(jacobian.jet_order() + 1);
   // One side may be beyond the domain of a function.
@@ -175,7 +178,7 @@ bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, c
   certificate.blocks.clear();
   certificate.blocks.reserve(index(structure.blocks.count()));
   for (int block = 0; block < structure.blocks.count(); ++block) {
-    certificate.blocks.push_back(judge_block(diagonal, block, point.t, rank_tol));
+    certificate.blocks.push_back(judge_block(diagonal, block, point.t, rank_tol, noise));
     certificate.blocks.back().subject = Subject::block;
     certificate.blocks.back().stage = block;
   }

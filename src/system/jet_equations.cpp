@@ -71,8 +71,7 @@ double JetEquations::residual_norm(const Jet& jet) {
   const int m = problem_.m();
   residuals_.resize(index(m) * index(level_ + 1));
   const CallbackError error = problem_.residuals(jet.t, jet.x.data(), level_, residuals_.data());
-  if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED || error.status == SFDAE_ORDER_MISSING)
-    error.raise();
+  if (ends_everything(error.status) || error.status == SFDAE_ORDER_MISSING) error.raise();
   if (error.status != SFDAE_OK) return infinity;
   double power = 1.0;
   for (int k = 0; k <= level_; ++k) {

@@ -63,7 +63,7 @@ bool derivative_from_array(LinearProblem& problem, const AnalyzedPoint& at, cons
   if (level > highest && (settings.orders_up_to_mu_only || !problem.is_constant())) return false;
   TaylorData data;
   const CallbackError error = problem.evaluate(at.point.t, {level, level, level}, at.point.data.time_scale, data);
-  if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED) error.raise();
+  if (ends_everything(error.status)) error.raise();
   if (error.status != SFDAE_OK) return false;
   const Judge::Settings judging{settings.rank_tol, false, at.analysis.noise};
   Judge judge(data, level, judging, nullptr);

@@ -95,7 +95,7 @@ PointStatus LinearReduction::keep_known_ranks(double t, const KnownForm& known, 
   try {
     found = search.search(settings_.max_index);
   } catch (const Failure& failure) {
-    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    if (ends_everything(failure.status())) throw;
     found.last.clear = false;
   }
   const bool is_confirmed = found.last.clear && found.values == known.analysis.values;

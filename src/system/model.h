@@ -101,6 +101,8 @@ class Model {
   virtual EvaluationCounts evaluations() const = 0;
   // Of recorded equations, else null; parameters_changed() is due after a change there.
   virtual TaylorEvaluator* evaluator() = 0;
+  // Of equations that have a structure to ask for, recorded or functions with patterns; else null.
+  virtual TaylorEvaluator* structure_evaluator() { return evaluator(); }
   virtual void parameters_changed() {}
   // Of recorded equations: all that their inputs are in.
   virtual std::vector<const TaylorEvaluator*> evaluators_of_inputs() {
@@ -114,6 +116,10 @@ class Model {
   // Compares derivatives that callbacks supply with their functions, after an analysis or after one that failed. Throws
   // SFDAE_WRONG_DERIVATIVES.
   virtual void demand_derivatives(const PointOfInterest&, const ModelOptions&) {}
+  // The same where another system of these equations has been analyzed, along the jet that it has found.
+  virtual void demand_derivatives_along(const Jet&, const PointOfInterest& point, const ModelOptions& options) {
+    demand_derivatives(point, options);
+  }
   // The system as it was when it was archived; the one that it replaces is kept until one of the other two is called.
   // Throws DamagedArchive or Failure, and nothing has changed then.
   virtual void restore(const ModelOptions& options, Archive& archive) = 0;

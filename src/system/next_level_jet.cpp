@@ -64,7 +64,7 @@ bool NextLevelJet::search() {
   try {
     solver.solve(trial_, level());
   } catch (const Failure& failure) {
-    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    if (ends_everything(failure.status())) throw;
     return false;
   }
   return true;
@@ -90,7 +90,7 @@ bool NextLevelJet::eliminate_at(const Jet& jet) {
   const NonlinearProblem::Scaling scaling{analysis.time_scale, analysis.rows, nullptr, &problem_.units(), true};
   const CallbackError error = problem_.problem().linearize(jet.t, jet.x.data(), orders, scaling, data_);
   if (error.status == SFDAE_ORDER_MISSING) availability_ = Availability::no;
-  if (error.status == SFDAE_STOPPED || error.status == SFDAE_CALLBACK_STOPPED) error.raise();
+  if (ends_everything(error.status)) error.raise();
   if (error.status != SFDAE_OK) return false;
   StoredReduction reduction{elimination_};
   return reduce_with_known_values(data_, level(), analysis, rank_tol, {arena_, rank_form_}, reduction);

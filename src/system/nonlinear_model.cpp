@@ -29,7 +29,8 @@ std::vector<char> fixed_components(const ModelOptions& options) {
 
 // No other start will help.
 bool is_final(const Failure& failure) {
-  return is_stop(failure) || failure.status() == SFDAE_ORDER_MISSING;
+  const int status = failure.status();
+  return ends_everything(status) || status == SFDAE_ORDER_MISSING;
 }
 
 Jet guessed_jet(const PointOfInterest& point, int n) {
@@ -147,7 +148,7 @@ bool NonlinearModel::moves_least(const PointOfInterest& point, const ModelOption
 bool NonlinearModel::certifies_structure() {
   const Jet& jet = system_->accepted_jet();
   Certificate certificate;
-  return certify_structure(*problem_->structure(), recorded_->evaluator(), {jet.t, jet.x.data()},
+  return certify_structure(*problem_->structure(), *problem_->structure_evaluator(), {jet.t, jet.x.data()},
                            system_->settings().rank_tol, certificate) &&
          certificate.is_given();
 }
@@ -200,9 +201,12 @@ std::unique_ptr<NonlinearSystem> NonlinearModel::analyzed_against_whole_array(co
 }
 
 // At the jet of the analysis; without one there is no point to look at.
-void NonlinearModel::demand_derivatives(const PointOfInterest& point, const ModelOptions&) {
-  if (callback_ == nullptr || !system_) return;
-  const Jet& jet = system_->accepted_jet();
+void NonlinearModel::demand_derivatives(const PointOfInterest& point, const ModelOptions& options) {
+  if (system_) demand_derivatives_along(system_->accepted_jet(), point, options);
+}
+
+void NonlinearModel::demand_derivatives_along(const Jet& jet, const PointOfInterest& point, const ModelOptions&) {
+  if (callback_ == nullptr) return;
   std::vector<double> derivatives(jet.x);
   double factorial = 1.0;
   for (int k = 1; k <= jet.order; ++k) {

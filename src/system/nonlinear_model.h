@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "problem/callback_problem.h"
 #include "problem/nonlinear_problem.h"
 #include "system/model.h"
 #include "system/nonlinear_change_watch.h"
@@ -37,6 +38,7 @@ class NonlinearModel final : public ModelOf<NonlinearSystem> {
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   void demand_derivatives(const PointOfInterest& point, const ModelOptions& options) override;
+  void demand_derivatives_along(const Jet& jet, const PointOfInterest& point, const ModelOptions& options) override;
   void undo_restore() override;
   double certify() override;
   std::unique_ptr<ChangeWatch> change_watch() override { return std::make_unique<NonlinearChangeWatch>(*system_); }

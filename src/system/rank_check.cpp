@@ -53,7 +53,7 @@ RankCheck::Finding RankCheck::analyze(const Jet& jet) const {
     if (!found.last.clear) return Finding::unclear;
     return found.values == problem_.analysis().values ? Finding::known_values : Finding::other_values;
   } catch (const Failure& failure) {
-    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    if (ends_everything(failure.status())) throw;
     return Finding::unclear;
   }
 }

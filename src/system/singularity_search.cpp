@@ -292,7 +292,7 @@ void SingularitySearch::use_consistent(const Jet& jet, Use use) {
     const Jet& consistent = jets.jet_at(jet.t, problem_.mu());
     if (is_near(x, consistent, problem_.units())) use(jets, consistent);
   } catch (const Failure& failure) {
-    if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+    if (ends_everything(failure.status())) throw;
   }
 }
 

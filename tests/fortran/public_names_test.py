@@ -16,7 +16,7 @@ OWN_NAMES = """
     dae_monitor dae_options dae_sensitivities dae_solution dae_solver dae_transition derivative_dae
     kinematic_multibody_dae linear_dae multibody_dae multibody_formulas nonlinear_dae recorded_linear_dae
     recorded_multibody_dae sfdae_check_linear sfdae_check_multibody sfdae_check_nonlinear sfdae_status_name
-    sfdae_version
+    sfdae_version sparsity_pattern
     """.split()
 
 

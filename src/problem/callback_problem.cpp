@@ -1,0 +1,258 @@
+// The user's function for total derivatives.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/callback_problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/index.h"
+#include "linalg/matrix.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Gradients from one look at a group of unknowns to the next: a few percent of the evaluations.
+constexpr int gradients_between_probes = 10;
+
+void multiply_all(double factor, double* values, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) values[i] *= factor;
+}
+
+void add_sizes(const ColumnPattern& pattern, const double* entries, const double* x, std::vector<double>& terms) {
+  for (int j = 0; j < pattern.columns(); ++j)
+    for (int e = pattern.start[index(j)]; e < pattern.start[index(j + 1)]; ++e)
+      terms[index(pattern.row[index(e)])] += std::fabs(entries[e] * x[j]);
+}
+
+// values -= factor entries, of a pattern within another one.
+void subtract_entries(const ColumnPattern& pattern, const double* entries, double factor, const ColumnPattern& from,
+                      std::vector<double>& values, int rows) {
+  std::vector<int> place(index(rows), -1);
+  for (int j = 0; j < from.columns(); ++j) {
+    for (int e = from.start[index(j)]; e < from.start[index(j + 1)]; ++e) place[index(from.row[index(e)])] = e;
+    for (int e = pattern.start[index(j)]; e < pattern.start[index(j + 1)]; ++e)
+      values[index(place[index(pattern.row[index(e)])])] -= factor * entries[e];
+  }
+}
+
+// Of a pattern within another one.
+void select_entries(const ColumnPattern& pattern, const ColumnPattern& from, const std::vector<double>& values,
+                    int rows, double* entries) {
+  std::vector<int> place(index(rows), -1);
+  for (int j = 0; j < from.columns(); ++j) {
+    for (int e = from.start[index(j)]; e < from.start[index(j + 1)]; ++e) place[index(from.row[index(e)])] = e;
+    for (int e = pattern.start[index(j)]; e < pattern.start[index(j + 1)]; ++e)
+      entries[e] = values[index(place[index(pattern.row[index(e)])])];
+  }
+}
+
+}  // namespace
+
+void CallbackProblem::set_patterns(std::shared_ptr<const JacobianPatterns> patterns, JacobianForm form) {
+  patterns_ = std::move(patterns);
+  form_ = form;
+  if (form == JacobianForm::dense) return;
+  probe_ = std::make_unique<PatternProbe>(*patterns_, m());
+  if (form != JacobianForm::differences) return;
+  differences_ = std::make_unique<Differences>();
+  differences_->F_x = {patterns_->F_x, group_columns(patterns_->F_x, m())};
+  differences_->F_xdot = {patterns_->F_xdot, group_columns(patterns_->F_xdot, m())};
+  const ColumnPattern both = united(patterns_->F_xdot, patterns_->F_x, m());
+  differences_->united = {both, group_columns(both, m())};
+}
+
+void CallbackProblem::to_derivatives(const double* jet, int order) {
+  const std::size_t size = index(n());
+  derivatives_.resize(size * index(order + 1));
+  double factorial = 1.0;
+  for (int k = 0; k <= order; ++k) {
+    factorial *= std::max(k, 1);
+    for (std::size_t i = 0; i < size; ++i) derivatives_[size * index(k) + i] = factorial * jet[size * index(k) + i];
+  }
+}
+
+CallbackError CallbackProblem::check_finite(const char* name, const double* values, const ColumnPattern* pattern,
+                                            const CallbackError& place) const {
+  const std::size_t count = pattern != nullptr ? index(pattern->entries()) : index(m()) * index(n());
+  if (values == nullptr || all_finite(values, count)) return {};
+  CallbackError error = place;
+  error.status = SFDAE_NOT_FINITE;
+  error.function = name;
+  int first = 0;
+  while (all_finite(values + first, 1)) ++first;
+  error.names = &equation_names();
+  error.row = pattern != nullptr ? pattern->row[index(first)] : first % m();
+  error.column = pattern != nullptr ? pattern->column_of(first) : first / m();
+  return error;
+}
+
+// Of the order, with all that the form has room for.
+CallbackError CallbackProblem::invoke(double t, int order, const double* derivatives, const Outputs& to) {
+  const auto [F, F_x, F_xdot] = to;
+  const bool is_dense = form_ == JacobianForm::dense;
+  const std::size_t m_size = index(m()), area = m_size * index(n());
+  std::fill_n(F, m_size, 0.0);
+  if (F_x != nullptr) std::fill_n(F_x, is_dense ? area : index(patterns_->F_x.entries()), 0.0);
+  if (F_xdot != nullptr) std::fill_n(F_xdot, is_dense ? area : index(patterns_->F_xdot.entries()), 0.0);
+  CallbackError error;
+  error.function = "F";
+  error.order = order;
+  error.t = t;
+  error.user_t = user_t();
+  if (is_checking_) ++check_evaluations_;
+  error.code = function_(t, order, derivatives, F, F_x, F_xdot, user_);
+  if (error.code != 0) {
+    error.status = error.code < 0                            ? SFDAE_CALLBACK_STOPPED
+                   : error.code == SFDAE_ORDER_NOT_AVAILABLE ? SFDAE_ORDER_MISSING
+                                                             : SFDAE_CALLBACK_FAILED;
+    return error;
+  }
+  if (!all_finite(F, m_size)) {
+    int first = 0;
+    while (all_finite(F + first, 1)) ++first;
+    error.status = SFDAE_NOT_FINITE;
+    error.names = &equation_names();
+    error.row = first;
+    return error;
+  }
+  const CallbackError of_F_x = check_finite("F_x", F_x, is_dense ? nullptr : &patterns_->F_x, error);
+  if (of_F_x.status != SFDAE_OK) return of_F_x;
+  const CallbackError of_F_xdot = check_finite("F_xdot", F_xdot, is_dense ? nullptr : &patterns_->F_xdot, error);
+  if (of_F_xdot.status != SFDAE_OK) return of_F_xdot;
+  return is_dense && patterns_ ? beyond_pattern(to, error) : error;
+}
+
+CallbackError CallbackProblem::lacks(char which, int row, int column, double value,
+                                     const CallbackError& place) const {
+  CallbackError error = place;
+  error.status = SFDAE_WRONG_PATTERN;
+  error.function = which == 'x' ? "F_x" : "F_xdot";
+  error.row = row;
+  error.column = column;
+  error.detail = lacking_entry(error.function, equation_names().row(row), column, value, error.where());
+  return error;
+}
+
+CallbackError CallbackProblem::beyond_pattern(const Outputs& dense, const CallbackError& place) const {
+  for (const char which : {'x', 'd'}) {
+    const double* matrix = which == 'x' ? dense.F_x : dense.F_xdot;
+    if (matrix == nullptr) continue;
+    const auto [row, column] = entry_beyond(which == 'x' ? patterns_->F_x : patterns_->F_xdot, m(), matrix);
+    if (row >= 0) return lacks(which, row, column, matrix[index(row) + index(m()) * index(column)], place);
+  }
+  return place;
+}
+
+CallbackError CallbackProblem::call(double t, int order, const double* derivatives, const Outputs& to) {
+  if (form_ == JacobianForm::dense || (to.F_x == nullptr && to.F_xdot == nullptr))
+    return invoke(t, order, derivatives, to);
+  std::vector<double> F_x(index(patterns_->F_x.entries())), F_xdot(index(patterns_->F_xdot.entries()));
+  const CallbackError error = call_entries(t, order, derivatives, {to.F, F_x.data(), F_xdot.data()});
+  if (error.status != SFDAE_OK) return error;
+  if (to.F_x != nullptr) scatter(patterns_->F_x, F_x.data(), m(), to.F_x);
+  if (to.F_xdot != nullptr) scatter(patterns_->F_xdot, F_xdot.data(), m(), to.F_xdot);
+  return error;
+}
+
+CallbackError CallbackProblem::call_entries(double t, int order, const double* derivatives, const Outputs& to) {
+  CallbackError error;
+  if (form_ == JacobianForm::dense) {
+    dense_F_x_.resize(index(m()) * index(n()));
+    dense_F_xdot_.resize(dense_F_x_.size());
+    error = invoke(t, order, derivatives, {to.F, dense_F_x_.data(), dense_F_xdot_.data()});
+    if (error.status != SFDAE_OK) return error;
+    gather(patterns_->F_x, dense_F_x_.data(), m(), to.F_x);
+    gather(patterns_->F_xdot, dense_F_xdot_.data(), m(), to.F_xdot);
+    return error;
+  }
+  error = form_ == JacobianForm::compressed ? invoke(t, order, derivatives, to)
+                                            : differentiate(t, order, derivatives, to);
+  if (error.status != SFDAE_OK || order > 0 || is_checking_ || until_probe_-- > 0) return error;
+  error = probe(t, derivatives, to);
+  // Who has not heard of a missing entry, as other points may do, asks again.
+  until_probe_ = error.status == SFDAE_OK ? gradients_between_probes - 1 : 0;
+  return error;
+}
+
+// (F_x)^(k) = dF^(k) / dx, (F_x')^(k) = dF^(k) / dx' - k (F_x)^(k - 1)
+CallbackError CallbackProblem::differentiate(double t, int order, const double* derivatives, const Outputs& to) {
+  CallbackError error = invoke(t, order, derivatives, {to.F});
+  if (error.status != SFDAE_OK) return error;
+  std::vector<double> jet(derivatives, derivatives + index(n()) * index(order + 2));
+  Differences& own = *differences_;
+  own.of_x.note(derivatives, n());
+  own.of_xdot.note(derivatives + n(), n());
+  const std::vector<double> F(to.F, to.F + m());
+  const FunctionOfJet evaluate = [&](const double* moved, double* F_moved) {
+    ++evaluations_;
+    return invoke(t, order, moved, {F_moved});
+  };
+  error = colored_differences(evaluate, {jet, n(), 0}, own.of_x, own.F_x, F, to.F_x);
+  if (error.status != SFDAE_OK) return error;
+  if (order == 0) return colored_differences(evaluate, {jet, n(), 1}, own.of_xdot, own.F_xdot, F, to.F_xdot);
+  std::vector<double> both(index(own.united.pattern.entries()));
+  error = colored_differences(evaluate, {jet, n(), 1}, own.of_xdot, own.united, F, both.data());
+  if (error.status != SFDAE_OK) return error;
+  std::vector<double> F_below(index(m())), F_x_below(index(patterns_->F_x.entries())),
+      F_xdot_below(index(patterns_->F_xdot.entries()));
+  error = differentiate(t, order - 1, derivatives, {F_below.data(), F_x_below.data(), F_xdot_below.data()});
+  if (error.status != SFDAE_OK) return error;
+  subtract_entries(patterns_->F_x, F_x_below.data(), order, own.united.pattern, both, m());
+  select_entries(patterns_->F_xdot, own.united.pattern, both, m(), to.F_xdot);
+  return error;
+}
+
+CallbackError CallbackProblem::probe(double t, const double* derivatives, const Outputs& entries) {
+  const std::vector<double> F(entries.F, entries.F + m());
+  std::vector<double> terms(index(m()), 0.0);
+  add_sizes(patterns_->F_x, entries.F_x, derivatives, terms);
+  add_sizes(patterns_->F_xdot, entries.F_xdot, derivatives + n(), terms);
+  const FunctionOfJet evaluate = [&](const double* moved, double* F_moved) { return invoke(t, 0, moved, {F_moved}); };
+  PatternProbe::Missing missing;
+  CallbackError error;
+  const long before = probe_->evaluations();
+  const bool found = probe_->finds(evaluate, {derivatives, derivatives + 2 * n()}, {F, terms}, missing, error);
+  evaluations_ += probe_->evaluations() - before;
+  if (!found) return error;
+  CallbackError place;
+  place.t = t;
+  place.user_t = user_t();
+  return lacks(missing.level == 0 ? 'x' : 'd', missing.row, missing.column, missing.value, place);
+}
+
+CallbackError CallbackProblem::evaluate_values(double t, const double* jet, int order, double* F) {
+  to_derivatives(jet, order + 1);
+  double factorial = 1.0;
+  for (int k = 0; k <= order; ++k) {
+    factorial *= std::max(k, 1);
+    double* F_k = F + index(m()) * index(k);
+    const CallbackError error = call(t, k, derivatives_.data(), {F_k});
+    if (error.status != SFDAE_OK) return error;
+    for (int i = 0; i < m(); ++i) F_k[i] /= factorial;
+  }
+  return {};
+}
+
+CallbackError CallbackProblem::evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) {
+  const int highest = std::max({orders.E, orders.A, orders.f});
+  to_derivatives(jet, highest + 1);
+  unused_.resize(index(m()));
+  double factorial = 1.0;
+  for (int k = 0; k <= highest; ++k) {
+    factorial *= std::max(k, 1);
+    double* F = k <= orders.f ? data.f(k) : unused_.data();
+    double* A = k <= orders.A ? data.A(k).data : nullptr;
+    double* E = k <= orders.E ? data.E(k).data : nullptr;
+    const CallbackError error = call(t, k, derivatives_.data(), {F, A, E});
+    if (error.status != SFDAE_OK) return error;
+    const std::size_t area = index(m()) * index(n());
+    multiply_all(1.0 / factorial, F, index(m()));
+    if (A != nullptr) multiply_all(1.0 / factorial, A, area);
+    if (E != nullptr) multiply_all(1.0 / factorial, E, area);
+  }
+  return {};
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,75 @@
+// A nonlinear problem given by the user's function for total derivatives.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "expression/opaque_record.h"
+#include "problem/colored_differences.h"
+#include "problem/nonlinear_problem.h"
+#include "problem/pattern_probe.h"
+
+namespace sfdae::core {
+
+// What the user's function writes as Jacobians: all entries, those of patterns, nothing.
+enum class JacobianForm { dense, compressed, differences };
+
+class CallbackProblem final : public NonlinearProblem {
+ public:
+  CallbackProblem(int m, int n, sfdae_total_derivative_function function, void* user, PrescribedInputs inputs)
+      : NonlinearProblem(m, n, std::move(inputs)), function_(function), user_(user) {}
+
+  // Dense Jacobians are compared with the patterns wherever they are evaluated, others now and then by moving unknowns.
+  void set_patterns(std::shared_ptr<const JacobianPatterns> patterns, JacobianForm form);
+  const std::shared_ptr<const JacobianPatterns>& patterns() const { return patterns_; }
+  JacobianForm form() const { return form_; }
+  // These equations as those of an opaque record, which lives as long as this; its structure is the one followed.
+  void follow(RecordedProblem* opaque) { opaque_ = opaque; }
+  const Structure* structure() override { return opaque_ != nullptr ? opaque_->structure() : nullptr; }
+  TaylorEvaluator* structure_evaluator() override { return opaque_ != nullptr ? &opaque_->evaluator() : nullptr; }
+
+  struct Outputs {
+    double* F;
+    double *F_x = nullptr, *F_xdot = nullptr;  // null: not asked for
+  };
+  // One order straight from the callback, plain derivatives. derivatives: those of x.
+  CallbackError call(double t, int order, const double* derivatives, const Outputs& to);
+  // The same with the entries of the patterns in place of matrices.
+  CallbackError call_entries(double t, int order, const double* derivatives, const Outputs& to);
+
+ protected:
+  CallbackError evaluate_values(double t, const double* jet, int order, double* F) override;
+  CallbackError evaluate_gradients(double t, const double* jet, Orders orders, TaylorData& data) override;
+
+ private:
+  struct Differences {
+    GroupedPattern F_x, F_xdot;
+    GroupedPattern united;  // F_x' and what F^(k) depends on with it
+    ChangeSizes of_x, of_xdot;
+  };
+
+  void to_derivatives(const double* jet, int order);
+  CallbackError invoke(double t, int order, const double* derivatives, const Outputs& to);
+  CallbackError check_finite(const char* name, const double* values, const ColumnPattern* pattern,
+                             const CallbackError& place) const;
+  CallbackError beyond_pattern(const Outputs& dense, const CallbackError& place) const;
+  CallbackError differentiate(double t, int order, const double* derivatives, const Outputs& to);
+  CallbackError probe(double t, const double* derivatives, const Outputs& entries);
+  CallbackError lacks(char which, int row, int column, double value, const CallbackError& place) const;
+
+  sfdae_total_derivative_function function_;
+  void* user_;
+  std::vector<double> derivatives_;
+  std::vector<double> unused_;  // F of orders that are not asked for
+
+  std::shared_ptr<const JacobianPatterns> patterns_;
+  JacobianForm form_ = JacobianForm::dense;
+  RecordedProblem* opaque_ = nullptr;
+  std::unique_ptr<Differences> differences_;
+  std::unique_ptr<PatternProbe> probe_;
+  int until_probe_ = 0;  // gradients
+  std::vector<double> dense_F_x_, dense_F_xdot_;
+};
+
+}  // namespace sfdae::core
