@@ -235,8 +235,8 @@ SFDAE_API int sfdae_get_parameter(const sfdae_solver* solver, const char* name, 
 #define SFDAE_STRUCTURE_MISLEADS 2  /**< it is singular: numbers cancel, counts and freedom mean nothing */
 #define SFDAE_STRUCTURE_UNCLEAR 3   /**< it is near a singular one */
 
-/** The structure of recorded equations: what follows from which unknowns and derivatives each of them contains. Each is
- * assigned an unknown of its own, so that the sum of the orders of the derivatives is largest. From that follow the
+/** The structure of equations, recorded or with sparsity patterns: what follows from which unknowns and derivatives they
+ * contain. Each is assigned an unknown of its own, so that the sum of the orders is largest. From that follow the
  * smallest counts c_i >= 0 and orders d_j such that, with equation i differentiated c_i times, x_j occurs up to its
  * derivative d_j. The system Jacobian has the entries dF_i / dx_j^(d_j - c_i). J. D. Pryce, BIT 41, 2001. */
 typedef struct sfdae_structure {
@@ -259,8 +259,8 @@ typedef struct sfdae_structure {
 /** Prepares a result of sfdae_get_structure. size: sizeof(sfdae_structure). */
 SFDAE_API int sfdae_structure_init(sfdae_structure* structure, size_t size);
 
-/** The structure of recorded equations F(t, x, x') = 0 or E x' = A x + f, as many as unknowns, at any time; the numbers
- * are those of the point accepted last, or of the analysis. Equations are replaced where the analysis has found that this
+/** The structure of equations F(t, x, x') = 0 or E x' = A x + f, recorded or with patterns, as many as unknowns; the
+ * numbers are those of the point accepted last, or of the analysis. Equations are replaced where the analysis has found that this
  * makes the structure right and sparse matrices are used (sfdae_options.structure). Arrays may be NULL; n entries each:
  *  - differentiations: c_i;
  *  - orders: d_j;

@@ -313,7 +313,7 @@ typedef struct sfdae_options {
    * replaced by sums in which numbers cancel, if constant factors do it.
    * Where numbers cancel at a later time only, the whole array may go on and the other end with SFDAE_CHARACTERISTICS_CHANGED.
    * SFDAE_STRUCTURE_REQUIRED: always the rows that are needed, with sparse matrices; SFDAE_RANK_UNCLEAR where the numbers do
-   * not agree, SFDAE_ILLEGAL_ARGUMENT for problems that have no structure: functions, prescribed
+   * not agree, SFDAE_ILLEGAL_ARGUMENT for problems that have no structure: functions without patterns, prescribed
    * components, differentiations, other numbers of equations than of unknowns. SFDAE_STRUCTURE_OFF: always the whole array,
    * as for these.
    * Recorded multibody systems: local coordinates with dense matrices, or first-order equations with sparse ones.

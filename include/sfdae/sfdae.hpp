@@ -448,7 +448,7 @@ class Solver {
     return distance;
   }
 
-  /// What follows from which unknowns recorded equations contain, and whether numbers agree (sfdae_get_structure).
+  /// What follows from which unknowns equations contain, and whether numbers agree (sfdae_get_structure).
   Structure structure() {
     const std::size_t n = detail::size(num_equations());
     Structure result{{}, std::vector<int>(n), std::vector<int>(n), std::vector<int>(n), std::vector<int>(n), ""};

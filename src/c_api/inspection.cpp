@@ -93,6 +93,13 @@ sfdae_multibody_report public_report(const ConstraintsReport& report) {
           report.velocity_residual};
 }
 
+CallResult too_many_to_check() {
+  return illegal_argument(format(
+      "derivatives of problems with more than %d unknowns are not checked: it takes matrices of all of them. Check "
+      "a smaller problem with the same functions.",
+      most_dense_unknowns));
+}
+
 CallResult linear_only() { return illegal_argument("the problem is not linear."); }
 
 CallResult no_struct() {
@@ -244,6 +251,7 @@ int sfdae_check_derivatives(sfdae_solver* solver, double t, int max_order, sfdae
     if (result == nullptr || !is_plausible_size(result->size)) return no_struct();
     LinearModel* linear = solver->kind.linear;
     if (linear == nullptr) return linear_only();
+    if (solver->model.n() > most_dense_unknowns) return too_many_to_check();
     return report_mismatch(check_derivatives(linear->problem(), t, max_order), solver->problem().equation_names(),
                            result);
   });
@@ -261,6 +269,7 @@ int sfdae_check_total_derivatives(sfdae_solver* solver, double t, const double* 
     if (!all_finite(derivatives, count)) return illegal_argument("derivatives contains NaN or Inf.");
     CallbackProblem* callback = solver->kind.nonlinear != nullptr ? solver->kind.nonlinear->callback() : nullptr;
     if (callback == nullptr) return illegal_argument("there is no callback for total derivatives.");
+    if (solver->model.n() > most_dense_unknowns) return too_many_to_check();
     return report_mismatch(check_total_derivatives(*callback, t, derivatives, max_order), callback->equation_names(),
                            result);
   });

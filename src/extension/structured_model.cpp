@@ -123,9 +123,9 @@ void StructuredModel::analyze_as_nonlinear(const PointOfInterest& point, const M
 void StructuredModel::demand_derivatives(const PointOfInterest& point, const ModelOptions& options) {
   // Comparisons take matrices of all derivatives; by judgement.
   constexpr int most_compared = 1000;
-  if (serves_nonlinear_) return;
+  if (serves_nonlinear_ || (problem_.source() != nullptr && n() > most_compared)) return;
   if (!is_extended_) classical_->demand_derivatives(point, options);
-  else if (problem_.source() != nullptr && n() <= most_compared)
+  else if (problem_.source() != nullptr)
     classical_->demand_derivatives_along(extended_.accepted_jet(), point, options);
 }
 

@@ -106,15 +106,15 @@ class PatternedTwin {
     if (order > highest_order) return SFDAE_ORDER_NOT_AVAILABLE;
     if (order == 0) ++calls;
     const std::size_t n = index(n_), orders = index(order + 1);
-    std::vector<double> jet(derivatives, derivatives + n * (orders + 1)), values(n * orders), of_x(n * n * orders),
-        of_xdot(n * n * orders);
+    const bool asks = to_x != nullptr || to_xdot != nullptr;
+    std::vector<double> jet(derivatives, derivatives + n * (orders + 1)), values(n * orders), of_x, of_xdot;
+    if (asks) of_x.resize(n * n * orders), of_xdot.resize(n * n * orders);
     double factorial = 1.0;
     for (std::size_t k = 1; k <= orders; ++k) {
       factorial *= static_cast<double>(k);
       for (std::size_t j = 0; j < n; ++j) jet[k * n + j] /= factorial;
     }
     factorial /= static_cast<double>(orders);
-    const bool asks = to_x != nullptr || to_xdot != nullptr;
     gave_jacobians = gave_jacobians || asks;
     const sfdae::core::SeriesOrders wanted{order, asks ? order : -1, asks ? order : -1};
     if (!evaluator_.gradients(at, jet.data(), wanted, values.data(), of_xdot.data(), of_x.data())) return 1;
