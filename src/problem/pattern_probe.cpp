@@ -15,7 +15,10 @@ namespace sfdae::core {
 namespace {
 
 // Of an unknown; of what is added up in an equation. Chosen, not measured.
-constexpr double part = 0x1p-10, few_roundings = 256.0;
+constexpr double part = 0x1p-10, few_roundings = 4096.0;
+
+// Entries may vanish at the first point, where a search for consistent values begins.
+constexpr int complete_probes = 3;
 
 // An equation is judged by the groups that it has no unknown of. With g random groups an unknown shares its own with one of r others
 // with a probability of about r / g, in all divisions with its third power: 1.6 % with g = 4 r. Up to so many unknowns each is by
@@ -71,14 +74,15 @@ bool PatternProbe::finds(const FunctionOfJet& evaluate, std::vector<double> deri
   for (int level : {0, 1}) levels_[level].sizes.note(derivatives_.data() + level * n_, n_);
   error_ = {};
   bool found = false;
-  if (!was_passed_) groups_.clear();
+  const bool takes_all = passed_ < complete_probes;
+  if (takes_all) groups_.clear();
   if (groups_.empty()) divide();
   do {
     const Group group = std::move(groups_.back());
     groups_.pop_back();
     found = !group.unknowns.empty() && probe(group.level, group.unknowns, missing);
-  } while (!was_passed_ && !found && error_.status == SFDAE_OK && !groups_.empty());
-  was_passed_ = !found && error_.status == SFDAE_OK;
+  } while (takes_all && !found && error_.status == SFDAE_OK && !groups_.empty());
+  passed_ = found || error_.status != SFDAE_OK ? 0 : std::min(passed_ + 1, complete_probes);
   error = error_;
   return found && error_.status == SFDAE_OK;
 }

@@ -25,7 +25,7 @@ class PatternProbe {
     const std::vector<double>& F;
     const std::vector<double>& terms;
   };
-  // All groups until nothing is found once, then one at a time, always new ones. True: one is missing. Points where F cannot be evaluated are left out;
+  // All groups until nothing has been found at a few points, then one at a time, always new ones. True: one is missing. Points where F cannot be evaluated are left out;
   // `error`: what ends everything.
   bool finds(const FunctionOfJet& evaluate, std::vector<double> derivatives, const Equations& equations,
              Missing& missing, CallbackError& error);
@@ -45,7 +45,7 @@ class PatternProbe {
 
   int m_, n_;
   Level levels_[2];
-  bool was_passed_ = false;
+  int passed_ = 0;
   unsigned seed_ = 1;
   struct Group {
     int level;

@@ -107,9 +107,17 @@ size_t fill_linear_problem(sfdae_linear_problem* s) {
                                       &integers[10],
                                       vector_4,
                                       &integers[12],
-                                      (const char* const*)&integers[13]};
+                                      (const char* const*)&integers[13],
+                                      14,
+                                      &integers[15],
+                                      &integers[16],
+                                      17,
+                                      &integers[18],
+                                      &integers[19],
+                                      20};
   *s = value;
   integers[10] = 10, integers[12] = 12, integers[13] = 13;
+  integers[15] = 15, integers[16] = 16, integers[18] = 18, integers[19] = 19;
   return sizeof value;
 }
 
@@ -126,9 +134,17 @@ size_t fill_nonlinear_problem(sfdae_nonlinear_problem* s) {
                                          vector_4,
                                          &integers[10],
                                          &integers[11],
-                                         (const char* const*)&integers[12]};
+                                         (const char* const*)&integers[12],
+                                         13,
+                                         &integers[14],
+                                         &integers[15],
+                                         16,
+                                         &integers[17],
+                                         &integers[18],
+                                         19};
   *s = value;
   integers[8] = 8, integers[10] = 10, integers[11] = 11, integers[12] = 12;
+  integers[14] = 14, integers[15] = 15, integers[17] = 17, integers[18] = 18;
   return sizeof value;
 }
 

@@ -249,14 +249,18 @@ contains
     call check(counts([real(c_double) :: p%size, p%num_equations, p%num_unknowns, &
       number_of(p%e) + 3, number_of(p%a) + 3, number_of(p%f) + 3, p%constant_e, p%constant_a, &
       p%num_prescribed, integer_at(p%prescribed), number_of(p%prescribed_values) + 7, &
-      integer_at(p%user), integer_at(p%equation_names)]), "members of sfdae_linear_problem")
+      integer_at(p%user), integer_at(p%equation_names), p%e_entries, integer_at(p%e_col_start), &
+      integer_at(p%e_row_index), p%a_entries, integer_at(p%a_col_start), &
+      integer_at(p%a_row_index), p%matrices]), "members of sfdae_linear_problem")
 
     call check(fill_nonlinear_problem(q) == c_sizeof(q), "size of sfdae_nonlinear_problem")
     call check(counts([real(c_double) :: q%size, q%num_equations, q%num_unknowns, &
       number_of(q%equations) + 3, number_of(q%linear_equations) + 3, &
       number_of(q%total_derivative) + 3, q%num_prescribed, integer_at(q%prescribed), &
       number_of(q%prescribed_values) + 5, integer_at(q%user), integer_at(q%differentiations), &
-      integer_at(q%equation_names)]), "members of sfdae_nonlinear_problem")
+      integer_at(q%equation_names), q%f_x_entries, integer_at(q%f_x_col_start), &
+      integer_at(q%f_x_row_index), q%f_xdot_entries, integer_at(q%f_xdot_col_start), &
+      integer_at(q%f_xdot_row_index), q%matrices]), "members of sfdae_nonlinear_problem")
   end subroutine check_problem
 
   !> Structs of mechanical systems.

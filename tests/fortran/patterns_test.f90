@@ -27,30 +27,28 @@ module patterns_problem
 
 contains
 
-  subroutine total_derivative(self, t, order, derivatives, f, f_x, f_xdot, status)
+  subroutine total_derivative(self, t, order, x, f, f_x, f_xdot, status)
     class(cubic), intent(inout) :: self
     real(dp), intent(in) :: t
     integer(c_int), intent(in) :: order
-    real(dp), intent(in) :: derivatives(:, :)
+    real(dp), intent(in) :: x(:, 0:)
     real(dp), intent(inout) :: f(:)
     real(dp), intent(inout), optional :: f_x(:, :), f_xdot(:, :)
     integer(c_int), intent(inout) :: status
 
-    associate (x => derivatives(:, 1), xdot => derivatives(:, 2))
-      if (order > 1) then
-        status = sfdae_order_not_available
-      else if (order == 1) then
-        f = [derivatives(1, 3) + xdot(2), (3*x(2)**2 + 1)*xdot(2) - xdot(1)]
-        if (present(f_x)) f_x(3, 1) = 6*x(2)*xdot(2)
-      else
-        f = [xdot(1) + x(2), x(2)**3 + x(2) - x(1)]
-        if (present(f_x)) then
-          self%was_asked = .true.
-          f_x(:, 1) = [-1.0_dp, 1.0_dp, 3*x(2)**2 + 1]
-        end if
-        if (present(f_xdot)) f_xdot(1, 1) = 1
+    if (order > 1) then
+      status = sfdae_order_not_available
+    else if (order == 1) then
+      f = [x(1, 2) + x(2, 1), (3*x(2, 0)**2 + 1)*x(2, 1) - x(1, 1)]
+      if (present(f_x)) f_x(3, 1) = 6*x(2, 0)*x(2, 1)
+    else
+      f = [x(1, 1) + x(2, 0), x(2, 0)**3 + x(2, 0) - x(1, 0)]
+      if (present(f_x)) then
+        self%was_asked = .true.
+        f_x(:, 1) = [-1.0_dp, 1.0_dp, 3*x(2, 0)**2 + 1]
       end if
-    end associate
+      if (present(f_xdot)) f_xdot(1, 1) = 1
+    end if
   end subroutine total_derivative
 
   subroutine eval_e(self, t, order, e, status)
