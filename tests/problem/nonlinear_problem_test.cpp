@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Taylor coefficients of nonlinear problems: from recorded equations and from callbacks, scaled, and what goes wrong.
-#include "problem/nonlinear_problem.h"
+#include "problem/callback_problem.h"
 
 #include <gtest/gtest.h>
 
@@ -90,7 +90,7 @@ int total_derivatives(double t, int order, const double* derivatives, double* F,
 RecordedProblem recorded() {
   sfdae_test::Recording r(n);
   const auto F = residuals(r.t, r.x.data(), r.xdot.data());
-  return {r.finish({F[0], F[1]}), {}};
+  return {r.finish({F[0], F[1]}), PrescribedInputs{}};
 }
 
 std::vector<double> jet_of_order(int order) { return sfdae_test::random_vector(n * (order + 1), 31); }
@@ -202,7 +202,7 @@ TEST(CallbackProblem, NamesTheFirstEntryThatIsNotFinite) {
 // log(x) at x <= 0, sqrt(x) at 0 from the first derivative on, and an overflow.
 TEST(RecordedProblem, NamesTheEquationThatCannotBeEvaluated) {
   sfdae_test::Recording r(2);
-  RecordedProblem problem(r.finish({r.xdot[0] + r.x[1], log(r.x[0]) + sqrt(r.x[1])}), {});
+  RecordedProblem problem(r.finish({r.xdot[0] + r.x[1], log(r.x[0]) + sqrt(r.x[1])}), PrescribedInputs{});
   const auto status_at = [&](double x1, double x2, int order) {
     const std::vector<double> jet = {x1, x2, 0.5, 0.5, 0.0, 0.0};
     std::vector<double> F(4);
@@ -226,7 +226,7 @@ TEST(RecordedProblem, NamesTheEquationThatCannotBeEvaluated) {
 // x1' of 1e250 squared.
 TEST(NonlinearProblem, TellsThatScalingOverflows) {
   sfdae_test::Recording r(2);
-  RecordedProblem problem(r.finish({1e70 * r.xdot[0] * r.xdot[0] + r.x[0] + r.x[1]}), {});
+  RecordedProblem problem(r.finish({1e70 * r.xdot[0] * r.xdot[0] + r.x[0] + r.x[1]}), PrescribedInputs{});
   const double jet[] = {1.0, 1.0, 1e250, 1.0};
   TaylorData data;
   const CallbackError error = problem.linearize(0.0, jet, {0, 0, 0}, {1.0, RowScaling::each, nullptr, nullptr}, data);

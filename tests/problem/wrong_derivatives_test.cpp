@@ -39,7 +39,7 @@ enum class Kind {
 constexpr Kind first_rough = Kind::kink;
 
 // A function of t with derivatives of all orders; those from first_rough on have two orders, 0 and 1.
-struct Entry {
+struct TestedFunction {
   Kind kind = Kind::constant;
   double size = 1.0, rate = 1.0, shift = 0.0, small = 0.0;
 
@@ -104,11 +104,11 @@ struct TestProblem {
   double t0 = 0.0, span = 1.0;
   bool backward = false;
   int highest = 1;
-  Entry E[n * n], A[n * n], f[n];
+  TestedFunction E[n * n], A[n * n], f[n];
   Mistake mistake;
 
   double toward() const { return backward ? t0 - span : t0 + span; }
-  const Entry& entry(char which, int i) const { return which == 'E' ? E[i] : which == 'A' ? A[i] : f[i]; }
+  const TestedFunction& entry(char which, int i) const { return which == 'E' ? E[i] : which == 'A' ? A[i] : f[i]; }
 
   int write(char which, double t, int order, double* values) const {
     if (order > highest) return SFDAE_ORDER_NOT_AVAILABLE;
@@ -152,8 +152,8 @@ class Random {
 };
 
 // rates: of functions, in 1 / span, powers of ten.
-Entry random_entry(Random& random, const TestProblem& problem, Kind kind, double low, double high) {
-  Entry entry;
+TestedFunction random_entry(Random& random, const TestProblem& problem, Kind kind, double low, double high) {
+  TestedFunction entry;
   entry.kind = kind;
   entry.size = random.power(-12.0, 12.0) * (random.below(2) == 0 ? 1.0 : -1.0);
   entry.rate = random.power(low, high) / problem.span * (problem.backward && kind == Kind::power ? -1.0 : 1.0);
@@ -175,13 +175,13 @@ TestProblem random_problem(Random& random, bool smooth, double low, double high)
   problem.t0 = place == 0 ? 0.0 : problem.span * (place == 1 ? random.uniform(-3.0, 3.0) : random.power(-3.0, 6.0));
   problem.backward = random.below(4) == 0;
   problem.highest = smooth ? 1 + random.below(4) : 1;
-  const auto fill = [&](Entry& entry) {
+  const auto fill = [&](TestedFunction& entry) {
     const int kinds = static_cast<int>(smooth ? first_rough : Kind::count);
     entry = random_entry(random, problem, static_cast<Kind>(random.below(kinds)), low, high);
   };
-  for (Entry& entry : problem.E) fill(entry);
-  for (Entry& entry : problem.A) fill(entry);
-  for (Entry& entry : problem.f) fill(entry);
+  for (TestedFunction& entry : problem.E) fill(entry);
+  for (TestedFunction& entry : problem.A) fill(entry);
+  for (TestedFunction& entry : problem.f) fill(entry);
   return problem;
 }
 
@@ -201,7 +201,7 @@ std::string describe(const TestProblem& problem, const std::string& what) {
   std::string text = what + "\n t0 " + format("%.17g", problem.t0) + " span " + format("%.17g", problem.span);
   for (const char which : {'E', 'A', 'f'})
     for (int i = 0; i < (which == 'f' ? n : n * n); ++i) {
-      const Entry& e = problem.entry(which, i);
+      const TestedFunction& e = problem.entry(which, i);
       text += format("\n  %c %d: kind %d, size %g, rate %g / span, shift %g span, small %g", which, i,
                      static_cast<int>(e.kind), e.size, e.rate * problem.span, (e.shift - problem.t0) / problem.span,
                      e.small);
@@ -247,7 +247,7 @@ TEST(WrongDerivatives, AreFoundInSmoothFunctions) {
     m.function = "EAf"[random.below(3)];
     m.order = 1 + random.below(problem.highest);
     m.entry = random.below(m.function == 'f' ? n : n * n);
-    const Entry& entry = problem.entry(m.function, m.entry);
+    const TestedFunction& entry = problem.entry(m.function, m.entry);
     const double right = entry.value(problem.t0, m.order);
     switch (random.below(5)) {
       case 0: m.factor = -1.0; break;                               // a sign
