@@ -164,7 +164,7 @@ TEST(NonlinearSystem, GoesOnFromAnArchiveAsIfNothingHadHappened) {
     Archive writer = Archive::writer(state.data(), state.size());
     e.system->archive(writer);
     sfdae_test::RecordPointer record = sfdae_test::record_of_pendulum();
-    RecordedProblem other_problem(record, {});
+    RecordedProblem other_problem(record, sfdae::core::PrescribedInputs{});
     Archive reader = Archive::reader(state.data(), state.size());
     NonlinearSystem restored(other_problem, e.settings, reader);
     EXPECT_EQ(reader.size(), state.size());
@@ -200,7 +200,7 @@ TEST(NonlinearSystem, GoesOnWithTheFactorizationThatIsKept) {
     Vector state(counter.size());
     Archive writer = Archive::writer(state.data(), state.size());
     e.system->archive(writer);
-    RecordedProblem other_problem(sfdae_test::record_of_hyperbola(), {});
+    RecordedProblem other_problem(sfdae_test::record_of_hyperbola(), sfdae::core::PrescribedInputs{});
     Archive reader = Archive::reader(state.data(), state.size());
     NonlinearSystem restored(other_problem, e.settings, reader);
     EXPECT_EQ(reader.size(), state.size());
