@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 from typing import Any, Callable, Iterable, Mapping, Sequence, Union
 
@@ -11,8 +10,7 @@ import numpy as np
 
 from ._binding import ffi, lib
 from ._formula import Formula, flatten, parameter_values
-
-MATRICES = ("dense", "compressed", "differences")  # in the order of SFDAE_MATRICES_...
+from ._matrices import Matrices, coefficient
 
 Prescribed = Mapping[Union[str, int], Callable[[float], float]]
 
@@ -120,31 +118,6 @@ class Problem:
         if self.equation_names is not None:
             c.equation_names = c_names(self.equation_names, self.num_equations, "equations", keep)
 
-    def _set_patterns(self, given: Mapping[str, Any], matrices: str) -> None:
-        self.patterns = {
-            name: as_pattern(pattern, self.num_unknowns, f"{name}_pattern")
-            for name, pattern in given.items()
-            if pattern is not None
-        }
-        if matrices not in MATRICES:
-            raise ValueError(f"matrices is {matrices!r}, not one of {', '.join(MATRICES)}")
-        self.matrices = matrices
-
-    def matrix_shape(self, name: str) -> tuple[int, ...]:
-        """Shape of what functions write as the matrix of this name: m x n, or one value an entry."""
-        if self.matrices == "dense":
-            return (int(self.num_equations or 0), self.num_unknowns)
-        return (len(self.patterns[name][1]),)
-
-    def _fill_patterns(self, c: Any, keep: list[Any]) -> None:
-        c.matrices = MATRICES.index(self.matrices)
-        for name, (col_start, row_index) in self.patterns.items():
-            arrays = [ffi.new("int[]", part.tolist()) for part in (col_start, row_index)]
-            keep += arrays
-            setattr(c, f"{name}_entries", len(row_index))
-            setattr(c, f"{name}_col_start", arrays[0])
-            setattr(c, f"{name}_row_index", arrays[1])
-
     def _set_prescribed(self, prescribed: Prescribed | None) -> None:
         self.prescribed = {self.index(unknown): f for unknown, f in (prescribed or {}).items()}
         for unknown, function in self.prescribed.items():
@@ -175,7 +148,7 @@ class Problem:
         return f"{type(self).__name__}({self.num_unknowns} unknowns: {', '.join(self.names[:8])})"
 
 
-class NonlinearProblem(Problem):
+class NonlinearProblem(Matrices, Problem):
     """F(t, x, x') = 0, m equations for n unknowns.
 
     Parameters
@@ -293,7 +266,7 @@ class NonlinearProblem(Problem):
         self._fill_patterns(c, keep)
 
 
-class LinearProblem(Problem):
+class LinearProblem(Matrices, Problem):
     """E(t) x' = A(t) x + f(t), m equations for n unknowns.
 
     Each of E, A and f is an array, or a function: of ``(t)``, which is called when a solver is
@@ -337,11 +310,11 @@ class LinearProblem(Problem):
     ) -> None:
         dimension = 1 if matrices == "compressed" else 2
         self.coefficients = {
-            "E": _coefficient("E", E, dimension),
-            "A": _coefficient("A", A, dimension),
+            "E": coefficient("E", E, dimension),
+            "A": coefficient("A", A, dimension),
         }
         if f is not None:
-            self.coefficients["f"] = _coefficient("f", f, 1)
+            self.coefficients["f"] = coefficient("f", f, 1)
         patterns = {"E": E_pattern, "A": A_pattern}
         if num_unknowns is None and names is None and E_pattern is not None:
             num_unknowns = len(E_pattern[0]) - 1
@@ -367,17 +340,6 @@ class LinearProblem(Problem):
             raise TypeError("patterns are for functions of (t, order): those of formulas are known")
         self.parameters = parameter_values([functions[name] for name in formulas], parameters)
         self._set_prescribed(prescribed)
-
-    def _check_entries(self) -> None:
-        if self.matrices == "differences":
-            raise ValueError("E and A cannot be differences: matrices is 'dense' or 'compressed'")
-        for part in ("E", "A"):
-            array = self.coefficients[part]
-            if part not in self.patterns:
-                raise TypeError(f"{part}_pattern is needed where matrices are compressed")
-            expected = self.matrix_shape(part)
-            if isinstance(array, np.ndarray) and array.shape != expected:
-                raise ValueError(f"{part} has shape {array.shape}, not {expected}")
 
     def _shape(
         self, m: int | None, n: int | None, names: Sequence[str] | None, is_compressed: bool
@@ -412,43 +374,6 @@ class LinearProblem(Problem):
         c.constant_E = isinstance(self.coefficients["E"], np.ndarray)
         c.constant_A = isinstance(self.coefficients["A"], np.ndarray)
         self._fill_patterns(c, keep)
-
-
-def _coefficient(name: str, given: Any, dimension: int) -> Any:
-    """An array of numbers, a function of (t, order), or a Formula in t."""
-    if not callable(given):
-        try:
-            array = np.array(given, dtype=float)
-        except (TypeError, ValueError):
-            raise TypeError(
-                f"{name} has to be an array of numbers or a function, not {given!r}"
-            ) from None
-        if array.ndim != dimension:
-            raise ValueError(
-                f"{name} has shape {array.shape}: it has to be a "
-                f"{'vector' if dimension == 1 else 'matrix'}"
-            )
-        return array
-    try:
-        has_order = "order" in inspect.signature(given).parameters
-    except (TypeError, ValueError):
-        has_order = False
-    return given if has_order else Formula(given, ("t",), name)
-
-
-def as_pattern(given: Any, n: int, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """(col_start, row_index) of n columns; what else is wrong with it the library says."""
-    parts = tuple(np.asarray(part) for part in given)
-    if len(parts) != 2:
-        raise ValueError(f"{name} has to be a pair (col_start, row_index)")
-    for part, what in zip(parts, ("col_start", "row_index")):
-        if part.ndim != 1 or (part.size > 0 and not np.issubdtype(part.dtype, np.integer)):
-            raise ValueError(f"{what} of {name} has to be a vector of integers")
-    if len(parts[0]) != n + 1:
-        raise ValueError(
-            f"col_start of {name} has {len(parts[0])} numbers for {n} unknowns: {n + 1} are needed"
-        )
-    return parts[0].astype(np.intc), parts[1].astype(np.intc)
 
 
 def as_names(given: Sequence[str], what: str) -> tuple[str, ...]:

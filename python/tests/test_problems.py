@@ -177,7 +177,10 @@ def test_linear_problems_with_entries():
 
 def test_an_entry_that_a_pattern_lacks():
     problem = sfdae.LinearProblem(
-        np.eye(2), lambda t, order: np.eye(2), E_pattern=([0, 1, 2], [0, 1]), A_pattern=([0, 1, 1], [0])
+        np.eye(2),
+        lambda t, order: np.eye(2),
+        E_pattern=([0, 1, 2], [0, 1]),
+        A_pattern=([0, 1, 1], [0]),
     )
     with pytest.raises(sfdae.Error, match="A has the entry 1 in row 1, column 1"):
         sfdae.solve(problem, (0, 1), [1, 1])
