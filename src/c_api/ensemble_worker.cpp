@@ -42,6 +42,8 @@ EnsembleWorker::EnsembleWorker(sfdae_solver& prototype, const EnsembleTask& task
   solver_.problem().stop_with(prototype.problem());
   solver_.breakpoints->take_times(*prototype.breakpoints);
   solver_.use_breakpoints(solver_.options.integration);
+  solver_.max_passed = prototype.max_passed;
+  solver_.use_continuation(solver_.options.integration);
 }
 
 bool EnsembleWorker::set_parameters(int instance, InstanceOutcome& outcome) {

@@ -283,6 +283,7 @@ int sfdae_set_options(sfdae_solver* solver, const sfdae_options* options) {
       return illegal_argument("the error test of sensitivities needs method = SFDAE_METHOD_BDF.");
     fresh.integration.events = solver->events.get();
     solver->use_breakpoints(fresh.integration);
+    solver->use_continuation(fresh.integration);
     const ModelOptions &old = solver->options.model, &now = fresh.model;
     const bool same_analysis =
         now.analysis.max_index == old.analysis.max_index && now.analysis.by_svd == old.analysis.by_svd &&

@@ -51,6 +51,19 @@ class JumpsOfModel final : public JumpRule {
   std::optional<Crossed> last_;
 };
 
+// What carries a solution across a singular point: the consistent values nearest to its smooth continuation.
+class ContinuationOfModel final : public ContinuationRule {
+ public:
+  explicit ContinuationOfModel(sfdae_solver& solver) : solver_(solver) {}
+  ConsistentPoint look_at(const PointOfInterest& point) override;
+  ConsistentPoint move_to(const PointOfInterest& point) override;
+
+ private:
+  ModelOptions options() const;
+
+  sfdae_solver& solver_;
+};
+
 }  // namespace sfdae::core
 
 struct sfdae_solver {
@@ -69,6 +82,12 @@ struct sfdae_solver {
     const bool has_any = model.evaluator() != nullptr || breakpoints->has_times();
     integration_options.breakpoints = has_any ? &*breakpoints : nullptr;
     integration_options.jumps = breakpoints->has_times() ? &jumps : nullptr;
+  }
+
+  // Singular points are passed only if that was asked for.
+  void use_continuation(sfdae::core::IntegrationOptions& integration_options) {
+    integration_options.continuation = max_passed > 0 ? &continuation : nullptr;
+    integration_options.max_passed = max_passed;
   }
 
   sfdae::core::Problem& problem() { return model.problem(); }
@@ -97,6 +116,8 @@ struct sfdae_solver {
   std::unique_ptr<sfdae::core::Events> events;  // options.integration points to them
   std::optional<sfdae::core::TimeBreakpoints> breakpoints;
   sfdae::core::JumpsOfModel jumps{*this};
+  sfdae::core::ContinuationOfModel continuation{*this};
+  long max_passed = 0;                                  // singular points in an integration
   std::weak_ptr<sfdae::core::SolutionPieces> solution;  // where steps are recorded
   std::optional<sfdae::core::SensitivityRequest> sensitivities;
   // After a start:

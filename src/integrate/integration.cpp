@@ -23,6 +23,9 @@ constexpr int max_point_failures = 12;
 // Of the smallest step: a change of the characteristic values is located within a step longer than this; else it is
 // there. (Chosen, so that the bisection has six steps to go.)
 constexpr double room_to_locate = 64.0;
+// Of the steps about a singular point that may be passed: how accurately its time is needed. (Chosen: what is nearer is
+// not extrapolated from.)
+constexpr double accuracy_for_passing = 1e-6;
 
 }  // namespace
 
@@ -43,6 +46,7 @@ Integration::Integration(DaeSystem& system, std::unique_ptr<ChangeWatch> watch, 
   integrator_.start(point.t, point.x, point.xdot, options_);
   output_.resize(system);
   if (watch_) watch_->start(integrator_.direction);
+  start_trail();
 }
 
 void Integration::set_options(const IntegrationOptions& options) {
@@ -116,6 +120,8 @@ CallResult Integration::run(double tout, bool one_step) {
   if (integrator_.must_restart && !change_ && !integrator_.has_passed(tout)) restart(integrator_.method);
   for (long attempts = 0; !integrator_.has_passed(tout); ++attempts) {
     if (auto stopped = obstacle(attempts, tout)) return std::move(*stopped);
+    // A singular point that was passed may have led beyond tout.
+    if (integrator_.has_passed(tout)) break;
     const double t = integrator_.stepper->state().t;
     keep_to_piece(options_, integrator_.system, {t, tout, integrator_.direction}, start_);
     if (const auto gap = jump_at(options_, t, integrator_.direction)) {
@@ -141,12 +147,14 @@ CallResult Integration::run(double tout, bool one_step) {
 void Integration::restart_at_kink() {
   restart(integrator_.method);
   if (watch_) watch_->start(integrator_.direction);
+  start_trail();
 }
 
-std::optional<CallResult> Integration::obstacle(long attempts, double tout) const {
+std::optional<CallResult> Integration::obstacle(long attempts, double tout) {
   const double t = integrator_.stepper->state().t;
   if (integrator_.system.stop_is_requested()) return result_of_stop_request(t);
-  if (change_ && integrator_.has_passed(change_->t_before)) return result_of_change(integrator_.system, *change_);
+  if (change_ && integrator_.has_passed(change_->t_before))
+    if (auto change = meet_change()) return change;
   if (attempts >= options_.max_steps) return result_of_many_steps(options_.max_steps, tout, t);
   const double rounding = integrator_.weights.rounding(integrator_.stepper->x().data());
   if (rounding > 1.0) return result_of_small_tolerances(t, rounding);
@@ -170,6 +178,7 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
   if (integrator_.system.differential() == 0 && state.failures_in_a_row == 0) size = std::fabs(tout - state.t);
   if (options_.max_step > 0.0) size = std::min(size, options_.max_step);
   if (approach_ && approach_->is_reached) size = std::min(size, approach_->step);
+  size = fine_step(size);
   const double smallest = Integrator::smallest_step(state.t, tout);
   if (size < smallest) {
     if (state.failures_in_a_row > 0) return give_up(StepOutcome::error_too_large);
@@ -243,6 +252,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
   else if (approach_ && integrator_.has_passed(approach_->t)) approach_->is_reached = true;
   if (auto excess = integrator_.differences.lasting_excess(integrator_.weights)) return excess;
   record_step(from);
+  extend_trail(from);
   return call_monitor(h);
 }
 
@@ -273,6 +283,7 @@ bool Integration::has_found_change(double h) {
   if (!found) return false;
   integrator_.stepper->withdraw();
   integrator_.stepper->set_next_step(h);
+  refine_steps(h);
   if (found->uncertainty > 0.0) look_closer(*found, h);
   else change_ = found;
   return true;
@@ -316,6 +327,7 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
     ++counts.other_failures;
     return std::nullopt;
   }
+  refine_steps(h);
   if (outcome == StepOutcome::changed && has_located_change(h, tout)) return std::nullopt;
   ++counts.other_failures;
   if (!change_ && watch_ &&
@@ -335,7 +347,8 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
 bool Integration::has_located_change(double h, double tout) {
   if (change_) return false;
   const StepState state = integrator_.stepper->state();
-  if (!(std::fabs(h) > Integrator::smallest_step(state.t, tout) * room_to_locate)) {
+  const double located = branches_.fine ? accuracy_for_passing * branches_.fine->step : 0.0;
+  if (!(std::fabs(h) > std::max(Integrator::smallest_step(state.t, tout) * room_to_locate, located))) {
     change_ = change_at_failure();
     return true;
   }
@@ -347,23 +360,26 @@ bool Integration::has_located_change(double h, double tout) {
 // Between the last point and the one tried.
 LocatedChange Integration::change_at_failure() const {
   const StepState state = integrator_.stepper->state();
-  return {state.t, state.tried_t, integrator_.system.values_at(state.tried_t)};
+  return {state.t, state.tried_t, integrator_.system.values_at(state.tried_t), 0.0,
+          integrator_.system.vanishing_part()};
 }
 
 // Of which failures of steps are signs.
 std::optional<LocatedChange> Integration::change_nearby() const {
   const std::optional<double> t = integrator_.system.change_nearby();
   if (!t) return std::nullopt;
-  return LocatedChange{integrator_.stepper->state().t, *t, integrator_.system.values_at(*t)};
+  return LocatedChange{integrator_.stepper->state().t, *t, integrator_.system.values_at(*t), 0.0,
+                       integrator_.system.vanishing_part()};
 }
 
-CallResult Integration::give_up(StepOutcome outcome) {
+std::optional<CallResult> Integration::give_up(StepOutcome outcome) {
   if (!change_) {
     if (outcome == StepOutcome::changed) change_ = change_at_failure();
     else if (outcome != StepOutcome::callback_error) change_ = watch_ ? watch_->find_beyond() : change_nearby();
     integrator_.must_restart = true;
   }
-  if (change_) return result_of_change(integrator_.system, *change_);
+  if (change_) return meet_change();
+  if (outcome != StepOutcome::callback_error && has_passed_obstacle()) return std::nullopt;
   // Errors of derivatives look like jumps of the solution.
   if (auto excess = integrator_.differences.excess(integrator_.weights)) return *excess;
   return result_of_smallest_step(outcome, integrator_);
@@ -394,6 +410,7 @@ void Integration::return_consistent_point(double& t, double* x, double* xdot) {
 
 // place: where the solution at t is evaluated.
 void Integration::output(double place, double t, double* x, double* xdot) {
+  if (branches_.passage && branches_.passage->has(place)) return branches_.passage->evaluate(place, x, xdot);
   double searched;
   const PointRequest request = request_beside_kink(t, {place, true, slopes_, options_.interpolates_outputs});
   if (request.distance == 0.0 && has_searched_to(options_.events, place))

@@ -15,12 +15,14 @@
 #include "integrate/integration_options.h"
 #include "integrate/integrator.h"
 #include "integrate/method_choice.h"
+#include "integrate/passage.h"
 #include "integrate/sensitivities.h"
 #include "integrate/solution_pieces.h"
 #include "integrate/step_output.h"
 #include "integrate/work_counts.h"
 #include "system/change_watch.h"
 #include "system/dae_system.h"
+#include "system/model.h"
 
 namespace sfdae::core {
 
@@ -77,6 +79,14 @@ class Integration {
   double size_of_times() const { return std::max(std::fabs(start_), std::fabs(integrator_.stepper->state().t)); }
   double start() const { return start_; }  // of a checkpoint that is short: 0
   const std::optional<LocatedChange>& change() const { return change_; }
+  // The singular point met last, and how many have been passed.
+  const std::optional<SingularPoint>& singular_point() const { return branches_.point; }
+  long passed_points() const { return branches_.passed; }
+  // So many singular points may be passed, from the next step on.
+  void set_continuation(const IntegrationOptions& options) {
+    options_.continuation = options.continuation;
+    options_.max_passed = options.max_passed;
+  }
 
  private:
   CallResult run(double tout, bool one_step);
@@ -84,7 +94,7 @@ class Integration {
   void cross_jump(const TimeBreakpoints::Gap& gap, double tout);
   void record_jump(const TimeBreakpoints::Gap& gap, const std::vector<double>& after);
   // What keeps the next step from being tried.
-  std::optional<CallResult> obstacle(long attempts, double tout) const;
+  std::optional<CallResult> obstacle(long attempts, double tout);
   std::optional<CallResult> attempt_step(double tout);
   std::optional<double> limit_of_step(double t, double tout) const;
   std::optional<CallResult> accept_step(double h, double wanted);
@@ -94,7 +104,18 @@ class Integration {
   std::optional<CallResult> call_monitor(double h) const;
   std::optional<CallResult> handle_failure(StepOutcome outcome, double h, double tout);
   bool has_located_change(double h, double tout);
-  CallResult give_up(StepOutcome outcome);
+  std::optional<CallResult> give_up(StepOutcome outcome);
+  void start_trail();
+  void extend_trail(double from);
+  bool passes_singular_points() const;
+  void refine_steps(double h);
+  double fine_step(double size);
+  CourseData course_data() const;
+  std::optional<CallResult> meet_change();
+  bool has_passed_obstacle();
+  bool pass(const CourseData& data, const SmoothCourse& course, SingularPoint& point);
+  void go_on_from(const ConsistentPoint& after, const SmoothCourse& course, SingularPoint& point);
+  void record_passage(double t_after);
   LocatedChange change_at_failure() const;
   std::optional<LocatedChange> change_nearby() const;
   void restart(Method method);
@@ -121,6 +142,7 @@ class Integration {
     bool is_reached;
   };
   std::optional<Approach> approach_;
+  Branches branches_;
   double start_ = 0.0, last_returned_ = 0.0;
   double span_ = 0.0;  // the interval of interest
   Slopes slopes_ = Slopes::wanted;

@@ -50,6 +50,7 @@ void Integration::archive(Archive& archive) {
     integrator_.contradictions.largest = all.inconsistency;
     output_.resize(system);
     if (has_change) change_.emplace();
+    start_trail();
   }
   if (has_change) archive_change(archive);
 }

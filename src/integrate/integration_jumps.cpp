@@ -20,6 +20,7 @@ void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   integrator_.must_restart = false;
   approach_.reset();
   if (watch_) watch_->start(direction);
+  start_trail();
   record_jump(gap, after.x);
 }
 

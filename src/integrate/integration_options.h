@@ -12,6 +12,7 @@
 namespace sfdae::core {
 
 struct Events;
+class ContinuationRule;
 class JumpRule;
 class TimeBreakpoints;
 
@@ -30,9 +31,11 @@ struct IntegrationOptions : Acceptance {
   long max_steps = 100000;
   sfdae_monitor_function monitor = nullptr;
   void* monitor_user = nullptr;
-  Events* events = nullptr;                // not owned; none
-  TimeBreakpoints* breakpoints = nullptr;  // not owned; none: where steps end
-  JumpRule* jumps = nullptr;               // not owned; what happens at those where x may jump
+  Events* events = nullptr;                  // not owned; none
+  TimeBreakpoints* breakpoints = nullptr;    // not owned; none: where steps end
+  JumpRule* jumps = nullptr;                 // not owned; what happens at those where x may jump
+  ContinuationRule* continuation = nullptr;  // not owned; none: singular points are not passed
+  long max_passed = 0;                       // singular points that may be passed
 };
 
 struct IntegrationCounts {

@@ -82,6 +82,7 @@ class MultibodySystem final : public DaeSystem {
   }
   // Of positions and velocities.
   DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override;
+  SingularPart vanishing_part() const override { return SingularPart::constraints; }
   void archive(Archive& archive) override;
 
  private:

@@ -6,6 +6,7 @@
 
 #include "linalg/archive.h"
 #include "reduction/index_analysis.h"
+#include "system/singular_part.h"
 
 namespace sfdae::core {
 
@@ -15,6 +16,7 @@ struct LocatedChange {
   CharacteristicValues new_values;
   // Of t; more than nothing: a step that is so short about t has to confirm it.
   double uncertainty = 0.0;
+  SingularPart part = SingularPart::unknown;
 };
 
 class ChangeWatch {

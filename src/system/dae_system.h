@@ -13,6 +13,7 @@
 #include "reduction/index_analysis.h"
 #include "reduction/null_space_form.h"
 #include "system/jet.h"
+#include "system/singular_part.h"
 #include "system/strangeness_free_system.h"
 #include "system/value_change.h"
 
@@ -58,6 +59,8 @@ class DaeSystem : public StrangenessFreeSystem {
   // Asked where steps have failed, before an integration ends for that: whether the characteristic values change near the
   // point accepted last, and when, as far as that point tells.
   virtual std::optional<double> change_nearby() { return std::nullopt; }
+  // What vanishes at changes that no watch has found.
+  virtual SingularPart vanishing_part() const { return SingularPart::unknown; }
   // The characteristic values that hold at t, or, where x is needed and not known there, at the point where a change
   // was met last.
   virtual CharacteristicValues values_at(double t) = 0;

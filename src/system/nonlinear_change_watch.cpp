@@ -19,6 +19,8 @@ namespace {
 constexpr double uncertain = 0.05, short_enough = 0.25;
 // Of the first step in which it was found: the last point before it where the solution is wanted.
 constexpr double beside = 1e-6;
+// Of the step, or the way to the singular point: where it is looked at what vanishes.
+constexpr double beside_point = 0.02;
 // Of times: a step about a singular point is not shorter than so many roundings.
 constexpr double roundings = 1024.0;
 // A value that falls by this factor at a point inside a step has vanished there, as for linear problems
@@ -158,7 +160,8 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_passed() {
     const double t = fall.at_lowest.t;
     fall.highest = fall.lowest = now;
     fall.at_highest = fall.at_lowest = jet;
-    if (is_confirmed) return LocatedChange{t, t, {}, 0.0};
+    constexpr SingularPart parts[] = {SingularPart::constraints, SingularPart::differential};
+    if (is_confirmed) return LocatedChange{t, t, {}, 0.0, parts[i]};
   }
   return std::nullopt;
 }
@@ -199,6 +202,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::change_at(double t, double t_
   change.uncertainty = is_final ? 0.0 : uncertain * step;
   if (!is_final) return change;
   // The values known contradict what was found.
+  change.part = search_.fallen_part_at(t - direction_ * beside_point * step);
   change.new_values = search_.values_at(t);
   if (change.new_values == system_.analysis().values) change.new_values = {};
   change.t_before = t - direction_ * std::max(beside * suspect_->step, roundings * unit_roundoff * std::fabs(t));
@@ -244,6 +248,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_ahead(double h) {
     change.emplace();
     change->t_before = search_.course().newest().t;
     change->t = *t;
+    change->part = search_.fallen_part_at(*t - beside_point * (*t - change->t_before));
     change->new_values = search_.values_at(*t);
     if (change->new_values == system_.analysis().values) change->new_values = {};
   }
@@ -276,6 +281,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_beyond() {
   const bool is_falling = kept <= still_falling;
   if (kept_since_start > (is_falling ? fallen : dip)) return std::nullopt;
   if (search_.kept_consistently(first_, jet).value_or(0.0) > not_fallen) return std::nullopt;
+  change.part = search_.fallen_part(jet);
   // As a square root, which is how determinants vanish where solutions end; or here, in steps that are tiny.
   change.t = is_falling ? t + (t - earlier.t) * kept * kept / (1.0 - kept * kept) : t;
   return change;

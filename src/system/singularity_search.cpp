@@ -135,6 +135,18 @@ SingularitySearch::Kept SingularitySearch::relative(const Jet& jet) {
   return kept;
 }
 
+SingularPart SingularitySearch::fallen_part(const Jet& jet) {
+  // Chosen: about a hundredth of the way that they were measured over they have fallen to a hundredth, or by less where
+  // they vanish as a square root.
+  constexpr double fallen = 0.3, less = 3.0;
+  const Kept kept = relative(jet);
+  const double least = std::min(kept.constraints, kept.differential);
+  if (!(least < fallen) || least == 0.0) return SingularPart::unknown;
+  if (kept.differential > less * kept.constraints) return SingularPart::constraints;
+  if (kept.constraints > less * kept.differential) return SingularPart::differential;
+  return SingularPart::both;
+}
+
 double SingularitySearch::kept_of(const Jet& jet) {
   const Kept kept = relative(jet);
   return std::min(kept.constraints, kept.differential);

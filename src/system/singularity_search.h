@@ -16,6 +16,7 @@
 #include "system/analyzed_equations.h"
 #include "system/array_linearization.h"
 #include "system/jet_course.h"
+#include "system/singular_part.h"
 #include "system/singularity_sample.h"
 
 namespace sfdae::core {
@@ -56,6 +57,9 @@ class SingularitySearch {
   // The characteristic values at a singular point of the interpolated solution; undetermined where no consistent
   // values are found near.
   CharacteristicValues values_at(double t);
+  // Of the two, at a jet near a singular point: what has fallen, relative to the reference of the last search.
+  SingularPart fallen_part(const Jet& jet);
+  SingularPart fallen_part_at(double t) { return fallen_part(interpolated(t)); }
   // What is kept at `jet` of the smallest values at `reference`, 1 where that is not known.
   double kept(const Jet& reference, const Jet& jet);
 

@@ -1,0 +1,246 @@
+// Singular points in the driver of the integration: what they are, and what leads across them
+// (docs/decisions/57-branches.md).
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "integrate/integration.h"
+#include "integrate/integration_results.h"
+#include "integrate/jump_rule.h"
+#include "integrate/kinks.h"
+#include "linalg/index.h"
+#include "problem/failure.h"
+
+namespace sfdae::core {
+
+namespace {
+
+// Of the step that met a singular point first: steps there that tell what the solution does.
+constexpr double fine_part = 0.125;
+// Of the width of the course: how far after the point the solution is looked for, in this order.
+constexpr double parts_after[] = {0.125, 0.25, 0.0625, 0.5};
+// In tolerances, for every tolerance of error expected and one more: by how much consistent values may differ from the
+// course, and their derivatives times its width.
+constexpr double near = 10.0, near_in_slope = 100.0;
+// In tolerances: errors expected that are larger say nothing about a continuation.
+constexpr double unpredictable = 100.0;
+// Points within steps of Radau that are noted, as its steps are long.
+constexpr int points_within = 5;
+
+// The values of components that are not smooth are those as far from the point on the other side.
+std::vector<double> guess_at(const CourseData& data, const SmoothCourse& course, double t) {
+  const Trail::Node* nearest = &data.trail.newest();
+  const double mirrored = 2.0 * data.t - t;
+  for (std::size_t k = 0; k < data.trail.count(); ++k)
+    if (std::fabs(data.trail.node(k).t - mirrored) < std::fabs(nearest->t - mirrored)) nearest = &data.trail.node(k);
+  std::vector<double> x = nearest->x;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (course.degrees[i] >= 0) x[i] = course.fit.evaluate(i, course.degrees[i], t).x;
+  return x;
+}
+
+// What contradicts a continuation of the course by the point; empty: nothing.
+std::string contradiction_of(const CourseData& data, const SmoothCourse& course, const ConsistentPoint& point) {
+  for (std::size_t i = 0; i < point.x.size(); ++i) {
+    if (course.degrees[i] < 0) continue;
+    const CourseFit::Accuracy accuracy = course.fit.accuracy(i, point.t);
+    if (!(accuracy.error <= unpredictable * data.tolerances[i])) {
+      if (data.is_differentiated[i] == 0) continue;
+      return format("at t = %.12g x[%d] can be extrapolated to %.2g tolerances only", point.t, static_cast<int>(i),
+                    accuracy.error / data.tolerances[i]);
+    }
+    const CourseFit::Value value = course.fit.evaluate(i, accuracy.degree, point.t);
+    const double allowed = data.tolerances[i] + accuracy.error, off = std::fabs(point.x[i] - value.x);
+    if (!(off <= near * allowed))
+      return format("at t = %.12g the constraints move x[%d] by %.2g tolerances from the smooth continuation",
+                    point.t, static_cast<int>(i), off / data.tolerances[i]);
+    if (data.is_differentiated[i] == 0) continue;
+    const double turned = std::fabs(point.xdot[i] - value.xdot);
+    if (!(turned * course.width <= near_in_slope * allowed))
+      return format("at t = %.12g the equations give x'[%d] = %.6g, the smooth continuation has %.6g", point.t,
+                    static_cast<int>(i), point.xdot[i], value.xdot);
+  }
+  return {};
+}
+
+}  // namespace
+
+void Passage::evaluate(double t, double* x, double* xdot) const {
+  const double length = after_.t - before_.t, part = (t - before_.t) / length;
+  for (std::size_t i = 0; i < before_.x.size(); ++i) {
+    const int degree = course_.degrees[i];
+    const auto at = [&](double time) {
+      return degree < 0 ? CourseFit::Value{0.0, 0.0} : course_.fit.evaluate(i, degree, time);
+    };
+    const double off_before = before_.x[i] - at(before_.t).x, off_after = after_.x[i] - at(after_.t).x;
+    const CourseFit::Value value = at(t);
+    x[i] = value.x + (1.0 - part) * off_before + part * off_after;
+    if (xdot != nullptr) xdot[i] = value.xdot + (off_after - off_before) / length;
+  }
+}
+
+// ---- The way to the point --------------------------------------------------------------------------------------
+
+void Integration::start_trail() {
+  const std::vector<double>& x = integrator_.stepper->x();
+  branches_.trail.start(integrator_.stepper->state().t, x.data(), x.size());
+  branches_.fine.reset();
+}
+
+// After a step from there.
+void Integration::extend_trail(double from) {
+  Trail& trail = branches_.trail;
+  const double t = integrator_.stepper->state().t;
+  if (passes_singular_points() && integrator_.method == Method::radau) {
+    std::vector<double> x(integrator_.stepper->x().size());
+    for (int k = 1; k <= points_within; ++k) {
+      const double at = from + (t - from) * k / (points_within + 1);
+      try {
+        output_.evaluate_aside(integrator_, {at, true, Slopes::none, false}, options_, x.data(), nullptr);
+        trail.add(at, x.data());
+      } catch (const Failure& failure) {
+        if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+      }
+    }
+  }
+  trail.add(t, integrator_.stepper->x().data());
+}
+
+bool Integration::passes_singular_points() const {
+  return options_.continuation != nullptr && branches_.passed < options_.max_passed && !sensitivities_ &&
+         options_.events == nullptr;
+}
+
+// A step of size h from the last point may have met a singular point.
+void Integration::refine_steps(double h) {
+  if (!passes_singular_points() || branches_.fine) return;
+  branches_.fine = Branches::FineSteps{integrator_.stepper->state().t + h, fine_part * std::fabs(h)};
+}
+
+// What the next step is limited to by that.
+double Integration::fine_step(double size) {
+  if (!branches_.fine) return size;
+  if (integrator_.has_passed(branches_.fine->until)) {
+    branches_.fine.reset();
+    return size;
+  }
+  return std::min(size, branches_.fine->step);
+}
+
+// ---- At the point ----------------------------------------------------------------------------------------------
+
+CourseData Integration::course_data() const {
+  const std::vector<double>& x = integrator_.stepper->x();
+  CourseData data{branches_.trail, change_->t, integrator_.direction, std::vector<double>(x.size()),
+                  std::vector<char>(x.size(), 0)};
+  std::vector<double> dx(x.size(), 0.0);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    data.tolerances[i] = integrator_.weights.tolerance(static_cast<int>(i), x.data());
+    if (!(data.tolerances[i] > 0.0)) data.tolerances[i] = unit_roundoff * std::max(std::fabs(x[i]), 1.0);
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    dx[i] = data.tolerances[i];
+    data.is_differentiated[i] =
+        integrator_.system.change_of_differentiated(dx.data(), data.tolerances.data()).size > 0.0 ? 1 : 0;
+    dx[i] = 0.0;
+  }
+  return data;
+}
+
+// Nothing: it has been passed.
+std::optional<CallResult> Integration::meet_change() {
+  const CourseData data = course_data();
+  const std::optional<SmoothCourse> course = smooth_course(data);
+  SingularPoint point;
+  point.t = change_->t;
+  point.part = change_->part != SingularPart::unknown ? change_->part : integrator_.system.vanishing_part();
+  point.t_before = point.t_after = integrator_.stepper->state().t;
+  classify(data, course, point);
+  branches_.refusal.clear();
+  if (passes_singular_points()) {
+    if (point.kind == SingularKind::crossing && course && pass(data, *course, point)) return std::nullopt;
+    if (branches_.refusal.empty()) branches_.refusal = "the solution is not smooth there, as far as can be told";
+  }
+  branches_.point = point;
+  CallResult result = result_of_change(integrator_.system, *change_);
+  if (!integrator_.system.is_linear()) result.message += description(point);
+  if (!branches_.refusal.empty()) result.message += " It was not passed: " + branches_.refusal + ".";
+  return result;
+}
+
+// Steps from the last point fail, and nothing says why: where a smooth continuation is confirmed, it was a singular point.
+bool Integration::has_passed_obstacle() {
+  if (!passes_singular_points()) return false;
+  const std::optional<SingularPoint> before = branches_.point;
+  const double t = integrator_.stepper->state().t;
+  change_ = LocatedChange{t, t, {}, 0.0, SingularPart::unknown};
+  if (!meet_change()) return true;
+  change_.reset();
+  branches_.point = before;
+  return false;
+}
+
+bool Integration::pass(const CourseData& data, const SmoothCourse& course, SingularPoint& point) {
+  const double direction = integrator_.direction, t_last = integrator_.stepper->state().t;
+  const auto go_to = [&](double t) {
+    const double toward = t + direction * course.width;
+    if (!((t - t_last) * direction >= 0.0)) return false;
+    const std::optional<double> kink = next_kink(options_, {t_last, t, direction});
+    if ((options_.stop_time && (*options_.stop_time - t) * direction < 0.0) ||
+        (kink && (*kink - t) * direction < 0.0)) {
+      branches_.refusal = "stop_time or a breakpoint is too near";
+      return false;
+    }
+    // Of a point that was found late: what the step says.
+    const std::vector<double> guess = t == t_last ? integrator_.stepper->x() : guess_at(data, course, t);
+    try {
+      const ConsistentPoint found = options_.continuation->look_at({t, toward, guess.data()});
+      branches_.refusal = contradiction_of(data, course, found);
+    } catch (const Failure& failure) {
+      if (failure.status() == SFDAE_STOPPED || failure.status() == SFDAE_CALLBACK_STOPPED) throw;
+      branches_.refusal = format("at t = %.12g: ", t) + failure.what();
+      while (!branches_.refusal.empty() && branches_.refusal.back() == '.') branches_.refusal.pop_back();
+    }
+    if (!branches_.refusal.empty()) return false;
+    go_on_from(options_.continuation->move_to({t, toward, guess.data()}), course, point);
+    return true;
+  };
+  if (std::any_of(std::begin(parts_after), std::end(parts_after),
+                  [&](double part) { return go_to(data.t + direction * part * course.width); }))
+    return true;
+  // A step has led far beyond a point that was found late.
+  return (t_last - data.t) * direction > 0.0 && go_to(t_last);
+}
+
+void Integration::go_on_from(const ConsistentPoint& after, const SmoothCourse& course, SingularPoint& point) {
+  Stepper& stepper = *integrator_.stepper;
+  const double direction = integrator_.direction;
+  Passage passage(course, {stepper.state().t, stepper.x()}, {after.t, after.x});
+  output_.resize(integrator_.system);
+  integrator_.start(after.t, after.x, after.xdot, options_);
+  integrator_.must_restart = false;
+  approach_.reset();
+  change_.reset();
+  if (watch_) watch_->start(direction);
+  point.t_after = after.t;
+  point.is_passed = true;
+  branches_.point = point;
+  branches_.passage.emplace(std::move(passage));
+  ++branches_.passed;
+  start_trail();
+  record_passage(after.t);
+}
+
+void Integration::record_passage(double t_after) {
+  const std::shared_ptr<SolutionPieces> solution = solution_.lock();
+  if (!solution || !is_recorded_) return;
+  const auto sample = [&](double t, double* x) { branches_.passage->evaluate(t, x, nullptr); };
+  const auto tolerance = [&](int i, const double* x) { return integrator_.weights.tolerance(i, x); };
+  is_recorded_ = false;
+  solution->add(integrator_.system.unknowns(), {solution->end(), t_after, true, sample, tolerance});
+  is_recorded_ = true;
+}
+
+}  // namespace sfdae::core

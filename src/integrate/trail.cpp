@@ -1,0 +1,49 @@
+// Points that an integration has come through.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "integrate/trail.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sfdae::core {
+
+namespace {
+
+// Nodes kept, and the newest ones among them that are not thinned out: steps about a point need not grow or shrink
+// regularly. (Chosen: polynomials of degree 6 at most are fitted to them.)
+constexpr std::size_t most_nodes = 64, untouched = 16;
+
+}  // namespace
+
+void Trail::start(double t, const double* x, std::size_t n) {
+  nodes_.resize(most_nodes);
+  for (Node& node : nodes_) node.x.resize(n);
+  count_ = 0;
+  add(t, x);
+}
+
+void Trail::add(double t, const double* x) {
+  if (nodes_.empty()) return;
+  if (count_ == most_nodes) drop_one();
+  Node& node = nodes_[count_++];
+  node.t = t;
+  std::copy_n(x, node.x.size(), node.x.begin());
+}
+
+// The node whose neighbours are nearest to each other, relative to their distance from the end.
+void Trail::drop_one() {
+  const double end = nodes_[count_ - 1].t;
+  std::size_t dropped = 1;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i + untouched < count_; ++i) {
+    const double gap = std::fabs(nodes_[i + 1].t - nodes_[i - 1].t), distance = std::fabs(end - nodes_[i - 1].t);
+    const double ratio = distance > 0.0 ? gap / distance : 0.0;
+    if (ratio < least) least = ratio, dropped = i;
+  }
+  const auto first = nodes_.begin() + static_cast<std::ptrdiff_t>(dropped);
+  std::rotate(first, first + 1, nodes_.begin() + static_cast<std::ptrdiff_t>(count_));
+  --count_;
+}
+
+}  // namespace sfdae::core

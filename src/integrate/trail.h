@@ -1,0 +1,35 @@
+// Points that an integration has come through, thinned out so that they reach far back and are dense at the end.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace sfdae::core {
+
+class Trail {
+ public:
+  struct Node {
+    double t = 0.0;
+    std::vector<double> x;
+  };
+
+  // Nothing but this point; x: n values. Memory for all that follow is taken here.
+  void start(double t, const double* x, std::size_t n);
+  // After the newest one.
+  void add(double t, const double* x);
+  void forget() { count_ = 0; }
+
+  std::size_t count() const { return count_; }
+  // From the oldest, 0, to the newest.
+  const Node& node(std::size_t i) const { return nodes_[i]; }
+  const Node& newest() const { return nodes_[count_ - 1]; }
+
+ private:
+  void drop_one();
+
+  std::vector<Node> nodes_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace sfdae::core
