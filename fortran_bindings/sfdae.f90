@@ -81,7 +81,8 @@ module sfdae
 
   public :: sfdae_characteristics, sfdae_decision, sfdae_change, sfdae_initial_report, &
     sfdae_statistics, sfdae_derivative_check, sfdae_progress, sfdae_multibody_report, &
-    sfdae_structure, sfdae_spectrum, sfdae_mode, sfdae_passage, sfdae_transition
+    sfdae_structure, sfdae_spectrum, sfdae_mode, sfdae_passage, sfdae_transition, &
+    sfdae_singular_point
   public :: sfdae_linear_problem, sfdae_nonlinear_problem, sfdae_multibody_problem, &
     sfdae_multibody_formulas, sfdae_options
   public :: sfdae_ensemble, sfdae_ensemble_progress, sfdae_ensemble_results
@@ -142,6 +143,12 @@ module sfdae
   public :: sfdae_source_c, sfdae_source_fortran
   !> What happens at a breakpoint (kinds of dae_solver%set_breakpoints).
   public :: sfdae_breakpoint_kink, sfdae_breakpoint_jump
+  !> What a solution does at a singular point (sfdae_singular_point%kind).
+  public :: sfdae_singular_undetermined, sfdae_singular_fold, sfdae_singular_crossing, &
+    sfdae_singular_unbounded
+  !> What loses rank there (sfdae_singular_point%part).
+  public :: sfdae_part_undetermined, sfdae_part_constraints, sfdae_part_differential, &
+    sfdae_part_both
   !> When a transition happens (dae_transition%kind).
   public :: sfdae_transition_condition, sfdae_transition_zero, sfdae_transition_time
   !> How positions and velocities are divided (coordinates of multibody systems).

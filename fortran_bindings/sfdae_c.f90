@@ -10,8 +10,8 @@ module sfdae_c
     sfdae_ensemble_results, sfdae_initial_report, sfdae_linear_problem, sfdae_linearization, &
     sfdae_mode, sfdae_multibody_formulas, sfdae_multibody_problem, sfdae_multibody_report, &
     sfdae_nonlinear_problem, sfdae_options, sfdae_passage, sfdae_progress, &
-    sfdae_sensitivity_options, sfdae_sensitivity_statistics, sfdae_spectrum, sfdae_statistics, &
-    sfdae_structure, sfdae_transition
+    sfdae_sensitivity_options, sfdae_sensitivity_statistics, sfdae_singular_point, sfdae_spectrum, &
+    sfdae_statistics, sfdae_structure, sfdae_transition
   implicit none
   private
 
@@ -31,26 +31,27 @@ module sfdae_c
     c_get_hybrid_statistics, c_get_initial_report, c_get_jet, c_get_jump, c_get_mode, &
     c_get_multibody_report, c_get_num_decisions, c_get_num_passages, c_get_parameter, &
     c_get_passage, c_get_passage_values, c_get_poles, c_get_projectors, c_get_projectors_at, &
-    c_get_sensitivities, c_get_sensitivity_statistics, c_get_solution_accuracy, &
-    c_get_solution_length, c_get_solution_range, c_get_statistics, c_get_strangeness_free, &
-    c_get_strangeness_free_at, c_get_structure, c_get_transfer, c_get_zeros, c_greater, &
-    c_greater_equal, c_impact, c_initial_report_init, c_interpolate, c_jump, c_less, c_less_equal, &
-    c_linear_problem_init, c_linearization_init, c_linearize, c_load_solution, c_log, c_log10, &
-    c_make_consistent, c_max, c_message, c_min, c_mode_init, c_modulo, c_multibody_problem_init, &
-    c_multibody_report_init, c_multiply, c_negate, c_nonlinear_problem_init, c_not, c_number, &
-    c_options_init, c_or, c_parameter, c_passage_init, c_power, c_record_hybrid, &
-    c_record_solution, c_report, c_report_hybrid, c_request_stop, c_request_stop_hybrid, &
-    c_restore_checkpoint, c_restore_hybrid_checkpoint, c_save_checkpoint, &
-    c_save_hybrid_checkpoint, c_save_solution, c_sensitivity_options_init, &
-    c_sensitivity_statistics_init, c_set_breakpoints, c_set_events, c_set_options, &
-    c_set_parameter, c_set_sensitivities, c_sign, c_sin, c_sinh, c_solve_ensemble, &
-    c_spectrum_init, c_sqrt, c_start, c_start_hybrid, c_statistics_init, c_status_name, c_step, &
-    c_structure_init, c_subtract, c_table, c_tan, c_tanh, c_time_derivative, c_transition_init, &
-    c_version, address_of_ensemble_monitor_function, address_of_equations_function, &
-    address_of_event_function, address_of_external_function, address_of_jump_function, &
-    address_of_linear_equations_function, address_of_matrix_function, address_of_monitor_function, &
-    address_of_multibody_equations_function, address_of_position_function, &
-    address_of_total_derivative_function, address_of_vector_function, address_of_velocity_function
+    c_get_sensitivities, c_get_sensitivity_statistics, c_get_singular_point, &
+    c_get_solution_accuracy, c_get_solution_length, c_get_solution_range, c_get_statistics, &
+    c_get_strangeness_free, c_get_strangeness_free_at, c_get_structure, c_get_transfer, &
+    c_get_zeros, c_greater, c_greater_equal, c_impact, c_initial_report_init, c_interpolate, &
+    c_jump, c_less, c_less_equal, c_linear_problem_init, c_linearization_init, c_linearize, &
+    c_load_solution, c_log, c_log10, c_make_consistent, c_max, c_message, c_min, c_mode_init, &
+    c_modulo, c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
+    c_nonlinear_problem_init, c_not, c_number, c_options_init, c_or, c_parameter, &
+    c_pass_singular_points, c_passage_init, c_power, c_record_hybrid, c_record_solution, c_report, &
+    c_report_hybrid, c_request_stop, c_request_stop_hybrid, c_restore_checkpoint, &
+    c_restore_hybrid_checkpoint, c_save_checkpoint, c_save_hybrid_checkpoint, c_save_solution, &
+    c_sensitivity_options_init, c_sensitivity_statistics_init, c_set_breakpoints, c_set_events, &
+    c_set_options, c_set_parameter, c_set_sensitivities, c_sign, c_sin, c_singular_point_init, &
+    c_sinh, c_solve_ensemble, c_spectrum_init, c_sqrt, c_start, c_start_hybrid, c_statistics_init, &
+    c_status_name, c_step, c_structure_init, c_subtract, c_table, c_tan, c_tanh, &
+    c_time_derivative, c_transition_init, c_version, address_of_ensemble_monitor_function, &
+    address_of_equations_function, address_of_event_function, address_of_external_function, &
+    address_of_jump_function, address_of_linear_equations_function, address_of_matrix_function, &
+    address_of_monitor_function, address_of_multibody_equations_function, &
+    address_of_position_function, address_of_total_derivative_function, &
+    address_of_vector_function, address_of_velocity_function
 
   abstract interface
 
@@ -852,6 +853,13 @@ module sfdae_c
       integer(c_int) :: c_get_sensitivity_statistics
     end function c_get_sensitivity_statistics
 
+    function c_get_singular_point(solver, result) bind(c, name="sfdae_get_singular_point")
+      import :: c_int, c_ptr, sfdae_singular_point
+      type(c_ptr), value :: solver
+      type(sfdae_singular_point), intent(inout) :: result
+      integer(c_int) :: c_get_singular_point
+    end function c_get_singular_point
+
     function c_get_solution_accuracy(solution, accuracy, t) &
       bind(c, name="sfdae_get_solution_accuracy")
       import :: c_double, c_int, c_ptr
@@ -1169,6 +1177,13 @@ module sfdae_c
       type(expression) :: c_parameter
     end function c_parameter
 
+    function c_pass_singular_points(solver, max_points) bind(c, name="sfdae_pass_singular_points")
+      import :: c_int, c_long, c_ptr
+      type(c_ptr), value :: solver
+      integer(c_long), value :: max_points
+      integer(c_int) :: c_pass_singular_points
+    end function c_pass_singular_points
+
     function c_passage_init(passage, size) bind(c, name="sfdae_passage_init")
       import :: c_int, c_size_t, sfdae_passage
       type(sfdae_passage), intent(inout) :: passage
@@ -1343,6 +1358,13 @@ module sfdae_c
       type(expression), value :: a
       type(expression) :: c_sin
     end function c_sin
+
+    function c_singular_point_init(point, size) bind(c, name="sfdae_singular_point_init")
+      import :: c_int, c_size_t, sfdae_singular_point
+      type(sfdae_singular_point), intent(inout) :: point
+      integer(c_size_t), value :: size
+      integer(c_int) :: c_singular_point_init
+    end function c_singular_point_init
 
     function c_sinh(a) bind(c, name="sfdae_sinh")
       import :: expression

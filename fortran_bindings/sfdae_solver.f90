@@ -3,7 +3,7 @@
 ! The solver: analysis, initial values, integration, looking inside.
 module sfdae_solver
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_int, c_loc, &
-    c_null_char, c_null_ptr, c_ptr, c_size_t, c_sizeof
+    c_long, c_null_char, c_null_ptr, c_ptr, c_size_t, c_sizeof
   use sfdae_c, only: c_advance, c_analyze, c_analyze_at, c_certify, c_change_init, &
     c_characteristics_init, c_check_derivatives, c_check_multibody_derivatives, &
     c_check_total_derivatives, c_decision_init, c_derivative_check_init, c_destroy, &
@@ -12,11 +12,14 @@ module sfdae_solver
     c_get_derivative_array_at, c_get_event_sensitivities, c_get_events, c_get_extended_system, &
     c_get_initial_report, c_get_jet, c_get_jump, c_get_multibody_report, c_get_num_decisions, &
     c_get_parameter, c_get_projectors, c_get_projectors_at, c_get_sensitivities, &
-    c_get_sensitivity_statistics, c_get_statistics, c_get_strangeness_free, &
+    c_get_sensitivity_statistics, c_get_singular_point, c_get_statistics, c_get_strangeness_free, &
     c_get_strangeness_free_at, c_get_structure, c_impact, c_initial_report_init, c_interpolate, &
-    c_jump, c_make_consistent, c_message, c_multibody_report_init, c_record_solution, c_report, &
+    c_jump, c_make_consistent, c_message, c_multibody_report_init, c_pass_singular_points, &
+    c_record_solution, c_report, &
     c_request_stop, c_restore_checkpoint, c_save_checkpoint, c_sensitivity_statistics_init, &
-    c_set_breakpoints, c_set_events, c_set_options, c_set_parameter, c_start, c_statistics_init, &
+    c_set_breakpoints, c_set_events, c_set_options, c_set_parameter, c_singular_point_init, &
+    c_start, &
+    c_statistics_init, &
     c_status_name, c_step, c_structure_init, c_version
   use sfdae_control, only: compare_size, control_holder, dae_events, dae_monitor, dae_options, &
     event_callback, fill_options
@@ -31,7 +34,7 @@ module sfdae_solver
   use sfdae_types, only: sfdae_change, sfdae_characteristics, sfdae_decision, &
     sfdae_derivative_check, sfdae_illegal_argument, sfdae_initial_report, &
     sfdae_multibody_report, sfdae_ok, sfdae_options, sfdae_out_of_memory, &
-    sfdae_sensitivity_statistics, sfdae_statistics, &
+    sfdae_sensitivity_statistics, sfdae_singular_point, sfdae_statistics, &
     sfdae_structure
   implicit none
   private
@@ -70,6 +73,8 @@ module sfdae_solver
     procedure :: get_num_decisions => solver_get_num_decisions
     procedure :: get_decision => solver_get_decision
     procedure :: get_change => solver_get_change
+    procedure :: get_singular_point => solver_get_singular_point
+    procedure :: pass_singular_points => solver_pass_singular_points
     procedure :: make_consistent => solver_make_consistent
     procedure :: get_initial_report => solver_get_initial_report
     procedure :: start => solver_start
@@ -474,6 +479,33 @@ contains
     if (status == sfdae_ok) status = c_get_change(self%handle, found)
     if (status >= 0) change = found
   end subroutine solver_get_change
+
+  !> The singular point met last, whether it ended a call or was passed.
+  !> point%component counts from 1; 0: none.
+  subroutine solver_get_singular_point(self, point, status)
+    class(dae_solver), intent(inout) :: self
+    type(sfdae_singular_point), intent(inout) :: point
+    !> sfdae_not_started if there was none since start.
+    integer(c_int), intent(out) :: status
+    type(sfdae_singular_point) :: found
+
+    call check_call(self, status)
+    if (status == sfdae_ok) status = c_singular_point_init(found, c_sizeof(found))
+    if (status == sfdae_ok) status = c_get_singular_point(self%handle, found)
+    found%component = found%component + 1
+    if (status >= 0) point = found
+  end subroutine solver_get_singular_point
+
+  !> Lets integrations go on after as many singular points, where a smooth continuation is
+  !> confirmed. branches.h has the rules.
+  subroutine solver_pass_singular_points(self, max_points, status)
+    class(dae_solver), intent(inout) :: self
+    !> 0: none.
+    integer, intent(in) :: max_points
+    integer(c_int), intent(out) :: status
+
+    status = c_pass_singular_points(self%handle, int(max_points, c_long))
+  end subroutine solver_pass_singular_points
 
   ! ---- Initial values -----------------------------------------------------------------------
 

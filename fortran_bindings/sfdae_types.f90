@@ -55,11 +55,19 @@ module sfdae_types
   integer(c_int), parameter, public :: sfdae_output_consistent = 0
   integer(c_int), parameter, public :: sfdae_output_interpolated = 1
   integer(c_int), parameter, public :: sfdae_out_of_memory = -2
+  integer(c_int), parameter, public :: sfdae_part_both = 3
+  integer(c_int), parameter, public :: sfdae_part_constraints = 1
+  integer(c_int), parameter, public :: sfdae_part_differential = 2
+  integer(c_int), parameter, public :: sfdae_part_undetermined = 0
   integer(c_int), parameter, public :: sfdae_prescription_singular = -23
   integer(c_int), parameter, public :: sfdae_rank_unclear = -21
   integer(c_int), parameter, public :: sfdae_reduction_staged = 0
   integer(c_int), parameter, public :: sfdae_reduction_svd = 1
   integer(c_int), parameter, public :: sfdae_singular = -42
+  integer(c_int), parameter, public :: sfdae_singular_crossing = 2
+  integer(c_int), parameter, public :: sfdae_singular_fold = 1
+  integer(c_int), parameter, public :: sfdae_singular_unbounded = 3
+  integer(c_int), parameter, public :: sfdae_singular_undetermined = 0
   integer(c_int), parameter, public :: sfdae_source_c = 0
   integer(c_int), parameter, public :: sfdae_source_fortran = 1
   integer(c_int), parameter, public :: sfdae_step_taken = 1
@@ -403,6 +411,19 @@ module sfdae_types
     integer(c_long) :: error_test_failures = 0
     integer(c_long) :: outputs = 0
   end type sfdae_sensitivity_statistics
+
+  type, bind(c), public :: sfdae_singular_point
+    integer(c_size_t) :: size = 0
+    real(c_double) :: t = 0
+    integer(c_int) :: kind = 0
+    integer(c_int) :: part = 0
+    integer(c_int) :: component = 0
+    real(c_double) :: exponent = 0
+    integer(c_int) :: passed = 0
+    real(c_double) :: t_before = 0
+    real(c_double) :: t_after = 0
+    integer(c_long) :: count = 0
+  end type sfdae_singular_point
 
   type, bind(c), public :: sfdae_spectrum
     integer(c_size_t) :: size = 0

@@ -15,7 +15,7 @@ import subprocess
 
 import cffi
 
-PREAMBLE = "#include <sfdae/sfdae.h>\n#include <sfdae/modes.h>\n#include <sfdae/hybrid.h>\n"
+PREAMBLE = "#include <sfdae/sfdae.h>\n#include <sfdae/modes.h>\n#include <sfdae/hybrid.h>\n#include <sfdae/branches.h>\n"
 
 # What is done in C because it is done at every step or output: see binding_support.c.
 SUPPORT = pathlib.Path(__file__).resolve().parent / "binding_support.c"

@@ -43,6 +43,7 @@ docs/guide/linearization
 docs/guide/sensitivities
 docs/guide/modes
 docs/guide/hybrid
+docs/guide/branches
 docs/guide/python
 docs/guide/program
 docs/guide/coverage

@@ -12,7 +12,8 @@ from headers import as_rst, title
 C_HEADINGS = {"sfdae": "Life cycle, options, linear problems", "expression": "Expressions, nonlinear problems",
               "multibody": "Mechanical systems", "ensemble": "Ensembles", "sensitivity": "Sensitivities",
               "linearization": "Linearization, descriptor systems",
-              "modes": "Switches, impacts, breakpoints", "hybrid": "Hybrid systems"}
+              "modes": "Switches, impacts, breakpoints", "hybrid": "Hybrid systems",
+              "branches": "Singular points, branches"}
 CPP_HEADINGS = {"sfdae": "The solver", "problem": "Problems", "expression": "Expressions",
                 "results": "Options, points, results, errors", "ensemble": "Ensembles", "sensitivity": "Sensitivities",
                 "linearization": "Linearization, descriptor systems", "complex": "Complex problems",
@@ -106,8 +107,8 @@ def pages(root, xml_folder):
         result[f"c_{name}.rst"] = c_page(root, xml_folder, name, heading)
     for name, heading in cpp_headers.items():
         result[f"cpp_{name}.rst"] = cpp_page(root, xml_folder, name, heading)
-    result["c.rst"] = contents("C", "Programs include ``sfdae/sfdae.h``, which includes the others but ``sfdae/modes.h`` and "
-                               "``sfdae/hybrid.h``.",
+    result["c.rst"] = contents("C", "Programs include ``sfdae/sfdae.h``, which includes the others but ``sfdae/modes.h``, "
+                               "``sfdae/hybrid.h`` and ``sfdae/branches.h``.",
                                [f"c_{name}" for name in c_headers])
     result["cpp.rst"] = contents("C++", "Programs include ``sfdae/sfdae.hpp``, which includes the others but "
                                  "``sfdae/hybrid.hpp``.",

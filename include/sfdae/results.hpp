@@ -5,6 +5,7 @@
 #ifndef SFDAE_RESULTS_HPP
 #define SFDAE_RESULTS_HPP
 
+#include <sfdae/branches.h>
 #include <sfdae/sfdae.h>
 
 #include <cstddef>
@@ -18,6 +19,7 @@ namespace sfdae {
 using Characteristics = sfdae_characteristics;
 using Decision = sfdae_decision;
 using Change = sfdae_change;
+using SingularPoint = sfdae_singular_point;
 using InitialReport = sfdae_initial_report;
 using Statistics = sfdae_statistics;
 using DerivativeCheck = sfdae_derivative_check;

@@ -26,6 +26,7 @@
 #ifndef SFDAE_SFDAE_HPP
 #define SFDAE_SFDAE_HPP
 
+#include <sfdae/branches.h>
 #include <sfdae/modes.h>
 #include <sfdae/sfdae.h>
 #include <sfdae/callbacks.hpp>
@@ -148,6 +149,13 @@ class Solver {
 
   /// Where the characteristic values changed, after SFDAE_CHARACTERISTICS_CHANGED.
   Change change() const { return filled(sfdae_change_init, sfdae_get_change); }
+
+  /// The singular point met last, whether it ended a call or was passed.
+  SingularPoint singular_point() const { return filled(sfdae_singular_point_init, sfdae_get_singular_point); }
+
+  /// Lets integrations go on after as many singular points, where a smooth continuation is confirmed. See
+  /// sfdae_pass_singular_points.
+  int pass_singular_points(long max_points) { return checked(sfdae_pass_singular_points(get(), max_points)); }
 
   /// Makes point.x consistent at point.t and computes point.xdot, a guess before if options.xdot_is_guess is 1. The
   /// point reached is unaffected.

@@ -49,6 +49,7 @@ from ._inspection import (
 )
 from ._hybrid import Hybrid, Passage, Transition
 from ._linearization import Descriptor, Spectrum
+from ._branches import SingularPoint
 from ._modes import Jump
 from ._multibody import MultibodyProblem
 from ._options import OPTION_NAMES, choices
@@ -77,7 +78,7 @@ __all__ = [
     "CannotEvaluate", "Condition", "DerivativeArray", "Descriptor", "EnsembleSolution", "Error",
     "Event", "EventRecord", "Expression", "ExtendedSystem", "Hybrid", "InitialValuesWarning",
     "IntegrationWarning", "Jump", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
-    "Passage", "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning", "Solution", "Solver", "Spectrum",
+    "Passage", "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning", "SingularPoint", "Solution", "Solver", "Spectrum",
     "Status", "Steps", "StrangenessFreeSystem", "Struct", "Structure", "analyze", "choices", "choose",
     "derivative", "external", "table", "time_derivative", "Transition",
     "make_consistent", "parameter", "solve", "solve_ensemble", "status_name", "version", *_PUBLIC,

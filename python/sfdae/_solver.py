@@ -12,6 +12,7 @@ from ._binding import ffi, lib
 from ._callbacks import CallbackState, CountMismatch
 from ._formula import checked_value
 from ._linearization import Linearizing
+from ._branches import Branches
 from ._modes import Modes
 from ._options import c_options, check_names
 from ._points import Point, wrapped
@@ -21,7 +22,7 @@ from ._sensitivities import Sensitivities
 from ._status import Error, Status
 
 
-class Solver(Sensitivities, Linearizing, Modes):
+class Solver(Sensitivities, Linearizing, Modes, Branches):
     """Analysis and integration of a problem, step by step; ``sfdae.solve`` does all of it in one
     call.
 
