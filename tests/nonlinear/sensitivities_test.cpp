@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "random_system.h"
 #include "sfdae/sfdae.hpp"
+#include "transformed_system.h"
 
 namespace {
 
@@ -15,6 +15,8 @@ using sfdae::Expression;
 using sfdae::Matrix;
 using sfdae::Point;
 using sfdae::SensitivityValues;
+using sfdae_test::largest_error;
+using sfdae_test::TransformedSystem;
 
 sfdae::Options options_with(double tolerance, int method) {
   sfdae::Options options;
@@ -135,68 +137,6 @@ TEST_P(PendulumSensitivities, HoldWithinSteps) {
 }
 
 // ---- Random systems --------------------------------------------------------------------------------------------
-
-// y_i = x_i + p/5 sin(x_{i-1} + 0.3 i) solves a random system in the time (1 + q) t: of x(t, p, q) everything is known.
-class TransformedSystem {
- public:
-  explicit TransformedSystem(unsigned seed) : system_(without_free_components(seed), 11 * seed + 5) {}
-  static constexpr double p = 0.7, q = 0.2;
-
-  int n() const { return system_.n(); }
-  int mu() const { return system_.values().mu; }
-  sfdae::NonlinearProblem problem() const {
-    sfdae::NonlinearProblem problem(system_.m(), system_.n());
-    problem.equations = [this](const Expression& t, auto x, auto xdot, auto F) {
-      const Expression own_p = sfdae::parameter(t, "p", p), rate = 1.0 + sfdae::parameter(t, "q", q);
-      std::vector<Expression> y, ydot, residual(std::size_t(system_.m()));
-      for (int i = 0; i < n(); ++i) {
-        y.push_back(x[i]);
-        ydot.push_back(xdot[i]);
-        if (i == 0) continue;
-        const Expression angle = x[i - 1] + 0.3 * i;
-        y.back() = y.back() + 0.2 * own_p * sin(angle);
-        ydot.back() = ydot.back() + 0.2 * own_p * cos(angle) * xdot[i - 1];
-      }
-      for (Expression& slope : ydot) slope = slope / rate;
-      system_.residual(rate * t, y.data(), ydot.data(), residual.data());
-      for (int i = 0; i < system_.m(); ++i) F[i] = residual[std::size_t(i)];
-    };
-    return problem;
-  }
-  // x and its derivatives by p and q.
-  void exact(double t, std::vector<double>& x, Matrix& S) const {
-    std::vector<double> slopes;
-    system_.exact((1.0 + q) * t, x, slopes);
-    S = Matrix(n(), 2);
-    for (int i = 0; i < n(); ++i) {
-      S(i, 1) = t * slopes[std::size_t(i)];
-      if (i == 0) continue;
-      const double angle = x[std::size_t(i - 1)] + 0.3 * i;
-      x[std::size_t(i)] -= 0.2 * p * std::sin(angle);
-      S(i, 0) = -0.2 * std::sin(angle) - 0.2 * p * std::cos(angle) * S(i - 1, 0);
-      S(i, 1) -= 0.2 * p * std::cos(angle) * S(i - 1, 1);
-    }
-  }
-
- private:
-  static sfdae_test::RandomSystem::Shape without_free_components(unsigned seed) {
-    sfdae_test::RandomSystem::Shape shape = sfdae_test::RandomSystem::random_shape(seed);
-    shape.u = 0;
-    if (shape.d == 0) shape.d = 1;
-    return shape;
-  }
-  sfdae_test::RandomSystem system_;
-};
-
-double largest_error(const Matrix& S, const Matrix& exact) {
-  double size = 1.0, error = 0.0;
-  for (int j = 0; j < S.columns(); ++j)
-    for (int i = 0; i < S.rows(); ++i) {
-      size = std::max(size, std::abs(exact(i, j)));
-      error = std::max(error, std::abs(S(i, j) - exact(i, j)));
-    }
-  return error / size;
-}
 
 class RandomSensitivities : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Methods, RandomSensitivities, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sensitivities of 1,000 random problems, linear and nonlinear ones of index 0 ... 3, against exact ones: 250 for each
+// kind and method, of which scaled_count takes the first.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "family_run.h"
+#include "sfdae/sfdae.hpp"
+#include "transformed_system.h"
+
+namespace {
+
+constexpr int count_of_each = 250;
+constexpr double tolerance = 1e-9, largest_accepted = 1e-6;
+
+class ManyRandomSensitivities : public testing::TestWithParam<int> {
+ protected:
+  // The largest error of S at the start and three later times.
+  template <class System>
+  static double error_of(const System& system, int method) {
+    sfdae::Options options;
+    options.rtol = options.atol = tolerance;
+    options.method = method;
+    sfdae::Solver solver(system.problem(), options);
+    sfdae::Point point;
+    sfdae::Sensitivities wanted;
+    wanted.parameters = {"p", "q"};
+    system.exact(0.0, point.x, wanted.directions);
+    solver.set_sensitivities(wanted);
+    solver.start(point, 2.0);
+    double error = sfdae_test::largest_error(solver.sensitivities(0.0).S, wanted.directions);
+    for (double t : {0.7, 1.3, 2.0}) {
+      solver.advance(t, point);
+      std::vector<double> x;
+      sfdae::Matrix exact;
+      system.exact(t, x, exact);
+      error = std::max(error, sfdae_test::largest_error(solver.sensitivities(t).S, exact));
+    }
+    return error;
+  }
+
+  template <class System>
+  static void expect_exact(unsigned first_seed, int method) {
+    const int count = sfdae_test::scaled_count(count_of_each);
+    int solved[4] = {0, 0, 0, 0};
+    double largest = 0.0;
+    for (unsigned seed = first_seed; seed < first_seed + unsigned(count); ++seed) {
+      const System system(seed);
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", mu = " + std::to_string(system.mu()));
+      try {
+        const double error = error_of(system, method);
+        EXPECT_LE(error, largest_accepted);
+        largest = std::max(largest, error);
+        ++solved[std::min(system.mu(), 3)];
+      } catch (const sfdae::Error& error) {
+        ADD_FAILURE() << error.what();
+      }
+    }
+    RecordProperty("largest_error", std::to_string(largest));
+    if (count < 40) return;
+    for (int of_index : solved) EXPECT_GE(of_index, 1);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Methods, ManyRandomSensitivities, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
+
+// Other problems for each method.
+TEST_P(ManyRandomSensitivities, AreExactForNonlinearProblems) {
+  expect_exact<sfdae_test::TransformedSystem>(GetParam() == SFDAE_METHOD_BDF ? 1000 : 2000, GetParam());
+}
+
+TEST_P(ManyRandomSensitivities, AreExactForLinearProblems) {
+  expect_exact<sfdae_test::LinearTransformedSystem>(GetParam() == SFDAE_METHOD_BDF ? 3000 : 4000, GetParam());
+}
+
+}  // namespace
