@@ -33,8 +33,8 @@ std::vector<char> constant_targets(const Tape& tape, const Record& record) {
 
 }  // namespace
 
-BlockDeterminants::BlockDeterminants(const Structure& structure, TaylorEvaluator& evaluator)
-    : structure_(structure), evaluator_(evaluator), jacobian_(structure, evaluator.tape()) {
+BlockDeterminants::BlockDeterminants(const Structure& structure, SystemJacobian& jacobian, TaylorEvaluator& evaluator)
+    : structure_(structure), evaluator_(evaluator), jacobian_(jacobian) {
   const Tape& tape = evaluator.tape();
   const std::vector<char> is_constant = constant_targets(tape, evaluator.record());
   // Equations that were replaced count as ones that vary.

@@ -16,8 +16,8 @@ namespace sfdae::core {
 
 class BlockDeterminants {
  public:
-  // Both live longer.
-  BlockDeterminants(const Structure& structure, TaylorEvaluator& evaluator);
+  // All live longer. jacobian: where entries are evaluated.
+  BlockDeterminants(const Structure& structure, SystemJacobian& jacobian, TaylorEvaluator& evaluator);
 
   // Blocks some entry of which depends on t, x or x'; others keep their determinants.
   int count() const { return static_cast<int>(blocks_.size()); }
@@ -49,7 +49,7 @@ class BlockDeterminants {
 
   const Structure& structure_;
   TaylorEvaluator& evaluator_;
-  SystemJacobian jacobian_;
+  SystemJacobian& jacobian_;
   std::vector<Block> blocks_;
   std::vector<double> values_;
 };

@@ -35,7 +35,9 @@ double ratio(double log2, double log2_of_reference) { return std::exp2(std::min(
 }  // namespace
 
 ExtensionChangeWatch::ExtensionChangeWatch(ExtensionSystem& system)
-    : system_(system), determinants_(system.extension().structure(), system.extension().problem().evaluator()) {}
+    : system_(system),
+      determinants_(system.extension().structure(), system.extension().leading(),
+                    system.extension().problem().evaluator()) {}
 
 bool ExtensionChangeWatch::measure(const Jet& jet, Sample& sample) {
   sample.jet = jet;

@@ -98,9 +98,8 @@ PointStatus ExtensionIteration::solve_step(const StepTask& task, ExtensionLinear
 }
 
 // r_ by slots.
-ExtensionIteration::Norms ExtensionIteration::apply_held(const std::vector<double>& scales,
-                                                         const ExtensionLinearization& linearization, Jet& jet) {
-  const StateChoice& choice = linearization.choice();
+ExtensionIteration::Norms ExtensionIteration::apply_held(const Yardsticks& yardsticks, const StateChoice& choice,
+                                                         Jet& jet) {
   Norms norms;
   for (int column = 0; column < extension_.num_columns(); ++column) {
     if (choice.is_held(column)) continue;
@@ -110,25 +109,33 @@ ExtensionIteration::Norms ExtensionIteration::apply_held(const std::vector<doubl
     value += dx;
     double& norm = order == 0 ? norms.of_x : norms.of_derivatives;
     if (!std::isfinite(value)) norms.of_x = value;
-    const double scale = order == 0 ? std::max(std::fabs(value), scales[index(unknown)]) : std::fabs(value);
-    const double excess = above_noise(dx, linearization.noise()[index(column)]);
+    const double scale =
+        order == 0 ? std::max(std::fabs(value), yardsticks.scales[index(unknown)]) : std::fabs(value);
+    const double excess = above_noise(dx, yardsticks.noise[index(column)]);
     if (excess > 0.0) norm = std::max(norm, scale > 0.0 ? excess / scale : 1.0);
   }
   return norms;
 }
 
 PointStatus ExtensionIteration::solve_held(ExtensionLinearization& linearization, const std::vector<double>& scales,
-                                           Jet& jet) {
+                                           Hope hope, Jet& jet) {
   // Until changes stop becoming smaller, after the first ones at some hundred roundings of x; derivatives of high order may
   // lose more.
-  constexpr double negligible = 4.0 * unit_roundoff, small = 1e-13, small_derivatives = 1e-8;
+  constexpr double negligible = 4.0 * unit_roundoff, small_derivatives = 1e-8;
+  const double small = hope == Hope::none ? 1e-10 : 1e-13;
   r_.resize(index(extension_.num_rows()) + 1);
+  std::vector<double> noise = linearization.noise();
   Norms before, earlier;
   for (int iteration = 0; iteration < most_iterations_held; ++iteration) {
     const PointStatus status = evaluate(jet, r_.data());
     if (status != PointStatus::ok) return status;
     linearization.solve_held(r_.data());
-    const Norms norms = apply_held(scales, linearization, jet);
+    // Where the equations were linearized the unknowns may have been much smaller, as at a start from rest.
+    if (iteration == 2) {
+      const std::vector<double> here = linearization.noise_at(jet);
+      for (std::size_t k = 0; k < noise.size(); ++k) noise[k] = std::max(noise[k], here[k]);
+    }
+    const Norms norms = apply_held({scales, noise}, linearization.choice(), jet);
     if (!std::isfinite(norms.of_x) || !std::isfinite(norms.of_derivatives)) return PointStatus::not_converged;
     const bool is_x_there =
         norms.of_x <= negligible || (iteration > 1 && norms.of_x <= small && norms.of_x > 0.5 * before.of_x);

@@ -30,7 +30,10 @@ class ExtensionIteration {
   PointStatus solve_step(const StepTask& task, ExtensionLinearization& linearization, Jet& jet);
   // jet: in: a guess, out: the jet that fulfils all equations with the states as they are, as accurately as rounding permits.
   // scales: changes of the unknowns that do not matter, n values. Whether the iteration is slow stays as it was.
-  PointStatus solve_held(ExtensionLinearization& linearization, const std::vector<double>& scales, Jet& jet);
+  // There is no better linearization: changes that have stopped becoming smaller are rounding errors, if they are small.
+  enum class Hope { other_linearization, none };
+  PointStatus solve_held(ExtensionLinearization& linearization, const std::vector<double>& scales, Hope hope,
+                         Jet& jet);
   // x' of all unknowns at such a jet, n values, also where the extension has no x_j'.
   PointStatus derivative(ExtensionLinearization& linearization, const Jet& jet, double* xdot);
 
@@ -54,7 +57,11 @@ class ExtensionIteration {
   struct Norms {
     double of_x = 0.0, of_derivatives = 0.0;
   };
-  Norms apply_held(const std::vector<double>& scales, const ExtensionLinearization& linearization, Jet& jet);
+  struct Yardsticks {
+    const std::vector<double>& scales;  // of the unknowns x_j
+    const std::vector<double>& noise;   // by columns of the extension
+  };
+  Norms apply_held(const Yardsticks& yardsticks, const StateChoice& choice, Jet& jet);
 
   MinimalExtension& extension_;
   CallbackError& callback_error_;

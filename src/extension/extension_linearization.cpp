@@ -1,4 +1,6 @@
 // The extension linearized at a jet.
+//
+// [P01] J. D. Pryce: A Simple Structural Analysis Method for DAEs. BIT 41 (2001), 364-394.
 // SPDX-License-Identifier: BSD-3-Clause
 #include "extension/extension_linearization.h"
 
@@ -8,6 +10,7 @@
 #include <utility>
 
 #include "linalg/column_basis.h"
+#include "linalg/equilibration.h"
 #include "linalg/index.h"
 #include "linalg/random.h"
 #include "linalg/rank.h"
@@ -19,6 +22,10 @@ namespace {
 // Other states are chosen where these move some unknown by so much more than where they were chosen, and by so many of its
 // sizes if they change by theirs. Chosen, not measured.
 constexpr double worth_a_choice = 3.0, harmless_sensitivity = 30.0;
+// Of the matrix, so that a choice stage by stage is taken without a look at others. Chosen, not measured.
+constexpr double good_condition = 1e-10;
+// What is larger than so many rounding errors is none. Chosen, not measured.
+constexpr double certain = 1e3;
 // Of roundings of the terms of f, added up.
 constexpr double few_roundings = 4.0;
 
@@ -46,10 +53,9 @@ PointStatus ExtensionLinearization::renew(const Jet& jet, CallbackError& error) 
   };
   const bool keeps = choices_ > 0 && factor_held() && is_harmless();
   if (!keeps) {
-    if (!choose_states() || !factor_held()) return PointStatus::singular;
+    if (!choose_states()) return PointStatus::singular;
     sensitivity_of_choice_ = sensitivity_;
   }
-  measure_noise();
   is_usable_ = true;
   return PointStatus::ok;
 }
@@ -59,7 +65,6 @@ PointStatus ExtensionLinearization::restore(const Jet& jet, const std::vector<in
   if (status != PointStatus::ok) return status;
   set_states(states);
   if (!factor_held()) return PointStatus::singular;
-  measure_noise();
   is_usable_ = true;
   return PointStatus::ok;
 }
@@ -98,43 +103,98 @@ std::vector<double> ExtensionLinearization::values_in_own_time() const {
   return values;
 }
 
-// Unknowns that are no x_j, or have no x_j' in the extension, cannot be states: the others are, as far as these are not
-// determined.
-bool ExtensionLinearization::choose_states() {
-  BasisSettings settings;
-  settings.classes.assign(index(extension_.num_columns()), 0);
-  for (int column = 0; column < extension_.num_columns(); ++column) {
-    const auto [unknown, order] = extension_.columns()[index(column)];
-    if (order == 0 && extension_.offsets().d[index(unknown)] > 0) settings.classes[index(column)] = 1;
+// Stage by stage: the unknowns of a stage that its equations leave over [P01]. The last stage leaves none, as the system Jacobian
+// has been judged, and the others are much smaller, so that this is fast and little is filled in. None where something else
+// than x_j would be left over. values: scaled with all equations, as rounding errors of zeros could be the only entries of a
+// column in its stage.
+std::optional<std::vector<int>> ExtensionLinearization::states_by_stages(const std::vector<double>& values) const {
+  std::vector<int> states;
+  SparseRows stage_rows;
+  for (int stage = extension_.first_stage(); stage < 0; ++stage) {
+    const int first_column = extension_.first_column(stage);
+    stage_rows.columns = extension_.first_column(stage + 1) - first_column;
+    stage_rows.first.assign(1, 0);
+    stage_rows.column.clear();
+    stage_rows.value.clear();
+    for (int row = extension_.first_row(stage); row < extension_.first_row(stage + 1); ++row) {
+      for (int e = extension_.first()[index(row)]; e < extension_.first()[index(row + 1)]; ++e) {
+        const int column = extension_.column()[index(e)] - first_column;
+        if (column < 0) continue;
+        stage_rows.column.push_back(column);
+        stage_rows.value.push_back(values[index(e)]);
+      }
+      stage_rows.first.push_back(static_cast<int>(stage_rows.column.size()));
+    }
+    BasisSettings settings;
+    settings.is_scaled = true;
+    for (int column = 0; column < stage_rows.columns; ++column)
+      settings.classes.push_back(may_be_state(first_column + column) ? 1 : 0);
+    const ColumnBasis basis = column_basis(stage_rows, settings);
+    if (basis.rank != stage_rows.rows() || !basis.has_all_of_class_0) return std::nullopt;
+    for (int column : basis.left_over) states.push_back(extension_.columns()[index(first_column + column)].unknown);
   }
-  const auto basis_of = [&](const std::vector<double>& values) {
-    return column_basis({extension_.num_columns(), extension_.first(), extension_.column(), values}, settings);
-  };
-  const auto determines_all = [&](const ColumnBasis& basis) {
-    return basis.rank == extension_.num_rows() && basis.has_all_of_class_0;
-  };
-  ColumnBasis basis = basis_of(values_in_own_time());
-  if (!determines_all(basis)) basis = basis_of(values_);
-  if (!determines_all(basis)) return false;
+  std::sort(states.begin(), states.end());
+  return states;
+}
+
+// From all equations of the extension at once.
+std::optional<std::vector<int>> ExtensionLinearization::states_of_all(const std::vector<double>& values) const {
+  BasisSettings settings;
+  for (int column = 0; column < extension_.num_columns(); ++column)
+    settings.classes.push_back(may_be_state(column) ? 1 : 0);
+  const ColumnBasis basis =
+      column_basis({extension_.num_columns(), extension_.first(), extension_.column(), values}, settings);
+  if (basis.rank != extension_.num_rows() || !basis.has_all_of_class_0) return std::nullopt;
   std::vector<int> states;
   for (int column : basis.left_over) states.push_back(extension_.columns()[index(column)].unknown);
   std::sort(states.begin(), states.end());
-  set_states(std::move(states));
-  return true;
+  return states;
+}
+
+// Unknowns that are no x_j, or have no x_j' in the extension, cannot be.
+bool ExtensionLinearization::may_be_state(int column) const {
+  const auto [unknown, order] = extension_.columns()[index(column)];
+  return order == 0 && extension_.offsets().d[index(unknown)] > 0;
+}
+
+// Rows and columns by powers of two.
+std::vector<double> ExtensionLinearization::scaled(std::vector<double> values) const {
+  const std::vector<int>& first = extension_.first();
+  Equilibration scales;
+  scales.compute({extension_.num_rows(), extension_.num_columns(), first.data(), extension_.column().data()},
+                 values.data());
+  for (int row = 0; row < extension_.num_rows(); ++row)
+    for (std::size_t e = index(first[index(row)]); e < index(first[index(row + 1)]); ++e)
+      values[e] = times_power_of_two(
+          values[e], scales.of_lines()[index(row)] + scales.of_crossings()[index(extension_.column()[e])]);
+  return values;
+}
+
+// Whether they determine all other unknowns is known once the matrix is factored.
+bool ExtensionLinearization::choose_states() {
+  const std::vector<double> in_own_time = values_in_own_time();
+  const auto take = [this](std::optional<std::vector<int>> states) {
+    if (!states) return false;
+    set_states(std::move(*states));
+    return factor_held();
+  };
+  if (take(states_by_stages(scaled(in_own_time))) && held_.reciprocal_condition() >= good_condition) return true;
+  return take(states_of_all(in_own_time)) || take(states_of_all(values_));
 }
 
 void ExtensionLinearization::set_states(std::vector<int> states) {
   ++choices_;
   if (choices_ > 1 && states == choice_.states()) return;
   choice_.set(extension_, std::move(states));
-  step_.set_choice(choice_);
-  held_.set_choice(choice_);
-  for (auto& pair : pairs_) pair.set_choice(choice_);
+  held_.set_choice();
+  step_.set_choice();
+  for (auto& pair : pairs_) pair.set_choice();
 }
 
 bool ExtensionLinearization::factor_held() {
   ++counts_.factorizations;
   if (!held_.factor(derivatives(), choice_, 0.0)) return false;
+  measure_noise();
   measure_sensitivity();
   return true;
 }
@@ -145,7 +205,7 @@ void ExtensionLinearization::note_sizes() {
   for (std::size_t j = 0; j < sizes_.size(); ++j) sizes_[j] = std::max(sizes_[j], std::fabs(origin_.x[j]));
 }
 
-// By one change of all states, with random signs.
+// By one change of all states, with random signs. Unknowns that are nothing but rounding errors have no size.
 void ExtensionLinearization::measure_sensitivity() {
   sensitivity_ = 0.0;
   std::minstd_rand generator(1);
@@ -157,8 +217,9 @@ void ExtensionLinearization::measure_sensitivity() {
   held_.solve(work_.data());
   for (int j = 0; j < extension_.n(); ++j) {
     const double size = sizes_[index(j)];
-    if (choice_.is_state(j) || size == 0.0) continue;
-    const double change = std::fabs(work_[index(choice_.slot(extension_.column_of(j, 0)))]);
+    const int column = extension_.column_of(j, 0);
+    if (choice_.is_state(j) || size <= certain * noise_[index(column)]) continue;
+    const double change = std::fabs(work_[index(choice_.slot(column))]);
     // Not a number counts as too much.
     sensitivity_ = std::max(sensitivity_, change <= HUGE_VAL ? change / size : HUGE_VAL);
   }
@@ -197,13 +258,13 @@ void ExtensionLinearization::subtract_states(const double* changes, double* r) c
 }
 
 // Roundings of the terms of each row, with random signs.
-void ExtensionLinearization::measure_noise() {
+std::vector<double> ExtensionLinearization::noise_at(const Jet& jet) {
   work_.assign(index(choice_.size()), 0.0);
-  noise_.assign(extension_.columns().size(), 0.0);
+  std::vector<double> noise(extension_.columns().size(), 0.0);
   const std::vector<int>& first = extension_.first();
-  const auto coefficient = [this](int column) {
+  const auto coefficient = [&](int column) {
     const auto [unknown, order] = extension_.columns()[index(column)];
-    return origin_.column(order)[unknown];
+    return jet.column(order)[unknown];
   };
   std::minstd_rand generator(1);
   for (int row = 0; row < extension_.num_rows(); ++row) {
@@ -216,8 +277,9 @@ void ExtensionLinearization::measure_noise() {
   for (int column = 0; column < extension_.num_columns(); ++column) {
     const double own = std::fabs(coefficient(column));
     const double by_f = choice_.is_held(column) ? 0.0 : few_roundings * std::fabs(work_[index(choice_.slot(column))]);
-    noise_[index(column)] = unit_roundoff * std::max(own, by_f);
+    noise[index(column)] = unit_roundoff * std::max(own, by_f);
   }
+  return noise;
 }
 
 }  // namespace sfdae::core

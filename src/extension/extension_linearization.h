@@ -5,6 +5,7 @@
 
 #include <array>
 #include <complex>
+#include <optional>
 #include <vector>
 
 #include "extension/minimal_extension.h"
@@ -33,7 +34,9 @@ class ExtensionLinearization {
   const StateChoice& choice() const { return choice_; }
   // Reading: after restore(), the factored matrices. False: they cannot have been.
   bool archive_matrices(Archive& archive);
-  // Numbers in the factors of the matrix with the states held.
+  // The matrix with the states held.
+  const StateMatrix<double>& held() const { return held_; }
+  // Numbers in its factors.
   std::size_t fill() const { return held_.fill(); }
   // What the choice of states depends on besides the point.
   void archive_choice(Archive& archive) {
@@ -42,6 +45,8 @@ class ExtensionLinearization {
   }
   // What rounding errors of f and of the unknowns themselves do to these, by columns of the extension.
   const std::vector<double>& noise() const { return noise_; }
+  // The same at another jet.
+  std::vector<double> noise_at(const Jet& jet);
 
   // The unit of time of the equations, a power of two.
   int time_exponent() const;
@@ -72,12 +77,16 @@ class ExtensionLinearization {
   PointStatus linearize(const Jet& jet, CallbackError& error);
   ExtensionDerivatives derivatives() const { return {extension_, values_}; }
   bool choose_states();
+  std::optional<std::vector<int>> states_by_stages(const std::vector<double>& values) const;
+  std::optional<std::vector<int>> states_of_all(const std::vector<double>& values) const;
+  bool may_be_state(int column) const;
+  std::vector<double> scaled(std::vector<double> values) const;
   std::vector<double> values_in_own_time() const;
   bool factor_held();
   void set_states(std::vector<int> states);
   void note_sizes();
   void measure_sensitivity();
-  void measure_noise();
+  void measure_noise() { noise_ = noise_at(origin_); }
 
   static constexpr std::size_t max_pairs = (max_stages - 1) / 2;
 
@@ -90,7 +99,7 @@ class ExtensionLinearization {
   double sensitivity_ = 0.0, sensitivity_of_choice_ = 0.0;
   std::vector<double> sizes_;  // of x
   StateChoice choice_;
-  StateMatrix<double> step_, held_;
+  StateMatrix<double> step_, held_{true};
   std::array<StateMatrix<std::complex<double>>, max_pairs> pairs_;
   // Of the rows at the origin: the extension may have been linearized elsewhere since.
   std::vector<double> values_;

@@ -32,6 +32,7 @@ ExtensionSystem::ExtensionSystem(MinimalExtension extension, Problem& base, cons
       linearization_(extension_, counts_),
       iteration_(extension_, callback_error_),
       stages_(extension_),
+      judge_(extension_.structure(), extension_.leading()),
       scales_(std::move(scales)) {
   resize();
   const PointStatus status = set_point(jet);
@@ -52,7 +53,8 @@ ExtensionSystem::ExtensionSystem(RecordedProblem& problem, Problem& base, const 
       extension_(problem, archived_structure(*problem.structure(), saved)),
       linearization_(extension_, counts_),
       iteration_(extension_, callback_error_),
-      stages_(extension_) {
+      stages_(extension_),
+      judge_(extension_.structure(), extension_.leading()) {
   resize();
   archive(saved);
 }
@@ -123,7 +125,7 @@ PointStatus ExtensionSystem::certify(const Jet& jet) {
   Certificate certificate;
   const std::vector<double> noise = noise_of_jet();
   const CertifiedPoint point{jet.t, jet.x.data(), noise.empty() ? nullptr : noise.data()};
-  if (!certify_structure(extension_.structure(), problem_.evaluator(), point, settings_.rank_tol, certificate)) {
+  if (!judge_.certify(problem_.evaluator(), point, settings_.rank_tol, certificate)) {
     callback_error_ = problem_.evaluation_error(jet.t);
     return PointStatus::callback_error;
   }
@@ -274,17 +276,19 @@ void ExtensionSystem::error_in_x(const double* dw, int count, double* dx) {
 
 // With the linearization that is there; else with one at the jet, which is used once. xdot: the derivative, or null.
 PointStatus ExtensionSystem::solve_held(Jet& jet, double* xdot) {
-  const auto solve = [&](ExtensionLinearization& linearization) {
-    const PointStatus status = iteration_.solve_held(linearization, scales_, jet);
+  using Hope = ExtensionIteration::Hope;
+  const auto solve = [&](ExtensionLinearization& linearization, Hope hope) {
+    const PointStatus status = iteration_.solve_held(linearization, scales_, hope, jet);
     return status == PointStatus::ok && xdot != nullptr ? iteration_.derivative(linearization, jet, xdot) : status;
   };
   const Jet start = jet;
-  PointStatus status = linearization_.is_usable() ? solve(linearization_) : PointStatus::not_converged;
+  PointStatus status =
+      linearization_.is_usable() ? solve(linearization_, Hope::other_linearization) : PointStatus::not_converged;
   if (status == PointStatus::ok || is_hopeless(status)) return status;
   ExtensionLinearization here(extension_, counts_);
   jet = start;
   status = here.renew(jet, callback_error_);
-  return status == PointStatus::ok ? solve(here) : status;
+  return status == PointStatus::ok ? solve(here, Hope::none) : status;
 }
 
 // What later steps depend on stays as it is: points that are asked for must not change those that follow.

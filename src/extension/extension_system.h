@@ -100,6 +100,7 @@ class ExtensionSystem final : public DaeSystem {
   ExtensionLinearization linearization_;
   ExtensionIteration iteration_;
   ExtensionStages stages_;
+  StructureJudge judge_;
   Certificate certificate_;
   std::string about_change_, about_later_point_;
   JetHistory history_;

@@ -79,6 +79,8 @@ class MinimalExtension {
 
   // The derivatives of the rows by the unknowns, by rows: those of row i are entries first()[i], ..., first()[i + 1] - 1.
   CallbackError linearize(const Jet& jet);
+  // The system Jacobian, for anyone who evaluates it first.
+  SystemJacobian& leading() { return leading_; }
   // Each value times 1 + size times a random number, until they are made anew.
   void perturb(double size);
   const std::vector<int>& first() const { return first_; }

@@ -28,35 +28,41 @@ void StateChoice::set(const MinimalExtension& extension, std::vector<int> states
     state_slots_.push_back(slot(extension.column_of(j, 1)));
     slot_[index(extension.column_of(j, 0))] = state_slots_.back();
   }
-  pattern_.size = slots;
-  make_pattern(extension);
+  size_ = slots;
+  layout_ = layout_of(extension, false);
+  held_layout_ = layout_of(extension, true);
 }
 
 // By columns: the rows of each, ascending as rows are gone through in their order; two entries of a row may meet.
-void StateChoice::make_pattern(const MinimalExtension& extension) {
-  std::vector<std::vector<int>> rows_of(index(pattern_.size));
+StateChoice::Layout StateChoice::layout_of(const MinimalExtension& extension, bool holds_states) const {
+  Layout layout;
+  SparsePattern& pattern = layout.pattern;
+  pattern.size = size_;
   const std::vector<int>& first = extension.first();
-  for (int row = 0; row < extension.num_rows(); ++row)
-    for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {
-      std::vector<int>& rows = rows_of[index(slot(extension.column()[index(e)]))];
-      if (rows.empty() || rows.back() != row) rows.push_back(row);
-    }
-  pattern_.first.assign(1, 0);
-  pattern_.row.clear();
-  for (const std::vector<int>& rows : rows_of) {
-    pattern_.row.insert(pattern_.row.end(), rows.begin(), rows.end());
-    pattern_.first.push_back(static_cast<int>(pattern_.row.size()));
-  }
-  place_.resize(extension.column().size());
-  std::vector<int> next(pattern_.first.begin(), pattern_.first.end() - 1);
-  for (int row = 0; row < extension.num_rows(); ++row) {
-    for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {
-      const int column = slot(extension.column()[index(e)]);
-      int& at = next[index(column)];
-      if (pattern_.row[index(at)] != row) ++at;
-      place_[index(e)] = at;
-    }
-  }
+  const auto for_each = [&](auto action) {
+    for (int row = 0; row < extension.num_rows(); ++row)
+      for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {
+        const int column = extension.column()[index(e)];
+        if (!holds_states || !is_held(column)) action(row, e, index(slot(column)));
+      }
+  };
+  std::vector<int> last_row(index(size_), -1), count(index(size_), 0);
+  for_each([&](int row, int, std::size_t column) {
+    if (last_row[column] != row) ++count[column];
+    last_row[column] = row;
+  });
+  pattern.first.assign(1, 0);
+  for (int entries : count) pattern.first.push_back(pattern.first.back() + entries);
+  pattern.row.assign(index(pattern.first.back()), 0);
+  layout.place.assign(extension.column().size(), -1);
+  std::vector<int> next(pattern.first.begin(), pattern.first.end() - 1);
+  last_row.assign(index(size_), -1);
+  for_each([&](int row, int e, std::size_t column) {
+    if (last_row[column] != row) pattern.row[index(next[column]++)] = row;
+    last_row[column] = row;
+    layout.place[index(e)] = next[column] - 1;
+  });
+  return layout;
 }
 
 }  // namespace sfdae::core

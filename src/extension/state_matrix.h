@@ -2,7 +2,8 @@
 //
 // With x_j' = c x_j + ... for the states j the unknowns of a step are all x_j^(l) but the x_j of states, a change of which is
 // 1 / c times that of x_j': column x_j' becomes that of x_j' plus epsilon times that of x_j, epsilon = 1 / c. With epsilon =
-// 0 states are held. Complex epsilon: stages of Runge-Kutta methods, transformed.
+// 0 states are held. Complex epsilon: stages of Runge-Kutta methods, transformed. The matrix with the states held has a pattern of its
+// own, without their columns x_j: it is block triangular by stages, and its factors are much smaller than those of the others.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
@@ -41,28 +42,35 @@ class StateChoice {
   void to_states(Number epsilon, Number* z) const {
     for (int slot : state_slots_) z[slot] *= epsilon;
   }
-  int size() const { return pattern_.size; }
-  const SparsePattern& pattern() const { return pattern_; }
+  int size() const { return size_; }
+  struct Layout {
+    SparsePattern pattern;
+    std::vector<int> place;  // in the pattern, of the entries of the extension; -1: left out
+  };
+  const Layout& layout(bool holds_states) const { return holds_states ? held_layout_ : layout_; }
   // values: to, in the order of the pattern.
   template <class Number>
-  void assemble(const ExtensionDerivatives& from, Number epsilon, std::vector<Number>& values) const;
+  void assemble(const Layout& layout, const ExtensionDerivatives& from, Number epsilon,
+                std::vector<Number>& values) const;
 
  private:
-  void make_pattern(const MinimalExtension& extension);
+  Layout layout_of(const MinimalExtension& extension, bool holds_states) const;
 
   std::vector<int> states_;
   std::vector<char> is_state_, is_held_, is_slope_;
   std::vector<int> slot_, state_slots_;
-  SparsePattern pattern_;
-  std::vector<int> place_;  // in the pattern, of the entries of the extension
+  int size_ = 0;
+  Layout layout_, held_layout_;
 };
 
 template <class Number>
-void StateChoice::assemble(const ExtensionDerivatives& from, Number epsilon, std::vector<Number>& values) const {
-  values.assign(pattern_.row.size(), Number(0));
-  for (std::size_t e = 0; e < place_.size(); ++e) {
+void StateChoice::assemble(const Layout& layout, const ExtensionDerivatives& from, Number epsilon,
+                           std::vector<Number>& values) const {
+  values.assign(layout.pattern.row.size(), Number(0));
+  for (std::size_t e = 0; e < layout.place.size(); ++e) {
+    if (layout.place[e] < 0) continue;
     const bool held = is_held(from.extension.column()[e]);
-    values[index(place_[e])] += held ? epsilon * from.values[e] : Number(from.values[e]);
+    values[index(layout.place[e])] += held ? epsilon * from.values[e] : Number(from.values[e]);
   }
 }
 
@@ -70,8 +78,17 @@ void StateChoice::assemble(const ExtensionDerivatives& from, Number epsilon, std
 template <class Number>
 class StateMatrix {
  public:
-  void set_choice(const StateChoice& choice) {
-    lu_.analyze(choice.pattern());
+  // holds_states: for epsilon = 0 alone.
+  explicit StateMatrix(bool holds_states = false) : holds_states_(holds_states) {}
+  // The pattern is analyzed when it is factored first: not all matrices are.
+  void set_choice() {
+    is_analyzed_ = false;
+    forget();
+  }
+  // Ordered as that one, which is of the same choice and kind.
+  void set_choice_of(const StateMatrix& other) {
+    lu_ = other.lu_;
+    is_analyzed_ = other.is_analyzed_;
     forget();
   }
   // As after set_choice(): what comes depends on nothing before.
@@ -85,8 +102,10 @@ class StateMatrix {
   // False: singular.
   bool factor(const ExtensionDerivatives& from, const StateChoice& choice, Number epsilon) {
     epsilon_.reset();
-    choice.assemble(from, epsilon, values_);
-    if (!lu_.factor(values_.data())) return false;
+    analyze(choice);
+    std::vector<Number> values;
+    choice.assemble(choice.layout(holds_states_), from, epsilon, values);
+    if (!lu_.factor(values.data())) return false;
     if (lu_.has_new_pivots()) epsilon_of_pivots_ = epsilon;
     epsilon_ = epsilon;
     return true;
@@ -106,10 +125,14 @@ class StateMatrix {
   std::size_t fill() const { return lu_.fill(); }
 
  private:
+  void analyze(const StateChoice& choice) {
+    if (!is_analyzed_) lu_.analyze(choice.layout(holds_states_).pattern);
+    is_analyzed_ = true;
+  }
   static double* parts(Number& number) { return reinterpret_cast<double*>(&number); }
 
   SparseLu<Number> lu_;
-  std::vector<Number> values_;
+  bool holds_states_, is_analyzed_ = false;
   std::optional<Number> epsilon_;
   Number epsilon_of_pivots_{};
 };

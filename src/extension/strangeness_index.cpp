@@ -80,14 +80,22 @@ class LevelEffects {
 // Where changes move x_j little beside those of other levels, as a capacitor in farad does, the effect has to be the same with
 // entries that are changed a little: rounding errors are not.
 int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linearization, double tau) {
+  if (extension.highest_level() == 0) return 0;
   const StateChoice& choice = linearization.choice();
   LevelEffects effects(extension, choice);
   const auto plain = effects.all([&linearization](double* r) { linearization.solve_held(r); });
-  extension.perturb(little);
-  StateMatrix<double> other;
-  other.set_choice(choice);
-  const bool has_other = other.factor({extension, extension.values()}, choice, 0.0);
-  const auto changed = has_other ? effects.all([&other](double* r) { other.solve(r); }) : plain;
+  // Made when they are asked for first, which is seldom.
+  std::vector<std::vector<double>> changed;
+  const auto changed_effect = [&](int level, std::size_t j) {
+    if (changed.empty()) {
+      extension.perturb(little);
+      StateMatrix<double> other(true);
+      other.set_choice_of(linearization.held());
+      const bool has_other = other.factor({extension, extension.values()}, choice, 0.0);
+      changed = has_other ? effects.all([&other](double* r) { other.solve(r); }) : plain;
+    }
+    return changed[index(level)][j];
+  };
   int mu = 0;
   for (std::size_t j = 0; j < index(extension.n()); ++j) {
     double largest = 0.0, largest_in_units = 0.0, unit = 1.0;
@@ -97,10 +105,10 @@ int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linea
       unit *= tau;
     }
     for (int level = mu + 1; level <= extension.highest_level(); ++level) {
-      const double effect = plain[index(level)][j], again = changed[index(level)][j];
+      const double effect = plain[index(level)][j];
       const bool is_noticed = effect > least * largest || effect / std::pow(tau, level) > least * largest_in_units;
-      const bool is_real = is_noticed && std::fabs(again - effect) <= same * effect;
-      if (effect > clear * largest || is_real) mu = level;
+      if (effect > clear * largest || (is_noticed && std::fabs(changed_effect(level, j) - effect) <= same * effect))
+        mu = level;
     }
   }
   return mu;

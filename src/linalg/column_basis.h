@@ -27,6 +27,8 @@ struct SparseRows {
 struct BasisSettings {
   // Class of each column, 0 or more: the lower, the more it is wanted in the basis. Empty: all are 0.
   std::vector<int> classes;
+  // Rows and columns are scaled already.
+  bool is_scaled = false;
   // All rows in the order in which they are eliminated. Empty: one with little fill.
   std::vector<int> order;
   // Within it, relative to the largest candidate, a pivot of a lower class is taken instead; from 0 to 1.
@@ -54,7 +56,7 @@ struct ColumnBasis {
   std::size_t fill = 0;  // entries of L
 };
 
-// Rows and columns are scaled by powers of two first. The basis has the largest possible number of columns of class 0, among
+// Rows and columns are scaled by powers of two first, unless they are already. The basis has the largest possible number of columns of class 0, among
 // those the largest of class 1, and so on: a column that is left over is exchanged for a basic one of a higher class wherever
 // it depends on that (the greedy algorithm of matroids makes this optimal), with a solution of L^T for each that is tried.
 ColumnBasis column_basis(const SparseRows& a, const BasisSettings& settings = {});

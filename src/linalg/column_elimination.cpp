@@ -21,7 +21,7 @@ ColumnElimination::ColumnElimination(const SparseRows& a, const BasisSettings& s
       seen_in_(index(a.columns), -1),
       count_(index(a.columns), 0) {
   for (int column : a.column) ++count_[index(column)];
-  scales_.compute({a.rows(), a.columns, a.first.data(), a.column.data()}, a.value.data());
+  if (!settings.is_scaled) scales_.compute({a.rows(), a.columns, a.first.data(), a.column.data()}, a.value.data());
 }
 
 void ColumnElimination::run(ColumnBasis& result) {
@@ -74,7 +74,10 @@ void ColumnElimination::find_reach(int row) {
   for (const int column : reached_) x_[index(column)] = added_[index(column)] = 0.0;
   for (std::size_t k = index(a_.first[index(row)]); k < index(a_.first[index(row) + 1]); ++k) {
     const std::size_t column = index(a_.column[k]);
-    x_[column] = times_power_of_two(a_.value[k], scales_.of_lines()[index(row)] + scales_.of_crossings()[column]);
+    x_[column] =
+        settings_.is_scaled
+            ? a_.value[k]
+            : times_power_of_two(a_.value[k], scales_.of_lines()[index(row)] + scales_.of_crossings()[column]);
     added_[column] = std::fabs(x_[column]);
   }
 }

@@ -13,13 +13,19 @@ namespace sfdae::core {
 
 namespace {
 
-// Nanoseconds of a factorization, as benchmarks/sparse_factors.cpp measured them with OpenBLAS on one thread; only their
-// ratios matter. Of KLU that with pivots known, the usual one.
-double dense_time(double n) { return n * (50.0 + 0.3 * n) + 0.033 * (2.0 / 3.0) * n * n * n; }
-double band_time(const BandOrder& order) {
-  return static_cast<double>(order.row_place.size()) * (40.0 + 1.5 * order.lower) + 0.045 * order.flops();
+// Nanoseconds of a factorization and of the solutions that come with it, as benchmarks/sparse_factors.cpp measured them with
+// OpenBLAS on one thread; only their ratios matter. Of KLU that with pivots known, the usual one.
+constexpr double solutions = 10.0;  // integrations solve 10 to 40 times with each factorization
+double dense_time(double n) {
+  return n * (50.0 + 0.3 * n) + 0.033 * (2.0 / 3.0) * n * n * n + solutions * n * (10.0 + 0.3 * n);
 }
-double klu_time(double fill, double flops) { return 2.0 * fill + 0.35 * flops; }
+double band_time(const BandOrder& order) {
+  const double n = static_cast<double>(order.row_place.size()), entries = 2.0 * order.lower + order.upper;
+  return n * (40.0 + 1.5 * order.lower) + 0.045 * order.flops() + solutions * n * (10.0 + 0.4 * entries);
+}
+double klu_time(double n, double fill, double flops) {
+  return 2.0 * fill + 0.35 * flops + solutions * (5.0 * n + 1.7 * fill);
+}
 
 // b_i := b_i 2^(exponents_i - shift); returns the shift, which is not 0 only where something would overflow or vanish.
 template <class Number>
@@ -73,7 +79,8 @@ void SparseLu<Number>::choose(const SparsePattern& pattern, std::optional<Sparse
   if (forced ? forced == SparseMethod::klu : klu_is_available()) {
     KluFactors<Number> klu;
     klu.analyze(pattern);
-    if (forced || klu_time(static_cast<double>(klu.fill()), klu.flops()) < least) factors_ = std::move(klu);
+    if (forced || klu_time(pattern.size, static_cast<double>(klu.fill()), klu.flops()) < least)
+      factors_ = std::move(klu);
   }
 }
 

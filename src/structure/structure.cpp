@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <memory>
 #include <random>
 #include <utility>
 
@@ -117,9 +119,10 @@ RankDecision judge(Matrix J, double t, double rank_tol) {
 constexpr int largest_dense_block = 100, largest_in_doubt = 1500;
 constexpr double good_condition = 1e-9;
 
-RankDecision judge_sparse(const SparsePattern& pattern, const std::vector<double>& values, double t) {
-  SparseLu<double> lu;
-  lu.analyze(pattern);
+// As if it were factored for the first time: what is decided depends on nothing before.
+RankDecision judge_sparse(SparseLu<double>& lu, const SparsePattern& pattern, const std::vector<double>& values,
+                          double t) {
+  lu.forget_pivots();
   const bool is_regular = lu.factor(values.data());
   RankDecision decision;
   decision.t = t;
@@ -130,19 +133,6 @@ RankDecision judge_sparse(const SparsePattern& pattern, const std::vector<double
   decision.gap = decision.kept / decision.noise;
   decision.verdict = decision.kept >= good_condition ? Verdict::clear : Verdict::unclear;
   return decision;
-}
-
-// noise: of entries; what is regular to an estimate of the condition is regular beyond it.
-RankDecision judge_block(DiagonalBlocks& diagonal, int block, double t, double rank_tol, double noise) {
-  const int size = diagonal.size(block);
-  if (size == 1) return judge(diagonal.only_entry(block), t, rank_tol);
-  if (size > largest_dense_block && (rank_tol == 0.0 || rank_tol == noise)) {
-    std::vector<double> of_block;
-    const SparsePattern pattern = diagonal.sparse_block(block, of_block);
-    const RankDecision decision = judge_sparse(pattern, of_block, t);
-    if (decision.verdict == Verdict::clear || size > largest_in_doubt) return decision;
-  }
-  return judge(diagonal.block(block), t, rank_tol);
 }
 
 // The point moved by its rounding errors, to one side or the other.
@@ -161,28 +151,58 @@ std::vector<double> moved(const CertifiedPoint& point, std::size_t count, double
 
 }  // namespace
 
-bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, const CertifiedPoint& point,
-                       double rank_tol, Certificate& certificate) {
-  const double noise = evaluator.noise_of_entries();
-  rank_tol = std::max(rank_tol, noise);
-  SystemJacobian jacobian(structure, evaluator.tape());
-  const std::size_t count = index(structure.signature.size()) * index(jacobian.jet_order() + 1);
+// Of large blocks, by their numbers.
+struct StructureJudge::OrderedBlocks {
+  std::map<int, SparseLu<double>> factors;
+  double noise = 0.0;  // of entries; what is regular to an estimate of the condition is regular beyond it
+
+  RankDecision judge_block(DiagonalBlocks& diagonal, int block, double t, double rank_tol) {
+    const int size = diagonal.size(block);
+    if (size == 1) return judge(diagonal.only_entry(block), t, rank_tol);
+    if (size > largest_dense_block && (rank_tol == 0.0 || rank_tol == noise)) {
+      std::vector<double> of_block;
+      const SparsePattern pattern = diagonal.sparse_block(block, of_block);
+      const auto [place, is_new] = factors.try_emplace(block);
+      if (is_new) place->second.analyze(pattern);
+      const RankDecision decision = judge_sparse(place->second, pattern, of_block, t);
+      if (decision.verdict == Verdict::clear || size > largest_in_doubt) return decision;
+    }
+    return judge(diagonal.block(block), t, rank_tol);
+  }
+};
+
+StructureJudge::StructureJudge(const Structure& structure, SystemJacobian& jacobian)
+    : structure_(structure), jacobian_(jacobian), ordered_(std::make_unique<OrderedBlocks>()) {}
+StructureJudge::~StructureJudge() = default;
+StructureJudge::StructureJudge(StructureJudge&& other) noexcept = default;
+
+bool StructureJudge::certify(TaylorEvaluator& evaluator, const CertifiedPoint& point, double rank_tol,
+                             Certificate& certificate) {
+  ordered_->noise = evaluator.noise_of_entries();
+  rank_tol = std::max(rank_tol, ordered_->noise);
+  const std::size_t count = index(structure_.signature.size()) * index(jacobian_.jet_order() + 1);
   // One side may be beyond the domain of a function.
   std::vector<double> nearby;
   for (const double side : {1.0, -1.0})
-    if (nearby.empty() && jacobian.evaluate(evaluator, point.t, moved(point, count, side).data()))
-      nearby = jacobian.values();
-  if (!jacobian.evaluate(evaluator, point.t, point.jet)) return false;
-  if (!nearby.empty()) jacobian.drop_changes_from(nearby);
-  DiagonalBlocks diagonal(structure, jacobian);
+    if (nearby.empty() && jacobian_.evaluate(evaluator, point.t, moved(point, count, side).data()))
+      nearby = jacobian_.values();
+  if (!jacobian_.evaluate(evaluator, point.t, point.jet)) return false;
+  if (!nearby.empty()) jacobian_.drop_changes_from(nearby);
+  DiagonalBlocks diagonal(structure_, jacobian_);
   certificate.blocks.clear();
-  certificate.blocks.reserve(index(structure.blocks.count()));
-  for (int block = 0; block < structure.blocks.count(); ++block) {
-    certificate.blocks.push_back(judge_block(diagonal, block, point.t, rank_tol, noise));
+  certificate.blocks.reserve(index(structure_.blocks.count()));
+  for (int block = 0; block < structure_.blocks.count(); ++block) {
+    certificate.blocks.push_back(ordered_->judge_block(diagonal, block, point.t, rank_tol));
     certificate.blocks.back().subject = Subject::block;
     certificate.blocks.back().stage = block;
   }
   return true;
+}
+
+bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, const CertifiedPoint& point,
+                       double rank_tol, Certificate& certificate) {
+  SystemJacobian jacobian(structure, evaluator.tape());
+  return StructureJudge(structure, jacobian).certify(evaluator, point, rank_tol, certificate);
 }
 
 }  // namespace sfdae::core

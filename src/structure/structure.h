@@ -5,6 +5,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -64,5 +65,23 @@ struct CertifiedPoint {
 // consistent points only has no other value there. rank_tol: as in RankScale. False: the equations cannot be evaluated there.
 bool certify_structure(const Structure& structure, TaylorEvaluator& evaluator, const CertifiedPoint& point,
                        double rank_tol, Certificate& certificate);
+
+class SystemJacobian;
+
+// The same for many points: large blocks are ordered once.
+class StructureJudge {
+ public:
+  // jacobian: where entries are evaluated. Both live longer.
+  StructureJudge(const Structure& structure, SystemJacobian& jacobian);
+  ~StructureJudge();
+  StructureJudge(StructureJudge&& other) noexcept;
+  bool certify(TaylorEvaluator& evaluator, const CertifiedPoint& point, double rank_tol, Certificate& certificate);
+
+ private:
+  struct OrderedBlocks;
+  const Structure& structure_;
+  SystemJacobian& jacobian_;
+  std::unique_ptr<OrderedBlocks> ordered_;
+};
 
 }  // namespace sfdae::core
