@@ -275,7 +275,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   if (wanted == "all" || wanted == "brusselator")
-    for (const int n : {400, 2000, 5000})
+    for (const int n : {400, 2000, 10000})
       if (only == 0 || only == n)
         compare(table, "brusselator", sfdae_bench::brusselator_peer(n / 2), sfdae_bench::brusselator_problem(n / 2),
                 true);

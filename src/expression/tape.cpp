@@ -93,6 +93,9 @@ class Builder {
     for (int i = 0; i < record_.m(); ++i) add_edges(i, backward.walk(i));
     tape_.first_edge.push_back(tape_.edges.size());
     tape_.first_target.push_back(tape_.targets.size());
+    for (auto* instructions : {&tape_.of_parameters, &tape_.of_time, &tape_.of_state}) instructions->shrink_to_fit();
+    tape_.edges.shrink_to_fit();
+    tape_.targets.shrink_to_fit();
   }
 
  private:

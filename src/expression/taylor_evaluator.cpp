@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "expression/edges.h"
@@ -31,21 +32,64 @@ auto with_order(int order, Action action) {
   }
 }
 
-// Most instructions are of four kinds, which need fewer slots than others: they do not pay for those.
+// Most instructions are of four kinds, and many of one kind follow each other (in_runs): these are told apart once.
 template <bool with_slopes, class Order>
 void execute_each(const std::vector<Instruction>& instructions, double* const slots, Order K) {
-  for (const Instruction& instruction : instructions) {
-    const double* const a = slots + instruction.a;
-    const double* const b = slots + instruction.b;
-    double* const v = slots + instruction.v;
-    switch (instruction.code) {
-      case Code::add: series::add(a, b, v, K); break;
-      case Code::subtract: series::subtract(a, b, v, K); break;
-      case Code::multiply: series::multiply(a, b, v, K); break;
-      case Code::scale: series::scale(a, b[0], v, K); break;
-      default: execute<with_slopes>(instruction, slots, K);
+  const Instruction* next = instructions.data();
+  const Instruction* const last = next + instructions.size();
+  const auto run = [&](auto operation) {
+    const Code code = next->code;
+    do operation(slots + next->a, slots + next->b, slots + next->v);
+    while (++next != last && next->code == code);
+  };
+  while (next != last) {
+    switch (next->code) {
+      case Code::add: run([K](auto a, auto b, auto v) { series::add(a, b, v, K); }); break;
+      case Code::subtract: run([K](auto a, auto b, auto v) { series::subtract(a, b, v, K); }); break;
+      case Code::multiply: run([K](auto a, auto b, auto v) { series::multiply(a, b, v, K); }); break;
+      case Code::scale: run([K](auto a, auto b, auto v) { series::scale(a, b[0], v, K); }); break;
+      default: execute<with_slopes>(*next++, slots, K);
     }
   }
+}
+
+// In blocks, so that what they compute stays in the cache: instructions that need no result of each other side by side, those of
+// one kind together. What is computed is the same.
+std::vector<Instruction> in_runs(std::vector<Instruction> instructions, int num_slots) {
+  constexpr std::size_t block = 1024;
+  std::vector<std::size_t> block_of(index(num_slots), std::numeric_limits<std::size_t>::max());
+  std::vector<int> level_of(index(num_slots), 0);  // of the slots that its block computes
+  std::vector<std::pair<int, Instruction>> levelled;
+  for (std::size_t first = 0; first < instructions.size(); first += block) {
+    const std::size_t last = std::min(first + block, instructions.size());
+    levelled.clear();
+    for (std::size_t k = first; k < last; ++k) {
+      const Instruction& instruction = instructions[k];
+      const bool is_function = instruction.code == Code::function;
+      const int arguments = is_function ? instruction.b - instruction.a : 0;
+      int level = 0;
+      const auto read = [&](int slot) {
+        if (slot >= 0 && block_of[index(slot)] == first) level = std::max(level, level_of[index(slot)] + 1);
+      };
+      const auto write = [&](int slot) {
+        if (slot < 0) return;
+        block_of[index(slot)] = first;
+        level_of[index(slot)] = level;
+      };
+      if (is_function)
+        for (int slot = instruction.a; slot < instruction.b; ++slot) read(slot);
+      else
+        for (int slot : {instruction.a, instruction.b, instruction.c}) read(slot);
+      for (int slot : {instruction.v, instruction.p, instruction.q}) write(slot);
+      for (int argument = 1; argument < arguments; ++argument) write(instruction.p + argument);
+      levelled.emplace_back(level, instruction);
+    }
+    std::stable_sort(levelled.begin(), levelled.end(), [](const auto& one, const auto& other) {
+      return one.first != other.first ? one.first < other.first : one.second.code < other.second.code;
+    });
+    for (std::size_t k = first; k < last; ++k) instructions[k] = levelled[k - first].second;
+  }
+  return instructions;
 }
 
 template <bool with_slopes>
@@ -132,7 +176,7 @@ void TaylorEvaluator::reserve(int order) {
   const int stride = order + 1;
   std::vector<double> slots(index(tape_.num_slots) * index(stride), 0.0), adjoints(slots);
   program_ = {in_offsets(tape_.of_parameters, stride), in_offsets(tape_.of_time, stride),
-              in_offsets(tape_.of_state, stride), in_offsets(tape_.edges, stride)};
+              in_offsets(in_runs(tape_.of_state, tape_.num_slots), stride), in_offsets(tape_.edges, stride)};
   slots_ = std::move(slots);
   adjoints_ = std::move(adjoints);
   stride_ = stride;
@@ -144,15 +188,18 @@ void TaylorEvaluator::reserve(int order) {
 
 bool TaylorEvaluator::load(double t, const double* jet, int order) {
   bool finite = std::isfinite(t);
-  const std::size_t n = index(record_->n());
-  for (const Tape::Leaf& leaf : tape_.leaves) {
-    double* const to = slots_.data() + index(leaf.slot) * index(stride_);
-    const double* const from = jet + leaf.unknown + (leaf.derivative ? n : 0);
-    for (int k = 0; k <= order; ++k) {
-      to[k] = leaf.derivative ? (k + 1) * from[index(k) * n] : from[index(k) * n];
-      finite = finite && std::isfinite(to[k]);
+  const std::size_t n = index(record_->n()), stride = index(stride_);
+  double* const slots = slots_.data();
+  with_order(order, [&](auto K) {
+    for (const Tape::Leaf& leaf : tape_.leaves) {
+      double* const to = slots + index(leaf.slot) * stride;
+      const double* const from = jet + leaf.unknown + (leaf.derivative ? n : 0);
+      for (int k = 0; k <= K; ++k) {
+        to[k] = leaf.derivative ? (k + 1) * from[index(k) * n] : from[index(k) * n];
+        finite &= std::isfinite(to[k]);
+      }
     }
-  }
+  });
   if (finite) return true;
   failure_ = {EvaluationFailure::Kind::not_finite, -1, "", "t, x or a derivative of x is not finite"};
   return false;
@@ -184,16 +231,21 @@ void TaylorEvaluator::run(double t, int order, bool with_slopes) {
 bool TaylorEvaluator::write_values(int order, double* F) {
   if (order < 0) return true;
   const int m = record_->m();
-  for (int i = 0; i < m; ++i) {
-    const double* const from = slots_.data() + index(tape_.residuals[index(i)]) * index(stride_);
-    bool finite = true;
-    for (int k = 0; k <= order; ++k) {
-      F[index(i) + index(k) * index(m)] = from[k];
-      finite = finite && std::isfinite(from[k]);
+  const std::size_t stride = index(stride_);
+  const double* const slots = slots_.data();
+  const int* const residuals = tape_.residuals.data();
+  return with_order(order, [&](auto K) {
+    for (int i = 0; i < m; ++i) {
+      const double* const from = slots + index(residuals[i]) * stride;
+      bool finite = true;
+      for (int k = 0; k <= K; ++k) {
+        F[index(i) + index(k) * index(m)] = from[k];
+        finite &= std::isfinite(from[k]);
+      }
+      if (!finite) return fail(i, K, -1);
     }
-    if (!finite) return fail(i, order, -1);
-  }
-  return true;
+    return true;
+  });
 }
 
 bool TaylorEvaluator::write_gradients(SeriesOrders orders, double* F_xdot, double* F_x,
