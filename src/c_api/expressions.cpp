@@ -169,6 +169,7 @@ std::shared_ptr<const Record> record_linear_equations(sfdae_linear_equations_fun
     int residual = recorder.constant(0.0);
     for (int j = 0; j < n; ++j) {
       const std::size_t entry = index(i) + index(j) * index(m);
+      if (is_plain_zero(E[entry]) && is_plain_zero(A[entry])) continue;
       const int E_ij = node_of(record, E[entry], format("E(%d, %d)", i, j));
       const int A_ij = node_of(record, A[entry], format("A(%d, %d)", i, j));
       if (record.status != SFDAE_OK) break;

@@ -37,9 +37,9 @@ struct Shape {
 };
 
 std::vector<int> nodes_of(sfdae_record& record, const std::vector<sfdae_expression>& formulas, const Shape& shape) {
-  std::vector<int> nodes;
+  std::vector<int> nodes(formulas.size(), record.recorder.constant(0.0));
   for (std::size_t place = 0; place < formulas.size() && record.status == SFDAE_OK; ++place)
-    nodes.push_back(node_of(record, formulas[place], shape.entry(place)));
+    if (!is_plain_zero(formulas[place])) nodes[place] = node_of(record, formulas[place], shape.entry(place));
   check_record(record);
   return nodes;
 }

@@ -45,6 +45,11 @@ constexpr int not_set = -1, mistaken = -2;
 inline sfdae_expression plain(double value) { return {nullptr, value, 0}; }
 inline sfdae_expression in(sfdae_record* record, int node) { return {record, 0.0, node}; }
 
+// Most entries of large matrices are: they need neither a node of their own nor a name for messages.
+inline bool is_plain_zero(const sfdae_expression& operand) {
+  return operand.record == nullptr && operand.value == 0.0;
+}
+
 // The operand's node; `mistaken` after remembering what is wrong with it.
 int node_of(sfdae_record& record, const sfdae_expression& operand, const std::string& where);
 

@@ -15,10 +15,13 @@ bool is_number(const Recorder& recorder, int node) { return recorder.node(node).
 
 bool is_identity(const Recorder& recorder, const std::vector<int>& S, int rows, int cols) {
   if (rows != cols) return false;
+  int known_zero = -1;
   for (int j = 0; j < cols; ++j)
     for (int i = 0; i < rows; ++i) {
       const int node = S[index(i) + index(j) * index(rows)];
+      if (i != j && node == known_zero) continue;
       if (!is_number(recorder, node) || recorder.number(node) != (i == j ? 1.0 : 0.0)) return false;
+      if (i != j) known_zero = node;
     }
   return true;
 }
@@ -40,9 +43,12 @@ std::vector<int> column_of(const std::vector<int>& matrix, int rows, int column)
 }
 
 int combination(Recorder& recorder, const std::vector<int>& coefficients, const std::vector<int>& factors) {
-  int sum = recorder.constant(0.0);
+  const int zero = recorder.constant(0.0);
+  int sum = zero;
+  // Most coefficients of large systems are zero.
   for (std::size_t j = 0; j < factors.size(); ++j)
-    sum = recorder.apply(Operation::add, sum, recorder.apply(Operation::multiply, coefficients[j], factors[j]));
+    if (coefficients[j] != zero)
+      sum = recorder.apply(Operation::add, sum, recorder.apply(Operation::multiply, coefficients[j], factors[j]));
   return sum;
 }
 

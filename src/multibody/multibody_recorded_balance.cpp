@@ -39,7 +39,7 @@ RecordedBalance::RecordedBalance(Recorder& recorder, const MultibodyFormulas& fo
   const int zero = recorder.constant(0.0);
   const auto subtract = [&](int& from, std::vector<int> coefficients, const std::vector<int>& factors) {
     for (int& coefficient : coefficients)
-      if (is_number(recorder, coefficient)) coefficient = zero;
+      if (coefficient != zero && is_number(recorder, coefficient)) coefficient = zero;
     from = recorder.apply(Operation::subtract, from, combination(recorder, coefficients, factors));
   };
   std::vector<int> balance = formulas.f;

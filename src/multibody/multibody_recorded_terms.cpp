@@ -39,12 +39,15 @@ double* RecordedTerms::entries_of(MultibodyTerms& terms, Part part) {
 
 void RecordedTerms::add_values(const Recorder& recorder, const std::vector<int>& formulas, const Block& block,
                                Values& values) {
+  int known_zero = -1;
   for (int j = 0; j < block.columns; ++j)
     for (int i = 0; i < block.rows; ++i) {
       const int node = formulas[index(i) + index(j) * index(block.rows)];
+      if (node == known_zero) continue;
       const std::size_t entry = index(block.first + i) + index(j) * index(block.ld);
       if (const auto number = recorder.number(node)) {
         entries_of(numbers_, block.part)[entry] = *number;
+        if (*number == 0.0) known_zero = node;
         continue;
       }
       const auto [known, is_new] = values.known.try_emplace(node, values.nodes.size());
