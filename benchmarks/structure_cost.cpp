@@ -4,6 +4,7 @@
 // a side; IDA: differentiated by hand) beside IDA with band matrices and KLU, both with analytic Jacobians; errors are those of the worst component relative to 1 + |x|, of runs at 1e-9 (amplifiers:
 // 1e-8, as their start fails at 1e-9). Run it with OPENBLAS_NUM_THREADS=1.
 //
+//   structure_cost csv > structure_cost.csv     for the plots that structure_cost.gp makes
 //   structure_cost [brusselator|stokes|ladder|amplifiers|currents|links|pendula [size [alone]]]
 //
 // alone: one run of this library, for profilers.
@@ -225,6 +226,37 @@ void compare(const TextTable& table, const char* name, const SparsePeer& peer, c
   print(table, name, "sfdae 1e-9", exact, x);
 }
 
+// For plots: milliseconds for all against the number of unknowns at one tolerance, and against the error at one size.
+void write_rows(const char* name, const SparsePeer& peer, const SparseProblem& problem,
+                const std::vector<double>& tolerances) {
+  using sfdae_bench::PeerMatrix;
+  const std::size_t n = problem.x0.size();
+  const std::vector<double> reference = in_child(n, [&] { return solve_peer(peer, reference_tol, PeerMatrix::klu); }).x;
+  for (const double tol : tolerances) {
+    const auto row = [&](const char* solver, const Run& run) {
+      const Figures& f = run.figures;
+      if (f.failure[0] != '\0') std::fprintf(stderr, "%s %zu %s: %s\n", name, n, solver, f.failure);
+      else
+        std::printf("%s,%zu,%s,%.0e,%.4g,%.3g,%.4g\n", name, n, solver, tol, f.start + f.integration,
+                    error(run, reference), f.megabytes);
+      std::fflush(stdout);
+    };
+    row("sfdae", typical(n, [&] { return solve(problem, tol, true); }));
+    row("IDA KLU", typical(n, [&] { return solve_peer(peer, tol, PeerMatrix::klu); }));
+  }
+}
+
+void write_csv() {
+  const std::vector<double> one = {work_tol}, many = {1e-4, 1e-5, 1e-6, 1e-7};
+  std::printf("problem,unknowns,solver,tolerance,milliseconds,error,megabytes\n");
+  for (const int cells : {50, 100, 200, 500, 1000, 2000, 5000})
+    write_rows("brusselator", sfdae_bench::brusselator_peer(cells), sfdae_bench::brusselator_problem(cells),
+               cells == 1000 ? many : one);
+  for (const int cells : {6, 8, 12, 18, 28, 41})
+    write_rows("stokes", sfdae_bench::stokes_peer(cells), sfdae_bench::stokes_problem(cells),
+               cells == 18 ? many : one);
+}
+
 struct Family {
   const char* name;
   SparseProblem (*problem)(int);
@@ -252,6 +284,10 @@ void measure(const TextTable& table, const Family& family, int size) {
 int main(int argc, char** argv) {
   const std::string wanted = argc > 1 ? argv[1] : "all";
   const int only = argc > 2 ? std::atoi(argv[2]) : 0;
+  if (wanted == "csv") {
+    write_csv();
+    return 0;
+  }
   const TextTable table({{"problem", -14},
                          {"n", 5},
                          {"solver", -10},

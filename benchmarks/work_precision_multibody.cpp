@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Work against precision on mechanical systems, as comma-separated values on standard output, as those of
 // work_precision_nonlinear. Solvers: IDA on forms of lower index made by hand, the library on the same equations as a
-// multibody system, the equations of the test set as they are with their whole derivative array ("general"), and those
-// of the multibody system with the constraints alone differentiated twice ("extended"). The least time for 4, 6 and 8
+// multibody system, the equations of the test set as they are with their derivative array ("general") and by their minimal
+// extension ("structured"), and those of the multibody system with the constraints alone differentiated twice ("extended"). The least time for 4, 6 and 8
 // digits follows on standard error.
 //
 //   work_precision_multibody [problem...] > results.csv
@@ -86,14 +86,22 @@ void run_test_set(const TestProblem& problem, Results& results) {
     if (peer.name != name) return;
     peer.counted = problem.counted;
     sfdae_bench::run_ida(peer, results);
-    const std::pair<Method, const char*> methods[] = {{Method::bdf, "general BDF"}, {Method::radau, "general Radau"}};
-    for (const auto& [method, solver] : methods)
+    struct Run {
+      Method method;
+      const char *solver, *form;
+      int structure;
+    };
+    const Run runs[] = {{Method::bdf, "general BDF", "general", SFDAE_STRUCTURE_AUTOMATIC},
+                        {Method::radau, "general Radau", "general", SFDAE_STRUCTURE_AUTOMATIC},
+                        {Method::bdf, "structured BDF", "structured", SFDAE_STRUCTURE_REQUIRED},
+                        {Method::radau, "structured Radau", "structured", SFDAE_STRUCTURE_REQUIRED}};
+    for (const Run& run : runs)
       for (const double tol : sfdae_bench::tolerances()) {
         Row row = sfdae_bench::measured(
-            [&, method = method] { return sfdae_bench::solve_with_sfdae(peer, equations, method, tol); });
+            [&] { return sfdae_bench::solve_with_sfdae(peer, equations, run.method, tol, run.structure); });
         row.problem = problem.name;
-        row.solver = solver;
-        row.form = "general";
+        row.solver = run.solver;
+        row.form = run.form;
         row.tol = tol;
         results.add(peer, std::move(row));
       }

@@ -5,7 +5,7 @@
 if (!exists("results")) results = "results.csv"
 problems = "pendulum car_axis rigid_slider_crank slider_crank andrews fekete"
 series = '"IDA idx1" "IDA idx2" "IDA ggl2" "multibody BDF" "multibody Radau" '.\
-    '"general BDF" "general Radau" "extended BDF" "extended Radau"'
+    '"general BDF" "general Radau" "structured BDF" "structured Radau" "extended BDF" "extended Radau"'
 
 set datafile separator comma
 set logscale y

@@ -66,9 +66,10 @@ void solve_segment(Recorded& recorded, const sfdae_test::TestProblem& p, double 
 // rtol = atol = tol. Problems with restarts are recorded anew in each segment.
 template <class Equations>
 SolverRun solve_with_sfdae(const sfdae_test::TestProblem& problem, const Equations& equations, Method method,
-                           double tol) {
+                           double tol, int structure = SFDAE_STRUCTURE_AUTOMATIC) {
   TimeLimit limit;
   sfdae_options options = options_for(method, tol, limit);
+  options.structure = structure;
   std::vector<double> ends = problem.restarts;
   ends.push_back(problem.tf);
   SolverRun run;

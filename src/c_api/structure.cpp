@@ -114,8 +114,7 @@ std::string judge_blocks(const Structure& structure, const Record& record, const
 
 CallResult not_recorded() {
   return illegal_argument(
-      "structure is that of recorded equations, or of functions with sparsity patterns, as many as unknowns, linear "
-      "or "
+      "structure is that of equations, recorded or functions with sparsity patterns, as many as unknowns, linear or "
       "nonlinear.");
 }
 
