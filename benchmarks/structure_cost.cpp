@@ -231,7 +231,8 @@ void write_rows(const char* name, const SparsePeer& peer, const SparseProblem& p
                 const std::vector<double>& tolerances) {
   using sfdae_bench::PeerMatrix;
   const std::size_t n = problem.x0.size();
-  const std::vector<double> reference = in_child(n, [&] { return solve_peer(peer, reference_tol, PeerMatrix::klu); }).x;
+  const std::vector<double> reference =
+      in_child(n, [&] { return solve_peer(peer, reference_tol, PeerMatrix::klu); }).x;
   for (const double tol : tolerances) {
     const auto row = [&](const char* solver, const Run& run) {
       const Figures& f = run.figures;
