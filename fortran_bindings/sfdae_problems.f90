@@ -245,8 +245,8 @@ module sfdae_problems
     character(kind=c_char), allocatable :: names(:, :)
     !> Of these.
     type(c_ptr), allocatable :: name_addresses(:)
-    !> As C wants them: of E and A, or of F_x and F_x'.
-    type(sparsity_pattern) :: pattern_e, pattern_a, pattern_f_x, pattern_f_xdot
+    !> As C wants them: of E and A, or of F_x and F_x'. An array, as gfortran 12 does not free all of several components.
+    type(sparsity_pattern), allocatable :: patterns(:)
     integer(c_int) :: matrices = sfdae_matrices_dense
   end type problem_callbacks
 
@@ -315,7 +315,7 @@ contains
 
     call c_f_pointer(user, to)
     status = sfdae_ok
-    call to%linear%eval_e(t, order, matrix_of(to, matrix, to%pattern_e), status)
+    call to%linear%eval_e(t, order, matrix_of(to, matrix, to%patterns(1)), status)
   end function call_eval_e
 
   !> sfdae_matrix_function of A.
@@ -328,7 +328,7 @@ contains
 
     call c_f_pointer(user, to)
     status = sfdae_ok
-    call to%linear%eval_a(t, order, matrix_of(to, matrix, to%pattern_a), status)
+    call to%linear%eval_a(t, order, matrix_of(to, matrix, to%patterns(2)), status)
   end function call_eval_a
 
   !> sfdae_vector_function of f.
@@ -407,8 +407,8 @@ contains
     call c_f_pointer(user, to)
     jet => matrix_at(derivatives, to%num_unknowns, order + 2_c_int)
     nullify (matrix_x, matrix_xdot)
-    if (c_associated(f_x)) matrix_x => matrix_of(to, f_x, to%pattern_f_x)
-    if (c_associated(f_xdot)) matrix_xdot => matrix_of(to, f_xdot, to%pattern_f_xdot)
+    if (c_associated(f_x)) matrix_x => matrix_of(to, f_x, to%patterns(1))
+    if (c_associated(f_xdot)) matrix_xdot => matrix_of(to, f_xdot, to%patterns(2))
     status = sfdae_ok
     call to%derivative%total_derivative(t, order, jet, vector_at(f, to%num_equations), matrix_x, &
       matrix_xdot, status)
@@ -456,9 +456,9 @@ contains
         c%constant_a = flag(problem%constant_a)
         c%matrices = problem%matrices
         self%callbacks%matrices = problem%matrices
-        call copy_pattern(problem%pattern_e, self%callbacks%pattern_e, c%e_entries, &
+        call copy_pattern(problem%pattern_e, self%callbacks%patterns(1), c%e_entries, &
           c%e_col_start, c%e_row_index)
-        call copy_pattern(problem%pattern_a, self%callbacks%pattern_a, c%a_entries, &
+        call copy_pattern(problem%pattern_a, self%callbacks%patterns(2), c%a_entries, &
           c%a_col_start, c%a_row_index)
       end select
       if (.not. allocated(self%callbacks%prescribed)) return
@@ -496,9 +496,9 @@ contains
         c%total_derivative = address_of_total_derivative_function(call_total_derivative)
         c%matrices = problem%matrices
         self%callbacks%matrices = problem%matrices
-        call copy_pattern(problem%pattern_f_x, self%callbacks%pattern_f_x, c%f_x_entries, &
+        call copy_pattern(problem%pattern_f_x, self%callbacks%patterns(1), c%f_x_entries, &
           c%f_x_col_start, c%f_x_row_index)
-        call copy_pattern(problem%pattern_f_xdot, self%callbacks%pattern_f_xdot, &
+        call copy_pattern(problem%pattern_f_xdot, self%callbacks%patterns(2), &
           c%f_xdot_entries, c%f_xdot_col_start, c%f_xdot_row_index)
       end select
       if (allocated(self%callbacks%differentiations)) &
@@ -535,6 +535,7 @@ contains
     callbacks%problem => problem
     callbacks%num_equations = problem%num_equations
     callbacks%num_unknowns = problem%num_unknowns
+    allocate (callbacks%patterns(2))
     if (allocated(problem%differentiations)) then
       allocate (callbacks%differentiations(max(problem%num_equations, 1)), source=-1_c_int)
       if (size(problem%differentiations) == problem%num_equations) &

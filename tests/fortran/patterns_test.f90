@@ -109,6 +109,7 @@ program patterns_test
   problem%pattern_f_xdot = sparsity_pattern([1, 2, 2], [3])
   call sfdae_check_nonlinear(problem, text, status)
   call check_status(status, sfdae_illegal_argument, "a row out of range")
+  deallocate (text)
   call finish()
 
 contains
