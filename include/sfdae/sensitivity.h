@@ -5,6 +5,11 @@
  *
  *     create -> sfdae_set_sensitivities -> sfdae_start -> sfdae_advance -> sfdae_get_sensitivities ...
  *
+ * Forward, S goes along with x: for few parameters, or where S itself is wanted. With the adjoint, steps are kept, and read backward
+ * when gradients of functionals of x are asked for: for many parameters.
+ *
+ *     create -> sfdae_set_sensitivities (adjoint = 1) -> sfdae_start -> sfdae_advance ... -> sfdae_get_gradient
+ *
  * sfdae.h has the conventions, and includes this header.
  */
 #include <sfdae/sfdae.h> /* before the guard: whichever of the headers is included first, sfdae.h is read first */
@@ -22,6 +27,7 @@ typedef struct sfdae_sensitivity_options {
   int error_test;       /**< 0 (default): steps are chosen for x alone. 1: for S as well, with BDF only */
   const double* scales; /**< of the error test: NULL (all 1), or one positive number for each parameter, its typical
                              size: S_ij has the tolerance rtol |S_ij| + atol_i / scales[j] */
+  int adjoint; /**< 0 (default): S goes along with x. 1: steps are kept for sfdae_get_gradient, and S is not computed */
 } sfdae_sensitivity_options;
 /** Sets every member to its default. size: sizeof(sfdae_sensitivity_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_sensitivity_options_init(sfdae_sensitivity_options* options, size_t size);
@@ -34,6 +40,8 @@ typedef struct sfdae_sensitivity_statistics {
   long factorizations;      /**< matrices of steps, each for all parameters */
   long error_test_failures; /**< steps repeated for the errors of S */
   long outputs;             /**< points for which they were asked */
+  long kept_steps;          /**< with the adjoint: steps that are kept, */
+  double kept_bytes;        /**< and how much memory that takes, about */
 } sfdae_sensitivity_statistics;
 /** Prepares a result. size: sizeof(sfdae_sensitivity_statistics). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_sensitivity_statistics_init(sfdae_sensitivity_statistics* statistics, size_t size);
@@ -82,6 +90,25 @@ SFDAE_API int sfdae_get_sensitivities(sfdae_solver* solver, double t, double* S,
  * SFDAE_NOT_STARTED; SFDAE_SINGULAR if g does not move through zero with t. */
 SFDAE_API int sfdae_get_event_sensitivities(sfdae_solver* solver, double t, double g_t, const double* g_x,
                                             const double* g_p, double* dt);
+
+/** Gradients of functionals of the solution, with the option adjoint. A functional is a function of the values of x at `num_times`
+ * points in time; its weights there, the derivatives by x(t_k), n numbers w_k for each point, give its gradient
+ *
+ *     gradient[j] = sum_k w_k^T dx(t_k)/dp_j,   j = 0 ... count - 1,
+ *
+ * to which derivatives by p_j at fixed x are to be added. An integral is the value at the end of an unknown whose derivative is the
+ * integrand: append it to the equations.
+ *
+ * t: `num_times` points (1 ...), in any order: the start, or those that sfdae_advance has gone to: steps end there. weights: n x num_times
+ * for each of `num_functionals` functionals (1 ...), one after the other. gradient: count x num_functionals.
+ *
+ * It is the exact gradient of what the steps have computed, hidden constraints and consistent start values included (sfdae_set_sensitivities
+ * says which), for the steps as they are. All of them are kept: about 8 n (mu + 3) bytes each, with Radau for each stage. A gradient costs
+ * one elimination of the derivative array and one transposed solution for each point kept, whatever the number of parameters, and can be
+ * asked for again with other weights. SFDAE_NOT_STARTED: there is no integration, or none with the adjoint. SFDAE_ILLEGAL_ARGUMENT
+ * names a time at which no step ends. */
+SFDAE_API int sfdae_get_gradient(sfdae_solver* solver, int num_times, const double* t, int num_functionals,
+                                 const double* weights, double* gradient);
 
 /** Fills the struct, which was prepared with its init function. */
 SFDAE_API int sfdae_get_sensitivity_statistics(const sfdae_solver* solver, sfdae_sensitivity_statistics* statistics);

@@ -21,6 +21,7 @@ struct Sensitivities {
   Matrix directions;                    ///< empty, or n x parameters.size(): derivatives of the guess of x
   bool error_test = false;
   std::vector<double> scales;  ///< empty, or one for each parameter
+  bool adjoint = false;        ///< steps are kept for Solver::gradient instead
 };
 
 /// S = dx/dp and S' at a point: n rows, one column for each parameter.

@@ -316,6 +316,7 @@ class Solver {
     sfdae_sensitivity_options options;
     sfdae_sensitivity_options_init(&options, sizeof options);
     options.error_test = wanted.error_test ? 1 : 0;
+    options.adjoint = wanted.adjoint ? 1 : 0;
     options.scales = wanted.scales.empty() ? nullptr : wanted.scales.data();
     const int status = checked(sfdae_set_sensitivities(
         get(), count, names.data(), wanted.directions.columns() > 0 ? wanted.directions.data() : nullptr, &options));
@@ -332,6 +333,20 @@ class Solver {
     checked(sfdae_get_sensitivities(get(), t, count > 0 ? values.S.data() : &nothing,
                                     count > 0 && slopes ? values.Sdot.data() : nullptr));
     return values;
+  }
+
+  /// Gradients of functionals with weights at these times, see sfdae_get_gradient: one column for each. weights: n rows, a
+  /// column for each time, for one functional after the other.
+  Matrix gradient(const std::vector<double>& times, const Matrix& weights) {
+    const int count = state_ ? state_->num_sensitivities : 0, points = static_cast<int>(times.size());
+    const int functionals = points > 0 ? weights.columns() / points : 0;
+    require_matrix(weights, num_unknowns(), points * functionals, "weights");
+    Matrix gradient(count, functionals);
+    double nothing = 0;
+    checked(sfdae_get_gradient(get(), points, times.empty() ? &nothing : times.data(), functionals,
+                               weights.columns() > 0 ? weights.data() : &nothing,
+                               count > 0 ? gradient.data() : &nothing));
+    return gradient;
   }
 
   /// dt_e/dp of an event at t, see sfdae_get_event_sensitivities. g_p: empty, or one number for each parameter.

@@ -36,7 +36,8 @@ CallResult read_parameters(sfdae_solver& solver, int count, const char* const* n
   return {};
 }
 
-CallResult read_options(int count, const sfdae_sensitivity_options* given, int method, SensitivityOptions& options) {
+CallResult read_options(int count, const sfdae_sensitivity_options* given, int method, SensitivityRequest& request) {
+  SensitivityOptions& options = request.options;
   options.scales.assign(index(count), 1.0);
   if (given == nullptr) return {};
   if (!is_plausible_size(given->size))
@@ -44,6 +45,11 @@ CallResult read_options(int count, const sfdae_sensitivity_options* given, int m
   const sfdae_sensitivity_options read = read_struct(*given, default_sensitivity_options());
   if (read.error_test != 0 && read.error_test != 1)
     return illegal_argument(format("error_test = %d; it must be 0 or 1.", read.error_test));
+  if (read.adjoint != 0 && read.adjoint != 1)
+    return illegal_argument(format("adjoint = %d; it must be 0 or 1.", read.adjoint));
+  if (read.adjoint == 1 && read.error_test == 1)
+    return illegal_argument("error_test = 1 and adjoint = 1 exclude each other: there is no S to be tested then.");
+  request.by_adjoint = read.adjoint == 1;
   options.error_test = read.error_test == 1;
   if (options.error_test && method != static_cast<int>(Method::bdf))
     return illegal_argument(
@@ -70,10 +76,10 @@ CallResult read_request(sfdae_solver& solver, int count, const char* const* name
     if (!all_finite(directions, size)) return illegal_argument("directions has entries that are not finite.");
     std::copy_n(directions, size, request.directions.begin());
   }
-  return read_options(count, options, static_cast<int>(solver.options.integration.method), request.options);
+  return read_options(count, options, static_cast<int>(solver.options.integration.method), request);
 }
 
-std::unique_ptr<Sensitivities> started_sensitivities(sfdae_solver& solver, const std::vector<double>& x) {
+std::unique_ptr<Companion> started_companion(sfdae_solver& solver, const std::vector<double>& x) {
   const SensitivityRequest& wanted = *solver.sensitivities;
   std::unique_ptr<SensitivitySystem> system = solver.model.sensitivities(wanted.parameters);
   if (!system)
@@ -85,6 +91,7 @@ std::unique_ptr<Sensitivities> started_sensitivities(sfdae_solver& solver, const
   if (request.differentiated_stay()) request = request.trusting_digits(x.data());
   std::vector<double> S(wanted.directions.size());
   system->start(request, wanted.directions.data(), S.data());
+  if (wanted.by_adjoint) return std::make_unique<DiscreteAdjoint>(system->adjoint(), std::move(S));
   return std::make_unique<Sensitivities>(std::move(system), wanted.options, std::move(S));
 }
 
@@ -93,7 +100,7 @@ std::unique_ptr<Sensitivities> started_sensitivities(sfdae_solver& solver, const
 void carry_sensitivities(sfdae_solver& solver, const std::vector<double>& x) {
   if (!solver.sensitivities) return;
   try {
-    solver.integration->carry(started_sensitivities(solver, x));
+    solver.integration->carry(started_companion(solver, x));
   } catch (...) {
     solver.integration.reset();
     throw;
@@ -112,6 +119,21 @@ CallResult no_sensitivities() {
 
 bool has_sensitivities(const sfdae_solver& solver) {
   return solver.integration && solver.integration->sensitivities() != nullptr;
+}
+
+CallResult check_functionals(const sfdae_solver& solver, int num_times, const double* t, int num_functionals,
+                             const double* weights) {
+  if (!solver.integration || solver.integration->adjoint() == nullptr)
+    return {SFDAE_NOT_STARTED,
+            "no steps are kept: call sfdae_set_sensitivities with the option adjoint = 1, and sfdae_start, first."};
+  if (num_times < 1 || num_functionals < 1)
+    return illegal_argument(
+        format("num_times = %d, num_functionals = %d; both must be positive.", num_times, num_functionals));
+  for (int k = 0; k < num_times; ++k)
+    if (!std::isfinite(t[k])) return illegal_argument(format("t[%d] is %g.", k, t[k]));
+  if (!all_finite(weights, index(solver.model.n()) * index(num_times) * index(num_functionals)))
+    return illegal_argument("weights has entries that are not finite.");
+  return {};
 }
 
 }  // namespace
@@ -181,6 +203,18 @@ int sfdae_get_event_sensitivities(sfdae_solver* solver, double t, double g_t, co
   });
 }
 
+int sfdae_get_gradient(sfdae_solver* solver, int num_times, const double* t, int num_functionals,
+                       const double* weights, double* gradient) {
+  return guarded(solver, [&]() -> CallResult {
+    if (t == nullptr || weights == nullptr || gradient == nullptr)
+      return illegal_argument("t, weights and gradient must not be NULL.");
+    const CallResult checked = check_functionals(*solver, num_times, t, num_functionals, weights);
+    if (checked.status != SFDAE_OK) return checked;
+    const std::vector<double> times(t, t + num_times);
+    return solver->integration->gradient({times, weights, num_functionals}, gradient);
+  });
+}
+
 int sfdae_get_sensitivity_statistics(const sfdae_solver* solver, sfdae_sensitivity_statistics* statistics) {
   if (solver == nullptr || statistics == nullptr || !is_plausible_size(statistics->size))
     return SFDAE_ILLEGAL_ARGUMENT;
@@ -192,6 +226,11 @@ int sfdae_get_sensitivity_statistics(const sfdae_solver* solver, sfdae_sensitivi
     result.factorizations = work.factorizations;
     result.error_test_failures = work.error_failures;
     result.outputs = work.outputs;
+  } else if (solver->integration && solver->integration->adjoint() != nullptr) {
+    const DiscreteAdjoint& adjoint = *solver->integration->adjoint();
+    result.count = adjoint.count();
+    result.kept_steps = adjoint.steps();
+    result.kept_bytes = static_cast<double>(adjoint.bytes());
   }
   fill_struct(statistics, result);
   return SFDAE_OK;

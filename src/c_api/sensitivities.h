@@ -15,6 +15,7 @@ struct SensitivityRequest {
   std::vector<int> parameters;     // numbers; -1: start values only
   std::vector<double> directions;  // n x count
   SensitivityOptions options;
+  bool by_adjoint = false;
   int count() const { return static_cast<int>(parameters.size()); }
 };
 

@@ -406,7 +406,7 @@ int sfdae_get_checkpoint_length(sfdae_solver* solver, size_t* length) {
   return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     if (length == nullptr) return illegal_argument("length is NULL.");
     if (!solver->integration) return not_started("sfdae_start");
-    if (solver->integration->sensitivities() != nullptr) return illegal_argument(no_checkpoints);
+    if (solver->integration->has_companion()) return illegal_argument(no_checkpoints);
     *length = checkpoint_size(*solver->model.system(), *solver->integration);
     return {};
   });
@@ -416,7 +416,7 @@ int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t lengt
   return guarded(solver, [&]() -> CallResult {
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
     if (!solver->integration) return not_started("sfdae_start");
-    if (solver->integration->sensitivities() != nullptr) return illegal_argument(no_checkpoints);
+    if (solver->integration->has_companion()) return illegal_argument(no_checkpoints);
     const std::size_t needed = checkpoint_size(*solver->model.system(), *solver->integration);
     if (length < needed)
       return illegal_argument(format("length = %zu, but the checkpoint has %zu doubles.", length, needed));

@@ -164,9 +164,9 @@ std::optional<CallResult> Integration::obstacle(long attempts, double tout) {
 void Integration::restart(Method method) {
   output_.resize(integrator_.system);
   integrator_.restart(method, options_);
-  if (!sensitivities_) return;
+  if (!companion_) return;
   integrator_.must_restart = true;  // once more, if that fails
-  sensitivities_->start(integrator_);
+  companion_->start(integrator_);
   integrator_.must_restart = false;
 }
 
@@ -184,12 +184,12 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
     if (state.failures_in_a_row > 0) return give_up(StepOutcome::error_too_large);
     size = smallest;
   }
-  const StepBounds bounds{integrator_.direction, tout, limit_of_step(state.t, tout), options_.never_pass_output};
+  const StepBounds bounds{integrator_.direction, tout, limit_of_step(state.t, tout),
+                          options_.never_pass_output || adjoint() != nullptr};
   const StepTarget target = choose_target(state, size, bounds);
   const double h = target.t - state.t;
   StepOutcome outcome = stepper.attempt(integrator_.system, target.t, integrator_.weights);
-  if (outcome == StepOutcome::accepted && sensitivities_)
-    outcome = sensitivities_->attempt(integrator_, options_.tolerances);
+  if (outcome == StepOutcome::accepted && companion_) outcome = companion_->attempt(integrator_, options_.tolerances);
   if (outcome != StepOutcome::accepted) {
     auto result = handle_failure(outcome, h, tout);
     choice_.note_attempt(false);
@@ -245,7 +245,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
   const double from = integrator_.stepper->state().t;
   integrator_.stepper->commit();
   system.accept();
-  if (sensitivities_) sensitivities_->commit(integrator_);
+  if (companion_) companion_->commit(integrator_);
   if (counts.steps++ == 0) counts.first_step = h;
   choice_.note_step();
   if (approach_ && approach_->is_reached) approach_.reset();

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "expression/time_breakpoints.h"
+#include "integrate/discrete_adjoint.h"
 #include "integrate/integration_options.h"
 #include "integrate/integrator.h"
 #include "integrate/method_choice.h"
@@ -51,10 +52,20 @@ class Integration {
   CallResult interpolate(double t, bool may_interpolate, double* x, double* xdot);
 
   // Carried along with the steps from the initial point on; before the first step. Throws Failure.
-  void carry(std::unique_ptr<Sensitivities> sensitivities);
-  const Sensitivities* sensitivities() const { return sensitivities_.get(); }
+  void carry(std::unique_ptr<Companion> companion);
+  const Sensitivities* sensitivities() const { return dynamic_cast<const Sensitivities*>(companion_.get()); }
+  bool has_companion() const { return companion_ != nullptr; }
+  // Steps end at outputs then.
+  const DiscreteAdjoint* adjoint() const { return dynamic_cast<const DiscreteAdjoint*>(companion_.get()); }
   // Those at any t within the last step, or at the initial point: n x count. Sdot may be null. Throws Failure.
   CallResult evaluate_sensitivities(double t, double* S, double* Sdot);
+  // Of functionals with weights at these times, see DiscreteAdjoint. Throws Failure.
+  struct WeightedTimes {
+    const std::vector<double>& times;
+    const double* weights;
+    int functionals;
+  };
+  CallResult gradient(const WeightedTimes& weighted, double* gradient);
 
   // Everything is as before where memory is missing.
   void set_options(const IntegrationOptions& options);
@@ -134,7 +145,7 @@ class Integration {
   WorkCounts counts_;
   std::unique_ptr<ChangeWatch> watch_;  // none where points can be looked at in steps only
   std::optional<LocatedChange> change_;
-  std::unique_ptr<Sensitivities> sensitivities_;  // none, as a rule
+  std::unique_ptr<Companion> companion_;  // none, as a rule
   // A suspected change that has to be confirmed: a step ends at t, before it, and the next ones are no longer than
   // `step` until one is accepted.
   struct Approach {

@@ -109,7 +109,7 @@ void Integration::extend_trail(double from) {
 }
 
 bool Integration::passes_singular_points() const {
-  return options_.continuation != nullptr && branches_.passed < options_.max_passed && !sensitivities_ &&
+  return options_.continuation != nullptr && branches_.passed < options_.max_passed && !companion_ &&
          options_.events == nullptr;
 }
 

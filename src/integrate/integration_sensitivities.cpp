@@ -9,9 +9,9 @@
 
 namespace sfdae::core {
 
-void Integration::carry(std::unique_ptr<Sensitivities> sensitivities) {
-  sensitivities->start(integrator_);
-  sensitivities_ = std::move(sensitivities);
+void Integration::carry(std::unique_ptr<Companion> companion) {
+  companion->start(integrator_);
+  companion_ = std::move(companion);
 }
 
 CallResult Integration::evaluate_sensitivities(double t, double* S, double* Sdot) {
@@ -20,8 +20,9 @@ CallResult Integration::evaluate_sensitivities(double t, double* S, double* Sdot
   const double place = beside_kink(options_, integrator_, t);
   if ((place - start) * integrator_.direction < 0.0 || (state.t - place) * integrator_.direction < 0.0)
     return result_outside_last_step(t, start, state.t);
+  Sensitivities& sensitivities = dynamic_cast<Sensitivities&>(*companion_);
   if (Sdot == nullptr && place == state.t) {
-    sensitivities_->copy_last(S);
+    sensitivities.copy_last(S);
     return {};
   }
   const std::size_t n = index(integrator_.system.unknowns());
@@ -30,13 +31,40 @@ CallResult Integration::evaluate_sensitivities(double t, double* S, double* Sdot
     output_.evaluate_aside(integrator_, {at, true, slopes}, options_, x.data(), xdot.data());
     return xdot.data();
   };
-  if (sensitivities_->needs_stages(integrator_, place)) {
-    sensitivities_->evaluate_by_stages(
+  if (sensitivities.needs_stages(integrator_, place)) {
+    sensitivities.evaluate_by_stages(
         integrator_, place, [&](double at) { return move(at, Slopes::wanted); }, S, Sdot);
   } else {
     move(place, Slopes::none);
-    sensitivities_->evaluate(integrator_, place, S, Sdot);
+    sensitivities.evaluate(integrator_, place, S, Sdot);
   }
+  return {};
+}
+
+CallResult Integration::gradient(const WeightedTimes& weighted, double* gradient) {
+  DiscreteAdjoint& adjoint = dynamic_cast<DiscreteAdjoint&>(*companion_);
+  std::vector<std::size_t> points;
+  for (double t : weighted.times) {
+    const auto point = adjoint.point_at(beside_kink(options_, integrator_, t));
+    if (!point)
+      return {
+          SFDAE_ILLEGAL_ARGUMENT,
+          format("t = %.15g is neither the start nor a time that sfdae_advance has been asked to go to; the nearest "
+                 "end of a step is at t = %.15g.",
+                 t, adjoint.nearest_time(t))};
+    points.push_back(*point);
+  }
+  // The equations are evaluated where they were, on the same sides of kinks.
+  const auto move_to = [this](double t) {
+    keep_to_piece(options_, integrator_.system, {t, t, integrator_.direction}, start_);
+  };
+  try {
+    adjoint.gradient({points, weighted.weights, weighted.functionals}, move_to, gradient);
+  } catch (...) {
+    move_to(integrator_.stepper->state().t);
+    throw;
+  }
+  move_to(integrator_.stepper->state().t);
   return {};
 }
 

@@ -122,7 +122,7 @@ PointStatus Sensitivities::solve_bdf(const TriedStep& tried) {
   step_.order = tried.order;
   history_.compute_differences(std::min(history_.points(), tried.order + 1), false);
   step_.set_formula(history_, false, false);
-  for (std::size_t i = 0; i < xdot_.size(); ++i) xdot_[i] = tried.c * tried.x[i] + tried.rest[i];
+  discretized_slope(tried, 0, xdot_);
   std::copy_n(step_.predicted.data(), size(), tried_.data());
   return system_->solve_step(step_.c, step_.w_rest.data(), xdot_.data(), tried_.data());
 }
@@ -130,13 +130,9 @@ PointStatus Sensitivities::solve_bdf(const TriedStep& tried) {
 PointStatus Sensitivities::solve_radau(const TriedStep& tried) {
   const StageMethod& method = *tried.method;
   stages_.resize(size() * index(method.s));
-  const std::size_t n = xdot_.size();
   PointStatus status = PointStatus::ok;
   for (int i = 0; i < method.s && status == PointStatus::ok; ++i) {
-    std::fill(xdot_.begin(), xdot_.end(), 0.0);
-    for (int j = 0; j < method.s; ++j)
-      for (std::size_t k = 0; k < n; ++k)
-        xdot_[k] += method.D_at(i, j) / tried.h * (tried.x[n * index(j) + k] - tried.x_start[k]);
+    discretized_slope(tried, i, xdot_);
     status = system_->keep_stage_of_step(method, i, xdot_.data());
   }
   if (status == PointStatus::ok) status = system_->solve_kept_stages(method, tried.h, S_.data(), stages_.data());

@@ -10,8 +10,7 @@
 
 #include "integrate/bdf_history.h"
 #include "integrate/bdf_step.h"
-#include "integrate/integrator.h"
-#include "integrate/stepper.h"
+#include "integrate/companion.h"
 #include "system/sensitivity_system.h"
 
 namespace sfdae::core {
@@ -26,18 +25,15 @@ struct SensitivityWork {
   double inconsistency = 0.0;  // largest contradiction of redundant equations
 };
 
-class Sensitivities {
+class Sensitivities final : public Companion {
  public:
   // S: those at the point where the system of x stands, consistent. Throws Failure.
   Sensitivities(std::unique_ptr<SensitivitySystem> system, SensitivityOptions options, std::vector<double> S);
 
-  // At the last point of the integrator, whose history starts there. Throws Failure.
-  void start(const Integrator& integrator);
-  // Of the step that the integrator has tried with success: its sensitivities, and the error test of these if that is
-  // asked for; error_too_large: the attempt is withdrawn, and the next one is smaller.
-  StepOutcome attempt(Integrator& integrator, const Tolerances& tolerances);
-  // The step tried has been taken.
-  void commit(Integrator& integrator);
+  void start(const Integrator& integrator) override;
+  // With the error test of S if that is asked for; error_too_large: the next step is smaller.
+  StepOutcome attempt(Integrator& integrator, const Tolerances& tolerances) override;
+  void commit(Integrator& integrator) override;
 
   // At the last point, as the step has found them.
   void copy_last(double* S);

@@ -22,6 +22,8 @@ class ParameterSeries {
   ParameterSeries(RecordedProblem& problem, std::vector<int> parameters);
 
   int count() const { return static_cast<int>(parameters_.size()); }
+  // Whether any column is that of a parameter.
+  bool has_columns() const { return !columns_.empty(); }
   // Whether F_x', F_x or F_p contain x'.
   bool needs_slopes() const { return needs_slopes_; }
   // With the values that parameters have from now on.

@@ -69,4 +69,14 @@ double ConstraintFactors::solve(const double* f_hat, double norm_f, double* xp, 
   return worst;
 }
 
+void ConstraintFactors::solve_transposed(const double* weights, double* weights_of_f, Arena& arena) const {
+  const Arena::Frame frame(arena);
+  double* along = arena.take(index(n_) + 1);
+  std::copy_n(weights, n_, along);
+  apply_q(Op::transposed, factors(), rank_, tau_.data(), {along, n_, 1, n_}, arena);
+  solve_upper(Op::plain, factors().block(0, 0, rank_, rank_), {along, rank_, 1, n_});
+  std::fill_n(weights_of_f, rows_, 0.0);
+  for (int i = 0; i < rank_; ++i) weights_of_f[pivots_[index(i)]] = -along[i];
+}
+
 }  // namespace sfdae::core

@@ -36,6 +36,8 @@ class ConstraintFactors {
   // xp = -A2^+ f2 of smallest norm. norm_f: of the data that f^ comes from. Returns the contradiction of redundant
   // rows: the largest entry of their residual relative to its terms.
   double solve(const double* f_hat, double norm_f, double* xp, Arena& arena) const;
+  // What weights of xp mean for f^: weights_of_f^T f^ = weights^T xp.
+  void solve_transposed(const double* weights, double* weights_of_f, Arena& arena) const;
 
  private:
   int n_ = 0, rows_ = 0, rank_ = 0;

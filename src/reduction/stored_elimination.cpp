@@ -169,6 +169,36 @@ void StoredElimination::transform(const double* f, double* transformed, Arena& a
   std::copy_n(now, rows, transformed);
 }
 
+// The stages of transform() in reverse order.
+void StoredElimination::transform_transposed(const double* weights, double* weights_of_f, Arena& arena) const {
+  const Arena::Frame frame(arena);
+  const int most = (level_ + 2) * m_;
+  double* now = arena.take(index(most) + 1);
+  double* next = arena.take(index(most) + 1);
+  double* stacked = arena.take(index(most) + 1);
+  std::copy_n(weights, carried_, now);
+  for (int i = 0; i <= level_; ++i) {
+    const Stage& stage = stages_[index(i)];
+    const Diagonal& diagonal = diagonal_of(stage);
+    const int rank = diagonal.rank, rows = stage.carried, after = rows + diagonal.null_rows;
+    double* f_i = weights_of_f + static_cast<std::ptrdiff_t>(i) * m_;
+    std::fill_n(next, stage.leaving, 0.0);
+    std::copy_n(now, after - stage.leaving, next + stage.leaving);
+    if (stage.leaving > 0)
+      apply_q(Op::plain, stage.T.view(), stage.leaving, stage.T_tau.data(), column(next, rows), arena);
+    multiply(1.0, Op::transposed, stage.W.view(), next, 0.0, f_i);
+    if (stage.by_reflections) {
+      std::fill_n(stacked, rank, 0.0);
+      std::copy_n(next, rows, stacked + rank);
+      apply_q(Op::plain, stage.X.view(), rank, stage.X_tau.data(), column(stacked, rank + rows), arena);
+      multiply(1.0, Op::plain, diagonal.Q.view().columns(0, rank), stacked, 1.0, f_i);
+      std::copy_n(stacked + rank, rows, now);
+    } else {
+      std::copy_n(next, rows, now);
+    }
+  }
+}
+
 void StoredElimination::recover(const TaylorData& data, RightHandSide rhs, const double* x, double* y,
                                 Arena& arena) const {
   if (!is_combined()) {

@@ -22,6 +22,8 @@ class StoredElimination {
   // f of (level + 1) m entries is transformed along: f^ = Z^T f, carried_rows() entries, comes first in
   // `transformed`, of the size of f; what recover() needs follows.
   void transform(const double* f, double* transformed, Arena& arena) const;
+  // What weights of f^ mean for f: weights_of_f^T f = weights^T f^; (level + 1) m entries.
+  void transform_transposed(const double* weights, double* weights_of_f, Arena& arena) const;
   // A solution y_1, ..., y_{level+1} of M y = N x + f for a given x, where there is one. data: the coefficients that
   // were eliminated. y: n x (level + 1).
   struct RightHandSide {

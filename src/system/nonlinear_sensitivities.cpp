@@ -10,6 +10,7 @@
 #include "linalg/dense.h"
 #include "linalg/index.h"
 #include "reduction/rank_sequence.h"
+#include "system/nonlinear_adjoint.h"
 
 namespace sfdae::core {
 
@@ -17,7 +18,8 @@ NonlinearSensitivities::NonlinearSensitivities(NonlinearSystem& system, Recorded
                                                std::vector<int> parameters)
     : system_(system),
       problem_(problem),
-      parameters_(problem, std::move(parameters)),
+      numbers_(std::move(parameters)),
+      parameters_(problem, numbers_),
       sparse_step_(problem, parameters_),
       extended_step_(problem, parameters_) {}
 
@@ -218,6 +220,10 @@ void NonlinearSensitivities::start(const ConsistencyRequest& request, const doub
     }
     std::copy(found.begin(), found.end(), S + static_cast<std::ptrdiff_t>(j) * n);
   }
+}
+
+std::unique_ptr<AdjointSystem> NonlinearSensitivities::adjoint() {
+  return std::make_unique<NonlinearAdjoint>(system_, problem_, numbers_);
 }
 
 // ---- S' --------------------------------------------------------------------------------------------------------

@@ -32,6 +32,7 @@ class NonlinearSensitivities final : public SensitivitySystem {
   void error_in_S(const double* errors, double* mapped) override;
   PointStatus derivative(const double* S, double* Sdot) override;
   void start(const ConsistencyRequest& request, const double* directions, double* S) override;
+  std::unique_ptr<AdjointSystem> adjoint() override;
   double inconsistency() const override { return point_.inconsistency(); }
   const CallbackError& callback_error() const override { return callback_error_; }
   SensitivityCounts counts() const override { return {linearizations_, factorizations_}; }
@@ -50,6 +51,7 @@ class NonlinearSensitivities final : public SensitivitySystem {
 
   NonlinearSystem& system_;
   RecordedProblem& problem_;
+  std::vector<int> numbers_;  // of the parameters
   ParameterSeries parameters_;
   Arena arena_;
   SensitivityPoint point_;

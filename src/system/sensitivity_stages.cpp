@@ -28,48 +28,70 @@ void SensitivityStages::resize(int s, int n, int d, int count) {
   count_ = count;
 }
 
-void SensitivityStages::keep(int i, const SensitivityPoint& point) {
+void SensitivityStages::keep_matrices(int i, const LinearizedPoint& point) {
   Stage& stage = stages_[index(i)];
   is_ordinary_ = point.is_ordinary();
   copy(point.ZE(), stage.L);
-  copy(point.Zf(), stage.b);
   if (is_ordinary_) {
     copy(point.ZA(), stage.B);
   } else {
     copy(point.T2(), stage.T2);
-    copy(point.xp(), stage.xp);
     multiply(1.0, Op::plain, point.ZA(), Op::plain, point.T2(), 0.0, stage.B);
-    multiply(1.0, Op::plain, point.ZA(), Op::plain, point.xp(), 1.0, stage.b);
   }
   stage.tau = point.time_scale();
 }
 
-bool SensitivityStages::solve(const StageMethod& method, double h, ConstView S_start, Arena& arena) {
-  const View M = matrix_.view().top(s_ * d_), z = z_;
+void SensitivityStages::keep(int i, const SensitivityPoint& point) {
+  keep_matrices(i, point);
+  Stage& stage = stages_[index(i)];
+  copy(point.Zf(), stage.b);
+  if (is_ordinary_) return;
+  copy(point.xp(), stage.xp);
+  multiply(1.0, Op::plain, point.ZA(), Op::plain, point.xp(), 1.0, stage.b);
+}
+
+bool SensitivityStages::factor(const StageMethod& method, double h, Arena& arena) {
+  const View M = matrix_.view().top(s_ * d_);
   const Arena::Frame frame(arena);
-  const View slopes = arena.matrix(n_, count_), rows = arena.matrix(d_, d_);
+  const View rows = arena.matrix(d_, d_);
   for (int i = 0; i < s_; ++i) {
     const Stage& stage = stages_[index(i)];
-    const double factor = stage.tau / h;
-    const View right = z.block(i * d_, 0, d_, count_);
-    fill(slopes, 0.0);
     for (int j = 0; j < s_; ++j) {
-      const double weight = factor * method.D_at(i, j);
+      const double weight = stage.tau / h * method.D_at(i, j);
       if (is_ordinary_) copy(stage.L, rows);
       else multiply(1.0, Op::plain, stage.L, Op::plain, stages_[index(j)].T2, 0.0, rows);
       for (int k = 0; k < d_; ++k)
         for (int r = 0; r < d_; ++r) M(i * d_ + r, j * d_ + k) = weight * rows(r, k);
-      for (int q = 0; q < count_; ++q)
-        for (int k = 0; k < n_; ++k) slopes(k, q) -= weight * (stages_[index(j)].xp(k, q) - S_start(k, q));
     }
     for (int k = 0; k < d_; ++k)
       for (int r = 0; r < d_; ++r) M(i * d_ + r, i * d_ + k) -= stage.B(r, k);
+  }
+  return factor_lu(M, pivots_.data());
+}
+
+bool SensitivityStages::solve(const StageMethod& method, double h, ConstView S_start, Arena& arena) {
+  const View z = z_;
+  const Arena::Frame frame(arena);
+  const View slopes = arena.matrix(n_, count_);
+  for (int i = 0; i < s_; ++i) {
+    const Stage& stage = stages_[index(i)];
+    const View right = z.block(i * d_, 0, d_, count_);
+    fill(slopes, 0.0);
+    for (int j = 0; j < s_; ++j) {
+      const double weight = stage.tau / h * method.D_at(i, j);
+      for (int q = 0; q < count_; ++q)
+        for (int k = 0; k < n_; ++k) slopes(k, q) -= weight * (stages_[index(j)].xp(k, q) - S_start(k, q));
+    }
     copy(stage.b, right);
     multiply(1.0, Op::plain, stage.L, Op::plain, slopes, 1.0, right);
   }
-  if (!factor_lu(M, pivots_.data())) return false;
-  solve_lu(M, pivots_.data(), z);
+  if (!factor(method, h, arena)) return false;
+  solve_lu(matrix_.view().top(s_ * d_), pivots_.data(), z);
   return true;
+}
+
+void SensitivityStages::solve_transposed(View weights) const {
+  solve_lu_transposed(matrix_.view().top(s_ * d_), pivots_.data(), weights);
 }
 
 void SensitivityStages::expand(int i, View S) const {

@@ -22,8 +22,12 @@ class SensitivityStages {
  public:
   void resize(int s, int n, int d, int count);
   void keep(int i, const SensitivityPoint& point);
+  void keep_matrices(int i, const LinearizedPoint& point);
   // S_start: n x count, of scaled unknowns. False if the matrix is singular.
   bool solve(const StageMethod& method, double h, ConstView S_start, Arena& arena);
+  // The matrix of z alone; false if it is singular. Then right-hand sides for its transpose, s d x any number.
+  bool factor(const StageMethod& method, double h, Arena& arena);
+  void solve_transposed(View weights) const;
   // Of stage i, scaled.
   void expand(int i, View S) const;
 

@@ -14,7 +14,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
+
 #include "problem/problem.h"
+#include "system/adjoint_system.h"
 #include "system/consistent_values.h"
 #include "system/stage_method.h"
 #include "system/strangeness_free_system.h"
@@ -51,6 +54,9 @@ class SensitivitySystem {
   virtual PointStatus derivative(const double* S, double* Sdot) = 0;
   // The S nearest to the directions given, as the request measures changes of x. Throws Failure where there is none.
   virtual void start(const ConsistencyRequest& request, const double* directions, double* S) = 0;
+
+  // The same equations transposed, for the same parameters, along the same system of x.
+  virtual std::unique_ptr<AdjointSystem> adjoint() = 0;
 
   // Contradiction of redundant equations at the point linearized last, relative.
   virtual double inconsistency() const = 0;

@@ -1,0 +1,58 @@
+// The equations of sensitivities at one jet of x, transposed.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/adjoint_point.h"
+
+#include "linalg/dense.h"
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+PointStatus AdjointPoint::linearize(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place,
+                                    Arena& arena) {
+  PointStatus status = evaluate(equations, place.jet);
+  if (status != PointStatus::ok) return status;
+  if (!is_ordinary()) {
+    if (no_rhs_.rows() != equations.array_rows()) no_rhs_ = Matrix(equations.array_rows(), 1);
+    status = reduce(equations, place.known, {no_rhs_, no_rhs_hat_, &elimination_}, arena);
+    if (status != PointStatus::ok) return status;
+  }
+  return take_differential(equations, place, parameters.needs_slopes());
+}
+
+PointStatus AdjointPoint::add_gradient(ParameterSeries& parameters, const Jet& jet, const Weights& weights,
+                                       View gradient, Arena& arena) {
+  if (!parameters.has_columns()) return PointStatus::ok;
+  const Arena::Frame frame(arena);
+  const int m = data_.m, levels = is_ordinary() ? 1 : data_.orders.f + 1;
+  const View rows = arena.matrix(m * levels, gradient.cols), of_F1 = arena.matrix(m, gradient.cols);
+  if (is_ordinary()) {
+    copy(weights.nu, of_F1);
+    fill(rows, 0.0);
+  } else {
+    multiply(1.0, Op::plain, form_.Z1(), Op::plain, weights.nu, 0.0, of_F1);
+    double* of_f_hat = arena.take(index(elimination_.carried_rows()) + 1);
+    for (int q = 0; q < gradient.cols; ++q) {
+      form_.constraints().solve_transposed(weights.eta.column(q), of_f_hat, arena);
+      elimination_.transform_transposed(of_f_hat, rows.column(q), arena);
+    }
+  }
+  if (has_slope_data_) {
+    const PointStatus status = add_rows(parameters, {slope_data_, slope_jet_.data(), slope_f_}, of_F1, gradient);
+    if (status != PointStatus::ok || is_ordinary()) return status;
+  } else {
+    for (int q = 0; q < gradient.cols; ++q)
+      for (int i = 0; i < m; ++i) rows(i, q) += of_F1(i, q);
+  }
+  return add_rows(parameters, {data_, jet.x.data(), f_}, rows, gradient);
+}
+
+PointStatus AdjointPoint::add_rows(ParameterSeries& parameters, const Rows& of, ConstView weights, View gradient) {
+  Matrix& f = of.f;
+  if (f.rows() != weights.rows || f.cols() != parameters.count()) f = Matrix(weights.rows, parameters.count());
+  callback_error_ = parameters.evaluate(of.data, of.jet, weights.rows / of.data.m - 1, f);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  multiply(1.0, Op::transposed, f, Op::plain, weights, 1.0, gradient);
+  return PointStatus::ok;
+}
+
+}  // namespace sfdae::core

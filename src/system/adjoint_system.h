@@ -1,0 +1,55 @@
+// What the driver of adjoints sees of a problem: the equations of sensitivities (sensitivity_system.h), transposed.
+//
+// A step computes S from earlier ones and from F_p by linear equations. Read backward these turn weights of S into weights of
+// the earlier ones, and add what F_p contributes to the gradient: as exact as the sensitivities of the same steps, at a cost that
+// hardly depends on the number of parameters [CLPS03 have this for index 0 and 1].
+//
+// [CLPS03] Y. Cao, S. Li, L. Petzold, R. Serban: Adjoint sensitivity analysis for differential-algebraic equations: the adjoint
+//          DAE system and its numerical solution. SIAM J. Sci. Comput. 24 (2003).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/matrix.h"
+#include "problem/problem.h"
+#include "system/jet.h"
+#include "system/stage_method.h"
+#include "system/strangeness_free_system.h"
+
+namespace sfdae::core {
+
+// A point of x that steps were made to, with what linearizes the equations there once more.
+struct KeptPoint {
+  Jet jet;
+  std::vector<double> xdot;  // as discretized, where the equations need it
+};
+
+// Weights of S, n x any number in the user's units, and the gradient, count x the same number, to which is added.
+struct AdjointValues {
+  View weights, gradient;
+};
+
+class AdjointSystem {
+ public:
+  virtual ~AdjointSystem() = default;
+
+  virtual int unknowns() const = 0;
+  virtual int count() const = 0;
+
+  // The point where the system of x stands, or stage i of the step that it has solved last. xdot: D_h x.
+  virtual KeptPoint point(const double* xdot) const = 0;
+  virtual KeptPoint stage(const StageMethod& method, int i, const double* xdot) const = 0;
+
+  // Of a step that solved F1 with S' = c S + rest, and F2: the weights become those of rest.
+  virtual PointStatus step_back(const KeptPoint& point, double c, const AdjointValues& values) = 0;
+  // Of stages of a step h, weights of S at its end: they become those of S at its start. points: one for each stage.
+  virtual PointStatus step_back(const StageMethod& method, double h, const KeptPoint* points,
+                                const AdjointValues& values) = 0;
+  // Of S with F2 = 0 and the differential part of a guess: the weights become those of the guess.
+  virtual PointStatus restore_back(const KeptPoint& point, const AdjointValues& values) = 0;
+
+  virtual const CallbackError& callback_error() const = 0;
+};
+
+}  // namespace sfdae::core

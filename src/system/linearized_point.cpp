@@ -1,0 +1,90 @@
+// The equations linearized at one jet of x.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/linearized_point.h"
+
+#include <algorithm>
+
+#include "linalg/dense.h"
+#include "linalg/index.h"
+#include "reduction/elimination.h"
+#include "reduction/rank_sequence.h"
+
+namespace sfdae::core {
+
+PointStatus LinearizedPoint::evaluate(AnalyzedEquations& equations, const Jet& jet) {
+  const int mu = equations.mu();
+  const IndexAnalysis& analysis = equations.analysis();
+  const NonlinearProblem::Scaling scaling{analysis.time_scale, analysis.rows, nullptr, &equations.units()};
+  callback_error_ = equations.problem().linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  is_ordinary_ = mu == 0 && analysis.values.d == equations.n() && equations.m() == equations.n();
+  return PointStatus::ok;
+}
+
+PointStatus LinearizedPoint::take_differential(AnalyzedEquations& equations, const Place& place, bool needs_slopes) {
+  const int n = data_.n, d = this->d();
+  if (ZE_.rows() != d || ZE_.cols() != n) ZE_ = ZA_ = Matrix(d, n);
+  has_slope_data_ = place.xdot != nullptr && needs_slopes;
+  if (has_slope_data_) {
+    slope_jet_.assign(place.jet.column(0), place.jet.column(0) + n);
+    slope_jet_.insert(slope_jet_.end(), place.xdot, place.xdot + n);
+    const NonlinearProblem::Scaling scaling{data_.time_scale, RowScaling::given, &data_.row_scale,
+                                            &equations.units()};
+    callback_error_ = equations.problem().linearize(place.jet.t, slope_jet_.data(), {0, 0, -1}, scaling, slope_data_);
+    if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  }
+  const TaylorData& matrices = has_slope_data_ ? slope_data_ : data_;
+  if (is_ordinary_) {
+    copy(matrices.E(0), ZE_);
+    copy(matrices.A(0), ZA_);
+    return PointStatus::ok;
+  }
+  multiply(1.0, Op::transposed, form_.Z1(), Op::plain, matrices.E(0), 0.0, ZE_);
+  multiply(1.0, Op::transposed, form_.Z1(), Op::plain, matrices.A(0), 0.0, ZA_);
+  return PointStatus::ok;
+}
+
+PointStatus LinearizedPoint::reduce(AnalyzedEquations& equations, const RankSequence& known, const Reduced& reduced,
+                                    Arena& arena) {
+  const int mu = equations.mu();
+  const IndexAnalysis& analysis = equations.analysis();
+  if (known.count > 0) {
+    const Judge::Settings judging{equations.settings().rank_tol, false, NoiseModel::pivots, &known};
+    Judge judge(data_, mu, judging, nullptr);
+    const Arena::Frame frame(arena);
+    const Carried carried = eliminate(data_, mu, reduced.f, 1, judge, arena, reduced.store);
+    form_.resize(data_.m, data_.n, 0, carried.rows);
+    const PointRanks ranks = form_.build(data_, carried, {}, LeadingTerm::identity, judge, arena);
+    rank_E_ = carried.rank_E;
+    kept_ = judge.kept_constraints() * judge.smallest_pivot();
+    if (judge.fits_known_ranks() && ranks.a == analysis.values.a && ranks.d == analysis.values.d &&
+        ranks.v_hat == analysis.v_hat) {
+      Matrix& f_hat = reduced.f_hat;
+      if (f_hat.rows() != carried.rows || f_hat.cols() != reduced.f.cols)
+        f_hat = Matrix(carried.rows, reduced.f.cols);
+      copy(carried.rhs, f_hat);
+      return PointStatus::ok;
+    }
+  }
+  return reduce_by_judgement(equations, reduced, arena);
+}
+
+PointStatus LinearizedPoint::reduce_by_judgement(AnalyzedEquations& equations, const Reduced& reduced, Arena& arena) {
+  StoredElimination own;
+  StoredElimination& elimination = reduced.store != nullptr ? *reduced.store : own;
+  StoredReduction reduction{elimination, true};
+  if (!reduce_with_known_values(data_, equations.mu(), equations.analysis(), equations.settings().rank_tol,
+                                {arena, form_}, reduction))
+    return PointStatus::singular;
+  rank_E_ = reduction.rank_E;
+  kept_ = reduction.kept;
+  reduced.f_hat = Matrix(elimination.carried_rows(), reduced.f.cols);
+  std::vector<double> transformed(index(reduced.f.rows) + 1);
+  for (int j = 0; j < reduced.f.cols; ++j) {
+    elimination.transform(reduced.f.column(j), transformed.data(), arena);
+    std::copy_n(transformed.data(), reduced.f_hat.rows(), reduced.f_hat.view().column(j));
+  }
+  return PointStatus::ok;
+}
+
+}  // namespace sfdae::core

@@ -1,0 +1,155 @@
+// Sensitivities of a nonlinear problem read backward.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "system/nonlinear_adjoint.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "linalg/dense.h"
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+NonlinearAdjoint::NonlinearAdjoint(NonlinearSystem& system, RecordedProblem& problem, std::vector<int> parameters)
+    : system_(system), parameters_(problem, std::move(parameters)), points_(index(max_stages)) {}
+
+KeptPoint NonlinearAdjoint::kept(const Jet& jet, const double* xdot) const {
+  KeptPoint point{jet, {}};
+  if (xdot != nullptr && parameters_.needs_slopes()) point.xdot.assign(xdot, xdot + unknowns());
+  return point;
+}
+
+KeptPoint NonlinearAdjoint::stage(const StageMethod& method, int i, const double* xdot) const {
+  const NonlinearStages* solved = system_.stages();
+  return kept(solved == nullptr || i + 1 == method.s ? system_.jet() : solved->jet(i), xdot);
+}
+
+PointStatus NonlinearAdjoint::linearize(AdjointPoint& at, const KeptPoint& point) {
+  const double* const xdot = point.xdot.empty() ? nullptr : point.xdot.data();
+  const PointStatus status = at.linearize(system_.analyzed_equations(), parameters_,
+                                          {point.jet, xdot, system_.linearization().ranks()}, arena_);
+  callback_error_ = at.callback_error();
+  return status;
+}
+
+PointStatus NonlinearAdjoint::add_gradient(AdjointPoint& at, const KeptPoint& point,
+                                           const AdjointPoint::Weights& weights, View gradient) {
+  const PointStatus status = at.add_gradient(parameters_, point.jet, weights, gradient, arena_);
+  callback_error_ = at.callback_error();
+  return status;
+}
+
+// Weights of S are those of S / unit, times the unit.
+View NonlinearAdjoint::scaled(ConstView weights) {
+  const View result = arena_.matrix(weights.rows, weights.cols);
+  for (int q = 0; q < weights.cols; ++q)
+    for (int i = 0; i < weights.rows; ++i) result(i, q) = weights(i, q) * system_.units()[i];
+  return result;
+}
+
+void NonlinearAdjoint::to_user(ConstView scaled, View weights) const {
+  for (int q = 0; q < weights.cols; ++q)
+    for (int i = 0; i < weights.rows; ++i) weights(i, q) = scaled(i, q) / system_.units()[i];
+}
+
+// S = xp + T2 z, K T2 z = Z1^T f - K xp - tau Z1^T E rest, K = c tau Z1^T E - Z1^T A. Transposed, for weights s of S:
+// (K T2)^T nu = T2^T s, s - K^T nu for xp, -tau (Z1^T E)^T nu for rest.
+PointStatus NonlinearAdjoint::step_back(const KeptPoint& point, double c, const AdjointValues& values) {
+  AdjointPoint& at = points_[0];
+  PointStatus status = linearize(at, point);
+  if (status != PointStatus::ok) return status;
+  const int n = unknowns(), d = at.d(), count = values.weights.cols;
+  const double tau = at.time_scale();
+  const Arena::Frame frame(arena_);
+  const View K = arena_.matrix(d, n), M = arena_.matrix(d, d), nu = arena_.matrix(d, count),
+             s = scaled(values.weights);
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < d; ++i) K(i, j) = c * tau * at.ZE()(i, j) - at.ZA()(i, j);
+  if (at.is_ordinary()) {
+    copy(K, M);
+    copy(s, nu);
+  } else {
+    multiply(1.0, Op::plain, K, Op::plain, at.T2(), 0.0, M);
+    multiply(1.0, Op::transposed, at.T2(), Op::plain, s, 0.0, nu);
+  }
+  int* pivots = arena_.integers(d + 1);
+  if (!factor_lu(M, pivots)) return PointStatus::singular;
+  solve_lu_transposed(M, pivots, nu);
+  multiply(-1.0, Op::transposed, K, Op::plain, nu, 1.0, s);
+  status = add_gradient(at, point, {nu, s}, values.gradient);
+  multiply(-tau, Op::transposed, at.ZE(), Op::plain, nu, 0.0, s);
+  to_user(s, values.weights);
+  return status;
+}
+
+// The equations of sensitivity_stages.h: weights of z at the last stage, nu of all rows, and what these mean for
+// slopes_i = sum_j w_ij (S_start - xp_j), w_ij = tau / h D_ij.
+PointStatus NonlinearAdjoint::step_back(const StageMethod& method, double h, const KeptPoint* points,
+                                        const AdjointValues& values) {
+  for (int i = 0; i < method.s; ++i) {
+    const PointStatus status = linearize(points_[index(i)], points[i]);
+    if (status != PointStatus::ok) return status;
+    if (i == 0) stages_.resize(method.s, unknowns(), points_[0].d(), 0);
+    stages_.keep_matrices(i, points_[index(i)]);
+  }
+  const AdjointPoint& end = points_[index(method.s - 1)];
+  const int n = unknowns(), d = end.d(), count = values.weights.cols;
+  const Arena::Frame frame(arena_);
+  const View nu = arena_.matrix(method.s * d, count), s = scaled(values.weights);
+  fill(nu, 0.0);
+  const View last = nu.block((method.s - 1) * d, 0, d, count);
+  if (end.is_ordinary()) copy(s, last);
+  else multiply(1.0, Op::transposed, end.T2(), Op::plain, s, 0.0, last);
+  if (!stages_.factor(method, h, arena_)) return PointStatus::singular;
+  stages_.solve_transposed(nu);
+
+  const View slopes = arena_.matrix(n * method.s, count), start = arena_.matrix(n, count),
+             xp = arena_.matrix(n, count);
+  for (int i = 0; i < method.s; ++i)
+    multiply(points_[index(i)].time_scale() / h, Op::transposed, points_[index(i)].ZE(), Op::plain,
+             nu.block(i * d, 0, d, count), 0.0, slopes.block(i * n, 0, n, count));
+  fill(start, 0.0);
+  for (int j = 0; j < method.s; ++j) {
+    AdjointPoint& at = points_[index(j)];
+    const View nu_j = nu.block(j * d, 0, d, count);
+    if (j + 1 == method.s) copy(s, xp);
+    else fill(xp, 0.0);
+    multiply(1.0, Op::transposed, at.ZA(), Op::plain, nu_j, 1.0, xp);
+    for (int i = 0; i < method.s; ++i)
+      for (int q = 0; q < count; ++q)
+        for (int k = 0; k < n; ++k) {
+          const double of_slope = method.D_at(i, j) * slopes(i * n + k, q);
+          xp(k, q) -= of_slope;
+          start(k, q) += of_slope;
+        }
+    const PointStatus status = add_gradient(at, points[j], {nu_j, xp}, values.gradient);
+    if (status != PointStatus::ok) return status;
+  }
+  to_user(start, values.weights);
+  return PointStatus::ok;
+}
+
+// S = xp + T2 z with Z1^T E T2 z = Z1^T E (guess - xp).
+PointStatus NonlinearAdjoint::restore_back(const KeptPoint& point, const AdjointValues& values) {
+  AdjointPoint& at = points_[0];
+  PointStatus status = linearize(at, point);
+  if (status != PointStatus::ok || at.is_ordinary()) return status;
+  const int n = unknowns(), d = at.d(), count = values.weights.cols;
+  const Arena::Frame frame(arena_);
+  const View G = arena_.matrix(d, d), z = arena_.matrix(d, count), none = arena_.matrix(d, count),
+             s = scaled(values.weights), of_guess = arena_.matrix(n, count);
+  multiply(1.0, Op::plain, at.ZE(), Op::plain, at.T2(), 0.0, G);
+  multiply(1.0, Op::transposed, at.T2(), Op::plain, s, 0.0, z);
+  int* pivots = arena_.integers(d + 1);
+  if (!factor_lu(G, pivots)) return PointStatus::singular;
+  solve_lu_transposed(G, pivots, z);
+  multiply(1.0, Op::transposed, at.ZE(), Op::plain, z, 0.0, of_guess);
+  for (int q = 0; q < count; ++q)
+    for (int i = 0; i < n; ++i) s(i, q) -= of_guess(i, q);
+  fill(none, 0.0);
+  status = add_gradient(at, point, {none, s}, values.gradient);
+  to_user(of_guess, values.weights);
+  return status;
+}
+
+}  // namespace sfdae::core

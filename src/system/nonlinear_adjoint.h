@@ -1,0 +1,48 @@
+// Sensitivities of a nonlinear problem read backward: the transposed equations of nonlinear_sensitivities.h.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/arena.h"
+#include "problem/parameter_series.h"
+#include "system/adjoint_point.h"
+#include "system/adjoint_system.h"
+#include "system/nonlinear_system.h"
+#include "system/sensitivity_stages.h"
+
+namespace sfdae::core {
+
+class NonlinearAdjoint final : public AdjointSystem {
+ public:
+  // As of NonlinearSensitivities.
+  NonlinearAdjoint(NonlinearSystem& system, RecordedProblem& problem, std::vector<int> parameters);
+
+  int unknowns() const override { return system_.unknowns(); }
+  int count() const override { return parameters_.count(); }
+  KeptPoint point(const double* xdot) const override { return kept(system_.jet(), xdot); }
+  KeptPoint stage(const StageMethod& method, int i, const double* xdot) const override;
+  PointStatus step_back(const KeptPoint& point, double c, const AdjointValues& values) override;
+  PointStatus step_back(const StageMethod& method, double h, const KeptPoint* points,
+                        const AdjointValues& values) override;
+  PointStatus restore_back(const KeptPoint& point, const AdjointValues& values) override;
+  const CallbackError& callback_error() const override { return callback_error_; }
+
+ private:
+  KeptPoint kept(const Jet& jet, const double* xdot) const;
+  PointStatus linearize(AdjointPoint& at, const KeptPoint& point);
+  PointStatus add_gradient(AdjointPoint& at, const KeptPoint& point, const AdjointPoint::Weights& weights,
+                           View gradient);
+  // Of scaled unknowns, n x any number, and back.
+  View scaled(ConstView weights);
+  void to_user(ConstView scaled, View weights) const;
+
+  NonlinearSystem& system_;
+  ParameterSeries parameters_;
+  Arena arena_;
+  std::vector<AdjointPoint> points_;  // one for each stage
+  SensitivityStages stages_;
+  CallbackError callback_error_;
+};
+
+}  // namespace sfdae::core
