@@ -1,8 +1,10 @@
-// What sensitivities cost beside x: microseconds of an integration without them, with one parameter and with ten.
+// What sensitivities cost beside x: microseconds of an integration without them, with one parameter, with ten and with the
+// adjoint.
 //
-// Columns: method, steps, the time of x alone, and what one and ten sensitivities add, relative. Run it with
-// OPENBLAS_NUM_THREADS=1. Arguments: nothing; or a problem (0, 1, 2), a method (0: BDF, 1: Radau) and a count, of which
-// one integration is done, to be profiled or counted.
+// Columns: method, steps, the time of x alone, what one and ten sensitivities add, relative, and what the gradient of a
+// functional of the end values by ten parameters adds, kept steps included. Run it with OPENBLAS_NUM_THREADS=1. Arguments:
+// nothing; or a problem (0, 1, 2), a method (0: BDF, 1: Radau) and a count (-1: the adjoint), of which one integration is
+// done, to be profiled or counted.
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <chrono>
@@ -77,6 +79,8 @@ Problem problem_of(int number) { return number == 0 ? chain(1, 10.0) : number ==
 
 // Seconds of the steps, without the start.
 double run(const Problem& problem, int method, int count, long& steps) {
+  const bool by_adjoint = count < 0;
+  if (by_adjoint) count = 10;
   sfdae::Options options;
   options.rtol = options.atol = 1e-6;
   options.method = method;
@@ -84,30 +88,37 @@ double run(const Problem& problem, int method, int count, long& steps) {
   if (count > 0) {
     sfdae::Sensitivities wanted;
     for (int j = 0; j < count; ++j) wanted.parameters.push_back(name_of(j));
+    wanted.adjoint = by_adjoint;
     solver.set_sensitivities(wanted);
   }
   sfdae::Point point{0.0, problem.x, {}};
   solver.start(point, problem.end);
   const auto begin = std::chrono::steady_clock::now();
   solver.advance(problem.end, point);
+  if (by_adjoint) {
+    sfdae::Matrix weights(int(problem.x.size()), 1);
+    for (int i = 0; i < weights.rows(); ++i) weights(i, 0) = 1.0;
+    solver.gradient({problem.end}, weights);
+  }
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   steps = solver.statistics().steps;
   return elapsed.count();
 }
 
 void print_table() {
-  std::printf("%-20s %-6s %6s %10s %8s %8s\n", "", "method", "steps", "x alone/us", "one", "ten");
+  std::printf("%-20s %-6s %6s %10s %8s %8s %8s\n", "", "method", "steps", "x alone/us", "one", "ten", "adjoint");
   for (int number = 0; number < 3; ++number) {
     const Problem problem = problem_of(number);
     for (int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU}) {
-      double best[] = {1e300, 1e300, 1e300};
-      const int counts[] = {0, 1, 10};
+      double best[] = {1e300, 1e300, 1e300, 1e300};
+      const int counts[] = {0, 1, 10, -1};
       long steps = 0;
       for (int repetition = 0; repetition < 15; ++repetition)
-        for (int k = 0; k < 3; ++k) best[k] = std::min(best[k], run(problem, method, counts[k], steps));
-      std::printf("%-20s %-6s %6ld %10.0f %+7.0f%% %+7.0f%%\n", problem.name,
+        for (int k = 0; k < 4; ++k) best[k] = std::min(best[k], run(problem, method, counts[k], steps));
+      std::printf("%-20s %-6s %6ld %10.0f %+7.0f%% %+7.0f%% %+7.0f%%\n", problem.name,
                   method == SFDAE_METHOD_BDF ? "BDF" : "Radau", steps, 1e6 * best[0],
-                  100.0 * (best[1] / best[0] - 1.0), 100.0 * (best[2] / best[0] - 1.0));
+                  100.0 * (best[1] / best[0] - 1.0), 100.0 * (best[2] / best[0] - 1.0),
+                  100.0 * (best[3] / best[0] - 1.0));
     }
   }
 }

@@ -12,7 +12,7 @@
 
 namespace sfdae::core {
 
-std::shared_ptr<const Record> parameter_gradient(const Record& record, const std::vector<int>& parameters) {
+ParameterGradient parameter_gradient(const Record& record, const std::vector<int>& parameters) {
   Recorder recorder(record.n());
   const std::vector<int> copies = copy_nodes(record, recorder);
   std::vector<int> leaves;
@@ -20,18 +20,22 @@ std::shared_ptr<const Record> parameter_gradient(const Record& record, const std
     const Parameter& parameter = record.parameters()[index(j)];
     leaves.push_back(recorder.parameter(parameter.name, parameter.value));
   }
-  const std::size_t m = index(record.m());
-  std::vector<int> formulas(m * leaves.size());
-  std::vector<std::string> names(formulas.size());
+  const int zero = recorder.constant(0.0);
+  ParameterGradient result;
+  std::vector<int> formulas;
+  std::vector<std::string> names;
   for (int i = 0; i < record.m(); ++i) {
     const std::vector<int> gradient = symbolic_gradient(recorder, copies[index(record.residual(i))], leaves);
     for (std::size_t j = 0; j < leaves.size(); ++j) {
-      formulas[index(i) + j * m] = gradient[j];
-      names[index(i) + j * m] = "the derivative of " + record.name(i) + " by parameter \"" +
-                                record.parameters()[index(parameters[j])].name + "\"";
+      if (gradient[j] == zero) continue;
+      result.places.push_back({i, static_cast<int>(j)});
+      formulas.push_back(gradient[j]);
+      names.push_back("the derivative of " + record.name(i) + " by parameter \"" +
+                      record.parameters()[index(parameters[j])].name + "\"");
     }
   }
-  return recorder.excerpt(record.n(), std::move(formulas), std::move(names));
+  result.formulas = recorder.excerpt(record.n(), std::move(formulas), std::move(names));
+  return result;
 }
 
 }  // namespace sfdae::core

@@ -9,8 +9,15 @@
 
 namespace sfdae::core {
 
-// F_p of the parameters chosen (by their numbers), one below the other: formula i + j m is the derivative of equation i
-// by the j-th of them. Parameters have the numbers that they have in the record.
-std::shared_ptr<const Record> parameter_gradient(const Record& record, const std::vector<int>& parameters);
+// The entries of F_p that are not identically zero, for the parameters chosen (by their numbers).
+struct ParameterGradient {
+  struct Place {
+    int equation, column;  // the derivative of an equation by the parameter number `column` of those chosen
+  };
+  std::shared_ptr<const Record>
+      formulas;  // one for each place; parameters have the numbers that they have in the record
+  std::vector<Place> places;
+};
+ParameterGradient parameter_gradient(const Record& record, const std::vector<int>& parameters);
 
 }  // namespace sfdae::core

@@ -6,12 +6,20 @@
 
 #include "integrate/integration.h"
 #include "integrate/jump_rule.h"
+#include "linalg/index.h"
+#include "problem/failure.h"
 
 namespace sfdae::core {
 
 // The point before stays the last one where that throws.
 void Integration::cross_jump(const TimeBreakpoints::Gap& gap, double tout) {
   const double direction = integrator_.direction, t = gap.far_end(direction);
+  if (companion_)
+    throw Failure(
+        SFDAE_ILLEGAL_ARGUMENT,
+        format("sensitivities cannot be carried over the jump at t = %.15g: stop there (stop_time), and start "
+               "anew with the directions that they have after it.",
+               integrator_.stepper->state().t));
   const std::vector<double> before = integrator_.stepper->x();
   const double toward = (tout - t) * direction > 0.0 ? tout : time_beside(t, direction);
   const ConsistentPoint after = options_.jumps->values_after({t, toward, before.data()});

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "expression/parameter_gradient.h"
 #include "expression/taylor_evaluator.h"
 #include "linalg/matrix.h"
 
@@ -20,8 +21,12 @@ class ParameterDerivatives {
   Matrix at(double t, const double* jet);
 
  private:
+  ParameterDerivatives(const TaylorEvaluator& equations, int count, ParameterGradient gradient);
+
   int m_, count_;
-  TaylorEvaluator evaluator_;  // of the formulas recorded for F_p
+  std::vector<ParameterGradient::Place> places_;
+  TaylorEvaluator evaluator_;  // of the formulas recorded for them
+  std::vector<double> values_;
 };
 
 }  // namespace sfdae::core

@@ -6,25 +6,23 @@
 #include <utility>
 
 #include "expression/diagnosis.h"
-#include "expression/parameter_gradient.h"
 #include "linalg/index.h"
 
 namespace sfdae::core {
 
 namespace {
 
-std::vector<int> those_of_parameters(const std::vector<int>& parameters) {
-  std::vector<int> columns;
-  for (std::size_t j = 0; j < parameters.size(); ++j)
-    if (parameters[j] >= 0) columns.push_back(static_cast<int>(j));
-  return columns;
-}
-
-std::vector<int> without_gaps(const std::vector<int>& parameters) {
-  std::vector<int> chosen;
-  for (int p : parameters)
-    if (p >= 0) chosen.push_back(p);
-  return chosen;
+// With columns among all, those of start values included.
+ParameterGradient gradient_by(const Record& equations, const std::vector<int>& parameters) {
+  std::vector<int> chosen, columns;
+  for (std::size_t j = 0; j < parameters.size(); ++j) {
+    if (parameters[j] < 0) continue;
+    chosen.push_back(parameters[j]);
+    columns.push_back(static_cast<int>(j));
+  }
+  ParameterGradient gradient = parameter_gradient(equations, chosen);
+  for (ParameterGradient::Place& place : gradient.places) place.column = columns[index(place.column)];
+  return gradient;
 }
 
 bool contains_slopes(const Record& equations, const Record& gradient) {
@@ -49,10 +47,13 @@ CallbackError parameter_gradient_error(const TaylorEvaluator& F_p, double t, dou
 }
 
 ParameterSeries::ParameterSeries(RecordedProblem& problem, std::vector<int> parameters)
+    : ParameterSeries(problem, parameters, gradient_by(problem.evaluator().record(), parameters)) {}
+
+ParameterSeries::ParameterSeries(RecordedProblem& problem, std::vector<int> parameters, ParameterGradient gradient)
     : problem_(problem),
       parameters_(std::move(parameters)),
-      columns_(those_of_parameters(parameters_)),
-      evaluator_(parameter_gradient(problem.evaluator().record(), without_gaps(parameters_))),
+      places_(std::move(gradient.places)),
+      evaluator_(std::move(gradient.formulas)),
       needs_slopes_(contains_slopes(problem.evaluator().record(), evaluator_.record())) {
   take_parameters();
 }
@@ -63,37 +64,61 @@ void ParameterSeries::take_parameters() {
 }
 
 CallbackError ParameterSeries::evaluate_series(double t, const double* jet, int order) {
-  F_p_.resize(index(problem_.m()) * columns_.size() * index(order + 1));
-  if (columns_.empty() || evaluator_.values(t, jet, order, F_p_.data())) return {};
+  F_p_.resize(places_.size() * index(order + 1));
+  if (places_.empty() || evaluator_.values(t, jet, order, F_p_.data())) return {};
   return parameter_gradient_error(evaluator_, t, problem_.user_t());
 }
 
 CallbackError ParameterSeries::values(double t, const double* jet, int order, View F_p) {
-  const std::size_t m = index(problem_.m());
   fill(F_p, 0.0);
   CallbackError error = evaluate_series(t, jet, order);
   if (error.status != SFDAE_OK) return error;
-  for (std::size_t k = 0; k <= index(order); ++k)
-    for (std::size_t q = 0; q < columns_.size(); ++q)
-      std::copy_n(F_p_.data() + m * (q + columns_.size() * k), m, F_p.column(columns_[q]) + m * k);
+  for (int k = 0; k <= order; ++k)
+    for (std::size_t e = 0; e < places_.size(); ++e)
+      F_p(places_[e].equation + k * problem_.m(), places_[e].column) = coefficient(e, k);
   return error;
 }
 
 CallbackError ParameterSeries::evaluate(const TaylorData& data, const double* jet, int order, View f) {
-  const int m = problem_.m(), chosen = static_cast<int>(columns_.size());
   fill(f, 0.0);
   CallbackError error = evaluate_series(data.t, jet, order);
   if (error.status != SFDAE_OK) return error;
   double power = 1.0;
   for (int k = 0; k <= order; ++k) {
     power *= data.time_scale;
-    for (int q = 0; q < chosen; ++q) {
-      const double* from = F_p_.data() + index(m) * (index(q) + index(chosen) * index(k));
-      double* to = f.column(columns_[index(q)]) + static_cast<std::ptrdiff_t>(k) * m;
-      for (int i = 0; i < m; ++i)
-        if (data.has_row(i, k)) to[i] = -power * data.row_scale[index(i)] * from[i];
+    for (std::size_t e = 0; e < places_.size(); ++e) {
+      const int i = places_[e].equation;
+      if (data.has_row(i, k))
+        f(i + k * problem_.m(), places_[e].column) = -power * data.row_scale[index(i)] * coefficient(e, k);
     }
   }
+  return error;
+}
+
+CallbackError ParameterSeries::add_gradient(const TaylorData& data, const double* jet, ConstView weights,
+                                            View gradient) {
+  const int m = problem_.m(), order = weights.rows / m - 1;
+  CallbackError error = evaluate_series(data.t, jet, order);
+  if (error.status != SFDAE_OK) return error;
+  double power = 1.0;
+  for (int k = 0; k <= order; ++k) {
+    power *= data.time_scale;
+    for (std::size_t e = 0; e < places_.size(); ++e) {
+      const int i = places_[e].equation;
+      if (!data.has_row(i, k)) continue;
+      const double f = -power * data.row_scale[index(i)] * coefficient(e, k);
+      for (int q = 0; q < gradient.cols; ++q) gradient(places_[e].column, q) += f * weights(i + k * m, q);
+    }
+  }
+  return error;
+}
+
+CallbackError ParameterSeries::add_gradient(double t, const double* jet, ConstView weights, View gradient) {
+  CallbackError error = evaluate_series(t, jet, 0);
+  if (error.status != SFDAE_OK) return error;
+  for (std::size_t e = 0; e < places_.size(); ++e)
+    for (int q = 0; q < gradient.cols; ++q)
+      gradient(places_[e].column, q) -= coefficient(e, 0) * weights(places_[e].equation, q);
   return error;
 }
 

@@ -7,7 +7,9 @@
 
 #include <vector>
 
+#include "expression/parameter_gradient.h"
 #include "expression/taylor_evaluator.h"
+#include "linalg/index.h"
 #include "problem/nonlinear_problem.h"
 #include "problem/taylor_data.h"
 
@@ -22,8 +24,8 @@ class ParameterSeries {
   ParameterSeries(RecordedProblem& problem, std::vector<int> parameters);
 
   int count() const { return static_cast<int>(parameters_.size()); }
-  // Whether any column is that of a parameter.
-  bool has_columns() const { return !columns_.empty(); }
+  // Whether any equation contains one of the parameters.
+  bool has_columns() const { return !places_.empty(); }
   // Whether F_x', F_x or F_p contain x'.
   bool needs_slopes() const { return needs_slopes_; }
   // With the values that parameters have from now on.
@@ -33,11 +35,20 @@ class ParameterSeries {
   CallbackError evaluate(const TaylorData& data, const double* jet, int order, View f);
   // The Taylor coefficients of F_p as they are, m (order + 1) x count.
   CallbackError values(double t, const double* jet, int order, View F_p);
+  // gradient += f^T weights, with f as evaluate() has it: m (order + 1) x q and count x q, which costs no more than the entries
+  // that there are.
+  CallbackError add_gradient(const TaylorData& data, const double* jet, ConstView weights, View gradient);
+  // gradient -= F_p^T weights, m x q.
+  CallbackError add_gradient(double t, const double* jet, ConstView weights, View gradient);
 
  private:
+  ParameterSeries(RecordedProblem& problem, std::vector<int> parameters, ParameterGradient gradient);
   CallbackError evaluate_series(double t, const double* jet, int order);
+  double coefficient(std::size_t entry, int k) const { return F_p_[entry + places_.size() * index(k)]; }
+
   RecordedProblem& problem_;
-  std::vector<int> parameters_, columns_;  // columns of F_p: those that are not zero
+  std::vector<int> parameters_;
+  std::vector<ParameterGradient::Place> places_;  // of the entries of F_p, with columns of f
   TaylorEvaluator evaluator_;
   bool needs_slopes_;
   std::vector<double> F_p_;

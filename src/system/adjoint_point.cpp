@@ -37,22 +37,15 @@ PointStatus AdjointPoint::add_gradient(ParameterSeries& parameters, const Jet& j
     }
   }
   if (has_slope_data_) {
-    const PointStatus status = add_rows(parameters, {slope_data_, slope_jet_.data(), slope_f_}, of_F1, gradient);
-    if (status != PointStatus::ok || is_ordinary()) return status;
+    callback_error_ = parameters.add_gradient(slope_data_, slope_jet_.data(), of_F1, gradient);
+    if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+    if (is_ordinary()) return PointStatus::ok;
   } else {
     for (int q = 0; q < gradient.cols; ++q)
       for (int i = 0; i < m; ++i) rows(i, q) += of_F1(i, q);
   }
-  return add_rows(parameters, {data_, jet.x.data(), f_}, rows, gradient);
-}
-
-PointStatus AdjointPoint::add_rows(ParameterSeries& parameters, const Rows& of, ConstView weights, View gradient) {
-  Matrix& f = of.f;
-  if (f.rows() != weights.rows || f.cols() != parameters.count()) f = Matrix(weights.rows, parameters.count());
-  callback_error_ = parameters.evaluate(of.data, of.jet, weights.rows / of.data.m - 1, f);
-  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
-  multiply(1.0, Op::transposed, f, Op::plain, weights, 1.0, gradient);
-  return PointStatus::ok;
+  callback_error_ = parameters.add_gradient(data_, jet.x.data(), rows, gradient);
+  return callback_error_.status == SFDAE_OK ? PointStatus::ok : PointStatus::callback_error;
 }
 
 }  // namespace sfdae::core

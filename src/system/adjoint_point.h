@@ -23,17 +23,8 @@ class AdjointPoint final : public LinearizedPoint {
                            Arena& arena);
 
  private:
-  // Of the equations along a jet; f: memory for -F_p.
-  struct Rows {
-    const TaylorData& data;
-    const double* jet;
-    Matrix& f;
-  };
-  PointStatus add_rows(ParameterSeries& parameters, const Rows& of, ConstView weights, View gradient);
-
   StoredElimination elimination_;
   Matrix no_rhs_, no_rhs_hat_;
-  Matrix f_, slope_f_;
 };
 
 }  // namespace sfdae::core

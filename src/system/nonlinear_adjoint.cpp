@@ -11,11 +11,17 @@
 namespace sfdae::core {
 
 NonlinearAdjoint::NonlinearAdjoint(NonlinearSystem& system, RecordedProblem& problem, std::vector<int> parameters)
-    : system_(system), parameters_(problem, std::move(parameters)), points_(index(max_stages)) {}
+    : system_(system),
+      parameters_(problem, std::move(parameters)),
+      sparse_step_(problem, parameters_),
+      points_(index(max_stages)) {
+  sparse_step_.prepare(system_.analyzed_equations().analysis());
+}
 
 KeptPoint NonlinearAdjoint::kept(const Jet& jet, const double* xdot) const {
   KeptPoint point{jet, {}};
-  if (xdot != nullptr && parameters_.needs_slopes()) point.xdot.assign(xdot, xdot + unknowns());
+  if (xdot != nullptr && (parameters_.needs_slopes() || sparse_step_.is_possible()))
+    point.xdot.assign(xdot, xdot + unknowns());
   return point;
 }
 
@@ -55,6 +61,12 @@ void NonlinearAdjoint::to_user(ConstView scaled, View weights) const {
 // S = xp + T2 z, K T2 z = Z1^T f - K xp - tau Z1^T E rest, K = c tau Z1^T E - Z1^T A. Transposed, for weights s of S:
 // (K T2)^T nu = T2^T s, s - K^T nu for xp, -tau (Z1^T E)^T nu for rest.
 PointStatus NonlinearAdjoint::step_back(const KeptPoint& point, double c, const AdjointValues& values) {
+  if (sparse_step_.is_possible()) {
+    const PointStatus status = sparse_step_.solve_back(
+        {point.jet.t, point.jet.x.data(), point.xdot.data(), c, nullptr}, values.weights, values.gradient);
+    callback_error_ = sparse_step_.callback_error();
+    return status;
+  }
   AdjointPoint& at = points_[0];
   PointStatus status = linearize(at, point);
   if (status != PointStatus::ok) return status;

@@ -10,6 +10,7 @@
 #include "system/adjoint_system.h"
 #include "system/nonlinear_system.h"
 #include "system/sensitivity_stages.h"
+#include "system/sparse_sensitivity_step.h"
 
 namespace sfdae::core {
 
@@ -40,6 +41,7 @@ class NonlinearAdjoint final : public AdjointSystem {
   NonlinearSystem& system_;
   ParameterSeries parameters_;
   Arena arena_;
+  SparseSensitivityStep sparse_step_;
   std::vector<AdjointPoint> points_;  // one for each stage
   SensitivityStages stages_;
   CallbackError callback_error_;

@@ -49,25 +49,55 @@ SparsePattern SparseSensitivityStep::find_pattern() {
   return pattern;
 }
 
-PointStatus SparseSensitivityStep::solve(const Step& step, double* S) {
-  const int n = problem_.n(), count = parameters_.count();
+PointStatus SparseSensitivityStep::evaluate(const Step& step) {
+  const int n = problem_.n();
   std::copy_n(step.x, n, jet_.begin());
   std::copy_n(step.xdot, n, jet_.begin() + n);
   callback_error_ = problem_.gradient_entries(step.t, jet_.data(), 0, limits_, derivatives_.data());
-  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  return callback_error_.status == SFDAE_OK ? PointStatus::ok : PointStatus::callback_error;
+}
+
+PointStatus SparseSensitivityStep::factor(double c) {
+  std::fill(values_.begin(), values_.end(), 0.0);
+  for (std::size_t e = 0; e < places_.size(); ++e)
+    values_[index(places_[e].position)] += places_[e].of_slope ? c * derivatives_[e] : derivatives_[e];
+  return lu_.factor(values_.data()) ? PointStatus::ok : PointStatus::singular;
+}
+
+PointStatus SparseSensitivityStep::solve(const Step& step, double* S) {
+  const int n = problem_.n(), count = parameters_.count();
+  PointStatus status = evaluate(step);
+  if (status != PointStatus::ok) return status;
   callback_error_ = parameters_.values(step.t, jet_.data(), 0, View{S, n, count, n});
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   for (std::size_t i = 0; i < index(n) * index(count); ++i) S[i] = -S[i];
-  std::fill(values_.begin(), values_.end(), 0.0);
   for (std::size_t e = 0; e < places_.size(); ++e) {
     const Place& place = places_[e];
-    const double derivative = derivatives_[e];
-    values_[index(place.position)] += place.of_slope ? step.c * derivative : derivative;
     if (!place.of_slope) continue;
-    for (std::ptrdiff_t j = 0; j < count; ++j) S[place.row + j * n] -= derivative * step.rest[place.column + j * n];
+    for (std::ptrdiff_t j = 0; j < count; ++j)
+      S[place.row + j * n] -= derivatives_[e] * step.rest[place.column + j * n];
   }
-  if (!lu_.factor(values_.data())) return PointStatus::singular;
-  lu_.solve(S, count);
+  status = factor(step.c);
+  if (status == PointStatus::ok) lu_.solve(S, count);
+  return status;
+}
+
+PointStatus SparseSensitivityStep::solve_back(const Step& step, View weights, View gradient) {
+  PointStatus status = evaluate(step);
+  if (status == PointStatus::ok) status = factor(step.c);
+  if (status != PointStatus::ok) return status;
+  nu_.resize(index(weights.rows) * index(weights.cols));
+  const View nu{nu_.data(), weights.rows, weights.cols, weights.rows};
+  copy(weights, nu);
+  lu_.solve_transposed(nu_.data(), weights.cols);
+  callback_error_ = parameters_.add_gradient(step.t, jet_.data(), nu, gradient);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  fill(weights, 0.0);
+  for (std::size_t e = 0; e < places_.size(); ++e) {
+    const Place& place = places_[e];
+    if (!place.of_slope) continue;
+    for (int q = 0; q < weights.cols; ++q) weights(place.column, q) -= derivatives_[e] * nu(place.row, q);
+  }
   return PointStatus::ok;
 }
 

@@ -38,10 +38,14 @@ class SparseSensitivityStep {
     const double* rest;
   };
   PointStatus solve(const Step& step, double* S);
+  // The same transposed, rest apart: weights of S become those of rest. weights: n x q, gradient: count x q, to which is added.
+  PointStatus solve_back(const Step& step, View weights, View gradient);
   const CallbackError& callback_error() const { return callback_error_; }
 
  private:
   SparsePattern find_pattern();
+  PointStatus evaluate(const Step& step);
+  PointStatus factor(double c);
 
   struct Place {
     int row, column;
@@ -54,7 +58,7 @@ class SparseSensitivityStep {
   bool is_possible_ = false;
   std::vector<Place> places_;  // of the derivatives that the equations have, in the order of the evaluator
   std::vector<int> limits_;
-  std::vector<double> jet_, derivatives_, values_;
+  std::vector<double> jet_, derivatives_, values_, nu_;
   SparseLu<double> lu_;
   CallbackError callback_error_;
 };
