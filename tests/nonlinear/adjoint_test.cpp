@@ -21,8 +21,6 @@ sfdae::Options options_with(double tolerance, int method) {
   sfdae::Options options;
   options.rtol = options.atol = tolerance;
   options.method = method;
-  // Forward sensitivities take the whole array as well then.
-  options.structure = SFDAE_STRUCTURE_OFF;
   return options;
 }
 
@@ -53,6 +51,9 @@ struct Journey {
   sfdae::Sensitivities wanted;
   Point point;
   Times times;
+  struct Direction {
+    double from, to;
+  };
 };
 
 template <class Problem>
@@ -124,6 +125,192 @@ TEST_P(RandomGradients, AreThoseOfForwardSensitivities) {
       EXPECT_LE(largest_error(gradient, forward_gradient(system.problem(), options, journey, weights)), 1e-11);
     }
   }
+}
+
+// ---- Other problems --------------------------------------------------------------------------------------------
+
+// Expects the gradient of two functionals of end and start values to be that of forward sensitivities.
+template <class Problem>
+void expect_forward_gradient(const Problem& problem, const sfdae::Options& options, const Journey& journey,
+                             double agreement = 1e-11) {
+  const Matrix weights = weights_for(int(journey.point.x.size()), journey.times, 1);
+  const Matrix gradient = adjoint_gradient(problem, options, journey, weights);
+  EXPECT_LE(largest_error(gradient, forward_gradient(problem, options, journey, weights)), agreement);
+}
+
+class Gradients : public testing::TestWithParam<int> {
+ protected:
+  // With BDF forward sensitivities are discretized in states where the structure of equations is confirmed.
+  static double agreement(double tolerance) { return GetParam() == SFDAE_METHOD_BDF ? 10.0 * tolerance : 1e-10; }
+};
+INSTANTIATE_TEST_SUITE_P(Methods, Gradients, testing::Values(SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU));
+
+// Diffusion with a reaction of its own rate in each cell: sparse matrices with BDF.
+sfdae::NonlinearProblem reaction(int n) {
+  sfdae::NonlinearProblem problem(n, n);
+  problem.equations = [n](const Expression& t, auto x, auto xdot, auto F) {
+    const Expression width = sfdae::parameter(t, "width", 0.1);
+    for (int i = 0; i < n; ++i) {
+      const Expression left = i > 0 ? x[i - 1] : 1.0 + 0.0 * t, right = i + 1 < n ? x[i + 1] : 0.0 * t;
+      const Expression rate = sfdae::parameter(t, std::string("rate").append(std::to_string(i)), 1.0 + 0.1 * (i % 7));
+      F[i] =
+          (1.0 + 0.1 * x[i]) * xdot[i] - (left - 2.0 * x[i] + right) / (width * width) - rate * x[i] * (1.0 - x[i]);
+    }
+  };
+  return problem;
+}
+
+TEST_P(Gradients, HaveManyParameters) {
+  constexpr int n = 60;
+  Journey journey{{}, {0.0, std::vector<double>(n, 0.3), {}}, {0.0, 1.5}};
+  journey.wanted.parameters = {"width"};
+  for (int i = 0; i < n; ++i) journey.wanted.parameters.push_back("rate" + std::to_string(i));
+  expect_forward_gradient(reaction(n), options_with(1e-6, GetParam()), journey);
+}
+
+// Tables are evaluated on the side of a kink that the step was on.
+TEST_P(Gradients, KeepToTheirSideOfKinks) {
+  sfdae::NonlinearProblem problem(3, 3);
+  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
+    const Expression input = sfdae::table(t, 1, {0.0, 0.5, 1.25, 2.0}, {1.0, 0.0, 2.0, -1.0}),
+                     p = sfdae::parameter(t, "p", 0.8), q = sfdae::parameter(t, "q", 1.5);
+    F[0] = xdot[0] + p * x[0] * x[0] - x[1];
+    F[1] = xdot[1] + x[2];
+    F[2] = x[1] + q * sin(x[0]) - input;
+  };
+  Journey journey{{}, {0.0, {0.5, 0.2, 0.0}, {}}, {0.0, 2.0}};
+  journey.wanted.parameters = {"p", "q", ""};
+  journey.wanted.directions = Matrix(3, 3);
+  journey.wanted.directions(0, 2) = 1.0;
+  expect_forward_gradient(problem, options_with(1e-7, GetParam()), journey, agreement(1e-7));
+}
+
+TEST_P(Gradients, AreThoseOfMechanicalSystems) {
+  // A rod and a point at its end, in SI units: (px, py, angle), two constraints.
+  sfdae::MultibodyProblem system(3, 2);
+  system.equations = [](const Expression& t, auto q, auto v, const auto& to) {
+    const Expression m = sfdae::parameter(t, "m", 2.0), length = sfdae::parameter(t, "length", 0.7);
+    to.M(0, 0) = m;
+    to.M(1, 1) = m;
+    to.M(2, 2) = sfdae::parameter(t, "J", 0.05);
+    to.f[1] = -9.81 * m;
+    to.f[2] = -sfdae::parameter(t, "friction", 0.02) * v[2];
+    to.g[0] = q[0] - length * cos(q[2]);
+    to.g[1] = q[1] - length * sin(q[2]);
+  };
+  Journey journey{{}, {0.0, {0.7, 0, 0, 0, 0, 0, 0, 0}, {}}, {0.0, 1.0}};
+  journey.wanted.parameters = {"m", "J", "friction", "length"};
+  expect_forward_gradient(system, options_with(1e-6, GetParam()), journey, agreement(1e-6));
+}
+
+// The method changes on the way, and S starts anew from what it was.
+TEST(AutomaticGradients, GoOnWhereTheMethodChanges) {
+  sfdae::NonlinearProblem problem(3, 3);
+  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
+    const Expression mu = sfdae::parameter(t, "mu", 8.0);
+    F[0] = xdot[0] - x[1];
+    F[1] = xdot[1] - mu * (1.0 - x[0] * x[0]) * x[1] + x[0];
+    F[2] = x[2] - x[0] * x[1];
+  };
+  Journey journey{{}, {0.0, {2.0, 0.0, 0.0}, {}}, {0.0, 30.0}};
+  journey.wanted.parameters = {"mu"};
+  expect_forward_gradient(problem, options_with(1e-6, SFDAE_METHOD_AUTOMATIC), journey, 1e-8);
+}
+
+// Backward in time, in units far from 1: a diode circuit with microfarads and nanoseconds.
+TEST_P(Gradients, AreThoseInAnyUnitsAndDirection) {
+  sfdae::NonlinearProblem problem(3, 3);
+  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
+    const Expression C = sfdae::parameter(t, "C", 1e-9), R = sfdae::parameter(t, "R", 1e3);
+    F[0] = C * xdot[0] + x[2];
+    F[1] = x[0] - x[1] - R * x[2];
+    F[2] = x[2] - 1e-12 * (exp(x[1] / 0.05) - 1.0);
+  };
+  for (const Journey::Direction& leg : {Journey::Direction{0.0, 2e-6}, Journey::Direction{1e-7, 0.0}}) {
+    Journey journey{{}, {leg.from, {1.2, 0.5, 1e-6}, {}}, {leg.from, leg.to}};
+    journey.wanted.parameters = {"C", "R", ""};
+    journey.wanted.directions = Matrix(3, 3);
+    journey.wanted.directions(0, 2) = 1.0;
+    sfdae::Options options = options_with(1e-6, GetParam());
+    const Matrix weights = weights_for(3, journey.times, 1);
+    const Matrix gradient = adjoint_gradient(problem, options, journey, weights),
+                 forward = forward_gradient(problem, options, journey, weights);
+    for (int q = 0; q < 2; ++q)
+      for (int j = 0; j < 3; ++j)
+        EXPECT_NEAR(gradient(j, q), forward(j, q), 1e-10 * std::abs(forward(j, q))) << "parameter " << j;
+  }
+}
+
+// The integral of v^2 along a pendulum is an unknown more; against differences of it.
+TEST_P(Gradients, AreThoseOfIntegrals) {
+  sfdae::NonlinearProblem problem(6, 6);
+  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
+    const Expression g = sfdae::parameter(t, "g", 9.81), L = sfdae::parameter(t, "L", 1.0);
+    F[0] = xdot[0] - x[2];
+    F[1] = xdot[1] - x[3];
+    F[2] = xdot[2] + 2.0 * x[0] * x[4];
+    F[3] = xdot[3] + 2.0 * x[1] * x[4] + g;
+    F[4] = x[0] * x[0] + x[1] * x[1] - L * L;
+    F[5] = xdot[5] - x[2] * x[2] - x[3] * x[3];
+  };
+  Journey journey{{}, {0.0, {0.6, -0.8, 0, 0, 0, 0}, {}}, {0.0, 2.0}};
+  journey.wanted.parameters = {"g", "L"};
+  journey.wanted.directions = Matrix(6, 2);
+  journey.wanted.directions(0, 1) = 0.6;
+  journey.wanted.directions(1, 1) = -0.8;
+  Matrix weights(6, 4);
+  weights(5, 1) = 1.0;
+  const Matrix gradient = adjoint_gradient(problem, options_with(1e-9, GetParam()), journey, weights);
+  EXPECT_EQ(gradient(0, 1), 0.0);
+  const double h = 1e-4;
+  for (int j = 0; j < 2; ++j) {
+    double ends[2];
+    for (int side = 0; side < 2; ++side) {
+      const double change = side == 0 ? -h : h;
+      sfdae::Solver solver(problem, options_with(1e-12, SFDAE_METHOD_RADAU));
+      solver.set_parameter(j == 0 ? "g" : "L", (j == 0 ? 9.81 : 1.0) + change);
+      Point point = journey.point;
+      if (j == 1) point.x[0] *= 1.0 + change, point.x[1] *= 1.0 + change;
+      solver.start(point, 2.0);
+      solver.advance(2.0, point);
+      ends[side] = point.x[5];
+    }
+    EXPECT_NEAR(gradient(j, 0), (ends[1] - ends[0]) / (2 * h), 2e-6) << "parameter " << j;
+  }
+}
+
+// Gradients may be asked for again, with other weights, and the integration goes on.
+TEST_P(Gradients, CanBeRepeated) {
+  sfdae::Solver solver(reaction(12), options_with(1e-6, GetParam()));
+  sfdae::Sensitivities wanted;
+  wanted.parameters = {"width", "rate3"};
+  wanted.adjoint = true;
+  solver.set_sensitivities(wanted);
+  Point point{0.0, std::vector<double>(12, 0.3), {}};
+  solver.start(point, 2.0);
+  Matrix weights(12, 1);
+  weights(4, 0) = 1.0;
+  EXPECT_EQ(solver.gradient({0.0}, weights)(0, 0), 0.0);
+  solver.advance(1.0, point);
+  const Matrix first = solver.gradient({1.0}, weights);
+  solver.advance(2.0, point);
+  const Matrix again = solver.gradient({1.0}, weights);
+  EXPECT_NE(first(0, 0), 0.0);
+  for (int j = 0; j < 2; ++j) EXPECT_EQ(first(j, 0), again(j, 0));
+  EXPECT_THROW(solver.gradient({0.5}, weights), sfdae::Error);
+  EXPECT_THROW(solver.sensitivities(2.0), sfdae::Error);
+  const sfdae::SensitivityStatistics statistics = solver.sensitivity_statistics();
+  EXPECT_EQ(statistics.kept_steps, solver.statistics().steps);
+  EXPECT_GT(statistics.kept_bytes, 8.0 * 24 * double(statistics.kept_steps));
+  // With a functional that is a sum, gradients are sums.
+  Matrix both(12, 2);
+  both(4, 0) = 1.0;
+  both(7, 1) = -2.0;
+  const Matrix sum = solver.gradient({1.0, 2.0}, both);
+  Matrix last(12, 1);
+  last(7, 0) = -2.0;
+  const Matrix second = solver.gradient({2.0}, last);
+  for (int j = 0; j < 2; ++j) EXPECT_NEAR(sum(j, 0), first(j, 0) + second(j, 0), 1e-13 * (1.0 + std::abs(sum(j, 0))));
 }
 
 }  // namespace
