@@ -27,7 +27,7 @@ module sfdae_c
     c_get_accumulation, c_get_change, c_get_characteristics, c_get_checkpoint_length, &
     c_get_current_mode, c_get_decision, c_get_derivative_array, c_get_derivative_array_at, &
     c_get_descriptor_matrices, c_get_descriptor_sizes, c_get_event_sensitivities, c_get_events, &
-    c_get_extended_system, c_get_hybrid_checkpoint_length, c_get_hybrid_message, &
+    c_get_extended_system, c_get_gradient, c_get_hybrid_checkpoint_length, c_get_hybrid_message, &
     c_get_hybrid_statistics, c_get_initial_report, c_get_jet, c_get_jump, c_get_mode, &
     c_get_multibody_report, c_get_num_decisions, c_get_num_passages, c_get_parameter, &
     c_get_passage, c_get_passage_values, c_get_poles, c_get_projectors, c_get_projectors_at, &
@@ -695,6 +695,18 @@ module sfdae_c
       real(c_double), intent(inout) :: w(*)
       integer(c_int) :: c_get_extended_system
     end function c_get_extended_system
+
+    function c_get_gradient(solver, num_times, t, num_functionals, weights, gradient) &
+      bind(c, name="sfdae_get_gradient")
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: solver
+      integer(c_int), value :: num_times
+      real(c_double), intent(in) :: t(*)
+      integer(c_int), value :: num_functionals
+      real(c_double), intent(in) :: weights(*)
+      real(c_double), intent(inout) :: gradient(*)
+      integer(c_int) :: c_get_gradient
+    end function c_get_gradient
 
     function c_get_hybrid_checkpoint_length(hybrid, length) &
       bind(c, name="sfdae_get_hybrid_checkpoint_length")

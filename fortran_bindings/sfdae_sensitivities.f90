@@ -27,6 +27,8 @@ module sfdae_sensitivities
     logical :: error_test = .false.
     !> Typical sizes of the parameters, for the error test; or none, for 1.
     real(c_double), allocatable :: scales(:)
+    !> Steps are kept for get_gradient instead.
+    logical :: adjoint = .false.
   end type dae_sensitivities
 
 contains
@@ -65,6 +67,7 @@ contains
     status = c_sensitivity_options_init(options, c_sizeof(options))
     if (status /= sfdae_ok) return
     options%error_test = flag(wanted%error_test)
+    options%adjoint = flag(wanted%adjoint)
     if (count > 0 .and. allocated(wanted%scales)) options%scales = c_loc(wanted%scales)
     status = c_set_sensitivities(handle, count, addresses, directions, options)
   end subroutine set_sensitivities_in_c

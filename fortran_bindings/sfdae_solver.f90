@@ -11,7 +11,7 @@ module sfdae_solver
     c_get_characteristics, c_get_checkpoint_length, c_get_decision, c_get_derivative_array, &
     c_get_derivative_array_at, c_get_event_sensitivities, c_get_events, c_get_extended_system, &
     c_get_initial_report, c_get_jet, c_get_jump, c_get_multibody_report, c_get_num_decisions, &
-    c_get_parameter, c_get_projectors, c_get_projectors_at, c_get_sensitivities, &
+    c_get_gradient, c_get_parameter, c_get_projectors, c_get_projectors_at, c_get_sensitivities, &
     c_get_sensitivity_statistics, c_get_singular_point, c_get_statistics, c_get_strangeness_free, &
     c_get_strangeness_free_at, c_get_structure, c_impact, c_initial_report_init, c_interpolate, &
     c_jump, c_make_consistent, c_message, c_multibody_report_init, c_pass_singular_points, &
@@ -94,6 +94,7 @@ module sfdae_solver
     procedure :: interpolate => solver_interpolate
     procedure :: set_sensitivities => solver_set_sensitivities
     procedure :: get_sensitivities => solver_get_sensitivities
+    procedure :: get_gradient => solver_get_gradient
     procedure :: get_event_sensitivities => solver_get_event_sensitivities
     procedure :: get_sensitivity_statistics => solver_get_sensitivity_statistics
     procedure :: get_statistics => solver_get_statistics
@@ -902,6 +903,33 @@ contains
     end if
     if (status == sfdae_ok) status = c_get_sensitivities(self%handle, t, s, sdot_address)
   end subroutine solver_get_sensitivities
+
+  !> Gradients of functionals, with dae_sensitivities%adjoint: sum over k of S(t(k))^T w_k, one column for each functional.
+  recursive subroutine solver_get_gradient(self, t, weights, gradient, status)
+    class(dae_solver), intent(inout) :: self
+    !> Points in time: the start, or where advance has gone to.
+    real(c_double), contiguous, intent(in) :: t(:)
+    !> n rows; a column for each point in time, for one functional after the other.
+    real(c_double), contiguous, intent(in) :: weights(:, :)
+    !> The number of parameters x that of functionals.
+    real(c_double), contiguous, intent(inout) :: gradient(:, :)
+    !> sfdae_not_started without the adjoint.
+    integer(c_int), intent(out) :: status
+    integer(c_int) :: points, functionals
+
+    points = size(t, kind=c_int)
+    functionals = size(gradient, 2, c_int)
+    call check_call(self, status)
+    call check_entries(self, "a column of weights", size(weights, 1, c_int), status)
+    call check_parameters(self, "a column of gradient", size(gradient, 1, c_int), status)
+    if (status == sfdae_ok .and. size(weights, 2, c_int) /= points * functionals) then
+      call compare_size("a row of weights", size(weights, 2, c_int), points * functionals, &
+        self%complaint, "number of points times that of functionals")
+      status = sfdae_illegal_argument
+    end if
+    if (status == sfdae_ok) &
+      status = c_get_gradient(self%handle, points, t, functionals, weights, gradient)
+  end subroutine solver_get_gradient
 
   !> dt_e/dp of an event g(t, x, p) = 0 at t, where advance has returned sfdae_event.
   recursive subroutine solver_get_event_sensitivities(self, t, g_t, g_x, dt, status, g_p)

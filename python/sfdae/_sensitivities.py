@@ -23,6 +23,7 @@ class Sensitivities(Inspection):
         directions: Any = None,
         error_test: bool = False,
         scales: Any = None,
+        adjoint: bool = False,
     ) -> None:
         """Asks for derivatives of the solution from the next start() on.
 
@@ -38,6 +39,8 @@ class Sensitivities(Inspection):
             Whether steps are chosen for them as well, with the method ``"bdf"``.
         scales : array_like, optional
             p typical sizes of the parameters, for the error test; by default 1.
+        adjoint : bool
+            Steps are kept for gradient() instead: for many parameters and few functionals.
         """
         names = list(names)
         n, count = self.problem.num_unknowns, len(names)
@@ -52,6 +55,7 @@ class Sensitivities(Inspection):
                 c_names[j] = ffi.new("char[]", str(name).encode())
         options = prepared("sensitivity_options")
         options.error_test = int(bool(error_test))
+        options.adjoint = int(bool(adjoint))
         sizes = None
         if scales is not None:
             sizes = np.ascontiguousarray(np.reshape(np.array(scales, dtype=float), count))
@@ -78,6 +82,46 @@ class Sensitivities(Inspection):
             ffi.NULL if Sdot is None else self._pointer(Sdot),
         )
         return S.T, None if Sdot is None else Sdot.T
+
+    def gradient(self, t: Any, weights: Any) -> np.ndarray:
+        """Gradients of functionals by the adjoint: sum_k S(t_k)^T w_k, for set_sensitivities(..., adjoint=True).
+
+        Parameters
+        ----------
+        t : array_like
+            K points in time, in any order: the start, or where advance() has gone to.
+        weights : array_like
+            n x K derivatives of a functional by x(t_k); or f x n x K for f functionals.
+
+        Returns
+        -------
+        ndarray
+            p numbers, or f x p.
+        """
+        n, count = self.problem.num_unknowns, self._num_sensitivities
+        times = np.ascontiguousarray(np.atleast_1d(np.array(t, dtype=float)))
+        given = np.array(weights, dtype=float)
+        if given.ndim == 1 and len(times) == 1:
+            given = given[:, np.newaxis]
+        one = given.ndim == 2
+        if one:
+            given = given[np.newaxis]
+        if given.ndim != 3 or given.shape[1:] != (n, len(times)):
+            raise ValueError(
+                f"weights has the shape {np.shape(weights)}; it must be ({n}, {len(times)}), or a number "
+                "of functionals before that"
+            )
+        columns = np.ascontiguousarray(np.swapaxes(given, 1, 2))
+        result = np.zeros((len(columns), max(count, 1)))
+        self._call(
+            lib.sfdae_get_gradient,
+            len(times),
+            self._pointer(times),
+            len(columns),
+            self._pointer(columns),
+            self._pointer(result),
+        )
+        return result[0, :count] if one else result[:, :count]
 
     def event_sensitivities(self, t: float, g_t: float, g_x: Any, g_p: Any = None) -> np.ndarray:
         """dt_e/dp of an event g(t, x, p) = 0 at t, from the partial derivatives of g."""

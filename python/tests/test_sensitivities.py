@@ -73,3 +73,27 @@ def test_step_by_step():
 def test_mistakes_are_named():
     with pytest.raises(sfdae.Error, match="no parameter \"q\""):
         sfdae.solve(oscillator, (0, 1), [1, 0, 0], sensitivities=["q"])
+
+
+def test_gradients_by_the_adjoint():
+    solver = sfdae.Solver(sfdae.NonlinearProblem(oscillator, 3, names=NAMES), **TIGHT)
+    solver.set_sensitivities(["p", "a"], adjoint=True)
+    solver.start(0, [1, 0, 0], 2)
+    z = [solver.advance(t).x[2] for t in (0.5, 2.0)]
+    weights = np.zeros((2, 3, 2))
+    weights[0] = [[1, 1], [0, 0], [0, 3]]  # x1(0.5) + x1(2) + 3 z(2)
+    weights[1, 0, 0] = -1  # -x1(0.5)
+    gradient = solver.gradient([0.5, 2.0], weights)
+    assert gradient.shape == (2, 2)
+    slope = 2 / (3 * z[1] ** 2 + 1)
+    assert gradient[0] == pytest.approx(exact(0.5) + (1 + 3 * slope) * exact(2.0), abs=1e-5)
+    assert gradient[1] == pytest.approx(-exact(0.5), abs=1e-6)
+    assert solver.gradient([0.5, 2.0], weights[0]) == pytest.approx(gradient[0])
+    assert solver.gradient(2.0, [1, 0, 0]) == pytest.approx(exact(2.0), abs=1e-6)
+    assert solver.sensitivity_statistics.kept_steps > 10
+    with pytest.raises(ValueError, match="shape"):
+        solver.gradient([0.5, 2.0], [1, 0, 0])
+    with pytest.raises(sfdae.Error, match="0.7"):
+        solver.gradient(0.7, [1, 0, 0])
+    with pytest.raises(sfdae.Error, match="sensitivities"):
+        solver.sensitivities(2.0)

@@ -282,7 +282,81 @@ static void fixed_values_that_cannot_follow_are_named(void) {
   CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
 }
 
+/* Functionals of x at 0.5 and 2: x1 + 3 z, and z(2). x1 = cos p t, S of p and of a start value x1(0) as above. */
+static void gradients_are_those_of_the_formulas(int method) {
+  const sfdae_options options = options_with(1e-9, method);
+  sfdae_solver* solver = solver_of(oscillator, N, N, &options);
+  sfdae_sensitivity_options how;
+  sfdae_sensitivity_statistics statistics;
+  const double times[2] = {2, 0.5}, weights[2 * 2 * N] = {1, 0, 3, 1, 0, 3, 0, 0, 1, 0, 0, 0};
+  double x[N] = {1, 0, 0}, gradient[2 * COUNT], z[2], t, slope;
+  int k;
+  CHECK_STATUS(sfdae_sensitivity_options_init(&how, sizeof how), SFDAE_OK);
+  how.adjoint = 1;
+  CHECK_STATUS(sfdae_set_sensitivities(solver, COUNT, names, directions, &how), SFDAE_OK);
+  CHECK_STATUS(sfdae_start(solver, 0, 2, x, NULL), SFDAE_OK);
+  for (k = 1; k >= 0; k--) {
+    CHECK_STATUS(sfdae_advance(solver, times[k], &t, x, NULL), SFDAE_OK);
+    z[k] = x[2];
+  }
+  CHECK_STATUS(sfdae_get_gradient(solver, 2, times, 2, weights, gradient), SFDAE_OK);
+  for (k = 0, slope = 0; k < 2; k++) slope -= times[k] * sin(p * times[k]) * (1 + 6 / (3 * z[k] * z[k] + 1));
+  CHECK(fabs(gradient[0] - slope) < 1e-5);
+  for (k = 0, slope = 0; k < 2; k++) slope += cos(p * times[k]) * (1 + 6 / (3 * z[k] * z[k] + 1));
+  CHECK(fabs(gradient[1] - slope) < 1e-5);
+  CHECK(fabs(gradient[2] + 2 * sin(2 * p) * 2 / (3 * z[0] * z[0] + 1)) < 1e-5);
+  CHECK(fabs(gradient[3] - cos(2 * p) * 2 / (3 * z[0] * z[0] + 1)) < 1e-5);
+  CHECK_STATUS(sfdae_sensitivity_statistics_init(&statistics, sizeof statistics), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_sensitivity_statistics(solver, &statistics), SFDAE_OK);
+  CHECK(statistics.count == COUNT && statistics.kept_steps > 10 && statistics.kept_bytes > 1000);
+  CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
+}
+
+static void mistakes_of_gradients_are_named(void) {
+  const sfdae_options options = options_with(1e-6, SFDAE_METHOD_BDF);
+  sfdae_solver* solver = solver_of(oscillator, N, N, &options);
+  sfdae_sensitivity_options how;
+  const double times[2] = {1, 0.25}, nothing[N] = {0};
+  double weights[2 * N] = {0}, x[N] = {1, 0, 0}, gradient[COUNT], S[N * COUNT], t, checkpoint[1];
+  gradient[0] = S[0] = unset;
+  CHECK_STATUS(sfdae_sensitivity_options_init(&how, sizeof how), SFDAE_OK);
+  CHECK(how.adjoint == 0);
+  how.adjoint = 2;
+  REFUSED(sfdae_set_sensitivities(solver, COUNT, names, directions, &how));
+  how.adjoint = how.error_test = 1;
+  REFUSED(sfdae_set_sensitivities(solver, COUNT, names, directions, &how));
+  how.error_test = 0;
+  CHECK_STATUS(sfdae_set_sensitivities(solver, COUNT, names, directions, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_gradient(solver, 1, times, 1, nothing, gradient), SFDAE_NOT_STARTED);
+  CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_gradient(solver, 1, times, 1, nothing, gradient), SFDAE_NOT_STARTED);
+  CHECK_STATUS(sfdae_set_sensitivities(solver, COUNT, names, directions, &how), SFDAE_OK);
+  CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance(solver, 1, &t, x, NULL), SFDAE_OK);
+  REFUSED(sfdae_get_gradient(solver, 2, times, 1, weights, gradient)); /* no step ends at 0.25 */
+  CHECK(strstr(sfdae_message(solver), "0.25") != NULL);
+  REFUSED(sfdae_get_gradient(solver, 0, times, 1, weights, gradient));
+  REFUSED(sfdae_get_gradient(solver, 1, times, 0, weights, gradient));
+  REFUSED(sfdae_get_gradient(solver, 1, NULL, 1, weights, gradient));
+  REFUSED(sfdae_get_gradient(solver, 1, times, 1, NULL, gradient));
+  REFUSED(sfdae_get_gradient(solver, 1, times, 1, weights, NULL));
+  weights[1] = NAN;
+  REFUSED(sfdae_get_gradient(solver, 1, times, 1, weights, gradient));
+  weights[1] = 1e308;
+  weights[0] = 1e308;
+  CHECK_STATUS(sfdae_get_sensitivities(solver, 1, S, NULL), SFDAE_NOT_STARTED);
+  REFUSED(sfdae_save_checkpoint(solver, checkpoint, 1));
+  CHECK(gradient[0] == unset && S[0] == unset);
+  CHECK_STATUS(sfdae_get_gradient(NULL, 1, times, 1, nothing, gradient), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK_STATUS(sfdae_get_gradient(solver, 1, times, 1, nothing, gradient), SFDAE_OK);
+  CHECK(gradient[0] == 0 && gradient[1] == 0);
+  CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
+}
+
 int main(void) {
+  gradients_are_those_of_the_formulas(SFDAE_METHOD_BDF);
+  gradients_are_those_of_the_formulas(SFDAE_METHOD_RADAU);
+  mistakes_of_gradients_are_named();
   values_are_those_of_the_formulas(SFDAE_METHOD_BDF);
   values_are_those_of_the_formulas(SFDAE_METHOD_RADAU);
   values_are_those_of_the_formulas(SFDAE_METHOD_AUTOMATIC);

@@ -65,6 +65,7 @@ program sensitivities_test
   type(dae_sensitivities) :: wanted
   type(sfdae_sensitivity_statistics) :: statistics
   real(dp) :: x(3), s(3, 3), sdot(3, 3), wrong(3, 2), dt(3), t, slope
+  real(dp) :: gradient(3, 2)
   integer(c_int) :: status
 
   problem%num_equations = 3
@@ -123,6 +124,28 @@ program sensitivities_test
   wanted%scales = [1.0_dp]
   call solver%set_sensitivities(wanted, status)
   call check(status == sfdae_illegal_argument, "too few scales")
+
+  ! The gradient of x1 + z at 0.7 and of x1 at 0.
+  deallocate (wanted%scales)
+  wanted%adjoint = .true.
+  call solver%set_sensitivities(wanted, status)
+  call check(status == sfdae_ok, "set_sensitivities with the adjoint")
+  x = [1, 0, 0]
+  call solver%start(0.0_dp, 3.0_dp, x, status)
+  call solver%advance(0.7_dp, t, x, status)
+  slope = 1 / (3 * x(3)**2 + 1)
+  call solver%get_gradient([0.0_dp, t], reshape([real(dp) :: 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 0, 0], &
+    [3, 4]), gradient, status)
+  call check(status == sfdae_ok, "get_gradient")
+  call check(near(gradient(1, 1), -(1 + c * slope) * t * sin(p * t), 1.0e-6_dp), "by p")
+  call check(near(gradient(2, 1), slope * cos(p * t), 1.0e-6_dp), "by c")
+  call check(near(gradient(3, 2), 1.0_dp, 1.0e-12_dp), "by the start value")
+  call solver%get_sensitivity_statistics(statistics, status)
+  call check(status == sfdae_ok .and. statistics%kept_steps > 0, "steps kept")
+  call solver%get_gradient([0.7_dp], reshape([real(dp) :: 1, 0, 0], [3, 1]), gradient, status)
+  call check(status == sfdae_illegal_argument, "too few weights")
+  call solver%get_gradient([0.3_dp], reshape([real(dp) :: 1, 0, 0], [3, 1]), gradient(:, 1:1), status)
+  call check(status == sfdae_illegal_argument, "no step ends there")
 
   call solver%set_sensitivities(dae_sensitivities(), status)
   call check(status == sfdae_ok, "none any more")
