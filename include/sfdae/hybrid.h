@@ -80,6 +80,35 @@ SFDAE_API int sfdae_transition_init(sfdae_transition* transition, size_t size);
  * under way ends. SFDAE_ILLEGAL_ARGUMENT names what is wrong: a mode that there is not, a function that is missing. */
 SFDAE_API int sfdae_add_transition(sfdae_hybrid* hybrid, const sfdae_transition* transition, int* number);
 
+/* ---- Sliding --------------------------------------------------------------------------------- */
+
+/** Adds a switch: mode `below` holds where g(t, x) < 0, mode `above` where g > 0. Where both lead toward the surface g = 0 the
+ * system moves along it, in a mode that is added here, until one of them leads away again [Filippov 1988].
+ *
+ * Along the surface those equations that the modes have in common hold as they are, the others F_below, F_above as
+ * (1 - s) F_below + s F_above = 0, and g = 0: one unknown more, s, from 0 to 1, the part of the mode above, which stays
+ * inside. The index is higher by one as a rule. Equations that differ contain x' with the same factors in both modes; those
+ * without x', an unknown with the same factor. What else is in them may be anything: friction that depends on the normal
+ * force, say.
+ *
+ * At g = 0 the rate of g is looked at in both modes. Where the other mode leads on, or its values are beyond the surface by a
+ * jump, it is entered as by a condition. Sliding is left where s is clearly outside of 0 ... 1. Where the modes lead away from the surface to
+ * both sides, nothing says where to go: sfdae_start_hybrid in the sliding mode refuses that (SFDAE_NO_CONSISTENT_VALUES).
+ *
+ * below, above: modes with recorded equations (any of the create functions), nothing prescribed, no sliding modes.
+ * surface: writes g as residual[0]; it contains t and x, no x'; called once. Its parameters have the values that the mode
+ *   below gives to those of the same name, or the mode above, else their own. user is handed to it.
+ * name: of the sliding mode, as that of sfdae_add_mode. *mode (may be NULL): its number.
+ *
+ * The sliding mode has the options of the solver of `below` and the breakpoints of both, as they are when it is entered, and
+ * the values that parameters have then; its s has the smallest rtol as rtol and atol. After sfdae_set_parameter while it
+ * slides, start again. The switch is four transitions, in this order: out of `below`, out of `above`, from sliding to
+ * `below`, to `above`. Other transitions out of the two modes, those of other switches included, also lead out of the
+ * sliding mode; there may be more of them. Motion along two surfaces at once is not there: it ends with SFDAE_ZENO.
+ * SFDAE_ILLEGAL_ARGUMENT names what cannot be combined. An integration under way ends. */
+SFDAE_API int sfdae_add_switch(sfdae_hybrid* hybrid, int below, int above, sfdae_equations_function surface,
+                               void* user, const char* name, int* mode);
+
 /* ---- Integration ----------------------------------------------------------------------------- */
 
 /** Starts at (t, x) in a mode: sfdae_start of its solver, with the same x, xdot, warnings and failures. If a condition of

@@ -24,17 +24,11 @@ std::string sfdae_hybrid::name_of(int mode) const {
 }
 
 bool sfdae_hybrid::is_running() const {
-  return run.mode >= 0 && run.integration != nullptr && mode().solver->integration.get() == run.integration;
+  return run.mode >= 0 && run.integration != nullptr && mode().solver->integration.get() == run.integration &&
+         !(mode().surface != nullptr && mode().surface->is_outdated());
 }
 
-namespace {
-
-sfdae_transition default_transition() {
-  sfdae_transition transition{};
-  transition.size = sizeof transition;
-  transition.kind = SFDAE_TRANSITION_CONDITION;
-  return transition;
-}
+namespace sfdae::core {
 
 CallResult check_mode(const sfdae_hybrid& hybrid, const char* name, int mode) {
   const int count = static_cast<int>(hybrid.modes.size());
@@ -43,6 +37,24 @@ CallResult check_mode(const sfdae_hybrid& hybrid, const char* name, int mode) {
   if (mode < 0 || mode >= count)
     return illegal_argument(format("%s = %d; there are the modes 0 ... %d.", name, mode, count - 1));
   return {};
+}
+
+CallResult check_name(const sfdae_hybrid& hybrid, const char* name) {
+  for (std::size_t k = 0; k < hybrid.modes.size() && name != nullptr && *name != '\0'; ++k)
+    if (hybrid.modes[k].name == name)
+      return illegal_argument(format("mode %zu has the name \"%.60s\" already.", k, name));
+  return {};
+}
+
+}  // namespace sfdae::core
+
+namespace {
+
+sfdae_transition default_transition() {
+  sfdae_transition transition{};
+  transition.size = sizeof transition;
+  transition.kind = SFDAE_TRANSITION_CONDITION;
+  return transition;
 }
 
 CallResult check_new_mode(const sfdae_hybrid& hybrid, const sfdae_solver* solver, const char* name) {
@@ -54,10 +66,7 @@ CallResult check_new_mode(const sfdae_hybrid& hybrid, const sfdae_solver* solver
   if (!hybrid.modes.empty() && solver->model.n() != hybrid.n())
     return illegal_argument(
         format("the solver has %d unknowns, but those of the other modes have %d.", solver->model.n(), hybrid.n()));
-  for (std::size_t k = 0; k < hybrid.modes.size() && name != nullptr && *name != '\0'; ++k)
-    if (hybrid.modes[k].name == name)
-      return illegal_argument(format("mode %zu has the name \"%.60s\" already.", k, name));
-  return {};
+  return check_name(hybrid, name);
 }
 
 CallResult check_transition(const sfdae_hybrid& hybrid, const sfdae_transition& transition) {
@@ -101,8 +110,8 @@ int advance(sfdae_hybrid* hybrid, double tout, bool stops, double* t, double* x,
     const CallResult result = advance_run(*hybrid, tout, stops, xdot != nullptr);
     if (result.status == SFDAE_ILLEGAL_ARGUMENT) return result;
     *t = run.t;
-    std::copy(run.x.begin(), run.x.end(), x);
-    if (xdot != nullptr) std::copy(run.xdot.begin(), run.xdot.end(), xdot);
+    std::copy_n(run.x.begin(), hybrid->n(), x);
+    if (xdot != nullptr) std::copy_n(run.xdot.begin(), hybrid->n(), xdot);
     return result;
   });
 }
@@ -137,7 +146,8 @@ int sfdae_add_mode(sfdae_hybrid* hybrid, sfdae_solver* solver, const char* name,
   return guarded(hybrid, [&]() -> CallResult {
     const CallResult checked = check_new_mode(*hybrid, solver, name);
     if (checked.status != SFDAE_OK) return checked;
-    hybrid->modes.push_back({solver, name != nullptr ? name : "", {}, {}, false, &hybrid->transitions, {}, 0});
+    hybrid->modes.push_back(
+        {solver, name != nullptr ? name : "", {}, {}, false, &hybrid->transitions, {}, 0, nullptr});
     solver->is_mode = true;
     hybrid->run.mode = -1;
     if (mode != nullptr) *mode = static_cast<int>(hybrid->modes.size()) - 1;
@@ -152,16 +162,11 @@ int sfdae_add_transition(sfdae_hybrid* hybrid, const sfdae_transition* transitio
     const sfdae_transition given = read_struct(*transition, default_transition());
     const CallResult checked = check_transition(*hybrid, given);
     if (checked.status != SFDAE_OK) return checked;
-    HybridMode& from = hybrid->modes[index(given.from)];
-    std::vector<int>& kind = given.kind == SFDAE_TRANSITION_TIME ? from.timed : from.watched;
-    kind.reserve(kind.size() + 1);
-    hybrid->transitions.push_back({given, {}, 0.0});
+    hybrid->transitions.push_back({given, {}, 0.0, nullptr});
     // Nothing fails from here on.
-    kind.push_back(static_cast<int>(hybrid->transitions.size()) - 1);
-    from.has_guards = from.has_guards || given.guard != nullptr;
     hybrid->events_are_set = false;
     hybrid->run.mode = -1;
-    if (number != nullptr) *number = kind.back();
+    if (number != nullptr) *number = static_cast<int>(hybrid->transitions.size()) - 1;
     return {};
   });
 }
@@ -174,8 +179,8 @@ int sfdae_start_hybrid(sfdae_hybrid* hybrid, int mode, double t, double toward, 
     CallResult result = start_run(*hybrid, mode, point);
     if (result.status < 0 && result.status != SFDAE_ZENO) return result;
     const HybridRun& run = hybrid->run;
-    std::copy(run.x.begin(), run.x.end(), x);
-    if (xdot != nullptr) std::copy(run.xdot.begin(), run.xdot.end(), xdot);
+    std::copy_n(run.x.begin(), hybrid->n(), x);
+    if (xdot != nullptr) std::copy_n(run.xdot.begin(), hybrid->n(), xdot);
     return result;
   });
 }

@@ -4,11 +4,13 @@
 
 #include <atomic>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "c_api/sliding.h"
 #include "c_api/solver.h"
 #include "integrate/solution_pieces.h"
 #include "sfdae/hybrid.h"
@@ -28,20 +30,23 @@ struct HybridTransition {
   std::vector<double> passages;  // the times of the last ones, at most `remembered`
   // What the function changes by if x moves by its tolerances: no condition counts below that.
   double margin = 0.0;
+  Switch* surface = nullptr;  // of whose four transitions it is one
 };
 
 struct HybridMode {
   sfdae_solver* solver;
   std::string name;
-  std::vector<int> watched;  // transitions that are events of the solver, in their order
+  // Set before a start. Transitions out of the mode, or of one between which it slides, in their order:
+  std::vector<int> watched;  // events of the solver
   std::vector<int> timed;
-  bool has_guards = false;
+  bool needs_slopes = false;  // for guards, or the rates of surfaces
   const std::deque<HybridTransition>* transitions;
   VisitCounts left;  // of all visits that have ended
   int num_analyses = 0;
+  Switch* surface = nullptr;  // along which this mode slides, with one more unknown; the solver is the switch's
 };
 
-// A run across modes. t, x, xdot: the point reached.
+// A run across modes. t, x, xdot: the point reached, with the part of the mode above in the end where there are switches.
 struct HybridRun {
   int mode = -1;
   double start = 0.0, toward = 0.0, entered = 0.0;
@@ -64,6 +69,8 @@ struct HybridRun {
 struct sfdae_hybrid {
   ~sfdae_hybrid();
   int n() const { return modes.empty() ? 0 : modes.front().solver->model.n(); }
+  // Of x in the run.
+  int width() const { return n() + (switches.empty() ? 0 : 1); }
   // "mode 1 (open)"
   std::string name_of(int mode) const;
   bool is_running() const;
@@ -71,6 +78,7 @@ struct sfdae_hybrid {
 
   std::deque<sfdae::core::HybridMode> modes;  // deques: events point into them
   std::deque<sfdae::core::HybridTransition> transitions;
+  std::vector<std::unique_ptr<sfdae::core::Switch>> switches;
   bool events_are_set = false;
   std::weak_ptr<sfdae::core::SolutionPieces> solution;
   sfdae::core::HybridRun run;
@@ -104,12 +112,28 @@ int guarded(sfdae_hybrid* hybrid, Body body) noexcept {
 
 inline CallResult no_run() { return {SFDAE_NOT_STARTED, "call sfdae_start_hybrid first."}; }
 
+CallResult check_mode(const sfdae_hybrid& hybrid, const char* name, int mode);
+CallResult check_name(const sfdae_hybrid& hybrid, const char* name);
 // Events of all solvers, where transitions have been added.
 CallResult set_transition_events(sfdae_hybrid& hybrid);
+CallResult set_events_of(sfdae_hybrid& hybrid, int mode);
 CallResult start_run(sfdae_hybrid& hybrid, int mode, const PointOfInterest& point);
+// Calls a solver, and once more after a new analysis if the one that it had does not hold at the point of the run.
+CallResult with_analysis(sfdae_hybrid& hybrid, int to, const double* x,
+                         const std::function<int(sfdae_solver*)>& call);
+// Where a switch leads to: `to`, or along the surface if that mode leads back.
+CallResult choose_mode(sfdae_hybrid& hybrid, const HybridTransition& transition, int& to);
+// Before a start in a sliding mode: the part of the mode above. Fails where the surface does not attract.
+CallResult prepare_sliding(sfdae_hybrid& hybrid, int mode);
+// Surfaces and sliding modes for the values that parameters have now.
+CallResult update_switches(sfdae_hybrid& hybrid);
+// Before a mode is entered: if it slides, with the options of its modes.
+void take_options_of_modes(sfdae_hybrid& hybrid, int mode);
 CallResult advance_run(sfdae_hybrid& hybrid, double tout, bool stops_at_transition, bool wants_slopes);
 // The failure that a function of the user's returned.
 CallResult of_callback(const char* what, const HybridRun& run, int returned);
+// As messages call it.
+const char* name_of_function(const sfdae_transition& given);
 // Toward the end of the run, or beside t once that is passed.
 double toward_from(const HybridRun& run);
 // How much the function of a transition changes when x moves by its tolerances, or t by some roundings.

@@ -23,7 +23,7 @@ constexpr double short_visit = 10.0;  // tolerances that x moves by
 // x moved by its tolerances, or part of them, in directions at random.
 std::vector<double> moved(const std::vector<double>& x, const Tolerances& tolerances, std::minstd_rand& random) {
   std::vector<double> result(x);
-  for (std::size_t i = 0; i < x.size(); ++i)
+  for (std::size_t i = 0; i < tolerances.rtol.size(); ++i)
     result[i] += symmetric_random(random) * (tolerances.rtol[i] * std::fabs(x[i]) + tolerances.atol[i]);
   return result;
 }
@@ -31,7 +31,7 @@ std::vector<double> moved(const std::vector<double>& x, const Tolerances& tolera
 // The time in which the first component moves by its tolerance.
 double time_to_move(const HybridRun& run, const Tolerances& tolerances) {
   double time = std::fabs(toward_from(run) - run.t);
-  for (std::size_t i = 0; i < run.x.size(); ++i) {
+  for (std::size_t i = 0; i < tolerances.rtol.size(); ++i) {
     const double tolerance = tolerances.rtol[i] * std::fabs(run.x[i]) + tolerances.atol[i];
     if (std::fabs(run.xdot[i]) * time > tolerance) time = tolerance / std::fabs(run.xdot[i]);
   }
@@ -67,7 +67,7 @@ CallResult is_at_rest(const sfdae_hybrid& hybrid, const HybridTransition& transi
   double here = 0.0, there = 0.0, margin = 0.0;
   int returned = given.function(run.t, run.x.data(), run.xdot.data(), &here, given.user);
   if (returned == 0) returned = given.function(run.t + part, x.data(), run.xdot.data(), &there, given.user);
-  if (returned != 0) return of_callback("function", run, returned);
+  if (returned != 0) return of_callback(name_of_function(given), run, returned);
   CallResult result = find_margin(hybrid, given, margin);
   at_rest = std::fabs(there - here) <= tolerances_left * margin;
   return result;
@@ -78,6 +78,12 @@ CallResult is_at_rest(const sfdae_hybrid& hybrid, const HybridTransition& transi
 CallResult of_callback(const char* what, const HybridRun& run, int returned) {
   return {returned < 0 ? SFDAE_CALLBACK_STOPPED : SFDAE_CALLBACK_FAILED,
           format("%s returned %d at t = %.10g.", what, returned, run.t)};
+}
+
+const char* name_of_function(const sfdae_transition& given) {
+  for (int k = 0; k < 4; ++k)
+    if (given.function == Switch::condition(k)) return "the surface of a switch, which is not defined there,";
+  return "function";
 }
 
 double toward_from(const HybridRun& run) {
@@ -99,7 +105,7 @@ CallResult find_margin(const sfdae_hybrid& hybrid, const sfdae_transition& given
     returned = given.function(k == 0 ? run.t + beside : run.t, x.data(), run.xdot.data(), &there, given.user);
     if (std::isfinite(there)) margin = std::max(margin, std::fabs(there - here));
   }
-  return returned != 0 ? of_callback("function", run, returned) : CallResult{};
+  return returned != 0 ? of_callback(name_of_function(given), run, returned) : CallResult{};
 }
 
 double time_of_short_visit(const HybridRun& run, const Tolerances& tolerances) {
@@ -142,7 +148,7 @@ CallResult check_accumulation(sfdae_hybrid& hybrid, const HybridTransition& last
       SFDAE_ZENO,
       format(
           "%ld transitions from t = %.10g to %.10g, the last one from %s to %s: each leads back at once. Where modes "
-          "lead toward a surface from both sides, the motion along it needs a mode of its own.",
+          "lead toward a surface from both sides, sfdae_add_switch adds the mode of the motion along it.",
           run.short_visits, run.first_short, run.t, from.c_str(), to.c_str())};
 }
 

@@ -79,7 +79,7 @@ void archive_state(Archive& archive, HybridState& state, std::size_t n) {
 std::size_t own_size(const sfdae_hybrid& hybrid) {
   HybridState state = state_of(hybrid);
   Archive counter = Archive::counter();
-  archive_state(counter, state, index(hybrid.n()));
+  archive_state(counter, state, index(hybrid.width()));
   return counter.size();
 }
 
@@ -92,7 +92,7 @@ HybridState read_state(const sfdae_hybrid& hybrid, const double* checkpoint, std
   HybridState state = state_of(hybrid);
   state.run = {};
   Archive archive = Archive::reader(checkpoint, length);
-  archive_state(archive, state, index(hybrid.n()));
+  archive_state(archive, state, index(hybrid.width()));
   if (state.run.mode < 0 || state.run.mode >= static_cast<int>(hybrid.modes.size())) throw DamagedArchive();
   own = archive.size();
   return state;
@@ -101,9 +101,11 @@ HybridState read_state(const sfdae_hybrid& hybrid, const double* checkpoint, std
 CallResult restore(sfdae_hybrid& hybrid, const double* checkpoint, std::size_t length) {
   std::size_t own = 0;
   HybridState state = read_state(hybrid, checkpoint, length, own);
-  CallResult set = set_transition_events(hybrid);
-  if (set.status < 0) return set;
   const int mode = state.run.mode;
+  CallResult set = update_switches(hybrid);
+  take_options_of_modes(hybrid, mode);
+  if (set.status >= 0) set = set_transition_events(hybrid);
+  if (set.status < 0) return set;
   sfdae_solver* solver = hybrid.modes[index(mode)].solver;
   const int status = sfdae_restore_checkpoint(solver, checkpoint + own, length - own);
   if (status < 0) return of_solver(hybrid, mode, status);
@@ -145,7 +147,7 @@ int sfdae_save_hybrid_checkpoint(sfdae_hybrid* hybrid, double* checkpoint, size_
     if (status < 0) return of_solver(*hybrid, hybrid->run.mode, status);
     HybridState state = state_of(*hybrid);
     Archive archive = Archive::writer(checkpoint, own);
-    archive_state(archive, state, index(hybrid->n()));
+    archive_state(archive, state, index(hybrid->width()));
     return {};
   });
 }

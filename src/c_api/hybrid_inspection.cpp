@@ -144,9 +144,9 @@ int sfdae_get_passage_values(const sfdae_hybrid* hybrid, double* before, double*
   return query(hybrid, [&]() -> CallResult {
     const HybridRun& run = hybrid->run;
     if (run.passages.empty()) return {SFDAE_NOT_STARTED, "there was no transition since the start."};
-    if (before != nullptr) std::copy(run.before.begin(), run.before.end(), before);
-    if (after != nullptr) std::copy(run.after.begin(), run.after.end(), after);
-    if (impulse != nullptr) std::copy(run.impulse.begin(), run.impulse.end(), impulse);
+    if (before != nullptr) std::copy_n(run.before.begin(), hybrid->n(), before);
+    if (after != nullptr) std::copy_n(run.after.begin(), hybrid->n(), after);
+    if (impulse != nullptr) std::copy_n(run.impulse.begin(), hybrid->n(), impulse);
     return {};
   });
 }

@@ -22,33 +22,20 @@ void keep_warning(HybridRun& run, CallResult result) {
   if (result.status > 0 && run.warning.status == SFDAE_OK) run.warning = std::move(result);
 }
 
-// The transitions of a mode that are events of its solver, in their order.
+// The transitions of a mode that are events of its solver, in their order; then, of those of switches, which happen where
+// their function is 0, what is left to be noticed where a mode begins closely beyond that.
 int evaluate_watched(double t, const double* x, const double* xdot, double* g, void* user) {
   const HybridMode& mode = *static_cast<const HybridMode*>(user);
+  std::size_t next = mode.watched.size();
   for (std::size_t i = 0; i < mode.watched.size(); ++i) {
-    const sfdae_transition& given = (*mode.transitions)[index(mode.watched[i])].given;
+    const HybridTransition& transition = (*mode.transitions)[index(mode.watched[i])];
+    const sfdae_transition& given = transition.given;
     const int returned = given.function(t, x, xdot, g + i, given.user);
     if (returned != 0) return returned;
-    if (given.kind == SFDAE_TRANSITION_CONDITION) g[i] -= (*mode.transitions)[index(mode.watched[i])].margin;
+    if (transition.surface != nullptr) g[next++] = g[i] - transition.margin;
+    else if (given.kind == SFDAE_TRANSITION_CONDITION) g[i] -= transition.margin;
   }
   return 0;
-}
-
-// Calls a solver, and once more after a new analysis if the one that it had does not hold here.
-template <class Call>
-CallResult with_analysis(sfdae_hybrid& hybrid, int to, const double* x, Call call) {
-  HybridMode& mode = hybrid.modes[index(to)];
-  const HybridRun& run = hybrid.run;
-  const bool had_analysis = mode.solver->system() != nullptr;
-  hybrid.running.store(mode.solver);
-  int status = call(mode.solver);
-  if (!had_analysis && mode.solver->system() != nullptr) ++mode.num_analyses;
-  if (had_analysis && status == SFDAE_CHARACTERISTICS_CHANGED) {
-    ++mode.num_analyses;
-    status = sfdae_analyze_at(mode.solver, run.t, toward_from(run), x, nullptr);
-    if (status >= 0) status = call(mode.solver);
-  }
-  return of_mode(hybrid, to, status);
 }
 
 void record_in(sfdae_hybrid& hybrid, int mode) {
@@ -65,6 +52,7 @@ CallResult enter(sfdae_hybrid& hybrid, int to) {
   HybridRun& run = hybrid.run;
   run.mode = -1;
   record_in(hybrid, to);
+  take_options_of_modes(hybrid, to);
   CallResult result;
   for (const int k : hybrid.modes[index(to)].watched) {
     HybridTransition& transition = hybrid.transitions[index(k)];
@@ -117,13 +105,39 @@ CallResult find_values_after(sfdae_hybrid& hybrid, const sfdae_transition& given
   return {};
 }
 
+// Whether it is one of a mode: out of it, or out of one of the two between which it slides, but for those of their switch.
+bool leads_out_of(const HybridTransition& transition, const sfdae_hybrid& hybrid, int mode) {
+  const Switch* along = hybrid.modes[index(mode)].surface;
+  const int from = transition.given.from;
+  if (from == mode) return true;
+  return along != nullptr && along != transition.surface &&
+         (from == along->modes().below || from == along->modes().above);
+}
+
+void list_transitions(sfdae_hybrid& hybrid) {
+  for (int mode = 0; mode < static_cast<int>(hybrid.modes.size()); ++mode) {
+    HybridMode& its = hybrid.modes[index(mode)];
+    its.watched.clear();
+    its.timed.clear();
+    its.needs_slopes = false;
+    for (int k = 0; k < static_cast<int>(hybrid.transitions.size()); ++k) {
+      const HybridTransition& transition = hybrid.transitions[index(k)];
+      if (!leads_out_of(transition, hybrid, mode)) continue;
+      (transition.given.kind == SFDAE_TRANSITION_TIME ? its.timed : its.watched).push_back(k);
+      its.needs_slopes = its.needs_slopes || transition.given.guard != nullptr || transition.surface != nullptr;
+    }
+  }
+}
+
 CallResult pass(sfdae_hybrid& hybrid, int number) {
   HybridRun& run = hybrid.run;
   HybridTransition& transition = hybrid.transitions[index(number)];
-  const sfdae_transition& given = transition.given;
+  sfdae_transition given = transition.given;
+  given.from = run.mode;
   count_short_visit(run);
   leave(hybrid);
-  CallResult result = find_values_after(hybrid, given);
+  CallResult result = transition.surface != nullptr ? choose_mode(hybrid, transition, given.to) : CallResult{};
+  if (result.status >= 0) result = find_values_after(hybrid, given);
   if (result.status >= 0) {
     keep_warning(run, std::move(result));
     run.x = run.after;
@@ -135,9 +149,9 @@ CallResult pass(sfdae_hybrid& hybrid, int number) {
     return result;
   }
   run.after = run.x;
-  std::vector<double> change(run.x);
+  std::vector<double> change(run.x.begin(), run.x.begin() + hybrid.n());
   for (std::size_t i = 0; i < change.size(); ++i) change[i] -= run.before[i];
-  const auto [impulse, where] = largest_of(run.impulse);
+  const auto [impulse, where] = largest_of({run.impulse.begin(), run.impulse.begin() + hybrid.n()});
   const auto [largest, changed] = largest_of(change);
   run.passages.push_back(
       {sizeof(sfdae_passage), run.t, number, given.from, given.to, impulse, where, largest, changed});
@@ -164,7 +178,7 @@ CallResult find_condition(const sfdae_hybrid& hybrid, int& number) {
     if (given.kind != SFDAE_TRANSITION_CONDITION) continue;
     double value = 0.0;
     const int returned = given.function(run.t, run.x.data(), run.xdot.data(), &value, given.user);
-    if (returned != 0) return of_callback("function", run, returned);
+    if (returned != 0) return of_callback(name_of_function(given), run, returned);
     bool is_open = false;
     if (value > hybrid.transitions[index(k)].margin) {
       CallResult asked = ask_guard(run, given, is_open);
@@ -185,8 +199,12 @@ CallResult find_due(const sfdae_hybrid& hybrid, bool is_event, int& number) {
   std::vector<int> due;
   if (is_event) {
     const std::vector<int>& fired = mode.solver->events->search.fired();
-    for (std::size_t i = 0; i < mode.watched.size(); ++i)
-      if (fired[i] != 0) due.push_back(mode.watched[i]);
+    std::size_t next = mode.watched.size();
+    for (std::size_t i = 0; i < mode.watched.size(); ++i) {
+      const bool is_of_switch = hybrid.transitions[index(mode.watched[i])].surface != nullptr;
+      if (fired[i] != 0 || (is_of_switch && fired[next] != 0)) due.push_back(mode.watched[i]);
+      if (is_of_switch) ++next;
+    }
   }
   for (const int k : mode.timed)
     if (hybrid.transitions[index(k)].given.time == run.t && run.t != run.entered) due.push_back(k);
@@ -229,6 +247,22 @@ CallResult leave_at_once(sfdae_hybrid& hybrid, bool only_once, bool& has_left) {
 
 }  // namespace
 
+CallResult with_analysis(sfdae_hybrid& hybrid, int to, const double* x,
+                         const std::function<int(sfdae_solver*)>& call) {
+  HybridMode& mode = hybrid.modes[index(to)];
+  const HybridRun& run = hybrid.run;
+  const bool had_analysis = mode.solver->system() != nullptr;
+  hybrid.running.store(mode.solver);
+  int status = call(mode.solver);
+  if (!had_analysis && mode.solver->system() != nullptr) ++mode.num_analyses;
+  if (had_analysis && status == SFDAE_CHARACTERISTICS_CHANGED) {
+    ++mode.num_analyses;
+    status = sfdae_analyze_at(mode.solver, run.t, toward_from(run), x, nullptr);
+    if (status >= 0) status = call(mode.solver);
+  }
+  return of_mode(hybrid, to, status);
+}
+
 void VisitCounts::add(const sfdae_statistics& s) {
   steps += s.steps;
   error_failures += s.error_failures;
@@ -249,36 +283,47 @@ VisitCounts counts_of(const sfdae_hybrid& hybrid, int mode) {
   return counts;
 }
 
+CallResult set_events_of(sfdae_hybrid& hybrid, int k) {
+  HybridMode& mode = hybrid.modes[index(k)];
+  std::vector<int> directions;
+  for (const int number : mode.watched) {
+    const sfdae_transition& given = hybrid.transitions[index(number)].given;
+    directions.push_back(given.kind == SFDAE_TRANSITION_CONDITION ? 1 : given.direction);
+  }
+  for (const int number : mode.watched)
+    if (hybrid.transitions[index(number)].surface != nullptr) directions.push_back(1);
+  const int status =
+      sfdae_set_events(mode.solver, static_cast<int>(directions.size()), evaluate_watched, directions.data(), &mode);
+  return status < 0 ? of_mode(hybrid, k, status) : CallResult{};
+}
+
 CallResult set_transition_events(sfdae_hybrid& hybrid) {
-  for (std::size_t k = 0; k < hybrid.modes.size() && !hybrid.events_are_set; ++k) {
-    HybridMode& mode = hybrid.modes[k];
-    std::vector<int> directions;
-    for (const int number : mode.watched) {
-      const sfdae_transition& given = hybrid.transitions[index(number)].given;
-      directions.push_back(given.kind == SFDAE_TRANSITION_CONDITION ? 1 : given.direction);
-    }
-    const int status = sfdae_set_events(mode.solver, static_cast<int>(directions.size()), evaluate_watched,
-                                        directions.data(), &mode);
-    if (status < 0) return of_mode(hybrid, static_cast<int>(k), status);
+  if (!hybrid.events_are_set) list_transitions(hybrid);
+  for (int k = 0; k < static_cast<int>(hybrid.modes.size()) && !hybrid.events_are_set; ++k) {
+    CallResult result = set_events_of(hybrid, k);
+    if (result.status < 0) return result;
   }
   hybrid.events_are_set = true;
   return {};
 }
 
 CallResult start_run(sfdae_hybrid& hybrid, int mode, const PointOfInterest& point) {
-  CallResult result = set_transition_events(hybrid);
+  CallResult result = update_switches(hybrid);
+  if (result.status >= 0) result = set_transition_events(hybrid);
   if (result.status < 0) return result;
   const std::size_t n = index(hybrid.n());
   HybridRun run;
   run.start = run.entered = run.t = point.t;
   run.toward = point.toward;
   run.x.assign(point.x, point.x + n);
-  run.xdot.assign(n, 0.0);
+  run.x.resize(index(hybrid.width()), 0.0);
+  run.xdot.assign(run.x.size(), 0.0);
   if (point.xdot != nullptr) std::copy_n(point.xdot, n, run.xdot.begin());
   hybrid.run = std::move(run);
   for (HybridMode& each : hybrid.modes) each.left = {};
   for (HybridTransition& each : hybrid.transitions) each.passages.clear();
-  result = enter(hybrid, mode);
+  result = prepare_sliding(hybrid, mode);
+  if (result.status >= 0) result = enter(hybrid, mode);
   bool has_left = false;
   if (result.status >= 0) result = leave_at_once(hybrid, false, has_left);
   hybrid.running.store(nullptr);
@@ -288,6 +333,8 @@ CallResult start_run(sfdae_hybrid& hybrid, int mode, const PointOfInterest& poin
 CallResult advance_run(sfdae_hybrid& hybrid, double tout, bool stops_at_transition, bool wants_slopes) {
   HybridRun& run = hybrid.run;
   run.warning = {};
+  CallResult updated = update_switches(hybrid);
+  if (updated.status < 0) return updated;
   for (;;) {
     bool has_left = false;
     CallResult result = leave_at_once(hybrid, stops_at_transition, has_left);
@@ -296,7 +343,7 @@ CallResult advance_run(sfdae_hybrid& hybrid, double tout, bool stops_at_transiti
     if (hybrid.stop_is_requested.exchange(false)) return {SFDAE_STOPPED, "stopped by sfdae_request_stop_hybrid."};
     const HybridMode& mode = hybrid.mode();
     const double target = next_target(hybrid, tout);
-    double* xdot = wants_slopes || mode.has_guards ? run.xdot.data() : nullptr;
+    double* xdot = wants_slopes || mode.needs_slopes ? run.xdot.data() : nullptr;
     hybrid.running.store(mode.solver);
     const int status = sfdae_advance(mode.solver, target, &run.t, run.x.data(), xdot);
     hybrid.running.store(nullptr);

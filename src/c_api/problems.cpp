@@ -166,6 +166,16 @@ AnyModel make_model(const sfdae_nonlinear_problem& problem) {
   return with_structure(model_of(std::make_unique<RecordedProblem>(std::move(record), inputs_of(problem))));
 }
 
+AnyModel make_model(std::shared_ptr<const Record> record) {
+  const EquationNames names = record->equation_names();
+  if (record->is_linear())
+    return with_structure(any(std::make_unique<LinearModel>(
+        std::make_unique<RecordedLinearCoefficients>(std::move(record), PrescribedInputs{}))));
+  auto problem = std::make_unique<RecordedProblem>(std::move(record), PrescribedInputs{});
+  problem->set_equation_names(names);
+  return with_structure(any(std::make_unique<NonlinearModel>(std::move(problem))));
+}
+
 AnyModel make_model(const sfdae_multibody_problem& problem) {
   const Coordinates coordinates = coordinates_of(problem.coordinates);
   const auto model_of = [&](auto multibody) {

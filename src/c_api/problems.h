@@ -24,6 +24,7 @@ AnyModel make_model(const sfdae_linear_problem& problem);
 // Recorded equations that are linear become a linear model.
 AnyModel make_model(const sfdae_nonlinear_problem& problem);
 AnyModel make_model(const sfdae_multibody_problem& problem);
+AnyModel make_model(std::shared_ptr<const Record> record);
 
 // Another model of the same recorded equations, with the values that parameters have now; the recording is shared. Null
 // for problems given by functions.

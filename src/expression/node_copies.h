@@ -6,10 +6,14 @@
 
 #include "expression/record.h"
 #include "expression/recorder.h"
+#include "expression/taylor_evaluator.h"
 
 namespace sfdae::core {
 
 // Of each node of the record, the number that it has in the recorder; parameters keep their numbers if none are there yet.
 std::vector<int> copy_nodes(const Record& record, Recorder& recorder);
+// With the numbers that parameters have now in their place, and 0 in that of x' unless it is wanted.
+enum class Derivatives { kept, zero };
+std::vector<int> copy_values(const TaylorEvaluator& evaluator, Derivatives derivatives, Recorder& recorder);
 
 }  // namespace sfdae::core

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "expression/kernel.h"
@@ -82,6 +83,22 @@ TimeBreakpoints::Search TimeBreakpoints::search(double t, double direction) {
 void TimeBreakpoints::set_times(std::vector<double> times, std::vector<char> jumps) {
   times_ = std::move(times);
   jumps_ = std::move(jumps);
+}
+
+void TimeBreakpoints::add_times(const TimeBreakpoints& other) {
+  std::map<double, char> jumps;
+  for (const TimeBreakpoints* given : {static_cast<const TimeBreakpoints*>(this), &other})
+    for (std::size_t k = 0; k < given->times_.size(); ++k) {
+      char& is_jump = jumps[given->times_[k]];
+      if (given->jumps_[k] != 0) is_jump = 1;
+    }
+  std::vector<double> times;
+  std::vector<char> flags;
+  for (const auto& [t, is_jump] : jumps) {
+    times.push_back(t);
+    flags.push_back(is_jump);
+  }
+  set_times(std::move(times), std::move(flags));
 }
 
 double TimeBreakpoints::size() const {

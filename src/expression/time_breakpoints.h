@@ -22,6 +22,8 @@ class TimeBreakpoints {
   // The user's, increasing, besides those of tables; jumps: flags, of those at which x may jump.
   void set_times(std::vector<double> times, std::vector<char> jumps);
   void take_times(const TimeBreakpoints& other) { set_times(other.times_, other.jumps_); }
+  // Besides those that there are.
+  void add_times(const TimeBreakpoints& other);
   bool has_times() const { return !times_.empty(); }
   // Of times of an integration, where 0 is the only one of these.
   void set_size(double size) { size_of_times_ = size; }

@@ -270,9 +270,21 @@ void Integration::record_step(double from) {
       output_.interpolate(stepper, at, x, nullptr);
     }
   };
-  const auto tolerance = [&](int i, const double* x) { return integrator_.weights.tolerance(i, x); };
   const bool continues = std::exchange(is_recorded_, false);
-  solution->add(integrator_.system.unknowns(), {from, t, continues, sample, tolerance});
+  add_piece(*solution, {from, t, continues, sample, {}});
+}
+
+// Samples are those of all unknowns; nothing is recorded any more if that fails.
+void Integration::add_piece(SolutionPieces& solution, SolutionPieces::Step step) {
+  is_recorded_ = false;
+  const int count = options_.recorded > 0 ? options_.recorded : integrator_.system.unknowns();
+  std::vector<double> all(index(integrator_.system.unknowns()));
+  const auto sample = [&](double t, double* x) {
+    step.sample(t, all.data());
+    std::copy_n(all.begin(), count, x);
+  };
+  const auto tolerance = [&](int i, const double* x) { return integrator_.weights.tolerance(i, x); };
+  solution.add(count, {step.a, step.b, step.continues, sample, tolerance});
   is_recorded_ = true;
 }
 

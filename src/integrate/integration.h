@@ -112,6 +112,7 @@ class Integration {
   bool has_found_change(double h);
   void look_closer(const LocatedChange& suspect, double h);
   void record_step(double from);
+  void add_piece(SolutionPieces& solution, SolutionPieces::Step step);
   std::optional<CallResult> call_monitor(double h) const;
   std::optional<CallResult> handle_failure(StepOutcome outcome, double h, double tout);
   bool has_located_change(double h, double tout);

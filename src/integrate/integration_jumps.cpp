@@ -37,11 +37,7 @@ void Integration::record_jump(const TimeBreakpoints::Gap& gap, const std::vector
   const std::shared_ptr<SolutionPieces> solution = solution_.lock();
   if (!solution || !is_recorded_) return;
   const auto sample = [&](double, double* x) { std::copy(after.begin(), after.end(), x); };
-  const auto tolerance = [&](int i, const double* x) { return integrator_.weights.tolerance(i, x); };
-  is_recorded_ = false;
-  solution->add(integrator_.system.unknowns(),
-                {solution->end(), gap.far_end(integrator_.direction), true, sample, tolerance});
-  is_recorded_ = true;
+  add_piece(*solution, {solution->end(), gap.far_end(integrator_.direction), true, sample, {}});
 }
 
 }  // namespace sfdae::core

@@ -36,6 +36,7 @@ struct IntegrationOptions : Acceptance {
   JumpRule* jumps = nullptr;                 // not owned; what happens at those where x may jump
   ContinuationRule* continuation = nullptr;  // not owned; none: singular points are not passed
   long max_passed = 0;                       // singular points that may be passed
+  int recorded = 0;                          // the first unknowns, which go to solutions; 0: all
 };
 
 struct IntegrationCounts {

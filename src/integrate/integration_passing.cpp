@@ -237,10 +237,7 @@ void Integration::record_passage(double t_after) {
   const std::shared_ptr<SolutionPieces> solution = solution_.lock();
   if (!solution || !is_recorded_) return;
   const auto sample = [&](double t, double* x) { branches_.passage->evaluate(t, x, nullptr); };
-  const auto tolerance = [&](int i, const double* x) { return integrator_.weights.tolerance(i, x); };
-  is_recorded_ = false;
-  solution->add(integrator_.system.unknowns(), {solution->end(), t_after, true, sample, tolerance});
-  is_recorded_ = true;
+  add_piece(*solution, {solution->end(), t_after, true, sample, {}});
 }
 
 }  // namespace sfdae::core

@@ -553,6 +553,62 @@ static void failures_name_the_mode(void) {
   CHECK(wide == NULL && same == NULL && narrow == NULL);
 }
 
+/* x' = x > y ? -2 : 2, y' = y > x ? -3 : 1.5 */
+static int corner(sfdae_record* record, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
+                  sfdae_expression* F, void* user) {
+  const int right = *(const int*)user;
+  (void)record, (void)t, (void)x;
+  F[0] = sfdae_add(xdot[0], sfdae_number(right ? 2 : -2));
+  F[1] = sfdae_add(xdot[1], sfdae_number(right ? -1.5 : 3));
+  return 0;
+}
+
+static int diagonal(sfdae_record* record, sfdae_expression t, const sfdae_expression* x, const sfdae_expression* xdot,
+                    sfdae_expression* g, void* user) {
+  (void)record, (void)t, (void)xdot;
+  if (user != NULL) return 7;
+  g[0] = sfdae_subtract(x[0], x[1]);
+  return 0;
+}
+
+static void slides_by_a_switch(void) {
+  int k, mode = -1, sides[] = {0, 1};
+  double t = 0, x[] = {1.5, 1}, xdot[2], before[2], after[2];
+  size_t length = 0;
+  sfdae_nonlinear_problem problem;
+  sfdae_solver* solvers[2];
+  sfdae_passage passage;
+  sfdae_hybrid* hybrid = NULL;
+  CHECK_STATUS(sfdae_create_hybrid(&hybrid), SFDAE_OK);
+  CHECK_STATUS(sfdae_add_switch(hybrid, 0, 1, diagonal, NULL, NULL, NULL), SFDAE_ILLEGAL_ARGUMENT);
+  sfdae_nonlinear_problem_init(&problem, sizeof problem);
+  problem.num_equations = problem.num_unknowns = 2;
+  problem.equations = corner;
+  for (k = 0; k < 2; ++k) {
+    problem.user = &sides[k];
+    CHECK_STATUS(sfdae_create_nonlinear(&solvers[k], &problem, NULL), SFDAE_OK);
+    CHECK_STATUS(sfdae_add_mode(hybrid, solvers[k], NULL, NULL), SFDAE_OK);
+  }
+  CHECK_STATUS(sfdae_add_switch(hybrid, 0, 1, diagonal, &k, NULL, &mode), SFDAE_CALLBACK_FAILED);
+  CHECK(mode == -1);
+  CHECK_STATUS(sfdae_add_switch(hybrid, 0, 1, diagonal, NULL, "along", &mode), SFDAE_OK);
+  CHECK(mode == 2);
+  CHECK_STATUS(sfdae_start_hybrid(hybrid, 1, 0, 1, x, xdot), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance_hybrid(hybrid, 1, &t, x, xdot), SFDAE_OK);
+  CHECK(fabs(x[0] - 217.0 / 238) < 1e-5 && fabs(x[1] - 217.0 / 238) < 1e-5);
+  CHECK(fabs(xdot[0] + 6.0 / 17) < 1e-5);
+  sfdae_passage_init(&passage, sizeof passage);
+  CHECK_STATUS(sfdae_get_passage(hybrid, 0, &passage), SFDAE_OK);
+  CHECK(passage.from == 1 && passage.to == 2 && passage.transition == 1);
+  CHECK_STATUS(sfdae_get_passage_values(hybrid, before, after, NULL), SFDAE_OK);
+  CHECK(fabs(before[0] - 17.0 / 14) < 1e-5 && fabs(after[1] - 17.0 / 14) < 1e-5);
+  CHECK_STATUS(sfdae_get_hybrid_checkpoint_length(hybrid, &length), SFDAE_OK);
+  CHECK_STATUS(sfdae_set_parameter(solvers[0], "rate", 1), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK_STATUS(sfdae_destroy(&solvers[0]), SFDAE_BUSY);
+  CHECK_STATUS(sfdae_destroy_hybrid(&hybrid), SFDAE_OK);
+  for (k = 0; k < 2; ++k) CHECK_STATUS(sfdae_destroy(&solvers[k]), SFDAE_OK);
+}
+
 int main(void) {
   double capacitors[] = {1, 3, 1}, clutch[] = {1, 2, 0};
   join(capacitors, 2 * exp(1), 0, 0.5, 1.5);
@@ -568,6 +624,7 @@ int main(void) {
   chattering_ends(0);
   slides_in_a_mode_of_its_own(1.5, 1);
   slides_in_a_mode_of_its_own(0.5, 1);
+  slides_by_a_switch();
   guards_and_failures();
   failures_name_the_mode();
   return failures > 0;

@@ -1,0 +1,53 @@
+// Surfaces that two modes of a hybrid system lead to, and the mode of the motion along each of them.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "c_api/solver.h"
+#include "sfdae/hybrid.h"
+
+namespace sfdae::core {
+
+// Does not move: transitions point to it.
+class Switch {
+ public:
+  struct Modes {
+    int below, above, sliding;
+  };
+  // Throws Failure for modes that cannot be combined.
+  Switch(const Modes& its_modes, sfdae_solver& below, sfdae_solver& above, std::shared_ptr<const Record> surface);
+
+  const Modes& modes() const { return modes_; }
+  sfdae_solver* solver() const { return solver_.get(); }  // of the sliding mode
+  // The modes have other values of parameters than its equations.
+  bool is_outdated() const;
+  // Makes them anew, with a new solver. Throws Failure, and nothing has changed then.
+  void update();
+  // Options and breakpoints become those that the solvers of the modes have now.
+  void take_options();
+
+  // g and its rate at a point; xdot may be null, then g alone. False: it cannot be evaluated there.
+  bool evaluate(double t, const double* x, const double* xdot, double* values);
+  // Of the four transitions: beyond the surface from below, from above; the part of the mode above below 0, above 1.
+  static sfdae_event_function condition(int k);
+
+ private:
+  static int leaves_below(double t, const double* x, const double*, double* g, void* user);
+  static int leaves_above(double t, const double* x, const double*, double* g, void* user);
+  static int part_is_negative(double, const double* x, const double*, double* g, void* user);
+  static int part_exceeds_one(double, const double* x, const double*, double* g, void* user);
+  int n() const { return given_->n(); }
+  std::vector<double> values_of_parameters() const;
+
+  Modes modes_;
+  sfdae_solver &below_, &above_;
+  std::shared_ptr<const Record> given_;  // the surface, with parameters
+  std::vector<double> parameters_;       // of both modes, as the solver has them
+  std::unique_ptr<TaylorEvaluator> surface_;
+  std::unique_ptr<sfdae_solver> solver_;
+  std::vector<double> jet_;
+};
+
+}  // namespace sfdae::core
