@@ -27,6 +27,9 @@ using TransitionFunction = std::function<double(double t, ConstVectorRef x, Cons
 /// Changes x from the values before a transition to those after it. An exception stops the call.
 using JumpFunction = std::function<void(double t, VectorRef x)>;
 
+/// The function of a surface as a formula, g(t, x). Called once.
+using SurfaceFunction = std::function<Expression(const Expression& t, ConstExpressions x)>;
+
 /// A transition between modes, see sfdae_transition.
 struct Transition {
   int from = 0, to = 0;
@@ -83,6 +86,17 @@ class Hybrid {
     checked(sfdae_add_transition(hybrid_, &c, &number));
     transitions_.push_back(std::move(state));
     return number;
+  }
+
+  /// Adds the switch between a mode that holds where g < 0 and one that holds where g > 0, see sfdae_add_switch; the number
+  /// of the mode of the motion along g = 0.
+  int add_switch(int below, int above, SurfaceFunction surface, const std::string& name = "") {
+    SurfaceCall call{std::move(surface), static_cast<int>(num_unknowns()), nullptr};
+    int mode = 0;
+    const int status = sfdae_add_switch(hybrid_, below, above, call_surface, &call, name.c_str(), &mode);
+    if (call.exception) std::rethrow_exception(call.exception);
+    checked(status);
+    return mode;
   }
 
   /// Starts in a mode at point.t toward the given time; `point` gets the consistent values.
@@ -213,6 +227,25 @@ class Hybrid {
       }
     }
   };
+
+  struct SurfaceCall {
+    SurfaceFunction function;
+    int num_unknowns;
+    std::exception_ptr exception;
+  };
+
+  static int call_surface(sfdae_record*, sfdae_expression t, const sfdae_expression* x, const sfdae_expression*,
+                          sfdae_expression* residual, void* user) noexcept {
+    SurfaceCall& call = *static_cast<SurfaceCall*>(user);
+    try {
+      const std::vector<Expression> unknowns(x, x + call.num_unknowns);
+      *residual = call.function(t, {unknowns.data(), call.num_unknowns, "x"}).c();
+      return 0;
+    } catch (...) {
+      call.exception = std::current_exception();
+      return -1;
+    }
+  }
 
   static int call_function(double t, const double* x, const double* xdot, double* g, void* user) noexcept {
     State& state = *static_cast<State*>(user);
