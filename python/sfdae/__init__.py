@@ -70,6 +70,7 @@ from ._status import (
     version,
 )
 from ._structs import Struct
+from ._switch import Switch
 
 globals().update(_PUBLIC)  # sin, cos, exp, ... of expressions, numbers and arrays
 
@@ -80,6 +81,6 @@ __all__ = [
     "IntegrationWarning", "Jump", "LinearProblem", "MultibodyProblem", "NonlinearProblem", "OPTION_NAMES",
     "Passage", "Point", "Problem", "Progress", "Projectors", "RecordedSolution", "Report", "SfdaeWarning", "SingularPoint", "Solution", "Solver", "Spectrum",
     "Status", "Steps", "StrangenessFreeSystem", "Struct", "Structure", "analyze", "choices", "choose",
-    "derivative", "external", "table", "time_derivative", "Transition",
+    "derivative", "external", "table", "time_derivative", "Transition", "Switch",
     "make_consistent", "parameter", "solve", "solve_ensemble", "status_name", "version", *_PUBLIC,
 ]  # fmt: skip

@@ -18,6 +18,7 @@ from ._recorded_solution import RecordedSolution
 from ._solver import Solver
 from ._status import Error, Status
 from ._structs import Struct, filled
+from ._switch import SurfaceState, Switch
 
 
 class Transition:
@@ -134,6 +135,9 @@ class Hybrid:
     modes : mapping
         Problems, or solvers, by the names of their modes.
     transitions : sequence of Transition
+    switches : sequence of Switch
+        Each adds a mode, which transitions may name. Transitions are counted from 0 on, the four of
+        each switch first.
     **options
         Of the solvers of modes that are given as problems.
 
@@ -147,6 +151,7 @@ class Hybrid:
         self,
         modes: Mapping[str, Problem | Solver],
         transitions: Sequence[Transition] = (),
+        switches: Sequence[Switch] = (),
         **options: Any,
     ) -> None:
         self.solvers = {
@@ -156,7 +161,7 @@ class Hybrid:
         if not self.solvers:
             raise ValueError("a hybrid system needs modes")
         self._names = list(self.solvers)
-        self._states: list[_State] = []
+        self._states: list[_State | SurfaceState] = []
         self._handles: list[Any] = []
         self._lock = threading.RLock()
         self._box = ffi.new("sfdae_hybrid**")
@@ -164,6 +169,8 @@ class Hybrid:
             raise Error(Status.OUT_OF_MEMORY, "out of memory")
         for name, solver in self.solvers.items():
             self._call(lib.sfdae_add_mode, solver._box[0], name.encode(), ffi.NULL)
+        for switch in switches:
+            self._add_switch(switch)
         for transition in transitions:
             self._add(transition)
 
@@ -183,6 +190,18 @@ class Hybrid:
         if name not in self._names:
             raise ValueError(f"there is no mode {name!r}; there are {', '.join(self._names)}")
         return self._names.index(name)
+
+    def _add_switch(self, switch: Switch) -> None:
+        below, above = self._number(switch.below), self._number(switch.above)
+        problem = self.solvers[switch.below].problem if switch.below in self.solvers else self._problem
+        state = SurfaceState(switch, problem)
+        handle = ffi.new_handle(state)
+        self._states.append(state)
+        self._handles.append(handle)
+        name = switch.name.encode()
+        surface = lib.python_equations_function
+        self._call(lib.sfdae_add_switch, below, above, surface, handle, name, ffi.NULL)
+        self._names.append(switch.name)
 
     def _add(self, transition: Transition) -> None:
         state = _State(transition, self._problem.num_unknowns)

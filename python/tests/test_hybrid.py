@@ -100,3 +100,50 @@ def test_exceptions_are_passed_on():
     system.start("open", 0, [1, 0, 0], 1)
     with pytest.raises(KeyError):
         system.advance(1)
+
+
+def corner(t, x, xdot, right=0.0):
+    """x' = x > y ? -2 : 2,  y' = y > x ? -3 : 1.5."""
+    return [xdot[0] - 2 + 4 * right, xdot[1] + 3 - 4.5 * right]
+
+
+def sliding(surface, name="along", **options):
+    problem = sfdae.NonlinearProblem(corner, 2)
+    right = sfdae.Solver(problem, parameters={"right": 1.0}, **options)
+    switch = sfdae.Switch("left", "right", surface, name)
+    return sfdae.Hybrid({"left": problem, "right": right}, switches=[switch], **options)
+
+
+def test_motion_along_a_surface():
+    system = sliding(lambda t, x: x[0] - x[1], rtol=1e-9, atol=1e-9)
+    system.start("right", 0, [1.5, 1], 1)
+    assert system.advance(1).x == pytest.approx([217 / 238, 217 / 238], abs=1e-8)
+    assert system.mode == "along"
+    passage = system.passage(0)
+    assert (passage.source, passage.target, passage.transition) == ("right", "along", 1)
+    assert passage.t == pytest.approx(1 / 7, abs=1e-8)
+    assert system.modes["along"].visits == 1
+
+
+def test_parameters_of_a_surface():
+    # Along x - y = 1/2.
+    system = sliding(lambda t, x, gap=0.5: x[0] - x[1] - gap, rtol=1e-9, atol=1e-9)
+    system.start("left", 0, [1.2, 1], 1)
+    x = system.advance(1).x
+    assert x[0] - x[1] == pytest.approx(0.5, abs=1e-8)
+
+
+def test_what_a_surface_returns():
+    with pytest.raises(sfdae.Error, match="depends on x'|does not depend on x"):
+        sliding(lambda t, x: t)
+    with pytest.raises(ZeroDivisionError):
+        sliding(lambda t, x: x[0] / 0 if 1 / 0 else x[1])
+    with pytest.raises(sfdae.Error, match="already"):
+        sliding(lambda t, x: x[0] - x[1], name="left")
+    with pytest.raises(TypeError, match="surface has to accept"):
+        sfdae.Switch("left", "right", lambda t: t)
+    with pytest.raises(ValueError, match="there is no mode"):
+        sfdae.Hybrid(
+            {"left": sfdae.NonlinearProblem(corner, 2)},
+            switches=[sfdae.Switch("left", "right", lambda t, x: x[0])],
+        )
