@@ -41,7 +41,7 @@ module sfdae
   use sfdae_control, only: dae_events, dae_monitor, dae_options
   use sfdae_ensembles, only: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results
   use sfdae_expressions
-  use sfdae_hybrids, only: dae_hybrid, dae_transition
+  use sfdae_hybrids, only: dae_hybrid, dae_switch, dae_transition
   use sfdae_linearizations, only: dae_descriptor, dae_linearization
   use sfdae_multibody, only: kinematic_multibody_dae, multibody_dae, multibody_formulas, &
     recorded_multibody_dae
@@ -63,7 +63,7 @@ module sfdae
   public :: dae_ensemble, dae_ensemble_monitor, dae_ensemble_results, dae_sensitivities, &
     dae_solution
   public :: dae_descriptor, dae_linearization
-  public :: dae_hybrid, dae_transition
+  public :: dae_hybrid, dae_switch, dae_transition
   public :: sfdae_check_linear, sfdae_check_nonlinear, sfdae_check_multibody
   public :: sfdae_status_name, sfdae_version
 

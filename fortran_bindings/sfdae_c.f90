@@ -15,36 +15,37 @@ module sfdae_c
   implicit none
   private
 
-  public :: c_abs, c_acos, c_add, c_add_mode, c_add_transition, c_advance, c_advance_hybrid, &
-    c_advance_to_transition, c_analyze, c_analyze_at, c_and, c_asin, c_atan, c_atan2, c_certify, &
-    c_change_init, c_characteristics_init, c_check_derivatives, c_check_linear, c_check_multibody, &
-    c_check_multibody_derivatives, c_check_nonlinear, c_check_total_derivatives, c_choose, c_cos, &
-    c_cosh, c_create_descriptor, c_create_hybrid, c_create_linear, c_create_multibody, &
-    c_create_nonlinear, c_create_solution, c_cut_solution, c_decision_init, c_derivative, &
-    c_derivative_check_init, c_descriptor_matrices_init, c_descriptor_message, c_destroy, &
-    c_destroy_descriptor, c_destroy_hybrid, c_destroy_solution, c_divide, c_ensemble_init, &
-    c_ensemble_results_init, c_evaluate_solution, c_exp, c_export_source, c_external, c_floor, &
-    c_get_accumulation, c_get_change, c_get_characteristics, c_get_checkpoint_length, &
-    c_get_current_mode, c_get_decision, c_get_derivative_array, c_get_derivative_array_at, &
-    c_get_descriptor_matrices, c_get_descriptor_sizes, c_get_event_sensitivities, c_get_events, &
-    c_get_extended_system, c_get_gradient, c_get_hybrid_checkpoint_length, c_get_hybrid_message, &
-    c_get_hybrid_statistics, c_get_initial_report, c_get_jet, c_get_jump, c_get_mode, &
-    c_get_multibody_report, c_get_num_decisions, c_get_num_passages, c_get_parameter, &
-    c_get_passage, c_get_passage_values, c_get_poles, c_get_projectors, c_get_projectors_at, &
-    c_get_sensitivities, c_get_sensitivity_statistics, c_get_singular_point, &
-    c_get_solution_accuracy, c_get_solution_length, c_get_solution_range, c_get_statistics, &
-    c_get_strangeness_free, c_get_strangeness_free_at, c_get_structure, c_get_transfer, &
-    c_get_zeros, c_greater, c_greater_equal, c_impact, c_initial_report_init, c_interpolate, &
-    c_jump, c_less, c_less_equal, c_linear_problem_init, c_linearization_init, c_linearize, &
-    c_load_solution, c_log, c_log10, c_make_consistent, c_max, c_message, c_min, c_mode_init, &
-    c_modulo, c_multibody_problem_init, c_multibody_report_init, c_multiply, c_negate, &
-    c_nonlinear_problem_init, c_not, c_number, c_options_init, c_or, c_parameter, &
-    c_pass_singular_points, c_passage_init, c_power, c_record_hybrid, c_record_solution, c_report, &
-    c_report_hybrid, c_request_stop, c_request_stop_hybrid, c_restore_checkpoint, &
-    c_restore_hybrid_checkpoint, c_save_checkpoint, c_save_hybrid_checkpoint, c_save_solution, &
-    c_sensitivity_options_init, c_sensitivity_statistics_init, c_set_breakpoints, c_set_events, &
-    c_set_options, c_set_parameter, c_set_sensitivities, c_sign, c_sin, c_singular_point_init, &
-    c_sinh, c_solve_ensemble, c_spectrum_init, c_sqrt, c_start, c_start_hybrid, c_statistics_init, &
+  public :: c_abs, c_acos, c_add, c_add_mode, c_add_switch, c_add_transition, c_advance, &
+    c_advance_hybrid, c_advance_to_transition, c_analyze, c_analyze_at, c_and, c_asin, c_atan, &
+    c_atan2, c_certify, c_change_init, c_characteristics_init, c_check_derivatives, &
+    c_check_linear, c_check_multibody, c_check_multibody_derivatives, c_check_nonlinear, &
+    c_check_total_derivatives, c_choose, c_cos, c_cosh, c_create_descriptor, c_create_hybrid, &
+    c_create_linear, c_create_multibody, c_create_nonlinear, c_create_solution, c_cut_solution, &
+    c_decision_init, c_derivative, c_derivative_check_init, c_descriptor_matrices_init, &
+    c_descriptor_message, c_destroy, c_destroy_descriptor, c_destroy_hybrid, c_destroy_solution, &
+    c_divide, c_ensemble_init, c_ensemble_results_init, c_evaluate_solution, c_exp, &
+    c_export_source, c_external, c_floor, c_get_accumulation, c_get_change, c_get_characteristics, &
+    c_get_checkpoint_length, c_get_current_mode, c_get_decision, c_get_derivative_array, &
+    c_get_derivative_array_at, c_get_descriptor_matrices, c_get_descriptor_sizes, &
+    c_get_event_sensitivities, c_get_events, c_get_extended_system, c_get_gradient, &
+    c_get_hybrid_checkpoint_length, c_get_hybrid_message, c_get_hybrid_statistics, &
+    c_get_initial_report, c_get_jet, c_get_jump, c_get_mode, c_get_multibody_report, &
+    c_get_num_decisions, c_get_num_passages, c_get_parameter, c_get_passage, c_get_passage_values, &
+    c_get_poles, c_get_projectors, c_get_projectors_at, c_get_sensitivities, &
+    c_get_sensitivity_statistics, c_get_singular_point, c_get_solution_accuracy, &
+    c_get_solution_length, c_get_solution_range, c_get_statistics, c_get_strangeness_free, &
+    c_get_strangeness_free_at, c_get_structure, c_get_transfer, c_get_zeros, c_greater, &
+    c_greater_equal, c_impact, c_initial_report_init, c_interpolate, c_jump, c_less, c_less_equal, &
+    c_linear_problem_init, c_linearization_init, c_linearize, c_load_solution, c_log, c_log10, &
+    c_make_consistent, c_max, c_message, c_min, c_mode_init, c_modulo, c_multibody_problem_init, &
+    c_multibody_report_init, c_multiply, c_negate, c_nonlinear_problem_init, c_not, c_number, &
+    c_options_init, c_or, c_parameter, c_pass_singular_points, c_passage_init, c_power, &
+    c_record_hybrid, c_record_solution, c_report, c_report_hybrid, c_request_stop, &
+    c_request_stop_hybrid, c_restore_checkpoint, c_restore_hybrid_checkpoint, c_save_checkpoint, &
+    c_save_hybrid_checkpoint, c_save_solution, c_sensitivity_options_init, &
+    c_sensitivity_statistics_init, c_set_breakpoints, c_set_events, c_set_options, &
+    c_set_parameter, c_set_sensitivities, c_sign, c_sin, c_singular_point_init, c_sinh, &
+    c_solve_ensemble, c_spectrum_init, c_sqrt, c_start, c_start_hybrid, c_statistics_init, &
     c_status_name, c_step, c_structure_init, c_subtract, c_table, c_tan, c_tanh, &
     c_time_derivative, c_transition_init, c_version, address_of_ensemble_monitor_function, &
     address_of_equations_function, address_of_event_function, address_of_external_function, &
@@ -212,6 +213,19 @@ module sfdae_c
       integer(c_int), intent(inout) :: mode
       integer(c_int) :: c_add_mode
     end function c_add_mode
+
+    function c_add_switch(hybrid, below, above, surface, user, name, mode) &
+      bind(c, name="sfdae_add_switch")
+      import :: c_char, c_funptr, c_int, c_ptr
+      type(c_ptr), value :: hybrid
+      integer(c_int), value :: below
+      integer(c_int), value :: above
+      type(c_funptr), value :: surface
+      type(c_ptr), value :: user
+      character(kind=c_char), intent(in) :: name(*)
+      integer(c_int), intent(inout) :: mode
+      integer(c_int) :: c_add_switch
+    end function c_add_switch
 
     function c_add_transition(hybrid, transition, number) bind(c, name="sfdae_add_transition")
       import :: c_int, c_ptr, sfdae_transition

@@ -4,8 +4,9 @@
 module sfdae_hybrids
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
     c_loc, c_long, c_null_ptr, c_ptr, c_size_t, c_sizeof
-  use sfdae_c, only: address_of_event_function, address_of_jump_function, c_add_mode, &
-    c_add_transition, c_advance_hybrid, c_advance_to_transition, c_create_hybrid, &
+  use sfdae_c, only: address_of_equations_function, address_of_event_function, &
+    address_of_jump_function, c_add_mode, c_add_switch, c_add_transition, &
+    c_advance_hybrid, c_advance_to_transition, c_create_hybrid, &
     c_destroy_hybrid, c_get_accumulation, c_get_current_mode, c_get_hybrid_checkpoint_length, &
     c_get_hybrid_message, c_get_hybrid_statistics, c_get_mode, c_get_num_passages, c_get_passage, &
     c_get_passage_values, c_mode_init, c_passage_init, c_record_hybrid, c_report_hybrid, &
@@ -13,6 +14,7 @@ module sfdae_hybrids
     c_statistics_init, c_transition_init
   use sfdae_control, only: compare_size
   use sfdae_conversions, only: text_at, text_in, text_in_c, vector_at
+  use sfdae_expressions, only: expression
   use sfdae_solutions, only: dae_solution
   use sfdae_solver, only: dae_solver
   use sfdae_types, only: sfdae_illegal_argument, sfdae_mode, sfdae_ok, sfdae_out_of_memory, &
@@ -21,7 +23,7 @@ module sfdae_hybrids
   implicit none
   private
 
-  public :: dae_hybrid, dae_transition
+  public :: dae_hybrid, dae_switch, dae_transition
 
   !> A transition between modes: extend it, components are your data. hybrid.h has the rules.
   type :: dae_transition
@@ -48,6 +50,36 @@ module sfdae_hybrids
     procedure :: eval_jump => transition_eval_jump
   end type dae_transition
 
+  !> A surface between two modes that may both lead toward it: extend it. hybrid.h has the rules.
+  type, abstract :: dae_switch
+    !> The mode that holds where the surface's function is negative, from 1 on.
+    integer(c_int) :: below = 0
+    !> The one that holds where it is positive.
+    integer(c_int) :: above = 0
+  contains
+    !> The function of the surface as a formula; called once.
+    procedure(surface_procedure), deferred :: surface
+  end type dae_switch
+
+  abstract interface
+    !> Writes g(t, x), which is zero at the surface.
+    subroutine surface_procedure(self, t, x, g)
+      import :: dae_switch, expression
+      class(dae_switch), intent(inout) :: self
+      type(expression), intent(in) :: t
+      !> n unknowns.
+      type(expression), intent(in) :: x(:)
+      !> Without a value on entry.
+      type(expression), intent(inout) :: g
+    end subroutine surface_procedure
+  end interface
+
+  !> What C points to while a switch is added.
+  type :: switch_holder
+    class(dae_switch), pointer :: switch => null()
+    integer(c_int) :: num_unknowns = 0
+  end type switch_holder
+
   !> What C points to for a transition. On the heap, so that it stays in place.
   type :: transition_holder
     class(dae_transition), pointer :: transition => null()
@@ -70,6 +102,7 @@ module sfdae_hybrids
     procedure :: message => hybrid_message
     procedure :: add_mode => hybrid_add_mode
     procedure :: add_transition => hybrid_add_transition
+    procedure :: add_switch => hybrid_add_switch
     procedure :: start => hybrid_start
     procedure :: advance => hybrid_advance
     procedure :: advance_to_transition => hybrid_advance_to_transition
@@ -168,6 +201,23 @@ contains
     call holder%transition%eval_jump(t, vector_at(before, holder%num_unknowns), &
       vector_at(after, holder%num_unknowns), status)
   end function call_jump
+
+  !> sfdae_equations_function of the surface of a switch.
+  recursive function call_surface(record, t, x, xdot, residual, user) bind(c, name="") &
+    result(status)
+    type(c_ptr), value :: record
+    type(expression), value :: t
+    type(c_ptr), value :: x, xdot, residual, user
+    integer(c_int) :: status
+    type(switch_holder), pointer :: to
+    type(expression), pointer :: unknowns(:), value
+
+    call c_f_pointer(user, to)
+    call c_f_pointer(x, unknowns, [to%num_unknowns])
+    call c_f_pointer(residual, value)
+    call to%switch%surface(t, unknowns, value)
+    status = merge(sfdae_ok, sfdae_illegal_argument, c_associated(record) .and. c_associated(xdot))
+  end function call_surface
 
   ! ---- Modes and transitions ----------------------------------------------------------------
 
@@ -272,6 +322,33 @@ contains
     self%transitions => holder
     if (present(number)) number = added + 1
   end subroutine hybrid_add_transition
+
+  !> Adds the switch between two modes, and the mode of the motion along its surface.
+  recursive subroutine hybrid_add_switch(self, switch, status, name, mode)
+    class(dae_hybrid), intent(inout) :: self
+    !> Is not needed any more afterwards.
+    class(dae_switch), target, intent(inout) :: switch
+    integer(c_int), intent(out) :: status
+    !> Of the sliding mode.
+    character(len=*), intent(in), optional :: name
+    !> Its number.
+    integer(c_int), intent(inout), optional :: mode
+    type(switch_holder), target :: holder
+    integer(c_int) :: number
+
+    call check_call(self, status)
+    if (status < 0) return
+    holder%switch => switch
+    holder%num_unknowns = self%num_unknowns
+    if (present(name)) then
+      status = c_add_switch(self%handle, switch%below - 1, switch%above - 1, &
+        address_of_equations_function(call_surface), c_loc(holder), text_in_c(name), number)
+    else
+      status = c_add_switch(self%handle, switch%below - 1, switch%above - 1, &
+        address_of_equations_function(call_surface), c_loc(holder), text_in_c(""), number)
+    end if
+    if (status >= 0 .and. present(mode)) mode = number + 1
+  end subroutine hybrid_add_switch
 
   ! ---- Integration --------------------------------------------------------------------------
 

@@ -38,6 +38,7 @@ MEMBER_NAMES = {
 # Pointers to numbers among the arguments of functions are arrays, but for these: a single number,
 SINGLE = {
     ("sfdae_add_mode", "mode"),
+    ("sfdae_add_switch", "mode"),
     ("sfdae_add_transition", "number"),
     ("sfdae_advance_hybrid", "t"),
     ("sfdae_advance_to_transition", "t"),

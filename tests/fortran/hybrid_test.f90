@@ -3,7 +3,7 @@
 ! Hybrid systems from Fortran.
 module hybrid_problems
   use, intrinsic :: iso_c_binding, only: c_int, dp => c_double
-  use sfdae, only: dae_transition, expression, nonlinear_dae, assignment(=), operator(+), &
+  use sfdae, only: dae_switch, dae_transition, expression, nonlinear_dae, assignment(=), operator(+), &
     operator(-), operator(*)
   implicit none
   private
@@ -20,6 +20,19 @@ module hybrid_problems
   contains
     procedure :: equations => flight_equations
   end type flight_dae
+
+  !> x' = -2 right of x = y, else 2; y' = 1.5 right of it, else -3.
+  type, extends(nonlinear_dae), public :: corner_dae
+    real(dp) :: right = 0
+  contains
+    procedure :: equations => corner_equations
+  end type corner_dae
+
+  !> x = y.
+  type, extends(dae_switch), public :: diagonal
+  contains
+    procedure :: surface => diagonal_surface
+  end type diagonal
 
   !> Where the voltages differ by 2.
   type, extends(dae_transition), public :: closing
@@ -59,6 +72,26 @@ contains
     residual(1) = xdot(1) - x(2)
     residual(2) = xdot(2) + 9.81_dp
   end subroutine flight_equations
+
+  subroutine corner_equations(self, t, x, xdot, residual)
+    class(corner_dae), intent(inout) :: self
+    type(expression), intent(in) :: t
+    type(expression), intent(in) :: x(:)
+    type(expression), intent(in) :: xdot(:)
+    type(expression), intent(inout) :: residual(:)
+
+    residual(1) = xdot(1) - 2 + 4 * self%right
+    residual(2) = xdot(2) + 3 - 4.5_dp * self%right
+  end subroutine corner_equations
+
+  subroutine diagonal_surface(self, t, x, g)
+    class(diagonal), intent(inout) :: self
+    type(expression), intent(in) :: t
+    type(expression), intent(in) :: x(:)
+    type(expression), intent(inout) :: g
+
+    g = x(1) - x(2)
+  end subroutine diagonal_surface
 
   subroutine closing_eval(self, t, x, xdot, g, status)
     class(closing), intent(inout) :: self
@@ -110,15 +143,58 @@ program hybrid_test
   use sfdae, only: dae_hybrid, dae_solution, dae_solver, sfdae_event, sfdae_illegal_argument, &
     sfdae_mode, sfdae_not_started, sfdae_ok, sfdae_passage, sfdae_statistics, &
     sfdae_transition_zero, sfdae_zeno
-  use hybrid_problems, only: bounce, capacitors_dae, closing, flight_dae
+  use hybrid_problems, only: bounce, capacitors_dae, closing, corner_dae, diagonal, flight_dae
   use test_support, only: check, check_status, finish
   implicit none
 
   call keeps_charge()
   call accumulates()
+  call slides()
   call finish()
 
 contains
+
+  subroutine slides()
+    type(corner_dae), target :: problems(2)
+    type(dae_solver) :: solvers(2)
+    type(dae_hybrid) :: hybrid
+    type(diagonal) :: surface
+    type(sfdae_passage) :: passage
+    integer(c_int) :: status, number
+    real(dp) :: t, x(2)
+    integer :: k
+
+    call hybrid%add_switch(surface, status)
+    call check_status(status, sfdae_illegal_argument, "add_switch before create")
+    call hybrid%create(status)
+    do k = 1, 2
+      problems(k)%num_equations = 2
+      problems(k)%num_unknowns = 2
+      problems(k)%right = k - 1
+      call solvers(k)%create(problems(k), status)
+      call hybrid%add_mode(solvers(k), status)
+    end do
+    call hybrid%add_switch(surface, status)
+    call check_status(status, sfdae_illegal_argument, "modes that there are not")
+    surface%below = 1
+    surface%above = 2
+    call hybrid%add_switch(surface, status, "along", number)
+    call check_status(status, sfdae_ok, "add_switch")
+    call check(number == 3, "the sliding mode")
+    x = [1.5_dp, 1.0_dp]
+    call hybrid%start(2, 0.0_dp, 1.0_dp, x, status)
+    call check_status(status, sfdae_ok, "start")
+    call hybrid%advance(1.0_dp, t, x, status)
+    call check_status(status, sfdae_ok, "advance along the surface")
+    call check(maxval(abs(x - 217.0_dp / 238.0_dp)) < 1.0e-5_dp, "x(1) = y(1) = 217 / 238")
+    call hybrid%get_passage(1_c_long, passage, status)
+    call check(passage%from == 2 .and. passage%to == 3 .and. passage%transition == 2, "to the surface")
+    call hybrid%destroy(status)
+    do k = 1, 2
+      call solvers(k)%destroy(status)
+      call check_status(status, sfdae_ok, "destroy")
+    end do
+  end subroutine slides
 
   subroutine keeps_charge()
     type(capacitors_dae), target :: problems(2)

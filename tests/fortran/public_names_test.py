@@ -13,7 +13,7 @@ import sys
 
 OWN_NAMES = """
     dae_descriptor dae_ensemble dae_ensemble_monitor dae_ensemble_results dae_events dae_hybrid dae_linearization
-    dae_monitor dae_options dae_sensitivities dae_solution dae_solver dae_transition derivative_dae
+    dae_monitor dae_options dae_sensitivities dae_solution dae_solver dae_switch dae_transition derivative_dae
     kinematic_multibody_dae linear_dae multibody_dae multibody_formulas nonlinear_dae recorded_linear_dae
     recorded_multibody_dae sfdae_check_linear sfdae_check_multibody sfdae_check_nonlinear sfdae_status_name
     sfdae_version sparsity_pattern
