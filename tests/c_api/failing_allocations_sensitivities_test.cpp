@@ -64,5 +64,40 @@ TEST_P(Methods, WithSensitivities) {
                    1e-2});
 }
 
+Call keep_steps() {
+  return {"keep steps", [](Session& s) {
+            const char* const names[] = {"g", nullptr};
+            const double directions[] = {0, 0, 0, 0, 0, 0, 1, 0, 0, 0};
+            sfdae_sensitivity_options options;
+            sfdae_sensitivity_options_init(&options, sizeof options);
+            options.adjoint = 1;
+            return armed([&] { return sfdae_set_sensitivities(s.solver, 2, names, directions, &options); });
+          }};
+}
+
+Call gradient() {
+  return {"get_gradient", [](Session& s) {
+            const double times[] = {0.3, s.t}, weights[] = {1, 0, 0, 0, 0, 0, 1, 0, 0, 2};
+            std::vector<double> result(2, -7.0);
+            const int status =
+                armed([&] { return sfdae_get_gradient(s.solver, 2, times, 1, weights, result.data()); });
+            if (status < 0) {
+              EXPECT_EQ(result, std::vector<double>(2, -7.0));
+              return status;
+            }
+            s.result = result;
+            return status;
+          }};
+}
+
+TEST_P(Methods, WithGradients) {
+  const std::vector<double> x = {1.0, 0.0, 0.0, 0.0, 0.0};
+  run_with_faults({"gradients",
+                   x,
+                   {create_call(create_pendulum, options_of(GetParam(), 1e-3)), keep_steps(), start("start", x),
+                    advance("advance", 0.3), advance("across a kink", 0.7), gradient()},
+                   1e-2});
+}
+
 }  // namespace
 }  // namespace sfdae::test
