@@ -373,8 +373,8 @@ TEST(Sliding, NamesMotionAlongTwoSurfaces) {
 
 // What ends the modes ends sliding between them: a condition at v = 0.3, a time.
 TEST(Sliding, EndsByTransitionsOfItsModes) {
-  System system(2, corner, difference, options_at(1e-9, SFDAE_METHOD_BDF));
   sfdae::Solver rest = solver_of(2, [](const auto&, auto, auto xdot, auto F) { F[0] = xdot[0], F[1] = xdot[1]; });
+  System system(2, corner, difference, options_at(1e-9, SFDAE_METHOD_BDF));
   const int resting = system.hybrid.add_mode(rest, "rest");
   sfdae::Transition low;
   low.from = 1, low.to = resting;
