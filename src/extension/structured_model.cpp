@@ -14,7 +14,7 @@ namespace sfdae::core {
 namespace {
 
 // Columns of the derivative array from which on the extension is faster, as a rule (docs/decisions/47-minimal-extension.md).
-constexpr double least_array = 150.0;
+constexpr double least_array = 100.0;
 
 }  // namespace
 
