@@ -8,6 +8,7 @@
 
 #include "linalg/index.h"
 #include "problem/differences.h"
+#include "problem/factorials.h"
 
 namespace sfdae::core {
 
@@ -125,32 +126,23 @@ double NonlinearEquations::noise() const {
 }
 
 const double* NonlinearEquations::derivatives_of(const double* jet, int order) {
-  const std::size_t size = index(n());
-  derivatives_.resize(size * index(order + 1));
-  double factorial = 1.0;
-  for (int k = 0; k <= order; ++k) {
-    factorial *= std::max(k, 1);
-    for (std::size_t i = 0; i < size; ++i) derivatives_[size * index(k) + i] = factorial * jet[size * index(k) + i];
-  }
+  derivatives_of_jet(jet, index(n()), order, derivatives_);
   return derivatives_.data();
 }
 
 CallbackError NonlinearEquations::coefficient(double t, const double* jet, int k, double* F) {
   CallbackError error = problem_.call(t, k, derivatives_of(jet, k + 1), {F});
-  double factorial = 1.0;
-  for (int r = 2; r <= k; ++r) factorial *= r;
-  for (int i = 0; i < m(); ++i) F[i] /= factorial;
+  for (int i = 0; i < m(); ++i) F[i] /= factorial(k);
   return error;
 }
 
 CallbackError NonlinearEquations::coefficient_of_entries(double t, const double* jet, int k, double* F_x,
                                                          double* F_xdot) {
   CallbackError error = problem_.call_entries(t, k, derivatives_of(jet, k + 1), {F_.data(), F_x, F_xdot});
-  double factorial = 1.0;
-  for (int r = 2; r <= k; ++r) factorial *= r;
   if (k < 2) return error;
-  for (int e = 0; e < problem_.patterns()->F_x.entries(); ++e) F_x[e] /= factorial;
-  for (int e = 0; e < problem_.patterns()->F_xdot.entries(); ++e) F_xdot[e] /= factorial;
+  const double divisor = factorial(k);
+  for (int e = 0; e < problem_.patterns()->F_x.entries(); ++e) F_x[e] /= divisor;
+  for (int e = 0; e < problem_.patterns()->F_xdot.entries(); ++e) F_xdot[e] /= divisor;
   return error;
 }
 
@@ -170,9 +162,7 @@ CallbackError LinearEquations::extend(char which, double t, int k, Series& serie
                                          : problem_.call_entries(which, t, order, values.data());
       if (error.status != SFDAE_OK) return error;
     }
-    double factorial = 1.0;
-    for (int r = 2; r <= order; ++r) factorial *= r;
-    for (double& value : values) value /= factorial;
+    for (double& value : values) value /= factorial(order);
     series.coefficients.push_back(std::move(values));
   }
   return {};

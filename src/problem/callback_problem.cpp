@@ -7,6 +7,7 @@
 
 #include "linalg/index.h"
 #include "linalg/matrix.h"
+#include "problem/factorials.h"
 #include "problem/failure.h"
 
 namespace sfdae::core {
@@ -64,13 +65,7 @@ void CallbackProblem::set_patterns(std::shared_ptr<const JacobianPatterns> patte
 }
 
 void CallbackProblem::to_derivatives(const double* jet, int order) {
-  const std::size_t size = index(n());
-  derivatives_.resize(size * index(order + 1));
-  double factorial = 1.0;
-  for (int k = 0; k <= order; ++k) {
-    factorial *= std::max(k, 1);
-    for (std::size_t i = 0; i < size; ++i) derivatives_[size * index(k) + i] = factorial * jet[size * index(k) + i];
-  }
+  derivatives_of_jet(jet, index(n()), order, derivatives_);
 }
 
 CallbackError CallbackProblem::check_finite(const char* name, const double* values, const ColumnPattern* pattern,
@@ -224,13 +219,11 @@ CallbackError CallbackProblem::probe(double t, const double* derivatives, const 
 
 CallbackError CallbackProblem::evaluate_values(double t, const double* jet, int order, double* F) {
   to_derivatives(jet, order + 1);
-  double factorial = 1.0;
   for (int k = 0; k <= order; ++k) {
-    factorial *= std::max(k, 1);
     double* F_k = F + index(m()) * index(k);
     const CallbackError error = call(t, k, derivatives_.data(), {F_k});
     if (error.status != SFDAE_OK) return error;
-    for (int i = 0; i < m(); ++i) F_k[i] /= factorial;
+    for (int i = 0; i < m(); ++i) F_k[i] /= factorial(k);
   }
   return {};
 }
@@ -239,18 +232,17 @@ CallbackError CallbackProblem::evaluate_gradients(double t, const double* jet, O
   const int highest = std::max({orders.E, orders.A, orders.f});
   to_derivatives(jet, highest + 1);
   unused_.resize(index(m()));
-  double factorial = 1.0;
   for (int k = 0; k <= highest; ++k) {
-    factorial *= std::max(k, 1);
+    const double scale = 1.0 / factorial(k);
     double* F = k <= orders.f ? data.f(k) : unused_.data();
     double* A = k <= orders.A ? data.A(k).data : nullptr;
     double* E = k <= orders.E ? data.E(k).data : nullptr;
     const CallbackError error = call(t, k, derivatives_.data(), {F, A, E});
     if (error.status != SFDAE_OK) return error;
     const std::size_t area = index(m()) * index(n());
-    multiply_all(1.0 / factorial, F, index(m()));
-    if (A != nullptr) multiply_all(1.0 / factorial, A, area);
-    if (E != nullptr) multiply_all(1.0 / factorial, E, area);
+    multiply_all(scale, F, index(m()));
+    if (A != nullptr) multiply_all(scale, A, area);
+    if (E != nullptr) multiply_all(scale, E, area);
   }
   return {};
 }

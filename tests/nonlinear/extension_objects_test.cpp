@@ -4,42 +4,11 @@
 
 #include <cstddef>
 #include <cstring>
-#include <type_traits>
 #include <vector>
 
-#include "nonlinear_run.h"
-#include "sparse_system.h"
+#include "sparse_run.h"
 
 namespace sfdae_test {
-
-namespace {
-
-sfdae_options with_structure(int structure) {
-  sfdae_options options = options_with(1e-6);
-  options.structure = structure;
-  return options;
-}
-
-// In units of time in which it takes `unit` of them for what takes 1 otherwise.
-NonlinearEquations in_units(const SparseSystem& system, double unit) {
-  return equations_of(system.n(), system.n(),
-                      [&system, unit](const auto& t, const auto* x, const auto* xdot, auto* F) {
-                        std::vector<std::decay_t<decltype(*x)>> slopes;
-                        for (int i = 0; i < system.n(); ++i) slopes.push_back(xdot[i] * unit);
-                        system.residual(t * (1.0 / unit), x, slopes.data(), F);
-                      });
-}
-
-void pendulum_equations(sfdae_record*, const Expression&, const Expression* x, const Expression* xdot,
-                        Expression* F) {
-  F[0] = xdot[0] - x[2];
-  F[1] = xdot[1] - x[3];
-  F[2] = xdot[2] + x[0] * x[4];
-  F[3] = xdot[3] + x[1] * x[4] + 9.81;
-  F[4] = x[0] * x[0] + x[1] * x[1] - 1.0;
-}
-
-}  // namespace
 
 // What is confirmed in one unit is confirmed in others: microseconds, hours.
 TEST(ExtensionObjects, HaveTheIndexInAnyUnitOfTime) {
@@ -49,7 +18,7 @@ TEST(ExtensionObjects, HaveTheIndexInAnyUnitOfTime) {
     bool is_confirmed = true;
     for (const double unit : {1.0, 1e-3, 1e-5, 1e2}) {
       SCOPED_TRACE(testing::Message() << seed << ", " << unit);
-      NonlinearRun run(in_units(system, unit), with_structure(SFDAE_STRUCTURE_REQUIRED));
+      NonlinearRun run(in_units(system, unit), options_of(SFDAE_STRUCTURE_REQUIRED));
       const int status = run.analyze(0.2 * unit, unit, system.exact(0.2));
       if (unit == 1.0) is_confirmed = status == SFDAE_OK;
       if (!is_confirmed) continue;
@@ -68,7 +37,7 @@ TEST(ExtensionObjects, FitTheCharacteristicValues) {
     for (const double unit : {1e-9, 1e-5, 1.0, 1e5, 1e9}) {
       SCOPED_TRACE(testing::Message() << seed << ", " << unit);
       const SparseSystem system(seed, SparseSystem::Mixing::none);
-      NonlinearRun run(in_units(system, unit), with_structure(SFDAE_STRUCTURE_REQUIRED));
+      NonlinearRun run(in_units(system, unit), options_of(SFDAE_STRUCTURE_REQUIRED));
       if (run.analyze(0.2 * unit, unit, system.exact(0.2)) < 0) continue;
       const std::size_t n = static_cast<std::size_t>(system.n()), a = static_cast<std::size_t>(run.values().a),
                         rows = (static_cast<std::size_t>(run.values().mu) + 1) * n;
@@ -88,9 +57,8 @@ TEST(ExtensionObjects, CheckpointsThatAreRefusedChangeNothing) {
   const int structures[] = {SFDAE_STRUCTURE_REQUIRED, SFDAE_STRUCTURE_OFF};
   for (const int own : structures)
     for (const int other : structures) {
-      NonlinearRun from({5, 5, pendulum_equations}, with_structure(other)),
-          run({5, 5, pendulum_equations}, with_structure(own)),
-          alone({5, 5, pendulum_equations}, with_structure(own));
+      NonlinearRun from({5, 5, pendulum_equations}, options_of(other)),
+          run({5, 5, pendulum_equations}, options_of(own)), alone({5, 5, pendulum_equations}, options_of(own));
       ASSERT_GE(from.integrate(0.0, 0.5, start), 0);
       std::size_t length = 0;
       ASSERT_EQ(sfdae_get_checkpoint_length(from.solver(), &length), SFDAE_OK);
@@ -113,7 +81,7 @@ TEST(ExtensionObjects, ConsistentValuesStayWhereSomeAreFixed) {
   for (unsigned seed = 1; seed <= 400; ++seed) {
     const SparseSystem system(seed, SparseSystem::Mixing::none);
     const std::vector<double> exact = system.exact(0.3);
-    sfdae_options options = with_structure(SFDAE_STRUCTURE_REQUIRED);
+    sfdae_options options = options_of(SFDAE_STRUCTURE_REQUIRED);
     options.rtol = options.atol = 1e-9;
     std::vector<int> fixed(exact.size(), 0);
     fixed[seed % exact.size()] = 1;
@@ -130,7 +98,7 @@ TEST(ExtensionObjects, CheckpointsKnowPointsWithinTheLastStep) {
   for (const int method : {SFDAE_METHOD_BDF, SFDAE_METHOD_RADAU})
     for (const int structure : {SFDAE_STRUCTURE_REQUIRED, SFDAE_STRUCTURE_OFF}) {
       SCOPED_TRACE(testing::Message() << method << ", " << structure);
-      sfdae_options options = with_structure(structure);
+      sfdae_options options = options_of(structure);
       options.method = method;
       const std::vector<double> start = {0.6, -0.8, 0.0, 0.0, 0.0};
       NonlinearRun run({5, 5, pendulum_equations}, options), restored({5, 5, pendulum_equations}, options);

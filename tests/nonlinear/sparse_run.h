@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 #include <vector>
 
 #include "nonlinear_run.h"
@@ -18,6 +19,16 @@ inline NonlinearEquations equations_of(const SparseSystem& system) {
   return equations_of(system.n(), system.n(), [&system](const auto& t, const auto* x, const auto* xdot, auto* F) {
     system.residual(t, x, xdot, F);
   });
+}
+
+// In a time of which the system's unit has `unit`: the system lives longer.
+inline NonlinearEquations in_units(const SparseSystem& system, double unit) {
+  return equations_of(system.n(), system.n(),
+                      [&system, unit](const auto& t, const auto* x, const auto* xdot, auto* F) {
+                        std::vector<std::decay_t<decltype(*x)>> slopes;
+                        for (int i = 0; i < system.n(); ++i) slopes.push_back(xdot[i] * unit);
+                        system.residual(t * (1.0 / unit), x, slopes.data(), F);
+                      });
 }
 
 inline sfdae_options options_of(int structure, int method = SFDAE_METHOD_BDF) {

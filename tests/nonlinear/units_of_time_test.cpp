@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <type_traits>
 #include <vector>
 
 #include "family_run.h"
@@ -12,16 +11,6 @@
 namespace sfdae_test {
 
 namespace {
-
-// What takes 1 takes `unit`.
-NonlinearEquations in_units(const SparseSystem& system, double unit) {
-  return equations_of(system.n(), system.n(),
-                      [&system, unit](const auto& t, const auto* x, const auto* xdot, auto* F) {
-                        std::vector<std::decay_t<decltype(*x)>> slopes;
-                        for (int i = 0; i < system.n(); ++i) slopes.push_back(xdot[i] * unit);
-                        system.residual(t * (1.0 / unit), x, slopes.data(), F);
-                      });
-}
 
 constexpr SparseSystem::Mixing mixings[] = {SparseSystem::Mixing::none, SparseSystem::Mixing::any};
 
