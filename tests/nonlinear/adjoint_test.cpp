@@ -105,6 +105,38 @@ TEST_P(RandomGradients, AreExactForAnyIndex) {
   for (int count : solved) EXPECT_GE(count, 2);
 }
 
+// Start values of the second piece as parameters; what it has by these are weights at the end of the first one.
+TEST_P(RandomGradients, GoThroughPieces) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const TransformedSystem system(seed);
+    SCOPED_TRACE("seed " + std::to_string(seed) + ", mu = " + std::to_string(system.mu()));
+    const int n = system.n();
+    const sfdae::Options options = options_with(1e-9, GetParam());
+    Journey first{{}, {}, {0.0, 1.0}}, second{{}, {}, {1.0, 2.0}};
+    first.wanted.parameters = second.wanted.parameters = {"p", "q"};
+    Matrix S_start, S_middle, S_end;
+    std::vector<double> x;
+    system.exact(0.0, first.point.x, S_start);
+    system.exact(1.0, second.point.x, S_middle);
+    system.exact(2.0, x, S_end);
+    second.point.t = 1.0;
+    first.wanted.directions = S_start;
+    second.wanted.parameters.resize(std::size_t(2 + n));
+    second.wanted.directions = Matrix(n, 2 + n);
+    for (int j = 0; j < n; ++j) second.wanted.directions(j, 2 + j) = 1;
+    Matrix at_end(n, 4), at_middle(n, 4);
+    for (int q = 0; q < 2; ++q)
+      for (int i = 0; i < n; ++i) at_end(i, 1 + 2 * q) = std::cos(1.0 + i + 3 * q + seed);
+    const Matrix later = adjoint_gradient(system.problem(), options, second, at_end);
+    for (int q = 0; q < 2; ++q)
+      for (int i = 0; i < n; ++i) at_middle(i, 1 + 2 * q) = later(2 + i, q);
+    Matrix gradient = adjoint_gradient(system.problem(), options, first, at_middle);
+    for (int q = 0; q < 2; ++q)
+      for (int j = 0; j < 2; ++j) gradient(j, q) += later(j, q);
+    EXPECT_LE(largest_error(gradient, gradient_of({S_start, S_end}, at_end)), 1e-6);
+  }
+}
+
 // To rounding, whatever the tolerance, as it is the adjoint of the steps.
 TEST_P(RandomGradients, AreThoseOfForwardSensitivities) {
   for (double tolerance : {1e-4, 1e-8}) {
