@@ -19,10 +19,9 @@ void ExtensionStages::predict(const StageEquations& equations, const JetHistory&
   const double h = equations.t_end - equations.t;
   s_ = method.s;
   const std::size_t stages = index(s_), size = index(extension_.num_rows()) * stages + 1;
-  if (starts_.size() < stages) {
-    starts_.resize(stages, history.accepted());
-    jets_.resize(stages, history.accepted());
-  }
+  // Either may have been left out where memory was missing.
+  for (std::vector<Jet>* jets : {&starts_, &jets_})
+    if (jets->size() < stages) jets->resize(stages, history.accepted());
   for (auto* v : {&r_, &z_})
     if (v->size() < size) v->resize(size);
   pair_.resize(index(extension_.num_rows()) + 1);
