@@ -21,6 +21,12 @@ bool has_exact_inverse(double value) {
   return std::fabs(std::frexp(value, &exponent)) == 0.5 && exponent > -1000 && exponent < 1000;
 }
 
+// For one more, which can be added then without failing.
+template <class Entry>
+void make_room(std::vector<Entry>& entries) {
+  if (entries.size() == entries.capacity()) entries.reserve(2 * entries.size() + 16);
+}
+
 }  // namespace
 
 std::size_t Recorder::Hash::operator()(const std::array<int, 4>& key) const {
@@ -35,7 +41,10 @@ std::optional<double> Recorder::number(int i) const {
   return parts_.constants[index(node(i).a)];
 }
 
+// Where memory is missing nothing is added, and recording goes on.
 int Recorder::intern(const Node& node) {
+  make_room(dependence_);
+  make_room(parts_.nodes);
   const auto [place, is_new] =
       known_.try_emplace({static_cast<int>(node.operation), node.a, node.b, node.c}, num_nodes());
   if (is_new) {
@@ -47,6 +56,7 @@ int Recorder::intern(const Node& node) {
 
 int Recorder::constant(double value) {
   if (value == 0.0) value = 0.0;  // -0 is 0
+  make_room(parts_.constants);
   const auto [place, is_new] =
       constants_.try_emplace(std::bit_cast<std::uint64_t>(value), static_cast<int>(parts_.constants.size()));
   if (is_new) parts_.constants.push_back(value);

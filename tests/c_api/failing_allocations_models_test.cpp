@@ -62,6 +62,15 @@ Call export_source(int language) {
           }};
 }
 
+// Every allocation of a recording fails once: what is recorded after that has lost nothing that it refers to.
+TEST_P(Models, AreRecorded) {
+  const std::vector<double> x = {1.0, 0.0, 0.0, 0.0, 0.0};
+  Sequence sequence{
+      "recording", x, {create_call(create_pendulum, options_of(GetParam(), 1e-4)), start("start", x)}, 1e-3};
+  sequence.density = 10000;
+  run_with_faults(sequence);
+}
+
 TEST_P(Models, AreWritten) {
   const std::vector<double> x = {1.0, 0.0, 0.0, 0.0, 0.0};
   run_with_faults(
