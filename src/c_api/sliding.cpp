@@ -267,7 +267,8 @@ extern "C" int sfdae_add_switch(sfdae_hybrid* hybrid, int below, int above, sfda
     const int added = static_cast<int>(hybrid->modes.size());
     try {
       sfdae_solver &first = *hybrid->modes[index(below)].solver, &second = *hybrid->modes[index(above)].solver;
-      std::shared_ptr<const Record> record = record_equations(surface, 1, hybrid->n(), user);
+      std::shared_ptr<const Record> record =
+          record_equations(surface, 1, hybrid->n(), user, EquationNames({"the surface of a switch"}));
       add_sliding(*hybrid,
                   std::make_unique<Switch>(Switch::Modes{below, above, added}, first, second, std::move(record)),
                   name);

@@ -394,6 +394,28 @@ TEST(Sliding, EndsByTransitionsOfItsModes) {
   EXPECT_EQ(system.hybrid.passage(1).t, 0.25);
 }
 
+// Two conditions that always hold: transitions at one time, which have no times between them.
+TEST(Sliding, NamesModesThatAreLeftAtOnce) {
+  sfdae::Solver first = solver_of(1, on_base(0)), second = solver_of(1, on_base(1));
+  sfdae::Hybrid hybrid;
+  hybrid.add_mode(first);
+  hybrid.add_mode(second);
+  for (int from : {0, 1}) {
+    sfdae::Transition always;
+    always.from = from, always.to = 1 - from;
+    always.function = [](double, auto, auto) { return 1.0; };
+    hybrid.add_transition(always);
+  }
+  sfdae::Point point{0.5, {1}, {}};
+  try {
+    hybrid.start(0, point, 1);
+    FAIL();
+  } catch (const sfdae::Error& error) {
+    EXPECT_EQ(error.status(), SFDAE_ZENO);
+    EXPECT_EQ(hybrid.accumulation(), 0.5) << error.what();
+  }
+}
+
 // What cannot be combined, and a word that names it.
 TEST(Sliding, RefusesWhatCannotBeCombined) {
   struct Case {
