@@ -93,7 +93,7 @@ SFDAE_API int sfdae_add_transition(sfdae_hybrid* hybrid, const sfdae_transition*
  *
  * At g = 0 the rate of g is looked at in both modes. Where the other mode leads on, or its values are beyond the surface by a
  * jump, it is entered as by a condition. Sliding is left where s is clearly outside of 0 ... 1. Where the modes lead away from the surface to
- * both sides, nothing says where to go: sfdae_start_hybrid in the sliding mode refuses that (SFDAE_NO_CONSISTENT_VALUES).
+ * both sides, nothing says where to go: starts in the sliding mode and your transitions to it are refused (SFDAE_NO_CONSISTENT_VALUES).
  *
  * below, above: modes with recorded equations (any of the create functions), nothing prescribed, no sliding modes.
  * surface: writes g as residual[0]; it contains t and x, no x'; called once. Its parameters have the values that the mode

@@ -123,7 +123,7 @@ CallResult with_analysis(sfdae_hybrid& hybrid, int to, const double* x,
                          const std::function<int(sfdae_solver*)>& call);
 // Where a switch leads to: `to`, or along the surface if that mode leads back.
 CallResult choose_mode(sfdae_hybrid& hybrid, const HybridTransition& transition, int& to);
-// Before a start in a sliding mode: the part of the mode above. Fails where the surface does not attract.
+// Before a sliding mode begins other than by its switch: the part of the mode above. Fails where the surface does not attract.
 CallResult prepare_sliding(sfdae_hybrid& hybrid, int mode);
 // Surfaces and sliding modes for the values that parameters have now.
 CallResult update_switches(sfdae_hybrid& hybrid);

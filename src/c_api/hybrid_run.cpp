@@ -136,7 +136,8 @@ CallResult pass(sfdae_hybrid& hybrid, int number) {
   given.from = run.mode;
   count_short_visit(run);
   leave(hybrid);
-  CallResult result = transition.surface != nullptr ? choose_mode(hybrid, transition, given.to) : CallResult{};
+  CallResult result =
+      transition.surface != nullptr ? choose_mode(hybrid, transition, given.to) : prepare_sliding(hybrid, given.to);
   if (result.status >= 0) result = find_values_after(hybrid, given);
   if (result.status >= 0) {
     keep_warning(run, std::move(result));

@@ -197,8 +197,13 @@ CallResult update_switches(sfdae_hybrid& hybrid) {
       return {failure.status(), hybrid.name_of(mode) + ": " + failure.what()};
     }
     hybrid.modes[index(mode)].solver = each->solver();
+    // Until the new solver has its events nothing can go on.
+    const bool were_set = std::exchange(hybrid.events_are_set, false);
+    const int present = std::exchange(hybrid.run.mode, -1);
     CallResult result = set_events_of(hybrid, mode);
     if (result.status < 0) return result;
+    hybrid.events_are_set = were_set;
+    hybrid.run.mode = present;
   }
   return {};
 }

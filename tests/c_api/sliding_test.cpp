@@ -394,6 +394,38 @@ TEST(Sliding, EndsByTransitionsOfItsModes) {
   EXPECT_EQ(system.hybrid.passage(1).t, 0.25);
 }
 
+// Transitions of the user's to the sliding mode: at a time at which the system is on the surface.
+TEST(Sliding, BeginsByTransitionsWhereTheSurfaceAttracts) {
+  for (const bool attracts : {true, false}) {
+    const auto fields = [attracts](int above) -> Equations {
+      return [above, attracts](const auto&, auto, auto xdot, auto F) {
+        F[0] = xdot[0] - ((above != 0) == attracts ? -1 : 1);
+        F[1] = xdot[1] - 2.0 * above;
+      };
+    };
+    const auto surface = [](const auto&, auto x) { return x[0]; };
+    sfdae::Solver rest = solver_of(2, [](const auto&, auto, auto xdot, auto F) { F[0] = xdot[0], F[1] = xdot[1]; });
+    System system(2, fields, surface);
+    const int resting = system.hybrid.add_mode(rest, "rest");
+    sfdae::Transition go;
+    go.from = resting, go.to = 2, go.kind = SFDAE_TRANSITION_TIME, go.time = 1;
+    system.hybrid.add_transition(go);
+    system.start(resting, {0, 0}, 3);
+    if (attracts) {
+      EXPECT_NEAR(system.at(3)[1], 2, 1e-5);
+      EXPECT_EQ(system.modes(), "2");
+    } else {
+      try {
+        system.at(3);
+        FAIL();
+      } catch (const sfdae::Error& error) {
+        EXPECT_EQ(error.status(), SFDAE_NO_CONSISTENT_VALUES) << error.what();
+        EXPECT_EQ(system.point.t, 1);
+      }
+    }
+  }
+}
+
 // Two conditions that always hold: transitions at one time, which have no times between them.
 TEST(Sliding, NamesModesThatAreLeftAtOnce) {
   sfdae::Solver first = solver_of(1, on_base(0)), second = solver_of(1, on_base(1));
