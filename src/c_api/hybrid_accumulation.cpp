@@ -44,8 +44,8 @@ std::optional<double> time_to_limit(const std::vector<double>& times) {
   if (times.size() < remembered) return std::nullopt;
   double least = std::numeric_limits<double>::infinity(), most = 0.0;
   for (std::size_t k = 2; k < times.size(); ++k) {
+    if (times[k - 1] == times[k - 2]) return std::nullopt;
     const double factor = (times[k] - times[k - 1]) / (times[k - 1] - times[k - 2]);
-    if (!std::isfinite(factor)) return std::nullopt;  // transitions at the same time
     least = std::min(least, factor);
     most = std::max(most, factor);
   }
