@@ -57,6 +57,8 @@ class TaylorEvaluator {
   bool entries(double t, const double* jet, int order, const std::vector<int>& limits, double* values);
 
   // Beyond rounding errors, relative: see EquationSource::noise.
+  // Functions of the user's, no formulas.
+  bool has_source() const { return source_ != nullptr; }
   double noise_of_entries() const { return source_ ? source_->noise() : 0.0; }
 
   // After false.

@@ -42,7 +42,7 @@ ExtensionChangeWatch::ExtensionChangeWatch(ExtensionSystem& system)
 bool ExtensionChangeWatch::measure(const Jet& jet, Sample& sample) {
   sample.jet = jet;
   sample.jet.set_order(determinants_.jet_order());
-  return determinants_.measure(sample.jet, sample.values);
+  return determinants_.measure(sample.t(), sample.jet.x.data(), sample.values);
 }
 
 void ExtensionChangeWatch::start(double direction) {
@@ -105,7 +105,7 @@ bool ExtensionChangeWatch::measure_between(double part) {
   jet = last_.jet;
   jet.t = last_.t() + part * (now_.t() - last_.t());
   for (std::size_t i = 0; i < jet.x.size(); ++i) jet.x[i] += part * (now_.jet.x[i] - last_.jet.x[i]);
-  return determinants_.measure(jet, between_.values);
+  return determinants_.measure(jet.t, jet.x.data(), between_.values);
 }
 
 double ExtensionChangeWatch::find_turn(int block) {
@@ -196,7 +196,7 @@ void ExtensionChangeWatch::archive(Archive& archive, double direction) {
     if (!archive.is_reading()) continue;
     jet.n = system_.unknowns();
     jet.order = determinants_.jet_order();
-    if (!determinants_.measure(jet, newest_first[i]->values)) throw DamagedArchive();
+    if (!determinants_.measure(jet.t, jet.x.data(), newest_first[i]->values)) throw DamagedArchive();
   }
   if (!has_suspect) return;
   if (archive.is_reading()) suspect_.emplace();

@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
-#include "extension/block_determinants.h"
 #include "extension/extension_system.h"
+#include "structure/block_determinants.h"
 #include "system/change_watch.h"
 
 namespace sfdae::core {

@@ -55,6 +55,7 @@ void NonlinearChangeWatch::start(double direction) {
   direction_ = direction;
   samples_ = 0;
   suspect_.reset();
+  witness_.reset();
   failures_ = 0;
   expected_.reset();
   next_failure_ = failures_before_look;
@@ -156,7 +157,8 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_passed() {
     const bool has_dipped = fall.highest > 0.0 && fall.lowest <= dip * std::min(fall.highest, now);
     if (now < fall.highest && !has_dipped) continue;
     const bool is_confirmed = has_dipped && search_.kept(fall.at_highest, fall.at_lowest) <= dip &&
-                              search_.kept(jet, fall.at_lowest) <= dip;
+                              search_.kept(jet, fall.at_lowest) <= dip &&
+                              !witness().is_regular_at(fall.at_lowest, fall.at_highest, jet);
     const double t = fall.at_lowest.t;
     fall.highest = fall.lowest = now;
     fall.at_highest = fall.at_lowest = jet;
@@ -192,7 +194,9 @@ bool NonlinearChangeWatch::is_short(double t_last) const {
 std::optional<LocatedChange> NonlinearChangeWatch::change_at(double t, double t_last) {
   const double step = std::fabs(system_.jet().t - t_last);
   const bool is_late = !is_after(t, t_last), is_final = is_late || is_short(t_last);
+  if (is_never_singular()) return std::nullopt;
   if (is_final) {
+    if (is_regular_at(t)) return std::nullopt;
     const std::optional<double> kept = search_.kept_consistently(t);
     if (kept ? *kept > not_fallen : is_late) return std::nullopt;
   }
@@ -207,6 +211,19 @@ std::optional<LocatedChange> NonlinearChangeWatch::change_at(double t, double t_
   if (change.new_values == system_.analysis().values) change.new_values = {};
   change.t_before = t - direction_ * std::max(beside * suspect_->step, roundings * unit_roundoff * std::fabs(t));
   return change;
+}
+
+StructuralWitness& NonlinearChangeWatch::witness() {
+  if (!witness_) witness_.emplace(system_.analyzed_equations(), first_);
+  return *witness_;
+}
+
+bool NonlinearChangeWatch::is_never_singular() { return witness().is_always_regular(); }
+
+// In the step that is tried: at a point of it that is consistent to rounding, not an interpolated one.
+bool NonlinearChangeWatch::is_regular_at(double t) {
+  const std::optional<Jet> jet = search_.consistent_at(t);
+  return jet && witness().is_regular_at(*jet, search_.course().newest(), system_.jet());
 }
 
 void NonlinearChangeWatch::shift(SingularitySample& sample) {
@@ -244,7 +261,8 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_ahead(double h) {
   search_.set_dip(dip);
   const std::optional<double> t = search_.find_ahead(h);
   std::optional<LocatedChange> change;
-  if (t && is_confirmed_ahead(*t, h) && search_.kept_consistently(*t).value_or(0.0) <= not_fallen) {
+  if (t && is_confirmed_ahead(*t, h) && search_.kept_consistently(*t).value_or(0.0) <= not_fallen &&
+      !is_regular_at(*t)) {
     change.emplace();
     change->t_before = search_.course().newest().t;
     change->t = *t;
@@ -280,7 +298,8 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_beyond() {
   const double kept = search_.kept(earlier, jet), kept_since_start = search_.kept(first_, jet);
   const bool is_falling = kept <= still_falling;
   if (kept_since_start > (is_falling ? fallen : dip)) return std::nullopt;
-  if (search_.kept_consistently(first_, jet).value_or(0.0) > not_fallen) return std::nullopt;
+  if (search_.kept_consistently_at_end(first_, jet).value_or(0.0) > not_fallen) return std::nullopt;
+  if (witness().is_regular_at(jet, first_, first_)) return std::nullopt;
   change.part = search_.fallen_part(jet);
   // As a square root, which is how determinants vanish where solutions end; or here, in steps that are tiny.
   change.t = is_falling ? t + (t - earlier.t) * kept * kept / (1.0 - kept * kept) : t;

@@ -15,6 +15,7 @@
 #include "system/nonlinear_system.h"
 #include "system/singularity_sample.h"
 #include "system/singularity_search.h"
+#include "system/structural_witness.h"
 
 namespace sfdae::core {
 
@@ -42,6 +43,9 @@ class NonlinearChangeWatch final : public ChangeWatch {
                                     const SingularitySample& now);
   std::optional<LocatedChange> change_at(double t, double t_last);
   bool is_confirmed_ahead(double t, double h) const;
+  bool is_never_singular();
+  bool is_regular_at(double t);
+  StructuralWitness& witness();
   void shift(SingularitySample& sample);
   void set_next_look();
 
@@ -64,6 +68,8 @@ class NonlinearChangeWatch final : public ChangeWatch {
   };
   Fall falls_[2];
   Jet first_;  // of the integration
+  // What the structure says; made when it is asked for first.
+  std::optional<StructuralWitness> witness_;
   // The singular point found last: where, and in a step of which size.
   struct Suspect {
     double t, step;

@@ -26,6 +26,9 @@ constexpr double resolution = 1e-9;
 constexpr double roundings = 8.0;
 // Consistent values that differ from the interpolated ones by more, relative, are those of another point.
 constexpr double nearness = 1e-3;
+// Where no step succeeds they may only say that nothing has vanished, which they do as well from where the errors of a run
+// at loose tolerances have led away from them.
+constexpr double nearness_at_end = 1e-2;
 // Corrections of interpolated values that are larger, relative, lead elsewhere.
 constexpr double largest_correction = 1e-2;
 // Of points that have converged to some tolerance: rounding is reached by two.
@@ -41,13 +44,13 @@ double size_of(const Jet& jet, const Units& units) {
   return size;
 }
 
-bool is_near(const std::vector<double>& x, const Jet& consistent, const Units& units) {
+bool is_near(const std::vector<double>& x, const Jet& consistent, const Units& units, double within) {
   double largest = 0.0, distance = 0.0;
   for (int i = 0; i < consistent.n; ++i) {
     largest = std::max(largest, std::fabs(x[index(i)]) / units[i]);
     distance = std::max(distance, std::fabs(x[index(i)] - consistent.x[index(i)]) / units[i]);
   }
-  return distance <= nearness * largest;
+  return distance <= within * largest;
 }
 
 }  // namespace
@@ -294,34 +297,43 @@ std::optional<double> SingularitySearch::find_ahead_of(double t, double before, 
 }
 
 // Calls the function with jets through values near those of a jet and the consistent one among them; not at all where there
-// are none, or where they are not found.
+// are none, or where they are not found. within: relative.
 template <class Use>
-void SingularitySearch::use_consistent(const Jet& jet, Use use) {
+void SingularitySearch::use_consistent(const Jet& jet, double within, Use use) {
   const std::vector<double> x(jet.x.begin(), jet.x.begin() + jet.n);
   try {
     ConsistentJets jets(problem_.problem(), jet.t, x.data(), {});
     jets.set_units(problem_.units());
     const Jet& consistent = jets.jet_at(jet.t, problem_.mu());
-    if (is_near(x, consistent, problem_.units())) use(jets, consistent);
+    if (is_near(x, consistent, problem_.units(), within)) use(jets, consistent);
   } catch (const Failure& failure) {
     if (ends_everything(failure.status())) throw;
   }
 }
 
-std::optional<double> SingularitySearch::kept_near(const Jet& jet) {
+std::optional<Jet> SingularitySearch::consistent_near(const Jet& jet, double within) {
   std::optional<Jet> found;
-  use_consistent(jet, [&](ConsistentJets&, const Jet& consistent) { found = consistent; });
+  use_consistent(jet, within, [&](ConsistentJets&, const Jet& consistent) { found = consistent; });
+  return found;
+}
+
+std::optional<Jet> SingularitySearch::consistent_at(double t) { return consistent_near(interpolated(t), nearness); }
+
+std::optional<double> SingularitySearch::kept_consistently(double t) { return kept_near(interpolated(t), nearness); }
+
+std::optional<double> SingularitySearch::kept_near(const Jet& jet, double within) {
+  const std::optional<Jet> found = consistent_near(jet, within);
   if (!found) return std::nullopt;
   return kept_of(*found);
 }
 
-std::optional<double> SingularitySearch::kept_consistently(const Jet& reference, const Jet& jet) {
-  return set_reference(reference) ? kept_near(jet) : std::nullopt;
+std::optional<double> SingularitySearch::kept_consistently_at_end(const Jet& reference, const Jet& jet) {
+  return set_reference(reference) ? kept_near(jet, nearness_at_end) : std::nullopt;
 }
 
 CharacteristicValues SingularitySearch::values_at(double t) {
   CharacteristicValues values;
-  use_consistent(interpolated(t), [&](ConsistentJets& jets, const Jet& consistent) {
+  use_consistent(interpolated(t), nearness, [&](ConsistentJets& jets, const Jet& consistent) {
     AnalysisSettings settings = problem_.settings();
     settings.rank_tol = std::max(settings.rank_tol, std::min(vanishing * kept_of(consistent), largest_tolerance));
     // Rows that vanish must not be scaled up, unless they are of very different size anyway.

@@ -52,8 +52,11 @@ class SingularitySearch {
   // What is kept at consistent values near those interpolated, of the smallest ones at the reference of the last
   // search: interpolated derivatives may be far from those of any solution where x is not. None where no consistent
   // values are near.
-  std::optional<double> kept_consistently(double t) { return kept_near(interpolated(t)); }
-  std::optional<double> kept_consistently(const Jet& reference, const Jet& jet);
+  std::optional<double> kept_consistently(double t);
+  // At a jet from which no step succeeds: values may be farther away.
+  std::optional<double> kept_consistently_at_end(const Jet& reference, const Jet& jet);
+  // The consistent jet near the interpolated one at t; none where none is near.
+  std::optional<Jet> consistent_at(double t);
   // The characteristic values at a singular point of the interpolated solution; undetermined where no consistent
   // values are found near.
   CharacteristicValues values_at(double t);
@@ -73,9 +76,10 @@ class SingularitySearch {
   void improve_course();
   bool set_reference(const Jet& jet);
   const Jet& interpolated(double t);
-  std::optional<double> kept_near(const Jet& jet);
+  std::optional<Jet> consistent_near(const Jet& jet, double within);
+  std::optional<double> kept_near(const Jet& jet, double within);
   template <class Use>
-  void use_consistent(const Jet& jet, Use use);
+  void use_consistent(const Jet& jet, double within, Use use);
   double kept_at(double t);
   Kept relative(const Jet& jet);
   double kept_of(const Jet& jet);

@@ -1,6 +1,6 @@
 // Determinants of the blocks of the system Jacobian.
 // SPDX-License-Identifier: BSD-3-Clause
-#include "extension/block_determinants.h"
+#include "structure/block_determinants.h"
 
 #include <algorithm>
 #include <utility>
@@ -89,10 +89,10 @@ BlockDeterminants::Value BlockDeterminants::value(const Block& block) {
   return {determinant.direction > 0.0 ? 1 : -1, determinant.log2};
 }
 
-bool BlockDeterminants::measure(const Jet& jet, std::vector<Value>& values) {
+bool BlockDeterminants::measure(double t, const double* jet, std::vector<Value>& values) {
   values.clear();
   if (blocks_.empty()) return true;
-  if (!jacobian_.evaluate(evaluator_, jet.t, jet.x.data())) return false;
+  if (!jacobian_.evaluate(evaluator_, t, jet)) return false;
   for (const Block& block : blocks_) values.push_back(value(block));
   return true;
 }

@@ -10,7 +10,6 @@
 #include "linalg/sparse_lu.h"
 #include "structure/structure.h"
 #include "structure/system_jacobian.h"
-#include "system/jet.h"
 
 namespace sfdae::core {
 
@@ -33,8 +32,9 @@ class BlockDeterminants {
   };
   // Of the jets wanted.
   int jet_order() const { return jacobian_.jet_order(); }
-  // At a jet of that order, at least; count() values. False: the equations cannot be evaluated there.
-  bool measure(const Jet& jet, std::vector<Value>& values);
+  // At t and x, x', ... (one column each) of a jet of that order, at least; count() values. False: the equations cannot be
+  // evaluated there.
+  bool measure(double t, const double* jet, std::vector<Value>& values);
 
  private:
   struct Block {
