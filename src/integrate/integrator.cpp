@@ -26,6 +26,9 @@ constexpr double nonlinear_safety = 0.2;
 constexpr double steps_ahead = 1e3;
 // A step is at least so many spacings of doubles near t, 2 unit_roundoff each.
 constexpr double least_roundings = 4.0;
+// Of tout: where t is smaller, steps are not shorter than roundings of this. (Chosen: Robertson's kinetics to 1e11 begin with
+// steps of 1e-7; DASSL takes all of tout.)
+constexpr double smallest_part_of_output = 1e-8;
 
 }  // namespace
 
@@ -81,8 +84,10 @@ void Integrator::restart(Method wanted, const IntegrationOptions& options) {
   must_restart = false;
 }
 
-double Integrator::smallest_step(double t, double tout) {
+double Integrator::resolution(double t, double tout) {
   return least_roundings * 2.0 * unit_roundoff * std::max(std::fabs(t), std::fabs(tout));
 }
+
+double Integrator::smallest_step(double t, double tout) { return resolution(t, smallest_part_of_output * tout); }
 
 }  // namespace sfdae::core

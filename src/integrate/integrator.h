@@ -30,7 +30,9 @@ struct Integrator {
   void restart(Method wanted, const IntegrationOptions& options);
 
   bool has_passed(double t) const { return (stepper->state().t - t) * direction >= 0.0; }
-  // Steps from t toward tout are not shorter.
+  // Times of this distance, between t and tout, are told apart.
+  static double resolution(double t, double tout);
+  // Steps from t toward tout are not shorter: what begins at 0 may take place in much shorter times than what ends at tout.
   static double smallest_step(double t, double tout);
 
   DaeSystem& system;

@@ -44,7 +44,7 @@ std::optional<double> next_kink(const IntegrationOptions& options, const StepFro
   if (options.breakpoints == nullptr) return std::nullopt;
   const std::optional<double> kink = options.breakpoints->next(step.t, step.direction);
   // The end of the data, as the user's arithmetic has it.
-  if (kink && std::fabs(step.tout - *kink) <= Integrator::smallest_step(step.t, step.tout)) return step.tout;
+  if (kink && std::fabs(step.tout - *kink) <= Integrator::resolution(step.t, step.tout)) return step.tout;
   return kink;
 }
 
@@ -65,7 +65,7 @@ bool crosses_kink(const IntegrationOptions& options, double t, double h) {
 double beside_kink(const IntegrationOptions& options, const Integrator& integrator, double t) {
   if (options.breakpoints == nullptr) return t;
   const double reached = integrator.stepper->state().t;
-  if (std::fabs(t - reached) <= Integrator::smallest_step(reached, t)) return reached;
+  if (std::fabs(t - reached) <= Integrator::resolution(reached, t)) return reached;
   const auto gap = options.breakpoints->gap_at(t);
   if (!gap || gap->ends_at(t)) return t;
   if (gap->is_jump && has_end_in(options, *gap, integrator.direction)) return gap->far_end(-integrator.direction);
@@ -75,7 +75,7 @@ double beside_kink(const IntegrationOptions& options, const Integrator& integrat
 // Where t is large a gap is so wide that x changes within it.
 PointRequest request_beside_kink(double t, const PointRequest& request) {
   const double distance = t - request.t;
-  if (std::fabs(distance) <= Integrator::smallest_step(t, request.t)) return request;
+  if (std::fabs(distance) <= Integrator::resolution(t, request.t)) return request;
   return {request.t, request.may_refine, Slopes::consistent, false, distance};
 }
 

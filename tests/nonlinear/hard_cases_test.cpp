@@ -165,16 +165,29 @@ TEST(StiffProblems, VanDerPolIsAccurate) {
 }
 
 // H. H. Robertson's reactions with a law of conservation; x(40) = 0.7158270687.
-TEST(StiffProblems, RobertsonConservesMass) {
-  const auto equations = equations_of(3, 3, [](const auto&, const auto* x, const auto* xdot, auto* F) {
+NonlinearEquations robertson() {
+  return equations_of(3, 3, [](const auto&, const auto* x, const auto* xdot, auto* F) {
     F[0] = xdot[0] + 0.04 * x[0] - 1e4 * x[1] * x[2];
     F[1] = xdot[1] - 0.04 * x[0] + 1e4 * x[1] * x[2] + 3e7 * x[1] * x[1];
     F[2] = x[0] + x[1] + x[2] - 1.0;
   });
-  for_all_methods(equations, {0.0, 40.0}, {1.0, 0.0, 0.0}, {1e-6, 1e-8},
+}
+
+TEST(StiffProblems, RobertsonConservesMass) {
+  for_all_methods(robertson(), {0.0, 40.0}, {1.0, 0.0, 0.0}, {1e-6, 1e-8},
                   [](const NonlinearRun& run, int status, double tol) {
                     EXPECT_EQ(status, SFDAE_OK);
                     EXPECT_NEAR(run.x[0], 0.7158270687, 100.0 * tol);
+                    EXPECT_NEAR(run.x[0] + run.x[1] + run.x[2], 1.0, 1e-14);
+                  });
+}
+
+// To 1e11 in one call, where it begins with steps of 1e-7 and less: x1(1e11) = 2.083340e-8 (Test Set for IVP Solvers).
+TEST(StiffProblems, RobertsonMayBeginInMuchShorterTimesThanItEnds) {
+  for_all_methods(robertson(), {0.0, 1e11}, {1.0, 0.0, 0.0}, {1e-6, 1e-8, 1e-10},
+                  [](const NonlinearRun& run, int status, double tol) {
+                    EXPECT_EQ(status, SFDAE_OK) << run.message();
+                    EXPECT_NEAR(run.x[0], 2.083340e-8, 10.0 * tol);
                     EXPECT_NEAR(run.x[0] + run.x[1] + run.x[2], 1.0, 1e-14);
                   });
 }
