@@ -20,14 +20,37 @@ constexpr int max_columns = max_stages + 2;
 // for 0, c_1, ..., c_s, and Q.
 struct ColumnWeights {
   ColumnWeights(const RadauMethod& method, double tau, int its_order);
+  void set_values(const RadauMethod& method, double tau);
   const double* of(int k) const { return weights[index(k)].data(); }
 
   int order;
   std::array<std::array<double, max_columns>, max_order + 1> weights;
 };
 
+// Coefficients 0 alone, to the same bits, for outputs.
+void ColumnWeights::set_values(const RadauMethod& method, double tau) {
+  const int s = method.s();
+  double* l = weights[0].data();
+  const auto gap = [&](int j) { return j == 0 ? tau : tau - method.stages.c[index(j - 1)]; };
+  double before = 1.0, after = 1.0, q = 0.0;
+  for (int j = 0; j <= s; ++j) {
+    l[j] = before;
+    before *= gap(j);
+  }
+  for (int j = s; j >= 0; --j) {
+    l[j] = method.lagrange_factors[index(j)] * (l[j] * after);
+    after *= gap(j);
+  }
+  for (int i = s + 1; i >= 0; --i) q = q * tau + method.correction[index(i)];
+  l[s + 1] = q;
+}
+
 // l_j = factor_j prod_{k<j} (tau - c_k) prod_{k>j} (tau - c_k), so that nothing cancels.
 ColumnWeights::ColumnWeights(const RadauMethod& method, double tau, int its_order) : order(its_order) {
+  if (order == 0) {
+    set_values(method, tau);
+    return;
+  }
   const int s = method.s();
   using Taylor = std::array<double, max_order + 1>;
   std::array<Taylor, max_columns> before, after;

@@ -79,11 +79,11 @@ void StepOutput::evaluate(Integrator& integrator, const PointRequest& request, c
   for (std::size_t i = 0; i < index(integrator.system.unknowns()); ++i) x[i] += request.distance * xdot[i];
 }
 
-// Consistent x, and the slope of the polynomial.
+// Consistent x, and the slope of the polynomial if one is wanted.
 void StepOutput::find_values(Integrator& integrator, const PointRequest& request, const IntegrationOptions& options,
                              double* x, double* xdot) {
   DaeSystem& system = integrator.system;
-  const PointValues point{request.t, w_.data(), x_free_.data(), xdot};
+  const PointValues point{request.t, w_.data(), x_free_.data(), request.slopes == Slopes::none ? nullptr : xdot};
   integrator.stepper->interpolate(point);
   move_to(integrator, request, point);
   if (!integrator.contradictions.tolerate(system.quality().inconsistency, options))

@@ -182,8 +182,8 @@ void NullSpaceForm::apply_C(const TaylorData& data, LeadingTerm leading, ConstVi
   }
 }
 
-void NullSpaceForm::replace_rhs(const TaylorData& data, const double* f_hat, Prescription prescription,
-                                Arena& arena) {
+void NullSpaceForm::replace_rhs(const TaylorData& data, const double* f_hat, Prescription prescription, Arena& arena,
+                                RightHandSides rhs) {
   double norm_f = data.least_norm_f;
   for (int k = 0; k <= data.orders.f; ++k) norm_f = std::max(norm_f, max_abs(data.f(k), m));
   inconsistency_ = constraints_.solve(f_hat, norm_f, particular(), arena);
@@ -192,6 +192,7 @@ void NullSpaceForm::replace_rhs(const TaylorData& data, const double* f_hat, Pre
   double* h = arena.take(index(m));
   multiply(1.0, Op::plain, data.E(0), xp(), 0.0, h);
   multiply(1.0, Op::transposed, Z1(), h, 0.0, g0_.data());
+  if (rhs == RightHandSides::constraints) return;
   std::copy_n(data.f(0), m, h);
   multiply(1.0, Op::plain, data.A(0), xp(), 1.0, h);
   multiply(1.0, Op::transposed, Z1(), h, 0.0, B_.data() + static_cast<std::ptrdiff_t>(unknowns()) * d);

@@ -29,6 +29,10 @@
 
 namespace sfdae::core {
 
+// Of the constraints and of what holds E x, or of the differential equations, too, which points without a step do not ask
+// for.
+enum class RightHandSides { constraints, all };
+
 enum class LeadingTerm { automatic, projector, matrix, identity };
 
 // Dimensions that a point is found to have.
@@ -52,7 +56,8 @@ class NullSpaceForm {
   PointRanks build(const TaylorData& data, const Carried& carried, Prescription prescription, LeadingTerm leading,
                    Judge& judge, Arena& arena);
   // A new right-hand side f_hat, f_0 = data.f(0) and new prescribed values; all matrices stay.
-  void replace_rhs(const TaylorData& data, const double* f_hat, Prescription prescription, Arena& arena);
+  void replace_rhs(const TaylorData& data, const double* f_hat, Prescription prescription, Arena& arena,
+                   RightHandSides rhs = RightHandSides::all);
 
   int m = 0, n = 0;
   int a = 0, d = 0, u = 0;                // a with, u without the prescribed components

@@ -194,7 +194,7 @@ void ArrayLinearization::measure_noise(const Jet& jet) {
   elimination_.transform(errors, transformed, arena_);
   const std::vector<int>& components = problem_.prescribed();
   double* none = arena_.zeros(components.size() + 1);
-  form_.replace_rhs(data_, transformed, {&components, none}, arena_);
+  form_.replace_rhs(data_, transformed, {&components, none}, arena_, RightHandSides::constraints);
   keep_differential_part(z);
   change_of_x(z, noise_.data());
   elimination_.recover(data_, {errors, transformed}, noise_.data(), noise_.data() + n, arena_);
@@ -237,7 +237,7 @@ PointStatus ArrayLinearization::evaluate_differential(double t, const double* x,
   return PointStatus::ok;
 }
 
-void ArrayLinearization::set_constraints(const Jet& jet, const ArrayResiduals& residuals) {
+void ArrayLinearization::set_constraints(const Jet& jet, const ArrayResiduals& residuals, RightHandSides rhs) {
   const Units& units = problem_.units();
   const Arena::Frame frame(arena_);
   elimination_.transform(residuals.f, residuals.transformed, arena_);
@@ -250,7 +250,7 @@ void ArrayLinearization::set_constraints(const Jet& jet, const ArrayResiduals& r
     const std::size_t i = index(components[q]);
     missing[q] = (problem_.input_values()[q] - jet.x[i]) / units[i];
   }
-  form_.replace_rhs(data_, residuals.transformed, {&components, missing}, arena_);
+  form_.replace_rhs(data_, residuals.transformed, {&components, missing}, arena_, rhs);
   data_.least_norm_f = 0.0;
 }
 

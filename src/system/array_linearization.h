@@ -85,7 +85,7 @@ class ArrayLinearization {
   // f_0 of the equations for z := -tau F(t, x, xdot).
   PointStatus evaluate_differential(double t, const double* x, const double* xdot);
   // The constraints of the form become those for changes of x at the jet, and residuals.transformed is made.
-  void set_constraints(const Jet& jet, const ArrayResiduals& residuals);
+  void set_constraints(const Jet& jet, const ArrayResiduals& residuals, RightHandSides rhs = RightHandSides::all);
   // z: Z1^T E (xp + T2 z) = 0.
   void keep_differential_part(double* z) const;
   // dx := xp + T2 z.

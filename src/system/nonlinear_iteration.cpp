@@ -38,6 +38,9 @@ void NonlinearIteration::resize() {
   for (auto* v : {&array_f_, &transformed_f_}) v->assign(index(problem_.array_rows()) + 1, 0.0);
   for (auto* v : {&dx_, &xdot_, &z_}) v->assign(index(problem_.n()) + 1, 0.0);
   dy_.assign(index(problem_.n()) * index(problem_.jet_order()) + 1, 0.0);
+  const std::size_t size = index(problem_.n()) * index(problem_.jet_order() + 1);
+  for (auto* v : {&change_, &correction_}) v->assign(size, 0.0);
+  mixing_.resize(size);
 }
 
 bool NonlinearIteration::has_contradiction() const { return inconsistency_ > contradiction; }
@@ -48,6 +51,7 @@ PointStatus NonlinearIteration::solve(const IterationTask& task, ArrayLinearizat
   if (task.has_step && !linearization.factor_step_matrix(task.c)) return PointStatus::singular;
   double before = 0.0, earlier = 0.0, largest_residual = 0.0;
   chord_.begin();
+  mixing_.begin();
   for (int iteration = 0; iteration < most; ++iteration) {
     const PointStatus status = evaluate(task, linearization, jet);
     if (status != PointStatus::ok) return status;
@@ -58,8 +62,9 @@ PointStatus NonlinearIteration::solve(const IterationTask& task, ArrayLinearizat
     if (!std::isfinite(norm)) return PointStatus::not_converged;
     // Without a step, what one iteration gains the next may lose in part: linearizations are from elsewhere.
     const double reference = task.has_step ? before : std::max(before, earlier);
-    if (has_converged(task, iteration, norm, reference) &&
-        (iteration == 0 || derivatives_follow(linearization.data(), jet, residual, largest_residual))) {
+    const bool has_ended = has_converged(task, iteration, norm, reference);
+    if (task.is_mixed) mix(linearization, jet);
+    if (has_ended && (iteration == 0 || derivatives_follow(linearization.data(), jet, residual, largest_residual))) {
       measure_inconsistency(task, linearization, jet);
       // Known ranks may not fit the jet that was linearized.
       const bool is_doubtful = task.has_step && !linearization.origin().is_judged && has_contradiction();
@@ -74,7 +79,9 @@ PointStatus NonlinearIteration::solve(const IterationTask& task, ArrayLinearizat
 
 PointStatus NonlinearIteration::solve_to_rounding(ArrayLinearization& linearization, Jet& jet) {
   const bool was_slow = chord_.is_slow();
-  const PointStatus status = solve(IterationTask{}, linearization, jet);
+  IterationTask task;
+  task.is_mixed = true;
+  const PointStatus status = solve(task, linearization, jet);
   chord_.set_slow(was_slow);
   return status;
 }
@@ -90,7 +97,7 @@ PointStatus NonlinearIteration::evaluate(const IterationTask& task, ArrayLineari
 // dx_ of the linearized equations at the jet.
 void NonlinearIteration::solve_linearized(const IterationTask& task, ArrayLinearization& linearization,
                                           const Jet& jet) {
-  linearization.set_constraints(jet, residuals());
+  linearization.set_constraints(jet, residuals(), task.has_step ? RightHandSides::all : RightHandSides::constraints);
   if (task.has_step) {
     step_rhs(task, linearization, jet, z_.data(), arena_);
     linearization.matrix().solve(z_.data());
@@ -105,6 +112,16 @@ double NonlinearIteration::apply_change(const IterationTask& task, const ArrayLi
   linearization.apply_change(residuals, dx, dy_.data(), jet);
   return task.inverse_weights == nullptr ? relative_norm(linearization, dx, jet)
                                          : weighted_norm(task, linearization, dx);
+}
+
+// After a change by dx_ and dy_. These keep Z1^T E x, and so do their differences.
+void NonlinearIteration::mix(const ArrayLinearization& linearization, Jet& jet) {
+  const std::size_t n = index(problem_.n());
+  std::copy_n(dx_.data(), n, change_.data());
+  std::copy_n(dy_.data(), change_.size() - n, change_.data() + n);
+  if (!mixing_.correct(change_.data(), correction_.data())) return;
+  jet.add_scaled(correction_.data(), correction_.data() + n, problem_.jet_order(), linearization.data().time_scale,
+                 problem_.units());
 }
 
 double NonlinearIteration::relative_norm(const ArrayLinearization& linearization, const double* dx,

@@ -6,6 +6,7 @@
 
 #include "linalg/arena.h"
 #include "system/analyzed_equations.h"
+#include "system/anderson_mixing.h"
 #include "system/array_linearization.h"
 #include "system/chord_iteration.h"
 #include "system/jet.h"
@@ -20,6 +21,7 @@ struct IterationTask {
   const double* x_rest = nullptr;
   const double* inverse_weights = nullptr;  // null: as accurately as rounding permits
   double tolerance = 0.0;                   // of the weighted changes of x
+  bool is_mixed = false;  // Anderson's method makes it faster, and lets it converge from farther off
 };
 
 // Of weighted changes, in units of the tolerances of a step: errors of the iteration must not be seen in error
@@ -54,6 +56,7 @@ class NonlinearIteration {
   ArrayResiduals residuals() { return {array_f_.data(), transformed_f_.data()}; }
   PointStatus evaluate(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
   void solve_linearized(const IterationTask& task, ArrayLinearization& linearization, const Jet& jet);
+  void mix(const ArrayLinearization& linearization, Jet& jet);
   double relative_norm(const ArrayLinearization& linearization, const double* dx, const Jet& jet) const;
   double weighted_norm(const IterationTask& task, const ArrayLinearization& linearization, const double* dx) const;
   bool derivatives_follow(const TaylorData& data, const Jet& jet, double residual, double largest) const;
@@ -65,6 +68,8 @@ class NonlinearIteration {
   double inconsistency_ = 0.0;
   std::vector<double> array_f_, transformed_f_;
   std::vector<double> dx_, dy_, z_, xdot_;
+  AndersonMixing mixing_;
+  std::vector<double> change_, correction_;  // of x and y
   Jet refined_;
 };
 
