@@ -79,17 +79,27 @@ ColumnWeights::ColumnWeights(const RadauMethod& method, double tau, int its_orde
   for (int k = 0; k <= order; ++k) weights[index(k)][index(s + 1)] = q[index(k)];
 }
 
-// to := factor sum_j weights_j column_j; an odd number of columns.
-void combine(const double* weights, int count, const std::vector<double>& columns, std::size_t size, double* to) {
-  const double* column = columns.data();
-  for (std::size_t r = 0; r < size; ++r) to[r] = weights[0] * column[r];
+// `rows` rows of sum_j weights_j column_j; an odd number of columns.
+template <std::size_t rows>
+void combine_rows(const double* weights, int count, const double* column, std::size_t size, double* to) {
+  double sum[rows];
+  for (std::size_t r = 0; r < rows; ++r) sum[r] = weights[0] * column[r];
   for (int j = 1; j < count; j += 2) {
     const double first = weights[j], second = weights[j + 1];
-    const double* __restrict a = column + size * index(j);
-    const double* __restrict b = a + size;
-    double* __restrict sum = to;
-    for (std::size_t r = 0; r < size; ++r) sum[r] += first * a[r] + second * b[r];
+    const double* a = column + size * index(j);
+    const double* b = a + size;
+    for (std::size_t r = 0; r < rows; ++r) sum[r] += first * a[r] + second * b[r];
   }
+  std::copy_n(sum, rows, to);
+}
+
+// to := sum_j weights_j column_j; sums of so many rows stay in registers.
+void combine(const double* weights, int count, const std::vector<double>& columns, std::size_t size, double* to) {
+  constexpr std::size_t many = 8, few = 2;
+  std::size_t r = 0;
+  for (; r + many <= size; r += many) combine_rows<many>(weights, count, columns.data() + r, size, to + r);
+  for (; r + few <= size; r += few) combine_rows<few>(weights, count, columns.data() + r, size, to + r);
+  if (r < size) combine_rows<1>(weights, count, columns.data() + r, size, to + r);
 }
 
 void take_columns(const std::vector<double>& start, const std::vector<double>& stages,

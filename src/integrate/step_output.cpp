@@ -113,9 +113,9 @@ bool StepOutput::has_interpolated(Integrator& integrator, const PointRequest& re
   if (request.slopes == Slopes::none) {
     stepper.interpolate({request.t, nullptr, x, nullptr});
     std::fill_n(xdot, n, 0.0);
-  } else {
-    stepper.interpolate({request.t, nullptr, x, xdot});
+    return all_finite(x, n);
   }
+  stepper.interpolate({request.t, nullptr, x, xdot});
   return all_finite(x, n) && all_finite(xdot, n);
 }
 
