@@ -7,15 +7,12 @@
 
 #include "linalg/index.h"
 #include "linalg/rank.h"
+#include "system/kept_matrix.h"
 
 namespace sfdae::core {
 
 namespace {
 
-// A matrix whose c deviates by more is made anew: c has changed by a factor of 3/5 or 5/3; as in index_zero_step.cpp.
-constexpr double largest_deviation = 0.25;
-// Deviations that slow iterations do not come from.
-constexpr double harmless = 0.05;
 // Steps that need more are better made smaller; without a step there is no other way. As for other nonlinear systems.
 constexpr int most_iterations = 12, most_iterations_held = 30;
 // A rate that is measured once may be small by chance. Chosen, not measured.
@@ -60,17 +57,18 @@ double ExtensionIteration::apply_change(const Change& change, const double* z,
 bool ExtensionIteration::prepare_matrix(double c, ExtensionLinearization& linearization) {
   deviation_ = 0.0;
   if (linearization.has_step_matrix()) {
-    deviation_ = std::fabs(c - linearization.c()) / std::fabs(c + linearization.c());
-    if (deviation_ <= largest_deviation) {
+    deviation_ = deviation_of(c, linearization.c());
+    waste_ += iterations_wasted(deviation_);
+    if (deviation_ <= largest_deviation && waste_ <= linearization.cost_of_step_matrix()) {
       chord_.set_rate(std::max(chord_.rate(), deviation_));
       return true;
     }
   }
-  deviation_ = 0.0;
+  deviation_ = waste_ = 0.0;
   return linearization.factor_step(c);
 }
 
-bool ExtensionIteration::blames_matrix() const { return deviation_ > harmless; }
+bool ExtensionIteration::blames_matrix() const { return deviation_ > harmless_deviation; }
 
 PointStatus ExtensionIteration::solve_step(const StepTask& task, ExtensionLinearization& linearization, Jet& jet) {
   if (!prepare_matrix(task.c, linearization)) return PointStatus::singular;

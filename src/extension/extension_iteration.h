@@ -40,6 +40,11 @@ class ExtensionIteration {
   ChordIteration& chord() { return chord_; }
   // The step matrix is for another c, which slow iterations come from: a new one may be all that is needed.
   bool blames_matrix() const;
+  // What steps depend on besides the linearization.
+  void archive(Archive& archive) {
+    chord_.archive_rate(archive);
+    archive.real(waste_);
+  }
 
   // The residuals of the jet, by rows, times -1.
   PointStatus evaluate(const Jet& jet, double* r);
@@ -67,6 +72,7 @@ class ExtensionIteration {
   CallbackError& callback_error_;
   ChordIteration chord_;
   double deviation_ = 0.0;  // of c: the contraction that keeping the matrix costs
+  double waste_ = 0.0;      // iterations that the matrix kept has cost so far
   std::vector<double> r_;
   Jet longer_;
 };

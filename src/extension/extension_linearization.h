@@ -56,6 +56,8 @@ class ExtensionLinearization {
   void forget_step_matrix() { step_.forget(); }
   bool has_step_matrix() const { return step_.is_valid(); }
   double c() const { return 1.0 / step_.epsilon(); }
+  // Of making it anew, in iterations: each has a solution, and an evaluation that takes about as long.
+  double cost_of_step_matrix() const { return 1.0 + 0.5 * step_.factorization_in_solutions(); }
   // All matrices of the stages of a step h, unless they are there.
   bool factor_stages(const StageMethod& method, double h);
 

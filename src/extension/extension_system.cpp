@@ -12,7 +12,6 @@
 #include "linalg/rank.h"
 #include "problem/failure.h"
 #include "structure/replacement.h"
-#include "system/nonlinear_iteration.h"
 
 namespace sfdae::core {
 
@@ -20,6 +19,8 @@ namespace {
 
 // The structure is confirmed again after so many points, as ranks are elsewhere.
 constexpr int points_between_certificates = 20;
+// Of weighted changes, in units of the tolerances of a step (docs/decisions/63-large-recorded-problems.md).
+constexpr double step_tolerance = 0.03;
 
 }  // namespace
 
@@ -209,7 +210,7 @@ PointStatus ExtensionSystem::review() {
 PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
   history_.predict(equations.guess, 0, determined_, {}, jet_);
   start_ = jet_;
-  const StepTask task{equations.c, equations.w_rest, equations.guess.inverse_weights, newton_tolerance};
+  const StepTask task{equations.c, equations.w_rest, equations.guess.inverse_weights, step_tolerance};
   const auto iterate = [&] {
     return iterate_with_renewal(start_, [&] {
       jet_ = start_;
@@ -336,7 +337,7 @@ void ExtensionSystem::archive(Archive& archive) {
   bool is_usable = linearization_.is_usable();
   archive.small(values.mu, values.d, values.a, unjudged_, is_usable);
   archive.real(analysis_.t);
-  iteration_.chord().archive_rate(archive);
+  iteration_.archive(archive);
   linearization_.archive_choice(archive);
   archive.reals(scales_, index(unknowns()));
   history_.archive(archive);

@@ -123,6 +123,7 @@ class StateMatrix {
   void solve(Number* b, int count = 1) { lu_.solve(b, count); }
   double reciprocal_condition() { return lu_.reciprocal_condition(); }
   std::size_t fill() const { return lu_.fill(); }
+  double factorization_in_solutions() const { return lu_.factorization_in_solutions(); }
 
  private:
   void analyze(const StateChoice& choice) {

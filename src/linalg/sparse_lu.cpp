@@ -16,16 +16,6 @@ namespace {
 // Nanoseconds of a factorization and of the solutions that come with it, as benchmarks/sparse_factors.cpp measured them with
 // OpenBLAS on one thread; only their ratios matter. Of KLU that with pivots known, the usual one.
 constexpr double solutions = 10.0;  // integrations solve 10 to 40 times with each factorization
-double dense_time(double n) {
-  return n * (50.0 + 0.3 * n) + 0.033 * (2.0 / 3.0) * n * n * n + solutions * n * (10.0 + 0.3 * n);
-}
-double band_time(const BandOrder& order) {
-  const double n = static_cast<double>(order.row_place.size()), entries = 2.0 * order.lower + order.upper;
-  return n * (40.0 + 1.5 * order.lower) + 0.045 * order.flops() + solutions * n * (10.0 + 0.4 * entries);
-}
-double klu_time(double n, double fill, double flops) {
-  return 2.0 * fill + 0.35 * flops + solutions * (5.0 * n + 1.7 * fill);
-}
 
 // b_i := b_i 2^(exponents_i - shift); returns the shift, which is not 0 only where something would overflow or vanish.
 template <class Number>
@@ -47,6 +37,27 @@ void scale_out(const std::vector<int>& exponents, int shift, Number* b) {
 }  // namespace
 
 template <class Number>
+double SparseLu<Number>::Times::of_both() const {
+  return factorization + solutions * solution;
+}
+
+template <class Number>
+typename SparseLu<Number>::Times SparseLu<Number>::dense_times(double n) {
+  return {n * (50.0 + 0.3 * n) + 0.033 * (2.0 / 3.0) * n * n * n, n * (10.0 + 0.3 * n)};
+}
+
+template <class Number>
+typename SparseLu<Number>::Times SparseLu<Number>::band_times(const BandOrder& order) {
+  const double n = static_cast<double>(order.row_place.size()), entries = 2.0 * order.lower + order.upper;
+  return {n * (40.0 + 1.5 * order.lower) + 0.045 * order.flops(), n * (10.0 + 0.4 * entries)};
+}
+
+template <class Number>
+typename SparseLu<Number>::Times SparseLu<Number>::klu_times(double n, double fill, double flops) {
+  return {2.0 * fill + 0.35 * flops, 5.0 * n + 1.7 * fill};
+}
+
+template <class Number>
 void SparseLu<Number>::analyze(const SparsePattern& pattern, std::optional<SparseMethod> forced) {
   assert(pattern.first.size() == index(pattern.size) + 1);
   is_factored_ = may_be_regular_ = false;
@@ -63,14 +74,16 @@ void SparseLu<Number>::choose(const SparsePattern& pattern, std::optional<Sparse
   DenseFactors<Number> dense;
   dense.analyze(pattern);
   factors_ = std::move(dense);
+  times_ = {};
   // A matrix that is never factored needs no other order.
   if (pattern.size == 0 || !may_be_regular_) return;
-  double least = dense_time(pattern.size);
+  times_ = dense_times(pattern.size);
   if (forced == SparseMethod::dense) return;
   if (wants(SparseMethod::band)) {
     BandOrder order = band_order(pattern, column_of);
-    if (forced || band_time(order) < least) {
-      least = band_time(order);
+    const Times times = band_times(order);
+    if (forced || times.of_both() < times_.of_both()) {
+      times_ = times;
       BandFactors<Number> band;
       band.analyze(pattern, std::move(order));
       factors_ = std::move(band);
@@ -79,8 +92,11 @@ void SparseLu<Number>::choose(const SparsePattern& pattern, std::optional<Sparse
   if (forced ? forced == SparseMethod::klu : klu_is_available()) {
     KluFactors<Number> klu;
     klu.analyze(pattern);
-    if (forced || klu_time(pattern.size, static_cast<double>(klu.fill()), klu.flops()) < least)
+    const Times times = klu_times(pattern.size, static_cast<double>(klu.fill()), klu.flops());
+    if (forced || times.of_both() < times_.of_both()) {
+      times_ = times;
       factors_ = std::move(klu);
+    }
   }
 }
 

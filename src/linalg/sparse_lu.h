@@ -50,15 +50,26 @@ class SparseLu {
   Determinant<Number> determinant() const;
   // Numbers that the factors hold.
   std::size_t fill() const;
+  // What a factorization with pivots known takes, in solutions: estimated by analyze() from counts of operations, so that it
+  // is the same in every run.
+  double factorization_in_solutions() const { return times_.factorization / times_.solution; }
   SparseMethod method() const { return static_cast<SparseMethod>(factors_.index()); }
 
  private:
+  struct Times {  // only their ratios mean something
+    double factorization = 1.0, solution = 1.0;
+    double of_both() const;
+  };
+  static Times dense_times(double n);
+  static Times band_times(const BandOrder& order);
+  static Times klu_times(double n, double fill, double flops);
   void choose(const SparsePattern& pattern, std::optional<SparseMethod> forced);
   void solve(Op op, Number* b, int count);
 
   SparsePattern pattern_;
   bool may_be_regular_ = false;  // the pattern
   bool is_factored_ = false;
+  Times times_;
   Equilibration scales_;
   std::vector<Number> scaled_;  // S, values in the order of the pattern
   double norm_ = 0.0;           // |S|

@@ -7,21 +7,15 @@
 
 #include "linalg/dense.h"
 #include "linalg/index.h"
+#include "system/kept_matrix.h"
 
 namespace sfdae::core {
 
 namespace {
 
-// A matrix whose c deviates by more is made anew: c has changed by a factor of 3/5 or 5/3 (that of DASSL and IDA).
-constexpr double largest_deviation = 0.25;
-// What the iteration has to gain from the predictor on, and gains in one iteration with the right matrix, as a rule: of
-// the problems of benchmarks/index0_cost.cpp.
-constexpr double usual_gain = 300.0, usual_rate = 0.03;
 // Unknowns for which a factorization takes as long as one iteration: 2/3 n^3 operations at three times the speed of
 // the 2 n^2 of a solution.
 constexpr double unknowns_per_iteration = 9.0;
-// Deviations that slow iterations do not come from.
-constexpr double harmless = 0.05;
 // Steps that need more are better made smaller; as for other nonlinear systems.
 constexpr int most_iterations = 12;
 // A rate that is measured once may be small by chance. Chosen, not measured.
@@ -45,12 +39,6 @@ struct FullMatrix {
     for (std::size_t i = 0; i < area; ++i) M.data[i] = c_tau * E.data[i] - A.data[i];
   }
 };
-
-// Iterations more than with the right matrix.
-double iterations_wasted(double deviation) {
-  if (deviation <= usual_rate) return 0.0;
-  return std::log(usual_gain) * (1.0 / std::log(1.0 / deviation) - 1.0 / std::log(1.0 / usual_rate));
-}
 
 bool is_zero_row(ConstView E, int i) {
   for (int j = 0; j < E.cols; ++j)
@@ -196,7 +184,7 @@ bool IndexZeroStep::error_in_x(const double* dw, int count, double* dx) {
 
 bool IndexZeroStep::prepare_matrix(double c, const Shared& shared) {
   if (matrix_.is_valid()) {
-    deviation_ = matrix_.is_for(c) ? 0.0 : std::fabs(c - matrix_.c()) / std::fabs(c + matrix_.c());
+    deviation_ = matrix_.is_for(c) ? 0.0 : deviation_of(c, matrix_.c());
     waste_ += iterations_wasted(deviation_);
     if (deviation_ <= largest_deviation && waste_ * unknowns_per_iteration <= data_.n) {
       shared.chord.set_rate(std::max(shared.chord.rate(), deviation_));
@@ -208,7 +196,7 @@ bool IndexZeroStep::prepare_matrix(double c, const Shared& shared) {
 }
 
 bool IndexZeroStep::blames_matrix() {
-  if (deviation_ <= harmless) return false;
+  if (deviation_ <= harmless_deviation) return false;
   matrix_.forget();
   return true;
 }

@@ -396,4 +396,21 @@ TEST(SparseLu, ChoosesFullMatricesAndBands) {
   EXPECT_EQ(lu.method(), klu_is_available() ? SparseMethod::klu : SparseMethod::band);
 }
 
+// A band of one off-diagonal line takes a few solutions, a full matrix n / 45 of them and more (2/3 n^3 operations at three times
+// the speed of 2 n^2), and both kinds the more the more is filled in.
+TEST(SparseLu, EstimatesWhatFactorizationsTake) {
+  const auto cost = [](const SparsePattern& pattern) {
+    SparseLu<double> lu;
+    lu.analyze(pattern);
+    return lu.factorization_in_solutions();
+  };
+  const double line = cost(sfdae_test::laplacian(2000, 1).pattern);
+  EXPECT_GT(line, 0.5);
+  EXPECT_LT(line, 10.0);
+  EXPECT_GT(cost(sfdae_test::laplacian(60, 60).pattern), 2.0 * line);
+  SparseLu<double> full;
+  full.analyze(sfdae_test::laplacian(20, 20).pattern, SparseMethod::dense);
+  EXPECT_GT(full.factorization_in_solutions(), 400.0 / 45.0);
+}
+
 }  // namespace sfdae::core
