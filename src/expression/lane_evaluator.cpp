@@ -296,7 +296,7 @@ SFDAE_LANE_KERNEL(evaluate_pass, Pass)
 std::vector<Instruction> in_offsets(std::vector<Instruction> instructions, int stride) {
   for (Instruction& instruction : instructions)
     for (int* slot : {&instruction.v, &instruction.a, &instruction.b, &instruction.c, &instruction.p, &instruction.q})
-      *slot = std::max(*slot, 0) * stride;
+      *slot *= stride;
   return instructions;
 }
 
@@ -342,7 +342,7 @@ void LaneEvaluator::reserve(const TaylorEvaluator& source, int order) {
   of_time_ = in_offsets(tape.of_time, stride);
   of_state_ = in_offsets(tape.of_state, stride);
   edges_ = tape.edges;
-  for (Edge& edge : edges_) edge.factor = std::max(edge.factor, 0) * stride;
+  for (Edge& edge : edges_) edge.factor *= stride;
   values_ = tape.residuals;
   for (int& slot : values_) slot *= stride;
   for (const Tape::Number& constant : tape.constants)

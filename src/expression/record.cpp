@@ -55,16 +55,18 @@ Record::Record(Parts parts) : parts_(std::move(parts)) {
   dependence_.reserve(parts_.nodes.size());
   for (const Node& node : parts_.nodes)
     dependence_.push_back(dependence_of(node, {node, parts_.calls}, dependence_.data()));
-  entries_.resize(parts_.residuals.size());
   BackwardWalk backward(*this);
-  for (int i = 0; i < m(); ++i)
+  for (int i = 0; i < m(); ++i) {
     for (const Adjoint& adjoint : backward.walk(i)) {
       const Node& carrier = node(adjoint.node);
       // A choice between numbers has no derivative, and jumps.
       jumps_ = jumps_ || jumps_with_state(*this, carrier);
       if (!is_leaf(carrier.operation)) continue;
-      entries_[index(i)].push_back({carrier.a, carrier.operation == Operation::derivative, adjoint.dependence});
+      entries_.push_back({carrier.a, carrier.operation == Operation::derivative, adjoint.dependence});
     }
+    first_entry_.push_back(entries_.size());
+  }
+  entries_.shrink_to_fit();
 }
 
 std::string Record::name(int equation) const {
@@ -74,17 +76,14 @@ std::string Record::name(int equation) const {
 
 bool Record::is_linear() const {
   if (jumps_) return false;
-  for (const auto& equation : entries_)
-    for (const Entry& entry : equation)
-      if ((entry.dependence & on_state) != 0) return false;
-  return true;
+  return std::none_of(entries_.begin(), entries_.end(),
+                      [](const Entry& entry) { return (entry.dependence & on_state) != 0; });
 }
 
 bool Record::is_constant(bool derivative) const {
-  for (const auto& equation : entries_)
-    for (const Entry& entry : equation)
-      if (entry.derivative == derivative && !entry.is_constant()) return false;
-  return true;
+  return std::none_of(entries_.begin(), entries_.end(), [derivative](const Entry& entry) {
+    return entry.derivative == derivative && !entry.is_constant();
+  });
 }
 
 BackwardWalk::BackwardWalk(const Record& record)

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -91,7 +92,9 @@ class Record {
   const std::vector<Parameter>& parameters() const { return parts_.parameters; }
 
   // Sparsity of F_x and F_x'.
-  const std::vector<Entry>& entries(int equation) const { return entries_[index(equation)]; }
+  std::span<const Entry> entries(int equation) const {
+    return {entries_.data() + first_entry_[index(equation)], entries_.data() + first_entry_[index(equation + 1)]};
+  }
 
   // F is affine in (x, x') with coefficients that depend on t and parameters only. Judged by form: x1 x1 - x1 x1
   // counts as nonlinear.
@@ -105,7 +108,8 @@ class Record {
 
   Parts parts_;
   std::vector<Dependence> dependence_;
-  std::vector<std::vector<Entry>> entries_;
+  std::vector<Entry> entries_;  // of all equations
+  std::vector<std::size_t> first_entry_{0};
   bool jumps_ = false;  // a choice depends on x or x'
 };
 

@@ -27,31 +27,53 @@ void make_room(std::vector<Entry>& entries) {
   if (entries.size() == entries.capacity()) entries.reserve(2 * entries.size() + 16);
 }
 
-}  // namespace
-
-std::size_t Recorder::Hash::operator()(const std::array<int, 4>& key) const {
-  // Seed: the golden ratio; multiplier: one of those of MurmurHash3's finalizer, which spread bits well.
+// Seed: the golden ratio; multiplier: one of those of MurmurHash3's finalizer, which spread bits well.
+std::size_t hash_of(const Node& node) {
   std::uint64_t hash = 0x9e3779b97f4a7c15u;
-  for (int part : key) hash = (hash ^ static_cast<std::uint32_t>(part)) * 0xff51afd7ed558ccdu;
+  for (int part : {static_cast<int>(node.operation), node.a, node.b, node.c})
+    hash = (hash ^ static_cast<std::uint32_t>(part)) * 0xff51afd7ed558ccdu;
   return static_cast<std::size_t>(hash ^ (hash >> 32));
 }
+
+bool is_equal(const Node& one, const Node& other) {
+  return one.operation == other.operation && one.a == other.a && one.b == other.b && one.c == other.c;
+}
+
+}  // namespace
 
 std::optional<double> Recorder::number(int i) const {
   if (!is(i, Operation::constant)) return std::nullopt;
   return parts_.constants[index(node(i).a)];
 }
 
+// Where the node is in the table, or the free place that it would have.
+std::size_t Recorder::place_of(const Node& node) const {
+  const std::size_t mask = known_.size() - 1;
+  std::size_t place = hash_of(node) & mask;
+  while (known_[place] >= 0 && !is_equal(parts_.nodes[index(known_[place])], node)) place = (place + 1) & mask;
+  return place;
+}
+
+void Recorder::make_room_for_places() {
+  constexpr std::size_t least = 64;
+  if (2 * (parts_.nodes.size() + 1) <= known_.size()) return;
+  std::vector<int> larger(std::max(least, 2 * known_.size()), -1);
+  known_.swap(larger);
+  for (int i = 0; i < num_nodes(); ++i) known_[place_of(node(i))] = i;
+}
+
 // Where memory is missing nothing is added, and recording goes on.
 int Recorder::intern(const Node& node) {
   make_room(dependence_);
   make_room(parts_.nodes);
-  const auto [place, is_new] =
-      known_.try_emplace({static_cast<int>(node.operation), node.a, node.b, node.c}, num_nodes());
-  if (is_new) {
+  make_room_for_places();
+  int& known = known_[place_of(node)];
+  if (known < 0) {
+    known = num_nodes();
     dependence_.push_back(dependence_of(node, {node, parts_.calls}, dependence_.data()));
     parts_.nodes.push_back(node);
   }
-  return place->second;
+  return known;
 }
 
 int Recorder::constant(double value) {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -65,14 +65,12 @@ class Recorder {
                                         std::vector<std::string> names) const;
 
  private:
-  struct Hash {
-    std::size_t operator()(const std::array<int, 4>& key) const;
-  };
-
   bool is(int i, double value) const { return number(i) == value; }
   bool is(int i, Operation operation) const { return node(i).operation == operation; }
   // The node, new or known.
   int intern(const Node& node);
+  std::size_t place_of(const Node& node) const;
+  void make_room_for_places();
   int negate(int a);
   int add(int a, int b);
   int subtract(int a, int b);
@@ -86,7 +84,8 @@ class Recorder {
 
   Record::Parts parts_;
   std::vector<Dependence> dependence_;
-  std::unordered_map<std::array<int, 4>, int, Hash> known_;
+  // Nodes by what they are: a table with open addressing, at most half full, its size a power of two. -1: free.
+  std::vector<int> known_;
   std::unordered_map<std::uint64_t, int> constants_;  // index by the bits of the value
 };
 

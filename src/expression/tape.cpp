@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "expression/tape.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 #include "linalg/index.h"
@@ -73,6 +75,45 @@ std::vector<bool> live_nodes(const Record& record) {
   return live;
 }
 
+// In blocks, so that what they compute stays in the cache: instructions that need no result of each other side by side, those of
+// one kind together. What is computed is the same.
+std::vector<Instruction> in_runs(std::vector<Instruction> instructions, int num_slots) {
+  constexpr std::size_t block = 1024;
+  std::vector<std::size_t> block_of(index(num_slots), std::numeric_limits<std::size_t>::max());
+  std::vector<int> level_of(index(num_slots), 0);  // of the slots that its block computes
+  std::vector<std::pair<int, Instruction>> levelled;
+  for (std::size_t first = 0; first < instructions.size(); first += block) {
+    const std::size_t last = std::min(first + block, instructions.size());
+    levelled.clear();
+    for (std::size_t k = first; k < last; ++k) {
+      const Instruction& instruction = instructions[k];
+      const bool is_function = instruction.code == Code::function;
+      const int arguments = is_function ? instruction.b - instruction.a : 0;
+      int level = 0;
+      const auto read = [&](int slot) {
+        if (slot >= 0 && block_of[index(slot)] == first) level = std::max(level, level_of[index(slot)] + 1);
+      };
+      const auto write = [&](int slot) {
+        if (slot < 0) return;
+        block_of[index(slot)] = first;
+        level_of[index(slot)] = level;
+      };
+      if (is_function)
+        for (int slot = instruction.a; slot < instruction.b; ++slot) read(slot);
+      else
+        for (int slot : {instruction.a, instruction.b, instruction.c}) read(slot);
+      for (int slot : {instruction.v, instruction.p, instruction.q}) write(slot);
+      for (int argument = 1; argument < arguments; ++argument) write(instruction.p + argument);
+      levelled.emplace_back(level, instruction);
+    }
+    std::stable_sort(levelled.begin(), levelled.end(), [](const auto& one, const auto& other) {
+      return one.first != other.first ? one.first < other.first : one.second.code < other.second.code;
+    });
+    for (std::size_t k = first; k < last; ++k) instructions[k] = levelled[k - first].second;
+  }
+  return instructions;
+}
+
 class Builder {
  public:
   Builder(const Record& record, Tape& tape) : record_(record), tape_(tape) {}
@@ -93,12 +134,19 @@ class Builder {
     for (int i = 0; i < record_.m(); ++i) add_edges(i, backward.walk(i));
     tape_.first_edge.push_back(tape_.edges.size());
     tape_.first_target.push_back(tape_.targets.size());
-    for (auto* instructions : {&tape_.of_parameters, &tape_.of_time, &tape_.of_state}) instructions->shrink_to_fit();
+    tape_.of_state = in_runs(std::move(tape_.of_state), tape_.num_slots);
+    for (auto* instructions : {&tape_.of_parameters, &tape_.of_time, &tape_.of_state}) finish(*instructions);
     tape_.edges.shrink_to_fit();
     tape_.targets.shrink_to_fit();
   }
 
  private:
+  static void finish(std::vector<Instruction>& instructions) {
+    for (Instruction& instruction : instructions)
+      for (int* slot : {&instruction.a, &instruction.b, &instruction.c, &instruction.p, &instruction.q})
+        *slot = std::max(*slot, 0);
+    instructions.shrink_to_fit();
+  }
   int slot(int node) const { return node < 0 ? -1 : tape_.slot_of[index(node)]; }
   bool is_number(int node) const { return !varies_in_time(record_.dependence(node)); }
 
@@ -236,7 +284,7 @@ class Builder {
     if (!record_.is_active(to)) return;
     const bool is_first = touched_[index(slot(to))] != equation_;
     touched_[index(slot(to))] = equation_;
-    tape_.edges.push_back({code, is_first, from_number_, slot(from), slot(to), factor});
+    tape_.edges.push_back({code, is_first, from_number_, slot(from), slot(to), std::max(factor, 0)});
   }
 
   const Record& record_;

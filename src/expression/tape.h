@@ -39,7 +39,8 @@ enum class Code : std::uint8_t {
   choose     // v = b if a > 0, else c
 };
 
-// Slots of the result, the operands and the derivatives that are needed; -1: none.
+// Slots of the result, the operands and the derivatives that are needed. None: -1, in the lists of a tape 0, which is the
+// slot of a leaf.
 struct Instruction {
   Code code;
   int v = -1, a = -1, b = -1, c = -1;
@@ -66,7 +67,7 @@ struct Edge {
   bool is_first;     // = instead of +=
   bool from_number;  // adjoint(from) is constant in time
   int from, to;
-  int factor;  // slot, -1: none
+  int factor;  // slot, 0 if there is none
 };
 
 struct Tape {
@@ -84,7 +85,8 @@ struct Tape {
   int time = -1;  // slot, -1: not used
   std::vector<Number> constants, parameters;
   std::vector<Leaf> leaves;
-  // To be done after a change of parameters; of the time; of x or x'. Operands come first.
+  // To be done after a change of parameters; of the time; of x or x'. Operands come first, and those of x or x' that are of one
+  // kind follow each other (in_runs in tape.cpp).
   std::vector<Instruction> of_parameters, of_time, of_state;
   std::vector<int> residuals;  // slots
   bool has_choices = false;    // among the values that depend on x or x'

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "expression/edges.h"
@@ -32,7 +31,7 @@ auto with_order(int order, Action action) {
   }
 }
 
-// Most instructions are of four kinds, and many of one kind follow each other (in_runs): these are told apart once.
+// Most instructions are of four kinds, and many of one kind follow each other (tape.h): these are told apart once.
 template <bool with_slopes, class Order>
 void execute_each(const std::vector<Instruction>& instructions, double* const slots, Order K) {
   const Instruction* next = instructions.data();
@@ -53,45 +52,6 @@ void execute_each(const std::vector<Instruction>& instructions, double* const sl
   }
 }
 
-// In blocks, so that what they compute stays in the cache: instructions that need no result of each other side by side, those of
-// one kind together. What is computed is the same.
-std::vector<Instruction> in_runs(std::vector<Instruction> instructions, int num_slots) {
-  constexpr std::size_t block = 1024;
-  std::vector<std::size_t> block_of(index(num_slots), std::numeric_limits<std::size_t>::max());
-  std::vector<int> level_of(index(num_slots), 0);  // of the slots that its block computes
-  std::vector<std::pair<int, Instruction>> levelled;
-  for (std::size_t first = 0; first < instructions.size(); first += block) {
-    const std::size_t last = std::min(first + block, instructions.size());
-    levelled.clear();
-    for (std::size_t k = first; k < last; ++k) {
-      const Instruction& instruction = instructions[k];
-      const bool is_function = instruction.code == Code::function;
-      const int arguments = is_function ? instruction.b - instruction.a : 0;
-      int level = 0;
-      const auto read = [&](int slot) {
-        if (slot >= 0 && block_of[index(slot)] == first) level = std::max(level, level_of[index(slot)] + 1);
-      };
-      const auto write = [&](int slot) {
-        if (slot < 0) return;
-        block_of[index(slot)] = first;
-        level_of[index(slot)] = level;
-      };
-      if (is_function)
-        for (int slot = instruction.a; slot < instruction.b; ++slot) read(slot);
-      else
-        for (int slot : {instruction.a, instruction.b, instruction.c}) read(slot);
-      for (int slot : {instruction.v, instruction.p, instruction.q}) write(slot);
-      for (int argument = 1; argument < arguments; ++argument) write(instruction.p + argument);
-      levelled.emplace_back(level, instruction);
-    }
-    std::stable_sort(levelled.begin(), levelled.end(), [](const auto& one, const auto& other) {
-      return one.first != other.first ? one.first < other.first : one.second.code < other.second.code;
-    });
-    for (std::size_t k = first; k < last; ++k) instructions[k] = levelled[k - first].second;
-  }
-  return instructions;
-}
-
 template <bool with_slopes>
 void execute_all(const std::vector<Instruction>& instructions, double* slots, int order) {
   with_order(order, [&instructions, slots](auto K) { execute_each<with_slopes>(instructions, slots, K); });
@@ -100,13 +60,13 @@ void execute_all(const std::vector<Instruction>& instructions, double* slots, in
 std::vector<Instruction> in_offsets(std::vector<Instruction> instructions, int stride) {
   for (Instruction& instruction : instructions)
     for (int* slot : {&instruction.v, &instruction.a, &instruction.b, &instruction.c, &instruction.p, &instruction.q})
-      *slot = std::max(*slot, 0) * stride;
+      *slot *= stride;
   return instructions;
 }
 
 std::vector<Edge> in_offsets(std::vector<Edge> edges, int stride) {
   for (Edge& edge : edges)
-    for (int* slot : {&edge.from, &edge.to, &edge.factor}) *slot = std::max(*slot, 0) * stride;
+    for (int* slot : {&edge.from, &edge.to, &edge.factor}) *slot *= stride;
   return edges;
 }
 
@@ -175,8 +135,9 @@ void TaylorEvaluator::reserve(int order) {
   if (order < stride_) return;
   const int stride = order + 1;
   std::vector<double> slots(index(tape_.num_slots) * index(stride), 0.0), adjoints(slots);
-  program_ = {in_offsets(tape_.of_parameters, stride), in_offsets(tape_.of_time, stride),
-              in_offsets(in_runs(tape_.of_state, tape_.num_slots), stride), in_offsets(tape_.edges, stride)};
+  if (stride > 1)
+    program_ = {in_offsets(tape_.of_parameters, stride), in_offsets(tape_.of_time, stride),
+                in_offsets(tape_.of_state, stride), in_offsets(tape_.edges, stride)};
   slots_ = std::move(slots);
   adjoints_ = std::move(adjoints);
   stride_ = stride;
@@ -211,7 +172,7 @@ void TaylorEvaluator::run(double t, int order, bool with_slopes) {
     for (const Tape::Number& parameter : tape_.parameters)
       slots[index(parameter.slot) * index(stride_)] = parameters_[index(parameter.index)];
     // Coefficients of higher order stay 0.
-    execute_all<false>(program_.of_parameters, slots, 0);
+    execute_all<false>(instructions(&Tape::of_parameters, &Program::of_parameters), slots, 0);
     parameters_changed_ = false;
     time_order_ = -1;
   }
@@ -220,12 +181,13 @@ void TaylorEvaluator::run(double t, int order, bool with_slopes) {
       slots[index(tape_.time) * index(stride_)] = t;
       if (order > 0) slots[index(tape_.time) * index(stride_) + 1] = 1.0;
     }
-    execute_all<false>(program_.of_time, slots, order);
+    execute_all<false>(instructions(&Tape::of_time, &Program::of_time), slots, order);
     time_ = t;
     time_order_ = order;
   }
-  if (with_slopes) execute_all<true>(program_.of_state, slots, order);
-  else execute_all<false>(program_.of_state, slots, order);
+  const std::vector<Instruction>& of_state = instructions(&Tape::of_state, &Program::of_state);
+  if (with_slopes) execute_all<true>(of_state, slots, order);
+  else execute_all<false>(of_state, slots, order);
 }
 
 bool TaylorEvaluator::write_values(int order, double* F) {
@@ -280,8 +242,9 @@ void TaylorEvaluator::sweep_back(int equation, Order order) {
   double* const seed = adjoints + index(tape_.residuals[index(equation)]) * index(stride_);
   for (int k = 0; k <= order; ++k) seed[k] = 0.0;
   seed[0] = 1.0;
-  const Edge* const first = program_.edges.data() + tape_.first_edge[index(equation)];
-  const Edge* const last = program_.edges.data() + tape_.first_edge[index(equation + 1)];
+  const Edge* const edges = stride_ == 1 ? tape_.edges.data() : program_.edges.data();
+  const Edge* const first = edges + tape_.first_edge[index(equation)];
+  const Edge* const last = edges + tape_.first_edge[index(equation + 1)];
   if (tape_.has_choices) follow<true>(first, last, slots_.data(), adjoints, order);
   else follow<false>(first, last, slots_.data(), adjoints, order);
 }

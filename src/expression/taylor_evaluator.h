@@ -70,12 +70,17 @@ class TaylorEvaluator {
   void set_parameter(int i, double value);
 
  private:
-  // Indices that are slots in a tape are offsets here.
+  // Indices that are slots in a tape are offsets here. Empty where these are the same, with one coefficient in a slot: large
+  // systems seldom need more, and instructions and edges are the largest part of a recording.
   struct Program {
     std::vector<Instruction> of_parameters, of_time, of_state;
     std::vector<Edge> edges;
   };
 
+  const std::vector<Instruction>& instructions(std::vector<Instruction> Tape::*of_tape,
+                                               std::vector<Instruction> Program::*of_program) const {
+    return stride_ == 1 ? tape_.*of_tape : program_.*of_program;
+  }
   void reserve(int order);
   bool load(double t, const double* jet, int order);
   void run(double t, int order, bool with_slopes);

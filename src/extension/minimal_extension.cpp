@@ -23,8 +23,10 @@ MinimalExtension::MinimalExtension(RecordedProblem& problem, std::shared_ptr<con
 }
 
 void MinimalExtension::number_rows_and_columns() {
-  place_.resize(index(n_));
-  for (int j = 0; j < n_; ++j) place_[index(j)].assign(index(offsets().d[index(j)] + 1), -1);
+  for (int j = 0; j < n_; ++j) {
+    first_place_.push_back(place_.size());
+    place_.resize(place_.size() + index(offsets().d[index(j)] + 1), -1);
+  }
   for (int stage = first_stage(); stage <= 0; ++stage) {
     first_rows_.push_back(num_rows());
     first_columns_.push_back(num_columns());
@@ -32,7 +34,7 @@ void MinimalExtension::number_rows_and_columns() {
       if (offsets().c[index(i)] + stage >= 0) rows_.push_back({i, offsets().c[index(i)] + stage});
     for (int j = 0; j < n_; ++j) {
       if (offsets().d[index(j)] + stage < 0) continue;
-      place_[index(j)][index(-stage)] = num_columns();
+      place_[first_place_[index(j)] + index(-stage)] = num_columns();
       columns_.push_back({j, offsets().d[index(j)] + stage});
     }
   }
@@ -76,7 +78,7 @@ void MinimalExtension::make_pattern() {
         entry = static_cast<int>(column_.size());
         column_.push_back(column_of(unknown, order));
       }
-      terms_.push_back({entry, target * length + index(coefficient), factor});
+      terms_.emplace_back(entry, target * length + index(coefficient), factor);
     };
     for (const Part& part : parts(row))
       for (std::size_t e = tape.first_target[index(part.equation)]; e < tape.first_target[index(part.equation + 1)];

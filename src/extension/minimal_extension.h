@@ -39,7 +39,7 @@ class MinimalExtension {
   int freedom() const { return num_columns() - num_rows(); }
   // The column of x_j^(order), order <= d_j.
   int column_of(int unknown, int order) const {
-    return place_[index(unknown)][index(offsets().d[index(unknown)] - order)];
+    return place_[first_place_[index(unknown)] + index(offsets().d[index(unknown)] - order)];
   }
   const Structure& structure() const { return *structure_; }
   const std::shared_ptr<const Structure>& shared_structure() const { return structure_; }
@@ -102,7 +102,9 @@ class MinimalExtension {
   std::vector<int> first_rows_, first_columns_;
   std::vector<Part> parts_;
   std::vector<int> first_part_{0}, levels_;  // levels: of each recorded equation, the highest
-  std::vector<std::vector<int>> place_;      // of x_j^(d_j), x_j^(d_j - 1), ..., x_j
+  // Columns of x_j^(d_j), x_j^(d_j - 1), ..., x_j, and where those of each j begin.
+  std::vector<int> place_;
+  std::vector<std::size_t> first_place_;
   std::vector<int> first_, column_;
   std::vector<EntryTerm> terms_;
   std::vector<double> coefficients_, values_;

@@ -13,11 +13,13 @@ namespace {
 // Nodes kept, and the newest ones among them that are not thinned out: steps about a point need not grow or shrink
 // regularly. (Chosen: polynomials of degree 6 at most are fitted to them.)
 constexpr std::size_t most_nodes = 64, untouched = 16;
+// Half of them where all would be the largest part of the memory of a solver (docs/decisions/63-large-recorded-problems.md).
+constexpr std::size_t large_size = 1000, most_large_nodes = 32;
 
 }  // namespace
 
 void Trail::start(double t, const double* x, std::size_t n) {
-  nodes_.resize(most_nodes);
+  nodes_.resize(n > large_size ? most_large_nodes : most_nodes);
   for (Node& node : nodes_) node.x.resize(n);
   count_ = 0;
   add(t, x);
@@ -25,7 +27,7 @@ void Trail::start(double t, const double* x, std::size_t n) {
 
 void Trail::add(double t, const double* x) {
   if (nodes_.empty()) return;
-  if (count_ == most_nodes) drop_one();
+  if (count_ == nodes_.size()) drop_one();
   Node& node = nodes_[count_++];
   node.t = t;
   std::copy_n(x, node.x.size(), node.x.begin());

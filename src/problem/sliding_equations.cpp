@@ -18,7 +18,7 @@ namespace {
 constexpr const char* advice = " Write it in both modes with the same factors.";
 
 bool contains_derivatives(const Record& record, int equation) {
-  const std::vector<Entry>& entries = record.entries(equation);
+  const std::span<const Entry> entries = record.entries(equation);
   return std::any_of(entries.begin(), entries.end(), [](const Entry& entry) { return entry.derivative; });
 }
 

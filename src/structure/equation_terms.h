@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -68,8 +69,10 @@ SeriesTerm series_term(const EquationTerm& term, bool of_derivative, int s);
 
 // values[entry] += factor times coefficients[coefficient], a Taylor coefficient of a derivative of a recorded equation.
 struct EntryTerm {
+  EntryTerm(int of, std::size_t from, double times)
+      : entry(of), coefficient(static_cast<std::uint32_t>(from)), factor(times) {}
   int entry;
-  std::size_t coefficient;
+  std::uint32_t coefficient;
   double factor;
 };
 inline void sum_terms(const std::vector<EntryTerm>& terms, const std::vector<double>& coefficients,

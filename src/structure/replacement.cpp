@@ -116,6 +116,7 @@ class Replacement {
     std::vector<double> jet;
     Gradients gradients;
   };
+  void choose_jets(int order);
   bool sample(int order);
   bool judge(const Structure& structure, Certificate& certificate);
   bool replace_in(const Structure& structure, const SystemJacobian& jacobian, int block);
@@ -129,15 +130,13 @@ class Replacement {
   EquationTerms terms_{0};
 };
 
-// Points and jets chosen at random: of functions that vanish there, few do not vanish everywhere.
-bool Replacement::sample(int order) {
-  if (order <= order_) return true;
+// Chosen at random: of functions that vanish there, few do not vanish everywhere.
+void Replacement::choose_jets(int order) {
   constexpr int count = 2;
   constexpr double near = 0.01;
   std::minstd_rand generator(1);
   const std::size_t n = neighbourhood_.sizes.size();
   samples_.resize(count);
-  order_ = order;
   for (Sample& sample : samples_) {
     // One order more for slopes, and one for x'.
     sample.jet.resize(n * index(order + 3));
@@ -146,8 +145,15 @@ bool Replacement::sample(int order) {
       const double x = neighbourhood_.x[j], size = std::max(std::fabs(x), neighbourhood_.sizes[j]);
       sample.jet[k] = (k < n ? x : 0.0) + near * size * symmetric_random(generator);
     }
-    if (!sample.gradients.evaluate(evaluator_, neighbourhood_.t, sample.jet.data(), order + 1)) return false;
   }
+}
+
+bool Replacement::sample(int order) {
+  if (order <= order_) return true;
+  if (order_ >= 0) choose_jets(order);
+  order_ = order;
+  for (Sample& sample : samples_)
+    if (!sample.gradients.evaluate(evaluator_, neighbourhood_.t, sample.jet.data(), order + 1)) return false;
   return true;
 }
 
@@ -156,9 +162,11 @@ bool Replacement::judge(const Structure& structure, Certificate& certificate) {
 }
 
 std::shared_ptr<const Structure> Replacement::run(const Structure& recorded) {
-  if (!sample(1)) return nullptr;
+  constexpr int first_order = 1;
+  choose_jets(first_order);
+  // Most structures are confirmed, and series of all derivatives would be the largest arrays of their starts.
   Certificate certificate;
-  if (!judge(recorded, certificate) || certificate.is_given()) return nullptr;
+  if (!judge(recorded, certificate) || certificate.is_given() || !sample(first_order)) return nullptr;
   terms_ = recorded.equations;
   auto structure = std::make_shared<const Structure>(recorded);
   while (!certificate.is_given()) {

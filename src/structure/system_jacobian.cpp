@@ -29,7 +29,7 @@ SystemJacobian::SystemJacobian(const Structure& structure, const Tape& tape)
         if (entry < 0) continue;
         const int s = structure.offsets.d[index(leaf.unknown)] - structure.offsets.c[index(i)];
         const SeriesTerm part = series_term(term, leaf.derivative, s);
-        if (part.order >= 0) terms_.push_back({entry, e * length + index(part.order), part.factor});
+        if (part.order >= 0) terms_.emplace_back(entry, e * length + index(part.order), part.factor);
       }
     }
     for (int e = first_.back(); e < static_cast<int>(unknown_.size()); ++e) entry_of[index(unknown_[index(e)])] = -1;

@@ -40,6 +40,16 @@ TEST_F(Recorded, EqualExpressionsAreOneNode) {
   EXPECT_EQ(nodes(), before);
 }
 
+// The table of nodes grows many times on the way.
+TEST_F(Recorded, ManyExpressionsAreFoundAgain) {
+  std::vector<int> first, again;
+  for (auto* found : {&first, &again})
+    for (int k = 1; k <= 3000; ++k) found->push_back((sin(x(0) * (1.0 / k)) + x(1) * (k + 0.5)).node);
+  EXPECT_EQ(first, again);
+  std::sort(first.begin(), first.end());
+  EXPECT_EQ(std::adjacent_find(first.begin(), first.end()), first.end());
+}
+
 TEST_F(Recorded, DifferencesAndQuotientsAreNotCommuted) {
   EXPECT_NE((x(0) / x(1)).node, (x(1) / x(0)).node);
   EXPECT_NE((x(0) - x(1)).node, (x(1) - x(0)).node);

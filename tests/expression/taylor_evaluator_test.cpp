@@ -103,6 +103,20 @@ TEST_P(EveryOperation, HasTheTaylorCoefficientsOfCauchysFormula) {
   }
 }
 
+// With one number in a slot the tape itself is executed, with more a copy of it.
+TEST_P(EveryOperation, HasTheSameValuesAndGradientsWithRoomForMore) {
+  TaylorEvaluator plain(record), roomy(record);
+  Numbers F(2), Fx(2), Fxdot(2), more(4);
+  ASSERT_TRUE(roomy.values(0.2, jet.data(), 3, more.data()));
+  Numbers roomy_F(F), roomy_Fx(Fx), roomy_Fxdot(Fxdot);
+  ASSERT_TRUE(plain.gradients(0.2, jet.data(), {0, 0, 0}, F.data(), Fxdot.data(), Fx.data()));
+  ASSERT_TRUE(roomy.gradients(0.2, jet.data(), {0, 0, 0}, roomy_F.data(), roomy_Fxdot.data(), roomy_Fx.data()));
+  EXPECT_EQ(F, roomy_F);
+  EXPECT_EQ(Fx, roomy_Fx);
+  EXPECT_EQ(Fxdot, roomy_Fxdot);
+  EXPECT_EQ(F[0], more[0]);
+}
+
 TEST_P(EveryOperation, HasTheGradientsOfDifferences) {
   for (int order : {0, 1, 3, 6}) {
     const Numbers shorter(jet.begin(), jet.begin() + 2 * (order + 2));
