@@ -38,6 +38,7 @@ class ExtensionIteration {
   PointStatus derivative(ExtensionLinearization& linearization, const Jet& jet, double* xdot);
 
   ChordIteration& chord() { return chord_; }
+  CallbackError& callback_error() { return callback_error_; }
   // The step matrix is for another c, which slow iterations come from: a new one may be all that is needed.
   bool blames_matrix() const;
   // What steps depend on besides the linearization.

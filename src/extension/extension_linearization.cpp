@@ -33,6 +33,7 @@ constexpr double few_roundings = 4.0;
 
 PointStatus ExtensionLinearization::linearize(const Jet& jet, CallbackError& error) {
   is_usable_ = false;
+  ++number_;
   step_.forget();
   held_.forget();
   for (auto& pair : pairs_) pair.forget();
@@ -48,16 +49,17 @@ PointStatus ExtensionLinearization::renew(const Jet& jet, CallbackError& error) 
   const PointStatus status = linearize(jet, error);
   if (status != PointStatus::ok) return status;
   note_sizes();
-  const auto is_harmless = [this] {
-    return sensitivity_ <= std::max(harmless_sensitivity, worth_a_choice * sensitivity_of_choice_);
-  };
-  const bool keeps = choices_ > 0 && factor_held() && is_harmless();
+  const bool keeps = choices_ > 0 && factor_held() && is_harmless(sensitivity_);
   if (!keeps) {
     if (!choose_states()) return PointStatus::singular;
     sensitivity_of_choice_ = sensitivity_;
   }
   is_usable_ = true;
   return PointStatus::ok;
+}
+
+bool ExtensionLinearization::is_harmless(double sensitivity) const {
+  return sensitivity <= std::max(harmless_sensitivity, worth_a_choice * sensitivity_of_choice_);
 }
 
 PointStatus ExtensionLinearization::restore(const Jet& jet, const std::vector<int>& states, CallbackError& error) {
@@ -205,24 +207,44 @@ void ExtensionLinearization::note_sizes() {
   for (std::size_t j = 0; j < sizes_.size(); ++j) sizes_[j] = std::max(sizes_[j], std::fabs(origin_.x[j]));
 }
 
-// By one change of all states, with random signs. Unknowns that are nothing but rounding errors have no size.
-void ExtensionLinearization::measure_sensitivity() {
-  sensitivity_ = 0.0;
+// Of all states by their sizes, with random signs.
+std::vector<double> ExtensionLinearization::random_changes() const {
   std::minstd_rand generator(1);
   std::vector<double> changes(sizes_);
   for (double& change : changes)
     if (symmetric_random(generator) < 0.0) change = -change;
-  work_.assign(index(choice_.size()) + 1, 0.0);
-  subtract_states(changes.data(), work_.data());
-  held_.solve(work_.data());
+  return changes;
+}
+
+// Changes of the other unknowns in their sizes, from those by slots. Unknowns that are nothing but rounding errors have no size.
+double ExtensionLinearization::sensitivity_to(const double* changes) const {
+  double sensitivity = 0.0;
   for (int j = 0; j < extension_.n(); ++j) {
     const double size = sizes_[index(j)];
     const int column = extension_.column_of(j, 0);
     if (choice_.is_state(j) || size <= certain * noise_[index(column)]) continue;
-    const double change = std::fabs(work_[index(choice_.slot(column))]);
+    const double change = std::fabs(changes[choice_.slot(column)]);
     // Not a number counts as too much.
-    sensitivity_ = std::max(sensitivity_, change <= HUGE_VAL ? change / size : HUGE_VAL);
+    sensitivity = std::max(sensitivity, change <= HUGE_VAL ? change / size : HUGE_VAL);
   }
+  return sensitivity;
+}
+
+void ExtensionLinearization::measure_sensitivity() {
+  work_.assign(index(choice_.size()) + 1, 0.0);
+  subtract_states(random_changes().data(), work_.data());
+  held_.solve(work_.data());
+  sensitivity_ = sensitivity_to(work_.data());
+}
+
+bool ExtensionLinearization::states_serve(ConstView tangents) const {
+  const std::vector<double> of_states = random_changes();
+  std::vector<double> changes(index(choice_.size()), 0.0);
+  for (int b = 0; b < tangents.cols; ++b) {
+    const double change = of_states[index(choice_.states()[index(b)])];
+    for (int slot = 0; slot < tangents.rows; ++slot) changes[index(slot)] += change * tangents(slot, b);
+  }
+  return is_harmless(sensitivity_to(changes.data()));
 }
 
 bool ExtensionLinearization::factor_step(double c) {

@@ -10,6 +10,7 @@
 
 #include "extension/minimal_extension.h"
 #include "extension/state_matrix.h"
+#include "linalg/matrix.h"
 #include "system/dae_system.h"
 #include "system/jet.h"
 #include "system/stage_method.h"
@@ -31,6 +32,17 @@ class ExtensionLinearization {
   void forget() { is_usable_ = false; }
   bool is_usable() const { return is_usable_; }
   const Jet& origin() const { return origin_; }
+  // Of linearizations so far, and the derivatives at the origin.
+  long number() const { return number_; }
+  ExtensionDerivatives derivatives() const { return {extension_, values_}; }
+  // Another one and its factors, made elsewhere.
+  void count_local() {
+    ++counts_.reductions;
+    ++counts_.factorizations;
+  }
+  // Whether the states determine the other unknowns as well as where they were chosen; tangents: of the others by the states, by
+  // slots.
+  bool states_serve(ConstView tangents) const;
   const StateChoice& choice() const { return choice_; }
   // Reading: after restore(), the factored matrices. False: they cannot have been.
   bool archive_matrices(Archive& archive);
@@ -77,7 +89,6 @@ class ExtensionLinearization {
 
  private:
   PointStatus linearize(const Jet& jet, CallbackError& error);
-  ExtensionDerivatives derivatives() const { return {extension_, values_}; }
   bool choose_states();
   std::optional<std::vector<int>> states_by_stages(const std::vector<double>& values) const;
   std::optional<std::vector<int>> states_of_all(const std::vector<double>& values) const;
@@ -87,6 +98,9 @@ class ExtensionLinearization {
   bool factor_held();
   void set_states(std::vector<int> states);
   void note_sizes();
+  bool is_harmless(double sensitivity) const;
+  std::vector<double> random_changes() const;
+  double sensitivity_to(const double* changes) const;
   void measure_sensitivity();
   void measure_noise() { noise_ = noise_at(origin_); }
 
@@ -96,7 +110,7 @@ class ExtensionLinearization {
   SystemCounts& counts_;
   Jet origin_;
   bool is_usable_ = false;
-  long choices_ = 0;
+  long choices_ = 0, number_ = 0;
   // By how many of their sizes the other unknowns x_j change if the states do by theirs.
   double sensitivity_ = 0.0, sensitivity_of_choice_ = 0.0;
   std::vector<double> sizes_;  // of x

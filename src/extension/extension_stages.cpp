@@ -51,34 +51,51 @@ void ExtensionStages::solve_transformed(const StageMethod& method, ExtensionLine
       [&](std::size_t k, std::complex<double>* omega) { linearization.solve_pair(k, omega); });
 }
 
-PointStatus ExtensionStages::solve(const StageEquations& equations, ExtensionLinearization& linearization,
-                                   ExtensionIteration& iteration) {
+PointStatus ExtensionStages::evaluate(ExtensionIteration& iteration) {
+  // Eight points for one would be too many.
+  constexpr int fewest_side_by_side = 3;
+  if (s_ >= fewest_side_by_side && extension_.residuals_side_by_side(jets_, s_, r_.data())) {
+    for (std::size_t k = 0; k < index(s_) * index(extension_.num_rows()); ++k) r_[k] = -r_[k];
+    return PointStatus::ok;
+  }
+  for (int i = 0; i < s_; ++i) {
+    const PointStatus status = iteration.evaluate(jets_[index(i)], column(r_, i));
+    if (status != PointStatus::ok) return status;
+  }
+  return PointStatus::ok;
+}
+
+PointStatus ExtensionStages::solve(const StageEquations& equations, Linearized linearized,
+                                   ExtensionLinearization& linearization, ExtensionIteration& iteration) {
   // As for other nonlinear systems: more are better saved by shorter steps.
   constexpr int most = 12;
   const double h = equations.t_end - equations.t;
-  if (!linearization.factor_stages(equations.method, h)) return PointStatus::singular;
+  const bool is_local = linearized == Linearized::at_each_stage;
   for (int i = 0; i < s_; ++i) jets_[index(i)] = starts_[index(i)];
+  set_slopes(equations, linearization.choice());
+  if (is_local) {
+    const PointStatus status = local_.linearize(equations, jets_, linearization, iteration.callback_error());
+    if (status != PointStatus::ok) return status;
+  } else if (!linearization.factor_stages(equations.method, h)) {
+    return PointStatus::singular;
+  }
   const ExtensionIteration::Change change{equations.method.gamma / h, 1.0, equations.guess.inverse_weights};
   const ChordTarget target{newton_tolerance, 1e-3};
   double before = 0.0, earlier = 0.0;
   iteration.chord().begin();
   for (int k = 0; k < most; ++k) {
-    set_slopes(equations, linearization.choice());
-    for (int i = 0; i < s_; ++i) {
-      const PointStatus status = iteration.evaluate(jets_[index(i)], column(r_, i));
-      if (status != PointStatus::ok) return status;
-    }
-    solve_transformed(equations.method, linearization);
+    const PointStatus status = evaluate(iteration);
+    if (status != PointStatus::ok) return status;
+    if (is_local) local_.solve({r_.data(), extension_.num_rows(), s_, std::max(extension_.num_rows(), 1)});
+    else solve_transformed(equations.method, linearization);
     double norm = 0.0;
     for (int i = 0; i < s_; ++i) {
       const double size = iteration.apply_change(change, column(r_, i), linearization, jets_[index(i)]);
       if (!std::isfinite(size)) return PointStatus::not_converged;
       norm = std::max(norm, size);
     }
-    if (iteration.chord().has_converged(target, k, norm, before)) {
-      set_slopes(equations, linearization.choice());
-      return PointStatus::ok;
-    }
+    set_slopes(equations, linearization.choice());
+    if (iteration.chord().has_converged(target, k, norm, before)) return PointStatus::ok;
     if (ChordIteration::is_too_slow(k, norm, std::max(before, earlier))) return PointStatus::not_converged;
     earlier = before;
     before = norm;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "extension/extension_iteration.h"
+#include "extension/local_stages.h"
 #include "system/jet.h"
 #include "system/jet_history.h"
 #include "system/strangeness_free_system.h"
@@ -19,21 +20,27 @@ namespace sfdae::core {
 
 class ExtensionStages {
  public:
-  explicit ExtensionStages(MinimalExtension& extension) : extension_(extension) {}
+  explicit ExtensionStages(MinimalExtension& extension) : extension_(extension), local_(extension) {}
 
   // The jets to start from. determined: flags of the derivatives.
   void predict(const StageEquations& equations, const JetHistory& history, const std::vector<char>& determined);
   void hold_derivatives(const JetHistory& history) {
     for (int i = 0; i < s_; ++i) history.hold_derivatives(starts_[index(i)]);
   }
-  PointStatus solve(const StageEquations& equations, ExtensionLinearization& linearization,
+  // With one linearization for all stages, or, where that is of use, with one for each.
+  enum class Linearized { once, at_each_stage };
+  PointStatus solve(const StageEquations& equations, Linearized linearized, ExtensionLinearization& linearization,
                     ExtensionIteration& iteration);
+  bool may_linearize_each(int s) const { return local_.is_of_use(s); }
+  // At the end of the step, of the stages linearized one by one: see LocalStages.
+  ConstView end_tangents() const { return local_.end_tangents(); }
   const Jet& middle() const { return starts_[index(s_ / 2)]; }
   const Jet& last() const { return jets_[index(s_ - 1)]; }
   // x: n x s.
   void copy_to(double* x) const;
 
  private:
+  PointStatus evaluate(ExtensionIteration& iteration);
   void set_slopes(const StageEquations& equations, const StateChoice& choice);
   void solve_transformed(const StageMethod& method, ExtensionLinearization& linearization);
   double* column(std::vector<double>& entries, int i) const {
@@ -41,6 +48,7 @@ class ExtensionStages {
   }
 
   MinimalExtension& extension_;
+  LocalStages local_;
   int s_ = 0;
   std::vector<Jet> starts_, jets_;
   std::vector<double> r_, z_;  // a column for each stage

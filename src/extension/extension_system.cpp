@@ -21,6 +21,9 @@ namespace {
 constexpr int points_between_certificates = 20;
 // Of weighted changes, in units of the tolerances of a step (docs/decisions/63-large-recorded-problems.md).
 constexpr double step_tolerance = 0.03;
+// Where stages are linearized one by one, the linearization tells about rounding errors and the states alone
+// (docs/decisions/62-stages-with-few-states.md).
+constexpr int points_between_renewals = 4;
 
 }  // namespace
 
@@ -189,6 +192,22 @@ PointStatus ExtensionSystem::iterate_with_renewal(const Jet& start, Iterate iter
   return status;
 }
 
+PointStatus ExtensionSystem::review_local() {
+  has_end_tangents_ = true;
+  if (++unjudged_ >= points_between_certificates) {
+    const PointStatus status = certify(jet_);
+    if (status != PointStatus::ok) return status;
+  }
+  iteration_.chord().set_slow(false);
+  if (unjudged_ % points_between_renewals != 0 && linearization_.states_serve(stages_.end_tangents()))
+    return PointStatus::ok;
+  // The end of the step is the same, whatever the states.
+  has_end_tangents_ = false;
+  const PointStatus status = renew(jet_);
+  iteration_.chord().set_rate(0.1);
+  return status;
+}
+
 // A linearization that has become slow is renewed where the point has converged, and the structure confirmed now and then.
 PointStatus ExtensionSystem::review() {
   ChordIteration& chord = iteration_.chord();
@@ -228,11 +247,21 @@ PointStatus ExtensionSystem::solve(const StepEquations& equations, double* x) {
 }
 
 PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) {
+  using Linearized = ExtensionStages::Linearized;
   t_reached = equations.t_end;
+  has_end_tangents_ = false;
   stages_.predict(equations, history_, determined_);
+  if (linearization_.is_usable() && stages_.may_linearize_each(equations.method.s)) {
+    PointStatus status = stages_.solve(equations, Linearized::at_each_stage, linearization_, iteration_);
+    if (status == PointStatus::ok) {
+      take_stages(x, w);
+      return review_local();
+    }
+    if (is_hopeless(status)) return status;
+  }
   const auto iterate = [&] {
-    return iterate_with_renewal(stages_.middle(),
-                                [&] { return stages_.solve(equations, linearization_, iteration_); });
+    return iterate_with_renewal(
+        stages_.middle(), [&] { return stages_.solve(equations, Linearized::once, linearization_, iteration_); });
   };
   PointStatus status = iterate();
   if (status != PointStatus::ok && !is_hopeless(status) && analysis_.values.mu > 0) {
@@ -240,10 +269,14 @@ PointStatus ExtensionSystem::solve_stages(const StageEquations& equations, doubl
     status = iterate();
   }
   if (status != PointStatus::ok) return status;
+  take_stages(x, w);
+  return review();
+}
+
+void ExtensionSystem::take_stages(double* x, double* w) {
   jet_ = stages_.last();
   stages_.copy_to(x);
   stages_.copy_to(w);
-  return review();
 }
 
 // One real and (s - 1) / 2 complex factorizations, and about five iterations for each stage.
@@ -265,11 +298,27 @@ void ExtensionSystem::error_in_x(const double* dw, int count, double* dx) {
   for (int k = 0; k < count; ++k, dw += n, dx += n) {
     std::copy_n(dw, n, dx);
     if (!linearization_.is_usable() || differential() == n) continue;
+    if (has_end_tangents_) {
+      add_tangents(dw, dx);
+      continue;
+    }
     std::fill(work_.begin(), work_.end(), 0.0);
     linearization_.subtract_states(dw, work_.data());
     linearization_.solve_held(work_.data());
     for (int j = 0; j < n; ++j)
       if (!choice.is_state(j)) dx[j] = work_[index(choice.slot(extension_.column_of(j, 0)))];
+  }
+}
+
+// The other x_j from changes of the states, at the end of the step.
+void ExtensionSystem::add_tangents(const double* dw, double* dx) const {
+  const StateChoice& choice = linearization_.choice();
+  const ConstView T = stages_.end_tangents();
+  for (int j = 0; j < unknowns(); ++j) {
+    if (choice.is_state(j)) continue;
+    const int slot = choice.slot(extension_.column_of(j, 0));
+    dx[j] = 0.0;
+    for (int b = 0; b < T.cols; ++b) dx[j] += T(slot, b) * dw[choice.states()[index(b)]];
   }
 }
 

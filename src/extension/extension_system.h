@@ -48,7 +48,10 @@ class ExtensionSystem final : public DaeSystem {
   const Certificate& certificate() const { return certificate_; }
 
   PointStatus move_to(double t) override;
-  void accept() override { history_.accept(jet_); }
+  void accept() override {
+    history_.accept(jet_);
+    has_end_tangents_ = false;
+  }
   void leading(const double* x, double* w) override { std::copy_n(x, unknowns(), w); }
   PointStatus solve(const StepEquations& equations, double* x) override;
   PointStatus solve_stages(const StageEquations& equations, double* x, double* w, double& t_reached) override;
@@ -91,7 +94,10 @@ class ExtensionSystem final : public DaeSystem {
   PointStatus renew(const Jet& jet);
   template <class Iterate>
   PointStatus iterate_with_renewal(const Jet& start, Iterate iterate);
+  void take_stages(double* x, double* w);
+  void add_tangents(const double* dw, double* dx) const;
   PointStatus review();
+  PointStatus review_local();
   PointStatus solve_held(Jet& jet, double* xdot);
 
   RecordedProblem& problem_;
@@ -108,6 +114,8 @@ class ExtensionSystem final : public DaeSystem {
   std::vector<char> determined_;
   std::vector<double> scales_, rounding_errors_, work_;
   int unjudged_ = 0;  // points since the structure was judged
+  // The stages that have been solved were linearized one by one, and the last one is the current point.
+  bool has_end_tangents_ = false;
 };
 
 }  // namespace sfdae::core

@@ -114,6 +114,30 @@ CallbackError MinimalExtension::residuals(const Jet& jet, double* r) {
   return error;
 }
 
+bool MinimalExtension::residuals_side_by_side(const std::vector<Jet>& jets, int count, double* r) {
+  if (!problem_.has_lanes(highest_level_) || count > lane_count) return false;
+  const std::size_t size = index(n_) * index(jet_order() + 1);
+  lanes_of_t_.resize(1);
+  lanes_of_jets_.resize(size);
+  lanes_of_F_.resize(index(n_) * index(highest_level_ + 1));
+  for (int l = 0; l < lane_count; ++l) {
+    const Jet& jet = jets[index(std::min(l, count - 1))];
+    lanes_of_t_[0].lane[l] = jet.t;
+    for (std::size_t k = 0; k < size; ++k) lanes_of_jets_[k].lane[l] = jet.x[k];
+  }
+  if (!problem_.residuals_side_by_side(count, lanes_of_t_.data(), lanes_of_jets_.data(), highest_level_,
+                                       lanes_of_F_.data()))
+    return false;
+  for (int l = 0; l < count; ++l)
+    for (int row = 0; row < num_rows(); ++row) {
+      double value = 0.0;
+      for (const Part& part : parts(row))
+        value += part.factor * lanes_of_F_[index(part.equation) + index(part.order) * index(n_)].lane[l];
+      *r++ = value;
+    }
+  return true;
+}
+
 CallbackError MinimalExtension::slopes(const Jet& jet, double* r) {
   CallbackError error = evaluate(jet, highest_level_ + 1);
   for (int row = 0; row < num_rows(); ++row) {

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "linalg/lanes.h"
 #include "problem/nonlinear_problem.h"
 #include "structure/structure.h"
 #include "structure/system_jacobian.h"
@@ -64,6 +65,9 @@ class MinimalExtension {
 
   // num_rows() Taylor coefficients of f along a jet of jet_order().
   CallbackError residuals(const Jet& jet, double* r);
+  // The same along the first `count` jets at once, to the last bit; r: a column for each. False: they have to be looked at one
+  // by one, for whatever reason.
+  bool residuals_side_by_side(const std::vector<Jet>& jets, int count, double* r);
   // Those of the total derivatives by t of all rows along the jet; it is of one order more.
   CallbackError slopes(const Jet& jet, double* r);
 
@@ -110,6 +114,7 @@ class MinimalExtension {
   std::vector<double> coefficients_, values_;
   SystemJacobian leading_;
   std::vector<double> F_;
+  LaneArray lanes_of_t_, lanes_of_jets_, lanes_of_F_;
 };
 
 }  // namespace sfdae::core
