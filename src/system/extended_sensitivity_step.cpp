@@ -74,6 +74,7 @@ void ExtendedSensitivityStep::find_terms() {
   coefficients_.assign(tape.targets.size() * index(order_ + 1), 0.0);
   F_p_.assign(index(problem_.m()) * index(order_ + 1) * index(parameters_.count()), 0.0);
   right_.assign(index(num_columns()) * index(parameters_.count() + 1), 0.0);
+  solution_ = right_;
 }
 
 bool ExtendedSensitivityStep::linearize(const Jet& jet) {
@@ -144,28 +145,40 @@ void ExtendedSensitivityStep::set_states(const std::vector<int>& states) {
   for (std::size_t e = 0; e < terms_.size(); ++e) terms_[e].position = position_of(e);
   state_positions_.clear();
   for (std::size_t e = terms_.size(); e < places.size(); ++e) state_positions_.push_back(position_of(e));
-  SparsePattern pattern;
-  pattern.size = num_columns();
-  pattern.first.assign(index(pattern.size) + 1, 0);
+  pattern_.size = num_columns();
+  pattern_.row.clear();
+  pattern_.first.assign(index(pattern_.size) + 1, 0);
   for (const auto& [column, row] : entries) {
-    pattern.row.push_back(row);
-    ++pattern.first[index(column) + 1];
+    pattern_.row.push_back(row);
+    ++pattern_.first[index(column) + 1];
   }
-  std::partial_sum(pattern.first.begin(), pattern.first.end(), pattern.first.begin());
+  std::partial_sum(pattern_.first.begin(), pattern_.first.end(), pattern_.first.begin());
   values_.assign(entries.size(), 0.0);
-  lu_.analyze(pattern);
+  planned_.analyze(pattern_);
+  has_lu_ = false;
   has_pattern_ = true;
 }
 
-bool ExtendedSensitivityStep::factor(double c) {
+// state S_s,0 + slope S_s,1 in the last rows.
+void ExtendedSensitivityStep::set_values(double state, double slope) {
   if (!has_pattern_) set_states(states_);
   std::fill(values_.begin(), values_.end(), 0.0);
   for (const Term& term : terms_) values_[index(term.position)] += term.factor * coefficients_[term.coefficient];
   for (std::size_t s = 0; s < states_.size(); ++s) {
-    values_[index(state_positions_[2 * s])] = c;
-    values_[index(state_positions_[2 * s + 1])] = -1.0;
+    values_[index(state_positions_[2 * s])] = state;
+    values_[index(state_positions_[2 * s + 1])] = slope;
   }
-  return lu_.factor(values_.data());
+}
+
+// The first `count` right-hand sides. Where a list of operations is of no use, with sparse factors.
+bool ExtendedSensitivityStep::solve_system(int count) {
+  if (planned_.is_suitable() && planned_.solve(values_.data(), right_.data(), count, solution_.data())) return true;
+  if (!has_lu_) lu_.analyze(pattern_);
+  has_lu_ = true;
+  if (!lu_.factor(values_.data())) return false;
+  std::copy(right_.begin(), right_.end(), solution_.begin());
+  lu_.solve(solution_.data(), count);
+  return all_finite(solution_.data(), index(num_columns()) * index(count));
 }
 
 // Those of S, and one with no other change than those of the states by their sizes.
@@ -185,34 +198,92 @@ void ExtendedSensitivityStep::set_right_hand_sides(double c, const double* rest)
 }
 
 double ExtendedSensitivityStep::largest_move() const {
-  const double* moves = right_.data() + index(num_columns()) * index(parameters_.count());
+  const double* moves = solution_.data() + index(num_columns()) * index(parameters_.count());
   double largest = 0.0;
   for (std::size_t j = 0; j < sizes_.size(); ++j)
     if (sizes_[j] > 0.0) largest = std::max(largest, std::fabs(moves[first_column_[j]]) / sizes_[j]);
   return largest;
 }
 
+PointStatus ExtendedSensitivityStep::evaluate(const Jet& jet) {
+  if (!linearize(jet)) return PointStatus::callback_error;
+  const int rows = problem_.m() * (order_ + 1), count = parameters_.count();
+  callback_error_ = parameters_.values(jet.t, jet.x.data(), order_, View{F_p_.data(), rows, count, rows});
+  return callback_error_.status == SFDAE_OK ? PointStatus::ok : PointStatus::callback_error;
+}
+
+// With other states where those there are determine the rest no more. move: by how many of their sizes unknowns move if states do
+// by theirs, in what was solved last. False: there are no states.
+template <class Solve, class Move>
+bool ExtendedSensitivityStep::solve_with_good_states(Solve solve, Move move) {
+  const bool is_solved = solve();
+  if (is_solved && move() <= std::max(harmless_move, worth_a_choice * move_of_choice_)) return true;
+  is_possible_ = choose_states() && ((is_solved && has_pattern_) || solve());
+  if (is_possible_) move_of_choice_ = move();
+  return is_possible_;
+}
+
 PointStatus ExtendedSensitivityStep::solve(const Jet& jet, double c, const double* rest, double* S) {
   const int n = jet.n, count = parameters_.count();
-  if (!linearize(jet)) return PointStatus::callback_error;
-  const int rows = problem_.m() * (order_ + 1);
-  callback_error_ = parameters_.values(jet.t, jet.x.data(), order_, View{F_p_.data(), rows, count, rows});
-  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  const PointStatus status = evaluate(jet);
+  if (status != PointStatus::ok) return status;
   const auto solve_with_states = [&] {
-    if (!factor(c)) return false;
+    set_values(c, -1.0);
     set_right_hand_sides(c, rest);
-    lu_.solve(right_.data(), count + 1);
-    return all_finite(right_.data(), right_.size());
+    return solve_system(count + 1);
   };
-  const bool is_solved = solve_with_states();
-  if (!is_solved || largest_move() > std::max(harmless_move, worth_a_choice * move_of_choice_)) {
-    is_possible_ = choose_states() && ((is_solved && has_pattern_) || solve_with_states());
-    if (!is_possible_) return PointStatus::ok;
-    move_of_choice_ = largest_move();
-  }
+  if (!solve_with_good_states(solve_with_states, [&] { return largest_move(); })) return PointStatus::ok;
   for (int j = 0; j < count; ++j)
     for (int i = 0; i < n; ++i)
-      S[i + j * n] = right_[index(num_columns()) * index(j) + index(first_column_[index(i)])];
+      S[i + j * n] = solution_[index(num_columns()) * index(j) + index(first_column_[index(i)])];
+  return PointStatus::ok;
+}
+
+// ---- Tangents --------------------------------------------------------------------------------------------------
+
+// Those of xp, with states that do not change, and one for each state.
+void ExtendedSensitivityStep::set_right_hand_sides_of_tangents() {
+  const std::size_t columns = index(num_columns()), count = index(parameters_.count());
+  right_.resize(std::max(right_.size(), columns * (count + states_.size())));
+  solution_.resize(right_.size());
+  std::fill(right_.begin(), right_.end(), 0.0);
+  const int m = problem_.m();
+  for (std::size_t j = 0; j < count; ++j) {
+    const double* const F_p = F_p_.data() + index(m) * index(order_ + 1) * j;
+    for (std::size_t i = 0; i < index(m); ++i)
+      for (int k = 0; k <= limits_[i]; ++k)
+        right_[columns * j + index(first_row_[i] + k)] = -F_p[i + index(m) * index(k)];
+  }
+  for (std::size_t s = 0; s < states_.size(); ++s) right_[columns * (count + s) + index(num_rows()) + s] = 1.0;
+}
+
+double ExtendedSensitivityStep::largest_move_of_tangents() const {
+  const std::size_t columns = index(num_columns()), count = index(parameters_.count());
+  double largest = 0.0;
+  for (std::size_t j = 0; j < sizes_.size(); ++j) {
+    if (sizes_[j] == 0.0) continue;
+    double sum = 0.0;
+    for (std::size_t s = 0; s < states_.size(); ++s)
+      sum += (s % 2 == 0 ? 1.0 : -1.0) * solution_[columns * (count + s) + index(first_column_[j])] *
+             sizes_[index(states_[s])];
+    largest = std::max(largest, std::fabs(sum) / sizes_[j]);
+  }
+  return largest;
+}
+
+PointStatus ExtendedSensitivityStep::find_tangents(const Jet& jet, View T2, View xp) {
+  const PointStatus status = evaluate(jet);
+  if (status != PointStatus::ok) return status;
+  const auto solve_with_states = [&] {
+    set_values(1.0, 0.0);
+    set_right_hand_sides_of_tangents();
+    return solve_system(parameters_.count() + num_states());
+  };
+  if (!solve_with_good_states(solve_with_states, [&] { return largest_move_of_tangents(); })) return PointStatus::ok;
+  const double* from = solution_.data();
+  for (View to : {xp, T2})
+    for (int j = 0; j < to.cols; ++j, from += num_columns())
+      for (int i = 0; i < jet.n; ++i) to(i, j) = from[first_column_[index(i)]];
   return PointStatus::ok;
 }
 

@@ -14,6 +14,7 @@
 
 #include <vector>
 
+#include "linalg/planned_lu.h"
 #include "linalg/sparse_lu.h"
 #include "problem/parameter_series.h"
 #include "system/analyzed_equations.h"
@@ -33,6 +34,10 @@ class ExtendedSensitivityStep {
 
   // rest, S: n x count, in the user's units. Not possible any more: no states determine the rest, S is as it was.
   PointStatus solve(const Jet& jet, double c, const double* rest, double* S);
+  // What the constraints leave open, in the user's units: S = xp + T2 z with the states of S for z. T2: n x num_states(), xp: n x count.
+  // Not possible any more: as solve().
+  PointStatus find_tangents(const Jet& jet, View T2, View xp);
+  int num_states() const { return static_cast<int>(states_.size()); }
   const CallbackError& callback_error() const { return callback_error_; }
 
  private:
@@ -49,9 +54,15 @@ class ExtendedSensitivityStep {
   bool linearize(const Jet& jet);
   bool choose_states();
   void set_states(const std::vector<int>& states);
-  bool factor(double c);
+  void set_values(double state, double slope);
+  bool solve_system(int count);
   void set_right_hand_sides(double c, const double* rest);
   double largest_move() const;
+  void set_right_hand_sides_of_tangents();
+  double largest_move_of_tangents() const;
+  PointStatus evaluate(const Jet& jet);
+  template <class Solve, class Move>
+  bool solve_with_good_states(Solve solve, Move move);
   int num_rows() const { return first_row_.back(); }
   int num_columns() const { return first_column_.back(); }
 
@@ -66,7 +77,11 @@ class ExtendedSensitivityStep {
   std::vector<int> states_;
   std::vector<int> state_positions_;  // of S_s,0 and S_s,1 in the last rows
   std::vector<double> coefficients_, values_, F_p_, right_, sizes_;
-  SparseLu<double> lu_;
+  std::vector<double> solution_;
+  SparsePattern pattern_;
+  PlannedLu planned_;
+  SparseLu<double> lu_;  // where that is of no use
+  bool has_lu_ = false;
   CallbackError callback_error_;
 };
 

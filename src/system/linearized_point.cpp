@@ -17,7 +17,26 @@ PointStatus LinearizedPoint::evaluate(AnalyzedEquations& equations, const Jet& j
   const NonlinearProblem::Scaling scaling{analysis.time_scale, analysis.rows, nullptr, &equations.units()};
   callback_error_ = equations.problem().linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  has_tangents_ = false;
   is_ordinary_ = mu == 0 && analysis.values.d == equations.n() && equations.m() == equations.n();
+  return PointStatus::ok;
+}
+
+PointStatus LinearizedPoint::evaluate_along_tangents(AnalyzedEquations& equations, const Jet& jet, Arena& arena) {
+  const IndexAnalysis& analysis = equations.analysis();
+  const NonlinearProblem::Scaling scaling{analysis.time_scale, analysis.rows, nullptr, &equations.units()};
+  callback_error_ = equations.problem().linearize(jet.t, jet.x.data(), {0, 0, -1}, scaling, data_);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  is_ordinary_ = false;
+  has_tangents_ = true;
+  const int d = tangents_.cols();
+  if (Z1_.rows() != data_.m || Z1_.cols() != d) Z1_ = Matrix(data_.m, d);
+  const Arena::Frame frame(arena);
+  const View ET = arena.matrix(data_.m, d);
+  multiply(1.0, Op::plain, data_.E(0), Op::plain, tangents_, 0.0, ET);
+  double* const tau = arena.take(index(d) + 1);
+  factor_qr(ET, tau, arena);
+  form_q(ET, d, tau, Z1_, arena);
   return PointStatus::ok;
 }
 
@@ -39,8 +58,8 @@ PointStatus LinearizedPoint::take_differential(AnalyzedEquations& equations, con
     copy(matrices.A(0), ZA_);
     return PointStatus::ok;
   }
-  multiply(1.0, Op::transposed, form_.Z1(), Op::plain, matrices.E(0), 0.0, ZE_);
-  multiply(1.0, Op::transposed, form_.Z1(), Op::plain, matrices.A(0), 0.0, ZA_);
+  multiply(1.0, Op::transposed, Z1(), Op::plain, matrices.E(0), 0.0, ZE_);
+  multiply(1.0, Op::transposed, Z1(), Op::plain, matrices.A(0), 0.0, ZA_);
   return PointStatus::ok;
 }
 

@@ -31,8 +31,8 @@ class LinearizedPoint {
   bool is_ordinary() const { return is_ordinary_; }
   // Of scaled unknowns: S = xp + T2 z and Z1^T (tau E S' - A S - f) = 0.
   double time_scale() const { return data_.time_scale; }
-  int d() const { return is_ordinary_ ? data_.n : form_.d; }
-  ConstView T2() const { return form_.T2(); }
+  int d() const { return is_ordinary_ ? data_.n : has_tangents_ ? tangents_.cols() : form_.d; }
+  ConstView T2() const { return has_tangents_ ? ConstView(tangents_) : form_.T2(); }
   ConstView ZE() const { return ZE_; }  // d x n
   ConstView ZA() const { return ZA_; }
   const CallbackError& callback_error() const { return callback_error_; }
@@ -48,6 +48,10 @@ class LinearizedPoint {
     StoredElimination* store;
   };
   PointStatus reduce(AnalyzedEquations& equations, const RankSequence& known, const Reduced& reduced, Arena& arena);
+  // Level 0 alone, with the directions that the constraints leave open in tangents_, scaled: Z1 is a basis of E times these, as it is
+  // with the elimination.
+  PointStatus evaluate_along_tangents(AnalyzedEquations& equations, const Jet& jet, Arena& arena);
+  ConstView Z1() const { return has_tangents_ ? ConstView(Z1_) : form_.Z1(); }
   // E and A of F1. With x' of its own, where needs_slopes is set, they come from slope_data_.
   PointStatus take_differential(AnalyzedEquations& equations, const Place& place, bool needs_slopes);
 
@@ -57,12 +61,14 @@ class LinearizedPoint {
   NullSpaceForm form_;
   int rank_E_ = 0;
   double kept_ = 1.0;
+  Matrix tangents_;            // n x d; of points evaluated along these
+  bool has_tangents_ = false;  // else of the form
   CallbackError callback_error_;
 
  private:
   PointStatus reduce_by_judgement(AnalyzedEquations& equations, const Reduced& reduced, Arena& arena);
 
-  Matrix ZE_, ZA_;
+  Matrix ZE_, ZA_, Z1_;
   bool is_ordinary_ = false;
 };
 

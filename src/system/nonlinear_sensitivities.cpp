@@ -21,7 +21,8 @@ NonlinearSensitivities::NonlinearSensitivities(NonlinearSystem& system, Recorded
       numbers_(std::move(parameters)),
       parameters_(problem, numbers_),
       sparse_step_(problem, parameters_),
-      extended_step_(problem, parameters_) {}
+      extended_step_(problem, parameters_),
+      sparse_stages_(problem, parameters_) {}
 
 View NonlinearSensitivities::scaled(const double* S) {
   const int n = unknowns();
@@ -127,8 +128,27 @@ bool NonlinearSensitivities::solve_ordinary(ConstView K, View z, ConstView guess
   return has_factors_;
 }
 
+PointStatus NonlinearSensitivities::linearize_stage(const Jet& jet, const double* xdot) {
+  if (extended_step_.is_possible()) {
+    is_point_here_ = false;
+    const PointStatus status = point_.linearize(system_.analyzed_equations(), parameters_, extended_step_,
+                                                {jet, xdot, system_.linearization().ranks()}, arena_);
+    callback_error_ = point_.callback_error();
+    if (extended_step_.is_possible()) return status;
+  }
+  return linearize(jet, xdot);
+}
+
 PointStatus NonlinearSensitivities::keep(const StageMethod& method, int i, const Jet& jet, const double* xdot) {
-  const PointStatus status = linearize(jet, xdot);
+  // The first stage decides for the step.
+  if (i == 0) are_sparse_stages_ = xdot != nullptr && sparse_stages_.is_possible(method);
+  if (are_sparse_stages_) {
+    is_point_here_ = false;
+    const PointStatus status = sparse_stages_.keep(method, i, jet.t, jet.x.data(), xdot);
+    callback_error_ = sparse_stages_.callback_error();
+    return status;
+  }
+  const PointStatus status = linearize_stage(jet, xdot);
   if (status != PointStatus::ok) return status;
   stages_.resize(method.s, unknowns(), point_.d(), count());
   stages_.keep(i, point_);
@@ -142,8 +162,9 @@ PointStatus NonlinearSensitivities::keep_stage_of_step(const StageMethod& method
 
 PointStatus NonlinearSensitivities::solve_kept_stages(const StageMethod& method, double h, const double* S_start,
                                                       double* S) {
-  const Arena::Frame frame(arena_);
   ++factorizations_;
+  if (are_sparse_stages_) return sparse_stages_.solve(method, h, S_start, S);
+  const Arena::Frame frame(arena_);
   if (!stages_.solve(method, h, scaled(S_start), arena_)) return PointStatus::singular;
   const View result = arena_.matrix(unknowns(), count());
   for (int i = 0; i < method.s; ++i) {
@@ -200,7 +221,8 @@ void NonlinearSensitivities::start(const ConsistencyRequest& request, const doub
         format("the characteristic values known do not hold at t = %.15g, where sensitivities are to start.",
                system_.jet().t));
   has_factors_ = false;
-  sparse_step_.prepare(system_.analyzed_equations().analysis());
+  sparse_step_.prepare(system_.analyzed_equations().analysis(), system_.jet());
+  sparse_stages_.prepare(system_.analyzed_equations().analysis());
   extended_step_.prepare(system_.analyzed_equations(), system_.jet());
   if (point_.is_ordinary()) {
     std::copy_n(directions, size(), S);

@@ -11,6 +11,7 @@
 #include "system/sensitivity_point.h"
 #include "system/sensitivity_stages.h"
 #include "system/sensitivity_system.h"
+#include "system/sparse_sensitivity_stages.h"
 #include "system/sparse_sensitivity_step.h"
 
 namespace sfdae::core {
@@ -41,6 +42,8 @@ class NonlinearSensitivities final : public SensitivitySystem {
   PointStatus linearize(const Jet& jet, const double* xdot);
   // At the current point of the system, unless that is where it was linearized last.
   PointStatus linearize_here();
+  // By the minimal extension where that is possible.
+  PointStatus linearize_stage(const Jet& jet, const double* xdot);
   PointStatus keep(const StageMethod& method, int i, const Jet& jet, const double* xdot);
   bool derivative_of_ordinary(const double* S, double* Sdot);
   bool derivative_from_array(const double* S, double* Sdot);
@@ -59,6 +62,8 @@ class NonlinearSensitivities final : public SensitivitySystem {
   SparseSensitivityStep sparse_step_;
   ExtendedSensitivityStep extended_step_;
   SensitivityStages stages_;
+  SparseSensitivityStages sparse_stages_;
+  bool are_sparse_stages_ = false;  // those kept last
   // K z = r of an ordinary point, r in z before: with the factors kept if these converge, else with those of K.
   bool solve_ordinary(ConstView K, View z, ConstView guess);
   Matrix step_matrix_;

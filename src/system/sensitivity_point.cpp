@@ -32,6 +32,31 @@ PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterS
   return status == PointStatus::ok ? take_right_hand_sides(parameters) : status;
 }
 
+PointStatus SensitivityPoint::linearize(AnalyzedEquations& equations, ParameterSeries& parameters,
+                                        ExtendedSensitivityStep& extension, const Place& place, Arena& arena) {
+  const int n = equations.n(), d = extension.num_states(), count = parameters.count();
+  if (tangents_.rows() != n || tangents_.cols() != d) tangents_ = Matrix(n, d);
+  if (xp_.rows() != n || xp_.cols() != count) xp_ = Matrix(n, count);
+  PointStatus status = extension.find_tangents(place.jet, tangents_, xp_);
+  callback_error_ = extension.callback_error();
+  if (status != PointStatus::ok || !extension.is_possible()) return status;
+  for (const View& columns : {View(tangents_), View(xp_)})
+    for (int j = 0; j < columns.cols; ++j)
+      for (int i = 0; i < n; ++i) columns(i, j) /= equations.units()[i];
+  status = evaluate_along_tangents(equations, place.jet, arena);
+  if (status != PointStatus::ok) return status;
+  if (level_0_f_.rows() != data_.m || level_0_f_.cols() != count) level_0_f_ = Matrix(data_.m, count);
+  inconsistency_ = 0.0;
+  status = take_differential(equations, place, parameters.needs_slopes());
+  if (status != PointStatus::ok) return status;
+  const TaylorData& at = has_slope_data_ ? slope_data_ : data_;
+  callback_error_ = parameters.evaluate(at, has_slope_data_ ? slope_jet_.data() : place.jet.x.data(), 0, level_0_f_);
+  if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
+  if (Zf_.rows() != d || Zf_.cols() != count) Zf_ = Matrix(d, count);
+  multiply(1.0, Op::transposed, Z1(), Op::plain, level_0_f_, 0.0, Zf_);
+  return PointStatus::ok;
+}
+
 PointStatus SensitivityPoint::take_right_hand_sides(ParameterSeries& parameters) {
   if (Zf_.rows() != d() || Zf_.cols() != f_.cols()) Zf_ = Matrix(d(), f_.cols());
   ConstView f = f_.view().top(data_.m);

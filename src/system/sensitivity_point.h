@@ -4,6 +4,7 @@
 
 #include "problem/parameter_series.h"
 #include "system/consistent_values.h"
+#include "system/extended_sensitivity_step.h"
 #include "system/linearized_point.h"
 
 namespace sfdae::core {
@@ -11,6 +12,11 @@ namespace sfdae::core {
 class SensitivityPoint final : public LinearizedPoint {
  public:
   PointStatus linearize(AnalyzedEquations& equations, ParameterSeries& parameters, const Place& place, Arena& arena);
+
+  // The same by the minimal extension, which gives T2 and xp in place of an elimination: for steps alone, as there is no form.
+  // Not possible: see there.
+  PointStatus linearize(AnalyzedEquations& equations, ParameterSeries& parameters, ExtendedSensitivityStep& extension,
+                        const Place& place, Arena& arena);
 
   ConstView xp() const { return xp_; }
   ConstView Zf() const { return Zf_; }  // d x count
@@ -26,6 +32,7 @@ class SensitivityPoint final : public LinearizedPoint {
   void take_column(int j, Arena& arena);
 
   Matrix f_, f_hat_, slope_f_;  // (mu + 1) m x count; transformed by the elimination, Z^T f; of level 0 at x'
+  Matrix level_0_f_;            // where nothing is eliminated
   Matrix xp_, Zf_;
   double inconsistency_ = 0.0;
 };

@@ -9,6 +9,15 @@
 
 namespace sfdae::core {
 
+std::vector<RecordedEntry> recorded_entries(RecordedProblem& problem) {
+  const Tape& tape = problem.evaluator().tape();
+  std::vector<RecordedEntry> entries;
+  for (int i = 0; i < problem.m(); ++i)
+    for (std::size_t e = tape.first_target[index(i)]; e < tape.first_target[index(i) + 1]; ++e)
+      entries.push_back({i, tape.targets[e].unknown, tape.targets[e].derivative});
+  return entries;
+}
+
 bool SparseSensitivityStep::prepare(const IndexAnalysis& analysis) {
   const CharacteristicValues& values = analysis.values;
   const int n = problem_.n();
@@ -17,33 +26,43 @@ bool SparseSensitivityStep::prepare(const IndexAnalysis& analysis) {
   const SparsePattern pattern = find_pattern();
   limits_.assign(index(n), 0);
   jet_.assign(2 * index(n), 0.0);
-  derivatives_.assign(places_.size(), 0.0);
+  derivatives_.assign(entries_.size(), 0.0);
   values_.assign(pattern.row.size(), 0.0);
+  right_.assign(index(n) * index(parameters_.count()), 0.0);
   lu_.analyze(pattern);
+  planned_.analyze(pattern);
   is_possible_ = lu_.method() != SparseMethod::dense;
   return is_possible_;
 }
 
+// Without sparse factors the array solves the same equations, but where constraints depend on x', which is discretized here.
+bool SparseSensitivityStep::prepare(const IndexAnalysis& analysis, const Jet& jet) {
+  if (prepare(analysis) || values_.empty()) return is_possible_;
+  if (analysis.values.mu > 0 || (analysis.values.d < jet.n && parameters_.needs_slopes())) return false;
+  const double c = analysis.time_scale > 0.0 ? 1.0 / analysis.time_scale : 1.0;
+  if (evaluate({jet.t, jet.x.data(), jet.column(1), c, nullptr}) != PointStatus::ok) return false;
+  set_values(c);
+  is_possible_ = planned_.plan(values_.data());
+  return is_possible_;
+}
+
 SparsePattern SparseSensitivityStep::find_pattern() {
-  const Tape& tape = problem_.evaluator().tape();
-  places_.clear();
-  for (int i = 0; i < problem_.m(); ++i)
-    for (std::size_t e = tape.first_target[index(i)]; e < tape.first_target[index(i) + 1]; ++e)
-      places_.push_back({i, tape.targets[e].unknown, tape.targets[e].derivative, -1});
-  std::vector<int> order(places_.size());
+  entries_ = recorded_entries(problem_);
+  positions_.assign(entries_.size(), 0);
+  std::vector<int> order(entries_.size());
   std::iota(order.begin(), order.end(), 0);
-  const auto key = [&](int e) { return std::pair(places_[index(e)].column, places_[index(e)].row); };
+  const auto key = [&](int e) { return std::pair(entries_[index(e)].column, entries_[index(e)].row); };
   std::sort(order.begin(), order.end(), [&](int left, int right) { return key(left) < key(right); });
   SparsePattern pattern;
   pattern.size = problem_.n();
   pattern.first.assign(index(pattern.size) + 1, 0);
   for (std::size_t k = 0; k < order.size(); ++k) {
-    Place& place = places_[index(order[k])];
+    const RecordedEntry& entry = entries_[index(order[k])];
     if (k == 0 || key(order[k]) != key(order[k - 1])) {
-      pattern.row.push_back(place.row);
-      ++pattern.first[index(place.column) + 1];
+      pattern.row.push_back(entry.row);
+      ++pattern.first[index(entry.column) + 1];
     }
-    place.position = static_cast<int>(pattern.row.size()) - 1;
+    positions_[index(order[k])] = static_cast<int>(pattern.row.size()) - 1;
   }
   std::partial_sum(pattern.first.begin(), pattern.first.end(), pattern.first.begin());
   return pattern;
@@ -57,35 +76,44 @@ PointStatus SparseSensitivityStep::evaluate(const Step& step) {
   return callback_error_.status == SFDAE_OK ? PointStatus::ok : PointStatus::callback_error;
 }
 
-PointStatus SparseSensitivityStep::factor(double c) {
+void SparseSensitivityStep::set_values(double c) {
   std::fill(values_.begin(), values_.end(), 0.0);
-  for (std::size_t e = 0; e < places_.size(); ++e)
-    values_[index(places_[e].position)] += places_[e].of_slope ? c * derivatives_[e] : derivatives_[e];
-  return lu_.factor(values_.data()) ? PointStatus::ok : PointStatus::singular;
+  for (std::size_t e = 0; e < entries_.size(); ++e)
+    values_[index(positions_[e])] += entries_[e].of_slope ? c * derivatives_[e] : derivatives_[e];
+}
+
+PointStatus SparseSensitivityStep::factor_and_solve(double* S) {
+  if (planned_.is_suitable() && planned_.solve(values_.data(), right_.data(), parameters_.count(), S))
+    return PointStatus::ok;
+  if (!lu_.factor(values_.data())) return PointStatus::singular;
+  std::copy(right_.begin(), right_.end(), S);
+  lu_.solve(S, parameters_.count());
+  return PointStatus::ok;
 }
 
 PointStatus SparseSensitivityStep::solve(const Step& step, double* S) {
   const int n = problem_.n(), count = parameters_.count();
   PointStatus status = evaluate(step);
   if (status != PointStatus::ok) return status;
-  callback_error_ = parameters_.values(step.t, jet_.data(), 0, View{S, n, count, n});
+  callback_error_ = parameters_.values(step.t, jet_.data(), 0, View{right_.data(), n, count, n});
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
-  for (std::size_t i = 0; i < index(n) * index(count); ++i) S[i] = -S[i];
-  for (std::size_t e = 0; e < places_.size(); ++e) {
-    const Place& place = places_[e];
-    if (!place.of_slope) continue;
+  for (double& value : right_) value = -value;
+  for (std::size_t e = 0; e < entries_.size(); ++e) {
+    const RecordedEntry& entry = entries_[e];
+    if (!entry.of_slope) continue;
     for (std::ptrdiff_t j = 0; j < count; ++j)
-      S[place.row + j * n] -= derivatives_[e] * step.rest[place.column + j * n];
+      right_[index(entry.row) + index(n) * index(static_cast<int>(j))] -=
+          derivatives_[e] * step.rest[entry.column + j * n];
   }
-  status = factor(step.c);
-  if (status == PointStatus::ok) lu_.solve(S, count);
-  return status;
+  set_values(step.c);
+  return factor_and_solve(S);
 }
 
 PointStatus SparseSensitivityStep::solve_back(const Step& step, View weights, View gradient) {
   PointStatus status = evaluate(step);
-  if (status == PointStatus::ok) status = factor(step.c);
   if (status != PointStatus::ok) return status;
+  set_values(step.c);
+  if (!lu_.factor(values_.data())) return PointStatus::singular;
   nu_.resize(index(weights.rows) * index(weights.cols));
   const View nu{nu_.data(), weights.rows, weights.cols, weights.rows};
   copy(weights, nu);
@@ -93,10 +121,10 @@ PointStatus SparseSensitivityStep::solve_back(const Step& step, View weights, Vi
   callback_error_ = parameters_.add_gradient(step.t, jet_.data(), nu, gradient);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   fill(weights, 0.0);
-  for (std::size_t e = 0; e < places_.size(); ++e) {
-    const Place& place = places_[e];
-    if (!place.of_slope) continue;
-    for (int q = 0; q < weights.cols; ++q) weights(place.column, q) -= derivatives_[e] * nu(place.row, q);
+  for (std::size_t e = 0; e < entries_.size(); ++e) {
+    const RecordedEntry& entry = entries_[e];
+    if (!entry.of_slope) continue;
+    for (int q = 0; q < weights.cols; ++q) weights(entry.column, q) -= derivatives_[e] * nu(entry.row, q);
   }
   return PointStatus::ok;
 }

@@ -5,19 +5,29 @@
 //     (c F_x' + F_x) S = -F_p - F_x' rest,     S' = c S + rest,
 //
 // constraints included: rows of the left kernel of F_x' have no part of S'. Nothing is eliminated, and the matrix is factored
-// anew in each step, with the pivots of the one before where they serve.
+// anew in each step, with pivots and operations known from earlier ones where they serve (linalg/planned_lu.h).
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <vector>
 
 #include "linalg/matrix.h"
+#include "linalg/planned_lu.h"
 #include "linalg/sparse_lu.h"
 #include "problem/parameter_series.h"
 #include "reduction/index_analysis.h"
+#include "system/jet.h"
 #include "system/strangeness_free_system.h"
 
 namespace sfdae::core {
+
+// A derivative that recorded equations have.
+struct RecordedEntry {
+  int row, column;
+  bool of_slope;  // of F_x', else of F_x
+};
+// All of them, in the order of gradient_entries.
+std::vector<RecordedEntry> recorded_entries(RecordedProblem& problem);
 
 class SparseSensitivityStep {
  public:
@@ -28,6 +38,8 @@ class SparseSensitivityStep {
   // For the values that the analysis has found: whether this is the way to solve steps. It is not where the matrix is as
   // well taken for a full one.
   bool prepare(const IndexAnalysis& analysis);
+  // The same, with the jet at which steps start: also small matrices that are not full.
+  bool prepare(const IndexAnalysis& analysis, const Jet& jet);
   bool is_possible() const { return is_possible_; }
 
   // x' = xdot, rest: n x count; all in the user's units.
@@ -45,21 +57,18 @@ class SparseSensitivityStep {
  private:
   SparsePattern find_pattern();
   PointStatus evaluate(const Step& step);
-  PointStatus factor(double c);
-
-  struct Place {
-    int row, column;
-    bool of_slope;  // of F_x', else of F_x
-    int position;   // in the matrix
-  };
+  void set_values(double c);
+  PointStatus factor_and_solve(double* S);
 
   RecordedProblem& problem_;
   ParameterSeries& parameters_;
   bool is_possible_ = false;
-  std::vector<Place> places_;  // of the derivatives that the equations have, in the order of the evaluator
+  std::vector<RecordedEntry> entries_;
+  std::vector<int> positions_;  // of these, in the matrix
   std::vector<int> limits_;
-  std::vector<double> jet_, derivatives_, values_, nu_;
+  std::vector<double> jet_, derivatives_, values_, right_, nu_;
   SparseLu<double> lu_;
+  PlannedLu planned_;
   CallbackError callback_error_;
 };
 

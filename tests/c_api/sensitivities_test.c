@@ -111,8 +111,8 @@ static void values_are_those_of_the_formulas(int method) {
   CHECK_STATUS(sfdae_sensitivity_statistics_init(&statistics, sizeof statistics), SFDAE_OK);
   CHECK_STATUS(sfdae_get_sensitivity_statistics(solver, &statistics), SFDAE_OK);
   CHECK(statistics.count == COUNT && statistics.outputs == 14 && statistics.factorizations > 0);
-  /* Radau linearizes the array at each stage. Steps of BDF are sparse systems here: points within steps are left. */
-  CHECK(statistics.linearizations > (method == SFDAE_METHOD_RADAU ? statistics.factorizations : 0));
+  /* Steps and stages are sparse systems here: the array is left for points within steps. */
+  CHECK(statistics.linearizations > 0 && statistics.linearizations < 2 * statistics.outputs + 10);
   CHECK(statistics.error_test_failures == 0);
   CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
 }

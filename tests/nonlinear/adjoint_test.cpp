@@ -217,6 +217,35 @@ TEST_P(Gradients, KeepToTheirSideOfKinks) {
   expect_forward_gradient(problem, options_with(1e-7, GetParam()), journey, agreement(1e-7));
 }
 
+// Two pendulums one below the other that turn over, with a mass that depends on the position: coordinates take turns in
+// determining the others, and derivatives by x contain x'.
+TEST_P(Gradients, AreThoseOfPendulumsThatTurnOver) {
+  sfdae::NonlinearProblem problem(10, 10);
+  problem.equations = [](const Expression& t, auto x, auto xdot, auto F) {
+    const Expression g = sfdae::parameter(t, "g", 9.81), m = sfdae::parameter(t, "m", 0.5),
+                     added = sfdae::parameter(t, "added", 0.2);
+    for (int i = 0; i < 2; ++i) {
+      const Expression L = sfdae::parameter(t, i == 0 ? "L0" : "L1", 0.5 + 0.3 * i);
+      Expression length = 0.0 * t;
+      for (int k = 0; k < 2; ++k) {
+        const auto distance = [&](int j) { return j == 0 ? 1.0 * x[k] : x[5 * j + k] - x[5 * j - 5 + k]; };
+        F[5 * i + k] = xdot[5 * i + k] - x[5 * i + 2 + k];
+        F[5 * i + 2 + k] = (m + added * x[5 * i] * x[5 * i]) * xdot[5 * i + 2 + k] + distance(i) * x[5 * i + 4];
+        if (i == 0) F[2 + k] = F[2 + k] - distance(1) * x[9];
+        if (k == 1) F[5 * i + 3] = F[5 * i + 3] + m * g;
+        length = length + distance(i) * distance(i);
+      }
+      F[5 * i + 4] = length - L * L;
+    }
+  };
+  Journey journey{{}, {0.0, {0.5, 0, 0, 7, 0, 1.3, 0, 0, 17, 0}, {}}, {0.0, 1.5}};
+  journey.wanted.parameters = {"g", "m", "added", "L0", "L1", ""};
+  journey.wanted.directions = Matrix(10, 6);
+  journey.wanted.directions(3, 5) = 1.0;
+  expect_forward_gradient(problem, options_with(1e-7, GetParam()), journey,
+                          GetParam() == SFDAE_METHOD_BDF ? 1e-4 : 1e-9);
+}
+
 TEST_P(Gradients, AreThoseOfMechanicalSystems) {
   // A rod and a point at its end, in SI units: (px, py, angle), two constraints.
   sfdae::MultibodyProblem system(3, 2);
