@@ -29,6 +29,8 @@ double time_of_list(double operations) { return 1.2 * operations; }
 constexpr std::size_t most_operations = 500000;
 double time_of_full_matrix(double n) { return n * (50.0 + 0.3 * n) + 0.022 * n * n * n; }
 
+constexpr double golden_section = 0.6180339887;
+
 double power_of_two(int exponent) { return times_power_of_two(1.0, exponent); }
 
 }  // namespace
@@ -248,6 +250,7 @@ void PlannedLu::take(const Planning& planning) {
   values_.assign(moved.size(), 0.0);
   inverse_.assign(size, 0.0);
   for (std::vector<double>* v : {&b_, &y_, &r_, &sums_}) v->assign(size * index(at_once), 0.0);
+  for (std::vector<double>* v : {&b_sum_, &y_sum_}) v->assign(size, 0.0);
 }
 
 bool PlannedLu::factor(const double* values) {
@@ -297,16 +300,16 @@ void PlannedLu::substitute(double* z) const {
   }
 }
 
-// r_ := b - A y_, of scaled equations; the largest error of its columns: their largest entry relative to the largest sum of the sizes
-// of its terms. NaN where anything is not finite.
+// r_ := b - A y, of scaled equations, by steps; the largest error of its columns: their largest entry relative to the largest sum of
+// the sizes of its terms. NaN where anything is not finite.
 template <int width>
-double PlannedLu::residual() {
+double PlannedLu::residual(const double* b, const double* y_of_all) {
   const std::size_t size = index(pattern_.size);
-  std::copy_n(b_.begin(), size * width, r_.begin());
+  std::copy_n(b, size * width, r_.begin());
   for (std::size_t k = 0; k < size * width; ++k) sums_[k] = std::fabs(r_[k]);
   for (std::size_t e = 0; e < scaled_.size(); ++e) {
     const double a = scaled_[e];
-    const double* const y = y_.data() + index(column_step_[e]) * width;
+    const double* const y = y_of_all + index(column_step_[e]) * width;
     double* const r = r_.data() + index(row_step_[e]) * width;
     double* const sums = sums_.data() + index(row_step_[e]) * width;
     for (int c = 0; c < width; ++c) {
@@ -330,39 +333,76 @@ double PlannedLu::residual() {
   return error;
 }
 
-// The first `count` columns of x, of at most `width`: others repeat the last.
+// The first `count` columns of x, of at most `width`: others repeat the last. checked: each of them, refined where necessary; else all
+// are added to the sum that is looked at later.
 template <int width>
-bool PlannedLu::solve_columns(const double* b, int count, double* x) {
+bool PlannedLu::solve_columns(const double* b, int count, bool checked, double* x) {
   const std::size_t size = index(pattern_.size);
   for (std::size_t i = 0; i < size; ++i)
     for (int c = 0; c < width; ++c)
       b_[index(step_of_row_[i]) * width + index(c)] = row_factor_[i] * b[index(std::min(c, count - 1)) * size + i];
   std::copy_n(b_.begin(), size * width, y_.begin());
   substitute<width>(y_.data());
-  double error = residual<width>();
-  if (error > rounding) {
-    substitute<width>(r_.data());
-    for (std::size_t k = 0; k < size * width; ++k) y_[k] += r_[k];
-    error = residual<width>();
+  if (checked) {
+    double error = residual<width>(b_.data(), y_.data());
+    if (error > rounding) {
+      substitute<width>(r_.data());
+      for (std::size_t k = 0; k < size * width; ++k) y_[k] += r_[k];
+      error = residual<width>(b_.data(), y_.data());
+    }
+    if (!(error <= refused)) return false;
+  } else {
+    add_to_sum<width>();
   }
-  if (!(error <= refused)) return false;
   for (std::size_t j = 0; j < size; ++j)
     for (int c = 0; c < count; ++c)
       x[index(c) * size + j] = column_factor_[j] * y_[index(step_of_column_[j]) * width + index(c)];
   return true;
 }
 
-bool PlannedLu::solve_with_plan(const double* values, const double* b, int count, double* x) {
-  if (!factor(values)) return false;
+// Columns of about the same size, with weights that no structure makes cancel.
+template <int width>
+void PlannedLu::add_to_sum() {
+  const std::size_t size = index(pattern_.size);
+  double largest[width] = {};
+  for (std::size_t k = 0; k < size; ++k)
+    for (int c = 0; c < width; ++c)
+      largest[c] = std::max({largest[c], std::fabs(y_[k * width + index(c)]), std::fabs(b_[k * width + index(c)])});
+  double weight[width];
+  for (int c = 0; c < width; ++c) {
+    weight_ += weight_ < 0.9 ? golden_section : golden_section - 1.0;  // from 0.5 to 1.5
+    weight[c] = largest[c] > 0.0 ? weight_ / largest[c] : 0.0;
+  }
+  for (std::size_t k = 0; k < size; ++k)
+    for (int c = 0; c < width; ++c) {
+      b_sum_[k] += weight[c] * b_[k * width + index(c)];
+      y_sum_[k] += weight[c] * y_[k * width + index(c)];
+    }
+}
+
+bool PlannedLu::solve_all(const double* b, int count, bool checked, double* x) {
   const std::size_t size = index(pattern_.size);
   for (int c = 0; c < count; c += at_once) {
     const int columns = std::min(at_once, count - c);
     const std::size_t first = index(c) * size;
-    const bool is_solved = columns == 1 ? solve_columns<1>(b + first, 1, x + first)
-                                        : solve_columns<at_once>(b + first, columns, x + first);
+    const bool is_solved = columns == 1 ? solve_columns<1>(b + first, 1, checked, x + first)
+                                        : solve_columns<at_once>(b + first, columns, checked, x + first);
     if (!is_solved) return false;
   }
   return true;
+}
+
+// What is wrong with the factors is wrong with a sum of solutions: that of many columns costs one residual. Where it is not small
+// each of them is looked at.
+bool PlannedLu::solve_with_plan(const double* values, const double* b, int count, double* x) {
+  if (!factor(values)) return false;
+  if (count > 1) {
+    std::fill(b_sum_.begin(), b_sum_.end(), 0.0);
+    std::fill(y_sum_.begin(), y_sum_.end(), 0.0);
+    weight_ = 1.0;
+    if (solve_all(b, count, false, x) && residual<1>(b_sum_.data(), y_sum_.data()) <= rounding) return true;
+  }
+  return solve_all(b, count, true, x);
 }
 
 bool PlannedLu::solve(const double* values, const double* b, int count, double* x) {

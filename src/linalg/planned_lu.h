@@ -42,11 +42,14 @@ class PlannedLu {
   bool solve_with_plan(const double* values, const double* b, int count, double* x);
   bool factor(const double* values);
   template <int width>
-  bool solve_columns(const double* b, int count, double* x);
+  bool solve_columns(const double* b, int count, bool checked, double* x);
+  bool solve_all(const double* b, int count, bool checked, double* x);
+  template <int width>
+  void add_to_sum();
   template <int width>
   void substitute(double* z) const;
   template <int width>
-  double residual();
+  double residual(const double* b, const double* y_of_all);
 
   static constexpr int at_once = 4;  // columns
 
@@ -66,6 +69,8 @@ class PlannedLu {
   std::vector<double> values_;            // pivots, entries of rows, multipliers
   std::vector<double> inverse_;           // of the pivots
   std::vector<double> b_, y_, r_, sums_;  // by steps, columns side by side
+  std::vector<double> b_sum_, y_sum_;     // of columns with weights
+  double weight_ = 1.0;                   // of the last one
 };
 
 }  // namespace sfdae::core

@@ -13,12 +13,12 @@ void SensitivityStages::resize(int s, int n, int d, int count) {
   if (s == s_ && n == n_ && d == d_ && count == count_) return;
   s_ = 0;  // while memory may be missing
   Stage stage;
-  stage.T2 = Matrix(n, d);
   stage.xp = Matrix(n, count);
   stage.L = Matrix(d, n);
   stage.B = Matrix(d, d);
   stage.b = Matrix(d, count);
   stages_.assign(index(s), stage);
+  T2_ = Matrix(n, s * d);
   matrix_ = Matrix(padded_rows(s * d), s * d);
   z_ = Matrix(s * d, count);
   pivots_.assign(index(s * d) + 1, 0);
@@ -35,7 +35,7 @@ void SensitivityStages::keep_matrices(int i, const LinearizedPoint& point) {
   if (is_ordinary_) {
     copy(point.ZA(), stage.B);
   } else {
-    copy(point.T2(), stage.T2);
+    copy(point.T2(), T2_.view().block(0, i * d_, n_, d_));
     multiply(1.0, Op::plain, point.ZA(), Op::plain, point.T2(), 0.0, stage.B);
   }
   stage.tau = point.time_scale();
@@ -53,15 +53,15 @@ void SensitivityStages::keep(int i, const SensitivityPoint& point) {
 bool SensitivityStages::factor(const StageMethod& method, double h, Arena& arena) {
   const View M = matrix_.view().top(s_ * d_);
   const Arena::Frame frame(arena);
-  const View rows = arena.matrix(d_, d_);
+  const View rows = arena.matrix(d_, s_ * d_);
   for (int i = 0; i < s_; ++i) {
     const Stage& stage = stages_[index(i)];
+    if (!is_ordinary_) multiply(1.0, Op::plain, stage.L, Op::plain, T2_, 0.0, rows);
     for (int j = 0; j < s_; ++j) {
       const double weight = stage.tau / h * method.D_at(i, j);
-      if (is_ordinary_) copy(stage.L, rows);
-      else multiply(1.0, Op::plain, stage.L, Op::plain, stages_[index(j)].T2, 0.0, rows);
+      const ConstView from = is_ordinary_ ? ConstView(stage.L) : ConstView(rows.columns(j * d_, d_));
       for (int k = 0; k < d_; ++k)
-        for (int r = 0; r < d_; ++r) M(i * d_ + r, j * d_ + k) = weight * rows(r, k);
+        for (int r = 0; r < d_; ++r) M(i * d_ + r, j * d_ + k) = weight * from(r, k);
     }
     for (int k = 0; k < d_; ++k)
       for (int r = 0; r < d_; ++r) M(i * d_ + r, i * d_ + k) -= stage.B(r, k);
@@ -98,7 +98,7 @@ void SensitivityStages::expand(int i, View S) const {
   const Stage& stage = stages_[index(i)];
   if (is_ordinary_) return copy(z_.view().block(i * d_, 0, d_, count_), S);
   copy(stage.xp, S);
-  multiply(1.0, Op::plain, stage.T2, Op::plain, z_.view().block(i * d_, 0, d_, count_), 1.0, S);
+  multiply(1.0, Op::plain, T2(i), Op::plain, z_.view().block(i * d_, 0, d_, count_), 1.0, S);
 }
 
 }  // namespace sfdae::core

@@ -33,13 +33,16 @@ class SensitivityStages {
 
  private:
   struct Stage {
-    Matrix T2, xp, L, B, b;
+    Matrix xp, L, B, b;
     double tau = 1.0;
   };
 
   int s_ = 0, n_ = 0, d_ = 0, count_ = 0;
   bool is_ordinary_ = false;
   std::vector<Stage> stages_;
+  ConstView T2(int j) const { return ConstView(T2_).block(0, j * d_, n_, d_); }
+
+  Matrix T2_;          // n x s d, of all stages
   Matrix matrix_, z_;  // s d x s d, s d x count
   std::vector<int> pivots_;
 };
