@@ -2,8 +2,8 @@
 !
 ! Sensitivities: derivatives of the solution by parameters and start values.
 module sfdae_sensitivities
-  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_loc, c_null_ptr, c_ptr, &
-    c_sizeof
+  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_loc, c_long, c_null_ptr, &
+    c_ptr, c_sizeof
   use sfdae_c, only: c_sensitivity_options_init, c_set_sensitivities
   use sfdae_control, only: compare_size
   use sfdae_conversions, only: flag, names_in_c
@@ -29,6 +29,8 @@ module sfdae_sensitivities
     real(c_double), allocatable :: scales(:)
     !> Steps are kept for get_gradient instead.
     logical :: adjoint = .false.
+    !> With the adjoint: at most so many at a time, earlier ones are computed again; 0: all.
+    integer(c_long) :: max_kept_steps = 0
   end type dae_sensitivities
 
 contains
@@ -68,6 +70,7 @@ contains
     if (status /= sfdae_ok) return
     options%error_test = flag(wanted%error_test)
     options%adjoint = flag(wanted%adjoint)
+    options%max_kept_steps = wanted%max_kept_steps
     if (count > 0 .and. allocated(wanted%scales)) options%scales = c_loc(wanted%scales)
     status = c_set_sensitivities(handle, count, addresses, directions, options)
   end subroutine set_sensitivities_in_c

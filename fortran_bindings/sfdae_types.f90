@@ -402,6 +402,7 @@ module sfdae_types
     integer(c_int) :: error_test = 0
     type(c_ptr) :: scales = c_null_ptr
     integer(c_int) :: adjoint = 0
+    integer(c_long) :: max_kept_steps = 0
   end type sfdae_sensitivity_options
 
   type, bind(c), public :: sfdae_sensitivity_statistics
@@ -413,6 +414,8 @@ module sfdae_types
     integer(c_long) :: outputs = 0
     integer(c_long) :: kept_steps = 0
     real(c_double) :: kept_bytes = 0
+    integer(c_long) :: checkpoints = 0
+    integer(c_long) :: repeated_steps = 0
   end type sfdae_sensitivity_statistics
 
   type, bind(c), public :: sfdae_singular_point

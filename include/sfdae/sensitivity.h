@@ -28,6 +28,9 @@ typedef struct sfdae_sensitivity_options {
   const double* scales; /**< of the error test: NULL (all 1), or one positive number for each parameter, its typical
                              size: S_ij has the tolerance rtol |S_ij| + atol_i / scales[j] */
   int adjoint; /**< 0 (default): S goes along with x. 1: steps are kept for sfdae_get_gradient, and S is not computed */
+  long
+      max_kept_steps; /**< with the adjoint: 0 (default): all steps are kept. 2 ...: at most so many at a time; earlier
+                            ones are computed again, from checkpoints, for each gradient */
 } sfdae_sensitivity_options;
 /** Sets every member to its default. size: sizeof(sfdae_sensitivity_options). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_sensitivity_options_init(sfdae_sensitivity_options* options, size_t size);
@@ -41,7 +44,9 @@ typedef struct sfdae_sensitivity_statistics {
   long error_test_failures; /**< steps repeated for the errors of S */
   long outputs;             /**< points for which they were asked */
   long kept_steps;          /**< with the adjoint: steps that are kept, */
-  double kept_bytes;        /**< and how much memory that takes, about */
+  double kept_bytes;        /**< and how much memory that and checkpoints take, about */
+  long checkpoints;         /**< with max_kept_steps: of earlier pieces of the integration, */
+  long repeated_steps; /**< and steps that were computed again for gradients; in sfdae_statistics they do not count */
 } sfdae_sensitivity_statistics;
 /** Prepares a result. size: sizeof(sfdae_sensitivity_statistics). SFDAE_ILLEGAL_ARGUMENT for NULL. */
 SFDAE_API int sfdae_sensitivity_statistics_init(sfdae_sensitivity_statistics* statistics, size_t size);
@@ -105,8 +110,17 @@ SFDAE_API int sfdae_get_event_sensitivities(sfdae_solver* solver, double t, doub
  * It is the exact gradient of what the steps have computed, hidden constraints and consistent start values included (sfdae_set_sensitivities
  * says which), for the steps as they are. All of them are kept: about 8 n (mu + 3) bytes each, with Radau for each stage. A gradient costs
  * one elimination of the derivative array and one transposed solution for each point kept, whatever the number of parameters, and can be
- * asked for again with other weights. SFDAE_NOT_STARTED: there is no integration, or none with the adjoint. SFDAE_ILLEGAL_ARGUMENT
- * names a time at which no step ends. */
+ * asked for again with other weights.
+ *
+ * With the option max_kept_steps steps are kept of the end of the integration alone, at most two thirds of that number; of earlier pieces of
+ * it, a third long, there is a checkpoint each, about as large as ten steps, and some 30 bytes for each step. (Pieces are not
+ * shorter than those ten steps.) sfdae_get_gradient makes their steps again, one piece at a time, without events, monitor and outputs,
+ * on a copy of the equations: the gradient is the same to the last bit, and costs one more integration at most. Memory is least
+ * with about five times the square root of the number of steps.
+ * Functions that the equations call (sfdae_external) are called again, and have to return what they have returned.
+ *
+ * SFDAE_NOT_STARTED: there is no integration, or none with the adjoint. SFDAE_ILLEGAL_ARGUMENT names a time at which no step ends.
+ * SFDAE_CALLBACK_FAILED: such functions return other values than before. */
 SFDAE_API int sfdae_get_gradient(sfdae_solver* solver, int num_times, const double* t, int num_functionals,
                                  const double* weights, double* gradient);
 

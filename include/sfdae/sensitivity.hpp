@@ -22,6 +22,7 @@ struct Sensitivities {
   bool error_test = false;
   std::vector<double> scales;  ///< empty, or one for each parameter
   bool adjoint = false;        ///< steps are kept for Solver::gradient instead
+  long max_kept_steps = 0;  ///< with the adjoint: at most so many at a time, earlier ones are computed again; 0: all
 };
 
 /// S = dx/dp and S' at a point: n rows, one column for each parameter.

@@ -317,6 +317,7 @@ class Solver {
     sfdae_sensitivity_options_init(&options, sizeof options);
     options.error_test = wanted.error_test ? 1 : 0;
     options.adjoint = wanted.adjoint ? 1 : 0;
+    options.max_kept_steps = wanted.max_kept_steps;
     options.scales = wanted.scales.empty() ? nullptr : wanted.scales.data();
     const int status = checked(sfdae_set_sensitivities(
         get(), count, names.data(), wanted.directions.columns() > 0 ? wanted.directions.data() : nullptr, &options));

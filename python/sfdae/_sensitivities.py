@@ -24,6 +24,7 @@ class Sensitivities(Inspection):
         error_test: bool = False,
         scales: Any = None,
         adjoint: bool = False,
+        max_kept_steps: int = 0,
     ) -> None:
         """Asks for derivatives of the solution from the next start() on.
 
@@ -41,6 +42,9 @@ class Sensitivities(Inspection):
             p typical sizes of the parameters, for the error test; by default 1.
         adjoint : bool
             Steps are kept for gradient() instead: for many parameters and few functionals.
+        max_kept_steps : int
+            With the adjoint: at most so many at a time, where memory counts; earlier ones are
+            computed again for each gradient. 0: all are kept.
         """
         names = list(names)
         n, count = self.problem.num_unknowns, len(names)
@@ -56,6 +60,7 @@ class Sensitivities(Inspection):
         options = prepared("sensitivity_options")
         options.error_test = int(bool(error_test))
         options.adjoint = int(bool(adjoint))
+        options.max_kept_steps = int(max_kept_steps)
         sizes = None
         if scales is not None:
             sizes = np.ascontiguousarray(np.reshape(np.array(scales, dtype=float), count))

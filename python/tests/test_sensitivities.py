@@ -91,6 +91,13 @@ def test_gradients_by_the_adjoint():
     assert solver.gradient([0.5, 2.0], weights[0]) == pytest.approx(gradient[0])
     assert solver.gradient(2.0, [1, 0, 0]) == pytest.approx(exact(2.0), abs=1e-6)
     assert solver.sensitivity_statistics.kept_steps > 10
+    short = sfdae.Solver(solver.problem, **TIGHT)
+    short.set_sensitivities(["p", "a"], adjoint=True, max_kept_steps=40)
+    short.start(0, [1, 0, 0], 2)
+    for t in (0.5, 2.0):
+        short.advance(t)
+    assert (short.gradient([0.5, 2.0], weights) == gradient).all()
+    assert short.sensitivity_statistics.repeated_steps > 10
     with pytest.raises(ValueError, match="shape"):
         solver.gradient([0.5, 2.0], [1, 0, 0])
     with pytest.raises(sfdae.Error, match="0.7"):

@@ -49,7 +49,12 @@ CallResult read_options(int count, const sfdae_sensitivity_options* given, int m
     return illegal_argument(format("adjoint = %d; it must be 0 or 1.", read.adjoint));
   if (read.adjoint == 1 && read.error_test == 1)
     return illegal_argument("error_test = 1 and adjoint = 1 exclude each other: there is no S to be tested then.");
+  if (read.max_kept_steps < 0 || read.max_kept_steps == 1)
+    return illegal_argument(format("max_kept_steps = %ld; it must be 0 or at least 2.", read.max_kept_steps));
+  if (read.max_kept_steps > 0 && read.adjoint == 0)
+    return illegal_argument("max_kept_steps is for adjoint = 1: forward sensitivities keep no steps.");
   request.by_adjoint = read.adjoint == 1;
+  request.max_kept_steps = read.max_kept_steps;
   options.error_test = read.error_test == 1;
   if (options.error_test && method != static_cast<int>(Method::bdf))
     return illegal_argument(
@@ -91,7 +96,8 @@ std::unique_ptr<Companion> started_companion(sfdae_solver& solver, const std::ve
   if (request.differentiated_stay()) request = request.trusting_digits(x.data());
   std::vector<double> S(wanted.directions.size());
   system->start(request, wanted.directions.data(), S.data());
-  if (wanted.by_adjoint) return std::make_unique<DiscreteAdjoint>(system->adjoint(), std::move(S));
+  if (wanted.by_adjoint)
+    return std::make_unique<DiscreteAdjoint>(system->adjoint(), std::move(S), wanted.max_kept_steps);
   return std::make_unique<Sensitivities>(std::move(system), wanted.options, std::move(S));
 }
 
@@ -229,8 +235,11 @@ int sfdae_get_sensitivity_statistics(const sfdae_solver* solver, sfdae_sensitivi
   } else if (solver->integration && solver->integration->adjoint() != nullptr) {
     const DiscreteAdjoint& adjoint = *solver->integration->adjoint();
     result.count = adjoint.count();
-    result.kept_steps = adjoint.steps();
-    result.kept_bytes = static_cast<double>(adjoint.bytes());
+    const AdjointWork work = adjoint.work();
+    result.kept_steps = work.kept_steps;
+    result.kept_bytes = static_cast<double>(work.bytes);
+    result.checkpoints = work.checkpoints;
+    result.repeated_steps = work.repeated_steps;
   }
   fill_struct(statistics, result);
   return SFDAE_OK;

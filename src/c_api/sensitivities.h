@@ -16,6 +16,7 @@ struct SensitivityRequest {
   std::vector<double> directions;  // n x count
   SensitivityOptions options;
   bool by_adjoint = false;
+  long max_kept_steps = 0;  // of the adjoint; 0: all
   int count() const { return static_cast<int>(parameters.size()); }
 };
 

@@ -17,10 +17,6 @@ namespace {
 // Weights of points that steps yet to be read depend on.
 constexpr std::size_t window = max_bdf_order + 1;
 
-std::size_t bytes_of(const KeptPoint& point) {
-  return sizeof(KeptPoint) + sizeof(double) * (point.jet.x.capacity() + point.xdot.capacity());
-}
-
 bool is_zero(ConstView a) {
   for (int j = 0; j < a.cols; ++j)
     for (int i = 0; i < a.rows; ++i)
@@ -28,70 +24,132 @@ bool is_zero(ConstView a) {
   return true;
 }
 
+template <class Value>
+void make_room_for_one(std::vector<Value>& values) {
+  if (values.size() == values.capacity()) values.reserve(2 * values.size() + 64);
+}
+
+// What steps depend on.
+bool are_alike(const IntegrationOptions& a, const IntegrationOptions& b) {
+  return a.tolerances == b.tolerances && a.stepping == b.stepping && a.never_pass_output == b.never_pass_output;
+}
+
+std::shared_ptr<const IntegrationOptions> options_of_steps(const IntegrationOptions& options) {
+  auto copy = std::make_shared<IntegrationOptions>();
+  copy->tolerances = options.tolerances;
+  copy->stepping = options.stepping;
+  copy->never_pass_output = options.never_pass_output;
+  return copy;
+}
+
+// Steps take more memory than the checkpoint that they can be made again from.
+bool is_worth_dropping(const StepPiece& piece) { return piece.kept.bytes() > piece.bytes() - piece.kept.bytes(); }
+
+// What takes less memory is left of a piece.
+void close(StepPiece& piece) {
+  if (piece.checkpoint.empty()) return;
+  if (!piece.has_failures && is_worth_dropping(piece)) {
+    piece.kept.drop();
+    piece.attempts.shrink_to_fit();
+  } else {
+    piece.checkpoint = {};
+    piece.attempts = {};
+  }
+}
+
 }  // namespace
 
-DiscreteAdjoint::DiscreteAdjoint(std::unique_ptr<AdjointSystem> system, std::vector<double> S)
-    : system_(std::move(system)), S_(std::move(S)), xdot_(index(system_->unknowns())) {}
+// One piece is being filled and as much kept of those before it; going back, one that has been made again comes to them.
+DiscreteAdjoint::DiscreteAdjoint(std::unique_ptr<AdjointSystem> system, std::vector<double> S, long max_kept_steps)
+    : system_(std::move(system)),
+      S_(std::move(S)),
+      length_of_pieces_(max_kept_steps == 0 ? 0 : static_cast<std::size_t>(std::max(max_kept_steps / 3, 1L))),
+      xdot_(index(system_->unknowns())) {}
 
 // ---- Forward ---------------------------------------------------------------------------------------------------
 
-void DiscreteAdjoint::make_room() {
-  // Nothing fails in commit().
-  if (steps_.size() == steps_.capacity()) steps_.reserve(2 * steps_.size() + 64);
-  if (kept_.capacity() - kept_.size() < index(max_stages)) kept_.reserve(2 * kept_.size() + 64);
-}
-
 void DiscreteAdjoint::start(const Integrator& integrator) {
-  make_room();
-  Step step;
+  KeptStep step;
   step.t = integrator.stepper->state().t;
-  step.first_kept = kept_.size();
-  if (!steps_.empty()) {
-    kept_.push_back(system_->point(nullptr));
-    bytes_ += bytes_of(kept_.back());
+  tried_points_.clear();
+  tried_points_.push_back(system_->point(nullptr));
+  make_room_for_one(times_);
+  if (pieces_.empty() || !keeps_all()) {
+    StepPiece piece;
+    piece.first = piece.origin = times_.size();
+    piece.begins_anew = true;
+    piece.kept.make_room();
+    pieces_.push_back(std::move(piece));
+    drop_pieces();
+  } else {
+    pieces_.back().kept.make_room();
   }
-  bytes_ += sizeof(Step);
-  origin_ = steps_.size();
-  steps_.push_back(step);
+  origin_ = times_.size();
+  pieces_.back().kept.add(step, tried_points_);
+  ++pieces_.back().count;
+  ++kept_points_;
+  times_.push_back(step.t);
 }
 
-// The slope at t of Lagrange's polynomials over t and the newest points.
-DiscreteAdjoint::Step DiscreteAdjoint::step_to(const TriedStep& tried) const {
-  Step step;
-  step.t = tried.t;
-  step.h = tried.h;
-  step.method = tried.method;
-  step.first_kept = kept_.size();
-  if (tried.method != nullptr) return step;
-  step.order = tried.order;
-  const std::size_t last = steps_.size() - 1;
-  if (index(step.order) > steps_.size() - origin_)
-    throw Failure(SFDAE_INTERNAL, format("a step of order %d with a history of %zu points at t = %.15g.", step.order,
-                                         steps_.size() - origin_, step.t));
-  const auto time = [&](int i) { return steps_[last - index(i)].t; };
-  for (int i = 0; i < step.order; ++i) {
-    step.c += 1.0 / (step.t - time(i));
-    double slope = 1.0 / (time(i) - step.t);
-    for (int j = 0; j < step.order; ++j)
-      if (j != i) slope *= (step.t - time(j)) / (time(i) - time(j));
-    step.rest[index(i)] = slope;
+// Where evaluations have failed, for reasons that need not come again, nothing before the next attempt is repeated.
+void DiscreteAdjoint::prepare(Integrator& integrator, const IntegrationOptions& options, double t) {
+  if (keeps_all()) return;
+  const StepPiece& piece = pieces_.back();
+  const long failed_evaluations = integrator.system.failed_evaluations();
+  const bool has_failed = failed_evaluations != failed_evaluations_ ||
+                          (!piece.attempts.empty() && piece.attempts.back().end == AttemptEnd::failed);
+  const bool is_full = piece.count >= length_of_pieces_ && is_worth_dropping(piece);
+  if (piece.checkpoint.empty() || has_failed || is_full || !are_alike(*piece.options, options))
+    begin_piece(integrator, options);
+  failed_evaluations_ = failed_evaluations;
+  std::vector<Attempt>& attempts = pieces_.back().attempts;
+  make_room_for_one(attempts);
+  attempts.push_back({t, AttemptEnd::failed});
+}
+
+// At the point that the integrator has reached, which may be the first one of the last piece.
+void DiscreteAdjoint::begin_piece(Integrator& integrator, const IntegrationOptions& options) {
+  StepPiece& last = pieces_.back();
+  std::shared_ptr<const IntegrationOptions> kept =
+      last.options && are_alike(*last.options, options) ? last.options : options_of_steps(options);
+  if (last.count == (last.begins_anew ? 1u : 0u)) {
+    last.save(integrator);
+    last.options = std::move(kept);
+    return;
   }
-  return step;
+  StepPiece piece;
+  piece.first = times_.size();
+  piece.origin = origin_;
+  piece.save(integrator);
+  piece.options = std::move(kept);
+  pieces_.push_back(std::move(piece));
+  drop_pieces();
+}
+
+// The oldest ones, before the last one is filled.
+void DiscreteAdjoint::drop_pieces() {
+  for (; next_to_drop_ + 1 < pieces_.size() && kept_points_ > length_of_pieces_; ++next_to_drop_) {
+    StepPiece& piece = pieces_[next_to_drop_];
+    close(piece);
+    kept_points_ -= piece.is_dropped() ? piece.count : 0;
+  }
+}
+
+void DiscreteAdjoint::note(AttemptEnd end) {
+  if (keeps_all()) return;
+  AttemptEnd& noted = pieces_.back().attempts.back().end;
+  const bool is_final = noted == AttemptEnd::failed && end == AttemptEnd::reduced;
+  if (!is_final) noted = end;
 }
 
 StepOutcome DiscreteAdjoint::attempt(Integrator& integrator, const Tolerances&) {
   Stepper& stepper = *integrator.stepper;
   const TriedStep tried = stepper.tried();
   try {
-    make_room();
-    tried_ = step_to(tried);
-    tried_points_.clear();
-    const int points = tried.method != nullptr ? tried.method->s : 1;
-    for (int i = 0; i < points; ++i) {
-      discretized_slope(tried, i, xdot_);
-      tried_points_.push_back(tried.method != nullptr ? system_->stage(*tried.method, i, xdot_.data())
-                                                      : system_->point(xdot_.data()));
-    }
+    make_room_for_one(times_);
+    pieces_.back().kept.make_room();
+    tried_ = formula_of(tried, &times_.back(), times_.size() - origin_);
+    keep_points(*system_, tried, xdot_, tried_points_);
   } catch (...) {
     stepper.withdraw();
     stepper.set_next_step(tried.h);
@@ -100,46 +158,87 @@ StepOutcome DiscreteAdjoint::attempt(Integrator& integrator, const Tolerances&) 
   return StepOutcome::accepted;
 }
 
-void DiscreteAdjoint::commit(Integrator&) {
-  steps_.push_back(tried_);
-  bytes_ += sizeof(Step);
-  for (KeptPoint& point : tried_points_) {
-    bytes_ += bytes_of(point);
-    kept_.push_back(std::move(point));
+void DiscreteAdjoint::commit(Integrator& integrator) {
+  if (integrator.system.failed_evaluations() != failed_evaluations_) pieces_.back().has_failures = true;
+  pieces_.back().kept.add(tried_, tried_points_);
+  ++pieces_.back().count;
+  ++kept_points_;
+  times_.push_back(tried_.t);
+  note(AttemptEnd::taken);
+}
+
+AdjointWork DiscreteAdjoint::work() const {
+  AdjointWork work;
+  for (const StepPiece& piece : pieces_) {
+    work.kept_steps += static_cast<long>(piece.kept.count());
+    work.checkpoints += piece.checkpoint.empty() ? 0 : 1;
+    work.bytes += sizeof(StepPiece) + piece.bytes();
   }
+  work.kept_steps -= pieces_.front().kept.count() > 0 ? 1 : 0;
+  work.bytes += sizeof(double) * times_.capacity();
+  work.repeated_steps = repeated_steps_;
+  return work;
 }
 
 // ---- Backward --------------------------------------------------------------------------------------------------
 
 std::optional<std::size_t> DiscreteAdjoint::point_at(double t) const {
-  for (std::size_t k = steps_.size(); k-- > 0;)
-    if (steps_[k].t == t) return k;
+  for (std::size_t k = times_.size(); k-- > 0;)
+    if (times_[k] == t) return k;
   return std::nullopt;
 }
 
 double DiscreteAdjoint::nearest_time(double t) const {
-  double nearest = steps_.front().t;
-  for (const Step& step : steps_)
-    if (std::fabs(step.t - t) < std::fabs(nearest - t)) nearest = step.t;
+  double nearest = times_.front();
+  for (double time : times_)
+    if (std::fabs(time - t) < std::fabs(nearest - t)) nearest = time;
   return nearest;
 }
 
+struct DiscreteAdjoint::Backward {
+  Backward(int n, const Functionals& its_functionals, const std::function<void(double)>& its_move_to,
+           View its_gradient)
+      : functionals(its_functionals),
+        move_to(its_move_to),
+        gradient(its_gradient),
+        weights(window, Matrix(n, its_functionals.count)) {}
+  // Those of a functional at that point.
+  void add_weights(std::size_t k) {
+    const View here = weights[k % window];
+    const std::size_t size = index(here.rows), points = functionals.points.size();
+    for (std::size_t point = 0; point < points; ++point)
+      for (int q = 0; q < functionals.count && functionals.points[point] == k; ++q)
+        for (int i = 0; i < here.rows; ++i)
+          here(i, q) += functionals.weights[index(i) + size * (point + points * index(q))];
+  }
+  // Whether points from the first one on, or those before it by what has been read, say anything.
+  bool has_anything(std::size_t first) const {
+    const auto is_later = [first](std::size_t point) { return point >= first; };
+    return std::any_of(functionals.points.begin(), functionals.points.end(), is_later) ||
+           !std::all_of(weights.begin(), weights.end(), [](const Matrix& at) { return is_zero(at); });
+  }
+
+  const Functionals& functionals;
+  const std::function<void(double)>& move_to;
+  View gradient;
+  std::vector<Matrix> weights;  // of the last points
+};
+
 // Weights of point k become those of the points before it.
-void DiscreteAdjoint::read_back(std::size_t k, std::vector<Matrix>& weights, View gradient) {
-  const Step& step = steps_[k];
-  const View here = weights[k % window];
-  const KeptPoint* const points = kept_.data() + step.first_kept;
+void DiscreteAdjoint::read_back(const KeptStep& step, const KeptPoint* points, std::size_t k, Backward& backward) {
+  const View here = backward.weights[k % window];
+  const AdjointValues values{here, backward.gradient};
   PointStatus status;
-  if (step.method != nullptr) status = system_->step_back(*step.method, step.h, points, {here, gradient});
-  else if (step.order > 0) status = system_->step_back(*points, step.c, {here, gradient});
-  else status = system_->restore_back(*points, {here, gradient});
+  if (step.method != nullptr) status = system_->step_back(*step.method, step.h, points, values);
+  else if (step.order > 0) status = system_->step_back(*points, step.c, values);
+  else status = system_->restore_back(*points, values);
   if (status == PointStatus::callback_error) system_->callback_error().raise();
   if (status != PointStatus::ok)
     throw Failure(SFDAE_SINGULAR, format("the equations of the sensitivities at t = %.15g are singular: the "
                                          "characteristic values that are known do not hold there.",
                                          step.t));
   for (int i = 0; i < std::max(step.order, 1); ++i) {
-    const View before = weights[(k - 1 - index(i)) % window];
+    const View before = backward.weights[(k - 1 - index(i)) % window];
     const double part = step.order > 0 ? step.rest[index(i)] : 1.0;
     for (int q = 0; q < here.cols; ++q)
       for (int r = 0; r < here.rows; ++r) before(r, q) += part * here(r, q);
@@ -147,26 +246,36 @@ void DiscreteAdjoint::read_back(std::size_t k, std::vector<Matrix>& weights, Vie
   fill(here, 0.0);
 }
 
+void DiscreteAdjoint::read_piece(const StepPiece& piece, const KeptSteps& steps, Backward& backward) {
+  for (std::size_t i = piece.count; i-- > 0;) {
+    const std::size_t k = piece.first + i;
+    backward.add_weights(k);
+    // Later steps say nothing about earlier points.
+    if (k == 0 || is_zero(backward.weights[k % window])) continue;
+    backward.move_to(times_[k - 1]);
+    read_back(steps.step(i), steps.points(i), k, backward);
+  }
+}
+
 void DiscreteAdjoint::gradient(const Functionals& functionals, const std::function<void(double)>& move_to,
                                double* gradient) {
   const int n = unknowns();
-  const std::size_t size = index(n), points = functionals.points.size();
-  std::vector<Matrix> weights(window, Matrix(n, functionals.count));
   Matrix sum(std::max(count(), 1), functionals.count);
   const View result = sum.view().top(count());
-  for (std::size_t k = steps_.size(); k-- > 0;) {
-    const View here = weights[k % window];
-    for (std::size_t point = 0; point < points; ++point)
-      for (int q = 0; q < functionals.count && functionals.points[point] == k; ++q)
-        for (int i = 0; i < n; ++i) here(i, q) += functionals.weights[index(i) + size * (point + points * index(q))];
-    if (k == 0) break;
-    // Later steps say nothing about earlier points.
-    if (is_zero(here)) continue;
-    move_to(steps_[k - 1].t);
-    read_back(k, weights, result);
+  Backward backward(n, functionals, move_to, result);
+  std::unique_ptr<SystemTwin> twin;
+  for (auto piece = pieces_.rbegin(); piece != pieces_.rend(); ++piece) {
+    if (!backward.has_anything(piece->first)) continue;
+    if (!piece->is_dropped()) {
+      read_piece(*piece, piece->kept, backward);
+      continue;
+    }
+    if (!twin) twin = system_->twin();
+    repeated_steps_ += static_cast<long>(piece->count);
+    read_piece(*piece, steps_made_again(*piece, times_, *twin), backward);
   }
   const ConstView start{S_.data(), n, count(), std::max(n, 1)};
-  multiply(1.0, Op::transposed, start, Op::plain, weights[0], 1.0, result);
+  multiply(1.0, Op::transposed, start, Op::plain, backward.weights[0], 1.0, result);
   for (int q = 0; q < functionals.count; ++q) {
     if (!all_finite(result.column(q), index(count())))
       throw Failure(SFDAE_NOT_FINITE, "the gradient overflows: rescale the problem or the weights.");

@@ -3,29 +3,39 @@
 // S_k = dx(t_k)/dp at the points of an integration follows from earlier ones by the linear equations that sensitivities.h solves.
 // For a functional with weights w_k of x(t_k) the gradient sum_k S_k^T w_k is found in one pass from the last point to the
 // first: lambda_k = w_k + what later steps make of S_k. What is found is the exact gradient of what the integration has computed,
-// hidden constraints included, but for the choice of its steps.
+// hidden constraints included, but for the choice of its steps. Where not all steps may be kept, those of earlier pieces of the
+// integration are made again from checkpoints [GW08, with two levels].
+//
+// [GW08] A. Griewank, A. Walther: Evaluating Derivatives. SIAM, 2nd ed. 2008, chapter 12.
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "integrate/companion.h"
-#include "integrate/step_control.h"
+#include "integrate/step_piece.h"
 #include "linalg/matrix.h"
 #include "system/adjoint_system.h"
 
 namespace sfdae::core {
 
+struct AdjointWork {
+  long kept_steps = 0, checkpoints = 0, repeated_steps = 0;
+  std::size_t bytes = 0;  // of what is kept
+};
+
 class DiscreteAdjoint final : public Companion {
  public:
-  // S: at the point where the system of x stands, consistent, n x count.
-  DiscreteAdjoint(std::unique_ptr<AdjointSystem> system, std::vector<double> S);
+  // S: at the point where the system of x stands, consistent, n x count. max_kept_steps: 0: all.
+  DiscreteAdjoint(std::unique_ptr<AdjointSystem> system, std::vector<double> S, long max_kept_steps);
 
   void start(const Integrator& integrator) override;
+  void prepare(Integrator& integrator, const IntegrationOptions& options, double t) override;
+  void note(AttemptEnd end) override;
   StepOutcome attempt(Integrator& integrator, const Tolerances& tolerances) override;
   void commit(Integrator& integrator) override;
 
@@ -45,33 +55,28 @@ class DiscreteAdjoint final : public Companion {
 
   int count() const { return system_->count(); }
   int unknowns() const { return system_->unknowns(); }
-  long steps() const { return static_cast<long>(steps_.size()) - 1; }
-  // Of what is kept.
-  std::size_t bytes() const { return bytes_; }
+  AdjointWork work() const;
 
  private:
-  // What leads to a point from those before.
-  struct Step {
-    double t = 0.0, h = 0.0;  // its end; its size
-    int order = 0;            // of BDF; 0: none, or Radau
-    double c = 0.0;           // D_h S = c S + sum_i rest_i S_i, the newest point before first
-    std::array<double, max_bdf_order> rest{};
-    const StageMethod* method = nullptr;  // of Radau
-    std::size_t first_kept = 0;
-  };
-  Step step_to(const TriedStep& tried) const;
-  void make_room();
-  void read_back(std::size_t k, std::vector<Matrix>& weights, View gradient);
+  bool keeps_all() const { return length_of_pieces_ == 0; }
+  void begin_piece(Integrator& integrator, const IntegrationOptions& options);
+  void drop_pieces();
+  struct Backward;
+  void read_piece(const StepPiece& piece, const KeptSteps& steps, Backward& backward);
+  void read_back(const KeptStep& step, const KeptPoint* points, std::size_t k, Backward& backward);
 
   std::unique_ptr<AdjointSystem> system_;
   std::vector<double> S_;
-  std::vector<Step> steps_;  // the first leads nowhere; one of order 0 without method restores S
-  std::vector<KeptPoint> kept_;
-  std::size_t origin_ = 0;  // the point at which the history of BDF starts
-  std::size_t bytes_ = 0;
-  Step tried_;
+  std::size_t length_of_pieces_;  // 0: there is one only
+  std::vector<double> times_;     // of all points
+  std::deque<StepPiece> pieces_;
+  std::size_t kept_points_ = 0, next_to_drop_ = 0;  // of all pieces; a piece
+  std::size_t origin_ = 0;                          // the point at which the history of BDF starts
+  KeptStep tried_;
   std::vector<KeptPoint> tried_points_;
   std::vector<double> xdot_;
+  long repeated_steps_ = 0;
+  long failed_evaluations_ = 0;  // of the system, before the last attempt
 };
 
 }  // namespace sfdae::core

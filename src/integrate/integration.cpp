@@ -188,7 +188,10 @@ std::optional<CallResult> Integration::attempt_step(double tout) {
                           options_.never_pass_output || adjoint() != nullptr};
   const StepTarget target = choose_target(state, size, bounds);
   const double h = target.t - state.t;
+  if (companion_) companion_->prepare(integrator_, options_, target.t);
   StepOutcome outcome = stepper.attempt(integrator_.system, target.t, integrator_.weights);
+  if (outcome != StepOutcome::accepted)
+    note(outcome == StepOutcome::callback_error ? AttemptEnd::failed : AttemptEnd::refused);
   if (outcome == StepOutcome::accepted && companion_) outcome = companion_->attempt(integrator_, options_.tolerances);
   if (outcome != StepOutcome::accepted) {
     auto result = handle_failure(outcome, h, tout);
@@ -216,7 +219,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
   choice_.note_attempt(true);
   const PointQuality quality = system.quality();
   if (!contradictions.tolerate(quality.inconsistency, options_)) {
-    integrator_.stepper->withdraw();
+    withdraw();
     return CallResult{SFDAE_INCONSISTENT_EQUATIONS, system.inconsistency_message()};
   }
   contradictions.largest = std::max(contradictions.largest, quality.inconsistency);
@@ -224,7 +227,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
   try {
     if (is_across_kink) {
       if (auto obstacle = obstacle_at_kink(integrator_)) {
-        integrator_.stepper->withdraw();
+        withdraw();
         return obstacle;
       }
     }
@@ -232,7 +235,7 @@ std::optional<CallResult> Integration::accept_step(double h, double wanted) {
     integrator_.differences.accept(system, integrator_.weights, integrator_.stepper->tried_x().data(), false);
   } catch (...) {
     // The next call tries this step again.
-    integrator_.stepper->withdraw();
+    withdraw();
     integrator_.stepper->set_next_step(wanted);
     choice_ = choice;
     throw;
@@ -293,7 +296,7 @@ bool Integration::has_found_change(double h) {
   if (change_ || !watch_) return false;
   const std::optional<LocatedChange> found = watch_->find(integrator_.stepper->state().t);
   if (!found) return false;
-  integrator_.stepper->withdraw();
+  withdraw();
   integrator_.stepper->set_next_step(h);
   refine_steps(h);
   if (found->uncertainty > 0.0) look_closer(*found, h);
@@ -349,6 +352,7 @@ std::optional<CallResult> Integration::handle_failure(StepOutcome outcome, doubl
     if (change_) return std::nullopt;
   }
   integrator_.stepper->reduce_after_failure(h);
+  note(AttemptEnd::reduced);
   const StepState state = integrator_.stepper->state();
   if (state.failures_in_a_row > max_point_failures ||
       std::fabs(state.next_step) < Integrator::smallest_step(state.t, tout))
@@ -365,7 +369,7 @@ bool Integration::has_located_change(double h, double tout) {
     return true;
   }
   if (watch_) change_ = watch_->locate(state.t, state.tried_t);
-  if (change_) integrator_.stepper->withdraw();
+  if (change_) withdraw();
   return change_.has_value();
 }
 

@@ -101,6 +101,14 @@ class Integration {
 
  private:
   CallResult run(double tout, bool one_step);
+  // An attempt has come to that end.
+  void note(AttemptEnd end) {
+    if (companion_) companion_->note(end);
+  }
+  void withdraw() {
+    integrator_.stepper->withdraw();
+    note(AttemptEnd::withdrawn);
+  }
   void restart_at_kink();
   void cross_jump(const TimeBreakpoints::Gap& gap, double tout);
   void record_jump(const TimeBreakpoints::Gap& gap, const std::vector<double>& after);

@@ -41,6 +41,7 @@ struct StepOptions {
   bool interpolates = true;
   // Constant matrices: h is kept, and its factorization, if the step wanted is in [keep_from, keep_to] h.
   double keep_from = 1.0, keep_to = 1.2;
+  bool operator==(const StepOptions&) const = default;
 };
 
 // A consistent point with slopes xdot = x' and wdot = (W x)'; w = W x.

@@ -140,6 +140,7 @@ CallbackError NonlinearProblem::drop_rounding_errors(double t, const double* jet
 }
 
 CallbackError RecordedProblem::failure(double t) const {
+  ++failed_evaluations_;
   if (source_) return source_->error();
   CallbackError error;
   error.status = status_of(evaluator_.failure());
@@ -175,7 +176,10 @@ bool RecordedProblem::evaluate_lanes(const LaneBlock* t, const LaneBlock* jets, 
   if (source_) return false;
   LaneEvaluator::Points points{t, {}};
   for (int k = 0; k <= order + 1; ++k) points.x[index(k)] = jets + static_cast<std::ptrdiff_t>(k) * n();
-  if (!lanes_.evaluate(evaluator_, points, order, false)) return false;
+  if (!lanes_.evaluate(evaluator_, points, order, false)) {
+    ++failed_evaluations_;
+    return false;
+  }
   for (int i = 0; i < m(); ++i)
     for (int k = 0; k <= order; ++k) F[i + k * m()] = lanes_.value(i)[k];
   return true;

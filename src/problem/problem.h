@@ -80,6 +80,9 @@ class Problem {
   // What else there is to say where their structure, or a rank, is lost just after the point (t, x); n values.
   virtual std::string about_singular_point(double, const double*) { return {}; }
 
+  // Evaluations that have failed for a reason of the equations'.
+  long failed_evaluations() const { return failed_evaluations_; }
+
   // Calls of the user's functions that only check derivatives, and are counted nowhere else.
   long check_evaluations() const { return check_evaluations_; }
   // Stops where the leader is asked to, and leaves its request pending.
@@ -94,6 +97,7 @@ class Problem {
   EquationNames equation_names_;
   bool is_checking_ = false;
   long check_evaluations_ = 0;
+  mutable long failed_evaluations_ = 0;
 
   double lowest_t_ = -std::numeric_limits<double>::infinity();
   double highest_t_ = std::numeric_limits<double>::infinity();

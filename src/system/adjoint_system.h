@@ -9,10 +9,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include "linalg/archive.h"
 #include "linalg/matrix.h"
 #include "problem/problem.h"
+#include "system/dae_system.h"
 #include "system/jet.h"
 #include "system/stage_method.h"
 #include "system/strangeness_free_system.h"
@@ -30,16 +33,30 @@ struct AdjointValues {
   View weights, gradient;
 };
 
-class AdjointSystem {
+// A system of x, and what is kept of the points that it is moved to.
+class PointKeeper {
  public:
-  virtual ~AdjointSystem() = default;
-
-  virtual int unknowns() const = 0;
-  virtual int count() const = 0;
-
-  // The point where the system of x stands, or stage i of the step that it has solved last. xdot: D_h x.
+  virtual ~PointKeeper() = default;
+  virtual DaeSystem& system() = 0;
+  // The point where the system of x stands, or stage i of the step that it has solved last. xdot: D_h x, or null.
   virtual KeptPoint point(const double* xdot) const = 0;
   virtual KeptPoint stage(const StageMethod& method, int i, const double* xdot) const = 0;
+};
+
+// A system of x beside the one of an integration, for steps that are made again. It stops where that one is asked to.
+class SystemTwin : public PointKeeper {
+ public:
+  // As the other system was when it was archived. Throws DamagedArchive.
+  virtual void restore(Archive& archive) = 0;
+  virtual bool stop_is_requested() const = 0;
+};
+
+class AdjointSystem : public PointKeeper {
+ public:
+  virtual int unknowns() const = 0;
+  virtual int count() const = 0;
+  // Of the system of x; to be restored before it is used.
+  virtual std::unique_ptr<SystemTwin> twin() = 0;
 
   // Of a step that solved F1 with S' = c S + rest, and F2: the weights become those of rest.
   virtual PointStatus step_back(const KeptPoint& point, double c, const AdjointValues& values) = 0;

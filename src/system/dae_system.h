@@ -42,6 +42,7 @@ class DaeSystem : public StrangenessFreeSystem {
   void take_stop_request() { problem_base_.take_stop_request(); }
   void set_limits(double lowest, double highest) { problem_base_.set_limits(lowest, highest); }
   void set_distance(double distance) { analysis_.distance = distance; }
+  long failed_evaluations() const { return problem_base_.failed_evaluations(); }
   const IndexAnalysis& analysis() const { return analysis_; }
   LeadingTerm leading_term() const { return leading_; }
   const CallbackError& callback_error() const { return callback_error_; }  // the last one

@@ -10,24 +10,63 @@
 
 namespace sfdae::core {
 
+namespace {
+
+KeptPoint kept(const Jet& jet, const double* xdot) {
+  KeptPoint point{jet, {}};
+  if (xdot != nullptr) point.xdot.assign(xdot, xdot + jet.n);
+  return point;
+}
+
+const Jet& stage_of(const NonlinearSystem& system, const StageMethod& method, int i) {
+  const NonlinearStages* solved = system.stages();
+  return solved == nullptr || i + 1 == method.s ? system.jet() : solved->jet(i);
+}
+
+class NonlinearTwin final : public SystemTwin {
+ public:
+  NonlinearTwin(const RecordedProblem& problem, const AnalysisSettings& settings, bool keeps_slopes)
+      : problem_(problem), settings_(settings), keeps_slopes_(keeps_slopes) {
+    problem_.stop_with(problem);
+  }
+  void restore(Archive& archive) override {
+    system_ = std::make_unique<NonlinearSystem>(problem_, settings_, archive);
+  }
+  bool stop_is_requested() const override { return problem_.stop_is_requested(); }
+  NonlinearSystem& system() override { return *system_; }
+  KeptPoint point(const double* xdot) const override { return kept(system_->jet(), keeps_slopes_ ? xdot : nullptr); }
+  KeptPoint stage(const StageMethod& method, int i, const double* xdot) const override {
+    return kept(stage_of(*system_, method, i), keeps_slopes_ ? xdot : nullptr);
+  }
+
+ private:
+  RecordedProblem problem_;
+  AnalysisSettings settings_;
+  bool keeps_slopes_;
+  std::unique_ptr<NonlinearSystem> system_;
+};
+
+}  // namespace
+
 NonlinearAdjoint::NonlinearAdjoint(NonlinearSystem& system, RecordedProblem& problem, std::vector<int> parameters)
     : system_(system),
+      problem_(problem),
       parameters_(problem, std::move(parameters)),
       sparse_step_(problem, parameters_),
       points_(index(max_stages)) {
   sparse_step_.prepare(system_.analyzed_equations().analysis());
 }
 
-KeptPoint NonlinearAdjoint::kept(const Jet& jet, const double* xdot) const {
-  KeptPoint point{jet, {}};
-  if (xdot != nullptr && (parameters_.needs_slopes() || sparse_step_.is_possible()))
-    point.xdot.assign(xdot, xdot + unknowns());
-  return point;
+KeptPoint NonlinearAdjoint::point(const double* xdot) const {
+  return kept(system_.jet(), keeps_slopes() ? xdot : nullptr);
 }
 
 KeptPoint NonlinearAdjoint::stage(const StageMethod& method, int i, const double* xdot) const {
-  const NonlinearStages* solved = system_.stages();
-  return kept(solved == nullptr || i + 1 == method.s ? system_.jet() : solved->jet(i), xdot);
+  return kept(stage_of(system_, method, i), keeps_slopes() ? xdot : nullptr);
+}
+
+std::unique_ptr<SystemTwin> NonlinearAdjoint::twin() {
+  return std::make_unique<NonlinearTwin>(problem_, system_.settings(), keeps_slopes());
 }
 
 PointStatus NonlinearAdjoint::linearize(AdjointPoint& at, const KeptPoint& point) {

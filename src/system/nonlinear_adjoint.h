@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "linalg/arena.h"
@@ -21,8 +22,10 @@ class NonlinearAdjoint final : public AdjointSystem {
 
   int unknowns() const override { return system_.unknowns(); }
   int count() const override { return parameters_.count(); }
-  KeptPoint point(const double* xdot) const override { return kept(system_.jet(), xdot); }
+  NonlinearSystem& system() override { return system_; }
+  KeptPoint point(const double* xdot) const override;
   KeptPoint stage(const StageMethod& method, int i, const double* xdot) const override;
+  std::unique_ptr<SystemTwin> twin() override;
   PointStatus step_back(const KeptPoint& point, double c, const AdjointValues& values) override;
   PointStatus step_back(const StageMethod& method, double h, const KeptPoint* points,
                         const AdjointValues& values) override;
@@ -30,7 +33,7 @@ class NonlinearAdjoint final : public AdjointSystem {
   const CallbackError& callback_error() const override { return callback_error_; }
 
  private:
-  KeptPoint kept(const Jet& jet, const double* xdot) const;
+  bool keeps_slopes() const { return parameters_.needs_slopes() || sparse_step_.is_possible(); }
   PointStatus linearize(AdjointPoint& at, const KeptPoint& point);
   PointStatus add_gradient(AdjointPoint& at, const KeptPoint& point, const AdjointPoint::Weights& weights,
                            View gradient);
@@ -39,6 +42,7 @@ class NonlinearAdjoint final : public AdjointSystem {
   void to_user(ConstView scaled, View weights) const;
 
   NonlinearSystem& system_;
+  RecordedProblem& problem_;
   ParameterSeries parameters_;
   Arena arena_;
   SparseSensitivityStep sparse_step_;

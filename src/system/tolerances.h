@@ -8,6 +8,7 @@ namespace sfdae::core {
 
 struct Tolerances {
   std::vector<double> rtol, atol;  // n each
+  bool operator==(const Tolerances&) const = default;
 };
 
 // Of consistent values and of an integration alike.

@@ -64,13 +64,14 @@ TEST_P(Methods, WithSensitivities) {
                    1e-2});
 }
 
-Call keep_steps() {
-  return {"keep steps", [](Session& s) {
+Call keep_steps(long max_kept_steps = 0) {
+  return {"keep steps", [max_kept_steps](Session& s) {
             const char* const names[] = {"g", nullptr};
             const double directions[] = {0, 0, 0, 0, 0, 0, 1, 0, 0, 0};
             sfdae_sensitivity_options options;
             sfdae_sensitivity_options_init(&options, sizeof options);
             options.adjoint = 1;
+            options.max_kept_steps = max_kept_steps;
             return armed([&] { return sfdae_set_sensitivities(s.solver, 2, names, directions, &options); });
           }};
 }
@@ -95,6 +96,15 @@ TEST_P(Methods, WithGradients) {
   run_with_faults({"gradients",
                    x,
                    {create_call(create_pendulum, options_of(GetParam(), 1e-3)), keep_steps(), start("start", x),
+                    advance("advance", 0.3), advance("across a kink", 0.7), gradient()},
+                   1e-2});
+}
+
+TEST_P(Methods, WithGradientsOfStepsThatAreMadeAgain) {
+  const std::vector<double> x = {1.0, 0.0, 0.0, 0.0, 0.0};
+  run_with_faults({"gradients from checkpoints",
+                   x,
+                   {create_call(create_pendulum, options_of(GetParam(), 1e-3)), keep_steps(2), start("start", x),
                     advance("advance", 0.3), advance("across a kink", 0.7), gradient()},
                    1e-2});
 }

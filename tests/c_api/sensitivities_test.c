@@ -283,7 +283,7 @@ static void fixed_values_that_cannot_follow_are_named(void) {
 }
 
 /* Functionals of x at 0.5 and 2: x1 + 3 z, and z(2). x1 = cos p t, S of p and of a start value x1(0) as above. */
-static void gradients_are_those_of_the_formulas(int method) {
+static void gradients_are_those_of_the_formulas(int method, long max_kept_steps) {
   const sfdae_options options = options_with(1e-9, method);
   sfdae_solver* solver = solver_of(oscillator, N, N, &options);
   sfdae_sensitivity_options how;
@@ -292,7 +292,9 @@ static void gradients_are_those_of_the_formulas(int method) {
   double x[N] = {1, 0, 0}, gradient[2 * COUNT], z[2], t, slope;
   int k;
   CHECK_STATUS(sfdae_sensitivity_options_init(&how, sizeof how), SFDAE_OK);
+  CHECK(how.max_kept_steps == 0);
   how.adjoint = 1;
+  how.max_kept_steps = max_kept_steps;
   CHECK_STATUS(sfdae_set_sensitivities(solver, COUNT, names, directions, &how), SFDAE_OK);
   CHECK_STATUS(sfdae_start(solver, 0, 2, x, NULL), SFDAE_OK);
   for (k = 1; k >= 0; k--) {
@@ -309,6 +311,10 @@ static void gradients_are_those_of_the_formulas(int method) {
   CHECK_STATUS(sfdae_sensitivity_statistics_init(&statistics, sizeof statistics), SFDAE_OK);
   CHECK_STATUS(sfdae_get_sensitivity_statistics(solver, &statistics), SFDAE_OK);
   CHECK(statistics.count == COUNT && statistics.kept_steps > 10 && statistics.kept_bytes > 1000);
+  CHECK(max_kept_steps > 0 || (statistics.checkpoints == 0 && statistics.repeated_steps == 0));
+  /* Radau takes few steps, all of which may be kept. */
+  CHECK(max_kept_steps == 0 || method == SFDAE_METHOD_RADAU ||
+        (statistics.checkpoints > 1 && statistics.repeated_steps > 10));
   CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
 }
 
@@ -326,6 +332,14 @@ static void mistakes_of_gradients_are_named(void) {
   how.adjoint = how.error_test = 1;
   REFUSED(sfdae_set_sensitivities(solver, COUNT, names, directions, &how));
   how.error_test = 0;
+  how.max_kept_steps = -1;
+  REFUSED(sfdae_set_sensitivities(solver, COUNT, names, directions, &how));
+  how.max_kept_steps = 1;
+  REFUSED(sfdae_set_sensitivities(solver, COUNT, names, directions, &how));
+  how.max_kept_steps = 2;
+  how.adjoint = 0;
+  REFUSED(sfdae_set_sensitivities(solver, COUNT, names, directions, &how));
+  how.adjoint = 1;
   CHECK_STATUS(sfdae_set_sensitivities(solver, COUNT, names, directions, NULL), SFDAE_OK);
   CHECK_STATUS(sfdae_get_gradient(solver, 1, times, 1, nothing, gradient), SFDAE_NOT_STARTED);
   CHECK_STATUS(sfdae_start(solver, 0, 1, x, NULL), SFDAE_OK);
@@ -354,8 +368,10 @@ static void mistakes_of_gradients_are_named(void) {
 }
 
 int main(void) {
-  gradients_are_those_of_the_formulas(SFDAE_METHOD_BDF);
-  gradients_are_those_of_the_formulas(SFDAE_METHOD_RADAU);
+  gradients_are_those_of_the_formulas(SFDAE_METHOD_BDF, 0);
+  gradients_are_those_of_the_formulas(SFDAE_METHOD_BDF, 60);
+  gradients_are_those_of_the_formulas(SFDAE_METHOD_RADAU, 0);
+  gradients_are_those_of_the_formulas(SFDAE_METHOD_RADAU, 60);
   mistakes_of_gradients_are_named();
   values_are_those_of_the_formulas(SFDAE_METHOD_BDF);
   values_are_those_of_the_formulas(SFDAE_METHOD_RADAU);

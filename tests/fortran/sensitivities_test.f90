@@ -128,6 +128,10 @@ program sensitivities_test
   ! The gradient of x1 + z at 0.7 and of x1 at 0.
   deallocate (wanted%scales)
   wanted%adjoint = .true.
+  wanted%max_kept_steps = 1
+  call solver%set_sensitivities(wanted, status)
+  call check(status == sfdae_illegal_argument, "one step kept")
+  wanted%max_kept_steps = 30
   call solver%set_sensitivities(wanted, status)
   call check(status == sfdae_ok, "set_sensitivities with the adjoint")
   x = [1, 0, 0]
@@ -142,6 +146,7 @@ program sensitivities_test
   call check(near(gradient(3, 2), 1.0_dp, 1.0e-12_dp), "by the start value")
   call solver%get_sensitivity_statistics(statistics, status)
   call check(status == sfdae_ok .and. statistics%kept_steps > 0, "steps kept")
+  call check(statistics%checkpoints > 0, "checkpoints")
   call solver%get_gradient([0.7_dp], reshape([real(dp) :: 1, 0, 0], [3, 1]), gradient, status)
   call check(status == sfdae_illegal_argument, "too few weights")
   call solver%get_gradient([0.3_dp], reshape([real(dp) :: 1, 0, 0], [3, 1]), gradient(:, 1:1), status)

@@ -1,0 +1,53 @@
+// Steps that are kept for the adjoint of an integration (discrete_adjoint.h).
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "integrate/step_control.h"
+#include "integrate/stepper.h"
+#include "system/adjoint_system.h"
+
+namespace sfdae::core {
+
+// What leads to a point from those before.
+struct KeptStep {
+  double t = 0.0, h = 0.0;  // its end; its size
+  int order = 0;            // of BDF; 0: none, or Radau
+  double c = 0.0;           // D_h S = c S + sum_i rest_i S_i, the newest point before first
+  std::array<double, max_bdf_order> rest{};
+  const StageMethod* method = nullptr;  // of Radau
+  std::size_t first_kept = 0;           // of its points
+};
+
+class KeptSteps {
+ public:
+  std::size_t count() const { return steps_.size(); }
+  const KeptStep& step(std::size_t i) const { return steps_[i]; }
+  const KeptPoint* points(std::size_t i) const { return points_.data() + steps_[i].first_kept; }
+  std::size_t bytes() const { return bytes_; }
+  // Of all that the points are: steps that are made again have to agree in every bit.
+  std::uint64_t fingerprint() const { return hash_.value(); }
+
+  // For one more; nothing fails in add() then.
+  void make_room();
+  void add(const KeptStep& step, std::vector<KeptPoint>& points);
+  void drop();
+
+ private:
+  std::vector<KeptStep> steps_;
+  std::vector<KeptPoint> points_;
+  std::size_t bytes_ = 0;
+  WordHash hash_;
+};
+
+// Of a step that was tried: `newest`: the time of the point before, those of earlier ones in front of it, as many as the history
+// has. Throws Failure.
+KeptStep formula_of(const TriedStep& tried, const double* newest, std::size_t points);
+// Its points, one or all stages. xdot: n values, changed.
+void keep_points(const PointKeeper& keeper, const TriedStep& tried, std::vector<double>& xdot,
+                 std::vector<KeptPoint>& points);
+
+}  // namespace sfdae::core
