@@ -124,6 +124,21 @@ std::string integration_report(const sfdae_solver& solver) {
   return text;
 }
 
+std::string sensitivities_report(const sfdae_solver& solver) {
+  sfdae_sensitivity_statistics s{};
+  s.size = sizeof s;
+  sfdae_get_sensitivity_statistics(&solver, &s);
+  if (solver.integration->adjoint() == nullptr)
+    return format(
+        "  %d sensitivities: %ld linearizations, %ld factorizations, %ld error test failures, %ld outputs\n", s.count,
+        s.linearizations, s.factorizations, s.error_test_failures, s.outputs);
+  std::string text =
+      format("  adjoint of %d parameters: %ld steps kept in %.2g MB", s.count, s.kept_steps, s.kept_bytes / 1e6);
+  if (s.checkpoints > 0)
+    text += format(", with %ld checkpoints; %ld steps made again", s.checkpoints, s.repeated_steps);
+  return text + "\n";
+}
+
 }  // namespace
 
 std::string report_of(const sfdae_solver& solver) {
@@ -141,6 +156,7 @@ std::string report_of(const sfdae_solver& solver) {
     text += structure_report(*extension, solver.model.structure_evaluator()->record());
   if (solver.initial_report) text += initial_report(*solver.initial_report);
   if (solver.integration) text += integration_report(solver);
+  if (solver.integration && solver.integration->has_companion()) text += sensitivities_report(solver);
   if (solver.message[0] != '\0') text += std::string("Last message: ") + solver.message + "\n";
   return text;
 }

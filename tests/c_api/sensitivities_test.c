@@ -88,6 +88,12 @@ static sfdae_options options_with(double tolerance, int method) {
 static const char* const names[COUNT] = {"p", NULL};
 static const double directions[N * COUNT] = {0, 0, 0, 1, 0, 0};
 
+static void report_says(const sfdae_solver* solver, const char* words) {
+  static char text[20000];
+  CHECK_STATUS(sfdae_report(solver, text, sizeof text, NULL), SFDAE_OK);
+  CHECK(strstr(text, words) != NULL);
+}
+
 static void values_are_those_of_the_formulas(int method) {
   const sfdae_options options = options_with(1e-9, method);
   sfdae_solver* solver = solver_of(oscillator, N, N, &options);
@@ -114,6 +120,7 @@ static void values_are_those_of_the_formulas(int method) {
   /* Steps and stages are sparse systems here: the array is left for points within steps. */
   CHECK(statistics.linearizations > 0 && statistics.linearizations < 2 * statistics.outputs + 10);
   CHECK(statistics.error_test_failures == 0);
+  report_says(solver, "2 sensitivities: ");
   CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
 }
 
@@ -312,6 +319,8 @@ static void gradients_are_those_of_the_formulas(int method, long max_kept_steps)
   CHECK_STATUS(sfdae_get_sensitivity_statistics(solver, &statistics), SFDAE_OK);
   CHECK(statistics.count == COUNT && statistics.kept_steps > 10 && statistics.kept_bytes > 1000);
   CHECK(max_kept_steps > 0 || (statistics.checkpoints == 0 && statistics.repeated_steps == 0));
+  report_says(solver, "adjoint of 2 parameters: ");
+  if (statistics.checkpoints > 0) report_says(solver, "steps made again");
   /* Radau takes few steps, all of which may be kept. */
   CHECK(max_kept_steps == 0 || method == SFDAE_METHOD_RADAU ||
         (statistics.checkpoints > 1 && statistics.repeated_steps > 10));
