@@ -44,9 +44,18 @@ ExtensionSystem::ExtensionSystem(MinimalExtension extension, Problem& base, cons
   if (status == PointStatus::callback_error)
     throw Failure(SFDAE_NO_CONSISTENT_VALUES, "no values consistent with the constraints were found: " +
                                                   callback_error_.detail + " Give a better guess.");
-  if (status != PointStatus::ok)
-    throw Failure(SFDAE_RANK_UNCLEAR, format("the structure is not confirmed at t = %.15g: ", jet.t) + about_change_);
+  if (status != PointStatus::ok) throw Failure(SFDAE_RANK_UNCLEAR, what_is_unclear(status));
   find_values();
+}
+
+// What follows from the blocks alone is certain where no states are found.
+std::string ExtensionSystem::what_is_unclear(PointStatus status) const {
+  if (status != PointStatus::singular || !certificate_.is_given())
+    return format("the structure is not confirmed at t = %.15g: ", jet_.t) + about_change_;
+  return format(
+      "the structure is confirmed at t = %.15g, with %d free initial values and a strangeness index of at most %d, "
+      "but double precision does not determine which unknowns are free there.",
+      jet_.t, extension_.freedom(), extension_.offsets().index_bound());
 }
 
 ExtensionSystem::ExtensionSystem(RecordedProblem& problem, Problem& base, const AnalysisSettings& settings,
@@ -91,7 +100,7 @@ void ExtensionSystem::find_values() {
 
 PointQuality ExtensionSystem::quality() const {
   PointQuality quality;
-  quality.kept_constraints = quality.kept_differential = quality.smallest_pivot = certificate_.smallest_kept();
+  quality.kept_constraints = quality.kept_differential = quality.smallest_pivot = smallest_kept_;
   return quality;
 }
 
@@ -134,6 +143,7 @@ PointStatus ExtensionSystem::certify(const Jet& jet) {
     return PointStatus::callback_error;
   }
   certificate_ = std::move(certificate);
+  smallest_kept_ = certificate_.smallest_kept();
   if (!still_cancel(extension_.structure(), problem_.evaluator(), jet.t, jet.x.data())) {
     about_change_ = "equations that depended on each other do so no more.";
     return PointStatus::changed;

@@ -87,6 +87,7 @@ class ExtensionSystem final : public DaeSystem {
 
  private:
   std::string describe_block(int block) const;
+  std::string what_is_unclear(PointStatus status) const;
   void resize();
   void find_values();
   PointStatus certify(const Jet& jet);
@@ -108,6 +109,7 @@ class ExtensionSystem final : public DaeSystem {
   ExtensionStages stages_;
   StructureJudge judge_;
   Certificate certificate_;
+  double smallest_kept_ = 1.0;  // of it: asked for at every point
   std::string about_change_, about_later_point_;
   JetHistory history_;
   Jet jet_, start_;
