@@ -14,45 +14,54 @@ namespace sfdae::core {
 
 namespace {
 
-constexpr int lanes = LockstepMatrix::lanes;
+constexpr int versions = LockstepMatrix::versions, copies = LockstepMatrix::copies;
 using Suspicion = BalancedUnits::Suspicion;
 
-// E_k and A_k with their copies, order after order, entry after entry.
+// E_k and A_k with their copies.
 class PerturbedData {
  public:
-  PerturbedData(const TaylorData& data, int level, const BalancedUnits& units, bool omits_suspects)
-      : m_(data.m), n_(data.n), generator_(1), least_(omits_suspects ? Suspicion::maybe : Suspicion::certain) {
+  PerturbedData(const TaylorData& data, int level, const BalancedUnits& units, bool omits_suspects,
+                TrialPerturbations& random)
+      : m_(data.m), least_(omits_suspects ? Suspicion::maybe : Suspicion::certain) {
+    const std::size_t entries = index(data.m) * index(data.n);
+    const double* next = random.first(2 * index(level + 1) * entries * index(copies));
     for (int k = 0; k <= level; ++k) {
       const bool may_omit = k == 0 && !units.suspects_E.empty();
-      add(data, 'E', k, may_omit ? units.suspects_E.data() : nullptr, E_);
-      add(data, 'A', k, may_omit ? units.suspects_A.data() : nullptr, A_);
+      E_.push_back(perturbed(data, {'E', k, may_omit ? units.suspects_E.data() : nullptr}, next));
+      A_.push_back(perturbed(data, {'A', k, may_omit ? units.suspects_A.data() : nullptr}, next + entries * copies));
+      next += 2 * entries * copies;
     }
   }
-  const double* E(int k, int i, int j) const { return E_.data() + first(k, i, j); }
-  const double* A(int k, int i, int j) const { return A_.data() + first(k, i, j); }
+  const LockstepMatrix& E(int k) const { return E_[index(k)]; }
+  const LockstepMatrix& A(int k) const { return A_[index(k)]; }
 
  private:
-  std::size_t first(int k, int i, int j) const {
-    return ((index(k) * index(n_) + index(j)) * index(m_) + index(i)) * index(lanes);
-  }
+  struct Coefficient {
+    char which;
+    int order;
+    const Suspicion* suspects;
+  };
   // On top of its own rounding each entry has the errors of differences and what residuals along a jet may change.
-  void add(const TaylorData& data, char which, int order, const Suspicion* suspects, std::vector<double>& to) {
-    const ConstView block = which == 'E' ? data.E(order) : data.A(order);
-    const double residual_error = data.residual_noise * data.norm(order);
-    for (int entry = 0; entry < m_ * n_; ++entry) {
-      const bool is_omitted = suspects != nullptr && suspects[entry] >= least_;
+  LockstepMatrix perturbed(const TaylorData& data, const Coefficient& of, const double* random) const {
+    const ConstView block = of.which == 'E' ? data.E(of.order) : data.A(of.order);
+    const double residual_error = data.residual_noise * data.norm(of.order);
+    LockstepMatrix result(data.m, data.n);
+    for (int entry = 0; entry < data.m * data.n; ++entry, random += copies) {
+      const bool is_omitted = of.suspects != nullptr && of.suspects[entry] >= least_;
       const double value = is_omitted ? 0.0 : block.data[entry];
-      const double error = data.scaled_error(which, order, entry) +
+      const double error = data.scaled_error(of.which, of.order, entry) +
                            (value != 0.0 ? trial_perturbation * std::fabs(value) + residual_error : 0.0);
-      to.push_back(value);
-      for (int k = 1; k < lanes; ++k) to.push_back(value + error * symmetric_random(generator_));
+      if (value == 0.0 && error == 0.0) continue;
+      double* to = &result.at(entry % m_, entry / m_);
+      to[0] = value;
+      for (int k = 1; k < versions; ++k) to[k * lane_count] = value + error * random[k - 1];
     }
+    return result;
   }
 
-  int m_, n_;
-  std::minstd_rand generator_;
+  int m_;
   Suspicion least_;  // that is taken for zero
-  std::vector<double> E_, A_;
+  std::vector<LockstepMatrix> E_, A_;
 };
 
 // Rows of the level that are there.
@@ -63,34 +72,56 @@ std::vector<int> rows_of_level(const TaylorData& data, int i) {
   return rows;
 }
 
-void copy_entry(const double* from, double* to) { std::copy_n(from, lanes, to); }
-
-LockstepMatrix rows_of_E(const PerturbedData& data, const std::vector<int>& rows, int n) {
-  LockstepMatrix E(static_cast<int>(rows.size()), n);
-  for (int row = 0; row < E.rows(); ++row)
-    for (int j = 0; j < n; ++j) copy_entry(data.E(0, rows[index(row)], j), E.at(row, j));
-  return E;
+void copy_entry(const LockstepMatrix& from, int row, int col, double* to) {
+  const double* entry = &from.column(col)[row / lane_count * versions].lane[row % lane_count];
+  for (int k = 0; k < versions; ++k) to[k * lane_count] = entry[k * lane_count];
 }
 
-// Block row i of the array in columns y_(i+1), ..., y_1, x: E_(i+1-j) - A_(i-j) / j at y_j, A_i at x.
-void write_block_row(const PerturbedData& data, const std::vector<int>& rows, int i, int n, LockstepMatrix& to) {
-  for (int row = 0; row < static_cast<int>(rows.size()); ++row)
-    for (int col = 0; col < n; ++col) {
-      const int from = rows[index(row)];
-      copy_entry(data.E(0, from, col), to.at(row, col));
-      for (int j = 1; j <= i; ++j) {
-        double* entry = to.at(row, (i + 1 - j) * n + col);
-        for (int k = 0; k < lanes; ++k) entry[k] = data.E(i + 1 - j, from, col)[k] - data.A(i - j, from, col)[k] / j;
-      }
-      copy_entry(data.A(i, from, col), to.at(row, (i + 1) * n + col));
-    }
+// These rows of a column become the first ones of a column of another matrix.
+void copy_rows(const LockstepMatrix& from, int col, const std::vector<int>& rows, LockstepMatrix& to, int to_col) {
+  const int count = static_cast<int>(rows.size());
+  // Of whole groups of rows the last one may have more: nothing else is there yet.
+  if (count == from.rows()) {
+    std::copy_n(from.column(col), from.blocks_of_column(), to.column(to_col));
+    return;
+  }
+  for (int row = 0; row < count; ++row) copy_entry(from, rows[index(row)], col, &to.at(row, to_col));
+}
+
+LockstepMatrix rows_of_E(const PerturbedData& data, const std::vector<int>& rows) {
+  const LockstepMatrix& E = data.E(0);
+  LockstepMatrix result(static_cast<int>(rows.size()), E.cols());
+  for (int j = 0; j < E.cols(); ++j) copy_rows(E, j, rows, result, j);
+  return result;
+}
+
+// E_p - A_q / j
+LockstepMatrix difference(const LockstepMatrix& E, const LockstepMatrix& A, int j) {
+  LockstepMatrix result(E.rows(), E.cols());
+  for (int col = 0; col < E.cols(); ++col)
+    for (int b = 0; b < E.blocks_of_column(); ++b)
+      for (int l = 0; l < lane_count; ++l)
+        result.column(col)[b].lane[l] = E.column(col)[b].lane[l] - A.column(col)[b].lane[l] / j;
+  return result;
+}
+
+// Block row i of the array in columns y_(i+1), ..., y_1, x: E_(i+1-j) - A_(i-j) / j at y_j, A_i at x. They are the first
+// rows of `to`, and written before the others.
+void write_block_row(const PerturbedData& data, const std::vector<int>& rows, int i, LockstepMatrix& to) {
+  const int n = data.E(0).cols();
+  const auto write = [&](const LockstepMatrix& block, int first) {
+    for (int col = 0; col < n; ++col) copy_rows(block, col, rows, to, first + col);
+  };
+  write(data.E(0), 0);
+  for (int j = 1; j <= i; ++j) write(difference(data.E(i + 1 - j), data.A(i - j), j), (i + 1 - j) * n);
+  write(data.A(i), (i + 1) * n);
 }
 
 // Columns from `first` on of the rows from `top` on.
 LockstepMatrix remainder(const LockstepMatrix& stage, int top, int first) {
   LockstepMatrix rest(stage.rows() - top, stage.cols() - first);
-  for (int i = 0; i < rest.rows(); ++i)
-    for (int j = 0; j < rest.cols(); ++j) copy_entry(stage.at(top + i, first + j), rest.at(i, j));
+  for (int j = 0; j < rest.cols(); ++j)
+    for (int i = 0; i < rest.rows(); ++i) copy_entry(stage, top + i, first + j, &rest.at(i, j));
   rest.normalize_rows();
   return rest;
 }
@@ -99,32 +130,41 @@ LockstepMatrix remainder(const LockstepMatrix& stage, int top, int first) {
 LockstepMatrix stack(const LockstepMatrix& one, int rows_of_one, const LockstepMatrix& other) {
   LockstepMatrix all(rows_of_one + other.rows(), other.cols());
   for (int j = 0; j < all.cols(); ++j) {
-    for (int i = 0; i < rows_of_one; ++i) copy_entry(one.at(i, j), all.at(i, j));
-    for (int i = 0; i < other.rows(); ++i) copy_entry(other.at(i, j), all.at(rows_of_one + i, j));
+    for (int i = 0; i < rows_of_one; ++i) copy_entry(one, i, j, &all.at(i, j));
+    for (int i = 0; i < other.rows(); ++i) copy_entry(other, i, j, &all.at(rows_of_one + i, j));
   }
   return all;
 }
 
 }  // namespace
 
+const double* TrialPerturbations::first(std::size_t count) {
+  values_.reserve(count);
+  while (values_.size() < count) values_.push_back(symmetric_random(generator_));
+  return values_.data();
+}
+
 CertifiedRanks certified_ranks(const TaylorData& data, int level, const CertificateSettings& settings) {
   const int n = data.n;
-  const PerturbedData perturbed(data, level, settings.units, settings.omits_suspects);
+  const PerturbedData perturbed(data, level, settings.units, settings.omits_suspects, settings.random);
   CertifiedRanks found;
   LockstepMatrix carried(0, (level + 1) * n);
   int diagonal_rank = 0, array_rank = 0;
   for (int i = level; i >= 0; --i) {
     const std::vector<int> rows = rows_of_level(data, i);
-    if (i == level || data.has_last_rows(i)) {
-      diagonal_rank = rows_of_E(perturbed, rows, n).eliminate(n, found.significance, settings.rank_tol);
+    if (i < level && data.has_last_rows(i)) {
+      diagonal_rank = rows_of_E(perturbed, rows).eliminate(n, found.significance, settings.rank_tol);
       found.list.add(diagonal_rank);
     }
     const int count = static_cast<int>(rows.size());
     LockstepMatrix stage(count + carried.rows(), (i + 2) * n);
-    write_block_row(perturbed, rows, i, n, stage);
-    for (int row = 0; row < carried.rows(); ++row)
-      for (int j = 0; j < carried.cols(); ++j) copy_entry(carried.at(row, j), stage.at(count + row, j));
-    const int rank = stage.eliminate(n, found.significance, settings.rank_tol);
+    write_block_row(perturbed, rows, i, stage);
+    for (int j = 0; j < carried.cols(); ++j)
+      for (int row = 0; row < carried.rows(); ++row) copy_entry(carried, row, j, &stage.at(count + row, j));
+    // The first stage eliminates the block of the diagonal, and nothing else: it decides its rank as well.
+    const ZeroScale scale = i == level ? ZeroScale::eliminated_columns : ZeroScale::whole_rows;
+    const int rank = stage.eliminate(n, found.significance, settings.rank_tol, scale);
+    if (i == level) found.list.add(diagonal_rank = rank);
     array_rank += rank;
     if (carried.rows() > 0 && diagonal_rank < n) found.list.add(rank - diagonal_rank);
     carried = remainder(stage, rank, n);
@@ -134,7 +174,7 @@ CertifiedRanks certified_ranks(const TaylorData& data, int level, const Certific
   LockstepMatrix constraints = std::move(carried);
   const int a = constraints.eliminate(n, found.significance, settings.rank_tol);
   if (rows > 0) found.list.add(a);
-  LockstepMatrix E = stack(constraints, a, rows_of_E(perturbed, rows_of_level(data, 0), n));
+  LockstepMatrix E = stack(constraints, a, rows_of_E(perturbed, rows_of_level(data, 0)));
   E.normalize_rows();
   const int d = E.eliminate(n, found.significance, settings.rank_tol) - a;
   if (a < n) found.list.add(d);
@@ -149,7 +189,8 @@ CertifiedRanks certified_ranks(const TaylorData& data, int level, const Certific
 
 bool has_independent_rows(const TaylorData& data, int level, const BalancedUnits& units) {
   const int n = data.n;
-  const PerturbedData perturbed(data, level, units, false);
+  TrialPerturbations random;
+  const PerturbedData perturbed(data, level, units, false, random);
   int total = 0;
   for (int i = 0; i <= level; ++i) total += static_cast<int>(rows_of_level(data, i).size());
   LockstepMatrix array(total, (level + 2) * n);
@@ -158,9 +199,9 @@ bool has_independent_rows(const TaylorData& data, int level, const BalancedUnits
     const std::vector<int> rows = rows_of_level(data, i);
     const int count = static_cast<int>(rows.size());
     LockstepMatrix block(count, (i + 2) * n);
-    write_block_row(perturbed, rows, i, n, block);
-    for (int row = 0; row < count; ++row)
-      for (int j = 0; j < block.cols(); ++j) copy_entry(block.at(row, j), array.at(first + row, (level - i) * n + j));
+    write_block_row(perturbed, rows, i, block);
+    for (int j = 0; j < block.cols(); ++j)
+      for (int row = 0; row < count; ++row) copy_entry(block, row, j, &array.at(first + row, (level - i) * n + j));
     first += count;
   }
   array.normalize_rows();
@@ -169,7 +210,8 @@ bool has_independent_rows(const TaylorData& data, int level, const BalancedUnits
 }
 
 int clear_pencil_rank(const TaylorData& data, const BalancedUnits& units) {
-  const PerturbedData perturbed(data, 0, units, false);
+  TrialPerturbations random;
+  const PerturbedData perturbed(data, 0, units, false, random);
   const int full = std::min(data.m, data.n);
   int largest = 0;
   // lambda in balanced units of time, of either sign: far below and above what systems of a stiffness of 1e6 have.
@@ -178,8 +220,8 @@ int clear_pencil_rank(const TaylorData& data, const BalancedUnits& units) {
     LockstepMatrix pencil(data.m, data.n);
     for (int j = 0; j < data.n; ++j)
       for (int i = 0; i < data.m; ++i)
-        for (int k = 0; k < lanes; ++k)
-          pencil.at(i, j)[k] = lambda * perturbed.E(0, i, j)[k] - perturbed.A(0, i, j)[k];
+        for (int k = 0; k < versions; ++k)
+          pencil.at(i, j, k) = lambda * perturbed.E(0).at(i, j, k) - perturbed.A(0).at(i, j, k);
     pencil.normalize_rows();
     Significance significance;
     const int rank = pencil.eliminate(data.n, significance);

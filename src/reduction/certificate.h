@@ -3,6 +3,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <random>
+#include <vector>
+
 #include "problem/taylor_data.h"
 #include "reduction/balanced_units.h"
 #include "reduction/judge.h"
@@ -10,6 +13,16 @@
 #include "reduction/null_space_form.h"
 
 namespace sfdae::core {
+
+// Random numbers for the copies, the same ones at every level and point: made once.
+class TrialPerturbations {
+ public:
+  const double* first(std::size_t count);
+
+ private:
+  std::minstd_rand generator_{1};
+  std::vector<double> values_;
+};
 
 struct CertifiedRanks {
   PointRanks ranks;
@@ -20,6 +33,7 @@ struct CertifiedRanks {
 
 struct CertificateSettings {
   const BalancedUnits& units;
+  TrialPerturbations& random;
   bool omits_suspects = false;  // rounding errors among them count as zeros always
   double rank_tol = 0.0;        // > 0: the user decides, relative to the largest entry of each matrix judged
 };

@@ -88,7 +88,8 @@ class Analysis {
   bool has_good_usual_units(const IndexAnalysis& quick) {
     return is_even_ || are_balanced(usual_, quick.time_scale, balanced());
   }
-  bool is_clear_by_norms(const IndexAnalysis& quick, const std::vector<RankDecision>& decisions);
+  bool is_clear_by_norms(IndexAnalysis& quick, const std::vector<RankDecision>& decisions);
+  bool is_certified_at_mu(IndexAnalysis& quick, const std::vector<RankDecision>& decisions);
   bool outlasts_certificate(const IndexAnalysis& quick, const std::vector<RankDecision>& decisions);
   bool norms_agree(const AnalysisOutcome& outcome, std::vector<RankDecision>& decisions);
   bool redundancy_agrees(const IndexAnalysis& analysis);
@@ -104,6 +105,7 @@ class Analysis {
   Units usual_;
   bool is_even_ = false;                   // in usual units
   std::optional<BalancedUnits> balanced_;  // found where more is needed
+  TrialPerturbations perturbations_;
 };
 
 // rank_tol acts in balanced units.
@@ -118,7 +120,7 @@ IndexAnalysis Analysis::by_tolerance(std::vector<RankDecision>& decisions) {
 // Where norms make the ranks at t clear by far, alone.
 std::optional<IndexAnalysis> Analysis::by_precedent(std::vector<RankDecision>& decisions) {
   problem_.set_units(usual_);
-  const auto found = analyze_by_precedent({problem_, settings_, arena_, &decisions}, place_);
+  auto found = analyze_by_precedent({problem_, settings_, arena_, &decisions}, place_);
   if (found && is_clear_by_norms(*found, decisions)) return in_usual_units(*found);
   decisions.clear();
   return std::nullopt;
@@ -146,6 +148,7 @@ IndexAnalysis Analysis::run(std::vector<RankDecision>& decisions) {
 AnalysisOutcome Analysis::certified() {
   SearchTask task = task_in_balanced_units(nullptr);
   task.certified = true;
+  task.perturbations = &perturbations_;
   return analyze_at_two_points(task, place_);
 }
 
@@ -188,13 +191,37 @@ IndexAnalysis Analysis::by_certificate(AnalysisOutcome found, const std::optiona
 }
 
 // What norms say in the usual units decides, alone or with what they say in balanced ones.
-bool Analysis::is_clear_by_norms(const IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
+bool Analysis::is_clear_by_norms(IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
   if (balanced_ && balanced_->has_suspects) return false;
   if (!are_clear_by_far(decisions, is_singular(quick.values))) return false;
   if (has_good_usual_units(quick)) return true;
   std::vector<RankDecision> others;
   const CharacteristicValues values = local_values(task_in_balanced_units(&others), place_.t);
-  return values == quick.values && are_clear_by_far(others, is_singular(values));
+  return values == quick.values &&
+         (are_clear_by_far(others, is_singular(values)) || is_certified_at_mu(quick, others));
+}
+
+// decisions: of all levels in balanced units, which lead to the values of norms in the usual ones. Where nothing but values
+// kept at level mu is too small for norms, a certificate of that level confirms what these say, rank by rank.
+bool Analysis::is_certified_at_mu(IndexAnalysis& quick, const std::vector<RankDecision>& decisions) {
+  const CharacteristicValues& values = quick.values;
+  if (values.u > 0 || values.v > 0 || quick.v_hat > 0 || settings_.by_svd) return false;
+  std::vector<RankDecision> below, at_mu;
+  for (const RankDecision& decision : decisions) (decision.level < values.mu ? below : at_mu).push_back(decision);
+  if (smallest_gap(at_mu) < gap_by_far || !are_clear_by_far(below, false)) return false;
+  SearchTask task = task_in_balanced_units(nullptr);
+  task.certified = true;
+  const LevelResult found = IndexSearch(task, place_.t).determine_confirmed(values.mu);
+  const RankSequence& ranks = found.known_ranks;
+  const bool is_same = ranks.count == at_mu.size() &&
+                       std::equal(at_mu.begin(), at_mu.end(), ranks.rank.begin(),
+                                  [](const RankDecision& decision, int rank) { return decision.rank == rank; });
+  if (!found.clear || !is_same) return false;
+  IndexAnalysis balanced = quick;
+  balanced.time_scale = found.time_scale;
+  if (!redundancy_agrees(balanced)) return false;
+  quick.distance = relative_distance(found.significance);
+  return true;
 }
 
 // What norms make clear where there is no clear certificate: perturbed copies lose large arrays and high levels,
@@ -236,6 +263,7 @@ bool Analysis::is_independent_of_suspects(const CharacteristicValues& values) {
   if (!balanced().has_suspects) return true;
   SearchTask task = task_in_balanced_units(nullptr);
   task.certified = task.omits_suspects = true;
+  task.perturbations = &perturbations_;
   try {
     const AnalysisOutcome other = analyze_at_two_points(task, place_);
     return other.is_clear && other.analysis.values == values;

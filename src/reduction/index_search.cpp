@@ -7,7 +7,6 @@
 
 #include "linalg/random.h"
 #include "problem/failure.h"
-#include "reduction/certificate.h"
 #include "reduction/elimination.h"
 
 namespace sfdae::core {
@@ -64,8 +63,9 @@ LevelResult IndexSearch::determine(int level, double time_scale) {
 
 LevelResult IndexSearch::certify(int level) {
   evaluate(level, task_.settings.time_scale);
+  TrialPerturbations& random = task_.perturbations != nullptr ? *task_.perturbations : perturbations_;
   const CertifiedRanks certified =
-      certified_ranks(data_, level, {*task_.units, task_.omits_suspects, task_.settings.rank_tol});
+      certified_ranks(data_, level, {*task_.units, random, task_.omits_suspects, task_.settings.rank_tol});
   LevelResult found;
   found.ranks = certified.ranks;
   found.time_scale = data_.time_scale;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "reduction/balanced_units.h"
+#include "reduction/certificate.h"
 #include "reduction/index_analysis.h"
 #include "reduction/lockstep_elimination.h"
 #include "reduction/null_space_form.h"
@@ -40,6 +41,8 @@ struct SearchTask {
   // Ranks are those of certificates; suspects count as zeros if they are omitted.
   bool certified = false;
   bool omits_suspects = false;
+  // What certificates perturb data by, to be made once for several searches; may be null.
+  TrialPerturbations* perturbations = nullptr;
 };
 
 // What a search leads to.
@@ -98,6 +101,7 @@ class IndexSearch {
   TaylorData data_;
   NullSpaceForm form_;
   std::vector<RankDecision> latest_;
+  TrialPerturbations perturbations_;  // where the task has none
 };
 
 // The smallest level at t alone, by norms or, where they are given, by rank_tol: mu = -1 if no level up to max_index

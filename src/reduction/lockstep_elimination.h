@@ -12,10 +12,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <vector>
 
-#include "linalg/matrix.h"
+#include "linalg/index.h"
+#include "linalg/lanes.h"
 
 namespace sfdae::core {
 
@@ -39,19 +41,29 @@ struct Significance {
   void join(const Significance& other);
 };
 
+// What the zeros of an elimination are measured by: the sizes added up in all of their row, or in the columns that are
+// eliminated, as if there were no others.
+enum class ZeroScale { whole_rows, eliminated_columns };
+
 // rows x cols entries, each of them with its copies.
 class LockstepMatrix {
  public:
   static constexpr int copies = 5;
-  static constexpr int lanes = copies + 1;  // the matrix itself is the first one
+  static constexpr int versions = copies + 1;  // the matrix itself is the first one
 
   LockstepMatrix() = default;
   LockstepMatrix(int rows, int cols);
 
   int rows() const { return rows_; }
   int cols() const { return cols_; }
-  double* at(int row, int col) { return values_.data() + first(row, col); }
-  const double* at(int row, int col) const { return values_.data() + first(row, col); }
+  double& at(int row, int col, int version = 0) { return values_[block(row, col, version)].lane[row % lane_count]; }
+  double at(int row, int col, int version = 0) const {
+    return values_[block(row, col, version)].lane[row % lane_count];
+  }
+  // Eight rows of the matrix, the same ones of each copy, and then the next eight; zeros behind the last row.
+  int blocks_of_column() const { return groups_ * versions; }
+  LaneBlock* column(int col) { return values_.data() + block(0, col, 0); }
+  const LaneBlock* column(int col) const { return values_.data() + block(0, col, 0); }
 
   // Rows by powers of two, so that the largest entry of each lies in [1, 2).
   void normalize_rows();
@@ -59,28 +71,17 @@ class LockstepMatrix {
   // Eliminates the first `width` columns. The rows without pivots come to stand below those that have one; their
   // entries in these columns count as zero. Returns the rank. tolerance > 0: what is zero is decided by it alone, relative
   // to the largest entry of these columns.
-  int eliminate(int width, Significance& significance, double tolerance = 0.0);
+  int eliminate(int width, Significance& significance, double tolerance = 0.0,
+                ZeroScale scale = ZeroScale::whole_rows);
 
  private:
-  struct Pivot {
-    int row = -1, col = -1;
-    double size = 0.0, significance = 0.0;
-    double strongest = 0.0;  // q of the most significant entry that was seen
-  };
-  std::size_t first(int row, int col) const;
-  Pivot find_pivot(int rank, const std::vector<char>& used) const;
-  Pivot find_largest(int rank, const std::vector<char>& used, double threshold) const;
-  void swap_rows(int i, int j);
-  void subtract_pivot_row(int rank, int col, const std::vector<char>& used);
-  void clear_rounding_errors(int row, int col);
-  // An entry counts as zero.
-  void drop(int row, int col, Significance& significance) const;
-  // Rows from `top` on without any value become zero.
-  void drop_rows(int top, int width, Significance& significance, double tolerance);
+  std::size_t block(int row, int col, int version) const {
+    return (index(col) * index(groups_) + index(row / lane_count)) * index(versions) + index(version);
+  }
 
   int rows_ = 0, cols_ = 0;
-  std::vector<double> values_;  // row after row, the copies of an entry beside each other
-  std::vector<double> sums_;    // of the sizes of what was added up in each entry
+  int groups_ = 0;  // of eight rows
+  LaneArray values_;
 };
 
 }  // namespace sfdae::core

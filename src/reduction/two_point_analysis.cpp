@@ -86,6 +86,24 @@ void raise_to_level(const SearchTask& task, int mu, double nearby, AnalysisOutco
   here.is_clear = here.is_clear && found.clear;
 }
 
+// What level mu, found at t, says nearby if that is clear and the same; the levels below need not be looked at there then:
+// the larger index of the two points counts, and without redundant rows at level mu there are none below. Ranks along jets
+// and redundant equations are followed from level to level as at t.
+std::optional<AnalysisOutcome> same_at_level(const SearchTask& task, double nearby, const IndexAnalysis& here) {
+  const CharacteristicValues& values = here.values;
+  if (values.mu < 1 || values.v > 0 || here.v_hat > 0 || task.problem.is_along_jet()) return std::nullopt;
+  std::vector<RankDecision> decisions;
+  SearchTask alone = task;
+  alone.log = task.log != nullptr ? &decisions : nullptr;
+  const LevelResult found = IndexSearch(alone, nearby).determine_confirmed(values.mu);
+  const PointRanks& ranks = found.ranks;
+  if (!found.clear || ranks.a != values.a || ranks.d != values.d || ranks.v_hat != 0) return std::nullopt;
+  if (task.log != nullptr) task.log->insert(task.log->end(), decisions.begin(), decisions.end());
+  IndexAnalysis analysis = here;
+  analysis.rank_E = ranks.rank_E;
+  return AnalysisOutcome{analysis, found.significance, true};
+}
+
 }  // namespace
 
 std::optional<IndexAnalysis> analyze_by_precedent(const SearchTask& task, Place place) {
@@ -107,7 +125,8 @@ AnalysisOutcome analyze_at_two_points(const SearchTask& task, Place place) {
   AnalysisOutcome here = search_at(task, place.t);
   if (task.problem.is_constant()) return here;
   const double nearby = nearby_point(place, here.analysis.time_scale);
-  const AnalysisOutcome at_nearby = search_at(task, nearby);
+  const std::optional<AnalysisOutcome> same = same_at_level(task, nearby, here.analysis);
+  const AnalysisOutcome at_nearby = same ? *same : search_at(task, nearby);
   CharacteristicValues there = at_nearby.analysis.values;
   here.significance.join(at_nearby.significance);
   here.is_clear = here.is_clear && at_nearby.is_clear;

@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <vector>
 
 #include "c_api/problems.h"
 #include "family_problem.h"
@@ -67,6 +69,17 @@ TEST_P(IndexAnalysisBothWays, KnowsTheFamilies) {
   EXPECT_EQ(describe(analyze(chain, 0.2, 1.0, settings).values), "mu = 2, d = 8, a = 6, u = 0, v = 0");
 }
 
+// At level mu values as small as 8e-7 are kept in balanced units, all else is clear by norms: a certificate of that level
+// at that point confirms it, and the problem stays in the usual units.
+TEST(IndexAnalysis, SmallValuesAtTheLastLevelAreCertified) {
+  const std::shared_ptr<const LinearFamily> family = sfdae_test::kron(32, 3, 0.5);
+  const IndexAnalysis analysis = analyze(family, 0.0, 1.0);
+  EXPECT_EQ(describe(analysis.values), describe(expected(*family)));
+  EXPECT_GT(analysis.distance, 1e-9);
+  EXPECT_LT(analysis.distance, 1.0);
+  EXPECT_EQ(analysis.certified_ranks.count, 0u);
+}
+
 // E = [0 t; 0 0], A = I: the local values at t = 0 say mu = 0, but mu = 1 holds everywhere.
 TEST(IndexAnalysis, TheNearbyPointRaisesTheIndexWhereLocalValuesAreTooLow) {
   const std::shared_ptr<const LinearFamily> family = sfdae_test::rankdrop_t().family;
@@ -86,6 +99,46 @@ TEST(IndexAnalysis, AnExceptionalPointIsNamed) {
     FAIL() << "no failure";
   } catch (const Failure& failure) {
     EXPECT_EQ(failure.status(), SFDAE_CHARACTERISTICS_CHANGED) << failure.what();
+  }
+}
+
+namespace {
+
+// E = [0 1 0; 0 0 0; 0 0 t], A = I: mu = 1 everywhere, t x3' = x3 is algebraic at t = 0 alone.
+sfdae::core::LinearFunctions chain_beside_vanishing_E() {
+  sfdae::core::LinearFunctions user;
+  user.m = user.n = 3;
+  user.constant_A = true;
+  user.E = [](double t, int order, double* E, void*) {
+    std::fill_n(E, 9, 0.0);
+    if (order == 0) E[3] = 1.0;
+    E[8] = order == 0 ? t : order == 1 ? 1.0 : 0.0;
+    return 0;
+  };
+  user.A = [](double, int order, double* A, void*) {
+    std::fill_n(A, 9, 0.0);
+    for (int i = 0; i < 3 && order == 0; ++i) A[4 * i] = 1.0;
+    return 0;
+  };
+  return user;
+}
+
+}  // namespace
+
+// The level found at t says something else nearby.
+TEST(IndexAnalysis, AnExceptionalPointIsNamedWhereTheIndexIsTheSame) {
+  for (const double t : {0.0, 0.5}) {
+    LinearProblem linear(chain_beside_vanishing_E());
+    Arena arena;
+    std::vector<RankDecision> decisions;
+    try {
+      const IndexAnalysis analysis = analyze_index(linear, t, t + 1.0, {}, arena, decisions);
+      EXPECT_EQ(describe(analysis.values), "mu = 1, d = 1, a = 2, u = 0, v = 0") << t;
+      EXPECT_GT(t, 0.0);
+    } catch (const Failure& failure) {
+      EXPECT_EQ(failure.status(), SFDAE_CHARACTERISTICS_CHANGED) << failure.what();
+      EXPECT_EQ(t, 0.0);
+    }
   }
 }
 

@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "linalg/random.h"
@@ -22,9 +25,9 @@ LockstepMatrix perturbed(const Rows& rows) {
   for (int i = 0; i < matrix.rows(); ++i)
     for (int j = 0; j < matrix.cols(); ++j) {
       const double value = rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-      matrix.at(i, j)[0] = value;
-      for (int k = 1; k < LockstepMatrix::lanes; ++k)
-        matrix.at(i, j)[k] = value * (1.0 + trial_perturbation * symmetric_random(generator));
+      matrix.at(i, j) = value;
+      for (int k = 1; k < LockstepMatrix::versions; ++k)
+        matrix.at(i, j, k) = value * (1.0 + trial_perturbation * symmetric_random(generator));
     }
   return matrix;
 }
@@ -120,8 +123,96 @@ TEST(LockstepElimination, CarriesTheRest) {
   Significance significance;
   ASSERT_EQ(matrix.eliminate(2, significance), 1);
   // [2 0 | 1], then [4 0 | 5] - 2 [2 0 | 1], or the other way round: -1/2 of that.
-  const double rest = matrix.at(1, 2)[0];
+  const double rest = matrix.at(1, 2);
   EXPECT_TRUE(rest == 3.0 || rest == -1.5) << rest;
+}
+
+namespace {
+
+// Of this rank, with rows that differ by up to 1e6.
+Rows random_rows(int rows, int cols, int rank, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> entry(-1.0, 1.0), exponent(-10.0, 10.0);
+  Rows product;
+  Rows right(static_cast<std::size_t>(rank), std::vector<double>(static_cast<std::size_t>(cols)));
+  for (auto& row : right)
+    for (double& value : row) value = entry(random);
+  for (int i = 0; i < rows; ++i) {
+    product.emplace_back(static_cast<std::size_t>(cols), 0.0);
+    const double unit = std::exp2(std::round(exponent(random)));
+    for (const auto& row : right) {
+      const double factor = unit * entry(random);
+      for (std::size_t j = 0; j < row.size(); ++j) product.back()[j] += factor * row[j];
+    }
+  }
+  return product;
+}
+
+}  // namespace
+
+// Groups of eight rows, whole and not: what is left of the rows behind the rank of the first columns has the rest of it.
+TEST(LockstepElimination, FindsRanksOfLargeMatricesInParts) {
+  for (int rows : {7, 8, 9, 31, 40})
+    for (int width : {3, 12}) {
+      const int rank = std::min(rows, 21) - 2, cols = 30;
+      LockstepMatrix matrix = perturbed(random_rows(rows, cols, rank, static_cast<unsigned>(rows + width)));
+      Significance significance;
+      const int first = matrix.eliminate(width, significance);
+      EXPECT_EQ(first, std::min(width, rank));
+      LockstepMatrix rest(rows - first, cols - width);
+      for (int i = 0; i < rest.rows(); ++i)
+        for (int j = 0; j < rest.cols(); ++j)
+          for (int k = 0; k < LockstepMatrix::versions; ++k) rest.at(i, j, k) = matrix.at(first + i, width + j, k);
+      rest.normalize_rows();
+      EXPECT_EQ(rest.eliminate(rest.cols(), significance), rank - first) << rows << ", " << width;
+      EXPECT_TRUE(significance.is_clear()) << rows << ", " << width;
+    }
+}
+
+TEST(LockstepElimination, InstructionSetsGiveTheSameBits) {
+  if (best_instruction_set() != InstructionSet::avx512) GTEST_SKIP() << "there is one alone";
+  const InstructionSet usual = instruction_set_of_lanes();
+  std::vector<LockstepMatrix> results;
+  std::vector<Significance> found;
+  for (InstructionSet set : {InstructionSet::portable, InstructionSet::avx512}) {
+    use_for_lanes(set);
+    LockstepMatrix matrix = perturbed(random_rows(29, 35, 17, 4));
+    Significance significance;
+    matrix.eliminate(20, significance);
+    results.push_back(std::move(matrix));
+    found.push_back(significance);
+  }
+  use_for_lanes(usual);
+  for (int i = 0; i < 29; ++i)
+    for (int j = 0; j < 35; ++j)
+      for (int k = 0; k < LockstepMatrix::versions; ++k)
+        ASSERT_EQ(results[0].at(i, j, k), results[1].at(i, j, k)) << i << ", " << j;
+  EXPECT_EQ(found[0].weakest, found[1].weakest);
+  EXPECT_EQ(found[0].strongest, found[1].strongest);
+  EXPECT_EQ(found[0].amplification, found[1].amplification);
+}
+
+// Zeros of the first columns are measured by these alone if asked for: a large entry beside them hides nothing.
+TEST(LockstepElimination, MeasuresZerosByWhatIsAskedFor) {
+  const Rows rows = {{1.0, 0.3, 0.0}, {1.0, 0.3, 1e6}};
+  Significance whole, alone;
+  LockstepMatrix matrix = perturbed(rows);
+  matrix.eliminate(2, whole);
+  matrix = perturbed(rows);
+  matrix.eliminate(2, alone, 0.0, ZeroScale::eliminated_columns);
+  EXPECT_GE(alone.amplification, 1e5 * whole.amplification);
+}
+
+// Once sizes overflow nothing is clear any more.
+TEST(LockstepElimination, OverflowIsNotClear) {
+  if (std::getenv("SFDAE_TEST_FPE_TRAPS") != nullptr) GTEST_SKIP() << "overflows on purpose";
+  LockstepMatrix matrix = perturbed({{1e-200, 1e200}, {1.0, 1.0}});
+  matrix.at(0, 1) = 1e308;
+  matrix.at(1, 1) = 1e308;
+  for (int k = 0; k < LockstepMatrix::versions; ++k) matrix.at(1, 0, k) = -1e-190 * (1.0 + 0.2 * k);
+  Significance significance;
+  matrix.eliminate(1, significance);
+  EXPECT_FALSE(significance.is_clear());
 }
 
 }  // namespace sfdae::core
