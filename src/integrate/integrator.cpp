@@ -26,9 +26,10 @@ constexpr double nonlinear_safety = 0.2;
 constexpr double steps_ahead = 1e3;
 // A step is at least so many spacings of doubles near t, 2 unit_roundoff each.
 constexpr double least_roundings = 4.0;
-// Of tout: where t is smaller, steps are not shorter than roundings of this. (Chosen: Robertson's kinetics to 1e11 begin with
-// steps of 1e-7; DASSL takes all of tout.)
-constexpr double smallest_part_of_output = 1e-8;
+// Where tout is farther away than so many times t, steps are not shorter than roundings of that, nor of this part of tout. (Chosen:
+// Robertson's kinetics to 1e11 begin with steps of 1e-7; DASSL takes all of tout. Roundings of t alone are too short: integrations
+// that cannot go on take 100,000 of them instead of giving up.)
+constexpr double farthest_output = 100.0, smallest_part_of_output = 1e-8;
 
 }  // namespace
 
@@ -88,6 +89,10 @@ double Integrator::resolution(double t, double tout) {
   return least_roundings * 2.0 * unit_roundoff * std::max(std::fabs(t), std::fabs(tout));
 }
 
-double Integrator::smallest_step(double t, double tout) { return resolution(t, smallest_part_of_output * tout); }
+double Integrator::smallest_step(double t, double tout) {
+  const double end = std::fabs(tout),
+               nearby = std::max(farthest_output * std::fabs(t), smallest_part_of_output * end);
+  return resolution(t, std::min(end, nearby));
+}
 
 }  // namespace sfdae::core
