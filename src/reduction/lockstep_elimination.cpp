@@ -65,13 +65,14 @@ int LockstepMatrix::eliminate(int width, Significance& significance, double tole
   work.tolerance = tolerance;
   work.scale = scale;
   const std::size_t groups = index(groups_), steps = index(std::min(rows_, width));
-  work.sums.resize(index(cols_) * groups);
-  work.significances.resize(index(width) * groups);
-  work.factors.resize(steps * groups * index(versions));
+  // One more of each: columns without rows have an address, too.
+  work.sums.resize(index(cols_) * groups + 1);
+  work.significances.resize(index(width) * groups + 1);
+  work.factors.resize(steps * groups * index(versions) + 1);
   work.is_active.resize(steps * groups);
   work.exchanged.resize(steps);
   work.used.resize(index(width));
-  work.largest_sums.resize(groups);
+  work.largest_sums.resize(groups + 1);
   eliminate_in_lockstep(work);
   significance.join(work.significance);
   return work.rank;
