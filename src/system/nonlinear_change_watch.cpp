@@ -196,8 +196,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::change_at(double t, double t_
   const bool is_late = !is_after(t, t_last), is_final = is_late || is_short(t_last);
   if (is_never_singular()) return std::nullopt;
   if (is_final) {
-    if (is_regular_at(t)) return std::nullopt;
-    const std::optional<double> kept = search_.kept_consistently(t);
+    const std::optional<double> kept = kept_consistently(t);
     if (kept ? *kept > not_fallen : is_late) return std::nullopt;
   }
   if (!suspect_ || !suspect_->is_near(t)) suspect_ = {t, step};
@@ -220,10 +219,12 @@ StructuralWitness& NonlinearChangeWatch::witness() {
 
 bool NonlinearChangeWatch::is_never_singular() { return witness().is_always_regular(); }
 
-// In the step that is tried: at a point of it that is consistent to rounding, not an interpolated one.
-bool NonlinearChangeWatch::is_regular_at(double t) {
+// At a point of the step that is tried, by consistent values nearby; all of it where structure says that nothing has vanished there.
+std::optional<double> NonlinearChangeWatch::kept_consistently(double t) {
   const std::optional<Jet> jet = search_.consistent_at(t);
-  return jet && witness().is_regular_at(*jet, search_.course().newest(), system_.jet());
+  if (!jet) return std::nullopt;
+  if (witness().is_regular_at(*jet, search_.course().newest(), system_.jet())) return 1.0;
+  return search_.kept_of(*jet);
 }
 
 void NonlinearChangeWatch::shift(SingularitySample& sample) {
@@ -261,8 +262,7 @@ std::optional<LocatedChange> NonlinearChangeWatch::find_ahead(double h) {
   search_.set_dip(dip);
   const std::optional<double> t = search_.find_ahead(h);
   std::optional<LocatedChange> change;
-  if (t && is_confirmed_ahead(*t, h) && search_.kept_consistently(*t).value_or(0.0) <= not_fallen &&
-      !is_regular_at(*t)) {
+  if (t && is_confirmed_ahead(*t, h) && kept_consistently(*t).value_or(0.0) <= not_fallen) {
     change.emplace();
     change->t_before = search_.course().newest().t;
     change->t = *t;

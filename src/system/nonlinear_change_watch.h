@@ -44,7 +44,7 @@ class NonlinearChangeWatch final : public ChangeWatch {
   std::optional<LocatedChange> change_at(double t, double t_last);
   bool is_confirmed_ahead(double t, double h) const;
   bool is_never_singular();
-  bool is_regular_at(double t);
+  std::optional<double> kept_consistently(double t);
   StructuralWitness& witness();
   void shift(SingularitySample& sample);
   void set_next_look();

@@ -319,16 +319,11 @@ std::optional<Jet> SingularitySearch::consistent_near(const Jet& jet, double wit
 
 std::optional<Jet> SingularitySearch::consistent_at(double t) { return consistent_near(interpolated(t), nearness); }
 
-std::optional<double> SingularitySearch::kept_consistently(double t) { return kept_near(interpolated(t), nearness); }
-
-std::optional<double> SingularitySearch::kept_near(const Jet& jet, double within) {
-  const std::optional<Jet> found = consistent_near(jet, within);
+std::optional<double> SingularitySearch::kept_consistently_at_end(const Jet& reference, const Jet& jet) {
+  if (!set_reference(reference)) return std::nullopt;
+  const std::optional<Jet> found = consistent_near(jet, nearness_at_end);
   if (!found) return std::nullopt;
   return kept_of(*found);
-}
-
-std::optional<double> SingularitySearch::kept_consistently_at_end(const Jet& reference, const Jet& jet) {
-  return set_reference(reference) ? kept_near(jet, nearness_at_end) : std::nullopt;
 }
 
 CharacteristicValues SingularitySearch::values_at(double t) {

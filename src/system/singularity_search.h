@@ -49,14 +49,13 @@ class SingularitySearch {
   // A point after the last accepted one where something vanishes if the solution goes on as it has. h: the size of a
   // step that has failed.
   std::optional<double> find_ahead(double h);
-  // What is kept at consistent values near those interpolated, of the smallest ones at the reference of the last
-  // search: interpolated derivatives may be far from those of any solution where x is not. None where no consistent
-  // values are near.
-  std::optional<double> kept_consistently(double t);
-  // At a jet from which no step succeeds: values may be farther away.
-  std::optional<double> kept_consistently_at_end(const Jet& reference, const Jet& jet);
-  // The consistent jet near the interpolated one at t; none where none is near.
+  // The consistent jet near the interpolated one at t, whose derivatives may be far from those of any solution where x is
+  // not; none where none is near.
   std::optional<Jet> consistent_at(double t);
+  // What is kept at a jet of the smallest values at the reference of the last search.
+  double kept_of(const Jet& jet);
+  // The same at the consistent jet near one from which no step succeeds: it may be farther away.
+  std::optional<double> kept_consistently_at_end(const Jet& reference, const Jet& jet);
   // The characteristic values at a singular point of the interpolated solution; undetermined where no consistent
   // values are found near.
   CharacteristicValues values_at(double t);
@@ -77,12 +76,10 @@ class SingularitySearch {
   bool set_reference(const Jet& jet);
   const Jet& interpolated(double t);
   std::optional<Jet> consistent_near(const Jet& jet, double within);
-  std::optional<double> kept_near(const Jet& jet, double within);
   template <class Use>
   void use_consistent(const Jet& jet, double within, Use use);
   double kept_at(double t);
   Kept relative(const Jet& jet);
-  double kept_of(const Jet& jet);
   bool is_resolved(double left, double right) const;
   std::optional<double> find_ahead_of(double t, double before, double kept_before);
   double smallest(double left, double middle, double right, double& kept);
