@@ -84,9 +84,13 @@ bool LeastChangeSearch::fulfil(Jet& jet) {
   SearchProgress progress;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     if (!compute(jet, nullptr)) return false;
-    const JetChange change = apply(dx_, 1.0, jet);
+    Jet next = jet;
+    const JetChange change = apply(dx_, 1.0, next);
     if (!change.is_finite()) return false;
-    if (progress.has_ended(change, residual_, relative_)) return true;
+    const bool has_ended = progress.has_ended(change, residual_, relative_);
+    // What moves x although residuals are nothing but rounding errors follows these, and may lead far away.
+    if (!has_ended || change.of_x() <= JetChange::small) jet = std::move(next);
+    if (has_ended) return true;
   }
   return false;
 }
@@ -97,7 +101,8 @@ bool LeastChangeSearch::hurry(const Jet& guess, Jet& jet) {
     if (!compute(jet, &guess)) return false;
     const JetChange change = apply(dx_, 1.0, jet);
     if (!change.is_finite()) return false;
-    if (progress.has_ended(change, residual_, relative_)) return true;
+    // Residuals before the change: where it is large, those after it are not known.
+    if (progress.has_ended(change, residual_, relative_) && change.of_x() <= JetChange::small) return true;
     if (progress.is_stuck()) return false;
   }
   return false;
