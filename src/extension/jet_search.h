@@ -69,9 +69,11 @@ class SearchProgress {
     residual_ = residual;
     before_ = change.of_x();
     ++iterations_;
-    // Nothing is better than that, however much rounding errors move what hardly matters.
+    if (change.is_negligible() || is_small) return true;
+    // Nothing is better than that, however much rounding errors move derivatives, which hardly matter. Where they move x, matrices
+    // are nearly singular, and the point is one of those where entries that vanish at all solutions are rounding errors.
     const bool is_rounding = iterations_ > 2 && relative <= rounding_residual;
-    return change.is_negligible() || is_small || is_rounding || (stands && change.of_x() <= JetChange::small);
+    return change.of_x() <= JetChange::small && (is_rounding || stands);
   }
 
   // Residuals have stopped becoming smaller: it is of no use to go on where every step should be as good as the last.

@@ -84,13 +84,9 @@ bool LeastChangeSearch::fulfil(Jet& jet) {
   SearchProgress progress;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     if (!compute(jet, nullptr)) return false;
-    Jet next = jet;
-    const JetChange change = apply(dx_, 1.0, next);
+    const JetChange change = apply(dx_, 1.0, jet);
     if (!change.is_finite()) return false;
-    const bool has_ended = progress.has_ended(change, residual_, relative_);
-    // What moves x although residuals are nothing but rounding errors follows these, and may lead far away.
-    if (!has_ended || change.of_x() <= JetChange::small) jet = std::move(next);
-    if (has_ended) return true;
+    if (progress.has_ended(change, residual_, relative_)) return true;
   }
   return false;
 }
@@ -101,8 +97,7 @@ bool LeastChangeSearch::hurry(const Jet& guess, Jet& jet) {
     if (!compute(jet, &guess)) return false;
     const JetChange change = apply(dx_, 1.0, jet);
     if (!change.is_finite()) return false;
-    // Residuals before the change: where it is large, those after it are not known.
-    if (progress.has_ended(change, residual_, relative_) && change.of_x() <= JetChange::small) return true;
+    if (progress.has_ended(change, residual_, relative_)) return true;
     if (progress.is_stuck()) return false;
   }
   return false;
