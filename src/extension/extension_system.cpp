@@ -115,10 +115,27 @@ PointStatus ExtensionSystem::set_point(const Jet& jet) {
   jet_.set_order(extension_.jet_order());
   history_.restart(jet_);
   about_later_point_.clear();
-  // Once more with the linearization, which knows how far rounding errors have moved the jet.
-  PointStatus status = certify(jet_);
+  // Once more with the linearization, which knows how far rounding errors have moved the jet, and the search has left it from the
+  // solution.
+  PointStatus status = certify(jet_, {});
   if (status == PointStatus::ok) status = renew(jet_);
-  return status == PointStatus::ok ? certify(jet_) : status;
+  if (status != PointStatus::ok) return status;
+  std::vector<double> noise = noise_of_jet();
+  add_distance(noise);
+  return certify(jet_, noise);
+}
+
+// To the solution, as the residuals tell.
+void ExtensionSystem::add_distance(std::vector<double>& noise) {
+  callback_error_ = extension_.residuals(jet_, work_.data());
+  if (callback_error_.status != SFDAE_OK) return;
+  linearization_.solve_held(work_.data());
+  const StateChoice& choice = linearization_.choice();
+  for (int column = 0; column < extension_.num_columns(); ++column) {
+    const auto [unknown, order] = extension_.columns()[index(column)];
+    if (!choice.is_held(column))
+      noise[index(unknown) + index(order) * index(unknowns())] += std::fabs(work_[index(choice.slot(column))]);
+  }
 }
 
 // Empty: it is not known.
@@ -132,11 +149,11 @@ std::vector<double> ExtensionSystem::noise_of_jet() const {
   return noise;
 }
 
-PointStatus ExtensionSystem::certify(const Jet& jet) {
+// noise: of the jet, empty where it is not known.
+PointStatus ExtensionSystem::certify(const Jet& jet, const std::vector<double>& noise) {
   unjudged_ = 0;
   about_change_.clear();
   Certificate certificate;
-  const std::vector<double> noise = noise_of_jet();
   const CertifiedPoint point{jet.t, jet.x.data(), noise.empty() ? nullptr : noise.data()};
   if (!judge_.certify(problem_.evaluator(), point, settings_.rank_tol, certificate)) {
     callback_error_ = problem_.evaluation_error(jet.t);
@@ -205,7 +222,7 @@ PointStatus ExtensionSystem::iterate_with_renewal(const Jet& start, Iterate iter
 PointStatus ExtensionSystem::review_local() {
   has_end_tangents_ = true;
   if (++unjudged_ >= points_between_certificates) {
-    const PointStatus status = certify(jet_);
+    const PointStatus status = certify(jet_, noise_of_jet());
     if (status != PointStatus::ok) return status;
   }
   iteration_.chord().set_slow(false);
@@ -222,7 +239,7 @@ PointStatus ExtensionSystem::review_local() {
 PointStatus ExtensionSystem::review() {
   ChordIteration& chord = iteration_.chord();
   if (++unjudged_ >= points_between_certificates) {
-    const PointStatus status = certify(jet_);
+    const PointStatus status = certify(jet_, noise_of_jet());
     if (status != PointStatus::ok) return status;
   }
   if (!chord.is_slow()) return PointStatus::ok;
@@ -418,7 +435,7 @@ void ExtensionSystem::archive(Archive& archive) {
     if (j < 0 || j >= unknowns() || extension_.offsets().d[index(j)] == 0) throw DamagedArchive();
   jet_ = history_.accepted();
   const int unjudged = unjudged_;
-  if (certify(jet_) != PointStatus::ok) throw DamagedArchive();
+  if (certify(jet_, noise_of_jet()) != PointStatus::ok) throw DamagedArchive();
   unjudged_ = unjudged;
   if (linearization_.restore(origin, states, callback_error_) != PointStatus::ok) throw DamagedArchive();
   if (!linearization_.archive_matrices(archive)) throw DamagedArchive();

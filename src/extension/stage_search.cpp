@@ -73,6 +73,7 @@ bool StageSearch::step(const Jet& guess, Jet& jet) {
   step_.solve(equations_, held_, dx_.data(), r_.data());
   for (std::size_t k = 0; k < columns_.size(); ++k) dx_[k] *= unit_[k];
   const Jet start = jet;
+  const bool is_at_rounding = relative(jet) <= rounding_residual;
   double factor = 1.0;
   for (int halving = 0;; ++halving, factor *= 0.5) {
     change_ = {};
@@ -84,6 +85,13 @@ bool StageSearch::step(const Jet& guess, Jet& jet) {
     }
     // Rounding errors need not become smaller.
     const bool is_less = residual(jet) <= residual_ || relative(jet) <= rounding_residual;
+    if (!is_less && change_.is_small() && is_at_rounding) {
+      // A matrix that is nearly singular makes larger errors of them.
+      jet = start;
+      change_ = {};
+      residual(jet);
+      return true;
+    }
     if (is_less || change_.is_small() || halving == most_halvings) return factor == 1.0;
   }
 }
