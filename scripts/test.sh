@@ -190,17 +190,24 @@ else
 fi
 
 heading "asan: build"
-# Clang needs half the time for that. Its warnings are shown only: they are others than GCC's.
+# Clang needs half the time for that. Its warnings are shown only: they are others than GCC's. All sources of a folder at once, as
+# the demonstration and the program are built, too.
+by_clang=(-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DSFDAE_WERROR=OFF)
 if ! command -v clang > /dev/null || ! command -v clang++ > /dev/null; then
   cmake --preset asan
   build asan
 else
-  cmake --preset asan -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DSFDAE_WERROR=OFF
+  cmake --preset asan "${by_clang[@]}" -DSFDAE_UNITY_BUILD=ON
   if ! build asan; then
-    echo "Clang could not build this, see above: once more with the default compiler"
-    rm -rf build/asan
-    cmake --preset asan
-    build asan
+    cmake --preset asan "${by_clang[@]}" -DSFDAE_UNITY_BUILD=OFF
+    if build asan; then
+      complain "local names of sources clash, see above: src/CMakeLists.txt lists those to be compiled alone"
+    else
+      echo "Clang could not build this, see above: once more with the default compiler"
+      rm -rf build/asan
+      cmake --preset asan
+      build asan
+    fi
   fi
 fi
 
