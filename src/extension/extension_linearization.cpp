@@ -279,6 +279,16 @@ void ExtensionLinearization::subtract_states(const double* changes, double* r) c
     }
 }
 
+std::vector<double> ExtensionLinearization::noise_of_jet() const {
+  if (!is_usable_) return {};
+  std::vector<double> noise(origin_.x.size(), 0.0);
+  for (int column = 0; column < extension_.num_columns(); ++column) {
+    const auto [unknown, order] = extension_.columns()[index(column)];
+    noise[index(unknown) + index(order) * index(extension_.n())] = noise_[index(column)];
+  }
+  return noise;
+}
+
 // Roundings of the terms of each row, with random signs.
 std::vector<double> ExtensionLinearization::noise_at(const Jet& jet) {
   work_.assign(index(choice_.size()), 0.0);

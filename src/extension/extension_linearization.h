@@ -57,7 +57,9 @@ class ExtensionLinearization {
   }
   // What rounding errors of f and of the unknowns themselves do to these, by columns of the extension.
   const std::vector<double>& noise() const { return noise_; }
-  // The same at another jet.
+  // As the jet is kept; empty where it is not known.
+  std::vector<double> noise_of_jet() const;
+  // By columns, at another jet.
   std::vector<double> noise_at(const Jet& jet);
 
   // The unit of time of the equations, a power of two.

@@ -120,7 +120,7 @@ PointStatus ExtensionSystem::set_point(const Jet& jet) {
   PointStatus status = certify(jet_, {});
   if (status == PointStatus::ok) status = renew(jet_);
   if (status != PointStatus::ok) return status;
-  std::vector<double> noise = noise_of_jet();
+  std::vector<double> noise = linearization_.noise_of_jet();
   add_distance(noise);
   return certify(jet_, noise);
 }
@@ -136,17 +136,6 @@ void ExtensionSystem::add_distance(std::vector<double>& noise) {
     if (!choice.is_held(column))
       noise[index(unknown) + index(order) * index(unknowns())] += std::fabs(work_[index(choice.slot(column))]);
   }
-}
-
-// Empty: it is not known.
-std::vector<double> ExtensionSystem::noise_of_jet() const {
-  if (!linearization_.is_usable()) return {};
-  std::vector<double> noise(jet_.x.size(), 0.0);
-  for (int column = 0; column < extension_.num_columns(); ++column) {
-    const auto [unknown, order] = extension_.columns()[index(column)];
-    noise[index(unknown) + index(order) * index(unknowns())] = linearization_.noise()[index(column)];
-  }
-  return noise;
 }
 
 // noise: of the jet, empty where it is not known.
@@ -222,7 +211,7 @@ PointStatus ExtensionSystem::iterate_with_renewal(const Jet& start, Iterate iter
 PointStatus ExtensionSystem::review_local() {
   has_end_tangents_ = true;
   if (++unjudged_ >= points_between_certificates) {
-    const PointStatus status = certify(jet_, noise_of_jet());
+    const PointStatus status = certify(jet_, linearization_.noise_of_jet());
     if (status != PointStatus::ok) return status;
   }
   iteration_.chord().set_slow(false);
@@ -239,7 +228,7 @@ PointStatus ExtensionSystem::review_local() {
 PointStatus ExtensionSystem::review() {
   ChordIteration& chord = iteration_.chord();
   if (++unjudged_ >= points_between_certificates) {
-    const PointStatus status = certify(jet_, noise_of_jet());
+    const PointStatus status = certify(jet_, linearization_.noise_of_jet());
     if (status != PointStatus::ok) return status;
   }
   if (!chord.is_slow()) return PointStatus::ok;
@@ -435,7 +424,7 @@ void ExtensionSystem::archive(Archive& archive) {
     if (j < 0 || j >= unknowns() || extension_.offsets().d[index(j)] == 0) throw DamagedArchive();
   jet_ = history_.accepted();
   const int unjudged = unjudged_;
-  if (certify(jet_, noise_of_jet()) != PointStatus::ok) throw DamagedArchive();
+  if (certify(jet_, linearization_.noise_of_jet()) != PointStatus::ok) throw DamagedArchive();
   unjudged_ = unjudged;
   if (linearization_.restore(origin, states, callback_error_) != PointStatus::ok) throw DamagedArchive();
   if (!linearization_.archive_matrices(archive)) throw DamagedArchive();

@@ -75,7 +75,7 @@ class ExtensionSystem final : public DaeSystem {
   }
   // A block of the system Jacobian that has been found to be singular at a later point.
   void note_singular_block(int block) { about_later_point_ = describe_block(block) + " is singular."; }
-  PointStatus check_ranks() override { return certify(jet_, noise_of_jet()); }
+  PointStatus check_ranks() override { return certify(jet_, linearization_.noise_of_jet()); }
   DifferentiatedChange change_of_differentiated(const double* dx, const double* tolerances) const override;
   const double* rounding_errors() const override { return rounding_errors_.data(); }
   bool consistent_derivative(const double* x, double direction, double* xdot) override;
@@ -92,7 +92,6 @@ class ExtensionSystem final : public DaeSystem {
   void find_values();
   PointStatus certify(const Jet& jet, const std::vector<double>& noise);
   void add_distance(std::vector<double>& noise);
-  std::vector<double> noise_of_jet() const;
   PointStatus renew(const Jet& jet);
   template <class Iterate>
   PointStatus iterate_with_renewal(const Jet& start, Iterate iterate);

@@ -9,6 +9,7 @@
 
 #include "linalg/index.h"
 #include "linalg/random.h"
+#include "structure/structure.h"
 
 namespace sfdae::core {
 
@@ -16,12 +17,15 @@ namespace {
 
 // Relative to what equations of any level do to x_j; of the entries; of the effect. Chosen, not measured.
 constexpr double clear = 1e-8, least = 1e-14, little = 1e-10, same = 1e-3;
+// Parts of a sum that matter so little may be rounding errors of its factors. Chosen, not measured.
+constexpr double hardly_a_part = 1e-6;
 
 class LevelEffects {
  public:
-  LevelEffects(const MinimalExtension& extension, const StateChoice& choice)
+  LevelEffects(const MinimalExtension& extension, const StateChoice& choice, double tau)
       : extension_(extension),
         choice_(choice),
+        tau_(tau),
         n_(index(extension.n())),
         changes_(n_ * index(extension.highest_level() + 1), 0.0),
         work_(index(extension.num_rows()) + 1) {
@@ -37,20 +41,30 @@ class LevelEffects {
   }
 
  private:
-  // A change of each derivative of a recorded equation: as large as entries of the rows that it is part of.
+  // A change of each derivative of a recorded equation: as large as entries of the rows that it is part of, all with time in units
+  // of tau.
   void note_changes() {
     const std::vector<int>& first = extension_.first();
     for (int row = 0; row < extension_.num_rows(); ++row) {
       double size = 0.0;
-      for (int e = first[index(row)]; e < first[index(row + 1)]; ++e)
-        size = std::max(size, std::fabs(extension_.values()[index(e)]));
+      for (int e = first[index(row)]; e < first[index(row + 1)]; ++e) {
+        const int order = extension_.columns()[index(extension_.column()[index(e)])].order;
+        size = std::max(size, std::fabs(extension_.values()[index(e)]) * std::pow(tau_, -order));
+      }
+      double largest = 0.0;
+      for (const MinimalExtension::Part& part : extension_.parts(row)) largest = std::max(largest, weight(part));
       for (const MinimalExtension::Part& part : extension_.parts(row)) {
+        if (weight(part) <= hardly_a_part * largest) continue;
         double& change = changes_[index(part.equation) + index(part.order) * n_];
         change = std::max(change, size / std::fabs(part.factor));
       }
     }
     std::minstd_rand generator(1);
     for (double& change : changes_) change *= 1.5 + 0.5 * symmetric_random(generator);
+  }
+
+  double weight(const MinimalExtension::Part& part) const {
+    return std::fabs(part.factor) * std::pow(tau_, -part.order);
   }
 
   template <class Solve>
@@ -70,10 +84,25 @@ class LevelEffects {
 
   const MinimalExtension& extension_;
   const StateChoice& choice_;
+  double tau_;
   std::size_t n_;
   std::vector<double> changes_;  // by equations and levels
   std::vector<double> work_;
 };
+
+// The derivatives at the jet moved by its rounding errors, and changed a little besides: entries that vanish at all solutions are
+// others there.
+void change_entries(MinimalExtension& extension, const ExtensionLinearization& linearization) {
+  const Jet& jet = linearization.origin();
+  const std::vector<double> noise = linearization.noise_of_jet();
+  Jet moved = jet;
+  // One side may be beyond the domain of a function.
+  for (const double side : {1.0, -1.0}) {
+    moved.x = moved_by_rounding({jet.t, jet.x.data(), noise.data()}, jet.x.size(), side);
+    if (extension.linearize(moved).status == SFDAE_OK) break;
+  }
+  extension.perturb(little);
+}
 
 }  // namespace
 
@@ -82,13 +111,13 @@ class LevelEffects {
 int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linearization, double tau) {
   if (extension.highest_level() == 0) return 0;
   const StateChoice& choice = linearization.choice();
-  LevelEffects effects(extension, choice);
+  LevelEffects effects(extension, choice, tau);
   const auto plain = effects.all([&linearization](double* r) { linearization.solve_held(r); });
   // Made when they are asked for first, which is seldom.
   std::vector<std::vector<double>> changed;
   const auto changed_effect = [&](int level, std::size_t j) {
     if (changed.empty()) {
-      extension.perturb(little);
+      change_entries(extension, linearization);
       StateMatrix<double> other(true);
       other.set_choice_of(linearization.held());
       const bool has_other = other.factor({extension, extension.values()}, choice, 0.0);
@@ -98,16 +127,12 @@ int strangeness_index(MinimalExtension& extension, ExtensionLinearization& linea
   };
   int mu = 0;
   for (std::size_t j = 0; j < index(extension.n()); ++j) {
-    double largest = 0.0, largest_in_units = 0.0, unit = 1.0;
-    for (const std::vector<double>& effect : plain) {
-      largest = std::max(largest, effect[j]);
-      largest_in_units = std::max(largest_in_units, effect[j] / unit);
-      unit *= tau;
-    }
+    double largest = 0.0;
+    for (const std::vector<double>& effect : plain) largest = std::max(largest, effect[j]);
     for (int level = mu + 1; level <= extension.highest_level(); ++level) {
       const double effect = plain[index(level)][j];
-      const bool is_noticed = effect > least * largest || effect / std::pow(tau, level) > least * largest_in_units;
-      if (effect > clear * largest || (is_noticed && std::fabs(changed_effect(level, j) - effect) <= same * effect))
+      if (effect > clear * largest ||
+          (effect > least * largest && std::fabs(changed_effect(level, j) - effect) <= same * effect))
         mu = level;
     }
   }

@@ -135,8 +135,9 @@ RankDecision judge_sparse(SparseLu<double>& lu, const SparsePattern& pattern, co
   return decision;
 }
 
-// The point moved by its rounding errors, to one side or the other.
-std::vector<double> moved(const CertifiedPoint& point, std::size_t count, double side) {
+}  // namespace
+
+std::vector<double> moved_by_rounding(const CertifiedPoint& point, std::size_t count, double side) {
   constexpr double few_roundings = 8.0;
   std::minstd_rand generator(1);
   std::vector<double> jet(point.jet, point.jet + count);
@@ -148,8 +149,6 @@ std::vector<double> moved(const CertifiedPoint& point, std::size_t count, double
   }
   return jet;
 }
-
-}  // namespace
 
 // Of large blocks, by their numbers.
 struct StructureJudge::OrderedBlocks {
@@ -184,7 +183,7 @@ bool StructureJudge::certify(TaylorEvaluator& evaluator, const CertifiedPoint& p
   // One side may be beyond the domain of a function.
   std::vector<double> nearby;
   for (const double side : {1.0, -1.0})
-    if (nearby.empty() && jacobian_.evaluate(evaluator, point.t, moved(point, count, side).data()))
+    if (nearby.empty() && jacobian_.evaluate(evaluator, point.t, moved_by_rounding(point, count, side).data()))
       nearby = jacobian_.values();
   if (!jacobian_.evaluate(evaluator, point.t, point.jet)) return false;
   if (!nearby.empty()) jacobian_.drop_changes_from(nearby);

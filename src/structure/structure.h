@@ -5,6 +5,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -60,6 +61,9 @@ struct CertifiedPoint {
   // Of the jet, as many values: how far it may be off by rounding. Null: by a few roundings of its numbers.
   const double* noise = nullptr;
 };
+
+// The first `count` values of the jet moved by a few of its rounding errors, of random size and sign; side: 1 or -1.
+std::vector<double> moved_by_rounding(const CertifiedPoint& point, std::size_t count, double side);
 
 // Entries that rounding errors of the point change by more than a part of them are taken for zeros: an entry that vanishes at
 // consistent points only has no other value there. rank_tol: as in RankScale. False: the equations cannot be evaluated there.

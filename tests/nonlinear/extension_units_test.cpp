@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "family_run.h"
 #include "random_system.h"
 #include "sparse_run.h"
 
@@ -31,6 +32,36 @@ TEST(ExtensionUnits, OfTimeDoNotMatterToStartValues) {
     }
   }
   EXPECT_GT(compared, 600);
+}
+
+// Nor to characteristic values: the strangeness index counts what equations of each level do to x, and rounding errors of zeros
+// multiplied by powers of the unit are no effects.
+TEST(ExtensionUnits, OfTimeDoNotMatterToCharacteristicValues) {
+  struct Case {
+    unsigned seed;
+    double unit;
+  };
+  // Those that had another index once, and random ones.
+  std::vector<Case> cases = {{2841, 1e9}, {3468, 1e-6}, {4092, 1e9},  {6069, 1e6},
+                             {7488, 1e5}, {8542, 1e6},  {16656, 1e9}, {20128, 1e-8}};
+  RandomNumbers numbers(1);
+  for (int trial = scaled_count(10000); trial > 0; --trial)
+    cases.push_back({static_cast<unsigned>(trial), std::pow(10.0, std::round(numbers.uniform(-9.0, 9.0)))});
+  std::size_t known = 0;
+  for (const auto& [seed, unit] : cases) {
+    const auto mixing = seed % 3 == 0   ? SparseSystem::Mixing::constant
+                        : seed % 3 == 1 ? SparseSystem::Mixing::any
+                                        : SparseSystem::Mixing::none;
+    const SparseSystem system(seed, mixing);
+    for (const double t : {0.2, 1.5}) {
+      SCOPED_TRACE(testing::Message() << seed << ", " << unit << ", " << t);
+      NonlinearRun run(in_units(system, unit), options_of(SFDAE_STRUCTURE_REQUIRED));
+      if (!is_known(run.analyze(t * unit, (1.7 - t) * unit, system.exact(t)))) continue;
+      EXPECT_EQ(run.values(), system.values());
+      ++known;
+    }
+  }
+  EXPECT_GT(known, 2 * cases.size() * 70 / 100);
 }
 
 }  // namespace sfdae_test
