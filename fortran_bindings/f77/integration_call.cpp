@@ -122,6 +122,7 @@ void IntegrationCall::find_initial_point(double direction) {
     const double stop = *options_.stop_time;
     if ((stop - t_) * direction > 0.0 && (stop - toward) * direction < 0.0) toward = stop;
   }
+  const core::KeptValues kept(model().problem(), t_);
   analyze_toward(toward);
   std::copy_n(arguments_.x, x_.size(), x_.data());
   if (!core::all_finite(x_.data(), x_.size())) stop_for_values(Stage::values);

@@ -316,6 +316,7 @@ int sfdae_analyze(sfdae_solver* solver, double t, double toward, sfdae_character
       return illegal_argument("result->size is not set: call sfdae_characteristics_init.");
     if (solver->model.needs_x())
       return illegal_argument("the characteristic values of a nonlinear problem depend on x: call sfdae_analyze_at.");
+    const KeptValues kept(solver->problem(), t);
     analyze(*solver, {t, toward, nullptr});
     CallResult warning = warning_of(*solver->system());
     if (result != nullptr) fill_struct(result, characteristics_of(*solver));
@@ -329,6 +330,7 @@ int sfdae_analyze_at(sfdae_solver* solver, double t, double toward, const double
     if (checked.status != SFDAE_OK) return checked;
     if (result != nullptr && !is_plausible_size(result->size))
       return illegal_argument("result->size is not set: call sfdae_characteristics_init.");
+    const KeptValues kept(solver->problem(), t);
     analyze(*solver, {t, toward, x});
     CallResult warning = warning_of(*solver->system());
     if (result != nullptr) fill_struct(result, characteristics_of(*solver));
@@ -356,6 +358,7 @@ int sfdae_make_consistent(sfdae_solver* solver, double t, double* x, double* xdo
     const PointOfInterest point = initial_point(*solver, t, time_beside(t, solver->direction), x, xdot);
     const CallResult checked = check_initial_point(*solver, point);
     if (checked.status != SFDAE_OK) return checked;
+    const KeptValues kept(solver->problem(), t);
     if (!solver->system()) analyze(*solver, point);
     const UserTime user_time(solver->problem(), t);
     const ConsistentPoint found = solver->model.consistent_point_beside(point, solver->options.model);
@@ -377,6 +380,7 @@ int sfdae_start(sfdae_solver* solver, double t, double toward, double* x, double
     const auto& stop = solver->options.integration.stop_time;
     if (stop && (*stop - t) * direction <= 0.0)
       return illegal_argument(format("t = %.15g lies at or beyond stop_time = %.15g.", t, *stop));
+    const KeptValues kept(solver->problem(), t);
     prepare_start(*solver, point);
     const UserTime user_time(solver->problem(), t);
     const ConsistentPoint found = solver->model.consistent_point(point, solver->options.model);

@@ -21,6 +21,9 @@ constexpr int max_difference_order = 6;
 constexpr double widest_step = 0.93 / 16.0;
 constexpr int difference_steps = 24;
 
+// So many rows are factored as quickly as a factorization is found again (docs/decisions/71-what-starts-share.md).
+constexpr int quickly_factored = 12;
+
 // Half the interval of the points, in spacings: those in the middle, the widest ones, are 1.04 apart.
 constexpr double steps_in_half_width = 4.0;
 
@@ -151,7 +154,35 @@ const ColumnPattern* LinearProblem::pattern_of(char which) const {
   return which == 'E' ? &user_.patterns->F_xdot : &user_.patterns->F_x;
 }
 
+void LinearProblem::keep_values(double t) {
+  kept_ = std::make_unique<KeptPoint>();
+  kept_->t = t;
+  kept_factorizations_.start_keeping(kept_->memory);
+}
+
+void LinearProblem::forget_values() {
+  kept_factorizations_.stop_keeping();
+  kept_.reset();
+}
+
 CallbackError LinearProblem::call(char which, double t, int order, double* values) {
+  if (!keeps_values_at(t) || order > max_derivative_order || stop_is_requested())
+    return call_now(which, t, order, values);
+  const Function& function = functions_[slot(which)];
+  const std::size_t count = index(function.rows) * index(function.columns);
+  double*& kept = kept_->values[slot(which)][index(order)];
+  if (kept != nullptr) {
+    std::copy_n(kept, count, values);
+    return {};
+  }
+  const CallbackError error = call_now(which, t, order, values);
+  if (error.status != SFDAE_OK) return error;
+  kept = kept_->memory.take(count);
+  std::copy_n(values, count, kept);
+  return error;
+}
+
+CallbackError LinearProblem::call_now(char which, double t, int order, double* values) {
   if (which == 'f' || !user_.compressed) return invoke(which, t, order, values, nullptr);
   const ColumnPattern& pattern = *pattern_of(which);
   std::vector<double> entries(index(pattern.entries()));
@@ -303,6 +334,8 @@ CallbackError LinearProblem::evaluate_plain(double t, Orders orders, TaylorData&
 CallbackError LinearProblem::evaluate(double t, Orders orders, double time_scale, TaylorData& data, RowScaling rows,
                                       const std::vector<double>* preferred_rows) {
   CallbackError callback_error = evaluate_plain(t, orders, data);
+  const bool keeps_factorizations = keeps_values_at(t) && m() > quickly_factored;
+  data.set_kept_factorizations(keeps_factorizations ? &kept_factorizations_ : nullptr);
   if (callback_error.status == SFDAE_OK && !units_.are_one()) data.scale_columns(units_);
   if (callback_error.status == SFDAE_OK && !data.scale(time_scale, rows, preferred_rows)) {
     callback_error.status = SFDAE_NOT_FINITE;

@@ -11,6 +11,8 @@
 
 #include "expression/opaque_record.h"
 #include "linalg/archive.h"
+#include "linalg/arena.h"
+#include "linalg/kept_factorizations.h"
 #include "problem/coefficient_source.h"
 #include "problem/difference_spacings.h"
 #include "problem/problem.h"
@@ -71,6 +73,10 @@ class LinearProblem final : public Problem, public CoefficientSource {
   // The same of E and A as the entries of their patterns.
   CallbackError call_entries(char which, double t, int order, double* values);
 
+  // E_0 is factored once, too, in units that it was factored in before.
+  void keep_values(double t) override;
+  void forget_values() override;
+
   // Says why callbacks cannot evaluate, where they know it.
   void set_explanation(std::function<std::string()> explanation) { explanation_ = std::move(explanation); }
 
@@ -117,7 +123,9 @@ class LinearProblem final : public Problem, public CoefficientSource {
 
   static std::size_t slot(char which) { return which == 'E' ? 0u : which == 'A' ? 1u : 2u; }
   const ColumnPattern* pattern_of(char which) const;
+  CallbackError call_now(char which, double t, int order, double* values);
   CallbackError invoke(char which, double t, int order, double* values, const ColumnPattern* compressed);
+  bool keeps_values_at(double t) const { return kept_ != nullptr && kept_->t == t; }
   CallbackError fill(Function& function, double t, int order, TaylorData& data);
   CallbackError differentiate(Function& function, double t, OrderRange orders, TaylorData& data);
   // Where the points of differences are.
@@ -135,6 +143,15 @@ class LinearProblem final : public Problem, public CoefficientSource {
   std::array<Function, 3> functions_;
   DifferenceOptions differences_;
   std::function<std::string()> explanation_;
+  // Between keep_values() and forget_values().
+  struct KeptPoint {
+    double t = 0.0;
+    Arena memory;
+    // Of E, A, f, by orders; null: not asked for yet.
+    std::array<std::array<double*, max_derivative_order + 1>, 3> values{};
+  };
+  std::unique_ptr<KeptPoint> kept_;
+  KeptFactorizations kept_factorizations_;  // in its memory
 };
 
 }  // namespace sfdae::core

@@ -80,6 +80,10 @@ class Problem {
   // What else there is to say where their structure, or a rank, is lost just after the point (t, x); n values.
   virtual std::string about_singular_point(double, const double*) { return {}; }
 
+  // What the functions say at t is asked for once until forget_values(): they are the same all that time. By KeptValues.
+  virtual void keep_values(double) {}
+  virtual void forget_values() {}
+
   // Evaluations that have failed for a reason of the equations'.
   long failed_evaluations() const { return failed_evaluations_; }
 
@@ -118,6 +122,18 @@ class UserTime {
   UserTime(const UserTime&) = delete;
   UserTime& operator=(const UserTime&) = delete;
   ~UserTime() { problem_.user_t_ = std::numeric_limits<double>::quiet_NaN(); }
+
+ private:
+  Problem& problem_;
+};
+
+// While it lives, within one call of the user's, the functions are the same: at t each is asked once, if it can be kept.
+class KeptValues {
+ public:
+  KeptValues(Problem& problem, double t) : problem_(problem) { problem_.keep_values(t); }
+  KeptValues(const KeptValues&) = delete;
+  KeptValues& operator=(const KeptValues&) = delete;
+  ~KeptValues() { problem_.forget_values(); }
 
  private:
   Problem& problem_;

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "linalg/index.h"
+#include "linalg/kept_factorizations.h"
 #include "linalg/matrix.h"
 #include "linalg/units.h"
 
@@ -132,6 +133,12 @@ class TaylorData {
   bool E0_was_rounding = false;
   // Contradictions of redundant equations are measured by this if it is larger than f.
   double least_norm_f = 0.0;
+  // Of a problem that looks at points again and again at present, where E_0 may have been factored before; else null.
+  KeptFactorizations* kept_factorizations() const {
+    return kept_ != nullptr && kept_->is_keeping() ? kept_ : nullptr;
+  }
+  // `kept` lives longer.
+  void set_kept_factorizations(KeptFactorizations* kept) { kept_ = kept; }
 
  private:
   // Largest entries of the coefficients of each order.
@@ -150,6 +157,7 @@ class TaylorData {
   void scale_rows_and_measure(double tau);
   void multiply_all(double factor);
 
+  KeptFactorizations* kept_ = nullptr;
   std::vector<double> E_, A_, f_, row_factor_;
   std::array<std::vector<double>, 3> errors_;  // of E, A, f, laid out as they are; empty: none
   Norms norms_;

@@ -77,11 +77,18 @@ DiagonalBlock factor_diagonal_block(const TaylorData& data, int i, Judge& judge,
   if (i > 0 && !data.differentiations.empty()) return factor_rows_of_level(data, i, judge, arena);
   const ConstView E0 = data.E(0);
   DiagonalBlock block{arena.matrix(data.m, data.n), arena.integers(data.n), 0, arena.matrix(data.m, data.m)};
-  copy(E0, block.factors);
   double* tau = arena.take(index(std::min(data.m, data.n)) + 1);
-  factor_qr_pivoted(block.factors, block.pivots, tau, arena, judge.negligible(judge.norm_E0()));
-  block.rank = judge.decide_diagonal_block(block.factors, E0);
-  form_q(block.factors, block.rank, tau, block.Q, arena);
+  const double negligible = judge.negligible(judge.norm_E0());
+  if (KeptFactorizations* kept = data.kept_factorizations(); kept != nullptr) {
+    kept->factor(E0, negligible, block.factors, block.pivots, tau, arena);
+    block.rank = judge.decide_diagonal_block(block.factors, E0);
+    kept->form_q(block.factors, block.rank, tau, block.Q, arena);
+  } else {
+    copy(E0, block.factors);
+    factor_qr_pivoted(block.factors, block.pivots, tau, arena, negligible);
+    block.rank = judge.decide_diagonal_block(block.factors, E0);
+    form_q(block.factors, block.rank, tau, block.Q, arena);
+  }
   block.sign_of_Q = reflections_sign(tau, block.rank);
   return block;
 }

@@ -31,7 +31,9 @@ class PseudoInverse {
         factors_(to_matrix(point.data.E(0))),
         pivots_(index(factors_.cols()) + 1),
         tau_(index(std::min(factors_.rows(), factors_.cols())) + 1) {
-    factor_qr_pivoted(factors_, pivots_.data(), tau_.data(), arena);
+    const KeptFactorizations* kept = point.data.kept_factorizations();
+    if (kept == nullptr || !kept->find_first(point.data.E(0), rank, factors_, pivots_.data(), tau_.data()))
+      factor_qr_pivoted(factors_, pivots_.data(), tau_.data(), arena);
   }
   // E^+ h; h is destroyed.
   std::vector<double> apply(std::vector<double>& h) {

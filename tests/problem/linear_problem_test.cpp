@@ -118,6 +118,45 @@ TEST(LinearProblem, EveryOrderIsAskedForOnceAndCounted) {
   EXPECT_EQ(data.t, 0.2);
 }
 
+TEST(LinearProblem, ValuesThatAreKeptAreAskedForOnce) {
+  FamilyProblem callbacks((Family(sfdae_test::kron(16, 1))));
+  LinearProblem problem(functions_of(callbacks.problem));
+  TaylorData first, again, elsewhere;
+  {
+    const KeptValues kept(problem, 0.2);
+    ASSERT_EQ(problem.evaluate(0.2, {1, 0, 1}, 0.0, first).status, SFDAE_OK);
+    ASSERT_EQ(problem.evaluate_plain(0.2, {2, 1, 1}, again).status, SFDAE_OK);
+    ASSERT_EQ(problem.evaluate(0.3, {0, 0, 0}, 0.0, elsewhere).status, SFDAE_OK);
+    ASSERT_EQ(problem.evaluate(0.3, {0, 0, 0}, 0.0, elsewhere).status, SFDAE_OK);
+    for (int k = 0; k <= 2; ++k) {
+      const int elsewhere_twice = k == 0 ? 2 : 0;
+      EXPECT_EQ(callbacks.calls(Callback::E, k), 1 + elsewhere_twice);
+      EXPECT_EQ(callbacks.calls(Callback::A, k), (k <= 1 ? 1 : 0) + elsewhere_twice);
+      EXPECT_EQ(callbacks.calls(Callback::f, k), (k <= 1 ? 1 : 0) + elsewhere_twice);
+    }
+    EXPECT_EQ(problem.evaluations('E'), 5);
+    EXPECT_NE(first.kept_factorizations(), nullptr);
+    EXPECT_EQ(elsewhere.kept_factorizations(), nullptr);
+  }
+  EXPECT_EQ(first.kept_factorizations(), nullptr);
+  for (int k = 0; k <= 2; ++k) EXPECT_EQ(error_of(again.E(k), callbacks.family(), 'E', 0.2, k), 0.0);
+  ASSERT_EQ(problem.evaluate(0.2, {0, 0, 0}, 0.0, first).status, SFDAE_OK);
+  EXPECT_EQ(callbacks.calls(Callback::E, 0), 4);
+}
+
+TEST(LinearProblem, FailuresAndStopRequestsAreNotKept) {
+  FamilyProblem callbacks((Family(sfdae_test::kron(4, 1))));
+  LinearProblem problem(functions_of(callbacks.problem));
+  TaylorData data;
+  int failures = 1;
+  callbacks.hooks.status = [&](const Call&) { return failures-- > 0 ? 1 : 0; };
+  const KeptValues kept(problem, 0.2);
+  EXPECT_EQ(problem.evaluate_plain(0.2, {0, -1, -1}, data).status, SFDAE_CALLBACK_FAILED);
+  EXPECT_EQ(problem.evaluate_plain(0.2, {0, -1, -1}, data).status, SFDAE_OK);
+  problem.request_stop();
+  EXPECT_EQ(problem.evaluate_plain(0.2, {0, -1, -1}, data).status, SFDAE_STOPPED);
+}
+
 TEST(LinearProblem, PlainDerivativesAreThoseOfTheCallbacks) {
   const Family family(sfdae_test::kron(5, 2));
   FamilyProblem callbacks(family);
