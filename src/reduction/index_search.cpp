@@ -363,7 +363,7 @@ LevelResult IndexSearch::judge_level(int level) {
   const Matrix no_rhs((level + 1) * task_.problem.m(), 1);
   const Carried carried = task_.settings.by_svd ? eliminate_by_svd(data_, level, no_rhs, judge, task_.arena)
                                                 : eliminate(data_, level, no_rhs, 1, judge, task_.arena);
-  form_.resize(task_.problem.m(), task_.problem.n(), 0, carried.rows);
+  form_.resize_for_ranks(task_.problem.m(), task_.problem.n(), carried.rows);
   LevelResult found;
   found.ranks = form_.find_ranks(data_, carried, judge, task_.arena);
   found.time_scale = data_.time_scale;

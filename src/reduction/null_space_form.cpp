@@ -24,15 +24,19 @@ void write_G(ConstView R3, const int* pivots, View G) {
 }  // namespace
 
 void NullSpaceForm::resize(int rows, int cols, int num_prescribed, int carried) {
-  constraints_.resize(cols, carried);
+  resize_for_ranks(rows, cols, carried);
   prescribed_.resize(cols, num_prescribed);
   differential_.resize(cols);
   projector_.resize(cols);
-  T2_.resize(area(cols, cols + 1));
   Z1_.resize(area(rows, cols));
   G_.resize(area(cols, cols));
   B_.resize(area(cols, cols + 1));
   g0_.resize(area(cols, 1));
+}
+
+void NullSpaceForm::resize_for_ranks(int rows, int cols, int carried) {
+  constraints_.resize(cols, carried);
+  T2_.resize(area(cols, cols + 1));
   m = rows;
   n = cols;
 }

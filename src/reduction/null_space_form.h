@@ -48,6 +48,8 @@ class NullSpaceForm {
  public:
   // Room for m x n problems whose elimination carries at most `carried` rows.
   void resize(int m, int n, int num_prescribed, int carried);
+  // The same for find_ranks() alone.
+  void resize_for_ranks(int m, int n, int carried);
 
   // What follows of an elimination: ranks alone; constraints, with T2 and xp; or all. carried.rhs is one column, f^.
   PointRanks find_ranks(const TaylorData& data, const Carried& carried, Judge& judge, Arena& arena);

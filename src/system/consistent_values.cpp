@@ -125,7 +125,7 @@ Vector with_differentiated_kept(const ConstrainedPoint& point, const Consistency
   multiply(1.0, Op::plain, form.T2(), candidates.z0.data(), 1.0, base.data());
   for (int i = 0; i < n; ++i) x[index(i)] /= units[i];
   const Matrix directions = product(form.T2(), candidates.N);
-  const LeadingKernel kernel(point.data.E(0), point.rank_E);
+  const LeadingKernel& kernel = point.kernel();
   const ChangeMeasure measure{scaled_sizes(request, units), least_cosine(n, point.kept)};
   // Once more where digits were cancelled: values may be given that are far too large.
   bool has_cancellation = true;
@@ -218,7 +218,7 @@ Vector differentiated_change(const LeadingKernel& kernel, const ConstrainedPoint
 }  // namespace
 
 Vector differentiated_change(const ConstrainedPoint& point, const ConsistencyRequest& request, const Vector& dx) {
-  return differentiated_change(LeadingKernel(point.data.E(0), point.rank_E), point, request, dx);
+  return differentiated_change(point.kernel(), point, request, dx);
 }
 
 ValueChange change_of_differentiated(const ConstrainedPoint& point, const ConsistencyRequest& request,
@@ -237,7 +237,7 @@ ValueChange change_of_differentiated(const ConstrainedPoint& point, const Consis
   }
   const double rounding = std::min(room * error_of_directions(n, point.kept), most_rounding) * size;
   for (int i = 0; i < n; ++i) tolerances[index(i)] = std::max(tolerances[index(i)], rounding * units[i]);
-  const LeadingKernel kernel(point.data.E(0), point.rank_E);
+  const LeadingKernel& kernel = point.kernel();
   const Vector part = differentiated_change(kernel, point, request, dx);
   ValueChange change = largest_change(given.data(), part.data(), tolerances, n);
   change.is_part = !kernel.is_coordinates();
@@ -265,7 +265,9 @@ Vector ConsistencyRequest::sizes() const {
 
 ConstrainedPoint constraints_of(LinearSystem& system) {
   const LinearPoint& point = system.point();
-  return {point.form, point.data, system.problem().units(), point.rank_E, point.kept_constraints * point.pivot};
+  return {
+      point.form, point.data,         system.problem().units(), point.rank_E, point.kept_constraints * point.pivot,
+      nullptr,    point.form.kernel()};
 }
 
 void report_change(const ConsistencyRequest& request, double t, const Vector& given, const Vector& consistent,
@@ -288,6 +290,11 @@ void report_change(const ConsistencyRequest& request, double t, const Vector& gi
 }
 
 ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, Vector& user_x) {
+  return make_consistent(system, constraints_of(system), request, user_x);
+}
+
+ConsistencyResult make_consistent(LinearSystem& system, const ConstrainedPoint& constraints,
+                                  const ConsistencyRequest& request, Vector& user_x) {
   const NullSpaceForm& form = system.point().form;
   const std::size_t n = index(form.n);
   // Norms and reports are the user's.
@@ -301,7 +308,7 @@ ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest
   };
   ConsistencyResult result;
   result.residual_before = violation_of(user_x);
-  const Vector consistent = consistent_point(constraints_of(system), request, user_x);
+  const Vector consistent = consistent_point(constraints, request, user_x);
   report_change(request, system.t(), user_x, consistent, result);
   if (request.kind != InitialValues::accept) user_x = consistent;
   result.residual_after = request.kind == InitialValues::accept ? result.residual_before : violation_of(user_x);

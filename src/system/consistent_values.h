@@ -3,8 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
+#include "system/least_change.h"
 #include "system/linear_system.h"
 #include "system/tolerances.h"
 #include "system/value_change.h"
@@ -72,6 +74,14 @@ struct ConstrainedPoint {
   double kept;  // smallest relative value that the decisions behind T2 kept
   // Components that have to have the values given, as far as the form does not know of them; null: none.
   const std::vector<int>* prescribed = nullptr;
+  // An orthonormal basis of ker E; empty: not known.
+  ConstView known_kernel = {};
+  // Of E, found once.
+  const LeadingKernel& kernel() const {
+    if (!found_kernel) found_kernel = std::make_shared<const LeadingKernel>(data.E(0), rank_E, known_kernel);
+    return *found_kernel;
+  }
+  mutable std::shared_ptr<const LeadingKernel> found_kernel = nullptr;
   bool is_prescribed(int i) const {
     return prescribed != nullptr && std::find(prescribed->begin(), prescribed->end(), i) != prescribed->end();
   }
@@ -100,5 +110,8 @@ ConstrainedPoint constraints_of(LinearSystem& system);
 // Makes x (n values) consistent at the point the system was moved to. Throws Failure SFDAE_INCONSISTENT_VALUES or
 // SFDAE_FIXED_VALUES and leaves x as it was then.
 ConsistencyResult make_consistent(LinearSystem& system, const ConsistencyRequest& request, std::vector<double>& x);
+// The same with the constraints of the system at hand.
+ConsistencyResult make_consistent(LinearSystem& system, const ConstrainedPoint& constraints,
+                                  const ConsistencyRequest& request, std::vector<double>& x);
 
 }  // namespace sfdae::core

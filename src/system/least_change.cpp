@@ -144,13 +144,17 @@ void add_change_of_kernel(const SplitConstraints& constraints, const LeadingKern
 
 }  // namespace
 
-LeadingKernel::LeadingKernel(ConstView E, int rank) {
+LeadingKernel::LeadingKernel(ConstView E, int rank, ConstView known) {
   const int n = E.cols;
   std::vector<int> with_derivative, without;
   for (int j = 0; j < n; ++j) (max_abs(E.column(j), E.rows) > 0.0 ? with_derivative : without).push_back(j);
   const int count = static_cast<int>(with_derivative.size());
   rank = std::min({rank, count, E.rows});
   num_unit_vectors = static_cast<int>(without.size());
+  if (count == n && known.cols > 0 && known.cols == n - rank) {
+    basis = to_matrix(known);
+    return;
+  }
   basis = Matrix(n, n - rank);
   for (int j = 0; j < num_unit_vectors; ++j) basis(without[index(j)], j) = 1.0;
   if (rank == count) return;

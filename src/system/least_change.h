@@ -19,7 +19,8 @@ namespace sfdae::core {
 
 // The kernel of E of the rank given: unit vectors where unknowns have no derivative, then what else there is.
 struct LeadingKernel {
-  LeadingKernel(ConstView E, int rank);
+  // known: an orthonormal basis of it, or empty.
+  LeadingKernel(ConstView E, int rank, ConstView known = {});
   Matrix basis;  // K, orthonormal
   int num_unit_vectors = 0;
   // Every unknown is differentiated by itself, or not at all.

@@ -117,16 +117,17 @@ ConsistentPoint LinearModel::make_consistent(LinearSystem& system, const PointOf
   result.has_contradiction = set_point(system, point.t, options);
   const std::vector<double> given(point.x, point.x + n());
   const ConsistencyRequest request = options.request_at(point.x);
+  const ConstrainedPoint constraints = constraints_of(system);
   ValueChange change;
   const auto choose = [&](const ConsistencyRequest& way) {
     result.x = given;
     try {
-      result.change = core::make_consistent(system, way, result.x);
+      result.change = core::make_consistent(system, constraints, way, result.x);
     } catch (const Failure& failure) {
       if (failure.status() != SFDAE_FIXED_VALUES) throw;
       throw Failure(SFDAE_FIXED_VALUES, failure.what() + system.named_contradiction(way.fixed, given.data()));
     }
-    change = change_of_differentiated(constraints_of(system), way, given, result.x);
+    change = change_of_differentiated(constraints, way, given, result.x);
   };
   const bool may_trust = request.differentiated_stay();
   choose(may_trust ? request.trusting_digits(point.x) : request);

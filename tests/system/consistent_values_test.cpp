@@ -290,4 +290,35 @@ TEST(ConsistentValues, AcceptMeasuresTheChangeOfEveryComponentByItsTolerance) {
   }
 }
 
+// The kernel that the projector has, and the one that is found from E: nothing else is different.
+TEST(ConsistentValues, DoNotDependOnWhereTheKernelOfEComesFrom) {
+  for (const Family& family : {Family(sfdae_test::kron(7, 0)), Family(sfdae_test::kron(8, 2)),
+                               Family(sfdae_test::kron(20, 1)), Family(sfdae_test::chain(4, 2))}) {
+    AtPoint at(family);
+    const int n = family->n();
+    const ConstrainedPoint known = constraints_of(at.system);
+    ConstrainedPoint unknown = known;
+    unknown.known_kernel = {};
+    const Numbers exact = at.exact(t0);
+    Numbers guess(exact);
+    for (int i = 0; i < n; ++i) guess[size(i)] += 1e-3 * std::sin(1.0 + 7.0 * i);
+    ConsistencyRequest request;
+    request.keeps_differentiated = true;
+    request.tolerances = request.digits = Numbers(size(n), 1e-6);
+    const Numbers one = consistent_point(known, request, guess), other = consistent_point(unknown, request, guess);
+    const Numbers dx = [&] {
+      Numbers change(one);
+      for (int i = 0; i < n; ++i) change[size(i)] -= guess[size(i)];
+      return change;
+    }();
+    const Numbers part = differentiated_change(known, request, dx),
+                  part_of_other = differentiated_change(unknown, request, dx);
+    for (int i = 0; i < n; ++i) {
+      EXPECT_NEAR(one[size(i)], other[size(i)], at.tolerance()) << family->name();
+      EXPECT_NEAR(part[size(i)], part_of_other[size(i)], at.tolerance()) << family->name();
+    }
+    EXPECT_LE(at.violation(one), at.tolerance());
+  }
+}
+
 }  // namespace sfdae::core
