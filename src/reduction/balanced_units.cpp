@@ -176,22 +176,25 @@ Units units_of(const UnitExponents& x) {
 // Which units the entries tie together: r_i + c_j = time s for each, that is differences of r_i and -c_j in trees.
 class Ties {
  public:
-  Ties(int m, int n) : m_(index(m)), parent_(index(m + n)), offset_(index(m + n), 0.0) {
+  Ties(int m, int n) : m_(index(m)), trees_(m + n), parent_(index(m + n)), offset_(index(m + n), 0.0) {
     std::iota(parent_.begin(), parent_.end(), std::size_t{0});
   }
   void add(double time, int i, int j) {
+    if (are_complete()) return;
     const auto [row, of_row] = root(index(i));
     const auto [column, of_column] = root(m_ + index(j));
     const double difference = time - of_row + of_column;
     if (row != column) {
       parent_[row] = column;
       offset_[row] = difference;
+      --trees_;
     } else if (difference != 0.0) {
       fixes_time_ = true;
     }
   }
   // Whether the size of an entry follows from those that were added.
   bool determine(double time, int i, int j) {
+    if (are_complete()) return true;
     const auto [row, of_row] = root(index(i));
     const auto [column, of_column] = root(m_ + index(j));
     return row == column && (fixes_time_ || of_row - of_column == time);
@@ -215,7 +218,11 @@ class Ties {
     return {top, offset};
   }
 
+  // They determine the size of every entry.
+  bool are_complete() const { return fixes_time_ && trees_ == 1; }
+
   std::size_t m_;
+  int trees_;
   std::vector<std::size_t> parent_;
   std::vector<double> offset_;
   bool fixes_time_ = false;

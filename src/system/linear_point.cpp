@@ -9,17 +9,30 @@
 
 namespace sfdae::core {
 
+namespace {
+
+// sizes_i := max |a_ij| in the rows first, ..., first + count - 1.
+void find_row_sizes(ConstView a, int first, int count, double* sizes) {
+  std::fill_n(sizes, count, 0.0);
+  for (int j = 0; j < a.cols; ++j) {
+    const double* column = a.column(j) + first;
+    for (int i = 0; i < count; ++i) sizes[i] = std::max(sizes[i], std::fabs(column[i]));
+  }
+}
+
+}  // namespace
+
 double LinearPoint::kept_of_rows() const {
   if (form.d == 0) return kept_differential;
-  const ConstView E = data.E(0), A = data.A(0);
+  constexpr int at_once = 64;
+  double in_E[at_once], in_A[at_once];
   double largest = 0.0;
-  for (int i = 0; i < E.rows; ++i) {
-    double in_E = 0.0, in_A = 0.0;
-    for (int j = 0; j < E.cols; ++j) {
-      in_E = std::max(in_E, std::fabs(E(i, j)));
-      in_A = std::max(in_A, std::fabs(A(i, j)));
-    }
-    if (in_E > 0.0) largest = std::max(largest, in_E / std::max(in_E, in_A));
+  for (int first = 0; first < data.m; first += at_once) {
+    const int count = std::min(at_once, data.m - first);
+    find_row_sizes(data.E(0), first, count, in_E);
+    find_row_sizes(data.A(0), first, count, in_A);
+    for (int i = 0; i < count; ++i)
+      if (in_E[i] > 0.0) largest = std::max(largest, in_E[i] / std::max(in_E[i], in_A[i]));
   }
   return kept_differential * largest;
 }
