@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "linalg/index.h"
 #include "problem/failure.h"
@@ -37,6 +38,7 @@ LinearChangeWatch::LinearChangeWatch(LinearSystem& system) : system_(system) {
   const std::size_t rows = index(system.equations());
   for (Sample* sample : {&older_, &last_, &trend_[0], &trend_[1]}) sample->values.resize(first_row + rows);
   now_.row_norms.resize(rows);
+  now_.t = std::numeric_limits<double>::quiet_NaN();  // of no point yet
 }
 
 void LinearChangeWatch::start(double direction) {
@@ -104,7 +106,8 @@ void LinearChangeWatch::accept() {
   last_.t = point.t;
   last_.values.resize(first_row + row_norms.size());
   last_.values[0] = point.kept_constraints;
-  last_.values[1] = point.kept_of_rows();
+  // find() has looked at most points before.
+  last_.values[1] = now_.t == point.t ? now_.kept_differential : point.kept_of_rows();
   std::copy(row_norms.begin(), row_norms.end(), last_.values.begin() + first_row);
   samples_ = std::min(samples_ + 1, 2);
 }
