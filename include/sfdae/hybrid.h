@@ -193,8 +193,8 @@ SFDAE_API int sfdae_get_accumulation(const sfdae_hybrid* hybrid, double* t);
  * smallest values of all, steps and orders of the present mode. */
 SFDAE_API int sfdae_get_hybrid_statistics(const sfdae_hybrid* hybrid, sfdae_statistics* result);
 
-/** Writes a report as text, as sfdae_report does: modes with their index, d, a, visits, times and steps, and the
- * transitions. */
+/** Writes a report as text, as sfdae_report does: modes with their index, d, a, u, v, visits, times and steps; the present one,
+ * since when, with transitions by time and breakpoints that lie ahead; and the transitions that have happened. */
 SFDAE_API int sfdae_report_hybrid(const sfdae_hybrid* hybrid, char* text, size_t length, size_t* needed);
 
 /* ---- Checkpoints ----------------------------------------------------------------------------- */

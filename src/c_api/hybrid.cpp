@@ -13,7 +13,7 @@ using namespace sfdae::core;
 
 sfdae_hybrid::~sfdae_hybrid() {
   for (HybridMode& mode : modes) {
-    mode.solver->is_mode = false;
+    mode.solver->hybrid = nullptr;
     sfdae_set_events(mode.solver, 0, nullptr, nullptr, nullptr);
   }
 }
@@ -59,7 +59,7 @@ sfdae_transition default_transition() {
 
 CallResult check_new_mode(const sfdae_hybrid& hybrid, const sfdae_solver* solver, const char* name) {
   if (solver == nullptr) return illegal_argument("solver is NULL.");
-  if (solver->is_mode) return illegal_argument("the solver is a mode of a hybrid system already.");
+  if (solver->hybrid != nullptr) return illegal_argument("the solver is a mode of a hybrid system already.");
   if (solver->events) return illegal_argument("the solver has events; events of a mode are its transitions.");
   if (solver->sensitivities)
     return illegal_argument("the solver has sensitivities, which are not carried over jumps.");
@@ -148,7 +148,7 @@ int sfdae_add_mode(sfdae_hybrid* hybrid, sfdae_solver* solver, const char* name,
     if (checked.status != SFDAE_OK) return checked;
     hybrid->modes.push_back(
         {solver, name != nullptr ? name : "", {}, {}, false, &hybrid->transitions, {}, 0, nullptr});
-    solver->is_mode = true;
+    solver->hybrid = hybrid;
     hybrid->run.mode = -1;
     if (mode != nullptr) *mode = static_cast<int>(hybrid->modes.size()) - 1;
     return {};

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "c_api/hybrid.h"
+#include "c_api/hybrid_report.h"
 #include "c_api/structs.h"
 #include "linalg/index.h"
 
@@ -26,18 +27,6 @@ int query(const sfdae_hybrid* hybrid, Body body) noexcept {
 template <class Struct>
 CallResult fill(Struct* result, const Struct& source) {
   return fill_struct(result, source) ? CallResult{} : illegal_argument("result is NULL or its size is not set.");
-}
-
-sfdae_mode summary_of(const sfdae_hybrid& hybrid, int k) {
-  const HybridMode& mode = hybrid.modes[index(k)];
-  const VisitCounts counts = counts_of(hybrid, k);
-  sfdae_mode summary{sizeof(sfdae_mode), counts.visits, counts.duration, counts.steps, mode.num_analyses, -1, -1, -1};
-  if (mode.solver->system() == nullptr) return summary;
-  const sfdae_characteristics values = characteristics_of(*mode.solver);
-  summary.strangeness_index = values.strangeness_index;
-  summary.differential = values.differential;
-  summary.algebraic = values.algebraic;
-  return summary;
 }
 
 sfdae_statistics statistics_of_all(const sfdae_hybrid& hybrid) {
@@ -68,33 +57,6 @@ sfdae_statistics statistics_of_all(const sfdae_hybrid& hybrid) {
     sum.rounding = std::max(sum.rounding, counts.rounding);
   }
   return sum;
-}
-
-std::string report_of_all(const sfdae_hybrid& hybrid) {
-  const HybridRun& run = hybrid.run;
-  std::string text =
-      format("Hybrid system of %zu modes and %zu transitions\n", hybrid.modes.size(), hybrid.transitions.size());
-  text += "  mode                          index     d     a  visits  analyses     steps          time\n";
-  for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {
-    const sfdae_mode mode = summary_of(hybrid, k);
-    const std::string values = mode.strangeness_index < 0
-                                   ? "    -     -     -"
-                                   : format("%5d %5d %5d", mode.strangeness_index, mode.differential, mode.algebraic);
-    text += format("%c %-30.30s", k == run.mode ? '>' : ' ', hybrid.name_of(k).c_str()) + values +
-            format("  %6ld  %8d  %8ld  %12.6g\n", mode.visits, mode.num_analyses, mode.steps, mode.duration);
-  }
-  const std::size_t most = 20, count = run.passages.size();
-  if (count == 0) return text;
-  text += format("%ld transitions%s\n", run.forgotten + static_cast<long>(count),
-                 count > most ? ", the last ones:" : ":");
-  for (std::size_t k = count > most ? count - most : 0; k < count; ++k) {
-    const sfdae_passage& passage = run.passages[k];
-    text += format("  t = %-16.10g %s -> %s, largest change %.3g, impulse %.3g\n", passage.t,
-                   hybrid.name_of(passage.from).c_str(), hybrid.name_of(passage.to).c_str(), passage.largest_change,
-                   passage.largest_impulse);
-  }
-  if (run.accumulation) text += format("transitions accumulate at t = %.10g\n", *run.accumulation);
-  return text;
 }
 
 }  // namespace
@@ -167,7 +129,7 @@ int sfdae_get_hybrid_statistics(const sfdae_hybrid* hybrid, sfdae_statistics* re
 int sfdae_report_hybrid(const sfdae_hybrid* hybrid, char* text, size_t length, size_t* needed) {
   return query(hybrid, [&]() -> CallResult {
     if (text == nullptr && length > 0) return illegal_argument("text is NULL.");
-    const std::string report = report_of_all(*hybrid);
+    const std::string report = report_of(*hybrid);
     if (length > 0) std::snprintf(text, length, "%s", report.c_str());
     if (needed != nullptr) *needed = report.size() + 1;
     return {};

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "c_api/codes.h"
+#include "c_api/hybrid_report.h"
 #include "c_api/solver.h"
 #include "c_api/structs.h"
 #include "c_api/structure_report.h"
@@ -143,8 +144,10 @@ std::string sensitivities_report(const sfdae_solver& solver) {
 
 std::string report_of(const sfdae_solver& solver) {
   const int m = solver.model.m(), n = solver.model.n();
+  const std::string about_modes = solver.hybrid != nullptr ? mode_report(solver) : std::string();
   if (solver.system() == nullptr && solver.decisions.empty())
-    return format("no analysis yet (m = %d equations, n = %d unknowns)\n", m, n);
+    return format("no analysis yet (m = %d equations, n = %d unknowns)\n", m, n) + about_modes +
+           breakpoints_report(solver);
   // A checkpoint has the analysis without its decisions.
   const double t = solver.decisions.empty() ? solver.system()->analysis().t : solver.decisions.front().t;
   std::string text = format("Index analysis at t = %.10g (m = %d equations, n = %d unknowns)\n", t, m, n);
@@ -157,6 +160,7 @@ std::string report_of(const sfdae_solver& solver) {
   if (solver.initial_report) text += initial_report(*solver.initial_report);
   if (solver.integration) text += integration_report(solver);
   if (solver.integration && solver.integration->has_companion()) text += sensitivities_report(solver);
+  text += breakpoints_report(solver) + about_modes;
   if (solver.message[0] != '\0') text += std::string("Last message: ") + solver.message + "\n";
   return text;
 }

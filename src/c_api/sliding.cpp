@@ -98,7 +98,7 @@ void Switch::update() {
   auto solver = std::make_unique<sfdae_solver>(std::move(model), with_part(below_.options, n()));
   auto evaluator = std::make_unique<TaylorEvaluator>(std::move(surface));
   // Nothing fails from here on.
-  solver->is_mode = true;
+  solver->hybrid = below_.hybrid;
   solver_ = std::move(solver);
   surface_ = std::move(evaluator);
   parameters_.swap(parameters);

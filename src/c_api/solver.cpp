@@ -263,7 +263,7 @@ int sfdae_create_multibody(sfdae_solver** solver, const sfdae_multibody_problem*
 
 int sfdae_destroy(sfdae_solver** solver) {
   if (solver == nullptr || *solver == nullptr) return SFDAE_OK;
-  if ((*solver)->busy.load() || (*solver)->is_mode) return SFDAE_BUSY;
+  if ((*solver)->busy.load() || (*solver)->hybrid != nullptr) return SFDAE_BUSY;
   delete *solver;
   *solver = nullptr;
   return SFDAE_OK;

@@ -22,6 +22,8 @@
 #include "problem/failure.h"
 #include "sfdae/sfdae.h"
 
+struct sfdae_hybrid;
+
 namespace sfdae::core {
 
 // The user's options in the form that the core wants.
@@ -125,7 +127,7 @@ struct sfdae_solver {
   std::optional<sfdae_initial_report> initial_report;
 
   std::atomic<bool> busy{false};
-  bool is_mode = false;  // of a hybrid system, which lives
+  const sfdae_hybrid* hybrid = nullptr;  // of which it is a mode, and which lives
   // Of the last call. Functions that only read leave it alone where it explains a failure.
   mutable char message[1536] = "";
   bool message_explains_failure = false;

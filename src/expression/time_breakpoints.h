@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -25,6 +26,7 @@ class TimeBreakpoints {
   // Besides those that there are.
   void add_times(const TimeBreakpoints& other);
   bool has_times() const { return !times_.empty(); }
+  std::size_t num_times() const { return times_.size(); }
   // Of times of an integration, where 0 is the only one of these.
   void set_size(double size) { size_of_times_ = size; }
   // Where the gap of the next one of these begins beyond t and any gap that holds t; infinite: there is none.

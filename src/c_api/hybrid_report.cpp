@@ -1,0 +1,153 @@
+// Modes and breakpoints as text.
+// SPDX-License-Identifier: BSD-3-Clause
+#include "c_api/hybrid_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "linalg/index.h"
+
+namespace sfdae::core {
+
+namespace {
+
+constexpr std::size_t most_breakpoints = 5, most_passages = 20;
+
+struct Upcoming {
+  double t;
+  const char* kind;
+};
+
+// One more than are shown, if there are so many. By value, as searches leave their traces.
+std::vector<Upcoming> upcoming(TimeBreakpoints breakpoints, double t, double direction) {
+  std::vector<Upcoming> list;
+  if (const auto gap = breakpoints.gap_at(t)) t = gap->far_end(direction);
+  while (list.size() <= most_breakpoints) {
+    const std::optional<double> next = breakpoints.next(t, direction);
+    if (!next) break;
+    const auto gap = breakpoints.gap_at(*next);
+    if (gap) list.push_back({0.5 * (gap->start + gap->end), gap->is_jump ? "jump" : "kink"});
+    else list.push_back({*next, "smooth"});
+    t = gap ? gap->far_end(direction) : *next;
+  }
+  return list;
+}
+
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::fabs(a[i] - b[i]));
+  return largest;
+}
+
+// Transitions at times out of the present mode that lie ahead, the next ones first.
+std::string timed_transitions(const sfdae_hybrid& hybrid) {
+  const HybridRun& run = hybrid.run;
+  std::vector<std::pair<double, int>> ahead;
+  for (const int k : hybrid.mode().timed) {
+    const double away = (hybrid.transitions[index(k)].given.time - run.t) * run.direction();
+    if (away > 0.0) ahead.emplace_back(away, k);
+  }
+  std::sort(ahead.begin(), ahead.end());
+  std::string text;
+  for (std::size_t k = 0; k < std::min(ahead.size(), most_breakpoints); ++k) {
+    const sfdae_transition& given = hybrid.transitions[index(ahead[k].second)].given;
+    text += format("  next transition by time: t = %.10g to %s\n", given.time, hybrid.name_of(given.to).c_str());
+  }
+  return text;
+}
+
+int number_of(const sfdae_hybrid& hybrid, const sfdae_solver& solver) {
+  const auto is_its = [&solver](const HybridMode& mode) { return mode.solver == &solver; };
+  return static_cast<int>(std::find_if(hybrid.modes.begin(), hybrid.modes.end(), is_its) - hybrid.modes.begin());
+}
+
+std::string passages_report(const sfdae_hybrid& hybrid) {
+  const HybridRun& run = hybrid.run;
+  const std::size_t count = run.passages.size();
+  const long all = run.forgotten + static_cast<long>(count);
+  if (all == 0) return "";
+  std::string text = format("%ld transitions", all);
+  text += count == 0 ? ", all before a checkpoint\n" : count > most_passages ? ", the last ones:\n" : ":\n";
+  for (std::size_t k = count > most_passages ? count - most_passages : 0; k < count; ++k) {
+    const sfdae_passage& passage = run.passages[k];
+    text += format("  t = %-16.10g %s -> %s, largest change %.3g, impulse %.3g\n", passage.t,
+                   hybrid.name_of(passage.from).c_str(), hybrid.name_of(passage.to).c_str(), passage.largest_change,
+                   passage.largest_impulse);
+  }
+  return text;
+}
+
+}  // namespace
+
+sfdae_mode summary_of(const sfdae_hybrid& hybrid, int k) {
+  const HybridMode& mode = hybrid.modes[index(k)];
+  const VisitCounts counts = counts_of(hybrid, k);
+  sfdae_mode summary{sizeof(sfdae_mode), counts.visits, counts.duration, counts.steps, mode.num_analyses, -1, -1, -1};
+  if (mode.solver->system() == nullptr) return summary;
+  const sfdae_characteristics values = characteristics_of(*mode.solver);
+  summary.strangeness_index = values.strangeness_index;
+  summary.differential = values.differential;
+  summary.algebraic = values.algebraic;
+  return summary;
+}
+
+std::string report_of(const sfdae_hybrid& hybrid) {
+  const HybridRun& run = hybrid.run;
+  std::string text =
+      format("Hybrid system of %zu modes and %zu transitions\n", hybrid.modes.size(), hybrid.transitions.size());
+  text += "  mode                          index     d     a     u     v  visits  analyses     steps          time\n";
+  for (int k = 0; k < static_cast<int>(hybrid.modes.size()); ++k) {
+    const sfdae_mode mode = summary_of(hybrid, k);
+    std::string values = "    -     -     -     -     -";
+    if (const DaeSystem* system = hybrid.modes[index(k)].solver->system()) {
+      const CharacteristicValues& c = system->analysis().values;
+      values = format("%5d %5d %5d %5d %5d", c.mu, c.d, c.a, c.u, c.v);
+    }
+    text += format("%c %-30.30s", k == run.mode ? '>' : ' ', hybrid.name_of(k).c_str()) + values +
+            format("  %6ld  %8d  %8ld  %12.6g\n", mode.visits, mode.num_analyses, mode.steps, mode.duration);
+  }
+  if (run.mode >= 0) {
+    text += format("At t = %.10g in %s since t = %.10g\n", run.t, hybrid.name_of(run.mode).c_str(), run.entered);
+    text += timed_transitions(hybrid) + breakpoints_report(*hybrid.mode().solver);
+  }
+  text += passages_report(hybrid);
+  if (run.accumulation) text += format("transitions accumulate at t = %.10g\n", *run.accumulation);
+  return text;
+}
+
+std::string mode_report(const sfdae_solver& solver) {
+  const sfdae_hybrid& hybrid = *solver.hybrid;
+  const int number = number_of(hybrid, solver);
+  const HybridRun& run = hybrid.run;
+  const sfdae_mode mode = summary_of(hybrid, number);
+  std::string text = format("This is %s of a hybrid system of %zu modes and %zu transitions, ",
+                            hybrid.name_of(number).c_str(), hybrid.modes.size(), hybrid.transitions.size());
+  if (run.mode == number) text += format("which is in it since t = %.10g", run.entered);
+  else if (run.mode >= 0) text += "which is in " + hybrid.name_of(run.mode) + format(" since t = %.10g", run.entered);
+  else text += "which has not been started";
+  text +=
+      format("; %ld visits, %ld transitions\n", mode.visits, run.forgotten + static_cast<long>(run.passages.size()));
+  if (run.mode == number) text += timed_transitions(hybrid);
+  return text;
+}
+
+std::string breakpoints_report(const sfdae_solver& solver) {
+  const std::size_t set = solver.breakpoints->num_times();
+  if (!solver.integration) return set > 0 ? format("Breakpoints: %zu are set\n", set) : "";
+  const double t = solver.integration->stepper().state().t;
+  const std::vector<Upcoming> next = upcoming(*solver.breakpoints, t, solver.integration->direction());
+  std::string text;
+  for (std::size_t k = 0; k < std::min(next.size(), most_breakpoints); ++k)
+    text += format("%s t = %.10g (%s)", k == 0 ? "Breakpoints: next" : ",", next[k].t, next[k].kind);
+  if (next.size() > most_breakpoints) text += ", ...";
+  if (next.empty() && set > 0) text = format("Breakpoints: none after t = %.10g", t);
+  if (!text.empty()) text += '\n';
+  if (const auto& last = solver.jumps.last())
+    text += format("  the last jump was at t = %.10g: largest change %.3g\n", last->t,
+                   largest_difference(last->before, last->after));
+  return text;
+}
+
+}  // namespace sfdae::core
