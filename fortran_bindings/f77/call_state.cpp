@@ -100,8 +100,8 @@ std::unique_ptr<core::Integration> CallState::restore(core::Model& model, const 
                                                       const core::IntegrationOptions& options,
                                                       const Progress& progress) const {
   const std::size_t constants = size_of_matrices(progress.is_constant);
-  return core::restore_checkpoint(model, model_options, options, &arguments_.rwork(first_real) + constants,
-                                  saved_length() - constants);
+  const core::SavedCheckpoint saved{&arguments_.rwork(first_real) + constants, saved_length() - constants};
+  return core::restore_checkpoint(model, model_options, options, saved);
 }
 
 }  // namespace sfdae::f77

@@ -71,7 +71,8 @@ SFDAE_API int sfdae_sensitivity_statistics_init(sfdae_sensitivity_statistics* st
  *    the weights of the options, not in kinetic energy; directions that fulfil the linearized constraints stay.
  *  - Where an event only ends a call, S goes on. Where x, its equations or parameters change there, start anew with the
  *    directions of the new branch: see sfdae_get_event_sensitivities.
- *  - They are in no checkpoints, ensembles and recorded solutions (sfdae_solution): checkpoints are refused.
+ *  - They are in checkpoints: ask a solver that is to restore one for the same parameters in the same order first; directions and
+ *    options are its own. With the adjoint checkpoints are refused. They are in no ensembles and recorded solutions (sfdae_solution).
  *
  * SFDAE_ILLEGAL_ARGUMENT: equations that are not recorded, names that no parameter has, numbers that are not finite.
  * sfdae_start fails with SFDAE_ILLEGAL_ARGUMENT where components are prescribed or u > 0 (redundant constraints of mechanical

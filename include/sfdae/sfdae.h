@@ -561,7 +561,7 @@ SFDAE_API int sfdae_get_statistics(const sfdae_solver* solver, sfdae_statistics*
  * file, or handed to another process. Restored, the integration goes on as if nothing had happened, in every bit if
  * binary, BLAS, processor and the environment variable SFDAE_INSTRUCTIONS (portable or avx2: no faster instructions of
  * the processor are used) are the same. The numbers are plain doubles (infinity may be among them): copy or print them
- * with 17 digits as you like. Problem and options are not in it. */
+ * with 17 digits as you like. Problem and options are not in it; sensitivities are, with all that they depend on. */
 
 /** Number of doubles that sfdae_save_checkpoint writes now; it changes from step to step. SFDAE_NOT_STARTED if there
  * is no integration. */
@@ -573,7 +573,7 @@ SFDAE_API int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, si
 
 /** Continues from a checkpoint of `length` doubles instead of sfdae_start: sfdae_advance is next. The solver has to
  * be created with the problem and the options that the checkpoint was made with (tolerances, limits and the monitor
- * may differ). No callback of a linear problem is called; a nonlinear one is linearized as it was. An integration
+ * may differ), and asked for the sensitivities that are in it. No callback of a linear problem is called; a nonlinear one is linearized as it was. An integration
  * under way is replaced. SFDAE_ILLEGAL_ARGUMENT if the checkpoint is damaged or does not fit; after any failure
  * everything is as before, and an integration under way goes on. */
 SFDAE_API int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, size_t length);

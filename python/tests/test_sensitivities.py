@@ -70,6 +70,19 @@ def test_step_by_step():
         solver.sensitivities(point.t)
 
 
+def test_checkpoints():
+    problem = sfdae.NonlinearProblem(oscillator, 3, names=NAMES)
+    solvers = [sfdae.Solver(problem, **TIGHT) for _ in range(2)]
+    for solver in solvers:
+        solver.set_sensitivities(["p", "a"])
+    solvers[0].start(0, [1, 0, 0], 3)
+    solvers[0].advance(0.7)
+    solvers[1].restore_checkpoint(solvers[0].save_checkpoint())
+    results = [(solver.advance(3).x, solver.sensitivities(3)[0]) for solver in solvers]
+    assert np.array_equal(results[0][0], results[1][0])
+    assert np.array_equal(results[0][1], results[1][1])
+
+
 def test_mistakes_are_named():
     with pytest.raises(sfdae.Error, match="no parameter \"q\""):
         sfdae.solve(oscillator, (0, 1), [1, 0, 0], sensitivities=["q"])

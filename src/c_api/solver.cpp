@@ -17,7 +17,7 @@ namespace sfdae::core {
 
 namespace {
 
-constexpr const char* no_checkpoints = "checkpoints cannot hold sensitivities.";
+constexpr const char* no_checkpoints = "checkpoints cannot hold the steps that are kept for the adjoint.";
 
 CallResult not_started(const char* first) { return {SFDAE_NOT_STARTED, format("call %s first.", first)}; }
 
@@ -410,7 +410,7 @@ int sfdae_get_checkpoint_length(sfdae_solver* solver, size_t* length) {
   return guarded<Text::of_failure>(solver, [&]() -> CallResult {
     if (length == nullptr) return illegal_argument("length is NULL.");
     if (!solver->integration) return not_started("sfdae_start");
-    if (solver->integration->has_companion()) return illegal_argument(no_checkpoints);
+    if (solver->integration->adjoint() != nullptr) return illegal_argument(no_checkpoints);
     *length = checkpoint_size(*solver->model.system(), *solver->integration);
     return {};
   });
@@ -420,7 +420,7 @@ int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t lengt
   return guarded(solver, [&]() -> CallResult {
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
     if (!solver->integration) return not_started("sfdae_start");
-    if (solver->integration->has_companion()) return illegal_argument(no_checkpoints);
+    if (solver->integration->adjoint() != nullptr) return illegal_argument(no_checkpoints);
     const std::size_t needed = checkpoint_size(*solver->model.system(), *solver->integration);
     if (length < needed)
       return illegal_argument(format("length = %zu, but the checkpoint has %zu doubles.", length, needed));
@@ -432,11 +432,12 @@ int sfdae_save_checkpoint(sfdae_solver* solver, double* checkpoint, size_t lengt
 int sfdae_restore_checkpoint(sfdae_solver* solver, const double* checkpoint, size_t length) {
   return guarded(solver, [&]() -> CallResult {
     if (checkpoint == nullptr) return illegal_argument("checkpoint is NULL.");
-    if (solver->sensitivities)
-      return illegal_argument(
-          "checkpoints cannot hold sensitivities: call sfdae_set_sensitivities with count = 0 first.");
-    solver->integration =
-        restore_checkpoint(solver->model, solver->options.model, solver->options.integration, checkpoint, length);
+    const auto& asked = solver->sensitivities;
+    if (asked && asked->by_adjoint) return illegal_argument(no_checkpoints);
+    std::optional<WantedSensitivities> wanted;
+    if (asked) wanted.emplace(WantedSensitivities{asked->parameters, asked->options});
+    solver->integration = restore_checkpoint(solver->model, solver->options.model, solver->options.integration,
+                                             {checkpoint, length}, wanted ? &*wanted : nullptr);
     solver->note_differentiations();
     solver->jumps.forget();
     solver->integration->record(solver->solution);

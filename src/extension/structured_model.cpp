@@ -111,13 +111,17 @@ void StructuredModel::analyze_as_nonlinear(const PointOfInterest& point, const M
     throw Failure(
         SFDAE_ILLEGAL_ARGUMENT,
         "with sensitivities linear equations are analyzed as nonlinear ones, at values: call sfdae_analyze_at.");
-  if (!nonlinear_) {
-    nonlinear_ = std::make_unique<NonlinearModel>(std::make_unique<RecordedProblem>(owned_->evaluator()));
-    nonlinear_->problem().set_equation_names(classical_->problem().equation_names());
-    nonlinear_->problem().stop_with(classical_->problem());
-  }
+  make_nonlinear();
   nonlinear_->analyze(point, options, decisions);
   serves_nonlinear_ = true;
+}
+
+void StructuredModel::make_nonlinear() {
+  if (nonlinear_) return;
+  auto model = std::make_unique<NonlinearModel>(std::make_unique<RecordedProblem>(owned_->evaluator()));
+  model->problem().set_equation_names(classical_->problem().equation_names());
+  model->problem().stop_with(classical_->problem());
+  nonlinear_ = std::move(model);
 }
 
 void StructuredModel::demand_derivatives(const PointOfInterest& point, const ModelOptions& options) {
@@ -136,11 +140,20 @@ void StructuredModel::forget_system() {
   classical_->forget_system();
 }
 
-bool StructuredModel::expect(SystemForm form) {
-  if (form == SystemForm::extension && problem_.structure() == nullptr) return false;
+bool StructuredModel::expect(SystemForm form, bool for_sensitivities) {
+  const bool is_extension = form == SystemForm::extension;
+  if (is_extension && (for_sensitivities || problem_.structure() == nullptr)) return false;
+  if (for_sensitivities && owned_) make_nonlinear();
   was_extended_ = is_extended_;
-  is_extended_ = form == SystemForm::extension;
+  served_nonlinear_ = serves_nonlinear_;
+  is_extended_ = is_extension;
+  serves_nonlinear_ = for_sensitivities && owned_ != nullptr;
   return true;
+}
+
+void StructuredModel::undo_expectation() {
+  is_extended_ = was_extended_;
+  serves_nonlinear_ = served_nonlinear_;
 }
 
 void StructuredModel::restore(const ModelOptions& options, Archive& archive) {
@@ -148,7 +161,7 @@ void StructuredModel::restore(const ModelOptions& options, Archive& archive) {
   try {
     active().restore(options, archive);
   } catch (...) {
-    is_extended_ = was_extended_;
+    undo_expectation();
     throw;
   }
   options_ = options;
@@ -156,14 +169,14 @@ void StructuredModel::restore(const ModelOptions& options, Archive& archive) {
 
 void StructuredModel::undo_restore() {
   active().undo_restore();
-  is_extended_ = was_extended_;
+  undo_expectation();
 }
 
 void StructuredModel::finish_restore() {
-  active().finish_restore();
-  if (was_extended_ == is_extended_) return;
-  if (was_extended_) extended_.forget_system();
-  else classical_->forget_system();
+  Model& now = active();
+  now.finish_restore();
+  for (Model* model : {static_cast<Model*>(&extended_), static_cast<Model*>(nonlinear_.get()), classical_.get()})
+    if (model != nullptr && model != &now) model->forget_system();
 }
 
 Model& StructuredModel::whole() {

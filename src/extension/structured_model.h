@@ -33,7 +33,7 @@ class StructuredModel final : public Model {
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   void demand_derivatives(const PointOfInterest& point, const ModelOptions& options) override;
-  bool expect(SystemForm form) override;
+  bool expect(SystemForm form, bool for_sensitivities) override;
   void restore(const ModelOptions& options, Archive& archive) override;
   void undo_restore() override;
   void finish_restore() override;
@@ -75,6 +75,8 @@ class StructuredModel final : public Model {
   bool may_extend(const ModelOptions& options);
   void analyze_as_nonlinear(const PointOfInterest& point, const ModelOptions& options,
                             std::vector<RankDecision>& decisions);
+  void make_nonlinear();
+  void undo_expectation();
   bool orders_are_possible() const;
   // Jacobians by differences have nothing else to be solved by.
   bool has_differences() const { return problem_.source() != nullptr && problem_.source()->has_differences(); }
@@ -91,7 +93,7 @@ class StructuredModel final : public Model {
   bool is_extended_ = false, was_extended_ = false;
   // Linear equations as nonlinear ones, by the whole array: for sensitivities.
   std::unique_ptr<NonlinearModel> nonlinear_;
-  bool serves_nonlinear_ = false;
+  bool serves_nonlinear_ = false, served_nonlinear_ = false;
   ModelOptions options_;  // of the last analysis
 };
 

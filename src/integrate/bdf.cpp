@@ -74,7 +74,8 @@ StepState Bdf::state() const {
 
 void Bdf::archive(Archive& archive, const StrangenessFreeSystem& system) {
   // More points than the highest order needs are not kept.
-  const int points = history_.archive_size(archive, system, max_order_ + 3, last_.order);
+  const BdfHistory::Sizes sizes{index(system.unknowns()), index(system.leading_size())};
+  const int points = history_.archive_size(archive, sizes, max_order_ + 3, last_.order);
   if (archive.is_reading()) resize(system);
   control_.archive(archive);
   for (double* value : {&next_step_, &last_.h, &last_.leading_coefficient}) archive.real(*value);

@@ -54,13 +54,13 @@ void BdfHistory::compute_differences(int count, bool with_x) {
   if (with_x && !shares_) differences_of_history(times_, x_, count, dx_);
 }
 
-int BdfHistory::archive_size(Archive& archive, const StrangenessFreeSystem& system, int max_points, int& last_order) {
+int BdfHistory::archive_size(Archive& archive, const Sizes& sizes, int max_points, int& last_order) {
   int points = std::min(points_, max_points);
   archive.small(points, is_fictitious_, last_order);
   if (archive.is_reading()) {
     if (points < 2 || points > capacity || last_order < 0 || last_order > max_bdf_order) throw DamagedArchive();
     points_ = points;
-    resize(index(system.unknowns()), index(system.leading_size()));
+    resize(sizes.x, sizes.w);
   }
   return points;
 }

@@ -42,7 +42,10 @@ class BdfHistory {
 
   // A checkpoint has the number of points, at most max_points, beside the order of the last step; it is returned.
   // Then there is room for them when reading.
-  int archive_size(Archive& archive, const StrangenessFreeSystem& system, int max_points, int& last_order);
+  struct Sizes {
+    std::size_t x, w;
+  };
+  int archive_size(Archive& archive, const Sizes& sizes, int max_points, int& last_order);
   void archive_points(Archive& archive, int points);
 
  private:

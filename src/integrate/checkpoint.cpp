@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "integrate/checkpoint.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "integrate/events.h"
@@ -21,20 +24,44 @@ struct Header {
   int version = layout;
   int m = 0, n = 0;
   SystemForm form = SystemForm::reduced;
+  bool has_sensitivities = false;
   long length = 0;
 
   void archive(Archive& archive) {
     archive.small(version, m, n);
-    long number = static_cast<long>(form);
+    constexpr long forms = static_cast<long>(SystemForm::extension) + 1;
+    long number = static_cast<long>(form) + (has_sensitivities ? forms : 0);
     archive.counts(length, number);
-    if (number < 0 || number > static_cast<long>(SystemForm::extension)) throw DamagedArchive();
-    form = static_cast<SystemForm>(number);
+    if (number < 0 || number >= 2 * forms) throw DamagedArchive();
+    has_sensitivities = number >= forms;
+    form = static_cast<SystemForm>(number % forms);
   }
 };
 
+// Numbers of parameters, -1 for none.
+void archive_parameters(Archive& archive, std::vector<int>& parameters) {
+  long count = static_cast<long>(parameters.size()), unused = 0;
+  archive.counts(count, unused);
+  if (archive.is_reading()) {
+    if (count <= 0 || static_cast<std::size_t>(count) > archive.rest()) throw DamagedArchive();
+    parameters.resize(static_cast<std::size_t>(count));
+  }
+  for (int& number : parameters) {
+    double value = number;
+    archive.real(value);
+    if (!(value >= -1.0 && value < 1e9) || value != std::floor(value)) throw DamagedArchive();
+    number = static_cast<int>(value);
+  }
+}
+
 void archive_all(DaeSystem& system, Integration& integration, Archive& archive) {
+  if (const Sensitivities* carried = integration.sensitivities()) {
+    std::vector<int> parameters = carried->parameters();
+    archive_parameters(archive, parameters);
+  }
   system.archive(archive);
   integration.archive(archive);
+  integration.archive_sensitivities(archive);
 }
 
 // Cut to the 52 bits that a double holds.
@@ -55,7 +82,12 @@ std::size_t checkpoint_size(DaeSystem& system, Integration& integration) {
 void save_checkpoint(DaeSystem& system, Integration& integration, double* to) {
   const std::size_t length = checkpoint_size(system, integration);
   Archive archive = Archive::writer(to, length);
-  Header header{layout, system.equations(), system.unknowns(), system.form(), static_cast<long>(length)};
+  Header header{layout,
+                system.equations(),
+                system.unknowns(),
+                system.form(),
+                integration.sensitivities() != nullptr,
+                static_cast<long>(length)};
   header.archive(archive);
   double sum = 0.0;
   archive.real(sum);
@@ -65,8 +97,39 @@ void save_checkpoint(DaeSystem& system, Integration& integration, double* to) {
 
 namespace {
 
+std::string names_of(const std::vector<int>& parameters, const Record* equations) {
+  constexpr std::size_t most_named = 8;
+  std::string names;
+  for (std::size_t j = 0; j < std::min(parameters.size(), most_named); ++j) {
+    if (j > 0) names += ", ";
+    const std::size_t number = index(std::max(parameters[j], 0));
+    if (parameters[j] < 0) names += "start values";
+    else if (equations != nullptr && number < equations->parameters().size())
+      names += equations->parameters()[number].name;
+    else names += "one that these equations do not have";
+  }
+  return parameters.size() > most_named ? names + ", ..." : names;
+}
+
+// Those of the checkpoint are those wanted.
+void demand_sensitivities(bool are_there, Model& model, const WantedSensitivities* wanted, Archive& content) {
+  if (!are_there && wanted == nullptr) return;
+  if (!are_there)
+    throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                  "the checkpoint has no sensitivities: call sfdae_set_sensitivities with count = 0 first.");
+  std::vector<int> parameters;
+  archive_parameters(content, parameters);
+  if (wanted != nullptr && parameters == wanted->parameters) return;
+  const TaylorEvaluator* const evaluator = model.evaluator();
+  throw Failure(SFDAE_ILLEGAL_ARGUMENT,
+                format("the checkpoint has %zu sensitivities, by ", parameters.size()) +
+                    names_of(parameters, evaluator != nullptr ? &evaluator->record() : nullptr) +
+                    ": call sfdae_set_sensitivities with these first.");
+}
+
 // The doubles behind the header, which are those of a checkpoint of such a problem. Throws Failure or DamagedArchive.
-Archive checked_content(Model& model, const double* from, std::size_t length) {
+Archive checked_content(Model& model, const SavedCheckpoint& saved, const WantedSensitivities* wanted) {
+  const auto [from, length] = saved;
   Archive start = Archive::reader(from, length);
   Header header;
   header.archive(start);
@@ -81,9 +144,11 @@ Archive checked_content(Model& model, const double* from, std::size_t length) {
                          header.m, header.n, model.m(), model.n()));
   const std::size_t total = static_cast<std::size_t>(header.length);
   if (sum != checksum(from + start.size(), total - start.size())) throw DamagedArchive();
+  Archive content = Archive::reader(from + start.size(), total - start.size());
+  demand_sensitivities(header.has_sensitivities, model, wanted, content);
   // Last: from here on the model waits for what the archive has.
-  if (!model.expect(header.form)) throw DamagedArchive();
-  return Archive::reader(from + start.size(), total - start.size());
+  if (!model.expect(header.form, wanted != nullptr)) throw DamagedArchive();
+  return content;
 }
 
 // The model and the events are as they were before when this ends, unless it is told otherwise.
@@ -112,17 +177,26 @@ class Undo {
   bool has_restored_ = false, has_finished_ = false;
 };
 
+// Without values, which are read next.
+std::unique_ptr<Sensitivities> sensitivities_of(Model& model, const WantedSensitivities& wanted) {
+  std::unique_ptr<SensitivitySystem> system = model.sensitivities(wanted.parameters);
+  if (!system) throw DamagedArchive();
+  std::vector<double> S(system->size());
+  return std::make_unique<Sensitivities>(std::move(system), wanted.options, std::move(S));
+}
+
 }  // namespace
 
 std::unique_ptr<Integration> restore_checkpoint(Model& model, const ModelOptions& model_options,
-                                                const IntegrationOptions& options, const double* from,
-                                                std::size_t length) {
+                                                const IntegrationOptions& options, const SavedCheckpoint& saved,
+                                                const WantedSensitivities* wanted) {
   try {
     Undo undo(model, options.events);
-    Archive archive = checked_content(model, from, length);
+    Archive archive = checked_content(model, saved, wanted);
     model.restore(model_options, archive);
     undo.note_restored();
     auto integration = std::make_unique<Integration>(*model.system(), model.change_watch(), options, archive);
+    if (wanted != nullptr) integration->carry_archived(sensitivities_of(model, *wanted), archive);
     if (!archive.has_ended()) throw DamagedArchive();
     undo.finish();
     return integration;

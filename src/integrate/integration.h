@@ -53,6 +53,10 @@ class Integration {
 
   // Carried along with the steps from the initial point on; before the first step. Throws Failure.
   void carry(std::unique_ptr<Companion> companion);
+  // As they were when both were archived. Throws DamagedArchive.
+  void carry_archived(std::unique_ptr<Sensitivities> sensitivities, Archive& archive);
+  // Nothing where there are none.
+  void archive_sensitivities(Archive& archive);
   const Sensitivities* sensitivities() const { return dynamic_cast<const Sensitivities*>(companion_.get()); }
   bool has_companion() const { return companion_ != nullptr; }
   // Steps end at outputs then.

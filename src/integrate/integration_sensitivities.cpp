@@ -14,6 +14,15 @@ void Integration::carry(std::unique_ptr<Companion> companion) {
   companion_ = std::move(companion);
 }
 
+void Integration::carry_archived(std::unique_ptr<Sensitivities> sensitivities, Archive& archive) {
+  sensitivities->archive(archive, integrator_);
+  companion_ = std::move(sensitivities);
+}
+
+void Integration::archive_sensitivities(Archive& archive) {
+  if (auto* carried = dynamic_cast<Sensitivities*>(companion_.get())) carried->archive(archive, integrator_);
+}
+
 CallResult Integration::evaluate_sensitivities(double t, double* S, double* Sdot) {
   const StepState state = integrator_.stepper->state();
   const double start = state.t - state.last.h;
@@ -25,7 +34,10 @@ CallResult Integration::evaluate_sensitivities(double t, double* S, double* Sdot
     sensitivities.copy_last(S);
     return {};
   }
-  const std::size_t n = index(integrator_.system.unknowns());
+  // From the point accepted last, whatever has been asked for since: checkpoints know nothing of that.
+  DaeSystem& system = integrator_.system;
+  if (system.move_to(state.t) == PointStatus::callback_error) system.callback_error().raise();
+  const std::size_t n = index(system.unknowns());
   std::vector<double> x(n), xdot(n);
   const auto move = [&](double at, Slopes slopes) {
     output_.evaluate_aside(integrator_, {at, true, slopes}, options_, x.data(), xdot.data());

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "integrate/radau_method.h"
 #include "linalg/index.h"
 #include "linalg/matrix.h"
 #include "problem/failure.h"
@@ -69,6 +70,37 @@ void Sensitivities::start(const Integrator& integrator) {
   const Vector none;
   history_.start({t, none, none, S_, Sdot_});
   step_.resize(0, size());
+}
+
+// ---- Checkpoints -----------------------------------------------------------------------------------------------
+
+void Sensitivities::archive(Archive& archive, const Integrator& integrator) {
+  archive.counts(work_.error_failures, work_.outputs);
+  archive.real(work_.inconsistency);
+  archive.reals(S_, size());
+  archive.reals(Sdot_, size());
+  archive_history(archive, integrator);
+  system_->archive(archive);
+}
+
+// Of BDF the points, more of which than the highest order needs are not kept; of Radau the stages of the last step.
+void Sensitivities::archive_history(Archive& archive, const Integrator& integrator) {
+  int s = method_ != nullptr ? method_->s : 0;
+  archive.small(s);
+  if (archive.is_reading()) {
+    const bool is_radau = integrator.method == Method::radau;
+    if (s != 0 && (!is_radau || s < 0 || s > max_stages || s % 2 == 0)) throw DamagedArchive();
+    method_ = s != 0 ? &radau_method(s).stages : nullptr;
+    step_.resize(0, size());
+  }
+  if (integrator.method == Method::bdf) {
+    int order = 0;
+    const int points = history_.archive_size(archive, {0, size()}, max_bdf_order + 1, order);
+    history_.archive_points(archive, points);
+  } else if (s != 0) {
+    archive.reals(before_, size());
+    archive.reals(stages_, size() * index(s));
+  }
 }
 
 // ---- Steps -----------------------------------------------------------------------------------------------------

@@ -27,8 +27,10 @@ struct SensitivityWork {
 
 class Sensitivities final : public Companion {
  public:
-  // S: those at the point where the system of x stands, consistent. Throws Failure.
+  // S: those at the point where the system of x stands, consistent; of any value where they are going to be read.
   Sensitivities(std::unique_ptr<SensitivitySystem> system, SensitivityOptions options, std::vector<double> S);
+  // Reading: in place of start(), when the integrator is as it was. Throws DamagedArchive.
+  void archive(Archive& archive, const Integrator& integrator);
 
   void start(const Integrator& integrator) override;
   // With the error test of S if that is asked for; error_too_large: the next step is smaller.
@@ -45,6 +47,7 @@ class Sensitivities final : public Companion {
   // Whether that is the way.
   bool needs_stages(const Integrator& integrator, double t) const;
 
+  const std::vector<int>& parameters() const { return system_->parameters(); }
   int count() const { return system_->count(); }
   int unknowns() const { return system_->unknowns(); }
   std::size_t size() const { return system_->size(); }
@@ -57,6 +60,7 @@ class Sensitivities final : public Companion {
   PointStatus solve_bdf(const TriedStep& tried);
   PointStatus solve_radau(const TriedStep& tried);
   double error_of_bdf(const TriedStep& tried, const Integrator& integrator, const Tolerances& tolerances);
+  void archive_history(Archive& archive, const Integrator& integrator);
   void finish_stages(double t, double h, double* S, double* Sdot);
 
   std::unique_ptr<SensitivitySystem> system_;

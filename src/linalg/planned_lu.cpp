@@ -210,7 +210,24 @@ bool PlannedLu::choose_pivots(const double* values) {
   }
   if (!is_worthwhile(planning.targets().size())) return is_suitable_ = false;
   take(planning);
+  planned_values_.assign(values, values + pattern_.row.size());
   return has_plan_ = true;
+}
+
+void PlannedLu::archive(Archive& archive) {
+  bool is_suitable = is_suitable_, has_plan = has_plan_;
+  long plans = plans_, solutions = solutions_;
+  archive.small(is_suitable, has_plan);
+  archive.counts(plans, solutions);
+  if (has_plan) archive.reals(planned_values_, pattern_.row.size());
+  if (!archive.is_reading()) return;
+  if (has_plan) {
+    const std::vector<double> values = planned_values_;
+    if (!plan(values.data())) throw DamagedArchive();
+  }
+  is_suitable_ = is_suitable;
+  plans_ = plans;
+  solutions_ = solutions;
 }
 
 // Positions become those of values_: pivots, then the entries of rows and the multipliers in the order of the steps.

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "linalg/archive.h"
 #include "linalg/equilibration.h"
 #include "linalg/sparse_pattern.h"
 
@@ -28,6 +29,9 @@ class PlannedLu {
   // X := A^-1 B, both column-major, size x count, apart from each other. Chooses pivots where none are known or these do not serve.
   // False: as plan(), or no residual was small. Raises no floating-point exception, allocates only for new pivots.
   bool solve(const double* values, const double* b, int count, double* x);
+
+  // After analyze() of the same pattern, when reading: the pivots are those of the same matrix again. Throws DamagedArchive.
+  void archive(Archive& archive);
 
   // Choices of pivots.
   long plans() const { return plans_; }
@@ -56,6 +60,7 @@ class PlannedLu {
   SparsePattern pattern_;
   bool is_suitable_ = true, has_plan_ = false;
   long plans_ = 0, solutions_ = 0;
+  std::vector<double> planned_values_;  // of the matrix that the pivots were chosen for
   Equilibration scales_;
   std::vector<double> row_factor_, column_factor_, entry_factor_;
   std::vector<double> scaled_;  // in the order of the pattern

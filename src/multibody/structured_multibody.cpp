@@ -134,14 +134,18 @@ void StructuredMultibody::analyze_sparse(const PointOfInterest& point, const Mod
   form_ = Form::sparse;
 }
 
+void StructuredMultibody::make_array() {
+  if (array_) return;
+  auto model = std::make_unique<NonlinearModel>(local_->recorded_first_order_problem());
+  model->problem().stop_with(problem());
+  array_ = std::move(model);
+}
+
 void StructuredMultibody::analyze_array(const PointOfInterest& point, const ModelOptions& options,
                                         std::vector<RankDecision>& decisions) {
   demand_array_for_sensitivities(options);
   demand_dense(n());
-  if (!array_) {
-    array_ = std::make_unique<NonlinearModel>(local_->recorded_first_order_problem());
-    array_->problem().stop_with(problem());
-  }
+  make_array();
   problem().check_rates(point.t, point.x);
   const std::vector<double> x = with_consistent_motion(point, options);
   array_->analyze({point.t, point.toward, x.data()}, options, decisions);
@@ -186,10 +190,12 @@ MultibodyModel& StructuredMultibody::local() {
 
 // ---- Checkpoints -----------------------------------------------------------------------------------------------
 
-bool StructuredMultibody::expect(SystemForm form) {
-  if (form == SystemForm::extension && !make_sparse()) return false;
+bool StructuredMultibody::expect(SystemForm form, bool for_sensitivities) {
+  const bool is_extension = form == SystemForm::extension;
+  if (is_extension && (for_sensitivities || !make_sparse())) return false;
+  if (for_sensitivities) make_array();
   form_before_ = form_;
-  form_ = form == SystemForm::extension ? Form::sparse : Form::local;
+  form_ = is_extension ? Form::sparse : for_sensitivities ? Form::array : Form::local;
   return true;
 }
 

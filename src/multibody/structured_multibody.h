@@ -40,7 +40,7 @@ class StructuredMultibody final : public Model {
   void analyze(const PointOfInterest& point, const ModelOptions& options,
                std::vector<RankDecision>& decisions) override;
   void demand_derivatives(const PointOfInterest& point, const ModelOptions& options) override;
-  bool expect(SystemForm form) override;
+  bool expect(SystemForm form, bool for_sensitivities) override;
   void restore(const ModelOptions& options, Archive& archive) override;
   void undo_restore() override;
   void finish_restore() override;
@@ -89,6 +89,7 @@ class StructuredMultibody final : public Model {
   bool make_sparse();
   void analyze_sparse(const PointOfInterest& point, const ModelOptions& options,
                       std::vector<RankDecision>& decisions);
+  void make_array();
   void analyze_array(const PointOfInterest& point, const ModelOptions& options, std::vector<RankDecision>& decisions);
   MultibodyModel& local();
   // The given x with consistent positions and velocities.

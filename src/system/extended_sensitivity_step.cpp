@@ -29,13 +29,42 @@ bool ExtendedSensitivityStep::prepare(const AnalyzedEquations& equations, const 
                          equations.settings().rank_tol, certificate) ||
       !certificate.is_given())
     return false;
-  time_scale_ = equations.analysis().time_scale;
-  find_terms();
-  sizes_.assign(index(jet.n), 0.0);
-  states_.clear();
-  move_of_choice_ = 0.0;
+  prepare_equations(equations);
   is_possible_ = linearize(jet) && choose_states();
   return is_possible_;
+}
+
+void ExtendedSensitivityStep::prepare_equations(const AnalyzedEquations& equations) {
+  time_scale_ = equations.analysis().time_scale;
+  find_terms();
+  sizes_.assign(index(problem_.n()), 0.0);
+  states_.clear();
+  move_of_choice_ = 0.0;
+}
+
+void ExtendedSensitivityStep::archive(Archive& archive, const AnalyzedEquations& equations) {
+  bool has_pattern = has_pattern_, has_lu = has_lu_;
+  archive.small(is_possible_, has_pattern, has_lu);
+  if (!is_possible_) return;
+  if (archive.is_reading()) {
+    if (!fits(equations)) throw DamagedArchive();
+    prepare_equations(equations);
+    states_.resize(index(equations.analysis().values.d));
+  }
+  archive.real(move_of_choice_);
+  archive.reals(sizes_.data(), sizes_.size());
+  archive.small(states_.data(), states_.size());
+  for (int state : states_)
+    if (state < 0 || state >= problem_.n() || problem_.structure()->offsets.d[index(state)] == 0)
+      throw DamagedArchive();
+  if (!has_pattern) return;
+  if (archive.is_reading()) {
+    set_states(states_);
+    if (has_lu) lu_.analyze(pattern_);
+    has_lu_ = has_lu;
+  }
+  planned_.archive(archive);
+  if (has_lu_) pivots_.archive(archive, lu_, values_.size());
 }
 
 // The jets have the derivatives that the extension contains, and fulfil its equations.
@@ -173,9 +202,12 @@ void ExtendedSensitivityStep::set_values(double state, double slope) {
 // The first `count` right-hand sides. Where a list of operations is of no use, with sparse factors.
 bool ExtendedSensitivityStep::solve_system(int count) {
   if (planned_.is_suitable() && planned_.solve(values_.data(), right_.data(), count, solution_.data())) return true;
-  if (!has_lu_) lu_.analyze(pattern_);
+  if (!has_lu_) {
+    lu_.analyze(pattern_);
+    pivots_.forget();
+  }
   has_lu_ = true;
-  if (!lu_.factor(values_.data())) return false;
+  if (!pivots_.factor(lu_, values_)) return false;
   std::copy(right_.begin(), right_.end(), solution_.begin());
   lu_.solve(solution_.data(), count);
   return all_finite(solution_.data(), index(num_columns()) * index(count));

@@ -14,6 +14,8 @@
 
 #include <vector>
 
+#include "linalg/archive.h"
+#include "linalg/known_pivots.h"
 #include "linalg/planned_lu.h"
 #include "linalg/sparse_lu.h"
 #include "problem/parameter_series.h"
@@ -31,6 +33,8 @@ class ExtendedSensitivityStep {
   // At a jet that fulfils F_mu = 0: whether this is the way to solve steps.
   bool prepare(const AnalyzedEquations& equations, const Jet& jet);
   bool is_possible() const { return is_possible_; }
+  // Reading: prepared as it was, states and pivots included. Throws DamagedArchive.
+  void archive(Archive& archive, const AnalyzedEquations& equations);
 
   // rest, S: n x count, in the user's units. Not possible any more: no states determine the rest, S is as it was.
   PointStatus solve(const Jet& jet, double c, const double* rest, double* S);
@@ -50,6 +54,7 @@ class ExtendedSensitivityStep {
   };
 
   bool fits(const AnalyzedEquations& equations) const;
+  void prepare_equations(const AnalyzedEquations& equations);
   void find_terms();
   bool linearize(const Jet& jet);
   bool choose_states();
@@ -82,6 +87,7 @@ class ExtendedSensitivityStep {
   PlannedLu planned_;
   SparseLu<double> lu_;  // where that is of no use
   bool has_lu_ = false;
+  KnownPivots pivots_;  // of these
   CallbackError callback_error_;
 };
 

@@ -11,6 +11,11 @@
 
 namespace sfdae::core {
 
+void LinearizedPoint::take_kind(const AnalyzedEquations& equations) {
+  const CharacteristicValues& values = equations.analysis().values;
+  is_ordinary_ = values.mu == 0 && values.d == equations.n() && equations.m() == equations.n();
+}
+
 PointStatus LinearizedPoint::evaluate(AnalyzedEquations& equations, const Jet& jet) {
   const int mu = equations.mu();
   const IndexAnalysis& analysis = equations.analysis();
@@ -18,7 +23,7 @@ PointStatus LinearizedPoint::evaluate(AnalyzedEquations& equations, const Jet& j
   callback_error_ = equations.problem().linearize(jet.t, jet.x.data(), {mu, mu, mu}, scaling, data_);
   if (callback_error_.status != SFDAE_OK) return PointStatus::callback_error;
   has_tangents_ = false;
-  is_ordinary_ = mu == 0 && analysis.values.d == equations.n() && equations.m() == equations.n();
+  take_kind(equations);
   return PointStatus::ok;
 }
 

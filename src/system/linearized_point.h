@@ -29,6 +29,8 @@ class LinearizedPoint {
 
   // mu = 0 and no constraints: nothing is eliminated, T2 = Z1 = I and xp = 0, which are not formed.
   bool is_ordinary() const { return is_ordinary_; }
+  // Known before anything is linearized.
+  void take_kind(const AnalyzedEquations& equations);
   // Of scaled unknowns: S = xp + T2 z and Z1^T (tau E S' - A S - f) = 0.
   double time_scale() const { return data_.time_scale; }
   int d() const { return is_ordinary_ ? data_.n : has_tangents_ ? tangents_.cols() : form_.d; }

@@ -123,8 +123,8 @@ class Model {
   // The system as it was when it was archived; the one that it replaces is kept until one of the other two is called.
   // Throws DamagedArchive or Failure, and nothing has changed then.
   virtual void restore(const ModelOptions& options, Archive& archive) = 0;
-  // Of the system that is to be restored; false where there are none of that form.
-  virtual bool expect(SystemForm form) { return form == SystemForm::reduced; }
+  // Of the system that is to be restored, which may be one that sensitivities can be asked of; false where there are none of that form.
+  virtual bool expect(SystemForm form, bool /*for_sensitivities*/) { return form == SystemForm::reduced; }
   virtual void undo_restore() = 0;
   virtual void finish_restore() = 0;
   // Null before an analysis.

@@ -248,6 +248,38 @@ std::unique_ptr<AdjointSystem> NonlinearSensitivities::adjoint() {
   return std::make_unique<NonlinearAdjoint>(system_, problem_, numbers_);
 }
 
+// ---- Checkpoints -----------------------------------------------------------------------------------------------
+
+// Whatever is evaluated once for a step only comes again.
+void NonlinearSensitivities::archive(Archive& archive) {
+  AnalyzedEquations& equations = system_.analyzed_equations();
+  archive.counts(linearizations_, factorizations_);
+  sparse_step_.archive(archive, equations.analysis());
+  sparse_stages_.archive(archive, equations.analysis());
+  extended_step_.archive(archive, equations);
+  archive.small(has_factors_);
+  if (archive.is_reading()) point_.take_kind(equations);
+  if (has_factors_) archive_factors(archive);
+}
+
+// As they are: where they were made, the equations may have been on another side of a kink.
+void NonlinearSensitivities::archive_factors(Archive& archive) {
+  const int n = unknowns();
+  if (archive.is_reading()) {
+    if (!point_.is_ordinary() || archive.rest() < index(n) * index(n)) throw DamagedArchive();
+    step_matrix_ = Matrix(padded_rows(n), n);
+    pivots_.resize(index(n) + 1);
+  }
+  const View factors = step_matrix_.view().top(n);
+  for (int j = 0; j < n; ++j) {
+    archive.reals(factors.column(j), index(n));
+    if (factors(j, j) == 0.0) throw DamagedArchive();
+  }
+  archive.small(pivots_.data(), index(n));
+  for (int j = 0; j < n; ++j)
+    if (pivots_[index(j)] <= j || pivots_[index(j)] > n) throw DamagedArchive();
+}
+
 // ---- S' --------------------------------------------------------------------------------------------------------
 
 PointStatus NonlinearSensitivities::derivative(const double* S, double* Sdot) {

@@ -22,7 +22,7 @@ class NonlinearSensitivities final : public SensitivitySystem {
   NonlinearSensitivities(NonlinearSystem& system, RecordedProblem& problem, std::vector<int> parameters);
 
   int unknowns() const override { return system_.unknowns(); }
-  int count() const override { return parameters_.count(); }
+  const std::vector<int>& parameters() const override { return numbers_; }
   PointStatus solve_step(double c, const double* rest, const double* xdot, double* S) override;
   PointStatus keep_stage_of_step(const StageMethod& method, int i, const double* xdot) override;
   PointStatus keep_stage(const StageMethod& method, int i, const double* xdot) override {
@@ -37,6 +37,7 @@ class NonlinearSensitivities final : public SensitivitySystem {
   double inconsistency() const override { return point_.inconsistency(); }
   const CallbackError& callback_error() const override { return callback_error_; }
   SensitivityCounts counts() const override { return {linearizations_, factorizations_}; }
+  void archive(Archive& archive) override;
 
  private:
   PointStatus linearize(const Jet& jet, const double* xdot);
@@ -48,6 +49,7 @@ class NonlinearSensitivities final : public SensitivitySystem {
   bool derivative_of_ordinary(const double* S, double* Sdot);
   bool derivative_from_array(const double* S, double* Sdot);
   void correct_slopes(const double* S, double* Sdot);
+  void archive_factors(Archive& archive);
   // n x count, between the user's units and those of the equations.
   View scaled(const double* S);
   void to_user(ConstView S, double* to) const;

@@ -61,8 +61,9 @@ class NonlinearSystem final : public DaeSystem {
   }
 
   // That of level mu + 1 through the current jet, which lives until the system is asked for something else; null where
-  // there is none.
+  // there is none. It does not depend on whether somebody has asked for x' there, which no checkpoint knows.
   const Jet* next_level_jet() {
+    next_level_.forget_solution();
     if (!problem_.prescribed().empty() || !next_level_.solve(jet_, jet_.column(0))) return nullptr;
     return &next_level_.jet();
   }

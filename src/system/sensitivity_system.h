@@ -15,7 +15,9 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include "linalg/archive.h"
 #include "problem/problem.h"
 #include "system/adjoint_system.h"
 #include "system/consistent_values.h"
@@ -33,7 +35,9 @@ class SensitivitySystem {
   virtual ~SensitivitySystem() = default;
 
   virtual int unknowns() const = 0;
-  virtual int count() const = 0;
+  // Their numbers, as of ParameterSeries.
+  virtual const std::vector<int>& parameters() const = 0;
+  int count() const { return static_cast<int>(parameters().size()); }
   std::size_t size() const { return index(unknowns()) * index(count()); }
 
   // All of what follows is about the current point of the system of x, which has converged there.
@@ -62,6 +66,9 @@ class SensitivitySystem {
   virtual double inconsistency() const = 0;
   virtual const CallbackError& callback_error() const = 0;
   virtual SensitivityCounts counts() const = 0;
+
+  // What later steps depend on beside the system of x and S. Reading: in place of start(). Throws DamagedArchive.
+  virtual void archive(Archive& archive) = 0;
 };
 
 }  // namespace sfdae::core

@@ -31,6 +31,17 @@ void SparseSensitivityStages::prepare(const IndexAnalysis& analysis) {
   jet_.assign(2 * index(n), 0.0);
 }
 
+void SparseSensitivityStages::archive(Archive& archive, const IndexAnalysis& analysis) {
+  int s = s_;
+  archive.small(s);
+  if (archive.is_reading()) {
+    prepare(analysis);
+    if (s < 0 || s > max_stages || (s > 0 && !fits_)) throw DamagedArchive();
+    resize(s);
+  }
+  if (s_ > 0) planned_.archive(archive);
+}
+
 bool SparseSensitivityStages::is_possible(const StageMethod& method) const {
   if (!fits_) return false;
   if (method.s == s_) return planned_.is_suitable();

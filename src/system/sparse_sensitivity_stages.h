@@ -10,6 +10,7 @@
 
 #include <vector>
 
+#include "linalg/archive.h"
 #include "linalg/matrix.h"
 #include "linalg/planned_lu.h"
 #include "linalg/sparse_lu.h"
@@ -27,6 +28,8 @@ class SparseSensitivityStages {
       : problem_(problem), parameters_(parameters) {}
 
   void prepare(const IndexAnalysis& analysis);
+  // Reading: prepared for the values of the analysis as it was, pivots included. Throws DamagedArchive.
+  void archive(Archive& archive, const IndexAnalysis& analysis);
   // Whether this is the way to solve the stages of the method: matrices are sparse, and pivots do not have to be chosen often.
   bool is_possible(const StageMethod& method) const;
   // x' = xdot, in the user's units.

@@ -30,6 +30,7 @@ bool SparseSensitivityStep::prepare(const IndexAnalysis& analysis) {
   values_.assign(pattern.row.size(), 0.0);
   right_.assign(index(n) * index(parameters_.count()), 0.0);
   lu_.analyze(pattern);
+  pivots_.forget();
   planned_.analyze(pattern);
   is_possible_ = lu_.method() != SparseMethod::dense;
   return is_possible_;
@@ -44,6 +45,19 @@ bool SparseSensitivityStep::prepare(const IndexAnalysis& analysis, const Jet& je
   set_values(c);
   is_possible_ = planned_.plan(values_.data());
   return is_possible_;
+}
+
+void SparseSensitivityStep::archive(Archive& archive, const IndexAnalysis& analysis) {
+  bool is_possible = is_possible_;
+  archive.small(is_possible);
+  if (archive.is_reading()) {
+    prepare(analysis);
+    if (is_possible && values_.empty()) throw DamagedArchive();
+    is_possible_ = is_possible;
+  }
+  if (!is_possible_) return;
+  planned_.archive(archive);
+  pivots_.archive(archive, lu_, values_.size());
 }
 
 SparsePattern SparseSensitivityStep::find_pattern() {
@@ -85,7 +99,7 @@ void SparseSensitivityStep::set_values(double c) {
 PointStatus SparseSensitivityStep::factor_and_solve(double* S) {
   if (planned_.is_suitable() && planned_.solve(values_.data(), right_.data(), parameters_.count(), S))
     return PointStatus::ok;
-  if (!lu_.factor(values_.data())) return PointStatus::singular;
+  if (!pivots_.factor(lu_, values_)) return PointStatus::singular;
   std::copy(right_.begin(), right_.end(), S);
   lu_.solve(S, parameters_.count());
   return PointStatus::ok;
@@ -113,7 +127,7 @@ PointStatus SparseSensitivityStep::solve_back(const Step& step, View weights, Vi
   PointStatus status = evaluate(step);
   if (status != PointStatus::ok) return status;
   set_values(step.c);
-  if (!lu_.factor(values_.data())) return PointStatus::singular;
+  if (!pivots_.factor(lu_, values_)) return PointStatus::singular;
   nu_.resize(index(weights.rows) * index(weights.cols));
   const View nu{nu_.data(), weights.rows, weights.cols, weights.rows};
   copy(weights, nu);

@@ -11,6 +11,8 @@
 
 #include <vector>
 
+#include "linalg/archive.h"
+#include "linalg/known_pivots.h"
 #include "linalg/matrix.h"
 #include "linalg/planned_lu.h"
 #include "linalg/sparse_lu.h"
@@ -41,6 +43,8 @@ class SparseSensitivityStep {
   // The same, with the jet at which steps start: also small matrices that are not full.
   bool prepare(const IndexAnalysis& analysis, const Jet& jet);
   bool is_possible() const { return is_possible_; }
+  // Reading: prepared for the values of the analysis as it was, pivots included. Throws DamagedArchive.
+  void archive(Archive& archive, const IndexAnalysis& analysis);
 
   // x' = xdot, rest: n x count; all in the user's units.
   struct Step {
@@ -68,6 +72,7 @@ class SparseSensitivityStep {
   std::vector<int> limits_;
   std::vector<double> jet_, derivatives_, values_, right_, nu_;
   SparseLu<double> lu_;
+  KnownPivots pivots_;
   PlannedLu planned_;
   CallbackError callback_error_;
 };

@@ -4,6 +4,7 @@
  */
 #include <math.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <sfdae/sfdae.h>
@@ -124,6 +125,38 @@ static void values_are_those_of_the_formulas(int method) {
   CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
 }
 
+/* Saved at 0.7 and restored by another solver, which has to ask for the same. */
+static void checkpoints_go_on(int method) {
+  const sfdae_options options = options_with(1e-7, method);
+  sfdae_solver *solver = solver_of(oscillator, N, N, &options), *other = solver_of(oscillator, N, N, &options);
+  const char* const swapped[COUNT] = {names[1], names[0]};
+  double x[N] = {1, 0, 0}, y[N], S[N * COUNT], S_other[N * COUNT], t, *checkpoint;
+  size_t length;
+  int i;
+  CHECK_STATUS(sfdae_set_sensitivities(solver, COUNT, names, directions, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_start(solver, 0, 3, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance(solver, 0.7, &t, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_checkpoint_length(solver, &length), SFDAE_OK);
+  checkpoint = malloc(length * sizeof *checkpoint);
+  CHECK_STATUS(sfdae_save_checkpoint(solver, checkpoint, length), SFDAE_OK);
+  CHECK_STATUS(sfdae_restore_checkpoint(other, checkpoint, length), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK(strstr(sfdae_message(other), "sfdae_set_sensitivities") != NULL);
+  CHECK_STATUS(sfdae_set_sensitivities(other, COUNT, swapped, NULL, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_restore_checkpoint(other, checkpoint, length), SFDAE_ILLEGAL_ARGUMENT);
+  CHECK_STATUS(sfdae_set_sensitivities(other, COUNT, names, NULL, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_restore_checkpoint(other, checkpoint, length), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance(solver, 3, &t, x, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_advance(other, 3, &t, y, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_sensitivities(solver, 3, S, NULL), SFDAE_OK);
+  CHECK_STATUS(sfdae_get_sensitivities(other, 3, S_other, NULL), SFDAE_OK);
+  for (i = 0; i < N; i++) CHECK(x[i] == y[i]);
+  for (i = 0; i < N * COUNT; i++) CHECK(S[i] == S_other[i]);
+  report_says(other, "2 sensitivities: ");
+  free(checkpoint);
+  CHECK_STATUS(sfdae_destroy(&solver), SFDAE_OK);
+  CHECK_STATUS(sfdae_destroy(&other), SFDAE_OK);
+}
+
 static void large_problems_use_the_whole_array(void) {
   const sfdae_options options = options_with(1e-8, SFDAE_METHOD_BDF);
   sfdae_solver* solver = solver_of(chain, 200, 200, &options);
@@ -189,7 +222,8 @@ static void mistakes_are_named(void) {
   REFUSED(sfdae_get_event_sensitivities(solver, 0, NAN, g_x, NULL, dt));
   CHECK_STATUS(sfdae_get_event_sensitivities(solver, 0, 0, nothing, nothing, dt), SFDAE_SINGULAR);
   CHECK(S[0] == unset && dt[0] == unset);
-  REFUSED(sfdae_get_checkpoint_length(solver, &length));
+  CHECK_STATUS(sfdae_get_checkpoint_length(solver, &length), SFDAE_OK);
+  CHECK(length > N * COUNT);
   REFUSED(sfdae_save_checkpoint(solver, checkpoint, 1));
   REFUSED(sfdae_restore_checkpoint(solver, checkpoint, 1));
   CHECK_STATUS(sfdae_advance(solver, 1, &t, x, NULL), SFDAE_OK);
@@ -369,6 +403,9 @@ static void mistakes_of_gradients_are_named(void) {
   weights[0] = 1e308;
   CHECK_STATUS(sfdae_get_sensitivities(solver, 1, S, NULL), SFDAE_NOT_STARTED);
   REFUSED(sfdae_save_checkpoint(solver, checkpoint, 1));
+  CHECK(strstr(sfdae_message(solver), "adjoint") != NULL);
+  REFUSED(sfdae_restore_checkpoint(solver, checkpoint, 1));
+  CHECK(strstr(sfdae_message(solver), "adjoint") != NULL);
   CHECK(gradient[0] == unset && S[0] == unset);
   CHECK_STATUS(sfdae_get_gradient(NULL, 1, times, 1, nothing, gradient), SFDAE_ILLEGAL_ARGUMENT);
   CHECK_STATUS(sfdae_get_gradient(solver, 1, times, 1, nothing, gradient), SFDAE_OK);
@@ -385,6 +422,8 @@ int main(void) {
   values_are_those_of_the_formulas(SFDAE_METHOD_BDF);
   values_are_those_of_the_formulas(SFDAE_METHOD_RADAU);
   values_are_those_of_the_formulas(SFDAE_METHOD_AUTOMATIC);
+  checkpoints_go_on(SFDAE_METHOD_BDF);
+  checkpoints_go_on(SFDAE_METHOD_RADAU);
   large_problems_use_the_whole_array();
   mistakes_are_named();
   mechanical_systems_have_them();

@@ -60,12 +60,13 @@ program sensitivities_test
   real(dp), parameter :: p = 1.5_dp, c = 2.0_dp
   type(oscillator), target :: problem
   type(first_component), target :: events
-  type(dae_solver) :: solver
+  type(dae_solver) :: solver, other
   type(dae_options) :: options
   type(dae_sensitivities) :: wanted
   type(sfdae_sensitivity_statistics) :: statistics
   real(dp) :: x(3), s(3, 3), sdot(3, 3), wrong(3, 2), dt(3), t, slope
-  real(dp) :: gradient(3, 2)
+  real(dp) :: gradient(3, 2), s_other(3, 3)
+  real(dp), allocatable :: checkpoint(:)
   integer(c_int) :: status
 
   problem%num_equations = 3
@@ -100,6 +101,20 @@ program sensitivities_test
   call solver%get_sensitivity_statistics(statistics, status)
   call check(status == sfdae_ok .and. statistics%count == 3 .and. statistics%linearizations > 0, &
     "statistics")
+
+  ! Another solver goes on from a checkpoint, if it is asked for the same.
+  call solver%save_checkpoint(checkpoint, status)
+  call check(status == sfdae_ok, "save_checkpoint")
+  call other%create(problem, status, options)
+  call other%restore_checkpoint(checkpoint, status)
+  call check(status == sfdae_illegal_argument, "not asked for")
+  call other%set_sensitivities(wanted, status)
+  call other%restore_checkpoint(checkpoint, status)
+  call check(status == sfdae_ok, "restore_checkpoint")
+  call other%get_sensitivities(t, s_other, status)
+  call check(status == sfdae_ok .and. all(abs(s_other - s) <= 0), &
+    "S from a checkpoint")
+  call other%destroy()
 
   ! cos(p t) = 0 at t = pi / (2 p).
   events%num_events = 1

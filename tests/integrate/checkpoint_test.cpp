@@ -65,7 +65,7 @@ struct Trip {
     save_checkpoint(*system, *integration, saved.data());
     integration.reset();
     model = std::make_unique<LinearModel>(functions_of(analyzed.callbacks.problem));
-    integration = restore_checkpoint(*model, model_options(), options, saved.data(), saved.size());
+    integration = restore_checkpoint(*model, model_options(), options, {saved.data(), saved.size()});
     system = model->system();
   }
 
@@ -119,7 +119,7 @@ TEST(Checkpoint, RefusesWhatIsDamagedOrForeign) {
   save_checkpoint(*run.system, *run.integration, saved.data());
   const auto status_of = [&](const Vector& values, std::size_t length, LinearModel& model) {
     try {
-      restore_checkpoint(model, run.model_options(), run.options, values.data(), length);
+      restore_checkpoint(model, run.model_options(), run.options, {values.data(), length});
     } catch (const Failure& failure) {
       return failure.status();
     }

@@ -1,0 +1,40 @@
+// Sparse factors with the matrix that their pivots were chosen for, so that these can be archived.
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "linalg/archive.h"
+#include "linalg/sparse_lu.h"
+
+namespace sfdae::core {
+
+class KnownPivots {
+ public:
+  // After analyze() of the factors: none are known.
+  void forget() { values_.clear(); }
+  // As SparseLu::factor. After a failure the factors have no pivots.
+  bool factor(SparseLu<double>& lu, const std::vector<double>& values) {
+    if (!lu.factor(values.data())) {
+      lu.forget_pivots();
+      forget();
+      return false;
+    }
+    if (lu.method() == SparseMethod::klu && lu.has_new_pivots()) values_ = values;
+    return true;
+  }
+  // Of matrices with so many entries. Reading: the factors have these pivots again. Throws DamagedArchive.
+  void archive(Archive& archive, SparseLu<double>& lu, std::size_t entries) {
+    bool are_known = !values_.empty();
+    archive.small(are_known);
+    if (!are_known) return;
+    archive.reals(values_, entries);
+    if (!archive.is_reading()) return;
+    if (lu.method() != SparseMethod::klu || !lu.factor(values_.data())) throw DamagedArchive();
+  }
+
+ private:
+  std::vector<double> values_;
+};
+
+}  // namespace sfdae::core
